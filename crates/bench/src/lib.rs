@@ -1,0 +1,1 @@
+//! Experiments that reproduce the paper: configuration, runner, metrics, tables and figures.

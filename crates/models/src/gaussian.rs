@@ -1,0 +1,204 @@
+//! A Gaussian with a dense covariance, factored once.
+
+use faer::{Mat, MatRef, Side};
+use rand::RngExt;
+use rand_distr::StandardNormal;
+
+use crate::{CovarianceFault, ModelError, Stream};
+
+/// `ln 2π`.
+pub(crate) const LN_2PI: f64 = 1.837_877_066_409_345_3;
+
+/// `N(μ, Σ)` on ℝᴺ with `Σ = L Lᵀ`.
+///
+/// Evaluating and drawing allocate nothing: the density is taken through `L⁻¹`, formed once.
+#[derive(Debug, Clone)]
+pub struct Gaussian {
+    mean: Vec<f64>,
+    covariance: Mat<f64>,
+    lower: Mat<f64>,
+    inverse_lower: Mat<f64>,
+    log_normalizer: f64,
+}
+
+impl Gaussian {
+    /// Takes a mean (`N`) and a symmetric positive-definite covariance (`N×N`); `name` is what errors call it.
+    ///
+    /// # Errors
+    /// [`ModelError::Covariance`] if the covariance is of another shape, not finite, not symmetric (beyond
+    /// 1e-12 of its largest entry) or not positive definite. It is never changed to make it fit.
+    pub fn new(name: &'static str, mean: Vec<f64>, covariance: Mat<f64>) -> Result<Self, ModelError> {
+        let lower = factor(name, covariance.as_ref(), mean.len())?;
+        let width = mean.len();
+        let mut inverse_lower = Mat::<f64>::identity(width, width);
+        lower.as_ref().solve_lower_triangular_in_place(inverse_lower.as_mut());
+        let half_log_determinant: f64 = (0..width).map(|i| lower[(i, i)].ln()).sum();
+        let log_normalizer = -half_log_determinant - 0.5 * width as f64 * LN_2PI;
+        Ok(Gaussian { mean, covariance, lower, inverse_lower, log_normalizer })
+    }
+
+    /// `μ`.
+    pub fn mean(&self) -> &[f64] {
+        &self.mean
+    }
+
+    /// `Σ`.
+    pub fn covariance(&self) -> MatRef<'_, f64> {
+        self.covariance.as_ref()
+    }
+
+    /// `L`, lower triangular with `L Lᵀ = Σ`.
+    pub fn lower(&self) -> MatRef<'_, f64> {
+        self.lower.as_ref()
+    }
+
+    /// `log N(x; μ, Σ) = −½‖L⁻¹(x − μ)‖² − Σᵢ log Lᵢᵢ − (N/2) log 2π`.
+    pub fn log_density(&self, x: &[f64]) -> f64 {
+        self.log_density_of(|j| x[j] - self.mean[j])
+    }
+
+    /// The same density with the deviation `x − μ` given by coordinate, for a mean that moves.
+    pub fn log_density_of(&self, deviation: impl Fn(usize) -> f64) -> f64 {
+        self.log_normalizer - 0.5 * self.squared_distance(deviation)
+    }
+
+    /// `‖L⁻¹ d‖²`, the squared Mahalanobis distance of a deviation `d`.
+    fn squared_distance(&self, deviation: impl Fn(usize) -> f64) -> f64 {
+        let width = self.mean.len();
+        let mut whitened = [0.0; 64];
+        if width <= whitened.len() {
+            // Column by column, so that each deviation is asked for once.
+            for j in 0..width {
+                let d = deviation(j);
+                let column = &self.inverse_lower.col_as_slice(j)[j..width];
+                for (sum, entry) in whitened[j..width].iter_mut().zip(column) {
+                    *sum += entry * d;
+                }
+            }
+            whitened[..width].iter().map(|value| value * value).sum()
+        } else {
+            (0..width)
+                .map(|i| (0..=i).map(|j| self.inverse_lower[(i, j)] * deviation(j)).sum::<f64>().powi(2))
+                .sum()
+        }
+    }
+
+    /// `∂ log N / ∂x = −Σ⁻¹ d` for the deviation `d = x − μ`, into `gradient` (`N`).
+    pub fn gradient(&self, deviation: impl Fn(usize) -> f64, gradient: &mut [f64]) {
+        let width = self.mean.len();
+        gradient.fill(0.0);
+        for i in 0..width {
+            let whitened: f64 = (0..=i).map(|j| self.inverse_lower[(i, j)] * deviation(j)).sum();
+            for (j, out) in gradient[..=i].iter_mut().enumerate() {
+                *out -= self.inverse_lower[(i, j)] * whitened;
+            }
+        }
+    }
+
+    /// Draws `x = μ + L ε` with `ε ~ N(0, I)` into `x` (`N`).
+    pub fn sample(&self, stream: &mut Stream, x: &mut [f64]) {
+        self.sample_deviation(stream, x);
+        for (x, mean) in x.iter_mut().zip(&self.mean) {
+            *x += mean;
+        }
+    }
+
+    /// Draws `L ε` into `x` (`N`), for a mean that moves.
+    pub fn sample_deviation(&self, stream: &mut Stream, x: &mut [f64]) {
+        for value in x.iter_mut() {
+            *value = stream.sample(StandardNormal);
+        }
+        // From the last row up, each row reads only the ε that no later row needs any more.
+        for i in (0..x.len()).rev() {
+            x[i] = (0..=i).map(|j| self.lower[(i, j)] * x[j]).sum();
+        }
+    }
+}
+
+/// The lower Cholesky factor of a covariance of size `expected`, after checking that it is one.
+pub(crate) fn factor(
+    name: &'static str,
+    covariance: MatRef<'_, f64>,
+    expected: usize,
+) -> Result<Mat<f64>, ModelError> {
+    let fail = |fault| Err(ModelError::Covariance { name, fault });
+    let (rows, columns) = covariance.shape();
+    if rows != expected || columns != expected {
+        return fail(CovarianceFault::Shape { rows, columns, expected });
+    }
+    let mut largest: f64 = 0.0;
+    for row in 0..rows {
+        for column in 0..columns {
+            let value = covariance[(row, column)];
+            if !value.is_finite() {
+                return fail(CovarianceFault::NotFinite { row, column, value });
+            }
+            largest = largest.max(value.abs());
+        }
+    }
+    for row in 0..rows {
+        for column in 0..row {
+            let difference = (covariance[(row, column)] - covariance[(column, row)]).abs();
+            if difference > 1e-12 * largest {
+                return fail(CovarianceFault::NotSymmetric { row, column, difference });
+            }
+        }
+    }
+    match covariance.llt(Side::Lower) {
+        Ok(factored) => Ok(factored.L().to_owned()),
+        Err(_) => {
+            let smallest_eigenvalue = covariance
+                .self_adjoint_eigenvalues(Side::Lower)
+                .ok()
+                .and_then(|eigenvalues| eigenvalues.first().copied())
+                .unwrap_or(f64::NAN);
+            fail(CovarianceFault::NotPositiveDefinite { smallest_eigenvalue })
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use faer::mat;
+
+    fn example() -> Gaussian {
+        Gaussian::new("Σ", vec![1.0, -2.0], mat![[2.0, 0.6], [0.6, 1.0]]).unwrap()
+    }
+
+    #[test]
+    fn density_is_that_of_the_formula() {
+        let determinant: f64 = 2.0 - 0.36;
+        // (0.5, 1.5) Σ⁻¹ (0.5, 1.5)ᵀ with Σ⁻¹ = [[1, −0.6], [−0.6, 2]] / 1.64
+        let quadratic = (0.25 - 2.0 * 0.6 * 0.75 + 2.0 * 2.25) / determinant;
+        let expected = -0.5 * quadratic - 0.5 * determinant.ln() - LN_2PI;
+        assert!((example().log_density(&[1.5, -0.5]) - expected).abs() < 1e-14);
+    }
+
+    #[test]
+    fn gradient_is_the_slope_of_the_density() {
+        let gaussian = example();
+        let (x, h) = ([0.3, 0.7], 1e-6);
+        let mut gradient = [0.0; 2];
+        gaussian.gradient(|j| x[j] - gaussian.mean()[j], &mut gradient);
+        for i in 0..2 {
+            let (mut up, mut down) = (x, x);
+            up[i] += h;
+            down[i] -= h;
+            let slope = (gaussian.log_density(&up) - gaussian.log_density(&down)) / (2.0 * h);
+            assert!((slope - gradient[i]).abs() < 1e-8);
+        }
+    }
+
+    #[test]
+    fn a_matrix_that_is_no_covariance_is_refused_with_the_reason() {
+        let error = |matrix| Gaussian::new("Σ", vec![0.0; 2], matrix).unwrap_err().to_string();
+        assert_eq!(error(Mat::zeros(2, 3)), "Σ is 2×3; it must be 2×2");
+        assert_eq!(
+            error(mat![[1.0, 0.5], [0.4, 1.0]]),
+            "Σ differs from its transpose by 9.999999999999998e-2 at row 1, column 0; it must be symmetric"
+        );
+        assert!(error(mat![[1.0, 2.0], [2.0, 1.0]]).contains("smallest eigenvalue -1e0"));
+        assert!(error(mat![[f64::NAN, 0.0], [0.0, 1.0]]).contains("NaN at row 0, column 0"));
+    }
+}

@@ -1,0 +1,111 @@
+//! The Kalman filter: exact means, covariances and log-evidence of a linear Gaussian model.
+
+use faer::prelude::Solve;
+use faer::{Col, ColRef, Mat, MatRef, Side};
+
+use crate::gaussian::LN_2PI;
+use crate::{AdditiveGaussian, LinearGaussian, Measurements, ModelError, StateSpaceModel};
+
+/// A Gaussian belief about a state.
+#[derive(Debug, Clone)]
+pub struct Belief {
+    /// The mean, `N`.
+    pub mean: Col<f64>,
+    /// The covariance, `N×N`.
+    pub covariance: Mat<f64>,
+}
+
+/// What the filter knows at one time.
+#[derive(Debug, Clone)]
+pub struct Step {
+    /// `p(x_t | y_{0:t−1})`; at `t = 0` the prior.
+    pub predicted: Belief,
+    /// `p(x_t | y_{0:t})`.
+    pub filtered: Belief,
+    /// `log p(y_t | y_{0:t−1})`.
+    pub log_evidence_increment: f64,
+}
+
+/// The filter's beliefs at every time.
+#[derive(Debug, Clone)]
+pub struct Filtered {
+    /// One entry for each measurement.
+    pub steps: Vec<Step>,
+}
+
+impl Filtered {
+    /// `log p(y_{0:T−1}) = Σ_t log p(y_t | y_{0:t−1})`.
+    pub fn log_evidence(&self) -> f64 {
+        self.steps.iter().map(|step| step.log_evidence_increment).sum()
+    }
+}
+
+/// Runs the Kalman filter over all measurements.
+///
+/// With `m⁻, P⁻` the prediction: `S = C P⁻ Cᵀ + R`, `G = P⁻ Cᵀ S⁻¹`, `m = m⁻ + G (y − C m⁻)`, and the
+/// covariance in Joseph's form, `P = (I − G C) P⁻ (I − G C)ᵀ + G R Gᵀ`, which stays symmetric and positive.
+///
+/// # Errors
+/// [`ModelError::MeasurementWidth`] if the measurements do not fit the model; [`ModelError::Numerical`] if
+/// an innovation covariance cannot be factored.
+pub fn filter(model: &LinearGaussian, measurements: &Measurements) -> Result<Filtered, ModelError> {
+    measurements.check_width(model.measurement_dim())?;
+    let mut steps: Vec<Step> = Vec::with_capacity(measurements.len());
+    for (time, measurement) in measurements.rows().enumerate() {
+        let predicted = match steps.last() {
+            None => Belief {
+                mean: Col::from_fn(model.state_dim(), |i| model.initial().mean()[i]),
+                covariance: model.initial().covariance().to_owned(),
+            },
+            Some(step) => predict(model, &step.filtered),
+        };
+        let measurement = ColRef::from_slice(measurement);
+        let (filtered, log_evidence_increment) = update(model, &predicted, measurement, time)?;
+        steps.push(Step { predicted, filtered, log_evidence_increment });
+    }
+    Ok(Filtered { steps })
+}
+
+/// `A m`, `A P Aᵀ + Q`.
+fn predict(model: &LinearGaussian, belief: &Belief) -> Belief {
+    let a = model.transition_matrix();
+    Belief {
+        mean: a * &belief.mean,
+        covariance: symmetric(a * &belief.covariance * a.transpose() + model.transition_covariance()),
+    }
+}
+
+fn update(
+    model: &LinearGaussian,
+    predicted: &Belief,
+    measurement: ColRef<'_, f64>,
+    time: usize,
+) -> Result<(Belief, f64), ModelError> {
+    let (c, r) = (model.measurement_matrix(), model.measurement_covariance());
+    let innovation = measurement - c * &predicted.mean;
+    let cross = c * &predicted.covariance;
+    let innovation_covariance = symmetric(&cross * c.transpose() + r);
+    let factored = innovation_covariance.llt(Side::Lower).map_err(|error| ModelError::Numerical {
+        computation: "factoring the innovation covariance",
+        time,
+        reason: format!("{error:?}"),
+    })?;
+    let gain = factored.solve(&cross).transpose().to_owned();
+    let mut kept = Mat::<f64>::identity(model.state_dim(), model.state_dim());
+    kept -= &gain * c;
+    let covariance =
+        symmetric(&kept * &predicted.covariance * kept.transpose() + &gain * r * gain.transpose());
+    let whitened = factored.solve(&innovation);
+    let lower = factored.L();
+    let half_log_determinant: f64 = (0..lower.nrows()).map(|i| lower[(i, i)].ln()).sum();
+    let log_evidence_increment = -0.5 * (innovation.transpose() * &whitened)
+        - half_log_determinant
+        - 0.5 * measurement.nrows() as f64 * LN_2PI;
+    Ok((Belief { mean: &predicted.mean + &gain * &innovation, covariance }, log_evidence_increment))
+}
+
+/// The symmetric part, which removes what rounding made of a symmetric product.
+pub(crate) fn symmetric(matrix: Mat<f64>) -> Mat<f64> {
+    let matrix: MatRef<'_, f64> = matrix.as_ref();
+    Mat::from_fn(matrix.nrows(), matrix.ncols(), |i, j| 0.5 * (matrix[(i, j)] + matrix[(j, i)]))
+}

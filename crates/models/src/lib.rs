@@ -1,0 +1,47 @@
+//! State-space models for particle filters: what is known about a system before any filter runs.
+//!
+//! A model is the triple `p(x_0)`, `p(x_t | x_{t-1})`, `p(y_t | x_t)` of a hidden state `x_t ∈ ℝᴺ` and a
+//! measurement `y_t ∈ ℝᴹ`. This crate holds the traits that a filter asks for ([`StateSpaceModel`]), what
+//! training and designed proposals ask for on top ([`StateGradients`], [`AdditiveGaussian`]), concrete models
+//! with exact answers ([`LinearGaussian`] with [`kalman`]), the graph-diffusion systems of the paper
+//! ([`GraphDiffusion`]) and the explicit random streams from which everything is drawn ([`Seed`]).
+//!
+//! A batch of `K` states is one row-major slice of `K·N` numbers, particle after particle.
+//!
+//! ```
+//! use motes_models::{GraphDiffusion, GraphDiffusionConfig, Seed, kalman, simulate};
+//!
+//! let seed = Seed::from_u64(1);
+//! let config = GraphDiffusionConfig::new(10);
+//! let system = GraphDiffusion::random(&config, &mut seed.child("graph").stream())?;
+//! let trajectory = simulate(&system, 12, &mut seed.child("trajectory").stream())?;
+//! let exact = kalman::filter(&system.moment_matched()?, &trajectory.measurements)?;
+//! assert!(exact.log_evidence().is_finite());
+//! # Ok::<(), motes_models::ModelError>(())
+//! ```
+
+mod error;
+mod gaussian;
+mod graph;
+mod graph_diffusion;
+pub mod kalman;
+mod linear_gaussian;
+mod noise;
+mod sequence;
+mod simulate;
+mod smoother;
+mod sparse;
+mod state_space;
+mod stream;
+
+pub use error::{CovarianceFault, ModelError};
+pub use gaussian::Gaussian;
+pub use graph::RandomGeometricGraph;
+pub use graph_diffusion::{Drift, GraphDiffusion, GraphDiffusionConfig};
+pub use linear_gaussian::LinearGaussian;
+pub use noise::Noise;
+pub use sequence::{Measurements, Sequence};
+pub use simulate::{Trajectory, simulate};
+pub use smoother::{Smoothed, smooth};
+pub use state_space::{AdditiveGaussian, Simulator, StateGradients, StateSpaceModel};
+pub use stream::{Seed, Stream};

@@ -1,0 +1,200 @@
+//! The linear Gaussian model with dense covariances: the one with exact answers.
+
+use faer::{Mat, MatRef};
+
+use crate::{AdditiveGaussian, Gaussian, ModelError, Simulator, StateGradients, StateSpaceModel, Stream};
+
+/// `x_0 ~ N(μ₀, P₀)`, `x_t = A x_{t−1} + v_t`, `v_t ~ N(0, Q)`, `y_t = C x_t + w_t`, `w_t ~ N(0, R)`.
+///
+/// ```
+/// use faer::mat;
+/// use motes_models::{Gaussian, LinearGaussian};
+///
+/// // A damped random walk, measured with unit noise.
+/// let initial = Gaussian::new("P_0", vec![0.0], mat![[1.0]])?;
+/// let model = LinearGaussian::new(initial, mat![[0.9]], mat![[1.0]], mat![[1.0]], mat![[1.0]])?;
+/// # Ok::<(), motes_models::ModelError>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct LinearGaussian {
+    initial: Gaussian,
+    transition_matrix: Mat<f64>,
+    state_noise: Gaussian,
+    measurement_matrix: Mat<f64>,
+    measurement_noise: Gaussian,
+}
+
+impl LinearGaussian {
+    /// Takes `p(x_0)`, `A` (`N×N`), `Q` (`N×N`), `C` (`M×N`) and `R` (`M×M`).
+    ///
+    /// # Errors
+    /// [`ModelError::Shape`] for `A` or `C`, [`ModelError::Covariance`] for `Q` or `R`.
+    pub fn new(
+        initial: Gaussian,
+        transition_matrix: Mat<f64>,
+        state_covariance: Mat<f64>,
+        measurement_matrix: Mat<f64>,
+        measurement_covariance: Mat<f64>,
+    ) -> Result<Self, ModelError> {
+        let n = initial.mean().len();
+        let m = measurement_covariance.nrows();
+        check_shape("the transition matrix A", transition_matrix.as_ref(), n, n)?;
+        check_shape("the measurement matrix C", measurement_matrix.as_ref(), m, n)?;
+        Ok(LinearGaussian {
+            initial,
+            transition_matrix,
+            state_noise: Gaussian::new("the state-noise covariance Q", vec![0.0; n], state_covariance)?,
+            measurement_matrix,
+            measurement_noise: Gaussian::new(
+                "the measurement-noise covariance R",
+                vec![0.0; m],
+                measurement_covariance,
+            )?,
+        })
+    }
+
+    /// `A`, `N×N`.
+    pub fn transition_matrix(&self) -> MatRef<'_, f64> {
+        self.transition_matrix.as_ref()
+    }
+}
+
+fn check_shape(
+    name: &'static str,
+    matrix: MatRef<'_, f64>,
+    rows: usize,
+    columns: usize,
+) -> Result<(), ModelError> {
+    if matrix.shape() == (rows, columns) {
+        return Ok(());
+    }
+    Err(ModelError::Shape {
+        name,
+        rows: matrix.nrows(),
+        columns: matrix.ncols(),
+        expected_rows: rows,
+        expected_columns: columns,
+    })
+}
+
+#[inline]
+fn row_times(matrix: &Mat<f64>, i: usize, x: &[f64]) -> f64 {
+    x.iter().enumerate().map(|(j, value)| matrix[(i, j)] * value).sum()
+}
+
+impl StateSpaceModel for LinearGaussian {
+    fn state_dim(&self) -> usize {
+        self.transition_matrix.nrows()
+    }
+
+    fn measurement_dim(&self) -> usize {
+        self.measurement_matrix.nrows()
+    }
+
+    fn sample_initial(&self, stream: &mut Stream, state: &mut [f64]) {
+        self.initial.sample(stream, state);
+    }
+
+    fn sample_transition(&self, _time: usize, previous: &[f64], stream: &mut Stream, state: &mut [f64]) {
+        self.state_noise.sample_deviation(stream, state);
+        for (i, value) in state.iter_mut().enumerate() {
+            *value += row_times(&self.transition_matrix, i, previous);
+        }
+    }
+
+    fn log_initial(&self, state: &[f64]) -> f64 {
+        self.initial.log_density(state)
+    }
+
+    fn log_transition(&self, _time: usize, previous: &[f64], state: &[f64]) -> f64 {
+        self.state_noise.log_density_of(|i| state[i] - row_times(&self.transition_matrix, i, previous))
+    }
+
+    fn log_likelihood(&self, _time: usize, state: &[f64], measurement: &[f64]) -> f64 {
+        self.measurement_noise
+            .log_density_of(|i| measurement[i] - row_times(&self.measurement_matrix, i, state))
+    }
+}
+
+impl Simulator for LinearGaussian {
+    fn sample_measurement(&self, _time: usize, state: &[f64], stream: &mut Stream, measurement: &mut [f64]) {
+        self.measurement_noise.sample_deviation(stream, measurement);
+        for (i, value) in measurement.iter_mut().enumerate() {
+            *value += row_times(&self.measurement_matrix, i, state);
+        }
+    }
+}
+
+impl StateGradients for LinearGaussian {
+    fn initial_gradients(&self, states: &[f64], d_states: &mut [f64]) {
+        let n = self.state_dim();
+        for (state, d_state) in states.chunks_exact(n).zip(d_states.chunks_exact_mut(n)) {
+            self.initial.gradient(|j| state[j] - self.initial.mean()[j], d_state);
+        }
+    }
+
+    fn transition_gradients(
+        &self,
+        _time: usize,
+        previous: &[f64],
+        states: &[f64],
+        d_previous: &mut [f64],
+        d_states: &mut [f64],
+    ) {
+        let n = self.state_dim();
+        for row in 0..states.len() / n {
+            let at = row * n..(row + 1) * n;
+            let (previous, state) = (&previous[at.clone()], &states[at.clone()]);
+            let d_state = &mut d_states[at.clone()];
+            self.state_noise
+                .gradient(|i| state[i] - row_times(&self.transition_matrix, i, previous), d_state);
+            pull_back(&self.transition_matrix, d_state, &mut d_previous[at]);
+        }
+    }
+
+    fn likelihood_gradients(&self, _time: usize, states: &[f64], measurement: &[f64], d_states: &mut [f64]) {
+        let n = self.state_dim();
+        let mut d_measurement = vec![0.0; self.measurement_dim()];
+        for (state, d_state) in states.chunks_exact(n).zip(d_states.chunks_exact_mut(n)) {
+            self.measurement_noise.gradient(
+                |i| measurement[i] - row_times(&self.measurement_matrix, i, state),
+                &mut d_measurement,
+            );
+            pull_back(&self.measurement_matrix, &d_measurement, d_state);
+        }
+    }
+}
+
+/// `−matrixᵀ · d`, the gradient of a density of `value − matrix · x` with respect to `x`.
+fn pull_back(matrix: &Mat<f64>, d: &[f64], out: &mut [f64]) {
+    for (j, out) in out.iter_mut().enumerate() {
+        *out = -d.iter().enumerate().map(|(i, d)| matrix[(i, j)] * d).sum::<f64>();
+    }
+}
+
+impl AdditiveGaussian for LinearGaussian {
+    fn initial(&self) -> &Gaussian {
+        &self.initial
+    }
+
+    fn transition_means(&self, _time: usize, previous: &[f64], means: &mut [f64]) {
+        let n = self.state_dim();
+        for (previous, means) in previous.chunks_exact(n).zip(means.chunks_exact_mut(n)) {
+            for (i, mean) in means.iter_mut().enumerate() {
+                *mean = row_times(&self.transition_matrix, i, previous);
+            }
+        }
+    }
+
+    fn transition_covariance(&self) -> MatRef<'_, f64> {
+        self.state_noise.covariance()
+    }
+
+    fn measurement_matrix(&self) -> MatRef<'_, f64> {
+        self.measurement_matrix.as_ref()
+    }
+
+    fn measurement_covariance(&self) -> MatRef<'_, f64> {
+        self.measurement_noise.covariance()
+    }
+}

@@ -1,0 +1,106 @@
+//! The traits of a state-space model: what a filter needs, and what training and designed proposals add.
+
+use faer::MatRef;
+
+use crate::{Gaussian, Stream};
+
+/// A hidden Markov model on ℝᴺ, measured in ℝᴹ: `p(x_0)`, `p(x_t | x_{t−1})`, `p(y_t | x_t)`.
+///
+/// Densities are logarithmic and normalised; −∞ says that a point lies outside the support. `time` is the
+/// `t` of the state being drawn or judged, so a transition is asked for with `time ≥ 1`.
+///
+/// The plural methods do the same for a batch of `K` particles, row-major `K×N`. Their default is a loop;
+/// a model overrides them where a batch is cheaper than its rows.
+pub trait StateSpaceModel: Sync {
+    /// `N`, the number of coordinates of a state.
+    fn state_dim(&self) -> usize;
+
+    /// `M`, the number of coordinates of a measurement.
+    fn measurement_dim(&self) -> usize;
+
+    /// Draws `x_0 ~ p(x_0)` into `state` (`N`).
+    fn sample_initial(&self, stream: &mut Stream, state: &mut [f64]);
+
+    /// Draws `x_t ~ p(x_t | x_{t−1})` into `state` (`N`), given `previous` (`N`).
+    fn sample_transition(&self, time: usize, previous: &[f64], stream: &mut Stream, state: &mut [f64]);
+
+    /// `log p(x_0)` at `state` (`N`).
+    fn log_initial(&self, state: &[f64]) -> f64;
+
+    /// `log p(x_t | x_{t−1})` at `state` (`N`), given `previous` (`N`).
+    fn log_transition(&self, time: usize, previous: &[f64], state: &[f64]) -> f64;
+
+    /// `log p(y_t | x_t)` of `measurement` (`M`) at `state` (`N`).
+    fn log_likelihood(&self, time: usize, state: &[f64], measurement: &[f64]) -> f64;
+
+    /// [`StateSpaceModel::log_initial`] of each of `K` rows, into `out` (`K`).
+    fn log_initials(&self, states: &[f64], out: &mut [f64]) {
+        for (state, out) in states.chunks_exact(self.state_dim()).zip(out) {
+            *out = self.log_initial(state);
+        }
+    }
+
+    /// [`StateSpaceModel::log_transition`] of each of `K` rows, into `out` (`K`).
+    fn log_transitions(&self, time: usize, previous: &[f64], states: &[f64], out: &mut [f64]) {
+        let width = self.state_dim();
+        let rows = previous.chunks_exact(width).zip(states.chunks_exact(width));
+        for ((previous, state), out) in rows.zip(out) {
+            *out = self.log_transition(time, previous, state);
+        }
+    }
+
+    /// [`StateSpaceModel::log_likelihood`] of one measurement at each of `K` rows, into `out` (`K`).
+    fn log_likelihoods(&self, time: usize, states: &[f64], measurement: &[f64], out: &mut [f64]) {
+        for (state, out) in states.chunks_exact(self.state_dim()).zip(out) {
+            *out = self.log_likelihood(time, state, measurement);
+        }
+    }
+}
+
+/// A model that can also draw measurements, and so simulate itself.
+pub trait Simulator: StateSpaceModel {
+    /// Draws `y_t ~ p(y_t | x_t)` into `measurement` (`M`), given `state` (`N`).
+    fn sample_measurement(&self, time: usize, state: &[f64], stream: &mut Stream, measurement: &mut [f64]);
+}
+
+/// The gradients of a model's log densities with respect to states, which is all that training asks of it.
+///
+/// All slices are batches of `K` rows; outputs are overwritten.
+pub trait StateGradients: StateSpaceModel {
+    /// `∂ log p(x_0) / ∂x_0` for each row of `states` (`K×N`).
+    fn initial_gradients(&self, states: &[f64], d_states: &mut [f64]);
+
+    /// `∂ log p(x_t | x_{t−1}) / ∂x_{t−1}` and `/ ∂x_t` for each row (`K×N` each).
+    fn transition_gradients(
+        &self,
+        time: usize,
+        previous: &[f64],
+        states: &[f64],
+        d_previous: &mut [f64],
+        d_states: &mut [f64],
+    );
+
+    /// `∂ log p(y_t | x_t) / ∂x_t` for each row (`K×N`).
+    fn likelihood_gradients(&self, time: usize, states: &[f64], measurement: &[f64], d_states: &mut [f64]);
+}
+
+/// Second-order knowledge of a system `x_t = f(x_{t−1}) + v_t`, `y_t = C x_t + w_t`: what the
+/// minimum-degeneracy proposal needs.
+///
+/// It is exact when `v_t` and `w_t` are Gaussian; otherwise it is the Gaussian with the same moments.
+pub trait AdditiveGaussian: StateSpaceModel {
+    /// The mean and covariance of `x_0`.
+    fn initial(&self) -> &Gaussian;
+
+    /// `f(x_{t−1})` for each row of `previous` (`K×N`), into `means` (`K×N`).
+    fn transition_means(&self, time: usize, previous: &[f64], means: &mut [f64]);
+
+    /// `Σ_v`, `N×N`.
+    fn transition_covariance(&self) -> MatRef<'_, f64>;
+
+    /// `C`, `M×N`.
+    fn measurement_matrix(&self) -> MatRef<'_, f64>;
+
+    /// `Σ_w`, `M×M`.
+    fn measurement_covariance(&self) -> MatRef<'_, f64>;
+}

@@ -1,0 +1,140 @@
+//! Kalman filter and smoother against the dense joint Gaussian of all states and measurements, and NEES.
+
+use faer::prelude::Solve;
+use faer::{Col, Mat, Side, mat};
+use motes_models::{Gaussian, LinearGaussian, Measurements, Seed, StateSpaceModel, kalman, simulate, smooth};
+
+fn model() -> LinearGaussian {
+    let initial =
+        Gaussian::new("P_0", vec![0.5, -1.0, 0.2], mat![[1.0, 0.3, 0.0], [0.3, 2.0, -0.2], [0.0, -0.2, 0.7]])
+            .unwrap();
+    LinearGaussian::new(
+        initial,
+        mat![[0.9, 0.2, 0.0], [-0.1, 0.8, 0.3], [0.0, 0.1, 0.95]],
+        mat![[0.5, 0.1, 0.0], [0.1, 0.4, 0.05], [0.0, 0.05, 0.3]],
+        mat![[1.0, 0.0, 0.5], [0.0, 1.0, -0.3]],
+        mat![[0.6, 0.1], [0.1, 0.9]],
+    )
+    .unwrap()
+}
+
+/// The joint mean and covariance of (x_0 … x_{T−1}, y_0 … y_{T−1}), written down without any recursion over beliefs.
+fn joint(model: &LinearGaussian, horizon: usize) -> (Col<f64>, Mat<f64>) {
+    use motes_models::AdditiveGaussian;
+    let (n, m) = (model.state_dim(), model.measurement_dim());
+    // z = F ξ + mean with ξ = (x_0 − μ₀, v_1, …, v_{T−1}, w_0, …, w_{T−1}) of block-diagonal covariance D.
+    let size = horizon * (n + m);
+    let mut f = Mat::<f64>::zeros(size, size);
+    let mut d = Mat::<f64>::zeros(size, size);
+    let mut mean = Col::<f64>::zeros(size);
+    let mut power = vec![Mat::<f64>::identity(n, n)];
+    for t in 1..horizon {
+        power.push(model.transition_matrix() * &power[t - 1]);
+    }
+    let c = model.measurement_matrix();
+    let initial_mean = Col::from_fn(n, |i| model.initial().mean()[i]);
+    for t in 0..horizon {
+        let (x, y) = (t * n, horizon * n + t * m);
+        for s in 0..=t {
+            let block = &power[t - s];
+            f.submatrix_mut(x, s * n, n, n).copy_from(block);
+            f.submatrix_mut(y, s * n, m, n).copy_from(c * block);
+        }
+        f.submatrix_mut(y, y, m, m).copy_from(Mat::<f64>::identity(m, m));
+        let noise = if t == 0 { model.initial().covariance() } else { model.transition_covariance() };
+        d.submatrix_mut(x, x, n, n).copy_from(noise);
+        d.submatrix_mut(y, y, m, m).copy_from(model.measurement_covariance());
+        let state_mean = &power[t] * &initial_mean;
+        mean.subrows_mut(x, n).copy_from(&state_mean);
+        mean.subrows_mut(y, m).copy_from(c * &state_mean);
+    }
+    (mean, &f * d * f.transpose())
+}
+
+/// Mean and covariance of the `n` coordinates from `at` on, given `values` of the first measurements.
+fn condition(
+    (mean, covariance): &(Col<f64>, Mat<f64>),
+    at: usize,
+    n: usize,
+    from: usize,
+    values: &[f64],
+) -> (Col<f64>, Mat<f64>) {
+    let m = values.len();
+    let s = covariance.submatrix(from, from, m, m).llt(Side::Lower).unwrap();
+    let cross = covariance.submatrix(at, from, n, m);
+    let deviation = Col::from_fn(m, |i| values[i] - mean[from + i]);
+    let kept = covariance.submatrix(at, at, n, n) - cross * s.solve(cross.transpose());
+    (mean.subrows(at, n) + cross * s.solve(&deviation), kept)
+}
+
+fn assert_close(found: impl Fn(usize, usize) -> f64, expected: &Mat<f64>) {
+    for j in 0..expected.ncols() {
+        for i in 0..expected.nrows() {
+            let difference = (found(i, j) - expected[(i, j)]).abs();
+            assert!(difference < 1e-10, "({i}, {j}) differs by {difference:e}");
+        }
+    }
+}
+
+#[test]
+fn filter_smoother_and_evidence_agree_with_the_dense_joint_gaussian() {
+    let (model, horizon) = (model(), 6);
+    let (n, m) = (model.state_dim(), model.measurement_dim());
+    let measurements = simulate(&model, horizon, &mut Seed::from_u64(4).stream()).unwrap().measurements;
+    let filtered = kalman::filter(&model, &measurements).unwrap();
+    let smoothed = smooth(&model, &filtered).unwrap();
+    let joint = joint(&model, horizon);
+    let from = horizon * n;
+    for t in 0..horizon {
+        for (seen, belief) in [(t + 1, &filtered.steps[t].filtered), (horizon, &smoothed.beliefs[t])] {
+            let (mean, covariance) = condition(&joint, t * n, n, from, &measurements.values()[..seen * m]);
+            assert_close(|i, _| belief.mean[i], &Mat::from_fn(n, 1, |i, _| mean[i]));
+            assert_close(|i, j| belief.covariance[(i, j)], &covariance);
+        }
+    }
+    let all = horizon * m;
+    let marginal = Gaussian::new(
+        "joint",
+        (0..all).map(|i| joint.0[from + i]).collect(),
+        motes_symmetric(joint.1.submatrix(from, from, all, all).to_owned()),
+    )
+    .unwrap();
+    let expected = marginal.log_density(measurements.values());
+    assert!((filtered.log_evidence() - expected).abs() < 1e-10);
+}
+
+fn motes_symmetric(matrix: Mat<f64>) -> Mat<f64> {
+    Mat::from_fn(matrix.nrows(), matrix.ncols(), |i, j| 0.5 * (matrix[(i, j)] + matrix[(j, i)]))
+}
+
+#[test]
+fn normalised_estimation_error_squared_is_chi_squared() {
+    let (model, horizon, runs) = (model(), 8, 2000);
+    let n = model.state_dim();
+    let seed = Seed::from_u64(6);
+    let (mut sums, mut smoothed_sums) = (vec![], vec![]);
+    for run in 0..runs {
+        let trajectory = simulate(&model, horizon, &mut seed.nth(run).stream()).unwrap();
+        let filtered = kalman::filter(&model, &trajectory.measurements).unwrap();
+        let smoothed = smooth(&model, &filtered).unwrap();
+        let nees = |belief: &kalman::Belief, t: usize| {
+            let truth = trajectory.states.row(t);
+            let error = Col::from_fn(n, |i| truth[i] - belief.mean[i]);
+            error.transpose() * belief.covariance.llt(Side::Lower).unwrap().solve(&error)
+        };
+        sums.push(nees(&filtered.steps[horizon - 1].filtered, horizon - 1));
+        smoothed_sums.push(nees(&smoothed.beliefs[horizon / 2], horizon / 2));
+    }
+    // χ²_N has mean N and variance 2N.
+    for sums in [sums, smoothed_sums] {
+        let mean = sums.iter().sum::<f64>() / runs as f64;
+        let z = (mean - n as f64) / (2.0 * n as f64 / runs as f64).sqrt();
+        assert!(z.abs() < 5.0, "NEES has mean {mean}, z = {z}");
+    }
+}
+
+#[test]
+fn measurements_of_the_wrong_width_are_refused() {
+    let error = kalman::filter(&model(), &Measurements::new(3, vec![0.0; 6]).unwrap()).unwrap_err();
+    assert_eq!(error.to_string(), "measurements have width 3; this model measures 2 numbers at each time");
+}

@@ -1,0 +1,1 @@
+//! Learned proposals for particle filters: networks that emit a sampling distribution.

@@ -1,0 +1,1 @@
+//! Particle filters: log-weights, resampling, log-evidence, and designed proposals.

@@ -1,0 +1,1 @@
+//! Unsupervised training of particle-filter proposals from measurements alone.
