@@ -1,10 +1,8 @@
 //! The Kalman filter: exact means, covariances and log-evidence of a linear Gaussian model.
 
-use faer::prelude::Solve;
-use faer::{Col, ColRef, Mat, MatRef, Side};
+use faer::{Col, ColRef, Mat, MatRef};
 
-use crate::gaussian::LN_2PI;
-use crate::{AdditiveGaussian, LinearGaussian, Measurements, ModelError, StateSpaceModel};
+use crate::{AdditiveGaussian, Gaussian, LinearGaussian, Measurements, ModelError, StateSpaceModel};
 
 /// A Gaussian belief about a state.
 #[derive(Debug, Clone)]
@@ -82,26 +80,51 @@ fn update(
     time: usize,
 ) -> Result<(Belief, f64), ModelError> {
     let (c, r) = (model.measurement_matrix(), model.measurement_covariance());
-    let innovation = measurement - c * &predicted.mean;
-    let cross = c * &predicted.covariance;
-    let innovation_covariance = symmetric(&cross * c.transpose() + r);
-    let factored = innovation_covariance.llt(Side::Lower).map_err(|error| ModelError::Numerical {
-        computation: "factoring the innovation covariance",
-        time,
-        reason: format!("{error:?}"),
-    })?;
-    let gain = factored.solve(&cross).transpose().to_owned();
-    let mut kept = Mat::<f64>::identity(model.state_dim(), model.state_dim());
-    kept -= &gain * c;
-    let covariance =
-        symmetric(&kept * &predicted.covariance * kept.transpose() + &gain * r * gain.transpose());
-    let whitened = factored.solve(&innovation);
-    let lower = factored.L();
-    let half_log_determinant: f64 = (0..lower.nrows()).map(|i| lower[(i, i)].ln()).sum();
-    let log_evidence_increment = -0.5 * (innovation.transpose() * &whitened)
-        - half_log_determinant
-        - 0.5 * measurement.nrows() as f64 * LN_2PI;
-    Ok((Belief { mean: &predicted.mean + &gain * &innovation, covariance }, log_evidence_increment))
+    let Correction { gain, covariance, innovation } = correction(predicted.covariance.as_ref(), c, r)
+        .map_err(|_| ModelError::Numerical {
+            computation: "factoring the innovation covariance",
+            time,
+            reason: "it is not positive definite in floating point".into(),
+        })?;
+    let surprise = measurement - c * &predicted.mean;
+    let log_evidence_increment = innovation.log_density_of(|i| surprise[i]);
+    Ok((Belief { mean: &predicted.mean + gain * &surprise, covariance }, log_evidence_increment))
+}
+
+/// How a linear measurement corrects a Gaussian belief: the part that does not depend on its value.
+#[derive(Debug, Clone)]
+pub struct Correction {
+    /// `G = P Cᵀ S⁻¹`, `N×M`.
+    pub gain: Mat<f64>,
+    /// The corrected covariance `(I − G C) P (I − G C)ᵀ + G R Gᵀ`, `N×N`.
+    pub covariance: Mat<f64>,
+    /// `N(0, S)` with `S = C P Cᵀ + R`: the distribution of `y − C m`.
+    pub innovation: Gaussian,
+}
+
+/// The correction of a belief of covariance `prior` (`P`, `N×N`) by `y = C x + w` with `w ~ N(0, R)`.
+///
+/// Its covariance is also that of the information form, `(P⁻¹ + Cᵀ R⁻¹ C)⁻¹`.
+///
+/// # Errors
+/// [`ModelError::Covariance`] if the innovation covariance is not positive definite in floating point.
+pub fn correction(
+    prior: MatRef<'_, f64>,
+    measurement_matrix: MatRef<'_, f64>,
+    measurement_covariance: MatRef<'_, f64>,
+) -> Result<Correction, ModelError> {
+    let (c, r) = (measurement_matrix, measurement_covariance);
+    let cross = c * prior;
+    let innovation = symmetric(&cross * c.transpose() + r);
+    let innovation = Gaussian::new("the innovation covariance", vec![0.0; c.nrows()], innovation)?;
+    let lower = innovation.lower();
+    let mut solved = cross;
+    lower.solve_lower_triangular_in_place(solved.as_mut());
+    lower.transpose().solve_upper_triangular_in_place(solved.as_mut());
+    let gain = solved.transpose().to_owned();
+    let kept = Mat::<f64>::identity(c.ncols(), c.ncols()) - &gain * c;
+    let covariance = symmetric(&kept * prior * kept.transpose() + &gain * r * gain.transpose());
+    Ok(Correction { gain, covariance, innovation })
 }
 
 /// The symmetric part, which removes what rounding made of a symmetric product.

@@ -1,1 +1,25 @@
-//! Particle filters: log-weights, resampling, log-evidence, and designed proposals.
+//! Particle filters: weights, resampling, log-evidence, and proposals designed by hand.
+//!
+//! A filter approximates `p(x_t | y_{0:t})` by `K` weighted particles. At each measurement it draws every
+//! particle from a [`Proposal`] and weighs it by `p(y_t | x_t) p(x_t | x_{t−1}) / q(x_t | x_{t−1}, y_t)`.
+//! [`ParticleFilter`] is one filter on a stream of measurements; [`FilterBank`] is many independent ones advanced
+//! as a single batch, which is what proposals made of networks want. Both are steppers: they record nothing,
+//! and what should be remembered is read off them between two steps.
+//!
+//! Nothing here knows of neural networks; learned proposals implement the same [`Proposal`] in another crate.
+
+mod bank;
+mod error;
+mod filter;
+mod proposal;
+mod proposals;
+mod resampling;
+mod weights;
+
+pub use bank::{FilterBank, FilterSettings};
+pub use error::FilterError;
+pub use filter::ParticleFilter;
+pub use proposal::{Conditional, Past, Proposal, ProposalError, particles_by_stream};
+pub use proposals::{Bootstrap, Defensive, MinDegeneracy};
+pub use resampling::{ParticleMemory, ResampleWhen, Resampling};
+pub use weights::{LogWeights, WeightFault};

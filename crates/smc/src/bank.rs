@@ -1,0 +1,272 @@
+//! Many independent particle filters on the same measurements, advanced as one batch.
+
+use motes_models::{Seed, StateSpaceModel, Stream};
+
+use crate::{
+    Conditional, FilterError, LogWeights, ParticleMemory, Past, Proposal, ResampleWhen, Resampling,
+    WeightFault,
+};
+
+/// The settings of a filter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FilterSettings {
+    /// `K`, particles in each filter; at least 1.
+    pub particles: usize,
+    /// How ancestors are drawn.
+    pub resampling: Resampling,
+    /// When they are drawn.
+    pub resample_when: ResampleWhen,
+}
+
+impl FilterSettings {
+    /// `K` particles, multinomial resampling when `K_eff < K/3`: the paper's filter.
+    pub fn new(particles: usize) -> Self {
+        FilterSettings { particles, resampling: Resampling::Multinomial, resample_when: ResampleWhen::PAPER }
+    }
+
+    fn check(&self) -> Result<(), FilterError> {
+        if self.particles == 0 {
+            return Err(FilterError::Setting {
+                name: "the number of particles K",
+                value: "0".into(),
+                expected: "at least 1",
+            });
+        }
+        self.resample_when.check()
+    }
+}
+
+/// `B` independent filters of `K` particles each, with one model, one proposal and one sequence of measurements.
+///
+/// Each filter draws from its own stream, so a bank gives each of its filters exactly what it would give it alone.
+/// Between two steps the bank shows particles and weights as they are before resampling, which is when estimates
+/// are to be taken; resampling happens at the start of the next step.
+pub struct FilterBank<'m, M: ?Sized, P: Proposal<M>> {
+    model: &'m M,
+    proposal: P,
+    settings: FilterSettings,
+    streams: Vec<Stream>,
+    time: usize,
+    states: Vec<f64>,
+    previous: Vec<f64>,
+    memory: P::Memory,
+    weights: Vec<LogWeights>,
+    log_evidence: Vec<f64>,
+    ancestors: Vec<usize>,
+    increments: Vec<f64>,
+    log_likelihoods: Vec<f64>,
+    log_transitions: Vec<f64>,
+}
+
+impl<'m, M: StateSpaceModel + ?Sized, P: Proposal<M>> FilterBank<'m, M, P> {
+    /// Prepares `filters` filters; filter `b` draws from the stream of `seed.nth(b)`.
+    ///
+    /// # Errors
+    /// [`FilterError::Setting`] if there is no filter or no particle, or a setting is out of range.
+    pub fn new(
+        model: &'m M,
+        proposal: P,
+        settings: FilterSettings,
+        filters: usize,
+        seed: &Seed,
+    ) -> Result<Self, FilterError> {
+        FilterBank::with_streams(model, proposal, settings, seed.streams(filters))
+    }
+
+    /// Prepares one filter for each of the given streams.
+    ///
+    /// # Errors
+    /// As [`FilterBank::new`].
+    pub fn with_streams(
+        model: &'m M,
+        proposal: P,
+        settings: FilterSettings,
+        streams: Vec<Stream>,
+    ) -> Result<Self, FilterError> {
+        settings.check()?;
+        if streams.is_empty() {
+            return Err(FilterError::Setting {
+                name: "the number of filters in a bank",
+                value: "0".into(),
+                expected: "at least 1",
+            });
+        }
+        let filters = streams.len();
+        let rows = filters * settings.particles;
+        let values = rows * model.state_dim();
+        Ok(FilterBank {
+            memory: proposal.initial_memory(rows),
+            model,
+            proposal,
+            settings,
+            streams,
+            time: 0,
+            states: vec![0.0; values],
+            previous: vec![0.0; values],
+            weights: vec![LogWeights::uniform(settings.particles); filters],
+            log_evidence: vec![0.0; filters],
+            ancestors: (0..rows).collect(),
+            increments: vec![0.0; rows],
+            log_likelihoods: vec![0.0; rows],
+            log_transitions: vec![0.0; rows],
+        })
+    }
+
+    /// Advances every filter by one measurement (`M` numbers): resample where due, draw, weigh.
+    ///
+    /// # Errors
+    /// [`FilterError::Model`] if the measurement has the wrong width or is not finite (nothing has changed then);
+    /// otherwise the filter failed, and its state is no longer meaningful.
+    pub fn step(&mut self, measurement: &[f64]) -> Result<(), FilterError> {
+        self.check_measurement(measurement)?;
+        self.resample_where_due();
+        std::mem::swap(&mut self.states, &mut self.previous);
+        self.draw(measurement)?;
+        self.weigh()?;
+        self.time += 1;
+        Ok(())
+    }
+
+    fn check_measurement(&self, measurement: &[f64]) -> Result<(), FilterError> {
+        use motes_models::ModelError;
+        let (width, expected) = (measurement.len(), self.model.measurement_dim());
+        if width != expected {
+            return Err(ModelError::MeasurementWidth { width, expected }.into());
+        }
+        match measurement.iter().position(|value| !value.is_finite()) {
+            None => Ok(()),
+            Some(column) => {
+                let value = measurement[column];
+                Err(ModelError::NotFinite { row: self.time, column, value }.into())
+            }
+        }
+    }
+
+    /// Draws ancestors where the rule says so, and moves states and memory of the whole bank by them.
+    fn resample_where_due(&mut self) {
+        let (k, n) = (self.settings.particles, self.model.state_dim());
+        let mut any = false;
+        for (filter, weights) in self.weights.iter_mut().enumerate() {
+            let ancestors = &mut self.ancestors[filter * k..(filter + 1) * k];
+            // Before the first step there is nothing to resample.
+            if self.time > 0 && self.settings.resample_when.is_due(weights.effective_sample_size(), k) {
+                self.settings.resampling.draw(weights.normalised(), &mut self.streams[filter], ancestors);
+                for ancestor in ancestors.iter_mut() {
+                    *ancestor += filter * k;
+                }
+                weights.reset();
+                any = true;
+            } else {
+                for (particle, ancestor) in ancestors.iter_mut().enumerate() {
+                    *ancestor = filter * k + particle;
+                }
+            }
+        }
+        if any {
+            for (row, &ancestor) in self.previous.chunks_exact_mut(n).zip(&self.ancestors) {
+                row.copy_from_slice(&self.states[ancestor * n..(ancestor + 1) * n]);
+            }
+            std::mem::swap(&mut self.states, &mut self.previous);
+            self.memory.resample(&self.ancestors);
+        }
+    }
+
+    /// Draws every particle and leaves `log p(y|x) + log p(x|x') − log q` in `increments`.
+    fn draw(&mut self, measurement: &[f64]) -> Result<(), FilterError> {
+        let past = Past {
+            time: self.time,
+            previous: (self.time > 0).then_some(self.previous.as_slice()),
+            measurement,
+            particles: self.streams.len() * self.settings.particles,
+        };
+        let mut conditional = self
+            .proposal
+            .condition(self.model, past, &mut self.memory)
+            .map_err(|source| FilterError::Proposal { step: self.time, source })?;
+        conditional.sample(&mut self.streams, &mut self.states, &mut self.increments);
+        self.model.log_likelihoods(self.time, &self.states, measurement, &mut self.log_likelihoods);
+        if conditional.is_transition() {
+            self.increments.copy_from_slice(&self.log_likelihoods);
+            return Ok(());
+        }
+        match past.previous {
+            None => self.model.log_initials(&self.states, &mut self.log_transitions),
+            Some(previous) => {
+                self.model.log_transitions(self.time, previous, &self.states, &mut self.log_transitions);
+            }
+        }
+        let terms = self.log_likelihoods.iter().zip(&self.log_transitions);
+        for (increment, (likelihood, transition)) in self.increments.iter_mut().zip(terms) {
+            *increment = likelihood + transition - *increment;
+        }
+        Ok(())
+    }
+
+    fn weigh(&mut self) -> Result<(), FilterError> {
+        let (k, step) = (self.settings.particles, self.time);
+        for (filter, weights) in self.weights.iter_mut().enumerate() {
+            let rows = filter * k..(filter + 1) * k;
+            let ess_before = weights.effective_sample_size();
+            match weights.update(&self.increments[rows.clone()]) {
+                Ok(increment) => self.log_evidence[filter] += increment,
+                Err(WeightFault::NotANumber { particle, value }) => {
+                    return Err(FilterError::NotANumber { step, filter, particle, value });
+                }
+                Err(WeightFault::AllZero) => {
+                    let likelihoods = self.log_likelihoods[rows].iter();
+                    let largest_log_likelihood = likelihoods.copied().fold(f64::NEG_INFINITY, f64::max);
+                    return Err(FilterError::Collapse { step, filter, ess_before, largest_log_likelihood });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// `B`, the number of filters.
+    pub fn filters(&self) -> usize {
+        self.streams.len()
+    }
+
+    /// How many measurements have been taken in.
+    pub fn time(&self) -> usize {
+        self.time
+    }
+
+    /// The particles of one filter, row-major `K×N`, as they are before resampling.
+    pub fn particles(&self, filter: usize) -> &[f64] {
+        let values = self.settings.particles * self.model.state_dim();
+        &self.states[filter * values..(filter + 1) * values]
+    }
+
+    /// The weights of one filter's particles.
+    pub fn weights(&self, filter: usize) -> &LogWeights {
+        &self.weights[filter]
+    }
+
+    /// For each particle of the whole bank (`B·K`), the row it descends from in the step before; itself where its
+    /// filter did not resample.
+    pub fn ancestors(&self) -> &[usize] {
+        &self.ancestors
+    }
+
+    /// What every particle of the bank carries beside its state.
+    pub fn memory(&self) -> &P::Memory {
+        &self.memory
+    }
+
+    /// The estimate of `log p(y_{0:t})` by one filter; its exponential is unbiased.
+    pub fn log_evidence(&self, filter: usize) -> f64 {
+        self.log_evidence[filter]
+    }
+
+    /// One filter's estimate of `E[x_t | y_{0:t}]`, `Σ_k W_k x_k`, into `mean` (`N`).
+    pub fn mean(&self, filter: usize, mean: &mut [f64]) {
+        mean.fill(0.0);
+        let rows = self.particles(filter).chunks_exact(mean.len());
+        for (weight, particle) in self.weights[filter].normalised().zip(rows) {
+            for (mean, value) in mean.iter_mut().zip(particle) {
+                *mean += weight * value;
+            }
+        }
+    }
+}

@@ -1,0 +1,62 @@
+//! What can go wrong in a filter, by kind.
+
+use motes_models::ModelError;
+use thiserror::Error;
+
+use crate::ProposalError;
+
+/// An error of a filter.
+///
+/// It says which kind it is: bad input ([`FilterError::Setting`], [`FilterError::Model`]: mend the call), a
+/// numerical failure ([`FilterError::NotANumber`], [`FilterError::Proposal`]), or the collapse of all weights.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum FilterError {
+    /// A setting is outside its range.
+    #[error("{name} is {value}; it must be {expected}")]
+    Setting {
+        /// Which setting.
+        name: &'static str,
+        /// The value found, as text.
+        value: String,
+        /// What would be right.
+        expected: &'static str,
+    },
+    /// A measurement or the model is unusable.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// The proposal failed.
+    #[error("at step {step}: {source}")]
+    Proposal {
+        /// The step, `t`.
+        step: usize,
+        /// What failed.
+        source: ProposalError,
+    },
+    /// A particle has a log-weight that is NaN or +∞.
+    #[error("at step {step}, particle {particle} of filter {filter} has the log-weight {value}")]
+    NotANumber {
+        /// The step, `t`.
+        step: usize,
+        /// The filter in its bank.
+        filter: usize,
+        /// The particle in its filter.
+        particle: usize,
+        /// The log-weight.
+        value: f64,
+    },
+    /// All weights of a filter are zero.
+    #[error(
+        "at step {step}, all weights of filter {filter} are zero (ESS before it {ess_before:.1}, largest \
+         log-likelihood {largest_log_likelihood:e})"
+    )]
+    Collapse {
+        /// The step, `t`.
+        step: usize,
+        /// The filter in its bank.
+        filter: usize,
+        /// Effective sample size after the step before.
+        ess_before: f64,
+        /// The largest `log p(y_t | x_t)` among the particles.
+        largest_log_likelihood: f64,
+    },
+}

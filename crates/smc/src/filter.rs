@@ -1,0 +1,84 @@
+//! One particle filter on a stream of measurements.
+
+use motes_models::{StateSpaceModel, Stream};
+
+use crate::{FilterBank, FilterError, FilterSettings, LogWeights, Proposal};
+
+/// A filter that takes one measurement at a time: a [`FilterBank`] of one, without the index.
+///
+/// ```
+/// use faer::mat;
+/// use motes_models::{Gaussian, LinearGaussian, Seed};
+/// use motes_smc::{FilterSettings, MinDegeneracy, ParticleFilter};
+///
+/// let initial = Gaussian::new("P_0", vec![0.0], mat![[1.0]])?;
+/// let model = LinearGaussian::new(initial, mat![[0.9]], mat![[1.0]], mat![[1.0]], mat![[1.0]])?;
+/// let proposal = MinDegeneracy::new(&model)?;
+/// let stream = Seed::from_u64(7).stream();
+/// let mut filter = ParticleFilter::new(&model, proposal, FilterSettings::new(1000), stream)?;
+/// for measurement in [[0.3], [1.2], [0.7]] {
+///     filter.step(&measurement)?;
+///     println!("{:?} from {:.0} effective particles", filter.mean(), filter.effective_sample_size());
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct ParticleFilter<'m, M: ?Sized, P: Proposal<M>> {
+    bank: FilterBank<'m, M, P>,
+    mean: Vec<f64>,
+}
+
+impl<'m, M: StateSpaceModel + ?Sized, P: Proposal<M>> ParticleFilter<'m, M, P> {
+    /// Prepares a filter that draws from `stream`.
+    ///
+    /// # Errors
+    /// [`FilterError::Setting`] if there is no particle or a setting is out of range.
+    pub fn new(
+        model: &'m M,
+        proposal: P,
+        settings: FilterSettings,
+        stream: Stream,
+    ) -> Result<Self, FilterError> {
+        let bank = FilterBank::with_streams(model, proposal, settings, vec![stream])?;
+        Ok(ParticleFilter { bank, mean: vec![0.0; model.state_dim()] })
+    }
+
+    /// Takes in one measurement (`M` numbers).
+    ///
+    /// # Errors
+    /// As [`FilterBank::step`].
+    pub fn step(&mut self, measurement: &[f64]) -> Result<(), FilterError> {
+        self.bank.step(measurement)?;
+        self.bank.mean(0, &mut self.mean);
+        Ok(())
+    }
+
+    /// The estimate of `E[x_t | y_{0:t}]` (`N`); zeros before the first step.
+    pub fn mean(&self) -> &[f64] {
+        &self.mean
+    }
+
+    /// The particles, row-major `K×N`.
+    pub fn particles(&self) -> &[f64] {
+        self.bank.particles(0)
+    }
+
+    /// Their weights.
+    pub fn weights(&self) -> &LogWeights {
+        self.bank.weights(0)
+    }
+
+    /// `1 / Σ_k W_k²`.
+    pub fn effective_sample_size(&self) -> f64 {
+        self.weights().effective_sample_size()
+    }
+
+    /// The estimate of `log p(y_{0:t})`; its exponential is unbiased.
+    pub fn log_evidence(&self) -> f64 {
+        self.bank.log_evidence(0)
+    }
+
+    /// How many measurements have been taken in.
+    pub fn time(&self) -> usize {
+        self.bank.time()
+    }
+}

@@ -1,0 +1,120 @@
+//! The interface of a sampling distribution: condition it on the past, then draw from it or ask its density.
+
+use motes_models::Stream;
+use thiserror::Error;
+
+use crate::ParticleMemory;
+
+/// What a proposal is conditioned on at one step, for a batch of `R` particles.
+#[derive(Debug, Clone, Copy)]
+pub struct Past<'a> {
+    /// `t`, the time of the state to be drawn.
+    pub time: usize,
+    /// `x_{t−1}`, row-major `R×N`; `None` at `t = 0`, where there is no past.
+    pub previous: Option<&'a [f64]>,
+    /// `y_t`, `M` numbers, the same for every particle.
+    pub measurement: &'a [f64],
+    /// `R`, the number of particles.
+    pub particles: usize,
+}
+
+/// Why a proposal could not be used.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum ProposalError {
+    /// A proposal that has its own parameters for each time was stepped past the last of them.
+    #[error("this proposal is unrolled over {horizon} times and was asked for time {time}")]
+    PastHorizon {
+        /// The number of times it knows, `T`.
+        horizon: usize,
+        /// The time it was asked for.
+        time: usize,
+    },
+    /// The proposal does not fit the model it is used with.
+    #[error("{what} is {found} in the proposal and {expected} in the model")]
+    Mismatch {
+        /// What differs.
+        what: &'static str,
+        /// The proposal's value.
+        found: usize,
+        /// The model's value.
+        expected: usize,
+    },
+    /// A setting is outside its range.
+    #[error("{name} is {value}; it must be {expected}")]
+    Setting {
+        /// Which setting.
+        name: &'static str,
+        /// The value found, as text.
+        value: String,
+        /// What would be right.
+        expected: &'static str,
+    },
+    /// A computation failed although its input was valid.
+    #[error("{computation} failed for particle {particle}: {reason}")]
+    Numerical {
+        /// What was being computed.
+        computation: &'static str,
+        /// Row of the particle in its batch.
+        particle: usize,
+        /// Why it failed.
+        reason: String,
+    },
+}
+
+/// A sampling distribution `q(x_t | x_{0:t−1}, y_{0:t})` for particles of a model of type `Model`.
+///
+/// Using one takes two moves: [`Proposal::condition`] computes whatever depends on the past (a network runs
+/// here, once), and the [`Conditional`] that comes back is drawn from, or asked its density at any point.
+/// Mixtures and tests therefore need nothing special of a proposal.
+pub trait Proposal<Model: ?Sized> {
+    /// What a particle carries from step to step beside its state; `()` for a Markov proposal.
+    type Memory: ParticleMemory;
+
+    /// The distribution of `x_t` once the past is known. It may borrow the proposal's scratch space.
+    type Conditional<'a>: Conditional
+    where
+        Self: 'a,
+        Model: 'a;
+
+    /// The memory of `particles` particles before the first step.
+    fn initial_memory(&self, particles: usize) -> Self::Memory;
+
+    /// Conditions each particle's distribution on its past and on `y_t`, and advances its memory.
+    ///
+    /// # Errors
+    /// [`ProposalError`] if the proposal does not fit the model, is past its horizon, or fails numerically.
+    fn condition<'a>(
+        &'a mut self,
+        model: &'a Model,
+        past: Past<'a>,
+        memory: &mut Self::Memory,
+    ) -> Result<Self::Conditional<'a>, ProposalError>;
+}
+
+/// `q(x_t | past)` of each of `R` particles.
+pub trait Conditional {
+    /// Draws a state for each particle into `states` (`R×N`) and writes `log q` of it into `log_density` (`R`).
+    ///
+    /// The particles are split evenly over `streams`, one for each filter in a bank and in its order.
+    fn sample(&mut self, streams: &mut [Stream], states: &mut [f64], log_density: &mut [f64]);
+
+    /// Writes `log q` at the given `states` (`R×N`) into `log_density` (`R`); −∞ outside the support.
+    fn log_density(&mut self, states: &[f64], log_density: &mut [f64]);
+
+    /// Whether this is the model's own `p(x_t | x_{t−1})`, so that both cancel in the weight and neither is
+    /// evaluated. `log_density` is then not filled by [`Conditional::sample`].
+    fn is_transition(&self) -> bool {
+        false
+    }
+}
+
+/// The particles (`R` of them, rows of `width` in `states`) together with the stream that each belongs to.
+pub fn particles_by_stream<'a>(
+    streams: &'a mut [Stream],
+    states: &'a mut [f64],
+    width: usize,
+    particles: usize,
+) -> impl Iterator<Item = (&'a mut Stream, &'a mut [f64])> {
+    let block = width * (particles / streams.len().max(1));
+    streams.iter_mut().zip(states.chunks_exact_mut(block.max(1)))
+}

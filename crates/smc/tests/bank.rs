@@ -1,0 +1,180 @@
+//! What a bank of filters promises: independence, shift invariance, memory, and errors that say what happened.
+
+mod common;
+
+use common::reference;
+use motes_models::{LinearGaussian, Seed, StateSpaceModel, Stream};
+use motes_smc::{
+    Bootstrap, Conditional, Defensive, FilterBank, FilterError, FilterSettings, MinDegeneracy,
+    ParticleFilter, Past, Proposal, ProposalError, ResampleWhen,
+};
+
+/// The reference model with a constant added to every log-likelihood.
+struct Shifted(LinearGaussian, f64);
+
+impl StateSpaceModel for Shifted {
+    fn state_dim(&self) -> usize {
+        1
+    }
+    fn measurement_dim(&self) -> usize {
+        1
+    }
+    fn sample_initial(&self, stream: &mut Stream, state: &mut [f64]) {
+        self.0.sample_initial(stream, state);
+    }
+    fn sample_transition(&self, time: usize, previous: &[f64], stream: &mut Stream, state: &mut [f64]) {
+        self.0.sample_transition(time, previous, stream, state);
+    }
+    fn log_initial(&self, state: &[f64]) -> f64 {
+        self.0.log_initial(state)
+    }
+    fn log_transition(&self, time: usize, previous: &[f64], state: &[f64]) -> f64 {
+        self.0.log_transition(time, previous, state)
+    }
+    fn log_likelihood(&self, time: usize, state: &[f64], measurement: &[f64]) -> f64 {
+        self.0.log_likelihood(time, state, measurement) + self.1
+    }
+}
+
+#[test]
+fn a_constant_in_every_log_likelihood_shifts_the_evidence_and_nothing_else() {
+    let reference = reference();
+    let run = |shift: f64| {
+        let model = Shifted(reference.model.clone(), shift);
+        let settings =
+            FilterSettings { resample_when: ResampleWhen::EssBelow(0.5), ..FilterSettings::new(64) };
+        let mut bank = FilterBank::new(&model, Bootstrap, settings, 3, &Seed::from_u64(50)).unwrap();
+        let (mut particles, mut ancestors) = (vec![], vec![]);
+        for measurement in reference.measurements.rows() {
+            bank.step(measurement).unwrap();
+            particles.extend((0..3).flat_map(|filter| bank.particles(filter).to_vec()));
+            ancestors.extend(bank.ancestors().to_vec());
+        }
+        (bank.log_evidence(1), particles, ancestors)
+    };
+    let (plain, particles, ancestors) = run(0.0);
+    assert!(ancestors.iter().enumerate().any(|(k, &a)| k % 192 != a), "nothing was resampled");
+    for shift in [-1e5, 1e5] {
+        let (shifted, same_particles, same_ancestors) = run(shift);
+        assert!(((shifted - plain) / (5.0 * shift) - 1.0).abs() < 1e-9);
+        assert!(same_particles == particles && same_ancestors == ancestors);
+    }
+}
+
+#[test]
+fn a_filter_in_a_bank_does_what_it_would_do_alone() {
+    let reference = reference();
+    let proposal = Defensive::new(MinDegeneracy::new(&reference.model).unwrap(), 0.3).unwrap();
+    let (settings, seed) = (FilterSettings::new(32), Seed::from_u64(51));
+    let mut bank = FilterBank::new(&reference.model, proposal.clone(), settings, 5, &seed).unwrap();
+    let mut alone = ParticleFilter::new(&reference.model, proposal, settings, seed.nth(3).stream()).unwrap();
+    for measurement in reference.measurements.rows() {
+        bank.step(measurement).unwrap();
+        alone.step(measurement).unwrap();
+        assert_eq!(bank.particles(3), alone.particles());
+        assert_eq!(bank.weights(3), alone.weights());
+    }
+    assert_eq!(bank.log_evidence(3), alone.log_evidence());
+}
+
+/// The transition, remembering every state that a particle descends from.
+#[derive(Clone)]
+struct Remembering;
+
+impl Proposal<LinearGaussian> for Remembering {
+    type Memory = Vec<Vec<f64>>;
+    type Conditional<'a> = <Bootstrap as Proposal<LinearGaussian>>::Conditional<'a>;
+
+    fn initial_memory(&self, particles: usize) -> Self::Memory {
+        vec![vec![]; particles]
+    }
+
+    fn condition<'a>(
+        &'a mut self,
+        model: &'a LinearGaussian,
+        past: Past<'a>,
+        memory: &mut Self::Memory,
+    ) -> Result<Self::Conditional<'a>, ProposalError> {
+        if let Some(previous) = past.previous {
+            memory.iter_mut().zip(previous).for_each(|(path, state)| path.push(*state));
+        }
+        Box::leak(Box::new(Bootstrap)).condition(model, past, &mut ())
+    }
+}
+
+#[test]
+fn memory_follows_the_particle_that_owns_it() {
+    let reference = reference();
+    let settings = FilterSettings { resample_when: ResampleWhen::Always, ..FilterSettings::new(16) };
+    let mut bank = FilterBank::new(&reference.model, Remembering, settings, 2, &Seed::from_u64(52)).unwrap();
+    let (mut history, mut ancestry): (Vec<Vec<f64>>, Vec<Vec<usize>>) = (vec![], vec![]);
+    for measurement in reference.measurements.rows() {
+        bank.step(measurement).unwrap();
+        history.push((0..2).flat_map(|filter| bank.particles(filter).to_vec()).collect());
+        ancestry.push(bank.ancestors().to_vec());
+    }
+    let (last, mut moved) = (history.len() - 1, 0);
+    for row in 0..32 {
+        let (mut path, mut at) = (vec![], row);
+        for time in (0..last).rev() {
+            moved += usize::from(ancestry[time + 1][at] != at);
+            at = ancestry[time + 1][at];
+            path.push(history[time][at]);
+        }
+        path.reverse();
+        assert_eq!(bank.memory()[row], path, "row {row}");
+    }
+    assert!(moved > 32, "resampling moved only {moved} particles");
+}
+
+#[test]
+fn bad_input_is_refused_and_changes_nothing() {
+    let reference = reference();
+    let model = &reference.model;
+    let new = |settings| FilterBank::new(model, Bootstrap, settings, 1, &Seed::from_u64(1)).map(|_| ());
+    let none = new(FilterSettings::new(0)).unwrap_err();
+    assert_eq!(none.to_string(), "the number of particles K is 0; it must be at least 1");
+    let rule = FilterSettings { resample_when: ResampleWhen::EssBelow(f64::NAN), ..FilterSettings::new(4) };
+    assert!(new(rule).unwrap_err().to_string().contains("NaN"));
+    assert!(Defensive::new(Bootstrap, 1.0).is_err() && Defensive::new(Bootstrap, f64::NAN).is_err());
+
+    let stream = Seed::from_u64(1).stream();
+    let mut filter = ParticleFilter::new(model, Bootstrap, FilterSettings::new(4), stream).unwrap();
+    assert!(filter.step(&[1.0, 2.0]).unwrap_err().to_string().contains("width 2"));
+    assert!(filter.step(&[f64::INFINITY]).unwrap_err().to_string().contains("row 0, column 0 is inf"));
+    assert_eq!(filter.time(), 0);
+    filter.step(&[0.5]).unwrap();
+}
+
+#[test]
+fn the_collapse_of_all_weights_is_reported_with_its_circumstances() {
+    let model = Shifted(reference().model, f64::NEG_INFINITY);
+    let stream = Seed::from_u64(1).stream();
+    let mut filter = ParticleFilter::new(&model, Bootstrap, FilterSettings::new(4), stream).unwrap();
+    let error = filter.step(&[0.0]).unwrap_err();
+    assert!(matches!(error, FilterError::Collapse { step: 0, filter: 0, .. }));
+    assert_eq!(
+        error.to_string(),
+        "at step 0, all weights of filter 0 are zero (ESS before it 4.0, largest log-likelihood -inf)"
+    );
+}
+
+#[test]
+fn the_defensive_mixture_has_the_density_of_the_mixture() {
+    let reference = reference();
+    let (model, previous, measurement) = (&reference.model, [0.4], [1.3]);
+    let past = Past { time: 1, previous: Some(&previous), measurement: &measurement, particles: 1 };
+    let mut proposal = Defensive::new(MinDegeneracy::new(model).unwrap(), 0.25).unwrap();
+    let mut mixture = proposal.condition(model, past, &mut ()).unwrap();
+    for state in [-3.0, 0.1, 0.8, 5.0] {
+        let normal = |mean: f64, variance: f64| {
+            (-0.5 * (state - mean) * (state - mean) / variance).exp()
+                / (std::f64::consts::TAU * variance).sqrt()
+        };
+        // The optimum halves the distance between prediction and measurement, with half the variance.
+        let expected = 0.75 * normal(0.5 * (0.36 + 1.3), 0.5) + 0.25 * normal(0.36, 1.0);
+        let mut found = [0.0];
+        mixture.log_density(&[state], &mut found);
+        assert!((found[0].exp() / expected - 1.0).abs() < 1e-12, "at {state}");
+    }
+}

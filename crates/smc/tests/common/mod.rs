@@ -1,0 +1,142 @@
+//! The reference problem of the statistical tests, and a proposal that can be made wrong on purpose.
+#![allow(dead_code, missing_docs)]
+
+use faer::mat;
+use motes_models::{Gaussian, LinearGaussian, Measurements, Seed, Stream, kalman};
+use motes_smc::{Conditional, FilterBank, FilterSettings, Past, Proposal, ProposalError, ResampleWhen};
+use rand::RngExt;
+use rand_distr::StandardNormal;
+
+pub const NEVER_HALF_ALWAYS: [ResampleWhen; 3] =
+    [ResampleWhen::Never, ResampleWhen::EssBelow(0.5), ResampleWhen::Always];
+
+/// One dimension, a = 0.9, q = r = 1, five measurements.
+///
+/// No random draw decides how hard the problem is: each measurement lies one standard deviation of its prediction
+/// away from it, above and below in turn, so every one is as surprising as measurements are on average.
+pub struct Reference {
+    pub model: LinearGaussian,
+    pub measurements: Measurements,
+    pub log_evidence: f64,
+    pub last_mean: f64,
+}
+
+pub fn reference() -> Reference {
+    let initial = Gaussian::new("P_0", vec![0.0], mat![[1.0]]).unwrap();
+    let model = LinearGaussian::new(initial, mat![[0.9]], mat![[1.0]], mat![[1.0]], mat![[1.0]]).unwrap();
+    let mut values = vec![];
+    for time in 0..5 {
+        // The prediction does not depend on the measurement that is still missing.
+        values.push(0.0);
+        let filtered = kalman::filter(&model, &Measurements::new(1, values.clone()).unwrap()).unwrap();
+        let predicted = &filtered.steps[time].predicted;
+        let deviation = (predicted.covariance[(0, 0)] + 1.0).sqrt();
+        values[time] = predicted.mean[0] + if time % 2 == 0 { deviation } else { -deviation };
+    }
+    let measurements = Measurements::new(1, values).unwrap();
+    let exact = kalman::filter(&model, &measurements).unwrap();
+    let last_mean = exact.steps[4].filtered.mean[0];
+    Reference { log_evidence: exact.log_evidence(), last_mean, model, measurements }
+}
+
+/// Scores of the mean of Ẑ/Z against 1 and of (Ẑ/Z)·x̂_T against the exact mean, in standard errors.
+pub fn evidence_scores<P: Proposal<LinearGaussian> + Clone>(
+    reference: &Reference,
+    proposal: &P,
+    resample_when: ResampleWhen,
+    runs: usize,
+) -> [f64; 2] {
+    let settings = FilterSettings { resample_when, ..FilterSettings::new(64) };
+    let seed = Seed::from_u64(21);
+    let (mut ratios, mut products) = (Vec::with_capacity(runs), Vec::with_capacity(runs));
+    let batch = 1000;
+    for block in 0..runs / batch {
+        let seed = seed.nth(block as u64);
+        let mut bank = FilterBank::new(&reference.model, proposal.clone(), settings, batch, &seed).unwrap();
+        for measurement in reference.measurements.rows() {
+            bank.step(measurement).unwrap();
+        }
+        for filter in 0..batch {
+            let mut mean = [0.0];
+            bank.mean(filter, &mut mean);
+            let ratio = (bank.log_evidence(filter) - reference.log_evidence).exp();
+            ratios.push(ratio);
+            products.push(ratio * mean[0]);
+        }
+    }
+    [score(&ratios, 1.0), score(&products, reference.last_mean)]
+}
+
+/// (mean − expected) in standard errors.
+pub fn score(values: &[f64], expected: f64) -> f64 {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    (mean - expected) / (variance / n).sqrt()
+}
+
+/// A Gaussian around the conditional mean of the reference model, with a density that may lie about its variance.
+#[derive(Clone)]
+pub struct ScalarGaussian {
+    pub variance: f64,
+    pub claimed_variance: f64,
+}
+
+impl ScalarGaussian {
+    /// Wider than the optimum, whose variance is ½.
+    pub fn wide() -> Self {
+        ScalarGaussian { variance: 0.9, claimed_variance: 0.9 }
+    }
+
+    /// The planted bug: a density off by 10% in variance.
+    pub fn lying() -> Self {
+        ScalarGaussian { variance: 0.9, claimed_variance: 0.99 }
+    }
+}
+
+impl Proposal<LinearGaussian> for ScalarGaussian {
+    type Memory = ();
+    type Conditional<'a> = ScalarConditional<'a>;
+
+    fn initial_memory(&self, _particles: usize) {}
+
+    fn condition<'a>(
+        &'a mut self,
+        _model: &'a LinearGaussian,
+        past: Past<'a>,
+        _memory: &mut (),
+    ) -> Result<ScalarConditional<'a>, ProposalError> {
+        Ok(ScalarConditional { proposal: self, past })
+    }
+}
+
+pub struct ScalarConditional<'a> {
+    proposal: &'a ScalarGaussian,
+    past: Past<'a>,
+}
+
+impl ScalarConditional<'_> {
+    fn mean(&self, row: usize) -> f64 {
+        let predicted = self.past.previous.map_or(0.0, |previous| 0.9 * previous[row]);
+        0.5 * (predicted + self.past.measurement[0])
+    }
+}
+
+impl Conditional for ScalarConditional<'_> {
+    fn sample(&mut self, streams: &mut [Stream], states: &mut [f64], log_density: &mut [f64]) {
+        let block = states.len() / streams.len();
+        for row in 0..states.len() {
+            let epsilon: f64 = streams[row / block].sample(StandardNormal);
+            states[row] = self.mean(row) + self.proposal.variance.sqrt() * epsilon;
+        }
+        self.log_density(states, log_density);
+    }
+
+    fn log_density(&mut self, states: &[f64], log_density: &mut [f64]) {
+        let variance = self.proposal.claimed_variance;
+        for (row, (state, out)) in states.iter().zip(log_density).enumerate() {
+            let squared = (state - self.mean(row)).powi(2);
+            *out = -0.5 * squared / variance - 0.5 * (std::f64::consts::TAU * variance).ln();
+        }
+    }
+}
