@@ -1,1 +1,7 @@
-//! Cross-crate tests.
+//! What the cross-crate tests share; the tests themselves are in `tests/tests`.
+
+mod differences;
+mod reference;
+
+pub use differences::{central_differences, relative_distance};
+pub use reference::{NEVER_HALF_ALWAYS, Reference, ScalarGaussian, evidence_scores, reference, score};

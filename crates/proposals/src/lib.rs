@@ -1,1 +1,40 @@
 //! Learned proposals for particle filters: networks that emit a sampling distribution.
+//!
+//! A network maps what a particle knows, `x_{t−1}` and `y_t`, to the parameters of `q(x_t | x_{t−1}, y_t)`; from there on
+//! everything probabilistic happens on the host in `f64`. The precision of the network decides how good a proposal is,
+//! never whether the weights are right.
+//!
+//! Each family implements [`motes_smc::Proposal`], by which a filter uses it, and [`Learnable`], by which it is trained.
+//! So far there is one: [`Fcnn`].
+//!
+//! ```
+//! use motes_models::{GraphDiffusion, GraphDiffusionConfig, Seed};
+//! use motes_proposals::{Backend, Fcnn, FcnnConfig};
+//! use motes_smc::{FilterSettings, ParticleFilter};
+//!
+//! let seed = Seed::from_u64(1);
+//! let system = GraphDiffusion::random(&GraphDiffusionConfig::new(6), &mut seed.child("graph").stream())?;
+//! // Three times, and initial weights drawn from our own seed.
+//! let config = FcnnConfig { widths: vec![16, 16], ..FcnnConfig::paper() };
+//! let proposal = Fcnn::new(&config, &system, 3, Backend::Flex.into(), &seed.child("weights"))?;
+//! let stream = seed.child("filter").stream();
+//! let mut filter = ParticleFilter::new(&system, proposal, FilterSettings::new(50), stream)?;
+//! filter.step(&[1.0, 0.8, 1.2, 0.9])?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod backend;
+mod covariance;
+mod fcnn;
+mod gaussian;
+mod initial_weights;
+mod learnable;
+mod mlp;
+mod parameters;
+
+pub use backend::{Backend, Compute, Precision};
+pub use covariance::{KernelCovariance, cholesky_adjoint};
+pub use fcnn::{Fcnn, FcnnConfig};
+pub use gaussian::GaussianBatch;
+pub use learnable::{Learnable, Tape};
+pub use parameters::{Gradients, Parameters};

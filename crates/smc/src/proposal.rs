@@ -49,6 +49,12 @@ pub enum ProposalError {
         /// What would be right.
         expected: &'static str,
     },
+    /// What computes the proposal's networks failed.
+    #[error("the compute backend failed: {reason}")]
+    Backend {
+        /// What it said.
+        reason: String,
+    },
     /// A computation failed although its input was valid.
     #[error("{computation} failed for particle {particle}: {reason}")]
     Numerical {
@@ -105,6 +111,20 @@ pub trait Conditional {
     /// evaluated. `log_density` is then not filled by [`Conditional::sample`].
     fn is_transition(&self) -> bool {
         false
+    }
+}
+
+impl<C: Conditional + ?Sized> Conditional for &mut C {
+    fn sample(&mut self, streams: &mut [Stream], states: &mut [f64], log_density: &mut [f64]) {
+        (**self).sample(streams, states, log_density);
+    }
+
+    fn log_density(&mut self, states: &[f64], log_density: &mut [f64]) {
+        (**self).log_density(states, log_density);
+    }
+
+    fn is_transition(&self) -> bool {
+        (**self).is_transition()
     }
 }
 

@@ -1,1 +1,35 @@
-//! Unsupervised training of particle-filter proposals from measurements alone.
+//! Unsupervised training of proposals: from measurements and a model, never from states.
+//!
+//! [`train`] draws particles from a proposal along one sequence of measurements, asks the model how likely they are, and
+//! moves the proposal's weights by the reparametrised gradient of an [`Objective`]. Nothing in this crate takes or
+//! returns the states of a system: all it can be handed are [`motes_models::Measurements`].
+//!
+//! ```
+//! use motes_models::{GraphDiffusion, GraphDiffusionConfig, Seed, simulate};
+//! use motes_proposals::{Backend, Fcnn, FcnnConfig};
+//! use motes_train::{TrainConfig, train};
+//! use std::ops::ControlFlow;
+//!
+//! let seed = Seed::from_u64(1);
+//! let system = GraphDiffusion::random(&GraphDiffusionConfig::new(6), &mut seed.child("graph").stream())?;
+//! let measurements = simulate(&system, 4, &mut seed.child("data").stream())?.measurements;
+//!
+//! let config = FcnnConfig { widths: vec![16, 16], ..FcnnConfig::paper() };
+//! let mut proposal = Fcnn::new(&config, &system, 4, Backend::Flex.into(), &seed.child("weights"))?;
+//! let config = TrainConfig { steps: 20, ..TrainConfig::paper(10) };
+//! let mut stream = seed.child("training").stream();
+//! let history = train(&mut proposal, &system, &measurements, &config, &mut stream, |_, _| ControlFlow::Continue(()))?;
+//! assert!(history.losses[19] < history.losses[0]);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod adam;
+mod error;
+mod objective;
+mod rollout;
+mod training;
+
+pub use error::TrainError;
+pub use objective::Objective;
+pub use rollout::{Rollout, rollout};
+pub use training::{AdamConfig, History, TrainConfig, train};

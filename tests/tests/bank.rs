@@ -1,13 +1,11 @@
 //! What a bank of filters promises: independence, shift invariance, memory, and errors that say what happened.
 
-mod common;
-
-use common::reference;
 use motes_models::{LinearGaussian, Seed, StateSpaceModel, Stream};
 use motes_smc::{
     Bootstrap, Conditional, Defensive, FilterBank, FilterError, FilterSettings, MinDegeneracy,
     ParticleFilter, Past, Proposal, ProposalError, ResampleWhen,
 };
+use motes_tests::reference;
 
 /// The reference model with a constant added to every log-likelihood.
 struct Shifted(LinearGaussian, f64);

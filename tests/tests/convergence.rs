@@ -1,10 +1,8 @@
 //! Errors shrink as 1/√K.
 
-mod common;
-
-use common::reference;
 use motes_models::{LinearGaussian, Seed};
 use motes_smc::{Bootstrap, FilterBank, FilterSettings, MinDegeneracy, Proposal, ResampleWhen};
+use motes_tests::reference;
 
 /// RMSE of the last mean and of log Ẑ over 400 runs with `particles` particles.
 fn errors<P: Proposal<LinearGaussian> + Clone>(proposal: &P, particles: usize) -> [f64; 2] {

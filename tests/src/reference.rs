@@ -1,12 +1,11 @@
 //! The reference problem of the statistical tests, and a proposal that can be made wrong on purpose.
-#![allow(dead_code, missing_docs)]
-
 use faer::mat;
 use motes_models::{Gaussian, LinearGaussian, Measurements, Seed, Stream, kalman};
 use motes_smc::{Conditional, FilterBank, FilterSettings, Past, Proposal, ProposalError, ResampleWhen};
 use rand::RngExt;
 use rand_distr::StandardNormal;
 
+/// The three resampling rules that evidence is tested under; a bug may show at one of them only.
 pub const NEVER_HALF_ALWAYS: [ResampleWhen; 3] =
     [ResampleWhen::Never, ResampleWhen::EssBelow(0.5), ResampleWhen::Always];
 
@@ -15,12 +14,17 @@ pub const NEVER_HALF_ALWAYS: [ResampleWhen; 3] =
 /// No random draw decides how hard the problem is: each measurement lies one standard deviation of its prediction
 /// away from it, above and below in turn, so every one is as surprising as measurements are on average.
 pub struct Reference {
+    /// The model.
     pub model: LinearGaussian,
+    /// Its five measurements.
     pub measurements: Measurements,
+    /// Their exact log-evidence.
     pub log_evidence: f64,
+    /// The exact `E[x_4 | y_{0:4}]`.
     pub last_mean: f64,
 }
 
+/// The reference problem with its exact answers.
 pub fn reference() -> Reference {
     let initial = Gaussian::new("P_0", vec![0.0], mat![[1.0]]).unwrap();
     let model = LinearGaussian::new(initial, mat![[0.9]], mat![[1.0]], mat![[1.0]], mat![[1.0]]).unwrap();
@@ -78,7 +82,9 @@ pub fn score(values: &[f64], expected: f64) -> f64 {
 /// A Gaussian around the conditional mean of the reference model, with a density that may lie about its variance.
 #[derive(Clone)]
 pub struct ScalarGaussian {
+    /// The variance of its draws.
     pub variance: f64,
+    /// The variance of the density that it states.
     pub claimed_variance: f64,
 }
 
@@ -110,6 +116,7 @@ impl Proposal<LinearGaussian> for ScalarGaussian {
     }
 }
 
+/// [`ScalarGaussian`] given the past.
 pub struct ScalarConditional<'a> {
     proposal: &'a ScalarGaussian,
     past: Past<'a>,

@@ -1,0 +1,114 @@
+//! Gaussians with a mean and a covariance of their own for each particle.
+
+use faer::{MatMut, MatRef};
+use motes_models::Stream;
+use motes_smc::{Conditional, particles_by_stream};
+use rand::RngExt;
+use rand_distr::StandardNormal;
+
+/// `N(μ_k, L_k L_kᵀ)` for each of `R` particles; what every Gaussian family conditions to.
+#[derive(Debug, Clone, Default)]
+pub struct GaussianBatch {
+    width: usize,
+    means: Vec<f64>,
+    lowers: Vec<f64>,
+}
+
+impl GaussianBatch {
+    /// Takes means (`R×N`, row-major) and lower Cholesky factors (`R` of them, each `N×N` column-major).
+    ///
+    /// # Panics
+    /// If the two do not hold the same number of particles of `width` coordinates.
+    pub fn new(width: usize, means: Vec<f64>, lowers: Vec<f64>) -> Self {
+        assert_eq!(means.len() * width, lowers.len(), "one mean and one factor for each particle");
+        GaussianBatch { width, means, lowers }
+    }
+
+    /// The factor of particle `row`.
+    pub(crate) fn lower(&self, row: usize) -> MatRef<'_, f64> {
+        let n = self.width;
+        MatRef::from_column_major_slice(&self.lowers[row * n * n..(row + 1) * n * n], n, n)
+    }
+
+    /// All factors, one after another.
+    pub(crate) fn into_lowers(self) -> Vec<f64> {
+        self.lowers
+    }
+
+    /// `x = μ + L ε` and `log q = −½ εᵀε − Σᵢ log Lᵢᵢ − (N/2) log 2π`, for standard normal `noise` (`R×N`).
+    pub(crate) fn transform(&self, noise: &[f64], states: &mut [f64], log_density: &mut [f64]) {
+        let n = self.width;
+        states.copy_from_slice(&self.means);
+        for (row, log_density) in log_density.iter_mut().enumerate() {
+            let epsilon = &noise[row * n..(row + 1) * n];
+            let lower = self.lower(row);
+            let state = &mut states[row * n..(row + 1) * n];
+            for (j, epsilon) in epsilon.iter().enumerate() {
+                let column =
+                    &lower.col(j).try_as_col_major().expect("factors are column-major").as_slice()[j..];
+                for (state, entry) in state[j..].iter_mut().zip(column) {
+                    *state += entry * epsilon;
+                }
+            }
+            *log_density = self.log_normalizer(row) - 0.5 * epsilon.iter().map(|e| e * e).sum::<f64>();
+        }
+    }
+
+    /// `−Σᵢ log Lᵢᵢ − (N/2) log 2π`.
+    fn log_normalizer(&self, row: usize) -> f64 {
+        let lower = self.lower(row);
+        let half_log_determinant: f64 = (0..self.width).map(|i| lower[(i, i)].ln()).sum();
+        -half_log_determinant - 0.5 * self.width as f64 * std::f64::consts::TAU.ln()
+    }
+}
+
+impl Conditional for GaussianBatch {
+    fn sample(&mut self, streams: &mut [Stream], states: &mut [f64], log_density: &mut [f64]) {
+        let mut noise = vec![0.0; states.len()];
+        for (stream, noise) in particles_by_stream(streams, &mut noise, self.width, log_density.len()) {
+            fill_standard_normal(stream, noise);
+        }
+        self.transform(&noise, states, log_density);
+    }
+
+    fn log_density(&mut self, states: &[f64], log_density: &mut [f64]) {
+        let n = self.width;
+        let mut deviation = vec![0.0; n];
+        for (row, log_density) in log_density.iter_mut().enumerate() {
+            let at = row * n..(row + 1) * n;
+            for ((d, x), mean) in deviation.iter_mut().zip(&states[at.clone()]).zip(&self.means[at]) {
+                *d = x - mean;
+            }
+            let whitened = MatMut::from_column_major_slice_mut(&mut deviation, n, 1);
+            self.lower(row).solve_lower_triangular_in_place(whitened);
+            *log_density = self.log_normalizer(row) - 0.5 * deviation.iter().map(|d| d * d).sum::<f64>();
+        }
+    }
+}
+
+/// Fills `noise` with independent standard normal variates.
+pub(crate) fn fill_standard_normal(stream: &mut Stream, noise: &mut [f64]) {
+    noise.fill_with(|| stream.sample(StandardNormal));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use motes_models::{Gaussian, Seed};
+
+    #[test]
+    fn the_density_along_a_sample_is_that_at_its_point_and_that_of_a_dense_gaussian() {
+        let covariance = faer::mat![[1.0, 0.4, 0.1], [0.4, 0.8, -0.2], [0.1, -0.2, 0.5]];
+        let dense = Gaussian::new("Σ", vec![1.0, 0.0, -1.0], covariance).unwrap();
+        let lower: Vec<f64> = (0..9).map(|i| dense.lower()[(i % 3, i / 3)]).collect();
+        let mut batch = GaussianBatch::new(3, dense.mean().repeat(4), lower.repeat(4));
+        let mut streams = Seed::from_u64(1).streams(2);
+        let (mut states, mut along, mut at) = (vec![0.0; 12], vec![0.0; 4], vec![0.0; 4]);
+        batch.sample(&mut streams, &mut states, &mut along);
+        batch.log_density(&states, &mut at);
+        for row in 0..4 {
+            let expected = dense.log_density(&states[row * 3..(row + 1) * 3]);
+            assert!((along[row] - expected).abs() < 1e-12 && (at[row] - expected).abs() < 1e-12);
+        }
+    }
+}

@@ -1,0 +1,69 @@
+//! What training asks of a proposal: draw with a tape running, then pull derivatives back along it.
+
+use motes_models::Stream;
+use motes_smc::{Past, ProposalError};
+
+use crate::{Gradients, Parameters};
+
+/// A proposal whose weights can be learned by reparametrised samples.
+///
+/// A draw is a deterministic function of weights, past and noise, `x_t = x(θ, x_{t−1}, y_t; ε)`, and so is `log q` of it.
+/// Training needs the derivative of any scalar of states and log densities with respect to `θ`; a [`Tape`] gives it
+/// in reverse mode. The scalar itself, and all derivatives of model densities, stay outside: no states ever enter here but
+/// those that the proposal drew.
+pub trait Learnable {
+    /// The weights.
+    fn parameters(&self) -> &Parameters;
+
+    /// The weights, to be changed by an optimiser.
+    fn parameters_mut(&mut self) -> &mut Parameters;
+
+    /// How many times the proposal has parameters for; `None` if any number.
+    fn horizon(&self) -> Option<usize>;
+
+    /// `N`, the number of coordinates of a state.
+    fn state_dim(&self) -> usize;
+
+    /// `M`, the number of coordinates of a measurement.
+    fn measurement_dim(&self) -> usize;
+
+    /// Fills `noise` (`K×N`) with what a draw of `K` particles is reparametrised by.
+    fn fill_noise(&self, stream: &mut Stream, noise: &mut [f64]);
+
+    /// Starts recording `particles` particles at `t = 0`.
+    fn tape(&self, particles: usize) -> Box<dyn Tape + '_>;
+}
+
+/// A recording of one batch of particles from `t = 0` on.
+pub trait Tape {
+    /// Draws `x_t` of each of `K` particles from `noise` (`K×N`) into `states` (`K×N`), with `log q` in `log_density` (`K`).
+    ///
+    /// # Errors
+    /// [`ProposalError`] as in [`motes_smc::Proposal::condition`].
+    fn draw(
+        &mut self,
+        past: Past<'_>,
+        noise: &[f64],
+        states: &mut [f64],
+        log_density: &mut [f64],
+    ) -> Result<(), ProposalError>;
+
+    /// Undoes the last draw that is not yet undone: takes the derivatives of the scalar with respect to its `states`
+    /// (`K×N`) and `log_density` (`K`), adds to the gradients of the weights, and writes the derivative with respect to
+    /// `x_{t−1}` into `d_previous` (`K×N`; zeros at `t = 0`).
+    ///
+    /// # Errors
+    /// [`ProposalError::Backend`] if the backend failed.
+    ///
+    /// # Panics
+    /// If no draw is left.
+    fn pull_back(
+        &mut self,
+        d_states: &[f64],
+        d_log_density: &[f64],
+        d_previous: &mut [f64],
+    ) -> Result<(), ProposalError>;
+
+    /// The gradients gathered so far.
+    fn into_gradients(self: Box<Self>) -> Gradients;
+}

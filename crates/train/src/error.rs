@@ -1,0 +1,47 @@
+//! What can go wrong in training, by kind.
+
+use motes_models::ModelError;
+use motes_smc::ProposalError;
+use thiserror::Error;
+
+/// An error of training.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum TrainError {
+    /// A setting is outside its range.
+    #[error("{name} is {value}; it must be {expected}")]
+    Setting {
+        /// Which setting.
+        name: &'static str,
+        /// The value found, as text.
+        value: String,
+        /// What would be right.
+        expected: &'static str,
+    },
+    /// The measurements do not fit the model.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// The proposal failed.
+    #[error("in training step {step}, at time {time}: {source}")]
+    Proposal {
+        /// The training step.
+        step: usize,
+        /// The time in the sequence.
+        time: usize,
+        /// What failed.
+        source: ProposalError,
+    },
+    /// The loss is no longer a finite number.
+    #[error("training diverged: the loss is {loss} in step {step}")]
+    Diverged {
+        /// The training step.
+        step: usize,
+        /// Its loss.
+        loss: f64,
+    },
+    /// The observer asked to stop.
+    #[error("training was stopped after {steps} steps")]
+    Stopped {
+        /// Steps finished.
+        steps: usize,
+    },
+}

@@ -1,0 +1,101 @@
+//! One pass along a sequence: draw particles forward in time, pull the objective's gradient backward.
+
+use motes_models::{Measurements, StateGradients, Stream};
+use motes_proposals::{Gradients, Learnable};
+use motes_smc::{Past, ProposalError};
+
+use crate::{Objective, TrainError};
+
+/// The objective of one batch of particles and its gradient.
+pub struct Rollout {
+    /// The value of the objective.
+    pub objective: f64,
+    /// The gradient of the *loss*, minus the objective, with respect to the proposal's weights.
+    pub gradients: Gradients,
+}
+
+/// Draws `particles` particles along `measurements`, without resampling, and differentiates the objective.
+///
+/// The derivative of the objective with respect to `x_t` gathers three terms, all on the host: what `x_t` does to its own
+/// densities, to the transition into `x_{t+1}`, and, through the proposal's networks, to every later draw.
+///
+/// # Errors
+/// [`ProposalError`] with the time at which it happened.
+pub fn rollout(
+    proposal: &dyn Learnable,
+    model: &dyn StateGradients,
+    measurements: &Measurements,
+    objective: Objective,
+    particles: usize,
+    stream: &mut Stream,
+) -> Result<Rollout, (usize, ProposalError)> {
+    let (n, horizon) = (model.state_dim(), measurements.len());
+    let block = particles * n;
+    let mut tape = proposal.tape(particles);
+    let mut states = vec![0.0; horizon * block];
+    let mut log_model = vec![0.0; horizon * particles];
+    let mut log_proposal = vec![0.0; horizon * particles];
+    let (mut noise, mut log_likelihood) = (vec![0.0; block], vec![0.0; particles]);
+
+    for (time, measurement) in measurements.rows().enumerate() {
+        let (earlier, now) = states.split_at_mut(time * block);
+        let previous = (time > 0).then(|| &earlier[(time - 1) * block..]);
+        let now = &mut now[..block];
+        let at = time * particles..(time + 1) * particles;
+        proposal.fill_noise(stream, &mut noise);
+        let past = Past { time, previous, measurement, particles };
+        tape.draw(past, &noise, now, &mut log_proposal[at.clone()]).map_err(|source| (time, source))?;
+        let log_model = &mut log_model[at];
+        match previous {
+            None => model.log_initials(now, log_model),
+            Some(previous) => model.log_transitions(time, previous, now, log_model),
+        }
+        model.log_likelihoods(time, now, measurement, &mut log_likelihood);
+        log_model.iter_mut().zip(&log_likelihood).for_each(|(sum, term)| *sum += term);
+    }
+
+    let evaluation = objective.evaluate(&log_model, &log_proposal, particles);
+    if !evaluation.value.is_finite() {
+        // There is no derivative to take; the caller reports the value.
+        return Ok(Rollout { objective: evaluation.value, gradients: tape.into_gradients() });
+    }
+
+    // What the loss changes by with x_t, from all that came after it.
+    let mut carried = vec![0.0; block];
+    let (mut d_states, mut d_previous, mut term) = (vec![0.0; block], vec![0.0; block], vec![0.0; block]);
+    for time in (0..horizon).rev() {
+        let at = time * particles..(time + 1) * particles;
+        let weights = &evaluation.d_log_model[at.clone()];
+        let now = &states[time * block..(time + 1) * block];
+        d_states.copy_from_slice(&carried);
+        model.likelihood_gradients(time, now, measurements.row(time), &mut term);
+        subtract_weighted(&mut d_states, weights, &term);
+        carried.fill(0.0);
+        if time == 0 {
+            model.initial_gradients(now, &mut term);
+        } else {
+            let previous = &states[(time - 1) * block..time * block];
+            model.transition_gradients(time, previous, now, &mut d_previous, &mut term);
+            subtract_weighted(&mut carried, weights, &d_previous);
+        }
+        subtract_weighted(&mut d_states, weights, &term);
+        let d_log_density: Vec<f64> = evaluation.d_log_proposal[at].iter().map(|weight| -weight).collect();
+        tape.pull_back(&d_states, &d_log_density, &mut d_previous).map_err(|source| (time, source))?;
+        carried.iter_mut().zip(&d_previous).for_each(|(sum, d)| *sum += d);
+    }
+    Ok(Rollout { objective: evaluation.value, gradients: tape.into_gradients() })
+}
+
+/// `into −= weight_k · term_k` for each particle `k`.
+fn subtract_weighted(into: &mut [f64], weights: &[f64], term: &[f64]) {
+    let width = term.len() / weights.len();
+    let rows = into.chunks_exact_mut(width).zip(term.chunks_exact(width));
+    for ((into, term), weight) in rows.zip(weights) {
+        into.iter_mut().zip(term).for_each(|(into, term)| *into -= weight * term);
+    }
+}
+
+/// Adds the training step to an error of [`rollout`].
+pub(crate) fn in_step(step: usize) -> impl Fn((usize, ProposalError)) -> TrainError {
+    move |(time, source)| TrainError::Proposal { step, time, source }
+}

@@ -1,0 +1,126 @@
+//! The fully connected proposal against the paper's formulas written out by hand.
+
+use faer::Mat;
+use motes_models::{Gaussian, GraphDiffusion, GraphDiffusionConfig, Seed, StateSpaceModel};
+use motes_proposals::{Backend, Compute, Fcnn, FcnnConfig, Learnable, Parameters, Precision};
+use motes_smc::{Conditional, Past, Proposal, ProposalError};
+
+fn system() -> GraphDiffusion {
+    GraphDiffusion::random(&GraphDiffusionConfig::new(5), &mut Seed::from_u64(80).stream()).unwrap()
+}
+
+fn fcnn(precision: Precision) -> Fcnn {
+    let compute = Compute { backend: Backend::Flex, precision };
+    let config = FcnnConfig { widths: vec![4, 6], ridge: 1e-6 };
+    Fcnn::new(&config, &system(), 3, compute, &Seed::from_u64(81)).unwrap()
+}
+
+/// The matrix of that name, row-major.
+fn named(parameters: &Parameters, name: &str) -> Vec<f64> {
+    let index = parameters.names().iter().position(|found| found == name).unwrap();
+    parameters.host(index).unwrap()
+}
+
+/// `W₃ᵀ tanh(W₂ᵀ tanh(W₁ᵀ x + b₁) + b₂) + b₃` for one input, with plain loops.
+fn network(parameters: &Parameters, name: &str, input: &[f64]) -> Vec<f64> {
+    let mut values = input.to_vec();
+    for layer in 0..3 {
+        let weight = named(parameters, &format!("{name}.{layer}.weight"));
+        let bias = named(parameters, &format!("{name}.{layer}.bias"));
+        let outputs = bias.len();
+        values = (0..outputs)
+            .map(|o| {
+                bias[o] + values.iter().enumerate().map(|(i, v)| v * weight[i * outputs + o]).sum::<f64>()
+            })
+            .map(|value| if layer < 2 { value.tanh() } else { value })
+            .collect();
+    }
+    values
+}
+
+/// The paper's `q(x_t | x_{t−1}, y_t)` as one dense Gaussian.
+fn by_hand(parameters: &Parameters, time: usize, input: &[f64], n: usize) -> Gaussian {
+    let mean = network(parameters, &format!("mean.{time}"), input);
+    let z = network(parameters, "covariance", input);
+    let c = named(parameters, "covariance.mixing");
+    let entry = |i: usize, j: usize| {
+        let sum: f64 = (0..n)
+            .flat_map(|a| (0..n).map(move |b| (a, b)))
+            .map(|(a, b)| c[i * n + a] * (-(z[a] - z[b]).powi(2)).exp() * c[j * n + b])
+            .sum();
+        sum + if i == j { 1e-6 } else { 0.0 }
+    };
+    let covariance = Mat::from_fn(n, n, |i, j| 0.5 * (entry(i, j) + entry(j, i)));
+    Gaussian::new("Σ", mean, covariance).unwrap()
+}
+
+#[test]
+fn log_q_is_that_of_the_formulas_at_samples_and_elsewhere() {
+    let (system, mut proposal) = (system(), fcnn(Precision::F64));
+    let parameters = proposal.parameters().clone();
+    let (n, particles) = (5, 4);
+    let measurement = [0.4, -1.0, 2.0];
+    let previous: Vec<f64> = (0..n * particles).map(|i| (i as f64 * 0.7).sin() * 2.0).collect();
+    for (time, past) in [(0, None), (2, Some(previous.as_slice()))] {
+        let past = Past { time, previous: past, measurement: &measurement, particles };
+        let conditional = proposal.condition(&system, past, &mut ()).unwrap();
+        let mut streams = Seed::from_u64(82).streams(2);
+        let (mut states, mut along) = (vec![0.0; n * particles], vec![0.0; particles]);
+        conditional.sample(&mut streams, &mut states, &mut along);
+        let elsewhere: Vec<f64> = states.iter().map(|x| x + 0.01).collect();
+        let mut there = vec![0.0; particles];
+        conditional.log_density(&elsewhere, &mut there);
+        for row in 0..particles {
+            let at = row * n..(row + 1) * n;
+            let mut input = past.previous.map_or(vec![0.0; n], |previous| previous[at.clone()].to_vec());
+            input.extend(measurement);
+            let dense = by_hand(&parameters, time, &input, n);
+            for (found, at) in [(along[row], &states[at.clone()]), (there[row], &elsewhere[at])] {
+                let expected = dense.log_density(at);
+                assert!((found / expected - 1.0).abs() < 1e-9, "{found} for {expected}");
+            }
+        }
+    }
+}
+
+#[test]
+fn weights_come_from_the_seed_alone() {
+    let values = |seed| {
+        let config = FcnnConfig { widths: vec![4, 6], ridge: 1e-6 };
+        let drawn = Fcnn::new(&config, &system(), 3, Backend::Flex.into(), &Seed::from_u64(seed)).unwrap();
+        let parameters = drawn.parameters();
+        (0..parameters.len()).flat_map(|index| parameters.host(index).unwrap()).collect::<Vec<f64>>()
+    };
+    assert_eq!(values(1), values(1));
+    assert_ne!(values(1), values(2));
+    // The first layer has fan-in 5 + 3, C is uniform on ±1/5.
+    let drawn = fcnn(Precision::F64);
+    let first = named(drawn.parameters(), "mean.1.0.weight");
+    let bound = 1.0 / 8.0_f64.sqrt();
+    assert!(first.iter().all(|w| w.abs() <= bound) && first.iter().any(|w| w.abs() > 0.8 * bound));
+    let mixing = named(drawn.parameters(), "covariance.mixing");
+    assert!(mixing.iter().all(|w| w.abs() <= 0.2) && mixing.iter().any(|w| w.abs() > 0.1));
+}
+
+#[test]
+fn misuse_is_a_typed_error() {
+    let (system, mut proposal) = (system(), fcnn(Precision::F32));
+    let past = Past { time: 3, previous: Some(&[0.0; 5]), measurement: &[0.0; 3], particles: 1 };
+    let error = proposal.condition(&system, past, &mut ()).err().unwrap();
+    assert_eq!(error, ProposalError::PastHorizon { horizon: 3, time: 3 });
+    assert_eq!(error.to_string(), "this proposal is unrolled over 3 times and was asked for time 3");
+    let other =
+        GraphDiffusion::random(&GraphDiffusionConfig::new(6), &mut Seed::from_u64(1).stream()).unwrap();
+    let past = Past { time: 0, previous: None, measurement: &[0.0; 4], particles: 1 };
+    assert!(proposal.condition(&other, past, &mut ()).is_err());
+    assert_eq!((other.state_dim(), Learnable::state_dim(&proposal)), (6, 5));
+
+    let new = |widths: Vec<usize>, ridge, horizon| {
+        Fcnn::new(&FcnnConfig { widths, ridge }, &system, horizon, Backend::Flex.into(), &Seed::from_u64(1))
+            .err()
+    };
+    assert!(new(vec![4], 1e-6, 0).unwrap().to_string().contains("horizon"));
+    assert!(new(vec![4, 0], 1e-6, 3).unwrap().to_string().contains("[4, 0]"));
+    assert!(new(vec![4], -1.0, 3).unwrap().to_string().contains("-1"));
+    assert!(new(vec![4], f64::NAN, 3).unwrap().to_string().contains("NaN"));
+}
