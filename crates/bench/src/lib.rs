@@ -1,1 +1,28 @@
-//! Experiments that reproduce the paper: configuration, runner, metrics, tables and figures.
+//! Experiments: from a configuration file to tables and a figure.
+//!
+//! The `motes-bench` program reads `experiments/<figure>.toml`, runs each unit of work (panel, x, method, repetition) on a
+//! thread of its own, stores it as soon as it is finished, and makes tables and a figure of all units in its folder. A
+//! run that was interrupted continues where it stopped.
+
+pub mod config;
+mod estimate;
+mod evaluate;
+mod figure;
+mod interrupt;
+mod manifest;
+mod metrics;
+mod problem;
+mod progress;
+mod regression;
+mod reproduce;
+mod runner;
+mod store;
+mod tables;
+mod unit;
+
+pub use evaluate::{Evaluation, Metric, UnitError, evaluate};
+pub use interrupt::Interrupt;
+pub use regression::regress;
+pub use reproduce::{Finished, paper_estimate, reproduce};
+pub use store::{Store, StoreError};
+pub use unit::{MethodConfig, UNIT_FORMAT, UnitConfig};

@@ -1,1 +1,135 @@
-fn main() {}
+//! `motes-bench`: what `cargo xtask` runs once it is built.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+use motes_bench::config::{ConfigError, Parsed, Plan, ReproduceArgs, check_output, parse, plans};
+use motes_bench::{Finished, Interrupt, paper_estimate, regress, reproduce};
+
+/// Reproduces the figures and tables of the paper.
+#[derive(Parser)]
+#[command(name = "motes-bench", version)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Run a figure, or what of it is missing, and write its tables and figure
+    Reproduce(ReproduceArgs),
+    /// Hold a figure's smoke profile, on both backends, against committed numbers
+    Regress {
+        /// The figure
+        figure: String,
+        /// Write the numbers instead of comparing
+        #[arg(long)]
+        update: bool,
+        /// The folder with the experiment files; expectations lie in its subfolder expected
+        #[arg(long, default_value = "experiments")]
+        experiments: PathBuf,
+        /// Where the runs go
+        #[arg(long, default_value = "runs/regression")]
+        out: PathBuf,
+    },
+}
+
+fn main() -> ExitCode {
+    let command = <Cli as clap::CommandFactory>::command();
+    let cli = match parse::<Cli>(command, std::env::args()) {
+        Ok(Parsed::Args(cli)) => cli,
+        Ok(Parsed::Help(text)) => {
+            print!("{text}");
+            return ExitCode::SUCCESS;
+        }
+        Err(error) => return refuse(&error),
+    };
+    let interrupt = match Interrupt::on_signals() {
+        Ok(interrupt) => interrupt,
+        Err(error) => {
+            eprintln!("error: signal handlers: {error}");
+            return ExitCode::from(3);
+        }
+    };
+    match cli.command {
+        Command::Reproduce(args) => run_reproduce(&args, &interrupt),
+        Command::Regress { figure, update, experiments, out } => {
+            run_regress(figure, update, experiments, out, &interrupt)
+        }
+    }
+}
+
+fn refuse(error: &ConfigError) -> ExitCode {
+    eprintln!("error: {error}");
+    ExitCode::from(error.exit_status())
+}
+
+fn run_reproduce(args: &ReproduceArgs, interrupt: &Interrupt) -> ExitCode {
+    let plans = match plans(args) {
+        Ok(plans) => plans,
+        Err(error) => return refuse(&error),
+    };
+    if let Some(error) = plans.iter().find_map(|plan| check_output(&plan.folder).err()) {
+        return refuse(&error);
+    }
+    let mut status = 0;
+    for plan in &plans {
+        match reproduce(plan, interrupt) {
+            Ok(Finished::Complete { failed }) => status = status.max(u8::from(failed > 0)),
+            Ok(Finished::Interrupted) => return ExitCode::from(interrupt.exit_status()),
+            Err(error) => {
+                eprintln!("error: {error}");
+                return ExitCode::from(3);
+            }
+        }
+    }
+    for plan in plans.iter().filter(|plan| plan.profile_name == "quick") {
+        offer_paper_profile(plan, interrupt);
+    }
+    ExitCode::from(status)
+}
+
+/// What to type for the protocol to the letter, and how long it would take here.
+fn offer_paper_profile(plan: &Plan, interrupt: &Interrupt) {
+    if let Some(estimate) = paper_estimate(plan, interrupt) {
+        println!(
+            "the whole protocol (about {estimate} here): cargo xtask reproduce {} --profile paper",
+            plan.figure
+        );
+    }
+}
+
+fn run_regress(
+    figure: String,
+    update: bool,
+    experiments: PathBuf,
+    out: PathBuf,
+    interrupt: &Interrupt,
+) -> ExitCode {
+    let expectation = experiments.join("expected").join(format!("{figure}-smoke.csv"));
+    let args = ReproduceArgs {
+        figure,
+        profile: "smoke".into(),
+        methods: vec![],
+        panels: vec![],
+        repetitions: None,
+        jobs: None,
+        backend: "flex".into(),
+        seed: "1".into(),
+        out: out.clone(),
+        fresh: true,
+        experiments,
+    };
+    let plans = match plans(&args) {
+        Ok(plans) => plans,
+        Err(error) => return refuse(&error),
+    };
+    for plan in &plans {
+        if let Err(error) = regress(plan, &expectation, &out, update, interrupt) {
+            eprintln!("error: {error:#}");
+            return ExitCode::from(1);
+        }
+    }
+    ExitCode::SUCCESS
+}

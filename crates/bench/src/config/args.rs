@@ -1,0 +1,82 @@
+//! Command-line arguments, with errors of one line.
+
+use std::path::PathBuf;
+
+use clap::error::ErrorKind;
+use clap::{Args, FromArgMatches};
+
+use super::ConfigError;
+
+/// `reproduce`: run an experiment, or what of it is missing, and write its tables and figure.
+#[derive(Debug, Clone, Args)]
+pub struct ReproduceArgs {
+    /// The figure: a file name in the experiments folder without .toml, or `all`
+    pub figure: String,
+    /// How much to run: smoke (CI), quick (a first look), paper (the protocol to the letter)
+    #[arg(long, default_value = "quick")]
+    pub profile: String,
+    /// Only these methods, separated by commas
+    #[arg(long, value_delimiter = ',')]
+    pub methods: Vec<String>,
+    /// Only these panels, separated by commas
+    #[arg(long, value_delimiter = ',')]
+    pub panels: Vec<String>,
+    /// Repetitions, instead of the profile's number
+    #[arg(long)]
+    pub repetitions: Option<String>,
+    /// Units run side by side, one thread each; as many as there are cores if absent
+    #[arg(long)]
+    pub jobs: Option<String>,
+    /// What computes the networks: flex or ndarray
+    #[arg(long, default_value = "flex")]
+    pub backend: String,
+    /// The seed that every random number of the run comes from
+    #[arg(long, default_value = "1")]
+    pub seed: String,
+    /// Results go to OUT/<figure>/<profile>
+    #[arg(long, default_value = "runs")]
+    pub out: PathBuf,
+    /// Forget finished units of this selection and run them again
+    #[arg(long)]
+    pub fresh: bool,
+    /// The folder with the experiment files
+    #[arg(long, default_value = "experiments")]
+    pub experiments: PathBuf,
+}
+
+/// The outcome of parsing.
+#[derive(Debug)]
+pub enum Parsed<T> {
+    /// Arguments to act on.
+    Args(T),
+    /// Help that was asked for.
+    Help(String),
+}
+
+/// Parses `arguments` (the program's name first) with a command made of `T`'s arguments.
+///
+/// # Errors
+/// [`ConfigError::Usage`] in one line.
+pub fn parse<T: FromArgMatches>(
+    command: clap::Command,
+    arguments: impl IntoIterator<Item = String>,
+) -> Result<Parsed<T>, ConfigError> {
+    let name = command.get_bin_name().unwrap_or(command.get_name()).to_string();
+    let usage = |error: &clap::Error| {
+        let text = error.to_string();
+        let said: Vec<&str> =
+            text.lines().take_while(|line| !line.starts_with("Usage")).map(str::trim).collect();
+        let said = said.join(" ");
+        let said = said.trim_start_matches("error: ").trim();
+        ConfigError::Usage(format!("{said}; see {name} --help"))
+    };
+    match command.try_get_matches_from(arguments) {
+        Ok(matches) => T::from_arg_matches(&matches).map(Parsed::Args).map_err(|error| usage(&error)),
+        Err(error) => match error.kind() {
+            ErrorKind::DisplayHelp
+            | ErrorKind::DisplayVersion
+            | ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => Ok(Parsed::Help(error.to_string())),
+            _ => Err(usage(&error)),
+        },
+    }
+}

@@ -1,0 +1,118 @@
+//! The numbers of an experiment file: each in its range, or named.
+
+use super::{Axis, ConfigError, Experiment};
+
+/// Checks every number that a run would use, for all profiles.
+pub(super) fn check(file: &str, experiment: &Experiment) -> Result<(), ConfigError> {
+    let checks = Checks { file };
+    let Experiment { axis, methods, system, filter, training, fcnn, panels, profiles, .. } = experiment;
+
+    checks.at_least_one("system.neighbours", system.neighbours)?;
+    checks.at_least_one("system.dimension", system.dimension)?;
+    checks.at_least_one("system.horizon", system.horizon)?;
+    checks.that(
+        system.snr_db.is_finite(),
+        "system.snr_db",
+        system.snr_db,
+        "it must be a finite number of dB",
+    )?;
+    checks.at_least_one("filter.particles", filter.particles)?;
+    let fraction = filter.ess_threshold > 0.0 && filter.ess_threshold <= 1.0;
+    checks.that(
+        fraction,
+        "filter.ess_threshold",
+        filter.ess_threshold,
+        "it must be above 0 and at most 1",
+    )?;
+    for (key, value) in [("learning_rate", training.learning_rate), ("epsilon", training.epsilon)] {
+        let fine = value > 0.0 && value.is_finite();
+        checks.that(fine, &format!("training.{key}"), value, "it must be positive and finite")?;
+    }
+    for (key, value) in [("beta_1", training.beta_1), ("beta_2", training.beta_2)] {
+        let fine = (0.0..1.0).contains(&value);
+        checks.that(fine, &format!("training.{key}"), value, "it must be at least 0 and below 1")?;
+    }
+    let fine = fcnn.ridge >= 0.0 && fcnn.ridge.is_finite();
+    checks.that(fine, "fcnn.ridge", fcnn.ridge, "it must be at least 0 and finite")?;
+
+    checks.distinct("methods", methods.iter().map(|method| method.name().to_string()))?;
+    checks.distinct("panels", panels.iter().map(|panel| panel.name.clone()))?;
+    for panel in panels {
+        checks.at_least_one(&format!("panels.{}.dimension", panel.name), panel.dimension.unwrap_or(1))?;
+        checks.system_of(experiment, panel.dimension.unwrap_or(system.dimension), &panel.name)?;
+    }
+    for (name, profile) in profiles {
+        let key = |key: &str| format!("profiles.{name}.{key}");
+        checks.distinct(&key("x"), profile.x.iter().map(usize::to_string))?;
+        for &x in &profile.x {
+            checks.at_least_one(&key("x"), x)?;
+            if *axis == Axis::Dimension {
+                checks.system_of(experiment, x, &key("x"))?;
+            }
+        }
+        checks.at_least_one(&key("repetitions"), profile.repetitions)?;
+        checks.at_least_one(&key("filter_runs"), profile.filter_runs)?;
+        checks.at_least_one(&key("training_steps"), profile.training_steps)?;
+        let widths = &profile.fcnn_widths;
+        let fine = !widths.is_empty() && !widths.contains(&0);
+        checks.that(
+            fine,
+            &key("fcnn_widths"),
+            format!("{widths:?}"),
+            "it must be one or more widths of at least 1",
+        )?;
+        if let Some(chosen) = &profile.panels {
+            checks.distinct(&key("panels"), chosen.iter().cloned())?;
+            for panel in chosen {
+                let names = panels.iter().map(|panel| panel.name.as_str());
+                let known = names.clone().any(|name| name == panel);
+                checks.that(known, &key("panels"), panel, &super::one_of(panel, names))?;
+            }
+        }
+    }
+    Ok(())
+}
+
+struct Checks<'a> {
+    file: &'a str,
+}
+
+impl Checks<'_> {
+    fn that(&self, fine: bool, key: &str, value: impl ToString, expected: &str) -> Result<(), ConfigError> {
+        if fine {
+            return Ok(());
+        }
+        Err(ConfigError::Key {
+            file: self.file.to_string(),
+            key: key.to_string(),
+            value: value.to_string(),
+            expected: expected.to_string(),
+        })
+    }
+
+    fn at_least_one(&self, key: &str, value: usize) -> Result<(), ConfigError> {
+        self.that(value > 0, key, value, "it must be at least 1")
+    }
+
+    fn distinct(&self, key: &str, values: impl Iterator<Item = String>) -> Result<(), ConfigError> {
+        let mut values: Vec<String> = values.collect();
+        self.that(!values.is_empty(), key, "empty", "it must have one value or more")?;
+        values.sort();
+        let twice = values.windows(2).find(|pair| pair[0] == pair[1]);
+        self.that(twice.is_none(), key, format!("{values:?}"), "no value may stand twice")
+    }
+
+    /// N against what the graph and the measurement matrix need of it.
+    fn system_of(&self, experiment: &Experiment, dimension: usize, key: &str) -> Result<(), ConfigError> {
+        let system = &experiment.system;
+        let enough = dimension > system.neighbours;
+        self.that(enough, key, dimension, &format!("N must exceed the {} neighbours", system.neighbours))?;
+        let half = 2 * system.unmeasured <= dimension;
+        self.that(
+            half,
+            "system.unmeasured",
+            system.unmeasured,
+            &format!("it must be at most half of N = {dimension}"),
+        )
+    }
+}

@@ -1,0 +1,19 @@
+//! What a run does: command-line arguments and experiment files, checked until nothing can surprise the runner.
+//!
+//! `xtask` compiles this module too, from this very file, so that it refuses bad input before it builds anything and
+//! without linking a network library. It therefore depends on nothing else in this crate.
+
+mod args;
+mod check;
+mod error;
+mod load;
+mod plan;
+mod schema;
+
+pub use args::{Parsed, ReproduceArgs, parse};
+pub use error::{ConfigError, one_of};
+pub use plan::{Backend, Plan, Point, check_output, plans};
+pub use schema::{
+    Axis, Densities, Drift, Experiment, Fcnn, Filter, Method, Noise, Objective, Panel, Profile, Resampling,
+    System, Training,
+};

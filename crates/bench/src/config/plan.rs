@@ -1,0 +1,201 @@
+//! Arguments and experiment file brought together: exactly what is to be run.
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::check::check;
+use super::load::{figures, load};
+use super::{Axis, ConfigError, Experiment, Method, Panel, Profile, ReproduceArgs, one_of};
+
+/// What computes the networks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Backend {
+    /// burn's CPU backend.
+    Flex,
+    /// The backend on ndarray.
+    Ndarray,
+}
+
+impl Backend {
+    /// The name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Backend::Flex => "flex",
+            Backend::Ndarray => "ndarray",
+        }
+    }
+}
+
+/// One figure in one profile, restricted to what was asked for.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    /// The figure's name.
+    pub figure: String,
+    /// The profile's name.
+    pub profile_name: String,
+    /// The whole file.
+    pub experiment: Experiment,
+    /// The chosen profile.
+    pub profile: Profile,
+    /// The chosen panels, in the file's order.
+    pub panels: Vec<Panel>,
+    /// The chosen methods, in the file's order.
+    pub methods: Vec<Method>,
+    /// Repetitions to run.
+    pub repetitions: usize,
+    /// Units run side by side.
+    pub jobs: usize,
+    /// What computes the networks.
+    pub backend: Backend,
+    /// The seed of the run.
+    pub seed: u64,
+    /// Where results go, figure and profile included.
+    pub folder: PathBuf,
+    /// Whether finished units are to be run again.
+    pub fresh: bool,
+}
+
+/// One unit of work by its place in the figure.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Point {
+    /// The panel's name.
+    pub panel: String,
+    /// The value on the x axis.
+    pub x: usize,
+    /// The method.
+    pub method: Method,
+    /// The repetition, from 0.
+    pub repetition: usize,
+}
+
+impl Plan {
+    /// The units of this plan: panel by panel, so that finished panels come early.
+    pub fn points(&self) -> Vec<Point> {
+        let mut points = Vec::new();
+        for panel in &self.panels {
+            for &x in &self.profile.x {
+                for &method in &self.methods {
+                    for repetition in 0..self.repetitions {
+                        points.push(Point { panel: panel.name.clone(), x, method, repetition });
+                    }
+                }
+            }
+        }
+        points
+    }
+
+    /// N, T and K of the units at `x` in the panel of that name; `None` if the figure has no such panel.
+    pub fn sizes(&self, panel: &str, x: usize) -> Option<(usize, usize, usize)> {
+        let Experiment { system, filter, axis, panels, .. } = &self.experiment;
+        let panel = panels.iter().find(|found| found.name == panel)?;
+        let (n, t, k) = (panel.dimension.unwrap_or(system.dimension), system.horizon, filter.particles);
+        Some(match axis {
+            Axis::Particles => (n, t, x),
+            Axis::Horizon => (n, x, k),
+            Axis::Dimension => (x, t, k),
+        })
+    }
+}
+
+/// The plans that the arguments ask for, one for each figure. Reads experiment files and writes nothing.
+///
+/// # Errors
+/// [`ConfigError`] for anything that could not be run.
+pub fn plans(args: &ReproduceArgs) -> Result<Vec<Plan>, ConfigError> {
+    let known = figures(&args.experiments)?;
+    let chosen: Vec<&String> = match args.figure.as_str() {
+        "all" => known.iter().collect(),
+        figure => known.iter().filter(|known| *known == figure).collect(),
+    };
+    if chosen.is_empty() {
+        let names = known.iter().map(String::as_str).chain(["all"]);
+        return Err(refuse("figure", &args.figure, one_of(&args.figure, names)));
+    }
+    chosen.into_iter().map(|figure| plan(figure, args)).collect()
+}
+
+fn plan(figure: &str, args: &ReproduceArgs) -> Result<Plan, ConfigError> {
+    let file = args.experiments.join(figure).with_extension("toml");
+    let experiment = load(&file)?;
+    check(&file.display().to_string(), &experiment)?;
+    let Some(profile) = experiment.profiles.get(&args.profile).cloned() else {
+        let names = experiment.profiles.keys().map(String::as_str);
+        return Err(refuse("--profile", &args.profile, one_of(&args.profile, names)));
+    };
+    let of_profile: Vec<&Panel> = experiment
+        .panels
+        .iter()
+        .filter(|panel| profile.panels.as_ref().is_none_or(|names| names.contains(&panel.name)))
+        .collect();
+    let panels = select("--panels", &args.panels, &of_profile, |panel| &panel.name)?;
+    let methods = select("--methods", &args.methods, &experiment.methods, |method| method.name())?;
+    let backends = [Backend::Flex, Backend::Ndarray];
+    let Some(backend) = backends.into_iter().find(|backend| backend.name() == args.backend) else {
+        let names = one_of(&args.backend, backends.map(Backend::name));
+        return Err(refuse("--backend", &args.backend, names));
+    };
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    Ok(Plan {
+        figure: figure.to_string(),
+        profile_name: args.profile.clone(),
+        panels: panels.into_iter().cloned().collect(),
+        methods,
+        repetitions: positive("--repetitions", args.repetitions.as_deref())?.unwrap_or(profile.repetitions),
+        jobs: positive("--jobs", args.jobs.as_deref())?.unwrap_or(cores),
+        backend,
+        seed: args.seed.parse().map_err(|_| {
+            refuse("--seed", &args.seed, format!("it must be an integer from 0 to {}", u64::MAX))
+        })?,
+        folder: args.out.join(figure).join(&args.profile),
+        fresh: args.fresh,
+        profile,
+        experiment,
+    })
+}
+
+fn refuse(option: &str, value: &str, expected: String) -> ConfigError {
+    ConfigError::Option { option: option.to_string(), value: value.to_string(), expected }
+}
+
+/// Those of `all` whose names were asked for, in the order of `all`; all of them if none was.
+fn select<T: Clone>(
+    option: &str,
+    asked: &[String],
+    all: &[T],
+    name: impl Fn(&T) -> &str,
+) -> Result<Vec<T>, ConfigError> {
+    for (at, asked_name) in asked.iter().enumerate() {
+        if !all.iter().any(|item| name(item) == asked_name) {
+            return Err(refuse(option, asked_name, one_of(asked_name, all.iter().map(&name))));
+        }
+        if asked[..at].contains(asked_name) {
+            return Err(refuse(option, &asked.join(","), format!("{asked_name} stands twice")));
+        }
+    }
+    let chosen = all.iter().filter(|item| asked.is_empty() || asked.iter().any(|asked| asked == name(item)));
+    Ok(chosen.cloned().collect())
+}
+
+fn positive(option: &str, value: Option<&str>) -> Result<Option<usize>, ConfigError> {
+    value
+        .map(|value| match value.parse::<usize>() {
+            Ok(number) if number > 0 => Ok(number),
+            _ => Err(refuse(option, value, "it must be an integer of at least 1".into())),
+        })
+        .transpose()
+}
+
+/// Makes sure that results can be written to `folder`, by creating it and a file in it that is removed again.
+///
+/// # Errors
+/// [`ConfigError::Output`].
+pub fn check_output(folder: &Path) -> Result<(), ConfigError> {
+    let fail =
+        |error: std::io::Error| ConfigError::Output { folder: folder.into(), reason: error.to_string() };
+    std::fs::create_dir_all(folder).map_err(fail)?;
+    let probe = folder.join(format!(".writable-{}", std::process::id()));
+    std::fs::write(&probe, b"").map_err(fail)?;
+    std::fs::remove_file(&probe).map_err(fail)
+}

@@ -1,0 +1,218 @@
+//! The experiment file: one TOML for a figure, every key known and typed.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+/// A whole file, `experiments/<figure>.toml`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Experiment {
+    /// What the figure shows.
+    pub title: String,
+    /// What its x axis varies.
+    pub axis: Axis,
+    /// The methods it compares, in the order of its legend.
+    pub methods: Vec<Method>,
+    /// The system.
+    pub system: System,
+    /// The filter.
+    pub filter: Filter,
+    /// How proposals are trained.
+    pub training: Training,
+    /// Settings of the fully connected proposal.
+    pub fcnn: Fcnn,
+    /// The panels side by side; one named `all` where the figure has none.
+    pub panels: Vec<Panel>,
+    /// What smoke, quick and paper runs do.
+    pub profiles: BTreeMap<String, Profile>,
+}
+
+/// What the x axis varies; it overrides the fixed value of the same quantity.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Axis {
+    /// The number of particles, K.
+    Particles,
+    /// The length of the trajectory, T.
+    Horizon,
+    /// The number of state coordinates, N.
+    Dimension,
+}
+
+/// A way of sampling particles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Method {
+    /// The designed proposal p(x_t | x_{t−1}, y_t).
+    MinDegeneracy,
+    /// The transition p(x_t | x_{t−1}).
+    Bootstrap,
+    /// The learned fully connected proposal.
+    Fcnn,
+}
+
+impl Method {
+    /// All methods there are.
+    pub const ALL: [Method; 3] = [Method::MinDegeneracy, Method::Bootstrap, Method::Fcnn];
+
+    /// The name on the command line, in files and in figures.
+    pub fn name(self) -> &'static str {
+        match self {
+            Method::MinDegeneracy => "min-degeneracy",
+            Method::Bootstrap => "bootstrap",
+            Method::Fcnn => "fcnn",
+        }
+    }
+
+    /// Whether it is trained.
+    pub fn is_learned(self) -> bool {
+        matches!(self, Method::Fcnn)
+    }
+}
+
+/// `x_t = φ(A x_{t−1}) + v_t`, `y_t = C x_t + w_t` on a random geometric graph.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct System {
+    /// φ.
+    pub drift: Drift,
+    /// The family of both noises that data are drawn with.
+    pub noise: Noise,
+    /// What the filter takes the noises to be.
+    pub densities: Densities,
+    /// Signal-to-noise ratio of both noises, in dB.
+    pub snr_db: f64,
+    /// Nearest others that a node is joined to.
+    pub neighbours: usize,
+    /// N − M, the number of coordinates that are not measured by themselves.
+    pub unmeasured: usize,
+    /// N; a panel or the x axis may say otherwise.
+    pub dimension: usize,
+    /// T; the x axis may say otherwise.
+    pub horizon: usize,
+}
+
+/// φ, applied to each coordinate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Drift {
+    /// φ(x) = x.
+    Identity,
+    /// φ(x) = |x|.
+    Abs,
+}
+
+/// A noise family, centred, with the given variance.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Noise {
+    /// Normal.
+    Gaussian,
+    /// Shifted exponential.
+    Exponential,
+    /// Uniform.
+    Uniform,
+}
+
+/// The densities in weights and objective.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Densities {
+    /// Gaussian with the true mean and covariance, whatever the noise.
+    Gaussian,
+    /// Those of the noise family itself.
+    Exact,
+}
+
+/// The particle filter.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Filter {
+    /// K; the x axis may say otherwise.
+    pub particles: usize,
+    /// How ancestors are drawn.
+    pub resampling: Resampling,
+    /// Resample when the effective sample size is below this fraction of K.
+    pub ess_threshold: f64,
+}
+
+/// How ancestors are drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Resampling {
+    /// Independent draws.
+    Multinomial,
+    /// One uniform, evenly spaced points.
+    Systematic,
+    /// One uniform in each of K strata.
+    Stratified,
+    /// Whole parts for certain, the rest multinomial.
+    Residual,
+}
+
+/// How proposals are trained.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Training {
+    /// What is maximised.
+    pub objective: Objective,
+    /// Adam's step size.
+    pub learning_rate: f64,
+    /// Adam's first forgetting factor.
+    pub beta_1: f64,
+    /// Adam's second forgetting factor.
+    pub beta_2: f64,
+    /// Adam's ε.
+    pub epsilon: f64,
+}
+
+/// What training maximises.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Objective {
+    /// Σ_t mean_k [log p(x_t|x_{t−1}) + log p(y_t|x_t)].
+    LogLikelihood,
+    /// Σ_t log mean_k p(x_t|x_{t−1}) p(y_t|x_t).
+    Literal,
+    /// The log-likelihood minus log q.
+    Elbo,
+}
+
+/// Settings of the fully connected proposal that all profiles share.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Fcnn {
+    /// Added to the diagonal of the covariance.
+    pub ridge: f64,
+}
+
+/// One of the plots side by side.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Panel {
+    /// Its name on the command line and in files.
+    pub name: String,
+    /// N in this panel.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dimension: Option<usize>,
+}
+
+/// How much of the experiment a run does.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Profile {
+    /// Values of the x axis.
+    pub x: Vec<usize>,
+    /// Panels by name; all if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub panels: Option<Vec<String>>,
+    /// Repetitions, each with a new graph, trajectory and initial weights.
+    pub repetitions: usize,
+    /// Independent filters whose estimates are averaged.
+    pub filter_runs: usize,
+    /// Training steps.
+    pub training_steps: usize,
+    /// Hidden widths of the fully connected proposal.
+    pub fcnn_widths: Vec<usize>,
+}

@@ -1,0 +1,165 @@
+//! Running one unit: draw its problem, train its proposal, run its filters, measure.
+
+use std::ops::ControlFlow;
+use std::time::Instant;
+
+use motes_models::GraphDiffusion;
+use motes_proposals::{Backend, Fcnn, FcnnConfig};
+use motes_smc::{Bootstrap, FilterBank, FilterSettings, MinDegeneracy, Proposal, ResampleWhen, Resampling};
+use motes_train::{AdamConfig, Objective, TrainConfig, TrainError, train};
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use crate::config;
+use crate::metrics::{Recorded, metrics};
+use crate::problem::Problem;
+use crate::{Interrupt, MethodConfig, UnitConfig};
+
+/// A number with its name.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Metric {
+    /// The name, as in the tables.
+    pub name: String,
+    /// The value; finite.
+    pub value: f64,
+}
+
+impl Metric {
+    pub(crate) fn new(name: &str, value: f64) -> Self {
+        Metric { name: name.into(), value }
+    }
+}
+
+/// What a unit found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Evaluation {
+    /// What depends on nothing but the configuration.
+    pub metrics: Vec<Metric>,
+    /// What depends on the clock.
+    pub timings: Vec<Metric>,
+}
+
+/// Why a unit has no result.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum UnitError {
+    /// It failed, and would fail again.
+    #[error("{0}")]
+    Failed(String),
+    /// It was abandoned because the run is being stopped.
+    #[error("interrupted")]
+    Interrupted,
+}
+
+fn failed(error: impl ToString) -> UnitError {
+    UnitError::Failed(error.to_string())
+}
+
+/// Runs a unit on the calling thread.
+///
+/// # Errors
+/// [`UnitError::Failed`] with the reason, [`UnitError::Interrupted`] soon after `interrupt` was raised.
+pub fn evaluate(unit: &UnitConfig, interrupt: &Interrupt) -> Result<Evaluation, UnitError> {
+    let problem = Problem::draw(unit).map_err(failed)?;
+    let evaluation = match &unit.method {
+        MethodConfig::Bootstrap => judge(unit, &problem, Bootstrap, interrupt)?,
+        MethodConfig::MinDegeneracy => {
+            judge(unit, &problem, MinDegeneracy::new(&problem.model).map_err(failed)?, interrupt)?
+        }
+        MethodConfig::Fcnn { settings, widths, training, steps, backend } => {
+            let config = FcnnConfig { widths: widths.clone(), ridge: settings.ridge };
+            let backend = match backend {
+                config::Backend::Flex => Backend::Flex,
+                config::Backend::Ndarray => Backend::NdArray,
+            };
+            let seed = unit.own_seed();
+            let horizon = unit.system.horizon;
+            let mut proposal =
+                Fcnn::new(&config, &problem.model, horizon, backend.into(), &seed.child("weights"))
+                    .map_err(failed)?;
+            let start = Instant::now();
+            let training = train_config(training, unit.filter.particles, *steps);
+            let mut stream = seed.child("training").stream();
+            let measurements = &problem.trajectory.measurements;
+            let watch = |_, _| interrupt.check();
+            let history = train(&mut proposal, &problem.model, measurements, &training, &mut stream, watch)
+                .map_err(|error| match error {
+                TrainError::Stopped { .. } => UnitError::Interrupted,
+                error => failed(error),
+            })?;
+            let seconds = start.elapsed().as_secs_f64();
+            let mut evaluation = judge(unit, &problem, proposal, interrupt)?;
+            let ends = [("loss_first", history.losses.first()), ("loss_last", history.losses.last())];
+            for (name, loss) in ends {
+                evaluation.metrics.extend(loss.map(|&loss| Metric::new(name, loss)));
+            }
+            evaluation.timings.insert(0, Metric::new("train_seconds", seconds));
+            evaluation
+        }
+    };
+    match evaluation.metrics.iter().find(|metric| !metric.value.is_finite()) {
+        Some(metric) => Err(failed(format!("the metric {} is {}", metric.name, metric.value))),
+        None => Ok(evaluation),
+    }
+}
+
+/// Runs the filters of a unit with one proposal.
+fn judge<P: Proposal<GraphDiffusion>>(
+    unit: &UnitConfig,
+    problem: &Problem,
+    proposal: P,
+    interrupt: &Interrupt,
+) -> Result<Evaluation, UnitError> {
+    let start = Instant::now();
+    let settings = FilterSettings {
+        particles: unit.filter.particles,
+        resampling: match unit.filter.resampling {
+            config::Resampling::Multinomial => Resampling::Multinomial,
+            config::Resampling::Systematic => Resampling::Systematic,
+            config::Resampling::Stratified => Resampling::Stratified,
+            config::Resampling::Residual => Resampling::Residual,
+        },
+        resample_when: ResampleWhen::EssBelow(unit.filter.ess_threshold),
+    };
+    let (filters, n) = (unit.filter_runs, unit.system.dimension);
+    let seed = unit.own_seed().child("filter");
+    let mut bank = FilterBank::new(&problem.model, proposal, settings, filters, &seed).map_err(failed)?;
+    let mut recorded = Recorded {
+        filters,
+        means: Vec::with_capacity(unit.system.horizon * filters * n),
+        effective_sample_sizes: Vec::with_capacity(unit.system.horizon * filters),
+        log_evidence: Vec::with_capacity(filters),
+    };
+    let mut mean = vec![0.0; n];
+    for measurement in problem.trajectory.measurements.rows() {
+        if interrupt.check() == ControlFlow::Break(()) {
+            return Err(UnitError::Interrupted);
+        }
+        bank.step(measurement).map_err(failed)?;
+        for filter in 0..filters {
+            bank.mean(filter, &mut mean);
+            recorded.means.extend_from_slice(&mean);
+            recorded.effective_sample_sizes.push(bank.weights(filter).effective_sample_size());
+        }
+    }
+    recorded.log_evidence.extend((0..filters).map(|filter| bank.log_evidence(filter)));
+    let timings = vec![Metric::new("filter_seconds", start.elapsed().as_secs_f64())];
+    Ok(Evaluation { metrics: metrics(problem, &recorded), timings })
+}
+
+fn train_config(training: &config::Training, particles: usize, steps: usize) -> TrainConfig {
+    TrainConfig {
+        objective: match training.objective {
+            config::Objective::LogLikelihood => Objective::LogLikelihood,
+            config::Objective::Literal => Objective::Literal,
+            config::Objective::Elbo => Objective::Elbo,
+        },
+        particles,
+        steps,
+        adam: AdamConfig {
+            learning_rate: training.learning_rate,
+            beta_1: training.beta_1,
+            beta_2: training.beta_2,
+            epsilon: training.epsilon,
+        },
+    }
+}

@@ -1,0 +1,195 @@
+//! figure.svg: panels side by side, and below the paper's metric those that show what it hides.
+
+use std::error::Error;
+
+use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
+use plotters::prelude::*;
+
+use crate::config::{Method, Plan};
+use crate::reproduce::axis_label;
+use crate::tables::Row;
+
+/// A row of plots: which metric, what its axis says, and whether the axis is logarithmic.
+struct Metric {
+    name: &'static str,
+    label: &'static str,
+    logarithmic: bool,
+}
+
+const METRICS: [Metric; 3] = [
+    Metric { name: "nmse_final", label: "NMSE, last time", logarithmic: true },
+    Metric { name: "nmse_all", label: "NMSE, all times", logarithmic: true },
+    Metric { name: "ess", label: "effective sample size", logarithmic: false },
+];
+
+const PANEL: (u32, u32) = (380, 260);
+const HEAD: u32 = 64;
+const FONT: &str = "sans-serif";
+const INK: RGBColor = RGBColor(40, 40, 40);
+
+type Drawn = Result<(), Box<dyn Error>>;
+
+/// Draws medians with bars of one standard deviation, a curve for each method.
+///
+/// # Errors
+/// What the drawing library says.
+pub(crate) fn figure(plan: &Plan, title: &str, rows: &[Row]) -> Result<String, Box<dyn Error>> {
+    let mut panels: Vec<&str> = Vec::new();
+    let mut methods: Vec<Method> = Vec::new();
+    for row in rows {
+        if !panels.contains(&row.panel.as_str()) {
+            panels.push(&row.panel);
+        }
+        if !methods.contains(&row.method) {
+            methods.push(row.method);
+        }
+    }
+    let size = (PANEL.0 * panels.len().max(2) as u32, HEAD + PANEL.1 * METRICS.len() as u32);
+    let mut svg = String::new();
+    {
+        let root = SVGBackend::with_string(&mut svg, size).into_drawing_area();
+        root.fill(&WHITE)?;
+        let (head, body) = root.split_vertically(HEAD);
+        draw_head(&head, title, &methods)?;
+        let cells = body.split_evenly((METRICS.len(), panels.len()));
+        for (at, cell) in cells.iter().enumerate() {
+            let (metric, panel) = (&METRICS[at / panels.len()], panels[at % panels.len()]);
+            let of_metric: Vec<&Row> =
+                rows.iter().filter(|row| row.metric == metric.name && row.n_ok > 0).collect();
+            draw_cell(cell, plan, metric, panel, &methods, &of_metric)?;
+        }
+        root.present()?;
+    }
+    Ok(svg)
+}
+
+type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
+
+/// Title and legend.
+fn draw_head(head: &Area<'_>, title: &str, methods: &[Method]) -> Drawn {
+    head.draw(&Text::new(title.to_string(), (12, 10), (FONT, 17).into_font().color(&INK)))?;
+    let mut x = 12;
+    for &method in methods {
+        let colour = colour(method);
+        head.draw(&PathElement::new(vec![(x, 46), (x + 26, 46)], colour.stroke_width(2)))?;
+        head.draw(&marker(method, (x + 13, 46)))?;
+        head.draw(&Text::new(method.name(), (x + 32, 39), (FONT, 14).into_font().color(&INK)))?;
+        x += 52 + 8 * method.name().len() as i32;
+    }
+    Ok(())
+}
+
+fn draw_cell(
+    cell: &Area<'_>,
+    plan: &Plan,
+    metric: &Metric,
+    panel: &str,
+    methods: &[Method],
+    rows: &[&Row],
+) -> Drawn {
+    let (low_x, high_x) = extent(rows.iter().map(|row| row.x as f64));
+    let margin = 0.06 * (high_x - low_x).max(1.0);
+    let x = low_x - margin..high_x + margin;
+    let here: Vec<&Row> = rows.iter().filter(|row| row.panel == panel).copied().collect();
+    // One scale for all panels of a metric, so that they can be compared.
+    if metric.logarithmic {
+        let (low, _) = extent(rows.iter().map(|row| (row.median - row.std).max(row.median / 4.0)));
+        let (_, high) = extent(rows.iter().map(|row| row.median + row.std));
+        let y = (low / 1.5..high * 1.5).log_scale();
+        draw_chart(cell, plan, metric, panel, methods, &here, x, y, low / 1.5)
+    } else {
+        let (_, high) = extent(rows.iter().map(|row| row.median + row.std));
+        draw_chart(cell, plan, metric, panel, methods, &here, x, 0.0..high * 1.05, 0.0)
+    }
+}
+
+#[allow(clippy::too_many_arguments, reason = "all of it is one picture, and only the axis type differs")]
+fn draw_chart<Y>(
+    cell: &Area<'_>,
+    plan: &Plan,
+    metric: &Metric,
+    panel: &str,
+    methods: &[Method],
+    rows: &[&Row],
+    x: std::ops::Range<f64>,
+    y: Y,
+    floor: f64,
+) -> Drawn
+where
+    Y: AsRangedCoord<Value = f64>,
+    Y::CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>,
+{
+    let spread = x.end - x.start;
+    let mut chart = ChartBuilder::on(cell)
+        .margin(8)
+        .margin_right(14)
+        .caption(format!("{panel}: {}", metric.label), (FONT, 14).into_font().color(&INK))
+        .x_label_area_size(34)
+        .y_label_area_size(48)
+        .build_cartesian_2d(x, y)?;
+    let label = |y: &f64| if metric.logarithmic { format!("{y:.0e}") } else { format!("{y}") };
+    let mut xs: Vec<usize> = rows.iter().map(|row| row.x).collect();
+    xs.sort_unstable();
+    xs.dedup();
+    chart
+        .configure_mesh()
+        .x_desc(axis_label(plan.experiment.axis))
+        .x_labels(xs.len().clamp(2, 8))
+        .x_label_formatter(&|x| format!("{x:.0}"))
+        .y_label_formatter(&label)
+        .light_line_style(TRANSPARENT)
+        .bold_line_style(INK.mix(0.12))
+        .axis_style(INK.mix(0.6))
+        .label_style((FONT, 12).into_font().color(&INK))
+        .draw()?;
+    for (at, &method) in methods.iter().enumerate() {
+        let colour = colour(method);
+        // Bars of different methods stand beside each other.
+        let shift = spread * 0.008 * (at as f64 - 0.5 * (methods.len() as f64 - 1.0));
+        let mut points: Vec<(f64, &Row)> =
+            rows.iter().filter(|row| row.method == method).map(|row| (row.x as f64 + shift, *row)).collect();
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for (x, row) in &points {
+            let ends = [(*x, (row.median - row.std).max(floor)), (*x, row.median + row.std)];
+            chart.draw_series([PathElement::new(ends, colour.mix(0.45).stroke_width(2))])?;
+        }
+        let line = points.iter().map(|(x, row)| (*x, row.median));
+        chart.draw_series(LineSeries::new(line.clone(), colour.stroke_width(2)))?;
+        chart.draw_series(line.map(|point| marker(method, point)))?;
+    }
+    Ok(())
+}
+
+/// Smallest and largest value; 0 and 1 of nothing.
+fn extent(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    let found = values.fold(None, |extent: Option<(f64, f64)>, value| {
+        Some(extent.map_or((value, value), |(low, high)| (low.min(value), high.max(value))))
+    });
+    found.unwrap_or((0.0, 1.0))
+}
+
+/// Colours that stay apart for colour-blind eyes (Okabe and Ito's), designed proposals in grey.
+fn colour(method: Method) -> RGBColor {
+    match method {
+        Method::MinDegeneracy => RGBColor(70, 70, 70),
+        Method::Bootstrap => RGBColor(160, 160, 160),
+        Method::Fcnn => RGBColor(0, 114, 178),
+    }
+}
+
+/// Filled for learned proposals, hollow for designed ones.
+fn marker<C>(method: Method, at: C) -> Circle<C, i32> {
+    let colour = colour(method);
+    Circle::new(at, 4, if method.is_learned() { colour.filled() } else { colour.stroke_width(2) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::extent;
+
+    #[test]
+    fn extents() {
+        assert_eq!(extent([2.0, -1.0, 5.0].into_iter()), (-1.0, 5.0));
+        assert_eq!(extent([].into_iter()), (0.0, 1.0));
+    }
+}

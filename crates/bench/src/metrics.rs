@@ -1,0 +1,146 @@
+//! How good the estimates of many filters are: the only place where the truth is looked at.
+
+use motes_models::Sequence;
+
+use crate::Metric;
+use crate::problem::Problem;
+
+/// What a bank of filters said, recorded step by step.
+pub(crate) struct Recorded {
+    /// Number of filters, `B`.
+    pub(crate) filters: usize,
+    /// Each filter's estimate at each time: `T×B×N`, before resampling.
+    pub(crate) means: Vec<f64>,
+    /// Each filter's effective sample size at each time, before resampling: `T×B`.
+    pub(crate) effective_sample_sizes: Vec<f64>,
+    /// Each filter's final estimate of the log-evidence.
+    pub(crate) log_evidence: Vec<f64>,
+}
+
+/// All metrics of one unit, in the order of the tables.
+pub(crate) fn metrics(problem: &Problem, recorded: &Recorded) -> Vec<Metric> {
+    let truth = problem.truth();
+    let (n, last) = (truth.width(), truth.len() - 1);
+    let averages: Vec<Vec<f64>> =
+        (0..=last).map(|time| average(recorded.at(time, n), n, recorded.filters)).collect();
+    let all: f64 = averages.iter().enumerate().map(|(time, mean)| squared_error(mean, truth.row(time))).sum();
+    let size: f64 = truth.rows().map(squared_norm).sum();
+    let finals = recorded.at(last, n).chunks_exact(n);
+    let mut found = vec![
+        Metric::new("nmse_final", normalised_error(&averages[last], truth, last)),
+        Metric::new(
+            "nmse_final_single",
+            median(finals.map(|mean| normalised_error(mean, truth, last)).collect()),
+        ),
+        Metric::new("nmse_all", all / size),
+        Metric::new("ess", mean(&recorded.effective_sample_sizes)),
+        Metric::new("log_evidence_mean", mean(&recorded.log_evidence)),
+        Metric::new("log_evidence_std", standard_deviation(&recorded.log_evidence)),
+    ];
+    if let Some(exact) = &problem.exact {
+        found.push(Metric::new("log_evidence_exact", exact.log_evidence));
+    }
+    found
+}
+
+impl Recorded {
+    /// The estimates at one time, `B×N`.
+    fn at(&self, time: usize, width: usize) -> &[f64] {
+        let block = self.filters * width;
+        &self.means[time * block..(time + 1) * block]
+    }
+}
+
+fn average(rows: &[f64], width: usize, count: usize) -> Vec<f64> {
+    let mut sum = vec![0.0; width];
+    for row in rows.chunks_exact(width) {
+        sum.iter_mut().zip(row).for_each(|(sum, value)| *sum += value / count as f64);
+    }
+    sum
+}
+
+/// `‖estimate − truth_t‖² / ‖truth_t‖²`.
+fn normalised_error(estimate: &[f64], truth: &Sequence, time: usize) -> f64 {
+    squared_error(estimate, truth.row(time)) / squared_norm(truth.row(time))
+}
+
+fn squared_error(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum()
+}
+
+fn squared_norm(a: &[f64]) -> f64 {
+    a.iter().map(|a| a * a).sum()
+}
+
+pub(crate) fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+/// The middle value, or the mean of the two middle values; NaN of nothing.
+pub(crate) fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    match values.len() {
+        0 => f64::NAN,
+        count if count % 2 == 1 => values[count / 2],
+        count => 0.5 * (values[count / 2 - 1] + values[count / 2]),
+    }
+}
+
+/// The sample standard deviation, over `n − 1`; 0 of one value.
+pub(crate) fn standard_deviation(values: &[f64]) -> f64 {
+    if values.len() < 2 {
+        return 0.0;
+    }
+    let mean = mean(values);
+    let sum: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+    (sum / (values.len() - 1) as f64).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::unit::tests::unit;
+
+    #[test]
+    fn worked_by_hand() {
+        assert_eq!(median(vec![3.0, 1.0, 2.0]), 2.0);
+        assert_eq!(median(vec![4.0, 1.0, 2.0, 3.0]), 2.5);
+        assert!((standard_deviation(&[1.0, 2.0, 3.0, 4.0]) - (5.0_f64 / 3.0).sqrt()).abs() < 1e-15);
+        assert_eq!(standard_deviation(&[7.0]), 0.0);
+    }
+
+    #[test]
+    fn an_estimate_off_by_a_known_amount_has_a_known_error() {
+        let mut problem = Problem::draw(&unit(6, 2, 4)).unwrap();
+        let truth = problem.truth().clone();
+        // Two filters: one right, one off by 1 in each of 6 coordinates; at time 0 both are right.
+        let mut means = [truth.row(0), truth.row(0), truth.row(1)].concat();
+        means.extend(truth.row(1).iter().map(|x| x + 1.0));
+        let recorded = Recorded {
+            filters: 2,
+            means,
+            effective_sample_sizes: vec![4.0, 2.0, 1.0, 1.0],
+            log_evidence: vec![-10.0, -12.0],
+        };
+        let exact = problem.exact.as_ref().unwrap().log_evidence;
+        let size = |time: usize| truth.row(time).iter().map(|x| x * x).sum::<f64>();
+        let expected = [
+            ("nmse_final", 1.5 / size(1)),
+            ("nmse_final_single", 3.0 / size(1)),
+            ("nmse_all", 1.5 / (size(0) + size(1))),
+            ("ess", 2.0),
+            ("log_evidence_mean", -11.0),
+            ("log_evidence_std", 2.0_f64.sqrt()),
+            ("log_evidence_exact", exact),
+        ];
+        let found = metrics(&problem, &recorded);
+        assert_eq!(found.len(), expected.len());
+        for (found, (name, value)) in found.iter().zip(expected) {
+            assert_eq!(found.name, name);
+            assert!((found.value - value).abs() < 1e-12 * value.abs().max(1.0), "{name}: {}", found.value);
+        }
+        // Where the exact means are not those of the true system, estimates are held against its states.
+        problem.exact_is_true = false;
+        assert_eq!(problem.truth(), &problem.trajectory.states);
+    }
+}

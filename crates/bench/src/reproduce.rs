@@ -1,0 +1,224 @@
+//! One figure from plan to files: what is missing is run, then tables and figure are made of all that is there.
+
+use crate::config::{Axis, Plan, Point};
+use crate::figure::figure;
+use crate::manifest::{manifest, revision, revisions};
+use crate::progress::{Progress, duration};
+use crate::runner::{Evaluate, Event, run};
+use crate::store::{Contents, Outcome, Record};
+use crate::tables::{failures_csv, markdown, sort, summarise, summary_csv, timings_csv, units_csv};
+use crate::{Interrupt, Store, StoreError, UnitConfig, UnitError, estimate, evaluate};
+
+/// How a run ended.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Finished {
+    /// All units are there; this many of them failed.
+    Complete {
+        /// Units recorded as failed.
+        failed: usize,
+    },
+    /// It was stopped; what was finished is kept.
+    Interrupted,
+}
+
+/// Runs what a plan lacks and writes every output file.
+///
+/// # Errors
+/// [`StoreError`] if the folder is in use or cannot be read or written.
+pub fn reproduce(plan: &Plan, interrupt: &Interrupt) -> Result<Finished, StoreError> {
+    reproduce_with(plan, interrupt, &evaluate)
+}
+
+fn reproduce_with(plan: &Plan, interrupt: &Interrupt, evaluate: &Evaluate) -> Result<Finished, StoreError> {
+    let store = Store::open(&plan.folder)?;
+    let wanted: Vec<(Point, UnitConfig)> = plan
+        .points()
+        .into_iter()
+        .filter_map(|point| UnitConfig::at(plan, &point).map(|unit| (point, unit)))
+        .collect();
+    if plan.fresh {
+        for (_, unit) in &wanted {
+            store.remove(unit)?;
+        }
+    }
+    let there = read(plan, &store)?;
+    let missing: Vec<&(Point, UnitConfig)> =
+        wanted.iter().filter(|(_, unit)| !there.iter().any(|record| record.config == *unit)).collect();
+    announce(plan, wanted.len(), missing.len());
+    if !missing.is_empty() {
+        run_missing(plan, &store, &missing, interrupt, evaluate)?;
+    }
+
+    let records = read(plan, &store)?;
+    write_outputs(plan, &store, &records)?;
+    let left =
+        missing.iter().filter(|(_, unit)| !records.iter().any(|record| record.config == *unit)).count();
+    if left > 0 {
+        eprintln!("stopped with {left} units left; the same command goes on where this one stopped");
+        return Ok(Finished::Interrupted);
+    }
+    let failed = records.iter().filter(|record| matches!(record.outcome, Outcome::Failed(_))).count();
+    if failed > 0 {
+        eprintln!("{failed} of {} units failed; failures.csv says why", records.len());
+    }
+    Ok(Finished::Complete { failed })
+}
+
+/// The folder's units that belong to this plan's configuration, sorted; others are reported and left alone.
+fn read(plan: &Plan, store: &Store) -> Result<Vec<Record>, StoreError> {
+    let Contents { mut records, set_aside } = store.read()?;
+    for path in set_aside {
+        eprintln!("damaged unit set aside as {}; it is computed again", path.display());
+    }
+    let all = records.len();
+    let mut difference = None;
+    records.retain(|record| match UnitConfig::at(plan, &record.point) {
+        Some(expected) if expected == record.config => true,
+        expected => {
+            difference = difference.take().or_else(|| Some(differs(&record.config, expected.as_ref())));
+            false
+        }
+    });
+    if let Some(difference) = difference {
+        let others = all - records.len();
+        eprintln!(
+            "{others} units in {} are of another run and not used: {difference}",
+            store.folder().display()
+        );
+    }
+    sort(plan, &mut records);
+    Ok(records)
+}
+
+/// The first setting in which a stored unit differs from what this run would do.
+fn differs(found: &UnitConfig, expected: Option<&UnitConfig>) -> String {
+    let Some(expected) = expected else { return "this experiment has no such panel".into() };
+    let json = |unit: &UnitConfig| serde_json::to_value(unit).unwrap_or_default();
+    first_difference("", &json(found), &json(expected)).unwrap_or_else(|| "they differ".into())
+}
+
+fn first_difference(path: &str, found: &serde_json::Value, expected: &serde_json::Value) -> Option<String> {
+    match (found.as_object(), expected.as_object()) {
+        (Some(found), Some(expected)) => {
+            let absent = serde_json::Value::Null;
+            found.keys().chain(expected.keys()).find_map(|key| {
+                let path = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
+                let side = |side: &serde_json::Map<_, _>| side.get(key).cloned().unwrap_or(absent.clone());
+                first_difference(&path, &side(found), &side(expected))
+            })
+        }
+        _ => (found != expected).then(|| format!("{path} is {found} there and {expected} here")),
+    }
+}
+
+fn announce(plan: &Plan, wanted: usize, missing: usize) {
+    let methods: Vec<&str> = plan.methods.iter().map(|method| method.name()).collect();
+    let panels: Vec<&str> = plan.panels.iter().map(|panel| panel.name.as_str()).collect();
+    eprintln!(
+        "{} {}: panels {}, x = {:?}, methods {}, {} repetitions, seed {}, backend {}",
+        plan.figure,
+        plan.profile_name,
+        panels.join(" "),
+        plan.profile.x,
+        methods.join(" "),
+        plan.repetitions,
+        plan.seed,
+        plan.backend.name(),
+    );
+    match wanted - missing {
+        0 => eprintln!("{missing} units to run on {} threads", plan.jobs),
+        done => eprintln!("{done} units are there, {missing} to run on {} threads", plan.jobs),
+    }
+}
+
+fn run_missing(
+    plan: &Plan,
+    store: &Store,
+    missing: &[&(Point, UnitConfig)],
+    interrupt: &Interrupt,
+    evaluate: &Evaluate,
+) -> Result<(), StoreError> {
+    let points: Vec<Point> = missing.iter().map(|(point, _)| point.clone()).collect();
+    let units: Vec<UnitConfig> = missing.iter().map(|(_, unit)| unit.clone()).collect();
+    let estimates = estimate::seconds(plan, &points, interrupt);
+    let total: f64 = estimates.iter().sum();
+    eprintln!("estimated time {}", duration(total / plan.jobs.min(units.len()) as f64));
+    let revision = revision();
+    let mut progress = Progress::start(units.len(), total);
+    let name = |point: &Point| {
+        format!("{} x = {} {} repetition {}", point.panel, point.x, point.method.name(), point.repetition)
+    };
+    run(&units, plan.jobs, interrupt, evaluate, |event| {
+        match event {
+            Event::Started(index) => progress.started(&name(&points[index])),
+            Event::Ended(_, Err(UnitError::Interrupted)) => {}
+            Event::Ended(index, result) => {
+                let (outcome, timings) = match result {
+                    Ok(found) => (Outcome::Metrics(found.metrics), found.timings),
+                    Err(error) => (Outcome::Failed(error.to_string()), vec![]),
+                };
+                let record = Record {
+                    point: points[index].clone(),
+                    config: units[index].clone(),
+                    revision: revision.clone(),
+                    outcome,
+                    timings,
+                };
+                store.write(&record)?;
+                let failure = match &record.outcome {
+                    Outcome::Failed(reason) => Some(reason.as_str()),
+                    Outcome::Metrics(_) => None,
+                };
+                progress.ended(&name(&points[index]), estimates[index], failure);
+            }
+        }
+        Ok::<(), StoreError>(())
+    })?;
+    progress.finish();
+    Ok(())
+}
+
+fn write_outputs(plan: &Plan, store: &Store, records: &[Record]) -> Result<(), StoreError> {
+    let figure_name = &plan.figure;
+    let rows = summarise(records);
+    let (axis, title) = (axis_label(plan.experiment.axis), &plan.experiment.title);
+    let title = format!("{title} ({figure_name}, profile {})", plan.profile_name);
+    let table = markdown(&title, axis, &rows);
+    store.write_file("units.csv", &units_csv(figure_name, records))?;
+    store.write_file("timings.csv", &timings_csv(figure_name, records))?;
+    store.write_file("failures.csv", &failures_csv(figure_name, records))?;
+    store.write_file("summary.csv", &summary_csv(figure_name, &rows))?;
+    store.write_file("table.md", &table)?;
+    store.write_file("manifest.json", &manifest(plan, records))?;
+    if !rows.is_empty() {
+        let svg = figure(plan, &title, &rows).map_err(|error| StoreError::Figure(error.to_string()))?;
+        store.write_file("figure.svg", &svg)?;
+    }
+    let revisions = revisions(records);
+    if revisions.len() > 1 {
+        eprintln!(
+            "these units were computed by {} source revisions; manifest.json lists them",
+            revisions.len()
+        );
+    }
+    println!("{table}");
+    println!("written to {}", store.folder().display());
+    Ok(())
+}
+
+pub(crate) fn axis_label(axis: Axis) -> &'static str {
+    match axis {
+        Axis::Particles => "K",
+        Axis::Horizon => "T",
+        Axis::Dimension => "N",
+    }
+}
+
+/// How long the paper profile of this figure would take on this machine with as many threads, as a person says it.
+pub fn paper_estimate(plan: &Plan, interrupt: &Interrupt) -> Option<String> {
+    let profile = plan.experiment.profiles.get("paper")?.clone();
+    let repetitions = profile.repetitions;
+    let paper = Plan { profile, repetitions, ..plan.clone() };
+    let total: f64 = estimate::seconds(&paper, &paper.points(), interrupt).iter().sum();
+    Some(duration(total / plan.jobs as f64))
+}

@@ -1,0 +1,122 @@
+//! Units on worker threads: one unit, one thread, and each result handed over as soon as it is there.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc;
+
+use crate::{Evaluation, Interrupt, UnitConfig, UnitError};
+
+/// What a worker reports.
+pub(crate) enum Event {
+    /// It has begun unit number `.0`.
+    Started(usize),
+    /// It has ended unit number `.0`.
+    Ended(usize, Result<Evaluation, UnitError>),
+}
+
+/// What evaluates a unit; the tests put something in its place that takes no time.
+pub(crate) type Evaluate = dyn Fn(&UnitConfig, &Interrupt) -> Result<Evaluation, UnitError> + Sync;
+
+/// Evaluates `units` on `jobs` threads and calls `observe` on the calling thread for each event.
+///
+/// The networks compute on the thread that asks them to, so parallel units do not compete for cores, and the number of
+/// threads cannot change a result. An error from `observe` (a result that cannot be stored) stops the run, as the interrupt does.
+pub(crate) fn run<E>(
+    units: &[UnitConfig],
+    jobs: usize,
+    interrupt: &Interrupt,
+    evaluate: &Evaluate,
+    mut observe: impl FnMut(Event) -> Result<(), E>,
+) -> Result<(), E> {
+    let next = AtomicUsize::new(0);
+    let (sender, receiver) = mpsc::channel();
+    std::thread::scope(|scope| {
+        for _ in 0..jobs.min(units.len()) {
+            let (sender, next) = (sender.clone(), &next);
+            scope.spawn(move || {
+                while interrupt.check().is_continue() {
+                    let index = next.fetch_add(1, Ordering::Relaxed);
+                    let Some(unit) = units.get(index) else { return };
+                    // The receiver outlives the workers unless it failed, and then nobody wants the result.
+                    let _ = sender.send(Event::Started(index));
+                    let result = guarded(|| evaluate(unit, interrupt));
+                    let _ = sender.send(Event::Ended(index, result));
+                }
+            });
+        }
+        drop(sender);
+        for event in receiver {
+            if let Err(error) = observe(event) {
+                interrupt.raise();
+                return Err(error);
+            }
+        }
+        Ok(())
+    })
+}
+
+/// A panic inside a unit (a library's, say) fails that unit and not the run.
+fn guarded(evaluate: impl FnOnce() -> Result<Evaluation, UnitError>) -> Result<Evaluation, UnitError> {
+    catch_unwind(AssertUnwindSafe(evaluate)).unwrap_or_else(|panic| {
+        let text = panic.downcast_ref::<String>().map(String::as_str);
+        let text = text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no message");
+        Err(UnitError::Failed(format!("panic: {text}")))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Metric;
+    use crate::unit::tests::unit;
+
+    fn fake(unit: &UnitConfig, _: &Interrupt) -> Result<Evaluation, UnitError> {
+        match unit.repetition {
+            3 => panic!("three"),
+            4 => Err(UnitError::Failed("four".into())),
+            repetition => {
+                let metrics = vec![Metric::new("ess", repetition as f64)];
+                Ok(Evaluation { metrics, timings: vec![] })
+            }
+        }
+    }
+
+    fn units(count: usize) -> Vec<UnitConfig> {
+        (0..count).map(|repetition| UnitConfig { repetition, ..unit(10, 12, 10) }).collect()
+    }
+
+    #[test]
+    fn every_unit_ends_once_and_a_failing_one_takes_no_other_with_it() {
+        for jobs in [1, 2, 7] {
+            let mut ends = vec![None; 6];
+            run(&units(6), jobs, &Interrupt::default(), &fake, |event| {
+                if let Event::Ended(index, result) = event {
+                    assert!(ends[index].replace(result).is_none());
+                }
+                Ok::<(), ()>(())
+            })
+            .unwrap();
+            let ends: Vec<_> = ends.into_iter().map(Option::unwrap).collect();
+            assert_eq!(ends[3], Err(UnitError::Failed("panic: three".into())));
+            assert_eq!(ends[4], Err(UnitError::Failed("four".into())));
+            assert_eq!(ends[5].as_ref().unwrap().metrics[0].value, 5.0);
+        }
+    }
+
+    #[test]
+    fn an_interrupt_and_a_failing_observer_stop_the_run() {
+        let mut started = 0;
+        let raise = |unit: &UnitConfig, interrupt: &Interrupt| {
+            interrupt.raise();
+            fake(unit, interrupt)
+        };
+        run(&units(3), 1, &Interrupt::default(), &raise, |event| {
+            started += usize::from(matches!(event, Event::Started(_)));
+            Ok::<(), ()>(())
+        })
+        .unwrap();
+        assert_eq!(started, 1);
+        let result = run(&units(3), 2, &Interrupt::default(), &fake, |_| Err("disk full"));
+        assert_eq!(result, Err("disk full"));
+    }
+}

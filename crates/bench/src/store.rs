@@ -1,0 +1,257 @@
+//! The folder of finished units: each written at once or not at all, checked when read, one runner at a time.
+
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{Read, Seek, Write};
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use crate::config::Point;
+use crate::{Metric, UnitConfig};
+
+/// What is stored of a unit.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Record {
+    /// Its place in the figure.
+    pub point: Point,
+    /// What determined it.
+    pub config: UnitConfig,
+    /// The source revision that computed it.
+    pub revision: String,
+    /// Its metrics, or why it failed.
+    pub outcome: Outcome,
+    /// What depends on the clock.
+    pub timings: Vec<Metric>,
+}
+
+/// How a unit ended.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Outcome {
+    /// With these metrics.
+    Metrics(Vec<Metric>),
+    /// It failed, for this reason.
+    Failed(String),
+}
+
+/// Why the store cannot be used.
+#[derive(Debug, Error)]
+pub enum StoreError {
+    /// Another runner has the folder.
+    #[error("{folder} is in use by another run ({holder}); wait for it, or give another --out", folder = folder.display())]
+    Locked {
+        /// The folder.
+        folder: PathBuf,
+        /// What the lock file says of its holder.
+        holder: String,
+    },
+    /// The figure could not be drawn.
+    #[error("figure.svg could not be drawn: {0}")]
+    Figure(String),
+    /// A file could not be read or written.
+    #[error("{path}: {source}", path = path.display())]
+    Io {
+        /// The file or folder.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+}
+
+fn at(path: &Path) -> impl FnOnce(std::io::Error) -> StoreError + '_ {
+    move |source| StoreError::Io { path: path.to_path_buf(), source }
+}
+
+/// A results folder, locked for as long as this value lives.
+#[derive(Debug)]
+pub struct Store {
+    folder: PathBuf,
+    _lock: File,
+}
+
+/// What the folder of units holds.
+#[derive(Debug, Default)]
+pub struct Contents {
+    /// Units that are whole.
+    pub records: Vec<Record>,
+    /// Files that were not and have been set aside.
+    pub set_aside: Vec<PathBuf>,
+}
+
+const HEAD: &str = "{\"length\":";
+
+impl Store {
+    /// Opens or creates the results folder and locks it. The kernel holds the lock, so that it goes when the process does.
+    ///
+    /// # Errors
+    /// [`StoreError::Locked`] if another process has it, [`StoreError::Io`] if it cannot be written.
+    pub fn open(folder: &Path) -> Result<Store, StoreError> {
+        let units = folder.join("units");
+        std::fs::create_dir_all(&units).map_err(at(&units))?;
+        let path = folder.join(".lock");
+        let mut lock = OpenOptions::new()
+            .read(true)
+            .write(true)
+            .create(true)
+            .truncate(false)
+            .open(&path)
+            .map_err(at(&path))?;
+        match lock.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => {
+                let mut holder = String::new();
+                lock.read_to_string(&mut holder).map_err(at(&path))?;
+                return Err(StoreError::Locked { folder: folder.into(), holder: holder.trim().into() });
+            }
+            Err(TryLockError::Error(source)) => return Err(StoreError::Io { path, source }),
+        }
+        lock.set_len(0).and_then(|()| lock.rewind()).map_err(at(&path))?;
+        writeln!(lock, "process {}", std::process::id()).map_err(at(&path))?;
+        Ok(Store { folder: folder.to_path_buf(), _lock: lock })
+    }
+
+    /// The results folder.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    fn path(&self, key: &str) -> PathBuf {
+        self.folder.join("units").join(format!("{key}.json"))
+    }
+
+    /// Reads every unit. A file that is truncated, empty or changed is renamed out of the way and reported.
+    ///
+    /// # Errors
+    /// [`StoreError::Io`] if the folder cannot be read.
+    pub fn read(&self) -> Result<Contents, StoreError> {
+        let folder = self.folder.join("units");
+        let mut paths = Vec::new();
+        for entry in std::fs::read_dir(&folder).map_err(at(&folder))? {
+            let path = entry.map_err(at(&folder))?.path();
+            if path.extension().is_some_and(|extension| extension == "json") {
+                paths.push(path);
+            }
+        }
+        paths.sort();
+        let mut contents = Contents::default();
+        for path in paths {
+            let text = std::fs::read(&path).map_err(at(&path))?;
+            let key = path.file_stem().and_then(|key| key.to_str()).unwrap_or_default();
+            match decode(&text).filter(|record| record.config.key() == key) {
+                Some(record) => contents.records.push(record),
+                None => {
+                    let aside = path.with_extension("json.damaged");
+                    std::fs::rename(&path, &aside).map_err(at(&path))?;
+                    contents.set_aside.push(aside);
+                }
+            }
+        }
+        Ok(contents)
+    }
+
+    /// Stores a unit: written under another name, flushed to the disk, then renamed, so that no partial file ever counts.
+    ///
+    /// # Errors
+    /// [`StoreError::Io`] naming the path, for instance when the disk is full; nothing that was there is harmed.
+    pub fn write(&self, record: &Record) -> Result<(), StoreError> {
+        self.replace(&self.path(&record.config.key()), encode(record).as_bytes())
+    }
+
+    /// Removes a unit, if it is there.
+    ///
+    /// # Errors
+    /// [`StoreError::Io`] if it is there and cannot be removed.
+    pub fn remove(&self, config: &UnitConfig) -> Result<(), StoreError> {
+        let path = self.path(&config.key());
+        match std::fs::remove_file(&path) {
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(at(&path)(error)),
+            _ => Ok(()),
+        }
+    }
+
+    /// Writes a table or figure into the results folder, whole or not at all.
+    ///
+    /// # Errors
+    /// [`StoreError::Io`] naming the path.
+    pub fn write_file(&self, name: &str, contents: &str) -> Result<(), StoreError> {
+        self.replace(&self.folder.join(name), contents.as_bytes())
+    }
+
+    fn replace(&self, path: &Path, contents: &[u8]) -> Result<(), StoreError> {
+        let temporary = path.with_extension("partial");
+        let write = || {
+            let mut file = File::create(&temporary)?;
+            file.write_all(contents)?;
+            file.sync_all()?;
+            std::fs::rename(&temporary, path)
+        };
+        write().map_err(|source| {
+            let _ = std::fs::remove_file(&temporary);
+            StoreError::Io { path: path.to_path_buf(), source }
+        })
+    }
+}
+
+/// `{"length":L,"blake3":"…","unit":BODY}` with the length and hash of BODY.
+fn encode(record: &Record) -> String {
+    let body = serde_json::to_string(record).expect("a record has only string keys and finite numbers");
+    let hash = blake3::hash(body.as_bytes()).to_hex();
+    format!("{HEAD}{},\"blake3\":\"{hash}\",\"unit\":{body}}}\n", body.len())
+}
+
+fn decode(bytes: &[u8]) -> Option<Record> {
+    let text = std::str::from_utf8(bytes).ok()?;
+    let rest = text.strip_prefix(HEAD)?;
+    let (length, rest) = rest.split_once(",\"blake3\":\"")?;
+    let (hash, rest) = rest.split_once("\",\"unit\":")?;
+    let body = rest.strip_suffix("}\n")?;
+    let whole = length.parse() == Ok(body.len()) && blake3::hash(body.as_bytes()).to_hex().as_str() == hash;
+    whole.then(|| serde_json::from_str(body).ok()).flatten()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::Method;
+    use crate::unit::tests::unit;
+
+    fn record() -> Record {
+        Record {
+            point: Point { panel: "N10".into(), x: 20, method: Method::Bootstrap, repetition: 0 },
+            config: unit(10, 12, 20),
+            revision: "0123".into(),
+            outcome: Outcome::Metrics(vec![Metric::new("ess", 0.1 + 0.2)]),
+            timings: vec![],
+        }
+    }
+
+    #[test]
+    fn every_damaged_byte_is_noticed() {
+        let text = encode(&record());
+        assert_eq!(decode(text.as_bytes()), Some(record()));
+        let _: serde_json::Value = serde_json::from_str(&text).unwrap();
+        for at in 0..text.len() {
+            let mut bytes = text.clone().into_bytes();
+            bytes[at] ^= 1;
+            assert_eq!(decode(&bytes), None, "a flip in byte {at} went unnoticed");
+            assert_eq!(decode(&text.as_bytes()[..at]), None, "a file of {at} bytes was taken for whole");
+        }
+    }
+
+    #[test]
+    fn a_damaged_unit_is_set_aside_and_a_folder_has_one_owner() {
+        let folder = tempfile::tempdir().unwrap();
+        let store = Store::open(folder.path()).unwrap();
+        store.write(&record()).unwrap();
+        assert_eq!(store.read().unwrap().records, [record()]);
+
+        let error = Store::open(folder.path()).unwrap_err().to_string();
+        assert!(error.contains(&format!("process {}", std::process::id())), "{error}");
+
+        std::fs::write(store.path(&record().config.key()), "").unwrap();
+        let contents = store.read().unwrap();
+        assert!(contents.records.is_empty() && contents.set_aside.len() == 1);
+        assert!(store.read().unwrap().set_aside.is_empty());
+    }
+}

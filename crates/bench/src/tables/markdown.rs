@@ -1,0 +1,102 @@
+//! table.md: medians ± standard deviations, ready to paste.
+
+use super::Row;
+
+/// Metrics with a column of their own, and what its head says.
+const COLUMNS: [(&str, &str); 4] = [
+    ("nmse_final", "NMSE, last time"),
+    ("nmse_final_single", "NMSE, last time, one run"),
+    ("nmse_all", "NMSE, all times"),
+    ("ess", "ESS"),
+];
+
+/// The summary as a Markdown table: a line for each panel, x and method.
+pub(crate) fn markdown(title: &str, axis: &str, rows: &[Row]) -> String {
+    let heads: Vec<&str> = COLUMNS.iter().map(|(_, head)| *head).collect();
+    let mut text = format!("{title}\n\nMedian ± standard deviation over repetitions.\n\n");
+    text += &format!("| panel | {axis} | method | {} | n |\n", heads.join(" | "));
+    text += &format!("|---|---:|---|{}---:|\n", "---:|".repeat(COLUMNS.len()));
+    let mut points: Vec<&Row> = Vec::new();
+    for row in rows {
+        let known = points.iter().any(|p| (&p.panel, p.x, p.method) == (&row.panel, row.x, row.method));
+        if !known {
+            points.push(row);
+        }
+    }
+    // By x before method: methods are read against each other.
+    let panels: Vec<&String> = points.iter().map(|row| &row.panel).collect();
+    let order = |panel: &String| panels.iter().position(|known| *known == panel);
+    points.sort_by_key(|row| (order(&row.panel), row.x));
+    for point in points {
+        let of = |metric: &str| {
+            rows.iter().find(|row| {
+                (&row.panel, row.x, row.method) == (&point.panel, point.x, point.method)
+                    && row.metric == metric
+            })
+        };
+        let cells: Vec<String> = COLUMNS
+            .iter()
+            .map(|(metric, _)| match of(metric) {
+                Some(row) if row.n_ok > 0 => format!("{} ± {}", short(row.median), short(row.std)),
+                _ => "–".into(),
+            })
+            .collect();
+        let (panel, x, method) = (&point.panel, point.x, point.method.name());
+        text +=
+            &format!("| {panel} | {x} | {method} | {} | {}/{} |\n", cells.join(" | "), point.n_ok, point.n);
+    }
+    text
+}
+
+/// Three digits, in scientific notation where plain decimals would be long.
+fn short(value: f64) -> String {
+    match value.abs() {
+        0.0 => "0".into(),
+        size if !(1e-3..1e4).contains(&size) => format!("{value:.2e}"),
+        size => {
+            let decimals = (2 - size.log10().floor() as i32).max(0) as usize;
+            format!("{value:.decimals$}")
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::Method;
+
+    #[test]
+    fn numbers_are_short() {
+        let shown: Vec<String> = [0.0, 0.01234, 0.5678, 12.345, 123.4, 1.0, 2.5e-5].map(short).into();
+        assert_eq!(shown, ["0", "0.0123", "0.568", "12.3", "123", "1.00", "2.50e-5"]);
+    }
+
+    #[test]
+    fn a_line_for_each_point_and_a_dash_where_there_is_nothing() {
+        let row = |x, method, metric: &str, n_ok| Row {
+            panel: "N10".into(),
+            method,
+            x,
+            metric: metric.into(),
+            median: 0.25,
+            std: 0.5,
+            n_ok,
+            n: 2,
+        };
+        let rows = [
+            row(10, Method::Bootstrap, "nmse_final", 2),
+            row(20, Method::Bootstrap, "nmse_final", 0),
+            row(10, Method::Fcnn, "nmse_final", 2),
+        ];
+        let table = markdown("T", "K", &rows);
+        let lines: Vec<&str> = table.lines().skip(6).collect();
+        assert_eq!(
+            lines,
+            [
+                "| N10 | 10 | bootstrap | 0.250 ± 0.500 | – | – | – | 2/2 |",
+                "| N10 | 10 | fcnn | 0.250 ± 0.500 | – | – | – | 2/2 |",
+                "| N10 | 20 | bootstrap | – | – | – | – | 0/2 |",
+            ]
+        );
+    }
+}

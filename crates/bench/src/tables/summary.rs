@@ -1,0 +1,118 @@
+//! summary.csv: median and standard deviation over repetitions.
+
+use super::{csv, number};
+use crate::config::Method;
+use crate::metrics::{median, standard_deviation};
+use crate::store::{Outcome, Record};
+
+/// One metric of one method at one point, over its repetitions.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Row {
+    pub(crate) panel: String,
+    pub(crate) method: Method,
+    pub(crate) x: usize,
+    pub(crate) metric: String,
+    pub(crate) median: f64,
+    /// Sample standard deviation; 0 for one repetition.
+    pub(crate) std: f64,
+    /// Repetitions that have this metric.
+    pub(crate) n_ok: usize,
+    /// Repetitions that were run.
+    pub(crate) n: usize,
+}
+
+/// Summarises sorted records. A point at which every unit failed has a row for `nmse_final` with no value.
+pub(crate) fn summarise(records: &[Record]) -> Vec<Row> {
+    let same = |a: &Record, b: &Record| {
+        (&a.point.panel, a.point.method, a.point.x) == (&b.point.panel, b.point.method, b.point.x)
+    };
+    let mut rows = Vec::new();
+    for group in records.chunk_by(same) {
+        let found: Vec<_> = group
+            .iter()
+            .filter_map(|record| match &record.outcome {
+                Outcome::Metrics(metrics) => Some(metrics),
+                Outcome::Failed(_) => None,
+            })
+            .collect();
+        let mut names: Vec<&str> = Vec::new();
+        for metric in found.iter().flat_map(|metrics| metrics.iter()) {
+            if !names.contains(&metric.name.as_str()) {
+                names.push(&metric.name);
+            }
+        }
+        if names.is_empty() {
+            names.push("nmse_final");
+        }
+        for name in names {
+            let values: Vec<f64> = found
+                .iter()
+                .filter_map(|metrics| metrics.iter().find(|metric| metric.name == name))
+                .map(|metric| metric.value)
+                .collect();
+            let point = &group[0].point;
+            rows.push(Row {
+                panel: point.panel.clone(),
+                method: point.method,
+                x: point.x,
+                metric: name.to_string(),
+                std: standard_deviation(&values),
+                n_ok: values.len(),
+                n: group.len(),
+                median: median(values),
+            });
+        }
+    }
+    rows
+}
+
+/// The summary as CSV; a point without any value has empty cells.
+pub(crate) fn summary_csv(figure: &str, rows: &[Row]) -> String {
+    let header = ["figure", "panel", "method", "x", "metric", "median", "std", "n_ok", "n"];
+    csv(
+        header,
+        rows.iter().map(|row| {
+            let value = |value: f64| if row.n_ok == 0 { String::new() } else { number(value) };
+            [
+                figure.to_string(),
+                row.panel.clone(),
+                row.method.name().to_string(),
+                row.x.to_string(),
+                row.metric.clone(),
+                value(row.median),
+                value(row.std),
+                row.n_ok.to_string(),
+                row.n.to_string(),
+            ]
+        }),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Metric;
+    use crate::config::Point;
+    use crate::unit::tests::unit;
+
+    fn record(x: usize, repetition: usize, outcome: Outcome) -> Record {
+        let point = Point { panel: "N10".into(), x, method: Method::Bootstrap, repetition };
+        Record { point, config: unit(10, 12, x), revision: String::new(), outcome, timings: vec![] }
+    }
+
+    #[test]
+    fn failed_units_are_counted_and_never_dropped() {
+        let ok = |value| Outcome::Metrics(vec![Metric::new("nmse_final", value)]);
+        let failed = || Outcome::Failed("why".into());
+        let records = [
+            record(10, 0, ok(1.0)),
+            record(10, 1, failed()),
+            record(10, 2, ok(4.0)),
+            record(20, 0, failed()),
+        ];
+        let csv = summary_csv("fig1", &summarise(&records));
+        let lines: Vec<&str> = csv.lines().skip(1).collect();
+        assert_eq!(lines[0], "fig1,N10,bootstrap,10,nmse_final,2.5,2.1213203435596424,2,3");
+        assert_eq!(lines[1], "fig1,N10,bootstrap,20,nmse_final,,,0,1");
+    }
+}

@@ -1,0 +1,166 @@
+//! A unit of work: all that determines its result, and the key that this hashes to.
+
+use motes_models::Seed;
+use serde::{Deserialize, Serialize};
+
+use crate::config::{Backend, Fcnn, Filter, Method, Plan, Point, System, Training};
+
+/// The version of what a unit's configuration means. Raised by hand whenever the same configuration gives other
+/// numbers than before, so that old units are never taken for new ones.
+pub const UNIT_FORMAT: u32 = 1;
+
+/// Everything that a unit's result depends on.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct UnitConfig {
+    /// [`UNIT_FORMAT`] when it was run.
+    pub format: u32,
+    /// The seed of the run.
+    pub seed: u64,
+    /// The repetition: which graph, trajectory and initial weights.
+    pub repetition: usize,
+    /// The system, with this unit's own N and T.
+    pub system: System,
+    /// The filter, with this unit's own K.
+    pub filter: Filter,
+    /// Independent filters.
+    pub filter_runs: usize,
+    /// The method with its settings.
+    pub method: MethodConfig,
+}
+
+/// A method with the settings that it depends on, and no others.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum MethodConfig {
+    /// The designed proposal.
+    MinDegeneracy,
+    /// The transition.
+    Bootstrap,
+    /// The fully connected proposal.
+    Fcnn {
+        /// Settings shared by all profiles.
+        settings: Fcnn,
+        /// Hidden widths.
+        widths: Vec<usize>,
+        /// How it is trained.
+        training: Training,
+        /// For how many steps.
+        steps: usize,
+        /// What computes its networks.
+        backend: Backend,
+    },
+}
+
+impl UnitConfig {
+    /// The unit at a point of a plan's figure; `None` if the figure has no such panel.
+    pub fn at(plan: &Plan, point: &Point) -> Option<UnitConfig> {
+        let (n, t, k) = plan.sizes(&point.panel, point.x)?;
+        let experiment = &plan.experiment;
+        Some(UnitConfig {
+            format: UNIT_FORMAT,
+            seed: plan.seed,
+            repetition: point.repetition,
+            system: System { dimension: n, horizon: t, ..experiment.system.clone() },
+            filter: Filter { particles: k, ..experiment.filter.clone() },
+            filter_runs: plan.profile.filter_runs,
+            method: match point.method {
+                Method::MinDegeneracy => MethodConfig::MinDegeneracy,
+                Method::Bootstrap => MethodConfig::Bootstrap,
+                Method::Fcnn => MethodConfig::Fcnn {
+                    settings: experiment.fcnn.clone(),
+                    widths: plan.profile.fcnn_widths.clone(),
+                    training: experiment.training.clone(),
+                    steps: plan.profile.training_steps,
+                    backend: plan.backend,
+                },
+            },
+        })
+    }
+
+    /// The unit's key: 32 hexadecimal digits of the BLAKE3 hash of this configuration as JSON.
+    pub fn key(&self) -> String {
+        let json = serde_json::to_string(self).expect("a configuration has only string keys");
+        blake3::hash(json.as_bytes()).to_hex()[..32].to_string()
+    }
+
+    /// The streams of the system: the same for every method and every K, so that repetitions are paired.
+    ///
+    /// T is left out too: a longer trajectory begins with the shorter one.
+    pub fn system_seed(&self) -> Seed {
+        let system = Seed::from_u64(self.seed).child("system");
+        system.nth(self.system.dimension as u64).nth(self.repetition as u64)
+    }
+
+    /// The streams of this unit alone: initial weights, training noise, filters.
+    pub fn own_seed(&self) -> Seed {
+        let label = match self.method {
+            MethodConfig::MinDegeneracy => "min-degeneracy",
+            MethodConfig::Bootstrap => "bootstrap",
+            MethodConfig::Fcnn { .. } => "fcnn",
+        };
+        [self.system.dimension, self.system.horizon, self.filter.particles, self.repetition]
+            .into_iter()
+            .fold(Seed::from_u64(self.seed).child("unit").child(label), |seed, index| seed.nth(index as u64))
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use crate::config::{Densities, Drift, Noise, Resampling};
+
+    /// A bootstrap unit of the linear Gaussian system.
+    pub(crate) fn unit(dimension: usize, horizon: usize, particles: usize) -> UnitConfig {
+        UnitConfig {
+            format: UNIT_FORMAT,
+            seed: 1,
+            repetition: 0,
+            system: System {
+                drift: Drift::Identity,
+                noise: Noise::Gaussian,
+                densities: Densities::Gaussian,
+                snr_db: 5.0,
+                neighbours: 3,
+                unmeasured: 2,
+                dimension,
+                horizon,
+            },
+            filter: Filter { particles, resampling: Resampling::Multinomial, ess_threshold: 1.0 / 3.0 },
+            filter_runs: 3,
+            method: MethodConfig::Bootstrap,
+        }
+    }
+
+    #[test]
+    fn the_key_changes_with_everything_that_determines_the_result() {
+        let base = unit(10, 12, 20);
+        let change = |change: fn(&mut UnitConfig)| {
+            let mut unit = base.clone();
+            change(&mut unit);
+            unit.key()
+        };
+        let keys = [
+            base.key(),
+            change(|unit| unit.format += 1),
+            change(|unit| unit.seed = 2),
+            change(|unit| unit.repetition = 1),
+            change(|unit| unit.system.snr_db = 6.0),
+            change(|unit| unit.filter.ess_threshold = 0.5),
+            change(|unit| unit.filter_runs = 4),
+            change(|unit| unit.method = MethodConfig::MinDegeneracy),
+        ];
+        for (at, key) in keys.iter().enumerate() {
+            assert_eq!(key.len(), 32);
+            assert!(!keys[..at].contains(key), "the key of change {at} is not new");
+        }
+    }
+
+    #[test]
+    fn repetitions_are_paired_over_methods_and_particles() {
+        let base = unit(10, 12, 20);
+        let other = UnitConfig { method: MethodConfig::MinDegeneracy, ..unit(10, 12, 50) };
+        assert_eq!(base.system_seed(), other.system_seed());
+        assert_ne!(base.own_seed(), other.own_seed());
+        assert_ne!(base.system_seed(), UnitConfig { repetition: 1, ..base.clone() }.system_seed());
+    }
+}
