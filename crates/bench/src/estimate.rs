@@ -47,10 +47,10 @@ fn trial(plan: &Plan, point: &Point, interrupt: &Interrupt) -> f64 {
     let filter_scale = unit.filter_runs as f64 / runs as f64;
     unit.filter_runs = runs;
     let mut train_scale = 0.0;
-    if let MethodConfig::Fcnn { steps, .. } = &mut unit.method {
-        let few = TRIAL_STEPS.min(*steps);
-        train_scale = *steps as f64 / few as f64;
-        *steps = few;
+    if let MethodConfig::Fcnn(fcnn) = &mut unit.method {
+        let few = TRIAL_STEPS.min(fcnn.steps);
+        train_scale = fcnn.steps as f64 / few as f64;
+        fcnn.steps = few;
     }
     let of =
         |timings: &[Metric], name| timings.iter().find(|timing| timing.name == name).map_or(0.0, |t| t.value);

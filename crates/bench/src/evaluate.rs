@@ -6,13 +6,14 @@ use std::time::Instant;
 use motes_models::GraphDiffusion;
 use motes_proposals::{Backend, Fcnn, FcnnConfig};
 use motes_smc::{Bootstrap, FilterBank, FilterSettings, MinDegeneracy, Proposal, ResampleWhen, Resampling};
-use motes_train::{AdamConfig, Objective, TrainConfig, TrainError, train};
+use motes_train::{AdamConfig, History, Objective, TrainConfig, TrainError, train};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::config;
 use crate::metrics::{Recorded, metrics};
 use crate::problem::Problem;
+use crate::unit::FcnnUnit;
 use crate::{Interrupt, MethodConfig, UnitConfig};
 
 /// A number with its name.
@@ -65,27 +66,9 @@ pub fn evaluate(unit: &UnitConfig, interrupt: &Interrupt) -> Result<Evaluation, 
         MethodConfig::MinDegeneracy => {
             judge(unit, &problem, MinDegeneracy::new(&problem.model).map_err(failed)?, interrupt)?
         }
-        MethodConfig::Fcnn { settings, widths, training, steps, backend } => {
-            let config = FcnnConfig { widths: widths.clone(), ridge: settings.ridge };
-            let backend = match backend {
-                config::Backend::Flex => Backend::Flex,
-                config::Backend::Ndarray => Backend::NdArray,
-            };
-            let seed = unit.own_seed();
-            let horizon = unit.system.horizon;
-            let mut proposal =
-                Fcnn::new(&config, &problem.model, horizon, backend.into(), &seed.child("weights"))
-                    .map_err(failed)?;
+        MethodConfig::Fcnn(fcnn) => {
             let start = Instant::now();
-            let training = train_config(training, unit.filter.particles, *steps);
-            let mut stream = seed.child("training").stream();
-            let measurements = &problem.trajectory.measurements;
-            let watch = |_, _| interrupt.check();
-            let history = train(&mut proposal, &problem.model, measurements, &training, &mut stream, watch)
-                .map_err(|error| match error {
-                TrainError::Stopped { .. } => UnitError::Interrupted,
-                error => failed(error),
-            })?;
+            let (proposal, history) = train_fcnn(unit, fcnn, &problem, interrupt)?;
             let seconds = start.elapsed().as_secs_f64();
             let mut evaluation = judge(unit, &problem, proposal, interrupt)?;
             let ends = [("loss_first", history.losses.first()), ("loss_last", history.losses.last())];
@@ -100,6 +83,35 @@ pub fn evaluate(unit: &UnitConfig, interrupt: &Interrupt) -> Result<Evaluation, 
         Some(metric) => Err(failed(format!("the metric {} is {}", metric.name, metric.value))),
         None => Ok(evaluation),
     }
+}
+
+/// Draws initial weights and trains them on the problem's measurements.
+fn train_fcnn(
+    unit: &UnitConfig,
+    fcnn: &FcnnUnit,
+    problem: &Problem,
+    interrupt: &Interrupt,
+) -> Result<(Fcnn, History), UnitError> {
+    let config = FcnnConfig { widths: fcnn.widths.clone(), ridge: fcnn.settings.ridge };
+    let backend = match fcnn.backend {
+        config::Backend::Flex => Backend::Flex,
+        config::Backend::Ndarray => Backend::NdArray,
+    };
+    let (seed, horizon) = (unit.own_seed(), unit.system.horizon);
+    let weights = seed.child("weights");
+    let mut proposal =
+        Fcnn::new(&config, &problem.model, horizon, backend.into(), &weights).map_err(failed)?;
+    let training = train_config(&fcnn.training, unit.filter.particles, fcnn.steps);
+    let mut stream = seed.child("training").stream();
+    let measurements = &problem.trajectory.measurements;
+    let watch = |_, _| interrupt.check();
+    let history = train(&mut proposal, &problem.model, measurements, &training, &mut stream, watch).map_err(
+        |error| match error {
+            TrainError::Stopped { .. } => UnitError::Interrupted,
+            error => failed(error),
+        },
+    )?;
+    Ok((proposal, history))
 }
 
 /// Runs the filters of a unit with one proposal.
@@ -161,5 +173,55 @@ fn train_config(training: &config::Training, particles: usize, steps: usize) -> 
             beta_2: training.beta_2,
             epsilon: training.epsilon,
         },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::unit::tests::fcnn_unit;
+    use motes_models::{Seed, Sequence};
+    use motes_proposals::Learnable;
+    use rand::RngExt;
+
+    #[test]
+    fn the_hidden_states_have_no_influence_on_the_trained_weights() {
+        let unit = fcnn_unit(6, 4, 5);
+        let MethodConfig::Fcnn(fcnn) = &unit.method else { panic!("not an fcnn") };
+        let weights = |problem: &Problem| {
+            let (proposal, _) = train_fcnn(&unit, fcnn, problem, &Interrupt::default()).unwrap();
+            let parameters = proposal.parameters();
+            (0..parameters.len()).flat_map(|at| parameters.host(at).unwrap()).collect::<Vec<f64>>()
+        };
+        let problem = Problem::draw(&unit).unwrap();
+        let mut other = Problem::draw(&unit).unwrap();
+        let mut stream = Seed::from_u64(99).stream();
+        let nonsense = (0..4 * 6).map(|_| 1e6 * stream.random::<f64>()).collect();
+        other.trajectory.states = Sequence::new(6, nonsense).unwrap();
+        other.exact = None;
+        let expected = weights(&problem);
+        assert_eq!(weights(&other), expected);
+        // The same comparison does see a change in the measurements.
+        let another = Problem::draw(&UnitConfig { repetition: 1, ..unit.clone() }).unwrap();
+        assert_ne!(weights(&another), expected);
+    }
+
+    #[test]
+    fn an_interrupt_abandons_a_unit() {
+        let interrupt = Interrupt::default();
+        interrupt.raise();
+        assert_eq!(evaluate(&fcnn_unit(6, 4, 5), &interrupt), Err(UnitError::Interrupted));
+    }
+
+    #[test]
+    fn a_collapsed_filter_is_a_failed_unit_with_its_reason() {
+        // Exact uniform densities with a handful of bootstrap particles: none explains the measurement.
+        let mut unit = crate::unit::tests::unit(10, 12, 2);
+        unit.system.noise = config::Noise::Uniform;
+        unit.system.densities = config::Densities::Exact;
+        let Err(UnitError::Failed(reason)) = evaluate(&unit, &Interrupt::default()) else {
+            panic!("no failure")
+        };
+        assert!(reason.contains("all weights of filter"), "{reason}");
     }
 }

@@ -25,4 +25,4 @@ pub use interrupt::Interrupt;
 pub use regression::regress;
 pub use reproduce::{Finished, paper_estimate, reproduce};
 pub use store::{Store, StoreError};
-pub use unit::{MethodConfig, UNIT_FORMAT, UnitConfig};
+pub use unit::{FcnnUnit, MethodConfig, UNIT_FORMAT, UnitConfig};

@@ -18,7 +18,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     /// Run a figure, or what of it is missing, and write its tables and figure
-    Reproduce(ReproduceArgs),
+    Reproduce(Box<ReproduceArgs>),
     /// Hold a figure's smoke profile, on both backends, against committed numbers
     Regress {
         /// The figure
@@ -117,9 +117,9 @@ fn run_regress(
         jobs: None,
         backend: "flex".into(),
         seed: "1".into(),
-        out: out.clone(),
+        out: Some(out.clone()),
         fresh: true,
-        experiments,
+        experiments: Some(experiments),
     };
     let plans = match plans(&args) {
         Ok(plans) => plans,

@@ -8,6 +8,7 @@ use crate::runner::{Evaluate, Event, run};
 use crate::store::{Contents, Outcome, Record};
 use crate::tables::{failures_csv, markdown, sort, summarise, summary_csv, timings_csv, units_csv};
 use crate::{Interrupt, Store, StoreError, UnitConfig, UnitError, estimate, evaluate};
+use std::collections::BTreeSet;
 
 /// How a run ended.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -71,20 +72,19 @@ fn read(plan: &Plan, store: &Store) -> Result<Vec<Record>, StoreError> {
         eprintln!("damaged unit set aside as {}; it is computed again", path.display());
     }
     let all = records.len();
-    let mut difference = None;
-    records.retain(|record| match UnitConfig::at(plan, &record.point) {
-        Some(expected) if expected == record.config => true,
-        expected => {
-            difference = difference.take().or_else(|| Some(differs(&record.config, expected.as_ref())));
-            false
+    let mut differences = BTreeSet::new();
+    records.retain(|record| {
+        let expected = UnitConfig::at(plan, &record.point);
+        let belongs = expected.as_ref() == Some(&record.config);
+        if !belongs {
+            differences.insert(differs(&record.config, expected.as_ref()));
         }
+        belongs
     });
-    if let Some(difference) = difference {
-        let others = all - records.len();
-        eprintln!(
-            "{others} units in {} are of another run and not used: {difference}",
-            store.folder().display()
-        );
+    if !differences.is_empty() {
+        let (others, folder) = (all - records.len(), store.folder().display());
+        let differences: Vec<String> = differences.into_iter().collect();
+        eprintln!("{others} units in {folder} are of another run and not used: {}", differences.join("; "));
     }
     sort(plan, &mut records);
     Ok(records)

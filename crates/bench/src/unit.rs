@@ -37,18 +37,22 @@ pub enum MethodConfig {
     /// The transition.
     Bootstrap,
     /// The fully connected proposal.
-    Fcnn {
-        /// Settings shared by all profiles.
-        settings: Fcnn,
-        /// Hidden widths.
-        widths: Vec<usize>,
-        /// How it is trained.
-        training: Training,
-        /// For how many steps.
-        steps: usize,
-        /// What computes its networks.
-        backend: Backend,
-    },
+    Fcnn(FcnnUnit),
+}
+
+/// What the result of a fully connected proposal depends on.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FcnnUnit {
+    /// Settings shared by all profiles.
+    pub settings: Fcnn,
+    /// Hidden widths.
+    pub widths: Vec<usize>,
+    /// How it is trained.
+    pub training: Training,
+    /// For how many steps.
+    pub steps: usize,
+    /// What computes its networks.
+    pub backend: Backend,
 }
 
 impl UnitConfig {
@@ -66,13 +70,13 @@ impl UnitConfig {
             method: match point.method {
                 Method::MinDegeneracy => MethodConfig::MinDegeneracy,
                 Method::Bootstrap => MethodConfig::Bootstrap,
-                Method::Fcnn => MethodConfig::Fcnn {
+                Method::Fcnn => MethodConfig::Fcnn(FcnnUnit {
                     settings: experiment.fcnn.clone(),
                     widths: plan.profile.fcnn_widths.clone(),
                     training: experiment.training.clone(),
                     steps: plan.profile.training_steps,
                     backend: plan.backend,
-                },
+                }),
             },
         })
     }
@@ -96,7 +100,7 @@ impl UnitConfig {
         let label = match self.method {
             MethodConfig::MinDegeneracy => "min-degeneracy",
             MethodConfig::Bootstrap => "bootstrap",
-            MethodConfig::Fcnn { .. } => "fcnn",
+            MethodConfig::Fcnn(_) => "fcnn",
         };
         [self.system.dimension, self.system.horizon, self.filter.particles, self.repetition]
             .into_iter()
@@ -129,6 +133,20 @@ pub(crate) mod tests {
             filter_runs: 3,
             method: MethodConfig::Bootstrap,
         }
+    }
+
+    /// A small fully connected unit of the same system.
+    pub(crate) fn fcnn_unit(dimension: usize, horizon: usize, particles: usize) -> UnitConfig {
+        let training = Training {
+            objective: crate::config::Objective::LogLikelihood,
+            learning_rate: 1e-3,
+            beta_1: 0.9,
+            beta_2: 0.999,
+            epsilon: 1e-8,
+        };
+        let (settings, widths) = (Fcnn { ridge: 1e-6 }, vec![8, 8]);
+        let fcnn = FcnnUnit { settings, widths, training, steps: 5, backend: Backend::Flex };
+        UnitConfig { method: MethodConfig::Fcnn(fcnn), ..unit(dimension, horizon, particles) }
     }
 
     #[test]

@@ -33,15 +33,27 @@ pub struct ReproduceArgs {
     /// The seed that every random number of the run comes from
     #[arg(long, default_value = "1")]
     pub seed: String,
-    /// Results go to OUT/<figure>/<profile>
-    #[arg(long, default_value = "runs")]
-    pub out: PathBuf,
+    /// Results go to OUT/<figure>/<profile> [default: runs]
+    #[arg(long)]
+    pub out: Option<PathBuf>,
     /// Forget finished units of this selection and run them again
     #[arg(long)]
     pub fresh: bool,
-    /// The folder with the experiment files
-    #[arg(long, default_value = "experiments")]
-    pub experiments: PathBuf,
+    /// The folder with the experiment files [default: experiments]
+    #[arg(long)]
+    pub experiments: Option<PathBuf>,
+}
+
+impl ReproduceArgs {
+    /// The folder with the experiment files.
+    pub(super) fn experiments(&self) -> PathBuf {
+        self.experiments.clone().unwrap_or_else(|| "experiments".into())
+    }
+
+    /// The folder that results go to.
+    pub(super) fn out(&self) -> PathBuf {
+        self.out.clone().unwrap_or_else(|| "runs".into())
+    }
 }
 
 /// The outcome of parsing.

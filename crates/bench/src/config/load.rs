@@ -35,7 +35,7 @@ fn explain(text: &str, error: &toml::de::Error) -> String {
     let message = error.message().lines().collect::<Vec<_>>().join(" ");
     let place = error.span().map(|span| {
         let before = &text[..span.start.min(text.len())];
-        let line = before.lines().count().max(1);
+        let line = before.matches('\n').count() + 1;
         let content = text.lines().nth(line - 1).unwrap_or_default();
         let key = content.split_once('=').map(|(key, _)| key.trim()).filter(|key| !key.is_empty());
         match key {

@@ -104,7 +104,7 @@ impl Plan {
 /// # Errors
 /// [`ConfigError`] for anything that could not be run.
 pub fn plans(args: &ReproduceArgs) -> Result<Vec<Plan>, ConfigError> {
-    let known = figures(&args.experiments)?;
+    let known = figures(&args.experiments())?;
     let chosen: Vec<&String> = match args.figure.as_str() {
         "all" => known.iter().collect(),
         figure => known.iter().filter(|known| *known == figure).collect(),
@@ -117,7 +117,7 @@ pub fn plans(args: &ReproduceArgs) -> Result<Vec<Plan>, ConfigError> {
 }
 
 fn plan(figure: &str, args: &ReproduceArgs) -> Result<Plan, ConfigError> {
-    let file = args.experiments.join(figure).with_extension("toml");
+    let file = args.experiments().join(figure).with_extension("toml");
     let experiment = load(&file)?;
     check(&file.display().to_string(), &experiment)?;
     let Some(profile) = experiment.profiles.get(&args.profile).cloned() else {
@@ -148,7 +148,7 @@ fn plan(figure: &str, args: &ReproduceArgs) -> Result<Plan, ConfigError> {
         seed: args.seed.parse().map_err(|_| {
             refuse("--seed", &args.seed, format!("it must be an integer from 0 to {}", u64::MAX))
         })?,
-        folder: args.out.join(figure).join(&args.profile),
+        folder: args.out().join(figure).join(&args.profile),
         fresh: args.fresh,
         profile,
         experiment,

@@ -1,0 +1,105 @@
+//! Running the program on experiments of the tests' own.
+#![allow(dead_code, missing_docs)]
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use tempfile::TempDir;
+
+/// A folder with one small experiment, `tiny.toml`, and room for results.
+pub struct Workplace {
+    pub folder: TempDir,
+}
+
+pub const TINY: &str = r#"
+title = "A tiny figure"
+axis = "particles"
+methods = ["min-degeneracy", "bootstrap", "fcnn"]
+
+[system]
+drift = "identity"
+noise = "gaussian"
+densities = "gaussian"
+snr_db = 5.0
+neighbours = 3
+unmeasured = 2
+dimension = 6
+horizon = 4
+
+[filter]
+particles = 8
+resampling = "multinomial"
+ess_threshold = 0.3333333333333333
+
+[training]
+objective = "log-likelihood"
+learning_rate = 0.001
+beta_1 = 0.9
+beta_2 = 0.999
+epsilon = 1e-8
+
+[fcnn]
+ridge = 1e-6
+
+[[panels]]
+name = "N6"
+dimension = 6
+
+[[panels]]
+name = "N8"
+dimension = 8
+
+[profiles.quick]
+x = [4, 8]
+repetitions = 4
+filter_runs = 5
+training_steps = 20
+fcnn_widths = [16, 16]
+"#;
+
+impl Workplace {
+    pub fn new(experiment: &str) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::create_dir(folder.path().join("experiments")).unwrap();
+        std::fs::write(folder.path().join("experiments/tiny.toml"), experiment).unwrap();
+        Workplace { folder }
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    /// `motes-bench reproduce` with these arguments, not yet started.
+    pub fn reproduce(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_motes-bench"));
+        command.current_dir(self.folder.path()).arg("reproduce").args(arguments);
+        command
+    }
+
+    pub fn run(&self, arguments: &[&str]) -> Output {
+        self.reproduce(arguments).output().unwrap()
+    }
+
+    /// Everything in the results folder `out` but what depends on the clock.
+    pub fn tables(&self, out: &str) -> Vec<(String, Vec<u8>)> {
+        let folder = self.path(out).join("tiny/quick");
+        ["units.csv", "summary.csv", "table.md", "figure.svg", "failures.csv"]
+            .map(|name| (name.to_string(), std::fs::read(folder.join(name)).unwrap()))
+            .to_vec()
+    }
+
+    /// Number of stored units.
+    pub fn units(&self, out: &str) -> usize {
+        let folder = self.path(out).join("tiny/quick/units");
+        let Ok(entries) = std::fs::read_dir(folder) else { return 0 };
+        entries.filter(|entry| is_unit(&entry.as_ref().unwrap().path())).count()
+    }
+}
+
+pub fn is_unit(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension == "json")
+}
+
+pub fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).trim().to_string()
+}

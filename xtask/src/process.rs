@@ -1,0 +1,48 @@
+//! Starting other programs.
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode};
+
+/// Where cargo puts what it builds.
+pub(crate) fn target_folder(root: &Path) -> PathBuf {
+    match std::env::var_os("CARGO_TARGET_DIR") {
+        Some(folder) => PathBuf::from(folder),
+        None => root.join("target"),
+    }
+}
+
+/// Runs cargo in `root`; `Err` is the status to end with.
+pub(crate) fn cargo(root: &Path, arguments: &[&str], environment: &[(&str, &str)]) -> Result<(), ExitCode> {
+    let program = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let mut command = Command::new(program);
+    command.current_dir(root).args(arguments).envs(environment.iter().copied());
+    run(&mut command)
+}
+
+/// Runs a command to its end; `Err` is the status to end with.
+pub(crate) fn run(command: &mut Command) -> Result<(), ExitCode> {
+    match command.status() {
+        Ok(status) if status.success() => Ok(()),
+        Ok(status) => Err(ExitCode::from(status.code().map_or(1, |code| u8::try_from(code).unwrap_or(1)))),
+        Err(error) => {
+            eprintln!("error: {}: {error}", command.get_program().to_string_lossy());
+            Err(ExitCode::from(3))
+        }
+    }
+}
+
+/// Replaces this process, so that signals and the exit status are the program's own.
+#[cfg(unix)]
+pub(crate) fn become_program(program: &Path, arguments: &[OsString]) -> ExitCode {
+    use std::os::unix::process::CommandExt;
+    let error = Command::new(program).args(arguments).exec();
+    eprintln!("error: {}: {error}", program.display());
+    ExitCode::from(3)
+}
+
+/// Runs the program and ends as it does.
+#[cfg(not(unix))]
+pub(crate) fn become_program(program: &Path, arguments: &[OsString]) -> ExitCode {
+    run(Command::new(program).args(arguments)).err().unwrap_or(ExitCode::SUCCESS)
+}
