@@ -1,0 +1,105 @@
+//! The house: which crate may know which, what stays out of the light ones, and what stays out of all.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().to_path_buf()
+}
+
+/// The `motes-` crates that a manifest depends on outside tests.
+fn known_to(manifest: &str) -> Vec<String> {
+    let text = std::fs::read_to_string(root().join(manifest)).unwrap();
+    let manifest: toml::Table = toml::from_str(&text).unwrap();
+    let dependencies =
+        manifest.get("dependencies").and_then(|table| table.as_table()).cloned().unwrap_or_default();
+    dependencies.keys().filter(|name| name.starts_with("motes-")).cloned().collect()
+}
+
+#[test]
+fn arrows_go_one_way() {
+    let order = ["motes-models", "motes-smc", "motes-proposals", "motes-train", "motes-bench"];
+    for (at, name) in order.iter().enumerate() {
+        let known = known_to(&format!("crates/{}/Cargo.toml", name.trim_start_matches("motes-")));
+        for known in &known {
+            assert!(order[..at].contains(&known.as_str()), "{name} knows {known}");
+        }
+        // Each knows the one below it: none of them could be left out.
+        assert_eq!(at > 0, known.iter().any(|known| at > 0 && known == order[at - 1]), "{name}: {known:?}");
+    }
+    assert_eq!(known_to("xtask/Cargo.toml"), [""; 0], "xtask has no crate edge");
+}
+
+/// The packages in the normal dependency tree of one package.
+fn tree(package: &str) -> Vec<String> {
+    let arguments = ["tree", "--offline", "--package", package, "--edges", "normal", "--prefix", "none"];
+    let output = Command::new(env!("CARGO")).current_dir(root()).args(arguments).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let text = String::from_utf8(output.stdout).unwrap();
+    text.lines().filter_map(|line| line.split(' ').next()).map(String::from).collect()
+}
+
+#[test]
+fn the_light_crates_and_xtask_are_light() {
+    for package in ["motes-models", "motes-smc", "xtask"] {
+        let tree = tree(package);
+        assert!(tree.len() > 5, "the tree of {package} is suspiciously small: {tree:?}");
+        let heavy = ["burn", "cubecl", "ndarray", "plotters", "indicatif", "rayon"];
+        for name in &tree {
+            assert!(!heavy.iter().any(|heavy| name.starts_with(heavy)), "{package} depends on {name}");
+            assert!(package == "xtask" || !name.starts_with("clap"), "{package} depends on {name}");
+        }
+    }
+    assert!(tree("motes-bench").iter().any(|name| name == "burn"), "the check sees burn where it is");
+}
+
+fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            sources(&path, found);
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            found.push(path);
+        }
+    }
+}
+
+/// Every Rust file below these folders with its text.
+fn texts(folders: &[&str]) -> Vec<(PathBuf, String)> {
+    let mut found = Vec::new();
+    folders.iter().for_each(|folder| sources(&root().join(folder), &mut found));
+    assert!(!found.is_empty());
+    found.into_iter().map(|path| (path.clone(), std::fs::read_to_string(path).unwrap())).collect()
+}
+
+/// The lines that are code: what comments and documentation say is their own business.
+fn code(text: &str) -> impl Iterator<Item = &str> {
+    text.lines().filter(|line| !line.trim_start().starts_with("//"))
+}
+
+#[test]
+fn what_learns_cannot_be_handed_states() {
+    for (path, text) in texts(&["crates/proposals/src", "crates/train/src"]) {
+        let named = ["Trajectory", "simulate", "Simulator"];
+        let line = code(&text).find(|line| named.iter().any(|name| line.contains(name)));
+        assert_eq!(line, None, "{}", path.display());
+    }
+}
+
+#[test]
+fn nothing_draws_from_a_hidden_generator() {
+    let hidden = ["thread_rng", "rand::rng()", "rand::random", "from_os_rng", "Distribution::", ".seed("];
+    for (path, text) in texts(&["crates", "xtask/src"]) {
+        let line = code(&text).find(|line| hidden.iter().any(|name| line.contains(name)));
+        assert_eq!(line, None, "{}", path.display());
+    }
+}
+
+#[test]
+fn every_file_says_what_it_is_and_stays_small() {
+    for (path, text) in texts(&["crates", "xtask", "tests"]) {
+        assert!(text.starts_with("//! "), "{} does not begin with its purpose", path.display());
+        let lines = text.lines().count();
+        assert!(lines <= 420, "{} has {lines} lines: more than one idea?", path.display());
+    }
+}
