@@ -5,3 +5,8 @@ mod reference;
 
 pub use differences::{central_differences, relative_distance};
 pub use reference::{NEVER_HALF_ALWAYS, Reference, ScalarGaussian, evidence_scores, reference, score};
+
+/// The README's code, compiled and run as a documentation test.
+#[doc = include_str!("../../README.md")]
+#[cfg(doctest)]
+pub struct Readme;

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::config::{Method, Plan, Point};
 use crate::evaluate::{Metric, evaluate};
+use crate::runner::guarded;
 use crate::{Interrupt, MethodConfig, UnitConfig};
 
 const TRIAL_STEPS: usize = 2;
@@ -54,7 +55,7 @@ fn trial(plan: &Plan, point: &Point, interrupt: &Interrupt) -> f64 {
     }
     let of =
         |timings: &[Metric], name| timings.iter().find(|timing| timing.name == name).map_or(0.0, |t| t.value);
-    match evaluate(&unit, interrupt) {
+    match guarded(|| evaluate(&unit, interrupt)) {
         Ok(found) => {
             of(&found.timings, "train_seconds") * train_scale
                 + of(&found.timings, "filter_seconds") * filter_scale

@@ -56,7 +56,9 @@ pub(crate) fn run<E>(
 }
 
 /// A panic inside a unit (a library's, say) fails that unit and not the run.
-fn guarded(evaluate: impl FnOnce() -> Result<Evaluation, UnitError>) -> Result<Evaluation, UnitError> {
+pub(crate) fn guarded(
+    evaluate: impl FnOnce() -> Result<Evaluation, UnitError>,
+) -> Result<Evaluation, UnitError> {
     catch_unwind(AssertUnwindSafe(evaluate)).unwrap_or_else(|panic| {
         let text = panic.downcast_ref::<String>().map(String::as_str);
         let text = text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no message");
