@@ -47,10 +47,9 @@ pub fn reference() -> Reference {
 pub fn evidence_scores<P: Proposal<LinearGaussian> + Clone>(
     reference: &Reference,
     proposal: &P,
-    resample_when: ResampleWhen,
+    settings: FilterSettings,
     runs: usize,
 ) -> [f64; 2] {
-    let settings = FilterSettings { resample_when, ..FilterSettings::new(64) };
     let seed = Seed::from_u64(21);
     let (mut ratios, mut products) = (Vec::with_capacity(runs), Vec::with_capacity(runs));
     let batch = 1000;

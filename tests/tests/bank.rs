@@ -1,11 +1,17 @@
 //! What a bank of filters promises: independence, shift invariance, memory, and errors that say what happened.
 
-use motes_models::{LinearGaussian, Seed, StateSpaceModel, Stream};
+use std::sync::Arc;
+
+use motes_models::{
+    GraphDiffusion, GraphDiffusionConfig, LinearGaussian, Measurements, Seed, StateSpaceModel, Stream,
+    simulate,
+};
+use motes_proposals::{Backend, Fcnn, FcnnConfig};
 use motes_smc::{
-    Bootstrap, Conditional, Defensive, FilterBank, FilterError, FilterSettings, MinDegeneracy,
+    Bootstrap, Conditional, Defensive, ErrorKind, FilterBank, FilterError, FilterSettings, MinDegeneracy,
     ParticleFilter, Past, Proposal, ProposalError, ResampleWhen,
 };
-use motes_tests::reference;
+use motes_tests::{reference, relative_distance};
 
 /// The reference model with a constant added to every log-likelihood.
 struct Shifted(LinearGaussian, f64);
@@ -73,6 +79,39 @@ fn a_filter_in_a_bank_does_what_it_would_do_alone() {
         assert_eq!(bank.weights(3), alone.weights());
     }
     assert_eq!(bank.log_evidence(3), alone.log_evidence());
+}
+
+#[test]
+fn a_filter_in_a_bank_of_larger_states_does_what_it_would_do_alone() {
+    let seed = Seed::from_u64(54);
+    let system =
+        GraphDiffusion::random(&GraphDiffusionConfig::new(10), &mut seed.child("graph").stream()).unwrap();
+    let measurements = simulate(&system, 6, &mut seed.child("data").stream()).unwrap().measurements;
+    let config = FcnnConfig { widths: vec![32, 16], ..FcnnConfig::paper() };
+    let fcnn = Fcnn::new(&config, &system, 6, Backend::Flex.into(), &seed.child("weights")).unwrap();
+    // Products of matrices may round differently in a batch of another size: then by some 1e-15, f32 networks by 1e-7.
+    same_alone(&system, MinDegeneracy::new(&system).unwrap(), &measurements, 1e-12);
+    same_alone(&system, fcnn, &measurements, 1e-4);
+}
+
+fn same_alone<P: Proposal<GraphDiffusion> + Clone>(
+    system: &GraphDiffusion,
+    proposal: P,
+    measurements: &Measurements,
+    tolerance: f64,
+) {
+    let (settings, seed) = (FilterSettings::new(24), Seed::from_u64(55));
+    let mut bank = FilterBank::new(system, proposal.clone(), settings, 7, &seed).unwrap();
+    // A filter that shares ownership of its model, as a service would hold it.
+    let mut alone =
+        ParticleFilter::new(Arc::new(system.clone()), proposal, settings, seed.nth(3).stream()).unwrap();
+    for measurement in measurements.rows() {
+        bank.step(measurement).unwrap();
+        alone.step(measurement).unwrap();
+        let distance = relative_distance(alone.particles(), bank.particles(3));
+        assert!(distance <= tolerance, "particles differ by {distance:e}");
+    }
+    assert!((bank.log_evidence(3) / alone.log_evidence() - 1.0).abs() <= tolerance);
 }
 
 /// The transition, remembering every state that a particle descends from.
@@ -155,6 +194,8 @@ fn the_collapse_of_all_weights_is_reported_with_its_circumstances() {
         error.to_string(),
         "at step 0, all weights of filter 0 are zero (ESS before it 4.0, largest log-likelihood -inf)"
     );
+    assert_eq!(error.kind(), ErrorKind::Collapse);
+    assert_eq!(filter.step(&[0.0]).unwrap_err(), error, "a filter that failed stays failed");
 }
 
 #[test]

@@ -1,9 +1,12 @@
 //! The fully connected proposal against the paper's formulas written out by hand.
 
+use std::ops::ControlFlow;
+
 use faer::Mat;
-use motes_models::{Gaussian, GraphDiffusion, GraphDiffusionConfig, Seed, StateSpaceModel};
+use motes_models::{Gaussian, GraphDiffusion, GraphDiffusionConfig, Seed, StateSpaceModel, simulate};
 use motes_proposals::{Backend, Compute, Fcnn, FcnnConfig, Learnable, Parameters, Precision};
 use motes_smc::{Conditional, Past, Proposal, ProposalError};
+use motes_train::{AdamConfig, TrainConfig, train};
 
 fn system() -> GraphDiffusion {
     GraphDiffusion::random(&GraphDiffusionConfig::new(5), &mut Seed::from_u64(80).stream()).unwrap()
@@ -55,8 +58,30 @@ fn by_hand(parameters: &Parameters, time: usize, input: &[f64], n: usize) -> Gau
 }
 
 #[test]
-fn log_q_is_that_of_the_formulas_at_samples_and_elsewhere() {
+fn log_q_of_an_untrained_proposal_is_that_of_the_formulas() {
+    check_log_q(fcnn(Precision::F64));
+}
+
+#[test]
+fn log_q_of_a_trained_and_collapsed_proposal_is_that_of_the_formulas() {
     let (system, mut proposal) = (system(), fcnn(Precision::F64));
+    let measurements = simulate(&system, 3, &mut Seed::from_u64(83).stream()).unwrap().measurements;
+    let adam = AdamConfig { learning_rate: 1e-2, ..AdamConfig::paper() };
+    let config = TrainConfig { steps: 300, adam, ..TrainConfig::paper(8) };
+    let mut stream = Seed::from_u64(84).stream();
+    train(&mut proposal, &system, &measurements, &config, &mut stream, |_, _| ControlFlow::Continue(()))
+        .unwrap();
+    let input: Vec<f64> = [&[0.0; 5], measurements.row(0)].concat();
+    let trained = by_hand(proposal.parameters(), 0, &input, 5);
+    let variance: f64 = (0..5).map(|i| trained.covariance()[(i, i)]).sum();
+    println!("total variance {variance:.1e}");
+    assert!(variance < 1e-2, "training did not collapse the covariance: total variance {variance}");
+    check_log_q(proposal);
+}
+
+/// Compares `log q` with a dense Gaussian, at samples and beside them, to 1e-9.
+fn check_log_q(mut proposal: Fcnn) {
+    let system = system();
     let parameters = proposal.parameters().clone();
     let (n, particles) = (5, 4);
     let measurement = [0.4, -1.0, 2.0];

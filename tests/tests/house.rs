@@ -80,7 +80,7 @@ fn code(text: &str) -> impl Iterator<Item = &str> {
 #[test]
 fn what_learns_cannot_be_handed_states() {
     for (path, text) in texts(&["crates/proposals/src", "crates/train/src"]) {
-        let named = ["Trajectory", "simulate", "Simulator"];
+        let named = ["Trajectory", "Sequence", "simulate", "Simulator"];
         let line = code(&text).find(|line| named.iter().any(|name| line.contains(name)));
         assert_eq!(line, None, "{}", path.display());
     }
@@ -88,7 +88,19 @@ fn what_learns_cannot_be_handed_states() {
 
 #[test]
 fn nothing_draws_from_a_hidden_generator() {
-    let hidden = ["thread_rng", "rand::rng()", "rand::random", "from_os_rng", "Distribution::", ".seed("];
+    let hidden = [
+        "thread_rng",
+        "ThreadRng",
+        "rand::rng(",
+        "rand::rng;",
+        "make_rng",
+        "rand::random",
+        "SysRng",
+        "OsRng",
+        "from_os_rng",
+        "Distribution::",
+        ".seed(",
+    ];
     for (path, text) in texts(&["crates", "xtask/src"]) {
         let line = code(&text).find(|line| hidden.iter().any(|name| line.contains(name)));
         assert_eq!(line, None, "{}", path.display());
@@ -102,4 +114,11 @@ fn every_file_says_what_it_is_and_stays_small() {
         let lines = text.lines().count();
         assert!(lines <= 420, "{} has {lines} lines: more than one idea?", path.display());
     }
+}
+
+#[test]
+fn the_version_of_burn_is_stated_rightly() {
+    let text = std::fs::read_to_string(root().join("Cargo.toml")).unwrap();
+    let stated = format!("burn = {{ version = \"={}\"", motes_proposals::BURN_VERSION);
+    assert!(text.contains(&stated), "Cargo.toml does not pin burn to {}", motes_proposals::BURN_VERSION);
 }

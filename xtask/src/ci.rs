@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::{Command, ExitCode};
 use std::time::Instant;
 
-use crate::process::{cargo, run, target_folder};
+use crate::process::{built, cargo, run};
 
 fn run_all(root: &Path, update_expectations: bool) -> Result<(), ExitCode> {
     let strict_docs = [("RUSTDOCFLAGS", "-D warnings")];
@@ -18,7 +18,7 @@ fn run_all(root: &Path, update_expectations: bool) -> Result<(), ExitCode> {
     // The same packages, targets and profile as the tests: nothing is compiled a second time.
     step("regression run", || {
         cargo(root, &["build", "--workspace", "--all-targets", "--locked"], &[])?;
-        let mut command = Command::new(target_folder(root).join("debug").join("motes-bench"));
+        let mut command = Command::new(built("debug", "motes-bench"));
         command.current_dir(root).args(["regress", "fig1"]);
         if update_expectations {
             command.arg("--update");

@@ -8,6 +8,8 @@ mod process;
 #[allow(dead_code, unused_imports, reason = "the runner uses the rest")]
 mod config;
 
+use std::ffi::OsString;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -36,10 +38,10 @@ enum Command {
 }
 
 fn main() -> ExitCode {
-    let cli = match parse::<Cli>(Cli::command(), std::env::args()) {
+    let cli = match parse::<Cli>(Cli::command(), std::env::args_os()) {
         Ok(Parsed::Args(cli)) => cli,
         Ok(Parsed::Help(text)) => {
-            print!("{text}");
+            let _ = std::io::stdout().write_all(text.as_bytes());
             return ExitCode::SUCCESS;
         }
         Err(error) => return refuse(&error),
@@ -56,13 +58,14 @@ fn root() -> PathBuf {
 }
 
 fn refuse(error: &ConfigError) -> ExitCode {
-    eprintln!("error: {error}");
+    process::say(&format!("error: {error}"));
     ExitCode::from(error.exit_status())
 }
 
 /// Refuses what it can see to be wrong, then builds the runner in release mode and becomes it.
 fn reproduce(mut args: ReproduceArgs) -> ExitCode {
     // Like cargo, work on the workspace from whatever folder of it the command is given in.
+    let (experiments_given, out_given) = (args.experiments.is_some(), args.out.is_some());
     args.experiments.get_or_insert_with(|| root().join("experiments"));
     args.out.get_or_insert_with(|| root().join("runs"));
     let plans = match plans(&args) {
@@ -72,27 +75,26 @@ fn reproduce(mut args: ReproduceArgs) -> ExitCode {
     if let Some(error) = plans.iter().find_map(|plan| check_output(&plan.folder).err()) {
         return refuse(&error);
     }
-    let program = process::target_folder(&root()).join("release").join("motes-bench");
+    let program = process::built("release", "motes-bench");
     if !program.exists() {
-        eprintln!(
-            "building the runner in release mode; the first build takes about ten minutes on two cores"
+        process::say(
+            "building the runner in release mode; the first build takes about ten minutes on two cores",
         );
     }
     let build = ["build", "--release", "--package", "motes-bench"];
     if let Err(status) = process::cargo(&root(), &build, &[]) {
         return status;
     }
-    let given = std::env::args().skip(1);
-    let folders =
-        [("--experiments", args.experiments.unwrap_or_default()), ("--out", args.out.unwrap_or_default())];
-    let mut arguments: Vec<std::ffi::OsString> = given.map(Into::into).collect();
-    for (option, folder) in folders {
-        let there = |argument: &std::ffi::OsString| {
-            argument.to_str().is_some_and(|text| text == option || text.starts_with(&format!("{option}=")))
-        };
-        if !arguments.iter().any(there) {
+    // The arguments as they were given, and where things are if that was left open, in front of a possible `--`.
+    let mut arguments: Vec<OsString> = vec!["reproduce".into()];
+    for (option, given, folder) in [
+        ("--experiments", experiments_given, args.experiments.unwrap_or_default()),
+        ("--out", out_given, args.out.unwrap_or_default()),
+    ] {
+        if !given {
             arguments.extend([option.into(), folder.into_os_string()]);
         }
     }
+    arguments.extend(std::env::args_os().skip(2));
     process::become_program(&program, &arguments)
 }

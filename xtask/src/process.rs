@@ -1,15 +1,20 @@
 //! Starting other programs.
 
 use std::ffi::OsString;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
-/// Where cargo puts what it builds.
-pub(crate) fn target_folder(root: &Path) -> PathBuf {
-    match std::env::var_os("CARGO_TARGET_DIR") {
-        Some(folder) => PathBuf::from(folder),
-        None => root.join("target"),
-    }
+/// A program that cargo built in a profile: beside this one, wherever cargo was told to put what it builds.
+pub(crate) fn built(profile: &str, program: &str) -> PathBuf {
+    let this = std::env::current_exe().unwrap_or_default();
+    let target = this.parent().and_then(Path::parent).unwrap_or(Path::new("target"));
+    target.join(profile).join(format!("{program}{}", std::env::consts::EXE_SUFFIX))
+}
+
+/// A line on standard error; that nobody reads it is no reason to panic.
+pub(crate) fn say(line: &str) {
+    let _ = writeln!(std::io::stderr(), "{line}");
 }
 
 /// Runs cargo in `root`; `Err` is the status to end with.
@@ -26,7 +31,7 @@ pub(crate) fn run(command: &mut Command) -> Result<(), ExitCode> {
         Ok(status) if status.success() => Ok(()),
         Ok(status) => Err(ExitCode::from(status.code().map_or(1, |code| u8::try_from(code).unwrap_or(1)))),
         Err(error) => {
-            eprintln!("error: {}: {error}", command.get_program().to_string_lossy());
+            say(&format!("error: {}: {error}", command.get_program().to_string_lossy()));
             Err(ExitCode::from(3))
         }
     }
@@ -37,7 +42,7 @@ pub(crate) fn run(command: &mut Command) -> Result<(), ExitCode> {
 pub(crate) fn become_program(program: &Path, arguments: &[OsString]) -> ExitCode {
     use std::os::unix::process::CommandExt;
     let error = Command::new(program).args(arguments).exec();
-    eprintln!("error: {}: {error}", program.display());
+    say(&format!("error: {}: {error}", program.display()));
     ExitCode::from(3)
 }
 

@@ -40,7 +40,7 @@ fn bad_input_is_refused_before_any_build() {
     refused(
         &["reproduce", "fig1", "--repetitions", "0"],
         2,
-        "--repetitions 0: it must be an integer of at least 1",
+        "--repetitions 0: it must be an integer from 1 to 1000000",
     );
     refused(
         &["reprodce"],

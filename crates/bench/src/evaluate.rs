@@ -6,7 +6,7 @@ use std::time::Instant;
 use motes_models::GraphDiffusion;
 use motes_proposals::{Backend, Fcnn, FcnnConfig};
 use motes_smc::{Bootstrap, FilterBank, FilterSettings, MinDegeneracy, Proposal, ResampleWhen, Resampling};
-use motes_train::{AdamConfig, History, Objective, TrainConfig, TrainError, train};
+use motes_train::{AdamConfig, History, Objective, TrainConfig, train};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -67,9 +67,7 @@ pub fn evaluate(unit: &UnitConfig, interrupt: &Interrupt) -> Result<Evaluation, 
             judge(unit, &problem, MinDegeneracy::new(&problem.model).map_err(failed)?, interrupt)?
         }
         MethodConfig::Fcnn(fcnn) => {
-            let start = Instant::now();
-            let (proposal, history) = train_fcnn(unit, fcnn, &problem, interrupt)?;
-            let seconds = start.elapsed().as_secs_f64();
+            let (proposal, history, seconds) = train_fcnn(unit, fcnn, &problem, interrupt)?;
             let mut evaluation = judge(unit, &problem, proposal, interrupt)?;
             let ends = [("loss_first", history.losses.first()), ("loss_last", history.losses.last())];
             for (name, loss) in ends {
@@ -85,13 +83,13 @@ pub fn evaluate(unit: &UnitConfig, interrupt: &Interrupt) -> Result<Evaluation, 
     }
 }
 
-/// Draws initial weights and trains them on the problem's measurements.
+/// Draws initial weights and trains them on the problem's measurements; the last value is the seconds that training took.
 fn train_fcnn(
     unit: &UnitConfig,
     fcnn: &FcnnUnit,
     problem: &Problem,
     interrupt: &Interrupt,
-) -> Result<(Fcnn, History), UnitError> {
+) -> Result<(Fcnn, History, f64), UnitError> {
     let config = FcnnConfig { widths: fcnn.widths.clone(), ridge: fcnn.settings.ridge };
     let backend = match fcnn.backend {
         config::Backend::Flex => Backend::Flex,
@@ -101,17 +99,17 @@ fn train_fcnn(
     let weights = seed.child("weights");
     let mut proposal =
         Fcnn::new(&config, &problem.model, horizon, backend.into(), &weights).map_err(failed)?;
+    let start = Instant::now();
     let training = train_config(&fcnn.training, unit.filter.particles, fcnn.steps);
     let mut stream = seed.child("training").stream();
     let measurements = &problem.trajectory.measurements;
     let watch = |_, _| interrupt.check();
-    let history = train(&mut proposal, &problem.model, measurements, &training, &mut stream, watch).map_err(
-        |error| match error {
-            TrainError::Stopped { .. } => UnitError::Interrupted,
-            error => failed(error),
-        },
-    )?;
-    Ok((proposal, history))
+    let history =
+        train(&mut proposal, &problem.model, measurements, &training, &mut stream, watch).map_err(failed)?;
+    if history.losses.len() < fcnn.steps {
+        return Err(UnitError::Interrupted);
+    }
+    Ok((proposal, history, start.elapsed().as_secs_f64()))
 }
 
 /// Runs the filters of a unit with one proposal.
@@ -189,7 +187,7 @@ mod tests {
         let unit = fcnn_unit(6, 4, 5);
         let MethodConfig::Fcnn(fcnn) = &unit.method else { panic!("not an fcnn") };
         let weights = |problem: &Problem| {
-            let (proposal, _) = train_fcnn(&unit, fcnn, problem, &Interrupt::default()).unwrap();
+            let (proposal, _, _) = train_fcnn(&unit, fcnn, problem, &Interrupt::default()).unwrap();
             let parameters = proposal.parameters();
             (0..parameters.len()).flat_map(|at| parameters.host(at).unwrap()).collect::<Vec<f64>>()
         };

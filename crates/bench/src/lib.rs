@@ -16,13 +16,14 @@ mod progress;
 mod regression;
 mod reproduce;
 mod runner;
+pub mod say;
 mod store;
 mod tables;
 mod unit;
 
 pub use evaluate::{Evaluation, Metric, UnitError, evaluate};
 pub use interrupt::Interrupt;
-pub use regression::regress;
+pub use regression::{RegressionError, regress};
 pub use reproduce::{Finished, paper_estimate, reproduce};
-pub use store::{Store, StoreError};
+pub use store::{Contents, Outcome, Record, Store, StoreError};
 pub use unit::{FcnnUnit, MethodConfig, UNIT_FORMAT, UnitConfig};

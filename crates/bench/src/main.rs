@@ -5,7 +5,8 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use motes_bench::config::{ConfigError, Parsed, Plan, ReproduceArgs, check_output, parse, plans};
-use motes_bench::{Finished, Interrupt, paper_estimate, regress, reproduce};
+use motes_bench::say::{news, result};
+use motes_bench::{Finished, Interrupt, RegressionError, paper_estimate, regress, reproduce};
 
 /// Reproduces the figures and tables of the paper.
 #[derive(Parser)]
@@ -37,10 +38,10 @@ enum Command {
 
 fn main() -> ExitCode {
     let command = <Cli as clap::CommandFactory>::command();
-    let cli = match parse::<Cli>(command, std::env::args()) {
+    let cli = match parse::<Cli>(command, std::env::args_os()) {
         Ok(Parsed::Args(cli)) => cli,
         Ok(Parsed::Help(text)) => {
-            print!("{text}");
+            result(text.trim_end());
             return ExitCode::SUCCESS;
         }
         Err(error) => return refuse(&error),
@@ -48,7 +49,7 @@ fn main() -> ExitCode {
     let interrupt = match Interrupt::on_signals() {
         Ok(interrupt) => interrupt,
         Err(error) => {
-            eprintln!("error: signal handlers: {error}");
+            news(&format!("error: signal handlers: {error}"));
             return ExitCode::from(3);
         }
     };
@@ -61,7 +62,7 @@ fn main() -> ExitCode {
 }
 
 fn refuse(error: &ConfigError) -> ExitCode {
-    eprintln!("error: {error}");
+    news(&format!("error: {error}"));
     ExitCode::from(error.exit_status())
 }
 
@@ -79,7 +80,7 @@ fn run_reproduce(args: &ReproduceArgs, interrupt: &Interrupt) -> ExitCode {
             Ok(Finished::Complete { failed }) => status = status.max(u8::from(failed > 0)),
             Ok(Finished::Interrupted) => return ExitCode::from(interrupt.exit_status()),
             Err(error) => {
-                eprintln!("error: {error}");
+                news(&format!("error: {error}"));
                 return ExitCode::from(3);
             }
         }
@@ -93,10 +94,10 @@ fn run_reproduce(args: &ReproduceArgs, interrupt: &Interrupt) -> ExitCode {
 /// What to type for the protocol to the letter, and how long it would take here.
 fn offer_paper_profile(plan: &Plan, interrupt: &Interrupt) {
     if let Some(estimate) = paper_estimate(plan, interrupt) {
-        println!(
-            "the whole protocol (about {estimate} here): cargo xtask reproduce {} --profile paper",
-            plan.figure
-        );
+        let figure = &plan.figure;
+        result(&format!(
+            "the whole protocol (about {estimate} here): cargo xtask reproduce {figure} --profile paper"
+        ));
     }
 }
 
@@ -127,8 +128,12 @@ fn run_regress(
     };
     for plan in &plans {
         if let Err(error) = regress(plan, &expectation, &out, update, interrupt) {
-            eprintln!("error: {error:#}");
-            return ExitCode::from(1);
+            news(&format!("error: {error}"));
+            return ExitCode::from(match error {
+                RegressionError::Differs { .. } | RegressionError::Failed { .. } => 1,
+                RegressionError::Interrupted => interrupt.exit_status(),
+                RegressionError::Store(_) | RegressionError::File { .. } => 3,
+            });
         }
     }
     ExitCode::SUCCESS

@@ -37,8 +37,16 @@ struct Manifest<'a> {
     configuration_hash: String,
     configuration: Configuration<'a>,
     revisions: Vec<String>,
-    version: &'a str,
+    repetitions: usize,
+    versions: Versions,
     cpu: Cpu,
+}
+
+#[derive(Serialize)]
+struct Versions {
+    motes: &'static str,
+    burn: &'static str,
+    rustc: &'static str,
 }
 
 #[derive(Serialize)]
@@ -67,7 +75,12 @@ pub(crate) fn manifest(plan: &Plan, records: &[Record]) -> String {
         configuration_hash: blake3::hash(json.as_bytes()).to_hex().to_string(),
         configuration,
         revisions: revisions(records),
-        version: env!("CARGO_PKG_VERSION"),
+        repetitions: plan.repetitions,
+        versions: Versions {
+            motes: env!("CARGO_PKG_VERSION"),
+            burn: motes_proposals::BURN_VERSION,
+            rustc: env!("MOTES_RUSTC_VERSION"),
+        },
         cpu: Cpu { architecture: std::env::consts::ARCH, features: cpu_features() },
     };
     serde_json::to_string_pretty(&manifest).expect("a manifest has only string keys") + "\n"

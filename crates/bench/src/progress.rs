@@ -5,6 +5,8 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
+use crate::say::news;
+
 /// How often a line is written where there is no terminal.
 const LINE_EVERY: Duration = Duration::from_secs(20);
 
@@ -58,7 +60,7 @@ impl Progress {
             }
             None if self.last_line.elapsed() >= LINE_EVERY || self.units_done == self.units => {
                 self.last_line = Instant::now();
-                eprintln!("{:3.0} %  {summary}, last {name}", 100.0 * self.fraction());
+                news(&format!("{:3.0} %  {summary}, last {name}", 100.0 * self.fraction()));
             }
             None => {}
         }
@@ -74,7 +76,7 @@ impl Progress {
     fn say(&self, line: &str) {
         match &self.bar {
             Some(bar) => bar.println(line),
-            None => eprintln!("{line}"),
+            None => news(line),
         }
     }
 

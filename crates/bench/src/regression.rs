@@ -3,11 +3,47 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use anyhow::{Context, bail, ensure};
+use thiserror::Error;
 
 use crate::config::{Backend, Plan};
+use crate::say::{news, result};
 use crate::tables::number;
-use crate::{Finished, Interrupt, reproduce};
+use crate::{Finished, Interrupt, StoreError, reproduce};
+
+/// Why the regression run did not pass.
+#[derive(Debug, Error)]
+pub enum RegressionError {
+    /// Values differ from the expected ones.
+    #[error("{count} values differ from {file}")]
+    Differs {
+        /// How many.
+        count: usize,
+        /// The file with the expected ones.
+        file: String,
+    },
+    /// Units failed.
+    #[error("{failed} units failed on {backend}")]
+    Failed {
+        /// How many.
+        failed: usize,
+        /// On which backend.
+        backend: &'static str,
+    },
+    /// A signal came.
+    #[error("interrupted")]
+    Interrupted,
+    /// The results could not be stored.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+    /// A table could not be read or written.
+    #[error("{file}: {source}")]
+    File {
+        /// The table.
+        file: String,
+        /// What is wrong.
+        source: csv::Error,
+    },
+}
 
 /// Designed methods have to agree with the expectation to this relative difference.
 const DESIGNED_TOLERANCE: f64 = 1e-9;
@@ -29,32 +65,35 @@ struct Expected {
 /// `expectation`; writes that file instead if `update`.
 ///
 /// # Errors
-/// If a unit fails or is missing, or a value is farther from the expected one than allowed; every such value is printed.
+/// [`RegressionError`] if a unit fails or is missing, or a value is farther from the expected one than allowed; every such
+/// value is printed.
 pub fn regress(
     plan: &Plan,
     expectation: &Path,
     scratch: &Path,
     update: bool,
     interrupt: &Interrupt,
-) -> anyhow::Result<()> {
+) -> Result<(), RegressionError> {
     let flex = run(plan, Backend::Flex, scratch, interrupt)?;
     let ndarray = run(plan, Backend::Ndarray, scratch, interrupt)?;
     if update {
         return write(expectation, &flex, &ndarray);
     }
-    let expected = read(expectation)?;
+    let expected = read_expected(expectation)?;
     let mut wrong = 0;
     for (backend, found, pick) in [
         ("flex", &flex, (|e: &Expected| e.flex) as fn(&Expected) -> f64),
         ("ndarray", &ndarray, |e: &Expected| e.ndarray),
     ] {
         for line in compare(found, &expected, pick) {
-            eprintln!("{backend}: {line}");
+            news(&format!("{backend}: {line}"));
             wrong += 1;
         }
     }
-    ensure!(wrong == 0, "{wrong} values differ from {}", expectation.display());
-    println!("regression: {} values on each of two backends are as expected", expected.len());
+    if wrong > 0 {
+        return Err(RegressionError::Differs { count: wrong, file: expectation.display().to_string() });
+    }
+    result(&format!("regression: {} values on each of two backends are as expected", expected.len()));
     Ok(())
 }
 
@@ -63,54 +102,63 @@ fn run(
     backend: Backend,
     scratch: &Path,
     interrupt: &Interrupt,
-) -> anyhow::Result<BTreeMap<Place, f64>> {
+) -> Result<BTreeMap<Place, f64>, RegressionError> {
     let folder = scratch.join(backend.name());
     let plan = Plan { backend, folder: folder.clone(), fresh: true, ..plan.clone() };
     match reproduce(&plan, interrupt)? {
         Finished::Complete { failed: 0 } => {}
-        Finished::Complete { failed } => bail!("{failed} units failed on {}", backend.name()),
-        Finished::Interrupted => bail!("interrupted"),
+        Finished::Complete { failed } => {
+            return Err(RegressionError::Failed { failed, backend: backend.name() });
+        }
+        Finished::Interrupted => return Err(RegressionError::Interrupted),
     }
-    let mut reader = csv::Reader::from_path(folder.join("units.csv"))?;
-    reader
-        .deserialize()
-        .map(|row| {
-            let (_, panel, method, x, repetition, metric, value): (
-                String,
-                String,
-                String,
-                String,
-                String,
-                String,
-                f64,
-            ) = row?;
-            Ok(([panel, method, x, repetition, metric], value))
-        })
-        .collect()
+    let units =
+        read(&folder.join("units.csv"), |(_, panel, method, x, repetition, metric, value): UnitsRow| {
+            ([panel, method, x, repetition, metric], value)
+        })?;
+    Ok(units.into_iter().collect())
 }
 
-fn write(path: &Path, flex: &BTreeMap<Place, f64>, ndarray: &BTreeMap<Place, f64>) -> anyhow::Result<()> {
-    let mut writer = csv::Writer::from_path(path).with_context(|| path.display().to_string())?;
-    writer.write_record(["panel", "method", "x", "repetition", "metric", "flex", "ndarray"])?;
+/// A line of units.csv.
+type UnitsRow = (String, String, String, String, String, String, f64);
+
+/// A line of the expectation.
+type ExpectedRow = (String, String, String, String, String, f64, f64);
+
+fn read_expected(path: &Path) -> Result<BTreeMap<Place, Expected>, RegressionError> {
+    let rows = read(path, |(panel, method, x, repetition, metric, flex, ndarray): ExpectedRow| {
+        ([panel, method, x, repetition, metric], Expected { flex, ndarray })
+    })?;
+    Ok(rows.into_iter().collect())
+}
+
+fn read<Row: serde::de::DeserializeOwned, T>(
+    path: &Path,
+    take: impl Fn(Row) -> T,
+) -> Result<Vec<T>, RegressionError> {
+    let fail = |source| RegressionError::File { file: path.display().to_string(), source };
+    let mut reader = csv::Reader::from_path(path).map_err(fail)?;
+    reader.deserialize().map(|row| row.map(&take).map_err(fail)).collect()
+}
+
+fn write(
+    path: &Path,
+    flex: &BTreeMap<Place, f64>,
+    ndarray: &BTreeMap<Place, f64>,
+) -> Result<(), RegressionError> {
+    let fail = |source| RegressionError::File { file: path.display().to_string(), source };
+    let mut writer = csv::Writer::from_path(path).map_err(fail)?;
+    let header = ["panel", "method", "x", "repetition", "metric", "flex", "ndarray"];
+    writer.write_record(header).map_err(fail)?;
     for (place, value) in flex {
-        let other = ndarray.get(place).with_context(|| format!("{place:?} is missing on ndarray"))?;
-        let values = [number(*value), number(*other)];
-        writer.write_record(place.iter().chain(&values))?;
+        // A unit that ran on one backend ran on the other.
+        let other = ndarray.get(place).copied().unwrap_or(f64::NAN);
+        let values = [number(*value), number(other)];
+        writer.write_record(place.iter().chain(&values)).map_err(fail)?;
     }
-    writer.flush()?;
-    println!("{} values written to {}", flex.len(), path.display());
+    writer.flush().map_err(|error| fail(error.into()))?;
+    result(&format!("{} values written to {}", flex.len(), path.display()));
     Ok(())
-}
-
-fn read(path: &Path) -> anyhow::Result<BTreeMap<Place, Expected>> {
-    let mut reader = csv::Reader::from_path(path).with_context(|| path.display().to_string())?;
-    reader
-        .deserialize()
-        .map(|row| {
-            let (panel, method, x, repetition, metric, flex, ndarray) = row?;
-            Ok(([panel, method, x, repetition, metric], Expected { flex, ndarray }))
-        })
-        .collect()
 }
 
 /// How far a value may be from the expected one, relative to it, by method and metric.

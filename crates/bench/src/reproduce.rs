@@ -1,14 +1,16 @@
 //! One figure from plan to files: what is missing is run, then tables and figure are made of all that is there.
 
-use crate::config::{Axis, Plan, Point};
+use std::collections::BTreeSet;
+
+use crate::config::{Axis, Panel, Plan, Point};
 use crate::figure::figure;
 use crate::manifest::{manifest, revision, revisions};
 use crate::progress::{Progress, duration};
 use crate::runner::{Evaluate, Event, run};
+use crate::say::{news, result};
 use crate::store::{Contents, Outcome, Record};
 use crate::tables::{failures_csv, markdown, sort, summarise, summary_csv, timings_csv, units_csv};
 use crate::{Interrupt, Store, StoreError, UnitConfig, UnitError, estimate, evaluate};
-use std::collections::BTreeSet;
 
 /// How a run ended.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -42,7 +44,8 @@ fn reproduce_with(plan: &Plan, interrupt: &Interrupt, evaluate: &Evaluate) -> Re
             store.remove(unit)?;
         }
     }
-    let there = read(plan, &store)?;
+    let (there, remarks) = read(plan, &store)?;
+    remarks.iter().for_each(|remark| news(remark));
     let missing: Vec<&(Point, UnitConfig)> =
         wanted.iter().filter(|(_, unit)| !there.iter().any(|record| record.config == *unit)).collect();
     announce(plan, wanted.len(), missing.len());
@@ -50,29 +53,40 @@ fn reproduce_with(plan: &Plan, interrupt: &Interrupt, evaluate: &Evaluate) -> Re
         run_missing(plan, &store, &missing, interrupt, evaluate)?;
     }
 
-    let records = read(plan, &store)?;
+    let (records, _) = read(plan, &store)?;
     write_outputs(plan, &store, &records)?;
-    let left =
-        missing.iter().filter(|(_, unit)| !records.iter().any(|record| record.config == *unit)).count();
+    let recorded = |unit: &UnitConfig| records.iter().find(|record| record.config == *unit);
+    let left = wanted.iter().filter(|(_, unit)| recorded(unit).is_none()).count();
     if left > 0 {
-        eprintln!("stopped with {left} units left; the same command goes on where this one stopped");
+        let fresh = if plan.fresh { ", given without --fresh," } else { "" };
+        news(&format!(
+            "stopped with {left} units left; the same command{fresh} goes on where this one stopped"
+        ));
         return Ok(Finished::Interrupted);
     }
-    let failed = records.iter().filter(|record| matches!(record.outcome, Outcome::Failed(_))).count();
+    let has_failed = |record: &&Record| matches!(record.outcome, Outcome::Failed(_));
+    let failed = wanted.iter().filter_map(|(_, unit)| recorded(unit)).filter(has_failed).count();
     if failed > 0 {
-        eprintln!("{failed} of {} units failed; failures.csv says why", records.len());
+        news(&format!(
+            "{failed} of {} units failed; failures.csv says why, --fresh runs them again",
+            wanted.len()
+        ));
     }
     Ok(Finished::Complete { failed })
 }
 
-/// The folder's units that belong to this plan's configuration, sorted; others are reported and left alone.
-fn read(plan: &Plan, store: &Store) -> Result<Vec<Record>, StoreError> {
-    let Contents { mut records, set_aside } = store.read()?;
+/// The folder's units that belong to this plan's configuration, sorted, and remarks on the others, which are left alone.
+fn read(plan: &Plan, store: &Store) -> Result<(Vec<Record>, Vec<String>), StoreError> {
+    let Contents { mut records, set_aside, foreign } = store.read()?;
+    let mut remarks = Vec::new();
     for path in set_aside {
-        eprintln!("damaged unit set aside as {}; it is computed again", path.display());
+        remarks.push(format!("damaged unit set aside as {}; it is computed again", path.display()));
     }
-    let all = records.len();
+    let all = records.len() + foreign;
     let mut differences = BTreeSet::new();
+    if foreign > 0 {
+        differences.insert("they were written by another version of this program".to_string());
+    }
     records.retain(|record| {
         let expected = UnitConfig::at(plan, &record.point);
         let belongs = expected.as_ref() == Some(&record.config);
@@ -84,10 +98,13 @@ fn read(plan: &Plan, store: &Store) -> Result<Vec<Record>, StoreError> {
     if !differences.is_empty() {
         let (others, folder) = (all - records.len(), store.folder().display());
         let differences: Vec<String> = differences.into_iter().collect();
-        eprintln!("{others} units in {folder} are of another run and not used: {}", differences.join("; "));
+        remarks.push(format!(
+            "{others} units in {folder} are of another run and not used: {}",
+            differences.join("; ")
+        ));
     }
     sort(plan, &mut records);
-    Ok(records)
+    Ok((records, remarks))
 }
 
 /// The first setting in which a stored unit differs from what this run would do.
@@ -114,7 +131,7 @@ fn first_difference(path: &str, found: &serde_json::Value, expected: &serde_json
 fn announce(plan: &Plan, wanted: usize, missing: usize) {
     let methods: Vec<&str> = plan.methods.iter().map(|method| method.name()).collect();
     let panels: Vec<&str> = plan.panels.iter().map(|panel| panel.name.as_str()).collect();
-    eprintln!(
+    news(&format!(
         "{} {}: panels {}, x = {:?}, methods {}, {} repetitions, seed {}, backend {}",
         plan.figure,
         plan.profile_name,
@@ -124,10 +141,10 @@ fn announce(plan: &Plan, wanted: usize, missing: usize) {
         plan.repetitions,
         plan.seed,
         plan.backend.name(),
-    );
+    ));
     match wanted - missing {
-        0 => eprintln!("{missing} units to run on {} threads", plan.jobs),
-        done => eprintln!("{done} units are there, {missing} to run on {} threads", plan.jobs),
+        0 => news(&format!("{missing} units to run on {} threads", plan.jobs)),
+        done => news(&format!("{done} units are there, {missing} to run on {} threads", plan.jobs)),
     }
 }
 
@@ -142,7 +159,7 @@ fn run_missing(
     let units: Vec<UnitConfig> = missing.iter().map(|(_, unit)| unit.clone()).collect();
     let estimates = estimate::seconds(plan, &points, interrupt);
     let total: f64 = estimates.iter().sum();
-    eprintln!("estimated time {}", duration(total / plan.jobs.min(units.len()) as f64));
+    news(&format!("estimated time {}", duration(total / plan.jobs.min(units.len()) as f64)));
     let revision = revision();
     let mut progress = Progress::start(units.len(), total);
     let name = |point: &Point| {
@@ -196,13 +213,13 @@ fn write_outputs(plan: &Plan, store: &Store, records: &[Record]) -> Result<(), S
     }
     let revisions = revisions(records);
     if revisions.len() > 1 {
-        eprintln!(
+        news(&format!(
             "these units were computed by {} source revisions; manifest.json lists them",
             revisions.len()
-        );
+        ));
     }
-    println!("{table}");
-    println!("written to {}", store.folder().display());
+    result(&table);
+    result(&format!("written to {}", store.folder().display()));
     Ok(())
 }
 
@@ -214,11 +231,18 @@ pub(crate) fn axis_label(axis: Axis) -> &'static str {
     }
 }
 
-/// How long the paper profile of this figure would take on this machine with as many threads, as a person says it.
+/// How long the paper profile of the whole figure would take on this machine with as many threads, as a person says it;
+/// `None` if the experiment has no such profile or the run is being stopped.
 pub fn paper_estimate(plan: &Plan, interrupt: &Interrupt) -> Option<String> {
     let profile = plan.experiment.profiles.get("paper")?.clone();
-    let repetitions = profile.repetitions;
-    let paper = Plan { profile, repetitions, ..plan.clone() };
+    let chosen = |panel: &&Panel| profile.panels.as_ref().is_none_or(|names| names.contains(&panel.name));
+    let paper = Plan {
+        panels: plan.experiment.panels.iter().filter(chosen).cloned().collect(),
+        methods: plan.experiment.methods.clone(),
+        repetitions: profile.repetitions,
+        profile,
+        ..plan.clone()
+    };
     let total: f64 = estimate::seconds(&paper, &paper.points(), interrupt).iter().sum();
-    Some(duration(total / plan.jobs as f64))
+    interrupt.check().is_continue().then(|| duration(total / plan.jobs as f64))
 }

@@ -37,10 +37,14 @@ pub(crate) fn run<E>(
                 while interrupt.check().is_continue() {
                     let index = next.fetch_add(1, Ordering::Relaxed);
                     let Some(unit) = units.get(index) else { return };
-                    // The receiver outlives the workers unless it failed, and then nobody wants the result.
-                    let _ = sender.send(Event::Started(index));
+                    // If nobody listens any more, nobody wants the result.
+                    if sender.send(Event::Started(index)).is_err() {
+                        return;
+                    }
                     let result = guarded(|| evaluate(unit, interrupt));
-                    let _ = sender.send(Event::Ended(index, result));
+                    if sender.send(Event::Ended(index, result)).is_err() {
+                        return;
+                    }
                 }
             });
         }

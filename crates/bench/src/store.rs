@@ -77,6 +77,8 @@ pub struct Contents {
     pub records: Vec<Record>,
     /// Files that were not and have been set aside.
     pub set_aside: Vec<PathBuf>,
+    /// Number of files that are whole but not of this version's making; they are left alone.
+    pub foreign: usize,
 }
 
 const HEAD: &str = "{\"length\":";
@@ -108,6 +110,13 @@ impl Store {
         }
         lock.set_len(0).and_then(|()| lock.rewind()).map_err(at(&path))?;
         writeln!(lock, "process {}", std::process::id()).map_err(at(&path))?;
+        // What a killed run was writing when it died; nobody else is writing now.
+        for entry in std::fs::read_dir(&units).map_err(at(&units))? {
+            let path = entry.map_err(at(&units))?.path();
+            if path.extension().is_some_and(|extension| extension == "partial") {
+                std::fs::remove_file(&path).map_err(at(&path))?;
+            }
+        }
         Ok(Store { folder: folder.to_path_buf(), _lock: lock })
     }
 
@@ -138,13 +147,15 @@ impl Store {
         for path in paths {
             let text = std::fs::read(&path).map_err(at(&path))?;
             let key = path.file_stem().and_then(|key| key.to_str()).unwrap_or_default();
-            match decode(&text).filter(|record| record.config.key() == key) {
-                Some(record) => contents.records.push(record),
-                None => {
-                    let aside = path.with_extension("json.damaged");
-                    std::fs::rename(&path, &aside).map_err(at(&path))?;
-                    contents.set_aside.push(aside);
-                }
+            let Some(body) = whole(&text) else {
+                let aside = path.with_extension("json.damaged");
+                std::fs::rename(&path, &aside).map_err(at(&path))?;
+                contents.set_aside.push(aside);
+                continue;
+            };
+            match serde_json::from_str::<Record>(body) {
+                Ok(record) if record.config.key() == key => contents.records.push(record),
+                _ => contents.foreign += 1,
             }
         }
         Ok(contents)
@@ -184,7 +195,9 @@ impl Store {
             let mut file = File::create(&temporary)?;
             file.write_all(contents)?;
             file.sync_all()?;
-            std::fs::rename(&temporary, path)
+            std::fs::rename(&temporary, path)?;
+            // The new name, too, has to reach the disk.
+            path.parent().map_or(Ok(()), |folder| File::open(folder)?.sync_all())
         };
         write().map_err(|source| {
             let _ = std::fs::remove_file(&temporary);
@@ -200,14 +213,16 @@ fn encode(record: &Record) -> String {
     format!("{HEAD}{},\"blake3\":\"{hash}\",\"unit\":{body}}}\n", body.len())
 }
 
-fn decode(bytes: &[u8]) -> Option<Record> {
+/// The unit in a file whose length and checksum are right.
+fn whole(bytes: &[u8]) -> Option<&str> {
     let text = std::str::from_utf8(bytes).ok()?;
     let rest = text.strip_prefix(HEAD)?;
     let (length, rest) = rest.split_once(",\"blake3\":\"")?;
     let (hash, rest) = rest.split_once("\",\"unit\":")?;
     let body = rest.strip_suffix("}\n")?;
-    let whole = length.parse() == Ok(body.len()) && blake3::hash(body.as_bytes()).to_hex().as_str() == hash;
-    whole.then(|| serde_json::from_str(body).ok()).flatten()
+    let is_whole =
+        length.parse() == Ok(body.len()) && blake3::hash(body.as_bytes()).to_hex().as_str() == hash;
+    is_whole.then_some(body)
 }
 
 #[cfg(test)]
@@ -229,13 +244,14 @@ mod tests {
     #[test]
     fn every_damaged_byte_is_noticed() {
         let text = encode(&record());
-        assert_eq!(decode(text.as_bytes()), Some(record()));
+        let body = whole(text.as_bytes()).unwrap();
+        assert_eq!(serde_json::from_str::<Record>(body).unwrap(), record());
         let _: serde_json::Value = serde_json::from_str(&text).unwrap();
         for at in 0..text.len() {
             let mut bytes = text.clone().into_bytes();
             bytes[at] ^= 1;
-            assert_eq!(decode(&bytes), None, "a flip in byte {at} went unnoticed");
-            assert_eq!(decode(&text.as_bytes()[..at]), None, "a file of {at} bytes was taken for whole");
+            assert_eq!(whole(&bytes), None, "a flip in byte {at} went unnoticed");
+            assert_eq!(whole(&text.as_bytes()[..at]), None, "a file of {at} bytes was taken for whole");
         }
     }
 
@@ -253,5 +269,41 @@ mod tests {
         let contents = store.read().unwrap();
         assert!(contents.records.is_empty() && contents.set_aside.len() == 1);
         assert!(store.read().unwrap().set_aside.is_empty());
+    }
+
+    #[test]
+    fn a_whole_unit_of_another_version_is_left_alone() {
+        let folder = tempfile::tempdir().unwrap();
+        let store = Store::open(folder.path()).unwrap();
+        let body = r#"{"point":{},"config":{"format":99}}"#;
+        let hash = blake3::hash(body.as_bytes()).to_hex();
+        let text = format!("{HEAD}{},\"blake3\":\"{hash}\",\"unit\":{body}}}\n", body.len());
+        std::fs::write(store.path("00"), &text).unwrap();
+        let contents = store.read().unwrap();
+        assert_eq!((contents.records.len(), contents.set_aside.len(), contents.foreign), (0, 0, 1));
+        assert_eq!(std::fs::read_to_string(store.path("00")).unwrap(), text);
+    }
+
+    #[test]
+    fn numbers_are_read_back_to_the_last_bit() {
+        let folder = tempfile::tempdir().unwrap();
+        let store = Store::open(folder.path()).unwrap();
+        let mut awkward = record();
+        // A parser that rounds twice takes the first of these for its neighbour.
+        awkward.config.system.snr_db = 0.9522444552911937;
+        awkward.outcome =
+            Outcome::Metrics(vec![Metric::new("ess", 5.0e-324), Metric::new("loss", 1.0 / 3.0)]);
+        store.write(&awkward).unwrap();
+        assert_eq!(store.read().unwrap().records, [awkward]);
+    }
+
+    #[test]
+    fn what_a_killed_run_left_half_written_is_cleared_away() {
+        let folder = tempfile::tempdir().unwrap();
+        drop(Store::open(folder.path()).unwrap());
+        let partial = folder.path().join("units/0123.partial");
+        std::fs::write(&partial, "half").unwrap();
+        drop(Store::open(folder.path()).unwrap());
+        assert!(!partial.exists());
     }
 }

@@ -25,9 +25,9 @@ fn arguments() {
         (&["tiny", "--methods", "fcnn,bootstrap,fcnn"], "--methods fcnn,bootstrap,fcnn: fcnn stands twice"),
         (&["tiny", "--panels", "N5"], "--panels N5: did you mean N6? there are N6, N8"),
         (&["tiny", "--backend", "cuda"], "--backend cuda: there are flex, ndarray"),
-        (&["tiny", "--repetitions", "0"], "--repetitions 0: it must be an integer of at least 1"),
-        (&["tiny", "--repetitions=-1"], "--repetitions -1: it must be an integer of at least 1"),
-        (&["tiny", "--jobs", "two"], "--jobs two: it must be an integer of at least 1"),
+        (&["tiny", "--repetitions", "0"], "--repetitions 0: it must be an integer from 1 to 1000000"),
+        (&["tiny", "--repetitions=-1"], "--repetitions -1: it must be an integer from 1 to 1000000"),
+        (&["tiny", "--jobs", "two"], "--jobs two: it must be an integer from 1 to 1024"),
         (&["tiny", "--seed", "1.5"], "--seed 1.5: it must be an integer from 0 to 18446744073709551615"),
         (
             &["tiny", "--sed", "1"],
@@ -60,8 +60,16 @@ fn keys_and_values_of_the_experiment() {
              densities, snr_db, neighbours, unmeasured, dimension, horizon",
         ),
         ("horizon = 4", "horizon = 4\nhorizon = 5", "line 15, key `horizon`: duplicate key"),
-        ("snr_db = 5.0", "snr_db = nan", "key `system.snr_db` is NaN; it must be a finite number of dB"),
-        ("snr_db = 5.0", "snr_db = -inf", "key `system.snr_db` is -inf; it must be a finite number of dB"),
+        (
+            "snr_db = 5.0",
+            "snr_db = nan",
+            "key `system.snr_db` is NaN; it must be a number of dB from -200 to 200",
+        ),
+        (
+            "snr_db = 5.0",
+            "snr_db = -inf",
+            "key `system.snr_db` is -inf; it must be a number of dB from -200 to 200",
+        ),
         (
             "repetitions = 4",
             "repetitions = 0",
@@ -80,6 +88,12 @@ fn keys_and_values_of_the_experiment() {
         ("ridge = 1e-6", "ridge = -1e-6", "key `fcnn.ridge` is -0.000001; it must be at least 0 and finite"),
         ("beta_1 = 0.9", "beta_1 = 1.0", "key `training.beta_1` is 1; it must be at least 0 and below 1"),
         (
+            "dimension = 8",
+            "dimension = 6",
+            "key `panels.*.dimension` is [\"6\", \"6\"]; no value may stand twice",
+        ),
+        ("snr_db = 5.0\n", "", "line 6: missing field `snr_db`"),
+        (
             "learning_rate = 0.001",
             "learning_rate = 0.0",
             "key `training.learning_rate` is 0; it must be positive and finite",
@@ -89,7 +103,11 @@ fn keys_and_values_of_the_experiment() {
             "ess_threshold = 1.5",
             "key `filter.ess_threshold` is 1.5; it must be above 0 and at most 1",
         ),
-        ("neighbours = 3", "neighbours = 6", "key `N6` is 6; N must exceed the 6 neighbours"),
+        (
+            "neighbours = 3",
+            "neighbours = 6",
+            "key `panels.N6.dimension` is 6; N must exceed the 6 neighbours",
+        ),
         (
             "noise = \"gaussian\"",
             "noise = \"gausian\"",
@@ -125,6 +143,29 @@ fn an_output_folder_that_cannot_be_written() {
     );
     assert_eq!(output.status.code(), Some(3));
     assert_eq!(std::fs::read(place.path("file")).unwrap(), b"");
+}
+
+#[cfg(unix)]
+#[test]
+fn an_argument_that_is_no_text() {
+    use std::os::unix::ffi::OsStrExt;
+    let place = Workplace::new(TINY);
+    let mut command = place.reproduce(&[]);
+    let output = command.arg(std::ffi::OsStr::from_bytes(b"\xff")).output().unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).starts_with("error: invalid UTF-8"), "{}", stderr(&output));
+}
+
+#[test]
+fn figures_are_found_by_their_whole_name() {
+    let place = Workplace::new(TINY);
+    let other = TINY.replacen("horizon = 4", "horizon = 0", 1);
+    std::fs::write(place.path("experiments/tiny.v2.toml"), other).unwrap();
+    let output = place.run(&["tiny.v2"]);
+    assert_eq!(
+        stderr(&output),
+        "error: experiments/tiny.v2.toml: key `system.horizon` is 0; it must be at least 1"
+    );
 }
 
 #[test]

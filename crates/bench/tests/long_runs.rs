@@ -37,7 +37,11 @@ fn one_thread_two_threads_and_killed_runs_give_the_same_bytes() {
 
     let mut stored = 0;
     for stop_at in [3, 15, 30] {
-        let mut run = place.reproduce(&["tiny", "--out", "killed"]).stderr(Stdio::null()).spawn().unwrap();
+        let mut run = place
+            .reproduce(&["tiny", "--out", "killed", "--jobs", "2"])
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
         wait_for(&place, "killed", stop_at);
         run.kill().unwrap();
         run.wait().unwrap();
@@ -68,7 +72,12 @@ fn parts_add_up_to_the_whole() {
 #[test]
 fn two_runs_do_not_share_a_folder() {
     let place = Workplace::new(&slower());
-    let mut first = place.reproduce(&["tiny"]).stderr(Stdio::null()).stdout(Stdio::null()).spawn().unwrap();
+    let mut first = place
+        .reproduce(&["tiny", "--jobs", "2"])
+        .stderr(Stdio::null())
+        .stdout(Stdio::null())
+        .spawn()
+        .unwrap();
     wait_for(&place, "runs", 1);
     let second = place.run(&["tiny"]);
     assert_eq!(second.status.code(), Some(3));
@@ -160,7 +169,12 @@ fn failing_units_are_recorded_and_decide_the_status() {
 fn signals_end_a_run_cleanly_with_their_own_status() {
     for (signal, status) in [("-INT", 130), ("-TERM", 143)] {
         let place = Workplace::new(&slower());
-        let run = place.reproduce(&["tiny"]).stderr(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
+        let run = place
+            .reproduce(&["tiny", "--jobs", "2"])
+            .stderr(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
         wait_for(&place, "runs", 2);
         // The shell's own kill: there need not be a program of that name.
         let kill = format!("kill {signal} {}", run.id());

@@ -1,5 +1,6 @@
 //! What can be wrong with a model or with the numbers handed to it.
 
+use faer::MatRef;
 use thiserror::Error;
 
 /// Why a matrix is not a covariance.
@@ -45,6 +46,33 @@ pub enum CovarianceFault {
     },
 }
 
+/// Checks the shape of a matrix, and that every entry is finite.
+pub(crate) fn check_matrix(
+    name: &'static str,
+    matrix: MatRef<'_, f64>,
+    rows: usize,
+    columns: usize,
+) -> Result<(), ModelError> {
+    if matrix.shape() != (rows, columns) {
+        return Err(ModelError::Shape {
+            name,
+            rows: matrix.nrows(),
+            columns: matrix.ncols(),
+            expected_rows: rows,
+            expected_columns: columns,
+        });
+    }
+    for row in 0..rows {
+        for column in 0..columns {
+            let value = matrix[(row, column)];
+            if !value.is_finite() {
+                return Err(ModelError::NotFiniteEntry { name, row, column, value });
+            }
+        }
+    }
+    Ok(())
+}
+
 /// An error of this crate. Every variant is bad input but [`ModelError::Numerical`].
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum ModelError {
@@ -69,6 +97,18 @@ pub enum ModelError {
         expected_rows: usize,
         /// Columns needed.
         expected_columns: usize,
+    },
+    /// An entry of a matrix is NaN or infinite.
+    #[error("{name} has the entry {value} at row {row}, column {column}; every entry must be finite")]
+    NotFiniteEntry {
+        /// Which matrix.
+        name: &'static str,
+        /// Row of the entry.
+        row: usize,
+        /// Column of the entry.
+        column: usize,
+        /// The entry.
+        value: f64,
     },
     /// A parameter is outside its range.
     #[error("{name} is {value}; it must be {expected}")]

@@ -26,8 +26,16 @@ impl Gaussian {
     ///
     /// # Errors
     /// [`ModelError::Covariance`] if the covariance is of another shape, not finite, not symmetric (beyond
-    /// 1e-12 of its largest entry) or not positive definite. It is never changed to make it fit.
+    /// 1e-12 of its largest entry) or not positive definite; it is never changed to make it fit.
+    /// [`ModelError::Parameter`] if the mean is empty or not finite.
     pub fn new(name: &'static str, mean: Vec<f64>, covariance: Mat<f64>) -> Result<Self, ModelError> {
+        if mean.is_empty() || mean.iter().any(|value| !value.is_finite()) {
+            return Err(ModelError::Parameter {
+                name: "the mean of a Gaussian",
+                value: format!("{mean:?}"),
+                expected: "one or more finite numbers",
+            });
+        }
         let lower = factor(name, covariance.as_ref(), mean.len())?;
         let width = mean.len();
         let mut inverse_lower = Mat::<f64>::identity(width, width);
@@ -65,33 +73,36 @@ impl Gaussian {
     /// `‖L⁻¹ d‖²`, the squared Mahalanobis distance of a deviation `d`.
     fn squared_distance(&self, deviation: impl Fn(usize) -> f64) -> f64 {
         let width = self.mean.len();
-        let mut whitened = [0.0; 64];
-        if width <= whitened.len() {
-            // Column by column, so that each deviation is asked for once.
-            for j in 0..width {
-                let d = deviation(j);
-                let column = &self.inverse_lower.col_as_slice(j)[j..width];
-                for (sum, entry) in whitened[j..width].iter_mut().zip(column) {
-                    *sum += entry * d;
-                }
+        let squares = |whitened: &mut [f64]| {
+            self.whiten(deviation, whitened);
+            whitened.iter().map(|value| value * value).sum()
+        };
+        // No allocation in the sizes that filters are used in.
+        match width {
+            0..=64 => squares(&mut [0.0; 64][..width]),
+            _ => squares(&mut vec![0.0; width]),
+        }
+    }
+
+    /// Adds `L⁻¹ d` to `whitened`, column by column, so that each coordinate of `d` is asked for once.
+    fn whiten(&self, deviation: impl Fn(usize) -> f64, whitened: &mut [f64]) {
+        for j in 0..whitened.len() {
+            let d = deviation(j);
+            let column = &self.inverse_lower.col_as_slice(j)[j..];
+            for (sum, entry) in whitened[j..].iter_mut().zip(column) {
+                *sum += entry * d;
             }
-            whitened[..width].iter().map(|value| value * value).sum()
-        } else {
-            (0..width)
-                .map(|i| (0..=i).map(|j| self.inverse_lower[(i, j)] * deviation(j)).sum::<f64>().powi(2))
-                .sum()
         }
     }
 
     /// `∂ log N / ∂x = −Σ⁻¹ d` for the deviation `d = x − μ`, into `gradient` (`N`).
     pub fn gradient(&self, deviation: impl Fn(usize) -> f64, gradient: &mut [f64]) {
-        let width = self.mean.len();
         gradient.fill(0.0);
-        for i in 0..width {
-            let whitened: f64 = (0..=i).map(|j| self.inverse_lower[(i, j)] * deviation(j)).sum();
-            for (j, out) in gradient[..=i].iter_mut().enumerate() {
-                *out -= self.inverse_lower[(i, j)] * whitened;
-            }
+        self.whiten(deviation, gradient);
+        // −L⁻ᵀ w: row j reads only what stands at j and below, so that the result can take its place.
+        for j in 0..gradient.len() {
+            let column = &self.inverse_lower.col_as_slice(j)[j..];
+            gradient[j] = -column.iter().zip(&gradient[j..]).map(|(entry, w)| entry * w).sum::<f64>();
         }
     }
 

@@ -20,8 +20,7 @@ impl RandomGeometricGraph {
     /// connected, has no self-loops, and is divided by its spectral norm.
     ///
     /// # Errors
-    /// [`ModelError::Parameter`] unless `1 ≤ neighbours < nodes`; [`ModelError::Numerical`] if a thousand
-    /// draws gave no connected graph.
+    /// [`ModelError::Parameter`] unless `1 ≤ neighbours < nodes`, or if none of a thousand draws was connected.
     pub fn draw(nodes: usize, neighbours: usize, stream: &mut Stream) -> Result<Self, ModelError> {
         const MOST_DRAWS: usize = 1000;
         if neighbours == 0 || neighbours >= nodes {
@@ -40,12 +39,10 @@ impl RandomGeometricGraph {
                 return Ok(RandomGeometricGraph { adjacency, draws });
             }
         }
-        Err(ModelError::Numerical {
-            computation: "drawing a connected random geometric graph",
-            time: 0,
-            reason: format!(
-                "{MOST_DRAWS} draws of {nodes} nodes with {neighbours} neighbours were unconnected"
-            ),
+        Err(ModelError::Parameter {
+            name: "number of neighbours",
+            value: format!("{neighbours} for {nodes} nodes"),
+            expected: "enough for the graph to be connected, which none of a thousand draws was",
         })
     }
 

@@ -2,6 +2,7 @@
 
 use faer::{Mat, MatRef};
 
+use crate::error::check_matrix;
 use crate::sparse::SparseRows;
 use crate::{
     AdditiveGaussian, Gaussian, LinearGaussian, ModelError, Noise, RandomGeometricGraph, Simulator,
@@ -99,19 +100,11 @@ impl GraphDiffusion {
     /// Builds the system on a given matrix `A` (`N×N`).
     ///
     /// # Errors
-    /// [`ModelError::Shape`] if `A` is not `N×N`; [`ModelError::Parameter`] if `M` is not in `N/2 ..= N` and
+    /// [`ModelError::Shape`] or [`ModelError::NotFiniteEntry`] for `A`; [`ModelError::Parameter`] if `M` is not in `N/2 ..= N` and
     /// positive, or the SNR is not finite.
     pub fn on_graph(config: &GraphDiffusionConfig, adjacency: MatRef<'_, f64>) -> Result<Self, ModelError> {
         let (n, m) = (config.state_dim, config.measurement_dim);
-        if adjacency.shape() != (n, n) {
-            return Err(ModelError::Shape {
-                name: "the diffusion matrix A",
-                rows: adjacency.nrows(),
-                columns: adjacency.ncols(),
-                expected_rows: n,
-                expected_columns: n,
-            });
-        }
+        check_matrix("the diffusion matrix A", adjacency, n, n)?;
         if m == 0 || m > n || 2 * m < n {
             return Err(ModelError::Parameter {
                 name: "number of measured coordinates M",

@@ -1,7 +1,9 @@
-//! The Kalman filter: exact means, covariances and log-evidence of a linear Gaussian model.
+//! The Kalman filter and smoother: exact means, covariances and log-evidence of a linear Gaussian model.
 
 use faer::{Col, ColRef, Mat, MatRef};
 
+use crate::error::check_matrix;
+pub use crate::smoother::{Smoothed, smooth};
 use crate::{AdditiveGaussian, Gaussian, LinearGaussian, Measurements, ModelError, StateSpaceModel};
 
 /// A Gaussian belief about a state.
@@ -81,10 +83,10 @@ fn update(
 ) -> Result<(Belief, f64), ModelError> {
     let (c, r) = (model.measurement_matrix(), model.measurement_covariance());
     let Correction { gain, covariance, innovation } = correction(predicted.covariance.as_ref(), c, r)
-        .map_err(|_| ModelError::Numerical {
-            computation: "factoring the innovation covariance",
+        .map_err(|fault| ModelError::Numerical {
+            computation: "correcting a belief",
             time,
-            reason: "it is not positive definite in floating point".into(),
+            reason: fault.to_string(),
         })?;
     let surprise = measurement - c * &predicted.mean;
     let log_evidence_increment = innovation.log_density_of(|i| surprise[i]);
@@ -107,13 +109,16 @@ pub struct Correction {
 /// Its covariance is also that of the information form, `(P⁻¹ + Cᵀ R⁻¹ C)⁻¹`.
 ///
 /// # Errors
-/// [`ModelError::Covariance`] if the innovation covariance is not positive definite in floating point.
+/// [`ModelError::Shape`] or [`ModelError::NotFiniteEntry`] for a matrix that does not fit; [`ModelError::Covariance`] if the
+/// innovation covariance is not positive definite.
 pub fn correction(
     prior: MatRef<'_, f64>,
     measurement_matrix: MatRef<'_, f64>,
     measurement_covariance: MatRef<'_, f64>,
 ) -> Result<Correction, ModelError> {
     let (c, r) = (measurement_matrix, measurement_covariance);
+    check_matrix("a belief's covariance P", prior, c.ncols(), c.ncols())?;
+    check_matrix("the measurement-noise covariance R", r, c.nrows(), c.nrows())?;
     let cross = c * prior;
     let innovation = symmetric(&cross * c.transpose() + r);
     let innovation = Gaussian::new("the innovation covariance", vec![0.0; c.nrows()], innovation)?;

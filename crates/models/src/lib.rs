@@ -42,6 +42,5 @@ pub use linear_gaussian::LinearGaussian;
 pub use noise::Noise;
 pub use sequence::{Measurements, Sequence};
 pub use simulate::{Trajectory, simulate};
-pub use smoother::{Smoothed, smooth};
 pub use state_space::{AdditiveGaussian, Simulator, StateGradients, StateSpaceModel};
 pub use stream::{Seed, Stream};

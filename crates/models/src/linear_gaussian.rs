@@ -2,6 +2,7 @@
 
 use faer::{Mat, MatRef};
 
+use crate::error::check_matrix;
 use crate::{AdditiveGaussian, Gaussian, ModelError, Simulator, StateGradients, StateSpaceModel, Stream};
 
 /// `x_0 ~ N(μ₀, P₀)`, `x_t = A x_{t−1} + v_t`, `v_t ~ N(0, Q)`, `y_t = C x_t + w_t`, `w_t ~ N(0, R)`.
@@ -28,7 +29,7 @@ impl LinearGaussian {
     /// Takes `p(x_0)`, `A` (`N×N`), `Q` (`N×N`), `C` (`M×N`) and `R` (`M×M`).
     ///
     /// # Errors
-    /// [`ModelError::Shape`] for `A` or `C`, [`ModelError::Covariance`] for `Q` or `R`.
+    /// [`ModelError::Shape`] or [`ModelError::NotFiniteEntry`] for `A` or `C`, [`ModelError::Covariance`] for `Q` or `R`.
     pub fn new(
         initial: Gaussian,
         transition_matrix: Mat<f64>,
@@ -38,8 +39,8 @@ impl LinearGaussian {
     ) -> Result<Self, ModelError> {
         let n = initial.mean().len();
         let m = measurement_covariance.nrows();
-        check_shape("the transition matrix A", transition_matrix.as_ref(), n, n)?;
-        check_shape("the measurement matrix C", measurement_matrix.as_ref(), m, n)?;
+        check_matrix("the transition matrix A", transition_matrix.as_ref(), n, n)?;
+        check_matrix("the measurement matrix C", measurement_matrix.as_ref(), m, n)?;
         Ok(LinearGaussian {
             initial,
             transition_matrix,
@@ -57,24 +58,6 @@ impl LinearGaussian {
     pub fn transition_matrix(&self) -> MatRef<'_, f64> {
         self.transition_matrix.as_ref()
     }
-}
-
-fn check_shape(
-    name: &'static str,
-    matrix: MatRef<'_, f64>,
-    rows: usize,
-    columns: usize,
-) -> Result<(), ModelError> {
-    if matrix.shape() == (rows, columns) {
-        return Ok(());
-    }
-    Err(ModelError::Shape {
-        name,
-        rows: matrix.nrows(),
-        columns: matrix.ncols(),
-        expected_rows: rows,
-        expected_columns: columns,
-    })
 }
 
 #[inline]

@@ -17,7 +17,7 @@ pub struct Trajectory {
 /// same stream begins with the shorter one.
 ///
 /// # Errors
-/// [`ModelError::Parameter`] if `horizon` is 0; [`ModelError::NotFinite`] if the system overflowed.
+/// [`ModelError::Parameter`] if `horizon` is 0; [`ModelError::Numerical`] with the time if the system overflowed.
 pub fn simulate(
     model: &(impl Simulator + ?Sized),
     horizon: usize,
@@ -35,7 +35,12 @@ pub fn simulate(
             0 => model.sample_initial(stream, state),
             _ => model.sample_transition(time, &past[(time - 1) * n..], stream, state),
         }
-        model.sample_measurement(time, state, stream, &mut measurements[time * m..(time + 1) * m]);
+        let measurement = &mut measurements[time * m..(time + 1) * m];
+        model.sample_measurement(time, state, stream, measurement);
+        if !state.iter().chain(measurement.iter()).all(|value| value.is_finite()) {
+            let reason = format!("state {state:?}, measurement {measurement:?}");
+            return Err(ModelError::Numerical { computation: "simulating the system", time, reason });
+        }
     }
     Ok(Trajectory { states: Sequence::new(n, states)?, measurements: Measurements::new(m, measurements)? })
 }

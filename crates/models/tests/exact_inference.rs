@@ -2,7 +2,7 @@
 
 use faer::prelude::Solve;
 use faer::{Col, Mat, Side, mat};
-use motes_models::{Gaussian, LinearGaussian, Measurements, Seed, StateSpaceModel, kalman, simulate, smooth};
+use motes_models::{Gaussian, LinearGaussian, Measurements, Seed, StateSpaceModel, kalman, simulate};
 
 fn model() -> LinearGaussian {
     let initial =
@@ -82,7 +82,7 @@ fn filter_smoother_and_evidence_agree_with_the_dense_joint_gaussian() {
     let (n, m) = (model.state_dim(), model.measurement_dim());
     let measurements = simulate(&model, horizon, &mut Seed::from_u64(4).stream()).unwrap().measurements;
     let filtered = kalman::filter(&model, &measurements).unwrap();
-    let smoothed = smooth(&model, &filtered).unwrap();
+    let smoothed = kalman::smooth(&model, &filtered).unwrap();
     let joint = joint(&model, horizon);
     let from = horizon * n;
     for t in 0..horizon {
@@ -116,7 +116,7 @@ fn normalised_estimation_error_squared_is_chi_squared() {
     for run in 0..runs {
         let trajectory = simulate(&model, horizon, &mut seed.nth(run).stream()).unwrap();
         let filtered = kalman::filter(&model, &trajectory.measurements).unwrap();
-        let smoothed = smooth(&model, &filtered).unwrap();
+        let smoothed = kalman::smooth(&model, &filtered).unwrap();
         let nees = |belief: &kalman::Belief, t: usize| {
             let truth = trajectory.states.row(t);
             let error = Col::from_fn(n, |i| truth[i] - belief.mean[i]);

@@ -32,6 +32,9 @@ mod learnable;
 mod mlp;
 mod parameters;
 
+/// The version of burn that networks are computed with; results depend on it.
+pub const BURN_VERSION: &str = "0.22.1";
+
 pub use backend::{Backend, Compute, Precision};
 pub use covariance::{KernelCovariance, cholesky_adjoint};
 pub use fcnn::{Fcnn, FcnnConfig};

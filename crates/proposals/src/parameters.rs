@@ -129,11 +129,4 @@ impl Gradients {
         }
         Ok(sum.sqrt())
     }
-
-    /// Multiplies every gradient by `factor`.
-    #[must_use]
-    pub fn scaled(self, factor: f64) -> Self {
-        let scale = |gradient: Tensor<2>| gradient.mul_scalar(factor);
-        Gradients { values: self.values.into_iter().map(|gradient| gradient.map(scale)).collect() }
-    }
 }

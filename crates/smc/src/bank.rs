@@ -1,6 +1,8 @@
 //! Many independent particle filters on the same measurements, advanced as one batch.
 
-use motes_models::{Seed, StateSpaceModel, Stream};
+use std::ops::Deref;
+
+use motes_models::{ModelError, Seed, StateSpaceModel, Stream};
 
 use crate::{
     Conditional, FilterError, LogWeights, ParticleMemory, Past, Proposal, ResampleWhen, Resampling,
@@ -38,11 +40,12 @@ impl FilterSettings {
 
 /// `B` independent filters of `K` particles each, with one model, one proposal and one sequence of measurements.
 ///
-/// Each filter draws from its own stream, so a bank gives each of its filters exactly what it would give it alone.
+/// The model is held by anything that points to one: `&model` for a moment, `Arc<Model>` for a service that keeps filter and
+/// model together. Each filter draws from its own stream, so a bank gives each of its filters what it would get alone.
 /// Between two steps the bank shows particles and weights as they are before resampling, which is when estimates
 /// are to be taken; resampling happens at the start of the next step.
-pub struct FilterBank<'m, M: ?Sized, P: Proposal<M>> {
-    model: &'m M,
+pub struct FilterBank<D: Deref, P: Proposal<D::Target>> {
+    model: D,
     proposal: P,
     settings: FilterSettings,
     streams: Vec<Stream>,
@@ -56,15 +59,16 @@ pub struct FilterBank<'m, M: ?Sized, P: Proposal<M>> {
     increments: Vec<f64>,
     log_likelihoods: Vec<f64>,
     log_transitions: Vec<f64>,
+    failure: Option<FilterError>,
 }
 
-impl<'m, M: StateSpaceModel + ?Sized, P: Proposal<M>> FilterBank<'m, M, P> {
+impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P> {
     /// Prepares `filters` filters; filter `b` draws from the stream of `seed.nth(b)`.
     ///
     /// # Errors
     /// [`FilterError::Setting`] if there is no filter or no particle, or a setting is out of range.
     pub fn new(
-        model: &'m M,
+        model: D,
         proposal: P,
         settings: FilterSettings,
         filters: usize,
@@ -78,7 +82,7 @@ impl<'m, M: StateSpaceModel + ?Sized, P: Proposal<M>> FilterBank<'m, M, P> {
     /// # Errors
     /// As [`FilterBank::new`].
     pub fn with_streams(
-        model: &'m M,
+        model: D,
         proposal: P,
         settings: FilterSettings,
         streams: Vec<Stream>,
@@ -92,8 +96,19 @@ impl<'m, M: StateSpaceModel + ?Sized, P: Proposal<M>> FilterBank<'m, M, P> {
             });
         }
         let filters = streams.len();
-        let rows = filters * settings.particles;
-        let values = rows * model.state_dim();
+        let n = model.state_dim();
+        let sizes =
+            filters.checked_mul(settings.particles).and_then(|rows| Some((rows, rows.checked_mul(n)?)));
+        let (rows, values) = match sizes {
+            Some((rows, values)) if values > 0 => (rows, values),
+            _ => {
+                return Err(FilterError::Setting {
+                    name: "the number of values in a bank, filters × particles × N",
+                    value: format!("{filters} × {} × {n}", settings.particles),
+                    expected: "at least 1 and a number that can be stored",
+                });
+            }
+        };
         Ok(FilterBank {
             memory: proposal.initial_memory(rows),
             model,
@@ -109,16 +124,25 @@ impl<'m, M: StateSpaceModel + ?Sized, P: Proposal<M>> FilterBank<'m, M, P> {
             increments: vec![0.0; rows],
             log_likelihoods: vec![0.0; rows],
             log_transitions: vec![0.0; rows],
+            failure: None,
         })
     }
 
     /// Advances every filter by one measurement (`M` numbers): resample where due, draw, weigh.
     ///
     /// # Errors
-    /// [`FilterError::Model`] if the measurement has the wrong width or is not finite (nothing has changed then);
-    /// otherwise the filter failed, and its state is no longer meaningful.
+    /// [`FilterError::Model`] if the measurement has the wrong width or is not finite (nothing has changed then).
+    /// Otherwise the bank has failed, all of its filters together: every later step returns the same error, and particles and
+    /// weights mean nothing any more.
     pub fn step(&mut self, measurement: &[f64]) -> Result<(), FilterError> {
+        if let Some(failure) = &self.failure {
+            return Err(failure.clone());
+        }
         self.check_measurement(measurement)?;
+        self.advance(measurement).inspect_err(|failure| self.failure = Some(failure.clone()))
+    }
+
+    fn advance(&mut self, measurement: &[f64]) -> Result<(), FilterError> {
         self.resample_where_due();
         std::mem::swap(&mut self.states, &mut self.previous);
         self.draw(measurement)?;
@@ -128,7 +152,6 @@ impl<'m, M: StateSpaceModel + ?Sized, P: Proposal<M>> FilterBank<'m, M, P> {
     }
 
     fn check_measurement(&self, measurement: &[f64]) -> Result<(), FilterError> {
-        use motes_models::ModelError;
         let (width, expected) = (measurement.len(), self.model.measurement_dim());
         if width != expected {
             return Err(ModelError::MeasurementWidth { width, expected }.into());
@@ -181,7 +204,7 @@ impl<'m, M: StateSpaceModel + ?Sized, P: Proposal<M>> FilterBank<'m, M, P> {
         };
         let mut conditional = self
             .proposal
-            .condition(self.model, past, &mut self.memory)
+            .condition(&*self.model, past, &mut self.memory)
             .map_err(|source| FilterError::Proposal { step: self.time, source })?;
         conditional.sample(&mut self.streams, &mut self.states, &mut self.increments);
         self.model.log_likelihoods(self.time, &self.states, measurement, &mut self.log_likelihoods);
@@ -260,7 +283,11 @@ impl<'m, M: StateSpaceModel + ?Sized, P: Proposal<M>> FilterBank<'m, M, P> {
     }
 
     /// One filter's estimate of `E[x_t | y_{0:t}]`, `Σ_k W_k x_k`, into `mean` (`N`).
+    ///
+    /// # Panics
+    /// If there is no such filter or `mean` has not `N` places.
     pub fn mean(&self, filter: usize, mean: &mut [f64]) {
+        assert_eq!(mean.len(), self.model.state_dim(), "the mean has N coordinates");
         mean.fill(0.0);
         let rows = self.particles(filter).chunks_exact(mean.len());
         for (weight, particle) in self.weights[filter].normalised().zip(rows) {

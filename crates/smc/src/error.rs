@@ -5,10 +5,44 @@ use thiserror::Error;
 
 use crate::ProposalError;
 
-/// An error of a filter.
-///
-/// It says which kind it is: bad input ([`FilterError::Setting`], [`FilterError::Model`]: mend the call), a
-/// numerical failure ([`FilterError::NotANumber`], [`FilterError::Proposal`]), or the collapse of all weights.
+impl FilterError {
+    /// What this error calls for.
+    pub fn kind(&self) -> ErrorKind {
+        match self {
+            FilterError::Setting { .. } => ErrorKind::BadInput,
+            FilterError::Model(ModelError::Numerical { .. }) => ErrorKind::Numerical,
+            FilterError::Model(_) => ErrorKind::BadInput,
+            FilterError::Proposal { source, .. } => source.kind(),
+            FilterError::NotANumber { .. } => ErrorKind::Numerical,
+            FilterError::Collapse { .. } => ErrorKind::Collapse,
+        }
+    }
+}
+
+impl ProposalError {
+    /// What this error calls for.
+    pub fn kind(&self) -> ErrorKind {
+        match self {
+            ProposalError::PastHorizon { .. }
+            | ProposalError::Mismatch { .. }
+            | ProposalError::Setting { .. } => ErrorKind::BadInput,
+            ProposalError::Backend { .. } | ProposalError::Numerical { .. } => ErrorKind::Numerical,
+        }
+    }
+}
+
+/// What an error calls for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ErrorKind {
+    /// Mend the call: a setting, a shape or a value is not what it must be.
+    BadInput,
+    /// The input was fine and a computation failed.
+    Numerical,
+    /// No particle explains the measurement.
+    Collapse,
+}
+
+/// An error of a filter; [`FilterError::kind`] says what it calls for.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum FilterError {
     /// A setting is outside its range.

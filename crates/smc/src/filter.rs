@@ -1,5 +1,7 @@
 //! One particle filter on a stream of measurements.
 
+use std::ops::Deref;
+
 use motes_models::{StateSpaceModel, Stream};
 
 use crate::{FilterBank, FilterError, FilterSettings, LogWeights, Proposal};
@@ -22,24 +24,19 @@ use crate::{FilterBank, FilterError, FilterSettings, LogWeights, Proposal};
 /// }
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub struct ParticleFilter<'m, M: ?Sized, P: Proposal<M>> {
-    bank: FilterBank<'m, M, P>,
+pub struct ParticleFilter<D: Deref, P: Proposal<D::Target>> {
+    bank: FilterBank<D, P>,
     mean: Vec<f64>,
 }
 
-impl<'m, M: StateSpaceModel + ?Sized, P: Proposal<M>> ParticleFilter<'m, M, P> {
+impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> ParticleFilter<D, P> {
     /// Prepares a filter that draws from `stream`.
     ///
     /// # Errors
     /// [`FilterError::Setting`] if there is no particle or a setting is out of range.
-    pub fn new(
-        model: &'m M,
-        proposal: P,
-        settings: FilterSettings,
-        stream: Stream,
-    ) -> Result<Self, FilterError> {
-        let bank = FilterBank::with_streams(model, proposal, settings, vec![stream])?;
-        Ok(ParticleFilter { bank, mean: vec![0.0; model.state_dim()] })
+    pub fn new(model: D, proposal: P, settings: FilterSettings, stream: Stream) -> Result<Self, FilterError> {
+        let mean = vec![0.0; model.state_dim()];
+        Ok(ParticleFilter { bank: FilterBank::with_streams(model, proposal, settings, vec![stream])?, mean })
     }
 
     /// Takes in one measurement (`M` numbers).
@@ -65,6 +62,11 @@ impl<'m, M: StateSpaceModel + ?Sized, P: Proposal<M>> ParticleFilter<'m, M, P> {
     /// Their weights.
     pub fn weights(&self) -> &LogWeights {
         self.bank.weights(0)
+    }
+
+    /// For each particle, the one that it descends from in the step before; itself where there was no resampling.
+    pub fn ancestors(&self) -> &[usize] {
+        self.bank.ancestors()
     }
 
     /// `1 / Σ_k W_k²`.

@@ -17,9 +17,9 @@ mod resampling;
 mod weights;
 
 pub use bank::{FilterBank, FilterSettings};
-pub use error::FilterError;
+pub use error::{ErrorKind, FilterError};
 pub use filter::ParticleFilter;
 pub use proposal::{Conditional, Past, Proposal, ProposalError, particles_by_stream};
-pub use proposals::{Bootstrap, Defensive, MinDegeneracy};
+pub use proposals::{Bootstrap, Defensive, MinDegeneracy, Mixture, Shifted, Transition};
 pub use resampling::{ParticleMemory, ResampleWhen, Resampling};
 pub use weights::{LogWeights, WeightFault};

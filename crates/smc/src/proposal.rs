@@ -101,14 +101,15 @@ pub trait Proposal<Model: ?Sized> {
 pub trait Conditional {
     /// Draws a state for each particle into `states` (`R×N`) and writes `log q` of it into `log_density` (`R`).
     ///
-    /// The particles are split evenly over `streams`, one for each filter in a bank and in its order.
+    /// The particles are split evenly over `streams`, one for each filter in a bank and in its order. Where
+    /// [`Conditional::is_transition`] holds, `log_density` may be left as it was: ask [`Conditional::log_density`] for it.
     fn sample(&mut self, streams: &mut [Stream], states: &mut [f64], log_density: &mut [f64]);
 
     /// Writes `log q` at the given `states` (`R×N`) into `log_density` (`R`); −∞ outside the support.
     fn log_density(&mut self, states: &[f64], log_density: &mut [f64]);
 
     /// Whether this is the model's own `p(x_t | x_{t−1})`, so that both cancel in the weight and neither is
-    /// evaluated. `log_density` is then not filled by [`Conditional::sample`].
+    /// evaluated.
     fn is_transition(&self) -> bool {
         false
     }
@@ -128,13 +129,17 @@ impl<C: Conditional + ?Sized> Conditional for &mut C {
     }
 }
 
-/// The particles (`R` of them, rows of `width` in `states`) together with the stream that each belongs to.
+/// The particles (`R` of them, rows of `width` in `states`) of each stream together with it.
+///
+/// # Panics
+/// If `particles` is not a multiple of the number of streams.
 pub fn particles_by_stream<'a>(
     streams: &'a mut [Stream],
     states: &'a mut [f64],
     width: usize,
     particles: usize,
 ) -> impl Iterator<Item = (&'a mut Stream, &'a mut [f64])> {
+    assert!(particles.is_multiple_of(streams.len()), "{particles} particles for {} streams", streams.len());
     let block = width * (particles / streams.len().max(1));
     streams.iter_mut().zip(states.chunks_exact_mut(block.max(1)))
 }

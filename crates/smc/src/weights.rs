@@ -49,7 +49,11 @@ impl LogWeights {
     ///
     /// # Errors
     /// [`WeightFault`] if an increment is NaN or +∞ or if no weight is left; the weights are then unusable.
+    ///
+    /// # Panics
+    /// If there is not one increment for each particle.
     pub fn update(&mut self, increments: &[f64]) -> Result<f64, WeightFault> {
+        assert_eq!(increments.len(), self.log.len(), "one increment for each particle");
         let mut largest = f64::NEG_INFINITY;
         for (particle, (log, increment)) in self.log.iter_mut().zip(increments).enumerate() {
             *log += increment;

@@ -20,7 +20,8 @@ fn offspring(scheme: Resampling, count: usize) -> Vec<[usize; 5]> {
         .collect()
 }
 
-fn check(scheme: Resampling, bounds: impl Fn(f64) -> (f64, f64)) {
+/// Checks means, variances and bounds of the offspring counts against what the scheme promises.
+fn check(scheme: Resampling, variance_of: impl Fn(usize, usize) -> f64, bounds: impl Fn(f64) -> (f64, f64)) {
     for count in [8, 10] {
         let offspring = offspring(scheme, count);
         for (particle, weight) in WEIGHTS.into_iter().enumerate() {
@@ -28,14 +29,30 @@ fn check(scheme: Resampling, bounds: impl Fn(f64) -> (f64, f64)) {
             let n = REPETITIONS as f64;
             let counts: Vec<f64> = offspring.iter().map(|counts| counts[particle] as f64).collect();
             let mean = counts.iter().sum::<f64>() / n;
-            let variance = counts.iter().map(|c| (c - mean).powi(2)).sum::<f64>() / (n - 1.0);
-            // A scheme may give a count that never varies; then it has to be right to rounding.
-            let error = (variance / n).sqrt().max(1e-9);
-            assert!(((mean - expected) / error).abs() < 4.0, "{scheme:?}, {count}: {mean} for {expected}");
+            let moment = |power| counts.iter().map(|c| (c - mean).powi(power)).sum::<f64>() / n;
+            let variance = moment(2);
+            // A count may never vary; then it has to be right to rounding.
+            let z = (mean - expected) / (variance / n).sqrt().max(1e-9);
+            assert!(z.abs() < 4.0, "{scheme:?}, {count}: {mean} for {expected}");
+            let expected_variance = variance_of(count, particle);
+            let error = ((moment(4) - variance * variance) / n).sqrt().max(1e-9);
+            let z = (variance - expected_variance) / error;
+            assert!(
+                z.abs() < 5.0,
+                "{scheme:?}, {count}: variance {variance} for {expected_variance}, z = {z}"
+            );
             let (least, most) = bounds(expected);
             assert!(counts.iter().all(|c| (least..=most).contains(c)), "{scheme:?}, {count}, {expected}");
         }
     }
+}
+
+/// The fraction of each of `count` strata of the unit interval that a particle's stretch of it covers.
+fn covered(count: usize, particle: usize) -> Vec<f64> {
+    let start: f64 = WEIGHTS[..particle].iter().sum();
+    let end = start + WEIGHTS[particle];
+    let stratum = |k: usize| (k as f64 / count as f64, (k + 1) as f64 / count as f64);
+    (0..count).map(|k| (end.min(stratum(k).1) - start.max(stratum(k).0)).max(0.0) * count as f64).collect()
 }
 
 /// K·W with rounding of the weights' decimals taken off, so that 0.5·10 is 5 and not a hair less.
@@ -48,24 +65,39 @@ fn ceil(expected: f64) -> f64 {
 }
 
 #[test]
-fn multinomial() {
-    check(Resampling::Multinomial, |_| (0.0, 10.0));
+fn multinomial_counts_are_binomial() {
+    let variance =
+        |count: usize, particle: usize| count as f64 * WEIGHTS[particle] * (1.0 - WEIGHTS[particle]);
+    check(Resampling::Multinomial, variance, |_| (0.0, 10.0));
 }
 
 #[test]
 fn systematic_counts_are_floor_or_ceiling() {
+    let variance = |count: usize, particle: usize| {
+        let expected = count as f64 * WEIGHTS[particle];
+        let rest = expected - floor(expected);
+        rest * (1.0 - rest)
+    };
     // On a boundary of the cumulative sum a rounding error of the weights may move one point.
-    check(Resampling::Systematic, |expected| (floor(expected), ceil(expected + 2e-9)));
+    check(Resampling::Systematic, variance, |expected| (floor(expected), ceil(expected + 2e-9)));
 }
 
 #[test]
-fn stratified_counts_are_within_one_of_floor_and_ceiling() {
-    check(Resampling::Stratified, |expected| (floor(expected) - 1.0, ceil(expected) + 1.0));
+fn stratified_counts_are_sums_of_one_draw_in_each_stratum() {
+    let variance =
+        |count: usize, particle: usize| covered(count, particle).iter().map(|p| p * (1.0 - p)).sum();
+    check(Resampling::Stratified, variance, |expected| (floor(expected) - 1.0, ceil(expected) + 1.0));
 }
 
 #[test]
-fn residual_counts_are_at_least_the_floor() {
-    check(Resampling::Residual, |expected| (floor(expected), 10.0));
+fn residual_counts_are_the_floor_and_a_binomial_rest() {
+    let variance = |count: usize, particle: usize| {
+        let rests = WEIGHTS.map(|weight| count as f64 * weight - floor(count as f64 * weight));
+        let left: f64 = rests.iter().sum();
+        let share = if left > 1e-6 { rests[particle] / left } else { 0.0 };
+        left * share * (1.0 - share)
+    };
+    check(Resampling::Residual, variance, |expected| (floor(expected), 10.0));
 }
 
 #[test]

@@ -30,18 +30,12 @@ pub enum TrainError {
         /// What failed.
         source: ProposalError,
     },
-    /// The loss is no longer a finite number.
-    #[error("training diverged: the loss is {loss} in step {step}")]
+    /// The loss, or after the last step the gradient's norm, is not a finite number.
+    #[error("training diverged: the loss or its gradient is {loss} in step {step}")]
     Diverged {
         /// The training step.
         step: usize,
-        /// Its loss.
+        /// Its loss, or its gradient's norm.
         loss: f64,
-    },
-    /// The observer asked to stop.
-    #[error("training was stopped after {steps} steps")]
-    Stopped {
-        /// Steps finished.
-        steps: usize,
     },
 }

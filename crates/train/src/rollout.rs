@@ -4,6 +4,7 @@ use motes_models::{Measurements, StateGradients, Stream};
 use motes_proposals::{Gradients, Learnable};
 use motes_smc::{Past, ProposalError};
 
+use crate::training::check_fit;
 use crate::{Objective, TrainError};
 
 /// The objective of one batch of particles and its gradient.
@@ -20,8 +21,21 @@ pub struct Rollout {
 /// densities, to the transition into `x_{t+1}`, and, through the proposal's networks, to every later draw.
 ///
 /// # Errors
-/// [`ProposalError`] with the time at which it happened.
+/// [`TrainError::Setting`] or [`TrainError::Model`] for input that does not fit, [`TrainError::Proposal`] if the proposal fails.
 pub fn rollout(
+    proposal: &dyn Learnable,
+    model: &dyn StateGradients,
+    measurements: &Measurements,
+    objective: Objective,
+    particles: usize,
+    stream: &mut Stream,
+) -> Result<Rollout, TrainError> {
+    check_fit(proposal, model, measurements, particles)?;
+    draw_and_pull(proposal, model, measurements, objective, particles, stream).map_err(in_step(0))
+}
+
+/// [`rollout`] of input that is known to fit; an error comes with the time at which it happened.
+pub(crate) fn draw_and_pull(
     proposal: &dyn Learnable,
     model: &dyn StateGradients,
     measurements: &Measurements,

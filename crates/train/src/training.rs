@@ -6,7 +6,7 @@ use motes_models::{Measurements, StateGradients, Stream};
 use motes_proposals::Learnable;
 
 use crate::adam::AdamSteps;
-use crate::rollout::{in_step, rollout};
+use crate::rollout::{draw_and_pull, in_step};
 use crate::{Objective, TrainError};
 
 /// The settings of Adam.
@@ -51,9 +51,9 @@ impl TrainConfig {
     fn check(&self) -> Result<(), TrainError> {
         let AdamConfig { learning_rate, beta_1, beta_2, epsilon } = self.adam;
         let positive = |value: f64| value > 0.0 && value.is_finite();
-        let forgetting = |value: f64| (0.0..1.0).contains(&value);
+        // The optimiser computes in 32 bits: what rounds to 1 or to 0 there is as bad as 1 or 0.
+        let forgetting = |value: f64| (0.0..1.0).contains(&(value as f32));
         let checks = [
-            (self.particles > 0, "the number of particles K", self.particles.to_string(), "at least 1"),
             (positive(learning_rate), "the learning rate", learning_rate.to_string(), "positive and finite"),
             (
                 forgetting(beta_1),
@@ -67,7 +67,12 @@ impl TrainConfig {
                 beta_2.to_string(),
                 "at least 0 and below 1",
             ),
-            (positive(epsilon), "Adam's epsilon", epsilon.to_string(), "positive and finite"),
+            (
+                positive(f64::from(epsilon as f32)),
+                "Adam's epsilon",
+                epsilon.to_string(),
+                "positive and finite",
+            ),
         ];
         for (fine, name, value, expected) in checks {
             if !fine {
@@ -88,11 +93,13 @@ pub struct History {
 /// Trains `proposal` for `model` on one sequence of measurements.
 ///
 /// The noise of each step is drawn from `stream`, so the same stream gives the same weights. `observe` is called with
-/// the number and the loss of each step, and may stop training. The last weights are kept.
+/// the number and the loss of each step and ends training early by breaking; the history then has fewer losses than
+/// `config.steps`. The last weights are kept. A sequence shorter than an unrolled proposal's horizon leaves the networks of later
+/// times as they are.
 ///
 /// # Errors
 /// [`TrainError::Setting`] or [`TrainError::Model`] for bad input, before anything is changed; [`TrainError::Diverged`] if
-/// the loss is not finite; [`TrainError::Proposal`] if the proposal fails; [`TrainError::Stopped`] if `observe` breaks.
+/// the loss, or the last gradient, is not finite; [`TrainError::Proposal`] if the proposal fails.
 pub fn train(
     proposal: &mut dyn Learnable,
     model: &dyn StateGradients,
@@ -102,33 +109,50 @@ pub fn train(
     mut observe: impl FnMut(usize, f64) -> ControlFlow<()>,
 ) -> Result<History, TrainError> {
     config.check()?;
-    measurements.check_width(model.measurement_dim())?;
-    check_fit(proposal, model, measurements)?;
+    check_fit(proposal, model, measurements, config.particles)?;
     let mut adam = AdamSteps::new(&config.adam, proposal.parameters().len());
     let mut history = History::default();
     for step in 0..config.steps {
-        let drawn = rollout(proposal, model, measurements, config.objective, config.particles, stream)
+        let drawn = draw_and_pull(proposal, model, measurements, config.objective, config.particles, stream)
             .map_err(in_step(step))?;
         let loss = -drawn.objective;
         if !loss.is_finite() {
             return Err(TrainError::Diverged { step, loss });
         }
         history.losses.push(loss);
+        // A gradient that is not finite shows in the next step's loss; after the last there is none.
+        if step + 1 == config.steps {
+            let norm = drawn.gradients.norm().map_err(|source| in_step(step)((0, source)))?;
+            if !norm.is_finite() {
+                return Err(TrainError::Diverged { step, loss: norm });
+            }
+        }
         adam.step(proposal.parameters_mut(), &drawn.gradients);
         if observe(step, loss).is_break() {
-            return Err(TrainError::Stopped { steps: step + 1 });
+            break;
         }
     }
     Ok(history)
 }
 
-fn check_fit(
+pub(crate) fn check_fit(
     proposal: &dyn Learnable,
     model: &dyn StateGradients,
     measurements: &Measurements,
+    particles: usize,
 ) -> Result<(), TrainError> {
+    measurements.check_width(model.measurement_dim())?;
     let differs =
         |name, found: usize, expected| TrainError::Setting { name, value: found.to_string(), expected };
+    for (name, value) in [
+        ("the number of particles K", particles),
+        ("the number of measurements T", measurements.len()),
+        ("the model's state dimension N", model.state_dim()),
+    ] {
+        if value == 0 {
+            return Err(differs(name, value, "at least 1"));
+        }
+    }
     if proposal.state_dim() != model.state_dim() {
         return Err(differs("the proposal's state dimension", proposal.state_dim(), "that of the model"));
     }
@@ -137,7 +161,7 @@ fn check_fit(
         return Err(differs("the proposal's measurement dimension", found, "that of the model"));
     }
     if proposal.horizon().is_some_and(|horizon| horizon < measurements.len()) {
-        let name = "the number of measurements";
+        let name = "the number of measurements T";
         return Err(differs(name, measurements.len(), "at most the horizon of the unrolled proposal"));
     }
     Ok(())

@@ -1,5 +1,6 @@
 //! Command-line arguments, with errors of one line.
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 use clap::error::ErrorKind;
@@ -71,7 +72,7 @@ pub enum Parsed<T> {
 /// [`ConfigError::Usage`] in one line.
 pub fn parse<T: FromArgMatches>(
     command: clap::Command,
-    arguments: impl IntoIterator<Item = String>,
+    arguments: impl IntoIterator<Item = OsString>,
 ) -> Result<Parsed<T>, ConfigError> {
     let name = command.get_bin_name().unwrap_or(command.get_name()).to_string();
     let usage = |error: &clap::Error| {
@@ -85,9 +86,10 @@ pub fn parse<T: FromArgMatches>(
     match command.try_get_matches_from(arguments) {
         Ok(matches) => T::from_arg_matches(&matches).map(Parsed::Args).map_err(|error| usage(&error)),
         Err(error) => match error.kind() {
-            ErrorKind::DisplayHelp
-            | ErrorKind::DisplayVersion
-            | ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => Ok(Parsed::Help(error.to_string())),
+            ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => Ok(Parsed::Help(error.to_string())),
+            ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
+                Err(ConfigError::Usage(format!("no command is given; see {name} --help")))
+            }
             _ => Err(usage(&error)),
         },
     }

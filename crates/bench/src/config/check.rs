@@ -10,12 +10,8 @@ pub(super) fn check(file: &str, experiment: &Experiment) -> Result<(), ConfigErr
     checks.at_least_one("system.neighbours", system.neighbours)?;
     checks.at_least_one("system.dimension", system.dimension)?;
     checks.at_least_one("system.horizon", system.horizon)?;
-    checks.that(
-        system.snr_db.is_finite(),
-        "system.snr_db",
-        system.snr_db,
-        "it must be a finite number of dB",
-    )?;
+    let decibels = (-200.0..=200.0).contains(&system.snr_db);
+    checks.that(decibels, "system.snr_db", system.snr_db, "it must be a number of dB from -200 to 200")?;
     checks.at_least_one("filter.particles", filter.particles)?;
     let fraction = filter.ess_threshold > 0.0 && filter.ess_threshold <= 1.0;
     checks.that(
@@ -38,9 +34,22 @@ pub(super) fn check(file: &str, experiment: &Experiment) -> Result<(), ConfigErr
     checks.distinct("methods", methods.iter().map(|method| method.name().to_string()))?;
     checks.distinct("panels", panels.iter().map(|panel| panel.name.clone()))?;
     for panel in panels {
-        checks.at_least_one(&format!("panels.{}.dimension", panel.name), panel.dimension.unwrap_or(1))?;
-        checks.system_of(experiment, panel.dimension.unwrap_or(system.dimension), &panel.name)?;
+        let key = format!("panels.{}.dimension", panel.name);
+        match panel.dimension {
+            Some(dimension) => checks.system_of(experiment, dimension, &key)?,
+            None => checks.system_of(experiment, system.dimension, "system.dimension")?,
+        }
     }
+    // Panels differ in N or not at all: units of equal configuration would be one and the same.
+    let sizes = panels.iter().map(|panel| panel.dimension.unwrap_or(system.dimension));
+    checks.distinct("panels.*.dimension", sizes.map(|dimension| dimension.to_string()))?;
+    let one_panel = *axis != Axis::Dimension || panels.len() == 1;
+    checks.that(
+        one_panel,
+        "panels",
+        panels.len(),
+        "where the x axis is the dimension there must be one panel",
+    )?;
     for (name, profile) in profiles {
         let key = |key: &str| format!("profiles.{name}.{key}");
         checks.distinct(&key("x"), profile.x.iter().map(usize::to_string))?;

@@ -39,8 +39,9 @@ fn explain(text: &str, error: &toml::de::Error) -> String {
         let content = text.lines().nth(line - 1).unwrap_or_default();
         let key = content.split_once('=').map(|(key, _)| key.trim()).filter(|key| !key.is_empty());
         match key {
-            Some(key) => format!("line {line}, key `{key}`: "),
-            None => format!("line {line}: "),
+            // What is missing is missing from a table, whose first line this is.
+            Some(key) if !message.starts_with("missing field") => format!("line {line}, key `{key}`: "),
+            _ => format!("line {line}: "),
         }
     });
     let message = match unknown_name(&message) {

@@ -117,7 +117,7 @@ pub fn plans(args: &ReproduceArgs) -> Result<Vec<Plan>, ConfigError> {
 }
 
 fn plan(figure: &str, args: &ReproduceArgs) -> Result<Plan, ConfigError> {
-    let file = args.experiments().join(figure).with_extension("toml");
+    let file = args.experiments().join(format!("{figure}.toml"));
     let experiment = load(&file)?;
     check(&file.display().to_string(), &experiment)?;
     let Some(profile) = experiment.profiles.get(&args.profile).cloned() else {
@@ -142,8 +142,9 @@ fn plan(figure: &str, args: &ReproduceArgs) -> Result<Plan, ConfigError> {
         profile_name: args.profile.clone(),
         panels: panels.into_iter().cloned().collect(),
         methods,
-        repetitions: positive("--repetitions", args.repetitions.as_deref())?.unwrap_or(profile.repetitions),
-        jobs: positive("--jobs", args.jobs.as_deref())?.unwrap_or(cores),
+        repetitions: number("--repetitions", args.repetitions.as_deref(), 1_000_000)?
+            .unwrap_or(profile.repetitions),
+        jobs: number("--jobs", args.jobs.as_deref(), 1024)?.unwrap_or(cores),
         backend,
         seed: args.seed.parse().map_err(|_| {
             refuse("--seed", &args.seed, format!("it must be an integer from 0 to {}", u64::MAX))
@@ -178,11 +179,11 @@ fn select<T: Clone>(
     Ok(chosen.cloned().collect())
 }
 
-fn positive(option: &str, value: Option<&str>) -> Result<Option<usize>, ConfigError> {
+fn number(option: &str, value: Option<&str>, most: usize) -> Result<Option<usize>, ConfigError> {
     value
         .map(|value| match value.parse::<usize>() {
-            Ok(number) if number > 0 => Ok(number),
-            _ => Err(refuse(option, value, "it must be an integer of at least 1".into())),
+            Ok(number) if (1..=most).contains(&number) => Ok(number),
+            _ => Err(refuse(option, value, format!("it must be an integer from 1 to {most}"))),
         })
         .transpose()
 }

@@ -53,9 +53,6 @@ pub enum Method {
 }
 
 impl Method {
-    /// All methods there are.
-    pub const ALL: [Method; 3] = [Method::MinDegeneracy, Method::Bootstrap, Method::Fcnn];
-
     /// The name on the command line, in files and in figures.
     pub fn name(self) -> &'static str {
         match self {

@@ -25,7 +25,7 @@ impl KernelCovariance {
     /// # Errors
     /// [`ProposalError::Mismatch`] if `C` is not square, [`ProposalError::Setting`] if the ridge is negative or not finite.
     pub fn new(width: usize, mixing: &[f64], ridge: f64) -> Result<Self, ProposalError> {
-        if mixing.len() != width * width {
+        if width == 0 || mixing.len() != width * width {
             let what = "the number of entries of the mixing matrix C";
             return Err(ProposalError::Mismatch { what, found: mixing.len(), expected: width * width });
         }

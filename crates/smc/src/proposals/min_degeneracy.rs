@@ -12,6 +12,7 @@ use crate::{Conditional, Past, Proposal, ProposalError, particles_by_stream};
 /// the prior's mean and covariance take the place of `f` and `Σ_v`. Among proposals that see only `x_{t−1}` and `y_t`
 /// it gives weights of the smallest variance.
 #[derive(Debug, Clone)]
+#[doc(alias = "optimal proposal")]
 pub struct MinDegeneracy {
     first: Correction,
     later: Correction,
@@ -85,10 +86,15 @@ impl<M: AdditiveGaussian + ?Sized> Proposal<M> for MinDegeneracy {
         if found != expected {
             return Err(ProposalError::Mismatch { what: "the state dimension N", found, expected });
         }
-        self.means.resize(past.particles * expected, 0.0);
+        let (found, expected) = (self.later.gain.ncols(), past.measurement.len());
+        if found != expected {
+            return Err(ProposalError::Mismatch { what: "the measurement dimension M", found, expected });
+        }
+        let n = model.state_dim();
+        self.means.resize(past.particles * n, 0.0);
         let correction = match past.previous {
             None => {
-                for mean in self.means.chunks_exact_mut(expected) {
+                for mean in self.means.chunks_exact_mut(n) {
                     mean.copy_from_slice(model.initial().mean());
                 }
                 &self.first

@@ -4,6 +4,6 @@ mod bootstrap;
 mod defensive;
 mod min_degeneracy;
 
-pub use bootstrap::Bootstrap;
-pub use defensive::Defensive;
-pub use min_degeneracy::MinDegeneracy;
+pub use bootstrap::{Bootstrap, Transition};
+pub use defensive::{Defensive, Mixture};
+pub use min_degeneracy::{MinDegeneracy, Shifted};
