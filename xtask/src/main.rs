@@ -78,7 +78,7 @@ fn reproduce(mut args: ReproduceArgs) -> ExitCode {
     let program = process::built("release", "motes-bench");
     if !program.exists() {
         process::say(
-            "building the runner in release mode; the first build takes about ten minutes on two cores",
+            "building the runner in release mode; the first build takes some minutes (seven on two cores)",
         );
     }
     let build = ["build", "--release", "--package", "motes-bench"];

@@ -29,7 +29,8 @@ const INK: RGBColor = RGBColor(40, 40, 40);
 
 type Drawn = Result<(), Box<dyn Error>>;
 
-/// Draws medians with bars of one standard deviation, a curve for each method.
+/// Draws medians, a curve for each method, with bars over the middle half of the repetitions. On a logarithmic axis a standard
+/// deviation larger than the median, as here, would have no lower end; the tables have it.
 ///
 /// # Errors
 /// What the drawing library says.
@@ -76,6 +77,8 @@ fn draw_head(head: &Area<'_>, title: &str, methods: &[Method]) -> Drawn {
         head.draw(&Text::new(method.name(), (x + 32, 39), (FONT, 14).into_font().color(&INK)))?;
         x += 52 + 8 * method.name().len() as i32;
     }
+    let note = "medians; bars span the middle half of the repetitions";
+    head.draw(&Text::new(note, (x, 39), (FONT, 13).into_font().color(&INK.mix(0.7))))?;
     Ok(())
 }
 
@@ -93,13 +96,13 @@ fn draw_cell(
     let here: Vec<&Row> = rows.iter().filter(|row| row.panel == panel).copied().collect();
     // One scale for all panels of a metric, so that they can be compared.
     if metric.logarithmic {
-        let (low, _) = extent(rows.iter().map(|row| (row.median - row.std).max(row.median / 4.0)));
-        let (_, high) = extent(rows.iter().map(|row| row.median + row.std));
+        let (low, _) = extent(rows.iter().map(|row| row.quartiles.0));
+        let (_, high) = extent(rows.iter().map(|row| row.quartiles.1));
         let y = (low / 1.5..high * 1.5).log_scale();
-        draw_chart(cell, plan, metric, panel, methods, &here, x, y, low / 1.5)
+        draw_chart(cell, plan, metric, panel, methods, &here, x, y)
     } else {
-        let (_, high) = extent(rows.iter().map(|row| row.median + row.std));
-        draw_chart(cell, plan, metric, panel, methods, &here, x, 0.0..high * 1.05, 0.0)
+        let (_, high) = extent(rows.iter().map(|row| row.quartiles.1));
+        draw_chart(cell, plan, metric, panel, methods, &here, x, 0.0..high * 1.05)
     }
 }
 
@@ -113,7 +116,6 @@ fn draw_chart<Y>(
     rows: &[&Row],
     x: std::ops::Range<f64>,
     y: Y,
-    floor: f64,
 ) -> Drawn
 where
     Y: AsRangedCoord<Value = f64>,
@@ -150,7 +152,7 @@ where
             rows.iter().filter(|row| row.method == method).map(|row| (row.x as f64 + shift, *row)).collect();
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
         for (x, row) in &points {
-            let ends = [(*x, (row.median - row.std).max(floor)), (*x, row.median + row.std)];
+            let ends = [(*x, row.quartiles.0), (*x, row.quartiles.1)];
             chart.draw_series([PathElement::new(ends, colour.mix(0.45).stroke_width(2))])?;
         }
         let line = points.iter().map(|(x, row)| (*x, row.median));

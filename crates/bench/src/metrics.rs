@@ -86,6 +86,18 @@ pub(crate) fn median(mut values: Vec<f64>) -> f64 {
     }
 }
 
+/// The values below which a quarter and three quarters of `values` lie, linear between two of them; NaN of nothing.
+pub(crate) fn quartiles(values: &[f64]) -> (f64, f64) {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let at = |fraction: f64| {
+        let place = fraction * sorted.len().saturating_sub(1) as f64;
+        let (low, high) = (sorted.get(place.floor() as usize), sorted.get(place.ceil() as usize));
+        low.zip(high).map_or(f64::NAN, |(low, high)| low + (high - low) * place.fract())
+    };
+    (at(0.25), at(0.75))
+}
+
 /// The sample standard deviation, over `n − 1`; 0 of one value.
 pub(crate) fn standard_deviation(values: &[f64]) -> f64 {
     if values.len() < 2 {
@@ -107,6 +119,8 @@ mod tests {
         assert_eq!(median(vec![4.0, 1.0, 2.0, 3.0]), 2.5);
         assert!((standard_deviation(&[1.0, 2.0, 3.0, 4.0]) - (5.0_f64 / 3.0).sqrt()).abs() < 1e-15);
         assert_eq!(standard_deviation(&[7.0]), 0.0);
+        assert_eq!(quartiles(&[4.0, 1.0, 3.0, 2.0, 5.0]), (2.0, 4.0));
+        assert_eq!(quartiles(&[0.0, 1.0]), (0.25, 0.75));
     }
 
     #[test]

@@ -80,6 +80,7 @@ mod tests {
             metric: metric.into(),
             median: 0.25,
             std: 0.5,
+            quartiles: (0.0, 0.5),
             n_ok,
             n: 2,
         };

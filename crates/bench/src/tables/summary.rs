@@ -2,7 +2,7 @@
 
 use super::{csv, number};
 use crate::config::Method;
-use crate::metrics::{median, standard_deviation};
+use crate::metrics::{median, quartiles, standard_deviation};
 use crate::store::{Outcome, Record};
 
 /// One metric of one method at one point, over its repetitions.
@@ -13,6 +13,8 @@ pub(crate) struct Row {
     pub(crate) x: usize,
     pub(crate) metric: String,
     pub(crate) median: f64,
+    /// What the middle half of the repetitions spans.
+    pub(crate) quartiles: (f64, f64),
     /// Sample standard deviation; 0 for one repetition.
     pub(crate) std: f64,
     /// Repetitions that have this metric.
@@ -57,6 +59,7 @@ pub(crate) fn summarise(records: &[Record]) -> Vec<Row> {
                 x: point.x,
                 metric: name.to_string(),
                 std: standard_deviation(&values),
+                quartiles: quartiles(&values),
                 n_ok: values.len(),
                 n: group.len(),
                 median: median(values),
