@@ -34,7 +34,7 @@ pub struct ReproduceArgs {
     /// The seed that every random number of the run comes from
     #[arg(long, default_value = "1")]
     pub seed: String,
-    /// Results go to OUT/<figure>/<profile> [default: runs]
+    /// Results go to OUT/FIGURE/PROFILE [default: runs]
     #[arg(long)]
     pub out: Option<PathBuf>,
     /// Forget finished units of this selection and run them again
