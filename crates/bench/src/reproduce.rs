@@ -6,7 +6,7 @@ use crate::config::{Axis, Panel, Plan, Point};
 use crate::figure::figure;
 use crate::manifest::{manifest, revision, revisions};
 use crate::progress::{Progress, duration};
-use crate::runner::{Evaluate, Event, run};
+use crate::runner::{Event, run};
 use crate::say::{news, result};
 use crate::store::{Contents, Outcome, Record};
 use crate::tables::{failures_csv, markdown, sort, summarise, summary_csv, timings_csv, units_csv};
@@ -29,10 +29,6 @@ pub enum Finished {
 /// # Errors
 /// [`StoreError`] if the folder is in use or cannot be read or written.
 pub fn reproduce(plan: &Plan, interrupt: &Interrupt) -> Result<Finished, StoreError> {
-    reproduce_with(plan, interrupt, &evaluate)
-}
-
-fn reproduce_with(plan: &Plan, interrupt: &Interrupt, evaluate: &Evaluate) -> Result<Finished, StoreError> {
     let store = Store::open(&plan.folder)?;
     let wanted: Vec<(Point, UnitConfig)> = plan
         .points()
@@ -50,7 +46,7 @@ fn reproduce_with(plan: &Plan, interrupt: &Interrupt, evaluate: &Evaluate) -> Re
         wanted.iter().filter(|(_, unit)| !there.iter().any(|record| record.config == *unit)).collect();
     announce(plan, wanted.len(), missing.len());
     if !missing.is_empty() {
-        run_missing(plan, &store, &missing, interrupt, evaluate)?;
+        run_missing(plan, &store, &missing, interrupt)?;
     }
 
     let (records, _) = read(plan, &store)?;
@@ -153,7 +149,6 @@ fn run_missing(
     store: &Store,
     missing: &[&(Point, UnitConfig)],
     interrupt: &Interrupt,
-    evaluate: &Evaluate,
 ) -> Result<(), StoreError> {
     let points: Vec<Point> = missing.iter().map(|(point, _)| point.clone()).collect();
     let units: Vec<UnitConfig> = missing.iter().map(|(_, unit)| unit.clone()).collect();
@@ -165,7 +160,7 @@ fn run_missing(
     let name = |point: &Point| {
         format!("{} x = {} {} repetition {}", point.panel, point.x, point.method.name(), point.repetition)
     };
-    run(&units, plan.jobs, interrupt, evaluate, |event| {
+    run(&units, plan.jobs, interrupt, &evaluate, |event| {
         match event {
             Event::Started(index) => progress.started(&name(&points[index])),
             Event::Ended(_, Err(UnitError::Interrupted)) => {}

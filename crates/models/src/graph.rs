@@ -9,7 +9,6 @@ use crate::{ModelError, Stream};
 #[derive(Debug, Clone)]
 pub struct RandomGeometricGraph {
     adjacency: Mat<f64>,
-    draws: usize,
 }
 
 impl RandomGeometricGraph {
@@ -30,13 +29,13 @@ impl RandomGeometricGraph {
                 expected: "at least 1 and below the number of nodes",
             });
         }
-        for draws in 1..=MOST_DRAWS {
+        for _ in 0..MOST_DRAWS {
             let points: Vec<[f64; 2]> = (0..nodes).map(|_| stream.random()).collect();
             let mut adjacency = nearest_neighbour_weights(&points, neighbours);
             if is_connected(adjacency.as_ref()) {
                 let norm = spectral_norm(adjacency.as_ref())?;
                 adjacency /= faer::Scale(norm);
-                return Ok(RandomGeometricGraph { adjacency, draws });
+                return Ok(RandomGeometricGraph { adjacency });
             }
         }
         Err(ModelError::Parameter {
@@ -49,11 +48,6 @@ impl RandomGeometricGraph {
     /// The weighted adjacency matrix, symmetric with spectral norm 1 (`N×N`).
     pub fn adjacency(&self) -> MatRef<'_, f64> {
         self.adjacency.as_ref()
-    }
-
-    /// How many graphs were drawn until this, the first connected one.
-    pub fn draws(&self) -> usize {
-        self.draws
     }
 }
 

@@ -42,11 +42,6 @@ impl Parameters {
         self.values.is_empty()
     }
 
-    /// Number of weights in all matrices together.
-    pub fn count(&self) -> usize {
-        self.values.iter().map(|value| value.dims().iter().product::<usize>()).sum()
-    }
-
     /// The name of each matrix.
     pub fn names(&self) -> &[String] {
         &self.names
