@@ -15,10 +15,18 @@ pub fn central_differences(at: &[f64], h: f64, mut f: impl FnMut(&[f64]) -> f64)
         .collect()
 }
 
+/// `‖values‖`.
+pub fn norm(values: &[f64]) -> f64 {
+    values.iter().map(|value| value * value).sum::<f64>().sqrt()
+}
+
+/// `‖found − expected‖`.
+pub fn distance(found: &[f64], expected: &[f64]) -> f64 {
+    assert_eq!(found.len(), expected.len());
+    found.iter().zip(expected).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
+}
+
 /// `‖found − expected‖ / ‖expected‖`.
 pub fn relative_distance(found: &[f64], expected: &[f64]) -> f64 {
-    assert_eq!(found.len(), expected.len());
-    let norm = |values: &mut dyn Iterator<Item = f64>| values.map(|v| v * v).sum::<f64>().sqrt();
-    let difference = norm(&mut found.iter().zip(expected).map(|(a, b)| a - b));
-    difference / norm(&mut expected.iter().copied())
+    distance(found, expected) / norm(expected)
 }

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use faer::Mat;
 use motes_models::{Gaussian, GraphDiffusion, GraphDiffusionConfig, Seed, StateSpaceModel, simulate};
-use motes_proposals::{Backend, Compute, Fcnn, FcnnConfig, Learnable, Parameters, Precision};
+use motes_proposals::{Backend, Compute, Fcnn, FcnnConfig, Hidden, Learnable, Parameters, Precision};
 use motes_smc::{Conditional, Past, Proposal, ProposalError};
 use motes_train::{AdamConfig, TrainConfig, train};
 
@@ -16,6 +16,10 @@ fn fcnn(precision: Precision) -> Fcnn {
     let compute = Compute { backend: Backend::Flex, precision };
     let config = FcnnConfig { widths: vec![4, 6], ridge: 1e-6 };
     Fcnn::new(&config, &system(), 3, compute, &Seed::from_u64(81)).unwrap()
+}
+
+fn initial_memory(proposal: &Fcnn, particles: usize) -> Hidden {
+    Proposal::<GraphDiffusion>::initial_memory(proposal, particles)
 }
 
 /// The matrix of that name, row-major.
@@ -88,7 +92,8 @@ fn check_log_q(mut proposal: Fcnn) {
     let previous: Vec<f64> = (0..n * particles).map(|i| (i as f64 * 0.7).sin() * 2.0).collect();
     for (time, past) in [(0, None), (2, Some(previous.as_slice()))] {
         let past = Past { time, previous: past, measurement: &measurement, particles };
-        let conditional = proposal.condition(&system, past, &mut ()).unwrap();
+        let mut memory = initial_memory(&proposal, particles);
+        let conditional = proposal.condition(&system, past, &mut memory).unwrap();
         let mut streams = Seed::from_u64(82).streams(2);
         let (mut states, mut along) = (vec![0.0; n * particles], vec![0.0; particles]);
         conditional.sample(&mut streams, &mut states, &mut along);
@@ -130,14 +135,15 @@ fn weights_come_from_the_seed_alone() {
 #[test]
 fn misuse_is_a_typed_error() {
     let (system, mut proposal) = (system(), fcnn(Precision::F32));
+    let mut memory = initial_memory(&proposal, 1);
     let past = Past { time: 3, previous: Some(&[0.0; 5]), measurement: &[0.0; 3], particles: 1 };
-    let error = proposal.condition(&system, past, &mut ()).err().unwrap();
+    let error = proposal.condition(&system, past, &mut memory).err().unwrap();
     assert_eq!(error, ProposalError::PastHorizon { horizon: 3, time: 3 });
     assert_eq!(error.to_string(), "this proposal is unrolled over 3 times and was asked for time 3");
     let other =
         GraphDiffusion::random(&GraphDiffusionConfig::new(6), &mut Seed::from_u64(1).stream()).unwrap();
     let past = Past { time: 0, previous: None, measurement: &[0.0; 4], particles: 1 };
-    assert!(proposal.condition(&other, past, &mut ()).is_err());
+    assert!(proposal.condition(&other, past, &mut memory).is_err());
     assert_eq!((other.state_dim(), Learnable::state_dim(&proposal)), (6, 5));
 
     let new = |widths: Vec<usize>, ridge, horizon| {

@@ -1,14 +1,15 @@
 //! Derivatives that the proposals and training take, against central differences in f64.
 
+use std::ops::ControlFlow;
+
 use faer::{Mat, MatRef, Side};
 use motes_models::{Drift, GraphDiffusion, GraphDiffusionConfig, Measurements, Noise, Seed, simulate};
 use motes_proposals::{
-    Backend, Compute, Fcnn, FcnnConfig, GaussianBatch, KernelCovariance, Learnable, Precision,
-    cholesky_adjoint,
+    Backend, Compute, GaussianBatch, Gradients, KernelCovariance, Learnable, Precision, cholesky_adjoint,
 };
 use motes_smc::Conditional;
-use motes_tests::{central_differences, relative_distance};
-use motes_train::{Objective, rollout};
+use motes_tests::{central_differences, distance, norm, relative_distance, small_families};
+use motes_train::{AdamConfig, GradientFlow, Objective, TrainConfig, rollout, train};
 use rand::RngExt;
 
 fn random(count: usize, seed: u64) -> Vec<f64> {
@@ -84,9 +85,8 @@ fn problem(drift: Drift) -> (GraphDiffusion, Measurements) {
     (system, measurements)
 }
 
-fn small_fcnn(system: &GraphDiffusion, compute: Compute) -> Fcnn {
-    let config = FcnnConfig { widths: vec![6, 7], ridge: 1e-3 };
-    Fcnn::new(&config, system, 3, compute, &Seed::from_u64(69)).unwrap()
+fn families(system: &GraphDiffusion, compute: Compute) -> Vec<(String, Box<dyn Learnable>)> {
+    small_families(system, 3, compute, &Seed::from_u64(69))
 }
 
 /// The value of the loss and its gradient with respect to each matrix of weights.
@@ -97,33 +97,74 @@ fn loss_and_gradients(
     objective: Objective,
 ) -> (f64, Vec<Vec<f64>>) {
     let mut stream = Seed::from_u64(70).stream();
-    let found = rollout(proposal, system, measurements, objective, 4, &mut stream).unwrap();
-    let gradients = found.gradients.tensors().iter().map(|gradient| {
-        gradient.clone().expect("every matrix has a gradient").try_into_vec_as::<f64>().unwrap()
-    });
-    (-found.objective, gradients.collect())
+    let flow = GradientFlow::Full;
+    let found = rollout(proposal, system, measurements, objective, flow, 4, &mut stream).unwrap();
+    (-found.objective, host(&found.gradients, proposal))
 }
+
+/// The gradient of each matrix; zeros where the loss does not depend on it, as on what multiplies `x_{−1} = 0`.
+fn host(gradients: &Gradients, proposal: &dyn Learnable) -> Vec<Vec<f64>> {
+    let sizes = proposal.parameters().tensors().iter().map(|matrix| matrix.dims().iter().product());
+    let gradients =
+        gradients.tensors().iter().zip(sizes).map(|(gradient, size): (_, usize)| match gradient {
+            Some(gradient) => gradient.clone().try_into_vec_as::<f64>().unwrap(),
+            None => vec![0.0; size],
+        });
+    gradients.collect()
+}
+
+/// Holds the gradient with respect to each matrix against central differences.
+fn check_gradients(
+    label: &str,
+    proposal: &mut dyn Learnable,
+    loss_and_gradients: &dyn Fn(&dyn Learnable) -> (f64, Vec<Vec<f64>>),
+) {
+    let (_, gradients) = loss_and_gradients(proposal);
+    let whole = norm(&gradients.concat());
+    for (index, gradient) in gradients.iter().enumerate() {
+        let values = proposal.parameters().host(index).unwrap();
+        let numeric = central_differences(&values, 1e-5, |values| {
+            proposal.parameters_mut().set_host(index, values).unwrap();
+            loss_and_gradients(proposal).0
+        });
+        proposal.parameters_mut().set_host(index, &values).unwrap();
+        let name = &proposal.parameters().names()[index];
+        // What the loss does not depend on (an offset common to all of z, say) has a gradient of rounding errors.
+        let error = distance(gradient, &numeric) / (norm(&numeric) + 1e-5 * whole);
+        assert!(error < 1e-5, "{label}, {name}: relative error {error:e}");
+    }
+}
+
+const F64: Compute = Compute { backend: Backend::Flex, precision: Precision::F64 };
 
 #[test]
 fn the_whole_objective_with_respect_to_every_weight() {
-    let compute = Compute { backend: Backend::Flex, precision: Precision::F64 };
     for drift in [Drift::Identity, Drift::Abs] {
         let (system, measurements) = problem(drift);
-        for objective in [Objective::LogLikelihood, Objective::Literal, Objective::Elbo] {
-            let mut proposal = small_fcnn(&system, compute);
-            let (_, gradients) = loss_and_gradients(&proposal, &system, &measurements, objective);
-            for (index, gradient) in gradients.iter().enumerate() {
-                let values = proposal.parameters().host(index).unwrap();
-                let numeric = central_differences(&values, 1e-5, |values| {
-                    proposal.parameters_mut().set_host(index, values).unwrap();
-                    loss_and_gradients(&proposal, &system, &measurements, objective).0
-                });
-                proposal.parameters_mut().set_host(index, &values).unwrap();
-                let error = relative_distance(gradient, &numeric);
-                let name = &proposal.parameters().names()[index];
-                assert!(error < 1e-5, "{drift:?}, {objective:?}, {name}: relative error {error:e}");
+        for (name, mut proposal) in families(&system, F64) {
+            for objective in [Objective::LogLikelihood, Objective::Literal, Objective::Elbo] {
+                check_gradients(
+                    &format!("{name}, {drift:?}, {objective:?}"),
+                    proposal.as_mut(),
+                    &|proposal| loss_and_gradients(proposal, &system, &measurements, objective),
+                );
             }
         }
+    }
+}
+
+#[test]
+fn the_whole_objective_of_trained_proposals() {
+    let (system, measurements) = problem(Drift::Identity);
+    for (name, mut proposal) in families(&system, F64) {
+        let adam = AdamConfig { learning_rate: 1e-2, ..AdamConfig::paper() };
+        let config = TrainConfig { steps: 50, adam, ..TrainConfig::paper(4) };
+        let mut stream = Seed::from_u64(71).stream();
+        let proceed = |_, _| ControlFlow::Continue(());
+        train(proposal.as_mut(), &system, &measurements, &config, &mut stream, proceed).unwrap();
+        check_gradients(&format!("trained {name}"), proposal.as_mut(), &|proposal| {
+            loss_and_gradients(proposal, &system, &measurements, Objective::Elbo)
+        });
     }
 }
 
@@ -132,13 +173,32 @@ fn backends_agree_on_loss_and_gradients() {
     let (system, measurements) = problem(Drift::Identity);
     for (precision, tolerance) in [(Precision::F32, 1e-4), (Precision::F64, 1e-9)] {
         for objective in [Objective::LogLikelihood, Objective::Elbo] {
-            let [flex, ndarray] = [Backend::Flex, Backend::NdArray].map(|backend| {
-                let proposal = small_fcnn(&system, Compute { backend, precision });
-                loss_and_gradients(&proposal, &system, &measurements, objective)
-            });
-            assert!((flex.0 / ndarray.0 - 1.0).abs() < tolerance);
-            let distance = relative_distance(&flex.1.concat(), &ndarray.1.concat());
-            assert!(distance < tolerance, "{precision:?}: gradients differ by {distance:e}");
+            let of = |backend| families(&system, Compute { backend, precision });
+            for ((name, flex), (_, ndarray)) in of(Backend::Flex).into_iter().zip(of(Backend::NdArray)) {
+                let [flex, ndarray] = [flex, ndarray]
+                    .map(|proposal| loss_and_gradients(proposal.as_ref(), &system, &measurements, objective));
+                assert!((flex.0 / ndarray.0 - 1.0).abs() < tolerance, "{name}");
+                let distance = relative_distance(&flex.1.concat(), &ndarray.1.concat());
+                assert!(distance < tolerance, "{name}, {precision:?}: gradients differ by {distance:e}");
+            }
         }
+    }
+}
+
+#[test]
+fn a_truncated_gradient_is_that_of_windows_that_take_their_past_as_given() {
+    let (system, measurements) = problem(Drift::Abs);
+    let gradients = |proposal: &dyn Learnable, flow| {
+        let mut stream = Seed::from_u64(70).stream();
+        let objective = Objective::LogLikelihood;
+        let found = rollout(proposal, &system, &measurements, objective, flow, 4, &mut stream).unwrap();
+        host(&found.gradients, proposal).concat()
+    };
+    for (name, proposal) in families(&system, F64) {
+        let of = |flow| gradients(proposal.as_ref(), flow);
+        let (full, whole) = (of(GradientFlow::Full), of(GradientFlow::Truncated { window: 3 }));
+        assert_eq!(full, whole, "{name}: one window of all three times is the full gradient");
+        let detached = of(GradientFlow::Truncated { window: 1 });
+        assert!(relative_distance(&detached, &full) > 1e-3, "{name}: nothing flows through time");
     }
 }

@@ -1,20 +1,23 @@
 //! Running one unit: draw its problem, train its proposal, run its filters, measure.
 
 use std::ops::ControlFlow;
+use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Instant;
 
 use motes_models::GraphDiffusion;
-use motes_proposals::{Backend, Fcnn, FcnnConfig};
-use motes_smc::{Bootstrap, FilterBank, FilterSettings, MinDegeneracy, Proposal, ResampleWhen, Resampling};
-use motes_train::{AdamConfig, History, Objective, TrainConfig, train};
+use motes_proposals::{Backend, Family, save};
+use motes_smc::{FilterBank, FilterSettings, Proposal, ResampleWhen, Resampling};
+use motes_train::{AdamConfig, GradientFlow, History, Objective, TrainConfig, train};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::config;
+use crate::methods::{LearnedUnit, Visitor};
 use crate::metrics::{Recorded, metrics};
 use crate::problem::Problem;
-use crate::unit::FcnnUnit;
-use crate::{Interrupt, MethodConfig, UnitConfig};
+use crate::reference::{ReferenceCache, References};
+use crate::{Interrupt, UnitConfig};
 
 /// A number with its name.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -55,105 +58,140 @@ fn failed(error: impl ToString) -> UnitError {
     UnitError::Failed(error.to_string())
 }
 
-/// Runs a unit on the calling thread.
-///
-/// # Errors
-/// [`UnitError::Failed`] with the reason, [`UnitError::Interrupted`] soon after `interrupt` was raised.
-pub fn evaluate(unit: &UnitConfig, interrupt: &Interrupt) -> Result<Evaluation, UnitError> {
-    let problem = Problem::draw(unit).map_err(failed)?;
-    let evaluation = match &unit.method {
-        MethodConfig::Bootstrap => judge(unit, &problem, Bootstrap, interrupt)?,
-        MethodConfig::MinDegeneracy => {
-            judge(unit, &problem, MinDegeneracy::new(&problem.model).map_err(failed)?, interrupt)?
+/// Evaluates units; what units have in common is computed once.
+#[derive(Default)]
+pub struct Evaluator {
+    references: Arc<ReferenceCache>,
+    models: Option<PathBuf>,
+}
+
+impl Evaluator {
+    /// One that keeps the trained proposal of each unit as `folder/<key>`, if there is a folder.
+    pub fn new(models: Option<PathBuf>) -> Self {
+        Evaluator { references: Arc::default(), models }
+    }
+
+    /// One that shares what was computed, and keeps no proposals.
+    pub(crate) fn for_trials(&self) -> Self {
+        Evaluator { references: Arc::clone(&self.references), models: None }
+    }
+
+    /// Runs a unit on the calling thread.
+    ///
+    /// # Errors
+    /// [`UnitError::Failed`] with the reason, [`UnitError::Interrupted`] soon after `interrupt` was raised.
+    pub fn evaluate(&self, unit: &UnitConfig, interrupt: &Interrupt) -> Result<Evaluation, UnitError> {
+        let problem = Problem::draw(unit).map_err(failed)?;
+        let references = self.references.of(unit, &problem, interrupt)?;
+        let run = Run { evaluator: self, unit, problem: &problem, references: &references, interrupt };
+        let evaluation = unit.method.visit(&problem.model, run)?;
+        match evaluation.metrics.iter().find(|metric| !metric.value.is_finite()) {
+            Some(metric) => Err(failed(format!("the metric {} is {}", metric.name, metric.value))),
+            None => Ok(evaluation),
         }
-        MethodConfig::Fcnn(fcnn) => {
-            let (proposal, history, seconds) = train_fcnn(unit, fcnn, &problem, interrupt)?;
-            let mut evaluation = judge(unit, &problem, proposal, interrupt)?;
-            let ends = [("loss_first", history.losses.first()), ("loss_last", history.losses.last())];
-            for (name, loss) in ends {
-                evaluation.metrics.extend(loss.map(|&loss| Metric::new(name, loss)));
-            }
-            evaluation.timings.insert(0, Metric::new("train_seconds", seconds));
-            evaluation
-        }
-    };
-    match evaluation.metrics.iter().find(|metric| !metric.value.is_finite()) {
-        Some(metric) => Err(failed(format!("the metric {} is {}", metric.name, metric.value))),
-        None => Ok(evaluation),
     }
 }
 
-/// Draws initial weights and trains them on the problem's measurements; the last value is the seconds that training took.
-fn train_fcnn(
-    unit: &UnitConfig,
-    fcnn: &FcnnUnit,
-    problem: &Problem,
-    interrupt: &Interrupt,
-) -> Result<(Fcnn, History, f64), UnitError> {
-    let config = FcnnConfig { widths: fcnn.widths.clone(), ridge: fcnn.settings.ridge };
-    let backend = match fcnn.backend {
-        config::Backend::Flex => Backend::Flex,
-        config::Backend::Ndarray => Backend::NdArray,
-    };
-    let (seed, horizon) = (unit.own_seed(), unit.system.horizon);
-    let weights = seed.child("weights");
-    let mut proposal =
-        Fcnn::new(&config, &problem.model, horizon, backend.into(), &weights).map_err(failed)?;
-    let start = Instant::now();
-    let training = train_config(&fcnn.training, unit.filter.particles, fcnn.steps);
-    let mut stream = seed.child("training").stream();
-    let measurements = &problem.trajectory.measurements;
-    let watch = |_, _| interrupt.check();
-    let history =
-        train(&mut proposal, &problem.model, measurements, &training, &mut stream, watch).map_err(failed)?;
-    if history.losses.len() < fcnn.steps {
-        return Err(UnitError::Interrupted);
-    }
-    Ok((proposal, history, start.elapsed().as_secs_f64()))
+/// A unit being run.
+#[derive(Clone, Copy)]
+struct Run<'a> {
+    evaluator: &'a Evaluator,
+    unit: &'a UnitConfig,
+    problem: &'a Problem,
+    references: &'a References,
+    interrupt: &'a Interrupt,
 }
 
-/// Runs the filters of a unit with one proposal.
-fn judge<P: Proposal<GraphDiffusion>>(
-    unit: &UnitConfig,
-    problem: &Problem,
-    proposal: P,
-    interrupt: &Interrupt,
-) -> Result<Evaluation, UnitError> {
-    let start = Instant::now();
-    let settings = FilterSettings {
-        particles: unit.filter.particles,
-        resampling: match unit.filter.resampling {
-            config::Resampling::Multinomial => Resampling::Multinomial,
-            config::Resampling::Systematic => Resampling::Systematic,
-            config::Resampling::Stratified => Resampling::Stratified,
-            config::Resampling::Residual => Resampling::Residual,
-        },
-        resample_when: ResampleWhen::EssBelow(unit.filter.ess_threshold),
-    };
-    let (filters, n) = (unit.filter_runs, unit.system.dimension);
-    let seed = unit.own_seed().child("filter");
-    let mut bank = FilterBank::new(&problem.model, proposal, settings, filters, &seed).map_err(failed)?;
-    let mut recorded = Recorded {
-        filters,
-        means: Vec::with_capacity(unit.system.horizon * filters * n),
-        effective_sample_sizes: Vec::with_capacity(unit.system.horizon * filters),
-        log_evidence: Vec::with_capacity(filters),
-    };
-    let mut mean = vec![0.0; n];
-    for measurement in problem.trajectory.measurements.rows() {
-        if interrupt.check() == ControlFlow::Break(()) {
+impl Visitor for Run<'_> {
+    type Output = Evaluation;
+
+    fn designed(self, proposal: impl Proposal<GraphDiffusion>) -> Result<Evaluation, UnitError> {
+        self.judge(proposal)
+    }
+
+    fn learned<F: Family + Proposal<GraphDiffusion>>(
+        self,
+        learned: &LearnedUnit<F::Config>,
+    ) -> Result<Evaluation, UnitError> {
+        let (proposal, history, seconds) = self.train::<F>(learned)?;
+        if let Some(models) = &self.evaluator.models {
+            let config = train_config(&learned.training, self.unit.filter.particles, learned.steps);
+            let folder = models.join(self.unit.key());
+            save(&folder, &proposal, &self.problem.model, &config).map_err(failed)?;
+        }
+        let mut evaluation = self.judge(proposal)?;
+        let ends = [("loss_first", history.losses.first()), ("loss_last", history.losses.last())];
+        for (name, loss) in ends {
+            evaluation.metrics.extend(loss.map(|&loss| Metric::new(name, loss)));
+        }
+        evaluation.timings.insert(0, Metric::new("train_seconds", seconds));
+        Ok(evaluation)
+    }
+}
+
+impl Run<'_> {
+    /// Draws initial weights and trains them on the problem's measurements; the last value is the seconds that training took.
+    fn train<F: Family>(self, learned: &LearnedUnit<F::Config>) -> Result<(F, History, f64), UnitError> {
+        let backend = match learned.backend {
+            config::Backend::Flex => Backend::Flex,
+            config::Backend::Ndarray => Backend::NdArray,
+        };
+        let (model, seed) = (&self.problem.model, self.unit.own_seed());
+        let (horizon, weights) = (self.unit.system.horizon, seed.child("weights"));
+        let mut proposal =
+            F::create(&learned.proposal, model, horizon, backend.into(), &weights).map_err(failed)?;
+        let start = Instant::now();
+        let config = train_config(&learned.training, self.unit.filter.particles, learned.steps);
+        let mut stream = seed.child("training").stream();
+        let measurements = &self.problem.trajectory.measurements;
+        let watch = |_, _| self.interrupt.check();
+        let history =
+            train(&mut proposal, model, measurements, &config, &mut stream, watch).map_err(failed)?;
+        if history.losses.len() < learned.steps {
             return Err(UnitError::Interrupted);
         }
-        bank.step(measurement).map_err(failed)?;
-        for filter in 0..filters {
-            bank.mean(filter, &mut mean);
-            recorded.means.extend_from_slice(&mean);
-            recorded.effective_sample_sizes.push(bank.weights(filter).effective_sample_size());
-        }
+        Ok((proposal, history, start.elapsed().as_secs_f64()))
     }
-    recorded.log_evidence.extend((0..filters).map(|filter| bank.log_evidence(filter)));
-    let timings = vec![Metric::new("filter_seconds", start.elapsed().as_secs_f64())];
-    Ok(Evaluation { metrics: metrics(problem, &recorded), timings })
+
+    /// Runs the filters of a unit with one proposal.
+    fn judge<P: Proposal<GraphDiffusion>>(self, proposal: P) -> Result<Evaluation, UnitError> {
+        let Run { unit, problem, .. } = self;
+        let start = Instant::now();
+        let settings = FilterSettings {
+            particles: unit.filter.particles,
+            resampling: match unit.filter.resampling {
+                config::Resampling::Multinomial => Resampling::Multinomial,
+                config::Resampling::Systematic => Resampling::Systematic,
+                config::Resampling::Stratified => Resampling::Stratified,
+                config::Resampling::Residual => Resampling::Residual,
+            },
+            resample_when: ResampleWhen::EssBelow(unit.filter.ess_threshold),
+        };
+        let (filters, n) = (unit.filter_runs, unit.system.dimension);
+        let seed = unit.own_seed().child("filter");
+        let mut bank = FilterBank::new(&problem.model, proposal, settings, filters, &seed).map_err(failed)?;
+        let mut recorded = Recorded {
+            filters,
+            means: Vec::with_capacity(unit.system.horizon * filters * n),
+            effective_sample_sizes: Vec::with_capacity(unit.system.horizon * filters),
+            log_evidence: Vec::with_capacity(filters),
+        };
+        let mut mean = vec![0.0; n];
+        for measurement in problem.trajectory.measurements.rows() {
+            if self.interrupt.check() == ControlFlow::Break(()) {
+                return Err(UnitError::Interrupted);
+            }
+            bank.step(measurement).map_err(failed)?;
+            for filter in 0..filters {
+                bank.mean(filter, &mut mean);
+                recorded.means.extend_from_slice(&mean);
+                recorded.effective_sample_sizes.push(bank.weights(filter).effective_sample_size());
+            }
+        }
+        recorded.log_evidence.extend((0..filters).map(|filter| bank.log_evidence(filter)));
+        let timings = vec![Metric::new("filter_seconds", start.elapsed().as_secs_f64())];
+        Ok(Evaluation { metrics: metrics(problem, self.references, &recorded), timings })
+    }
 }
 
 fn train_config(training: &config::Training, particles: usize, steps: usize) -> TrainConfig {
@@ -163,6 +201,11 @@ fn train_config(training: &config::Training, particles: usize, steps: usize) -> 
             config::Objective::Literal => Objective::Literal,
             config::Objective::Elbo => Objective::Elbo,
         },
+        gradient: match (training.gradient, training.gradient_window) {
+            (config::Gradient::Truncated, Some(window)) => GradientFlow::Truncated { window },
+            _ => GradientFlow::Full,
+        },
+        clip_norm: training.clip_norm,
         particles,
         steps,
         adam: AdamConfig {
@@ -177,9 +220,10 @@ fn train_config(training: &config::Training, particles: usize, steps: usize) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::methods::MethodConfig;
     use crate::unit::tests::fcnn_unit;
     use motes_models::{Seed, Sequence};
-    use motes_proposals::Learnable;
+    use motes_proposals::{Fcnn, Learnable};
     use rand::RngExt;
 
     #[test]
@@ -187,7 +231,16 @@ mod tests {
         let unit = fcnn_unit(6, 4, 5);
         let MethodConfig::Fcnn(fcnn) = &unit.method else { panic!("not an fcnn") };
         let weights = |problem: &Problem| {
-            let (proposal, _, _) = train_fcnn(&unit, fcnn, problem, &Interrupt::default()).unwrap();
+            let (evaluator, references) = (Evaluator::default(), References::default());
+            let interrupt = Interrupt::default();
+            let run = Run {
+                evaluator: &evaluator,
+                unit: &unit,
+                problem,
+                references: &references,
+                interrupt: &interrupt,
+            };
+            let (proposal, _, _) = run.train::<Fcnn>(fcnn).unwrap();
             let parameters = proposal.parameters();
             (0..parameters.len()).flat_map(|at| parameters.host(at).unwrap()).collect::<Vec<f64>>()
         };
@@ -208,7 +261,10 @@ mod tests {
     fn an_interrupt_abandons_a_unit() {
         let interrupt = Interrupt::default();
         interrupt.raise();
-        assert_eq!(evaluate(&fcnn_unit(6, 4, 5), &interrupt), Err(UnitError::Interrupted));
+        assert_eq!(
+            Evaluator::default().evaluate(&fcnn_unit(6, 4, 5), &interrupt),
+            Err(UnitError::Interrupted)
+        );
     }
 
     #[test]
@@ -217,7 +273,8 @@ mod tests {
         let mut unit = crate::unit::tests::unit(10, 12, 2);
         unit.system.noise = config::Noise::Uniform;
         unit.system.densities = config::Densities::Exact;
-        let Err(UnitError::Failed(reason)) = evaluate(&unit, &Interrupt::default()) else {
+        let Err(UnitError::Failed(reason)) = Evaluator::default().evaluate(&unit, &Interrupt::default())
+        else {
             panic!("no failure")
         };
         assert!(reason.contains("all weights of filter"), "{reason}");

@@ -176,6 +176,9 @@ fn colour(method: Method) -> RGBColor {
         Method::MinDegeneracy => RGBColor(70, 70, 70),
         Method::Bootstrap => RGBColor(160, 160, 160),
         Method::Fcnn => RGBColor(0, 114, 178),
+        Method::Rnn => RGBColor(213, 94, 0),
+        Method::Gnn => RGBColor(0, 158, 115),
+        Method::Psi => RGBColor(204, 121, 167),
     }
 }
 

@@ -120,6 +120,7 @@ fn run_regress(
         seed: "1".into(),
         out: Some(out.clone()),
         fresh: true,
+        save_models: false,
         experiments: Some(experiments),
     };
     let plans = match plans(&args) {

@@ -4,6 +4,7 @@ use motes_models::Sequence;
 
 use crate::Metric;
 use crate::problem::Problem;
+use crate::reference::{PosteriorMean, References};
 
 /// What a bank of filters said, recorded step by step.
 pub(crate) struct Recorded {
@@ -18,7 +19,7 @@ pub(crate) struct Recorded {
 }
 
 /// All metrics of one unit, in the order of the tables.
-pub(crate) fn metrics(problem: &Problem, recorded: &Recorded) -> Vec<Metric> {
+pub(crate) fn metrics(problem: &Problem, references: &References, recorded: &Recorded) -> Vec<Metric> {
     let truth = problem.truth();
     let (n, last) = (truth.width(), truth.len() - 1);
     let averages: Vec<Vec<f64>> =
@@ -39,6 +40,16 @@ pub(crate) fn metrics(problem: &Problem, recorded: &Recorded) -> Vec<Metric> {
     ];
     if let Some(exact) = &problem.exact {
         found.push(Metric::new("log_evidence_exact", exact.log_evidence));
+    }
+    let posteriors = [
+        (&references.gaussian, "nmse_posterior", "nmse_posterior_reference"),
+        (&references.exact, "nmse_posterior_exact", "nmse_posterior_exact_reference"),
+    ];
+    for (posterior, error_name, difference_name) in posteriors {
+        let Some(PosteriorMean { mean, difference }) = posterior else { continue };
+        let error = squared_error(&averages[last], mean) / squared_norm(mean);
+        found.push(Metric::new(error_name, error));
+        found.extend(difference.map(|difference| Metric::new(difference_name, difference)));
     }
     found
 }
@@ -147,14 +158,14 @@ mod tests {
             ("log_evidence_std", 2.0_f64.sqrt()),
             ("log_evidence_exact", exact),
         ];
-        let found = metrics(&problem, &recorded);
+        let found = metrics(&problem, &References::default(), &recorded);
         assert_eq!(found.len(), expected.len());
         for (found, (name, value)) in found.iter().zip(expected) {
             assert_eq!(found.name, name);
             assert!((found.value - value).abs() < 1e-12 * value.abs().max(1.0), "{name}: {}", found.value);
         }
         // Where the exact means are not those of the true system, estimates are held against its states.
-        problem.exact_is_true = false;
+        problem.has_gaussian_noise = false;
         assert_eq!(problem.truth(), &problem.trajectory.states);
     }
 }

@@ -9,14 +9,16 @@ use crate::config;
 
 /// One repetition of an experiment.
 pub(crate) struct Problem {
+    /// The system that data are drawn from.
+    pub(crate) system: GraphDiffusion,
     /// The model that weights and objective use.
     pub(crate) model: GraphDiffusion,
     /// What was drawn from the true system.
     pub(crate) trajectory: Trajectory,
     /// Exact inference in the filter's model, where it is linear and Gaussian.
     pub(crate) exact: Option<Exact>,
-    /// Whether the exact posterior mean is also that of the true system.
-    pub(crate) exact_is_true: bool,
+    /// Whether the noise of the system is Gaussian, so that the exact means are also those of the system itself.
+    pub(crate) has_gaussian_noise: bool,
 }
 
 /// Exact inference by the Kalman filter.
@@ -48,7 +50,7 @@ impl Problem {
         let trajectory = simulate(&system, horizon, &mut seed.child("trajectory").stream())?;
         let model = match densities {
             config::Densities::Gaussian => system.with_noise(Noise::Gaussian),
-            config::Densities::Exact => system,
+            config::Densities::Exact => system.clone(),
         };
         let believes_gaussian = noise == Noise::Gaussian || densities == config::Densities::Gaussian;
         let exact = if drift == Drift::Identity && believes_gaussian {
@@ -58,13 +60,13 @@ impl Problem {
         } else {
             None
         };
-        Ok(Problem { model, trajectory, exact, exact_is_true: noise == Noise::Gaussian })
+        Ok(Problem { system, model, trajectory, exact, has_gaussian_noise: noise == Noise::Gaussian })
     }
 
     /// What estimates are held against: the exact posterior means where they exist, else the simulated states.
     pub(crate) fn truth(&self) -> &Sequence {
         match &self.exact {
-            Some(exact) if self.exact_is_true => &exact.means,
+            Some(exact) if self.has_gaussian_noise => &exact.means,
             _ => &self.trajectory.states,
         }
     }

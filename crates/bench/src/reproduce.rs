@@ -10,7 +10,7 @@ use crate::runner::{Event, run};
 use crate::say::{news, result};
 use crate::store::{Contents, Outcome, Record};
 use crate::tables::{failures_csv, markdown, sort, summarise, summary_csv, timings_csv, units_csv};
-use crate::{Interrupt, Store, StoreError, UnitConfig, UnitError, estimate, evaluate};
+use crate::{Evaluator, Interrupt, Store, StoreError, UnitConfig, UnitError, estimate};
 
 /// How a run ended.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -42,11 +42,17 @@ pub fn reproduce(plan: &Plan, interrupt: &Interrupt) -> Result<Finished, StoreEr
     }
     let (there, remarks) = read(plan, &store)?;
     remarks.iter().for_each(|remark| news(remark));
-    let missing: Vec<&(Point, UnitConfig)> =
-        wanted.iter().filter(|(_, unit)| !there.iter().any(|record| record.config == *unit)).collect();
+    let models = plan.save_models.then(|| plan.folder.join("models"));
+    let is_there = |unit: &UnitConfig| {
+        let has_model = models
+            .as_ref()
+            .is_none_or(|models| !unit.method.method().is_learned() || models.join(unit.key()).exists());
+        has_model && there.iter().any(|record| record.config == *unit)
+    };
+    let missing: Vec<&(Point, UnitConfig)> = wanted.iter().filter(|(_, unit)| !is_there(unit)).collect();
     announce(plan, wanted.len(), missing.len());
     if !missing.is_empty() {
-        run_missing(plan, &store, &missing, interrupt)?;
+        run_missing(plan, &store, &missing, &Evaluator::new(models.clone()), interrupt)?;
     }
 
     let (records, _) = read(plan, &store)?;
@@ -148,11 +154,12 @@ fn run_missing(
     plan: &Plan,
     store: &Store,
     missing: &[&(Point, UnitConfig)],
+    evaluator: &Evaluator,
     interrupt: &Interrupt,
 ) -> Result<(), StoreError> {
     let points: Vec<Point> = missing.iter().map(|(point, _)| point.clone()).collect();
     let units: Vec<UnitConfig> = missing.iter().map(|(_, unit)| unit.clone()).collect();
-    let estimates = estimate::seconds(plan, &points, interrupt);
+    let estimates = estimate::seconds(plan, &points, &evaluator.for_trials(), interrupt);
     let total: f64 = estimates.iter().sum();
     news(&format!("estimated time {}", duration(total / plan.jobs.min(units.len()) as f64)));
     let revision = revision();
@@ -160,6 +167,7 @@ fn run_missing(
     let name = |point: &Point| {
         format!("{} x = {} {} repetition {}", point.panel, point.x, point.method.name(), point.repetition)
     };
+    let evaluate = |unit: &UnitConfig, interrupt: &Interrupt| evaluator.evaluate(unit, interrupt);
     run(&units, plan.jobs, interrupt, &evaluate, |event| {
         match event {
             Event::Started(index) => progress.started(&name(&points[index])),
@@ -238,6 +246,7 @@ pub fn paper_estimate(plan: &Plan, interrupt: &Interrupt) -> Option<String> {
         profile,
         ..plan.clone()
     };
-    let total: f64 = estimate::seconds(&paper, &paper.points(), interrupt).iter().sum();
+    let evaluator = Evaluator::default();
+    let total: f64 = estimate::seconds(&paper, &paper.points(), &evaluator, interrupt).iter().sum();
     interrupt.check().is_continue().then(|| duration(total / plan.jobs as f64))
 }

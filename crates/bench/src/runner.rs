@@ -15,7 +15,7 @@ pub(crate) enum Event {
 }
 
 /// What evaluates a unit; the tests put something in its place that takes no time.
-pub(crate) type Evaluate = dyn Fn(&UnitConfig, &Interrupt) -> Result<Evaluation, UnitError> + Sync;
+pub(crate) type Evaluate<'a> = dyn Fn(&UnitConfig, &Interrupt) -> Result<Evaluation, UnitError> + Sync + 'a;
 
 /// Evaluates `units` on `jobs` threads and calls `observe` on the calling thread for each event.
 ///
@@ -25,7 +25,7 @@ pub(crate) fn run<E>(
     units: &[UnitConfig],
     jobs: usize,
     interrupt: &Interrupt,
-    evaluate: &Evaluate,
+    evaluate: &Evaluate<'_>,
     mut observe: impl FnMut(Event) -> Result<(), E>,
 ) -> Result<(), E> {
     let next = AtomicUsize::new(0);

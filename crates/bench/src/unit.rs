@@ -3,7 +3,8 @@
 use motes_models::Seed;
 use serde::{Deserialize, Serialize};
 
-use crate::config::{Backend, Fcnn, Filter, Method, Plan, Point, System, Training};
+use crate::config::{Drift, Filter, Noise, Plan, Point, System};
+use crate::methods::MethodConfig;
 
 /// The version of what a unit's configuration means. Raised by hand whenever the same configuration gives other
 /// numbers than before, so that old units are never taken for new ones.
@@ -24,35 +25,16 @@ pub struct UnitConfig {
     pub filter: Filter,
     /// Independent filters.
     pub filter_runs: usize,
+    /// Particles of the reference filters, where posterior means are not exact.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reference_particles: Option<usize>,
     /// The method with its settings.
     pub method: MethodConfig,
 }
 
-/// A method with the settings that it depends on, and no others.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum MethodConfig {
-    /// The designed proposal.
-    MinDegeneracy,
-    /// The transition.
-    Bootstrap,
-    /// The fully connected proposal.
-    Fcnn(FcnnUnit),
-}
-
-/// What the result of a fully connected proposal depends on.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct FcnnUnit {
-    /// Settings shared by all profiles.
-    pub settings: Fcnn,
-    /// Hidden widths.
-    pub widths: Vec<usize>,
-    /// How it is trained.
-    pub training: Training,
-    /// For how many steps.
-    pub steps: usize,
-    /// What computes its networks.
-    pub backend: Backend,
+/// Whether the Kalman filter gives the posterior means of the system itself.
+fn has_exact_means(system: &System) -> bool {
+    system.drift == Drift::Identity && system.noise == Noise::Gaussian
 }
 
 impl UnitConfig {
@@ -67,17 +49,9 @@ impl UnitConfig {
             system: System { dimension: n, horizon: t, ..experiment.system.clone() },
             filter: Filter { particles: k, ..experiment.filter.clone() },
             filter_runs: plan.profile.filter_runs,
-            method: match point.method {
-                Method::MinDegeneracy => MethodConfig::MinDegeneracy,
-                Method::Bootstrap => MethodConfig::Bootstrap,
-                Method::Fcnn => MethodConfig::Fcnn(FcnnUnit {
-                    settings: experiment.fcnn.clone(),
-                    widths: plan.profile.fcnn_widths.clone(),
-                    training: experiment.training.clone(),
-                    steps: plan.profile.training_steps,
-                    backend: plan.backend,
-                }),
-            },
+            reference_particles: (!has_exact_means(&experiment.system))
+                .then_some(plan.profile.reference_particles),
+            method: MethodConfig::of(point.method, plan),
         })
     }
 
@@ -97,21 +71,19 @@ impl UnitConfig {
 
     /// The streams of this unit alone: initial weights, training noise, filters.
     pub fn own_seed(&self) -> Seed {
-        let label = match self.method {
-            MethodConfig::MinDegeneracy => "min-degeneracy",
-            MethodConfig::Bootstrap => "bootstrap",
-            MethodConfig::Fcnn(_) => "fcnn",
-        };
-        [self.system.dimension, self.system.horizon, self.filter.particles, self.repetition]
-            .into_iter()
-            .fold(Seed::from_u64(self.seed).child("unit").child(label), |seed, index| seed.nth(index as u64))
+        [self.system.dimension, self.system.horizon, self.filter.particles, self.repetition].into_iter().fold(
+            Seed::from_u64(self.seed).child("unit").child(self.method.method().name()),
+            |seed, index| seed.nth(index as u64),
+        )
     }
 }
 
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::config::{Densities, Drift, Noise, Resampling};
+    use crate::config::{Backend, Densities, Gradient, Resampling, Training};
+    use crate::methods::LearnedUnit;
+    use motes_proposals::FcnnConfig;
 
     /// A bootstrap unit of the linear Gaussian system.
     pub(crate) fn unit(dimension: usize, horizon: usize, particles: usize) -> UnitConfig {
@@ -131,6 +103,7 @@ pub(crate) mod tests {
             },
             filter: Filter { particles, resampling: Resampling::Multinomial, ess_threshold: 1.0 / 3.0 },
             filter_runs: 3,
+            reference_particles: None,
             method: MethodConfig::Bootstrap,
         }
     }
@@ -139,13 +112,16 @@ pub(crate) mod tests {
     pub(crate) fn fcnn_unit(dimension: usize, horizon: usize, particles: usize) -> UnitConfig {
         let training = Training {
             objective: crate::config::Objective::LogLikelihood,
+            gradient: Gradient::Full,
+            gradient_window: None,
+            clip_norm: None,
             learning_rate: 1e-3,
             beta_1: 0.9,
             beta_2: 0.999,
             epsilon: 1e-8,
         };
-        let (settings, widths) = (Fcnn { ridge: 1e-6 }, vec![8, 8]);
-        let fcnn = FcnnUnit { settings, widths, training, steps: 5, backend: Backend::Flex };
+        let proposal = FcnnConfig { widths: vec![8, 8], ridge: 1e-6 };
+        let fcnn = LearnedUnit { proposal, training, steps: 5, backend: Backend::Flex };
         UnitConfig { method: MethodConfig::Fcnn(fcnn), ..unit(dimension, horizon, particles) }
     }
 
@@ -165,6 +141,7 @@ pub(crate) mod tests {
             change(|unit| unit.system.snr_db = 6.0),
             change(|unit| unit.filter.ess_threshold = 0.5),
             change(|unit| unit.filter_runs = 4),
+            change(|unit| unit.reference_particles = Some(100)),
             change(|unit| unit.method = MethodConfig::MinDegeneracy),
         ];
         for (at, key) in keys.iter().enumerate() {

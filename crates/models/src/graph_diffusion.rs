@@ -6,7 +6,7 @@ use crate::error::check_matrix;
 use crate::sparse::SparseRows;
 use crate::{
     AdditiveGaussian, Gaussian, LinearGaussian, ModelError, Noise, RandomGeometricGraph, Simulator,
-    StateGradients, StateSpaceModel, Stream,
+    StateGradients, StateSpaceModel, Stream, SystemGraph,
 };
 
 /// The map `φ` applied to each coordinate of the diffused state.
@@ -147,7 +147,7 @@ impl GraphDiffusion {
         GraphDiffusion { noise, ..self.clone() }
     }
 
-    /// `A`, also the graph matrix `S` of graph networks (`N×N`).
+    /// `A` (`N×N`).
     pub fn adjacency(&self) -> MatRef<'_, f64> {
         self.adjacency.as_ref()
     }
@@ -212,6 +212,13 @@ impl StateSpaceModel for GraphDiffusion {
         let residuals =
             measurement.iter().enumerate().map(|(i, value)| value - self.measure.row_times(i, state));
         self.noise.log_density_of_all(self.measurement_sigma, residuals)
+    }
+
+    /// `S = A`, and a measurement goes with weight 1 to each node that is in it: `Cᵀ` rescaled to ones.
+    fn graph(&self) -> Option<SystemGraph> {
+        let c = self.measurement_matrix.as_ref();
+        let adapter = Mat::from_fn(c.ncols(), c.nrows(), |i, j| if c[(j, i)] != 0.0 { 1.0 } else { 0.0 });
+        Some(SystemGraph { shift: self.adjacency.clone(), adapter })
     }
 }
 

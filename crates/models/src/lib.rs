@@ -33,6 +33,7 @@ mod smoother;
 mod sparse;
 mod state_space;
 mod stream;
+mod system_graph;
 
 pub use error::{CovarianceFault, ModelError};
 pub use gaussian::Gaussian;
@@ -44,3 +45,4 @@ pub use sequence::{Measurements, Sequence};
 pub use simulate::{Trajectory, simulate};
 pub use state_space::{AdditiveGaussian, Simulator, StateGradients, StateSpaceModel};
 pub use stream::{Seed, Stream};
+pub use system_graph::SystemGraph;

@@ -2,7 +2,7 @@
 
 use faer::MatRef;
 
-use crate::{Gaussian, Stream};
+use crate::{Gaussian, Stream, SystemGraph};
 
 /// A hidden Markov model on ℝᴺ, measured in ℝᴹ: `p(x_0)`, `p(x_t | x_{t−1})`, `p(y_t | x_t)`.
 ///
@@ -32,6 +32,11 @@ pub trait StateSpaceModel: Sync {
 
     /// `log p(y_t | x_t)` of `measurement` (`M`) at `state` (`N`).
     fn log_likelihood(&self, time: usize, state: &[f64], measurement: &[f64]) -> f64;
+
+    /// The graph that the system lives on, if it lives on one.
+    fn graph(&self) -> Option<SystemGraph> {
+        None
+    }
 
     /// [`StateSpaceModel::log_initial`] of each of `K` rows, into `out` (`K`).
     fn log_initials(&self, states: &[f64], out: &mut [f64]) {

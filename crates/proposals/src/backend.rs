@@ -40,7 +40,7 @@ impl From<Backend> for Compute {
 
 impl Compute {
     /// The device, named explicitly: nothing here depends on burn's idea of a default.
-    fn device(self) -> Device {
+    pub(crate) fn device(self) -> Device {
         match self.backend {
             Backend::Flex => Device::flex(),
             #[allow(deprecated, reason = "kept on purpose, see `Backend::NdArray`")]

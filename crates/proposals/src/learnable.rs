@@ -64,6 +64,10 @@ pub trait Tape {
         d_previous: &mut [f64],
     ) -> Result<(), ProposalError>;
 
+    /// Forgets what the draws undone so far would carry into earlier ones through the particles' memory: with a zero
+    /// derivative of the states, nothing then flows back past this point.
+    fn cut(&mut self);
+
     /// The gradients gathered so far.
     fn into_gradients(self: Box<Self>) -> Gradients;
 }

@@ -5,7 +5,8 @@
 //! never whether the weights are right.
 //!
 //! Each family implements [`motes_smc::Proposal`], by which a filter uses it, and [`Learnable`], by which it is trained.
-//! So far there is one: [`Fcnn`].
+//! Three are Gaussian, [`Fcnn`], [`Rnn`] and [`Gnn`]: they differ in their networks alone. [`Psi`]
+//! transforms uniform noise by an invertible network.
 //!
 //! ```
 //! use motes_models::{GraphDiffusion, GraphDiffusionConfig, Seed};
@@ -24,20 +25,28 @@
 //! ```
 
 mod backend;
-mod covariance;
+mod family;
 mod fcnn;
 mod gaussian;
+mod gnn;
 mod initial_weights;
 mod learnable;
 mod mlp;
 mod parameters;
+mod psi;
+mod rnn;
+mod saved;
 
 /// The version of burn that networks are computed with; results depend on it.
 pub const BURN_VERSION: &str = "0.22.1";
 
 pub use backend::{Backend, Compute, Precision};
-pub use covariance::{KernelCovariance, cholesky_adjoint};
+pub use family::Family;
 pub use fcnn::{Fcnn, FcnnConfig};
-pub use gaussian::GaussianBatch;
+pub use gaussian::{GaussianBatch, GaussianProposal, Hidden, KernelCovariance, cholesky_adjoint};
+pub use gnn::{Adapter, Gnn, GnnConfig};
 pub use learnable::{Learnable, Tape};
 pub use parameters::{Gradients, Parameters};
+pub use psi::{Psi, PsiConfig};
+pub use rnn::{Cell, Rnn, RnnConfig};
+pub use saved::{SAVED_FORMAT, SavedError, load, save};

@@ -112,6 +112,13 @@ impl Gradients {
         &self.values
     }
 
+    /// Multiplies all of them by `factor`.
+    pub fn scale(&mut self, factor: f64) {
+        for gradient in self.values.iter_mut().flatten() {
+            *gradient = gradient.clone() * factor;
+        }
+    }
+
     /// The Euclidean norm of all gradients taken together.
     ///
     /// # Errors

@@ -25,8 +25,11 @@ impl ProposalError {
         match self {
             ProposalError::PastHorizon { .. }
             | ProposalError::Mismatch { .. }
-            | ProposalError::Setting { .. } => ErrorKind::BadInput,
-            ProposalError::Backend { .. } | ProposalError::Numerical { .. } => ErrorKind::Numerical,
+            | ProposalError::Setting { .. }
+            | ProposalError::NoGraph => ErrorKind::BadInput,
+            ProposalError::Backend { .. }
+            | ProposalError::Singular { .. }
+            | ProposalError::Numerical { .. } => ErrorKind::Numerical,
         }
     }
 }

@@ -49,6 +49,19 @@ pub enum ProposalError {
         /// What would be right.
         expected: &'static str,
     },
+    /// The proposal works on the graph of a system, and the model has none.
+    #[error("the model has no graph, which a graph network needs: see StateSpaceModel::graph")]
+    NoGraph,
+    /// A matrix that must be invertible is not, in floating point.
+    #[error("the matrix {matrix} at time {time} is singular: log|det| is {log_abs_det}")]
+    Singular {
+        /// Which matrix.
+        matrix: String,
+        /// The time it belongs to.
+        time: usize,
+        /// The logarithm of its absolute determinant.
+        log_abs_det: f64,
+    },
     /// What computes the proposal's networks failed.
     #[error("the compute backend failed: {reason}")]
     Backend {
@@ -105,7 +118,8 @@ pub trait Conditional {
     /// [`Conditional::is_transition`] holds, `log_density` may be left as it was: ask [`Conditional::log_density`] for it.
     fn sample(&mut self, streams: &mut [Stream], states: &mut [f64], log_density: &mut [f64]);
 
-    /// Writes `log q` at the given `states` (`R×N`) into `log_density` (`R`); −∞ outside the support.
+    /// Writes `log q` at the given `states` (`R×N`) into `log_density` (`R`); −∞ outside the support, NaN where it cannot
+    /// be computed (a filter then stops with the particle named).
     fn log_density(&mut self, states: &[f64], log_density: &mut [f64]);
 
     /// Whether this is the model's own `p(x_t | x_{t−1})`, so that both cancel in the weight and neither is

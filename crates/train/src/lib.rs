@@ -25,11 +25,13 @@
 
 mod adam;
 mod error;
+mod gradient_flow;
 mod objective;
 mod rollout;
 mod training;
 
 pub use error::TrainError;
+pub use gradient_flow::GradientFlow;
 pub use objective::Objective;
 pub use rollout::{Rollout, rollout};
 pub use training::{AdamConfig, History, TrainConfig, train};

@@ -4,6 +4,7 @@ use motes_models::{Measurements, StateGradients, Stream};
 use motes_proposals::{Gradients, Learnable};
 use motes_smc::{Past, ProposalError};
 
+use crate::gradient_flow::GradientFlow;
 use crate::training::check_fit;
 use crate::{Objective, TrainError};
 
@@ -18,7 +19,8 @@ pub struct Rollout {
 /// Draws `particles` particles along `measurements`, without resampling, and differentiates the objective.
 ///
 /// The derivative of the objective with respect to `x_t` gathers three terms, all on the host: what `x_t` does to its own
-/// densities, to the transition into `x_{t+1}`, and, through the proposal's networks, to every later draw.
+/// densities, to the transition into `x_{t+1}`, and, through the proposal's networks, to every later draw; `gradient` says how far
+/// the last two reach.
 ///
 /// # Errors
 /// [`TrainError::Setting`] or [`TrainError::Model`] for input that does not fit, [`TrainError::Proposal`] if the proposal fails.
@@ -27,11 +29,13 @@ pub fn rollout(
     model: &dyn StateGradients,
     measurements: &Measurements,
     objective: Objective,
+    gradient: GradientFlow,
     particles: usize,
     stream: &mut Stream,
 ) -> Result<Rollout, TrainError> {
+    gradient.check()?;
     check_fit(proposal, model, measurements, particles)?;
-    draw_and_pull(proposal, model, measurements, objective, particles, stream).map_err(in_step(0))
+    draw_and_pull(proposal, model, measurements, objective, gradient, particles, stream).map_err(in_step(0))
 }
 
 /// [`rollout`] of input that is known to fit; an error comes with the time at which it happened.
@@ -40,6 +44,7 @@ pub(crate) fn draw_and_pull(
     model: &dyn StateGradients,
     measurements: &Measurements,
     objective: Objective,
+    gradient: GradientFlow,
     particles: usize,
     stream: &mut Stream,
 ) -> Result<Rollout, (usize, ProposalError)> {
@@ -95,7 +100,12 @@ pub(crate) fn draw_and_pull(
         subtract_weighted(&mut d_states, weights, &term);
         let d_log_density: Vec<f64> = evaluation.d_log_proposal[at].iter().map(|weight| -weight).collect();
         tape.pull_back(&d_states, &d_log_density, &mut d_previous).map_err(|source| (time, source))?;
-        carried.iter_mut().zip(&d_previous).for_each(|(sum, d)| *sum += d);
+        if gradient.ends_at(time) {
+            carried.fill(0.0);
+            tape.cut();
+        } else {
+            carried.iter_mut().zip(&d_previous).for_each(|(sum, d)| *sum += d);
+        }
     }
     Ok(Rollout { objective: evaluation.value, gradients: tape.into_gradients() })
 }

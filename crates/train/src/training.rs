@@ -4,13 +4,15 @@ use std::ops::ControlFlow;
 
 use motes_models::{Measurements, StateGradients, Stream};
 use motes_proposals::Learnable;
+use serde::Serialize;
 
 use crate::adam::AdamSteps;
+use crate::gradient_flow::GradientFlow;
 use crate::rollout::{draw_and_pull, in_step};
 use crate::{Objective, TrainError};
 
 /// The settings of Adam.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct AdamConfig {
     /// Step size.
     pub learning_rate: f64,
@@ -30,10 +32,14 @@ impl AdamConfig {
 }
 
 /// The settings of training.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct TrainConfig {
     /// What is maximised.
     pub objective: Objective,
+    /// How far back in time its gradient reaches.
+    pub gradient: GradientFlow,
+    /// The largest norm of all gradients taken together: a longer one is shortened to it. `None` leaves them as they are.
+    pub clip_norm: Option<f64>,
     /// `K`, particles drawn in each step.
     pub particles: usize,
     /// Gradient steps, each on the whole sequence.
@@ -43,9 +49,16 @@ pub struct TrainConfig {
 }
 
 impl TrainConfig {
-    /// The paper's: 200 steps of Adam on the log-likelihood of the model, with `K` particles.
+    /// The paper's: 200 steps of Adam on the log-likelihood of the model, with `K` particles and full gradients.
     pub fn paper(particles: usize) -> Self {
-        TrainConfig { objective: Objective::LogLikelihood, particles, steps: 200, adam: AdamConfig::paper() }
+        TrainConfig {
+            objective: Objective::LogLikelihood,
+            gradient: GradientFlow::Full,
+            clip_norm: None,
+            particles,
+            steps: 200,
+            adam: AdamConfig::paper(),
+        }
     }
 
     fn check(&self) -> Result<(), TrainError> {
@@ -74,6 +87,14 @@ impl TrainConfig {
                 "positive and finite",
             ),
         ];
+        self.gradient.check()?;
+        let clip_norm = self.clip_norm.unwrap_or(1.0);
+        let checks = checks.into_iter().chain([(
+            positive(clip_norm),
+            "the largest norm of the gradient",
+            clip_norm.to_string(),
+            "positive and finite",
+        )]);
         for (fine, name, value, expected) in checks {
             if !fine {
                 return Err(TrainError::Setting { name, value, expected });
@@ -113,7 +134,8 @@ pub fn train(
     let mut adam = AdamSteps::new(&config.adam, proposal.parameters().len());
     let mut history = History::default();
     for step in 0..config.steps {
-        let drawn = draw_and_pull(proposal, model, measurements, config.objective, config.particles, stream)
+        let TrainConfig { objective, gradient, particles, .. } = *config;
+        let mut drawn = draw_and_pull(proposal, model, measurements, objective, gradient, particles, stream)
             .map_err(in_step(step))?;
         let loss = -drawn.objective;
         if !loss.is_finite() {
@@ -121,10 +143,15 @@ pub fn train(
         }
         history.losses.push(loss);
         // A gradient that is not finite shows in the next step's loss; after the last there is none.
-        if step + 1 == config.steps {
+        if config.clip_norm.is_some() || step + 1 == config.steps {
             let norm = drawn.gradients.norm().map_err(|source| in_step(step)((0, source)))?;
             if !norm.is_finite() {
                 return Err(TrainError::Diverged { step, loss: norm });
+            }
+            if let Some(largest) = config.clip_norm
+                && norm > largest
+            {
+                drawn.gradients.scale(largest / norm);
             }
         }
         adam.step(proposal.parameters_mut(), &drawn.gradients);

@@ -40,6 +40,9 @@ pub struct ReproduceArgs {
     /// Forget finished units of this selection and run them again
     #[arg(long)]
     pub fresh: bool,
+    /// Keep each trained proposal in OUT/FIGURE/PROFILE/models; finished units without one are trained again
+    #[arg(long)]
+    pub save_models: bool,
     /// The folder with the experiment files [default: experiments]
     #[arg(long)]
     pub experiments: Option<PathBuf>,

@@ -1,11 +1,11 @@
 //! The numbers of an experiment file: each in its range, or named.
 
-use super::{Axis, ConfigError, Experiment};
+use super::{Axis, ConfigError, Experiment, Gradient};
 
 /// Checks every number that a run would use, for all profiles.
 pub(super) fn check(file: &str, experiment: &Experiment) -> Result<(), ConfigError> {
     let checks = Checks { file };
-    let Experiment { axis, methods, system, filter, training, fcnn, panels, profiles, .. } = experiment;
+    let Experiment { axis, methods, system, filter, training, proposals, panels, profiles, .. } = experiment;
 
     checks.at_least_one("system.neighbours", system.neighbours)?;
     checks.at_least_one("system.dimension", system.dimension)?;
@@ -28,8 +28,27 @@ pub(super) fn check(file: &str, experiment: &Experiment) -> Result<(), ConfigErr
         let fine = (0.0..1.0).contains(&value);
         checks.that(fine, &format!("training.{key}"), value, "it must be at least 0 and below 1")?;
     }
-    let fine = fcnn.ridge >= 0.0 && fcnn.ridge.is_finite();
-    checks.that(fine, "fcnn.ridge", fcnn.ridge, "it must be at least 0 and finite")?;
+    match (training.gradient, training.gradient_window) {
+        (Gradient::Full, Some(window)) => {
+            let expected = "a full gradient has no window: leave it out, or set gradient = \"truncated\"";
+            checks.that(false, "training.gradient_window", window, expected)?;
+        }
+        (Gradient::Truncated, window) => {
+            let value = window.map_or("absent".to_string(), |window| window.to_string());
+            let expected = "a truncated gradient needs a window of at least 1";
+            checks.that(
+                window.is_some_and(|window| window > 0),
+                "training.gradient_window",
+                value,
+                expected,
+            )?;
+        }
+        (Gradient::Full, None) => {}
+    }
+    let clip_norm = training.clip_norm.unwrap_or(1.0);
+    let fine = clip_norm > 0.0 && clip_norm.is_finite();
+    checks.that(fine, "training.clip_norm", clip_norm, "it must be positive and finite")?;
+    proposals.check(&checks)?;
 
     checks.distinct("methods", methods.iter().map(|method| method.name().to_string()))?;
     checks.distinct("panels", panels.iter().map(|panel| panel.name.clone()))?;
@@ -62,14 +81,8 @@ pub(super) fn check(file: &str, experiment: &Experiment) -> Result<(), ConfigErr
         checks.at_least_one(&key("repetitions"), profile.repetitions)?;
         checks.at_least_one(&key("filter_runs"), profile.filter_runs)?;
         checks.at_least_one(&key("training_steps"), profile.training_steps)?;
-        let widths = &profile.fcnn_widths;
-        let fine = !widths.is_empty() && !widths.contains(&0);
-        checks.that(
-            fine,
-            &key("fcnn_widths"),
-            format!("{widths:?}"),
-            "it must be one or more widths of at least 1",
-        )?;
+        checks.at_least_one(&key("reference_particles"), profile.reference_particles)?;
+        profile.sizes.check(name, &checks)?;
         if let Some(chosen) = &profile.panels {
             checks.distinct(&key("panels"), chosen.iter().cloned())?;
             for panel in chosen {
@@ -82,12 +95,19 @@ pub(super) fn check(file: &str, experiment: &Experiment) -> Result<(), ConfigErr
     Ok(())
 }
 
-struct Checks<'a> {
+/// Checks that name the file.
+pub(super) struct Checks<'a> {
     file: &'a str,
 }
 
 impl Checks<'_> {
-    fn that(&self, fine: bool, key: &str, value: impl ToString, expected: &str) -> Result<(), ConfigError> {
+    pub(super) fn that(
+        &self,
+        fine: bool,
+        key: &str,
+        value: impl ToString,
+        expected: &str,
+    ) -> Result<(), ConfigError> {
         if fine {
             return Ok(());
         }
@@ -99,7 +119,7 @@ impl Checks<'_> {
         })
     }
 
-    fn at_least_one(&self, key: &str, value: usize) -> Result<(), ConfigError> {
+    pub(super) fn at_least_one(&self, key: &str, value: usize) -> Result<(), ConfigError> {
         self.that(value > 0, key, value, "it must be at least 1")
     }
 

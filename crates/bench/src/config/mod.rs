@@ -7,13 +7,15 @@ mod args;
 mod check;
 mod error;
 mod load;
+mod methods;
 mod plan;
 mod schema;
 
 pub use args::{Parsed, ReproduceArgs, parse};
 pub use error::{ConfigError, one_of};
+pub use methods::{Adapter, Cell, Fcnn, Gnn, Method, Proposals, Psi, Rnn, Sizes};
 pub use plan::{Backend, Plan, Point, check_output, plans};
 pub use schema::{
-    Axis, Densities, Drift, Experiment, Fcnn, Filter, Method, Noise, Objective, Panel, Profile, Resampling,
+    Axis, Densities, Drift, Experiment, Filter, Gradient, Noise, Objective, Panel, Profile, Resampling,
     System, Training,
 };

@@ -55,6 +55,8 @@ pub struct Plan {
     pub folder: PathBuf,
     /// Whether finished units are to be run again.
     pub fresh: bool,
+    /// Whether trained proposals are kept.
+    pub save_models: bool,
 }
 
 /// One unit of work by its place in the figure.
@@ -151,6 +153,7 @@ fn plan(figure: &str, args: &ReproduceArgs) -> Result<Plan, ConfigError> {
         })?,
         folder: args.out().join(figure).join(&args.profile),
         fresh: args.fresh,
+        save_models: args.save_models,
         profile,
         experiment,
     })

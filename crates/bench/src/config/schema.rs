@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use super::{Method, Proposals, Sizes};
+
 /// A whole file, `experiments/<figure>.toml`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -20,8 +22,8 @@ pub struct Experiment {
     pub filter: Filter,
     /// How proposals are trained.
     pub training: Training,
-    /// Settings of the fully connected proposal.
-    pub fcnn: Fcnn,
+    /// Settings of the learned families.
+    pub proposals: Proposals,
     /// The panels side by side; one named `all` where the figure has none.
     pub panels: Vec<Panel>,
     /// What smoke, quick and paper runs do.
@@ -38,34 +40,6 @@ pub enum Axis {
     Horizon,
     /// The number of state coordinates, N.
     Dimension,
-}
-
-/// A way of sampling particles.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Method {
-    /// The designed proposal p(x_t | x_{t−1}, y_t).
-    MinDegeneracy,
-    /// The transition p(x_t | x_{t−1}).
-    Bootstrap,
-    /// The learned fully connected proposal.
-    Fcnn,
-}
-
-impl Method {
-    /// The name on the command line, in files and in figures.
-    pub fn name(self) -> &'static str {
-        match self {
-            Method::MinDegeneracy => "min-degeneracy",
-            Method::Bootstrap => "bootstrap",
-            Method::Fcnn => "fcnn",
-        }
-    }
-
-    /// Whether it is trained.
-    pub fn is_learned(self) -> bool {
-        matches!(self, Method::Fcnn)
-    }
 }
 
 /// `x_t = φ(A x_{t−1}) + v_t`, `y_t = C x_t + w_t` on a random geometric graph.
@@ -154,6 +128,14 @@ pub enum Resampling {
 pub struct Training {
     /// What is maximised.
     pub objective: Objective,
+    /// How far back in time its gradient reaches.
+    pub gradient: Gradient,
+    /// Times in a window of a truncated gradient; absent for a full one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gradient_window: Option<usize>,
+    /// The largest norm of the gradient; absent for no limit.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub clip_norm: Option<f64>,
     /// Adam's step size.
     pub learning_rate: f64,
     /// Adam's first forgetting factor.
@@ -176,12 +158,14 @@ pub enum Objective {
     Elbo,
 }
 
-/// Settings of the fully connected proposal that all profiles share.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Fcnn {
-    /// Added to the diagonal of the covariance.
-    pub ridge: f64,
+/// How far back in time a gradient reaches.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Gradient {
+    /// To the first time.
+    Full,
+    /// To the beginning of its window.
+    Truncated,
 }
 
 /// One of the plots side by side.
@@ -210,6 +194,8 @@ pub struct Profile {
     pub filter_runs: usize,
     /// Training steps.
     pub training_steps: usize,
-    /// Hidden widths of the fully connected proposal.
-    pub fcnn_widths: Vec<usize>,
+    /// Particles in each of the two reference filters that stand in for a posterior mean where there is no exact one.
+    pub reference_particles: usize,
+    /// How large the networks are.
+    pub sizes: Sizes,
 }

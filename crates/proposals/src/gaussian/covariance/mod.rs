@@ -9,6 +9,7 @@ use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatMut, Par};
 use motes_smc::ProposalError;
 
+use crate::family::check_ridge;
 use cholesky::Cholesky;
 
 /// `Σ = C K(z) Cᵀ + δ I` with `K(z)ᵢⱼ = exp(−(zᵢ − zⱼ)²)` (the paper's equations "covMatrix" and "covKernel"; the ridge
@@ -29,13 +30,7 @@ impl KernelCovariance {
             let what = "the number of entries of the mixing matrix C";
             return Err(ProposalError::Mismatch { what, found: mixing.len(), expected: width * width });
         }
-        if !(ridge >= 0.0 && ridge.is_finite()) {
-            return Err(ProposalError::Setting {
-                name: "the ridge of the covariance",
-                value: ridge.to_string(),
-                expected: "at least 0 and finite",
-            });
-        }
+        check_ridge("the ridge of the covariance", ridge)?;
         Ok(KernelCovariance { mixing: Mat::from_fn(width, width, |i, j| mixing[i * width + j]), ridge })
     }
 

@@ -1,16 +1,15 @@
-//! The fully connected proposal in training.
+//! A Gaussian family in training.
 
 use burn::tensor::Tensor;
 use motes_models::Stream;
 use motes_smc::{Past, ProposalError};
 
-use super::Fcnn;
+use super::batch::{GaussianBatch, fill_standard_normal};
+use super::{GaussianProposal, Hidden, KernelCovariance, Known, Networks};
 use crate::backend::to_host;
-use crate::covariance::KernelCovariance;
-use crate::gaussian::{GaussianBatch, fill_standard_normal};
 use crate::{Gradients, Learnable, Parameters, Tape};
 
-impl Learnable for Fcnn {
+impl<F: Networks, Config: Clone> Learnable for GaussianProposal<F, Config> {
     fn parameters(&self) -> &Parameters {
         &self.parameters
     }
@@ -20,7 +19,7 @@ impl Learnable for Fcnn {
     }
 
     fn horizon(&self) -> Option<usize> {
-        Some(self.means.len())
+        self.networks.horizon()
     }
 
     fn state_dim(&self) -> usize {
@@ -36,11 +35,14 @@ impl Learnable for Fcnn {
     }
 
     fn tape(&self, particles: usize) -> Box<dyn Tape + '_> {
-        Box::new(FcnnTape {
+        let hidden = Hidden::zeros(self.parameters.compute(), particles, &self.networks.hidden_widths());
+        Box::new(GaussianTape {
             proposal: self,
             particles,
             weights: self.parameters.tracked(),
             covariance: None,
+            hidden: hidden.tensors,
+            d_hidden: Vec::new(),
             draws: Vec::new(),
             gradients: Gradients::none(self.parameters.len()),
         })
@@ -48,19 +50,26 @@ impl Learnable for Fcnn {
 }
 
 /// Everything that the way back needs.
-struct FcnnTape<'p> {
-    proposal: &'p Fcnn,
+struct GaussianTape<'p, F, Config> {
+    proposal: &'p GaussianProposal<F, Config>,
     particles: usize,
     weights: Vec<Tensor<2>>,
     /// The same at all times; formed at the first draw, which can report an error.
     covariance: Option<KernelCovariance>,
+    /// What the particles carry into the next draw.
+    hidden: Vec<Tensor<2>>,
+    /// The derivative with respect to what they carried out of the last draw not yet undone; empty if it is zero.
+    d_hidden: Vec<Tensor<2>>,
     draws: Vec<Draw>,
     gradients: Gradients,
 }
 
+/// One step's graph of the networks, cut off from those of the other steps.
 struct Draw {
     time: usize,
-    inputs: Tensor<2>,
+    previous: Tensor<2>,
+    hidden_in: Vec<Tensor<2>>,
+    hidden_out: Vec<Tensor<2>>,
     means: Tensor<2>,
     representations: Tensor<2>,
     representation_values: Vec<f64>,
@@ -68,7 +77,7 @@ struct Draw {
     noise: Vec<f64>,
 }
 
-impl Tape for FcnnTape<'_> {
+impl<F: Networks, Config: Clone> Tape for GaussianTape<'_, F, Config> {
     fn draw(
         &mut self,
         past: Past<'_>,
@@ -81,21 +90,26 @@ impl Tape for FcnnTape<'_> {
             Some(covariance) => covariance,
             None => proposal.covariance()?,
         };
-        let shape = [self.particles, proposal.state_dim + proposal.measurement_dim];
-        let inputs = proposal.parameters.compute().tensor(&proposal.inputs(&past)?, shape);
-        let inputs = inputs.autodiff().require_grad();
-        let means = proposal.means[past.time].forward(&self.weights, inputs.clone());
-        let representations = proposal.representation.forward(&self.weights, inputs.clone());
-        let representation_values = to_host(representations.clone().inner())?;
+        let leaf = |tensor: Tensor<2>| tensor.autodiff().require_grad();
+        let (previous, measurement) = proposal.known(&past)?;
+        let (previous, measurement) = (leaf(previous), measurement.autodiff());
+        let hidden_in: Vec<Tensor<2>> = self.hidden.drain(..).map(leaf).collect();
+        let known = Known { previous: previous.clone(), measurement, hidden: &hidden_in };
+        let emission = proposal.networks.forward(&self.weights, past.time, known);
+        self.hidden = emission.hidden.iter().map(|tensor| tensor.clone().inner()).collect();
+        let representation_values = to_host(emission.representations.clone().inner())?;
         let lowers = covariance.factors(&representation_values)?;
-        let batch = GaussianBatch::new(proposal.state_dim, to_host(means.clone().inner())?, lowers);
+        let means = to_host(emission.means.clone().inner())?;
+        let batch = GaussianBatch::new(proposal.state_dim, means, lowers);
         batch.transform(noise, states, log_density);
         self.covariance = Some(covariance);
         self.draws.push(Draw {
             time: past.time,
-            inputs,
-            means,
-            representations,
+            previous,
+            hidden_in,
+            hidden_out: emission.hidden,
+            means: emission.means,
+            representations: emission.representations,
             representation_values,
             lowers: batch.into_lowers(),
             noise: noise.to_vec(),
@@ -114,7 +128,7 @@ impl Tape for FcnnTape<'_> {
             _ => panic!("there is no draw left to pull back"),
         };
         let (proposal, compute) = (self.proposal, self.proposal.parameters.compute());
-        let (n, m) = (proposal.state_dim, proposal.measurement_dim);
+        let n = proposal.state_dim;
         let (d_representations, d_mixing) = covariance.pull_back(
             &draw.representation_values,
             &draw.lowers,
@@ -126,25 +140,36 @@ impl Tape for FcnnTape<'_> {
 
         // The scalar whose gradient is the vector–Jacobian product that is wanted.
         let shape = [self.particles, n];
-        let seed = |tensor: Tensor<2>, d: &[f64]| (tensor * compute.tensor(d, shape)).sum();
-        let scalar = seed(draw.means, d_states) + seed(draw.representations, &d_representations);
+        let weigh = |tensor: Tensor<2>, d: Tensor<2>| (tensor * d.autodiff()).sum();
+        let mut scalar = weigh(draw.means, compute.tensor(d_states, shape))
+            + weigh(draw.representations, compute.tensor(&d_representations, shape));
+        for (tensor, d) in draw.hidden_out.into_iter().zip(self.d_hidden.drain(..)) {
+            scalar = scalar + weigh(tensor, d);
+        }
         let mut found = scalar.backward();
-        let networks = [proposal.means[draw.time], proposal.representation];
-        for index in networks.into_iter().flat_map(|network| network.indices()) {
+        for index in proposal.networks.indices(draw.time) {
             if let Some(gradient) = self.weights[index].grad_remove(&mut found) {
                 self.gradients.add(index, gradient);
             }
         }
+        self.d_hidden = draw
+            .hidden_in
+            .iter()
+            .map(|tensor| {
+                tensor.grad_remove(&mut found).unwrap_or_else(|| tensor.clone().inner().zeros_like())
+            })
+            .collect();
         d_previous.fill(0.0);
         if draw.time > 0
-            && let Some(d_inputs) = draw.inputs.grad_remove(&mut found)
+            && let Some(d) = draw.previous.grad_remove(&mut found)
         {
-            let d_inputs = to_host(d_inputs)?;
-            for (d, d_input) in d_previous.chunks_exact_mut(n).zip(d_inputs.chunks_exact(n + m)) {
-                d.copy_from_slice(&d_input[..n]);
-            }
+            d_previous.copy_from_slice(&to_host(d)?);
         }
         Ok(())
+    }
+
+    fn cut(&mut self) {
+        self.d_hidden.clear();
     }
 
     fn into_gradients(self: Box<Self>) -> Gradients {

@@ -1,0 +1,73 @@
+//! The transform of one time, backward: from states to the noise that would give them.
+
+use faer::Mat;
+use faer::linalg::solvers::SolveCore;
+
+use super::map::Map;
+
+/// How many times the estimated rounding error a value must be inside or outside a bound to be taken for so.
+const SAFETY: f64 = 16.0;
+
+impl Map {
+    /// The noise (`R×N`) and `log q` (`R`) of each state; −∞ where there is none, NaN where rounding hides whether there is.
+    ///
+    /// Each layer's inverse magnifies rounding errors, and atanh near ±1 does so without bound. So a first-order estimate of
+    /// the error goes along: the derivative of what is recovered with respect to the state, times one unit of rounding.
+    pub(super) fn inverse(&self, shifts: &[f64], states: &[f64], noise: &mut [f64], log_density: &mut [f64]) {
+        let n = self.previous.ncols();
+        let rows = states.chunks_exact(n).zip(shifts.chunks_exact(n)).zip(noise.chunks_exact_mut(n));
+        for (((state, shift), noise), log_density) in rows.zip(log_density) {
+            *log_density = self.invert(state, shift, noise);
+        }
+    }
+
+    fn invert(&self, state: &[f64], shift: &[f64], noise: &mut [f64]) -> f64 {
+        let n = state.len();
+        let mut log_density = -self.log_abs_det();
+        // The values of one layer, and beside them how each depends on a rounding error of each coordinate of the state.
+        let mut values = Mat::zeros(n, n + 1);
+        for (i, x) in state.iter().enumerate() {
+            values[(i, 0)] = *x;
+            values[(i, i + 1)] = f64::EPSILON * x.abs().max(1.0);
+        }
+        for (square, bias) in self.layers.iter().rev() {
+            (0..n).for_each(|i| values[(i, 0)] -= bias[i]);
+            square.factors.solve_transpose_in_place_with_conj(faer::Conj::No, values.as_mut());
+            for i in 0..n {
+                let (value, error) = (values[(i, 0)], SAFETY * error(&values, i));
+                if value.abs() - error > 1.0 {
+                    return f64::NEG_INFINITY;
+                }
+                let slope = (1.0 - value) * (1.0 + value);
+                // Also where a value is not a number.
+                if !(value.abs() + error < 1.0) {
+                    return f64::NAN;
+                }
+                log_density -= slope.ln();
+                values[(i, 0)] = value.atanh();
+                for j in 1..=n {
+                    values[(i, j)] /= slope;
+                }
+            }
+        }
+        (0..n).for_each(|i| values[(i, 0)] -= shift[i]);
+        self.noise.factors.solve_transpose_in_place_with_conj(faer::Conj::No, values.as_mut());
+        for i in 0..n {
+            let (value, error) = (values[(i, 0)], SAFETY * error(&values, i));
+            if value + error < 0.0 || value - error > 1.0 {
+                return f64::NEG_INFINITY;
+            }
+            // No digit is left to tell inside from outside.
+            if !(error < 0.5) {
+                return f64::NAN;
+            }
+            noise[i] = value;
+        }
+        log_density
+    }
+}
+
+/// The estimated rounding error of value `i`.
+fn error(values: &Mat<f64>, i: usize) -> f64 {
+    (1..values.ncols()).map(|j| values[(i, j)].abs()).sum()
+}

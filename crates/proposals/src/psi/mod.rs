@@ -1,0 +1,180 @@
+//! The arbitrary proposal of the paper: an invertible transform of uniform noise.
+//!
+//! Here the network *is* the distribution, so the transform, its inverse and its determinants are computed on the host in
+//! `f64`; only the weights live where those of the other families do.
+
+mod inverse;
+mod map;
+mod propose;
+mod tape;
+
+use motes_models::{Seed, StateSpaceModel};
+use motes_smc::{Past, ProposalError};
+use serde::{Deserialize, Serialize};
+
+use crate::backend::Compute;
+use crate::family::{Family, check_count, check_horizon, check_ridge, sizes_of};
+use crate::initial_weights::fan_in_bound;
+use crate::parameters::Parameters;
+use map::{Map, Square};
+use propose::Transformed;
+
+/// The settings of a [`Psi`].
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PsiConfig {
+    /// `L`, the number of square layers after the first affine map.
+    pub layers: usize,
+    /// Added to the diagonal of each matrix that is to be inverted.
+    pub ridge: f64,
+}
+
+impl PsiConfig {
+    /// The paper's: 9 layers; a ridge of 1e-3.
+    pub fn paper() -> Self {
+        PsiConfig { layers: 9, ridge: 1e-3 }
+    }
+}
+
+/// `x_t = NN_t(tanh(A_t u + B_t x_{t−1} + C_t y_t))` with `u` uniform on the unit cube (the paper's equation
+/// "arbitraryTransform"; `x_{−1} = 0`).
+///
+/// `NN_t` has `L` layers with square matrices, tanh after each but the last. With `ρ = tanh` and the values `a_ℓ` that it is
+/// applied to, `log q(x_t) = −(log|det A| + Σ_ℓ log|det W_ℓ| + Σ_ℓ Σᵢ log ρ′(a_ℓᵢ))`. The image of the cube is bounded: outside
+/// it the density is 0. Each time has a transform of its own, so the proposal knows its horizon `T`. The ridge makes a
+/// singular matrix unlikely, not impossible: [`ProposalError::Singular`].
+#[derive(Clone)]
+pub struct Psi {
+    config: PsiConfig,
+    state_dim: usize,
+    measurement_dim: usize,
+    horizon: usize,
+    parameters: Parameters,
+    conditional: Option<Transformed>,
+}
+
+/// How many matrices the first affine map has: `A`, `B` and `C`.
+const FIRST: usize = 3;
+
+impl Psi {
+    /// Draws initial weights for `model`'s dimensions and `horizon` times: each matrix uniform on `±1/√fan_in`, biases on the
+    /// bound of their layer, from the stream that `seed` has for its name.
+    ///
+    /// # Errors
+    /// [`ProposalError::Setting`] if the horizon or the number of layers is 0, or the ridge is negative or not finite.
+    pub fn new(
+        config: &PsiConfig,
+        model: &(impl StateSpaceModel + ?Sized),
+        horizon: usize,
+        compute: Compute,
+        seed: &Seed,
+    ) -> Result<Self, ProposalError> {
+        check_horizon(horizon)?;
+        check_count("the number of layers of the transform", config.layers)?;
+        check_ridge("the ridge of the transform", config.ridge)?;
+        let sizes = sizes_of(model)?;
+        let (n, m) = (sizes.state_dim, sizes.measurement_dim);
+        let mut parameters = Parameters::new(compute);
+        let (of_states, of_measurements) = (fan_in_bound(n), fan_in_bound(m));
+        for t in 0..horizon {
+            parameters.draw(format!("psi.{t}.noise"), [n, n], of_states, seed);
+            parameters.draw(format!("psi.{t}.previous"), [n, n], of_states, seed);
+            parameters.draw(format!("psi.{t}.measurement"), [m, n], of_measurements, seed);
+            for layer in 0..config.layers {
+                parameters.draw(format!("psi.{t}.{layer}.weight"), [n, n], of_states, seed);
+                parameters.draw(format!("psi.{t}.{layer}.bias"), [1, n], of_states, seed);
+            }
+        }
+        let config = config.clone();
+        Ok(Psi { config, state_dim: n, measurement_dim: m, horizon, parameters, conditional: None })
+    }
+
+    /// Where the matrices of time `t` begin.
+    fn first(&self, time: usize) -> usize {
+        time * (FIRST + 2 * self.config.layers)
+    }
+
+    /// The transform of time `t`, for the current weights.
+    fn map(&self, time: usize) -> Result<Map, ProposalError> {
+        let (n, m, horizon) = (self.state_dim, self.measurement_dim, self.horizon);
+        if time >= horizon {
+            return Err(ProposalError::PastHorizon { horizon, time });
+        }
+        let first = self.first(time);
+        let host = |at: usize| self.parameters.host(first + at);
+        let square = |at: usize| {
+            let name = || self.parameters.names()[first + at].clone();
+            Square::new(n, &host(at)?, self.config.ridge, time, name)
+        };
+        let layers = (0..self.config.layers).map(|layer| {
+            let at = FIRST + 2 * layer;
+            Ok((square(at)?, host(at + 1)?))
+        });
+        Ok(Map {
+            noise: square(0)?,
+            previous: map::row_major(&host(1)?, n, n),
+            measurement: map::row_major(&host(2)?, m, n),
+            layers: layers.collect::<Result<_, ProposalError>>()?,
+        })
+    }
+
+    /// The transform of a time together with `B x_{t−1} + C y_t` of each particle (`R×N`).
+    fn conditioned(&self, past: &Past<'_>) -> Result<(Map, Vec<f64>), ProposalError> {
+        let (found, expected) = (self.measurement_dim, past.measurement.len());
+        if found != expected {
+            return Err(ProposalError::Mismatch { what: "the measurement dimension M", found, expected });
+        }
+        let map = self.map(past.time)?;
+        let shifts = map.shifts(past);
+        Ok((map, shifts))
+    }
+
+    /// The noise `u` (`R×N`) that the transform takes to each of the given `states` (`R×N`), into `noise`, with `log q` in
+    /// `log_density` (`R`): −∞ where the state lies outside the image of the cube, and `noise` then means nothing.
+    ///
+    /// # Errors
+    /// As [`motes_smc::Proposal::condition`], and [`ProposalError::Numerical`] with the particle if the transform is too ill-conditioned
+    /// there to be inverted in floating point.
+    pub fn inverse(
+        &self,
+        past: Past<'_>,
+        states: &[f64],
+        noise: &mut [f64],
+        log_density: &mut [f64],
+    ) -> Result<(), ProposalError> {
+        let (map, shifts) = self.conditioned(&past)?;
+        map.inverse(&shifts, states, noise, log_density);
+        match log_density.iter().position(|value| value.is_nan()) {
+            None => Ok(()),
+            Some(particle) => Err(ProposalError::Numerical {
+                computation: "the inverse of the transform",
+                particle,
+                reason: "it is too ill-conditioned at this state".into(),
+            }),
+        }
+    }
+}
+
+impl Family for Psi {
+    const NAME: &'static str = "psi";
+    type Config = PsiConfig;
+
+    fn create(
+        config: &PsiConfig,
+        model: &dyn StateSpaceModel,
+        horizon: usize,
+        compute: Compute,
+        seed: &Seed,
+    ) -> Result<Self, ProposalError> {
+        Psi::new(config, model, horizon, compute, seed)
+    }
+
+    fn count(config: &PsiConfig, (n, m): (usize, usize), horizon: usize) -> Option<usize> {
+        let layers = config.layers.checked_mul(n * n + n)?;
+        layers.checked_add(2 * n * n + m * n)?.checked_mul(horizon)
+    }
+
+    fn config(&self) -> &PsiConfig {
+        &self.config
+    }
+}

@@ -1,0 +1,81 @@
+//! `proposal.toml`.
+
+use motes_models::StateSpaceModel;
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+
+use super::{SAVED_FORMAT, fingerprint};
+use crate::Family;
+
+/// A named number of a system's fingerprint.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Entry {
+    /// What it is.
+    pub name: String,
+    /// Its value.
+    pub value: f64,
+}
+
+/// The whole file.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Description<Config> {
+    pub(super) format: u32,
+    pub(super) family: String,
+    /// T, for an unrolled family.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) horizon: Option<usize>,
+    pub(super) weights_blake3: String,
+    pub(super) proposal: Config,
+    /// How it was trained, for people to read.
+    pub(super) training: toml::Table,
+    pub(super) system: Vec<Entry>,
+}
+
+/// What is read first, whatever else there is.
+#[derive(Deserialize)]
+struct Head {
+    format: u32,
+    family: String,
+}
+
+impl<Config: Serialize + DeserializeOwned> Description<Config> {
+    /// Reads the file.
+    pub(super) fn parse(text: &str) -> Result<Self, String> {
+        toml::from_str(text).map_err(one_line)
+    }
+}
+
+impl Description<()> {
+    /// The text for a proposal with the given encoded weights.
+    pub(super) fn of<F: Family>(
+        proposal: &F,
+        model: &dyn StateSpaceModel,
+        training: &impl Serialize,
+        weights: &[u8],
+    ) -> Result<String, String> {
+        let training = toml::Table::try_from(training)
+            .map_err(|error| format!("the training settings cannot be written: {error}"))?;
+        let description = Description {
+            format: SAVED_FORMAT,
+            family: F::NAME.into(),
+            horizon: proposal.horizon(),
+            weights_blake3: blake3::hash(weights).to_hex().to_string(),
+            proposal: proposal.config().clone(),
+            training,
+            system: fingerprint(model),
+        };
+        toml::to_string(&description).map_err(|error| error.to_string())
+    }
+
+    /// Format version and family.
+    pub(super) fn peek(text: &str) -> Result<(u32, String), String> {
+        let Head { format, family } = toml::from_str(text).map_err(one_line)?;
+        Ok((format, family))
+    }
+}
+
+fn one_line(error: toml::de::Error) -> String {
+    error.message().lines().collect::<Vec<_>>().join(" ")
+}

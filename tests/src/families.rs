@@ -1,0 +1,60 @@
+//! A small proposal of every learned family, in every variant that a setting chooses.
+
+use motes_models::{Seed, StateSpaceModel};
+use motes_proposals::{
+    Adapter, Cell, Compute, Family, Fcnn, FcnnConfig, Gnn, GnnConfig, Learnable, Psi, PsiConfig, Rnn,
+    RnnConfig,
+};
+
+/// A small fully connected proposal.
+pub fn small_fcnn() -> FcnnConfig {
+    FcnnConfig { widths: vec![6, 7], ridge: 1e-3 }
+}
+
+/// A small recurrent proposal of two layers.
+pub fn small_rnn(cell: Cell) -> RnnConfig {
+    RnnConfig { cell, hidden: 5, depth: 2, ridge: 1e-3 }
+}
+
+/// A small graph proposal, with layers that grow and layers that shrink.
+pub fn small_gnn(adapter: Adapter) -> GnnConfig {
+    GnnConfig { features: vec![5, 3], order: 3, adapter, ridge: 1e-3 }
+}
+
+/// A small transform.
+pub fn small_psi() -> PsiConfig {
+    PsiConfig { layers: 4, ridge: 1e-3 }
+}
+
+/// One of each, with initial weights for `model` and `horizon` times; a graph proposal only where there is a graph.
+pub fn small_families(
+    model: &dyn StateSpaceModel,
+    horizon: usize,
+    compute: Compute,
+    seed: &Seed,
+) -> Vec<(String, Box<dyn Learnable>)> {
+    fn make<F: Family + 'static>(
+        config: &F::Config,
+        model: &dyn StateSpaceModel,
+        horizon: usize,
+        compute: Compute,
+        seed: &Seed,
+    ) -> Box<dyn Learnable> {
+        Box::new(F::create(config, model, horizon, compute, seed).unwrap())
+    }
+    let mut families = vec![
+        ("fcnn".to_string(), make::<Fcnn>(&small_fcnn(), model, horizon, compute, seed)),
+        ("psi".to_string(), make::<Psi>(&small_psi(), model, horizon, compute, seed)),
+    ];
+    for cell in [Cell::Lstm, Cell::Gru, Cell::Elman] {
+        families
+            .push((format!("rnn {cell:?}"), make::<Rnn>(&small_rnn(cell), model, horizon, compute, seed)));
+    }
+    if model.graph().is_some() {
+        for adapter in [Adapter::Fixed, Adapter::Learned] {
+            let gnn = make::<Gnn>(&small_gnn(adapter), model, horizon, compute, seed);
+            families.push((format!("gnn {adapter:?}"), gnn));
+        }
+    }
+    families
+}
