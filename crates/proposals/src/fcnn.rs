@@ -1,10 +1,10 @@
 //! The fully connected proposal of the paper: unrolled mean networks and one covariance network.
 
-use burn::tensor::Tensor;
 use motes_models::{Seed, StateSpaceModel};
 use motes_smc::ProposalError;
 use serde::{Deserialize, Serialize};
 
+use crate::affine::Weights;
 use crate::backend::Compute;
 use crate::family::{Family, check_horizon, check_widths, count_affine, sizes_of};
 use crate::gaussian::{Emission, GaussianProposal, Known, Networks};
@@ -71,11 +71,7 @@ impl Networks for FcnnNetworks {
         Some(self.means.len())
     }
 
-    fn indices(&self, time: usize) -> Vec<usize> {
-        self.means[time].indices().chain(self.representation.indices()).collect()
-    }
-
-    fn forward(&self, weights: &[Tensor<2>], time: usize, known: Known<'_>) -> Emission {
+    fn forward(&self, weights: &mut Weights<'_>, time: usize, known: Known<'_>) -> Emission {
         let inputs = known.stacked();
         Emission {
             means: self.means[time].forward(weights, inputs.clone()),

@@ -3,6 +3,7 @@
 use burn::tensor::Tensor;
 use motes_models::Seed;
 
+use crate::affine::Weights;
 use crate::initial_weights::fan_in_bound;
 use crate::parameters::Parameters;
 
@@ -28,16 +29,11 @@ impl Mlp {
         mlp
     }
 
-    /// The indices of this network's matrices.
-    pub(crate) fn indices(self) -> std::ops::Range<usize> {
-        self.first..self.first + 2 * self.layers
-    }
-
     /// Maps `R` rows of inputs to `R` rows of outputs with the given `weights`, those of the whole proposal.
-    pub(crate) fn forward(self, weights: &[Tensor<2>], input: Tensor<2>) -> Tensor<2> {
-        let layers = weights[self.indices()].chunks_exact(2).enumerate();
-        layers.fold(input, |values, (layer, pair)| {
-            let affine = values.matmul(pair[0].clone()) + pair[1].clone();
+    pub(crate) fn forward(self, weights: &mut Weights<'_>, input: Tensor<2>) -> Tensor<2> {
+        (0..self.layers).fold(input, |values, layer| {
+            let at = self.first + 2 * layer;
+            let affine = weights.affine(values, at, Some(at + 1));
             if layer + 1 == self.layers { affine } else { affine.tanh() }
         })
     }

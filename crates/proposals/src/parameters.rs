@@ -82,11 +82,6 @@ impl Parameters {
         self.values[index] = self.compute.tensor(values, shape);
         Ok(())
     }
-
-    /// Copies of the weights that an automatic derivative can be taken with respect to.
-    pub(crate) fn tracked(&self) -> Vec<Tensor<2>> {
-        self.values.iter().map(|value| value.clone().autodiff().require_grad()).collect()
-    }
 }
 
 /// The derivative of a scalar with respect to each matrix of some [`Parameters`], in their order.

@@ -14,6 +14,7 @@ use burn::tensor::Tensor;
 use motes_models::Seed;
 use motes_smc::{Past, ProposalError};
 
+use crate::affine::Weights;
 use crate::family::check_ridge;
 use crate::{Compute, Parameters};
 
@@ -29,11 +30,8 @@ pub trait Networks: Clone {
         Vec::new()
     }
 
-    /// Which matrices among the parameters the networks of time `t` are made of.
-    fn indices(&self, time: usize) -> Vec<usize>;
-
     /// Emits the parameters of `R` particles' distributions at time `t`.
-    fn forward(&self, weights: &[Tensor<2>], time: usize, known: Known<'_>) -> Emission;
+    fn forward(&self, weights: &mut Weights<'_>, time: usize, known: Known<'_>) -> Emission;
 }
 
 /// What the networks see of `R` particles.

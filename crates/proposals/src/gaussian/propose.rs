@@ -4,6 +4,7 @@ use motes_models::StateSpaceModel;
 use motes_smc::{Past, Proposal, ProposalError};
 
 use super::{GaussianBatch, GaussianProposal, Hidden, Known, Networks};
+use crate::affine::Weights;
 use crate::backend::to_host;
 
 impl<M: StateSpaceModel + ?Sized, F: Networks, Config: Clone> Proposal<M> for GaussianProposal<F, Config> {
@@ -31,7 +32,8 @@ impl<M: StateSpaceModel + ?Sized, F: Networks, Config: Clone> Proposal<M> for Ga
         }
         let (previous, measurement) = self.known(&past)?;
         let known = Known { previous, measurement, hidden: &memory.tensors };
-        let emission = self.networks.forward(self.parameters.tensors(), past.time, known);
+        let emission =
+            self.networks.forward(&mut Weights::plain(self.parameters.tensors()), past.time, known);
         memory.tensors = emission.hidden;
         let means = to_host(emission.means)?;
         let lowers = self.covariance()?.factors(&to_host(emission.representations)?)?;

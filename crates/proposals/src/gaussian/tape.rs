@@ -6,6 +6,7 @@ use motes_smc::{Past, ProposalError};
 
 use super::batch::{GaussianBatch, fill_standard_normal};
 use super::{GaussianProposal, Hidden, KernelCovariance, Known, Networks};
+use crate::affine::{Gathering, Record, Weights};
 use crate::backend::to_host;
 use crate::{Gradients, Learnable, Parameters, Tape};
 
@@ -39,12 +40,11 @@ impl<F: Networks, Config: Clone> Learnable for GaussianProposal<F, Config> {
         Box::new(GaussianTape {
             proposal: self,
             particles,
-            weights: self.parameters.tracked(),
             covariance: None,
             hidden: hidden.tensors,
             d_hidden: Vec::new(),
             draws: Vec::new(),
-            gradients: Gradients::none(self.parameters.len()),
+            gradients: Gathering::none(self.parameters.len()),
         })
     }
 }
@@ -53,7 +53,6 @@ impl<F: Networks, Config: Clone> Learnable for GaussianProposal<F, Config> {
 struct GaussianTape<'p, F, Config> {
     proposal: &'p GaussianProposal<F, Config>,
     particles: usize,
-    weights: Vec<Tensor<2>>,
     /// The same at all times; formed at the first draw, which can report an error.
     covariance: Option<KernelCovariance>,
     /// What the particles carry into the next draw.
@@ -61,12 +60,13 @@ struct GaussianTape<'p, F, Config> {
     /// The derivative with respect to what they carried out of the last draw not yet undone; empty if it is zero.
     d_hidden: Vec<Tensor<2>>,
     draws: Vec<Draw>,
-    gradients: Gradients,
+    gradients: Gathering,
 }
 
 /// One step's graph of the networks, cut off from those of the other steps.
 struct Draw {
     time: usize,
+    weights: Record,
     previous: Tensor<2>,
     hidden_in: Vec<Tensor<2>>,
     hidden_out: Vec<Tensor<2>>,
@@ -95,7 +95,8 @@ impl<F: Networks, Config: Clone> Tape for GaussianTape<'_, F, Config> {
         let (previous, measurement) = (leaf(previous), measurement.autodiff());
         let hidden_in: Vec<Tensor<2>> = self.hidden.drain(..).map(leaf).collect();
         let known = Known { previous: previous.clone(), measurement, hidden: &hidden_in };
-        let emission = proposal.networks.forward(&self.weights, past.time, known);
+        let mut weights = Weights::recorded(proposal.parameters.tensors());
+        let emission = proposal.networks.forward(&mut weights, past.time, known);
         self.hidden = emission.hidden.iter().map(|tensor| tensor.clone().inner()).collect();
         let representation_values = to_host(emission.representations.clone().inner())?;
         let lowers = covariance.factors(&representation_values)?;
@@ -105,6 +106,7 @@ impl<F: Networks, Config: Clone> Tape for GaussianTape<'_, F, Config> {
         self.covariance = Some(covariance);
         self.draws.push(Draw {
             time: past.time,
+            weights: weights.into_record(),
             previous,
             hidden_in,
             hidden_out: emission.hidden,
@@ -147,11 +149,7 @@ impl<F: Networks, Config: Clone> Tape for GaussianTape<'_, F, Config> {
             scalar = scalar + weigh(tensor, d);
         }
         let mut found = scalar.backward();
-        for index in proposal.networks.indices(draw.time) {
-            if let Some(gradient) = self.weights[index].grad_remove(&mut found) {
-                self.gradients.add(index, gradient);
-            }
-        }
+        self.gradients.gather(draw.weights, &mut found);
         self.d_hidden = draw
             .hidden_in
             .iter()
@@ -173,6 +171,6 @@ impl<F: Networks, Config: Clone> Tape for GaussianTape<'_, F, Config> {
     }
 
     fn into_gradients(self: Box<Self>) -> Gradients {
-        self.gradients
+        self.gradients.finish()
     }
 }

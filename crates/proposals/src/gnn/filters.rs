@@ -3,6 +3,7 @@
 use burn::tensor::Tensor;
 use motes_models::Seed;
 
+use crate::affine::Weights;
 use crate::initial_weights::fan_in_bound;
 use crate::parameters::Parameters;
 
@@ -55,35 +56,34 @@ impl GraphNetwork {
         network
     }
 
-    pub(super) fn indices(self) -> std::ops::Range<usize> {
-        self.first..self.first + 2 * self.layers
-    }
-
     /// Maps `(N·R)×F_0` inputs, node by node, to `(N·R)×F_L` outputs.
-    pub(super) fn forward(self, weights: &[Tensor<2>], shift: &Shift, inputs: Tensor<2>) -> Tensor<2> {
-        let layers = weights[self.indices()].chunks_exact(2).enumerate();
-        layers.fold(inputs, |values, (layer, pair)| {
-            let affine = self.filter(shift, values, pair[0].clone()) + pair[1].clone();
+    pub(super) fn forward(self, weights: &mut Weights<'_>, shift: &Shift, inputs: Tensor<2>) -> Tensor<2> {
+        (0..self.layers).fold(inputs, |values, layer| {
+            let affine = self.filter(weights, layer, shift, values);
             if layer + 1 == self.layers { affine } else { affine.tanh() }
         })
     }
 
-    /// `Σ_d S^d X W_d`, shifting whichever of `X` and `X W_d` has fewer features.
-    fn filter(self, shift: &Shift, values: Tensor<2>, taps: Tensor<2>) -> Tensor<2> {
-        let (fan_in, fan_out) = (values.dims()[1], taps.dims()[1]);
+    /// `Σ_d S^d X W_d + 1 bᵀ`, shifting whichever of `X` and `X W_d` has fewer features.
+    fn filter(self, weights: &mut Weights<'_>, layer: usize, shift: &Shift, values: Tensor<2>) -> Tensor<2> {
+        let at = self.first + 2 * layer;
+        let [rows, fan_out] = weights.dims(at);
+        let fan_in = rows / self.taps;
         if fan_in <= fan_out {
             // [X, S X, S² X, …] in one product with all taps.
             let mut shifted = vec![values];
             while shifted.len() < self.taps {
                 shifted.push(shift.apply(shifted[shifted.len() - 1].clone()));
             }
-            return Tensor::cat(shifted, 1).matmul(taps);
+            return weights.affine(Tensor::cat(shifted, 1), at, Some(at + 1));
         }
         // X W_0 + S (X W_1 + S (X W_2 + …)), from the inside.
+        let taps = weights.matrix(at);
         let tap = |d: usize| taps.clone().narrow(0, d * fan_in, fan_in);
-        let beside = Tensor::cat((0..self.taps).map(tap).collect(), 1);
-        let products = values.matmul(beside);
+        let products = values.matmul(Tensor::cat((0..self.taps).map(tap).collect(), 1));
         let product = |d: usize| products.clone().narrow(1, d * fan_out, fan_out);
-        (0..self.taps - 1).rev().fold(product(self.taps - 1), |sum, d| product(d) + shift.apply(sum))
+        let sum =
+            (0..self.taps - 1).rev().fold(product(self.taps - 1), |sum, d| product(d) + shift.apply(sum));
+        sum + weights.matrix(at + 1)
     }
 }

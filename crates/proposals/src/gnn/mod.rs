@@ -7,6 +7,7 @@ use motes_models::{Seed, StateSpaceModel};
 use motes_smc::ProposalError;
 use serde::{Deserialize, Serialize};
 
+use crate::affine::Weights;
 use crate::backend::Compute;
 use crate::family::{Family, check_horizon, check_widths, count_affine, sizes_of};
 use crate::gaussian::{Emission, GaussianProposal, Known, Networks};
@@ -132,15 +133,7 @@ impl Networks for GnnNetworks {
         Some(self.means.len())
     }
 
-    fn indices(&self, time: usize) -> Vec<usize> {
-        let adapters = match self.adapters {
-            Adapters::Fixed(_) => vec![],
-            Adapters::Learned(mean, representation) => vec![mean, representation],
-        };
-        self.means[time].indices().chain(self.representation.indices()).chain(adapters).collect()
-    }
-
-    fn forward(&self, weights: &[Tensor<2>], time: usize, known: Known<'_>) -> Emission {
+    fn forward(&self, weights: &mut Weights<'_>, time: usize, known: Known<'_>) -> Emission {
         // All inside is node by node: row `i·R + k` is node i of particle k, so that a shift along the edges and a
         // mixture of features are each one product of matrices.
         let [particles, nodes] = known.previous.dims();
@@ -150,17 +143,17 @@ impl Networks for GnnNetworks {
             let at_nodes = adapter.matmul(known.measurement.clone().transpose());
             Tensor::cat(vec![states.clone(), column(at_nodes.repeat_dim(1, particles))], 1)
         };
-        let outputs = |network: &GraphNetwork, inputs: Tensor<2>| {
-            network.forward(weights, &self.shift, inputs).reshape([nodes, particles]).transpose()
-        };
         let (of_mean, of_representation) = match &self.adapters {
             Adapters::Fixed(adapter) => {
                 let inputs = inputs(adapter.clone());
                 (inputs.clone(), inputs)
             }
             Adapters::Learned(mean, representation) => {
-                (inputs(weights[*mean].clone()), inputs(weights[*representation].clone()))
+                (inputs(weights.matrix(*mean)), inputs(weights.matrix(*representation)))
             }
+        };
+        let mut outputs = |network: &GraphNetwork, inputs: Tensor<2>| {
+            network.forward(weights, &self.shift, inputs).reshape([nodes, particles]).transpose()
         };
         Emission {
             means: outputs(&self.means[time], of_mean),

@@ -4,6 +4,7 @@ use burn::tensor::Tensor;
 use motes_models::Seed;
 use serde::{Deserialize, Serialize};
 
+use crate::affine::Weights;
 use crate::initial_weights::fan_in_bound;
 use crate::parameters::Parameters;
 
@@ -70,10 +71,6 @@ impl Layer {
         Layer { cell, hidden, first }
     }
 
-    pub(super) fn indices(self) -> std::ops::Range<usize> {
-        self.first..self.first + if self.cell == Cell::Gru { 4 } else { 3 }
-    }
-
     /// The widths of what a particle carries for this layer; the first is that of `h`.
     pub(super) fn carried_widths(self) -> Vec<usize> {
         vec![self.hidden; if self.cell == Cell::Lstm { 2 } else { 1 }]
@@ -82,14 +79,13 @@ impl Layer {
     /// Advances the layer; the first tensor that comes back is `h'`, which is also its output.
     pub(super) fn forward(
         self,
-        weights: &[Tensor<2>],
+        weights: &mut Weights<'_>,
         input: Tensor<2>,
         carried: &[Tensor<2>],
     ) -> Vec<Tensor<2>> {
-        let matrix = |at: usize| weights[self.first + at].clone();
         let h = carried[0].clone();
-        let from_input = input.matmul(matrix(0)) + matrix(2);
-        let from_hidden = h.clone().matmul(matrix(1));
+        let from_input = weights.affine(input, self.first, Some(self.first + 2));
+        let from_hidden = weights.affine(h.clone(), self.first + 1, None);
         let block = |tensor: &Tensor<2>, first: usize, blocks: usize| {
             tensor.clone().narrow(1, first * self.hidden, blocks * self.hidden)
         };
@@ -98,7 +94,7 @@ impl Layer {
             Cell::Gru => {
                 let gates = sigmoid(block(&from_input, 0, 2) + block(&from_hidden, 0, 2));
                 let (reset, keep) = (block(&gates, 0, 1), block(&gates, 1, 1));
-                let inner = block(&from_hidden, 2, 1) + matrix(3);
+                let inner = block(&from_hidden, 2, 1) + weights.matrix(self.first + 3);
                 let candidate = (block(&from_input, 2, 1) + reset * inner).tanh();
                 // (1 − s) ∘ ĥ + s ∘ h
                 vec![candidate.clone() + keep * (h - candidate)]

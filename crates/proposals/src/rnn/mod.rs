@@ -4,11 +4,11 @@ mod cell;
 
 pub use cell::Cell;
 
-use burn::tensor::Tensor;
 use motes_models::{Seed, StateSpaceModel};
 use motes_smc::ProposalError;
 use serde::{Deserialize, Serialize};
 
+use crate::affine::Weights;
 use crate::backend::Compute;
 use crate::family::{Family, check_count, count_affine, sizes_of};
 use crate::gaussian::{Emission, GaussianProposal, Known, Networks};
@@ -90,12 +90,7 @@ impl Networks for RnnNetworks {
         self.layers.iter().flat_map(|layer| layer.carried_widths()).collect()
     }
 
-    fn indices(&self, _time: usize) -> Vec<usize> {
-        let heads = self.mean.indices().chain(self.representation.indices());
-        self.layers.iter().flat_map(|layer| layer.indices()).chain(heads).collect()
-    }
-
-    fn forward(&self, weights: &[Tensor<2>], _time: usize, known: Known<'_>) -> Emission {
+    fn forward(&self, weights: &mut Weights<'_>, _time: usize, known: Known<'_>) -> Emission {
         let mut values = known.stacked();
         let (mut hidden, mut carried) = (Vec::new(), known.hidden);
         for layer in &self.layers {
