@@ -1,10 +1,13 @@
 //! A small proposal of every learned family, in every variant that a setting chooses.
 
-use motes_models::{Seed, StateSpaceModel};
+use std::ops::ControlFlow;
+
+use motes_models::{Seed, Simulator, StateGradients, StateSpaceModel, simulate};
 use motes_proposals::{
     Adapter, Cell, Compute, Family, Fcnn, FcnnConfig, Gnn, GnnConfig, Learnable, Psi, PsiConfig, Rnn,
     RnnConfig,
 };
+use motes_train::{AdamConfig, TrainConfig, train};
 
 /// A small fully connected proposal.
 pub fn small_fcnn() -> FcnnConfig {
@@ -57,4 +60,22 @@ pub fn small_families(
         }
     }
     families
+}
+
+/// A proposal trained for 60 steps, by its own simulated measurements.
+pub fn trained_family<F: Family>(
+    config: &F::Config,
+    model: &(impl StateGradients + Simulator),
+    horizon: usize,
+    compute: Compute,
+) -> F {
+    let seed = Seed::from_u64(99);
+    let measurements = simulate(model, horizon, &mut seed.child("data").stream()).unwrap().measurements;
+    let mut proposal = F::create(config, model, horizon, compute, &seed.child("weights")).unwrap();
+    let adam = AdamConfig { learning_rate: 1e-2, ..AdamConfig::paper() };
+    let config = TrainConfig { steps: 60, adam, ..TrainConfig::paper(8) };
+    let mut stream = seed.child("training").stream();
+    let proceed = |_, _| ControlFlow::Continue(());
+    train(&mut proposal, model, &measurements, &config, &mut stream, proceed).unwrap();
+    proposal
 }

@@ -1,6 +1,6 @@
 //! The reference problem of the statistical tests, and a proposal that can be made wrong on purpose.
 use faer::mat;
-use motes_models::{Gaussian, LinearGaussian, Measurements, Seed, Stream, kalman};
+use motes_models::{Gaussian, LinearGaussian, Measurements, Seed, StateSpaceModel, Stream, kalman};
 use motes_smc::{Conditional, FilterBank, FilterSettings, Past, Proposal, ProposalError, ResampleWhen};
 use rand::RngExt;
 use rand_distr::StandardNormal;
@@ -13,14 +13,14 @@ pub const NEVER_HALF_ALWAYS: [ResampleWhen; 3] =
 ///
 /// No random draw decides how hard the problem is: each measurement lies one standard deviation of its prediction
 /// away from it, above and below in turn, so every one is as surprising as measurements are on average.
-pub struct Reference {
+pub struct Reference<Model = LinearGaussian> {
     /// The model.
-    pub model: LinearGaussian,
-    /// Its five measurements.
+    pub model: Model,
+    /// Its measurements, five of them.
     pub measurements: Measurements,
     /// Their exact log-evidence.
     pub log_evidence: f64,
-    /// The exact `E[x_4 | y_{0:4}]`.
+    /// The exact mean of the last state given all measurements.
     pub last_mean: f64,
 }
 
@@ -44,8 +44,8 @@ pub fn reference() -> Reference {
 }
 
 /// Scores of the mean of Ẑ/Z against 1 and of (Ẑ/Z)·x̂_T against the exact mean, in standard errors.
-pub fn evidence_scores<P: Proposal<LinearGaussian> + Clone>(
-    reference: &Reference,
+pub fn evidence_scores<M: StateSpaceModel, P: Proposal<M> + Clone>(
+    reference: &Reference<M>,
     proposal: &P,
     settings: FilterSettings,
     runs: usize,

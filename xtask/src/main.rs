@@ -15,7 +15,7 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};
 
-use config::{ConfigError, Parsed, ReproduceArgs, check_output, parse, plans};
+use config::{ConfigError, Parsed, ReproduceArgs, VerifyArgs, check_output, parse, plans};
 
 /// Commands of the Motes workspace.
 #[derive(Parser)]
@@ -29,6 +29,8 @@ struct Cli {
 enum Command {
     /// Run a figure, or what of it is missing, and write its tables and figure
     Reproduce(Box<ReproduceArgs>),
+    /// Hold the paper's claims against finished runs: reproduced, not reproduced or not run
+    Verify(VerifyArgs),
     /// Everything that has to hold before a change lands: format, lints, tests, docs, regression run
     Ci {
         /// Write the regression run's numbers anew instead of comparing with them, after the other checks
@@ -48,6 +50,7 @@ fn main() -> ExitCode {
     };
     match cli.command {
         Command::Reproduce(args) => reproduce(*args),
+        Command::Verify(args) => verify(args),
         Command::Ci { update_expectations } => ci::check(&root(), update_expectations),
     }
 }
@@ -75,6 +78,29 @@ fn reproduce(mut args: ReproduceArgs) -> ExitCode {
     if let Some(error) = plans.iter().find_map(|plan| check_output(&plan.folder).err()) {
         return refuse(&error);
     }
+    hand_over(
+        "reproduce",
+        [("--experiments", experiments_given, args.experiments), ("--out", out_given, args.out)],
+    )
+}
+
+/// Refuses a folder that is not there, then builds the runner and becomes it.
+fn verify(mut args: VerifyArgs) -> ExitCode {
+    let (experiments_given, from_given) = (args.experiments.is_some(), args.from.is_some());
+    args.experiments.get_or_insert_with(|| root().join("experiments"));
+    args.from.get_or_insert_with(|| root().join("experiments/reference"));
+    if let Err(error) = args.from() {
+        return refuse(&error);
+    }
+    hand_over(
+        "verify",
+        [("--experiments", experiments_given, args.experiments), ("--from", from_given, args.from)],
+    )
+}
+
+/// Builds the runner in release mode and becomes it, with the arguments as they were given, and in front of them (of a
+/// possible `--`, that is) where things are if that was left open.
+fn hand_over(command: &str, folders: [(&str, bool, Option<PathBuf>); 2]) -> ExitCode {
     let program = process::built("release", "motes-bench");
     if !program.exists() {
         process::say(
@@ -85,14 +111,10 @@ fn reproduce(mut args: ReproduceArgs) -> ExitCode {
     if let Err(status) = process::cargo(&root(), &build, &[]) {
         return status;
     }
-    // The arguments as they were given, and where things are if that was left open, in front of a possible `--`.
-    let mut arguments: Vec<OsString> = vec!["reproduce".into()];
-    for (option, given, folder) in [
-        ("--experiments", experiments_given, args.experiments.unwrap_or_default()),
-        ("--out", out_given, args.out.unwrap_or_default()),
-    ] {
+    let mut arguments: Vec<OsString> = vec![command.into()];
+    for (option, given, folder) in folders {
         if !given {
-            arguments.extend([option.into(), folder.into_os_string()]);
+            arguments.extend([option.into(), folder.unwrap_or_default().into_os_string()]);
         }
     }
     arguments.extend(std::env::args_os().skip(2));

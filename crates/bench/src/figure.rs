@@ -16,8 +16,9 @@ struct Metric {
     logarithmic: bool,
 }
 
-const METRICS: [Metric; 3] = [
+const METRICS: [Metric; 4] = [
     Metric { name: "nmse_final", label: "NMSE, last time", logarithmic: true },
+    Metric { name: "nmse_posterior", label: "NMSE to posterior mean", logarithmic: true },
     Metric { name: "nmse_all", label: "NMSE, all times", logarithmic: true },
     Metric { name: "ess", label: "effective sample size", logarithmic: false },
 ];
@@ -45,16 +46,18 @@ pub(crate) fn figure(plan: &Plan, title: &str, rows: &[Row]) -> Result<String, B
             methods.push(row.method);
         }
     }
-    let size = (PANEL.0 * panels.len().max(2) as u32, HEAD + PANEL.1 * METRICS.len() as u32);
+    let there = |metric: &&Metric| rows.iter().any(|row| row.metric == metric.name && row.n_ok > 0);
+    let metrics: Vec<&Metric> = METRICS.iter().filter(there).collect();
+    let size = (PANEL.0 * panels.len().max(2) as u32, HEAD + PANEL.1 * metrics.len() as u32);
     let mut svg = String::new();
     {
         let root = SVGBackend::with_string(&mut svg, size).into_drawing_area();
         root.fill(&WHITE)?;
         let (head, body) = root.split_vertically(HEAD);
         draw_head(&head, title, &methods)?;
-        let cells = body.split_evenly((METRICS.len(), panels.len()));
+        let cells = body.split_evenly((metrics.len(), panels.len()));
         for (at, cell) in cells.iter().enumerate() {
-            let (metric, panel) = (&METRICS[at / panels.len()], panels[at % panels.len()]);
+            let (metric, panel) = (metrics[at / panels.len()], panels[at % panels.len()]);
             let of_metric: Vec<&Row> =
                 rows.iter().filter(|row| row.metric == metric.name && row.n_ok > 0).collect();
             draw_cell(cell, plan, metric, panel, &methods, &of_metric)?;

@@ -22,6 +22,7 @@ pub mod say;
 mod store;
 mod tables;
 mod unit;
+mod verify;
 
 pub use evaluate::{Evaluation, Evaluator, Metric, UnitError};
 pub use interrupt::Interrupt;
@@ -30,3 +31,4 @@ pub use regression::{RegressionError, regress};
 pub use reproduce::{Finished, paper_estimate, reproduce};
 pub use store::{Contents, Outcome, Record, Store, StoreError};
 pub use unit::{UNIT_FORMAT, UnitConfig};
+pub use verify::{VerifyError, verify};

@@ -4,9 +4,9 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use motes_bench::config::{ConfigError, Parsed, Plan, ReproduceArgs, check_output, parse, plans};
+use motes_bench::config::{ConfigError, Parsed, Plan, ReproduceArgs, VerifyArgs, check_output, parse, plans};
 use motes_bench::say::{news, result};
-use motes_bench::{Finished, Interrupt, RegressionError, paper_estimate, regress, reproduce};
+use motes_bench::{Finished, Interrupt, RegressionError, paper_estimate, regress, reproduce, verify};
 
 /// Reproduces the figures and tables of the paper.
 #[derive(Parser)]
@@ -20,6 +20,8 @@ struct Cli {
 enum Command {
     /// Run a figure, or what of it is missing, and write its tables and figure
     Reproduce(Box<ReproduceArgs>),
+    /// Hold the paper's claims against finished runs
+    Verify(VerifyArgs),
     /// Hold a figure's smoke profile, on both backends, against committed numbers
     Regress {
         /// The figure
@@ -55,6 +57,7 @@ fn main() -> ExitCode {
     };
     match cli.command {
         Command::Reproduce(args) => run_reproduce(&args, &interrupt),
+        Command::Verify(args) => run_verify(&args),
         Command::Regress { figure, update, experiments, out } => {
             run_regress(figure, update, experiments, out, &interrupt)
         }
@@ -98,6 +101,24 @@ fn offer_paper_profile(plan: &Plan, interrupt: &Interrupt) {
         result(&format!(
             "the whole protocol (about {estimate} here): cargo xtask reproduce {figure} --profile paper"
         ));
+    }
+}
+
+fn run_verify(args: &VerifyArgs) -> ExitCode {
+    let from = match args.from() {
+        Ok(from) => from,
+        Err(error) => return refuse(&error),
+    };
+    match verify(&from, &args.experiments()) {
+        Ok(text) => {
+            result(text.trim_end());
+            result(&format!("written to {}", from.join("verdict.md").display()));
+            ExitCode::SUCCESS
+        }
+        Err(error) => {
+            news(&format!("error: {error}"));
+            ExitCode::from(error.exit_status())
+        }
     }
 }
 

@@ -60,6 +60,40 @@ impl ReproduceArgs {
     }
 }
 
+/// `verify`: hold the paper's claims against finished runs.
+#[derive(Debug, Clone, Args)]
+pub struct VerifyArgs {
+    /// The folder that holds FIGURE/PROFILE/units.csv; verdict.md is written there [default: experiments/reference]
+    #[arg(long)]
+    pub from: Option<PathBuf>,
+    /// The folder with the experiment files [default: experiments]
+    #[arg(long)]
+    pub experiments: Option<PathBuf>,
+}
+
+impl VerifyArgs {
+    /// The folder with the experiment files.
+    pub fn experiments(&self) -> PathBuf {
+        self.experiments.clone().unwrap_or_else(|| "experiments".into())
+    }
+
+    /// The folder with the results, which must be there.
+    ///
+    /// # Errors
+    /// [`ConfigError::Option`] if it is not a folder.
+    pub fn from(&self) -> Result<PathBuf, ConfigError> {
+        let from = self.from.clone().unwrap_or_else(|| "experiments/reference".into());
+        if from.is_dir() {
+            return Ok(from);
+        }
+        Err(ConfigError::Option {
+            option: "--from".into(),
+            value: from.display().to_string(),
+            expected: "there is no such folder; give one that holds FIGURE/PROFILE/units.csv".into(),
+        })
+    }
+}
+
 /// The outcome of parsing.
 #[derive(Debug)]
 pub enum Parsed<T> {

@@ -11,10 +11,10 @@ mod methods;
 mod plan;
 mod schema;
 
-pub use args::{Parsed, ReproduceArgs, parse};
+pub use args::{Parsed, ReproduceArgs, VerifyArgs, parse};
 pub use error::{ConfigError, one_of};
 pub use methods::{Adapter, Cell, Fcnn, Gnn, Method, Proposals, Psi, Rnn, Sizes};
-pub use plan::{Backend, Plan, Point, check_output, plans};
+pub use plan::{Backend, Plan, Point, check_output, plans, whole_figure};
 pub use schema::{
     Axis, Densities, Drift, Experiment, Filter, Gradient, Noise, Objective, Panel, Profile, Resampling,
     System, Training,

@@ -118,6 +118,24 @@ pub fn plans(args: &ReproduceArgs) -> Result<Vec<Plan>, ConfigError> {
     chosen.into_iter().map(|figure| plan(figure, args)).collect()
 }
 
+/// Every panel and x of a figure's paper profile; those of an experiment that has no file yet are none.
+///
+/// # Errors
+/// [`ConfigError`] if the file cannot be used.
+pub fn whole_figure(experiments: &Path, figure: &str) -> Result<Vec<(String, usize)>, ConfigError> {
+    if !figures(experiments)?.iter().any(|known| known == figure) {
+        return Ok(Vec::new());
+    }
+    let file = experiments.join(format!("{figure}.toml"));
+    let experiment = load(&file)?;
+    check(&file.display().to_string(), &experiment)?;
+    let Some(profile) = experiment.profiles.get("paper") else { return Ok(Vec::new()) };
+    let panels = experiment.panels.iter();
+    let chosen =
+        panels.filter(|panel| profile.panels.as_ref().is_none_or(|names| names.contains(&panel.name)));
+    Ok(chosen.flat_map(|panel| profile.x.iter().map(|x| (panel.name.clone(), *x))).collect())
+}
+
 fn plan(figure: &str, args: &ReproduceArgs) -> Result<Plan, ConfigError> {
     let file = args.experiments().join(format!("{figure}.toml"));
     let experiment = load(&file)?;

@@ -3,19 +3,24 @@
 use super::Row;
 
 /// Metrics with a column of their own, and what its head says.
-const COLUMNS: [(&str, &str); 4] = [
+const COLUMNS: [(&str, &str); 6] = [
     ("nmse_final", "NMSE, last time"),
     ("nmse_final_single", "NMSE, last time, one run"),
+    ("nmse_posterior", "NMSE to posterior mean"),
+    ("nmse_posterior_exact", "NMSE to posterior mean, exact densities"),
     ("nmse_all", "NMSE, all times"),
     ("ess", "ESS"),
 ];
 
 /// The summary as a Markdown table: a line for each panel, x and method.
 pub(crate) fn markdown(title: &str, axis: &str, rows: &[Row]) -> String {
-    let heads: Vec<&str> = COLUMNS.iter().map(|(_, head)| *head).collect();
+    // A column that no row has is left out.
+    let there = |metric: &str| rows.iter().any(|row| row.metric == metric && row.n_ok > 0);
+    let columns: Vec<(&str, &str)> = COLUMNS.into_iter().filter(|(metric, _)| there(metric)).collect();
+    let heads: Vec<&str> = columns.iter().map(|(_, head)| *head).collect();
     let mut text = format!("{title}\n\nMedian ± standard deviation over repetitions.\n\n");
     text += &format!("| panel | {axis} | method | {} | n |\n", heads.join(" | "));
-    text += &format!("|---|---:|---|{}---:|\n", "---:|".repeat(COLUMNS.len()));
+    text += &format!("|---|---:|---|{}---:|\n", "---:|".repeat(columns.len()));
     let mut points: Vec<&Row> = Vec::new();
     for row in rows {
         let known = points.iter().any(|p| (&p.panel, p.x, p.method) == (&row.panel, row.x, row.method));
@@ -34,7 +39,7 @@ pub(crate) fn markdown(title: &str, axis: &str, rows: &[Row]) -> String {
                     && row.metric == metric
             })
         };
-        let cells: Vec<String> = COLUMNS
+        let cells: Vec<String> = columns
             .iter()
             .map(|(metric, _)| match of(metric) {
                 Some(row) if row.n_ok > 0 => format!("{} ± {}", short(row.median), short(row.std)),

@@ -24,6 +24,11 @@ impl GaussianBatch {
         GaussianBatch { width, means, lowers }
     }
 
+    /// The mean of each particle, `R×N`.
+    pub fn means(&self) -> &[f64] {
+        &self.means
+    }
+
     /// The factor of particle `row`.
     pub(crate) fn lower(&self, row: usize) -> MatRef<'_, f64> {
         let n = self.width;

@@ -1,0 +1,306 @@
+//! Predicates over the points of a figure: each gives findings with their numbers.
+
+use super::numbers::{Figure, Place};
+use super::predicates::{Below, CLOSE, IN_GENERAL, Slope, Verdict, below, unsteadiness};
+use crate::config::Method;
+use crate::metrics::median;
+
+/// A verdict on one subject, with the numbers that it rests on.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Finding {
+    pub(super) subject: String,
+    pub(super) verdict: Verdict,
+    pub(super) numbers: String,
+}
+
+impl Finding {
+    fn new(subject: String, verdict: Verdict, numbers: String) -> Self {
+        Finding { subject, verdict, numbers }
+    }
+
+    fn not_run(subject: String) -> Self {
+        Finding::new(subject, Verdict::NotRun, String::new())
+    }
+}
+
+fn named(panel: &str, name: &str) -> String {
+    if panel == "all" { name.to_string() } else { format!("{panel}, {name}") }
+}
+
+/// Which of a panel's points were run, in words; nothing if all were.
+fn gaps(run: &[&Place], all: usize) -> String {
+    if run.len() == all {
+        return String::new();
+    }
+    let xs: Vec<String> = run.iter().map(|place| place.x.to_string()).collect();
+    format!(" (run at x = {} only)", xs.join(", "))
+}
+
+/// `method` is below minimum degeneracy at every point: one finding for each panel.
+pub(super) fn below_at_every_point(figure: &Figure, method: Method, metric: &str) -> Vec<Finding> {
+    let of_panel = |panel: &&str| {
+        let subject = named(panel, method.name());
+        let places: Vec<&Place> = figure.of_panel(panel).collect();
+        let ratios = |place: &Place| figure.log_ratios(method, Method::MinDegeneracy, place, metric);
+        let points: Vec<(&Place, Below)> =
+            places.iter().filter_map(|place| Some((*place, below(&ratios(place)?)))).collect();
+        let Some((place, worst)) = points.iter().max_by(|a, b| a.1.ratio.total_cmp(&b.1.ratio)) else {
+            return Finding::not_run(subject);
+        };
+        let missing = (points.len() < places.len()).then_some(Verdict::NotRun);
+        let verdict = Verdict::all(points.iter().map(|(_, below)| below.verdict).chain(missing));
+        let p = points.iter().map(|(_, below)| below.p).fold(0.0, f64::max);
+        let run: Vec<&Place> = points.iter().map(|(place, _)| *place).collect();
+        let numbers = format!(
+            "median ratio to min-degeneracy at most {} (x = {}), sign test p at most {}{}",
+            short(worst.ratio),
+            place.x,
+            short(p),
+            gaps(&run, places.len())
+        );
+        Finding::new(subject, verdict, numbers)
+    };
+    figure.panels().iter().map(of_panel).collect()
+}
+
+/// `method` is below minimum degeneracy at four fifths of all points.
+pub(super) fn in_general_below(figure: &Figure, method: Method, metric: &str) -> Vec<Finding> {
+    let ratios = median_log_ratios(figure, method, metric);
+    let subject = method.name().to_string();
+    if ratios.is_empty() {
+        return vec![Finding::not_run(subject)];
+    }
+    let below = ratios.iter().filter(|ratio| **ratio < 0.0).count();
+    let complete = ratios.len() == figure.places.len();
+    let holds = below as f64 >= IN_GENERAL * figure.places.len() as f64;
+    let hopeless =
+        ((figure.places.len() - ratios.len() + below) as f64) < IN_GENERAL * figure.places.len() as f64;
+    let verdict = if complete || hopeless { Verdict::of(holds) } else { Verdict::NotRun };
+    let numbers = format!("below at {below} of {} points run, of {}", ratios.len(), figure.places.len());
+    vec![Finding::new(subject, verdict, numbers)]
+}
+
+/// The median log-ratio of `method` to minimum degeneracy at each point that was run.
+fn median_log_ratios(figure: &Figure, method: Method, metric: &str) -> Vec<f64> {
+    let at = |place| figure.log_ratios(method, Method::MinDegeneracy, place, metric).map(median);
+    figure.places.iter().filter_map(at).collect()
+}
+
+/// The gain over minimum degeneracy, the median over all points, is smaller in `figure` than in `other`.
+pub(super) fn smaller_ratio(figure: &Figure, other: &Figure, method: Method, metric: &str) -> Vec<Finding> {
+    let gain = |figure: &Figure| {
+        let ratios = median_log_ratios(figure, method, metric);
+        (!ratios.is_empty()).then(|| (-median(ratios.clone()), ratios.len() == figure.places.len()))
+    };
+    let subject = method.name().to_string();
+    let (Some((here, all_here)), Some((there, all_there))) = (gain(figure), gain(other)) else {
+        return vec![Finding::not_run(subject)];
+    };
+    let verdict = if all_here && all_there { Verdict::of(here < there) } else { Verdict::NotRun };
+    let numbers = format!(
+        "min-degeneracy's error is {} times its own here and {} times in fig1, medians over points",
+        short(here.exp()),
+        short(there.exp())
+    );
+    vec![Finding::new(subject, verdict, numbers)]
+}
+
+/// The medians of all `methods` are within a factor 1.5 of each other at every point: one finding for each panel.
+pub(super) fn no_difference(figure: &Figure, methods: &[Method], metric: &str) -> Vec<Finding> {
+    at_every_point(figure, "", methods, metric, |medians| {
+        let factor = unsteadiness(medians);
+        (factor <= CLOSE, factor, format!("medians differ by a factor of up to {}", short(factor)))
+    })
+}
+
+/// The first of `methods` has the largest median at every point: one finding for each panel.
+pub(super) fn worst(figure: &Figure, methods: &[Method], metric: &str) -> Vec<Finding> {
+    at_every_point(figure, methods[0].name(), methods, metric, |medians| {
+        let others = medians[1..].iter().copied().fold(0.0, f64::max);
+        let factor = medians[0] / others;
+        (factor > 1.0, -factor, format!("at least {} times the next worst", short(factor)))
+    })
+}
+
+/// Judges the medians of `methods` at every point; the point with the largest severity is the one reported.
+fn at_every_point(
+    figure: &Figure,
+    name: &str,
+    methods: &[Method],
+    metric: &str,
+    judge: impl Fn(&[f64]) -> (bool, f64, String),
+) -> Vec<Finding> {
+    let of_panel = |panel: &&str| {
+        let subject = if name.is_empty() { (*panel).to_string() } else { named(panel, name) };
+        let places: Vec<&Place> = figure.of_panel(panel).collect();
+        let mut run: Vec<&Place> = Vec::new();
+        let mut points: Vec<(bool, f64, String)> = Vec::new();
+        for place in &places {
+            let medians: Option<Vec<f64>> =
+                methods.iter().map(|method| figure.median(*method, place, metric)).collect();
+            if let Some(medians) = medians {
+                let (holds, severity, numbers) = judge(&medians);
+                points.push((holds, severity, format!("{numbers} (x = {})", place.x)));
+                run.push(place);
+            }
+        }
+        let Some((_, _, numbers)) = points.iter().max_by(|a, b| a.1.total_cmp(&b.1)) else {
+            return Finding::not_run(subject);
+        };
+        let missing = (run.len() < places.len()).then_some(Verdict::NotRun);
+        let verdict = Verdict::all(points.iter().map(|(holds, ..)| Verdict::of(*holds)).chain(missing));
+        Finding::new(subject, verdict, format!("{numbers}{}", gaps(&run, places.len())))
+    };
+    figure.panels().iter().map(of_panel).collect()
+}
+
+/// The standard deviation of the first of `methods` is the largest at every point of a panel.
+pub(super) fn most_spread(figure: &Figure, panel: &str, methods: &[Method], metric: &str) -> Vec<Finding> {
+    let subject = named(panel, methods[0].name());
+    let places: Vec<&Place> = figure.of_panel(panel).collect();
+    let factors: Vec<f64> = places
+        .iter()
+        .filter_map(|place| {
+            let deviations: Option<Vec<f64>> =
+                methods.iter().map(|method| figure.deviation(*method, place, metric)).collect();
+            let deviations = deviations?;
+            Some(deviations[0] / deviations[1..].iter().copied().fold(0.0, f64::max))
+        })
+        .collect();
+    if factors.is_empty() {
+        return vec![Finding::not_run(subject)];
+    }
+    let missing = (factors.len() < places.len()).then_some(Verdict::NotRun);
+    let verdict = Verdict::all(factors.iter().map(|factor| Verdict::of(*factor > 1.0)).chain(missing));
+    let least = factors.iter().copied().fold(f64::INFINITY, f64::min);
+    let numbers = format!("at least {} times the next largest deviation", short(least));
+    vec![Finding::new(subject, verdict, numbers)]
+}
+
+/// How the error goes with x: flat, or falling. One finding for each panel.
+pub(super) fn trend(figure: &Figure, method: Method, metric: &str, falls: bool) -> Vec<Finding> {
+    let of_panel = |panel: &&str| {
+        let subject = named(panel, method.name());
+        let places: Vec<&Place> = figure.of_panel(panel).collect();
+        let of = |place: &&Place| Some((place.x as f64, figure.at(method, place, metric)?));
+        let run: Vec<_> = places.iter().filter_map(of).collect();
+        let points: Vec<(f64, f64)> =
+            run.iter().flat_map(|(x, values)| values.values().map(|value| (x.ln(), value.ln()))).collect();
+        let Some(line) = Slope::through(&points) else { return Finding::not_run(subject) };
+        let verdict = match run.len() == places.len() {
+            true => Verdict::of(if falls { line.falls() } else { line.is_flat() }),
+            false => Verdict::NotRun,
+        };
+        let numbers = format!("slope {:.2} ± {:.2} (standard error)", line.slope, line.standard_error);
+        Finding::new(subject, verdict, numbers)
+    };
+    figure.panels().iter().map(of_panel).collect()
+}
+
+/// The unsteadiness of a method in a panel; none if a point is missing.
+fn unsteadiness_of(figure: &Figure, panel: &str, method: Method, metric: &str) -> Option<f64> {
+    let medians: Option<Vec<f64>> =
+        figure.of_panel(panel).map(|place| figure.median(method, place, metric)).collect();
+    medians.filter(|medians| !medians.is_empty()).map(|medians| unsteadiness(&medians))
+}
+
+/// Every one of `steady` is steadier than every one of `others`: one finding for each panel.
+pub(super) fn steadier(figure: &Figure, steady: &[Method], others: &[Method], metric: &str) -> Vec<Finding> {
+    let of_panel = |panel: &&str| {
+        let of = |methods: &[Method]| -> Option<Vec<(Method, f64)>> {
+            let of = |method: &Method| Some((*method, unsteadiness_of(figure, panel, *method, metric)?));
+            methods.iter().map(of).collect()
+        };
+        let (Some(steady), Some(others)) = (of(steady), of(others)) else {
+            return Finding::not_run((*panel).to_string());
+        };
+        let worst = steady.iter().map(|(_, ratio)| *ratio).fold(0.0, f64::max);
+        let best = others.iter().map(|(_, ratio)| *ratio).fold(f64::INFINITY, f64::min);
+        let all: Vec<String> = steady
+            .iter()
+            .chain(&others)
+            .map(|(method, ratio)| format!("{} {}", method.name(), short(*ratio)))
+            .collect();
+        let numbers = format!("largest over smallest median: {}", all.join(", "));
+        Finding::new((*panel).to_string(), Verdict::of(worst < best), numbers)
+    };
+    figure.panels().iter().map(of_panel).collect()
+}
+
+/// `method` is steadier in `figure` than in `other`: one finding for each panel.
+pub(super) fn steadier_than_in(
+    figure: &Figure,
+    other: &Figure,
+    method: Method,
+    metric: &str,
+) -> Vec<Finding> {
+    let of_panel = |panel: &&str| {
+        let subject = named(panel, method.name());
+        let of = |figure| unsteadiness_of(figure, panel, method, metric);
+        let (Some(here), Some(there)) = (of(figure), of(other)) else { return Finding::not_run(subject) };
+        let numbers = format!("largest over smallest median: {} here, {} there", short(here), short(there));
+        Finding::new(subject, Verdict::of(here < there), numbers)
+    };
+    figure.panels().iter().map(of_panel).collect()
+}
+
+/// `method` relative to the median of `others`, medians over points, is smaller in `figure` than in `other`.
+pub(super) fn relatively_better(
+    figure: &Figure,
+    other: &Figure,
+    method: Method,
+    others: &[Method],
+    metric: &str,
+) -> Vec<Finding> {
+    let relative = |figure: &Figure| {
+        let at = |place: &Place| {
+            let peers: Option<Vec<f64>> =
+                others.iter().map(|other| figure.median(*other, place, metric)).collect();
+            Some(figure.median(method, place, metric)? / median(peers?))
+        };
+        let ratios: Vec<f64> = figure.places.iter().filter_map(at).collect();
+        (ratios.len() == figure.places.len() && !ratios.is_empty()).then(|| median(ratios))
+    };
+    let subject = method.name().to_string();
+    let (Some(here), Some(there)) = (relative(figure), relative(other)) else {
+        return vec![Finding::not_run(subject)];
+    };
+    let numbers = format!("{} times the other learned ones here, {} in fig1", short(here), short(there));
+    vec![Finding::new(subject, Verdict::of(here < there), numbers)]
+}
+
+/// At some point `method` is no better than minimum degeneracy.
+pub(super) fn somewhere_no_better(figure: &Figure, method: Method, metric: &str) -> Vec<Finding> {
+    let ratios = median_log_ratios(figure, method, metric);
+    let subject = method.name().to_string();
+    if ratios.is_empty() {
+        return vec![Finding::not_run(subject)];
+    }
+    let largest = ratios.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let verdict = match (largest >= 0.0, ratios.len() == figure.places.len()) {
+        (true, _) => Verdict::Reproduced,
+        (false, true) => Verdict::NotReproduced,
+        (false, false) => Verdict::NotRun,
+    };
+    let numbers = format!("largest median ratio to min-degeneracy {}", short(largest.exp()));
+    vec![Finding::new(subject, verdict, numbers)]
+}
+
+/// Three digits.
+pub(super) fn short(value: f64) -> String {
+    if value != 0.0 && !(1e-3..1e4).contains(&value.abs()) {
+        return format!("{value:.1e}");
+    }
+    format!("{value:.3}")
+}
+
+/// The first has the smallest median at every point: one finding for each panel.
+pub(super) fn best(figure: &Figure, method: Method, methods: &[Method], metric: &str) -> Vec<Finding> {
+    let others: Vec<Method> = methods.iter().copied().filter(|other| *other != method).collect();
+    let ordered: Vec<Method> = [&[method], others.as_slice()].concat();
+    at_every_point(figure, method.name(), &ordered, metric, |medians| {
+        let least = medians[1..].iter().copied().fold(f64::INFINITY, f64::min);
+        let factor = medians[0] / least;
+        (factor < 1.0, factor, format!("at most {} times the best other", short(factor)))
+    })
+}

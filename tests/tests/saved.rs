@@ -1,0 +1,137 @@
+//! Saved proposals: what comes back is what was saved, and what does not fit is refused in one line.
+
+use std::path::Path;
+
+use motes_models::{GraphDiffusion, GraphDiffusionConfig, Noise, Seed};
+use motes_proposals::{
+    Adapter, Backend, Cell, Compute, Family, Fcnn, Gnn, Learnable, Psi, Rnn, SavedError, load, save,
+};
+use motes_tests::{reference, small_fcnn, small_gnn, small_psi, small_rnn, trained_family};
+use motes_train::TrainConfig;
+
+fn system() -> GraphDiffusion {
+    GraphDiffusion::random(&GraphDiffusionConfig::new(5), &mut Seed::from_u64(120).stream()).unwrap()
+}
+
+fn compute() -> Compute {
+    Backend::Flex.into()
+}
+
+fn weights(proposal: &dyn Learnable) -> Vec<Vec<f64>> {
+    (0..proposal.parameters().len()).map(|at| proposal.parameters().host(at).unwrap()).collect()
+}
+
+fn back_and_forth<F: Family>(folder: &Path, config: &F::Config) {
+    let (system, folder) = (system(), folder.join(F::NAME));
+    let trained: F = trained_family(config, &system, 3, compute());
+    // Twice: the second replaces the first.
+    for _ in 0..2 {
+        save(&folder, &trained, &system, &TrainConfig::paper(10)).unwrap();
+    }
+    let loaded: F = load(&folder, &system, compute()).unwrap();
+    assert_eq!(weights(&loaded), weights(&trained));
+    assert_eq!(loaded.horizon(), trained.horizon());
+    let names: Vec<_> =
+        std::fs::read_dir(folder.parent().unwrap()).unwrap().map(|e| e.unwrap().file_name()).collect();
+    assert!(names.iter().all(|name| !name.to_string_lossy().contains("partial")), "{names:?}");
+    // Weights of another precision fit too.
+    let wide = Compute { precision: motes_proposals::Precision::F64, ..compute() };
+    let loaded: F = load(&folder, &system, wide).unwrap();
+    assert_eq!(weights(&loaded), weights(&trained));
+}
+
+#[test]
+fn every_family_comes_back_as_it_was_saved() {
+    let folder = tempfile::tempdir().unwrap();
+    back_and_forth::<Fcnn>(folder.path(), &small_fcnn());
+    back_and_forth::<Rnn>(folder.path(), &small_rnn(Cell::Gru));
+    back_and_forth::<Gnn>(folder.path(), &small_gnn(Adapter::Learned));
+    back_and_forth::<Psi>(folder.path(), &small_psi());
+}
+
+/// A saved rnn, changed on disk, and what loading it says.
+fn told(change: impl FnOnce(&Path)) -> String {
+    let (folder, system) = (tempfile::tempdir().unwrap(), system());
+    let config = small_rnn(Cell::Lstm);
+    let rnn = Rnn::new(&config, &system, compute(), &Seed::from_u64(121)).unwrap();
+    let folder = folder.path().join("rnn");
+    save(&folder, &rnn, &system, &TrainConfig::paper(10)).unwrap();
+    change(&folder);
+    let error = load::<Rnn>(&folder, &system, compute()).err().expect("it was loaded").to_string();
+    assert_eq!(error.lines().count(), 1, "{error}");
+    error.replace(&folder.display().to_string(), "DIR")
+}
+
+fn edit(folder: &Path, from: &str, to: &str) {
+    let path = folder.join("proposal.toml");
+    let text = std::fs::read_to_string(&path).unwrap();
+    assert!(text.contains(from), "{text}");
+    std::fs::write(path, text.replace(from, to)).unwrap();
+}
+
+#[test]
+fn what_does_not_fit_is_refused() {
+    let damaged = "DIR/weights.safetensors: its BLAKE3 hash is not the one in proposal.toml: it is damaged or of another proposal";
+    let truncated = told(|folder| {
+        let path = folder.join("weights.safetensors");
+        let bytes = std::fs::read(&path).unwrap();
+        std::fs::write(path, &bytes[..bytes.len() - 1]).unwrap();
+    });
+    assert_eq!(truncated, damaged);
+    let flipped = told(|folder| {
+        let path = folder.join("weights.safetensors");
+        let mut bytes = std::fs::read(&path).unwrap();
+        let middle = bytes.len() / 2;
+        bytes[middle] ^= 1;
+        std::fs::write(path, bytes).unwrap();
+    });
+    assert_eq!(flipped, damaged);
+    assert_eq!(
+        told(|folder| edit(folder, "format = 1", "format = 2")),
+        "DIR: the format version is 2; 1 was expected"
+    );
+    assert_eq!(
+        told(|folder| edit(folder, "family = \"rnn\"", "family = \"fcnn\"")),
+        "DIR: the family is fcnn; rnn was expected"
+    );
+    let larger = told(|folder| edit(folder, "hidden = 5", "hidden = 6"));
+    assert!(larger.starts_with("DIR: the number of weights is "), "{larger}");
+    let huge = told(|folder| edit(folder, "hidden = 5", "hidden = 9000000000000000000"));
+    assert!(huge.ends_with("more than can be counted was expected"), "{huge}");
+    let unknown = told(|folder| edit(folder, "hidden = 5", "hiden = 5"));
+    assert!(unknown.starts_with("DIR/proposal.toml: unknown field `hiden`"), "{unknown}");
+    let missing = told(|folder| std::fs::remove_file(folder.join("proposal.toml")).unwrap());
+    assert!(missing.starts_with("DIR/proposal.toml: "), "{missing}");
+}
+
+#[test]
+fn another_system_is_refused_with_what_differs() {
+    let (folder, system) = (tempfile::tempdir().unwrap(), system());
+    let rnn = Rnn::new(&small_rnn(Cell::Lstm), &system, compute(), &Seed::from_u64(122)).unwrap();
+    save(folder.path(), &rnn, &system, &TrainConfig::paper(10)).unwrap();
+    let refused = |model: &dyn motes_models::StateSpaceModel| {
+        let error = load::<Rnn>(folder.path(), model, compute()).err().unwrap();
+        assert!(matches!(error, SavedError::OtherSystem { .. }), "{error}");
+        error.to_string()
+    };
+    let same_but_noise = system.with_noise(Noise::Exponential);
+    let error = refused(&same_but_noise);
+    assert!(error.contains("trained for another system: log p("), "{error}");
+    let config = GraphDiffusionConfig { snr_db: 5.000001, ..GraphDiffusionConfig::new(5) };
+    let nearly = GraphDiffusion::random(&config, &mut Seed::from_u64(120).stream()).unwrap();
+    refused(&nearly);
+    let error = refused(&reference().model);
+    assert!(error.contains("the state dimension N is 5 there and 1 in the model given"), "{error}");
+}
+
+#[test]
+fn weights_that_are_not_finite_are_refused() {
+    let (folder, system) = (tempfile::tempdir().unwrap(), system());
+    let mut rnn = Rnn::new(&small_rnn(Cell::Elman), &system, compute(), &Seed::from_u64(123)).unwrap();
+    let mut values = rnn.parameters().host(0).unwrap();
+    values[7] = f64::NAN;
+    rnn.parameters_mut().set_host(0, &values).unwrap();
+    save(folder.path(), &rnn, &system, &TrainConfig::paper(10)).unwrap();
+    let error = load::<Rnn>(folder.path(), &system, compute()).err().unwrap().to_string();
+    assert!(error.ends_with("recurrent.0.input holds NaN at row 1, column 2"), "{error}");
+}
