@@ -1,9 +1,9 @@
-"""What each family of proposals draws in two steps, from its formulas alone: tests/tests/parity.rs holds the Rust code
-against these numbers.
+"""What each family of proposals draws in two steps, from its formulas alone.
 
-Only the formulas, the names of the weights and the order of their blocks are shared with the Rust code. Samples are rows.
+tests/tests/parity.rs holds the Rust code against these numbers. Only the formulas, the names of the weights
+and the order of their blocks are shared with that code. Samples are rows.
 
-To run it, with Python 3 and numpy, from anywhere:
+To run it, with Python 3 and numpy, from the root of the repository:
 
     python tests/parity/families.py
 
@@ -24,13 +24,13 @@ HIDDEN, DEPTH = 5, 2  # rnn
 FEATURES, ORDER = [2, 5, 3, 1], 3  # gnn
 LAYERS = 4  # psi
 
-# The graph: S, and the adapter A_y, by which measurement j goes to node j and, while there are any left, to node M + j.
+# The graph: S, and the adapter A_y, by which measurement j goes to nodes j and, if there is one, M + j.
 SHIFT = np.array([
     [0.0, 0.5, 0.0, 0.2, 0.3],
-    [0.5, 0.0, 0.4, 0.0, 0.0],
-    [0.0, 0.4, 0.0, 0.6, 0.1],
-    [0.2, 0.0, 0.6, 0.0, 0.35],
-    [0.3, 0.0, 0.1, 0.35, 0.0],
+    [0.4, 0.0, 0.4, 0.0, 0.0],
+    [0.0, 0.3, 0.0, 0.6, 0.0],
+    [0.1, 0.0, 0.5, 0.0, 0.2],
+    [0.2, 0.0, 0.0, 0.3, 0.0],
 ])
 ADAPTER = np.array([
     [1.0, 0.0, 0.0],
@@ -45,9 +45,10 @@ ADAPTER = np.array([
 
 
 def weight(name, rows, columns):
-    """Entry k, counted along rows, is 0.4 sin(s + 0.7 k), with s the sum of the name's bytes modulo 97."""
-    s = sum(name.encode()) % 97
-    return (0.4 * np.sin(s + 0.7 * np.arange(rows * columns))).reshape(rows, columns)
+    """Entry k, along rows: 0.4 sin(s + 0.7 k + 0.01 k^2), s = sum over the name's bytes b_i of (i + 1) b_i, mod 97."""
+    s = sum((i + 1) * byte for i, byte in enumerate(name.encode())) % 97
+    k = np.arange(rows * columns)
+    return (0.4 * np.sin(s + 0.7 * k + 0.01 * k**2)).reshape(rows, columns)
 
 
 def epsilon(t):
@@ -66,7 +67,7 @@ def measurement(t):
 
 
 def draw_gaussian(means, representations, noise):
-    """x = mu + L eps with L L' = Sigma = C K(z) C' + ridge I and K(z)_ij = exp(-(z_i - z_j)^2), and the density there."""
+    """x = mu + L eps, L L' = Sigma = C K(z) C' + ridge I, K(z)_ij = exp(-(z_i - z_j)^2), and log q there."""
     c = weight("covariance.mixing", N, N)
     states, log_q = np.zeros((K, N)), np.zeros(K)
     for k, (mean, z) in enumerate(zip(means, representations)):
@@ -149,7 +150,8 @@ def rnn(cell):
     return emit
 
 
-# gnn: Z' = tanh(sum_d S^d Z W_d + 1 b') from two features of each node, x_{t-1} and A_y y_t; the last layer without tanh.
+# gnn: Z' = tanh(sum_d S^d Z W_d + 1 b') from two features of each node, x_{t-1} and A_y y_t; no tanh after
+# the last layer.
 
 
 def graph_network(name, previous, at_nodes):
@@ -157,9 +159,10 @@ def graph_network(name, previous, at_nodes):
     for k in range(K):
         z = np.column_stack([previous[k], at_nodes])
         for layer, (before, after) in enumerate(zip(FEATURES, FEATURES[1:])):
-            taps = weight(f"{name}.{layer}.taps", (ORDER + 1) * before, after).reshape(ORDER + 1, before, after)
+            # W_0 ... W_D on top of each other.
+            taps = np.vsplit(weight(f"{name}.{layer}.taps", (ORDER + 1) * before, after), ORDER + 1)
             z = np.tanh(z) if layer > 0 else z
-            z = sum(np.linalg.matrix_power(SHIFT, d) @ z @ taps[d] for d in range(ORDER + 1))
+            z = sum(np.linalg.matrix_power(SHIFT, d) @ z @ tap for d, tap in enumerate(taps))
             z = z + weight(f"{name}.{layer}.bias", 1, after)
         outputs[k] = z[:, 0]
     return outputs
@@ -184,7 +187,8 @@ def psi(t, previous, y, u):
         return weight(name, N, N) + RIDGE * np.eye(N)
 
     matrix = square(f"psi.{t}.noise")
-    values = u @ matrix + previous @ weight(f"psi.{t}.previous", N, N) + y @ weight(f"psi.{t}.measurement", M, N)
+    values = u @ matrix + previous @ weight(f"psi.{t}.previous", N, N)
+    values = values + y @ weight(f"psi.{t}.measurement", M, N)
     log_q = np.full(K, -np.linalg.slogdet(matrix).logabsdet)
     for layer in range(LAYERS):
         # tanh' = 1 / cosh^2.

@@ -36,19 +36,20 @@ fn numbers() -> Numbers {
 }
 
 fn system(adjacency: &[Vec<f64>]) -> GraphDiffusion {
-    let config =
-        GraphDiffusionConfig { measurement_dim: MEASUREMENT_DIM, ..GraphDiffusionConfig::new(STATE_DIM) };
     let adjacency = Mat::from_fn(STATE_DIM, STATE_DIM, |i, j| adjacency[i][j]);
-    GraphDiffusion::on_graph(&config, adjacency.as_ref()).unwrap()
+    GraphDiffusion::on_graph(&GraphDiffusionConfig::new(STATE_DIM), adjacency.as_ref()).unwrap()
 }
 
-/// Gives every matrix the script's weights: entry `k` is `0.4 sin(s + 0.7 k)`, `s` the sum of its name's bytes modulo 97.
+/// Gives every matrix the script's weights: entry `k`, along rows, is `0.4 sin(s + 0.7 k + 0.01 k²)`, with `s`
+/// the sum of `(i + 1) bᵢ` over the bytes of its name, modulo 97.
 fn set_weights(proposal: &mut dyn Learnable) {
     for index in 0..proposal.parameters().len() {
-        let sum: u32 = proposal.parameters().names()[index].bytes().map(u32::from).sum();
+        let bytes = proposal.parameters().names()[index].bytes().map(u32::from);
+        let sum: u32 = (1..).zip(bytes).map(|(place, byte)| place * byte).sum();
         let s = f64::from(sum % 97);
         let [rows, columns] = proposal.parameters().tensors()[index].dims();
-        let values: Vec<f64> = (0..rows * columns).map(|k| 0.4 * (s + 0.7 * k as f64).sin()).collect();
+        let values: Vec<f64> =
+            (0..rows * columns).map(|k| k as f64).map(|k| 0.4 * (s + 0.7 * k + 0.01 * k * k).sin()).collect();
         proposal.parameters_mut().set_host(index, &values).unwrap();
     }
 }
@@ -84,7 +85,8 @@ fn check_family(label: &str, family: &str, proposal: &dyn Learnable, steps: &[St
         let past =
             Past { time, previous: previous.as_deref(), measurement: &measurement, particles: PARTICLES };
         let (mut states, mut log_q) = (vec![0.0; PARTICLES * STATE_DIM], vec![0.0; PARTICLES]);
-        tape.draw(past, &noise(family, time), &mut states, &mut log_q).unwrap();
+        let drawn = tape.draw(past, &noise(family, time), &mut states, &mut log_q);
+        assert_eq!(drawn, Ok(()), "{label}, step {time}");
         check(&format!("{label}, step {time}, states"), &states, &step.states.concat());
         check(&format!("{label}, step {time}, log q"), &log_q, &step.log_q);
         previous = Some(states);

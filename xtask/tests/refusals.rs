@@ -16,7 +16,11 @@ fn refused(arguments: &[&str], status: i32, line: &str) {
 
 #[test]
 fn bad_input_is_refused_before_any_build() {
-    refused(&["reproduce", "fig0"], 2, "figure fig0: did you mean fig1? there are fig1, all");
+    refused(
+        &["reproduce", "fig0"],
+        2,
+        "figure fig0: did you mean fig1? there are fig1, fig2, fig3, fig4, fig5, fig6, all",
+    );
     refused(
         &["reproduce", "fig1", "--profile", "papr"],
         2,
@@ -25,7 +29,7 @@ fn bad_input_is_refused_before_any_build() {
     refused(
         &["reproduce", "fig1", "--methods", "fcnnn"],
         2,
-        "--methods fcnnn: did you mean fcnn? there are min-degeneracy, bootstrap, fcnn",
+        "--methods fcnnn: did you mean fcnn? there are min-degeneracy, bootstrap, fcnn, rnn, gnn, psi",
     );
     refused(
         &["reproduce", "fig1", "--panels", "N11"],
@@ -41,6 +45,11 @@ fn bad_input_is_refused_before_any_build() {
         &["reproduce", "fig1", "--repetitions", "0"],
         2,
         "--repetitions 0: it must be an integer from 1 to 1000000",
+    );
+    refused(
+        &["verify", "--from", "no/such/folder"],
+        2,
+        "--from no/such/folder: there is no such folder; give one that holds FIGURE/PROFILE/units.csv",
     );
     refused(
         &["reprodce"],

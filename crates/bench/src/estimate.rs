@@ -1,70 +1,83 @@
 //! How long units will take: short trials of a few, and straight lines between them.
 
-use std::collections::BTreeMap;
+use std::cell::RefCell;
+use std::collections::{BTreeMap, HashMap};
 
 use crate::config::{Method, Plan, Point};
 use crate::evaluate::{Evaluator, Metric};
 use crate::runner::guarded;
 use crate::{Interrupt, UnitConfig};
 
-const TRIAL_STEPS: usize = 2;
-const TRIAL_RUNS: usize = 10;
+const TRIAL_RUNS: usize = 2;
 
-/// Estimated seconds of one thread for each of `points`.
-///
-/// For each method and panel the smallest and the largest x are tried with very little training and few filters, which
-/// takes a second or so; what lies between is taken to grow linearly. A trial that fails counts for nothing.
-pub(crate) fn seconds(
-    plan: &Plan,
-    points: &[Point],
-    evaluator: &Evaluator,
-    interrupt: &Interrupt,
-) -> Vec<f64> {
-    let mut ends: BTreeMap<(Method, &str), (usize, usize)> = BTreeMap::new();
-    for point in points {
-        let (low, high) = ends.entry((point.method, &point.panel)).or_insert((point.x, point.x));
-        (*low, *high) = ((*low).min(point.x), (*high).max(point.x));
-    }
-    let lines: BTreeMap<_, _> = ends
-        .into_iter()
-        .map(|((method, panel), (low, high))| {
-            let at = |x| {
-                let point = Point { panel: panel.into(), x, method, repetition: 0 };
-                trial(plan, &point, evaluator, interrupt)
-            };
-            let first = at(low);
-            let slope = if high > low { (at(high) - first) / (high - low) as f64 } else { 0.0 };
-            ((method, panel), (low, first, slope))
-        })
-        .collect();
-    points
-        .iter()
-        .map(|point| {
-            let (low, first, slope) = lines[&(point.method, point.panel.as_str())];
-            (first + slope * (point.x - low) as f64).max(0.0)
-        })
-        .collect()
+/// Estimates times by trials, and remembers them: figures that differ in their noise alone take the same time.
+#[derive(Default)]
+pub struct Estimator {
+    evaluator: Evaluator,
+    /// Seconds by what they depend on.
+    known: RefCell<HashMap<String, f64>>,
 }
 
-/// Seconds for one unit, scaled up from a trial.
-fn trial(plan: &Plan, point: &Point, evaluator: &Evaluator, interrupt: &Interrupt) -> f64 {
-    let Some(mut unit) = UnitConfig::at(plan, point) else { return 0.0 };
-    let runs = unit.filter_runs.min(TRIAL_RUNS);
-    let filter_scale = unit.filter_runs as f64 / runs as f64;
-    unit.filter_runs = runs;
-    let mut train_scale = 0.0;
-    if let Some(steps) = unit.method.steps_mut() {
-        let few = TRIAL_STEPS.min(*steps);
-        train_scale = *steps as f64 / few as f64;
-        *steps = few;
-    }
-    let of =
-        |timings: &[Metric], name| timings.iter().find(|timing| timing.name == name).map_or(0.0, |t| t.value);
-    match guarded(|| evaluator.evaluate(&unit, interrupt)) {
-        Ok(found) => {
-            of(&found.timings, "train_seconds") * train_scale
-                + of(&found.timings, "filter_seconds") * filter_scale
+impl Estimator {
+    /// Estimated seconds of one thread for each of `points`, without the reference filters, which units share.
+    ///
+    /// For each method and panel the smallest and the largest x are tried, with a training step and a filter or two; what
+    /// lies between is taken to grow linearly. A trial that fails counts for nothing.
+    pub(crate) fn seconds(&self, plan: &Plan, points: &[Point], interrupt: &Interrupt) -> Vec<f64> {
+        let mut ends: BTreeMap<(Method, &str), (usize, usize)> = BTreeMap::new();
+        for point in points {
+            let (low, high) = ends.entry((point.method, &point.panel)).or_insert((point.x, point.x));
+            (*low, *high) = ((*low).min(point.x), (*high).max(point.x));
         }
-        Err(_) => 0.0,
+        let lines: BTreeMap<_, _> = ends
+            .into_iter()
+            .map(|((method, panel), (low, high))| {
+                let at = |x| {
+                    let point = Point { panel: panel.into(), x, method, repetition: 0 };
+                    UnitConfig::at(plan, &point).map_or(0.0, |unit| self.trial(unit, interrupt))
+                };
+                let first = at(low);
+                let slope = if high > low { (at(high) - first) / (high - low) as f64 } else { 0.0 };
+                ((method, panel), (low, first, slope))
+            })
+            .collect();
+        points
+            .iter()
+            .map(|point| {
+                let (low, first, slope) = lines[&(point.method, point.panel.as_str())];
+                (first + slope * (point.x - low) as f64).max(0.0)
+            })
+            .collect()
+    }
+
+    /// Seconds for one unit, scaled up from a trial.
+    fn trial(&self, mut unit: UnitConfig, interrupt: &Interrupt) -> f64 {
+        let sizes = [unit.system.dimension, unit.system.horizon, unit.filter.particles, unit.filter_runs];
+        let key =
+            serde_json::to_string(&(&unit.method, sizes)).expect("a configuration has only string keys");
+        if let Some(&known) = self.known.borrow().get(&key) {
+            return known;
+        }
+        let runs = unit.filter_runs.min(TRIAL_RUNS);
+        let filter_scale = unit.filter_runs as f64 / runs as f64;
+        unit.filter_runs = runs;
+        unit.reference_particles = None;
+        let mut train_scale = 0.0;
+        if let Some(steps) = unit.method.steps_mut() {
+            train_scale = *steps as f64;
+            *steps = 1;
+        }
+        let of = |timings: &[Metric], name| {
+            timings.iter().find(|timing| timing.name == name).map_or(0.0, |timing| timing.value)
+        };
+        let seconds = match guarded(|| self.evaluator.evaluate(&unit, interrupt)) {
+            Ok(found) => {
+                of(&found.timings, "train_seconds") * train_scale
+                    + of(&found.timings, "filter_seconds") * filter_scale
+            }
+            Err(_) => 0.0,
+        };
+        self.known.borrow_mut().insert(key, seconds);
+        seconds
     }
 }

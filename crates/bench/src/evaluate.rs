@@ -2,7 +2,6 @@
 
 use std::ops::ControlFlow;
 use std::path::PathBuf;
-use std::sync::Arc;
 use std::time::Instant;
 
 use motes_models::GraphDiffusion;
@@ -49,6 +48,9 @@ pub enum UnitError {
     /// It failed, and would fail again.
     #[error("{0}")]
     Failed(String),
+    /// Its trained proposal could not be written; nothing is wrong with the unit.
+    #[error("{0}")]
+    NotKept(String),
     /// It was abandoned because the run is being stopped.
     #[error("interrupted")]
     Interrupted,
@@ -61,19 +63,14 @@ fn failed(error: impl ToString) -> UnitError {
 /// Evaluates units; what units have in common is computed once.
 #[derive(Default)]
 pub struct Evaluator {
-    references: Arc<ReferenceCache>,
+    references: ReferenceCache,
     models: Option<PathBuf>,
 }
 
 impl Evaluator {
     /// One that keeps the trained proposal of each unit as `folder/<key>`, if there is a folder.
     pub fn new(models: Option<PathBuf>) -> Self {
-        Evaluator { references: Arc::default(), models }
-    }
-
-    /// One that shares what was computed, and keeps no proposals.
-    pub(crate) fn for_trials(&self) -> Self {
-        Evaluator { references: Arc::clone(&self.references), models: None }
+        Evaluator { references: ReferenceCache::default(), models }
     }
 
     /// Runs a unit on the calling thread.
@@ -117,7 +114,8 @@ impl Visitor for Run<'_> {
         if let Some(models) = &self.evaluator.models {
             let config = train_config(&learned.training, self.unit.filter.particles, learned.steps);
             let folder = models.join(self.unit.key());
-            save(&folder, &proposal, &self.problem.model, &config).map_err(failed)?;
+            save(&folder, &proposal, &self.problem.model, &config)
+                .map_err(|error| UnitError::NotKept(error.to_string()))?;
         }
         let mut evaluation = self.judge(proposal)?;
         let ends = [("loss_first", history.losses.first()), ("loss_last", history.losses.last())];

@@ -173,16 +173,9 @@ fn extent(values: impl Iterator<Item = f64>) -> (f64, f64) {
     found.unwrap_or((0.0, 1.0))
 }
 
-/// Colours that stay apart for colour-blind eyes (Okabe and Ito's), designed proposals in grey.
 fn colour(method: Method) -> RGBColor {
-    match method {
-        Method::MinDegeneracy => RGBColor(70, 70, 70),
-        Method::Bootstrap => RGBColor(160, 160, 160),
-        Method::Fcnn => RGBColor(0, 114, 178),
-        Method::Rnn => RGBColor(213, 94, 0),
-        Method::Gnn => RGBColor(0, 158, 115),
-        Method::Psi => RGBColor(204, 121, 167),
-    }
+    let [red, green, blue] = method.colour();
+    RGBColor(red, green, blue)
 }
 
 /// Filled for learned proposals, hollow for designed ones.

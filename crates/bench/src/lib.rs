@@ -24,6 +24,7 @@ mod tables;
 mod unit;
 mod verify;
 
+pub use estimate::Estimator;
 pub use evaluate::{Evaluation, Evaluator, Metric, UnitError};
 pub use interrupt::Interrupt;
 pub use methods::{LearnedUnit, MethodConfig};

@@ -6,7 +6,9 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 use motes_bench::config::{ConfigError, Parsed, Plan, ReproduceArgs, VerifyArgs, check_output, parse, plans};
 use motes_bench::say::{news, result};
-use motes_bench::{Finished, Interrupt, RegressionError, paper_estimate, regress, reproduce, verify};
+use motes_bench::{
+    Estimator, Finished, Interrupt, RegressionError, paper_estimate, regress, reproduce, verify,
+};
 
 /// Reproduces the figures and tables of the paper.
 #[derive(Parser)]
@@ -77,9 +79,9 @@ fn run_reproduce(args: &ReproduceArgs, interrupt: &Interrupt) -> ExitCode {
     if let Some(error) = plans.iter().find_map(|plan| check_output(&plan.folder).err()) {
         return refuse(&error);
     }
-    let mut status = 0;
+    let (mut status, estimator) = (0, Estimator::default());
     for plan in &plans {
-        match reproduce(plan, interrupt) {
+        match reproduce(plan, &estimator, interrupt) {
             Ok(Finished::Complete { failed }) => status = status.max(u8::from(failed > 0)),
             Ok(Finished::Interrupted) => return ExitCode::from(interrupt.exit_status()),
             Err(error) => {
@@ -89,14 +91,14 @@ fn run_reproduce(args: &ReproduceArgs, interrupt: &Interrupt) -> ExitCode {
         }
     }
     for plan in plans.iter().filter(|plan| plan.profile_name == "quick") {
-        offer_paper_profile(plan, interrupt);
+        offer_paper_profile(plan, &estimator, interrupt);
     }
     ExitCode::from(status)
 }
 
 /// What to type for the protocol to the letter, and how long it would take here.
-fn offer_paper_profile(plan: &Plan, interrupt: &Interrupt) {
-    if let Some(estimate) = paper_estimate(plan, interrupt) {
+fn offer_paper_profile(plan: &Plan, estimator: &Estimator, interrupt: &Interrupt) {
+    if let Some(estimate) = paper_estimate(plan, estimator, interrupt) {
         let figure = &plan.figure;
         result(&format!(
             "the whole protocol (about {estimate} here): cargo xtask reproduce {figure} --profile paper"

@@ -67,7 +67,12 @@ fn find(
     interrupt: &Interrupt,
 ) -> Result<References, UnitError> {
     let seed = unit.system_seed().child("reference");
-    let failed = |error: FilterError| UnitError::Failed(format!("reference filter: {error}"));
+    // Where all weights of a reference vanish there is none, and nothing is held against it.
+    let known = |found: Result<PosteriorMean, FilterError>| match found {
+        Ok(mean) => Ok(Some(mean)),
+        Err(FilterError::Collapse { .. }) => Ok(None),
+        Err(error) => Err(UnitError::Failed(format!("reference filter: {error}"))),
+    };
     let gaussian = match &problem.exact {
         Some(exact) => {
             Some(PosteriorMean { mean: exact.means.row(exact.means.len() - 1).to_vec(), difference: None })
@@ -77,17 +82,13 @@ fn find(
             let proposal =
                 MinDegeneracy::new(&model).map_err(|error| UnitError::Failed(error.to_string()))?;
             let seed = seed.child("gaussian");
-            Some(two_filters(&model, &proposal, particles, problem, &seed, interrupt)?.map_err(failed)?)
+            known(two_filters(&model, &proposal, particles, problem, &seed, interrupt)?)?
         }
     };
     let exact = if problem.has_gaussian_noise {
         None
     } else {
-        match two_filters(&problem.system, &Bootstrap, particles, problem, &seed.child("exact"), interrupt)? {
-            Ok(mean) => Some(mean),
-            Err(FilterError::Collapse { .. }) => None,
-            Err(error) => return Err(failed(error)),
-        }
+        known(two_filters(&problem.system, &Bootstrap, particles, problem, &seed.child("exact"), interrupt)?)?
     };
     Ok(References { gaussian, exact })
 }

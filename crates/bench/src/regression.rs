@@ -8,7 +8,7 @@ use thiserror::Error;
 use crate::config::{Backend, Plan};
 use crate::say::{news, result};
 use crate::tables::number;
-use crate::{Finished, Interrupt, StoreError, reproduce};
+use crate::{Estimator, Finished, Interrupt, StoreError, reproduce};
 
 /// Why the regression run did not pass.
 #[derive(Debug, Error)]
@@ -105,7 +105,7 @@ fn run(
 ) -> Result<BTreeMap<Place, f64>, RegressionError> {
     let folder = scratch.join(backend.name());
     let plan = Plan { backend, folder: folder.clone(), fresh: true, ..plan.clone() };
-    match reproduce(&plan, interrupt)? {
+    match reproduce(&plan, &Estimator::default(), interrupt)? {
         Finished::Complete { failed: 0 } => {}
         Finished::Complete { failed } => {
             return Err(RegressionError::Failed { failed, backend: backend.name() });

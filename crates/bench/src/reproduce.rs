@@ -10,7 +10,7 @@ use crate::runner::{Event, run};
 use crate::say::{news, result};
 use crate::store::{Contents, Outcome, Record};
 use crate::tables::{failures_csv, markdown, sort, summarise, summary_csv, timings_csv, units_csv};
-use crate::{Evaluator, Interrupt, Store, StoreError, UnitConfig, UnitError, estimate};
+use crate::{Estimator, Evaluator, Interrupt, Store, StoreError, UnitConfig, UnitError};
 
 /// How a run ended.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -28,7 +28,7 @@ pub enum Finished {
 ///
 /// # Errors
 /// [`StoreError`] if the folder is in use or cannot be read or written.
-pub fn reproduce(plan: &Plan, interrupt: &Interrupt) -> Result<Finished, StoreError> {
+pub fn reproduce(plan: &Plan, estimator: &Estimator, interrupt: &Interrupt) -> Result<Finished, StoreError> {
     let store = Store::open(&plan.folder)?;
     let wanted: Vec<(Point, UnitConfig)> = plan
         .points()
@@ -47,12 +47,14 @@ pub fn reproduce(plan: &Plan, interrupt: &Interrupt) -> Result<Finished, StoreEr
         let has_model = models
             .as_ref()
             .is_none_or(|models| !unit.method.method().is_learned() || models.join(unit.key()).exists());
-        has_model && there.iter().any(|record| record.config == *unit)
+        let recorded = there.iter().find(|record| record.config == *unit);
+        recorded.is_some_and(|record| has_model || matches!(record.outcome, Outcome::Failed(_)))
     };
     let missing: Vec<&(Point, UnitConfig)> = wanted.iter().filter(|(_, unit)| !is_there(unit)).collect();
     announce(plan, wanted.len(), missing.len());
     if !missing.is_empty() {
-        run_missing(plan, &store, &missing, &Evaluator::new(models.clone()), interrupt)?;
+        let evaluator = Evaluator::new(models.clone());
+        run_missing(plan, &store, &missing, (&evaluator, estimator), interrupt)?;
     }
 
     let (records, _) = read(plan, &store)?;
@@ -154,12 +156,12 @@ fn run_missing(
     plan: &Plan,
     store: &Store,
     missing: &[&(Point, UnitConfig)],
-    evaluator: &Evaluator,
+    (evaluator, estimator): (&Evaluator, &Estimator),
     interrupt: &Interrupt,
 ) -> Result<(), StoreError> {
     let points: Vec<Point> = missing.iter().map(|(point, _)| point.clone()).collect();
     let units: Vec<UnitConfig> = missing.iter().map(|(_, unit)| unit.clone()).collect();
-    let estimates = estimate::seconds(plan, &points, &evaluator.for_trials(), interrupt);
+    let estimates = estimator.seconds(plan, &points, interrupt);
     let total: f64 = estimates.iter().sum();
     news(&format!("estimated time {}", duration(total / plan.jobs.min(units.len()) as f64)));
     let revision = revision();
@@ -172,6 +174,7 @@ fn run_missing(
         match event {
             Event::Started(index) => progress.started(&name(&points[index])),
             Event::Ended(_, Err(UnitError::Interrupted)) => {}
+            Event::Ended(_, Err(UnitError::NotKept(reason))) => return Err(StoreError::Model(reason)),
             Event::Ended(index, result) => {
                 let (outcome, timings) = match result {
                     Ok(found) => (Outcome::Metrics(found.metrics), found.timings),
@@ -236,7 +239,7 @@ pub(crate) fn axis_label(axis: Axis) -> &'static str {
 
 /// How long the paper profile of the whole figure would take on this machine with as many threads, as a person says it;
 /// `None` if the experiment has no such profile or the run is being stopped.
-pub fn paper_estimate(plan: &Plan, interrupt: &Interrupt) -> Option<String> {
+pub fn paper_estimate(plan: &Plan, estimator: &Estimator, interrupt: &Interrupt) -> Option<String> {
     let profile = plan.experiment.profiles.get("paper")?.clone();
     let chosen = |panel: &&Panel| profile.panels.as_ref().is_none_or(|names| names.contains(&panel.name));
     let paper = Plan {
@@ -246,7 +249,6 @@ pub fn paper_estimate(plan: &Plan, interrupt: &Interrupt) -> Option<String> {
         profile,
         ..plan.clone()
     };
-    let evaluator = Evaluator::default();
-    let total: f64 = estimate::seconds(&paper, &paper.points(), &evaluator, interrupt).iter().sum();
+    let total: f64 = estimator.seconds(&paper, &paper.points(), interrupt).iter().sum();
     interrupt.check().is_continue().then(|| duration(total / plan.jobs as f64))
 }

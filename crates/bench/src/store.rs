@@ -49,6 +49,9 @@ pub enum StoreError {
     /// The figure could not be drawn.
     #[error("figure.svg could not be drawn: {0}")]
     Figure(String),
+    /// A trained proposal could not be kept.
+    #[error("{0}")]
+    Model(String),
     /// A file could not be read or written.
     #[error("{path}: {source}", path = path.display())]
     Io {

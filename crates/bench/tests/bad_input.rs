@@ -45,7 +45,7 @@ fn keys_and_values_of_the_experiment() {
         ("x = [4, 8]", "x = [4, 0]", "key `profiles.quick.x` is 0; it must be at least 1"),
         ("x = [4, 8]", "x = [4, 4]", "key `profiles.quick.x` is [\"4\", \"4\"]; no value may stand twice"),
         ("x = [4, 8]", "x = []", "key `profiles.quick.x` is empty; it must have one value or more"),
-        ("x = [4, 8]", "x = [4, -8]", "line 40, key `x`: invalid value: integer `-8`, expected usize"),
+        ("x = [4, 8]", "x = [4, -8]", "line 54, key `x`: invalid value: integer `-8`, expected usize"),
         ("particles = 8", "particles = 0", "key `filter.particles` is 0; it must be at least 1"),
         ("horizon = 4", "horizon = 0", "key `system.horizon` is 0; it must be at least 1"),
         (
@@ -81,11 +81,59 @@ fn keys_and_values_of_the_experiment() {
             "key `profiles.quick.filter_runs` is 0; it must be at least 1",
         ),
         (
-            "fcnn_widths = [16, 16]",
-            "fcnn_widths = [16, 0]",
-            "key `profiles.quick.fcnn_widths` is [16, 0]; it must be one or more widths of at least 1",
+            "fcnn = [16, 16]",
+            "fcnn = [16, 0]",
+            "key `profiles.quick.sizes.fcnn` is [16, 0]; it must be one or more widths from 1 to 65536",
         ),
-        ("ridge = 1e-6", "ridge = -1e-6", "key `fcnn.ridge` is -0.000001; it must be at least 0 and finite"),
+        (
+            "gnn = [8, 8]",
+            "gnn = []",
+            "key `profiles.quick.sizes.gnn` is []; it must be one or more widths from 1 to 65536",
+        ),
+        ("rnn = 8", "rnn = 0", "key `profiles.quick.sizes.rnn` is 0; it must be from 1 to 65536"),
+        ("psi = 3", "psi = 0", "key `profiles.quick.sizes.psi` is 0; it must be from 1 to 1024"),
+        (
+            "reference_particles = 100",
+            "reference_particles = 0",
+            "key `profiles.quick.reference_particles` is 0; it must be at least 1",
+        ),
+        (
+            "ridge = 1e-6",
+            "ridge = -1e-6",
+            "key `proposals.fcnn.ridge` is -0.000001; it must be at least 0 and finite",
+        ),
+        (
+            "ridge = 1e-3",
+            "ridge = -1e-3",
+            "key `proposals.psi.ridge` is -0.001; it must be at least 0 and finite",
+        ),
+        ("order = 3", "order = 65", "key `proposals.gnn.order` is 65; it must be from 0 to 64"),
+        ("depth = 1", "depth = 0", "key `proposals.rnn.depth` is 0; it must be from 1 to 64"),
+        (
+            "cell = \"lstm\"",
+            "cell = \"lsm\"",
+            "line 31, key `cell`: `lsm` is not known here; did you mean lstm? there are lstm, gru, elman",
+        ),
+        (
+            "adapter = \"fixed\"",
+            "adapter = \"fix\"",
+            "line 37, key `adapter`: `fix` is not known here; did you mean fixed? there are fixed, learned",
+        ),
+        (
+            "gradient = \"full\"",
+            "gradient = \"truncated\"",
+            "key `training.gradient_window` is absent; a truncated gradient needs a window of at least 1",
+        ),
+        (
+            "gradient = \"full\"",
+            "gradient = \"full\"\ngradient_window = 3",
+            "key `training.gradient_window` is 3; a full gradient has no window: leave it out, or set gradient = \"truncated\"",
+        ),
+        (
+            "gradient = \"full\"",
+            "gradient = \"full\"\nclip_norm = 0.0",
+            "key `training.clip_norm` is 0; it must be positive and finite",
+        ),
         ("beta_1 = 0.9", "beta_1 = 1.0", "key `training.beta_1` is 1; it must be at least 0 and below 1"),
         (
             "dimension = 8",

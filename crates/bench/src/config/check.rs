@@ -25,7 +25,8 @@ pub(super) fn check(file: &str, experiment: &Experiment) -> Result<(), ConfigErr
         checks.that(fine, &format!("training.{key}"), value, "it must be positive and finite")?;
     }
     for (key, value) in [("beta_1", training.beta_1), ("beta_2", training.beta_2)] {
-        let fine = (0.0..1.0).contains(&value);
+        // The optimiser computes in 32 bits.
+        let fine = (0.0..1.0).contains(&(value as f32));
         checks.that(fine, &format!("training.{key}"), value, "it must be at least 0 and below 1")?;
     }
     match (training.gradient, training.gradient_window) {
@@ -121,6 +122,17 @@ impl Checks<'_> {
 
     pub(super) fn at_least_one(&self, key: &str, value: usize) -> Result<(), ConfigError> {
         self.that(value > 0, key, value, "it must be at least 1")
+    }
+
+    pub(super) fn within(
+        &self,
+        key: &str,
+        value: usize,
+        least: usize,
+        most: usize,
+    ) -> Result<(), ConfigError> {
+        let expected = format!("it must be from {least} to {most}");
+        self.that((least..=most).contains(&value), key, value, &expected)
     }
 
     fn distinct(&self, key: &str, values: impl Iterator<Item = String>) -> Result<(), ConfigError> {

@@ -36,6 +36,18 @@ impl Method {
         }
     }
 
+    /// Its colour in figures: colours that stay apart for colour-blind eyes (Okabe and Ito's), greys for designed proposals.
+    pub fn colour(self) -> [u8; 3] {
+        match self {
+            Method::MinDegeneracy => [70, 70, 70],
+            Method::Bootstrap => [160, 160, 160],
+            Method::Fcnn => [0, 114, 178],
+            Method::Rnn => [213, 94, 0],
+            Method::Gnn => [0, 158, 115],
+            Method::Psi => [204, 121, 167],
+        }
+    }
+
     /// Whether it is trained.
     pub fn is_learned(self) -> bool {
         !matches!(self, Method::MinDegeneracy | Method::Bootstrap)
@@ -132,6 +144,9 @@ pub struct Sizes {
     pub psi: usize,
 }
 
+/// The largest width of a layer.
+const LARGEST: usize = 65_536;
+
 impl Proposals {
     pub(super) fn check(&self, checks: &Checks<'_>) -> Result<(), ConfigError> {
         let Proposals { fcnn, rnn, gnn, psi } = self;
@@ -142,7 +157,8 @@ impl Proposals {
             let key = format!("proposals.{family}.ridge");
             checks.that(fine, &key, ridge, "it must be at least 0 and finite")?;
         }
-        checks.at_least_one("proposals.rnn.depth", rnn.depth)
+        checks.within("proposals.rnn.depth", rnn.depth, 1, 64)?;
+        checks.within("proposals.gnn.order", gnn.order, 0, 64)
     }
 }
 
@@ -150,11 +166,11 @@ impl Sizes {
     pub(super) fn check(&self, profile: &str, checks: &Checks<'_>) -> Result<(), ConfigError> {
         let key = |family: &str| format!("profiles.{profile}.sizes.{family}");
         for (family, widths) in [("fcnn", &self.fcnn), ("gnn", &self.gnn)] {
-            let fine = !widths.is_empty() && !widths.contains(&0);
-            let expected = "it must be one or more widths of at least 1";
+            let fine = !widths.is_empty() && widths.iter().all(|width| (1..=LARGEST).contains(width));
+            let expected = "it must be one or more widths from 1 to 65536";
             checks.that(fine, &key(family), format!("{widths:?}"), expected)?;
         }
-        checks.at_least_one(&key("rnn"), self.rnn)?;
-        checks.at_least_one(&key("psi"), self.psi)
+        checks.within(&key("rnn"), self.rnn, 1, LARGEST)?;
+        checks.within(&key("psi"), self.psi, 1, 1024)
     }
 }

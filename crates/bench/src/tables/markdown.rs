@@ -12,10 +12,14 @@ const COLUMNS: [(&str, &str); 6] = [
     ("ess", "ESS"),
 ];
 
+/// Left out of the table where nothing of them is known.
+const OPTIONAL: [&str; 2] = ["nmse_posterior", "nmse_posterior_exact"];
+
 /// The summary as a Markdown table: a line for each panel, x and method.
 pub(crate) fn markdown(title: &str, axis: &str, rows: &[Row]) -> String {
-    // A column that no row has is left out.
-    let there = |metric: &str| rows.iter().any(|row| row.metric == metric && row.n_ok > 0);
+    let there = |metric: &str| {
+        !OPTIONAL.contains(&metric) || rows.iter().any(|row| row.metric == metric && row.n_ok > 0)
+    };
     let columns: Vec<(&str, &str)> = COLUMNS.into_iter().filter(|(metric, _)| there(metric)).collect();
     let heads: Vec<&str> = columns.iter().map(|(_, head)| *head).collect();
     let mut text = format!("{title}\n\nMedian ± standard deviation over repetitions.\n\n");

@@ -1,5 +1,7 @@
 //! Predicates over the points of a figure: each gives findings with their numbers.
 
+use std::collections::BTreeMap;
+
 use super::numbers::{Figure, Place};
 use super::predicates::{Below, CLOSE, IN_GENERAL, Slope, Verdict, below, unsteadiness};
 use crate::config::Method;
@@ -52,10 +54,11 @@ pub(super) fn below_at_every_point(figure: &Figure, method: Method, metric: &str
         let p = points.iter().map(|(_, below)| below.p).fold(0.0, f64::max);
         let run: Vec<&Place> = points.iter().map(|(place, _)| *place).collect();
         let numbers = format!(
-            "median ratio to min-degeneracy at most {} (x = {}), sign test p at most {}{}",
+            "median ratio to min-degeneracy at most {} (x = {}), sign test p at most {}, n = {}{}",
             short(worst.ratio),
             place.x,
             short(p),
+            worst.n,
             gaps(&run, places.len())
         );
         Finding::new(subject, verdict, numbers)
@@ -182,16 +185,24 @@ pub(super) fn trend(figure: &Figure, method: Method, metric: &str, falls: bool) 
     let of_panel = |panel: &&str| {
         let subject = named(panel, method.name());
         let places: Vec<&Place> = figure.of_panel(panel).collect();
-        let of = |place: &&Place| Some((place.x as f64, figure.at(method, place, metric)?));
-        let run: Vec<_> = places.iter().filter_map(of).collect();
-        let points: Vec<(f64, f64)> =
-            run.iter().flat_map(|(x, values)| values.values().map(|value| (x.ln(), value.ln()))).collect();
-        let Some(line) = Slope::through(&points) else { return Finding::not_run(subject) };
-        let verdict = match run.len() == places.len() {
-            true => Verdict::of(if falls { line.falls() } else { line.is_flat() }),
-            false => Verdict::NotRun,
+        let run: Option<Vec<_>> = places.iter().map(|place| figure.at(method, place, metric)).collect();
+        let Some(run) = run.filter(|run| !run.is_empty()) else { return Finding::not_run(subject) };
+        let log_x = |at: usize| (places[at].x as f64).ln();
+        let curve = |repetition: &usize| -> Option<Vec<(f64, f64)>> {
+            let point = |(at, values): (usize, &&BTreeMap<usize, f64>)| {
+                Some((log_x(at), values.get(repetition)?.ln()))
+            };
+            run.iter().enumerate().map(point).collect()
         };
-        let numbers = format!("slope {:.2} ± {:.2} (standard error)", line.slope, line.standard_error);
+        let curves: Vec<_> = run[0].keys().filter_map(curve).collect();
+        let Some(line) = Slope::over(&curves) else { return Finding::not_run(subject) };
+        let verdict = Verdict::of(if falls { line.falls() } else { line.is_flat() });
+        let numbers = format!(
+            "slope {:.2}, standard error {:.2}, n = {}",
+            line.slope,
+            line.standard_error,
+            curves.len()
+        );
         Finding::new(subject, verdict, numbers)
     };
     figure.panels().iter().map(of_panel).collect()

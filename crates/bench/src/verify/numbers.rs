@@ -21,7 +21,9 @@ pub(super) struct Figure {
     /// Whether anything of it was run.
     pub(super) was_run: bool,
     /// By method, panel, x and metric: the value of each repetition.
-    pub(super) values: BTreeMap<(String, Place, String), BTreeMap<usize, f64>>,
+    pub(super) values: Values,
+    /// By method, panel and x: the repetitions that failed.
+    pub(super) failed: BTreeMap<(String, Place), Vec<usize>>,
 }
 
 fn units_file(folder: &Path, figure: &str, profile: &str) -> PathBuf {
@@ -43,14 +45,33 @@ impl Figure {
         places: Vec<Place>,
     ) -> Result<Figure, VerifyError> {
         let file = units_file(folder, figure, profile);
-        let was_run = file.exists();
-        let values = if was_run { read_units(&file)? } else { Values::new() };
-        Ok(Figure { places, was_run, values })
+        if !file.exists() {
+            return Ok(Figure { places, ..Figure::default() });
+        }
+        let mut figure = Figure { places, was_run: true, values: read_units(&file)?, ..Figure::default() };
+        let failures = file.with_file_name("failures.csv");
+        if failures.exists() {
+            figure.failed = read_failures(&failures)?;
+        }
+        figure.count_failures();
+        Ok(figure)
     }
 
-    /// The value of each repetition; none if it was not run.
+    /// A repetition that failed counts as one with an infinite error in every metric of its point: it is never below
+    /// another, and never dropped.
+    fn count_failures(&mut self) {
+        for ((method, place, _), values) in &mut self.values {
+            for repetition in self.failed.get(&(method.clone(), place.clone())).into_iter().flatten() {
+                values.insert(*repetition, f64::INFINITY);
+            }
+        }
+    }
+
+    /// The value of each repetition; none if fewer were run here than elsewhere in the figure.
     pub(super) fn at(&self, method: Method, place: &Place, metric: &str) -> Option<&BTreeMap<usize, f64>> {
-        self.values.get(&(method.name().to_string(), place.clone(), metric.to_string()))
+        let repetitions = self.values.values().map(BTreeMap::len).max()?;
+        let values = self.values.get(&(method.name().to_string(), place.clone(), metric.to_string()))?;
+        (values.len() == repetitions).then_some(values)
     }
 
     /// The median over repetitions.
@@ -100,7 +121,21 @@ impl Figure {
 /// figure, panel, method, x, repetition, metric, value.
 type Line = (String, String, String, usize, usize, String, f64);
 
-type Values = BTreeMap<(String, Place, String), BTreeMap<usize, f64>>;
+pub(super) type Values = BTreeMap<(String, Place, String), BTreeMap<usize, f64>>;
+
+/// figure, panel, method, x, repetition, reason.
+type FailureLine = (String, String, String, usize, usize, String);
+
+fn read_failures(path: &PathBuf) -> Result<BTreeMap<(String, Place), Vec<usize>>, VerifyError> {
+    let fail = |source| VerifyError::Table { path: path.clone(), source };
+    let mut failed: BTreeMap<_, Vec<usize>> = BTreeMap::new();
+    let mut reader = csv::Reader::from_path(path).map_err(fail)?;
+    for line in reader.deserialize() {
+        let (_, panel, method, x, repetition, _): FailureLine = line.map_err(fail)?;
+        failed.entry((method, Place { panel, x })).or_default().push(repetition);
+    }
+    Ok(failed)
+}
 
 fn read_units(path: &PathBuf) -> Result<Values, VerifyError> {
     let fail = |source| VerifyError::Table { path: path.clone(), source };

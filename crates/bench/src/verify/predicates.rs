@@ -1,6 +1,6 @@
 //! What "below", "independent", "steadier" and "close" mean, fixed before any result was seen.
 
-use crate::metrics::median;
+use crate::metrics::{mean, median, standard_deviation};
 
 /// The verdict on a claim, or on a part of one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -57,6 +57,8 @@ pub(super) struct Below {
     pub(super) ratio: f64,
     /// The probability that as many of as many coins fall on one side.
     pub(super) p: f64,
+    /// Repetitions.
+    pub(super) n: usize,
     pub(super) verdict: Verdict,
 }
 
@@ -71,7 +73,7 @@ pub(super) fn below(log_ratios: &[f64]) -> Below {
         false if ratio < 0.0 && at_least(n, n) >= LEVEL => Verdict::NotRun,
         false => Verdict::NotReproduced,
     };
-    Below { ratio: ratio.exp(), p, verdict }
+    Below { ratio: ratio.exp(), p, n, verdict }
 }
 
 /// `P(X ≥ successes)` for `X ~ Bin(n, ½)`.
@@ -87,7 +89,7 @@ fn at_least(successes: usize, n: usize) -> f64 {
     sum.min(1.0)
 }
 
-/// A line through `(log x, log error)`.
+/// The slope of log error on log x, over repetitions.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Slope {
     pub(super) slope: f64,
@@ -95,21 +97,15 @@ pub(super) struct Slope {
 }
 
 impl Slope {
-    /// Least squares; none of fewer than three points or of points above one another.
-    pub(super) fn through(points: &[(f64, f64)]) -> Option<Slope> {
-        let n = points.len() as f64;
-        if points.len() < 3 {
+    /// The mean, with its standard error, of one slope for each repetition: each has a system of its own, whose difficulty
+    /// moves a whole curve and not its slope. None of fewer than three repetitions.
+    pub(super) fn over(curves: &[Vec<(f64, f64)>]) -> Option<Slope> {
+        let slopes: Vec<f64> = curves.iter().filter_map(|points| least_squares(points)).collect();
+        if slopes.len() < 3 {
             return None;
         }
-        let mean = |pick: fn(&(f64, f64)) -> f64| points.iter().map(pick).sum::<f64>() / n;
-        let (mean_x, mean_y) = (mean(|p| p.0), mean(|p| p.1));
-        let spread: f64 = points.iter().map(|(x, _)| (x - mean_x).powi(2)).sum();
-        if spread == 0.0 {
-            return None;
-        }
-        let slope = points.iter().map(|(x, y)| (x - mean_x) * (y - mean_y)).sum::<f64>() / spread;
-        let residual: f64 = points.iter().map(|(x, y)| (y - mean_y - slope * (x - mean_x)).powi(2)).sum();
-        Some(Slope { slope, standard_error: (residual / (n - 2.0) / spread).sqrt() })
+        let standard_error = standard_deviation(&slopes) / (slopes.len() as f64).sqrt();
+        Some(Slope { slope: mean(&slopes), standard_error })
     }
 
     pub(super) fn is_flat(self) -> bool {
@@ -119,6 +115,15 @@ impl Slope {
     pub(super) fn falls(self) -> bool {
         self.slope < -STANDARD_ERRORS * self.standard_error
     }
+}
+
+/// The slope of the line through some points; none if they stand above one another.
+fn least_squares(points: &[(f64, f64)]) -> Option<f64> {
+    let (xs, ys): (Vec<f64>, Vec<f64>) = points.iter().copied().unzip();
+    let (mean_x, mean_y) = (mean(&xs), mean(&ys));
+    let spread: f64 = xs.iter().map(|x| (x - mean_x).powi(2)).sum();
+    let product: f64 = points.iter().map(|(x, y)| (x - mean_x) * (y - mean_y)).sum();
+    (spread > 0.0).then(|| product / spread)
 }
 
 /// The ratio of the largest to the smallest: how unsteady medians are.
@@ -155,12 +160,17 @@ mod tests {
 
     #[test]
     fn a_line_is_found_with_its_uncertainty() {
-        let exact: Vec<(f64, f64)> = (0..5).map(|i| (f64::from(i), 3.0 - 2.0 * f64::from(i))).collect();
-        let line = Slope::through(&exact).unwrap();
-        assert!((line.slope + 2.0).abs() < 1e-12 && line.standard_error < 1e-12 && line.falls());
-        let flat = [(0.0, 1.0), (1.0, -1.0), (2.0, 1.0), (3.0, -1.0), (4.0, 1.0)];
-        assert!(Slope::through(&flat).unwrap().is_flat());
-        assert_eq!(Slope::through(&[(1.0, 0.0), (1.0, 1.0), (1.0, 2.0)]), None);
+        let curve = |height: f64, slope: f64| -> Vec<(f64, f64)> {
+            (0..5).map(|i| (f64::from(i), height + slope * f64::from(i))).collect()
+        };
+        // Far apart in height, and all falling: pooled, their heights would drown the slope.
+        let falling: Vec<_> = (0..20).map(|r| curve(f64::from(r), -0.5 + 0.01 * f64::from(r % 3))).collect();
+        let line = Slope::over(&falling).unwrap();
+        assert!((line.slope + 0.49).abs() < 0.01 && line.falls() && !line.is_flat());
+        let flat: Vec<_> = (0..20).map(|r| curve(0.0, if r % 2 == 0 { 0.3 } else { -0.3 })).collect();
+        assert!(Slope::over(&flat).unwrap().is_flat());
+        assert_eq!(Slope::over(&[curve(0.0, 1.0), curve(0.0, 1.0)]), None);
+        assert_eq!(Slope::over(&vec![vec![(1.0, 0.0), (1.0, 1.0)]; 5]), None);
     }
 
     #[test]

@@ -17,12 +17,12 @@ pub(super) fn report(profile: &str, figures: &BTreeMap<&str, Figure>, claims: &[
     text += &format!(
         "- *below*: median log-ratio below 0 and a one-sided sign test with p < 0.05, at every point; *in general below*: median \
          log-ratio below 0 at {}% of the points;\n\
-         - *independent of x*: the slope of log error on log x is less than 2 standard errors from 0; *improves*: it is more \
-         than 2 below 0;\n\
+         - *independent of x*: the slope of log error on log x, the mean over repetitions, is less than 2 standard errors from 0; \
+         *improves*: it is more than 2 below 0;\n\
          - *steadier*: a smaller ratio of the largest to the smallest median over K;\n\
          - *close*, *no significant difference*: medians within a factor {CLOSE};\n\
          - one point that contradicts a claim is enough for *not reproduced*; otherwise one that is missing, or has too few \
-         repetitions for the test, makes it *not run*.\n\n",
+         repetitions for the test, makes it *not run*. A unit that failed counts as an infinite error.\n\n",
         (100.0 * IN_GENERAL).round()
     );
     text += "| figure | the paper says | averaged | single run |\n|---|---|---|---|\n";
@@ -44,7 +44,7 @@ pub(super) fn report(profile: &str, figures: &BTreeMap<&str, Figure>, claims: &[
         *counts.entry(judgement.verdict().name()).or_default() += 1;
     }
     let counts: Vec<String> = counts.iter().map(|(name, count)| format!("{count} {name}")).collect();
-    text += &format!("\nJudgements, a line of the tables below for each: {}.\n", counts.join(", "));
+    text += &format!("\nOf these judgements: {}.\n", counts.join(", "));
     for claim in claims {
         text += &format!("\n## {}", claim.figure);
         text += "\n";

@@ -33,13 +33,27 @@ ess_threshold = 0.3333333333333333
 
 [training]
 objective = "log-likelihood"
+gradient = "full"
 learning_rate = 0.001
 beta_1 = 0.9
 beta_2 = 0.999
 epsilon = 1e-8
 
-[fcnn]
+[proposals.fcnn]
 ridge = 1e-6
+
+[proposals.rnn]
+cell = "lstm"
+depth = 1
+ridge = 1e-6
+
+[proposals.gnn]
+order = 3
+adapter = "fixed"
+ridge = 1e-6
+
+[proposals.psi]
+ridge = 1e-3
 
 [[panels]]
 name = "N6"
@@ -54,7 +68,8 @@ x = [4, 8]
 repetitions = 4
 filter_runs = 5
 training_steps = 20
-fcnn_widths = [16, 16]
+reference_particles = 100
+sizes = { fcnn = [16, 16], rnn = 8, gnn = [8, 8], psi = 3 }
 "#;
 
 impl Workplace {
