@@ -3,12 +3,17 @@
 use std::ops::ControlFlow;
 
 use faer::{Mat, MatRef, Side};
-use motes_models::{Drift, GraphDiffusion, GraphDiffusionConfig, Measurements, Noise, Seed, simulate};
-use motes_proposals::{
-    Backend, Compute, GaussianBatch, Gradients, KernelCovariance, Learnable, Precision, cholesky_adjoint,
+use motes_models::{
+    Drift, GraphDiffusion, GraphDiffusionConfig, Measurements, Noise, Seed, StateSpaceModel, simulate,
 };
-use motes_smc::Conditional;
-use motes_tests::{central_differences, distance, norm, relative_distance, small_families};
+use motes_proposals::{
+    Backend, Cell, Compute, Family, Fcnn, GaussianBatch, Gradients, KernelCovariance, Learnable, Precision,
+    Psi, Rnn, cholesky_adjoint,
+};
+use motes_smc::{Conditional, Past, Proposal};
+use motes_tests::{
+    central_differences, distance, norm, relative_distance, small_families, small_fcnn, small_psi, small_rnn,
+};
 use motes_train::{AdamConfig, GradientFlow, Objective, TrainConfig, rollout, train};
 use rand::RngExt;
 
@@ -185,20 +190,112 @@ fn backends_agree_on_loss_and_gradients() {
     }
 }
 
+/// The objective in which each window takes the states and the memory it starts with as given by `base`.
+fn objective_by_windows<F: Family + Proposal<GraphDiffusion>>(
+    base: &mut F,
+    proposal: &mut F,
+    (system, measurements): (&GraphDiffusion, &Measurements),
+    window: usize,
+) -> f64
+where
+    F::Memory: Clone,
+{
+    let (n, particles) = (5, 4);
+    // In step with each other: both draw the same noise.
+    let [mut streams, mut same_noise] = [70, 70].map(|seed| [Seed::from_u64(seed).stream()]);
+    let mut base_memory = Proposal::<GraphDiffusion>::initial_memory(base, particles);
+    let mut memory = Proposal::<GraphDiffusion>::initial_memory(proposal, particles);
+    let (mut base_states, mut states) = (vec![0.0; n * particles], vec![0.0; n * particles]);
+    let (mut log_q, mut log_model, mut sum) = (vec![0.0; particles], vec![0.0; particles], 0.0);
+    for (time, measurement) in measurements.rows().enumerate() {
+        if time % window == 0 {
+            states.clone_from(&base_states);
+            memory = base_memory.clone();
+        }
+        let past = |previous| Past { time, previous: (time > 0).then_some(previous), measurement, particles };
+        let previous = base_states.clone();
+        let mut conditional = base.condition(system, past(&previous), &mut base_memory).unwrap();
+        conditional.sample(&mut streams, &mut base_states, &mut log_q);
+        drop(conditional);
+        let previous = states.clone();
+        let mut conditional = proposal.condition(system, past(&previous), &mut memory).unwrap();
+        conditional.sample(&mut same_noise, &mut states, &mut log_q);
+        drop(conditional);
+        match time {
+            0 => system.log_initials(&states, &mut log_model),
+            _ => system.log_transitions(time, &previous, &states, &mut log_model),
+        }
+        sum += log_model.iter().sum::<f64>();
+        system.log_likelihoods(time, &states, measurement, &mut log_model);
+        sum += log_model.iter().sum::<f64>();
+    }
+    sum / particles as f64
+}
+
+fn check_truncated<F: Family + Proposal<GraphDiffusion> + Clone>(config: &F::Config)
+where
+    F::Memory: Clone,
+{
+    let (system, measurements) = problem(Drift::Abs);
+    let proposal = F::create(config, &system, 3, F64, &Seed::from_u64(69)).unwrap();
+    for window in 1..=3 {
+        let mut stream = Seed::from_u64(70).stream();
+        let (objective, flow) = (Objective::LogLikelihood, GradientFlow::Truncated { window });
+        let found = rollout(&proposal, &system, &measurements, objective, flow, 4, &mut stream).unwrap();
+        let (mut base, mut moved) = (proposal.clone(), proposal.clone());
+        let loss = |base: &mut F, moved: &mut F| {
+            -objective_by_windows(base, moved, (&system, &measurements), window)
+        };
+        assert!((loss(&mut base, &mut moved) / -found.objective - 1.0).abs() < 1e-12);
+        let gradients = host(&found.gradients, &proposal);
+        let whole = norm(&gradients.concat());
+        for (index, gradient) in gradients.iter().enumerate() {
+            let values = proposal.parameters().host(index).unwrap();
+            let numeric = central_differences(&values, 1e-5, |values| {
+                moved.parameters_mut().set_host(index, values).unwrap();
+                loss(&mut base, &mut moved)
+            });
+            moved.parameters_mut().set_host(index, &values).unwrap();
+            let error = distance(gradient, &numeric) / (norm(&numeric) + 1e-5 * whole);
+            let name = &proposal.parameters().names()[index];
+            assert!(error < 1e-5, "{}, window {window}, {name}: relative error {error:e}", F::NAME);
+        }
+    }
+}
+
 #[test]
 fn a_truncated_gradient_is_that_of_windows_that_take_their_past_as_given() {
-    let (system, measurements) = problem(Drift::Abs);
-    let gradients = |proposal: &dyn Learnable, flow| {
+    check_truncated::<Fcnn>(&small_fcnn());
+    check_truncated::<Psi>(&small_psi());
+    check_truncated::<Rnn>(&small_rnn(Cell::Lstm));
+}
+
+#[test]
+fn a_clipped_gradient_is_shorter_and_points_the_same_way() {
+    let (system, measurements) = problem(Drift::Identity);
+    let adam = AdamConfig { epsilon: 1e3, ..AdamConfig::paper() };
+    // With so large an ε a step of Adam is the gradient itself, scaled.
+    let moved = |clip_norm| {
+        let mut proposal = Fcnn::new(&small_fcnn(), &system, 3, F64, &Seed::from_u64(69)).unwrap();
+        let before: Vec<f64> = weights(&proposal);
+        let config = TrainConfig { steps: 1, adam, clip_norm, ..TrainConfig::paper(4) };
         let mut stream = Seed::from_u64(70).stream();
-        let objective = Objective::LogLikelihood;
-        let found = rollout(proposal, &system, &measurements, objective, flow, 4, &mut stream).unwrap();
-        host(&found.gradients, proposal).concat()
+        let proceed = |_, _| ControlFlow::Continue(());
+        train(&mut proposal, &system, &measurements, &config, &mut stream, proceed).unwrap();
+        weights(&proposal).iter().zip(&before).map(|(after, before)| after - before).collect::<Vec<f64>>()
     };
-    for (name, proposal) in families(&system, F64) {
-        let of = |flow| gradients(proposal.as_ref(), flow);
-        let (full, whole) = (of(GradientFlow::Full), of(GradientFlow::Truncated { window: 3 }));
-        assert_eq!(full, whole, "{name}: one window of all three times is the full gradient");
-        let detached = of(GradientFlow::Truncated { window: 1 });
-        assert!(relative_distance(&detached, &full) > 1e-3, "{name}: nothing flows through time");
-    }
+    let mut stream = Seed::from_u64(70).stream();
+    let proposal = Fcnn::new(&small_fcnn(), &system, 3, F64, &Seed::from_u64(69)).unwrap();
+    let (objective, flow) = (Objective::LogLikelihood, GradientFlow::Full);
+    let found = rollout(&proposal, &system, &measurements, objective, flow, 4, &mut stream).unwrap();
+    let length = found.gradients.norm().unwrap();
+    assert!((length / norm(&host(&found.gradients, &proposal).concat()) - 1.0).abs() < 1e-12);
+    let (free, clipped, loose) = (moved(None), moved(Some(0.25 * length)), moved(Some(2.0 * length)));
+    assert_eq!(free, loose);
+    let quarter: Vec<f64> = free.iter().map(|step| 0.25 * step).collect();
+    assert!(relative_distance(&clipped, &quarter) < 0.05);
+}
+
+fn weights(proposal: &dyn Learnable) -> Vec<f64> {
+    (0..proposal.parameters().len()).flat_map(|at| proposal.parameters().host(at).unwrap()).collect()
 }

@@ -34,6 +34,8 @@ fn back_and_forth<F: Family>(folder: &Path, config: &F::Config) {
     let names: Vec<_> =
         std::fs::read_dir(folder.parent().unwrap()).unwrap().map(|e| e.unwrap().file_name()).collect();
     assert!(names.iter().all(|name| !name.to_string_lossy().contains("partial")), "{names:?}");
+    // A path may end in a separator.
+    save(&folder.join(""), &trained, &system, &TrainConfig::paper(10)).unwrap();
     // Weights of another precision fit too.
     let wide = Compute { precision: motes_proposals::Precision::F64, ..compute() };
     let loaded: F = load(&folder, &system, wide).unwrap();
@@ -62,43 +64,48 @@ fn told(change: impl FnOnce(&Path)) -> String {
     error.replace(&folder.display().to_string(), "DIR")
 }
 
+/// Changes the description and makes its hash right again, as somebody could who means to.
 fn edit(folder: &Path, from: &str, to: &str) {
     let path = folder.join("proposal.toml");
     let text = std::fs::read_to_string(&path).unwrap();
     assert!(text.contains(from), "{text}");
-    std::fs::write(path, text.replace(from, to)).unwrap();
+    let body = text.split_once('\n').unwrap().1.replace(from, to);
+    let weights = std::fs::read(folder.join("weights.safetensors")).unwrap();
+    let hash = blake3::hash(&[body.as_bytes(), &weights].concat());
+    std::fs::write(path, format!("blake3 = \"{hash}\"\n{body}")).unwrap();
+}
+
+fn flip(folder: &Path, file: &str) {
+    let path = folder.join(file);
+    let mut bytes = std::fs::read(&path).unwrap();
+    let last = bytes.len() - 3;
+    bytes[last] ^= 1;
+    std::fs::write(path, bytes).unwrap();
 }
 
 #[test]
 fn what_does_not_fit_is_refused() {
-    let damaged = "DIR/weights.safetensors: its BLAKE3 hash is not the one in proposal.toml: it is damaged or of another proposal";
+    let damaged =
+        "DIR: its files are not as they were saved: the hash in the first line of proposal.toml says so";
     let truncated = told(|folder| {
         let path = folder.join("weights.safetensors");
         let bytes = std::fs::read(&path).unwrap();
         std::fs::write(path, &bytes[..bytes.len() - 1]).unwrap();
     });
     assert_eq!(truncated, damaged);
-    let flipped = told(|folder| {
-        let path = folder.join("weights.safetensors");
-        let mut bytes = std::fs::read(&path).unwrap();
-        let middle = bytes.len() / 2;
-        bytes[middle] ^= 1;
-        std::fs::write(path, bytes).unwrap();
-    });
-    assert_eq!(flipped, damaged);
-    assert_eq!(
-        told(|folder| edit(folder, "format = 1", "format = 2")),
-        "DIR: the format version is 2; 1 was expected"
-    );
-    assert_eq!(
-        told(|folder| edit(folder, "family = \"rnn\"", "family = \"fcnn\"")),
-        "DIR: the family is fcnn; rnn was expected"
-    );
-    let larger = told(|folder| edit(folder, "hidden = 5", "hidden = 6"));
+    assert_eq!(told(|folder| flip(folder, "weights.safetensors")), damaged);
+    assert_eq!(told(|folder| flip(folder, "proposal.toml")), damaged);
+    let of_edit = |from: &str, to: &str| told(|folder| edit(folder, from, to));
+    assert_eq!(of_edit("format = 1", "format = 2"), "DIR: the format version is 2; 1 was expected");
+    assert_eq!(of_edit("family = \"rnn\"", "family = \"fcnn\""), "DIR: the family is fcnn; rnn was expected");
+    assert_eq!(of_edit("format = 1", "format = 1\nhorizon = 4"), "DIR: the horizon is 4; none was expected");
+    let larger = of_edit("hidden = 5", "hidden = 6");
     assert!(larger.starts_with("DIR: the number of weights is "), "{larger}");
-    let huge = told(|folder| edit(folder, "hidden = 5", "hidden = 9000000000000000000"));
+    let huge = of_edit("hidden = 5", "hidden = 9000000000000000000");
     assert!(huge.ends_with("more than can be counted was expected"), "{huge}");
-    let unknown = told(|folder| edit(folder, "hidden = 5", "hiden = 5"));
+    let ridge = of_edit("ridge = 0.001", "ridge = -0.001");
+    assert_eq!(ridge, "DIR: the ridge of the covariance is -0.001; it must be at least 0 and finite");
+    let unknown = of_edit("hidden = 5", "hiden = 5");
     assert!(unknown.starts_with("DIR/proposal.toml: unknown field `hiden`"), "{unknown}");
     let missing = told(|folder| std::fs::remove_file(folder.join("proposal.toml")).unwrap());
     assert!(missing.starts_with("DIR/proposal.toml: "), "{missing}");
@@ -120,6 +127,9 @@ fn another_system_is_refused_with_what_differs() {
     let config = GraphDiffusionConfig { snr_db: 5.000001, ..GraphDiffusionConfig::new(5) };
     let nearly = GraphDiffusion::random(&config, &mut Seed::from_u64(120).stream()).unwrap();
     refused(&nearly);
+    let elsewhere =
+        GraphDiffusion::random(&GraphDiffusionConfig::new(5), &mut Seed::from_u64(2).stream()).unwrap();
+    refused(&elsewhere);
     let error = refused(&reference().model);
     assert!(error.contains("the state dimension N is 5 there and 1 in the model given"), "{error}");
 }

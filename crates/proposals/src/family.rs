@@ -68,6 +68,17 @@ pub(crate) fn check_count(name: &'static str, count: usize) -> Result<(), Propos
     }
 }
 
+/// Refuses sizes before anything is allocated by them.
+pub(crate) fn check_weights(count: Option<usize>) -> Result<(), ProposalError> {
+    match count {
+        Some(count) if count <= MOST_WEIGHTS => Ok(()),
+        Some(count) => setting("the number of weights", count.to_string(), "at most 2³²"),
+        None => setting("the number of weights", "beyond counting".into(), "at most 2³²"),
+    }
+}
+
+const MOST_WEIGHTS: usize = 1 << 32;
+
 pub(crate) fn check_ridge(name: &'static str, ridge: f64) -> Result<(), ProposalError> {
     if !(ridge >= 0.0 && ridge.is_finite()) {
         return setting(name, ridge.to_string(), "at least 0 and finite");

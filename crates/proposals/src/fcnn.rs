@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::affine::Weights;
 use crate::backend::Compute;
-use crate::family::{Family, check_horizon, check_widths, count_affine, sizes_of};
+use crate::family::{Family, check_horizon, check_weights, check_widths, count_affine, sizes_of};
 use crate::gaussian::{Emission, GaussianProposal, Known, Networks};
 use crate::mlp::Mlp;
 
@@ -58,6 +58,7 @@ impl Fcnn {
         check_widths("the hidden widths", &config.widths)?;
         let sizes = sizes_of(model)?;
         let (n, m) = (sizes.state_dim, sizes.measurement_dim);
+        check_weights(Fcnn::count(config, (n, m), horizon))?;
         let widths: Vec<usize> = [&[n + m], config.widths.as_slice(), &[n]].concat();
         GaussianProposal::assemble(config, config.ridge, sizes, compute, seed, |parameters| FcnnNetworks {
             means: (0..horizon).map(|t| Mlp::draw(parameters, &format!("mean.{t}"), &widths, seed)).collect(),

@@ -124,6 +124,14 @@ impl Gradients {
             let square = gradient.clone().square().sum().reshape([1, 1]);
             sum += to_host(square)?.iter().sum::<f64>();
         }
+        if sum.is_finite() {
+            return Ok(sum.sqrt());
+        }
+        // The squares may be too large for 32 bits where their root is not.
+        let mut sum = 0.0;
+        for gradient in self.values.iter().flatten() {
+            sum += to_host(gradient.clone())?.iter().map(|value| value * value).sum::<f64>();
+        }
         Ok(sum.sqrt())
     }
 }

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::affine::Weights;
 use crate::backend::Compute;
-use crate::family::{Family, check_horizon, check_widths, count_affine, sizes_of};
+use crate::family::{Family, check_horizon, check_weights, check_widths, count_affine, sizes_of};
 use crate::gaussian::{Emission, GaussianProposal, Known, Networks};
 use crate::initial_weights::fan_in_bound;
 use filters::{GraphNetwork, Shift};
@@ -48,7 +48,7 @@ impl GnnConfig {
 /// `q(x_t | x_{t−1}, y_t) = N(μ_t, C K(z_t) Cᵀ + δI)` with `μ_t = GNN_t([x_{t−1}, A_y y_t]; S)` and `z_t = GNN([x_{t−1}, A_y y_t]; S)`.
 ///
 /// A layer is `Z' = tanh(Σ_d S^d Z W_d + 1 bᵀ)` (the paper's equations "graphFilter" and "meanGNN"), the last without tanh,
-/// with `S` the system's graph and two features at the input. Each time has a mean network of its own, so the proposal
+/// with `S` the system's graph and two features at the input; `W_0 … W_D` of a layer are stored on top of each other. Each time has a mean network of its own, so the proposal
 /// knows its horizon `T`; the covariance network is the same at all times. Its weights do not depend on `N` but for `C` and a
 /// learned adapter.
 ///
@@ -91,6 +91,7 @@ impl Gnn {
         check_widths("the features of the hidden layers", &config.features)?;
         let sizes = sizes_of(model)?;
         let (n, m) = (sizes.state_dim, sizes.measurement_dim);
+        check_weights(Gnn::count(config, (n, m), horizon))?;
         let graph = model.graph().ok_or(ProposalError::NoGraph)?;
         let expected = [
             ("the rows of the graph's matrix", graph.shift.nrows(), n),

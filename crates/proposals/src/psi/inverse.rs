@@ -5,6 +5,9 @@ use faer::linalg::solvers::SolveCore;
 
 use super::map::Map;
 
+/// A log density that rounding may have moved by more than this is none.
+const LOG_DENSITY_ERROR: f64 = 1e-4;
+
 /// How many times the estimated rounding error a value must be inside or outside a bound to be taken for so.
 const SAFETY: f64 = 16.0;
 
@@ -23,7 +26,7 @@ impl Map {
 
     fn invert(&self, state: &[f64], shift: &[f64], noise: &mut [f64]) -> f64 {
         let n = state.len();
-        let mut log_density = -self.log_abs_det();
+        let (mut log_density, mut log_density_error) = (-self.log_abs_det(), 0.0);
         // The values of one layer, and beside them how each depends on a rounding error of each coordinate of the state.
         let mut values = Mat::zeros(n, n + 1);
         for (i, x) in state.iter().enumerate() {
@@ -44,6 +47,7 @@ impl Map {
                     return f64::NAN;
                 }
                 log_density -= slope.ln();
+                log_density_error += 2.0 * value.abs() * error / slope;
                 values[(i, 0)] = value.atanh();
                 for j in 1..=n {
                     values[(i, j)] /= slope;
@@ -57,13 +61,14 @@ impl Map {
             if value + error < 0.0 || value - error > 1.0 {
                 return f64::NEG_INFINITY;
             }
-            // No digit is left to tell inside from outside.
-            if !(error < 0.5) {
+            // So near an edge of the cube that rounding decides on which side, and not a hair's breadth.
+            let edge = value.min(1.0 - value).abs();
+            if !value.is_finite() || (edge < error && error > LOG_DENSITY_ERROR) || !(error < 0.5) {
                 return f64::NAN;
             }
             noise[i] = value;
         }
-        log_density
+        if log_density_error < LOG_DENSITY_ERROR { log_density } else { f64::NAN }
     }
 }
 

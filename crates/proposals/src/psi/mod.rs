@@ -13,7 +13,7 @@ use motes_smc::{Past, ProposalError};
 use serde::{Deserialize, Serialize};
 
 use crate::backend::Compute;
-use crate::family::{Family, check_count, check_horizon, check_ridge, sizes_of};
+use crate::family::{Family, check_count, check_horizon, check_ridge, check_weights, sizes_of};
 use crate::initial_weights::fan_in_bound;
 use crate::parameters::Parameters;
 use map::{Map, Square};
@@ -39,6 +39,7 @@ impl PsiConfig {
 /// `x_t = NN_t(tanh(A_t u + B_t x_{t−1} + C_t y_t))` with `u` uniform on the unit cube (the paper's equation
 /// "arbitraryTransform"; `x_{−1} = 0`).
 ///
+/// Samples are rows, so that each matrix multiplies from the right (`u A`), and the ridge is part of `A` and of each `W_ℓ`.
 /// `NN_t` has `L` layers with square matrices, tanh after each but the last. With `ρ = tanh` and the values `a_ℓ` that it is
 /// applied to, `log q(x_t) = −(log|det A| + Σ_ℓ log|det W_ℓ| + Σ_ℓ Σᵢ log ρ′(a_ℓᵢ))`. The image of the cube is bounded: outside
 /// it the density is 0. Each time has a transform of its own, so the proposal knows its horizon `T`. The ridge makes a
@@ -74,6 +75,7 @@ impl Psi {
         check_ridge("the ridge of the transform", config.ridge)?;
         let sizes = sizes_of(model)?;
         let (n, m) = (sizes.state_dim, sizes.measurement_dim);
+        check_weights(Psi::count(config, (n, m), horizon))?;
         let mut parameters = Parameters::new(compute);
         let (of_states, of_measurements) = (fan_in_bound(n), fan_in_bound(m));
         for t in 0..horizon {

@@ -16,7 +16,7 @@ pub enum Cell {
     /// `h' = tanh(u W + h U + b)`: the paper's equation "hiddenRNN".
     Elman,
     /// `r, s = σ(u W + h U + b)` (a half each), `ĥ = tanh(u V + v + r ∘ (h X + d))`, `h' = (1 − s) ∘ ĥ + s ∘ h` (Cho et al. 2014,
-    /// with the reset gate after the product).
+    /// with the reset gate after the product). `V`, `X` and `v` are the third blocks of columns beside `W`, `U` and `b`.
     Gru,
     /// `i, f, g, o = u W + h U + b` (a quarter each), `c' = σ(f) ∘ c + σ(i) ∘ tanh(g)`, `h' = σ(o) ∘ tanh(c')`
     /// (Hochreiter and Schmidhuber 1997, Gers et al. 2000); a particle carries `h` and `c`.
@@ -32,9 +32,7 @@ impl Cell {
             Cell::Lstm => 4,
         }
     }
-}
 
-impl Cell {
     /// How many numbers the weights of a layer are.
     pub(super) fn count(self, [inputs, hidden]: [usize; 2]) -> Option<usize> {
         let rows = inputs.checked_add(hidden)?.checked_add(1)?;

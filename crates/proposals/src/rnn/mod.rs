@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::affine::Weights;
 use crate::backend::Compute;
-use crate::family::{Family, check_count, count_affine, sizes_of};
+use crate::family::{Family, check_count, check_weights, count_affine, sizes_of};
 use crate::gaussian::{Emission, GaussianProposal, Known, Networks};
 use crate::mlp::Mlp;
 use cell::Layer;
@@ -67,6 +67,7 @@ impl Rnn {
         check_count("the depth of the recurrent network", config.depth)?;
         let sizes = sizes_of(model)?;
         let (n, m, hidden) = (sizes.state_dim, sizes.measurement_dim, config.hidden);
+        check_weights(Rnn::count(config, (n, m), 0))?;
         GaussianProposal::assemble(config, config.ridge, sizes, compute, seed, |parameters| RnnNetworks {
             layers: (0..config.depth)
                 .map(|layer| {

@@ -21,12 +21,15 @@ pub struct Entry {
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Description<Config> {
+    /// Of the rest of the file and of the weights; written and checked with the file as text.
+    #[serde(skip_serializing)]
+    #[allow(dead_code, reason = "checked before the file is parsed")]
+    pub(super) blake3: String,
     pub(super) format: u32,
     pub(super) family: String,
     /// T, for an unrolled family.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) horizon: Option<usize>,
-    pub(super) weights_blake3: String,
     pub(super) proposal: Config,
     /// How it was trained, for people to read.
     pub(super) training: toml::Table,
@@ -48,20 +51,19 @@ impl<Config: Serialize + DeserializeOwned> Description<Config> {
 }
 
 impl Description<()> {
-    /// The text for a proposal with the given encoded weights.
+    /// The text for a proposal, but for the hash in its first line.
     pub(super) fn of<F: Family>(
         proposal: &F,
         model: &dyn StateSpaceModel,
         training: &impl Serialize,
-        weights: &[u8],
     ) -> Result<String, String> {
         let training = toml::Table::try_from(training)
             .map_err(|error| format!("the training settings cannot be written: {error}"))?;
         let description = Description {
+            blake3: String::new(),
             format: SAVED_FORMAT,
             family: F::NAME.into(),
             horizon: proposal.horizon(),
-            weights_blake3: blake3::hash(weights).to_hex().to_string(),
             proposal: proposal.config().clone(),
             training,
             system: fingerprint(model),

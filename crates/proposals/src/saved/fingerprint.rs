@@ -6,7 +6,8 @@ use rand_distr::StandardNormal;
 
 use super::Entry;
 
-/// Dimensions, and log densities at a few points; any change of a parameter that a filter would notice changes one of them.
+/// Dimensions, log densities at a few points of the first three times, and projections of the graph: a change of a parameter
+/// changes some of them, unless it shows at later times alone.
 pub(super) fn fingerprint(model: &dyn StateSpaceModel) -> Vec<Entry> {
     let (n, m) = (model.state_dim(), model.measurement_dim());
     let mut stream = Seed::from_u64(0).child("fingerprint").stream();
@@ -26,6 +27,21 @@ pub(super) fn fingerprint(model: &dyn StateSpaceModel) -> Vec<Entry> {
             entries.push(entry(&format!("log p(y_{time} | x_{time}) at a fixed point of size {scale}"), log));
         }
         previous.copy_from_slice(&state);
+    }
+    // Along which edges a graph network computes is the model's too.
+    let graph = model.graph();
+    entries.push(entry("the number of graphs", f64::from(u8::from(graph.is_some()))));
+    if let Some(graph) = graph {
+        for (name, matrix) in [("the graph's matrix S", graph.shift), ("the graph's adapter", graph.adapter)]
+        {
+            let mut sum = 0.0;
+            for j in 0..matrix.ncols() {
+                for i in 0..matrix.nrows() {
+                    sum += matrix[(i, j)] * stream.sample::<f64, _>(StandardNormal);
+                }
+            }
+            entries.push(entry(&format!("a fixed projection of {name}"), sum));
+        }
     }
     entries
 }

@@ -1,13 +1,15 @@
 //! Trained proposals on disk: weights as safetensors, and beside them a description that people can read.
 //!
 //! A saved proposal is a folder with `proposal.toml` and `weights.safetensors`. The description says which family it is, its
-//! settings and sizes, how it was trained, and for which system: [`load`] checks all of it, and a hash of the weights, and
-//! refuses what does not fit.
+//! settings and sizes, how it was trained, and for which system. Its first line is a hash of all the rest, weights included:
+//! [`load`] refuses what was damaged or changed, and what does not fit the call.
 
 mod description;
 mod fingerprint;
 mod weights;
 
+use std::fs::File;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use motes_models::{Seed, StateSpaceModel};
@@ -83,7 +85,8 @@ pub enum SavedError {
 
 /// Writes `proposal`, trained for `model` with the given settings, into `folder`, replacing a proposal that is there.
 ///
-/// The folder appears whole or not at all: it is written under another name beside it and renamed.
+/// The new one is written whole under another name beside `folder`, and only then takes its place, so that one of the two
+/// is there whatever happens. Nothing but a saved proposal is ever replaced.
 ///
 /// # Errors
 /// [`SavedError::Io`] if it cannot be written, [`SavedError::Proposal`] if the weights cannot be read back from the backend.
@@ -93,45 +96,80 @@ pub fn save<F: Family>(
     model: &dyn StateSpaceModel,
     training: &impl Serialize,
 ) -> Result<(), SavedError> {
+    // Without a trailing separator, so that names beside it can be made.
+    let folder: PathBuf = folder.components().collect();
     let weights = weights::encode(proposal.parameters())
-        .map_err(|source| SavedError::Proposal { path: folder.into(), source })?;
-    let description = Description::of(proposal, model, training, &weights)
+        .map_err(|source| SavedError::Proposal { path: folder.clone(), source })?;
+    let description = Description::of(proposal, model, training)
         .map_err(|reason| SavedError::Damaged { path: folder.join(DESCRIPTION), reason })?;
-    let mut partial = folder.as_os_str().to_owned();
-    partial.push(format!(".partial-{}", std::process::id()));
-    let partial = PathBuf::from(partial);
-    let written = write(&partial, &description, &weights).and_then(|()| replace(&partial, folder));
-    written.inspect_err(|_| {
+    let partial = beside(&folder, "partial");
+    let files = [(WEIGHTS, weights.as_slice()), (DESCRIPTION, &seal(&description, &weights).into_bytes())];
+    write(&partial, files).and_then(|()| replace(&partial, &folder)).inspect_err(|_| {
         // What could not be finished is of no use; the error that is reported is the first one.
         let _ = std::fs::remove_dir_all(&partial);
     })
 }
 
-fn write(folder: &Path, description: &str, weights: &[u8]) -> Result<(), SavedError> {
+/// `.<name>.<what>-<process>` in the same folder.
+fn beside(folder: &Path, what: &str) -> PathBuf {
+    let name = folder.file_name().unwrap_or_default().to_string_lossy();
+    folder.with_file_name(format!(".{name}.{what}-{}", std::process::id()))
+}
+
+fn write(folder: &Path, files: [(&str, &[u8]); 2]) -> Result<(), SavedError> {
     let io = |path: &Path, result: std::io::Result<()>| {
         result.map_err(|source| SavedError::Io { path: path.into(), source })
     };
     io(folder, std::fs::create_dir_all(folder))?;
-    for (name, bytes) in [(WEIGHTS, weights), (DESCRIPTION, description.as_bytes())] {
+    for (name, bytes) in files {
         let path = folder.join(name);
-        io(&path, std::fs::write(&path, bytes))?;
+        let written = File::create(&path).and_then(|mut file| {
+            file.write_all(bytes)?;
+            file.sync_all()
+        });
+        io(&path, written)?;
     }
     Ok(())
 }
 
-/// Puts `new` in the place of `folder`; only what [`save`] writes is ever removed.
+/// Puts `new` in the place of `folder`.
 fn replace(new: &Path, folder: &Path) -> Result<(), SavedError> {
     let io = |source| SavedError::Io { path: folder.into(), source };
-    if folder.join(DESCRIPTION).exists() {
-        for name in [DESCRIPTION, WEIGHTS] {
-            match std::fs::remove_file(folder.join(name)) {
-                Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(io(error)),
-                _ => {}
-            }
-        }
-        std::fs::remove_dir(folder).map_err(io)?;
+    if !folder.join(DESCRIPTION).exists() {
+        // Nothing there, or an empty folder; any other is refused by the operating system.
+        return std::fs::rename(new, folder).map_err(io);
     }
-    std::fs::rename(new, folder).map_err(io)
+    let old = beside(folder, "old");
+    std::fs::rename(folder, &old).map_err(io)?;
+    if let Err(error) = std::fs::rename(new, folder) {
+        std::fs::rename(&old, folder).map_err(io)?;
+        return Err(io(error));
+    }
+    for name in [DESCRIPTION, WEIGHTS] {
+        let _ = std::fs::remove_file(old.join(name));
+    }
+    // Anything else that lay there stays, under this name.
+    let _ = std::fs::remove_dir(&old);
+    Ok(())
+}
+
+/// The description with a first line that holds the hash of it and of the weights.
+fn seal(description: &str, weights: &[u8]) -> String {
+    format!("{SEAL}\"{}\"\n{description}", hash(description, weights))
+}
+
+const SEAL: &str = "blake3 = ";
+
+fn hash(description: &str, weights: &[u8]) -> String {
+    let mut hasher = blake3::Hasher::new();
+    hasher.update(description.as_bytes()).update(weights);
+    hasher.finalize().to_hex().to_string()
+}
+
+/// Whether the first line is the hash of the rest and of the weights.
+fn is_sealed(text: &str, weights: &[u8]) -> bool {
+    let Some((line, description)) = text.split_once('\n') else { return false };
+    line.strip_prefix(SEAL) == Some(&format!("\"{}\"", hash(description, weights)))
 }
 
 /// Reads a proposal of family `F` for `model` from `folder`.
@@ -160,15 +198,14 @@ pub fn load<F: Family>(
     if family != F::NAME {
         return Err(unfit("the family", family, F::NAME.into()));
     }
+    let bytes = read(WEIGHTS)?;
+    if !is_sealed(&text, &bytes) {
+        let reason =
+            "its files are not as they were saved: the hash in the first line of proposal.toml says so";
+        return Err(SavedError::Damaged { path: folder.into(), reason: reason.into() });
+    }
     let saved: Description<F::Config> =
         Description::parse(&text).map_err(|reason| damaged(DESCRIPTION, reason))?;
-
-    let bytes = read(WEIGHTS)?;
-    if blake3::hash(&bytes).to_hex().as_str() != saved.weights_blake3 {
-        let reason =
-            format!("its BLAKE3 hash is not the one in {DESCRIPTION}: it is damaged or of another proposal");
-        return Err(damaged(WEIGHTS, reason));
-    }
     check_system(folder, &saved.system, model)?;
     let matrices = weights::decode(&bytes).map_err(|reason| damaged(WEIGHTS, reason))?;
 
@@ -184,6 +221,10 @@ pub fn load<F: Family>(
     let seed = Seed::from_u64(0);
     let mut proposal =
         F::create(&saved.proposal, model, saved.horizon.unwrap_or(0), compute, &seed).map_err(refused)?;
+    if proposal.horizon() != saved.horizon {
+        let text = |horizon: Option<usize>| horizon.map_or("none".into(), |horizon| horizon.to_string());
+        return Err(unfit("the horizon", text(saved.horizon), text(proposal.horizon())));
+    }
     weights::place(&matrices, proposal.parameters_mut()).map_err(|reason| damaged(WEIGHTS, reason))?;
     Ok(proposal)
 }
@@ -193,8 +234,8 @@ fn check_system(folder: &Path, saved: &[Entry], model: &dyn StateSpaceModel) -> 
     let given = fingerprint(model);
     for (found, expected) in saved.iter().zip(&given) {
         let scale = found.value.abs().max(expected.value.abs());
-        let same = found.value == expected.value
-            || (found.value - expected.value).abs() <= FINGERPRINT_TOLERANCE * scale;
+        let near = (found.value - expected.value).abs() <= FINGERPRINT_TOLERANCE * scale;
+        let same = found.value == expected.value || (scale.is_finite() && near);
         if found.name != expected.name || !same {
             return Err(SavedError::OtherSystem {
                 path: folder.into(),
