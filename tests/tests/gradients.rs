@@ -95,12 +95,14 @@ fn families(system: &GraphDiffusion, compute: Compute) -> Vec<(String, Box<dyn L
 }
 
 /// The value of the loss and its gradient with respect to each matrix of weights.
+type LossAndGradients = (f64, Vec<Vec<f64>>);
+
 fn loss_and_gradients(
     proposal: &dyn Learnable,
     system: &GraphDiffusion,
     measurements: &Measurements,
     objective: Objective,
-) -> (f64, Vec<Vec<f64>>) {
+) -> LossAndGradients {
     let mut stream = Seed::from_u64(70).stream();
     let flow = GradientFlow::Full;
     let found = rollout(proposal, system, measurements, objective, flow, 4, &mut stream).unwrap();
@@ -122,7 +124,7 @@ fn host(gradients: &Gradients, proposal: &dyn Learnable) -> Vec<Vec<f64>> {
 fn check_gradients(
     label: &str,
     proposal: &mut dyn Learnable,
-    loss_and_gradients: &dyn Fn(&dyn Learnable) -> (f64, Vec<Vec<f64>>),
+    loss_and_gradients: &dyn Fn(&dyn Learnable) -> LossAndGradients,
 ) {
     let (_, gradients) = loss_and_gradients(proposal);
     let whole = norm(&gradients.concat());

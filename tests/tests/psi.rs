@@ -129,7 +129,7 @@ fn by_hand(
 fn check_log_q(psi: &Psi, n: usize, layers: usize, ridge: f64, tolerance: f64) {
     let (previous, measurement) = (uniform(3 * n, 95), uniform(n.div_ceil(2), 96));
     let Drawn { noise, states, along } = draw(psi, past(n, &previous, &measurement), n, 97);
-    for row in 0..3 {
+    for (row, found) in along.iter().enumerate() {
         let at = row * n..(row + 1) * n;
         let (state, jacobian) =
             by_hand(psi, layers, ridge, &noise[at.clone()], &previous[at.clone()], &measurement);
@@ -137,7 +137,6 @@ fn check_log_q(psi: &Psi, n: usize, layers: usize, ridge: f64, tolerance: f64) {
             assert!((found - expected).abs() < 1e-12);
         }
         let log_det: f64 = jacobian.singular_values().unwrap().iter().map(|value| value.ln()).sum();
-        let found = along[row];
         assert!((found + log_det).abs() < tolerance * log_det.abs().max(1.0), "{found} for {}", -log_det);
     }
 }

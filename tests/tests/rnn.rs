@@ -80,27 +80,21 @@ fn memory_and_log_q_are_those_of_the_ancestral_path() {
     }
 }
 
+/// Filters twelve measurements.
+fn run(proposal: impl Proposal<GraphDiffusion>) -> Result<(), FilterError> {
+    let (system, seed) = (system(), Seed::from_u64(113));
+    let measurements = simulate(&system, 12, &mut seed.child("data").stream()).unwrap().measurements;
+    let mut bank = FilterBank::new(&system, proposal, FilterSettings::new(20), 1, &seed.child("filter"))?;
+    measurements.rows().try_for_each(|measurement| bank.step(measurement))
+}
+
 #[test]
 fn trained_on_one_length_it_runs_on_any_other() {
-    let (system, seed) = (system(), Seed::from_u64(113));
-    let run = |mut step: Box<dyn FnMut(&[f64]) -> Result<(), FilterError>>| {
-        let measurements = simulate(&system, 12, &mut seed.child("data").stream()).unwrap().measurements;
-        measurements.rows().try_for_each(|measurement| step(measurement))
-    };
-    fn filter<P: Proposal<GraphDiffusion> + 'static>(
-        system: &GraphDiffusion,
-        proposal: P,
-    ) -> Box<dyn FnMut(&[f64]) -> Result<(), FilterError>> {
-        let settings = FilterSettings::new(20);
-        let model = Box::new(system.clone());
-        let mut bank = FilterBank::new(model, proposal, settings, 1, &Seed::from_u64(114)).unwrap();
-        Box::new(move |measurement| bank.step(measurement))
-    }
-    let rnn: Rnn = trained_family(&small_rnn(Cell::Lstm), &system, 4, F64);
+    let rnn: Rnn = trained_family(&small_rnn(Cell::Lstm), &system(), 4, F64);
     assert_eq!(rnn.horizon(), None);
-    run(filter(&system, rnn)).unwrap();
-    let fcnn: Fcnn = trained_family(&small_fcnn(), &system, 4, F64);
-    let error = run(filter(&system, fcnn)).unwrap_err();
+    run(rnn).unwrap();
+    let fcnn: Fcnn = trained_family(&small_fcnn(), &system(), 4, F64);
+    let error = run(fcnn).unwrap_err();
     let source = ProposalError::PastHorizon { horizon: 4, time: 4 };
     assert_eq!(error, FilterError::Proposal { step: 4, source });
     assert_eq!(

@@ -112,12 +112,12 @@ fn keys_and_values_of_the_experiment() {
         (
             "cell = \"lstm\"",
             "cell = \"lsm\"",
-            "line 31, key `cell`: `lsm` is not known here; did you mean lstm? there are lstm, gru, elman",
+            "line 33, key `cell`: `lsm` is not known here; did you mean lstm? there are lstm, gru, elman",
         ),
         (
             "adapter = \"fixed\"",
             "adapter = \"fix\"",
-            "line 37, key `adapter`: `fix` is not known here; did you mean fixed? there are fixed, learned",
+            "line 39, key `adapter`: `fix` is not known here; did you mean fixed? there are fixed, learned",
         ),
         (
             "gradient = \"full\"",

@@ -68,7 +68,7 @@ pub struct GnnNetworks {
 #[derive(Clone)]
 enum Adapters {
     /// `N×M`.
-    Fixed(Tensor<2>),
+    Fixed(Box<Tensor<2>>),
     /// The indices among the parameters of that of the means and that of the representation.
     Learned(usize, usize),
 }
@@ -116,7 +116,7 @@ impl Gnn {
                 .collect();
             let representation = GraphNetwork::draw(parameters, "covariance", &features, config.order, seed);
             let adapters = match config.adapter {
-                Adapter::Fixed => Adapters::Fixed(matrix(&graph.adapter)),
+                Adapter::Fixed => Adapters::Fixed(Box::new(matrix(&graph.adapter))),
                 Adapter::Learned => {
                     let first = parameters.len();
                     parameters.draw("mean.adapter".into(), [n, m], fan_in_bound(m), seed);
@@ -146,7 +146,7 @@ impl Networks for GnnNetworks {
         };
         let (of_mean, of_representation) = match &self.adapters {
             Adapters::Fixed(adapter) => {
-                let inputs = inputs(adapter.clone());
+                let inputs = inputs((**adapter).clone());
                 (inputs.clone(), inputs)
             }
             Adapters::Learned(mean, representation) => {

@@ -42,8 +42,7 @@ impl Map {
                     return f64::NEG_INFINITY;
                 }
                 let slope = (1.0 - value) * (1.0 + value);
-                // Also where a value is not a number.
-                if !(value.abs() + error < 1.0) {
+                if value.is_nan() || error.is_nan() || value.abs() + error >= 1.0 {
                     return f64::NAN;
                 }
                 log_density -= slope.ln();
@@ -63,7 +62,8 @@ impl Map {
             }
             // So near an edge of the cube that rounding decides on which side, and not a hair's breadth.
             let edge = value.min(1.0 - value).abs();
-            if !value.is_finite() || (edge < error && error > LOG_DENSITY_ERROR) || !(error < 0.5) {
+            let blunt = edge < error && error > LOG_DENSITY_ERROR;
+            if !value.is_finite() || !error.is_finite() || blunt || error >= 0.5 {
                 return f64::NAN;
             }
             noise[i] = value;
