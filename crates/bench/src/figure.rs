@@ -24,7 +24,7 @@ const METRICS: [Metric; 4] = [
 ];
 
 const PANEL: (u32, u32) = (380, 260);
-const HEAD: u32 = 64;
+const HEAD: u32 = 84;
 const FONT: &str = "sans-serif";
 const INK: RGBColor = RGBColor(40, 40, 40);
 
@@ -81,7 +81,7 @@ fn draw_head(head: &Area<'_>, title: &str, methods: &[Method]) -> Drawn {
         x += 52 + 8 * method.name().len() as i32;
     }
     let note = "medians; bars span the middle half of the repetitions";
-    head.draw(&Text::new(note, (x, 39), (FONT, 13).into_font().color(&INK.mix(0.7))))?;
+    head.draw(&Text::new(note, (12, 62), (FONT, 13).into_font().color(&INK.mix(0.7))))?;
     Ok(())
 }
 
@@ -101,7 +101,12 @@ fn draw_cell(
     if metric.logarithmic {
         let (low, _) = extent(rows.iter().map(|row| row.quartiles.0));
         let (_, high) = extent(rows.iter().map(|row| row.quartiles.1));
-        let y = (low / 1.5..high * 1.5).log_scale();
+        let (mut low, mut high) = (low / 1.5, high * 1.5);
+        // A narrow range is widened to whole decades, so that there are two labelled lines to read it by.
+        if high < 30.0 * low {
+            (low, high) = (10_f64.powf(low.log10().floor()), 10_f64.powf(high.log10().ceil()));
+        }
+        let y = (low..high).log_scale();
         draw_chart(cell, plan, metric, panel, methods, &here, x, y)
     } else {
         let (_, high) = extent(rows.iter().map(|row| row.quartiles.1));
@@ -125,6 +130,9 @@ where
     Y::CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>,
 {
     let spread = x.end - x.start;
+    let mut xs: Vec<usize> = rows.iter().map(|row| row.x).collect();
+    xs.sort_unstable();
+    xs.dedup();
     let mut chart = ChartBuilder::on(cell)
         .margin(8)
         .margin_right(14)
@@ -133,13 +141,11 @@ where
         .y_label_area_size(48)
         .build_cartesian_2d(x, y)?;
     let label = |y: &f64| if metric.logarithmic { format!("{y:.0e}") } else { format!("{y}") };
-    let mut xs: Vec<usize> = rows.iter().map(|row| row.x).collect();
-    xs.sort_unstable();
-    xs.dedup();
     chart
         .configure_mesh()
         .x_desc(axis_label(plan.experiment.axis))
         .x_labels(xs.len().clamp(2, 8))
+        .y_labels(5)
         .x_label_formatter(&|x| format!("{x:.0}"))
         .y_label_formatter(&label)
         .light_line_style(TRANSPARENT)
