@@ -101,11 +101,15 @@ fn draw_cell(
     if metric.logarithmic {
         let (low, _) = extent(rows.iter().map(|row| row.quartiles.0));
         let (_, high) = extent(rows.iter().map(|row| row.quartiles.1));
-        let (mut low, mut high) = (low / 1.5, high * 1.5);
         // A narrow range is widened to whole decades, so that there are two labelled lines to read it by.
-        if high < 30.0 * low {
-            (low, high) = (10_f64.powf(low.log10().floor()), 10_f64.powf(high.log10().ceil()));
-        }
+        let (low, high) = match high < 30.0 * low {
+            true => {
+                let whole = |value: f64, round: fn(f64) -> f64| 10_f64.powf(round(value.log10()));
+                // A hair beyond, so that rounding does not leave the line at the end out.
+                (0.99 * whole(low / 1.05, f64::floor), 1.01 * whole(high * 1.05, f64::ceil))
+            }
+            false => (low / 1.5, high * 1.5),
+        };
         let y = (low..high).log_scale();
         draw_chart(cell, plan, metric, panel, methods, &here, x, y)
     } else {
