@@ -56,7 +56,8 @@ pub enum UnitError {
     Interrupted,
 }
 
-fn failed(error: impl ToString) -> UnitError {
+/// A failure for any reason.
+pub(crate) fn failed(error: impl ToString) -> UnitError {
     UnitError::Failed(error.to_string())
 }
 

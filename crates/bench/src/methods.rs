@@ -8,7 +8,7 @@ use motes_smc::{Bootstrap, MinDegeneracy, Proposal};
 use serde::{Deserialize, Serialize};
 
 use crate::config::{self, Backend, Method, Plan, Training};
-use crate::evaluate::UnitError;
+use crate::evaluate::{UnitError, failed};
 
 /// A method with the settings that it depends on, and no others.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -59,13 +59,12 @@ impl MethodConfig {
     /// The method of a plan's units, as the plan's files and profile set it.
     pub(crate) fn of(method: Method, plan: &Plan) -> MethodConfig {
         let (settings, sizes) = (&plan.experiment.proposals, &plan.profile.sizes);
-        let widths = |widths: &[usize]| widths.to_vec();
         match method {
             Method::MinDegeneracy => MethodConfig::MinDegeneracy,
             Method::Bootstrap => MethodConfig::Bootstrap,
             Method::Fcnn => MethodConfig::Fcnn(LearnedUnit::of(
                 plan,
-                FcnnConfig { widths: widths(&sizes.fcnn), ridge: settings.fcnn.ridge },
+                FcnnConfig { widths: sizes.fcnn.clone(), ridge: settings.fcnn.ridge },
             )),
             Method::Rnn => MethodConfig::Rnn(LearnedUnit::of(
                 plan,
@@ -83,7 +82,7 @@ impl MethodConfig {
             Method::Gnn => MethodConfig::Gnn(LearnedUnit::of(
                 plan,
                 GnnConfig {
-                    features: widths(&sizes.gnn),
+                    features: sizes.gnn.clone(),
                     order: settings.gnn.order,
                     adapter: match settings.gnn.adapter {
                         config::Adapter::Fixed => Adapter::Fixed,
@@ -129,10 +128,7 @@ impl MethodConfig {
         visitor: V,
     ) -> Result<V::Output, UnitError> {
         match self {
-            MethodConfig::MinDegeneracy => {
-                let proposal = MinDegeneracy::new(model);
-                visitor.designed(proposal.map_err(|error| UnitError::Failed(error.to_string()))?)
-            }
+            MethodConfig::MinDegeneracy => visitor.designed(MinDegeneracy::new(model).map_err(failed)?),
             MethodConfig::Bootstrap => visitor.designed(Bootstrap),
             MethodConfig::Fcnn(unit) => visitor.learned::<Fcnn>(unit),
             MethodConfig::Rnn(unit) => visitor.learned::<Rnn>(unit),

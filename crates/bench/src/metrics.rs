@@ -75,11 +75,13 @@ fn normalised_error(estimate: &[f64], truth: &Sequence, time: usize) -> f64 {
     squared_error(estimate, truth.row(time)) / squared_norm(truth.row(time))
 }
 
-fn squared_error(a: &[f64], b: &[f64]) -> f64 {
+/// `‖a − b‖²`.
+pub(crate) fn squared_error(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum()
 }
 
-fn squared_norm(a: &[f64]) -> f64 {
+/// `‖a‖²`.
+pub(crate) fn squared_norm(a: &[f64]) -> f64 {
     a.iter().map(|a| a * a).sum()
 }
 

@@ -1,13 +1,13 @@
 //! Posterior means to hold estimates against where no formula gives them: two independent filters with very many particles.
 
 use std::collections::HashMap;
-use std::ops::ControlFlow;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use motes_models::{GraphDiffusion, Noise, Seed};
 use motes_smc::{Bootstrap, FilterError, FilterSettings, MinDegeneracy, ParticleFilter, Proposal};
 
-use crate::evaluate::UnitError;
+use crate::evaluate::{UnitError, failed};
+use crate::metrics::{squared_error, squared_norm};
 use crate::problem::Problem;
 use crate::{Interrupt, UnitConfig};
 
@@ -67,32 +67,25 @@ fn find(
     interrupt: &Interrupt,
 ) -> Result<References, UnitError> {
     let seed = unit.system_seed().child("reference");
-    // Where all weights of a reference vanish there is none, and nothing is held against it.
-    let known = |found: Result<PosteriorMean, FilterError>| match found {
-        Ok(mean) => Ok(Some(mean)),
-        Err(FilterError::Collapse { .. }) => Ok(None),
-        Err(error) => Err(UnitError::Failed(format!("reference filter: {error}"))),
-    };
     let gaussian = match &problem.exact {
         Some(exact) => {
             Some(PosteriorMean { mean: exact.means.row(exact.means.len() - 1).to_vec(), difference: None })
         }
         None => {
             let model = problem.system.with_noise(Noise::Gaussian);
-            let proposal =
-                MinDegeneracy::new(&model).map_err(|error| UnitError::Failed(error.to_string()))?;
-            let seed = seed.child("gaussian");
-            known(two_filters(&model, &proposal, particles, problem, &seed, interrupt)?)?
+            let proposal = MinDegeneracy::new(&model).map_err(failed)?;
+            two_filters(&model, &proposal, particles, problem, &seed.child("gaussian"), interrupt)?
         }
     };
     let exact = if problem.has_gaussian_noise {
         None
     } else {
-        known(two_filters(&problem.system, &Bootstrap, particles, problem, &seed.child("exact"), interrupt)?)?
+        two_filters(&problem.system, &Bootstrap, particles, problem, &seed.child("exact"), interrupt)?
     };
     Ok(References { gaussian, exact })
 }
 
+/// The average of two filters; none where all weights of one vanish, and nothing is then held against it.
 fn two_filters<P: Proposal<GraphDiffusion> + Clone>(
     model: &GraphDiffusion,
     proposal: &P,
@@ -100,22 +93,15 @@ fn two_filters<P: Proposal<GraphDiffusion> + Clone>(
     problem: &Problem,
     seed: &Seed,
     interrupt: &Interrupt,
-) -> Result<Result<PosteriorMean, FilterError>, UnitError> {
-    let mut means = Vec::new();
-    for index in 0..2 {
-        match last_mean(model, proposal.clone(), particles, problem, &seed.nth(index), interrupt)? {
-            Ok(mean) => means.push(mean),
-            Err(error) => return Ok(Err(error)),
-        }
-    }
-    let square = |values: &mut dyn Iterator<Item = f64>| values.map(|value| value * value).sum::<f64>();
-    let apart = square(&mut means[0].iter().zip(&means[1]).map(|(a, b)| a - b));
-    let difference = Some(apart / square(&mut means[0].iter().copied()));
-    let mean = means[0].iter().zip(&means[1]).map(|(a, b)| 0.5 * (a + b)).collect();
-    Ok(Ok(PosteriorMean { mean, difference }))
+) -> Result<Option<PosteriorMean>, UnitError> {
+    let last = |index| last_mean(model, proposal.clone(), particles, problem, &seed.nth(index), interrupt);
+    let (Some(a), Some(b)) = (last(0)?, last(1)?) else { return Ok(None) };
+    let difference = Some(squared_error(&a, &b) / squared_norm(&a));
+    let mean = a.iter().zip(&b).map(|(a, b)| 0.5 * (a + b)).collect();
+    Ok(Some(PosteriorMean { mean, difference }))
 }
 
-/// One filter's estimate at the last time.
+/// One filter's estimate at the last time; none where all its weights vanish.
 fn last_mean<P: Proposal<GraphDiffusion>>(
     model: &GraphDiffusion,
     proposal: P,
@@ -123,20 +109,18 @@ fn last_mean<P: Proposal<GraphDiffusion>>(
     problem: &Problem,
     seed: &Seed,
     interrupt: &Interrupt,
-) -> Result<Result<Vec<f64>, FilterError>, UnitError> {
-    let run = || {
-        let mut filter = ParticleFilter::new(model, proposal, FilterSettings::new(particles), seed.stream())?;
-        for measurement in problem.trajectory.measurements.rows() {
-            if interrupt.check() == ControlFlow::Break(()) {
-                return Ok(None);
-            }
-            filter.step(measurement)?;
+) -> Result<Option<Vec<f64>>, UnitError> {
+    let settings = FilterSettings::new(particles);
+    let mut filter = ParticleFilter::new(model, proposal, settings, seed.stream()).map_err(failed)?;
+    for measurement in problem.trajectory.measurements.rows() {
+        if interrupt.check().is_break() {
+            return Err(UnitError::Interrupted);
         }
-        Ok(Some(filter.mean().to_vec()))
-    };
-    match run() {
-        Ok(Some(mean)) => Ok(Ok(mean)),
-        Ok(None) => Err(UnitError::Interrupted),
-        Err(error) => Ok(Err(error)),
+        match filter.step(measurement) {
+            Ok(()) => {}
+            Err(FilterError::Collapse { .. }) => return Ok(None),
+            Err(error) => return Err(failed(format!("reference filter: {error}"))),
+        }
     }
+    Ok(Some(filter.mean().to_vec()))
 }

@@ -25,6 +25,11 @@ impl FcnnConfig {
     pub fn paper() -> Self {
         FcnnConfig { widths: vec![256, 512, 1024], ridge: 1e-6 }
     }
+
+    /// Widths from the input `[x_{t−1}; y_t]` to the output.
+    fn layers(&self, state_dim: usize, measurement_dim: usize) -> Vec<usize> {
+        [&[state_dim + measurement_dim], self.widths.as_slice(), &[state_dim]].concat()
+    }
 }
 
 /// `q(x_t | x_{t−1}, y_t) = N(μ_t, Σ_t)` with `μ_t = NN_t(x_{t−1}, y_t)` and `Σ_t = C K(z_t) Cᵀ + δI`, `z_t = NN(x_{t−1}, y_t)`.
@@ -59,7 +64,7 @@ impl Fcnn {
         let sizes = sizes_of(model)?;
         let (n, m) = (sizes.state_dim, sizes.measurement_dim);
         check_weights(Fcnn::count(config, (n, m), horizon))?;
-        let widths: Vec<usize> = [&[n + m], config.widths.as_slice(), &[n]].concat();
+        let widths = config.layers(n, m);
         GaussianProposal::assemble(config, config.ridge, sizes, compute, seed, |parameters| FcnnNetworks {
             means: (0..horizon).map(|t| Mlp::draw(parameters, &format!("mean.{t}"), &widths, seed)).collect(),
             representation: Mlp::draw(parameters, "covariance", &widths, seed),
@@ -97,8 +102,7 @@ impl Family for Fcnn {
     }
 
     fn count(config: &FcnnConfig, (n, m): (usize, usize), horizon: usize) -> Option<usize> {
-        let widths: Vec<usize> = [&[n + m], config.widths.as_slice(), &[n]].concat();
-        count_affine(&widths, 1)?.checked_mul(horizon.checked_add(1)?)?.checked_add(n * n)
+        count_affine(&config.layers(n, m), 1)?.checked_mul(horizon.checked_add(1)?)?.checked_add(n * n)
     }
 
     fn config(&self) -> &FcnnConfig {

@@ -75,10 +75,7 @@ impl Parameters {
     /// [`ProposalError::Mismatch`] if their number is not that of the matrix.
     pub fn set_host(&mut self, index: usize, values: &[f64]) -> Result<(), ProposalError> {
         let shape = self.values[index].dims();
-        let (found, expected) = (values.len(), shape[0] * shape[1]);
-        if found != expected {
-            return Err(ProposalError::Mismatch { what: "the number of weights", found, expected });
-        }
+        ProposalError::unless_same("the number of weights", values.len(), shape[0] * shape[1])?;
         self.values[index] = self.compute.tensor(values, shape);
         Ok(())
     }

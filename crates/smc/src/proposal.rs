@@ -80,6 +80,16 @@ pub enum ProposalError {
     },
 }
 
+impl ProposalError {
+    /// Refuses a proposal in which `what` is not what it is in the model.
+    ///
+    /// # Errors
+    /// [`ProposalError::Mismatch`] if the two differ.
+    pub fn unless_same(what: &'static str, found: usize, expected: usize) -> Result<(), Self> {
+        if found == expected { Ok(()) } else { Err(ProposalError::Mismatch { what, found, expected }) }
+    }
+}
+
 /// A sampling distribution `q(x_t | x_{0:t−1}, y_{0:t})` for particles of a model of type `Model`.
 ///
 /// Using one takes two moves: [`Proposal::condition`] computes whatever depends on the past (a network runs

@@ -113,8 +113,9 @@ impl<'a> SharpReferences<'a> {
 
     /// Whether a repetition's value of a metric is to be compared.
     fn covers(&self, point: &Point, name: &str) -> bool {
-        !self.blunt.iter().any(|(metric, panel, x, repetition)| {
-            *metric == name && *panel == point.panel && (*x, *repetition) == (point.x, point.repetition)
+        let known = REFERENCES.iter().find(|(metric, _)| *metric == name);
+        known.is_none_or(|(metric, _)| {
+            !self.blunt.contains(&(*metric, point.panel.as_str(), point.x, point.repetition))
         })
     }
 }

@@ -207,7 +207,7 @@ mod tests {
                 }
             }
         }
-        Figure { places, was_run: true, values, ..Figure::default() }
+        Figure::of(places, values)
     }
 
     fn verdicts(figures: BTreeMap<&'static str, Figure>, of: &str) -> Vec<Verdict> {

@@ -1,6 +1,6 @@
 //! The numbers of finished runs, as claims ask for them.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use super::VerifyError;
@@ -22,8 +22,8 @@ pub(super) struct Figure {
     pub(super) was_run: bool,
     /// By method, panel, x and metric: the value of each repetition.
     pub(super) values: Values,
-    /// By method, panel and x: the repetitions that failed.
-    pub(super) failed: BTreeMap<(String, Place), Vec<usize>>,
+    /// As many repetitions as the most complete point has.
+    pub(super) repetitions: usize,
 }
 
 fn units_file(folder: &Path, figure: &str, profile: &str) -> PathBuf {
@@ -48,30 +48,24 @@ impl Figure {
         if !file.exists() {
             return Ok(Figure { places, ..Figure::default() });
         }
-        let mut figure = Figure { places, was_run: true, values: read_units(&file)?, ..Figure::default() };
+        let mut values = read_units(&file)?;
         let failures = file.with_file_name("failures.csv");
         if failures.exists() {
-            figure.failed = read_failures(&failures)?;
+            count_failures(&mut values, read_failures(&failures)?);
         }
-        figure.count_failures();
-        Ok(figure)
+        Ok(Figure::of(places, values))
     }
 
-    /// A repetition that failed counts as one with an infinite error in every metric of its point: it is never below
-    /// another, and never dropped.
-    fn count_failures(&mut self) {
-        for ((method, place, _), values) in &mut self.values {
-            for repetition in self.failed.get(&(method.clone(), place.clone())).into_iter().flatten() {
-                values.insert(*repetition, f64::INFINITY);
-            }
-        }
+    /// A figure of which these values are known.
+    pub(super) fn of(places: Vec<Place>, values: Values) -> Figure {
+        let repetitions = values.values().map(BTreeMap::len).max().unwrap_or(0);
+        Figure { places, was_run: true, values, repetitions }
     }
 
     /// The value of each repetition; none if fewer were run here than elsewhere in the figure.
     pub(super) fn at(&self, method: Method, place: &Place, metric: &str) -> Option<&BTreeMap<usize, f64>> {
-        let repetitions = self.values.values().map(BTreeMap::len).max()?;
         let values = self.values.get(&(method.name().to_string(), place.clone(), metric.to_string()))?;
-        (values.len() == repetitions).then_some(values)
+        (values.len() == self.repetitions).then_some(values)
     }
 
     /// The median over repetitions.
@@ -126,13 +120,28 @@ pub(super) type Values = BTreeMap<(String, Place, String), BTreeMap<usize, f64>>
 /// figure, panel, method, x, repetition, reason.
 type FailureLine = (String, String, String, usize, usize, String);
 
-fn read_failures(path: &PathBuf) -> Result<BTreeMap<(String, Place), Vec<usize>>, VerifyError> {
+/// Method, place and repetition of each unit that failed.
+type Failures = Vec<(String, Place, usize)>;
+
+/// A repetition that failed counts as one with an infinite error in every metric: it is never below another, and never
+/// dropped.
+fn count_failures(values: &mut Values, failures: Failures) {
+    let metrics: BTreeSet<String> = values.keys().map(|(_, _, metric)| metric.clone()).collect();
+    for (method, place, repetition) in failures {
+        for metric in &metrics {
+            let key = (method.clone(), place.clone(), metric.clone());
+            values.entry(key).or_default().insert(repetition, f64::INFINITY);
+        }
+    }
+}
+
+fn read_failures(path: &PathBuf) -> Result<Failures, VerifyError> {
     let fail = |source| VerifyError::Table { path: path.clone(), source };
-    let mut failed: BTreeMap<_, Vec<usize>> = BTreeMap::new();
+    let mut failed = Failures::new();
     let mut reader = csv::Reader::from_path(path).map_err(fail)?;
     for line in reader.deserialize() {
         let (_, panel, method, x, repetition, _): FailureLine = line.map_err(fail)?;
-        failed.entry((method, Place { panel, x })).or_default().push(repetition);
+        failed.push((method, Place { panel, x }, repetition));
     }
     Ok(failed)
 }
@@ -146,4 +155,22 @@ fn read_units(path: &PathBuf) -> Result<Values, VerifyError> {
         values.entry((method, Place { panel, x }, metric)).or_default().insert(repetition, value);
     }
     Ok(values)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_that_failed_are_infinite_errors_also_where_none_succeeded() {
+        let place = Place { panel: "N10".into(), x: 10 };
+        let key = |method: &str| (method.to_string(), place.clone(), "nmse_final".to_string());
+        let mut values = Values::from([(key("bootstrap"), BTreeMap::from([(0, 1.0), (1, 2.0)]))]);
+        let failures = [0, 1].map(|repetition| ("psi".to_string(), place.clone(), repetition));
+        count_failures(&mut values, failures.into());
+        let figure = Figure::of(vec![place.clone()], values);
+        assert_eq!(figure.median(Method::Psi, &place, "nmse_final"), Some(f64::INFINITY));
+        assert_eq!(figure.median(Method::Bootstrap, &place, "nmse_final"), Some(1.5));
+        assert_eq!(figure.median(Method::Fcnn, &place, "nmse_final"), None);
+    }
 }

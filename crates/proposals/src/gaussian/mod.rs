@@ -123,10 +123,7 @@ impl<F: Networks, Config: Clone> GaussianProposal<F, Config> {
             return Err(ProposalError::PastHorizon { horizon, time: past.time });
         }
         let (n, m) = (self.state_dim, self.measurement_dim);
-        let (found, expected) = (m, past.measurement.len());
-        if found != expected {
-            return Err(ProposalError::Mismatch { what: "the measurement dimension M", found, expected });
-        }
+        ProposalError::unless_same("the measurement dimension M", m, past.measurement.len())?;
         let compute = self.parameters.compute();
         let shape = [past.particles, n];
         let previous = match past.previous {

@@ -26,10 +26,7 @@ impl<M: StateSpaceModel + ?Sized, F: Networks, Config: Clone> Proposal<M> for Ga
         past: Past<'a>,
         memory: &mut Hidden,
     ) -> Result<&'a mut GaussianBatch, ProposalError> {
-        let (found, expected) = (self.state_dim, model.state_dim());
-        if found != expected {
-            return Err(ProposalError::Mismatch { what: "the state dimension N", found, expected });
-        }
+        ProposalError::unless_same("the state dimension N", self.state_dim, model.state_dim())?;
         let (previous, measurement) = self.known(&past)?;
         let known = Known { previous, measurement, hidden: &memory.tensors };
         let emission =

@@ -43,14 +43,19 @@ impl GnnConfig {
     pub fn paper() -> Self {
         GnnConfig { features: vec![256, 512, 1024], order: 3, adapter: Adapter::Fixed, ridge: 1e-6 }
     }
+
+    /// Features at the input, two of each node, to those at the output, one.
+    fn layers(&self) -> Vec<usize> {
+        [&[2], self.features.as_slice(), &[1]].concat()
+    }
 }
 
 /// `q(x_t | x_{t−1}, y_t) = N(μ_t, C K(z_t) Cᵀ + δI)` with `μ_t = GNN_t([x_{t−1}, A_y y_t]; S)` and `z_t = GNN([x_{t−1}, A_y y_t]; S)`.
 ///
 /// A layer is `Z' = tanh(Σ_d S^d Z W_d + 1 bᵀ)` (the paper's equations "graphFilter" and "meanGNN"), the last without tanh,
-/// with `S` the system's graph and two features at the input; `W_0 … W_D` of a layer are stored on top of each other. Each time has a mean network of its own, so the proposal
-/// knows its horizon `T`; the covariance network is the same at all times. Its weights do not depend on `N` but for `C` and a
-/// learned adapter.
+/// with `S` the system's graph and two features at the input; `W_0 … W_D` of a layer are stored on top of each other. Each time
+/// has a mean network of its own, so the proposal knows its horizon `T`; the covariance network is the same at all times. Its
+/// weights do not depend on `N` but for `C` and a learned adapter.
 ///
 /// A particle costs `2N Σ_ℓ (D+1) F_{ℓ−1} F_ℓ` multiplications a step for its two networks (53 million at the paper's sizes and `N = 10`),
 /// and `N² D Σ_ℓ min(F_{ℓ−1}, F_ℓ)` for each of them for the shifts.
@@ -93,15 +98,13 @@ impl Gnn {
         let (n, m) = (sizes.state_dim, sizes.measurement_dim);
         check_weights(Gnn::count(config, (n, m), horizon))?;
         let graph = model.graph().ok_or(ProposalError::NoGraph)?;
-        let expected = [
+        for (what, found, expected) in [
             ("the rows of the graph's matrix", graph.shift.nrows(), n),
             ("the columns of the graph's matrix", graph.shift.ncols(), n),
             ("the rows of the graph's adapter", graph.adapter.nrows(), n),
             ("the columns of the graph's adapter", graph.adapter.ncols(), m),
-        ];
-        if let Some(&(what, found, expected)) = expected.iter().find(|(_, found, expected)| found != expected)
-        {
-            return Err(ProposalError::Mismatch { what, found, expected });
+        ] {
+            ProposalError::unless_same(what, found, expected)?;
         }
         let matrix = |matrix: &faer::Mat<f64>| {
             let (rows, columns) = (matrix.nrows(), matrix.ncols());
@@ -109,7 +112,7 @@ impl Gnn {
                 (0..rows * columns).map(|at| matrix[(at / columns, at % columns)]).collect();
             compute.tensor(&values, [rows, columns])
         };
-        let features: Vec<usize> = [&[2], config.features.as_slice(), &[1]].concat();
+        let features = config.layers();
         GaussianProposal::assemble(config, config.ridge, sizes, compute, seed, |parameters| {
             let means = (0..horizon)
                 .map(|t| GraphNetwork::draw(parameters, &format!("mean.{t}"), &features, config.order, seed))
@@ -179,8 +182,7 @@ impl Family for Gnn {
     }
 
     fn count(config: &GnnConfig, (n, m): (usize, usize), horizon: usize) -> Option<usize> {
-        let features: Vec<usize> = [&[2], config.features.as_slice(), &[1]].concat();
-        let networks = count_affine(&features, config.order.checked_add(1)?)?;
+        let networks = count_affine(&config.layers(), config.order.checked_add(1)?)?;
         let adapters = if config.adapter == Adapter::Learned { 2 * n * m } else { 0 };
         networks.checked_mul(horizon.checked_add(1)?)?.checked_add(adapters + n * n)
     }

@@ -122,10 +122,11 @@ impl Psi {
 
     /// The transform of a time together with `B x_{t−1} + C y_t` of each particle (`R×N`).
     fn conditioned(&self, past: &Past<'_>) -> Result<(Map, Vec<f64>), ProposalError> {
-        let (found, expected) = (self.measurement_dim, past.measurement.len());
-        if found != expected {
-            return Err(ProposalError::Mismatch { what: "the measurement dimension M", found, expected });
-        }
+        ProposalError::unless_same(
+            "the measurement dimension M",
+            self.measurement_dim,
+            past.measurement.len(),
+        )?;
         let map = self.map(past.time)?;
         let shifts = map.shifts(past);
         Ok((map, shifts))

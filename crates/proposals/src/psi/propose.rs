@@ -32,10 +32,7 @@ impl<M: StateSpaceModel + ?Sized> Proposal<M> for Psi {
         past: Past<'a>,
         _memory: &mut (),
     ) -> Result<&'a mut Transformed, ProposalError> {
-        let (found, expected) = (self.state_dim, model.state_dim());
-        if found != expected {
-            return Err(ProposalError::Mismatch { what: "the state dimension N", found, expected });
-        }
+        ProposalError::unless_same("the state dimension N", self.state_dim, model.state_dim())?;
         let (map, shifts) = self.conditioned(&past)?;
         let noise = vec![0.0; shifts.len()];
         Ok(self.conditional.insert(Transformed { map, shifts, noise }))

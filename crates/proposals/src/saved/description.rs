@@ -17,14 +17,10 @@ pub struct Entry {
     pub value: f64,
 }
 
-/// The whole file.
+/// The whole file but for its first line.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Description<Config> {
-    /// Of the rest of the file and of the weights; written and checked with the file as text.
-    #[serde(skip_serializing)]
-    #[allow(dead_code, reason = "checked before the file is parsed")]
-    pub(super) blake3: String,
     pub(super) format: u32,
     pub(super) family: String,
     /// T, for an unrolled family.
@@ -60,7 +56,6 @@ impl Description<()> {
         let training = toml::Table::try_from(training)
             .map_err(|error| format!("the training settings cannot be written: {error}"))?;
         let description = Description {
-            blake3: String::new(),
             format: SAVED_FORMAT,
             family: F::NAME.into(),
             horizon: proposal.horizon(),

@@ -18,7 +18,7 @@ use serde::Serialize;
 use thiserror::Error;
 
 use crate::{Compute, Family};
-use description::Description;
+use description::{Description, Entry};
 use fingerprint::fingerprint;
 
 /// The version of the folder's layout and of what its entries mean.
@@ -166,10 +166,11 @@ fn hash(description: &str, weights: &[u8]) -> String {
     hasher.finalize().to_hex().to_string()
 }
 
-/// Whether the first line is the hash of the rest and of the weights.
-fn is_sealed(text: &str, weights: &[u8]) -> bool {
-    let Some((line, description)) = text.split_once('\n') else { return false };
-    line.strip_prefix(SEAL) == Some(&format!("\"{}\"", hash(description, weights)))
+/// The description behind a first line that is the hash of it and of the weights.
+fn unsealed<'a>(text: &'a str, weights: &[u8]) -> Option<&'a str> {
+    let (line, description) = text.split_once('\n')?;
+    let is_right = line.strip_prefix(SEAL) == Some(&format!("\"{}\"", hash(description, weights)));
+    is_right.then_some(description)
 }
 
 /// Reads a proposal of family `F` for `model` from `folder`.
@@ -199,13 +200,13 @@ pub fn load<F: Family>(
         return Err(unfit("the family", family, F::NAME.into()));
     }
     let bytes = read(WEIGHTS)?;
-    if !is_sealed(&text, &bytes) {
+    let Some(description) = unsealed(&text, &bytes) else {
         let reason =
             "its files are not as they were saved: the hash in the first line of proposal.toml says so";
         return Err(SavedError::Damaged { path: folder.into(), reason: reason.into() });
-    }
+    };
     let saved: Description<F::Config> =
-        Description::parse(&text).map_err(|reason| damaged(DESCRIPTION, reason))?;
+        Description::parse(description).map_err(|reason| damaged(DESCRIPTION, reason))?;
     check_system(folder, &saved.system, model)?;
     let matrices = weights::decode(&bytes).map_err(|reason| damaged(WEIGHTS, reason))?;
 
@@ -254,5 +255,3 @@ fn check_system(folder: &Path, saved: &[Entry], model: &dyn StateSpaceModel) -> 
 
 /// Room for the last bits, in which processors may differ.
 const FINGERPRINT_TOLERANCE: f64 = 1e-9;
-
-pub use description::Entry;

@@ -82,14 +82,12 @@ impl<M: AdditiveGaussian + ?Sized> Proposal<M> for MinDegeneracy {
         past: Past<'a>,
         _memory: &mut (),
     ) -> Result<Shifted<'a>, ProposalError> {
-        let (found, expected) = (self.later.gain.nrows(), model.state_dim());
-        if found != expected {
-            return Err(ProposalError::Mismatch { what: "the state dimension N", found, expected });
-        }
-        let (found, expected) = (self.later.gain.ncols(), past.measurement.len());
-        if found != expected {
-            return Err(ProposalError::Mismatch { what: "the measurement dimension M", found, expected });
-        }
+        ProposalError::unless_same("the state dimension N", self.later.gain.nrows(), model.state_dim())?;
+        ProposalError::unless_same(
+            "the measurement dimension M",
+            self.later.gain.ncols(),
+            past.measurement.len(),
+        )?;
         let n = model.state_dim();
         self.means.resize(past.particles * n, 0.0);
         let correction = match past.previous {
