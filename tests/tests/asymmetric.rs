@@ -113,10 +113,10 @@ fn check<F: Family + Proposal<GraphDiffusion> + Clone>(
     config: &F::Config,
 ) {
     let half = [ResampleWhen::EssBelow(0.5)];
-    let drawn = F::create(config, &model(), HORIZON, Backend::Flex.into(), &Seed::from_u64(32)).unwrap();
+    let drawn = F::create(config, &model(), HORIZON, Backend::Native.into(), &Seed::from_u64(32)).unwrap();
     // Outside the support the exact objective is −∞ and has no gradient: trained under Gaussian densities of the same moments.
     let believed = exact.model.with_noise(Noise::Gaussian);
-    let trained: F = trained_family(config, &believed, HORIZON, Backend::Flex.into());
+    let trained: F = trained_family(config, &believed, HORIZON, Backend::Native.into());
     for (name, proposal) in [("as initialised", drawn), ("trained", trained)] {
         let proposal = Defensive::new(proposal, 0.2).unwrap();
         assert_unbiased(exact, &half, 10_000, &format!("defensive {}, {name}", F::NAME), &proposal);

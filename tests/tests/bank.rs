@@ -88,7 +88,7 @@ fn a_filter_in_a_bank_of_larger_states_does_what_it_would_do_alone() {
         GraphDiffusion::random(&GraphDiffusionConfig::new(10), &mut seed.child("graph").stream()).unwrap();
     let measurements = simulate(&system, 6, &mut seed.child("data").stream()).unwrap().measurements;
     let config = FcnnConfig { widths: vec![32, 16], ..FcnnConfig::paper() };
-    let fcnn = Fcnn::new(&config, &system, 6, Backend::Flex.into(), &seed.child("weights")).unwrap();
+    let fcnn = Fcnn::new(&config, &system, 6, Backend::Native.into(), &seed.child("weights")).unwrap();
     // Products of matrices may round differently in a batch of another size: then by some 1e-15, f32 networks by 1e-7.
     same_alone(&system, MinDegeneracy::new(&system).unwrap(), &measurements, 1e-12);
     same_alone(&system, fcnn, &measurements, 1e-4);

@@ -30,7 +30,7 @@ fn estimates(system: &GraphDiffusion, measurements: &Measurements) -> (Vec<Vec<f
     let (seed, filters, particles) = (Seed::from_u64(90), 50, 20);
     let config = FcnnConfig { widths: vec![64, 128], ..FcnnConfig::paper() };
     let mut proposal =
-        Fcnn::new(&config, system, HORIZON, Backend::Flex.into(), &seed.child("weights")).unwrap();
+        Fcnn::new(&config, system, HORIZON, Backend::Native.into(), &seed.child("weights")).unwrap();
     let config = TrainConfig { steps: 400, ..TrainConfig::paper(particles) };
     let mut stream = seed.child("training").stream();
     train(&mut proposal, system, measurements, &config, &mut stream, |_, _| ControlFlow::Continue(()))

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use faer::Mat;
 use motes_models::{GraphDiffusion, GraphDiffusionConfig, Seed};
-use motes_proposals::{Backend, Compute, Learnable, Precision};
+use motes_proposals::{Backend, Compute, Learnable, Precision, Workspace};
 use motes_smc::Past;
 use motes_tests::small_families;
 use serde::Deserialize;
@@ -47,7 +47,7 @@ fn set_weights(proposal: &mut dyn Learnable) {
         let bytes = proposal.parameters().names()[index].bytes().map(u32::from);
         let sum: u32 = (1..).zip(bytes).map(|(place, byte)| place * byte).sum();
         let s = f64::from(sum % 97);
-        let [rows, columns] = proposal.parameters().tensors()[index].dims();
+        let [rows, columns] = proposal.parameters().shape(index);
         let values: Vec<f64> =
             (0..rows * columns).map(|k| k as f64).map(|k| 0.4 * (s + 0.7 * k + 0.01 * k * k).sin()).collect();
         proposal.parameters_mut().set_host(index, &values).unwrap();
@@ -78,7 +78,7 @@ fn check(label: &str, found: &[f64], expected: &[f64]) {
 
 fn check_family(label: &str, family: &str, proposal: &dyn Learnable, steps: &[Step]) {
     assert_eq!(steps.len(), HORIZON, "{label}: the number of steps");
-    let mut tape = proposal.tape(PARTICLES);
+    let mut tape = proposal.tape(PARTICLES, Workspace::new(proposal.parameters()));
     let mut previous: Option<Vec<f64>> = None;
     for (time, step) in steps.iter().enumerate() {
         let measurement = measurement(time);
@@ -97,7 +97,7 @@ fn check_family(label: &str, family: &str, proposal: &dyn Learnable, steps: &[St
 fn two_steps_of_every_family_are_those_of_numpy() {
     let numbers = numbers();
     let system = system(&numbers.adjacency);
-    for backend in [Backend::Flex, Backend::NdArray] {
+    for backend in [Backend::Native, Backend::Flex, Backend::NdArray] {
         let compute = Compute { backend, precision: Precision::F64 };
         let families = small_families(&system, HORIZON, compute, &Seed::from_u64(110));
         let mut names: Vec<&str> = families.iter().map(|(family, _)| family.as_str()).collect();

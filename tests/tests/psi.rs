@@ -2,12 +2,12 @@
 
 use faer::{Mat, MatRef};
 use motes_models::{GraphDiffusion, GraphDiffusionConfig, Seed};
-use motes_proposals::{Backend, Compute, Learnable, Precision, Psi, PsiConfig};
+use motes_proposals::{Backend, Compute, Learnable, Precision, Psi, PsiConfig, Workspace};
 use motes_smc::{Conditional, Past, Proposal, ProposalError};
 use motes_tests::trained_family;
 use rand::RngExt;
 
-const F64: Compute = Compute { backend: Backend::Flex, precision: Precision::F64 };
+const F64: Compute = Compute { backend: Backend::Native, precision: Precision::F64 };
 
 fn system(n: usize) -> GraphDiffusion {
     let config = GraphDiffusionConfig {
@@ -61,7 +61,7 @@ fn past<'a>(n: usize, previous: &'a [f64], measurement: &'a [f64]) -> Past<'a> {
 fn draw(psi: &Psi, past: Past<'_>, n: usize, seed: u64) -> Drawn {
     let noise = uniform(past.particles * n, seed);
     let (mut states, mut along) = (vec![0.0; noise.len()], vec![0.0; past.particles]);
-    psi.tape(past.particles).draw(past, &noise, &mut states, &mut along).unwrap();
+    psi.tape(past.particles, Workspace::new(psi.parameters())).draw(past, &noise, &mut states, &mut along).unwrap();
     Drawn { noise, states, along }
 }
 
@@ -85,7 +85,7 @@ fn back_and_forth_for_well_conditioned_weights() {
 /// The matrix of that name, row-major.
 fn named(psi: &Psi, name: &str) -> Vec<f64> {
     let index = psi.parameters().names().iter().position(|found| found == name).unwrap();
-    psi.parameters().host(index).unwrap()
+    psi.parameters().host(index)
 }
 
 /// The transform and its dense Jacobian `∂x/∂u`, from the paper's formula with plain loops.

@@ -7,7 +7,7 @@ use motes_smc::{
 };
 use motes_tests::{relative_distance, small_fcnn, small_rnn, trained_family};
 
-const F64: Compute = Compute { backend: Backend::Flex, precision: Precision::F64 };
+const F64: Compute = Compute { backend: Backend::Native, precision: Precision::F64 };
 const N: usize = 5;
 
 fn system() -> GraphDiffusion {
@@ -30,7 +30,7 @@ fn replay(mut rnn: Rnn) {
         states.push((0..2).flat_map(|filter| bank.particles(filter).to_vec()).collect::<Vec<f64>>());
         ancestors.push(bank.ancestors().to_vec());
     }
-    let (stored, last) = (bank.memory().host().unwrap(), states.len() - 1);
+    let (stored, last) = (bank.memory().host(), states.len() - 1);
     let (mut moved, mut increments) = (0, vec![]);
     for row in 0..16 {
         let mut path = vec![row];
@@ -48,7 +48,7 @@ fn replay(mut rnn: Rnn) {
             let conditional = rnn.condition(&system, past, &mut memory).unwrap();
             conditional.log_density(state(time), &mut log_density);
         }
-        for (replayed, stored) in memory.host().unwrap().iter().zip(&stored) {
+        for (replayed, stored) in memory.host().iter().zip(&stored) {
             let width = replayed.len();
             let distance = relative_distance(replayed, &stored[row * width..(row + 1) * width]);
             assert!(distance < 1e-12, "row {row}: memory is {distance:e} off");
@@ -109,7 +109,7 @@ fn the_number_of_weights_is_what_the_family_says_before_it_allocates_them() {
     for cell in [Cell::Lstm, Cell::Gru, Cell::Elman] {
         let rnn = untrained(cell);
         let found: usize =
-            (0..rnn.parameters().len()).map(|at| rnn.parameters().host(at).unwrap().len()).sum();
+            (0..rnn.parameters().len()).map(|at| rnn.parameters().host(at).len()).sum();
         let sizes = (system.state_dim(), system.measurement_dim());
         assert_eq!(Rnn::count(&small_rnn(cell), sizes, 7), Some(found), "{cell:?}");
     }

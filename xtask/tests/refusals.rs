@@ -39,7 +39,7 @@ fn bad_input_is_refused_before_any_build() {
     refused(
         &["reproduce", "fig1", "--backend", "flux"],
         2,
-        "--backend flux: did you mean flex? there are flex, ndarray",
+        "--backend flux: did you mean flex? there are native, flex, ndarray",
     );
     refused(
         &["reproduce", "fig1", "--repetitions", "0"],

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use motes_bench::config::{ConfigError, Parsed, Plan, ReproduceArgs, VerifyArgs, check_output, parse, plans};
+use motes_bench::config::{Backend, ConfigError, Parsed, Plan, ReproduceArgs, VerifyArgs, check_output, parse, plans};
 use motes_bench::say::{news, result};
 use motes_bench::{
     Estimator, Finished, Interrupt, RegressionError, paper_estimate, regress, reproduce, verify,
@@ -24,7 +24,7 @@ enum Command {
     Reproduce(Box<ReproduceArgs>),
     /// Hold the paper's claims against finished runs
     Verify(VerifyArgs),
-    /// Hold a figure's smoke profile, on both backends, against committed numbers
+    /// Hold a figure's smoke profile, on every backend, against committed numbers
     Regress {
         /// The figure
         figure: String,
@@ -139,7 +139,7 @@ fn run_regress(
         panels: vec![],
         repetitions: None,
         jobs: None,
-        backend: "flex".into(),
+        backend: Backend::ALL[0].name().into(),
         seed: "1".into(),
         out: Some(out.clone()),
         fresh: true,

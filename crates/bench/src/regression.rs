@@ -1,4 +1,4 @@
-//! The regression run: the smoke profile on both backends against committed numbers.
+//! The regression run: the smoke profile on every backend against committed numbers.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -48,20 +48,19 @@ pub enum RegressionError {
 /// Designed methods have to agree with the expectation to this relative difference.
 const DESIGNED_TOLERANCE: f64 = 1e-9;
 
-/// Learned ones to this many times the difference between the two backends.
+/// Learned ones to this many times the difference between the backends.
 const BACKEND_FACTOR: f64 = 10.0;
 
 /// panel, method, x, repetition and metric of a value.
 type Place = [String; 5];
 
-/// One line of the expectation: the value on each backend.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Expected {
-    flex: f64,
-    ndarray: f64,
-}
+/// One line of the expectation: the value on each of [`Backend::ALL`].
+type Expected = [f64; Backend::ALL.len()];
 
-/// Runs `plan` on both backends in folders of its own under `scratch`, and holds the results against the file
+/// What a run found.
+type Found = BTreeMap<Place, f64>;
+
+/// Runs `plan` on every backend in folders of its own under `scratch`, and holds the results against the file
 /// `expectation`; writes that file instead if `update`.
 ///
 /// # Errors
@@ -74,26 +73,25 @@ pub fn regress(
     update: bool,
     interrupt: &Interrupt,
 ) -> Result<(), RegressionError> {
-    let flex = run(plan, Backend::Flex, scratch, interrupt)?;
-    let ndarray = run(plan, Backend::Ndarray, scratch, interrupt)?;
+    let mut found = Vec::new();
+    for backend in Backend::ALL {
+        found.push(run(plan, backend, scratch, interrupt)?);
+    }
     if update {
-        return write(expectation, &flex, &ndarray);
+        return write(expectation, &found);
     }
     let expected = read_expected(expectation)?;
     let mut wrong = 0;
-    for (backend, found, pick) in [
-        ("flex", &flex, (|e: &Expected| e.flex) as fn(&Expected) -> f64),
-        ("ndarray", &ndarray, |e: &Expected| e.ndarray),
-    ] {
-        for line in compare(found, &expected, pick) {
-            news(&format!("{backend}: {line}"));
+    for (at, (backend, found)) in Backend::ALL.into_iter().zip(&found).enumerate() {
+        for line in compare(found, &expected, at) {
+            news(&format!("{}: {line}", backend.name()));
             wrong += 1;
         }
     }
     if wrong > 0 {
         return Err(RegressionError::Differs { count: wrong, file: expectation.display().to_string() });
     }
-    result(&format!("regression: {} values on each of two backends are as expected", expected.len()));
+    result(&format!("regression: {} values on each of {} backends are as expected", expected.len(), Backend::ALL.len()));
     Ok(())
 }
 
@@ -102,7 +100,7 @@ fn run(
     backend: Backend,
     scratch: &Path,
     interrupt: &Interrupt,
-) -> Result<BTreeMap<Place, f64>, RegressionError> {
+) -> Result<Found, RegressionError> {
     let folder = scratch.join(backend.name());
     let plan = Plan { backend, folder: folder.clone(), fresh: true, ..plan.clone() };
     match reproduce(&plan, &Estimator::default(), interrupt)? {
@@ -123,11 +121,11 @@ fn run(
 type UnitsRow = (String, String, String, String, String, String, f64);
 
 /// A line of the expectation.
-type ExpectedRow = (String, String, String, String, String, f64, f64);
+type ExpectedRow = (String, String, String, String, String, f64, f64, f64);
 
 fn read_expected(path: &Path) -> Result<BTreeMap<Place, Expected>, RegressionError> {
-    let rows = read(path, |(panel, method, x, repetition, metric, flex, ndarray): ExpectedRow| {
-        ([panel, method, x, repetition, metric], Expected { flex, ndarray })
+    let rows = read(path, |(panel, method, x, repetition, metric, a, b, c): ExpectedRow| {
+        ([panel, method, x, repetition, metric], [a, b, c])
     })?;
     Ok(rows.into_iter().collect())
 }
@@ -141,23 +139,19 @@ fn read<Row: serde::de::DeserializeOwned, T>(
     reader.deserialize().map(|row| row.map(&take).map_err(fail)).collect()
 }
 
-fn write(
-    path: &Path,
-    flex: &BTreeMap<Place, f64>,
-    ndarray: &BTreeMap<Place, f64>,
-) -> Result<(), RegressionError> {
+fn write(path: &Path, found: &[Found]) -> Result<(), RegressionError> {
     let fail = |source| RegressionError::File { file: path.display().to_string(), source };
     let mut writer = csv::Writer::from_path(path).map_err(fail)?;
-    let header = ["panel", "method", "x", "repetition", "metric", "flex", "ndarray"];
-    writer.write_record(header).map_err(fail)?;
-    for (place, value) in flex {
-        // A unit that ran on one backend ran on the other.
-        let other = ndarray.get(place).copied().unwrap_or(f64::NAN);
-        let values = [number(*value), number(other)];
+    let header = ["panel", "method", "x", "repetition", "metric"];
+    writer.write_record(header.into_iter().chain(Backend::ALL.map(Backend::name))).map_err(fail)?;
+    for place in found[0].keys() {
+        // A unit that ran on one backend ran on the others.
+        let value = |found: &Found| number(found.get(place).copied().unwrap_or(f64::NAN));
+        let values: Vec<String> = found.iter().map(value).collect();
         writer.write_record(place.iter().chain(&values)).map_err(fail)?;
     }
     writer.flush().map_err(|error| fail(error.into()))?;
-    result(&format!("{} values written to {}", flex.len(), path.display()));
+    result(&format!("{} values written to {}", found[0].len(), path.display()));
     Ok(())
 }
 
@@ -168,7 +162,7 @@ fn write(
 fn tolerances(expected: &BTreeMap<Place, Expected>) -> BTreeMap<(&str, &str), f64> {
     let mut tolerances = BTreeMap::new();
     for ([_, method, _, _, metric], value) in expected {
-        let difference = relative(value.flex, value.ndarray);
+        let difference = value.iter().map(|other| relative(value[0], *other)).fold(0.0, f64::max);
         let tolerance = tolerances.entry((method.as_str(), metric.as_str())).or_insert(DESIGNED_TOLERANCE);
         *tolerance = tolerance.max(BACKEND_FACTOR * difference);
     }
@@ -179,16 +173,12 @@ fn relative(a: f64, b: f64) -> f64 {
     if a == b { 0.0 } else { (a - b).abs() / a.abs().max(b.abs()) }
 }
 
-/// What differs, a line for each value.
-fn compare(
-    found: &BTreeMap<Place, f64>,
-    expected: &BTreeMap<Place, Expected>,
-    pick: impl Fn(&Expected) -> f64,
-) -> Vec<String> {
+/// What differs on a backend, a line for each value.
+fn compare(found: &Found, expected: &BTreeMap<Place, Expected>, backend: usize) -> Vec<String> {
     let tolerances = tolerances(expected);
     let mut lines = Vec::new();
     for (place, value) in expected {
-        let (tolerance, value) = (tolerances[&(place[1].as_str(), place[4].as_str())], pick(value));
+        let (tolerance, value) = (tolerances[&(place[1].as_str(), place[4].as_str())], value[backend]);
         match found.get(place) {
             None => lines.push(format!("{} is missing", place.join(" "))),
             Some(&found) if relative(found, value) <= tolerance => {}
@@ -213,9 +203,9 @@ mod tests {
 
     fn expectation() -> BTreeMap<Place, Expected> {
         BTreeMap::from([
-            (place("bootstrap", "10"), Expected { flex: 2.0, ndarray: 2.0 }),
-            (place("fcnn", "10"), Expected { flex: 3.0, ndarray: 3.0 }),
-            (place("fcnn", "20"), Expected { flex: 4.0, ndarray: 4.0004 }),
+            (place("bootstrap", "10"), [2.0; 3]),
+            (place("fcnn", "10"), [3.0; 3]),
+            (place("fcnn", "20"), [4.0, 4.0004, 4.0]),
         ])
     }
 
@@ -228,7 +218,7 @@ mod tests {
                 (place("fcnn", "20"), 4.0),
             ])
         };
-        let count = |bootstrap, fcnn| compare(&found(bootstrap, fcnn), &expectation(), |e| e.flex).len();
+        let count = |bootstrap, fcnn| compare(&found(bootstrap, fcnn), &expectation(), 0).len();
         assert_eq!(count(2.0, 3.0), 0);
         assert_eq!(count(2.0 * (1.0 + 1e-10), 3.002), 0);
         assert_eq!(count(2.0 * (1.0 + 1e-8), 3.0), 1);
@@ -239,8 +229,8 @@ mod tests {
     #[test]
     fn a_missing_and_an_unexpected_value_are_both_told() {
         let mut found = BTreeMap::from([(place("rnn", "10"), 1.0)]);
-        found.extend(expectation().into_iter().skip(1).map(|(place, value)| (place, value.flex)));
-        let lines = compare(&found, &expectation(), |e| e.flex);
+        found.extend(expectation().into_iter().skip(1).map(|(place, value)| (place, value[0])));
+        let lines = compare(&found, &expectation(), 0);
         assert_eq!(lines, ["N10 bootstrap 10 0 ess is missing", "N10 rnn 10 0 ess was not expected"]);
     }
 }

@@ -8,7 +8,7 @@ use crate::methods::MethodConfig;
 
 /// The version of what a unit's configuration means. Raised by hand whenever the same configuration gives other
 /// numbers than before, so that old units are never taken for new ones.
-pub const UNIT_FORMAT: u32 = 2;
+pub const UNIT_FORMAT: u32 = 3;
 
 /// Everything that a unit's result depends on.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -121,7 +121,7 @@ pub(crate) mod tests {
             epsilon: 1e-8,
         };
         let proposal = FcnnConfig { widths: vec![8, 8], ridge: 1e-6 };
-        let fcnn = LearnedUnit { proposal, training, steps: 5, backend: Backend::Flex };
+        let fcnn = LearnedUnit { proposal, training, steps: 5, backend: Backend::Native };
         UnitConfig { method: MethodConfig::Fcnn(fcnn), ..unit(dimension, horizon, particles) }
     }
 

@@ -24,7 +24,7 @@ fn arguments() {
         ),
         (&["tiny", "--methods", "fcnn,bootstrap,fcnn"], "--methods fcnn,bootstrap,fcnn: fcnn stands twice"),
         (&["tiny", "--panels", "N5"], "--panels N5: did you mean N6? there are N6, N8"),
-        (&["tiny", "--backend", "cuda"], "--backend cuda: there are flex, ndarray"),
+        (&["tiny", "--backend", "cuda"], "--backend cuda: there are native, flex, ndarray"),
         (&["tiny", "--repetitions", "0"], "--repetitions 0: it must be an integer from 1 to 1000000"),
         (&["tiny", "--repetitions=-1"], "--repetitions -1: it must be an integer from 1 to 1000000"),
         (&["tiny", "--jobs", "two"], "--jobs two: it must be an integer from 1 to 1024"),

@@ -192,7 +192,7 @@ fn signals_end_a_run_cleanly_with_their_own_status() {
 #[test]
 fn both_backends_run() {
     let place = Workplace::new(TINY);
-    for backend in ["flex", "ndarray"] {
+    for backend in ["native", "flex", "ndarray"] {
         let output = place.run(&["tiny", "--methods", "fcnn", "--backend", backend, "--out", backend]);
         assert!(output.status.success(), "{}", stderr(&output));
     }
@@ -206,7 +206,7 @@ fn both_backends_run() {
         assert_eq!(losses.len(), 16);
         losses
     };
-    for (flex, ndarray) in loss("flex").into_iter().zip(loss("ndarray")) {
-        assert!((flex / ndarray - 1.0).abs() < 1e-4);
+    for (native, others) in loss("native").into_iter().zip(loss("flex").into_iter().zip(loss("ndarray"))) {
+        assert!((native / others.0 - 1.0).abs() < 1e-4 && (native / others.1 - 1.0).abs() < 1e-4);
     }
 }

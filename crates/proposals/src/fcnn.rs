@@ -4,8 +4,8 @@ use motes_models::{Seed, StateSpaceModel};
 use motes_smc::ProposalError;
 use serde::{Deserialize, Serialize};
 
-use crate::affine::Weights;
-use crate::backend::Compute;
+use crate::Compute;
+use crate::arithmetic::Arithmetic;
 use crate::family::{Family, check_horizon, check_weights, check_widths, count_affine, sizes_of};
 use crate::gaussian::{Emission, GaussianProposal, Known, Networks};
 use crate::mlp::Mlp;
@@ -77,11 +77,16 @@ impl Networks for FcnnNetworks {
         Some(self.means.len())
     }
 
-    fn forward(&self, weights: &mut Weights<'_>, time: usize, known: Known<'_>) -> Emission {
-        let inputs = known.stacked();
+    fn forward<A: Arithmetic>(
+        &self,
+        arithmetic: &mut A,
+        time: usize,
+        known: Known<'_, A::Rows>,
+    ) -> Emission<A::Rows> {
+        let inputs = arithmetic.stacked(&known.previous, &known.measurement);
         Emission {
-            means: self.means[time].forward(weights, inputs.clone()),
-            representations: self.representation.forward(weights, inputs),
+            means: self.means[time].forward(arithmetic, inputs.clone()),
+            representations: self.representation.forward(arithmetic, inputs),
             hidden: Vec::new(),
         }
     }

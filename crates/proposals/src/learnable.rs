@@ -3,7 +3,7 @@
 use motes_models::Stream;
 use motes_smc::{Past, ProposalError};
 
-use crate::{Gradients, Parameters};
+use crate::{Parameters, Workspace};
 
 /// A proposal whose weights can be learned by reparametrised samples.
 ///
@@ -30,8 +30,8 @@ pub trait Learnable {
     /// Fills `noise` (`K×N`) with what a draw of `K` particles is reparametrised by.
     fn fill_noise(&self, stream: &mut Stream, noise: &mut [f64]);
 
-    /// Starts recording `particles` particles at `t = 0`.
-    fn tape(&self, particles: usize) -> Box<dyn Tape + '_>;
+    /// Starts recording `particles` particles at `t = 0`, with the memory of a recording that is over.
+    fn tape(&self, particles: usize, workspace: Workspace) -> Box<dyn Tape + '_>;
 }
 
 /// A recording of one batch of particles from `t = 0` on.
@@ -68,6 +68,6 @@ pub trait Tape {
     /// derivative of the states, nothing then flows back past this point.
     fn cut(&mut self);
 
-    /// The gradients gathered so far.
-    fn into_gradients(self: Box<Self>) -> Gradients;
+    /// Ends the recording; the workspace then holds the gradients.
+    fn finish(self: Box<Self>) -> Workspace;
 }

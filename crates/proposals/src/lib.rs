@@ -17,37 +17,46 @@
 //! let system = GraphDiffusion::random(&GraphDiffusionConfig::new(6), &mut seed.child("graph").stream())?;
 //! // Three times, and initial weights drawn from our own seed.
 //! let config = FcnnConfig { widths: vec![16, 16], ..FcnnConfig::paper() };
-//! let proposal = Fcnn::new(&config, &system, 3, Backend::Flex.into(), &seed.child("weights"))?;
+//! let proposal = Fcnn::new(&config, &system, 3, Backend::Native.into(), &seed.child("weights"))?;
 //! let stream = seed.child("filter").stream();
 //! let mut filter = ParticleFilter::new(&system, proposal, FilterSettings::new(50), stream)?;
 //! filter.step(&[1.0, 0.8, 1.2, 0.9])?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod affine;
+mod arithmetic;
 mod backend;
 mod family;
 mod fcnn;
 mod gaussian;
 mod gnn;
+mod gradients;
 mod initial_weights;
 mod learnable;
 mod mlp;
+mod native;
 mod parameters;
+mod plain;
 mod psi;
 mod rnn;
 mod saved;
+mod values;
+mod workspace;
 
 /// The version of burn that networks are computed with; results depend on it.
 pub const BURN_VERSION: &str = "0.22.1";
 
+pub use arithmetic::{Activation, Arithmetic};
 pub use backend::{Backend, Compute, Precision};
 pub use family::Family;
 pub use fcnn::{Fcnn, FcnnConfig};
-pub use gaussian::{GaussianBatch, GaussianProposal, Hidden, KernelCovariance, cholesky_adjoint};
-pub use gnn::{Adapter, Gnn, GnnConfig};
+pub use gaussian::{GaussianBatch, GaussianProposal, Hidden, KernelCovariance};
+pub use gnn::{Adapter, Gnn, GnnConfig, Graph, Shape};
+pub use gradients::Gradients;
 pub use learnable::{Learnable, Tape};
-pub use parameters::{Gradients, Parameters};
+pub use parameters::Parameters;
 pub use psi::{Psi, PsiConfig};
 pub use rnn::{Cell, Rnn, RnnConfig};
 pub use saved::{SAVED_FORMAT, SavedError, load, save};
+pub use values::Values;
+pub use workspace::Workspace;

@@ -1,9 +1,8 @@
 //! A fully connected network: a cascade of affine maps, tanh between them, none after the last.
 
-use burn::tensor::Tensor;
 use motes_models::Seed;
 
-use crate::affine::Weights;
+use crate::arithmetic::{Activation, Arithmetic};
 use crate::initial_weights::fan_in_bound;
 use crate::parameters::Parameters;
 
@@ -29,12 +28,13 @@ impl Mlp {
         mlp
     }
 
-    /// Maps `R` rows of inputs to `R` rows of outputs with the given `weights`, those of the whole proposal.
-    pub(crate) fn forward(self, weights: &mut Weights<'_>, input: Tensor<2>) -> Tensor<2> {
+    /// Maps `R` rows of inputs to `R` rows of outputs.
+    pub(crate) fn forward<A: Arithmetic>(self, arithmetic: &mut A, input: A::Rows) -> A::Rows {
         (0..self.layers).fold(input, |values, layer| {
             let at = self.first + 2 * layer;
-            let affine = weights.affine(values, at, Some(at + 1));
-            if layer + 1 == self.layers { affine } else { affine.tanh() }
+            let last = layer + 1 == self.layers;
+            let activation = if last { Activation::Linear } else { Activation::Tanh };
+            arithmetic.affine(&[(&values, at)], Some(at + 1), activation)
         })
     }
 }

@@ -1,45 +1,88 @@
-//! A proposal's weights by name, and their gradients.
+//! A proposal's weights by name.
 
-use burn::tensor::Tensor;
+use std::ops::Range;
+
 use motes_models::Seed;
 use motes_smc::ProposalError;
 
-use crate::backend::{Compute, to_host};
+use crate::backend::Compute;
 use crate::initial_weights::uniform;
+use crate::values::{Real, Values};
 
-/// The weights of a proposal: named matrices, in a fixed order.
-#[derive(Clone)]
+/// The weights of a proposal: named matrices in a fixed order, row-major, one after another in one piece of memory.
+#[derive(Debug, Clone)]
 pub struct Parameters {
     compute: Compute,
     names: Vec<String>,
-    values: Vec<Tensor<2>>,
+    layout: Layout,
+    values: Values,
+}
+
+/// Where each of several matrices lies in one piece of memory.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Layout {
+    shapes: Vec<[usize; 2]>,
+    /// Where each begins, and at the end where the last one ends.
+    starts: Vec<usize>,
+}
+
+impl Layout {
+    fn push(&mut self, shape: [usize; 2]) {
+        self.starts.push(self.len());
+        self.shapes.push(shape);
+    }
+
+    /// How many numbers the matrices are in all.
+    pub(crate) fn len(&self) -> usize {
+        match (self.starts.last(), self.shapes.last()) {
+            (Some(start), Some([rows, columns])) => start + rows * columns,
+            _ => 0,
+        }
+    }
+
+    /// How many matrices there are.
+    pub(crate) fn matrices(&self) -> usize {
+        self.shapes.len()
+    }
+
+    /// Rows and columns of a matrix.
+    pub(crate) fn shape(&self, index: usize) -> [usize; 2] {
+        self.shapes[index]
+    }
+
+    /// The place of a matrix.
+    pub(crate) fn range(&self, index: usize) -> Range<usize> {
+        let [rows, columns] = self.shapes[index];
+        self.starts[index]..self.starts[index] + rows * columns
+    }
 }
 
 impl Parameters {
     pub(crate) fn new(compute: Compute) -> Self {
-        Parameters { compute, names: Vec::new(), values: Vec::new() }
+        let values = Values::none(compute.precision);
+        Parameters { compute, names: Vec::new(), layout: Layout::default(), values }
     }
 
     /// Adds a `shape` matrix drawn uniformly from `±bound`, by the stream that `seed` has for its name.
     pub(crate) fn draw(&mut self, name: String, shape: [usize; 2], bound: f64, seed: &Seed) {
-        let values = uniform(shape[0] * shape[1], bound, &mut seed.child(&name).stream());
+        self.values.push_all(&uniform(shape[0] * shape[1], bound, &mut seed.child(&name).stream()));
         self.names.push(name);
-        self.values.push(self.compute.tensor(&values, shape));
+        self.layout.push(shape);
     }
 
-    /// Where and in which precision the weights live.
+    /// What computes with the weights, and in which precision they are kept.
     pub fn compute(&self) -> Compute {
         self.compute
     }
 
     /// Number of matrices.
     pub fn len(&self) -> usize {
-        self.values.len()
+        self.names.len()
     }
 
     /// Whether there is no matrix.
     pub fn is_empty(&self) -> bool {
-        self.values.is_empty()
+        self.names.is_empty()
     }
 
     /// The name of each matrix.
@@ -47,88 +90,70 @@ impl Parameters {
         &self.names
     }
 
-    /// The matrices, for an optimiser to read.
-    pub fn tensors(&self) -> &[Tensor<2>] {
-        &self.values
-    }
-
-    /// Puts a matrix of the same shape in the place of matrix `index`.
+    /// Rows and columns of matrix `index`.
     ///
     /// # Panics
-    /// If there is no such matrix or its shape differs.
-    pub fn replace(&mut self, index: usize, value: Tensor<2>) {
-        assert_eq!(self.values[index].dims(), value.dims(), "a parameter keeps its shape");
-        self.values[index] = value;
+    /// If there is no such matrix.
+    pub fn shape(&self, index: usize) -> [usize; 2] {
+        self.layout.shape(index)
     }
 
-    /// Matrix `index` on the host, row-major.
+    /// Matrix `index` in 64 bits, row-major.
     ///
-    /// # Errors
-    /// [`ProposalError::Backend`] if the backend could not read it back.
-    pub fn host(&self, index: usize) -> Result<Vec<f64>, ProposalError> {
-        to_host(self.values[index].clone())
+    /// # Panics
+    /// If there is no such matrix.
+    pub fn host(&self, index: usize) -> Vec<f64> {
+        self.values.host(self.layout.range(index))
     }
 
-    /// Sets matrix `index` from row-major host values.
+    /// Sets matrix `index` from row-major values, rounding them to the precision of the weights.
     ///
     /// # Errors
     /// [`ProposalError::Mismatch`] if their number is not that of the matrix.
+    ///
+    /// # Panics
+    /// If there is no such matrix.
     pub fn set_host(&mut self, index: usize, values: &[f64]) -> Result<(), ProposalError> {
-        let shape = self.values[index].dims();
-        ProposalError::unless_same("the number of weights", values.len(), shape[0] * shape[1])?;
-        self.values[index] = self.compute.tensor(values, shape);
+        let range = self.layout.range(index);
+        ProposalError::unless_same("the number of weights", values.len(), range.len())?;
+        self.values.set(range.start, values);
         Ok(())
     }
-}
 
-/// The derivative of a scalar with respect to each matrix of some [`Parameters`], in their order.
-#[derive(Clone)]
-pub struct Gradients {
-    values: Vec<Option<Tensor<2>>>,
-}
-
-impl Gradients {
-    pub(crate) fn none(parameters: usize) -> Self {
-        Gradients { values: vec![None; parameters] }
+    /// All weights, one matrix after another, for an optimiser to change.
+    pub fn values_mut(&mut self) -> &mut Values {
+        &mut self.values
     }
 
-    pub(crate) fn add(&mut self, index: usize, gradient: Tensor<2>) {
-        self.values[index] = Some(match self.values[index].take() {
-            None => gradient,
-            Some(sum) => sum + gradient,
-        });
+    pub(crate) fn layout(&self) -> &Layout {
+        &self.layout
     }
 
-    /// The gradient of each matrix; `None` where the scalar does not depend on it.
-    pub fn tensors(&self) -> &[Option<Tensor<2>>] {
+    pub(crate) fn precision_of_values(&self) -> &Values {
         &self.values
     }
 
-    /// Multiplies all of them by `factor`.
-    pub fn scale(&mut self, factor: f64) {
-        for gradient in self.values.iter_mut().flatten() {
-            *gradient = gradient.clone() * factor;
-        }
+    /// The matrices in their own type.
+    pub(crate) fn matrices<T: Real>(&self) -> Matrices<'_, T> {
+        Matrices { layout: &self.layout, values: T::slice(&self.values) }
+    }
+}
+
+/// Matrices to be looked up.
+#[derive(Clone, Copy)]
+pub(crate) struct Matrices<'a, T> {
+    layout: &'a Layout,
+    values: &'a [T],
+}
+
+impl<'a, T> Matrices<'a, T> {
+    /// Rows and columns.
+    pub(crate) fn shape(&self, index: usize) -> [usize; 2] {
+        self.layout.shape(index)
     }
 
-    /// The Euclidean norm of all gradients taken together.
-    ///
-    /// # Errors
-    /// [`ProposalError::Backend`] if the backend could not read it back.
-    pub fn norm(&self) -> Result<f64, ProposalError> {
-        let mut sum = 0.0;
-        for gradient in self.values.iter().flatten() {
-            let square = gradient.clone().square().sum().reshape([1, 1]);
-            sum += to_host(square)?.iter().sum::<f64>();
-        }
-        if sum.is_finite() {
-            return Ok(sum.sqrt());
-        }
-        // The squares may be too large for 32 bits where their root is not.
-        let mut sum = 0.0;
-        for gradient in self.values.iter().flatten() {
-            sum += to_host(gradient.clone())?.iter().map(|value| value * value).sum::<f64>();
-        }
-        Ok(sum.sqrt())
+    /// The entries, row-major.
+    pub(crate) fn get(&self, index: usize) -> &'a [T] {
+        &self.values[self.layout.range(index)]
     }
 }

@@ -105,7 +105,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     let seed = Seed::from_u64(1);
     let config = RnnConfig { hidden: 16, ridge: 1e-3, ..RnnConfig::paper() };
-    let mut rnn = Rnn::new(&config, &Spring, Backend::Flex.into(), &seed.child("weights"))?;
+    let mut rnn = Rnn::new(&config, &Spring, Backend::Native.into(), &seed.child("weights"))?;
     let adam = AdamConfig { learning_rate: 1e-2, ..AdamConfig::paper() };
     // With the entropy in the objective the proposal keeps as much variance as the posterior has.
     let training = TrainConfig { objective: Objective::Elbo, steps: 400, adam, ..TrainConfig::paper(8) };
@@ -119,7 +119,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     save(&folder, &rnn, &Spring, &training)?;
 
     // In production: the same weights on measurements that training never saw, made safe by a share of the transition.
-    let rnn: Rnn = load(&folder, &Spring, Backend::Flex.into())?;
+    let rnn: Rnn = load(&folder, &Spring, Backend::Native.into())?;
     let all = Measurements::new(1, values)?;
     println!("rnn:       {}", filtered(Defensive::new(rnn, 0.1)?, &all, &seed)?);
     println!("bootstrap: {}", filtered(Bootstrap, &all, &seed)?);

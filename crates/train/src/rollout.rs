@@ -1,7 +1,7 @@
 //! One pass along a sequence: draw particles forward in time, pull the objective's gradient backward.
 
 use motes_models::{Measurements, StateGradients, Stream};
-use motes_proposals::{Gradients, Learnable};
+use motes_proposals::{Gradients, Learnable, Workspace};
 use motes_smc::{Past, ProposalError};
 
 use crate::gradient_flow::GradientFlow;
@@ -35,10 +35,16 @@ pub fn rollout(
 ) -> Result<Rollout, TrainError> {
     gradient.check()?;
     check_fit(proposal, model, measurements, particles)?;
-    draw_and_pull(proposal, model, measurements, objective, gradient, particles, stream).map_err(in_step(0))
+    let workspace = Workspace::new(proposal.parameters());
+    let (objective, workspace) =
+        draw_and_pull(proposal, model, measurements, objective, gradient, particles, stream, workspace)
+            .map_err(in_step(0))?;
+    Ok(Rollout { objective, gradients: workspace.into_gradients() })
 }
 
-/// [`rollout`] of input that is known to fit; an error comes with the time at which it happened.
+/// [`rollout`] of input that is known to fit, in memory that comes back with the gradients in it; an error comes with the time at
+/// which it happened.
+#[allow(clippy::too_many_arguments, reason = "the arguments of rollout and the memory")]
 pub(crate) fn draw_and_pull(
     proposal: &dyn Learnable,
     model: &dyn StateGradients,
@@ -47,10 +53,11 @@ pub(crate) fn draw_and_pull(
     gradient: GradientFlow,
     particles: usize,
     stream: &mut Stream,
-) -> Result<Rollout, (usize, ProposalError)> {
+    workspace: Workspace,
+) -> Result<(f64, Workspace), (usize, ProposalError)> {
     let (n, horizon) = (model.state_dim(), measurements.len());
     let block = particles * n;
-    let mut tape = proposal.tape(particles);
+    let mut tape = proposal.tape(particles, workspace);
     let mut states = vec![0.0; horizon * block];
     let mut log_model = vec![0.0; horizon * particles];
     let mut log_proposal = vec![0.0; horizon * particles];
@@ -76,7 +83,7 @@ pub(crate) fn draw_and_pull(
     let evaluation = objective.evaluate(&log_model, &log_proposal, particles);
     if !evaluation.value.is_finite() {
         // There is no derivative to take; the caller reports the value.
-        return Ok(Rollout { objective: evaluation.value, gradients: tape.into_gradients() });
+        return Ok((evaluation.value, tape.finish()));
     }
 
     // What the loss changes by with x_t, from all that came after it.
@@ -107,7 +114,7 @@ pub(crate) fn draw_and_pull(
             carried.iter_mut().zip(&d_previous).for_each(|(sum, d)| *sum += d);
         }
     }
-    Ok(Rollout { objective: evaluation.value, gradients: tape.into_gradients() })
+    Ok((evaluation.value, tape.finish()))
 }
 
 /// `into −= weight_k · term_k` for each particle `k`.

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use motes_models::{Measurements, StateGradients, Stream};
-use motes_proposals::Learnable;
+use motes_proposals::{Learnable, Workspace};
 use serde::Serialize;
 
 use crate::adam::AdamSteps;
@@ -131,30 +131,33 @@ pub fn train(
 ) -> Result<History, TrainError> {
     config.check()?;
     check_fit(proposal, model, measurements, config.particles)?;
-    let mut adam = AdamSteps::new(&config.adam, proposal.parameters().len());
+    let mut adam = AdamSteps::new(&config.adam);
+    let mut workspace = Workspace::new(proposal.parameters());
     let mut history = History::default();
     for step in 0..config.steps {
         let TrainConfig { objective, gradient, particles, .. } = *config;
-        let mut drawn = draw_and_pull(proposal, model, measurements, objective, gradient, particles, stream)
-            .map_err(in_step(step))?;
-        let loss = -drawn.objective;
+        let (value, found) =
+            draw_and_pull(proposal, model, measurements, objective, gradient, particles, stream, workspace)
+                .map_err(in_step(step))?;
+        workspace = found;
+        let loss = -value;
         if !loss.is_finite() {
             return Err(TrainError::Diverged { step, loss });
         }
         history.losses.push(loss);
         // A gradient that is not finite shows in the next step's loss; after the last there is none.
         if config.clip_norm.is_some() || step + 1 == config.steps {
-            let norm = drawn.gradients.norm().map_err(|source| in_step(step)((0, source)))?;
+            let norm = workspace.gradients().norm();
             if !norm.is_finite() {
                 return Err(TrainError::Diverged { step, loss: norm });
             }
             if let Some(largest) = config.clip_norm
                 && norm > largest
             {
-                drawn.gradients.scale(largest / norm);
+                workspace.gradients_mut().scale(largest / norm);
             }
         }
-        adam.step(proposal.parameters_mut(), &drawn.gradients);
+        adam.step(proposal.parameters_mut(), workspace.gradients());
         if observe(step, loss).is_break() {
             break;
         }

@@ -28,8 +28,8 @@ pub struct ReproduceArgs {
     /// Units run side by side, one thread each; as many as there are cores if absent
     #[arg(long)]
     pub jobs: Option<String>,
-    /// What computes the networks: flex or ndarray
-    #[arg(long, default_value = "flex")]
+    /// What computes the networks: native, flex or ndarray
+    #[arg(long, default_value = "native")]
     pub backend: String,
     /// The seed that every random number of the run comes from
     #[arg(long, default_value = "1")]

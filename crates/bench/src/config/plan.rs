@@ -12,6 +12,8 @@ use super::{Axis, ConfigError, Experiment, Method, Panel, Profile, ReproduceArgs
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Backend {
+    /// Our own.
+    Native,
     /// burn's CPU backend.
     Flex,
     /// The backend on ndarray.
@@ -19,9 +21,13 @@ pub enum Backend {
 }
 
 impl Backend {
+    /// All of them; the first is the default.
+    pub const ALL: [Backend; 3] = [Backend::Native, Backend::Flex, Backend::Ndarray];
+
     /// The name on the command line.
     pub fn name(self) -> &'static str {
         match self {
+            Backend::Native => "native",
             Backend::Flex => "flex",
             Backend::Ndarray => "ndarray",
         }
@@ -151,9 +157,8 @@ fn plan(figure: &str, args: &ReproduceArgs) -> Result<Plan, ConfigError> {
         .collect();
     let panels = select("--panels", &args.panels, &of_profile, |panel| &panel.name)?;
     let methods = select("--methods", &args.methods, &experiment.methods, |method| method.name())?;
-    let backends = [Backend::Flex, Backend::Ndarray];
-    let Some(backend) = backends.into_iter().find(|backend| backend.name() == args.backend) else {
-        let names = one_of(&args.backend, backends.map(Backend::name));
+    let Some(backend) = Backend::ALL.into_iter().find(|backend| backend.name() == args.backend) else {
+        let names = one_of(&args.backend, Backend::ALL.map(Backend::name));
         return Err(refuse("--backend", &args.backend, names));
     };
     let cores = std::thread::available_parallelism().map_or(1, usize::from);

@@ -1,10 +1,7 @@
 //! Gaussians with a mean and a covariance of their own for each particle.
 
-use faer::{MatMut, MatRef};
-use motes_models::Stream;
+use motes_models::{Stream, fill_standard_normal};
 use motes_smc::{Conditional, particles_by_stream};
-use rand::RngExt;
-use rand_distr::StandardNormal;
 
 /// `N(μ_k, L_k L_kᵀ)` for each of `R` particles; what every Gaussian family conditions to.
 #[derive(Debug, Clone, Default)]
@@ -12,6 +9,7 @@ pub struct GaussianBatch {
     width: usize,
     means: Vec<f64>,
     lowers: Vec<f64>,
+    noise: Vec<f64>,
 }
 
 impl GaussianBatch {
@@ -21,7 +19,15 @@ impl GaussianBatch {
     /// If the two do not hold the same number of particles of `width` coordinates.
     pub fn new(width: usize, means: Vec<f64>, lowers: Vec<f64>) -> Self {
         assert_eq!(means.len() * width, lowers.len(), "one mean and one factor for each particle");
-        GaussianBatch { width, means, lowers }
+        GaussianBatch { width, means, lowers, noise: Vec::new() }
+    }
+
+    /// The places of the means (`R×N`) and factors (`R·N·N`) of `particles` particles, to be filled.
+    pub(crate) fn places(&mut self, width: usize, particles: usize) -> (&mut [f64], &mut [f64]) {
+        self.width = width;
+        self.means.resize(particles * width, 0.0);
+        self.lowers.resize(particles * width * width, 0.0);
+        (&mut self.means, &mut self.lowers)
     }
 
     /// The mean of each particle, `R×N`.
@@ -29,10 +35,10 @@ impl GaussianBatch {
         &self.means
     }
 
-    /// The factor of particle `row`.
-    pub(crate) fn lower(&self, row: usize) -> MatRef<'_, f64> {
+    /// Column `j` of the factor of particle `row`, from the diagonal down.
+    fn column(&self, row: usize, j: usize) -> &[f64] {
         let n = self.width;
-        MatRef::from_column_major_slice(&self.lowers[row * n * n..(row + 1) * n * n], n, n)
+        &self.lowers[row * n * n + j * n + j..row * n * n + (j + 1) * n]
     }
 
     /// All factors, one after another.
@@ -46,12 +52,9 @@ impl GaussianBatch {
         states.copy_from_slice(&self.means);
         for (row, log_density) in log_density.iter_mut().enumerate() {
             let epsilon = &noise[row * n..(row + 1) * n];
-            let lower = self.lower(row);
             let state = &mut states[row * n..(row + 1) * n];
             for (j, epsilon) in epsilon.iter().enumerate() {
-                let column =
-                    &lower.col(j).try_as_col_major().expect("factors are column-major").as_slice()[j..];
-                for (state, entry) in state[j..].iter_mut().zip(column) {
+                for (state, entry) in state[j..].iter_mut().zip(self.column(row, j)) {
                     *state += entry * epsilon;
                 }
             }
@@ -61,39 +64,44 @@ impl GaussianBatch {
 
     /// `−Σᵢ log Lᵢᵢ − (N/2) log 2π`.
     fn log_normalizer(&self, row: usize) -> f64 {
-        let lower = self.lower(row);
-        let half_log_determinant: f64 = (0..self.width).map(|i| lower[(i, i)].ln()).sum();
+        let half_log_determinant: f64 = (0..self.width).map(|j| self.column(row, j)[0].ln()).sum();
         -half_log_determinant - 0.5 * self.width as f64 * std::f64::consts::TAU.ln()
     }
 }
 
 impl Conditional for GaussianBatch {
     fn sample(&mut self, streams: &mut [Stream], states: &mut [f64], log_density: &mut [f64]) {
-        let mut noise = vec![0.0; states.len()];
+        let mut noise = std::mem::take(&mut self.noise);
+        noise.resize(states.len(), 0.0);
         for (stream, noise) in particles_by_stream(streams, &mut noise, self.width, log_density.len()) {
             fill_standard_normal(stream, noise);
         }
         self.transform(&noise, states, log_density);
+        self.noise = noise;
     }
 
     fn log_density(&mut self, states: &[f64], log_density: &mut [f64]) {
         let n = self.width;
-        let mut deviation = vec![0.0; n];
+        let mut deviation = std::mem::take(&mut self.noise);
+        deviation.resize(n, 0.0);
         for (row, log_density) in log_density.iter_mut().enumerate() {
             let at = row * n..(row + 1) * n;
             for ((d, x), mean) in deviation.iter_mut().zip(&states[at.clone()]).zip(&self.means[at]) {
                 *d = x - mean;
             }
-            let whitened = MatMut::from_column_major_slice_mut(&mut deviation, n, 1);
-            self.lower(row).solve_lower_triangular_in_place(whitened);
+            // L⁻¹ d, column by column from the first on.
+            for j in 0..n {
+                let column = self.column(row, j);
+                deviation[j] /= column[0];
+                let whitened = deviation[j];
+                for (d, entry) in deviation[j + 1..].iter_mut().zip(&column[1..]) {
+                    *d -= entry * whitened;
+                }
+            }
             *log_density = self.log_normalizer(row) - 0.5 * deviation.iter().map(|d| d * d).sum::<f64>();
         }
+        self.noise = deviation;
     }
-}
-
-/// Fills `noise` with independent standard normal variates.
-pub(crate) fn fill_standard_normal(stream: &mut Stream, noise: &mut [f64]) {
-    noise.fill_with(|| stream.sample(StandardNormal));
 }
 
 #[cfg(test)]

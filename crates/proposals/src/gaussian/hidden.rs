@@ -1,44 +1,49 @@
-//! What particles carry beside their state: rows of tensors.
+//! What particles carry beside their state.
 
-use burn::tensor::{DType, Int, Tensor, TensorData};
-use motes_smc::{ParticleMemory, ProposalError};
+use motes_smc::ParticleMemory;
 
-use crate::Compute;
-use crate::backend::to_host;
+use crate::Precision;
+use crate::values::Values;
 
-/// The hidden state of each particle, a row in each of a few tensors; empty for a family without memory.
-#[derive(Clone)]
+/// The hidden state of each particle, a row in each of a few matrices; empty for a family without memory.
+#[derive(Debug, Clone)]
 pub struct Hidden {
-    compute: Compute,
-    pub(crate) tensors: Vec<Tensor<2>>,
+    widths: Vec<usize>,
+    /// `R×width` each.
+    pub(crate) values: Vec<Values>,
+    /// As large as `values`, to be moved into.
+    spare: Vec<Values>,
 }
 
 impl Hidden {
     /// Zeros of the given widths for `particles` particles.
-    pub(crate) fn zeros(compute: Compute, particles: usize, widths: &[usize]) -> Self {
-        let zeros = |&width: &usize| compute.tensor(&vec![0.0; particles * width], [particles, width]);
-        Hidden { compute, tensors: widths.iter().map(zeros).collect() }
+    pub(crate) fn zeros(precision: Precision, particles: usize, widths: &[usize]) -> Self {
+        let zeros = |width: &usize| Values::none(precision).zeros_like(particles * width);
+        let values: Vec<Values> = widths.iter().map(zeros).collect();
+        Hidden { widths: widths.to_vec(), spare: values.clone(), values }
     }
 
-    /// Each tensor (`R×width`, row-major) on the host.
-    ///
-    /// # Errors
-    /// [`ProposalError::Backend`] if the backend could not read it back.
-    pub fn host(&self) -> Result<Vec<Vec<f64>>, ProposalError> {
-        self.tensors.iter().map(|tensor| to_host(tensor.clone())).collect()
+    /// Each matrix (`R×width`, row-major) in 64 bits.
+    pub fn host(&self) -> Vec<Vec<f64>> {
+        self.values.iter().map(|values| values.host(0..values.len())).collect()
     }
 }
 
 impl ParticleMemory for Hidden {
     fn resample(&mut self, ancestors: &[usize]) {
-        if self.tensors.is_empty() {
-            return;
+        for ((values, spare), width) in self.values.iter_mut().zip(&mut self.spare).zip(&self.widths) {
+            match (&*values, &mut *spare) {
+                (Values::F32(from), Values::F32(into)) => gather(from, *width, ancestors, into),
+                (Values::F64(from), Values::F64(into)) => gather(from, *width, ancestors, into),
+                _ => unreachable!("both were made in one precision"),
+            }
+            std::mem::swap(values, spare);
         }
-        let rows: Vec<i64> = ancestors.iter().map(|&ancestor| ancestor as i64).collect();
-        let data = TensorData::new(rows, [ancestors.len()]);
-        let rows = Tensor::<1, Int>::from_data(data, (&self.compute.device(), DType::I64));
-        for tensor in &mut self.tensors {
-            *tensor = tensor.clone().select(0, rows.clone());
-        }
+    }
+}
+
+fn gather<T: Copy>(from: &[T], width: usize, ancestors: &[usize], into: &mut [T]) {
+    for (row, &ancestor) in into.chunks_exact_mut(width).zip(ancestors) {
+        row.copy_from_slice(&from[ancestor * width..(ancestor + 1) * width]);
     }
 }

@@ -3,9 +3,9 @@
 use motes_models::StateSpaceModel;
 use motes_smc::{Past, Proposal, ProposalError};
 
-use super::{GaussianBatch, GaussianProposal, Hidden, Known, Networks};
-use crate::affine::Weights;
-use crate::backend::to_host;
+use super::{GaussianBatch, GaussianProposal, Hidden, Networks};
+use crate::plain::Library;
+use crate::{native, plain};
 
 impl<M: StateSpaceModel + ?Sized, F: Networks, Config: Clone> Proposal<M> for GaussianProposal<F, Config> {
     type Memory = Hidden;
@@ -17,7 +17,8 @@ impl<M: StateSpaceModel + ?Sized, F: Networks, Config: Clone> Proposal<M> for Ga
         M: 'a;
 
     fn initial_memory(&self, particles: usize) -> Hidden {
-        Hidden::zeros(self.parameters.compute(), particles, &self.networks.hidden_widths())
+        let precision = self.parameters.compute().precision;
+        Hidden::zeros(precision, particles, &self.networks.hidden_widths())
     }
 
     fn condition<'a>(
@@ -27,14 +28,20 @@ impl<M: StateSpaceModel + ?Sized, F: Networks, Config: Clone> Proposal<M> for Ga
         memory: &mut Hidden,
     ) -> Result<&'a mut GaussianBatch, ProposalError> {
         ProposalError::unless_same("the state dimension N", self.state_dim, model.state_dim())?;
-        let (previous, measurement) = self.known(&past)?;
-        let known = Known { previous, measurement, hidden: &memory.tensors };
-        let emission =
-            self.networks.forward(&mut Weights::plain(self.parameters.tensors()), past.time, known);
-        memory.tensors = emission.hidden;
-        let means = to_host(emission.means)?;
-        let lowers = self.covariance()?.factors(&to_host(emission.representations)?)?;
-        self.conditional = GaussianBatch::new(self.state_dim, means, lowers);
-        Ok(&mut self.conditional)
+        self.check(&past)?;
+        let covariance = self.covariance()?;
+        let GaussianProposal { networks, parameters, conditional, representations, inference, .. } = self;
+        let values = past.particles * self.state_dim;
+        representations.resize(values, 0.0);
+        let (means, lowers) = conditional.places(self.state_dim, past.particles);
+        let hidden = &mut memory.values;
+        match Library::of(parameters) {
+            None => native::infer(networks, parameters, &past, hidden, inference, means, representations),
+            Some(library) => {
+                plain::infer(&library, networks, parameters, &past, hidden, means, representations)?;
+            }
+        }
+        covariance.factor(representations, lowers)?;
+        Ok(conditional)
     }
 }

@@ -1,14 +1,13 @@
 //! A Gaussian family in training.
 
-use burn::tensor::Tensor;
-use motes_models::Stream;
+use motes_models::{Stream, fill_standard_normal};
 use motes_smc::{Past, ProposalError};
 
-use super::batch::{GaussianBatch, fill_standard_normal};
-use super::{GaussianProposal, Hidden, KernelCovariance, Known, Networks};
-use crate::affine::{Gathering, Record, Weights};
-use crate::backend::to_host;
-use crate::{Gradients, Learnable, Parameters, Tape};
+use super::batch::GaussianBatch;
+use super::{GaussianProposal, KernelCovariance, NetworkTape, Networks};
+use crate::native::NativeTape;
+use crate::plain::{Library, PlainTape};
+use crate::{Learnable, Parameters, Precision, Tape, Workspace};
 
 impl<F: Networks, Config: Clone> Learnable for GaussianProposal<F, Config> {
     fn parameters(&self) -> &Parameters {
@@ -35,44 +34,36 @@ impl<F: Networks, Config: Clone> Learnable for GaussianProposal<F, Config> {
         fill_standard_normal(stream, noise);
     }
 
-    fn tape(&self, particles: usize) -> Box<dyn Tape + '_> {
-        let hidden = Hidden::zeros(self.parameters.compute(), particles, &self.networks.hidden_widths());
-        Box::new(GaussianTape {
-            proposal: self,
-            particles,
-            covariance: None,
-            hidden: hidden.tensors,
-            d_hidden: Vec::new(),
-            draws: Vec::new(),
-            gradients: Gathering::none(self.parameters.len()),
-        })
+    fn tape(&self, particles: usize, workspace: Workspace) -> Box<dyn Tape + '_> {
+        let (networks, parameters) = (&self.networks, &self.parameters);
+        let networks: Box<dyn NetworkTape + '_> = match Library::of(parameters) {
+            Some(library) => Box::new(PlainTape::new(library, networks, parameters, particles, workspace)),
+            None => match parameters.compute().precision {
+                Precision::F32 => {
+                    Box::new(NativeTape::<F, f32>::new(networks, parameters, particles, workspace))
+                }
+                Precision::F64 => {
+                    Box::new(NativeTape::<F, f64>::new(networks, parameters, particles, workspace))
+                }
+            },
+        };
+        Box::new(GaussianTape { proposal: self, networks, covariance: None, draws: Vec::new() })
     }
 }
 
 /// Everything that the way back needs.
 struct GaussianTape<'p, F, Config> {
     proposal: &'p GaussianProposal<F, Config>,
-    particles: usize,
+    networks: Box<dyn NetworkTape + 'p>,
     /// The same at all times; formed at the first draw, which can report an error.
     covariance: Option<KernelCovariance>,
-    /// What the particles carry into the next draw.
-    hidden: Vec<Tensor<2>>,
-    /// The derivative with respect to what they carried out of the last draw not yet undone; empty if it is zero.
-    d_hidden: Vec<Tensor<2>>,
     draws: Vec<Draw>,
-    gradients: Gathering,
 }
 
-/// One step's graph of the networks, cut off from those of the other steps.
+/// What is probabilistic of one step.
 struct Draw {
     time: usize,
-    weights: Record,
-    previous: Tensor<2>,
-    hidden_in: Vec<Tensor<2>>,
-    hidden_out: Vec<Tensor<2>>,
-    means: Tensor<2>,
-    representations: Tensor<2>,
-    representation_values: Vec<f64>,
+    representations: Vec<f64>,
     lowers: Vec<f64>,
     noise: Vec<f64>,
 }
@@ -86,36 +77,21 @@ impl<F: Networks, Config: Clone> Tape for GaussianTape<'_, F, Config> {
         log_density: &mut [f64],
     ) -> Result<(), ProposalError> {
         let proposal = self.proposal;
+        proposal.check(&past)?;
         let covariance = match self.covariance.take() {
             Some(covariance) => covariance,
             None => proposal.covariance()?,
         };
-        let leaf = |tensor: Tensor<2>| tensor.autodiff().require_grad();
-        let (previous, measurement) = proposal.known(&past)?;
-        let (previous, measurement) = (leaf(previous), measurement.autodiff());
-        let hidden_in: Vec<Tensor<2>> = self.hidden.drain(..).map(leaf).collect();
-        let known = Known { previous: previous.clone(), measurement, hidden: &hidden_in };
-        let mut weights = Weights::recorded(proposal.parameters.tensors());
-        let emission = proposal.networks.forward(&mut weights, past.time, known);
-        self.hidden = emission.hidden.iter().map(|tensor| tensor.clone().inner()).collect();
-        let representation_values = to_host(emission.representations.clone().inner())?;
-        let lowers = covariance.factors(&representation_values)?;
-        let means = to_host(emission.means.clone().inner())?;
-        let batch = GaussianBatch::new(proposal.state_dim, means, lowers);
+        let n = proposal.state_dim;
+        let mut representations = vec![0.0; past.particles * n];
+        let mut batch = GaussianBatch::default();
+        let (means, lowers) = batch.places(n, past.particles);
+        self.networks.forward(&past, n, means, &mut representations)?;
+        covariance.factor(&representations, lowers)?;
         batch.transform(noise, states, log_density);
         self.covariance = Some(covariance);
-        self.draws.push(Draw {
-            time: past.time,
-            weights: weights.into_record(),
-            previous,
-            hidden_in,
-            hidden_out: emission.hidden,
-            means: emission.means,
-            representations: emission.representations,
-            representation_values,
-            lowers: batch.into_lowers(),
-            noise: noise.to_vec(),
-        });
+        let (time, lowers, noise) = (past.time, batch.into_lowers(), noise.to_vec());
+        self.draws.push(Draw { time, representations, lowers, noise });
         Ok(())
     }
 
@@ -129,48 +105,26 @@ impl<F: Networks, Config: Clone> Tape for GaussianTape<'_, F, Config> {
             (Some(draw), Some(covariance)) => (draw, covariance),
             _ => panic!("there is no draw left to pull back"),
         };
-        let (proposal, compute) = (self.proposal, self.proposal.parameters.compute());
-        let n = proposal.state_dim;
         let (d_representations, d_mixing) = covariance.pull_back(
-            &draw.representation_values,
+            &draw.representations,
             &draw.lowers,
             &draw.noise,
             d_states,
             d_log_density,
         );
-        self.gradients.add(proposal.mixing, compute.tensor(&d_mixing, [n, n]));
-
-        // The scalar whose gradient is the vector–Jacobian product that is wanted.
-        let shape = [self.particles, n];
-        let weigh = |tensor: Tensor<2>, d: Tensor<2>| (tensor * d.autodiff()).sum();
-        let mut scalar = weigh(draw.means, compute.tensor(d_states, shape))
-            + weigh(draw.representations, compute.tensor(&d_representations, shape));
-        for (tensor, d) in draw.hidden_out.into_iter().zip(self.d_hidden.drain(..)) {
-            scalar = scalar + weigh(tensor, d);
-        }
-        let mut found = scalar.backward();
-        self.gradients.gather(draw.weights, &mut found);
-        self.d_hidden = draw
-            .hidden_in
-            .iter()
-            .map(|tensor| {
-                tensor.grad_remove(&mut found).unwrap_or_else(|| tensor.clone().inner().zeros_like())
-            })
-            .collect();
-        d_previous.fill(0.0);
-        if draw.time > 0
-            && let Some(d) = draw.previous.grad_remove(&mut found)
-        {
-            d_previous.copy_from_slice(&to_host(d)?);
+        self.networks.gradients().add_wide(self.proposal.mixing, &d_mixing);
+        self.networks.backward(d_states, &d_representations, d_previous)?;
+        if draw.time == 0 {
+            d_previous.fill(0.0);
         }
         Ok(())
     }
 
     fn cut(&mut self) {
-        self.d_hidden.clear();
+        self.networks.cut();
     }
 
-    fn into_gradients(self: Box<Self>) -> Gradients {
-        self.gradients.finish()
+    fn finish(self: Box<Self>) -> Workspace {
+        self.networks.finish()
     }
 }

@@ -1,18 +1,22 @@
 //! The graph proposal of the paper: networks that compute along the edges of the system's graph.
 
 mod filters;
+mod graph;
 
-use burn::tensor::Tensor;
+pub use graph::{Graph, Shape};
+
+pub(crate) use graph::GraphOf;
+
 use motes_models::{Seed, StateSpaceModel};
 use motes_smc::ProposalError;
 use serde::{Deserialize, Serialize};
 
-use crate::affine::Weights;
-use crate::backend::Compute;
+use crate::Compute;
+use crate::arithmetic::Arithmetic;
 use crate::family::{Family, check_horizon, check_weights, check_widths, count_affine, sizes_of};
 use crate::gaussian::{Emission, GaussianProposal, Known, Networks};
 use crate::initial_weights::fan_in_bound;
-use filters::{GraphNetwork, Shift};
+use filters::GraphNetwork;
 
 /// The settings of a [`Gnn`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -64,18 +68,11 @@ pub type Gnn = GaussianProposal<GnnNetworks, GnnConfig>;
 /// The networks of a [`Gnn`].
 #[derive(Clone)]
 pub struct GnnNetworks {
-    shift: Shift,
+    graph: Graph,
     means: Vec<GraphNetwork>,
     representation: GraphNetwork,
-    adapters: Adapters,
-}
-
-#[derive(Clone)]
-enum Adapters {
-    /// `N×M`.
-    Fixed(Box<Tensor<2>>),
-    /// The indices among the parameters of that of the means and that of the representation.
-    Learned(usize, usize),
+    /// The indices among the parameters of the learned adapters, of the means' and of the representation's.
+    adapters: Option<[usize; 2]>,
 }
 
 impl Gnn {
@@ -106,12 +103,6 @@ impl Gnn {
         ] {
             ProposalError::unless_same(what, found, expected)?;
         }
-        let matrix = |matrix: &faer::Mat<f64>| {
-            let (rows, columns) = (matrix.nrows(), matrix.ncols());
-            let values: Vec<f64> =
-                (0..rows * columns).map(|at| matrix[(at / columns, at % columns)]).collect();
-            compute.tensor(&values, [rows, columns])
-        };
         let features = config.layers();
         GaussianProposal::assemble(config, config.ridge, sizes, compute, seed, |parameters| {
             let means = (0..horizon)
@@ -119,15 +110,15 @@ impl Gnn {
                 .collect();
             let representation = GraphNetwork::draw(parameters, "covariance", &features, config.order, seed);
             let adapters = match config.adapter {
-                Adapter::Fixed => Adapters::Fixed(Box::new(matrix(&graph.adapter))),
+                Adapter::Fixed => None,
                 Adapter::Learned => {
                     let first = parameters.len();
                     parameters.draw("mean.adapter".into(), [n, m], fan_in_bound(m), seed);
                     parameters.draw("covariance.adapter".into(), [n, m], fan_in_bound(m), seed);
-                    Adapters::Learned(first, first + 1)
+                    Some([first, first + 1])
                 }
             };
-            GnnNetworks { shift: Shift::new(matrix(&graph.shift)), means, representation, adapters }
+            GnnNetworks { graph: Graph::new(graph.shift, graph.adapter), means, representation, adapters }
         })
     }
 }
@@ -137,31 +128,26 @@ impl Networks for GnnNetworks {
         Some(self.means.len())
     }
 
-    fn forward(&self, weights: &mut Weights<'_>, time: usize, known: Known<'_>) -> Emission {
-        // All inside is node by node: row `i·R + k` is node i of particle k, so that a shift along the edges and a
-        // mixture of features are each one product of matrices.
-        let [particles, nodes] = known.previous.dims();
-        let column = |by_node: Tensor<2>| by_node.reshape([nodes * particles, 1]);
-        let states = column(known.previous.clone().transpose());
-        let inputs = |adapter: Tensor<2>| {
-            let at_nodes = adapter.matmul(known.measurement.clone().transpose());
-            Tensor::cat(vec![states.clone(), column(at_nodes.repeat_dim(1, particles))], 1)
+    fn forward<A: Arithmetic>(
+        &self,
+        arithmetic: &mut A,
+        time: usize,
+        known: Known<'_, A::Rows>,
+    ) -> Emission<A::Rows> {
+        let Known { previous, measurement, .. } = &known;
+        let of_means = self.adapters.map(|[of_means, _]| of_means);
+        let inputs = arithmetic.at_nodes(previous, measurement, &self.graph, of_means);
+        let of_representations = match self.adapters {
+            None => inputs.clone(),
+            Some([_, index]) => arithmetic.at_nodes(previous, measurement, &self.graph, Some(index)),
         };
-        let (of_mean, of_representation) = match &self.adapters {
-            Adapters::Fixed(adapter) => {
-                let inputs = inputs((**adapter).clone());
-                (inputs.clone(), inputs)
-            }
-            Adapters::Learned(mean, representation) => {
-                (inputs(weights.matrix(*mean)), inputs(weights.matrix(*representation)))
-            }
-        };
-        let mut outputs = |network: &GraphNetwork, inputs: Tensor<2>| {
-            network.forward(weights, &self.shift, inputs).reshape([nodes, particles]).transpose()
+        let mut outputs = |network: &GraphNetwork, inputs: A::Rows| {
+            let at_nodes = network.forward(arithmetic, &self.graph, inputs);
+            arithmetic.from_nodes(&at_nodes, self.graph.nodes())
         };
         Emission {
-            means: outputs(&self.means[time], of_mean),
-            representations: outputs(&self.representation, of_representation),
+            means: outputs(&self.means[time], inputs),
+            representations: outputs(&self.representation, of_representations),
             hidden: Vec::new(),
         }
     }

@@ -12,7 +12,7 @@ use motes_models::{Seed, StateSpaceModel};
 use motes_smc::{Past, ProposalError};
 use serde::{Deserialize, Serialize};
 
-use crate::backend::Compute;
+use crate::Compute;
 use crate::family::{Family, check_count, check_horizon, check_ridge, check_weights, sizes_of};
 use crate::initial_weights::fan_in_bound;
 use crate::parameters::Parameters;
@@ -106,16 +106,16 @@ impl Psi {
         let host = |at: usize| self.parameters.host(first + at);
         let square = |at: usize| {
             let name = || self.parameters.names()[first + at].clone();
-            Square::new(n, &host(at)?, self.config.ridge, time, name)
+            Square::new(n, &host(at), self.config.ridge, time, name)
         };
         let layers = (0..self.config.layers).map(|layer| {
             let at = FIRST + 2 * layer;
-            Ok((square(at)?, host(at + 1)?))
+            Ok((square(at)?, host(at + 1)))
         });
         Ok(Map {
             noise: square(0)?,
-            previous: map::row_major(&host(1)?, n, n),
-            measurement: map::row_major(&host(2)?, m, n),
+            previous: map::row_major(&host(1), n, n),
+            measurement: map::row_major(&host(2), m, n),
             layers: layers.collect::<Result<_, ProposalError>>()?,
         })
     }

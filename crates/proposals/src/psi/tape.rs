@@ -9,7 +9,7 @@ use motes_smc::{Past, ProposalError};
 use super::map::{Activations, Map, Square, times};
 use super::propose::fill_uniform;
 use super::{FIRST, Psi};
-use crate::{Gradients, Learnable, Parameters, Tape};
+use crate::{Gradients, Learnable, Parameters, Tape, Workspace};
 
 impl Learnable for Psi {
     fn parameters(&self) -> &Parameters {
@@ -36,9 +36,8 @@ impl Learnable for Psi {
         fill_uniform(stream, noise);
     }
 
-    fn tape(&self, _particles: usize) -> Box<dyn Tape + '_> {
-        let gradients = Gradients::none(self.parameters.len());
-        Box::new(PsiTape { proposal: self, draws: Vec::new(), gradients })
+    fn tape(&self, _particles: usize, workspace: Workspace) -> Box<dyn Tape + '_> {
+        Box::new(PsiTape { proposal: self, draws: Vec::new(), gradients: workspace.open_gradients() })
     }
 }
 
@@ -97,7 +96,7 @@ impl Tape for PsiTape<'_> {
         {
             let at = first + FIRST + 2 * layer;
             self.add_square(at, square, inputs, &d, total);
-            self.add(at + 1, &column_sums(&d, n), [1, n]);
+            self.gradients.add_wide(at + 1, &column_sums(&d, n));
             times(&d, square.matrix.transpose(), &mut below);
             let rows = below.chunks_exact_mut(n).zip(inputs.chunks_exact(n)).zip(d_log_density);
             for ((below, inputs), d_log_density) in rows {
@@ -110,29 +109,24 @@ impl Tape for PsiTape<'_> {
         self.add_square(first, &draw.map.noise, &draw.noise, &d, total);
         d_previous.fill(0.0);
         if let Some(previous) = &draw.previous {
-            self.add(first + 1, &outer(previous, &d, n, n), [n, n]);
+            self.gradients.add_wide(first + 1, &outer(previous, &d, n, n));
             times(&d, draw.map.previous.transpose(), d_previous);
         }
         let sums = column_sums(&d, n);
-        let m = draw.measurement.len();
         let outer: Vec<f64> = draw.measurement.iter().flat_map(|y| sums.iter().map(move |s| y * s)).collect();
-        self.add(first + 2, &outer, [m, n]);
+        self.gradients.add_wide(first + 2, &outer);
         Ok(())
     }
 
     /// The particles carry nothing.
     fn cut(&mut self) {}
 
-    fn into_gradients(self: Box<Self>) -> Gradients {
-        self.gradients
+    fn finish(self: Box<Self>) -> Workspace {
+        Workspace::closed_gradients(self.gradients)
     }
 }
 
 impl PsiTape<'_> {
-    fn add(&mut self, index: usize, values: &[f64], shape: [usize; 2]) {
-        self.gradients.add(index, self.proposal.parameters.compute().tensor(values, shape));
-    }
-
     /// Adds the gradient of an invertible matrix: through its product with `inputs`, and through its determinant.
     fn add_square(&mut self, index: usize, square: &Square, inputs: &[f64], d: &[f64], total: f64) {
         let n = self.proposal.state_dim;
@@ -143,7 +137,7 @@ impl PsiTape<'_> {
                 *gradient -= total * inverse[(at % n, at / n)];
             }
         }
-        self.add(index, &gradient, [n, n]);
+        self.gradients.add_wide(index, &gradient);
     }
 }
 

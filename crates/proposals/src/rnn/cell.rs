@@ -1,10 +1,9 @@
 //! One recurrent layer: Elman, GRU or LSTM.
 
-use burn::tensor::Tensor;
 use motes_models::Seed;
 use serde::{Deserialize, Serialize};
 
-use crate::affine::Weights;
+use crate::arithmetic::{Activation, Arithmetic};
 use crate::initial_weights::fan_in_bound;
 use crate::parameters::Parameters;
 
@@ -74,41 +73,30 @@ impl Layer {
         vec![self.hidden; if self.cell == Cell::Lstm { 2 } else { 1 }]
     }
 
-    /// Advances the layer; the first tensor that comes back is `h'`, which is also its output.
-    pub(super) fn forward(
+    /// Advances the layer; the first that comes back is `h'`, which is also its output.
+    pub(super) fn forward<A: Arithmetic>(
         self,
-        weights: &mut Weights<'_>,
-        input: Tensor<2>,
-        carried: &[Tensor<2>],
-    ) -> Vec<Tensor<2>> {
-        let h = carried[0].clone();
-        let from_input = weights.affine(input, self.first, Some(self.first + 2));
-        let from_hidden = weights.affine(h.clone(), self.first + 1, None);
-        let block = |tensor: &Tensor<2>, first: usize, blocks: usize| {
-            tensor.clone().narrow(1, first * self.hidden, blocks * self.hidden)
-        };
+        arithmetic: &mut A,
+        input: &A::Rows,
+        carried: &[A::Rows],
+    ) -> Vec<A::Rows> {
+        let (h, [of_input, of_hidden, bias, offset]) = (&carried[0], [0, 1, 2, 3].map(|at| self.first + at));
         match self.cell {
-            Cell::Elman => vec![(from_input + from_hidden).tanh()],
+            Cell::Elman => {
+                let inputs = [(input, of_input), (h, of_hidden)];
+                vec![arithmetic.affine(&inputs, Some(bias), Activation::Tanh)]
+            }
             Cell::Gru => {
-                let gates = sigmoid(block(&from_input, 0, 2) + block(&from_hidden, 0, 2));
-                let (reset, keep) = (block(&gates, 0, 1), block(&gates, 1, 1));
-                let inner = block(&from_hidden, 2, 1) + weights.matrix(self.first + 3);
-                let candidate = (block(&from_input, 2, 1) + reset * inner).tanh();
-                // (1 − s) ∘ ĥ + s ∘ h
-                vec![candidate.clone() + keep * (h - candidate)]
+                let from_input = arithmetic.affine(&[(input, of_input)], Some(bias), Activation::Linear);
+                let from_hidden = arithmetic.affine(&[(h, of_hidden)], None, Activation::Linear);
+                vec![arithmetic.gru(&from_input, &from_hidden, offset, h)]
             }
             Cell::Lstm => {
-                let gates = from_input + from_hidden;
-                let (input, forget) = (sigmoid(block(&gates, 0, 1)), sigmoid(block(&gates, 1, 1)));
-                let (new, output) = (block(&gates, 2, 1).tanh(), sigmoid(block(&gates, 3, 1)));
-                let c = forget * carried[1].clone() + input * new;
-                vec![output * c.clone().tanh(), c]
+                let inputs = [(input, of_input), (h, of_hidden)];
+                let gates = arithmetic.affine(&inputs, Some(bias), Activation::Linear);
+                let (h, c) = arithmetic.lstm(gates, &carried[1]);
+                vec![h, c]
             }
         }
     }
-}
-
-/// `σ(a) = (1 + tanh(a/2)) / 2`, which backends compute alike where their own logistic functions differ.
-fn sigmoid(values: Tensor<2>) -> Tensor<2> {
-    (values * 0.5).tanh() * 0.5 + 0.5
 }

@@ -8,8 +8,8 @@ use motes_models::{Seed, StateSpaceModel};
 use motes_smc::ProposalError;
 use serde::{Deserialize, Serialize};
 
-use crate::affine::Weights;
-use crate::backend::Compute;
+use crate::Compute;
+use crate::arithmetic::Arithmetic;
 use crate::family::{Family, check_count, check_weights, count_affine, sizes_of};
 use crate::gaussian::{Emission, GaussianProposal, Known, Networks};
 use crate::mlp::Mlp;
@@ -91,19 +91,24 @@ impl Networks for RnnNetworks {
         self.layers.iter().flat_map(|layer| layer.carried_widths()).collect()
     }
 
-    fn forward(&self, weights: &mut Weights<'_>, _time: usize, known: Known<'_>) -> Emission {
-        let mut values = known.stacked();
+    fn forward<A: Arithmetic>(
+        &self,
+        arithmetic: &mut A,
+        _time: usize,
+        known: Known<'_, A::Rows>,
+    ) -> Emission<A::Rows> {
+        let mut values = arithmetic.stacked(&known.previous, &known.measurement);
         let (mut hidden, mut carried) = (Vec::new(), known.hidden);
         for layer in &self.layers {
             let (own, others) = carried.split_at(layer.carried_widths().len());
-            let next = layer.forward(weights, values, own);
+            let next = layer.forward(arithmetic, &values, own);
             values = next[0].clone();
             hidden.extend(next);
             carried = others;
         }
         Emission {
-            means: self.mean.forward(weights, values.clone()),
-            representations: self.representation.forward(weights, values),
+            means: self.mean.forward(arithmetic, values.clone()),
+            representations: self.representation.forward(arithmetic, values),
             hidden,
         }
     }

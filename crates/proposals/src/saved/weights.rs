@@ -22,13 +22,13 @@ pub(super) fn encode(parameters: &Parameters) -> Result<Vec<u8>, ProposalError> 
     };
     let mut matrices = Vec::new();
     for (index, name) in parameters.names().iter().enumerate() {
-        let values = parameters.host(index)?;
+        let values = parameters.host(index);
         let bytes: Vec<u8> = if wide {
             values.iter().flat_map(|value| value.to_le_bytes()).collect()
         } else {
             values.iter().flat_map(|value| (*value as f32).to_le_bytes()).collect()
         };
-        matrices.push((name.clone(), parameters.tensors()[index].dims(), bytes));
+        matrices.push((name.clone(), parameters.shape(index), bytes));
     }
     let backend = |error: safetensors::SafeTensorError| ProposalError::Backend { reason: error.to_string() };
     let views = matrices.iter().map(|(name, shape, bytes)| {
@@ -73,7 +73,7 @@ pub(super) fn place(matrices: &[Matrix], parameters: &mut Parameters) -> Result<
         let Some(matrix) = matrices.iter().find(|matrix| matrix.name == *name) else {
             return Err(format!("it has no matrix {name}"));
         };
-        let expected = parameters.tensors()[index].dims();
+        let expected = parameters.shape(index);
         if matrix.shape != expected {
             return Err(format!("{name} is {:?} instead of {expected:?}", matrix.shape));
         }

@@ -1,28 +1,7 @@
-//! Derivatives through a Cholesky factor and through the kernel covariance, in reverse mode.
+//! Derivatives through the kernel covariance and its Cholesky factor, in reverse mode.
 
-use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, MatRef, Par};
-
-use super::{KernelCovariance, kernel_matrix};
-
-/// The derivative with respect to a symmetric `Σ = L Lᵀ`, given that with respect to `L` (lower triangle of `d_lower`).
-///
-/// `Σ̄ = ½ (S + Sᵀ)` with `S = L⁻ᵀ Φ(Lᵀ L̄) L⁻¹`, `Φ` the lower triangle with halved diagonal (Murray 2016). It is the
-/// adjoint of the exact differential `dL = L Φ(L⁻¹ dΣ L⁻ᵀ)`: the scalar changes by `Σᵢⱼ Σ̄ᵢⱼ dΣᵢⱼ`.
-pub fn cholesky_adjoint(lower: MatRef<'_, f64>, d_lower: MatRef<'_, f64>) -> Mat<f64> {
-    let n = lower.nrows();
-    let product = lower.transpose() * d_lower;
-    let mut s = Mat::from_fn(n, n, |i, j| match i.cmp(&j) {
-        std::cmp::Ordering::Less => 0.0,
-        std::cmp::Ordering::Equal => 0.5 * product[(i, j)],
-        std::cmp::Ordering::Greater => product[(i, j)],
-    });
-    let upper = lower.transpose();
-    upper.solve_upper_triangular_in_place(s.as_mut());
-    let mut s = s.transpose().to_owned();
-    upper.solve_upper_triangular_in_place(s.as_mut());
-    Mat::from_fn(n, n, |i, j| 0.5 * (s[(i, j)] + s[(j, i)]))
-}
+use super::lanes::{LANES, Lane, Square, vectorised};
+use super::{KernelCovariance, kernel_matrices};
 
 impl KernelCovariance {
     /// Pulls derivatives of a scalar back through `x = μ + L ε` and `log q = −Σᵢ log Lᵢᵢ + …` to `z` and `C`.
@@ -31,7 +10,9 @@ impl KernelCovariance {
     /// respect to its state (`R×N`) and its log density (`R`). Returns the derivatives with respect to `z` (`R×N`) and
     /// to `C` (`N×N` row-major); that with respect to `μ` is that with respect to the state.
     ///
-    /// With `Σ̄` from [`cholesky_adjoint`]: `C̄ = Σ_k 2 Σ̄ C K`, `K̄ = Cᵀ Σ̄ C`, `z̄ᵢ = −4 Σⱼ K̄ᵢⱼ Kᵢⱼ (zᵢ − zⱼ)`.
+    /// `L̄ = tril(x̄ εᵀ) − q̄ diag(L)⁻¹`. With `Φ` the lower triangle with halved diagonal and `S = L⁻ᵀ Φ(Lᵀ L̄) L⁻¹`,
+    /// `Σ̄ = ½ (S + Sᵀ)`: the adjoint of the exact differential `dL = L Φ(L⁻¹ dΣ L⁻ᵀ)` (Murray 2016). Then
+    /// `C̄ = Σ_k 2 Σ̄ C K`, `K̄ = Cᵀ Σ̄ C`, `z̄ᵢ = −4 Σⱼ K̄ᵢⱼ Kᵢⱼ (zᵢ − zⱼ)`.
     pub fn pull_back(
         &self,
         representations: &[f64],
@@ -40,30 +21,163 @@ impl KernelCovariance {
         d_states: &[f64],
         d_log_density: &[f64],
     ) -> (Vec<f64>, Vec<f64>) {
-        let n = self.width();
-        let c = self.mixing.as_ref();
+        let n = self.width;
         let mut d_representations = vec![0.0; representations.len()];
-        let mut d_mixing = Mat::<f64>::zeros(n, n);
-        let (mut kernel, mut left, mut d_kernel) = (Mat::zeros(n, n), Mat::zeros(n, n), Mat::zeros(n, n));
-        for (row, z) in representations.chunks_exact(n).enumerate() {
-            let at = row * n..(row + 1) * n;
-            let lower = MatRef::from_column_major_slice(&lowers[row * n * n..(row + 1) * n * n], n, n);
-            let (d_state, epsilon) = (&d_states[at.clone()], &noise[at.clone()]);
-            let d_lower = Mat::from_fn(n, n, |i, j| match i.cmp(&j) {
-                std::cmp::Ordering::Less => 0.0,
-                std::cmp::Ordering::Equal => d_state[i] * epsilon[j] - d_log_density[row] / lower[(i, i)],
-                std::cmp::Ordering::Greater => d_state[i] * epsilon[j],
-            });
-            let d_covariance = cholesky_adjoint(lower, d_lower.as_ref());
-            kernel_matrix(z, &mut kernel);
-            matmul(&mut left, Accum::Replace, &d_covariance, c, 1.0, Par::Seq);
-            matmul(&mut d_mixing, Accum::Add, &left, &kernel, 2.0, Par::Seq);
-            matmul(&mut d_kernel, Accum::Replace, c.transpose(), &left, 1.0, Par::Seq);
-            for (i, d) in d_representations[at].iter_mut().enumerate() {
-                *d = -4.0 * (0..n).map(|j| d_kernel[(i, j)] * kernel[(i, j)] * (z[i] - z[j])).sum::<f64>();
+        let mut work = Adjoint {
+            kernel: Square::zeros(n),
+            lower: Square::zeros(n),
+            d_lower: Square::zeros(n),
+            s: Square::zeros(n),
+            d_covariance: Square::zeros(n),
+            left: Square::zeros(n),
+            d_mixing: Square::zeros(n),
+        };
+        let rows = LANES * n;
+        let blocks = representations.chunks(rows).zip(lowers.chunks(rows * n)).zip(noise.chunks(rows));
+        let blocks = blocks.zip(d_states.chunks(rows)).zip(d_log_density.chunks(LANES));
+        for (((((z, lowers), noise), d_states), d_log), d_z) in blocks.zip(d_representations.chunks_mut(rows)) {
+            vectorised(
+                #[inline(always)]
+                || {
+                    work.load(n, lowers, noise, d_states, d_log);
+                    work.covariance(n);
+                    kernel_matrices(n, z, &mut work.kernel);
+                    work.beyond(n, &self.mixing, z, d_z);
+                },
+            );
+        }
+        let d_mixing = (0..n * n).map(|at| work.d_mixing.at(at / n, at % n).0.iter().sum()).collect();
+        (d_representations, d_mixing)
+    }
+}
+
+/// Space for one block of particles.
+struct Adjoint {
+    kernel: Square,
+    lower: Square,
+    d_lower: Square,
+    s: Square,
+    d_covariance: Square,
+    left: Square,
+    /// The sum over all blocks.
+    d_mixing: Square,
+}
+
+impl Adjoint {
+    /// `L` and `L̄`; in lanes without a particle the latter is 0, so that nothing comes of them.
+    #[inline(always)]
+    fn load(&mut self, n: usize, lowers: &[f64], noise: &[f64], d_states: &[f64], d_log_density: &[f64]) {
+        let particles = d_log_density.len();
+        for i in 0..n {
+            let (d_state, epsilon_at) = (Lane::gather(d_states, n, i), |j| Lane::gather(noise, n, j));
+            for j in 0..=i {
+                let lower = Lane::gather(lowers, n * n, i + n * j);
+                let mut d = Lane::default();
+                d.add_product(&d_state, &epsilon_at(j));
+                if i == j {
+                    for lane in 0..particles {
+                        d.0[lane] -= d_log_density[lane] / lower.0[lane];
+                    }
+                }
+                d.0[particles..].fill(0.0);
+                *self.lower.at_mut(i, j) = lower;
+                *self.d_lower.at_mut(i, j) = d;
             }
         }
-        let d_mixing = (0..n * n).map(|at| d_mixing[(at / n, at % n)]).collect();
-        (d_representations, d_mixing)
+    }
+
+    /// `Σ̄` from `L` and `L̄`.
+    #[inline(always)]
+    fn covariance(&mut self, n: usize) {
+        // Φ(Lᵀ L̄)
+        for i in 0..n {
+            for j in 0..n {
+                let mut sum = Lane::default();
+                if i >= j {
+                    for k in i..n {
+                        sum.add_product(self.lower.at(k, i), self.d_lower.at(k, j));
+                    }
+                }
+                if i == j {
+                    sum.0.iter_mut().for_each(|value| *value *= 0.5);
+                }
+                *self.s.at_mut(i, j) = sum;
+            }
+        }
+        // Lᵀ X = Φ, from the last row up.
+        for i in (0..n).rev() {
+            for j in 0..n {
+                let mut sum = *self.s.at(i, j);
+                for k in i + 1..n {
+                    sum.subtract_product(self.lower.at(k, i), self.s.at(k, j));
+                }
+                sum.divide(self.lower.at(i, i));
+                *self.s.at_mut(i, j) = sum;
+            }
+        }
+        // S L = X, from the last column back.
+        for j in (0..n).rev() {
+            for i in 0..n {
+                let mut sum = *self.s.at(i, j);
+                for k in j + 1..n {
+                    sum.subtract_product(self.s.at(i, k), self.lower.at(k, j));
+                }
+                sum.divide(self.lower.at(j, j));
+                *self.s.at_mut(i, j) = sum;
+            }
+        }
+        for i in 0..n {
+            for j in 0..=i {
+                let mut mean = Lane::default();
+                mean.add_scaled(0.5, self.s.at(i, j));
+                mean.add_scaled(0.5, self.s.at(j, i));
+                *self.d_covariance.at_mut(i, j) = mean;
+                *self.d_covariance.at_mut(j, i) = mean;
+            }
+        }
+    }
+
+    /// From `Σ̄` to `C̄`, which is added up, and `z̄`.
+    #[inline(always)]
+    fn beyond(&mut self, n: usize, mixing: &[f64], z: &[f64], d_z: &mut [f64]) {
+        // Σ̄ C
+        for i in 0..n {
+            for j in 0..n {
+                let mut sum = Lane::default();
+                for k in 0..n {
+                    sum.add_scaled(mixing[k * n + j], self.d_covariance.at(i, k));
+                }
+                *self.left.at_mut(i, j) = sum;
+            }
+        }
+        for i in 0..n {
+            for j in 0..n {
+                let mut sum = Lane::default();
+                for k in 0..n {
+                    sum.add_product(self.left.at(i, k), self.kernel.at(k, j));
+                }
+                self.d_mixing.at_mut(i, j).add_scaled(2.0, &sum);
+            }
+        }
+        for i in 0..n {
+            let mine = Lane::gather(z, n, i);
+            let mut d = Lane::default();
+            for j in 0..n {
+                // K̄ᵢⱼ; on the diagonal zᵢ − zⱼ is 0.
+                let mut d_kernel = Lane::default();
+                for k in 0..n {
+                    d_kernel.add_scaled(mixing[k * n + i], self.left.at(k, j));
+                }
+                let mut pull = *self.kernel.at(i, j);
+                let other = Lane::gather(z, n, j);
+                for ((pull, mine), other) in pull.0.iter_mut().zip(&mine.0).zip(&other.0) {
+                    *pull *= mine - other;
+                }
+                d.add_product(&d_kernel, &pull);
+            }
+            for (row, d) in d_z.chunks_exact_mut(n).zip(&d.0) {
+                row[i] = -4.0 * d;
+            }
+        }
     }
 }

@@ -1,22 +1,20 @@
 //! The covariance that every Gaussian family shares: a kernel of a learned representation, mixed by a learned matrix.
 
 mod adjoint;
-mod cholesky;
+mod lanes;
 
-pub use adjoint::cholesky_adjoint;
-
-use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, MatMut, Par};
 use motes_smc::ProposalError;
 
 use crate::family::check_ridge;
-use cholesky::Cholesky;
+use lanes::{LANES, Lane, Square, vectorised};
 
 /// `Σ = C K(z) Cᵀ + δ I` with `K(z)ᵢⱼ = exp(−(zᵢ − zⱼ)²)` (the paper's equations "covMatrix" and "covKernel"; the ridge
 /// `δ` makes it positive definite, which without it it need not be).
 #[derive(Debug, Clone)]
 pub struct KernelCovariance {
-    mixing: Mat<f64>,
+    width: usize,
+    /// `C`, row-major.
+    mixing: Vec<f64>,
     ridge: f64,
 }
 
@@ -31,47 +29,120 @@ impl KernelCovariance {
             return Err(ProposalError::Mismatch { what, found: mixing.len(), expected: width * width });
         }
         check_ridge("the ridge of the covariance", ridge)?;
-        Ok(KernelCovariance { mixing: Mat::from_fn(width, width, |i, j| mixing[i * width + j]), ridge })
-    }
-
-    fn width(&self) -> usize {
-        self.mixing.nrows()
+        Ok(KernelCovariance { width, mixing: mixing.to_vec(), ridge })
     }
 
     /// The Cholesky factor of each particle's `Σ`, given its `z` (rows of `R×N`): `R` matrices, `N×N` column-major.
     ///
     /// # Errors
-    /// [`ProposalError::Numerical`] with the particle, if its `z` is not finite or its `Σ` not positive definite.
+    /// As [`KernelCovariance::factor`].
     pub fn factors(&self, representations: &[f64]) -> Result<Vec<f64>, ProposalError> {
-        let n = self.width();
-        let particles = representations.len() / n;
-        let mut lowers = vec![0.0; particles * n * n];
-        let (mut kernel, mut mixed) = (Mat::zeros(n, n), Mat::zeros(n, n));
-        let mut cholesky = Cholesky::new(n);
-        for (particle, z) in representations.chunks_exact(n).enumerate() {
-            kernel_matrix(z, &mut kernel);
-            let block = &mut lowers[particle * n * n..(particle + 1) * n * n];
-            let mut covariance = MatMut::from_column_major_slice_mut(block, n, n);
-            matmul(&mut mixed, Accum::Replace, &self.mixing, &kernel, 1.0, Par::Seq);
-            matmul(&mut covariance, Accum::Replace, &mixed, self.mixing.transpose(), 1.0, Par::Seq);
-            for i in 0..n {
-                covariance[(i, i)] += self.ridge;
-            }
-            cholesky.factor_in_place(covariance).map_err(|reason| ProposalError::Numerical {
-                computation: "the Cholesky factor of the proposal's covariance",
-                particle,
-                reason,
-            })?;
-        }
+        let mut lowers = vec![0.0; representations.len() * self.width];
+        self.factor(representations, &mut lowers)?;
         Ok(lowers)
+    }
+
+    /// The same into `lowers` (`R·N·N`).
+    ///
+    /// # Errors
+    /// [`ProposalError::Numerical`] with the particle, if its `z` is not finite or its `Σ` not positive definite.
+    pub fn factor(&self, representations: &[f64], lowers: &mut [f64]) -> Result<(), ProposalError> {
+        let n = self.width;
+        let mut work = Factoring { kernel: Square::zeros(n), mixed: Square::zeros(n), lower: Square::zeros(n) };
+        let blocks = representations.chunks(LANES * n).zip(lowers.chunks_mut(LANES * n * n));
+        for (block, (z, lowers)) in blocks.enumerate() {
+            let failed = vectorised(
+                #[inline(always)]
+                || self.factor_block(z, lowers, &mut work),
+            );
+            if let Some(lane) = failed {
+                let z = &z[lane * n..(lane + 1) * n];
+                let finite = z.iter().chain(&self.mixing).all(|value| value.is_finite());
+                return Err(ProposalError::Numerical {
+                    computation: "the Cholesky factor of the proposal's covariance",
+                    particle: block * LANES + lane,
+                    reason: match finite {
+                        true => "it is not positive definite".into(),
+                        false => "the network's output is not finite".into(),
+                    },
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// One block of particles; the first that has no factor comes back.
+    #[inline(always)]
+    fn factor_block(&self, z: &[f64], lowers: &mut [f64], work: &mut Factoring) -> Option<usize> {
+        let (n, particles) = (self.width, z.len() / self.width);
+        let Factoring { kernel, mixed, lower } = work;
+        kernel_matrices(n, z, kernel);
+        for i in 0..n {
+            for j in 0..n {
+                let mut sum = Lane::default();
+                for l in 0..n {
+                    sum.add_scaled(self.mixing[i * n + l], kernel.at(l, j));
+                }
+                *mixed.at_mut(i, j) = sum;
+            }
+        }
+        let mut whole = [true; LANES];
+        for i in 0..n {
+            for j in 0..=i {
+                let mut sum = Lane::default();
+                for l in 0..n {
+                    sum.add_scaled(self.mixing[j * n + l], mixed.at(i, l));
+                }
+                if i == j {
+                    sum.0.iter_mut().for_each(|value| *value += self.ridge);
+                }
+                for k in 0..j {
+                    sum.subtract_product(lower.at(i, k), lower.at(j, k));
+                }
+                if i == j {
+                    for (value, whole) in sum.0.iter_mut().zip(&mut whole) {
+                        *whole &= *value > 0.0 && *value < f64::INFINITY;
+                        *value = value.sqrt();
+                    }
+                } else {
+                    sum.divide(lower.at(j, j));
+                }
+                *lower.at_mut(i, j) = sum;
+            }
+        }
+        if let Some(lane) = whole.iter().take(particles).position(|whole| !whole) {
+            return Some(lane);
+        }
+        for (lane, into) in lowers.chunks_exact_mut(n * n).enumerate() {
+            for j in 0..n {
+                for i in 0..n {
+                    into[i + n * j] = if i < j { 0.0 } else { lower.at(i, j).0[lane] };
+                }
+            }
+        }
+        None
     }
 }
 
-/// `K(z)`, into `kernel`.
-fn kernel_matrix(z: &[f64], kernel: &mut Mat<f64>) {
-    for (j, zj) in z.iter().enumerate() {
-        for (i, zi) in z.iter().enumerate() {
-            kernel[(i, j)] = (-(zi - zj) * (zi - zj)).exp();
+/// Space for one block of particles.
+struct Factoring {
+    kernel: Square,
+    mixed: Square,
+    lower: Square,
+}
+
+/// `K(z)` of each particle of a block.
+#[inline(always)]
+fn kernel_matrices(n: usize, z: &[f64], kernel: &mut Square) {
+    for i in 0..n {
+        let mine = Lane::gather(z, n, i);
+        for j in 0..=i {
+            let mut entry = Lane::gather(z, n, j);
+            for (entry, mine) in entry.0.iter_mut().zip(&mine.0) {
+                *entry = (-(mine - *entry) * (mine - *entry)).exp();
+            }
+            *kernel.at_mut(i, j) = entry;
+            *kernel.at_mut(j, i) = entry;
         }
     }
 }

@@ -1,0 +1,197 @@
+//! A graph filter in the basis of the eigenvectors of its symmetric matrix.
+
+use faer::linalg::matmul::matmul;
+use faer::{Accum, MatMut, MatRef, Par};
+
+use super::super::products::{times, vectorised};
+use super::super::waiting::Waiting;
+use super::super::Buffers;
+use crate::Gradients;
+use crate::gnn::{GraphOf, Shape};
+use crate::parameters::Matrices;
+use crate::values::Real;
+
+/// A filter in this basis on its way back.
+pub(in super::super) struct Eigen<'a, T> {
+    pub(in super::super) of: GraphOf<'a, T>,
+    pub(in super::super) shape: Shape,
+    /// The index of its taps.
+    pub(in super::super) taps: usize,
+    /// Rows of all nodes.
+    pub(in super::super) rows: usize,
+}
+
+/// How many numbers of all taps are worked on at a time: what stays in a core's own cache while every eigenvalue takes its turn.
+const PANEL: usize = 128 * 1024;
+
+/// How many rows of each tap are worked on at a time.
+fn panel_rows(Shape { inputs, outputs, taps }: Shape) -> usize {
+    (PANEL / (taps * outputs)).clamp(8, inputs.max(8)).min(inputs)
+}
+
+/// `Y = U Ŷ` with `Ŷ_i = X̂_i Σ_d λ_i^d W_d` and `X̂ = Uᵀ X`, which is returned.
+pub(super) fn forward<T: Real>(
+    of: GraphOf<'_, T>,
+    values: &[T],
+    taps: &[T],
+    shape: Shape,
+    out: &mut [T],
+    buffers: &mut Buffers<T>,
+) -> Vec<T> {
+    let Some(spectrum) = of.spectrum else { panic!("this way is taken where there is a spectrum") };
+    let (nodes, Shape { inputs, outputs, .. }) = (of.nodes, shape);
+    let mut in_basis = buffers.take(values.len());
+    let wide = values.len() / nodes;
+    times(&mut in_basis, Accum::Replace, spectrum.basis_transposed, values, [nodes, nodes, wide]);
+    let rows = wide / inputs;
+    let mut out_in_basis = buffers.take(out.len());
+    each_panel(shape, |first, panel| {
+        let mut matrix = buffers.take(panel * outputs);
+        for (i, &eigenvalue) in spectrum.eigenvalues.iter().enumerate() {
+            combine(taps, shape, (first, panel), eigenvalue, &mut matrix);
+            let from = &in_basis[i * rows * inputs..(i + 1) * rows * inputs];
+            let into = &mut out_in_basis[i * rows * outputs..(i + 1) * rows * outputs];
+            let accum = if first == 0 { Accum::Replace } else { Accum::Add };
+            matmul(
+                MatMut::from_row_major_slice_mut(into, rows, outputs),
+                accum,
+                columns(from, rows, inputs, first, panel),
+                MatRef::from_row_major_slice(&matrix, panel, outputs),
+                T::ONE,
+                Par::Seq,
+            );
+        }
+        buffers.put(matrix);
+    });
+    times(out, Accum::Replace, spectrum.basis, &out_in_basis, [nodes, nodes, out.len() / nodes]);
+    buffers.put(out_in_basis);
+    in_basis
+}
+
+/// The derivative with respect to the input, from that with respect to the output before its activation.
+pub(super) fn backward<T: Real>(
+    way: &Eigen<'_, T>,
+    weights: Matrices<'_, T>,
+    in_basis: &[T],
+    d: &[T],
+    (buffers, waiting, gradients): (&mut Buffers<T>, &mut Waiting<T>, &mut Gradients),
+) -> Vec<T> {
+    let &Eigen { of, shape, taps, rows } = way;
+    let Some(spectrum) = of.spectrum else { panic!("this way is taken where there is a spectrum") };
+    let (nodes, Shape { inputs, outputs, .. }) = (of.nodes, shape);
+    let rows = rows / nodes;
+    let mut d_in_basis = buffers.take(d.len());
+    times(&mut d_in_basis, Accum::Replace, spectrum.basis_transposed, d, [nodes, nodes, d.len() / nodes]);
+    waiting.push_spectral(way, in_basis, &d_in_basis, gradients);
+    let matrix_of_taps = weights.get(taps);
+    let mut d_input_in_basis = buffers.take(in_basis.len());
+    each_panel(shape, |first, panel| {
+        let mut matrix = buffers.take(panel * outputs);
+        for (i, &eigenvalue) in spectrum.eigenvalues.iter().enumerate() {
+            combine(matrix_of_taps, shape, (first, panel), eigenvalue, &mut matrix);
+            let from = &d_in_basis[i * rows * outputs..(i + 1) * rows * outputs];
+            let into = &mut d_input_in_basis[i * rows * inputs..(i + 1) * rows * inputs];
+            matmul(
+                MatMut::from_row_major_slice_mut(into, rows, inputs).subcols_mut(first, panel),
+                Accum::Replace,
+                MatRef::from_row_major_slice(from, rows, outputs),
+                MatRef::from_row_major_slice(&matrix, panel, outputs).transpose(),
+                T::ONE,
+                Par::Seq,
+            );
+        }
+        buffers.put(matrix);
+    });
+    let mut d_input = buffers.take(in_basis.len());
+    let sizes = [nodes, nodes, in_basis.len() / nodes];
+    times(&mut d_input, Accum::Replace, spectrum.basis, &d_input_in_basis, sizes);
+    buffers.put(d_in_basis);
+    buffers.put(d_input_in_basis);
+    d_input
+}
+
+/// `W̄_d = Σ_i λ_i^d X̂_iᵀ dŶ_i`, from the rows of each eigenvalue.
+pub(in super::super) fn gradient<T: Real>(
+    eigenvalues: &[T],
+    shape: Shape,
+    waiting: &[(Vec<T>, Vec<T>)],
+    place: &mut [T],
+    accum: Accum,
+) {
+    let Shape { inputs, outputs, taps } = shape;
+    let mut product = vec![T::ZERO; panel_rows(shape) * outputs];
+    each_panel(shape, |first, panel| {
+        let product = &mut product[..panel * outputs];
+        for (i, (eigenvalue, (in_basis, d_in_basis))) in eigenvalues.iter().zip(waiting).enumerate() {
+            let rows = in_basis.len() / inputs;
+            matmul(
+                MatMut::from_row_major_slice_mut(product, panel, outputs),
+                Accum::Replace,
+                columns(in_basis, rows, inputs, first, panel).transpose(),
+                MatRef::from_row_major_slice(d_in_basis, rows, outputs),
+                T::ONE,
+                Par::Seq,
+            );
+            let replace = i == 0 && accum == Accum::Replace;
+            vectorised(
+                #[inline(always)]
+                || {
+                    for (row, product) in product.chunks_exact(outputs).enumerate() {
+                        let mut power = T::ONE;
+                        for tap in 0..taps {
+                            let at = (tap * inputs + first + row) * outputs;
+                            let into = &mut place[at..at + outputs];
+                            if replace {
+                                into.iter_mut().zip(product).for_each(|(into, term)| *into = power * *term);
+                            } else {
+                                into.iter_mut().zip(product).for_each(|(into, term)| *into += power * *term);
+                            }
+                            power = power * *eigenvalue;
+                        }
+                    }
+                },
+            );
+        }
+    });
+}
+
+/// Visits all rows of the taps, some at a time.
+fn each_panel(shape: Shape, mut visit: impl FnMut(usize, usize)) {
+    let mut first = 0;
+    while first < shape.inputs {
+        let rows = panel_rows(shape).min(shape.inputs - first);
+        visit(first, rows);
+        first += rows;
+    }
+}
+
+/// `Σ_d λ^d W_d`, some rows of it.
+fn combine<T: Real>(
+    taps: &[T],
+    Shape { inputs, outputs, taps: count }: Shape,
+    (first, panel): (usize, usize),
+    eigenvalue: T,
+    out: &mut [T],
+) {
+    vectorised(
+        #[inline(always)]
+        || {
+            for (row, out) in out.chunks_exact_mut(outputs).take(panel).enumerate() {
+                let tap = |tap: usize| {
+                    let at = (tap * inputs + first + row) * outputs;
+                    &taps[at..at + outputs]
+                };
+                // From the last tap inwards, so that no power is formed.
+                out.copy_from_slice(tap(count - 1));
+                for d in (0..count - 1).rev() {
+                    out.iter_mut().zip(tap(d)).for_each(|(sum, term)| *sum = *sum * eigenvalue + *term);
+                }
+            }
+        },
+    );
+}
+
+/// Some columns of a row-major matrix.
+fn columns<T>(values: &[T], rows: usize, width: usize, first: usize, count: usize) -> MatRef<'_, T> {
+    MatRef::from_row_major_slice(values, rows, width).subcols(first, count)
+}
