@@ -20,6 +20,8 @@
 //! # Ok::<(), motes_models::ModelError>(())
 //! ```
 
+mod bulk;
+mod elementary;
 mod error;
 mod gaussian;
 mod graph;
@@ -27,6 +29,7 @@ mod graph_diffusion;
 pub mod kalman;
 mod linear_gaussian;
 mod noise;
+mod normals;
 mod sequence;
 mod simulate;
 mod smoother;
@@ -41,6 +44,7 @@ pub use graph::RandomGeometricGraph;
 pub use graph_diffusion::{Drift, GraphDiffusion, GraphDiffusionConfig};
 pub use linear_gaussian::LinearGaussian;
 pub use noise::Noise;
+pub use normals::{fill_standard_exponential, fill_standard_normal, fill_uniform};
 pub use sequence::{Measurements, Sequence};
 pub use simulate::{Trajectory, simulate};
 pub use state_space::{AdditiveGaussian, Simulator, StateGradients, StateSpaceModel};
