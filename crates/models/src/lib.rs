@@ -20,6 +20,7 @@
 //! # Ok::<(), motes_models::ModelError>(())
 //! ```
 
+pub mod batch;
 mod bulk;
 mod elementary;
 mod error;
@@ -33,7 +34,6 @@ mod normals;
 mod sequence;
 mod simulate;
 mod smoother;
-mod sparse;
 mod state_space;
 mod stream;
 mod system_graph;

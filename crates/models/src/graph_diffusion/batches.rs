@@ -1,0 +1,111 @@
+//! A graph-diffusion system for many particles at once, tile by tile.
+
+use pulp::{Simd, WithSimd};
+
+use super::{Drift, GraphDiffusion};
+use crate::batch::{LANES, load, particles_by_stream, store, with_scratch};
+use crate::{StateSpaceModel, Stream};
+
+/// Draws `φ(A x_{t−1}) + v_t` for each row.
+pub(super) fn sample_transitions(
+    system: &GraphDiffusion,
+    previous: &[f64],
+    streams: &mut [Stream],
+    states: &mut [f64],
+) {
+    let n = system.state_dim();
+    let particles = states.len() / n;
+    for (stream, states) in particles_by_stream(streams, states, n, particles) {
+        system.noise.fill_unit(stream, states);
+    }
+    with_scratch(2 * n * LANES, |scratch| {
+        let (from, flow) = scratch.split_at_mut(n * LANES);
+        for (previous, states) in previous.chunks(n * LANES).zip(states.chunks_mut(n * LANES)) {
+            drifted(system, previous, from, flow);
+            add_scaled(flow, system.state_sigma, n, states);
+        }
+    });
+}
+
+/// `log p(x_t | x_{t−1})` of each row.
+pub(super) fn log_transitions(system: &GraphDiffusion, previous: &[f64], states: &[f64], out: &mut [f64]) {
+    let n = system.state_dim();
+    with_scratch(2 * n * LANES, |scratch| {
+        let (tile, flow) = scratch.split_at_mut(n * LANES);
+        let rows = previous.chunks(n * LANES).zip(states.chunks(n * LANES));
+        for ((previous, states), out) in rows.zip(out.chunks_mut(LANES)) {
+            drifted(system, previous, tile, flow);
+            load(states, n, tile);
+            pulp::Arch::new().dispatch(Subtract { from: tile, what: flow });
+            let mut densities = [0.0; LANES];
+            system.noise.tile_log_density(system.state_sigma, flow, &mut densities);
+            out.copy_from_slice(&densities[..out.len()]);
+        }
+    });
+}
+
+/// `log p(y_t | x_t)` at each row.
+pub(super) fn log_likelihoods(system: &GraphDiffusion, states: &[f64], measurement: &[f64], out: &mut [f64]) {
+    let (n, m) = (system.state_dim(), system.measurement_dim());
+    with_scratch((n + m) * LANES, |scratch| {
+        let (tile, residuals) = scratch.split_at_mut(n * LANES);
+        for (states, out) in states.chunks(n * LANES).zip(out.chunks_mut(LANES)) {
+            load(states, n, tile);
+            for (row, value) in residuals.as_chunks_mut::<LANES>().0.iter_mut().zip(measurement) {
+                row.fill(*value);
+            }
+            system.measure.times_subtract(tile, out.len(), residuals);
+            let mut densities = [0.0; LANES];
+            system.noise.tile_log_density(system.measurement_sigma, residuals, &mut densities);
+            out.copy_from_slice(&densities[..out.len()]);
+        }
+    });
+}
+
+/// `φ(A x_{t−1})` of each row.
+pub(super) fn transition_means(system: &GraphDiffusion, previous: &[f64], means: &mut [f64]) {
+    let n = system.state_dim();
+    with_scratch(2 * n * LANES, |scratch| {
+        let (from, flow) = scratch.split_at_mut(n * LANES);
+        for (previous, means) in previous.chunks(n * LANES).zip(means.chunks_mut(n * LANES)) {
+            drifted(system, previous, from, flow);
+            store(flow, n, means);
+        }
+    });
+}
+
+/// `φ(A x)` of up to a tile of rows, into the tile `flow`.
+fn drifted(system: &GraphDiffusion, previous: &[f64], tile: &mut [f64], flow: &mut [f64]) {
+    let n = system.state_dim();
+    load(previous, n, tile);
+    system.diffuse.times(tile, previous.len() / n, flow);
+    if system.drift != Drift::Identity {
+        flow.iter_mut().for_each(|value| *value = system.drift.apply(*value));
+    }
+}
+
+/// `states = tile + scale · states`, row by row.
+fn add_scaled(tile: &[f64], scale: f64, width: usize, states: &mut [f64]) {
+    for (lane, state) in states.chunks_exact_mut(width).enumerate() {
+        for (row, value) in tile.as_chunks::<LANES>().0.iter().zip(state) {
+            *value = row[lane] + scale * *value;
+        }
+    }
+}
+
+/// `what = from − what`.
+struct Subtract<'a> {
+    from: &'a [f64],
+    what: &'a mut [f64],
+}
+
+impl WithSimd for Subtract<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) {
+        for (what, from) in self.what.iter_mut().zip(self.from) {
+            *what = from - *what;
+        }
+    }
+}
