@@ -3,7 +3,9 @@
 use faer::{Mat, MatRef};
 use motes_models::{AdditiveGaussian, Gaussian, ModelError, Stream, kalman};
 
-use crate::{Conditional, Past, Proposal, ProposalError, particles_by_stream};
+use motes_models::batch::particles_by_stream;
+
+use crate::{Conditional, Past, Proposal, ProposalError};
 
 /// `p(x_t | x_{t−1}, y_t)` of a system with additive Gaussian noise and linear measurements (the paper's
 /// equation "minDeg", in Doucet, Godsill and Andrieu's closed form).
