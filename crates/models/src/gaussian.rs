@@ -69,6 +69,11 @@ impl Gaussian {
         self.lower.as_ref()
     }
 
+    /// `−Σᵢ log Lᵢᵢ − (N/2) log 2π`, the logarithm of the density at its mean.
+    pub fn log_normalizer(&self) -> f64 {
+        self.log_normalizer
+    }
+
     /// `log N(x; μ, Σ) = −½‖L⁻¹(x − μ)‖² − Σᵢ log Lᵢᵢ − (N/2) log 2π`.
     pub fn log_density(&self, x: &[f64]) -> f64 {
         self.log_density_of(|j| x[j] - self.mean[j])

@@ -224,6 +224,18 @@ impl StateSpaceModel for GraphDiffusion {
         batches::sample_transitions(self, previous, streams, states);
     }
 
+    fn propagate(
+        &self,
+        _time: usize,
+        previous: &[f64],
+        measurement: &[f64],
+        streams: &mut [Stream],
+        states: &mut [f64],
+        log_likelihoods: &mut [f64],
+    ) {
+        batches::propagate(self, previous, measurement, streams, states, log_likelihoods);
+    }
+
     fn log_initials(&self, states: &[f64], out: &mut [f64]) {
         self.initial.log_densities(states, out);
     }
@@ -307,6 +319,10 @@ impl AdditiveGaussian for GraphDiffusion {
 
     fn transition_means(&self, _time: usize, previous: &[f64], means: &mut [f64]) {
         batches::transition_means(self, previous, means);
+    }
+
+    fn tile_transition_means(&self, _time: usize, previous: &[f64], particles: usize, means: &mut [f64]) {
+        batches::drifted(self, previous, particles, means);
     }
 
     fn is_gaussian(&self) -> bool {

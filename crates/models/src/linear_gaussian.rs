@@ -237,6 +237,10 @@ impl AdditiveGaussian for LinearGaussian {
         });
     }
 
+    fn tile_transition_means(&self, _time: usize, previous: &[f64], particles: usize, means: &mut [f64]) {
+        self.transition_tiles.times(previous, particles, means);
+    }
+
     fn is_gaussian(&self) -> bool {
         true
     }

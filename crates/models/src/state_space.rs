@@ -2,7 +2,7 @@
 
 use faer::MatRef;
 
-use crate::batch::particles_by_stream;
+use crate::batch::{load, particles_by_stream, store, with_scratch};
 use crate::{Gaussian, Stream, SystemGraph};
 
 /// A hidden Markov model on ℝᴺ, measured in ℝᴹ: `p(x_0)`, `p(x_t | x_{t−1})`, `p(y_t | x_t)`.
@@ -71,6 +71,24 @@ pub trait StateSpaceModel: Sync {
         }
     }
 
+    /// [`StateSpaceModel::sample_transitions`] and then [`StateSpaceModel::log_likelihoods`] of one measurement at what was drawn, into
+    /// `log_likelihoods` (`K`): what the bootstrap filter does, for models that can do both in one go.
+    ///
+    /// # Panics
+    /// As [`StateSpaceModel::sample_transitions`].
+    fn propagate(
+        &self,
+        time: usize,
+        previous: &[f64],
+        measurement: &[f64],
+        streams: &mut [Stream],
+        states: &mut [f64],
+        log_likelihoods: &mut [f64],
+    ) {
+        self.sample_transitions(time, previous, streams, states);
+        self.log_likelihoods(time, states, measurement, log_likelihoods);
+    }
+
     /// [`StateSpaceModel::log_initial`] of each of `K` rows, into `out` (`K`).
     fn log_initials(&self, states: &[f64], out: &mut [f64]) {
         for (state, out) in states.chunks_exact(self.state_dim()).zip(out) {
@@ -137,6 +155,17 @@ pub trait AdditiveGaussian: StateSpaceModel {
 
     /// `f(x_{t−1})` for each row of `previous` (`K×N`), into `means` (`K×N`).
     fn transition_means(&self, time: usize, previous: &[f64], means: &mut [f64]);
+
+    /// `f(x_{t−1})` for each of the first `particles` lanes of a tile of states (`N × LANES`, see [`crate::batch`]), into the tile `means`.
+    fn tile_transition_means(&self, time: usize, previous: &[f64], particles: usize, means: &mut [f64]) {
+        let n = self.state_dim();
+        with_scratch(2 * particles * n, |rows| {
+            let (from, to) = rows.split_at_mut(particles * n);
+            store(previous, n, from);
+            self.transition_means(time, from, to);
+            load(to, n, means);
+        });
+    }
 
     /// `Σ_v`, `N×N`.
     fn transition_covariance(&self) -> MatRef<'_, f64>;

@@ -21,8 +21,11 @@ pub(super) fn sample_transitions(
     with_scratch(2 * n * LANES, |scratch| {
         let (from, flow) = scratch.split_at_mut(n * LANES);
         for (previous, states) in previous.chunks(n * LANES).zip(states.chunks_mut(n * LANES)) {
-            drifted(system, previous, from, flow);
-            add_scaled(flow, system.state_sigma, n, states);
+            load(previous, n, from);
+            drifted(system, from, previous.len() / n, flow);
+            load(states, n, from);
+            pulp::Arch::new().dispatch(AddScaled { what: from, scale: system.state_sigma, to: flow });
+            store(flow, n, states);
         }
     });
 }
@@ -34,7 +37,8 @@ pub(super) fn log_transitions(system: &GraphDiffusion, previous: &[f64], states:
         let (tile, flow) = scratch.split_at_mut(n * LANES);
         let rows = previous.chunks(n * LANES).zip(states.chunks(n * LANES));
         for ((previous, states), out) in rows.zip(out.chunks_mut(LANES)) {
-            drifted(system, previous, tile, flow);
+            load(previous, n, tile);
+            drifted(system, tile, out.len(), flow);
             load(states, n, tile);
             pulp::Arch::new().dispatch(Subtract { from: tile, what: flow });
             let mut densities = [0.0; LANES];
@@ -51,15 +55,54 @@ pub(super) fn log_likelihoods(system: &GraphDiffusion, states: &[f64], measureme
         let (tile, residuals) = scratch.split_at_mut(n * LANES);
         for (states, out) in states.chunks(n * LANES).zip(out.chunks_mut(LANES)) {
             load(states, n, tile);
-            for (row, value) in residuals.as_chunks_mut::<LANES>().0.iter_mut().zip(measurement) {
-                row.fill(*value);
-            }
-            system.measure.times_subtract(tile, out.len(), residuals);
-            let mut densities = [0.0; LANES];
-            system.noise.tile_log_density(system.measurement_sigma, residuals, &mut densities);
-            out.copy_from_slice(&densities[..out.len()]);
+            tile_log_likelihoods(system, tile, measurement, residuals, out);
         }
     });
+}
+
+/// Draws `φ(A x_{t−1}) + v_t` for each row, and `log p(y_t | x_t)` at it.
+pub(super) fn propagate(
+    system: &GraphDiffusion,
+    previous: &[f64],
+    measurement: &[f64],
+    streams: &mut [Stream],
+    states: &mut [f64],
+    out: &mut [f64],
+) {
+    let n = system.state_dim();
+    for (stream, states) in particles_by_stream(streams, states, n, out.len()) {
+        system.noise.fill_unit(stream, states);
+    }
+    with_scratch((2 * n + measurement.len()) * LANES, |scratch| {
+        let (tile, rest) = scratch.split_at_mut(n * LANES);
+        let (flow, residuals) = rest.split_at_mut(n * LANES);
+        let rows = previous.chunks(n * LANES).zip(states.chunks_mut(n * LANES));
+        for ((previous, states), out) in rows.zip(out.chunks_mut(LANES)) {
+            load(previous, n, tile);
+            drifted(system, tile, out.len(), flow);
+            load(states, n, tile);
+            pulp::Arch::new().dispatch(AddScaled { what: tile, scale: system.state_sigma, to: flow });
+            store(flow, n, states);
+            tile_log_likelihoods(system, flow, measurement, residuals, out);
+        }
+    });
+}
+
+/// `log p(y_t | x_t)` of each lane of a tile that there is a place for in `out`; `residuals` is scratch (`M × LANES`).
+fn tile_log_likelihoods(
+    system: &GraphDiffusion,
+    tile: &[f64],
+    measurement: &[f64],
+    residuals: &mut [f64],
+    out: &mut [f64],
+) {
+    for (row, value) in residuals.as_chunks_mut::<LANES>().0.iter_mut().zip(measurement) {
+        row.fill(*value);
+    }
+    system.measure.times_subtract(tile, out.len(), residuals);
+    let mut densities = [0.0; LANES];
+    system.noise.tile_log_density(system.measurement_sigma, residuals, &mut densities);
+    out.copy_from_slice(&densities[..out.len()]);
 }
 
 /// `φ(A x_{t−1})` of each row.
@@ -68,28 +111,18 @@ pub(super) fn transition_means(system: &GraphDiffusion, previous: &[f64], means:
     with_scratch(2 * n * LANES, |scratch| {
         let (from, flow) = scratch.split_at_mut(n * LANES);
         for (previous, means) in previous.chunks(n * LANES).zip(means.chunks_mut(n * LANES)) {
-            drifted(system, previous, from, flow);
+            load(previous, n, from);
+            drifted(system, from, previous.len() / n, flow);
             store(flow, n, means);
         }
     });
 }
 
-/// `φ(A x)` of up to a tile of rows, into the tile `flow`.
-fn drifted(system: &GraphDiffusion, previous: &[f64], tile: &mut [f64], flow: &mut [f64]) {
-    let n = system.state_dim();
-    load(previous, n, tile);
-    system.diffuse.times(tile, previous.len() / n, flow);
+/// `φ(A x)` of each lane of a tile, into the tile `flow`.
+pub(super) fn drifted(system: &GraphDiffusion, tile: &[f64], particles: usize, flow: &mut [f64]) {
+    system.diffuse.times(tile, particles, flow);
     if system.drift != Drift::Identity {
         flow.iter_mut().for_each(|value| *value = system.drift.apply(*value));
-    }
-}
-
-/// `states = tile + scale · states`, row by row.
-fn add_scaled(tile: &[f64], scale: f64, width: usize, states: &mut [f64]) {
-    for (lane, state) in states.chunks_exact_mut(width).enumerate() {
-        for (row, value) in tile.as_chunks::<LANES>().0.iter().zip(state) {
-            *value = row[lane] + scale * *value;
-        }
     }
 }
 
@@ -106,6 +139,24 @@ impl WithSimd for Subtract<'_> {
     fn with_simd<S: Simd>(self, _simd: S) {
         for (what, from) in self.what.iter_mut().zip(self.from) {
             *what = from - *what;
+        }
+    }
+}
+
+/// `to = to + scale · what`.
+struct AddScaled<'a> {
+    what: &'a [f64],
+    scale: f64,
+    to: &'a mut [f64],
+}
+
+impl WithSimd for AddScaled<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) {
+        for (to, what) in self.to.iter_mut().zip(self.what) {
+            *to = self.scale.mul_add(*what, *to);
         }
     }
 }

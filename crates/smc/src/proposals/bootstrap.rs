@@ -45,12 +45,16 @@ impl<M: StateSpaceModel + ?Sized> RowProposal<M> for Bootstrap {
         states: &mut [f64],
         increments: &mut [f64],
     ) {
+        // Transition and proposal cancel: the likelihood is all that is left.
         match past.previous {
-            None => model.sample_initials(streams, states),
-            Some(previous) => model.sample_transitions(past.time, previous, streams, states),
+            Some(previous) => {
+                model.propagate(past.time, previous, past.measurement, streams, states, increments);
+            }
+            None => {
+                model.sample_initials(streams, states);
+                model.log_likelihoods(past.time, states, past.measurement, increments);
+            }
         }
-        // Transition and proposal cancel.
-        model.log_likelihoods(past.time, states, past.measurement, increments);
     }
 }
 

@@ -57,7 +57,7 @@ fn invert_cumulative(
             match weights.next() {
                 Some((index, &weight)) => {
                     chosen = if weight > 0.0 { index } else { chosen };
-                    cumulative = weight.mul_add(scale, cumulative);
+                    cumulative += weight * scale;
                 }
                 None => break,
             }
