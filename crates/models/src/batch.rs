@@ -86,38 +86,44 @@ impl TileMatrix {
         self.row(i).iter().map(|&(j, value)| value * x[j]).sum()
     }
 
-    /// `out = matrix · tile` for the first `particles` lanes, up to [`LANES`].
+    /// `out = matrix · tile` for all [`LANES`] lanes.
     ///
     /// # Panics
     /// If a tile has fewer rows than the matrix asks for.
-    pub fn times(&self, tile: &[f64], particles: usize, out: &mut [f64]) {
-        pulp::Arch::new().dispatch(Times { matrix: self, tile, particles, out, sign: None });
+    pub fn times(&self, tile: &[f64], out: &mut [f64]) {
+        pulp::Arch::new().dispatch(Times { matrix: self, tile, out, then: Then::Set });
     }
 
     /// `out = out + matrix · tile`, as [`TileMatrix::times`].
     ///
     /// # Panics
     /// As [`TileMatrix::times`].
-    pub fn times_add(&self, tile: &[f64], particles: usize, out: &mut [f64]) {
-        pulp::Arch::new().dispatch(Times { matrix: self, tile, particles, out, sign: Some(1.0) });
+    pub fn times_add(&self, tile: &[f64], out: &mut [f64]) {
+        pulp::Arch::new().dispatch(Times { matrix: self, tile, out, then: Then::Add });
     }
 
     /// `out = out − matrix · tile`, as [`TileMatrix::times`].
     ///
     /// # Panics
     /// As [`TileMatrix::times`].
-    pub fn times_subtract(&self, tile: &[f64], particles: usize, out: &mut [f64]) {
-        pulp::Arch::new().dispatch(Times { matrix: self, tile, particles, out, sign: Some(-1.0) });
+    pub fn times_subtract(&self, tile: &[f64], out: &mut [f64]) {
+        pulp::Arch::new().dispatch(Times { matrix: self, tile, out, then: Then::Subtract });
     }
+}
+
+/// What becomes of a product.
+#[derive(Clone, Copy)]
+enum Then {
+    Set,
+    Add,
+    Subtract,
 }
 
 struct Times<'a> {
     matrix: &'a TileMatrix,
     tile: &'a [f64],
-    particles: usize,
     out: &'a mut [f64],
-    /// What the product is multiplied by before it is added to what `out` holds; `None` to overwrite that.
-    sign: Option<f64>,
+    then: Then,
 }
 
 impl WithSimd for Times<'_> {
@@ -125,38 +131,29 @@ impl WithSimd for Times<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let width = LANES / S::F64_LANES;
-        let sign = self.sign.unwrap_or(1.0);
-        let vectors = self.particles.min(LANES).div_ceil(S::F64_LANES);
-        let (tile, _) = S::as_simd_f64s(self.tile);
-        let (out, _) = S::as_mut_simd_f64s(self.out);
-        for (i, out) in out.chunks_exact_mut(width).take(self.matrix.len()).enumerate() {
+        // Four sums at a time hide the time that each addition takes.
+        let (tile, _) = S::as_simd_f64s(self.tile).0.as_chunks::<4>();
+        let (out, _) = S::as_mut_simd_f64s(self.out).0.as_chunks_mut::<4>();
+        let groups = LANES / (4 * S::F64_LANES);
+        for (i, out) in out.chunks_exact_mut(groups).take(self.matrix.len()).enumerate() {
             let entries = self.matrix.row(i);
-            let mut at = 0;
-            // Four sums at a time hide the time that each addition takes.
-            while at + 4 <= vectors {
-                let mut sums = [simd.splat_f64s(0.0); 4];
-                if self.sign.is_some() {
-                    sums.copy_from_slice(&out[at..at + 4]);
-                }
+            for (group, out) in out.iter_mut().enumerate() {
+                let [mut a, mut b, mut c, mut d] = [simd.splat_f64s(0.0); 4];
                 for &(j, value) in entries {
-                    let column = &tile[j * width + at..j * width + at + 4];
-                    let value = simd.splat_f64s(sign * value);
-                    sums[0] = simd.mul_add_f64s(value, column[0], sums[0]);
-                    sums[1] = simd.mul_add_f64s(value, column[1], sums[1]);
-                    sums[2] = simd.mul_add_f64s(value, column[2], sums[2]);
-                    sums[3] = simd.mul_add_f64s(value, column[3], sums[3]);
+                    let column = &tile[j * groups + group];
+                    let value = simd.splat_f64s(value);
+                    a = simd.mul_add_f64s(value, column[0], a);
+                    b = simd.mul_add_f64s(value, column[1], b);
+                    c = simd.mul_add_f64s(value, column[2], c);
+                    d = simd.mul_add_f64s(value, column[3], d);
                 }
-                out[at..at + 4].copy_from_slice(&sums);
-                at += 4;
-            }
-            while at < vectors {
-                let mut sum = if self.sign.is_some() { out[at] } else { simd.splat_f64s(0.0) };
-                for &(j, value) in entries {
-                    sum = simd.mul_add_f64s(simd.splat_f64s(sign * value), tile[j * width + at], sum);
+                for (out, sum) in out.iter_mut().zip([a, b, c, d]) {
+                    *out = match self.then {
+                        Then::Set => sum,
+                        Then::Add => simd.add_f64s(*out, sum),
+                        Then::Subtract => simd.sub_f64s(*out, sum),
+                    };
                 }
-                out[at] = sum;
-                at += 1;
             }
         }
     }
@@ -217,13 +214,15 @@ mod tests {
             let states: Vec<f64> = (0..particles * 5).map(|i| (i as f64).sin()).collect();
             let (mut tile, mut out) = (vec![0.0; 5 * LANES], vec![0.0; 3 * LANES]);
             load(&states, 5, &mut tile);
-            map.times(&tile, particles, &mut out);
+            map.times(&tile, &mut out);
             let mut mapped = vec![0.0; particles * 3];
             store(&out, 3, &mut mapped);
             for (state, mapped) in states.chunks_exact(5).zip(mapped.chunks_exact(3)) {
                 (0..3).for_each(|i| assert!((map.row_times(i, state) - mapped[i]).abs() < 1e-14));
             }
-            map.times_add(&tile, particles, &mut out);
+            map.times_add(&tile, &mut out);
+            map.times_add(&tile, &mut out);
+            map.times_subtract(&tile, &mut out);
             let mut squares = [0.0; LANES];
             squared_norms(&out, &mut squares);
             for (mapped, square) in mapped.chunks_exact(3).zip(squares) {

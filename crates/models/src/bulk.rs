@@ -17,7 +17,21 @@ const SHORT: usize = 2 * GROUP;
 /// Turns uniform bits into pairs of independent numbers of a distribution.
 pub(crate) trait Transform {
     /// Makes `x[i]` and `y[i]` of `a[i]` and `b[i]`, for each `i`, without a branch.
-    fn pairs<const L: usize>(a: &[u64; L], b: &[u64; L], x: &mut [f64; L], y: &mut [f64; L]);
+    fn pairs<const L: usize>(a: Bits<'_, L>, b: Bits<'_, L>, x: &mut [f64; L], y: &mut [f64; L]);
+}
+
+/// Uniform 64-bit numbers, as they come out of ChaCha: in halves that lie apart.
+#[derive(Clone, Copy)]
+pub(crate) struct Bits<'a, const L: usize> {
+    pub(crate) low: &'a [u32; L],
+    pub(crate) high: &'a [u32; L],
+}
+
+impl<const L: usize> Bits<'_, L> {
+    #[inline(always)]
+    pub(crate) fn at(&self, i: usize) -> u64 {
+        u64::from(self.low[i]) | u64::from(self.high[i]) << 32
+    }
 }
 
 /// Fills `out` with independent numbers.
@@ -39,27 +53,29 @@ impl<T: Transform> WithSimd for Fill<'_, T> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _simd: S) {
+        let (mut low, mut high) = ([0; BATCH], [0; BATCH]);
         if self.out.len() <= SHORT {
             for out in self.out.chunks_mut(GROUP) {
-                let mut bits = [0; GROUP];
-                bits.fill_with(|| self.stream.next_u64());
-                group::<T>(&bits, out);
+                for i in 0..GROUP {
+                    (low[i], high[i]) = (self.stream.next_u32(), self.stream.next_u32());
+                }
+                group::<T>(&low[..GROUP], &high[..GROUP], out);
             }
             return;
         }
         let mut key = [0; 8];
         key.fill_with(|| self.stream.next_u32());
         let mut counter = 0;
-        let mut bits = [0; BATCH];
         let (batches, rest) = self.out.as_chunks_mut::<BATCH>();
         for out in batches {
-            keystream(&key, &mut counter, &mut bits);
-            pairs::<T, { BATCH / 2 }>(&bits, out);
+            keystream(&key, &mut counter, &mut low, &mut high);
+            pairs::<T, { BATCH / 2 }>(&low, &high, out);
         }
         if !rest.is_empty() {
-            keystream(&key, &mut counter, &mut bits);
-            for (out, bits) in rest.chunks_mut(GROUP).zip(bits.as_chunks::<GROUP>().0) {
-                group::<T>(bits, out);
+            keystream(&key, &mut counter, &mut low, &mut high);
+            for (i, out) in rest.chunks_mut(GROUP).enumerate() {
+                let at = i * GROUP..(i + 1) * GROUP;
+                group::<T>(&low[at.clone()], &high[at], out);
             }
         }
     }
@@ -67,12 +83,12 @@ impl<T: Transform> WithSimd for Fill<'_, T> {
 
 /// Fills up to sixteen places.
 #[inline(always)]
-fn group<T: Transform>(bits: &[u64; GROUP], out: &mut [f64]) {
+fn group<T: Transform>(low: &[u32], high: &[u32], out: &mut [f64]) {
     match out.as_mut_array::<GROUP>() {
-        Some(out) => pairs::<T, { GROUP / 2 }>(bits, out),
+        Some(out) => pairs::<T, { GROUP / 2 }>(low, high, out),
         None => {
             let mut all = [0.0; GROUP];
-            pairs::<T, { GROUP / 2 }>(bits, &mut all);
+            pairs::<T, { GROUP / 2 }>(low, high, &mut all);
             out.copy_from_slice(&all[..out.len()]);
         }
     }
@@ -80,10 +96,13 @@ fn group<T: Transform>(bits: &[u64; GROUP], out: &mut [f64]) {
 
 /// The first half of the bits with the second, into the first half of the places and the second.
 #[inline(always)]
-fn pairs<T: Transform, const L: usize>(bits: &[u64], out: &mut [f64]) {
-    let (a, b) = (bits[..L].as_array(), bits[L..].as_array());
+fn pairs<T: Transform, const L: usize>(low: &[u32], high: &[u32], out: &mut [f64]) {
+    let bits = |from: usize| {
+        let at = from..from + L;
+        Some(Bits::<L> { low: low[at.clone()].as_array()?, high: high[at].as_array()? })
+    };
     let (x, y) = out.split_at_mut(L);
-    if let (Some(a), Some(b), Some(x), Some(y)) = (a, b, x.as_mut_array(), y.as_mut_array()) {
+    if let (Some(a), Some(b), Some(x), Some(y)) = (bits(0), bits(L), x.as_mut_array(), y.as_mut_array()) {
         T::pairs::<L>(a, b, x, y);
     }
 }
@@ -92,7 +111,7 @@ fn pairs<T: Transform, const L: usize>(bits: &[u64], out: &mut [f64]) {
 ///
 /// Block follows block in the lanes, so the numbers are those of the keystream in another order.
 #[inline(always)]
-fn keystream(key: &[u32; 8], counter: &mut u64, bits: &mut [u64; BATCH]) {
+fn keystream(key: &[u32; 8], counter: &mut u64, low: &mut [u32; BATCH], high: &mut [u32; BATCH]) {
     const LANES: usize = BATCH / 8;
     for lane in 0..LANES {
         let block = counter.wrapping_add(lane as u64);
@@ -121,9 +140,8 @@ fn keystream(key: &[u32; 8], counter: &mut u64, bits: &mut [u64; BATCH]) {
         double_round(&mut words);
         double_round(&mut words);
         for pair in 0..8 {
-            let low = words[2 * pair].wrapping_add(start[2 * pair]);
-            let high = words[2 * pair + 1].wrapping_add(start[2 * pair + 1]);
-            bits[pair * LANES + lane] = u64::from(low) | u64::from(high) << 32;
+            low[pair * LANES + lane] = words[2 * pair].wrapping_add(start[2 * pair]);
+            high[pair * LANES + lane] = words[2 * pair + 1].wrapping_add(start[2 * pair + 1]);
         }
     }
     *counter = counter.wrapping_add(LANES as u64);
@@ -162,13 +180,14 @@ mod tests {
     fn the_keystream_is_that_of_the_generator() {
         let seed: [u8; 32] = std::array::from_fn(|i| 7 * i as u8 + 1);
         let key = std::array::from_fn(|i| u32::from_le_bytes(std::array::from_fn(|j| seed[4 * i + j])));
-        let (mut bits, mut counter) = ([0; BATCH], 0);
+        let (mut low, mut high, mut counter) = ([0; BATCH], [0; BATCH], 0);
         let mut generator = Stream::from_seed(seed);
         for _ in 0..3 {
-            keystream(&key, &mut counter, &mut bits);
+            keystream(&key, &mut counter, &mut low, &mut high);
+            let bits = Bits { low: &low, high: &high };
             for lane in 0..16 {
                 for pair in 0..8 {
-                    assert_eq!(bits[pair * 16 + lane], generator.next_u64());
+                    assert_eq!(bits.at(pair * 16 + lane), generator.next_u64());
                 }
             }
         }

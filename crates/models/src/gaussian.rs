@@ -102,7 +102,7 @@ impl Gaussian {
     /// `log N(d; 0, Σ)` of each lane of a tile of deviations (`N × LANES`) that there is a place for in `out`; `whitened` is
     /// scratch of the same size, left with `L⁻¹ d`.
     pub fn tile_log_density(&self, deviations: &[f64], whitened: &mut [f64], out: &mut [f64]) {
-        self.inverse_tiles.times(deviations, out.len(), whitened);
+        self.inverse_tiles.times(deviations, whitened);
         let mut squares = [0.0; LANES];
         squared_norms(whitened, &mut squares);
         for (out, square) in out.iter_mut().zip(squares) {
@@ -111,8 +111,8 @@ impl Gaussian {
     }
 
     /// Adds `L ε` to each lane of a tile (`N × LANES`), given a tile of noise `ε`.
-    pub fn tile_add_deviation(&self, noise: &[f64], particles: usize, tile: &mut [f64]) {
-        self.lower_tiles.times_add(noise, particles, tile);
+    pub fn tile_add_deviation(&self, noise: &[f64], tile: &mut [f64]) {
+        self.lower_tiles.times_add(noise, tile);
     }
 
     /// Draws a row `x = μ + L ε` for each place in `states` (`K×N`); the rows are split evenly over `streams`, in order.
@@ -132,7 +132,7 @@ impl Gaussian {
                 for (row, mean) in tile.as_chunks_mut::<LANES>().0.iter_mut().zip(&self.mean) {
                     row.fill(*mean);
                 }
-                self.tile_add_deviation(noise, states.len() / n, tile);
+                self.tile_add_deviation(noise, tile);
                 store(tile, n, states);
             }
         });

@@ -321,8 +321,8 @@ impl AdditiveGaussian for GraphDiffusion {
         batches::transition_means(self, previous, means);
     }
 
-    fn tile_transition_means(&self, _time: usize, previous: &[f64], particles: usize, means: &mut [f64]) {
-        batches::drifted(self, previous, particles, means);
+    fn tile_transition_means(&self, _time: usize, previous: &[f64], _particles: usize, means: &mut [f64]) {
+        batches::drifted(self, previous, means);
     }
 
     fn is_gaussian(&self) -> bool {

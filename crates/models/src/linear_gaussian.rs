@@ -119,11 +119,10 @@ impl StateSpaceModel for LinearGaussian {
         with_scratch(2 * n * LANES, |scratch| {
             let (from, to) = scratch.split_at_mut(n * LANES);
             for (previous, states) in previous.chunks(n * LANES).zip(states.chunks_mut(n * LANES)) {
-                let particles = states.len() / n;
                 load(previous, n, from);
-                self.transition_tiles.times(from, particles, to);
+                self.transition_tiles.times(from, to);
                 load(states, n, from);
-                self.state_noise.tile_add_deviation(from, particles, to);
+                self.state_noise.tile_add_deviation(from, to);
                 store(to, n, states);
             }
         });
@@ -141,7 +140,7 @@ impl StateSpaceModel for LinearGaussian {
             for ((previous, states), out) in rows.zip(out.chunks_mut(LANES)) {
                 load(previous, n, from);
                 load(states, n, to);
-                self.transition_tiles.times_subtract(from, out.len(), to);
+                self.transition_tiles.times_subtract(from, to);
                 self.state_noise.tile_log_density(to, from, out);
             }
         });
@@ -157,7 +156,7 @@ impl StateSpaceModel for LinearGaussian {
                 for (row, value) in residuals.as_chunks_mut::<LANES>().0.iter_mut().zip(measurement) {
                     row.fill(*value);
                 }
-                self.measurement_tiles.times_subtract(tile, out.len(), residuals);
+                self.measurement_tiles.times_subtract(tile, residuals);
                 self.measurement_noise.tile_log_density(residuals, whitened, out);
             }
         });
@@ -231,14 +230,14 @@ impl AdditiveGaussian for LinearGaussian {
             let (from, to) = scratch.split_at_mut(n * LANES);
             for (previous, means) in previous.chunks(n * LANES).zip(means.chunks_mut(n * LANES)) {
                 load(previous, n, from);
-                self.transition_tiles.times(from, means.len() / n, to);
+                self.transition_tiles.times(from, to);
                 store(to, n, means);
             }
         });
     }
 
-    fn tile_transition_means(&self, _time: usize, previous: &[f64], particles: usize, means: &mut [f64]) {
-        self.transition_tiles.times(previous, particles, means);
+    fn tile_transition_means(&self, _time: usize, previous: &[f64], _particles: usize, means: &mut [f64]) {
+        self.transition_tiles.times(previous, means);
     }
 
     fn is_gaussian(&self) -> bool {

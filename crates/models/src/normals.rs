@@ -3,7 +3,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use crate::Stream;
-use crate::bulk::{Transform, fill};
+use crate::bulk::{Bits, Transform, fill};
 use crate::elementary::{ln, sin_cos};
 
 /// Fills `out` with independent standard normal numbers, some three times as fast as one by one.
@@ -59,14 +59,14 @@ impl Transform for Normal {
     /// A radius `√(−2 ln u)` and an angle: within an eighth of the circle to either side of an axis by 53 bits, which axis by
     /// two of the others.
     #[inline(always)]
-    fn pairs<const L: usize>(a: &[u64; L], b: &[u64; L], x: &mut [f64; L], y: &mut [f64; L]) {
+    fn pairs<const L: usize>(a: Bits<'_, L>, b: Bits<'_, L>, x: &mut [f64; L], y: &mut [f64; L]) {
         for i in 0..L {
-            x[i] = (-2.0 * ln(up_to_one(a[i]))).sqrt();
+            x[i] = (-2.0 * ln(up_to_one(a.at(i)))).sqrt();
         }
         for i in 0..L {
-            let (sin, cos) = sin_cos((from_zero(b[i]) - 0.5) * FRAC_PI_2);
-            let radius = f64::from_bits(x[i].to_bits() ^ (b[i] << 63));
-            let upright = b[i] & 2 != 0;
+            let (sin, cos) = sin_cos((from_zero(b.at(i)) - 0.5) * FRAC_PI_2);
+            let radius = f64::from_bits(x[i].to_bits() ^ (b.at(i) << 63));
+            let upright = b.at(i) & 2 != 0;
             x[i] = radius * if upright { sin } else { cos };
             y[i] = radius * if upright { cos } else { sin };
         }
@@ -77,12 +77,12 @@ struct Exponential;
 
 impl Transform for Exponential {
     #[inline(always)]
-    fn pairs<const L: usize>(a: &[u64; L], b: &[u64; L], x: &mut [f64; L], y: &mut [f64; L]) {
+    fn pairs<const L: usize>(a: Bits<'_, L>, b: Bits<'_, L>, x: &mut [f64; L], y: &mut [f64; L]) {
         for i in 0..L {
-            x[i] = -ln(up_to_one(a[i]));
+            x[i] = -ln(up_to_one(a.at(i)));
         }
         for i in 0..L {
-            y[i] = -ln(up_to_one(b[i]));
+            y[i] = -ln(up_to_one(b.at(i)));
         }
     }
 }
@@ -91,10 +91,10 @@ struct Uniform;
 
 impl Transform for Uniform {
     #[inline(always)]
-    fn pairs<const L: usize>(a: &[u64; L], b: &[u64; L], x: &mut [f64; L], y: &mut [f64; L]) {
+    fn pairs<const L: usize>(a: Bits<'_, L>, b: Bits<'_, L>, x: &mut [f64; L], y: &mut [f64; L]) {
         for i in 0..L {
-            x[i] = from_zero(a[i]);
-            y[i] = from_zero(b[i]);
+            x[i] = from_zero(a.at(i));
+            y[i] = from_zero(b.at(i));
         }
     }
 }
@@ -103,21 +103,25 @@ impl Transform for Uniform {
 mod tests {
     use super::*;
 
+    fn made<T: Transform>(a: u64, b: u64) -> [f64; 2] {
+        let halves = |bits: u64| ([bits as u32], [(bits >> 32) as u32]);
+        let ((a_low, a_high), (b_low, b_high)) = (halves(a), halves(b));
+        let (mut x, mut y) = ([f64::NAN], [f64::NAN]);
+        T::pairs(Bits { low: &a_low, high: &a_high }, Bits { low: &b_low, high: &b_high }, &mut x, &mut y);
+        [x[0], y[0]]
+    }
+
     #[test]
     fn the_outermost_bits_give_finite_numbers() {
         for a in [0, 1, 1 << 11, u64::MAX, u64::MAX << 11] {
             for b in [0, 1, 2, 3, 1 << 63, u64::MAX] {
-                let (mut x, mut y) = ([0.0], [0.0]);
-                Normal::pairs(&[a], &[b], &mut x, &mut y);
-                assert!(x[0].is_finite() && y[0].is_finite() && x[0].hypot(y[0]) < 8.6);
-                Exponential::pairs(&[a], &[b], &mut x, &mut y);
-                assert!((0.0..36.8).contains(&x[0]) && (0.0..36.8).contains(&y[0]));
-                Uniform::pairs(&[a], &[b], &mut x, &mut y);
-                assert!((0.0..1.0).contains(&x[0]) && (0.0..1.0).contains(&y[0]));
+                let [x, y] = made::<Normal>(a, b);
+                assert!(x.is_finite() && y.is_finite() && x.hypot(y) < 8.6);
+                assert!(made::<Exponential>(a, b).iter().all(|x| (0.0..36.8).contains(x)));
+                assert!(made::<Uniform>(a, b).iter().all(|x| (0.0..1.0).contains(x)));
             }
         }
-        let (mut x, mut y) = ([0.0], [0.0]);
-        Normal::pairs(&[0], &[1 << 63], &mut x, &mut y);
-        assert!(x[0] > 8.5, "the tail reaches {}", x[0]);
+        let [x, y] = made::<Normal>(0, 1 << 63);
+        assert!(x > 8.5 && y == 0.0, "the tail reaches {x}");
     }
 }

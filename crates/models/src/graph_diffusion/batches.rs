@@ -22,7 +22,7 @@ pub(super) fn sample_transitions(
         let (from, flow) = scratch.split_at_mut(n * LANES);
         for (previous, states) in previous.chunks(n * LANES).zip(states.chunks_mut(n * LANES)) {
             load(previous, n, from);
-            drifted(system, from, previous.len() / n, flow);
+            drifted(system, from, flow);
             load(states, n, from);
             pulp::Arch::new().dispatch(AddScaled { what: from, scale: system.state_sigma, to: flow });
             store(flow, n, states);
@@ -38,7 +38,7 @@ pub(super) fn log_transitions(system: &GraphDiffusion, previous: &[f64], states:
         let rows = previous.chunks(n * LANES).zip(states.chunks(n * LANES));
         for ((previous, states), out) in rows.zip(out.chunks_mut(LANES)) {
             load(previous, n, tile);
-            drifted(system, tile, out.len(), flow);
+            drifted(system, tile, flow);
             load(states, n, tile);
             pulp::Arch::new().dispatch(Subtract { from: tile, what: flow });
             let mut densities = [0.0; LANES];
@@ -79,7 +79,7 @@ pub(super) fn propagate(
         let rows = previous.chunks(n * LANES).zip(states.chunks_mut(n * LANES));
         for ((previous, states), out) in rows.zip(out.chunks_mut(LANES)) {
             load(previous, n, tile);
-            drifted(system, tile, out.len(), flow);
+            drifted(system, tile, flow);
             load(states, n, tile);
             pulp::Arch::new().dispatch(AddScaled { what: tile, scale: system.state_sigma, to: flow });
             store(flow, n, states);
@@ -99,7 +99,7 @@ fn tile_log_likelihoods(
     for (row, value) in residuals.as_chunks_mut::<LANES>().0.iter_mut().zip(measurement) {
         row.fill(*value);
     }
-    system.measure.times_subtract(tile, out.len(), residuals);
+    system.measure.times_subtract(tile, residuals);
     let mut densities = [0.0; LANES];
     system.noise.tile_log_density(system.measurement_sigma, residuals, &mut densities);
     out.copy_from_slice(&densities[..out.len()]);
@@ -112,15 +112,15 @@ pub(super) fn transition_means(system: &GraphDiffusion, previous: &[f64], means:
         let (from, flow) = scratch.split_at_mut(n * LANES);
         for (previous, means) in previous.chunks(n * LANES).zip(means.chunks_mut(n * LANES)) {
             load(previous, n, from);
-            drifted(system, from, previous.len() / n, flow);
+            drifted(system, from, flow);
             store(flow, n, means);
         }
     });
 }
 
 /// `φ(A x)` of each lane of a tile, into the tile `flow`.
-pub(super) fn drifted(system: &GraphDiffusion, tile: &[f64], particles: usize, flow: &mut [f64]) {
-    system.diffuse.times(tile, particles, flow);
+pub(super) fn drifted(system: &GraphDiffusion, tile: &[f64], flow: &mut [f64]) {
+    system.diffuse.times(tile, flow);
     if system.drift != Drift::Identity {
         flow.iter_mut().for_each(|value| *value = system.drift.apply(*value));
     }

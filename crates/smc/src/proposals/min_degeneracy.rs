@@ -87,9 +87,9 @@ impl Correction {
     }
 
     /// The posterior means of a tile of predictions.
-    fn correct(&self, predicted: &[f64], particles: usize, means: &mut [f64]) {
+    fn correct(&self, predicted: &[f64], means: &mut [f64]) {
         spread(&self.shift, means);
-        self.kept.times_add(predicted, particles, means);
+        self.kept.times_add(predicted, means);
     }
 }
 
@@ -144,7 +144,7 @@ impl<M: AdditiveGaussian + ?Sized> Proposal<M> for MinDegeneracy {
             for (at, means) in means.chunks_mut(n * LANES).enumerate() {
                 let particles = means.len() / n;
                 predict(model, &past, at * LANES, particles, tile, predicted);
-                correction.correct(predicted, particles, tile);
+                correction.correct(predicted, tile);
                 store(tile, n, means);
             }
         });
@@ -186,14 +186,14 @@ impl<M: AdditiveGaussian + ?Sized> RowProposal<M> for MinDegeneracy {
             for (at, (states, increments)) in parts.enumerate() {
                 let particles = increments.len();
                 predict(model, &past, at * LANES, particles, tile, predicted);
-                correction.correct(predicted, particles, drawn);
+                correction.correct(predicted, drawn);
                 load(states, n, tile);
-                correction.posterior.tile_add_deviation(tile, particles, drawn);
+                correction.posterior.tile_add_deviation(tile, drawn);
                 store(drawn, n, states);
                 if model.is_gaussian() {
                     // By Bayes' rule p(y|x) p(x|x') / q(x|x',y) is p(y|x'), whatever x was drawn.
                     spread(past.measurement, residuals);
-                    correction.measurement_matrix.times_subtract(predicted, particles, residuals);
+                    correction.measurement_matrix.times_subtract(predicted, residuals);
                     correction.innovation.tile_log_density(residuals, whitened, increments);
                 } else {
                     // log q follows from the noise that x was made of.
@@ -240,7 +240,7 @@ impl Conditional for Shifted<'_> {
             for ((states, means), log_density) in rows.zip(log_density.chunks_mut(LANES)) {
                 load(states, n, noise);
                 load(means, n, drawn);
-                self.deviation.tile_add_deviation(noise, log_density.len(), drawn);
+                self.deviation.tile_add_deviation(noise, drawn);
                 store(drawn, n, states);
                 // log q follows from the noise that x was made of.
                 let mut squares = [0.0; LANES];
