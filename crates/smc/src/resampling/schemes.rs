@@ -26,7 +26,9 @@ impl Resampling {
     pub fn draw(self, weights: &[f64], stream: &mut Stream, ancestors: &mut [usize]) {
         let count = ancestors.len();
         match self {
-            Resampling::Multinomial => multinomial(weights, 1.0, stream, ancestors),
+            Resampling::Multinomial => with_scratch(count + 1, |spacings| {
+                multinomial(weights, 1.0, stream, spacings, ancestors);
+            }),
             Resampling::Systematic => {
                 let offset: f64 = stream.random();
                 let points = (0..count).map(|k| (k as f64 + offset) / count as f64);
@@ -66,26 +68,31 @@ fn invert_cumulative(
     }
 }
 
-/// Independent draws by weights that sum to `total`.
+/// Independent draws by weights that sum to `total`; `spacings` is scratch of one place more than there are ancestors.
 ///
 /// The points are sorted uniforms without sorting: sums of `K + 1` exponential spacings, over the whole of them. The weights are scaled
 /// by that instead, once.
-fn multinomial(weights: &[f64], total: f64, stream: &mut Stream, ancestors: &mut [usize]) {
-    with_scratch(ancestors.len() + 1, |spacings| {
-        fill_standard_exponential(stream, spacings);
-        let whole: f64 = spacings.iter().sum();
-        let mut point = 0.0;
-        let points = spacings.iter().map(|spacing| {
-            point += spacing;
-            point
-        });
-        invert_cumulative(weights, whole / total, points, ancestors);
+fn multinomial(
+    weights: &[f64],
+    total: f64,
+    stream: &mut Stream,
+    spacings: &mut [f64],
+    ancestors: &mut [usize],
+) {
+    fill_standard_exponential(stream, spacings);
+    let whole: f64 = spacings.iter().sum();
+    let mut point = 0.0;
+    let points = spacings.iter().map(|spacing| {
+        point += spacing;
+        point
     });
+    invert_cumulative(weights, whole / total, points, ancestors);
 }
 
 fn residual(weights: &[f64], stream: &mut Stream, ancestors: &mut [usize]) {
     let count = ancestors.len();
-    with_scratch(weights.len(), |remainders| {
+    with_scratch(weights.len() + count + 1, |scratch| {
+        let (remainders, spacings) = scratch.split_at_mut(weights.len());
         let mut filled = 0;
         for (index, (remainder, weight)) in remainders.iter_mut().zip(weights).enumerate() {
             let expected = weight * count as f64;
@@ -94,8 +101,10 @@ fn residual(weights: &[f64], stream: &mut Stream, ancestors: &mut [usize]) {
             filled += certain;
             *remainder = (expected - certain as f64).max(0.0);
         }
-        if filled < count {
-            multinomial(remainders, remainders.iter().sum(), stream, &mut ancestors[filled..]);
+        let left = &mut ancestors[filled..];
+        if !left.is_empty() {
+            let total = remainders.iter().sum();
+            multinomial(remainders, total, stream, &mut spacings[..left.len() + 1], left);
             ancestors.sort_unstable();
         }
     });
