@@ -189,14 +189,18 @@ impl WithSimd for SquaredNorms<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let (tile, _) = S::as_simd_f64s(self.tile);
-        let (sums, _) = S::as_mut_simd_f64s(self.sums.as_mut_slice());
-        let width = sums.len();
-        sums.fill(simd.splat_f64s(0.0));
-        for row in tile.chunks_exact(width) {
-            for (sum, value) in sums.iter_mut().zip(row) {
-                *sum = simd.mul_add_f64s(*value, *value, *sum);
+        let (tile, _) = S::as_simd_f64s(self.tile).0.as_chunks::<4>();
+        let (sums, _) = S::as_mut_simd_f64s(self.sums.as_mut_slice()).0.as_chunks_mut::<4>();
+        let groups = sums.len();
+        for (group, sums) in sums.iter_mut().enumerate() {
+            let [mut a, mut b, mut c, mut d] = [simd.splat_f64s(0.0); 4];
+            for row in tile.iter().skip(group).step_by(groups) {
+                a = simd.mul_add_f64s(row[0], row[0], a);
+                b = simd.mul_add_f64s(row[1], row[1], b);
+                c = simd.mul_add_f64s(row[2], row[2], c);
+                d = simd.mul_add_f64s(row[3], row[3], d);
             }
+            *sums = [a, b, c, d];
         }
     }
 }

@@ -4,7 +4,9 @@ use motes_models::batch::with_scratch;
 use motes_models::{Stream, fill_standard_exponential, fill_uniform};
 use rand::RngExt;
 
-/// How ancestors are drawn. Each scheme walks the cumulative weights once with `K` increasing points.
+use super::ranks::{SortedPoints, among_regular, among_strata, descend};
+
+/// How ancestors are drawn. Each scheme holds the cumulative weights against `K` increasing points, in time linear in `K`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Resampling {
     /// `K` independent draws: offspring counts are multinomial. The paper's choice.
@@ -25,86 +27,54 @@ impl Resampling {
     /// allocates nothing.
     pub fn draw(self, weights: &[f64], stream: &mut Stream, ancestors: &mut [usize]) {
         let count = ancestors.len();
+        let scale = count as f64;
         match self {
-            Resampling::Multinomial => with_scratch(count + 1, |spacings| {
-                multinomial(weights, 1.0, stream, spacings, ancestors);
+            Resampling::Multinomial => with_scratch(SortedPoints::scratch(count), |scratch| {
+                multinomial(weights, 1.0, stream, scratch, ancestors);
             }),
             Resampling::Systematic => {
                 let offset: f64 = stream.random();
-                let points = (0..count).map(|k| (k as f64 + offset) / count as f64);
-                invert_cumulative(weights, 1.0, points, ancestors);
+                descend(weights, |sum| among_regular(sum * scale, offset, count), ancestors);
             }
-            Resampling::Stratified => with_scratch(count, |uniforms| {
-                fill_uniform(stream, uniforms);
-                let points = uniforms.iter().enumerate().map(|(k, u)| (k as f64 + u) / count as f64);
-                invert_cumulative(weights, 1.0, points, ancestors);
+            Resampling::Stratified => with_scratch(count, |offsets| {
+                fill_uniform(stream, offsets);
+                descend(weights, |sum| among_strata(sum * scale, offsets), ancestors);
             }),
             Resampling::Residual => residual(weights, stream, ancestors),
         }
     }
 }
 
-/// The index of the weight, times `scale`, whose stretch of the cumulative sum holds each of the increasing `points`.
-fn invert_cumulative(
-    weights: &[f64],
-    scale: f64,
-    points: impl Iterator<Item = f64>,
-    ancestors: &mut [usize],
-) {
-    let mut weights = weights.iter().enumerate();
-    let (mut chosen, mut cumulative) = (0, 0.0);
-    for (ancestor, point) in ancestors.iter_mut().zip(points) {
-        // Rounding can leave the whole sum just short of the last point: then the last weight that is not zero wins.
-        while cumulative <= point {
-            match weights.next() {
-                Some((index, &weight)) => {
-                    chosen = if weight > 0.0 { index } else { chosen };
-                    cumulative += weight * scale;
-                }
-                None => break,
-            }
-        }
-        *ancestor = chosen;
-    }
-}
-
-/// Independent draws by weights that sum to `total`; `spacings` is scratch of one place more than there are ancestors.
-///
-/// The points are sorted uniforms without sorting: sums of `K + 1` exponential spacings, over the whole of them. The weights are scaled
-/// by that instead, once.
+/// Independent draws by weights that sum to `total`, with scratch for the points.
 fn multinomial(
     weights: &[f64],
     total: f64,
     stream: &mut Stream,
-    spacings: &mut [f64],
+    scratch: &mut [f64],
     ancestors: &mut [usize],
 ) {
-    fill_standard_exponential(stream, spacings);
-    let whole: f64 = spacings.iter().sum();
-    let mut point = 0.0;
-    let points = spacings.iter().map(|spacing| {
-        point += spacing;
-        point
-    });
-    invert_cumulative(weights, whole / total, points, ancestors);
+    let count = ancestors.len();
+    fill_standard_exponential(stream, &mut scratch[..=count]);
+    let points = SortedPoints::from_spacings(&mut scratch[..SortedPoints::scratch(count)], count);
+    let scale = count as f64 / total;
+    descend(weights, |sum| points.rank(sum * scale), ancestors);
 }
 
 fn residual(weights: &[f64], stream: &mut Stream, ancestors: &mut [usize]) {
     let count = ancestors.len();
-    with_scratch(weights.len() + count + 1, |scratch| {
-        let (remainders, spacings) = scratch.split_at_mut(weights.len());
+    with_scratch(weights.len() + SortedPoints::scratch(count), |scratch| {
+        let (remainders, scratch) = scratch.split_at_mut(weights.len());
         let mut filled = 0;
         for (index, (remainder, weight)) in remainders.iter_mut().zip(weights).enumerate() {
             let expected = weight * count as f64;
-            let certain = (expected.floor() as usize).min(count - filled);
+            let certain = (expected as usize).min(count - filled);
             ancestors[filled..filled + certain].fill(index);
             filled += certain;
             *remainder = (expected - certain as f64).max(0.0);
         }
-        let left = &mut ancestors[filled..];
-        if !left.is_empty() {
+        if filled < count {
             let total = remainders.iter().sum();
-            multinomial(remainders, total, stream, &mut spacings[..left.len() + 1], left);
+            multinomial(remainders, total, stream, scratch, &mut ancestors[filled..]);
             ancestors.sort_unstable();
         }
     });
