@@ -15,7 +15,7 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};
 
-use config::{ConfigError, Parsed, ReproduceArgs, VerifyArgs, check_output, parse, plans};
+use config::{BenchArgs, ConfigError, Parsed, ReproduceArgs, VerifyArgs, check_output, parse, plans};
 
 /// Commands of the Motes workspace.
 #[derive(Parser)]
@@ -31,6 +31,8 @@ enum Command {
     Reproduce(Box<ReproduceArgs>),
     /// Hold the paper's claims against finished runs: reproduced, not reproduced or not run
     Verify(VerifyArgs),
+    /// Time filters and training, alone or in turns with other libraries, and write the tables
+    Bench(BenchArgs),
     /// Everything that has to hold before a change lands: format, lints, tests, docs, regression run
     Ci {
         /// Write the regression run's numbers anew instead of comparing with them, after the other checks
@@ -51,6 +53,7 @@ fn main() -> ExitCode {
     match cli.command {
         Command::Reproduce(args) => reproduce(*args),
         Command::Verify(args) => verify(args),
+        Command::Bench(args) => bench(args),
         Command::Ci { update_expectations } => ci::check(&root(), update_expectations),
     }
 }
@@ -95,6 +98,17 @@ fn verify(mut args: VerifyArgs) -> ExitCode {
     hand_over(
         "verify",
         [("--experiments", experiments_given, args.experiments), ("--from", from_given, args.from)],
+    )
+}
+
+/// Builds the runner, which times itself.
+fn bench(args: BenchArgs) -> ExitCode {
+    hand_over(
+        "bench",
+        [
+            ("--out", args.out.is_some(), Some(root().join("runs/speed"))),
+            ("--peer-scripts", args.peer_scripts.is_some(), Some(root().join("crates/bench/peers"))),
+        ],
     )
 }
 

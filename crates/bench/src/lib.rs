@@ -19,6 +19,7 @@ mod regression;
 mod reproduce;
 mod runner;
 pub mod say;
+pub mod speed;
 mod store;
 mod tables;
 mod unit;

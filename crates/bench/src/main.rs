@@ -4,8 +4,9 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use motes_bench::config::{Backend, ConfigError, Parsed, Plan, ReproduceArgs, VerifyArgs, check_output, parse, plans};
+use motes_bench::config::{Backend, BenchArgs, ConfigError, Parsed, Plan, ReproduceArgs, VerifyArgs, check_output, parse, plans};
 use motes_bench::say::{news, result};
+use motes_bench::speed::{SpeedError, measure, serve};
 use motes_bench::{
     Estimator, Finished, Interrupt, RegressionError, paper_estimate, regress, reproduce, verify,
 };
@@ -24,6 +25,11 @@ enum Command {
     Reproduce(Box<ReproduceArgs>),
     /// Hold the paper's claims against finished runs
     Verify(VerifyArgs),
+    /// Time filters and training, alone or in turns with other libraries
+    Bench(BenchArgs),
+    /// Take pieces of work on standard input and answer on standard output; what `bench` starts
+    #[command(hide = true)]
+    Serve,
     /// Hold a figure's smoke profile, on every backend, against committed numbers
     Regress {
         /// The figure
@@ -60,6 +66,11 @@ fn main() -> ExitCode {
     match cli.command {
         Command::Reproduce(args) => run_reproduce(&args, &interrupt),
         Command::Verify(args) => run_verify(&args),
+        Command::Bench(args) => run_bench(&args, &interrupt),
+        Command::Serve => {
+            serve();
+            ExitCode::SUCCESS
+        }
         Command::Regress { figure, update, experiments, out } => {
             run_regress(figure, update, experiments, out, &interrupt)
         }
@@ -120,6 +131,23 @@ fn run_verify(args: &VerifyArgs) -> ExitCode {
         Err(error) => {
             news(&format!("error: {error}"));
             ExitCode::from(error.exit_status())
+        }
+    }
+}
+
+fn run_bench(args: &BenchArgs, interrupt: &Interrupt) -> ExitCode {
+    match measure(args, interrupt) {
+        Ok(table) => {
+            result(table.trim_end());
+            result(&format!("written to {}", args.out().join("speed.md").display()));
+            ExitCode::SUCCESS
+        }
+        Err(error) => {
+            news(&format!("error: {error}"));
+            ExitCode::from(match error {
+                SpeedError::Interrupted => interrupt.exit_status(),
+                SpeedError::System { .. } | SpeedError::Worker { .. } | SpeedError::Prepare(_) => 3,
+            })
         }
     }
 }

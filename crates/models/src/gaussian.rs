@@ -1,10 +1,9 @@
 //! A Gaussian with a dense covariance, factored once.
 
 use faer::{Mat, MatRef, Side};
-use rand::RngExt;
-use rand_distr::StandardNormal;
 
-use crate::{CovarianceFault, ModelError, Stream};
+use crate::batch::{LANES, TileMatrix, load, particles_by_stream, squared_norms, store, with_scratch};
+use crate::{CovarianceFault, ModelError, Stream, fill_standard_normal};
 
 /// `ln 2π`.
 pub(crate) const LN_2PI: f64 = 1.837_877_066_409_345_3;
@@ -18,6 +17,8 @@ pub struct Gaussian {
     covariance: Mat<f64>,
     lower: Mat<f64>,
     inverse_lower: Mat<f64>,
+    lower_tiles: TileMatrix,
+    inverse_tiles: TileMatrix,
     log_normalizer: f64,
 }
 
@@ -42,7 +43,15 @@ impl Gaussian {
         lower.as_ref().solve_lower_triangular_in_place(inverse_lower.as_mut());
         let half_log_determinant: f64 = (0..width).map(|i| lower[(i, i)].ln()).sum();
         let log_normalizer = -half_log_determinant - 0.5 * width as f64 * LN_2PI;
-        Ok(Gaussian { mean, covariance, lower, inverse_lower, log_normalizer })
+        Ok(Gaussian {
+            mean,
+            covariance,
+            lower_tiles: TileMatrix::new(lower.as_ref()),
+            inverse_tiles: TileMatrix::new(inverse_lower.as_ref()),
+            lower,
+            inverse_lower,
+            log_normalizer,
+        })
     }
 
     /// `μ`.
@@ -60,6 +69,11 @@ impl Gaussian {
         self.lower.as_ref()
     }
 
+    /// `−Σᵢ log Lᵢᵢ − (N/2) log 2π`, the logarithm of the density at its mean.
+    pub fn log_normalizer(&self) -> f64 {
+        self.log_normalizer
+    }
+
     /// `log N(x; μ, Σ) = −½‖L⁻¹(x − μ)‖² − Σᵢ log Lᵢᵢ − (N/2) log 2π`.
     pub fn log_density(&self, x: &[f64]) -> f64 {
         self.log_density_of(|j| x[j] - self.mean[j])
@@ -68,6 +82,60 @@ impl Gaussian {
     /// The same density with the deviation `x − μ` given by coordinate, for a mean that moves.
     pub fn log_density_of(&self, deviation: impl Fn(usize) -> f64) -> f64 {
         self.log_normalizer - 0.5 * self.squared_distance(deviation)
+    }
+
+    /// The density of each row of `states` (`K×N`), into `out` (`K`).
+    pub fn log_densities(&self, states: &[f64], out: &mut [f64]) {
+        let n = self.mean.len();
+        with_scratch(2 * n * LANES, |scratch| {
+            let (tile, whitened) = scratch.split_at_mut(n * LANES);
+            for (states, out) in states.chunks(n * LANES).zip(out.chunks_mut(LANES)) {
+                load(states, n, tile);
+                for (row, mean) in tile.as_chunks_mut::<LANES>().0.iter_mut().zip(&self.mean) {
+                    row.iter_mut().for_each(|value| *value -= mean);
+                }
+                self.tile_log_density(tile, whitened, out);
+            }
+        });
+    }
+
+    /// `log N(d; 0, Σ)` of each lane of a tile of deviations (`N × LANES`) that there is a place for in `out`; `whitened` is
+    /// scratch of the same size, left with `L⁻¹ d`.
+    pub fn tile_log_density(&self, deviations: &[f64], whitened: &mut [f64], out: &mut [f64]) {
+        self.inverse_tiles.times(deviations, whitened);
+        let mut squares = [0.0; LANES];
+        squared_norms(whitened, &mut squares);
+        for (out, square) in out.iter_mut().zip(squares) {
+            *out = self.log_normalizer - 0.5 * square;
+        }
+    }
+
+    /// Adds `L ε` to each lane of a tile (`N × LANES`), given a tile of noise `ε`.
+    pub fn tile_add_deviation(&self, noise: &[f64], tile: &mut [f64]) {
+        self.lower_tiles.times_add(noise, tile);
+    }
+
+    /// Draws a row `x = μ + L ε` for each place in `states` (`K×N`); the rows are split evenly over `streams`, in order.
+    ///
+    /// # Panics
+    /// If `K` is not a multiple of the number of streams.
+    pub fn samples(&self, streams: &mut [Stream], states: &mut [f64]) {
+        let n = self.mean.len();
+        let particles = states.len() / n;
+        for (stream, states) in particles_by_stream(streams, states, n, particles) {
+            fill_standard_normal(stream, states);
+        }
+        with_scratch(2 * n * LANES, |scratch| {
+            let (noise, tile) = scratch.split_at_mut(n * LANES);
+            for states in states.chunks_mut(n * LANES) {
+                load(states, n, noise);
+                for (row, mean) in tile.as_chunks_mut::<LANES>().0.iter_mut().zip(&self.mean) {
+                    row.fill(*mean);
+                }
+                self.tile_add_deviation(noise, tile);
+                store(tile, n, states);
+            }
+        });
     }
 
     /// `‖L⁻¹ d‖²`, the squared Mahalanobis distance of a deviation `d`.
@@ -116,9 +184,7 @@ impl Gaussian {
 
     /// Draws `L ε` into `x` (`N`), for a mean that moves.
     pub fn sample_deviation(&self, stream: &mut Stream, x: &mut [f64]) {
-        for value in x.iter_mut() {
-            *value = stream.sample(StandardNormal);
-        }
+        fill_standard_normal(stream, x);
         // From the last row up, each row reads only the ε that no later row needs any more.
         for i in (0..x.len()).rev() {
             x[i] = (0..=i).map(|j| self.lower[(i, j)] * x[j]).sum();

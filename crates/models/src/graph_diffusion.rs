@@ -1,9 +1,11 @@
 //! The graph-diffusion systems of the paper's figures 1 to 6.
 
+mod batches;
+
 use faer::{Mat, MatRef};
 
+use crate::batch::TileMatrix;
 use crate::error::check_matrix;
-use crate::sparse::SparseRows;
 use crate::{
     AdditiveGaussian, Gaussian, LinearGaussian, ModelError, Noise, RandomGeometricGraph, Simulator,
     StateGradients, StateSpaceModel, Stream, SystemGraph,
@@ -76,8 +78,8 @@ impl GraphDiffusionConfig {
 pub struct GraphDiffusion {
     adjacency: Mat<f64>,
     measurement_matrix: Mat<f64>,
-    diffuse: SparseRows,
-    measure: SparseRows,
+    diffuse: TileMatrix,
+    measure: TileMatrix,
     drift: Drift,
     noise: Noise,
     state_sigma: f64,
@@ -126,8 +128,8 @@ impl GraphDiffusion {
             Mat::from_fn(m, n, |i, j| if j == i || j == m + i { 1.0 / norm } else { 0.0 });
         let scaled_identity = |size, scale| Mat::from_fn(size, size, |i, j| if i == j { scale } else { 0.0 });
         Ok(GraphDiffusion {
-            diffuse: SparseRows::from_dense(adjacency),
-            measure: SparseRows::from_dense(measurement_matrix.as_ref()),
+            diffuse: TileMatrix::new(adjacency),
+            measure: TileMatrix::new(measurement_matrix.as_ref()),
             adjacency: adjacency.to_owned(),
             measurement_matrix,
             drift: config.drift,
@@ -214,6 +216,38 @@ impl StateSpaceModel for GraphDiffusion {
         self.noise.log_density_of_all(self.measurement_sigma, residuals)
     }
 
+    fn sample_initials(&self, streams: &mut [Stream], states: &mut [f64]) {
+        self.initial.samples(streams, states);
+    }
+
+    fn sample_transitions(&self, _time: usize, previous: &[f64], streams: &mut [Stream], states: &mut [f64]) {
+        batches::sample_transitions(self, previous, streams, states);
+    }
+
+    fn propagate(
+        &self,
+        _time: usize,
+        previous: &[f64],
+        measurement: &[f64],
+        streams: &mut [Stream],
+        states: &mut [f64],
+        log_likelihoods: &mut [f64],
+    ) {
+        batches::propagate(self, previous, measurement, streams, states, log_likelihoods);
+    }
+
+    fn log_initials(&self, states: &[f64], out: &mut [f64]) {
+        self.initial.log_densities(states, out);
+    }
+
+    fn log_transitions(&self, _time: usize, previous: &[f64], states: &[f64], out: &mut [f64]) {
+        batches::log_transitions(self, previous, states, out);
+    }
+
+    fn log_likelihoods(&self, _time: usize, states: &[f64], measurement: &[f64], out: &mut [f64]) {
+        batches::log_likelihoods(self, states, measurement, out);
+    }
+
     /// `S = A`, and a measurement goes with weight 1 to each node that is in it: `Cᵀ` rescaled to ones.
     fn graph(&self) -> Option<SystemGraph> {
         let c = self.measurement_matrix.as_ref();
@@ -284,12 +318,15 @@ impl AdditiveGaussian for GraphDiffusion {
     }
 
     fn transition_means(&self, _time: usize, previous: &[f64], means: &mut [f64]) {
-        let n = self.state_dim();
-        for (previous, means) in previous.chunks_exact(n).zip(means.chunks_exact_mut(n)) {
-            for (i, mean) in means.iter_mut().enumerate() {
-                *mean = self.diffused(i, previous);
-            }
-        }
+        batches::transition_means(self, previous, means);
+    }
+
+    fn tile_transition_means(&self, _time: usize, previous: &[f64], _particles: usize, means: &mut [f64]) {
+        batches::drifted(self, previous, means);
+    }
+
+    fn is_gaussian(&self) -> bool {
+        self.noise == Noise::Gaussian
     }
 
     fn transition_covariance(&self) -> MatRef<'_, f64> {

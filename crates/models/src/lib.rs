@@ -20,6 +20,9 @@
 //! # Ok::<(), motes_models::ModelError>(())
 //! ```
 
+pub mod batch;
+mod bulk;
+mod elementary;
 mod error;
 mod gaussian;
 mod graph;
@@ -27,11 +30,10 @@ mod graph_diffusion;
 pub mod kalman;
 mod linear_gaussian;
 mod noise;
-mod normal;
+mod normals;
 mod sequence;
 mod simulate;
 mod smoother;
-mod sparse;
 mod state_space;
 mod stream;
 mod system_graph;
@@ -42,7 +44,7 @@ pub use graph::RandomGeometricGraph;
 pub use graph_diffusion::{Drift, GraphDiffusion, GraphDiffusionConfig};
 pub use linear_gaussian::LinearGaussian;
 pub use noise::Noise;
-pub use normal::fill_standard_normal;
+pub use normals::{fill_standard_exponential, fill_standard_normal, fill_uniform};
 pub use sequence::{Measurements, Sequence};
 pub use simulate::{Trajectory, simulate};
 pub use state_space::{AdditiveGaussian, Simulator, StateGradients, StateSpaceModel};

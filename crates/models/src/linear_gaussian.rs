@@ -2,8 +2,12 @@
 
 use faer::{Mat, MatRef};
 
+use crate::batch::{LANES, TileMatrix, load, particles_by_stream, store, with_scratch};
 use crate::error::check_matrix;
-use crate::{AdditiveGaussian, Gaussian, ModelError, Simulator, StateGradients, StateSpaceModel, Stream};
+use crate::{
+    AdditiveGaussian, Gaussian, ModelError, Simulator, StateGradients, StateSpaceModel, Stream,
+    fill_standard_normal,
+};
 
 /// `x_0 ~ N(μ₀, P₀)`, `x_t = A x_{t−1} + v_t`, `v_t ~ N(0, Q)`, `y_t = C x_t + w_t`, `w_t ~ N(0, R)`.
 ///
@@ -23,6 +27,8 @@ pub struct LinearGaussian {
     state_noise: Gaussian,
     measurement_matrix: Mat<f64>,
     measurement_noise: Gaussian,
+    transition_tiles: TileMatrix,
+    measurement_tiles: TileMatrix,
 }
 
 impl LinearGaussian {
@@ -42,6 +48,8 @@ impl LinearGaussian {
         check_matrix("the transition matrix A", transition_matrix.as_ref(), n, n)?;
         check_matrix("the measurement matrix C", measurement_matrix.as_ref(), m, n)?;
         Ok(LinearGaussian {
+            transition_tiles: TileMatrix::new(transition_matrix.as_ref()),
+            measurement_tiles: TileMatrix::new(measurement_matrix.as_ref()),
             initial,
             transition_matrix,
             state_noise: Gaussian::new("the state-noise covariance Q", vec![0.0; n], state_covariance)?,
@@ -96,6 +104,62 @@ impl StateSpaceModel for LinearGaussian {
     fn log_likelihood(&self, _time: usize, state: &[f64], measurement: &[f64]) -> f64 {
         self.measurement_noise
             .log_density_of(|i| measurement[i] - row_times(&self.measurement_matrix, i, state))
+    }
+
+    fn sample_initials(&self, streams: &mut [Stream], states: &mut [f64]) {
+        self.initial.samples(streams, states);
+    }
+
+    fn sample_transitions(&self, _time: usize, previous: &[f64], streams: &mut [Stream], states: &mut [f64]) {
+        let n = self.state_dim();
+        let particles = states.len() / n;
+        for (stream, states) in particles_by_stream(streams, states, n, particles) {
+            fill_standard_normal(stream, states);
+        }
+        with_scratch(2 * n * LANES, |scratch| {
+            let (from, to) = scratch.split_at_mut(n * LANES);
+            for (previous, states) in previous.chunks(n * LANES).zip(states.chunks_mut(n * LANES)) {
+                load(previous, n, from);
+                self.transition_tiles.times(from, to);
+                load(states, n, from);
+                self.state_noise.tile_add_deviation(from, to);
+                store(to, n, states);
+            }
+        });
+    }
+
+    fn log_initials(&self, states: &[f64], out: &mut [f64]) {
+        self.initial.log_densities(states, out);
+    }
+
+    fn log_transitions(&self, _time: usize, previous: &[f64], states: &[f64], out: &mut [f64]) {
+        let n = self.state_dim();
+        with_scratch(2 * n * LANES, |scratch| {
+            let (from, to) = scratch.split_at_mut(n * LANES);
+            let rows = previous.chunks(n * LANES).zip(states.chunks(n * LANES));
+            for ((previous, states), out) in rows.zip(out.chunks_mut(LANES)) {
+                load(previous, n, from);
+                load(states, n, to);
+                self.transition_tiles.times_subtract(from, to);
+                self.state_noise.tile_log_density(to, from, out);
+            }
+        });
+    }
+
+    fn log_likelihoods(&self, _time: usize, states: &[f64], measurement: &[f64], out: &mut [f64]) {
+        let (n, m) = (self.state_dim(), self.measurement_dim());
+        with_scratch((n + 2 * m) * LANES, |scratch| {
+            let (tile, rest) = scratch.split_at_mut(n * LANES);
+            let (residuals, whitened) = rest.split_at_mut(m * LANES);
+            for (states, out) in states.chunks(n * LANES).zip(out.chunks_mut(LANES)) {
+                load(states, n, tile);
+                for (row, value) in residuals.as_chunks_mut::<LANES>().0.iter_mut().zip(measurement) {
+                    row.fill(*value);
+                }
+                self.measurement_tiles.times_subtract(tile, residuals);
+                self.measurement_noise.tile_log_density(residuals, whitened, out);
+            }
+        });
     }
 }
 
@@ -162,11 +226,22 @@ impl AdditiveGaussian for LinearGaussian {
 
     fn transition_means(&self, _time: usize, previous: &[f64], means: &mut [f64]) {
         let n = self.state_dim();
-        for (previous, means) in previous.chunks_exact(n).zip(means.chunks_exact_mut(n)) {
-            for (i, mean) in means.iter_mut().enumerate() {
-                *mean = row_times(&self.transition_matrix, i, previous);
+        with_scratch(2 * n * LANES, |scratch| {
+            let (from, to) = scratch.split_at_mut(n * LANES);
+            for (previous, means) in previous.chunks(n * LANES).zip(means.chunks_mut(n * LANES)) {
+                load(previous, n, from);
+                self.transition_tiles.times(from, to);
+                store(to, n, means);
             }
-        }
+        });
+    }
+
+    fn tile_transition_means(&self, _time: usize, previous: &[f64], _particles: usize, means: &mut [f64]) {
+        self.transition_tiles.times(previous, means);
+    }
+
+    fn is_gaussian(&self) -> bool {
+        true
     }
 
     fn transition_covariance(&self) -> MatRef<'_, f64> {

@@ -3,8 +3,9 @@
 use rand::RngExt;
 use rand_distr::{Exp1, StandardNormal};
 
-use crate::Stream;
+use crate::batch::{LANES, squared_norms};
 use crate::gaussian::LN_2PI;
+use crate::{Stream, fill_standard_exponential, fill_standard_normal, fill_uniform};
 
 /// A scalar noise with mean 0 and variance σ²; vectors have independent coordinates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -26,6 +27,42 @@ impl Noise {
             Noise::Uniform => (2.0 * stream.random::<f64>() - 1.0) * 3.0_f64.sqrt(),
         };
         sigma * unit
+    }
+
+    /// Fills `out` with independent values of standard deviation 1, in bulk.
+    pub(crate) fn fill_unit(self, stream: &mut Stream, out: &mut [f64]) {
+        match self {
+            Noise::Gaussian => fill_standard_normal(stream, out),
+            Noise::Exponential => {
+                fill_standard_exponential(stream, out);
+                out.iter_mut().for_each(|value| *value -= 1.0);
+            }
+            Noise::Uniform => {
+                fill_uniform(stream, out);
+                out.iter_mut().for_each(|value| *value = (2.0 * *value - 1.0) * 3.0_f64.sqrt());
+            }
+        }
+    }
+
+    /// `log p` of each lane of a tile of independent coordinates (`width × LANES`), each with standard deviation `sigma`.
+    pub(crate) fn tile_log_density(self, sigma: f64, tile: &[f64], out: &mut [f64; LANES]) {
+        let width = (tile.len() / LANES) as f64;
+        let normalizer = -width * sigma.ln();
+        match self {
+            Noise::Gaussian => {
+                squared_norms(tile, out);
+                let (scale, normalizer) = (-0.5 / (sigma * sigma), normalizer - 0.5 * LN_2PI * width);
+                out.iter_mut().for_each(|sum| *sum = *sum * scale + normalizer);
+            }
+            Noise::Exponential | Noise::Uniform => {
+                out.fill(normalizer);
+                for row in tile.as_chunks::<LANES>().0 {
+                    for (sum, value) in out.iter_mut().zip(row) {
+                        *sum += self.unit_log_density(value / sigma);
+                    }
+                }
+            }
+        }
     }
 
     /// `log p(v)` for standard deviation `sigma`; −∞ outside the support.

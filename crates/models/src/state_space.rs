@@ -2,6 +2,7 @@
 
 use faer::MatRef;
 
+use crate::batch::{load, particles_by_stream, store, with_scratch};
 use crate::{Gaussian, Stream, SystemGraph};
 
 /// A hidden Markov model on ℝᴺ, measured in ℝᴹ: `p(x_0)`, `p(x_t | x_{t−1})`, `p(y_t | x_t)`.
@@ -36,6 +37,56 @@ pub trait StateSpaceModel: Sync {
     /// The graph that the system lives on, if it lives on one.
     fn graph(&self) -> Option<SystemGraph> {
         None
+    }
+
+    /// [`StateSpaceModel::sample_initial`] for each of `K` rows; the rows are split evenly over `streams`, in order.
+    ///
+    /// # Panics
+    /// If `K` is not a multiple of the number of streams.
+    fn sample_initials(&self, streams: &mut [Stream], states: &mut [f64]) {
+        let width = self.state_dim();
+        let particles = states.len() / width;
+        for (stream, states) in particles_by_stream(streams, states, width, particles) {
+            for state in states.chunks_exact_mut(width) {
+                self.sample_initial(stream, state);
+            }
+        }
+    }
+
+    /// [`StateSpaceModel::sample_transition`] for each of `K` rows; the rows are split evenly over `streams`, in order.
+    ///
+    /// A model may take another amount of a stream here than row by row, but each stream by itself gives the same numbers
+    /// whatever other streams are in the call.
+    ///
+    /// # Panics
+    /// If `K` is not a multiple of the number of streams.
+    fn sample_transitions(&self, time: usize, previous: &[f64], streams: &mut [Stream], states: &mut [f64]) {
+        let width = self.state_dim();
+        let particles = states.len() / width;
+        let mut previous = previous.chunks_exact(width);
+        for (stream, states) in particles_by_stream(streams, states, width, particles) {
+            for (state, previous) in states.chunks_exact_mut(width).zip(&mut previous) {
+                self.sample_transition(time, previous, stream, state);
+            }
+        }
+    }
+
+    /// [`StateSpaceModel::sample_transitions`] and then [`StateSpaceModel::log_likelihoods`] of one measurement at what was drawn, into
+    /// `log_likelihoods` (`K`): what the bootstrap filter does, for models that can do both in one go.
+    ///
+    /// # Panics
+    /// As [`StateSpaceModel::sample_transitions`].
+    fn propagate(
+        &self,
+        time: usize,
+        previous: &[f64],
+        measurement: &[f64],
+        streams: &mut [Stream],
+        states: &mut [f64],
+        log_likelihoods: &mut [f64],
+    ) {
+        self.sample_transitions(time, previous, streams, states);
+        self.log_likelihoods(time, states, measurement, log_likelihoods);
     }
 
     /// [`StateSpaceModel::log_initial`] of each of `K` rows, into `out` (`K`).
@@ -94,11 +145,27 @@ pub trait StateGradients: StateSpaceModel {
 ///
 /// It is exact when `v_t` and `w_t` are Gaussian; otherwise it is the Gaussian with the same moments.
 pub trait AdditiveGaussian: StateSpaceModel {
+    /// Whether `x_0`, `v_t` and `w_t` are Gaussian, so that these moments say all there is to say; `false` unless a model says so.
+    fn is_gaussian(&self) -> bool {
+        false
+    }
+
     /// The mean and covariance of `x_0`.
     fn initial(&self) -> &Gaussian;
 
     /// `f(x_{t−1})` for each row of `previous` (`K×N`), into `means` (`K×N`).
     fn transition_means(&self, time: usize, previous: &[f64], means: &mut [f64]);
+
+    /// `f(x_{t−1})` for each of the first `particles` lanes of a tile of states (`N × LANES`, see [`crate::batch`]), into the tile `means`.
+    fn tile_transition_means(&self, time: usize, previous: &[f64], particles: usize, means: &mut [f64]) {
+        let n = self.state_dim();
+        with_scratch(2 * particles * n, |rows| {
+            let (from, to) = rows.split_at_mut(particles * n);
+            store(previous, n, from);
+            self.transition_means(time, from, to);
+            load(to, n, means);
+        });
+    }
 
     /// `Σ_v`, `N×N`.
     fn transition_covariance(&self) -> MatRef<'_, f64>;

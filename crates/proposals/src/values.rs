@@ -3,6 +3,7 @@
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
 use crate::Precision;
+use crate::native::Products;
 
 /// Many numbers of one precision, one after another.
 #[derive(Debug, Clone, PartialEq)]
@@ -93,6 +94,7 @@ pub(crate) fn widen<T: Real>(values: &[T], into: &mut [f64]) {
 /// A floating-point type that networks are computed in.
 pub(crate) trait Real:
     faer::traits::RealField
+    + Products
     + Copy
     + Default
     + Send

@@ -4,6 +4,8 @@ use std::ops::Deref;
 
 use motes_models::{ModelError, Seed, StateSpaceModel, Stream};
 
+use crate::blocks::{Blocks, Step, gather};
+use crate::workers::Workers;
 use crate::{
     Conditional, FilterError, LogWeights, ParticleMemory, Past, Proposal, ResampleWhen, Resampling,
     WeightFault,
@@ -56,9 +58,12 @@ pub struct FilterBank<D: Deref, P: Proposal<D::Target>> {
     weights: Vec<LogWeights>,
     log_evidence: Vec<f64>,
     ancestors: Vec<usize>,
+    resampled: bool,
     increments: Vec<f64>,
     log_likelihoods: Vec<f64>,
     log_transitions: Vec<f64>,
+    blocks: Blocks,
+    workers: Workers,
     failure: Option<FilterError>,
 }
 
@@ -114,6 +119,8 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
             model,
             proposal,
             settings,
+            blocks: Blocks::new(settings.particles, &streams),
+            workers: Workers::none(),
             streams,
             time: 0,
             states: vec![0.0; values],
@@ -121,11 +128,22 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
             weights: vec![LogWeights::uniform(settings.particles); filters],
             log_evidence: vec![0.0; filters],
             ancestors: (0..rows).collect(),
+            resampled: false,
             increments: vec![0.0; rows],
             log_likelihoods: vec![0.0; rows],
             log_transitions: vec![0.0; rows],
             failure: None,
         })
+    }
+
+    /// Lets up to `threads` threads work on each step where the proposal allows it, as the designed ones do, and there are particles
+    /// enough. Results are the same bytes for any number.
+    ///
+    /// # Errors
+    /// [`FilterError::Setting`] if `threads` is 0 or more than the system can start.
+    pub fn with_threads(mut self, threads: usize) -> Result<Self, FilterError> {
+        self.workers = Workers::new(threads)?;
+        Ok(self)
     }
 
     /// Advances every filter by one measurement (`M` numbers): resample where due, draw, weigh.
@@ -144,9 +162,11 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
 
     fn advance(&mut self, measurement: &[f64]) -> Result<(), FilterError> {
         self.resample_where_due();
-        std::mem::swap(&mut self.states, &mut self.previous);
-        self.draw(measurement)?;
-        self.weigh()?;
+        if !self.draw_by_rows(measurement)? {
+            self.gather();
+            self.draw(measurement)?;
+        }
+        self.weigh(measurement)?;
         self.time += 1;
         Ok(())
     }
@@ -165,9 +185,9 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
         }
     }
 
-    /// Draws ancestors where the rule says so, and moves states and memory of the whole bank by them.
+    /// Draws ancestors where the rule says so, and moves the memory of the whole bank by them.
     fn resample_where_due(&mut self) {
-        let (k, n) = (self.settings.particles, self.model.state_dim());
+        let k = self.settings.particles;
         let mut any = false;
         for (filter, weights) in self.weights.iter_mut().enumerate() {
             let ancestors = &mut self.ancestors[filter * k..(filter + 1) * k];
@@ -179,18 +199,46 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
                 }
                 weights.reset();
                 any = true;
-            } else {
+            } else if self.resampled {
                 for (particle, ancestor) in ancestors.iter_mut().enumerate() {
                     *ancestor = filter * k + particle;
                 }
             }
         }
+        self.resampled = any;
         if any {
-            for (row, &ancestor) in self.previous.chunks_exact_mut(n).zip(&self.ancestors) {
-                row.copy_from_slice(&self.states[ancestor * n..(ancestor + 1) * n]);
-            }
-            std::mem::swap(&mut self.states, &mut self.previous);
             self.memory.resample(&self.ancestors);
+        }
+    }
+
+    /// Draws and weighs every particle from its ancestor, if the proposal can be drawn from by rows.
+    fn draw_by_rows(&mut self, measurement: &[f64]) -> Result<bool, FilterError> {
+        let model = &*self.model;
+        let proposal = match self.proposal.by_rows(model, self.time, measurement) {
+            Ok(Some(proposal)) => proposal,
+            Ok(None) => return Ok(false),
+            Err(source) => return Err(FilterError::Proposal { step: self.time, source }),
+        };
+        std::mem::swap(&mut self.states, &mut self.previous);
+        let step = Step {
+            proposal,
+            model,
+            workers: &self.workers,
+            time: self.time,
+            measurement,
+            previous: (self.time > 0).then_some(self.previous.as_slice()),
+            ancestors: self.resampled.then_some(self.ancestors.as_slice()),
+        };
+        self.blocks.draw(&step, &mut self.streams, &mut self.states, &mut self.increments);
+        Ok(true)
+    }
+
+    /// Makes `previous` the states that each particle descends from.
+    fn gather(&mut self) {
+        if self.resampled {
+            gather(&self.states, self.model.state_dim(), &self.ancestors, &mut self.previous);
+        } else {
+            std::mem::swap(&mut self.states, &mut self.previous);
         }
     }
 
@@ -225,8 +273,8 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
         Ok(())
     }
 
-    fn weigh(&mut self) -> Result<(), FilterError> {
-        let (k, step) = (self.settings.particles, self.time);
+    fn weigh(&mut self, measurement: &[f64]) -> Result<(), FilterError> {
+        let (k, n, step) = (self.settings.particles, self.model.state_dim(), self.time);
         for (filter, weights) in self.weights.iter_mut().enumerate() {
             let rows = filter * k..(filter + 1) * k;
             let ess_before = weights.effective_sample_size();
@@ -236,8 +284,12 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
                     return Err(FilterError::NotANumber { step, filter, particle, value });
                 }
                 Err(WeightFault::AllZero) => {
-                    let likelihoods = self.log_likelihoods[rows].iter();
-                    let largest_log_likelihood = likelihoods.copied().fold(f64::NEG_INFINITY, f64::max);
+                    // Not kept when particles are drawn by rows, and needed for no other purpose then.
+                    let states = &self.states[rows.start * n..rows.end * n];
+                    let likelihoods = &mut self.log_likelihoods[rows];
+                    self.model.log_likelihoods(step, states, measurement, likelihoods);
+                    let largest_log_likelihood =
+                        likelihoods.iter().copied().fold(f64::NEG_INFINITY, f64::max);
                     return Err(FilterError::Collapse { step, filter, ess_before, largest_log_likelihood });
                 }
             }
@@ -288,12 +340,6 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
     /// If there is no such filter or `mean` has not `N` places.
     pub fn mean(&self, filter: usize, mean: &mut [f64]) {
         assert_eq!(mean.len(), self.model.state_dim(), "the mean has N coordinates");
-        mean.fill(0.0);
-        let rows = self.particles(filter).chunks_exact(mean.len());
-        for (weight, particle) in self.weights[filter].normalised().zip(rows) {
-            for (mean, value) in mean.iter_mut().zip(particle) {
-                *mean += weight * value;
-            }
-        }
+        self.weights[filter].mean(self.particles(filter), mean);
     }
 }

@@ -39,6 +39,15 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> ParticleFilter<D
         Ok(ParticleFilter { bank: FilterBank::with_streams(model, proposal, settings, vec![stream])?, mean })
     }
 
+    /// Lets up to `threads` threads work on each step, as [`FilterBank::with_threads`].
+    ///
+    /// # Errors
+    /// As [`FilterBank::with_threads`].
+    pub fn with_threads(mut self, threads: usize) -> Result<Self, FilterError> {
+        self.bank = self.bank.with_threads(threads)?;
+        Ok(self)
+    }
+
     /// Takes in one measurement (`M` numbers).
     ///
     /// # Errors

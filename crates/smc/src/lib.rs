@@ -9,17 +9,21 @@
 //! Nothing here knows of neural networks; learned proposals implement the same [`Proposal`] in another crate.
 
 mod bank;
+mod blocks;
 mod error;
+mod exponential;
 mod filter;
 mod proposal;
 mod proposals;
 mod resampling;
 mod weights;
+mod workers;
 
 pub use bank::{FilterBank, FilterSettings};
 pub use error::{ErrorKind, FilterError};
 pub use filter::ParticleFilter;
-pub use proposal::{Conditional, Past, Proposal, ProposalError, particles_by_stream};
+pub use motes_models::batch::particles_by_stream;
+pub use proposal::{Conditional, Past, Proposal, ProposalError, RowProposal};
 pub use proposals::{Bootstrap, Defensive, MinDegeneracy, Mixture, Shifted, Transition};
 pub use resampling::{ParticleMemory, ResampleWhen, Resampling};
 pub use weights::{LogWeights, WeightFault};

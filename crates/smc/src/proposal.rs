@@ -118,6 +118,36 @@ pub trait Proposal<Model: ?Sized> {
         past: Past<'a>,
         memory: &mut Self::Memory,
     ) -> Result<Self::Conditional<'a>, ProposalError>;
+
+    /// The same distributions for this step as ones that can be drawn from in any parts, several at once: a filter then never forms
+    /// the batch as a whole. `None`, the default, for a proposal that has a memory or wants its batch whole, as networks do.
+    ///
+    /// # Errors
+    /// As [`Proposal::condition`].
+    fn by_rows(
+        &mut self,
+        _model: &Model,
+        _time: usize,
+        _measurement: &[f64],
+    ) -> Result<Option<&dyn RowProposal<Model>>, ProposalError> {
+        Ok(None)
+    }
+}
+
+/// A proposal that needs nothing of a particle but its previous state, and no scratch of its own.
+pub trait RowProposal<Model: ?Sized>: Sync {
+    /// Draws a state for each of the `R` particles in `past` into `states` (`R×N`), and writes what its weight is multiplied by,
+    /// `log p(y|x) + log p(x|x') − log q(x|x', y)`, into `increments` (`R`).
+    ///
+    /// The particles are split evenly over `streams`, in order; what a stream gives to its particles does not depend on the others.
+    fn draw(
+        &self,
+        model: &Model,
+        past: Past<'_>,
+        streams: &mut [Stream],
+        states: &mut [f64],
+        increments: &mut [f64],
+    );
 }
 
 /// `q(x_t | past)` of each of `R` particles.
@@ -151,19 +181,4 @@ impl<C: Conditional + ?Sized> Conditional for &mut C {
     fn is_transition(&self) -> bool {
         (**self).is_transition()
     }
-}
-
-/// The particles (`R` of them, rows of `width` in `states`) of each stream together with it.
-///
-/// # Panics
-/// If `particles` is not a multiple of the number of streams.
-pub fn particles_by_stream<'a>(
-    streams: &'a mut [Stream],
-    states: &'a mut [f64],
-    width: usize,
-    particles: usize,
-) -> impl Iterator<Item = (&'a mut Stream, &'a mut [f64])> {
-    assert!(particles.is_multiple_of(streams.len()), "{particles} particles for {} streams", streams.len());
-    let block = width * (particles / streams.len().max(1));
-    streams.iter_mut().zip(states.chunks_exact_mut(block.max(1)))
 }

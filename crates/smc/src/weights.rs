@@ -1,6 +1,9 @@
 //! Log-weights: one value that knows its normalised weights, effective sample size and log-sum.
 
+use pulp::{Simd, WithSimd};
 use thiserror::Error;
+
+use crate::exponential::exp;
 
 /// Why a set of log-weights cannot be normalised.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -22,13 +25,15 @@ pub enum WeightFault {
 #[derive(Debug, Clone, PartialEq)]
 pub struct LogWeights {
     log: Vec<f64>,
+    normalised: Vec<f64>,
     effective_sample_size: f64,
 }
 
 impl LogWeights {
     /// `K` equal weights.
     pub fn uniform(particles: usize) -> Self {
-        let mut weights = LogWeights { log: vec![0.0; particles], effective_sample_size: 0.0 };
+        let zeros = vec![0.0; particles];
+        let mut weights = LogWeights { log: zeros.clone(), normalised: zeros, effective_sample_size: 0.0 };
         weights.reset();
         weights
     }
@@ -37,6 +42,7 @@ impl LogWeights {
     pub fn reset(&mut self) {
         let particles = self.log.len() as f64;
         self.log.fill(-particles.ln());
+        self.normalised.fill(1.0 / particles);
         self.effective_sample_size = particles;
     }
 
@@ -54,29 +60,30 @@ impl LogWeights {
     /// If there is not one increment for each particle.
     pub fn update(&mut self, increments: &[f64]) -> Result<f64, WeightFault> {
         assert_eq!(increments.len(), self.log.len(), "one increment for each particle");
-        let mut largest = f64::NEG_INFINITY;
-        for (particle, (log, increment)) in self.log.iter_mut().zip(increments).enumerate() {
-            *log += increment;
-            if log.is_nan() || *log == f64::INFINITY {
-                return Err(WeightFault::NotANumber { particle, value: *log });
-            }
-            largest = largest.max(*log);
+        let LogWeights { log, normalised, .. } = self;
+        let Sums { largest, number, sum, sum_of_squares } =
+            pulp::Arch::new().dispatch(Update { log, normalised, increments });
+        if !number {
+            let fault = self.log.iter().position(|log| log.is_nan() || *log == f64::INFINITY);
+            let particle = fault.unwrap_or_default();
+            return Err(WeightFault::NotANumber { particle, value: self.log[particle] });
         }
         if largest == f64::NEG_INFINITY {
             return Err(WeightFault::AllZero);
         }
-        let (mut sum, mut sum_of_squares) = (0.0, 0.0);
-        for log in &self.log {
-            let weight = (log - largest).exp();
-            sum += weight;
-            sum_of_squares += weight * weight;
-        }
         self.effective_sample_size = sum * sum / sum_of_squares;
         let log_sum = largest + sum.ln();
-        for log in &mut self.log {
+        let scale = 1.0 / sum;
+        for (log, weight) in self.log.iter_mut().zip(&mut self.normalised) {
             *log -= log_sum;
+            *weight *= scale;
         }
         Ok(log_sum)
+    }
+
+    /// The weighted mean `Σ_k W_k x_k` of `states` (`K×N`), into `mean` (`N`).
+    pub(crate) fn mean(&self, states: &[f64], mean: &mut [f64]) {
+        pulp::Arch::new().dispatch(Mean { weights: &self.normalised, states, mean });
     }
 
     /// `log W_k`.
@@ -85,8 +92,8 @@ impl LogWeights {
     }
 
     /// `W_k`, summing to 1.
-    pub fn normalised(&self) -> impl ExactSizeIterator<Item = f64> {
-        self.log.iter().map(|log| log.exp())
+    pub fn normalised(&self) -> &[f64] {
+        &self.normalised
     }
 
     /// `K_eff = 1 / Σ_k W_k²`, between 1 and `K` (the paper's equation "Keff").
@@ -105,6 +112,106 @@ impl LogWeights {
     }
 }
 
+/// Adds increments to log-weights, and leaves `exp(log w_k − maxⱼ log w_j)`.
+struct Update<'a> {
+    log: &'a mut [f64],
+    normalised: &'a mut [f64],
+    increments: &'a [f64],
+}
+
+/// What one needs to know of weights to normalise them.
+struct Sums {
+    largest: f64,
+    /// Whether each is a number below +∞.
+    number: bool,
+    sum: f64,
+    sum_of_squares: f64,
+}
+
+/// Partial sums that are kept side by side; their number fixes the order of additions on any machine.
+const LANES: usize = 32;
+
+impl WithSimd for Update<'_> {
+    type Output = Sums;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) -> Sums {
+        let (mut largest, mut number) = ([f64::NEG_INFINITY; LANES], [1.0; LANES]);
+        let mut raise = |log: &mut [f64; LANES], increments: &[f64; LANES]| {
+            for i in 0..LANES {
+                let value = log[i] + increments[i];
+                log[i] = value;
+                largest[i] = if value > largest[i] { value } else { largest[i] };
+                number[i] = if value < f64::INFINITY { number[i] } else { 0.0 };
+            }
+        };
+        let (log, last_log) = self.log.as_chunks_mut::<LANES>();
+        let (increments, last_increments) = self.increments.as_chunks::<LANES>();
+        for (log, increments) in log.iter_mut().zip(increments) {
+            raise(log, increments);
+        }
+        let (mut padded_log, mut padded) = ([f64::NEG_INFINITY; LANES], [0.0; LANES]);
+        padded_log[..last_log.len()].copy_from_slice(last_log);
+        padded[..last_log.len()].copy_from_slice(last_increments);
+        raise(&mut padded_log, &padded);
+        last_log.copy_from_slice(&padded_log[..last_log.len()]);
+        let largest = largest.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        let number = number == [1.0; LANES];
+
+        let (mut sum, mut sum_of_squares) = ([0.0; LANES], [0.0; LANES]);
+        let mut exponentiate = |weights: &mut [f64; LANES], log: &[f64; LANES]| {
+            for i in 0..LANES {
+                let weight = exp(log[i] - largest);
+                weights[i] = weight;
+                sum[i] += weight;
+                sum_of_squares[i] = weight.mul_add(weight, sum_of_squares[i]);
+            }
+        };
+        let (weights, last_weights) = self.normalised.as_chunks_mut::<LANES>();
+        for (weights, log) in weights.iter_mut().zip(log.iter()) {
+            exponentiate(weights, log);
+        }
+        exponentiate(&mut padded, &padded_log);
+        last_weights.copy_from_slice(&padded[..last_weights.len()]);
+        Sums { largest, number, sum: sum.iter().sum(), sum_of_squares: sum_of_squares.iter().sum() }
+    }
+}
+
+/// `Σ_k W_k x_k`.
+struct Mean<'a> {
+    weights: &'a [f64],
+    states: &'a [f64],
+    mean: &'a mut [f64],
+}
+
+impl WithSimd for Mean<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) {
+        let width = self.mean.len();
+        self.mean.fill(0.0);
+        let (weights, last_weights) = self.weights.as_chunks::<4>();
+        let mut rows = self.states.chunks_exact(4 * width);
+        // Four particles at a time, so that the mean is not read and written for each.
+        for (weights, rows) in weights.iter().zip(&mut rows) {
+            let (a, rest) = rows.split_at(width);
+            let (b, rest) = rest.split_at(width);
+            let (c, d) = rest.split_at(width);
+            for i in 0..width {
+                let first = weights[0].mul_add(a[i], weights[1] * b[i]);
+                let second = weights[2].mul_add(c[i], weights[3] * d[i]);
+                self.mean[i] += first + second;
+            }
+        }
+        for (weight, row) in last_weights.iter().zip(rows.remainder().chunks_exact(width)) {
+            for (mean, value) in self.mean.iter_mut().zip(row) {
+                *mean = weight.mul_add(*value, *mean);
+            }
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -117,7 +224,7 @@ mod tests {
         let log_sum = weights.update(&[1.0_f64.ln(), 2.0_f64.ln(), 3.0_f64.ln(), 2.0_f64.ln()]).unwrap();
         assert!((log_sum - 2.0_f64.ln()).abs() < 1e-15);
         let expected = [0.125, 0.25, 0.375, 0.25];
-        assert!(weights.normalised().zip(expected).all(|(w, e)| (w - e).abs() < 1e-15));
+        assert!(weights.normalised().iter().zip(expected).all(|(w, e)| (w - e).abs() < 1e-15));
         assert!((weights.effective_sample_size() - 64.0 / 18.0).abs() < 1e-14);
         // A second update without resampling starts from those weights, not from ¼ each.
         let log_sum = weights.update(&[8.0_f64.ln(), 0.0, 0.0, f64::NEG_INFINITY]).unwrap();
@@ -130,7 +237,7 @@ mod tests {
             let mut weights = LogWeights::uniform(2);
             let log_sum = weights.update(&[shift, shift + 3.0_f64.ln()]).unwrap();
             assert!((log_sum - shift - 2.0_f64.ln()).abs() < 1e-9);
-            assert!((weights.normalised().sum::<f64>() - 1.0).abs() < 1e-9);
+            assert!((weights.normalised().iter().sum::<f64>() - 1.0).abs() < 1e-9);
         }
     }
 

@@ -11,7 +11,7 @@ fn offspring(scheme: Resampling, count: usize) -> Vec<[usize; 5]> {
     let mut ancestors = vec![0; count];
     (0..REPETITIONS)
         .map(|_| {
-            scheme.draw(WEIGHTS.into_iter(), &mut stream, &mut ancestors);
+            scheme.draw(&WEIGHTS, &mut stream, &mut ancestors);
             assert!(ancestors.is_sorted());
             let mut counts = [0; 5];
             ancestors.iter().for_each(|&ancestor| counts[ancestor] += 1);
@@ -107,7 +107,7 @@ fn particles_without_weight_have_no_offspring() {
     for scheme in
         [Resampling::Multinomial, Resampling::Systematic, Resampling::Stratified, Resampling::Residual]
     {
-        scheme.draw([0.0, 0.4, 0.0, 0.6, 0.0].into_iter(), &mut stream, &mut ancestors);
+        scheme.draw(&[0.0, 0.4, 0.0, 0.6, 0.0], &mut stream, &mut ancestors);
         assert!(
             ancestors.iter().all(|&ancestor| ancestor == 1 || ancestor == 3),
             "{scheme:?}: {ancestors:?}"

@@ -94,6 +94,41 @@ impl VerifyArgs {
     }
 }
 
+/// What is to be timed, and against whom.
+#[derive(Debug, Clone, Args)]
+pub struct BenchArgs {
+    /// Run the same work in other libraries as well, in turns with ours; needs Python 3 and the network
+    #[arg(long)]
+    pub peers: bool,
+    /// How many times each piece of work is timed
+    #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u64).range(1..=1000))]
+    pub rounds: u64,
+    /// Only work whose name contains this, as "filter bootstrap" or "train rnn K=50"
+    #[arg(long, default_value = "")]
+    pub only: String,
+    /// A Python that has the other libraries; without it one is built from a pinned list
+    #[arg(long)]
+    pub python: Option<PathBuf>,
+    /// The folder for speed.json and speed.md [default: runs/speed]
+    #[arg(long)]
+    pub out: Option<PathBuf>,
+    /// The folder with the scripts that run other libraries [default: crates/bench/peers]
+    #[arg(long)]
+    pub peer_scripts: Option<PathBuf>,
+}
+
+impl BenchArgs {
+    /// The folder for results.
+    pub fn out(&self) -> PathBuf {
+        self.out.clone().unwrap_or_else(|| "runs/speed".into())
+    }
+
+    /// The folder with the scripts that run other libraries.
+    pub fn peer_scripts(&self) -> PathBuf {
+        self.peer_scripts.clone().unwrap_or_else(|| "crates/bench/peers".into())
+    }
+}
+
 /// The outcome of parsing.
 #[derive(Debug)]
 pub enum Parsed<T> {

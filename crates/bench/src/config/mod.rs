@@ -11,7 +11,7 @@ mod methods;
 mod plan;
 mod schema;
 
-pub use args::{Parsed, ReproduceArgs, VerifyArgs, parse};
+pub use args::{BenchArgs, Parsed, ReproduceArgs, VerifyArgs, parse};
 pub use error::{ConfigError, one_of};
 pub use methods::{Adapter, Cell, Fcnn, Gnn, Method, Proposals, Psi, Rnn, Sizes};
 pub use plan::{Backend, Plan, Point, check_output, plans, whole_figure};

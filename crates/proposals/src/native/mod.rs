@@ -9,10 +9,12 @@ mod cells;
 mod graph;
 mod infer;
 mod products;
+mod skinny;
 mod tape;
 mod waiting;
 
 pub(crate) use infer::{Inference, infer};
+pub(crate) use products::Products;
 pub(crate) use tape::NativeTape;
 pub(crate) use waiting::Waiting;
 

@@ -3,26 +3,103 @@
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};
 
+use super::skinny;
 use crate::values::Real;
 
+/// A row-major matrix, or some of its columns: how far it is from one row to the next.
+#[derive(Clone, Copy)]
+pub(crate) struct Columns<'a, T> {
+    pub(crate) values: &'a [T],
+    pub(crate) stride: usize,
+}
+
+/// The same, to be written to.
+pub(crate) struct ColumnsMut<'a, T> {
+    pub(crate) values: &'a mut [T],
+    pub(crate) stride: usize,
+}
+
+/// Products in one precision; sizes are `[rows of the result, terms of each sum, columns of the result]`.
+pub(crate) trait Products: Sized {
+    /// `out = a b`, or `out += a b`; the rows of `b` lie one after another.
+    fn times(out: ColumnsMut<'_, Self>, accum: Accum, a: Columns<'_, Self>, b: &[Self], sizes: [usize; 3]);
+
+    /// `out = a bᵀ`, or `out += a bᵀ`; the rows of `b` lie one after another.
+    fn times_transposed(
+        out: ColumnsMut<'_, Self>,
+        accum: Accum,
+        a: Columns<'_, Self>,
+        b: &[Self],
+        sizes: [usize; 3],
+    );
+}
+
+impl Products for f64 {
+    fn times(out: ColumnsMut<'_, f64>, accum: Accum, a: Columns<'_, f64>, b: &[f64], sizes: [usize; 3]) {
+        by_faer(out, accum, a, MatRef::from_row_major_slice(b, sizes[1], sizes[2]), sizes);
+    }
+
+    fn times_transposed(
+        out: ColumnsMut<'_, f64>,
+        accum: Accum,
+        a: Columns<'_, f64>,
+        b: &[f64],
+        sizes: [usize; 3],
+    ) {
+        by_faer(out, accum, a, MatRef::from_row_major_slice(b, sizes[2], sizes[1]).transpose(), sizes);
+    }
+}
+
+impl Products for f32 {
+    fn times(out: ColumnsMut<'_, f32>, accum: Accum, a: Columns<'_, f32>, b: &[f32], sizes: [usize; 3]) {
+        if skinny::suits_times(sizes) {
+            skinny::times(out, accum, a, b, sizes);
+        } else {
+            by_faer(out, accum, a, MatRef::from_row_major_slice(b, sizes[1], sizes[2]), sizes);
+        }
+    }
+
+    fn times_transposed(
+        out: ColumnsMut<'_, f32>,
+        accum: Accum,
+        a: Columns<'_, f32>,
+        b: &[f32],
+        sizes: [usize; 3],
+    ) {
+        if skinny::suits_times_transposed(sizes) {
+            skinny::times_transposed(out, accum, a, b, sizes);
+        } else {
+            by_faer(out, accum, a, MatRef::from_row_major_slice(b, sizes[2], sizes[1]).transpose(), sizes);
+        }
+    }
+}
+
+fn by_faer<T: faer::traits::RealField>(
+    out: ColumnsMut<'_, T>,
+    accum: Accum,
+    a: Columns<'_, T>,
+    b: MatRef<'_, T>,
+    [rows, inner, columns]: [usize; 3],
+) {
+    let a = MatRef::from_row_major_slice_with_stride(a.values, rows, inner, a.stride);
+    // As the transpose of a column-major matrix: faer 0.24.4 takes the strides of the row-major one the wrong way round.
+    let out = MatMut::from_column_major_slice_with_stride_mut(out.values, columns, rows, out.stride);
+    let out = out.transpose_mut();
+    matmul(out, accum, a, b, T::one_impl(), Par::Seq);
+}
+
 /// `out = a b`, or `out += a b`: `rows×inner` times `inner×columns`.
-pub(super) fn times<T: Real>(out: &mut [T], accum: Accum, a: &[T], b: &[T], [rows, inner, columns]: [usize; 3]) {
-    let a = MatRef::from_row_major_slice(a, rows, inner);
-    let b = MatRef::from_row_major_slice(b, inner, columns);
-    matmul(MatMut::from_row_major_slice_mut(out, rows, columns), accum, a, b, T::ONE, Par::Seq);
+pub(super) fn times<T: Real>(out: &mut [T], accum: Accum, a: &[T], b: &[T], sizes: [usize; 3]) {
+    let [_, inner, columns] = sizes;
+    let a = Columns { values: a, stride: inner };
+    T::times(ColumnsMut { values: out, stride: columns }, accum, a, b, sizes);
 }
 
 /// `out = a bᵀ`, or `out += a bᵀ`: `rows×inner` times the transpose of `columns×inner`.
-pub(super) fn times_transposed<T: Real>(
-    out: &mut [T],
-    accum: Accum,
-    a: &[T],
-    b: &[T],
-    [rows, inner, columns]: [usize; 3],
-) {
-    let a = MatRef::from_row_major_slice(a, rows, inner);
-    let b = MatRef::from_row_major_slice(b, columns, inner).transpose();
-    matmul(MatMut::from_row_major_slice_mut(out, rows, columns), accum, a, b, T::ONE, Par::Seq);
+pub(super) fn times_transposed<T: Real>(out: &mut [T], accum: Accum, a: &[T], b: &[T], sizes: [usize; 3]) {
+    let [_, inner, columns] = sizes;
+    let a = Columns { values: a, stride: inner };
+    T::times_transposed(ColumnsMut { values: out, stride: columns }, accum, a, b, sizes);
 }
 
 /// `out = aᵀ b`, or `out += aᵀ b`: the transpose of `inner×rows` times `inner×columns`.

@@ -2,7 +2,7 @@
 
 use motes_models::{StateSpaceModel, Stream};
 
-use crate::{Conditional, Past, Proposal, ProposalError, particles_by_stream};
+use crate::{Conditional, Past, Proposal, ProposalError, RowProposal};
 
 /// `q(x_t | x_{t−1}, y_t) = p(x_t | x_{t−1})`, blind to the measurement; weights are likelihoods.
 #[derive(Debug, Clone, Copy, Default)]
@@ -25,6 +25,37 @@ impl<M: StateSpaceModel + ?Sized> Proposal<M> for Bootstrap {
     ) -> Result<Transition<'a, M>, ProposalError> {
         Ok(Transition { model, past })
     }
+
+    fn by_rows(
+        &mut self,
+        _model: &M,
+        _time: usize,
+        _measurement: &[f64],
+    ) -> Result<Option<&dyn RowProposal<M>>, ProposalError> {
+        Ok(Some(self))
+    }
+}
+
+impl<M: StateSpaceModel + ?Sized> RowProposal<M> for Bootstrap {
+    fn draw(
+        &self,
+        model: &M,
+        past: Past<'_>,
+        streams: &mut [Stream],
+        states: &mut [f64],
+        increments: &mut [f64],
+    ) {
+        // Transition and proposal cancel: the likelihood is all that is left.
+        match past.previous {
+            Some(previous) => {
+                model.propagate(past.time, previous, past.measurement, streams, states, increments);
+            }
+            None => {
+                model.sample_initials(streams, states);
+                model.log_likelihoods(past.time, states, past.measurement, increments);
+            }
+        }
+    }
 }
 
 /// `p(x_t | x_{t−1})`, or `p(x_0)` where there is no past.
@@ -35,18 +66,10 @@ pub struct Transition<'a, M: ?Sized> {
 
 impl<M: StateSpaceModel + ?Sized> Conditional for Transition<'_, M> {
     fn sample(&mut self, streams: &mut [Stream], states: &mut [f64], _log_density: &mut [f64]) {
-        let (width, time) = (self.model.state_dim(), self.past.time);
-        let mut row = 0;
-        for (stream, states) in particles_by_stream(streams, states, width, self.past.particles) {
-            for state in states.chunks_exact_mut(width) {
-                match self.past.previous {
-                    None => self.model.sample_initial(stream, state),
-                    Some(previous) => {
-                        let previous = &previous[row * width..(row + 1) * width];
-                        self.model.sample_transition(time, previous, stream, state);
-                    }
-                }
-                row += 1;
+        match self.past.previous {
+            None => self.model.sample_initials(streams, states),
+            Some(previous) => {
+                self.model.sample_transitions(self.past.time, previous, streams, states);
             }
         }
     }

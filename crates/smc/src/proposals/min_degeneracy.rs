@@ -1,9 +1,11 @@
 //! The minimum-degeneracy proposal in closed form.
 
-use faer::{Mat, MatRef};
-use motes_models::{AdditiveGaussian, Gaussian, ModelError, Stream, kalman};
+use motes_models::batch::{LANES, TileMatrix, load, particles_by_stream, squared_norms, store, with_scratch};
+use motes_models::{AdditiveGaussian, Gaussian, ModelError, Stream, fill_standard_normal, kalman};
 
-use crate::{Conditional, Past, Proposal, ProposalError, particles_by_stream};
+use faer::{Mat, MatRef};
+
+use crate::{Conditional, Past, Proposal, ProposalError, RowProposal};
 
 /// `p(x_t | x_{t−1}, y_t)` of a system with additive Gaussian noise and linear measurements (the paper's
 /// equation "minDeg", in Doucet, Godsill and Andrieu's closed form).
@@ -19,12 +21,17 @@ pub struct MinDegeneracy {
     means: Vec<f64>,
 }
 
-/// How a prediction is corrected by a measurement, for one prior covariance.
+/// How a prediction `f` is corrected by a measurement, for one prior covariance: to `(I − G C) f + G y`.
 #[derive(Debug, Clone)]
 struct Correction {
     posterior: Gaussian,
+    /// `N(0, S)` with `S = C Σ_v Cᵀ + Σ_w`: how far measurements lie from their predictions.
+    innovation: Gaussian,
     gain: Mat<f64>,
-    measurement_matrix: Mat<f64>,
+    kept: TileMatrix,
+    measurement_matrix: TileMatrix,
+    /// `G y` of the present step.
+    shift: Vec<f64>,
 }
 
 impl MinDegeneracy {
@@ -39,32 +46,77 @@ impl MinDegeneracy {
             means: Vec::new(),
         })
     }
+
+    fn at(&self, time: usize) -> &Correction {
+        if time == 0 { &self.first } else { &self.later }
+    }
+
+    /// Makes everything ready that does not depend on particles.
+    fn prepare<M: AdditiveGaussian + ?Sized>(
+        &mut self,
+        model: &M,
+        time: usize,
+        measurement: &[f64],
+    ) -> Result<(), ProposalError> {
+        let correction = if time == 0 { &mut self.first } else { &mut self.later };
+        let (n, m) = correction.gain.shape();
+        ProposalError::unless_same("the state dimension N", n, model.state_dim())?;
+        ProposalError::unless_same("the measurement dimension M", m, measurement.len())?;
+        for (i, shift) in correction.shift.iter_mut().enumerate() {
+            *shift = measurement.iter().enumerate().map(|(j, value)| correction.gain[(i, j)] * value).sum();
+        }
+        Ok(())
+    }
 }
 
 impl Correction {
     fn new(model: &(impl AdditiveGaussian + ?Sized), prior: MatRef<'_, f64>) -> Result<Self, ModelError> {
         let c = model.measurement_matrix();
-        let kalman::Correction { gain, covariance, .. } =
+        let n = c.ncols();
+        let kalman::Correction { gain, covariance, innovation } =
             kalman::correction(prior, c, model.measurement_covariance())?;
-        let mean = vec![0.0; c.ncols()];
-        let posterior = Gaussian::new("the minimum-degeneracy covariance", mean, covariance)?;
-        Ok(Correction { posterior, gain, measurement_matrix: c.to_owned() })
+        let kept = Mat::<f64>::identity(n, n) - &gain * c;
+        Ok(Correction {
+            posterior: Gaussian::new("the minimum-degeneracy covariance", vec![0.0; n], covariance)?,
+            innovation,
+            gain,
+            kept: TileMatrix::new(kept.as_ref()),
+            measurement_matrix: TileMatrix::new(c),
+            shift: vec![0.0; n],
+        })
     }
 
-    /// Turns each predicted mean (rows of `means`) into the posterior mean.
-    fn correct(&self, measurement: &[f64], means: &mut [f64]) {
-        let (n, m) = (self.gain.nrows(), self.gain.ncols());
-        let particles = means.len() / n;
-        // Column by column of this matrix is particle by particle: the batch is one product each way.
-        let mut predicted = faer::MatMut::from_column_major_slice_mut(means, n, particles);
-        let mut innovations = Mat::from_fn(m, particles, |i, _| measurement[i]);
-        multiply_add(innovations.as_mut(), self.measurement_matrix.as_ref(), predicted.as_ref(), -1.0);
-        multiply_add(predicted.as_mut(), self.gain.as_ref(), innovations.as_ref(), 1.0);
+    /// The posterior means of a tile of predictions.
+    fn correct(&self, predicted: &[f64], means: &mut [f64]) {
+        spread(&self.shift, means);
+        self.kept.times_add(predicted, means);
     }
 }
 
-fn multiply_add(into: faer::MatMut<'_, f64>, a: MatRef<'_, f64>, b: MatRef<'_, f64>, scale: f64) {
-    faer::linalg::matmul::matmul(into, faer::Accum::Add, a, b, scale, faer::Par::Seq);
+/// Gives every lane of a tile the same vector.
+fn spread(vector: &[f64], tile: &mut [f64]) {
+    for (row, value) in tile.as_chunks_mut::<LANES>().0.iter_mut().zip(vector) {
+        row.fill(*value);
+    }
+}
+
+/// `f(x_{t−1})` of up to a tile of previous states, or the mean of `x_0`; `tile` is scratch.
+fn predict<M: AdditiveGaussian + ?Sized>(
+    model: &M,
+    past: &Past<'_>,
+    first: usize,
+    particles: usize,
+    tile: &mut [f64],
+    predicted: &mut [f64],
+) {
+    match past.previous {
+        None => spread(model.initial().mean(), predicted),
+        Some(previous) => {
+            let n = model.state_dim();
+            load(&previous[first * n..(first + particles) * n], n, tile);
+            model.tile_transition_means(past.time, tile, particles, predicted);
+        }
+    }
 }
 
 impl<M: AdditiveGaussian + ?Sized> Proposal<M> for MinDegeneracy {
@@ -82,28 +134,91 @@ impl<M: AdditiveGaussian + ?Sized> Proposal<M> for MinDegeneracy {
         past: Past<'a>,
         _memory: &mut (),
     ) -> Result<Shifted<'a>, ProposalError> {
-        ProposalError::unless_same("the state dimension N", self.later.gain.nrows(), model.state_dim())?;
-        ProposalError::unless_same(
-            "the measurement dimension M",
-            self.later.gain.ncols(),
-            past.measurement.len(),
-        )?;
+        self.prepare(model, past.time, past.measurement)?;
         let n = model.state_dim();
-        self.means.resize(past.particles * n, 0.0);
-        let correction = match past.previous {
-            None => {
-                for mean in self.means.chunks_exact_mut(n) {
-                    mean.copy_from_slice(model.initial().mean());
+        let mut means = std::mem::take(&mut self.means);
+        means.resize(past.particles * n, 0.0);
+        let correction = self.at(past.time);
+        with_scratch(2 * n * LANES, |scratch| {
+            let (tile, predicted) = scratch.split_at_mut(n * LANES);
+            for (at, means) in means.chunks_mut(n * LANES).enumerate() {
+                let particles = means.len() / n;
+                predict(model, &past, at * LANES, particles, tile, predicted);
+                correction.correct(predicted, tile);
+                store(tile, n, means);
+            }
+        });
+        self.means = means;
+        Ok(Shifted { deviation: &self.at(past.time).posterior, means: &self.means })
+    }
+
+    fn by_rows(
+        &mut self,
+        model: &M,
+        time: usize,
+        measurement: &[f64],
+    ) -> Result<Option<&dyn RowProposal<M>>, ProposalError> {
+        self.prepare(model, time, measurement)?;
+        Ok(Some(self))
+    }
+}
+
+impl<M: AdditiveGaussian + ?Sized> RowProposal<M> for MinDegeneracy {
+    fn draw(
+        &self,
+        model: &M,
+        past: Past<'_>,
+        streams: &mut [Stream],
+        states: &mut [f64],
+        increments: &mut [f64],
+    ) {
+        let correction = self.at(past.time);
+        let (n, m) = correction.gain.shape();
+        for (stream, states) in particles_by_stream(streams, states, n, past.particles) {
+            fill_standard_normal(stream, states);
+        }
+        with_scratch((3 * n + 2 * m) * LANES, |scratch| {
+            let (tile, rest) = scratch.split_at_mut(n * LANES);
+            let (predicted, rest) = rest.split_at_mut(n * LANES);
+            let (drawn, rest) = rest.split_at_mut(n * LANES);
+            let (residuals, whitened) = rest.split_at_mut(m * LANES);
+            let parts = states.chunks_mut(n * LANES).zip(increments.chunks_mut(LANES));
+            for (at, (states, increments)) in parts.enumerate() {
+                let particles = increments.len();
+                predict(model, &past, at * LANES, particles, tile, predicted);
+                correction.correct(predicted, drawn);
+                load(states, n, tile);
+                correction.posterior.tile_add_deviation(tile, drawn);
+                store(drawn, n, states);
+                if model.is_gaussian() {
+                    // By Bayes' rule p(y|x) p(x|x') / q(x|x',y) is p(y|x'), whatever x was drawn.
+                    spread(past.measurement, residuals);
+                    correction.measurement_matrix.times_subtract(predicted, residuals);
+                    correction.innovation.tile_log_density(residuals, whitened, increments);
+                } else {
+                    // log q follows from the noise that x was made of.
+                    let mut squares = [0.0; LANES];
+                    squared_norms(tile, &mut squares);
+                    for (increment, square) in increments.iter_mut().zip(squares) {
+                        *increment = 0.5 * square - correction.posterior.log_normalizer();
+                    }
                 }
-                &self.first
             }
-            Some(previous) => {
-                model.transition_means(past.time, previous, &mut self.means);
-                &self.later
-            }
-        };
-        correction.correct(past.measurement, &mut self.means);
-        Ok(Shifted { deviation: &correction.posterior, means: &self.means })
+        });
+        if !model.is_gaussian() {
+            with_scratch(past.particles, |terms| {
+                let mut add = |terms: &[f64]| {
+                    increments.iter_mut().zip(terms).for_each(|(increment, term)| *increment += term);
+                };
+                model.log_likelihoods(past.time, states, past.measurement, terms);
+                add(terms);
+                match past.previous {
+                    None => model.log_initials(states, terms),
+                    Some(previous) => model.log_transitions(past.time, previous, states, terms),
+                }
+                add(terms);
+            });
+        }
     }
 }
 
@@ -115,24 +230,41 @@ pub struct Shifted<'a> {
 
 impl Conditional for Shifted<'_> {
     fn sample(&mut self, streams: &mut [Stream], states: &mut [f64], log_density: &mut [f64]) {
-        let width = self.deviation.mean().len();
-        let particles = log_density.len();
-        for (stream, states) in particles_by_stream(streams, states, width, particles) {
-            for state in states.chunks_exact_mut(width) {
-                self.deviation.sample_deviation(stream, state);
+        let n = self.deviation.mean().len();
+        for (stream, states) in particles_by_stream(streams, states, n, log_density.len()) {
+            fill_standard_normal(stream, states);
+        }
+        with_scratch(2 * n * LANES, |scratch| {
+            let (noise, drawn) = scratch.split_at_mut(n * LANES);
+            let rows = states.chunks_mut(n * LANES).zip(self.means.chunks(n * LANES));
+            for ((states, means), log_density) in rows.zip(log_density.chunks_mut(LANES)) {
+                load(states, n, noise);
+                load(means, n, drawn);
+                self.deviation.tile_add_deviation(noise, drawn);
+                store(drawn, n, states);
+                // log q follows from the noise that x was made of.
+                let mut squares = [0.0; LANES];
+                squared_norms(noise, &mut squares);
+                for (log_density, square) in log_density.iter_mut().zip(squares) {
+                    *log_density = self.deviation.log_normalizer() - 0.5 * square;
+                }
             }
-        }
-        for (state, mean) in states.iter_mut().zip(self.means) {
-            *state += mean;
-        }
-        self.log_density(states, log_density);
+        });
     }
 
     fn log_density(&mut self, states: &[f64], log_density: &mut [f64]) {
-        let width = self.deviation.mean().len();
-        let rows = states.chunks_exact(width).zip(self.means.chunks_exact(width));
-        for ((state, mean), log_density) in rows.zip(log_density) {
-            *log_density = self.deviation.log_density_of(|j| state[j] - mean[j]);
-        }
+        let n = self.deviation.mean().len();
+        with_scratch(2 * n * LANES, |scratch| {
+            let (deviations, whitened) = scratch.split_at_mut(n * LANES);
+            let rows = states.chunks(n * LANES).zip(self.means.chunks(n * LANES));
+            for ((states, means), log_density) in rows.zip(log_density.chunks_mut(LANES)) {
+                load(states, n, deviations);
+                load(means, n, whitened);
+                for (deviation, mean) in deviations.iter_mut().zip(whitened.iter()) {
+                    *deviation -= mean;
+                }
+                self.deviation.tile_log_density(deviations, whitened, log_density);
+            }
+        });
     }
 }

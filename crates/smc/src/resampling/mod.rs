@@ -1,6 +1,7 @@
 //! Resampling: which particles survive, how often each, and when it happens at all.
 
 mod memory;
+mod ranks;
 mod schemes;
 mod when;
 

@@ -3,7 +3,7 @@
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};
 
-use super::super::products::{times, vectorised};
+use super::super::products::{Columns, ColumnsMut, times, vectorised};
 use super::super::waiting::Waiting;
 use super::super::Buffers;
 use crate::Gradients;
@@ -52,14 +52,9 @@ pub(super) fn forward<T: Real>(
             let from = &in_basis[i * rows * inputs..(i + 1) * rows * inputs];
             let into = &mut out_in_basis[i * rows * outputs..(i + 1) * rows * outputs];
             let accum = if first == 0 { Accum::Replace } else { Accum::Add };
-            matmul(
-                MatMut::from_row_major_slice_mut(into, rows, outputs),
-                accum,
-                columns(from, rows, inputs, first, panel),
-                MatRef::from_row_major_slice(&matrix, panel, outputs),
-                T::ONE,
-                Par::Seq,
-            );
+            let some = Columns { values: &from[first..], stride: inputs };
+            let into = ColumnsMut { values: into, stride: outputs };
+            T::times(into, accum, some, &matrix, [rows, panel, outputs]);
         }
         buffers.put(matrix);
     });
@@ -91,14 +86,9 @@ pub(super) fn backward<T: Real>(
             combine(matrix_of_taps, shape, (first, panel), eigenvalue, &mut matrix);
             let from = &d_in_basis[i * rows * outputs..(i + 1) * rows * outputs];
             let into = &mut d_input_in_basis[i * rows * inputs..(i + 1) * rows * inputs];
-            matmul(
-                MatMut::from_row_major_slice_mut(into, rows, inputs).subcols_mut(first, panel),
-                Accum::Replace,
-                MatRef::from_row_major_slice(from, rows, outputs),
-                MatRef::from_row_major_slice(&matrix, panel, outputs).transpose(),
-                T::ONE,
-                Par::Seq,
-            );
+            let some = ColumnsMut { values: &mut into[first..], stride: inputs };
+            let from = Columns { values: from, stride: outputs };
+            T::times_transposed(some, Accum::Replace, from, &matrix, [rows, outputs, panel]);
         }
         buffers.put(matrix);
     });
@@ -181,7 +171,14 @@ fn combine<T: Real>(
                     let at = (tap * inputs + first + row) * outputs;
                     &taps[at..at + outputs]
                 };
-                // From the last tap inwards, so that no power is formed.
+                // From the last tap inwards, so that no power is formed; the usual number of taps in one pass.
+                if count == 4 {
+                    let taps = tap(0).iter().zip(tap(1)).zip(tap(2).iter().zip(tap(3)));
+                    for (out, ((w0, w1), (w2, w3))) in out.iter_mut().zip(taps) {
+                        *out = *w0 + eigenvalue * (*w1 + eigenvalue * (*w2 + eigenvalue * *w3));
+                    }
+                    continue;
+                }
                 out.copy_from_slice(tap(count - 1));
                 for d in (0..count - 1).rev() {
                     out.iter_mut().zip(tap(d)).for_each(|(sum, term)| *sum = *sum * eigenvalue + *term);

@@ -1,0 +1,128 @@
+//! One piece of work, done in turns by all who can.
+
+use std::path::Path;
+
+use super::SpeedError;
+use super::task::{Answer, Request, Task};
+use super::worker::Worker;
+use super::workloads::Workload;
+use crate::Interrupt;
+use crate::say::news;
+
+/// A piece of work and those who are to do it.
+pub(super) struct Contest<'a> {
+    pub(super) workload: Workload,
+    pub(super) python: Option<&'a Path>,
+    pub(super) peers: &'a Path,
+    pub(super) rounds: u64,
+}
+
+/// What came of it.
+pub(super) struct Outcome {
+    pub(super) workload: Workload,
+    pub(super) ours: Entry,
+    pub(super) peers: Vec<Entry>,
+}
+
+/// What one contestant did.
+#[derive(Debug, Default, Clone, serde::Serialize)]
+pub(super) struct Entry {
+    pub(super) name: String,
+    /// Processes side by side.
+    pub(super) processes: usize,
+    /// Of each round: until the last process was done.
+    pub(super) seconds: Vec<f64>,
+    /// What showed that the work is equal.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) check: Option<Answer>,
+    /// Of all its processes together, in bytes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) peak_memory: Option<u64>,
+    /// Why it did nothing.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) error: Option<String>,
+}
+
+/// A contestant at work.
+struct Team {
+    entry: Entry,
+    workers: Vec<Worker>,
+}
+
+impl Team {
+    fn gather(
+        name: &str,
+        tasks: &[Task],
+        start: impl Fn(&Task) -> Result<Worker, SpeedError>,
+    ) -> Result<Team, SpeedError> {
+        let mut workers = Vec::new();
+        for task in tasks {
+            let mut worker = start(task)?;
+            worker.prepare(task)?;
+            workers.push(worker);
+        }
+        let check = workers.first_mut().map(|worker| worker.ask(&Request::Check(true))).transpose()?;
+        let entry = Entry { name: name.into(), processes: workers.len(), check, ..Entry::default() };
+        Ok(Team { entry, workers })
+    }
+
+    /// One round: all processes start together.
+    fn round(&mut self) -> Result<(), SpeedError> {
+        for worker in &mut self.workers {
+            worker.send(&Request::Run(true))?;
+        }
+        let mut slowest: f64 = 0.0;
+        for worker in &mut self.workers {
+            slowest = slowest.max(worker.receive()?.seconds.unwrap_or(f64::NAN));
+        }
+        self.entry.seconds.push(slowest);
+        Ok(())
+    }
+
+    fn end(mut self) -> Entry {
+        self.entry.peak_memory = self.workers.iter().map(Worker::peak_memory).sum();
+        self.entry
+    }
+}
+
+fn threads(task: &Task) -> usize {
+    match task {
+        Task::Filter(task) => task.threads,
+        Task::Train(task) => task.threads,
+    }
+}
+
+impl Contest<'_> {
+    pub(super) fn run(self, interrupt: &Interrupt) -> Result<Outcome, SpeedError> {
+        let Contest { workload, python, peers, rounds } = self;
+        news(&workload.name);
+        let mut ours = Team::gather("motes", &workload.ours, |_| Worker::ours("motes"))?;
+        let (mut teams, mut absent) = (Vec::new(), Vec::new());
+        if let Some(python) = python {
+            for (name, tasks) in &workload.peers {
+                match Team::gather(name, tasks, |task| Worker::peer(name, python, peers, threads(task))) {
+                    Ok(team) => teams.push(team),
+                    Err(error) => {
+                        let error = Some(error.to_string());
+                        absent.push(Entry { name: name.clone(), error, ..Entry::default() });
+                    }
+                }
+            }
+        }
+        for _ in 0..rounds {
+            if interrupt.check().is_break() {
+                return Err(SpeedError::Interrupted);
+            }
+            ours.round()?;
+            for team in &mut teams {
+                if team.entry.error.is_none()
+                    && let Err(error) = team.round()
+                {
+                    team.entry.error = Some(error.to_string());
+                }
+            }
+        }
+        let peers = teams.into_iter().map(Team::end).chain(absent).collect();
+        Ok(Outcome { ours: ours.end(), workload, peers })
+    }
+}

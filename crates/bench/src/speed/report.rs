@@ -1,0 +1,180 @@
+//! What was measured, as JSON and as a table.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use serde::Serialize;
+
+use super::SpeedError;
+use super::drive::{Entry, Outcome};
+use super::peak::Peak;
+use super::workloads::Kind;
+
+/// A report that grows.
+#[derive(Serialize)]
+pub(super) struct Report {
+    rounds: u64,
+    cores: usize,
+    processor: String,
+    /// Operations a second of the largest product.
+    peak: Peak,
+    work: Vec<Line>,
+}
+
+#[derive(Serialize)]
+struct Line {
+    name: String,
+    kind: Kind,
+    ours: Entry,
+    peers: Vec<Entry>,
+    /// Against each peer: peer's seconds by ours, of each round; least, median and greatest.
+    ratios: Vec<(String, [f64; 3])>,
+}
+
+/// The paper's number of steps.
+const TRAINING: f64 = 200.0;
+
+impl Report {
+    pub(super) fn new(rounds: u64, peak: Peak) -> Self {
+        let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+        let model = text.lines().find_map(|line| line.strip_prefix("model name")?.split_once(": "));
+        Report {
+            rounds,
+            cores: std::thread::available_parallelism().map_or(1, usize::from),
+            processor: model.map_or("unknown".into(), |(_, name)| name.into()),
+            peak,
+            work: Vec::new(),
+        }
+    }
+
+    pub(super) fn add(&mut self, Outcome { workload, ours, peers }: Outcome) {
+        let ratio = |peer: &Entry| {
+            let each = peer.seconds.iter().zip(&ours.seconds);
+            // As much work from every process of either side.
+            let of = |(theirs, mine): (&f64, &f64)| theirs / peer.processes as f64 * ours.processes as f64 / mine;
+            let mut ratios: Vec<f64> = each.map(of).collect();
+            ratios.sort_by(f64::total_cmp);
+            let (first, last) = (ratios.first()?, ratios.last()?);
+            Some((peer.name.clone(), [*first, middle(&ratios), *last]))
+        };
+        let ratios = peers.iter().filter_map(ratio).collect();
+        self.work.push(Line { name: workload.name, kind: workload.kind, ours, peers, ratios });
+    }
+
+    pub(super) fn write(&self, folder: &Path) -> Result<(), SpeedError> {
+        let text = serde_json::to_string_pretty(self).unwrap_or_default();
+        for (name, text) in [("speed.json", text + "\n"), ("speed.md", self.table())] {
+            let path = folder.join(name);
+            std::fs::write(&path, text).map_err(SpeedError::system(&path))?;
+        }
+        Ok(())
+    }
+
+    /// Three tables: filters, training, growth.
+    pub(super) fn table(&self) -> String {
+        let mut text = String::new();
+        let giga = |rate: f64| rate / 1e9;
+        let _ = writeln!(
+            text,
+            "{} ({} cores), medians of {} rounds in turns. Largest f32 matrix product: {:.0} GFLOP/s on one thread, {:.0} on two.\n",
+            self.processor,
+            self.cores,
+            self.rounds,
+            giga(self.peak.one_thread),
+            giga(self.peak.two_threads)
+        );
+        self.filters(&mut text);
+        self.training(&mut text);
+        self.growth(&mut text);
+        text
+    }
+
+    fn filters(&self, text: &mut String) {
+        let _ = writeln!(text, "| filter | million particle-steps a second | memory, MB | times the speed of |\n|---|---:|---:|---|");
+        for line in &self.work {
+            if let Kind::Filter { particle_steps } = line.kind {
+                let rate = particle_steps / median(&line.ours.seconds) / 1e6;
+                let name = line.name.trim_start_matches("filter ");
+                let _ = writeln!(text, "| {name} | {rate:.1} | {} | {} |", memory(&line.ours), versus(line));
+            }
+        }
+        text.push('\n');
+    }
+
+    fn training(&self, text: &mut String) {
+        let _ = writeln!(
+            text,
+            "| training | ms a step | trainings an hour | of the peak | memory, MB | times the trainings an hour of |\n|---|---:|---:|---:|---:|---|"
+        );
+        for line in &self.work {
+            if let Kind::Train { steps, operations } = line.kind {
+                let (step, processes) = (median(&line.ours.seconds) / steps as f64, line.ours.processes as f64);
+                let trainings = 3600.0 / (step * TRAINING) * processes;
+                let of_peak = operations / step * processes / self.peak.two_threads;
+                let of_peak = if operations > 0.0 { format!("{:.0} %", 100.0 * of_peak) } else { "–".into() };
+                let name = line.name.trim_start_matches("train ");
+                let _ = writeln!(
+                    text,
+                    "| {name} | {:.1} | {trainings:.0} | {of_peak} | {} | {} |",
+                    1e3 * step,
+                    memory(&line.ours),
+                    versus(line)
+                );
+            }
+        }
+        text.push('\n');
+    }
+
+    /// The exponent of the time in the number of particles, and in the number of times, from the two largest of each.
+    fn growth(&self, text: &mut String) {
+        let seconds = |name: &str| {
+            let line = self.work.iter().find(|line| line.name == name)?;
+            Some(median(&line.ours.seconds))
+        };
+        let mut lines = String::new();
+        for method in ["bootstrap", "min-degeneracy"] {
+            let at = |particles: usize, horizon: usize| {
+                seconds(&format!("filter {method} B=1 K={particles} T={horizon}"))
+            };
+            let exponent = |small: Option<f64>, large: Option<f64>, factor: f64| {
+                small.zip(large).map_or("–".into(), |(small, large)| {
+                    format!("{:.2}", (large / small).ln() / factor.ln())
+                })
+            };
+            let in_particles = exponent(at(10_000, 50), at(100_000, 50), 10.0);
+            let in_times = exponent(at(10_000, 50), at(10_000, 200), 4.0);
+            let _ = writeln!(lines, "| {method} | {in_particles} | {in_times} |");
+        }
+        let _ = write!(
+            text,
+            "| time grows with the power of | K, 10,000 to 100,000 | T, 50 to 200 |\n|---|---:|---:|\n{lines}"
+        );
+    }
+}
+
+fn versus(line: &Line) -> String {
+    let ratios = line.ratios.iter().map(|(name, [least, middle, greatest])| {
+        format!("{name}: {middle:.1} ({least:.1} to {greatest:.1})")
+    });
+    let errors = line.peers.iter().filter(|peer| peer.seconds.is_empty());
+    let all: Vec<String> = ratios.chain(errors.map(|peer| format!("{}: none", peer.name))).collect();
+    if all.is_empty() { "–".into() } else { all.join("; ") }
+}
+
+fn memory(entry: &Entry) -> String {
+    entry.peak_memory.map_or("–".into(), |bytes| format!("{:.0}", bytes as f64 / 1e6))
+}
+
+fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    middle(&sorted)
+}
+
+/// Of sorted values.
+fn middle(sorted: &[f64]) -> f64 {
+    match (sorted.get((sorted.len().max(1) - 1) / 2), sorted.get(sorted.len() / 2)) {
+        (Some(lower), Some(upper)) => 0.5 * (lower + upper),
+        _ => f64::NAN,
+    }
+}

@@ -1,0 +1,206 @@
+//! Our side of a contest: a process that takes tasks on its standard input and answers on its standard output.
+
+use std::io::{BufRead, Write};
+use std::ops::ControlFlow;
+use std::time::Instant;
+
+use motes_models::{GraphDiffusion, Measurements, Stream};
+use motes_proposals::{Backend, Family, Fcnn, FcnnConfig, Gnn, GnnConfig, Learnable, Psi, PsiConfig, Rnn, RnnConfig, load};
+use motes_smc::{Bootstrap, FilterBank, FilterSettings, MinDegeneracy, Proposal, Resampling};
+use motes_train::{GradientFlow, Objective, TrainConfig, rollout, train};
+
+use super::folder::{seed, system, trajectory};
+use super::task::{Answer, FilterTask, Request, Task, TrainTask};
+
+/// Something to be done again and again.
+trait Work {
+    fn check(&mut self) -> Result<Answer, String>;
+    fn run(&mut self) -> Result<(), String>;
+}
+
+/// Serves requests, a line each, until there are no more.
+pub fn serve() {
+    let mut work: Option<Box<dyn Work>> = None;
+    for line in std::io::stdin().lock().lines() {
+        let Ok(line) = line else { break };
+        let answer = match serde_json::from_str::<Request>(&line) {
+            Ok(Request::Quit(_)) => break,
+            Ok(request) => answer(request, &mut work),
+            Err(error) => Err(error.to_string()),
+        };
+        let answer = answer.unwrap_or_else(|error| Answer { error: Some(error), ..Answer::default() });
+        let mut out = std::io::stdout().lock();
+        let text = serde_json::to_string(&answer).unwrap_or_default();
+        if writeln!(out, "{text}").and_then(|()| out.flush()).is_err() {
+            break;
+        }
+    }
+}
+
+fn answer(request: Request, work: &mut Option<Box<dyn Work>>) -> Result<Answer, String> {
+    let nothing = || "nothing is prepared".to_string();
+    match request {
+        Request::Prepare(task) => {
+            *work = None;
+            let mut prepared = prepare(&task)?;
+            // Once unseen, as the others compile and warm up.
+            prepared.run()?;
+            *work = Some(prepared);
+            let versions = serde_json::json!({ "motes": env!("CARGO_PKG_VERSION") });
+            Ok(Answer { ready: Some(true), versions: Some(versions), ..Answer::default() })
+        }
+        Request::Check(_) => work.as_mut().ok_or_else(nothing)?.check(),
+        Request::Run(_) | Request::Quit(_) => {
+            let work = work.as_mut().ok_or_else(nothing)?;
+            let start = Instant::now();
+            work.run()?;
+            Ok(Answer { seconds: Some(start.elapsed().as_secs_f64()), ..Answer::default() })
+        }
+    }
+}
+
+fn prepare(task: &Task) -> Result<Box<dyn Work>, String> {
+    match task {
+        Task::Filter(task) => {
+            let text = std::fs::read_to_string(&task.problem).map_err(told)?;
+            let problem: serde_json::Value = serde_json::from_str(&text).map_err(told)?;
+            let horizon = problem["measurements"].as_array().map_or(0, Vec::len);
+            let exact = problem["log_evidence"].as_f64().ok_or("the problem has no log_evidence")?;
+            let system = system().map_err(told)?;
+            let measurements = trajectory(&system, horizon).map_err(told)?.measurements;
+            let task = task.clone();
+            match task.method.as_str() {
+                "bootstrap" => {
+                    Ok(Box::new(Filtering { task, system, measurements, exact, proposal: Bootstrap, runs: 0 }))
+                }
+                "min-degeneracy" => {
+                    let proposal = MinDegeneracy::new(&system).map_err(told)?;
+                    Ok(Box::new(Filtering { task, system, measurements, exact, proposal, runs: 0 }))
+                }
+                other => Err(format!("there is no method {other}")),
+            }
+        }
+        Task::Train(task) => {
+            let learned: Box<dyn Learnable> = match task.family.as_str() {
+                Fcnn::NAME => Box::new(loaded::<Fcnn>(task)?),
+                Rnn::NAME => Box::new(loaded::<Rnn>(task)?),
+                Gnn::NAME => Box::new(loaded::<Gnn>(task)?),
+                Psi::NAME => Box::new(loaded::<Psi>(task)?),
+                other => return Err(format!("there is no family {other}")),
+            };
+            let system = system().map_err(told)?;
+            let bytes = std::fs::metadata(task.folder.join("noise.f64")).map_err(told)?.len();
+            let horizon = bytes as usize / 8 / task.particles / learned.state_dim();
+            let measurements = trajectory(&system, horizon).map_err(told)?.measurements;
+            let stream = seed().child("training").stream();
+            Ok(Box::new(Training { task: task.clone(), system, measurements, learned, stream, at_first: None }))
+        }
+    }
+}
+
+fn told(error: impl ToString) -> String {
+    error.to_string()
+}
+
+fn loaded<F: Family>(task: &TrainTask) -> Result<F, String> {
+    load(&task.folder, &system().map_err(told)?, Backend::Native.into()).map_err(told)
+}
+
+struct Filtering<P> {
+    task: FilterTask,
+    system: GraphDiffusion,
+    measurements: Measurements,
+    exact: f64,
+    proposal: P,
+    runs: u64,
+}
+
+impl<P: Proposal<GraphDiffusion> + Clone> Filtering<P> {
+    fn evidence(&mut self) -> Result<Vec<f64>, String> {
+        let settings = FilterSettings {
+            resampling: match self.task.resampling.as_str() {
+                "multinomial" => Resampling::Multinomial,
+                "systematic" => Resampling::Systematic,
+                other => return Err(format!("there is no resampling {other}")),
+            },
+            ..FilterSettings::new(self.task.particles)
+        };
+        self.runs += 1;
+        let seed = seed().child("filter").nth(self.task.seed).nth(self.runs);
+        let bank =
+            FilterBank::new(&self.system, self.proposal.clone(), settings, self.task.filters, &seed).map_err(told)?;
+        let mut bank = bank.with_threads(self.task.threads).map_err(told)?;
+        for measurement in self.measurements.rows() {
+            bank.step(measurement).map_err(told)?;
+        }
+        Ok((0..self.task.filters).map(|filter| bank.log_evidence(filter)).collect())
+    }
+}
+
+impl<P: Proposal<GraphDiffusion> + Clone> Work for Filtering<P> {
+    fn check(&mut self) -> Result<Answer, String> {
+        let mut ratios = Vec::new();
+        for _ in 0..20 {
+            ratios.extend(self.evidence()?.into_iter().map(|log| (log - self.exact).exp()));
+        }
+        let count = ratios.len() as f64;
+        let mean = ratios.iter().sum::<f64>() / count;
+        let variance = ratios.iter().map(|ratio| (ratio - mean).powi(2)).sum::<f64>() / (count - 1.0);
+        let ratio_error = Some((variance / count).sqrt());
+        Ok(Answer { ratio_mean: Some(mean), ratio_error, ..Answer::default() })
+    }
+
+    fn run(&mut self) -> Result<(), String> {
+        self.evidence().map(|_| ())
+    }
+}
+
+struct Training {
+    task: TrainTask,
+    system: GraphDiffusion,
+    measurements: Measurements,
+    learned: Box<dyn Learnable>,
+    stream: Stream,
+    /// Loss and gradient norm at the weights that were given.
+    at_first: Option<(f64, f64)>,
+}
+
+impl Training {
+    fn at_first(&mut self) -> Result<(f64, f64), String> {
+        if let Some(found) = self.at_first {
+            return Ok(found);
+        }
+        // The noise in the folder came from this stream.
+        let mut stream = seed().child("noise").stream();
+        let (objective, flow) = (Objective::LogLikelihood, GradientFlow::Full);
+        let particles = self.task.particles;
+        let found = rollout(
+            self.learned.as_ref(),
+            &self.system,
+            &self.measurements,
+            objective,
+            flow,
+            particles,
+            &mut stream,
+        )
+        .map_err(told)?;
+        Ok(*self.at_first.insert((-found.objective, found.gradients.norm())))
+    }
+}
+
+impl Work for Training {
+    fn check(&mut self) -> Result<Answer, String> {
+        let (loss, norm) = self.at_first()?;
+        Ok(Answer { loss: Some(loss), gradient_norm: Some(norm), ..Answer::default() })
+    }
+
+    fn run(&mut self) -> Result<(), String> {
+        self.at_first()?;
+        let config = TrainConfig { steps: self.task.steps, ..TrainConfig::paper(self.task.particles) };
+        let proceed = |_, _| ControlFlow::Continue(());
+        let learned = self.learned.as_mut();
+        train(learned, &self.system, &self.measurements, &config, &mut self.stream, proceed)
+            .map(|_| ())
+            .map_err(told)
+    }
+}

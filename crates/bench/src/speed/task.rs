@@ -1,0 +1,95 @@
+//! What a worker is asked to do and what it answers: JSON, a line each.
+
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+
+/// A request.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Request {
+    /// Get ready for a task.
+    Prepare(Task),
+    /// Show that the work is equal.
+    Check(bool),
+    /// Do it once, and time it.
+    Run(bool),
+    /// End.
+    Quit(bool),
+}
+
+/// A piece of work.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub(super) enum Task {
+    /// Filters along all measurements.
+    Filter(FilterTask),
+    /// Steps of training.
+    Train(TrainTask),
+}
+
+/// Filters along all measurements.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct FilterTask {
+    /// Whose filter; nobody's if ours.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub(super) peer: Option<String>,
+    /// The problem's file.
+    pub(super) problem: PathBuf,
+    /// `bootstrap` or `min-degeneracy`.
+    pub(super) method: String,
+    /// `K`.
+    pub(super) particles: usize,
+    /// How many filters run side by side.
+    pub(super) filters: usize,
+    /// `multinomial` or `systematic`.
+    pub(super) resampling: String,
+    /// Where noise starts.
+    pub(super) seed: u64,
+    /// How many threads may work.
+    pub(super) threads: usize,
+}
+
+/// Steps of training.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct TrainTask {
+    /// Which family.
+    pub(super) family: String,
+    /// Weights, problem and noise.
+    pub(super) folder: PathBuf,
+    /// `K`.
+    pub(super) particles: usize,
+    /// Whether the model is to be compiled first, where that means anything.
+    pub(super) compile: bool,
+    /// How many steps.
+    pub(super) steps: usize,
+    /// How many threads may work.
+    pub(super) threads: usize,
+}
+
+/// An answer; what does not belong to the question is absent.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub(super) struct Answer {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) ready: Option<bool>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) error: Option<String>,
+    /// What one run took.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) seconds: Option<f64>,
+    /// Of a check: the loss of the given weights and noise.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) loss: Option<f64>,
+    /// Of a check: the norm of its gradient.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) gradient_norm: Option<f64>,
+    /// Of a check: the mean of `exp(log Ẑ − log Z)` over filters, which is 1, and its standard error.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) ratio_mean: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) ratio_error: Option<f64>,
+    /// Versions of what answers.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) versions: Option<serde_json::Value>,
+}

@@ -1,0 +1,170 @@
+//! The pieces of work: filters of growing size, banks, and training of every family at the paper's sizes.
+
+use std::path::Path;
+
+use motes_proposals::{Fcnn, FcnnConfig, Gnn, GnnConfig, Psi, PsiConfig, Rnn, RnnConfig};
+
+use super::SpeedError;
+use super::folder::{write_problem, write_training};
+use super::task::{FilterTask, Task, TrainTask};
+
+/// A piece of work, with those who do it.
+pub(super) struct Workload {
+    /// A name that sorts and filters well.
+    pub(super) name: String,
+    pub(super) kind: Kind,
+    /// Ours.
+    pub(super) ours: Vec<Task>,
+    /// Others' by name: each a process, or two that work side by side.
+    pub(super) peers: Vec<(String, Vec<Task>)>,
+}
+
+/// What is counted.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum Kind {
+    /// This many particle-steps a run.
+    Filter {
+        /// `B·K·T`.
+        particle_steps: f64,
+    },
+    /// This many training steps a run, in each process.
+    Train {
+        /// Steps.
+        steps: usize,
+        /// Floating-point operations of one, by the algorithm that is used; psi's are too small to matter.
+        operations: f64,
+    },
+}
+
+const FILTER_HORIZON: usize = 50;
+const BANK_HORIZON: usize = 12;
+const BANK: usize = 100;
+
+/// All of them, with their files under `scratch`.
+pub(super) fn all(scratch: &Path) -> Result<Vec<Workload>, SpeedError> {
+    let mut all = Vec::new();
+    for method in ["bootstrap", "min-degeneracy"] {
+        for particles in [100, 1_000, 10_000, 100_000] {
+            all.push(filter(scratch, method, 1, particles, FILTER_HORIZON, &["particles", "cuthbert"])?);
+        }
+        // Growth with T.
+        for horizon in [100, 200] {
+            all.push(filter(scratch, method, 1, 10_000, horizon, &[])?);
+        }
+        for particles in [10, 50] {
+            all.push(filter(scratch, method, BANK, particles, BANK_HORIZON, &["numpy"])?);
+        }
+    }
+    for particles in [10, 50] {
+        let fcnn = FcnnConfig::paper();
+        all.push(train::<Fcnn>(scratch, &fcnn, particles, 10, operations::fcnn(&fcnn, particles))?);
+        let rnn = RnnConfig::paper();
+        all.push(train::<Rnn>(scratch, &rnn, particles, 5, operations::rnn(&rnn, particles))?);
+        let gnn = GnnConfig::paper();
+        all.push(train::<Gnn>(scratch, &gnn, particles, 2, operations::gnn(&gnn, particles))?);
+        all.push(train::<Psi>(scratch, &PsiConfig::paper(), particles, 100, 0.0)?);
+    }
+    Ok(all)
+}
+
+fn filter(
+    scratch: &Path,
+    method: &str,
+    filters: usize,
+    particles: usize,
+    horizon: usize,
+    peers: &[&str],
+) -> Result<Workload, SpeedError> {
+    let problem = scratch.join(format!("problem-{horizon}.json"));
+    write_problem(&problem, horizon)?;
+    let task = |peer: Option<&str>, threads| {
+        Task::Filter(FilterTask {
+            peer: peer.map(String::from),
+            problem: problem.clone(),
+            method: method.into(),
+            particles,
+            filters,
+            resampling: "multinomial".into(),
+            seed: 1,
+            threads,
+        })
+    };
+    let arrangements = |peer: &&str| {
+        [1, 2].map(|threads| {
+            (format!("{peer}, {threads} thread{}", if threads == 1 { "" } else { "s" }), vec![task(Some(*peer), threads)])
+        })
+    };
+    Ok(Workload {
+        name: format!("filter {method} B={filters} K={particles} T={horizon}"),
+        kind: Kind::Filter { particle_steps: (filters * particles * horizon) as f64 },
+        ours: vec![task(None, 2)],
+        peers: peers.iter().flat_map(arrangements).collect(),
+    })
+}
+
+fn train<F: motes_proposals::Family + motes_smc::Proposal<motes_models::GraphDiffusion>>(
+    scratch: &Path,
+    config: &F::Config,
+    particles: usize,
+    steps: usize,
+    operations: f64,
+) -> Result<Workload, SpeedError> {
+    let folder = scratch.join(format!("{}-{particles}", F::NAME));
+    write_training::<F>(&folder, config, BANK_HORIZON, particles)?;
+    let task = |compile, threads| {
+        let (family, folder) = (F::NAME.into(), folder.clone());
+        Task::Train(TrainTask { family, folder, particles, compile, steps, threads })
+    };
+    let mut peers = Vec::new();
+    for (label, compile) in [("torch", false), ("torch.compile", true)] {
+        peers.push((format!("{label}, 1 process of 2 threads"), vec![task(compile, 2)]));
+        peers.push((format!("{label}, 2 processes of 1 thread"), vec![task(compile, 1), task(compile, 1)]));
+    }
+    Ok(Workload {
+        name: format!("train {} K={particles}", F::NAME),
+        kind: Kind::Train { steps, operations },
+        ours: vec![task(false, 1), task(false, 1)],
+        peers,
+    })
+}
+
+/// Floating-point operations of one training step with `N = 10`, `M = 8`, `T = 12`: two for each multiplication of the products,
+/// which come three times, forward, and backward to inputs and to weights.
+mod operations {
+    use super::BANK_HORIZON;
+    use motes_proposals::{FcnnConfig, GnnConfig, RnnConfig};
+
+    const N: usize = 10;
+    const M: usize = 8;
+
+    /// Of `multiplications` for each particle at each time.
+    fn of(multiplications: usize, particles: usize) -> f64 {
+        6.0 * (multiplications * particles * BANK_HORIZON) as f64
+    }
+
+    fn cascade(widths: &[usize]) -> usize {
+        widths.windows(2).map(|pair| pair[0] * pair[1]).sum()
+    }
+
+    pub(super) fn fcnn(config: &FcnnConfig, particles: usize) -> f64 {
+        of(2 * cascade(&[&[N + M], config.widths.as_slice(), &[N]].concat()), particles)
+    }
+
+    pub(super) fn rnn(config: &RnnConfig, particles: usize) -> f64 {
+        let h = config.hidden;
+        of((N + M + h) * 4 * h + 2 * h * N, particles)
+    }
+
+    /// In the basis of the eigenvectors between the hidden layers: one product for each node instead of four, and two changes of
+    /// basis; forming a matrix for each eigenvalue is not counted.
+    pub(super) fn gnn(config: &GnnConfig, particles: usize) -> f64 {
+        let layers = [&[2], config.features.as_slice(), &[1]].concat();
+        let taps = config.order + 1;
+        let multiplications = |pair: &[usize]| match pair[0].min(pair[1]) {
+            0..=2 => taps * pair[0] * pair[1],
+            _ => pair[0] * pair[1] + N * (pair[0] + pair[1]),
+        };
+        of(2 * N * layers.windows(2).map(multiplications).sum::<usize>(), particles)
+    }
+}

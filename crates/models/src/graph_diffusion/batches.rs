@@ -1,0 +1,162 @@
+//! A graph-diffusion system for many particles at once, tile by tile.
+
+use pulp::{Simd, WithSimd};
+
+use super::{Drift, GraphDiffusion};
+use crate::batch::{LANES, load, particles_by_stream, store, with_scratch};
+use crate::{StateSpaceModel, Stream};
+
+/// Draws `φ(A x_{t−1}) + v_t` for each row.
+pub(super) fn sample_transitions(
+    system: &GraphDiffusion,
+    previous: &[f64],
+    streams: &mut [Stream],
+    states: &mut [f64],
+) {
+    let n = system.state_dim();
+    let particles = states.len() / n;
+    for (stream, states) in particles_by_stream(streams, states, n, particles) {
+        system.noise.fill_unit(stream, states);
+    }
+    with_scratch(2 * n * LANES, |scratch| {
+        let (from, flow) = scratch.split_at_mut(n * LANES);
+        for (previous, states) in previous.chunks(n * LANES).zip(states.chunks_mut(n * LANES)) {
+            load(previous, n, from);
+            drifted(system, from, flow);
+            load(states, n, from);
+            pulp::Arch::new().dispatch(AddScaled { what: from, scale: system.state_sigma, to: flow });
+            store(flow, n, states);
+        }
+    });
+}
+
+/// `log p(x_t | x_{t−1})` of each row.
+pub(super) fn log_transitions(system: &GraphDiffusion, previous: &[f64], states: &[f64], out: &mut [f64]) {
+    let n = system.state_dim();
+    with_scratch(2 * n * LANES, |scratch| {
+        let (tile, flow) = scratch.split_at_mut(n * LANES);
+        let rows = previous.chunks(n * LANES).zip(states.chunks(n * LANES));
+        for ((previous, states), out) in rows.zip(out.chunks_mut(LANES)) {
+            load(previous, n, tile);
+            drifted(system, tile, flow);
+            load(states, n, tile);
+            pulp::Arch::new().dispatch(Subtract { from: tile, what: flow });
+            let mut densities = [0.0; LANES];
+            system.noise.tile_log_density(system.state_sigma, flow, &mut densities);
+            out.copy_from_slice(&densities[..out.len()]);
+        }
+    });
+}
+
+/// `log p(y_t | x_t)` at each row.
+pub(super) fn log_likelihoods(system: &GraphDiffusion, states: &[f64], measurement: &[f64], out: &mut [f64]) {
+    let (n, m) = (system.state_dim(), system.measurement_dim());
+    with_scratch((n + m) * LANES, |scratch| {
+        let (tile, residuals) = scratch.split_at_mut(n * LANES);
+        for (states, out) in states.chunks(n * LANES).zip(out.chunks_mut(LANES)) {
+            load(states, n, tile);
+            tile_log_likelihoods(system, tile, measurement, residuals, out);
+        }
+    });
+}
+
+/// Draws `φ(A x_{t−1}) + v_t` for each row, and `log p(y_t | x_t)` at it.
+pub(super) fn propagate(
+    system: &GraphDiffusion,
+    previous: &[f64],
+    measurement: &[f64],
+    streams: &mut [Stream],
+    states: &mut [f64],
+    out: &mut [f64],
+) {
+    let n = system.state_dim();
+    for (stream, states) in particles_by_stream(streams, states, n, out.len()) {
+        system.noise.fill_unit(stream, states);
+    }
+    with_scratch((2 * n + measurement.len()) * LANES, |scratch| {
+        let (tile, rest) = scratch.split_at_mut(n * LANES);
+        let (flow, residuals) = rest.split_at_mut(n * LANES);
+        let rows = previous.chunks(n * LANES).zip(states.chunks_mut(n * LANES));
+        for ((previous, states), out) in rows.zip(out.chunks_mut(LANES)) {
+            load(previous, n, tile);
+            drifted(system, tile, flow);
+            load(states, n, tile);
+            pulp::Arch::new().dispatch(AddScaled { what: tile, scale: system.state_sigma, to: flow });
+            store(flow, n, states);
+            tile_log_likelihoods(system, flow, measurement, residuals, out);
+        }
+    });
+}
+
+/// `log p(y_t | x_t)` of each lane of a tile that there is a place for in `out`; `residuals` is scratch (`M × LANES`).
+fn tile_log_likelihoods(
+    system: &GraphDiffusion,
+    tile: &[f64],
+    measurement: &[f64],
+    residuals: &mut [f64],
+    out: &mut [f64],
+) {
+    for (row, value) in residuals.as_chunks_mut::<LANES>().0.iter_mut().zip(measurement) {
+        row.fill(*value);
+    }
+    system.measure.times_subtract(tile, residuals);
+    let mut densities = [0.0; LANES];
+    system.noise.tile_log_density(system.measurement_sigma, residuals, &mut densities);
+    out.copy_from_slice(&densities[..out.len()]);
+}
+
+/// `φ(A x_{t−1})` of each row.
+pub(super) fn transition_means(system: &GraphDiffusion, previous: &[f64], means: &mut [f64]) {
+    let n = system.state_dim();
+    with_scratch(2 * n * LANES, |scratch| {
+        let (from, flow) = scratch.split_at_mut(n * LANES);
+        for (previous, means) in previous.chunks(n * LANES).zip(means.chunks_mut(n * LANES)) {
+            load(previous, n, from);
+            drifted(system, from, flow);
+            store(flow, n, means);
+        }
+    });
+}
+
+/// `φ(A x)` of each lane of a tile, into the tile `flow`.
+pub(super) fn drifted(system: &GraphDiffusion, tile: &[f64], flow: &mut [f64]) {
+    system.diffuse.times(tile, flow);
+    if system.drift != Drift::Identity {
+        flow.iter_mut().for_each(|value| *value = system.drift.apply(*value));
+    }
+}
+
+/// `what = from − what`.
+struct Subtract<'a> {
+    from: &'a [f64],
+    what: &'a mut [f64],
+}
+
+impl WithSimd for Subtract<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) {
+        for (what, from) in self.what.iter_mut().zip(self.from) {
+            *what = from - *what;
+        }
+    }
+}
+
+/// `to = to + scale · what`.
+struct AddScaled<'a> {
+    what: &'a [f64],
+    scale: f64,
+    to: &'a mut [f64],
+}
+
+impl WithSimd for AddScaled<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) {
+        for (to, what) in self.to.iter_mut().zip(self.what) {
+            *to = self.scale.mul_add(*what, *to);
+        }
+    }
+}

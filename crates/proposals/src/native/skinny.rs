@@ -1,0 +1,276 @@
+//! Products of few rows with a large matrix, which is read once and never copied.
+//!
+//! A general matrix product first copies its factors into an order of its own. Where one factor is a batch of ten or fifty particles
+//! and the other a matrix of weights, that copy costs as much as the product.
+
+use faer::Accum;
+use pulp::{Arch, Simd, WithSimd};
+
+use super::products::{Columns, ColumnsMut};
+
+/// Up to this many columns the rows of a matrix of weights lie near enough to each other to be walked down.
+const NEAR: usize = 1024;
+
+/// Below this many columns, or terms of a sum, there is nothing to be gained.
+const FEW: usize = 64;
+
+/// More rows than these are no longer few.
+const MANY: usize = 64;
+
+pub(super) fn suits_times([rows, _, columns]: [usize; 3]) -> bool {
+    (FEW..=NEAR).contains(&columns) && rows <= 2048
+}
+
+pub(super) fn suits_times_transposed([rows, inner, columns]: [usize; 3]) -> bool {
+    inner >= FEW && columns >= FEW && rows <= MANY
+}
+
+/// `out = a b`, or `out += a b`.
+pub(super) fn times(
+    out: ColumnsMut<'_, f32>,
+    accum: Accum,
+    a: Columns<'_, f32>,
+    b: &[f32],
+    [rows, inner, columns]: [usize; 3],
+) {
+    Arch::new().dispatch(Times { out, add: accum == Accum::Add, a, b, rows, inner, columns });
+}
+
+/// `out = a bᵀ`, or `out += a bᵀ`.
+pub(super) fn times_transposed(
+    out: ColumnsMut<'_, f32>,
+    accum: Accum,
+    a: Columns<'_, f32>,
+    b: &[f32],
+    [rows, inner, columns]: [usize; 3],
+) {
+    Arch::new().dispatch(TimesTransposed { out, add: accum == Accum::Add, a, b, rows, inner, columns });
+}
+
+struct Times<'a> {
+    out: ColumnsMut<'a, f32>,
+    add: bool,
+    a: Columns<'a, f32>,
+    b: &'a [f32],
+    rows: usize,
+    inner: usize,
+    columns: usize,
+}
+
+impl WithSimd for Times<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(mut self, simd: S) {
+        let mut column = 0;
+        while column < self.columns {
+            let width = (2 * S::F32_LANES).min(self.columns - column);
+            let mut row = 0;
+            while row < self.rows {
+                let rows = (self.rows - row).min(10);
+                match rows {
+                    10 => self.tile::<S, 10>(simd, row, column, width),
+                    9 => self.tile::<S, 9>(simd, row, column, width),
+                    8 => self.tile::<S, 8>(simd, row, column, width),
+                    7 => self.tile::<S, 7>(simd, row, column, width),
+                    6 => self.tile::<S, 6>(simd, row, column, width),
+                    5 => self.tile::<S, 5>(simd, row, column, width),
+                    4 => self.tile::<S, 4>(simd, row, column, width),
+                    3 => self.tile::<S, 3>(simd, row, column, width),
+                    2 => self.tile::<S, 2>(simd, row, column, width),
+                    _ => self.tile::<S, 1>(simd, row, column, width),
+                }
+                row += rows;
+            }
+            column += width;
+        }
+    }
+}
+
+/// Two vectors from the beginning of a slice, with zeros where it is too short.
+#[inline(always)]
+fn load_two<S: Simd>(simd: S, values: &[f32]) -> [S::f32s; 2] {
+    let lanes = S::F32_LANES;
+    if values.len() == 2 * lanes {
+        let (vectors, _) = S::as_simd_f32s(values);
+        [vectors[0], vectors[1]]
+    } else {
+        let (first, second) = values.split_at(values.len().min(lanes));
+        [simd.partial_load_f32s(first), simd.partial_load_f32s(second)]
+    }
+}
+
+#[inline(always)]
+fn store_two<S: Simd>(simd: S, values: &mut [f32], vectors: [S::f32s; 2]) {
+    let lanes = S::F32_LANES;
+    if values.len() == 2 * lanes {
+        let (places, _) = S::as_mut_simd_f32s(values);
+        (places[0], places[1]) = (vectors[0], vectors[1]);
+    } else {
+        let (first, second) = values.split_at_mut(values.len().min(lanes));
+        simd.partial_store_f32s(first, vectors[0]);
+        simd.partial_store_f32s(second, vectors[1]);
+    }
+}
+
+impl Times<'_> {
+    /// `R` rows of two vectors of columns, in registers all along the sums.
+    #[inline(always)]
+    fn tile<S: Simd, const R: usize>(&mut self, simd: S, row: usize, column: usize, width: usize) {
+        let mut sums = [[simd.splat_f32s(0.0); 2]; R];
+        if self.add {
+            for (r, sums) in sums.iter_mut().enumerate() {
+                let at = (row + r) * self.out.stride + column;
+                *sums = load_two::<S>(simd, &self.out.values[at..at + width]);
+            }
+        }
+        let mut a: [&[f32]; R] = [&[]; R];
+        for (r, a) in a.iter_mut().enumerate() {
+            let at = (row + r) * self.a.stride;
+            *a = &self.a.values[at..at + self.inner];
+        }
+        for k in 0..self.inner {
+            let at = k * self.columns + column;
+            let b = load_two::<S>(simd, &self.b[at..at + width]);
+            for (a, sums) in a.iter().zip(&mut sums) {
+                let a = simd.splat_f32s(a[k]);
+                sums[0] = simd.mul_add_e_f32s(a, b[0], sums[0]);
+                sums[1] = simd.mul_add_e_f32s(a, b[1], sums[1]);
+            }
+        }
+        for (r, sums) in sums.into_iter().enumerate() {
+            let at = (row + r) * self.out.stride + column;
+            store_two::<S>(simd, &mut self.out.values[at..at + width], sums);
+        }
+    }
+}
+
+struct TimesTransposed<'a> {
+    out: ColumnsMut<'a, f32>,
+    add: bool,
+    a: Columns<'a, f32>,
+    b: &'a [f32],
+    rows: usize,
+    inner: usize,
+    columns: usize,
+}
+
+impl WithSimd for TimesTransposed<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(mut self, simd: S) {
+        let mut column = 0;
+        while column < self.columns {
+            let four = column + 4 <= self.columns;
+            let mut row = 0;
+            while row < self.rows {
+                let rows = (self.rows - row).min(5);
+                match (four, rows) {
+                    (true, 5) => self.tile::<S, 5, 4>(simd, row, column),
+                    (true, 4) => self.tile::<S, 4, 4>(simd, row, column),
+                    (true, 3) => self.tile::<S, 3, 4>(simd, row, column),
+                    (true, 2) => self.tile::<S, 2, 4>(simd, row, column),
+                    (true, _) => self.tile::<S, 1, 4>(simd, row, column),
+                    (false, 5) => self.tile::<S, 5, 1>(simd, row, column),
+                    (false, 4) => self.tile::<S, 4, 1>(simd, row, column),
+                    (false, 3) => self.tile::<S, 3, 1>(simd, row, column),
+                    (false, 2) => self.tile::<S, 2, 1>(simd, row, column),
+                    (false, _) => self.tile::<S, 1, 1>(simd, row, column),
+                }
+                row += rows;
+            }
+            column += if four { 4 } else { 1 };
+        }
+    }
+}
+
+impl TimesTransposed<'_> {
+    /// `R×C` sums at a time: so many that neither factor is read often.
+    #[inline(always)]
+    fn tile<S: Simd, const R: usize, const C: usize>(&mut self, simd: S, row: usize, column: usize) {
+        let whole = self.inner / S::F32_LANES;
+        let mut sums = [[simd.splat_f32s(0.0); C]; R];
+        let (mut a, mut b): ([&[S::f32s]; R], [&[S::f32s]; C]) = ([&[]; R], [&[]; C]);
+        let (mut a_rest, mut b_rest): ([&[f32]; R], [&[f32]; C]) = ([&[]; R], [&[]; C]);
+        for r in 0..R {
+            let at = (row + r) * self.a.stride;
+            (a[r], a_rest[r]) = S::as_simd_f32s(&self.a.values[at..at + self.inner]);
+            a[r] = &a[r][..whole];
+        }
+        for c in 0..C {
+            let at = (column + c) * self.inner;
+            (b[c], b_rest[c]) = S::as_simd_f32s(&self.b[at..at + self.inner]);
+            b[c] = &b[c][..whole];
+        }
+        for k in 0..whole {
+            for r in 0..R {
+                for c in 0..C {
+                    sums[r][c] = simd.mul_add_e_f32s(a[r][k], b[c][k], sums[r][c]);
+                }
+            }
+        }
+        for r in 0..R {
+            for c in 0..C {
+                let rest: f32 = a_rest[r].iter().zip(b_rest[c]).map(|(a, b)| a * b).sum();
+                let sum = simd.reduce_sum_f32s(sums[r][c]) + rest;
+                let place = &mut self.out.values[(row + r) * self.out.stride + column + c];
+                *place = if self.add { *place + sum } else { sum };
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn numbers(count: usize, rate: f64) -> Vec<f32> {
+        (0..count).map(|k| (rate * k as f64 + 0.3).sin() as f32).collect()
+    }
+
+    /// Every size of tile, with and without a rest, against sums of 64 bits.
+    #[test]
+    fn products_are_those_of_the_definition() {
+        for sizes in [[1, 5, 64], [10, 33, 70], [13, 64, 97], [50, 7, 1024], [9, 2, 65]] {
+            let [rows, inner, columns] = sizes;
+            let (stride_a, stride_out) = (inner + 3, columns + 5);
+            let a = numbers(rows * stride_a, 0.7);
+            let b = numbers(inner * columns, 1.3);
+            for accum in [Accum::Replace, Accum::Add] {
+                let before = numbers(rows * stride_out, 2.1);
+                let mut found = before.clone();
+                let out = ColumnsMut { values: &mut found, stride: stride_out };
+                times(out, accum, Columns { values: &a, stride: stride_a }, &b, sizes);
+                check(&found, &before, stride_out, accum, sizes, |r, c| {
+                    (0..inner).map(|k| f64::from(a[r * stride_a + k]) * f64::from(b[k * columns + c])).sum()
+                });
+                let mut found = before.clone();
+                let out = ColumnsMut { values: &mut found, stride: stride_out };
+                times_transposed(out, accum, Columns { values: &a, stride: stride_a }, &b, sizes);
+                check(&found, &before, stride_out, accum, sizes, |r, c| {
+                    (0..inner).map(|k| f64::from(a[r * stride_a + k]) * f64::from(b[c * inner + k])).sum()
+                });
+            }
+        }
+    }
+
+    fn check(
+        found: &[f32],
+        before: &[f32],
+        stride: usize,
+        accum: Accum,
+        [rows, inner, columns]: [usize; 3],
+        product: impl Fn(usize, usize) -> f64,
+    ) {
+        for r in 0..rows {
+            for c in 0..stride {
+                let at = r * stride + c;
+                let old = if accum == Accum::Add || c >= columns { f64::from(before[at]) } else { 0.0 };
+                let expected = old + if c < columns { product(r, c) } else { 0.0 };
+                let error = (f64::from(found[at]) - expected).abs();
+                assert!(error < 1e-6 * (inner as f64 + 1.0), "row {r}, column {c}: {error:e}");
+            }
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! What a step of a filter costs, by its parts and as a whole: `cargo bench -p motes-smc`.
+
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use motes_models::{GraphDiffusion, GraphDiffusionConfig, Seed, fill_standard_normal, simulate};
+use motes_smc::{
+    Bootstrap, FilterBank, FilterSettings, LogWeights, MinDegeneracy, Proposal, ResampleWhen, Resampling,
+};
+
+fn normals(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("normals");
+    let mut stream = Seed::from_u64(1).stream();
+    for count in [10, 100, 10_000] {
+        let mut noise = vec![0.0; count];
+        group.throughput(Throughput::Elements(count as u64));
+        group.bench_function(BenchmarkId::from_parameter(count), |bencher| {
+            bencher.iter(|| fill_standard_normal(&mut stream, &mut noise));
+        });
+    }
+}
+
+/// `K` weights as uneven as those of a filter that is about to resample.
+fn weights(particles: usize) -> LogWeights {
+    let mut noise = vec![0.0; particles];
+    fill_standard_normal(&mut Seed::from_u64(2).stream(), &mut noise);
+    let mut weights = LogWeights::uniform(particles);
+    weights.update(&noise).expect("normal numbers are finite");
+    weights
+}
+
+fn weighing(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("weights");
+    let mut weights = weights(10_000);
+    let increments = vec![-0.1; 10_000];
+    group.throughput(Throughput::Elements(10_000));
+    group.bench_function("update", |bencher| bencher.iter(|| weights.update(&increments)));
+}
+
+fn resampling(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("resampling");
+    let (weights, mut ancestors) = (weights(10_000), vec![0; 10_000]);
+    let mut stream = Seed::from_u64(3).stream();
+    group.throughput(Throughput::Elements(10_000));
+    for scheme in
+        [Resampling::Multinomial, Resampling::Systematic, Resampling::Stratified, Resampling::Residual]
+    {
+        group.bench_function(format!("{scheme:?}"), |bencher| {
+            bencher.iter(|| scheme.draw(weights.normalised(), &mut stream, &mut ancestors));
+        });
+    }
+}
+
+/// Steps of filters that resample each time, on the measurements of one system over and over.
+fn steps<P: Proposal<GraphDiffusion> + Clone>(
+    criterion: &mut Criterion,
+    name: &str,
+    make: impl Fn(&GraphDiffusion) -> P,
+) {
+    let seed = Seed::from_u64(4);
+    let config = GraphDiffusionConfig::new(10);
+    let system = GraphDiffusion::random(&config, &mut seed.child("graph").stream()).expect("a usable system");
+    let data = simulate(&system, 50, &mut seed.child("data").stream()).expect("a stable system");
+    let mut group = criterion.benchmark_group(name);
+    for (filters, particles, threads) in
+        [(100, 10, 1), (100, 50, 1), (1, 1000, 1), (1, 10_000, 1), (1, 100_000, 1), (1, 100_000, 2)]
+    {
+        let settings =
+            FilterSettings { resample_when: ResampleWhen::Always, ..FilterSettings::new(particles) };
+        let bank = FilterBank::new(&system, make(&system), settings, filters, &seed);
+        let mut bank = bank.and_then(|bank| bank.with_threads(threads)).expect("usable settings");
+        let mut measurements = data.measurements.rows().cycle();
+        group.throughput(Throughput::Elements((filters * particles) as u64));
+        group.bench_function(format!("{filters} × {particles}, threads: {threads}"), |bencher| {
+            bencher.iter(|| measurements.next().map(|measurement| bank.step(measurement)));
+        });
+    }
+}
+
+fn designed(criterion: &mut Criterion) {
+    steps(criterion, "bootstrap", |_| Bootstrap);
+    steps(criterion, "min-degeneracy", |system| MinDegeneracy::new(system).expect("positive definite"));
+}
+
+criterion_group!(benches, normals, weighing, resampling, designed);
+criterion_main!(benches);

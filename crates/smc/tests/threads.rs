@@ -1,0 +1,84 @@
+//! The same bytes on any number of threads, and for a filter in a bank and alone.
+
+use motes_models::{Drift, GraphDiffusion, GraphDiffusionConfig, Measurements, Noise, Seed, simulate};
+use motes_smc::{
+    Bootstrap, FilterBank, FilterError, FilterSettings, MinDegeneracy, ParticleFilter, Proposal, ResampleWhen,
+};
+
+fn problem(noise: Noise) -> (GraphDiffusion, Measurements) {
+    let seed = Seed::from_u64(80);
+    let config = GraphDiffusionConfig { noise, drift: Drift::Abs, ..GraphDiffusionConfig::new(10) };
+    let system = GraphDiffusion::random(&config, &mut seed.child("graph").stream()).unwrap();
+    let measurements = simulate(&system, 4, &mut seed.child("data").stream()).unwrap().measurements;
+    (system, measurements)
+}
+
+fn settings(particles: usize) -> FilterSettings {
+    FilterSettings { resample_when: ResampleWhen::EssBelow(0.9), ..FilterSettings::new(particles) }
+}
+
+/// Everything that a bank shows after each step.
+fn run<P: Proposal<GraphDiffusion>>(
+    proposal: P,
+    noise: Noise,
+    particles: usize,
+    filters: usize,
+    threads: usize,
+) -> Vec<(Vec<f64>, Vec<f64>, Vec<usize>)> {
+    let (system, measurements) = problem(noise);
+    let bank = FilterBank::new(&system, proposal, settings(particles), filters, &Seed::from_u64(81)).unwrap();
+    let mut bank = bank.with_threads(threads).unwrap();
+    let mut seen = vec![];
+    for measurement in measurements.rows() {
+        bank.step(measurement).unwrap();
+        let states = (0..filters).flat_map(|filter| bank.particles(filter).to_vec()).collect();
+        let weights = (0..filters).flat_map(|filter| bank.weights(filter).log().to_vec()).collect();
+        seen.push((states, weights, bank.ancestors().to_vec()));
+    }
+    seen
+}
+
+#[test]
+fn any_number_of_threads_gives_the_same_bytes() {
+    let (system, _) = problem(Noise::Gaussian);
+    let proposal = MinDegeneracy::new(&system).unwrap();
+    for (particles, filters) in [(20_000, 1), (9000, 3), (50, 300), (1, 5000), (300, 40)] {
+        let one = run(Bootstrap, Noise::Gaussian, particles, filters, 1);
+        let same = |other| assert!(one == other, "bootstrap, {filters} × {particles}");
+        same(run(Bootstrap, Noise::Gaussian, particles, filters, 2));
+        same(run(Bootstrap, Noise::Gaussian, particles, filters, 3));
+        let one = run(proposal.clone(), Noise::Gaussian, particles, filters, 1);
+        let other = run(proposal.clone(), Noise::Gaussian, particles, filters, 2);
+        assert!(one == other, "minimum degeneracy, {filters} × {particles}");
+    }
+}
+
+#[test]
+fn a_filter_in_a_bank_gets_the_bytes_that_it_gets_alone() {
+    for noise in [Noise::Gaussian, Noise::Exponential, Noise::Uniform] {
+        let (system, measurements) = problem(noise);
+        for particles in [1, 3, 10, 50, 127, 300, 5000] {
+            let seed = Seed::from_u64(82);
+            let proposal = Bootstrap;
+            let mut bank = FilterBank::new(&system, proposal, settings(particles), 11, &seed).unwrap();
+            let stream = seed.nth(7).stream();
+            let mut alone = ParticleFilter::new(&system, proposal, settings(particles), stream).unwrap();
+            for measurement in measurements.rows() {
+                let (both, one) = (bank.step(measurement), alone.step(measurement));
+                // Bounded noise may leave no particle: then all filters stop.
+                if both.is_err() || one.is_err() {
+                    break;
+                }
+                assert_eq!(bank.particles(7), alone.particles(), "{noise:?}, {particles}");
+                assert_eq!(bank.weights(7), alone.weights(), "{noise:?}, {particles}");
+            }
+        }
+    }
+}
+
+#[test]
+fn no_threads_are_refused() {
+    let (system, _) = problem(Noise::Gaussian);
+    let bank = FilterBank::new(&system, Bootstrap, settings(10), 1, &Seed::from_u64(1)).unwrap();
+    assert!(matches!(bank.with_threads(0), Err(FilterError::Setting { .. })));
+}
