@@ -24,6 +24,14 @@ fn run_all(root: &Path, update_expectations: bool) -> Result<(), ExitCode> {
             command.arg("--update");
         }
         run(&mut command)
+    })?;
+    step("instruction counts", || {
+        let mut command = Command::new(built("debug", "motes-bench"));
+        command.current_dir(root).arg("instructions");
+        if update_expectations {
+            command.arg("--update");
+        }
+        run(&mut command)
     })
 }
 

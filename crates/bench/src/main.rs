@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 use motes_bench::config::{Backend, BenchArgs, ConfigError, Parsed, Plan, ReproduceArgs, VerifyArgs, check_output, parse, plans};
 use motes_bench::say::{news, result};
-use motes_bench::speed::{SpeedError, measure, serve};
+use motes_bench::speed::{SpeedError, count_instructions, measure, serve, small_work};
 use motes_bench::{
     Estimator, Finished, Interrupt, RegressionError, paper_estimate, regress, reproduce, verify,
 };
@@ -30,6 +30,21 @@ enum Command {
     /// Take pieces of work on standard input and answer on standard output; what `bench` starts
     #[command(hide = true)]
     Serve,
+    /// Do one small fixed piece of work, for its instructions to be counted
+    #[command(hide = true)]
+    Work {
+        /// Which one
+        name: String,
+    },
+    /// Hold the instructions that small pieces of work take against committed numbers
+    Instructions {
+        /// Write the numbers instead of comparing
+        #[arg(long)]
+        update: bool,
+        /// The folder with the experiment files; expectations lie in its subfolder expected
+        #[arg(long, default_value = "experiments")]
+        experiments: PathBuf,
+    },
     /// Hold a figure's smoke profile, on every backend, against committed numbers
     Regress {
         /// The figure
@@ -70,6 +85,11 @@ fn main() -> ExitCode {
         Command::Serve => {
             serve();
             ExitCode::SUCCESS
+        }
+        Command::Work { name } => speed_status(small_work(&name).map(|()| true), &interrupt),
+        Command::Instructions { update, experiments } => {
+            let expectation = experiments.join("expected/instructions.toml");
+            speed_status(count_instructions(&expectation, update), &interrupt)
         }
         Command::Regress { figure, update, experiments, out } => {
             run_regress(figure, update, experiments, out, &interrupt)
@@ -136,12 +156,18 @@ fn run_verify(args: &VerifyArgs) -> ExitCode {
 }
 
 fn run_bench(args: &BenchArgs, interrupt: &Interrupt) -> ExitCode {
-    match measure(args, interrupt) {
-        Ok(table) => {
-            result(table.trim_end());
-            result(&format!("written to {}", args.out().join("speed.md").display()));
-            ExitCode::SUCCESS
-        }
+    let measured = measure(args, interrupt).map(|table| {
+        result(table.trim_end());
+        result(&format!("written to {}", args.out().join("speed.md").display()));
+        true
+    });
+    speed_status(measured, interrupt)
+}
+
+/// The status for whether all was as it should be.
+fn speed_status(fine: Result<bool, SpeedError>, interrupt: &Interrupt) -> ExitCode {
+    match fine {
+        Ok(fine) => ExitCode::from(u8::from(!fine)),
         Err(error) => {
             news(&format!("error: {error}"));
             ExitCode::from(match error {

@@ -8,11 +8,13 @@ mod folder;
 mod peak;
 mod report;
 mod serve;
+mod small;
 mod task;
 mod worker;
 mod workloads;
 
 pub use serve::serve;
+pub use small::{SMALL_WORK, count_instructions, small_work};
 
 use std::path::Path;
 
