@@ -45,7 +45,9 @@ fn the_light_crates_and_xtask_are_light() {
         let tree = tree(package);
         assert!(tree.len() > 5, "the tree of {package} is suspiciously small: {tree:?}");
         let heavy = ["burn", "cubecl", "ndarray", "plotters", "indicatif", "rayon"];
-        for name in &tree {
+        // Waiting threads, and nothing of rayon's iterators.
+        let allowed = |name: &String| package == "motes-smc" && name == "rayon-core";
+        for name in tree.iter().filter(|name| !allowed(name)) {
             assert!(!heavy.iter().any(|heavy| name.starts_with(heavy)), "{package} depends on {name}");
             assert!(package == "xtask" || !name.starts_with("clap"), "{package} depends on {name}");
         }

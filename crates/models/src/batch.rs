@@ -237,6 +237,21 @@ mod tests {
     }
 
     #[test]
+    fn products_do_not_depend_on_the_machines_vectors() {
+        let matrix = Mat::from_fn(4, 6, |i, j| 0.1 * (1 + 3 * i + j) as f64);
+        let map = TileMatrix::new(matrix.as_ref());
+        let tile: Vec<f64> = (0..6 * LANES).map(|i| (0.7 * i as f64).sin()).collect();
+        let (mut narrow, mut wide) = (vec![1.0; 4 * LANES], vec![1.0; 4 * LANES]);
+        map.times_add(&tile, &mut wide);
+        pulp::Scalar::new().vectorize(Times { matrix: &map, tile: &tile, out: &mut narrow, then: Then::Add });
+        assert_eq!(narrow, wide);
+        let mut sums = [[0.0; LANES]; 2];
+        squared_norms(&tile, &mut sums[0]);
+        pulp::Scalar::new().vectorize(SquaredNorms { tile: &tile, sums: &mut sums[1] });
+        assert_eq!(sums[0], sums[1]);
+    }
+
+    #[test]
     fn scratch_within_scratch_is_another() {
         with_scratch(4, |outer| {
             outer.fill(1.0);

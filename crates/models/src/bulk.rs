@@ -192,4 +192,30 @@ mod tests {
             }
         }
     }
+
+    /// Everything that a distribution is made of.
+    struct Mixed;
+
+    impl Transform for Mixed {
+        #[inline(always)]
+        fn pairs<const L: usize>(a: Bits<'_, L>, b: Bits<'_, L>, x: &mut [f64; L], y: &mut [f64; L]) {
+            for i in 0..L {
+                (x[i], y[i]) = crate::elementary::sin_cos(a.at(i) as f64 * 2.0_f64.powi(-65));
+                y[i] = crate::elementary::ln(((b.at(i) >> 11) + 1) as f64).mul_add(x[i], y[i]);
+            }
+        }
+    }
+
+    #[test]
+    fn numbers_do_not_depend_on_the_machines_vectors() {
+        for count in [1, 20, 40, 128, 1000] {
+            let (mut narrow, mut wide) = (vec![0.0; count], vec![0.0; count]);
+            let mut streams = [Stream::from_seed([5; 32]), Stream::from_seed([5; 32])];
+            let [first, second] = &mut streams;
+            fill::<Mixed>(first, &mut wide);
+            let op = Fill::<Mixed> { stream: second, out: &mut narrow, transform: PhantomData };
+            pulp::Scalar::new().vectorize(op);
+            assert_eq!(narrow, wide);
+        }
+    }
 }

@@ -60,8 +60,8 @@ impl Transform for Normal {
     /// two of the others.
     #[inline(always)]
     fn pairs<const L: usize>(a: Bits<'_, L>, b: Bits<'_, L>, x: &mut [f64; L], y: &mut [f64; L]) {
-        for i in 0..L {
-            x[i] = (-2.0 * ln(up_to_one(a.at(i)))).sqrt();
+        for (i, x) in x.iter_mut().enumerate() {
+            *x = (-2.0 * ln(up_to_one(a.at(i)))).sqrt();
         }
         for i in 0..L {
             let (sin, cos) = sin_cos((from_zero(b.at(i)) - 0.5) * FRAC_PI_2);
@@ -78,11 +78,11 @@ struct Exponential;
 impl Transform for Exponential {
     #[inline(always)]
     fn pairs<const L: usize>(a: Bits<'_, L>, b: Bits<'_, L>, x: &mut [f64; L], y: &mut [f64; L]) {
-        for i in 0..L {
-            x[i] = -ln(up_to_one(a.at(i)));
+        for (i, x) in x.iter_mut().enumerate() {
+            *x = -ln(up_to_one(a.at(i)));
         }
-        for i in 0..L {
-            y[i] = -ln(up_to_one(b.at(i)));
+        for (i, y) in y.iter_mut().enumerate() {
+            *y = -ln(up_to_one(b.at(i)));
         }
     }
 }

@@ -67,10 +67,13 @@ fn steps<P: Proposal<GraphDiffusion> + Clone>(
             FilterSettings { resample_when: ResampleWhen::Always, ..FilterSettings::new(particles) };
         let bank = FilterBank::new(&system, make(&system), settings, filters, &seed);
         let mut bank = bank.and_then(|bank| bank.with_threads(threads)).expect("usable settings");
-        let mut measurements = data.measurements.rows().cycle();
+        let mut time = 0;
         group.throughput(Throughput::Elements((filters * particles) as u64));
         group.bench_function(format!("{filters} × {particles}, threads: {threads}"), |bencher| {
-            bencher.iter(|| measurements.next().map(|measurement| bank.step(measurement)));
+            bencher.iter(|| {
+                time = (time + 1) % data.measurements.len();
+                bank.step(data.measurements.row(time))
+            });
         });
     }
 }

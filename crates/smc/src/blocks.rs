@@ -10,7 +10,7 @@ use crate::workers::Workers;
 use crate::{Past, RowProposal};
 
 /// Particles of one filter that draw from one stream.
-const BLOCK: usize = 4096;
+const BLOCK: usize = 1024;
 /// Particles that are drawn and weighed together: few enough to stay in the nearest cache in between.
 const BATCH: usize = 256;
 /// Below so many particles another thread takes longer to wake than to help.
@@ -18,7 +18,7 @@ const GRAIN: usize = 2048;
 
 /// The streams of the blocks of one step.
 ///
-/// A filter of up to 4096 particles is one block and draws from its own stream. A larger one takes a key from its stream
+/// A filter of up to 1024 particles is one block and draws from its own stream. A larger one takes a key from its stream
 /// at each step, and each of its blocks has the stream of that key with its own number as nonce.
 pub(crate) struct Blocks {
     particles: usize,

@@ -56,7 +56,7 @@ fn evidence_is_unbiased_for_every_scheme() {
 
 #[test]
 fn evidence_of_filters_of_many_blocks_is_unbiased() {
-    // More than two blocks of 4096 particles each, the last of them short.
+    // Ten blocks of up to 1024 particles, the last of them short.
     let settings = FilterSettings { particles: 10_000, ..settings(ResampleWhen::Always) };
     let found = z(Bootstrap, settings, 200, 2);
     assert!(found.abs() < 4.0, "z = {found}");

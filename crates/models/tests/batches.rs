@@ -1,0 +1,135 @@
+//! What models do for many particles at once against what they do for one.
+
+use faer::{Mat, mat};
+use motes_models::{
+    AdditiveGaussian, Drift, Gaussian, GraphDiffusion, GraphDiffusionConfig, LinearGaussian, Noise, Seed,
+    StateSpaceModel,
+};
+
+fn dense() -> LinearGaussian {
+    let initial = Gaussian::new("P_0", vec![0.5, -1.0], mat![[1.0, 0.3], [0.3, 2.0]]).unwrap();
+    LinearGaussian::new(
+        initial,
+        mat![[0.9, 0.2], [-0.1, 0.8]],
+        mat![[0.5, 0.1], [0.1, 0.4]],
+        mat![[1.0, 0.5], [0.0, -0.3], [0.2, 0.2]],
+        mat![[0.6, 0.1, 0.0], [0.1, 0.9, 0.2], [0.0, 0.2, 0.7]],
+    )
+    .unwrap()
+}
+
+fn diffusion(drift: Drift, noise: Noise) -> GraphDiffusion {
+    let config = GraphDiffusionConfig { drift, noise, ..GraphDiffusionConfig::new(7) };
+    GraphDiffusion::random(&config, &mut Seed::from_u64(20).stream()).unwrap()
+}
+
+fn diffusions() -> impl Iterator<Item = GraphDiffusion> {
+    let noises = [Noise::Gaussian, Noise::Exponential, Noise::Uniform];
+    [Drift::Identity, Drift::Abs]
+        .into_iter()
+        .flat_map(move |drift| noises.map(|noise| diffusion(drift, noise)))
+}
+
+fn assert_same(many: &[f64], one: impl Fn(usize) -> f64) {
+    for (row, &many) in many.iter().enumerate() {
+        let one = one(row);
+        assert!(many == one || (many - one).abs() < 1e-12 * (1.0 + one.abs()), "row {row}: {many} for {one}");
+    }
+}
+
+/// Draws and densities of a model, for batches that do and do not fill their tiles.
+fn check(model: &impl StateSpaceModel) {
+    let (n, m) = (model.state_dim(), model.measurement_dim());
+    let measurement: Vec<f64> = (0..m).map(|i| 0.3 * i as f64).collect();
+    for particles in [1, 8, 31, 32, 33, 100] {
+        let mut streams = Seed::from_u64(21).streams(2);
+        let (mut previous, mut states) =
+            (vec![f64::NAN; 2 * particles * n], vec![f64::NAN; 2 * particles * n]);
+        model.sample_initials(&mut streams, &mut previous);
+        model.sample_transitions(1, &previous, &mut streams, &mut states);
+
+        let mut out = vec![f64::NAN; 2 * particles];
+        model.log_initials(&previous, &mut out);
+        assert_same(&out, |row| model.log_initial(&previous[row * n..][..n]));
+        model.log_transitions(1, &previous, &states, &mut out);
+        // What was drawn lies in the support.
+        assert!(out.iter().all(|density| density.is_finite()));
+        assert_same(&out, |row| model.log_transition(1, &previous[row * n..][..n], &states[row * n..][..n]));
+        // Elsewhere, too.
+        model.log_transitions(1, &states, &previous, &mut out);
+        assert_same(&out, |row| model.log_transition(1, &states[row * n..][..n], &previous[row * n..][..n]));
+        model.log_likelihoods(1, &states, &measurement, &mut out);
+        assert_same(&out, |row| model.log_likelihood(1, &states[row * n..][..n], &measurement));
+
+        // Each stream gives what it gives alone, and drawing and judging in one go are the same two things.
+        let mut alone = Seed::from_u64(21).streams(2).split_off(1);
+        let (mut first, mut second) = (vec![f64::NAN; particles * n], vec![f64::NAN; particles * n]);
+        model.sample_initials(&mut alone, &mut first);
+        assert!(first == previous[particles * n..]);
+        let mut likelihoods = vec![f64::NAN; particles];
+        model.propagate(1, &first, &measurement, &mut alone, &mut second, &mut likelihoods);
+        assert!(second == states[particles * n..]);
+        assert_same(&likelihoods, |row| out[particles + row]);
+    }
+}
+
+#[test]
+fn batches_are_their_rows() {
+    check(&dense());
+    diffusions().for_each(|system| check(&system));
+}
+
+#[test]
+fn means_of_tiles_are_means_of_rows() {
+    for system in diffusions() {
+        let n = system.state_dim();
+        let previous: Vec<f64> = (0..50 * n).map(|i| (i as f64).sin()).collect();
+        let mut means = vec![f64::NAN; 50 * n];
+        system.transition_means(1, &previous, &mut means);
+        for (previous, means) in previous.chunks(n).zip(means.chunks(n)) {
+            for (i, mean) in means.iter().enumerate() {
+                let flow: f64 = (0..n).map(|j| system.adjacency()[(i, j)] * previous[j]).sum();
+                assert!((mean - flow).abs() < 1e-13 || (mean + flow).abs() < 1e-13);
+            }
+        }
+    }
+}
+
+/// Mean and covariance of rows minus their expectations, in standard errors of samples that are no worse than Gaussian in their
+/// fourth moments by much.
+fn check_moments(deviations: &[f64], covariance: impl Fn(usize, usize) -> f64, n: usize) {
+    let rows = (deviations.len() / n) as f64;
+    for i in 0..n {
+        let mean = deviations.chunks(n).map(|row| row[i]).sum::<f64>() / rows;
+        assert!(mean.abs() < 4.5 * (covariance(i, i) / rows).sqrt(), "mean {i}: {mean}");
+        for j in 0..=i {
+            let found = deviations.chunks(n).map(|row| row[i] * row[j]).sum::<f64>() / rows;
+            let error = 3.0 * (covariance(i, i) * covariance(j, j) / rows).sqrt();
+            assert!((found - covariance(i, j)).abs() < 4.5 * error, "({i}, {j}): {found}");
+        }
+    }
+}
+
+#[test]
+fn draws_in_batches_have_the_moments_of_the_model() {
+    const ROWS: usize = 100_000;
+    fn draw(model: &impl AdditiveGaussian) {
+        let n = model.state_dim();
+        let mut streams = [Seed::from_u64(22).stream()];
+        let (mut initial, mut states) = (vec![0.0; ROWS * n], vec![0.0; ROWS * n]);
+        model.sample_initials(&mut streams, &mut initial);
+        model.sample_transitions(1, &initial, &mut streams, &mut states);
+        let mut means = vec![0.0; ROWS * n];
+        model.transition_means(1, &initial, &mut means);
+        states.iter_mut().zip(&means).for_each(|(state, mean)| *state -= mean);
+        let q: Mat<f64> = model.transition_covariance().to_owned();
+        check_moments(&states, |i, j| q[(i, j)], n);
+        initial.chunks_mut(n).for_each(|row| {
+            row.iter_mut().zip(model.initial().mean()).for_each(|(value, mean)| *value -= mean);
+        });
+        let p: Mat<f64> = model.initial().covariance().to_owned();
+        check_moments(&initial, |i, j| p[(i, j)], n);
+    }
+    draw(&dense());
+    diffusions().for_each(|system| draw(&system));
+}
