@@ -29,8 +29,7 @@ fn by_definition(proposal: &mut Fcnn, system: &GraphDiffusion, measurements: &Me
     let mut stream = Seed::from_u64(132).stream();
     for step in 1..=STEPS as i32 {
         let (objective, flow) = (Objective::LogLikelihood, GradientFlow::Full);
-        let found =
-            rollout(proposal, system, measurements, objective, flow, PARTICLES, &mut stream).unwrap();
+        let found = rollout(proposal, system, measurements, objective, flow, PARTICLES, &mut stream).unwrap();
         for (at, moments) in moments.iter_mut().enumerate() {
             let Some(gradient) = found.gradients.host(at) else { continue };
             let mut values = proposal.parameters().host(at);
@@ -68,7 +67,12 @@ fn weights_move_as_the_definition_says_and_those_without_a_gradient_stay() {
                 .zip(&expected)
                 .map(|(found, expected)| (found - expected).abs())
                 .fold(0.0, f64::max);
-            assert!(farthest <= tolerance * ADAM.learning_rate * STEPS as f64 + 1e-7 * f64::from(precision == Precision::F32), "{name}: {farthest:e}");
+            assert!(
+                farthest
+                    <= tolerance * ADAM.learning_rate * STEPS as f64
+                        + 1e-7 * f64::from(precision == Precision::F32),
+                "{name}: {farthest:e}"
+            );
             assert_eq!(before == found, name.starts_with("mean.2."), "{name}");
         }
     }

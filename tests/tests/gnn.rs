@@ -205,8 +205,7 @@ fn the_number_of_weights_is_what_the_family_says_before_it_allocates_them() {
     for adapter in [Adapter::Fixed, Adapter::Learned] {
         let (config, graph) = (small_gnn(adapter), graph_of(6));
         let gnn = gnn(&config, &graph);
-        let found: usize =
-            (0..gnn.parameters().len()).map(|at| gnn.parameters().host(at).len()).sum();
+        let found: usize = (0..gnn.parameters().len()).map(|at| gnn.parameters().host(at).len()).sum();
         assert_eq!(Gnn::count(&config, (6, graph.adapter.ncols()), 2), Some(found), "{adapter:?}");
     }
     let huge = GnnConfig { features: vec![usize::MAX], ..small_gnn(Adapter::Fixed) };

@@ -108,8 +108,7 @@ fn the_number_of_weights_is_what_the_family_says_before_it_allocates_them() {
     let system = system();
     for cell in [Cell::Lstm, Cell::Gru, Cell::Elman] {
         let rnn = untrained(cell);
-        let found: usize =
-            (0..rnn.parameters().len()).map(|at| rnn.parameters().host(at).len()).sum();
+        let found: usize = (0..rnn.parameters().len()).map(|at| rnn.parameters().host(at).len()).sum();
         let sizes = (system.state_dim(), system.measurement_dim());
         assert_eq!(Rnn::count(&small_rnn(cell), sizes, 7), Some(found), "{cell:?}");
     }

@@ -4,7 +4,9 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use motes_bench::config::{Backend, BenchArgs, ConfigError, Parsed, Plan, ReproduceArgs, VerifyArgs, check_output, parse, plans};
+use motes_bench::config::{
+    Backend, BenchArgs, ConfigError, Parsed, Plan, ReproduceArgs, VerifyArgs, check_output, parse, plans,
+};
 use motes_bench::say::{news, result};
 use motes_bench::speed::{SpeedError, count_instructions, measure, serve, small_work};
 use motes_bench::{

@@ -91,7 +91,11 @@ pub fn regress(
     if wrong > 0 {
         return Err(RegressionError::Differs { count: wrong, file: expectation.display().to_string() });
     }
-    result(&format!("regression: {} values on each of {} backends are as expected", expected.len(), Backend::ALL.len()));
+    result(&format!(
+        "regression: {} values on each of {} backends are as expected",
+        expected.len(),
+        Backend::ALL.len()
+    ));
     Ok(())
 }
 

@@ -1,16 +1,48 @@
-//! Logarithm, sine and cosine without branches, so that a loop over them becomes vector instructions.
+//! Elementary functions without branches, so that a loop over them becomes vector instructions.
 //!
 //! They are Taylor series after a reduction to a short interval, long enough for the last term left out to be below
 //! rounding. Every multiplication that is followed by an addition is a fused one, in hardware or not, so that their
 //! results are the same numbers on every machine.
 
-use std::f64::consts::{LN_2, SQRT_2};
+use std::f64::consts::{LN_2, LOG2_E, SQRT_2};
+
+/// `eˣ` for `x ≤ 0`, within 2 units in the last place; 0 below −708, where the standard library's results lose digits, at −∞ and at NaN.
+///
+/// `x = n ln 2 + r` with an integer `n` and `|r| ≤ ½ ln 2`: the Taylor series of `eʳ`, times `2ⁿ`.
+#[inline(always)]
+pub fn exp(x: f64) -> f64 {
+    const LOWEST: f64 = -708.0;
+    // Adding it rounds to an integer, which then stands in the lowest bits.
+    const ROUND: f64 = 1.5 * (1_u64 << 52) as f64;
+    // What ln 2 is beyond its nearest double.
+    const LN_2_LOW: f64 = 2.319_046_813_846_299_6e-17;
+    let kept = if x > LOWEST { x } else { LOWEST };
+    let rounded = kept.mul_add(LOG2_E, ROUND);
+    let n = rounded - ROUND;
+    let r = n.mul_add(-LN_2_LOW, n.mul_add(-LN_2, kept));
+    let mut series = 1.0 / 6_227_020_800.0;
+    series = r.mul_add(series, 1.0 / 479_001_600.0);
+    series = r.mul_add(series, 1.0 / 39_916_800.0);
+    series = r.mul_add(series, 1.0 / 3_628_800.0);
+    series = r.mul_add(series, 1.0 / 362_880.0);
+    series = r.mul_add(series, 1.0 / 40_320.0);
+    series = r.mul_add(series, 1.0 / 5040.0);
+    series = r.mul_add(series, 1.0 / 720.0);
+    series = r.mul_add(series, 1.0 / 120.0);
+    series = r.mul_add(series, 1.0 / 24.0);
+    series = r.mul_add(series, 1.0 / 6.0);
+    series = r.mul_add(series, 1.0 / 2.0);
+    series = r.mul_add(series, 1.0);
+    series = r.mul_add(series, 1.0);
+    let power = f64::from_bits(rounded.to_bits().wrapping_add(1023) << 52);
+    if x > LOWEST { series * power } else { 0.0 }
+}
 
 /// `ln x` for a positive normal number `x`, within 2 units in the last place or 2e-16 absolutely.
 ///
 /// With `x = 2ᵉ m` and `m` between `√½` and `√2`, `ln x = e ln 2 + 2 artanh s` for `s = (m − 1)/(m + 1)`.
 #[inline(always)]
-pub(crate) fn ln(x: f64) -> f64 {
+pub fn ln(x: f64) -> f64 {
     const HALF_ROOT: u64 = (SQRT_2 / 2.0).to_bits();
     const BIAS: u64 = 1024;
     // 2⁵² in the exponent's place makes the integer below it a number without a conversion.
@@ -58,6 +90,20 @@ pub(crate) fn sin_cos(x: f64) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn exponentials_are_those_of_the_standard_library() {
+        let mut x = 0.0;
+        while x > -708.0 {
+            let (found, expected) = (exp(x), x.exp());
+            let error = (found / expected - 1.0).abs();
+            assert!(error <= 2.0 * f64::EPSILON, "exp({x}) is {found:e} for {expected:e}");
+            x -= 0.000_731 + 1e-5 * x.abs();
+        }
+        assert_eq!(exp(0.0), 1.0);
+        assert_eq!(exp(-1e-300), 1.0);
+        assert_eq!([exp(-708.1), exp(-1e300), exp(f64::NEG_INFINITY)], [0.0; 3]);
+    }
 
     #[test]
     fn logarithms_are_those_of_the_standard_library() {

@@ -22,7 +22,7 @@
 
 pub mod batch;
 mod bulk;
-mod elementary;
+pub mod elementary;
 mod error;
 mod gaussian;
 mod graph;

@@ -32,6 +32,7 @@ mod gaussian;
 mod gnn;
 mod gradients;
 mod initial_weights;
+mod lanes;
 mod learnable;
 mod mlp;
 mod native;

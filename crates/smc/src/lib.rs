@@ -11,7 +11,6 @@
 mod bank;
 mod blocks;
 mod error;
-mod exponential;
 mod filter;
 mod proposal;
 mod proposals;

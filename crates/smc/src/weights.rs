@@ -3,7 +3,7 @@
 use pulp::{Simd, WithSimd};
 use thiserror::Error;
 
-use crate::exponential::exp;
+use motes_models::elementary::exp;
 
 /// Why a set of log-weights cannot be normalised.
 #[derive(Debug, Clone, PartialEq, Error)]

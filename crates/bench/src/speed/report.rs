@@ -51,7 +51,8 @@ impl Report {
         let ratio = |peer: &Entry| {
             let each = peer.seconds.iter().zip(&ours.seconds);
             // As much work from every process of either side.
-            let of = |(theirs, mine): (&f64, &f64)| theirs / peer.processes as f64 * ours.processes as f64 / mine;
+            let of =
+                |(theirs, mine): (&f64, &f64)| theirs / peer.processes as f64 * ours.processes as f64 / mine;
             let mut ratios: Vec<f64> = each.map(of).collect();
             ratios.sort_by(f64::total_cmp);
             let (first, last) = (ratios.first()?, ratios.last()?);
@@ -90,7 +91,10 @@ impl Report {
     }
 
     fn filters(&self, text: &mut String) {
-        let _ = writeln!(text, "| filter | million particle-steps a second | memory, MB | times the speed of |\n|---|---:|---:|---|");
+        let _ = writeln!(
+            text,
+            "| filter | million particle-steps a second | memory, MB | times the speed of |\n|---|---:|---:|---|"
+        );
         for line in &self.work {
             if let Kind::Filter { particle_steps } = line.kind {
                 let rate = particle_steps / median(&line.ours.seconds) / 1e6;
@@ -108,10 +112,12 @@ impl Report {
         );
         for line in &self.work {
             if let Kind::Train { steps, operations } = line.kind {
-                let (step, processes) = (median(&line.ours.seconds) / steps as f64, line.ours.processes as f64);
+                let (step, processes) =
+                    (median(&line.ours.seconds) / steps as f64, line.ours.processes as f64);
                 let trainings = 3600.0 / (step * TRAINING) * processes;
                 let of_peak = operations / step * processes / self.peak.two_threads;
-                let of_peak = if operations > 0.0 { format!("{:.0} %", 100.0 * of_peak) } else { "–".into() };
+                let of_peak =
+                    if operations > 0.0 { format!("{:.0} %", 100.0 * of_peak) } else { "–".into() };
                 let name = line.name.trim_start_matches("train ");
                 let _ = writeln!(
                     text,

@@ -70,9 +70,14 @@ fn prepare(task: &Task) -> Result<Box<dyn Work>, String> {
             let measurements = trajectory(&system, horizon).map_err(told)?.measurements;
             let task = task.clone();
             match task.method.as_str() {
-                "bootstrap" => {
-                    Ok(Box::new(Filtering { task, system, measurements, exact, proposal: Bootstrap, runs: 0 }))
-                }
+                "bootstrap" => Ok(Box::new(Filtering {
+                    task,
+                    system,
+                    measurements,
+                    exact,
+                    proposal: Bootstrap,
+                    runs: 0,
+                })),
                 "min-degeneracy" => {
                     let proposal = MinDegeneracy::new(&system).map_err(told)?;
                     Ok(Box::new(Filtering { task, system, measurements, exact, proposal, runs: 0 }))
@@ -93,7 +98,14 @@ fn prepare(task: &Task) -> Result<Box<dyn Work>, String> {
             let horizon = bytes as usize / 8 / task.particles / learned.state_dim();
             let measurements = trajectory(&system, horizon).map_err(told)?.measurements;
             let stream = seed().child("training").stream();
-            Ok(Box::new(Training { task: task.clone(), system, measurements, learned, stream, at_first: None }))
+            Ok(Box::new(Training {
+                task: task.clone(),
+                system,
+                measurements,
+                learned,
+                stream,
+                at_first: None,
+            }))
         }
     }
 }
@@ -127,8 +139,8 @@ impl<P: Proposal<GraphDiffusion> + Clone> Filtering<P> {
         };
         self.runs += 1;
         let seed = seed().child("filter").nth(self.task.seed).nth(self.runs);
-        let bank =
-            FilterBank::new(&self.system, self.proposal.clone(), settings, self.task.filters, &seed).map_err(told)?;
+        let bank = FilterBank::new(&self.system, self.proposal.clone(), settings, self.task.filters, &seed)
+            .map_err(told)?;
         let mut bank = bank.with_threads(self.task.threads).map_err(told)?;
         for measurement in self.measurements.rows() {
             bank.step(measurement).map_err(told)?;

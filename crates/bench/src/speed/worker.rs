@@ -25,7 +25,12 @@ impl Worker {
     }
 
     /// Another library's, with the given Python and the folder of its scripts.
-    pub(super) fn peer(name: &str, python: &Path, scripts: &Path, threads: usize) -> Result<Self, SpeedError> {
+    pub(super) fn peer(
+        name: &str,
+        python: &Path,
+        scripts: &Path,
+        threads: usize,
+    ) -> Result<Self, SpeedError> {
         let mut command = Command::new(python);
         command.arg(scripts.join("worker.py")).args(["--threads", &threads.to_string()]);
         Worker::start(name, command)

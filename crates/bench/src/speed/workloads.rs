@@ -92,7 +92,10 @@ fn filter(
     };
     let arrangements = |peer: &&str| {
         [1, 2].map(|threads| {
-            (format!("{peer}, {threads} thread{}", if threads == 1 { "" } else { "s" }), vec![task(Some(*peer), threads)])
+            (
+                format!("{peer}, {threads} thread{}", if threads == 1 { "" } else { "s" }),
+                vec![task(Some(*peer), threads)],
+            )
         })
     };
     Ok(Workload {

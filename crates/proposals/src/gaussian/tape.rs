@@ -105,13 +105,8 @@ impl<F: Networks, Config: Clone> Tape for GaussianTape<'_, F, Config> {
             (Some(draw), Some(covariance)) => (draw, covariance),
             _ => panic!("there is no draw left to pull back"),
         };
-        let (d_representations, d_mixing) = covariance.pull_back(
-            &draw.representations,
-            &draw.lowers,
-            &draw.noise,
-            d_states,
-            d_log_density,
-        );
+        let (d_representations, d_mixing) =
+            covariance.pull_back(&draw.representations, &draw.lowers, &draw.noise, d_states, d_log_density);
         self.networks.gradients().add_wide(self.proposal.mixing, &d_mixing);
         self.networks.backward(d_states, &d_representations, d_previous)?;
         if draw.time == 0 {

@@ -128,7 +128,8 @@ pub(super) fn lstm_cells_backward<T: Real>(
                 if accum == Accum::Replace {
                     d_cells.fill(T::ZERO);
                 }
-                let rows = d.chunks_exact(h).zip(d_cells.chunks_exact_mut(h)).zip(activated.chunks_exact(4 * h));
+                let rows =
+                    d.chunks_exact(h).zip(d_cells.chunks_exact_mut(h)).zip(activated.chunks_exact(4 * h));
                 for ((d, d_cells), activated) in rows {
                     let [_, f, ..] = quarters(activated);
                     d.iter().zip(f).zip(d_cells).for_each(|((d, f), d_c)| *d_c += *d * *f);
@@ -216,4 +217,3 @@ pub(super) fn gru_backward<T: Real>(
     derivatives.add(hidden, d_hidden);
     derivatives.buffers.put(d);
 }
-

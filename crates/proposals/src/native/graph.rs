@@ -111,7 +111,8 @@ pub(super) fn filter_backward<T: Real>(
     match kept {
         Kept::Spectral(in_basis) => {
             let way = Eigen { of, shape, taps, rows };
-            let d_input = spectral::backward(&way, weights, in_basis, &d, (derivatives.buffers, waiting, gradients));
+            let d_input =
+                spectral::backward(&way, weights, in_basis, &d, (derivatives.buffers, waiting, gradients));
             derivatives.add(*input, d_input);
         }
         Kept::Stacked(stacked) => {
@@ -132,7 +133,8 @@ pub(super) fn filter_backward<T: Real>(
         Kept::Products => {
             // The derivative of the products is the output's, shifted 0 to D times against the edges.
             let transposed = GraphSides { shift: of.shift_transposed, nodes: of.nodes };
-            let d_products = stack_by(transposed, &d, Shape { inputs: outputs, ..shape }, derivatives.buffers);
+            let d_products =
+                stack_by(transposed, &d, Shape { inputs: outputs, ..shape }, derivatives.buffers);
             let values = &below[input.0].values;
             let mut d_beside = derivatives.buffers.take(inputs * count * outputs);
             let sizes = [inputs, rows, count * outputs];

@@ -220,7 +220,8 @@ impl<T: Real> Derivatives<'_, T> {
     /// What nothing is asked of: measurements, and at `t = 0` the zeros that stand for a past.
     fn mark_unwanted(&mut self, nodes: &[Node<T>], recorded: &Recorded<T>) {
         for (at, node) in nodes.iter().enumerate() {
-            let of_the_past = at == recorded.previous.0 || recorded.hidden_in.iter().any(|hidden| hidden.0 == at);
+            let of_the_past =
+                at == recorded.previous.0 || recorded.hidden_in.iter().any(|hidden| hidden.0 == at);
             let unwanted = match &node.kind {
                 Kind::Given => recorded.first || !of_the_past,
                 Kind::Stacked(_) | Kind::AtNodes { adapter: None, .. } => recorded.first,

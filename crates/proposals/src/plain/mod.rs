@@ -86,10 +86,12 @@ pub(crate) fn infer<F: Networks>(
     let weights = library.weights(parameters);
     let rows = past.particles;
     let (previous, measurement) = library.known(past, means.len() / rows.max(1));
-    let carried = |values: &Values| library.tensor(&values.host(0..values.len()), [rows, values.len() / rows]);
+    let carried =
+        |values: &Values| library.tensor(&values.host(0..values.len()), [rows, values.len() / rows]);
     let hidden_in: Vec<Tensor<2>> = hidden.iter().map(carried).collect();
     let mut plain = Plain { library, weights: &weights };
-    let emission = networks.forward(&mut plain, past.time, Known { previous, measurement, hidden: &hidden_in });
+    let emission =
+        networks.forward(&mut plain, past.time, Known { previous, measurement, hidden: &hidden_in });
     means.copy_from_slice(&to_host(emission.means)?);
     representations.copy_from_slice(&to_host(emission.representations)?);
     for (values, advanced) in hidden.iter_mut().zip(emission.hidden) {

@@ -1,7 +1,7 @@
 //! The transform of one time, backward: from states to the noise that would give them.
 
-use faer::Mat;
-use faer::linalg::solvers::SolveCore;
+use faer::linalg::solvers::{PartialPivLu, SolveCore};
+use faer::{Mat, MatRef};
 
 use super::map::Map;
 
@@ -11,20 +11,38 @@ const LOG_DENSITY_ERROR: f64 = 1e-4;
 /// How many times the estimated rounding error a value must be inside or outside a bound to be taken for so.
 const SAFETY: f64 = 16.0;
 
+/// The matrices of a transform, factored once for all states.
+struct Factored {
+    noise: PartialPivLu<f64>,
+    layers: Vec<PartialPivLu<f64>>,
+}
+
+impl Factored {
+    fn new(map: &Map) -> Self {
+        let n = map.width;
+        let factor = |matrix: &[f64]| MatRef::from_row_major_slice(matrix, n, n).partial_piv_lu();
+        Factored {
+            noise: factor(&map.noise.matrix),
+            layers: map.layers.iter().map(|(layer, _)| factor(&layer.matrix)).collect(),
+        }
+    }
+}
+
 impl Map {
     /// The noise (`R×N`) and `log q` (`R`) of each state; −∞ where there is none, NaN where rounding hides whether there is.
     ///
     /// Each layer's inverse magnifies rounding errors, and atanh near ±1 does so without bound. So a first-order estimate of
     /// the error goes along: the derivative of what is recovered with respect to the state, times one unit of rounding.
     pub(super) fn inverse(&self, shifts: &[f64], states: &[f64], noise: &mut [f64], log_density: &mut [f64]) {
-        let n = self.previous.ncols();
+        let n = self.width;
+        let factored = Factored::new(self);
         let rows = states.chunks_exact(n).zip(shifts.chunks_exact(n)).zip(noise.chunks_exact_mut(n));
         for (((state, shift), noise), log_density) in rows.zip(log_density) {
-            *log_density = self.invert(state, shift, noise);
+            *log_density = self.invert(&factored, state, shift, noise);
         }
     }
 
-    fn invert(&self, state: &[f64], shift: &[f64], noise: &mut [f64]) -> f64 {
+    fn invert(&self, factored: &Factored, state: &[f64], shift: &[f64], noise: &mut [f64]) -> f64 {
         let n = state.len();
         let (mut log_density, mut log_density_error) = (-self.log_abs_det(), 0.0);
         // The values of one layer, and beside them how each depends on a rounding error of each coordinate of the state.
@@ -33,9 +51,9 @@ impl Map {
             values[(i, 0)] = *x;
             values[(i, i + 1)] = f64::EPSILON * x.abs().max(1.0);
         }
-        for (square, bias) in self.layers.iter().rev() {
+        for ((_, bias), factors) in self.layers.iter().zip(&factored.layers).rev() {
             (0..n).for_each(|i| values[(i, 0)] -= bias[i]);
-            square.factors.solve_transpose_in_place_with_conj(faer::Conj::No, values.as_mut());
+            factors.solve_transpose_in_place_with_conj(faer::Conj::No, values.as_mut());
             for i in 0..n {
                 let (value, error) = (values[(i, 0)], SAFETY * error(&values, i));
                 if value.abs() - error > 1.0 {
@@ -54,7 +72,7 @@ impl Map {
             }
         }
         (0..n).for_each(|i| values[(i, 0)] -= shift[i]);
-        self.noise.factors.solve_transpose_in_place_with_conj(faer::Conj::No, values.as_mut());
+        factored.noise.solve_transpose_in_place_with_conj(faer::Conj::No, values.as_mut());
         for i in 0..n {
             let (value, error) = (values[(i, 0)], SAFETY * error(&values, i));
             if value + error < 0.0 || value - error > 1.0 {

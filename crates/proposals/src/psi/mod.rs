@@ -16,7 +16,7 @@ use crate::Compute;
 use crate::family::{Family, check_count, check_horizon, check_ridge, check_weights, sizes_of};
 use crate::initial_weights::fan_in_bound;
 use crate::parameters::Parameters;
-use map::{Map, Square};
+use map::{Invertible, Map};
 use propose::Transformed;
 
 /// The settings of a [`Psi`].
@@ -98,24 +98,25 @@ impl Psi {
 
     /// The transform of time `t`, for the current weights.
     fn map(&self, time: usize) -> Result<Map, ProposalError> {
-        let (n, m, horizon) = (self.state_dim, self.measurement_dim, self.horizon);
+        let (n, horizon) = (self.state_dim, self.horizon);
         if time >= horizon {
             return Err(ProposalError::PastHorizon { horizon, time });
         }
         let first = self.first(time);
         let host = |at: usize| self.parameters.host(first + at);
-        let square = |at: usize| {
+        let invertible = |at: usize| {
             let name = || self.parameters.names()[first + at].clone();
-            Square::new(n, &host(at), self.config.ridge, time, name)
+            Invertible::new(n, host(at), self.config.ridge, time, name)
         };
         let layers = (0..self.config.layers).map(|layer| {
             let at = FIRST + 2 * layer;
-            Ok((square(at)?, host(at + 1)))
+            Ok((invertible(at)?, host(at + 1)))
         });
         Ok(Map {
-            noise: square(0)?,
-            previous: map::row_major(&host(1), n, n),
-            measurement: map::row_major(&host(2), m, n),
+            width: n,
+            noise: invertible(0)?,
+            previous: host(1),
+            measurement: host(2),
             layers: layers.collect::<Result<_, ProposalError>>()?,
         })
     }

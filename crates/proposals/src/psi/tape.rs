@@ -1,14 +1,12 @@
 //! The transform in training.
 
-use faer::linalg::matmul::matmul;
-use faer::linalg::solvers::DenseSolveCore;
-use faer::{Accum, Mat, MatRef, Par};
 use motes_models::Stream;
 use motes_smc::{Past, ProposalError};
 
-use super::map::{Activations, Map, Square, times};
+use super::map::{Invertible, Map};
 use super::propose::fill_uniform;
 use super::{FIRST, Psi};
+use crate::lanes::{LANES, Lane, Square, vectorised};
 use crate::{Gradients, Learnable, Parameters, Tape, Workspace};
 
 impl Learnable for Psi {
@@ -54,7 +52,8 @@ struct Draw {
     previous: Option<Vec<f64>>,
     measurement: Vec<f64>,
     noise: Vec<f64>,
-    activations: Activations,
+    /// Of each block of particles, the outputs of all layers before their products: what [`Map::forward`] returned.
+    activations: Vec<Lane>,
 }
 
 impl Tape for PsiTape<'_> {
@@ -88,33 +87,35 @@ impl Tape for PsiTape<'_> {
     ) -> Result<(), ProposalError> {
         let Some(draw) = self.draws.pop() else { panic!("there is no draw left to pull back") };
         let n = self.proposal.state_dim;
-        let first = self.proposal.first(draw.time);
-        let total: f64 = d_log_density.iter().sum();
-        let mut d = d_states.to_vec();
-        let mut below = vec![0.0; d.len()];
-        for (layer, ((square, _), inputs)) in draw.map.layers.iter().zip(&draw.activations).enumerate().rev()
-        {
-            let at = first + FIRST + 2 * layer;
-            self.add_square(at, square, inputs, &d, total);
-            self.gradients.add_wide(at + 1, &column_sums(&d, n));
-            times(&d, square.matrix.transpose(), &mut below);
-            let rows = below.chunks_exact_mut(n).zip(inputs.chunks_exact(n)).zip(d_log_density);
-            for ((below, inputs), d_log_density) in rows {
-                for (below, z) in below.iter_mut().zip(inputs) {
-                    *below = *below * (1.0 - z * z) + 2.0 * d_log_density * z;
-                }
-            }
-            std::mem::swap(&mut d, &mut below);
-        }
-        self.add_square(first, &draw.map.noise, &draw.noise, &d, total);
+        let (rows, layers) = (LANES * n, draw.map.layers.len());
+        let mut sums = Sums::zeros(n, layers);
         d_previous.fill(0.0);
-        if let Some(previous) = &draw.previous {
-            self.gradients.add_wide(first + 1, &outer(previous, &d, n, n));
-            times(&d, draw.map.previous.transpose(), d_previous);
+        for (block, d_log) in d_log_density.chunks(LANES).enumerate() {
+            let at = block * rows..(block * rows + d_log.len() * n);
+            let block = Block {
+                noise: &draw.noise[at.clone()],
+                previous: draw.previous.as_ref().map(|previous| &previous[at.clone()]),
+                activations: &draw.activations[block * layers * n..(block + 1) * layers * n],
+            };
+            vectorised(
+                #[inline(always)]
+                || block.pull_back(&draw.map, &d_states[at.clone()], d_log, &mut d_previous[at], &mut sums),
+            );
         }
-        let sums = column_sums(&d, n);
-        let outer: Vec<f64> = draw.measurement.iter().flat_map(|y| sums.iter().map(move |s| y * s)).collect();
-        self.gradients.add_wide(first + 2, &outer);
+        let (first, total): (usize, f64) = (self.proposal.first(draw.time), d_log_density.iter().sum());
+        for (layer, (invertible, _)) in draw.map.layers.iter().enumerate() {
+            let at = first + FIRST + 2 * layer;
+            self.add_square(at, invertible, &sums.layers[layer], total);
+            let bias: Vec<f64> = sums.biases[layer].iter().map(Lane::sum).collect();
+            self.gradients.add_wide(at + 1, &bias);
+        }
+        self.add_square(first, &draw.map.noise, &sums.noise, total);
+        if draw.previous.is_some() {
+            self.gradients.add_wide(first + 1, &sums.previous.sums());
+        }
+        let common: Vec<f64> = sums.shifts.iter().map(Lane::sum).collect();
+        let outer = draw.measurement.iter().flat_map(|y| common.iter().map(move |s| y * s));
+        self.gradients.add_wide(first + 2, &outer.collect::<Vec<f64>>());
         Ok(())
     }
 
@@ -127,34 +128,92 @@ impl Tape for PsiTape<'_> {
 }
 
 impl PsiTape<'_> {
-    /// Adds the gradient of an invertible matrix: through its product with `inputs`, and through its determinant.
-    fn add_square(&mut self, index: usize, square: &Square, inputs: &[f64], d: &[f64], total: f64) {
+    /// Adds the gradient of an invertible matrix: through its product with inputs, and through its determinant.
+    fn add_square(&mut self, index: usize, invertible: &Invertible, through_product: &Square, total: f64) {
         let n = self.proposal.state_dim;
-        let mut gradient = outer(inputs, d, n, n);
-        if total != 0.0 {
-            let inverse = square.factors.inverse();
-            for (at, gradient) in gradient.iter_mut().enumerate() {
-                *gradient -= total * inverse[(at % n, at / n)];
-            }
+        let mut gradient = through_product.sums();
+        for (at, gradient) in gradient.iter_mut().enumerate() {
+            *gradient -= total * invertible.inverse[at % n * n + at / n];
         }
         self.gradients.add_wide(index, &gradient);
     }
 }
 
-/// `Σ_k left_kᵀ right_k` of row-major rows, row-major.
-fn outer(left: &[f64], right: &[f64], left_width: usize, right_width: usize) -> Vec<f64> {
-    let count = left.len() / left_width;
-    let left = MatRef::from_column_major_slice(left, left_width, count);
-    let right = MatRef::from_column_major_slice(right, right_width, count);
-    let mut product = Mat::zeros(left_width, right_width);
-    matmul(&mut product, Accum::Replace, left, right.transpose(), 1.0, Par::Seq);
-    (0..left_width * right_width).map(|at| product[(at / right_width, at % right_width)]).collect()
+/// What is added up over the blocks of particles.
+struct Sums {
+    noise: Square,
+    previous: Square,
+    /// Of the values before the first tanh.
+    shifts: Vec<Lane>,
+    layers: Vec<Square>,
+    biases: Vec<Vec<Lane>>,
 }
 
-fn column_sums(rows: &[f64], width: usize) -> Vec<f64> {
-    let mut sums = vec![0.0; width];
-    for row in rows.chunks_exact(width) {
-        sums.iter_mut().zip(row).for_each(|(sum, value)| *sum += value);
+impl Sums {
+    fn zeros(width: usize, layers: usize) -> Self {
+        Sums {
+            noise: Square::zeros(width),
+            previous: Square::zeros(width),
+            shifts: vec![Lane::default(); width],
+            layers: (0..layers).map(|_| Square::zeros(width)).collect(),
+            biases: vec![vec![Lane::default(); width]; layers],
+        }
     }
-    sums
+}
+
+/// A few particles of one draw.
+struct Block<'a> {
+    noise: &'a [f64],
+    previous: Option<&'a [f64]>,
+    activations: &'a [Lane],
+}
+
+impl Block<'_> {
+    #[inline(always)]
+    fn pull_back(
+        &self,
+        map: &Map,
+        d_states: &[f64],
+        d_log_density: &[f64],
+        d_previous: &mut [f64],
+        sums: &mut Sums,
+    ) {
+        let n = map.width;
+        // In lanes without a particle nothing changes anything.
+        let d_log = Lane::gather_or_zero(d_log_density, 1, 0);
+        let mut d: Vec<Lane> = (0..n).map(|j| Lane::gather_or_zero(d_states, n, j)).collect();
+        let mut below = vec![Lane::default(); n];
+        for (layer, (invertible, _)) in map.layers.iter().enumerate().rev() {
+            let inputs = &self.activations[layer * n..(layer + 1) * n];
+            sums.biases[layer].iter_mut().zip(&d).for_each(|(sum, d)| sum.add(d));
+            for (i, (z, row)) in inputs.iter().zip(invertible.matrix.chunks_exact(n)).enumerate() {
+                let mut sum = Lane::default();
+                for (j, (d, entry)) in d.iter().zip(row).enumerate() {
+                    sums.layers[layer].at_mut(i, j).add_product(z, d);
+                    sum.add_scaled(*entry, d);
+                }
+                for lane in 0..LANES {
+                    let z = z.0[lane];
+                    sum.0[lane] = sum.0[lane] * (1.0 - z * z) + 2.0 * d_log.0[lane] * z;
+                }
+                below[i] = sum;
+            }
+            std::mem::swap(&mut d, &mut below);
+        }
+        sums.shifts.iter_mut().zip(&d).for_each(|(sum, d)| sum.add(d));
+        for i in 0..n {
+            let u = Lane::gather(self.noise, n, i);
+            d.iter().enumerate().for_each(|(j, d)| sums.noise.at_mut(i, j).add_product(&u, d));
+        }
+        let Some(previous) = self.previous else { return };
+        for (i, row) in map.previous.chunks_exact(n).enumerate() {
+            let x = Lane::gather(previous, n, i);
+            let mut sum = Lane::default();
+            for (j, (d, entry)) in d.iter().zip(row).enumerate() {
+                sums.previous.at_mut(i, j).add_product(&x, d);
+                sum.add_scaled(*entry, d);
+            }
+            sum.scatter(d_previous, n, i);
+        }
+    }
 }

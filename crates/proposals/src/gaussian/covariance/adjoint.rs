@@ -1,7 +1,7 @@
 //! Derivatives through the kernel covariance and its Cholesky factor, in reverse mode.
 
-use super::lanes::{LANES, Lane, Square, vectorised};
 use super::{KernelCovariance, kernel_matrices};
+use crate::lanes::{LANES, Lane, Square, vectorised};
 
 impl KernelCovariance {
     /// Pulls derivatives of a scalar back through `x = μ + L ε` and `log q = −Σᵢ log Lᵢᵢ + …` to `z` and `C`.
@@ -35,7 +35,8 @@ impl KernelCovariance {
         let rows = LANES * n;
         let blocks = representations.chunks(rows).zip(lowers.chunks(rows * n)).zip(noise.chunks(rows));
         let blocks = blocks.zip(d_states.chunks(rows)).zip(d_log_density.chunks(LANES));
-        for (((((z, lowers), noise), d_states), d_log), d_z) in blocks.zip(d_representations.chunks_mut(rows)) {
+        for (((((z, lowers), noise), d_states), d_log), d_z) in blocks.zip(d_representations.chunks_mut(rows))
+        {
             vectorised(
                 #[inline(always)]
                 || {
@@ -46,8 +47,7 @@ impl KernelCovariance {
                 },
             );
         }
-        let d_mixing = (0..n * n).map(|at| work.d_mixing.at(at / n, at % n).0.iter().sum()).collect();
-        (d_representations, d_mixing)
+        (d_representations, work.d_mixing.sums())
     }
 }
 

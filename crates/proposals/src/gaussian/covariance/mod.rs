@@ -1,12 +1,12 @@
 //! The covariance that every Gaussian family shares: a kernel of a learned representation, mixed by a learned matrix.
 
 mod adjoint;
-mod lanes;
 
+use motes_models::elementary::exp;
 use motes_smc::ProposalError;
 
 use crate::family::check_ridge;
-use lanes::{LANES, Lane, Square, vectorised};
+use crate::lanes::{LANES, Lane, Square, vectorised};
 
 /// `Σ = C K(z) Cᵀ + δ I` with `K(z)ᵢⱼ = exp(−(zᵢ − zⱼ)²)` (the paper's equations "covMatrix" and "covKernel"; the ridge
 /// `δ` makes it positive definite, which without it it need not be).
@@ -48,7 +48,8 @@ impl KernelCovariance {
     /// [`ProposalError::Numerical`] with the particle, if its `z` is not finite or its `Σ` not positive definite.
     pub fn factor(&self, representations: &[f64], lowers: &mut [f64]) -> Result<(), ProposalError> {
         let n = self.width;
-        let mut work = Factoring { kernel: Square::zeros(n), mixed: Square::zeros(n), lower: Square::zeros(n) };
+        let mut work =
+            Factoring { kernel: Square::zeros(n), mixed: Square::zeros(n), lower: Square::zeros(n) };
         let blocks = representations.chunks(LANES * n).zip(lowers.chunks_mut(LANES * n * n));
         for (block, (z, lowers)) in blocks.enumerate() {
             let failed = vectorised(
@@ -86,7 +87,10 @@ impl KernelCovariance {
                 *mixed.at_mut(i, j) = sum;
             }
         }
-        let mut whole = [true; LANES];
+        // The exponential of NaN is none.
+        let mut whole: [bool; LANES] = std::array::from_fn(|lane| {
+            z[lane.min(particles - 1) * n..][..n].iter().all(|value| value.is_finite())
+        });
         for i in 0..n {
             for j in 0..=i {
                 let mut sum = Lane::default();
@@ -139,7 +143,7 @@ fn kernel_matrices(n: usize, z: &[f64], kernel: &mut Square) {
         for j in 0..=i {
             let mut entry = Lane::gather(z, n, j);
             for (entry, mine) in entry.0.iter_mut().zip(&mine.0) {
-                *entry = (-(mine - *entry) * (mine - *entry)).exp();
+                *entry = exp(-(mine - *entry) * (mine - *entry));
             }
             *kernel.at_mut(i, j) = entry;
             *kernel.at_mut(j, i) = entry;

@@ -3,9 +3,9 @@
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};
 
+use super::super::Buffers;
 use super::super::products::{Columns, ColumnsMut, times, vectorised};
 use super::super::waiting::Waiting;
-use super::super::Buffers;
 use crate::Gradients;
 use crate::gnn::{GraphOf, Shape};
 use crate::parameters::Matrices;
