@@ -1,7 +1,9 @@
 //! The reference problem of the statistical tests, and a proposal that can be made wrong on purpose.
 use faer::mat;
 use motes_models::{Gaussian, LinearGaussian, Measurements, Seed, StateSpaceModel, Stream, kalman};
-use motes_smc::{Conditional, FilterBank, FilterSettings, Past, Proposal, ProposalError, ResampleWhen};
+use motes_smc::{
+    Conditional, FilterBank, FilterError, FilterSettings, Past, Proposal, ProposalError, ResampleWhen,
+};
 use rand::RngExt;
 use rand_distr::StandardNormal;
 
@@ -55,19 +57,48 @@ pub fn evidence_scores<M: StateSpaceModel, P: Proposal<M> + Clone>(
     let batch = 1000;
     for block in 0..runs / batch {
         let seed = seed.nth(block as u64);
-        let mut bank = FilterBank::new(&reference.model, proposal.clone(), settings, batch, &seed).unwrap();
-        for measurement in reference.measurements.rows() {
-            bank.step(measurement).unwrap();
-        }
-        for filter in 0..batch {
-            let mut mean = [0.0];
-            bank.mean(filter, &mut mean);
-            let ratio = (bank.log_evidence(filter) - reference.log_evidence).exp();
+        let found = match estimates(reference, proposal, settings, seed.streams(batch)) {
+            Some(found) => found,
+            // One collapsed and took the whole bank with it. Alone each gets what it would get in the bank, and the estimate of
+            // one that collapses is 0.
+            None => seed
+                .streams(batch)
+                .into_iter()
+                .flat_map(|stream| {
+                    estimates(reference, proposal, settings, vec![stream]).unwrap_or(vec![(0.0, 0.0)])
+                })
+                .collect(),
+        };
+        for (ratio, mean) in found {
             ratios.push(ratio);
-            products.push(ratio * mean[0]);
+            products.push(ratio * mean);
         }
     }
     [score(&ratios, 1.0), score(&products, reference.last_mean)]
+}
+
+/// Ẑ/Z and x̂_T of each filter of a bank; none if one of them collapsed.
+fn estimates<M: StateSpaceModel, P: Proposal<M> + Clone>(
+    reference: &Reference<M>,
+    proposal: &P,
+    settings: FilterSettings,
+    streams: Vec<Stream>,
+) -> Option<Vec<(f64, f64)>> {
+    let filters = streams.len();
+    let mut bank = FilterBank::with_streams(&reference.model, proposal.clone(), settings, streams).unwrap();
+    for measurement in reference.measurements.rows() {
+        match bank.step(measurement) {
+            Ok(()) => {}
+            Err(FilterError::Collapse { .. }) => return None,
+            Err(error) => panic!("{error}"),
+        }
+    }
+    let estimate = |filter| {
+        let mut mean = [0.0];
+        bank.mean(filter, &mut mean);
+        ((bank.log_evidence(filter) - reference.log_evidence).exp(), mean[0])
+    };
+    Some((0..filters).map(estimate).collect())
 }
 
 /// (mean − expected) in standard errors.

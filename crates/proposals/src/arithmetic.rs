@@ -55,7 +55,7 @@ pub trait Arithmetic {
     ) -> Self::Rows;
 
     /// One value of each node of each particle, `(N·R)×1`, as a row for each particle, `R×N`.
-    fn from_nodes(&mut self, values: &Self::Rows, nodes: usize) -> Self::Rows;
+    fn by_particle(&mut self, values: &Self::Rows, nodes: usize) -> Self::Rows;
 }
 
 /// What is applied to each entry of an affine map's output.

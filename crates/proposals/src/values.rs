@@ -1,6 +1,6 @@
 //! Numbers in the precision that was asked for.
 
-use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+use std::ops::{Add, AddAssign, Mul, MulAssign, Sub};
 
 use crate::Precision;
 use crate::native::Products;
@@ -102,10 +102,8 @@ pub(crate) trait Real:
     + Add<Output = Self>
     + Sub<Output = Self>
     + Mul<Output = Self>
-    + Div<Output = Self>
-    + Neg<Output = Self>
     + AddAssign
-    + SubAssign
+    + MulAssign
     + 'static
 {
     /// 0.
@@ -208,7 +206,7 @@ impl Real for f32 {
         for _ in 0..2 {
             (p, q) = (2.0 * p * q, p * p + q * q);
         }
-        2.0 * p * q / (p * p + q * q)
+        (2.0 * p * q / (p * p + q * q)).clamp(-1.0, 1.0)
     }
 
     fn slice(values: &Values) -> &[f32] {

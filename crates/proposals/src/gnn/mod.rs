@@ -143,7 +143,7 @@ impl Networks for GnnNetworks {
         };
         let mut outputs = |network: &GraphNetwork, inputs: A::Rows| {
             let at_nodes = network.forward(arithmetic, &self.graph, inputs);
-            arithmetic.from_nodes(&at_nodes, self.graph.nodes())
+            arithmetic.by_particle(&at_nodes, self.graph.nodes())
         };
         Emission {
             means: outputs(&self.means[time], inputs),

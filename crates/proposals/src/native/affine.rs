@@ -53,7 +53,7 @@ pub(super) fn deactivate<T: Real>(d: &mut [T], outputs: &[T], activation: Activa
     if activation == Activation::Tanh {
         vectorised(
             #[inline(always)]
-            || d.iter_mut().zip(outputs).for_each(|(d, y)| *d = *d * (T::ONE - *y * *y)),
+            || d.iter_mut().zip(outputs).for_each(|(d, y)| *d *= T::ONE - *y * *y),
         );
     }
 }

@@ -74,7 +74,7 @@ enum Kind<T> {
         adapter: Option<usize>,
     },
     Filter(graph::Filtered<T>),
-    FromNodes(At),
+    ByParticle(At),
 }
 
 /// One step of a batch, as far as it is computed.
@@ -170,10 +170,10 @@ impl<T: Real> Arithmetic for Native<'_, T> {
         graph::filter(self, graph, *values, shape, taps, activation)
     }
 
-    fn from_nodes(&mut self, values: &At, nodes: usize) -> At {
+    fn by_particle(&mut self, values: &At, nodes: usize) -> At {
         let particles = self.step.size(*values).0 / nodes;
         let mut rows = self.buffers.take(particles * nodes);
         products::transpose(self.step.values(*values), nodes, particles, &mut rows);
-        self.step.push(Kind::FromNodes(*values), particles, nodes, rows)
+        self.step.push(Kind::ByParticle(*values), particles, nodes, rows)
     }
 }

@@ -191,8 +191,8 @@ impl TimesTransposed<'_> {
     fn tile<S: Simd, const R: usize, const C: usize>(&mut self, simd: S, row: usize, column: usize) {
         let whole = self.inner / S::F32_LANES;
         let mut sums = [[simd.splat_f32s(0.0); C]; R];
-        let (mut a, mut b): ([&[S::f32s]; R], [&[S::f32s]; C]) = ([&[]; R], [&[]; C]);
-        let (mut a_rest, mut b_rest): ([&[f32]; R], [&[f32]; C]) = ([&[]; R], [&[]; C]);
+        let (mut a, mut a_rest) = ([<&[S::f32s]>::default(); R], [<&[f32]>::default(); R]);
+        let (mut b, mut b_rest) = ([<&[S::f32s]>::default(); C], [<&[f32]>::default(); C]);
         for r in 0..R {
             let at = (row + r) * self.a.stride;
             (a[r], a_rest[r]) = S::as_simd_f32s(&self.a.values[at..at + self.inner]);

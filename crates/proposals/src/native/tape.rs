@@ -200,7 +200,7 @@ fn pull_back<T: Real>(
         Kind::Filter(filtered) => {
             graph::filter_backward(weights, (below, node, filtered), d, derivatives, waiting, gradients);
         }
-        Kind::FromNodes(values) => {
+        Kind::ByParticle(values) => {
             let mut d_values = derivatives.buffers.take(d.len());
             super::products::transpose(&d, node.rows, node.width, &mut d_values);
             derivatives.add(*values, d_values);

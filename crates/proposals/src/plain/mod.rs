@@ -221,7 +221,7 @@ impl Arithmetic for Plain<'_> {
         activate(sum, activation)
     }
 
-    fn from_nodes(&mut self, values: &Tensor<2>, nodes: usize) -> Tensor<2> {
+    fn by_particle(&mut self, values: &Tensor<2>, nodes: usize) -> Tensor<2> {
         let particles = values.dims()[0] / nodes;
         values.clone().reshape([nodes, particles]).transpose()
     }

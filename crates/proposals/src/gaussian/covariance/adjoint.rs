@@ -75,8 +75,8 @@ impl Adjoint {
                 let mut d = Lane::default();
                 d.add_product(&d_state, &epsilon_at(j));
                 if i == j {
-                    for lane in 0..particles {
-                        d.0[lane] -= d_log_density[lane] / lower.0[lane];
+                    for ((d, d_log), lower) in d.0.iter_mut().zip(d_log_density).zip(&lower.0) {
+                        *d -= d_log / lower;
                     }
                 }
                 d.0[particles..].fill(0.0);

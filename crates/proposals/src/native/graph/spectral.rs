@@ -136,7 +136,7 @@ pub(in super::super) fn gradient<T: Real>(
                             } else {
                                 into.iter_mut().zip(product).for_each(|(into, term)| *into += power * *term);
                             }
-                            power = power * *eigenvalue;
+                            power *= *eigenvalue;
                         }
                     }
                 },
