@@ -58,12 +58,12 @@ pub(super) fn all(scratch: &Path) -> Result<Vec<Workload>, SpeedError> {
     }
     for particles in [10, 50] {
         let fcnn = FcnnConfig::paper();
-        all.push(train::<Fcnn>(scratch, &fcnn, particles, 10, operations::fcnn(&fcnn, particles))?);
+        all.push(train::<Fcnn>(scratch, &fcnn, particles, 40, operations::fcnn(&fcnn, particles))?);
         let rnn = RnnConfig::paper();
-        all.push(train::<Rnn>(scratch, &rnn, particles, 5, operations::rnn(&rnn, particles))?);
+        all.push(train::<Rnn>(scratch, &rnn, particles, 20, operations::rnn(&rnn, particles))?);
         let gnn = GnnConfig::paper();
-        all.push(train::<Gnn>(scratch, &gnn, particles, 2, operations::gnn(&gnn, particles))?);
-        all.push(train::<Psi>(scratch, &PsiConfig::paper(), particles, 100, 0.0)?);
+        all.push(train::<Gnn>(scratch, &gnn, particles, 4, operations::gnn(&gnn, particles))?);
+        all.push(train::<Psi>(scratch, &PsiConfig::paper(), particles, 500, 0.0)?);
     }
     Ok(all)
 }
@@ -101,7 +101,8 @@ fn filter(
     Ok(Workload {
         name: format!("filter {method} B={filters} K={particles} T={horizon}"),
         kind: Kind::Filter { particle_steps: (filters * particles * horizon) as f64 },
-        ours: vec![task(None, 2)],
+        // Fewer particles are not worth a second thread.
+        ours: vec![task(None, if particles < 10_000 { 1 } else { 2 })],
         peers: peers.iter().flat_map(arrangements).collect(),
     })
 }

@@ -8,21 +8,22 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::products::{Columns, ColumnsMut};
 
-/// Up to this many columns the rows of a matrix of weights lie near enough to each other to be walked down.
-const NEAR: usize = 1024;
+/// Terms of the sums at a time: so few rows of a matrix of weights that the processor reads ahead in all of them. Weights come
+/// from far away; those of one training step do not fit into a cache.
+const TERMS: usize = 16;
 
 /// Below this many columns, or terms of a sum, there is nothing to be gained.
 const FEW: usize = 64;
 
-/// More rows than these are no longer few.
-const MANY: usize = 64;
+/// More rows than these are worth a copy of the matrix of weights, in one product and in the other.
+const MANY: [usize; 2] = [24, 64];
 
 pub(super) fn suits_times([rows, _, columns]: [usize; 3]) -> bool {
-    (FEW..=NEAR).contains(&columns) && rows <= 2048
+    columns >= FEW && rows <= MANY[0]
 }
 
 pub(super) fn suits_times_transposed([rows, inner, columns]: [usize; 3]) -> bool {
-    inner >= FEW && columns >= FEW && rows <= MANY
+    inner >= FEW && columns >= FEW && rows <= MANY[1]
 }
 
 /// `out = a b`, or `out += a b`.
@@ -62,29 +63,46 @@ impl WithSimd for Times<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) {
-        let mut column = 0;
-        while column < self.columns {
-            let width = (2 * S::F32_LANES).min(self.columns - column);
-            let mut row = 0;
-            while row < self.rows {
-                let rows = (self.rows - row).min(10);
-                match rows {
-                    10 => self.tile::<S, 10>(simd, row, column, width),
-                    9 => self.tile::<S, 9>(simd, row, column, width),
-                    8 => self.tile::<S, 8>(simd, row, column, width),
-                    7 => self.tile::<S, 7>(simd, row, column, width),
-                    6 => self.tile::<S, 6>(simd, row, column, width),
-                    5 => self.tile::<S, 5>(simd, row, column, width),
-                    4 => self.tile::<S, 4>(simd, row, column, width),
-                    3 => self.tile::<S, 3>(simd, row, column, width),
-                    2 => self.tile::<S, 2>(simd, row, column, width),
-                    _ => self.tile::<S, 1>(simd, row, column, width),
+        let mut first = 0;
+        // A sum of no terms is still a result.
+        while first < self.inner || (first == 0 && self.inner == 0) {
+            let terms = TERMS.min(self.inner - first);
+            let mut column = 0;
+            while column < self.columns {
+                let width = (2 * S::F32_LANES).min(self.columns - column);
+                let mut row = 0;
+                while row < self.rows {
+                    let rows = (self.rows - row).min(10);
+                    let corner = Corner { row, column, width, first, terms };
+                    match rows {
+                        10 => self.tile::<S, 10>(simd, corner),
+                        9 => self.tile::<S, 9>(simd, corner),
+                        8 => self.tile::<S, 8>(simd, corner),
+                        7 => self.tile::<S, 7>(simd, corner),
+                        6 => self.tile::<S, 6>(simd, corner),
+                        5 => self.tile::<S, 5>(simd, corner),
+                        4 => self.tile::<S, 4>(simd, corner),
+                        3 => self.tile::<S, 3>(simd, corner),
+                        2 => self.tile::<S, 2>(simd, corner),
+                        _ => self.tile::<S, 1>(simd, corner),
+                    }
+                    row += rows;
                 }
-                row += rows;
+                column += width;
             }
-            column += width;
+            first += terms.max(1);
         }
     }
+}
+
+/// Where a tile lies, and which terms of its sums come next.
+#[derive(Clone, Copy)]
+struct Corner {
+    row: usize,
+    column: usize,
+    width: usize,
+    first: usize,
+    terms: usize,
 }
 
 /// Two vectors from the beginning of a slice, with zeros where it is too short.
@@ -114,11 +132,12 @@ fn store_two<S: Simd>(simd: S, values: &mut [f32], vectors: [S::f32s; 2]) {
 }
 
 impl Times<'_> {
-    /// `R` rows of two vectors of columns, in registers all along the sums.
+    /// `R` rows of two vectors of columns, in registers all along some terms of their sums.
     #[inline(always)]
-    fn tile<S: Simd, const R: usize>(&mut self, simd: S, row: usize, column: usize, width: usize) {
+    fn tile<S: Simd, const R: usize>(&mut self, simd: S, corner: Corner) {
+        let Corner { row, column, width, first, terms } = corner;
         let mut sums = [[simd.splat_f32s(0.0); 2]; R];
-        if self.add {
+        if self.add || first > 0 {
             for (r, sums) in sums.iter_mut().enumerate() {
                 let at = (row + r) * self.out.stride + column;
                 *sums = load_two::<S>(simd, &self.out.values[at..at + width]);
@@ -126,11 +145,11 @@ impl Times<'_> {
         }
         let mut a: [&[f32]; R] = [&[]; R];
         for (r, a) in a.iter_mut().enumerate() {
-            let at = (row + r) * self.a.stride;
-            *a = &self.a.values[at..at + self.inner];
+            let at = (row + r) * self.a.stride + first;
+            *a = &self.a.values[at..at + terms];
         }
-        for k in 0..self.inner {
-            let at = k * self.columns + column;
+        for k in 0..terms {
+            let at = (first + k) * self.columns + column;
             let b = load_two::<S>(simd, &self.b[at..at + width]);
             for (a, sums) in a.iter().zip(&mut sums) {
                 let a = simd.splat_f32s(a[k]);
