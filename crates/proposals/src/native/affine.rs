@@ -24,7 +24,8 @@ pub(super) fn forward<T: Real>(
     let mut accum = Accum::Replace;
     for (input, weight) in inputs.into_iter().flatten() {
         let shape = [rows, native.step.size(input).1, columns];
-        times(&mut out, accum, native.step.values(input), native.weights.get(weight), shape);
+        let (values, weight) = (native.step.values(input), native.weights.get(weight));
+        times(&mut out, accum, values, weight, shape, native.buffers);
         accum = Accum::Add;
     }
     activate(&mut out, bias.map(|bias| native.weights.get(bias)), activation);
@@ -78,8 +79,9 @@ pub(super) fn backward<T: Real>(
         waiting.push(*weight, (source.rows, [source.width, node.width]), &source.values, &d, gradients);
         if derivatives.wanted(At(*input)) {
             let shape = [node.rows, node.width, source.width];
-            let (place, accum) = derivatives.place(At(*input), source.values.len());
-            times_transposed(place, accum, &d, weights.get(*weight), shape);
+            let (mut place, accum) = derivatives.take(At(*input), source.values.len());
+            times_transposed(&mut place, accum, &d, weights.get(*weight), shape, derivatives.buffers);
+            derivatives.put(At(*input), place);
         }
     }
     derivatives.buffers.put(d);

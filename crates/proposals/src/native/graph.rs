@@ -77,12 +77,12 @@ pub(super) fn filter<T: Real>(
         Kept::Spectral(spectral::forward(of, values, matrix, shape, &mut out, buffers))
     } else if inputs <= outputs {
         let stacked = stack(of, values, shape, buffers);
-        times(&mut out, Accum::Replace, &stacked, matrix, [rows, count * inputs, outputs]);
+        times(&mut out, Accum::Replace, &stacked, matrix, [rows, count * inputs, outputs], buffers);
         Kept::Stacked(stacked)
     } else {
         let beside = beside(matrix, shape, buffers);
         let mut products = buffers.take(rows * count * outputs);
-        times(&mut products, Accum::Replace, values, &beside, [rows, inputs, count * outputs]);
+        times(&mut products, Accum::Replace, values, &beside, [rows, inputs, count * outputs], buffers);
         sum_shifted(of.shift, of.nodes, &products, shape, &mut out, buffers);
         buffers.put(beside);
         buffers.put(products);
@@ -120,7 +120,8 @@ pub(super) fn filter_backward<T: Real>(
             if wanted {
                 let mut d_stacked = derivatives.buffers.take(stacked.len());
                 let sizes = [rows, outputs, count * inputs];
-                times_transposed(&mut d_stacked, Accum::Replace, &d, weights.get(taps), sizes);
+                let weights = weights.get(taps);
+                times_transposed(&mut d_stacked, Accum::Replace, &d, weights, sizes, derivatives.buffers);
                 let mut d_input = derivatives.buffers.take(rows * inputs);
                 // What `S^d X` has at the place of a product here: the sum is taken with the transpose.
                 let as_products = Shape { inputs: outputs, outputs: inputs, taps: count };
@@ -154,8 +155,9 @@ pub(super) fn filter_backward<T: Real>(
             if wanted {
                 let beside = beside(weights.get(taps), shape, derivatives.buffers);
                 let sizes = [rows, count * outputs, inputs];
-                let (place, accum) = derivatives.place(*input, rows * inputs);
-                times_transposed(place, accum, &d_products, &beside, sizes);
+                let (mut place, accum) = derivatives.take(*input, rows * inputs);
+                times_transposed(&mut place, accum, &d_products, &beside, sizes, derivatives.buffers);
+                derivatives.put(*input, place);
                 derivatives.buffers.put(beside);
             }
             derivatives.buffers.put(d_products);
@@ -187,7 +189,8 @@ fn stack_by<T: Real>(
     current.copy_from_slice(values);
     for tap in 0..taps {
         if tap > 0 {
-            times(&mut next, Accum::Replace, shift, &current, [nodes, nodes, values.len() / nodes]);
+            let sizes = [nodes, nodes, values.len() / nodes];
+            times(&mut next, Accum::Replace, shift, &current, sizes, buffers);
             std::mem::swap(&mut current, &mut next);
         }
         for (row, from) in stacked.chunks_exact_mut(taps * inputs).zip(current.chunks_exact(inputs)) {
@@ -212,7 +215,7 @@ fn sum_shifted<T: Real>(
     for tap in (0..taps).rev() {
         if tap + 1 < taps {
             inner.copy_from_slice(sum);
-            times(sum, Accum::Replace, shift, &inner, [nodes, nodes, inner.len() / nodes]);
+            times(sum, Accum::Replace, shift, &inner, [nodes, nodes, inner.len() / nodes], buffers);
         }
         let rows = sum.chunks_exact_mut(outputs).zip(products.chunks_exact(taps * outputs));
         for (sum, products) in rows {

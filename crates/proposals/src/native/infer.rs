@@ -54,8 +54,9 @@ fn infer_in<F: Networks, T: Real>(
     representations: &mut [f64],
 ) {
     let n = means.len() / past.particles.max(1);
-    for first in (0..past.particles).step_by(BLOCK) {
-        let rows = BLOCK.min(past.particles - first);
+    let distinct = distinct(past);
+    for first in (0..distinct).step_by(BLOCK) {
+        let rows = BLOCK.min(distinct - first);
         let at = first * n..(first + rows) * n;
         let mut previous = buffers.take(rows * n);
         match past.previous {
@@ -90,4 +91,23 @@ fn infer_in<F: Networks, T: Real>(
         }
         step.release(buffers);
     }
+    if distinct < past.particles {
+        repeat_first(means, n);
+        repeat_first(representations, n);
+        for values in hidden {
+            let width = values.len() / past.particles;
+            repeat_first(T::slice_mut(values), width);
+        }
+    }
+}
+
+/// How many particles know something that others do not: before the first state none does.
+pub(super) fn distinct(past: &Past<'_>) -> usize {
+    if past.previous.is_some() { past.particles } else { past.particles.min(1) }
+}
+
+/// Copies the first row into all others.
+pub(super) fn repeat_first<T: Copy>(rows: &mut [T], width: usize) {
+    let (first, others) = rows.split_at_mut(width);
+    others.chunks_exact_mut(width.max(1)).for_each(|row| row.copy_from_slice(first));
 }

@@ -3,11 +3,13 @@
 //! Matrix products are faer's. What is our own is everything around them: layers fused with their activations, derivatives
 //! taken from outputs, gradients of shared weights formed once from many times, memory that is used again.
 
+mod across;
 mod affine;
 mod buffers;
 mod cells;
 mod graph;
 mod infer;
+mod panels;
 mod products;
 mod skinny;
 mod tape;

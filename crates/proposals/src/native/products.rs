@@ -3,7 +3,7 @@
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};
 
-use super::skinny;
+use super::{Buffers, across, panels, skinny};
 use crate::values::Real;
 
 /// A row-major matrix, or some of its columns: how far it is from one row to the next.
@@ -19,10 +19,24 @@ pub(crate) struct ColumnsMut<'a, T> {
     pub(crate) stride: usize,
 }
 
+/// Up to so many rows, the large factor is best read where it lies, ...
+const FEW: usize = 12;
+/// ... up to so many in pieces, and from there on a copy of it in another order, as a general product makes it, costs little.
+const MANY: usize = 256;
+/// A factor narrower than this is not large.
+const WIDE: usize = 64;
+
 /// Products in one precision; sizes are `[rows of the result, terms of each sum, columns of the result]`.
 pub(crate) trait Products: Sized {
     /// `out = a b`, or `out += a b`; the rows of `b` lie one after another.
-    fn times(out: ColumnsMut<'_, Self>, accum: Accum, a: Columns<'_, Self>, b: &[Self], sizes: [usize; 3]);
+    fn times(
+        out: ColumnsMut<'_, Self>,
+        accum: Accum,
+        a: Columns<'_, Self>,
+        b: &[Self],
+        sizes: [usize; 3],
+        buffers: &mut Buffers<Self>,
+    );
 
     /// `out = a bᵀ`, or `out += a bᵀ`; the rows of `b` lie one after another.
     fn times_transposed(
@@ -31,11 +45,19 @@ pub(crate) trait Products: Sized {
         a: Columns<'_, Self>,
         b: &[Self],
         sizes: [usize; 3],
+        buffers: &mut Buffers<Self>,
     );
 }
 
 impl Products for f64 {
-    fn times(out: ColumnsMut<'_, f64>, accum: Accum, a: Columns<'_, f64>, b: &[f64], sizes: [usize; 3]) {
+    fn times(
+        out: ColumnsMut<'_, f64>,
+        accum: Accum,
+        a: Columns<'_, f64>,
+        b: &[f64],
+        sizes: [usize; 3],
+        _: &mut Buffers<f64>,
+    ) {
         by_faer(out, accum, a, MatRef::from_row_major_slice(b, sizes[1], sizes[2]), sizes);
     }
 
@@ -45,17 +67,28 @@ impl Products for f64 {
         a: Columns<'_, f64>,
         b: &[f64],
         sizes: [usize; 3],
+        _: &mut Buffers<f64>,
     ) {
         by_faer(out, accum, a, MatRef::from_row_major_slice(b, sizes[2], sizes[1]).transpose(), sizes);
     }
 }
 
 impl Products for f32 {
-    fn times(out: ColumnsMut<'_, f32>, accum: Accum, a: Columns<'_, f32>, b: &[f32], sizes: [usize; 3]) {
-        if skinny::suits_times(sizes) {
+    fn times(
+        out: ColumnsMut<'_, f32>,
+        accum: Accum,
+        a: Columns<'_, f32>,
+        b: &[f32],
+        sizes: [usize; 3],
+        buffers: &mut Buffers<f32>,
+    ) {
+        let [rows, _, columns] = sizes;
+        if columns < WIDE || rows > MANY {
+            by_faer(out, accum, a, MatRef::from_row_major_slice(b, sizes[1], columns), sizes);
+        } else if rows <= FEW {
             skinny::times(out, accum, a, b, sizes);
         } else {
-            by_faer(out, accum, a, MatRef::from_row_major_slice(b, sizes[1], sizes[2]), sizes);
+            panels::times(out, accum, a, b, sizes, buffers);
         }
     }
 
@@ -65,11 +98,15 @@ impl Products for f32 {
         a: Columns<'_, f32>,
         b: &[f32],
         sizes: [usize; 3],
+        buffers: &mut Buffers<f32>,
     ) {
-        if skinny::suits_times_transposed(sizes) {
+        let [rows, inner, columns] = sizes;
+        if inner < WIDE || columns < WIDE || rows > MANY {
+            by_faer(out, accum, a, MatRef::from_row_major_slice(b, columns, inner).transpose(), sizes);
+        } else if rows <= FEW {
             skinny::times_transposed(out, accum, a, b, sizes);
         } else {
-            by_faer(out, accum, a, MatRef::from_row_major_slice(b, sizes[2], sizes[1]).transpose(), sizes);
+            across::times_transposed(out, accum, a, b, sizes, buffers);
         }
     }
 }
@@ -89,17 +126,31 @@ fn by_faer<T: faer::traits::RealField>(
 }
 
 /// `out = a b`, or `out += a b`: `rows×inner` times `inner×columns`.
-pub(super) fn times<T: Real>(out: &mut [T], accum: Accum, a: &[T], b: &[T], sizes: [usize; 3]) {
+pub(super) fn times<T: Real>(
+    out: &mut [T],
+    accum: Accum,
+    a: &[T],
+    b: &[T],
+    sizes: [usize; 3],
+    buffers: &mut Buffers<T>,
+) {
     let [_, inner, columns] = sizes;
     let a = Columns { values: a, stride: inner };
-    T::times(ColumnsMut { values: out, stride: columns }, accum, a, b, sizes);
+    T::times(ColumnsMut { values: out, stride: columns }, accum, a, b, sizes, buffers);
 }
 
 /// `out = a bᵀ`, or `out += a bᵀ`: `rows×inner` times the transpose of `columns×inner`.
-pub(super) fn times_transposed<T: Real>(out: &mut [T], accum: Accum, a: &[T], b: &[T], sizes: [usize; 3]) {
+pub(super) fn times_transposed<T: Real>(
+    out: &mut [T],
+    accum: Accum,
+    a: &[T],
+    b: &[T],
+    sizes: [usize; 3],
+    buffers: &mut Buffers<T>,
+) {
     let [_, inner, columns] = sizes;
     let a = Columns { values: a, stride: inner };
-    T::times_transposed(ColumnsMut { values: out, stride: columns }, accum, a, b, sizes);
+    T::times_transposed(ColumnsMut { values: out, stride: columns }, accum, a, b, sizes, buffers);
 }
 
 /// `out = aᵀ b`, or `out += aᵀ b`: the transpose of `inner×rows` times `inner×columns`.

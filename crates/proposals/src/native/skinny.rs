@@ -12,20 +12,6 @@ use super::products::{Columns, ColumnsMut};
 /// from far away; those of one training step do not fit into a cache.
 const TERMS: usize = 16;
 
-/// Below this many columns, or terms of a sum, there is nothing to be gained.
-const FEW: usize = 64;
-
-/// More rows than these are worth a copy of the matrix of weights, in one product and in the other.
-const MANY: [usize; 2] = [24, 64];
-
-pub(super) fn suits_times([rows, _, columns]: [usize; 3]) -> bool {
-    columns >= FEW && rows <= MANY[0]
-}
-
-pub(super) fn suits_times_transposed([rows, inner, columns]: [usize; 3]) -> bool {
-    inner >= FEW && columns >= FEW && rows <= MANY[1]
-}
-
 /// `out = a b`, or `out += a b`.
 pub(super) fn times(
     out: ColumnsMut<'_, f32>,
@@ -107,7 +93,7 @@ struct Corner {
 
 /// Two vectors from the beginning of a slice, with zeros where it is too short.
 #[inline(always)]
-fn load_two<S: Simd>(simd: S, values: &[f32]) -> [S::f32s; 2] {
+pub(super) fn load_two<S: Simd>(simd: S, values: &[f32]) -> [S::f32s; 2] {
     let lanes = S::F32_LANES;
     if values.len() == 2 * lanes {
         let (vectors, _) = S::as_simd_f32s(values);
@@ -118,8 +104,9 @@ fn load_two<S: Simd>(simd: S, values: &[f32]) -> [S::f32s; 2] {
     }
 }
 
+/// Writes two vectors to a slice, or as much of them as it takes.
 #[inline(always)]
-fn store_two<S: Simd>(simd: S, values: &mut [f32], vectors: [S::f32s; 2]) {
+pub(super) fn store_two<S: Simd>(simd: S, values: &mut [f32], vectors: [S::f32s; 2]) {
     let lanes = S::F32_LANES;
     if values.len() == 2 * lanes {
         let (places, _) = S::as_mut_simd_f32s(values);

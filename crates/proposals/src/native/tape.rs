@@ -3,6 +3,7 @@
 use faer::Accum;
 use motes_smc::{Past, ProposalError};
 
+use super::infer::{distinct, repeat_first};
 use super::{At, Buffers, Kind, Native, Node, Step, Waiting, affine, cells, graph};
 use crate::gaussian::{Known, NetworkTape, Networks};
 use crate::parameters::Matrices;
@@ -17,7 +18,8 @@ pub(crate) struct NativeTape<'p, F, T> {
     scratch: ForNative<T>,
     gradients: Gradients,
     steps: Vec<Recorded<T>>,
-    /// What the particles carry into the next step, `R×width` each.
+    particles: usize,
+    /// What the particles carry into the next step, `R×width` each; one row as long as all carry the same.
     hidden: Vec<Vec<T>>,
     /// The derivative with respect to what they carried out of the last step not yet undone; empty if it is zero.
     d_hidden: Vec<Vec<T>>,
@@ -48,7 +50,8 @@ impl<'p, F: Networks, T: Scratched> NativeTape<'p, F, T> {
             scratch,
             gradients,
             steps: Vec::new(),
-            hidden: widths.iter().map(|width| vec![T::ZERO; particles * width]).collect(),
+            particles,
+            hidden: widths.iter().map(|&width| vec![T::ZERO; width]).collect(),
             d_hidden: Vec::new(),
         }
     }
@@ -62,7 +65,7 @@ impl<F: Networks, T: Scratched> NetworkTape for NativeTape<'_, F, T> {
         means: &mut [f64],
         representations: &mut [f64],
     ) -> Result<(), ProposalError> {
-        let rows = past.particles;
+        let rows = distinct(past);
         let buffers = &mut self.scratch.buffers;
         let mut step = self.scratch.steps.pop().unwrap_or_default();
         let mut previous = buffers.take(rows * width);
@@ -82,13 +85,22 @@ impl<F: Networks, T: Scratched> NetworkTape for NativeTape<'_, F, T> {
         widen(step.values(emission.means), means);
         widen(step.values(emission.representations), representations);
         for &at in &emission.hidden {
-            let mut copy = buffers.take(step.values(at).len());
-            copy.copy_from_slice(step.values(at));
+            let values = step.values(at);
+            let mut copy = buffers.take(values.len() / rows * self.particles);
+            copy[..values.len()].copy_from_slice(values);
             self.hidden.push(copy);
+        }
+        if rows < self.particles {
+            repeat_first(means, width);
+            repeat_first(representations, width);
+            self.hidden.iter_mut().for_each(|hidden| {
+                let width = hidden.len() / self.particles;
+                repeat_first(hidden, width);
+            });
         }
         self.steps.push(Recorded {
             step,
-            first: past.time == 0,
+            first: past.previous.is_none(),
             previous,
             hidden_in,
             hidden_out: emission.hidden,
@@ -112,12 +124,27 @@ impl<F: Networks, T: Scratched> NetworkTape for NativeTape<'_, F, T> {
         let mut derivatives = Derivatives { at: d_nodes, unwanted: Vec::new(), buffers };
         derivatives.mark_unwanted(nodes, &recorded);
         for (at, values) in [(recorded.means, d_means), (recorded.representations, d_representations)] {
-            let mut d = derivatives.buffers.take(values.len());
-            narrow(values, &mut d);
+            let mut d = derivatives.buffers.take(nodes[at.0].values.len());
+            if d.len() < values.len() {
+                let mut sum = vec![0.0; d.len()];
+                add_rows(&mut sum, values);
+                narrow(&sum, &mut d);
+            } else {
+                narrow(values, &mut d);
+            }
             derivatives.add(at, d);
         }
         for (at, d) in recorded.hidden_out.iter().zip(self.d_hidden.drain(..)) {
-            derivatives.add(*at, d);
+            let len = nodes[at.0].values.len();
+            if len < d.len() {
+                let mut sum = derivatives.buffers.take(len);
+                sum.fill(T::ZERO);
+                add_rows(&mut sum, &d);
+                derivatives.add(*at, sum);
+                derivatives.buffers.put(d);
+            } else {
+                derivatives.add(*at, d);
+            }
         }
         for at in (0..nodes.len()).rev() {
             if matches!(nodes[at].kind, Kind::Given) {
@@ -129,7 +156,9 @@ impl<F: Networks, T: Scratched> NetworkTape for NativeTape<'_, F, T> {
         }
         d_previous.fill(0.0);
         if let Some(d) = derivatives.at[recorded.previous.0].take() {
-            widen(&d, d_previous);
+            if !recorded.first {
+                widen(&d, d_previous);
+            }
             derivatives.buffers.put(d);
         }
         if !recorded.first {
@@ -159,6 +188,13 @@ impl<F: Networks, T: Scratched> NetworkTape for NativeTape<'_, F, T> {
     fn finish(mut self: Box<Self>) -> Workspace {
         self.scratch.waiting.finish(&mut self.gradients);
         Workspace::closed(self.gradients, self.scratch)
+    }
+}
+
+/// The derivative of what was computed in one row for all particles.
+fn add_rows<T: Copy + std::ops::AddAssign>(sum: &mut [T], rows: &[T]) {
+    for row in rows.chunks_exact(sum.len()) {
+        sum.iter_mut().zip(row).for_each(|(sum, value)| *sum += *value);
     }
 }
 
@@ -238,13 +274,7 @@ impl<T: Real> Derivatives<'_, T> {
         self.unwanted.iter().all(|unwanted| unwanted.0 != at)
     }
 
-    /// Where a derivative of `len` numbers is to be written or added to.
-    pub(super) fn place(&mut self, At(at): At, len: usize) -> (&mut [T], Accum) {
-        let accum = if self.at[at].is_some() { Accum::Add } else { Accum::Replace };
-        (self.at[at].get_or_insert_with(|| self.buffers.take(len)), accum)
-    }
-
-    /// The same, taken out until it is put back.
+    /// Where a derivative of `len` numbers is to be written or added to, taken out until it is put back.
     pub(super) fn take(&mut self, At(at): At, len: usize) -> (Vec<T>, Accum) {
         match self.at[at].take() {
             Some(values) => (values, Accum::Add),

@@ -42,7 +42,7 @@ pub(super) fn forward<T: Real>(
     let (nodes, Shape { inputs, outputs, .. }) = (of.nodes, shape);
     let mut in_basis = buffers.take(values.len());
     let wide = values.len() / nodes;
-    times(&mut in_basis, Accum::Replace, spectrum.basis_transposed, values, [nodes, nodes, wide]);
+    times(&mut in_basis, Accum::Replace, spectrum.basis_transposed, values, [nodes, nodes, wide], buffers);
     let rows = wide / inputs;
     let mut out_in_basis = buffers.take(out.len());
     each_panel(shape, |first, panel| {
@@ -54,11 +54,12 @@ pub(super) fn forward<T: Real>(
             let accum = if first == 0 { Accum::Replace } else { Accum::Add };
             let some = Columns { values: &from[first..], stride: inputs };
             let into = ColumnsMut { values: into, stride: outputs };
-            T::times(into, accum, some, &matrix, [rows, panel, outputs]);
+            T::times(into, accum, some, &matrix, [rows, panel, outputs], buffers);
         }
         buffers.put(matrix);
     });
-    times(out, Accum::Replace, spectrum.basis, &out_in_basis, [nodes, nodes, out.len() / nodes]);
+    let sizes = [nodes, nodes, out.len() / nodes];
+    times(out, Accum::Replace, spectrum.basis, &out_in_basis, sizes, buffers);
     buffers.put(out_in_basis);
     in_basis
 }
@@ -76,7 +77,8 @@ pub(super) fn backward<T: Real>(
     let (nodes, Shape { inputs, outputs, .. }) = (of.nodes, shape);
     let rows = rows / nodes;
     let mut d_in_basis = buffers.take(d.len());
-    times(&mut d_in_basis, Accum::Replace, spectrum.basis_transposed, d, [nodes, nodes, d.len() / nodes]);
+    let sizes = [nodes, nodes, d.len() / nodes];
+    times(&mut d_in_basis, Accum::Replace, spectrum.basis_transposed, d, sizes, buffers);
     waiting.push_spectral(way, in_basis, &d_in_basis, gradients);
     let matrix_of_taps = weights.get(taps);
     let mut d_input_in_basis = buffers.take(in_basis.len());
@@ -88,13 +90,13 @@ pub(super) fn backward<T: Real>(
             let into = &mut d_input_in_basis[i * rows * inputs..(i + 1) * rows * inputs];
             let some = ColumnsMut { values: &mut into[first..], stride: inputs };
             let from = Columns { values: from, stride: outputs };
-            T::times_transposed(some, Accum::Replace, from, &matrix, [rows, outputs, panel]);
+            T::times_transposed(some, Accum::Replace, from, &matrix, [rows, outputs, panel], buffers);
         }
         buffers.put(matrix);
     });
     let mut d_input = buffers.take(in_basis.len());
     let sizes = [nodes, nodes, in_basis.len() / nodes];
-    times(&mut d_input, Accum::Replace, spectrum.basis, &d_input_in_basis, sizes);
+    times(&mut d_input, Accum::Replace, spectrum.basis, &d_input_in_basis, sizes, buffers);
     buffers.put(d_in_basis);
     buffers.put(d_input_in_basis);
     d_input

@@ -1,0 +1,174 @@
+//! Products of some dozens of rows with a large matrix, which is read along its rows, a few rows at a time.
+//!
+//! A batch of particles is too large to be held in registers and too small to pay for a copy of the whole matrix of weights. Here a panel of
+//! that matrix, narrow and short, is copied into the nearest cache and multiplied by all rows. Sums are kept panel by panel: the
+//! rows of a wide result lie so far apart that they would push each other out of that cache.
+
+use faer::Accum;
+use pulp::{Arch, Simd, WithSimd};
+
+use super::Buffers;
+use super::products::{Columns, ColumnsMut};
+use super::skinny::{load_two, store_two};
+
+/// Terms of the sums at a time: as many rows of weights as a processor reads ahead in.
+const TERMS: usize = 64;
+
+/// The widest panel: two of the longest vectors.
+const WIDEST: usize = 32;
+
+/// `out = a b`, or `out += a b`.
+pub(super) fn times(
+    out: ColumnsMut<'_, f32>,
+    accum: Accum,
+    a: Columns<'_, f32>,
+    b: &[f32],
+    sizes: [usize; 3],
+    buffers: &mut Buffers<f32>,
+) {
+    let [rows, inner, columns] = sizes;
+    let mut panel = buffers.take(TERMS * WIDEST);
+    let mut in_tiles = buffers.take(rows * inner);
+    let mut sums = buffers.take(rows * columns.next_multiple_of(WIDEST));
+    let (panels, tiles) = (&mut panel, &mut in_tiles);
+    Arch::new().dispatch(Times { a, b, sizes, panel: panels, in_tiles: tiles, sums: &mut sums, out, accum });
+    for buffer in [panel, in_tiles, sums] {
+        buffers.put(buffer);
+    }
+}
+
+struct Times<'a> {
+    out: ColumnsMut<'a, f32>,
+    accum: Accum,
+    a: Columns<'a, f32>,
+    b: &'a [f32],
+    sizes: [usize; 3],
+    /// Some rows and two vectors of columns of `b`.
+    panel: &'a mut [f32],
+    /// `a` in tiles of rows, each with its columns one after another.
+    in_tiles: &'a mut [f32],
+    /// `a b` in panels of two vectors of columns, each with its rows one after another.
+    sums: &'a mut [f32],
+}
+
+/// The rows of a tile: as even as can be, and so few that their sums fit into registers.
+#[derive(Clone, Copy)]
+pub(super) struct Tiles {
+    rows: usize,
+    count: usize,
+}
+
+impl Tiles {
+    #[inline(always)]
+    pub(super) fn of<S: Simd>(rows: usize) -> Self {
+        // Two vectors of sums a row; two of weights and one of the other factor beside them.
+        Tiles { rows, count: rows.div_ceil((S::REGISTER_COUNT - 4) / 2) }
+    }
+
+    /// Where each tile begins, and how many rows it has.
+    #[inline(always)]
+    pub(super) fn each(self) -> impl Iterator<Item = (usize, usize)> {
+        let Tiles { rows, count } = self;
+        (0..count).map(move |tile| {
+            let start = |tile: usize| tile * rows / count;
+            (start(tile), start(tile + 1) - start(tile))
+        })
+    }
+
+    /// Brings rows into tiles.
+    #[inline(always)]
+    pub(super) fn fill(self, a: Columns<'_, f32>, inner: usize, in_tiles: &mut [f32]) {
+        for (start, rows) in self.each() {
+            let tile = &mut in_tiles[start * inner..(start + rows) * inner];
+            for row in 0..rows {
+                let from = (start + row) * a.stride;
+                for (column, value) in tile.chunks_exact_mut(rows).zip(&a.values[from..from + inner]) {
+                    column[row] = *value;
+                }
+            }
+        }
+    }
+}
+
+impl WithSimd for Times<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Times { out, accum, a, b, sizes: [rows, inner, columns], panel, in_tiles, sums } = self;
+        let width = 2 * S::F32_LANES;
+        let tiles = Tiles::of::<S>(rows);
+        tiles.fill(a, inner, in_tiles);
+        if inner == 0 {
+            // A sum of no terms is still a result.
+            sums.fill(0.0);
+        }
+        let mut first = 0;
+        while first < inner {
+            let terms = TERMS.min(inner - first);
+            for (part, sums) in sums.chunks_exact_mut(rows * width).take(columns.div_ceil(width)).enumerate() {
+                let column = part * width;
+                let some = width.min(columns - column);
+                for (k, into) in panel.chunks_exact_mut(width).take(terms).enumerate() {
+                    let at = (first + k) * columns + column;
+                    store_two::<S>(simd, into, load_two::<S>(simd, &b[at..at + some]));
+                }
+                for (start, count) in tiles.each() {
+                    let from = start * inner;
+                    let a = &in_tiles[from + first * count..from + (first + terms) * count];
+                    let sums = &mut sums[start * width..(start + count) * width];
+                    tile::<S>(simd, count, first > 0, sums, a, &panel[..terms * width]);
+                }
+            }
+            first += terms;
+        }
+        for (part, sums) in sums.chunks_exact(rows * width).take(columns.div_ceil(width)).enumerate() {
+            let column = part * width;
+            let some = width.min(columns - column);
+            for (row, sums) in sums.chunks_exact(width).enumerate() {
+                let at = row * out.stride + column;
+                let (into, mut sums) = (&mut out.values[at..at + some], load_two::<S>(simd, sums));
+                if accum == Accum::Add {
+                    let before = load_two::<S>(simd, into);
+                    sums = [simd.add_f32s(sums[0], before[0]), simd.add_f32s(sums[1], before[1])];
+                }
+                store_two::<S>(simd, into, sums);
+            }
+        }
+    }
+}
+
+/// `sums (+)= a b` for a tile of `rows` rows: `a` column by column, `b` in a panel, in registers all along.
+#[inline(always)]
+pub(super) fn tile<S: Simd>(simd: S, rows: usize, add: bool, sums: &mut [f32], a: &[f32], b: &[f32]) {
+    macro_rules! of_rows {
+        ($($rows:literal)*) => {
+            match rows {
+                $($rows => sized::<S, $rows>(simd, add, sums, a, b),)*
+                _ => unreachable!("a tile has as many rows as fit into registers"),
+            }
+        };
+    }
+    of_rows!(1 2 3 4 5 6 7 8 9 10 11 12 13 14)
+}
+
+#[inline(always)]
+fn sized<S: Simd, const R: usize>(simd: S, add: bool, out: &mut [f32], a: &[f32], b: &[f32]) {
+    let (out, _) = S::as_mut_simd_f32s(out);
+    let (out, _) = out.as_chunks_mut::<2>();
+    let mut sums = [[simd.splat_f32s(0.0); 2]; R];
+    if add {
+        sums.iter_mut().zip(&*out).for_each(|(sums, out)| *sums = *out);
+    }
+    let (a, _) = a.as_chunks::<R>();
+    let (b, _) = S::as_simd_f32s(b);
+    let (b, _) = b.as_chunks::<2>();
+    for (a, b) in a.iter().zip(b) {
+        for (a, sums) in a.iter().zip(&mut sums) {
+            let a = simd.splat_f32s(*a);
+            sums[0] = simd.mul_add_e_f32s(a, b[0], sums[0]);
+            sums[1] = simd.mul_add_e_f32s(a, b[1], sums[1]);
+        }
+    }
+    out.iter_mut().zip(sums).for_each(|(out, sums)| *out = sums);
+}
