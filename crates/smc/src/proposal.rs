@@ -1,6 +1,7 @@
 //! The interface of a sampling distribution: condition it on the past, then draw from it or ask its density.
 
 use motes_models::Stream;
+use motes_models::batch::Rows;
 use thiserror::Error;
 
 use crate::ParticleMemory;
@@ -136,14 +137,16 @@ pub trait Proposal<Model: ?Sized> {
 
 /// A proposal that needs nothing of a particle but its previous state, and no scratch of its own.
 pub trait RowProposal<Model: ?Sized>: Sync {
-    /// Draws a state for each of the `R` particles in `past` into `states` (`R×N`), and writes what its weight is multiplied by,
-    /// `log p(y|x) + log p(x|x') − log q(x|x', y)`, into `increments` (`R`).
+    /// Draws a state for each of `R` particles into `states` (`R×N`), given those they descend from (`None` at `t = 0`), and writes what
+    /// its weight is multiplied by, `log p(y|x) + log p(x|x') − log q(x|x', y)`, into `increments` (`R`).
     ///
     /// The particles are split evenly over `streams`, in order; what a stream gives to its particles does not depend on the others.
     fn draw(
         &self,
         model: &Model,
-        past: Past<'_>,
+        time: usize,
+        measurement: &[f64],
+        previous: Option<Rows<'_>>,
         streams: &mut [Stream],
         states: &mut [f64],
         increments: &mut [f64],

@@ -5,6 +5,8 @@ use thiserror::Error;
 
 use motes_models::elementary::exp;
 
+use crate::workers::{Pieces, Workers};
+
 /// Why a set of log-weights cannot be normalised.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum WeightFault {
@@ -21,19 +23,32 @@ pub enum WeightFault {
     AllZero,
 }
 
+/// Particles whose weights are summed up together, while they are in the nearest cache.
+pub(crate) const BLOCK: usize = 1024;
+
 /// The log-weights of `K` particles, normalised: `Σ_k exp(log W_k) = 1`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LogWeights {
     log: Vec<f64>,
     normalised: Vec<f64>,
     effective_sample_size: f64,
+    /// Whether all weights are equal whatever is stored, until they are updated.
+    equal: bool,
+    /// Of each block of weights, in the midst of an update.
+    blocks: Vec<Sums>,
 }
 
 impl LogWeights {
     /// `K` equal weights.
     pub fn uniform(particles: usize) -> Self {
         let zeros = vec![0.0; particles];
-        let mut weights = LogWeights { log: zeros.clone(), normalised: zeros, effective_sample_size: 0.0 };
+        let mut weights = LogWeights {
+            log: zeros.clone(),
+            normalised: zeros,
+            effective_sample_size: 0.0,
+            equal: false,
+            blocks: vec![Sums::default(); particles.div_ceil(BLOCK)],
+        };
         weights.reset();
         weights
     }
@@ -44,6 +59,12 @@ impl LogWeights {
         self.log.fill(-particles.ln());
         self.normalised.fill(1.0 / particles);
         self.effective_sample_size = particles;
+    }
+
+    /// [`LogWeights::reset`] of weights that nobody looks at before the next update.
+    pub(crate) fn reset_until_update(&mut self) {
+        self.effective_sample_size = self.log.len() as f64;
+        self.equal = true;
     }
 
     /// Multiplies each normalised weight by `exp(increment)`, normalises again, and returns the logarithm of
@@ -60,24 +81,43 @@ impl LogWeights {
     /// If there is not one increment for each particle.
     pub fn update(&mut self, increments: &[f64]) -> Result<f64, WeightFault> {
         assert_eq!(increments.len(), self.log.len(), "one increment for each particle");
-        let LogWeights { log, normalised, .. } = self;
-        let Sums { largest, number, sum, sum_of_squares } =
-            pulp::Arch::new().dispatch(Update { log, normalised, increments });
-        if !number {
+        let mut blocks = self.blocks();
+        for increments in increments.chunks(BLOCK) {
+            let (mut block, others) = blocks.split(1);
+            block.multiply(increments);
+            blocks = others;
+        }
+        self.normalise(&Workers::none())
+    }
+
+    /// The weights in blocks, each to be multiplied once before [`LogWeights::normalise`].
+    pub(crate) fn blocks(&mut self) -> WeightBlocks<'_> {
+        let equal = self.equal.then(|| -(self.log.len() as f64).ln());
+        WeightBlocks { equal, log: &mut self.log, weights: &mut self.normalised, sums: &mut self.blocks }
+    }
+
+    /// Ends an update of all blocks, as [`LogWeights::update`].
+    pub(crate) fn normalise(&mut self, workers: &Workers) -> Result<f64, WeightFault> {
+        self.equal = false;
+        // In the order of blocks, whoever summed them.
+        let whole = self.blocks.iter().fold(Sums::default(), Sums::with);
+        if !whole.number {
             let fault = self.log.iter().position(|log| log.is_nan() || *log == f64::INFINITY);
             let particle = fault.unwrap_or_default();
             return Err(WeightFault::NotANumber { particle, value: self.log[particle] });
         }
-        if largest == f64::NEG_INFINITY {
+        if whole.largest == f64::NEG_INFINITY {
             return Err(WeightFault::AllZero);
         }
-        self.effective_sample_size = sum * sum / sum_of_squares;
-        let log_sum = largest + sum.ln();
-        let scale = 1.0 / sum;
-        for (log, weight) in self.log.iter_mut().zip(&mut self.normalised) {
-            *log -= log_sum;
-            *weight *= scale;
-        }
+        self.effective_sample_size = whole.sum * whole.sum / whole.sum_of_squares;
+        let log_sum = whole.largest + whole.sum.ln();
+        workers.share(self.blocks(), GRAIN, &|blocks: WeightBlocks<'_>| {
+            let parts = blocks.log.chunks_mut(BLOCK).zip(blocks.weights.chunks_mut(BLOCK));
+            for ((log, weights), sums) in parts.zip(blocks.sums) {
+                let scale = exp(sums.largest - whole.largest) / whole.sum;
+                pulp::Arch::new().dispatch(Shift { log, weights, log_sum, scale });
+            }
+        });
         Ok(log_sum)
     }
 
@@ -112,68 +152,183 @@ impl LogWeights {
     }
 }
 
-/// Adds increments to log-weights, and leaves `exp(log w_k − maxⱼ log w_j)`.
-struct Update<'a> {
+/// Blocks of weights that a thread would rather do itself than hand on.
+const GRAIN: usize = 8;
+
+/// Consecutive blocks of weights in the midst of an update.
+pub(crate) struct WeightBlocks<'a> {
+    /// What every log-weight is, if not what is stored.
+    equal: Option<f64>,
     log: &'a mut [f64],
-    normalised: &'a mut [f64],
-    increments: &'a [f64],
+    weights: &'a mut [f64],
+    sums: &'a mut [Sums],
+}
+
+impl WeightBlocks<'_> {
+    /// Adds increments to the log-weights of a single block, and leaves its weights as multiples of the largest of them.
+    pub(crate) fn multiply(&mut self, increments: &[f64]) {
+        let update = Update { equal: self.equal, log: self.log, weights: self.weights, increments };
+        self.sums[0] = pulp::Arch::new().dispatch(update);
+    }
+}
+
+impl Pieces for WeightBlocks<'_> {
+    fn count(&self) -> usize {
+        self.sums.len()
+    }
+
+    fn split(self, blocks: usize) -> (Self, Self) {
+        let rows = (blocks * BLOCK).min(self.log.len());
+        let (log, later_log) = self.log.split_at_mut(rows);
+        let (weights, later_weights) = self.weights.split_at_mut(rows);
+        let (sums, later_sums) = self.sums.split_at_mut(blocks);
+        (
+            WeightBlocks { equal: self.equal, log, weights, sums },
+            WeightBlocks { equal: self.equal, log: later_log, weights: later_weights, sums: later_sums },
+        )
+    }
 }
 
 /// What one needs to know of weights to normalise them.
+#[derive(Debug, Clone, Copy, PartialEq)]
 struct Sums {
+    /// The largest log-weight.
     largest: f64,
     /// Whether each is a number below +∞.
     number: bool,
+    /// Of the weights as multiples of the largest.
     sum: f64,
     sum_of_squares: f64,
 }
 
+impl Default for Sums {
+    /// Of no weights.
+    fn default() -> Self {
+        Sums { largest: f64::NEG_INFINITY, number: true, sum: 0.0, sum_of_squares: 0.0 }
+    }
+}
+
+impl Sums {
+    /// Of these weights and others.
+    fn with(self, other: &Sums) -> Sums {
+        let largest = self.largest.max(other.largest);
+        // Where all weights are zero so far, there is nothing to scale.
+        let scale = |part: f64| if part == largest { 1.0 } else { exp(part - largest) };
+        let (mine, others) = (scale(self.largest), scale(other.largest));
+        Sums {
+            largest,
+            number: self.number && other.number,
+            sum: mine * self.sum + others * other.sum,
+            sum_of_squares: mine * mine * self.sum_of_squares + others * others * other.sum_of_squares,
+        }
+    }
+}
+
+/// Adds increments to log-weights, and leaves `exp(log w_k − maxⱼ log w_j)`.
+struct Update<'a> {
+    equal: Option<f64>,
+    log: &'a mut [f64],
+    weights: &'a mut [f64],
+    increments: &'a [f64],
+}
+
 /// Partial sums that are kept side by side; their number fixes the order of additions on any machine.
 const LANES: usize = 32;
+/// So many at a time at the end.
+const FEW: usize = 8;
 
 impl WithSimd for Update<'_> {
     type Output = Sums;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _simd: S) -> Sums {
+        let Update { equal, log, weights, increments } = self;
         let (mut largest, mut number) = ([f64::NEG_INFINITY; LANES], [1.0; LANES]);
-        let mut raise = |log: &mut [f64; LANES], increments: &[f64; LANES]| {
-            for i in 0..LANES {
-                let value = log[i] + increments[i];
-                log[i] = value;
-                largest[i] = if value > largest[i] { value } else { largest[i] };
-                number[i] = if value < f64::INFINITY { number[i] } else { 0.0 };
+        match equal {
+            Some(equal) => {
+                for (log, increment) in log.iter_mut().zip(increments) {
+                    *log = equal + increment;
+                }
             }
-        };
-        let (log, last_log) = self.log.as_chunks_mut::<LANES>();
-        let (increments, last_increments) = self.increments.as_chunks::<LANES>();
-        for (log, increments) in log.iter_mut().zip(increments) {
-            raise(log, increments);
+            None => {
+                for (log, increment) in log.iter_mut().zip(increments) {
+                    *log += increment;
+                }
+            }
         }
-        let (mut padded_log, mut padded) = ([f64::NEG_INFINITY; LANES], [0.0; LANES]);
-        padded_log[..last_log.len()].copy_from_slice(last_log);
-        padded[..last_log.len()].copy_from_slice(last_increments);
-        raise(&mut padded_log, &padded);
-        last_log.copy_from_slice(&padded_log[..last_log.len()]);
+        let (whole, rest) = log.as_chunks::<LANES>();
+        let (few, rest) = rest.as_chunks::<FEW>();
+        let mut last = [f64::NEG_INFINITY; FEW];
+        last[..rest.len()].copy_from_slice(rest);
+        for log in whole {
+            compare(log, &mut largest, &mut number);
+        }
+        for log in few {
+            compare(log, &mut largest, &mut number);
+        }
+        compare(&last, &mut largest, &mut number);
         let largest = largest.into_iter().fold(f64::NEG_INFINITY, f64::max);
         let number = number == [1.0; LANES];
 
         let (mut sum, mut sum_of_squares) = ([0.0; LANES], [0.0; LANES]);
-        let mut exponentiate = |weights: &mut [f64; LANES], log: &[f64; LANES]| {
-            for i in 0..LANES {
-                let weight = exp(log[i] - largest);
-                weights[i] = weight;
-                sum[i] += weight;
-                sum_of_squares[i] = weight.mul_add(weight, sum_of_squares[i]);
-            }
-        };
-        let (weights, last_weights) = self.normalised.as_chunks_mut::<LANES>();
-        for (weights, log) in weights.iter_mut().zip(log.iter()) {
-            exponentiate(weights, log);
+        let (whole_weights, rest_weights) = weights.as_chunks_mut::<LANES>();
+        let (few_weights, rest_weights) = rest_weights.as_chunks_mut::<FEW>();
+        for (log, weights) in whole.iter().zip(whole_weights) {
+            exponentiate(log, largest, weights, &mut sum, &mut sum_of_squares);
         }
-        exponentiate(&mut padded, &padded_log);
-        last_weights.copy_from_slice(&padded[..last_weights.len()]);
+        for (log, weights) in few.iter().zip(few_weights) {
+            exponentiate(log, largest, weights, &mut sum, &mut sum_of_squares);
+        }
+        let mut last_weights = [0.0; FEW];
+        exponentiate(&last, largest, &mut last_weights, &mut sum, &mut sum_of_squares);
+        rest_weights.copy_from_slice(&last_weights[..rest_weights.len()]);
         Sums { largest, number, sum: sum.iter().sum(), sum_of_squares: sum_of_squares.iter().sum() }
+    }
+}
+
+#[inline(always)]
+fn compare<const L: usize>(log: &[f64; L], largest: &mut [f64; LANES], number: &mut [f64; LANES]) {
+    for i in 0..L {
+        largest[i] = if log[i] > largest[i] { log[i] } else { largest[i] };
+        number[i] = if log[i] < f64::INFINITY { number[i] } else { 0.0 };
+    }
+}
+
+#[inline(always)]
+fn exponentiate<const L: usize>(
+    log: &[f64; L],
+    largest: f64,
+    weights: &mut [f64; L],
+    sum: &mut [f64; LANES],
+    sum_of_squares: &mut [f64; LANES],
+) {
+    for i in 0..L {
+        let weight = exp(log[i] - largest);
+        weights[i] = weight;
+        sum[i] += weight;
+        sum_of_squares[i] = weight.mul_add(weight, sum_of_squares[i]);
+    }
+}
+
+/// Makes multiples of a block's largest weight normalised ones.
+struct Shift<'a> {
+    log: &'a mut [f64],
+    weights: &'a mut [f64],
+    log_sum: f64,
+    scale: f64,
+}
+
+impl WithSimd for Shift<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) {
+        for log in self.log {
+            *log -= self.log_sum;
+        }
+        for weight in self.weights {
+            *weight *= self.scale;
+        }
     }
 }
 

@@ -1,5 +1,6 @@
 //! The bootstrap proposal: the model's own transition.
 
+use motes_models::batch::Rows;
 use motes_models::{StateSpaceModel, Stream};
 
 use crate::{Conditional, Past, Proposal, ProposalError, RowProposal};
@@ -40,19 +41,19 @@ impl<M: StateSpaceModel + ?Sized> RowProposal<M> for Bootstrap {
     fn draw(
         &self,
         model: &M,
-        past: Past<'_>,
+        time: usize,
+        measurement: &[f64],
+        previous: Option<Rows<'_>>,
         streams: &mut [Stream],
         states: &mut [f64],
         increments: &mut [f64],
     ) {
         // Transition and proposal cancel: the likelihood is all that is left.
-        match past.previous {
-            Some(previous) => {
-                model.propagate(past.time, previous, past.measurement, streams, states, increments);
-            }
+        match previous {
+            Some(previous) => model.propagate(time, previous, measurement, streams, states, increments),
             None => {
                 model.sample_initials(streams, states);
-                model.log_likelihoods(past.time, states, past.measurement, increments);
+                model.log_likelihoods(time, states, measurement, increments);
             }
         }
     }
