@@ -99,8 +99,7 @@ impl LogWeights {
     /// Ends an update of all blocks, as [`LogWeights::update`].
     pub(crate) fn normalise(&mut self, workers: &Workers) -> Result<f64, WeightFault> {
         self.equal = false;
-        // In the order of blocks, whoever summed them.
-        let whole = self.blocks.iter().fold(Sums::default(), Sums::with);
+        let whole = pulp::Arch::new().dispatch(Together(&self.blocks));
         if !whole.number {
             let fault = self.log.iter().position(|log| log.is_nan() || *log == f64::INFINITY);
             let particle = fault.unwrap_or_default();
@@ -114,8 +113,7 @@ impl LogWeights {
         workers.share(self.blocks(), GRAIN, &|blocks: WeightBlocks<'_>| {
             let parts = blocks.log.chunks_mut(BLOCK).zip(blocks.weights.chunks_mut(BLOCK));
             for ((log, weights), sums) in parts.zip(blocks.sums) {
-                let scale = exp(sums.largest - whole.largest) / whole.sum;
-                pulp::Arch::new().dispatch(Shift { log, weights, log_sum, scale });
+                pulp::Arch::new().dispatch(Shift { log, weights, log_sum, sums, whole: &whole });
             }
         });
         Ok(log_sum)
@@ -210,16 +208,43 @@ impl Default for Sums {
 
 impl Sums {
     /// Of these weights and others.
+    #[inline(always)]
     fn with(self, other: &Sums) -> Sums {
         let largest = self.largest.max(other.largest);
-        // Where all weights are zero so far, there is nothing to scale.
-        let scale = |part: f64| if part == largest { 1.0 } else { exp(part - largest) };
-        let (mine, others) = (scale(self.largest), scale(other.largest));
+        let (mine, others) = (multiple(self.largest, largest), multiple(other.largest, largest));
         Sums {
             largest,
             number: self.number && other.number,
             sum: mine * self.sum + others * other.sum,
             sum_of_squares: mine * mine * self.sum_of_squares + others * others * other.sum_of_squares,
+        }
+    }
+}
+
+/// What multiples of `part` are to be multiplied by to be multiples of `largest`, both of them logarithms.
+#[inline(always)]
+fn multiple(part: f64, largest: f64) -> f64 {
+    // Where all weights are zero there is nothing to scale.
+    if part == largest { 1.0 } else { exp(part - largest) }
+}
+
+/// The sums of all blocks, in their order, whoever summed them.
+struct Together<'a>(&'a [Sums]);
+
+impl WithSimd for Together<'_> {
+    type Output = Sums;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) -> Sums {
+        match self.0 {
+            [] => Sums::default(),
+            [first, others @ ..] => {
+                let mut sums = *first;
+                for other in others {
+                    sums = sums.with(other);
+                }
+                sums
+            }
         }
     }
 }
@@ -233,9 +258,9 @@ struct Update<'a> {
 }
 
 /// Partial sums that are kept side by side; their number fixes the order of additions on any machine.
-const LANES: usize = 32;
-/// So many at a time at the end.
-const FEW: usize = 8;
+pub(crate) const LANES: usize = 32;
+/// So many at a time at the end: not fewer, because a compiler that unrolls a loop forgets vectors.
+const FEW: usize = 16;
 
 impl WithSimd for Update<'_> {
     type Output = Sums;
@@ -267,7 +292,7 @@ impl WithSimd for Update<'_> {
             compare(log, &mut largest, &mut number);
         }
         compare(&last, &mut largest, &mut number);
-        let largest = largest.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        let largest = combined(&largest, |a, b| if a > b { a } else { b });
         let number = number == [1.0; LANES];
 
         let (mut sum, mut sum_of_squares) = ([0.0; LANES], [0.0; LANES]);
@@ -282,8 +307,20 @@ impl WithSimd for Update<'_> {
         let mut last_weights = [0.0; FEW];
         exponentiate(&last, largest, &mut last_weights, &mut sum, &mut sum_of_squares);
         rest_weights.copy_from_slice(&last_weights[..rest_weights.len()]);
-        Sums { largest, number, sum: sum.iter().sum(), sum_of_squares: sum_of_squares.iter().sum() }
+        let (sum, sum_of_squares) = (combined(&sum, |a, b| a + b), combined(&sum_of_squares, |a, b| a + b));
+        Sums { largest, number, sum, sum_of_squares }
     }
+}
+
+/// All lanes in one, in few steps that wait for each other.
+#[inline(always)]
+pub(crate) fn combined(lanes: &[f64; LANES], with: impl Fn(f64, f64) -> f64) -> f64 {
+    let mut few = [0.0; 8];
+    for i in 0..8 {
+        few[i] = with(with(lanes[i], lanes[i + 8]), with(lanes[i + 16], lanes[i + 24]));
+    }
+    let [a, b, c, d, e, f, g, h] = few;
+    with(with(with(a, e), with(b, f)), with(with(c, g), with(d, h)))
 }
 
 #[inline(always)]
@@ -315,7 +352,8 @@ struct Shift<'a> {
     log: &'a mut [f64],
     weights: &'a mut [f64],
     log_sum: f64,
-    scale: f64,
+    sums: &'a Sums,
+    whole: &'a Sums,
 }
 
 impl WithSimd for Shift<'_> {
@@ -326,8 +364,9 @@ impl WithSimd for Shift<'_> {
         for log in self.log {
             *log -= self.log_sum;
         }
+        let scale = multiple(self.sums.largest, self.whole.largest) / self.whole.sum;
         for weight in self.weights {
-            *weight *= self.scale;
+            *weight *= scale;
         }
     }
 }

@@ -6,6 +6,7 @@ use pulp::{Simd, WithSimd};
 
 use super::ranks::{SortedPoints, among_regular, among_strata, descend};
 use crate::blocks::{block_stream, key};
+use crate::weights::{LANES, combined};
 use crate::workers::{Pieces, Workers};
 
 /// Weights, and points, of which one thread takes care at a time.
@@ -172,14 +173,15 @@ impl WithSimd for Sum<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _simd: S) -> f64 {
-        let (whole, rest) = self.0.as_chunks::<32>();
-        let mut sums = [0.0; 32];
+        let (whole, rest) = self.0.as_chunks::<LANES>();
+        let mut sums = [0.0; LANES];
         for weights in whole {
-            for i in 0..32 {
+            for i in 0..LANES {
                 sums[i] += weights[i];
             }
         }
-        sums.iter().chain(rest).sum()
+        sums[..rest.len()].iter_mut().zip(rest).for_each(|(sum, weight)| *sum += weight);
+        combined(&sums, |a, b| a + b)
     }
 }
 
