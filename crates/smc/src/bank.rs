@@ -6,6 +6,7 @@ use motes_models::batch::Rows;
 use motes_models::{ModelError, Seed, StateSpaceModel, Stream};
 
 use crate::blocks::{Filters, Outcome, Step};
+use crate::weights::BLOCK;
 use crate::workers::Workers;
 use crate::{
     Conditional, FilterError, LogWeights, ParticleMemory, Past, Proposal, ResampleWhen, Resampling,
@@ -143,9 +144,9 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
     /// # Errors
     /// [`FilterError::Setting`] if `threads` is 0 or more than the system can start.
     pub fn with_threads(mut self, threads: usize) -> Result<Self, FilterError> {
-        self.workers = Workers::new(threads)?;
         // Points and ranks of a filter's resampling, and a block of particles, are the largest there is.
-        self.workers.reserve_scratch(3 * self.settings.particles + 1024 * self.model.state_dim());
+        let scratch = 3 * self.settings.particles + BLOCK * self.model.state_dim();
+        self.workers = Workers::new(threads, self.increments.len(), scratch)?;
         Ok(self)
     }
 
@@ -208,7 +209,7 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
             ancestors: &mut self.ancestors,
             states: &mut self.states,
         };
-        self.workers.gather(self.increments.len(), |workers| step.advance(filters, workers));
+        self.workers.gather(|workers| step.advance(filters, workers));
         if self.resampled.contains(&true) {
             self.memory.resample(&self.ancestors);
         }

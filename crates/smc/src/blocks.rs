@@ -8,7 +8,7 @@ use rand::{Rng, SeedableRng};
 
 use crate::weights::{BLOCK, WeightBlocks};
 use crate::workers::{Pieces, Workers};
-use crate::{FilterSettings, LogWeights, RowProposal, WeightFault};
+use crate::{FilterSettings, LogWeights, RowPast, RowProposal, WeightFault};
 
 /// Particles of small filters that are drawn together.
 const TOGETHER: usize = 256;
@@ -185,7 +185,8 @@ impl<M: StateSpaceModel + ?Sized> Step<'_, M> {
             None => Rows::all(&self.previous[at * width..(at + particles) * width], width),
             Some(ancestors) => Rows::picked(self.previous, width, ancestors),
         });
-        self.proposal.draw(self.model, self.time, self.measurement, previous, streams, states, increments);
+        let past = RowPast { time: self.time, measurement: self.measurement, previous };
+        self.proposal.draw(self.model, past, streams, states, increments);
     }
 }
 

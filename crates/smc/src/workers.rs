@@ -29,36 +29,33 @@ impl Workers {
         Workers(None)
     }
 
-    /// Starts `threads` threads, unless one is asked for.
+    /// Starts `threads` threads, unless one is asked for or there are fewer particles than are worth another. Each allocates `scratch`
+    /// numbers now, because it might otherwise need them first in the midst of a sequence.
     ///
     /// # Errors
     /// [`FilterError::Setting`] if there is to be none, or the system refuses to start them.
-    pub(crate) fn new(threads: usize) -> Result<Self, FilterError> {
+    pub(crate) fn new(threads: usize, particles: usize, scratch: usize) -> Result<Self, FilterError> {
         let refuse = |value: String, expected| {
             Err(FilterError::Setting { name: "the number of threads of a bank", value, expected })
         };
         match threads {
             0 => refuse("0".into(), "at least 1"),
-            1 => Ok(Workers(None)),
+            _ if threads == 1 || particles < WORTH => Ok(Workers(None)),
             _ => match ThreadPoolBuilder::new().num_threads(threads).build() {
-                Ok(pool) => Ok(Workers(Some(pool))),
+                Ok(pool) => {
+                    pool.broadcast(|_| reserve_scratch(NESTED, scratch));
+                    Ok(Workers(Some(pool)))
+                }
                 Err(error) => refuse(format!("{threads} ({error})"), "one that the system can start"),
             },
         }
     }
 
-    /// Lets every thread allocate scratch now, of which some might else need it first in the midst of a sequence.
-    pub(crate) fn reserve_scratch(&self, len: usize) {
-        if let Some(pool) = &self.0 {
-            pool.broadcast(|_| reserve_scratch(NESTED, len));
-        }
-    }
-
-    /// Does all of this on the threads, if it is about particles enough: within, they wait for each other's work awake.
-    pub(crate) fn gather(&self, particles: usize, work: impl FnOnce(&Workers) + Send) {
+    /// Does all of this on the threads: within, they wait for each other's work awake.
+    pub(crate) fn gather(&self, work: impl FnOnce(&Workers) + Send) {
         match &self.0 {
-            Some(pool) if particles >= WORTH => pool.install(|| work(self)),
-            _ => work(&Workers(None)),
+            Some(pool) => pool.install(|| work(self)),
+            None => work(self),
         }
     }
 

@@ -1,9 +1,8 @@
 //! The bootstrap proposal: the model's own transition.
 
-use motes_models::batch::Rows;
 use motes_models::{StateSpaceModel, Stream};
 
-use crate::{Conditional, Past, Proposal, ProposalError, RowProposal};
+use crate::{Conditional, Past, Proposal, ProposalError, RowPast, RowProposal};
 
 /// `q(x_t | x_{t−1}, y_t) = p(x_t | x_{t−1})`, blind to the measurement; weights are likelihoods.
 #[derive(Debug, Clone, Copy, Default)]
@@ -41,13 +40,12 @@ impl<M: StateSpaceModel + ?Sized> RowProposal<M> for Bootstrap {
     fn draw(
         &self,
         model: &M,
-        time: usize,
-        measurement: &[f64],
-        previous: Option<Rows<'_>>,
+        past: RowPast<'_>,
         streams: &mut [Stream],
         states: &mut [f64],
         increments: &mut [f64],
     ) {
+        let RowPast { time, measurement, previous } = past;
         // Transition and proposal cancel: the likelihood is all that is left.
         match previous {
             Some(previous) => model.propagate(time, previous, measurement, streams, states, increments),

@@ -7,7 +7,7 @@ use motes_models::{AdditiveGaussian, Gaussian, ModelError, Stream, fill_standard
 
 use faer::{Mat, MatRef};
 
-use crate::{Conditional, Past, Proposal, ProposalError, RowProposal};
+use crate::{Conditional, Past, Proposal, ProposalError, RowPast, RowProposal};
 
 /// `p(x_t | x_{t−1}, y_t)` of a system with additive Gaussian noise and linear measurements (the paper's
 /// equation "minDeg", in Doucet, Godsill and Andrieu's closed form).
@@ -170,13 +170,12 @@ impl<M: AdditiveGaussian + ?Sized> RowProposal<M> for MinDegeneracy {
     fn draw(
         &self,
         model: &M,
-        time: usize,
-        measurement: &[f64],
-        previous: Option<Rows<'_>>,
+        past: RowPast<'_>,
         streams: &mut [Stream],
         states: &mut [f64],
         increments: &mut [f64],
     ) {
+        let RowPast { time, measurement, previous } = past;
         let correction = self.at(time);
         let (n, m) = correction.gain.shape();
         with_scratch((3 * n + 2 * m) * LANES, |scratch| {
