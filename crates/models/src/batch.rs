@@ -4,6 +4,9 @@
 //! [`LANES`] particles the other way round: coordinate `i` of all of them side by side. Every lane is computed by itself and
 //! with fused multiplications, so a particle's numbers depend neither on its neighbours nor on the machine's vector width.
 
+mod noise;
+mod rows;
+
 use std::cell::RefCell;
 
 use faer::MatRef;
@@ -11,14 +14,18 @@ use pulp::{Simd, WithSimd};
 
 use crate::Stream;
 
+pub use noise::with_noise;
+pub use rows::{Rows, load, store};
+
 /// Particles in a tile.
 pub const LANES: usize = 32;
 
+thread_local! {
+    static SCRATCH: RefCell<Vec<Vec<f64>>> = const { RefCell::new(Vec::new()) };
+}
+
 /// Lends scratch of `len` numbers of any value. It is the thread's own and kept, so that asking again allocates nothing.
 pub fn with_scratch<R>(len: usize, work: impl FnOnce(&mut [f64]) -> R) -> R {
-    thread_local! {
-        static SCRATCH: RefCell<Vec<Vec<f64>>> = const { RefCell::new(Vec::new()) };
-    }
     // Taken, not borrowed, so that a call inside a call gets another.
     let mut scratch = SCRATCH.with_borrow_mut(Vec::pop).unwrap_or_default();
     if scratch.len() < len {
@@ -29,25 +36,12 @@ pub fn with_scratch<R>(len: usize, work: impl FnOnce(&mut [f64]) -> R) -> R {
     result
 }
 
-/// Copies up to [`LANES`] states of `width` coordinates (row-major `states`) into a tile (`width × LANES`); lanes without a
-/// state are left as they were.
-#[inline]
-pub fn load(states: &[f64], width: usize, tile: &mut [f64]) {
-    for (lane, state) in states.chunks_exact(width).enumerate().take(LANES) {
-        for (row, value) in tile.as_chunks_mut::<LANES>().0.iter_mut().zip(state) {
-            row[lane] = *value;
-        }
-    }
-}
-
-/// Copies a tile (`width × LANES`) into up to [`LANES`] states.
-#[inline]
-pub fn store(tile: &[f64], width: usize, states: &mut [f64]) {
-    for (lane, state) in states.chunks_exact_mut(width).enumerate().take(LANES) {
-        for (row, value) in tile.as_chunks::<LANES>().0.iter().zip(state) {
-            *value = row[lane];
-        }
-    }
+/// Allocates what [`with_scratch`] lends on this thread for `depth` calls inside each other, of up to `len` numbers each.
+pub fn reserve_scratch(depth: usize, len: usize) {
+    SCRATCH.with_borrow_mut(|kept| {
+        kept.retain(|scratch| scratch.len() >= len);
+        kept.resize_with(depth.max(kept.len()), || vec![0.0; len]);
+    });
 }
 
 /// A matrix that maps tiles, with the entries that are not zero: a diagonal or triangular one costs what it has.

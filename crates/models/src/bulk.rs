@@ -1,4 +1,4 @@
-//! Random bits in bulk: many ChaCha blocks side by side, and what turns bits into numbers of a distribution.
+//! Random bits in bulk: many generators side by side, and what turns bits into numbers of a distribution.
 
 use std::marker::PhantomData;
 
@@ -7,37 +7,25 @@ use rand::Rng;
 
 use crate::Stream;
 
-/// 64-bit numbers in one batch of blocks.
+/// Generators side by side.
+const GENERATORS: usize = 8;
+/// Numbers that all generators together give at a time.
 const BATCH: usize = 128;
-/// What is taken from the stream itself is a multiple of this many 64-bit numbers.
+/// What is taken from the stream itself is a multiple of this many numbers.
 const GROUP: usize = 16;
-/// Up to so many numbers come from the stream itself: for fewer, a batch would cost more than it gives.
-const SHORT: usize = 2 * GROUP;
+/// Up to so many numbers come from the stream itself: more take no more of it than these do.
+const SHORT: usize = 4 * GENERATORS;
 
 /// Turns uniform bits into pairs of independent numbers of a distribution.
 pub(crate) trait Transform {
-    /// Makes `x[i]` and `y[i]` of `a[i]` and `b[i]`, for each `i`, without a branch.
-    fn pairs<const L: usize>(a: Bits<'_, L>, b: Bits<'_, L>, x: &mut [f64; L], y: &mut [f64; L]);
-}
-
-/// Uniform 64-bit numbers, as they come out of ChaCha: in halves that lie apart.
-#[derive(Clone, Copy)]
-pub(crate) struct Bits<'a, const L: usize> {
-    pub(crate) low: &'a [u32; L],
-    pub(crate) high: &'a [u32; L],
-}
-
-impl<const L: usize> Bits<'_, L> {
-    #[inline(always)]
-    pub(crate) fn at(&self, i: usize) -> u64 {
-        u64::from(self.low[i]) | u64::from(self.high[i]) << 32
-    }
+    /// Makes `x[i]` and `y[i]` of the uniform `a[i]` and `b[i]`, for each `i`, without a branch.
+    fn pairs<const L: usize>(a: &[u64; L], b: &[u64; L], x: &mut [f64; L], y: &mut [f64; L]);
 }
 
 /// Fills `out` with independent numbers.
 ///
-/// Up to 32 numbers, rounded up to 16 or 32, take 8 bytes of the stream each. More take 32 bytes together, which are
-/// the key of a ChaCha8 keystream of their own: sixteen of its blocks are computed side by side.
+/// Up to 32 numbers, rounded up to 16 or 32, take 8 bytes of the stream each. More take 256 bytes together, which are the states
+/// of eight xoshiro256++ generators: ChaCha decides where they start, and their period of `2²⁵⁶ − 1` keeps them apart.
 pub(crate) fn fill<T: Transform>(stream: &mut Stream, out: &mut [f64]) {
     pulp::Arch::new().dispatch(Fill::<T> { stream, out, transform: PhantomData });
 }
@@ -53,29 +41,25 @@ impl<T: Transform> WithSimd for Fill<'_, T> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _simd: S) {
-        let (mut low, mut high) = ([0; BATCH], [0; BATCH]);
+        let mut bits = [0; BATCH];
         if self.out.len() <= SHORT {
             for out in self.out.chunks_mut(GROUP) {
-                for i in 0..GROUP {
-                    (low[i], high[i]) = (self.stream.next_u32(), self.stream.next_u32());
-                }
-                group::<T>(&low[..GROUP], &high[..GROUP], out);
+                let (bits, _) = bits.split_at_mut(GROUP);
+                bits.fill_with(|| self.stream.next_u64());
+                group::<T>(bits, out);
             }
             return;
         }
-        let mut key = [0; 8];
-        key.fill_with(|| self.stream.next_u32());
-        let mut counter = 0;
+        let mut generators = Generators::seeded(self.stream);
         let (batches, rest) = self.out.as_chunks_mut::<BATCH>();
         for out in batches {
-            keystream(&key, &mut counter, &mut low, &mut high);
-            pairs::<T, { BATCH / 2 }>(&low, &high, out);
+            generators.next(&mut bits);
+            pairs::<T, { BATCH / 2 }>(&bits, out);
         }
         if !rest.is_empty() {
-            keystream(&key, &mut counter, &mut low, &mut high);
-            for (i, out) in rest.chunks_mut(GROUP).enumerate() {
-                let at = i * GROUP..(i + 1) * GROUP;
-                group::<T>(&low[at.clone()], &high[at], out);
+            generators.next(&mut bits);
+            for (bits, out) in bits.chunks_exact(GROUP).zip(rest.chunks_mut(GROUP)) {
+                group::<T>(bits, out);
             }
         }
     }
@@ -83,12 +67,12 @@ impl<T: Transform> WithSimd for Fill<'_, T> {
 
 /// Fills up to sixteen places.
 #[inline(always)]
-fn group<T: Transform>(low: &[u32], high: &[u32], out: &mut [f64]) {
+fn group<T: Transform>(bits: &[u64], out: &mut [f64]) {
     match out.as_mut_array::<GROUP>() {
-        Some(out) => pairs::<T, { GROUP / 2 }>(low, high, out),
+        Some(out) => pairs::<T, { GROUP / 2 }>(bits, out),
         None => {
             let mut all = [0.0; GROUP];
-            pairs::<T, { GROUP / 2 }>(low, high, &mut all);
+            pairs::<T, { GROUP / 2 }>(bits, &mut all);
             out.copy_from_slice(&all[..out.len()]);
         }
     }
@@ -96,79 +80,70 @@ fn group<T: Transform>(low: &[u32], high: &[u32], out: &mut [f64]) {
 
 /// The first half of the bits with the second, into the first half of the places and the second.
 #[inline(always)]
-fn pairs<T: Transform, const L: usize>(low: &[u32], high: &[u32], out: &mut [f64]) {
-    let bits = |from: usize| {
-        let at = from..from + L;
-        Some(Bits::<L> { low: low[at.clone()].as_array()?, high: high[at].as_array()? })
-    };
-    let (x, y) = out.split_at_mut(L);
-    if let (Some(a), Some(b), Some(x), Some(y)) = (bits(0), bits(L), x.as_mut_array(), y.as_mut_array()) {
+fn pairs<T: Transform, const L: usize>(bits: &[u64], out: &mut [f64]) {
+    let ((a, b), (x, y)) = (bits.split_at(L), out.split_at_mut(L));
+    if let (Some(a), Some(b), Some(x), Some(y)) =
+        (a.as_array(), b.as_array(), x.as_mut_array(), y.as_mut_array())
+    {
         T::pairs::<L>(a, b, x, y);
     }
 }
 
-/// The next sixteen blocks of the ChaCha8 keystream with this key and nonce 0.
-///
-/// Block follows block in the lanes, so the numbers are those of the keystream in another order.
-#[inline(always)]
-fn keystream(key: &[u32; 8], counter: &mut u64, low: &mut [u32; BATCH], high: &mut [u32; BATCH]) {
-    const LANES: usize = BATCH / 8;
-    for lane in 0..LANES {
-        let block = counter.wrapping_add(lane as u64);
-        let start = [
-            0x6170_7865,
-            0x3320_646e,
-            0x7962_2d32,
-            0x6b20_6574,
-            key[0],
-            key[1],
-            key[2],
-            key[3],
-            key[4],
-            key[5],
-            key[6],
-            key[7],
-            block as u32,
-            (block >> 32) as u32,
-            0,
-            0,
-        ];
-        let mut words = start;
-        // Written out, because only a loop without a loop inside becomes vector instructions.
-        double_round(&mut words);
-        double_round(&mut words);
-        double_round(&mut words);
-        double_round(&mut words);
-        for pair in 0..8 {
-            low[pair * LANES + lane] = words[2 * pair].wrapping_add(start[2 * pair]);
-            high[pair * LANES + lane] = words[2 * pair + 1].wrapping_add(start[2 * pair + 1]);
+/// Eight xoshiro256++ generators of Blackman and Vigna (2021), word by word of their states.
+struct Generators([[u64; GENERATORS]; 4]);
+
+impl Generators {
+    /// Starts them where the next 256 bytes of the stream say, one after the other.
+    #[inline(always)]
+    fn seeded(stream: &mut Stream) -> Self {
+        let mut words = [[0; GENERATORS]; 4];
+        for generator in 0..GENERATORS {
+            for word in &mut words {
+                word[generator] = stream.next_u64();
+            }
+        }
+        Generators(words)
+    }
+
+    /// The next sixteen numbers of each, interleaved.
+    #[inline(always)]
+    fn next(&mut self, out: &mut [u64; BATCH]) {
+        let [a, b, c, d] = &mut self.0;
+        for i in 0..GENERATORS {
+            let mut state = [a[i], b[i], c[i], d[i]];
+            let mut at = i;
+            // Written out, because only a loop without a loop inside becomes vector instructions.
+            four(&mut state, out, &mut at);
+            four(&mut state, out, &mut at);
+            four(&mut state, out, &mut at);
+            four(&mut state, out, &mut at);
+            [a[i], b[i], c[i], d[i]] = state;
         }
     }
-    *counter = counter.wrapping_add(LANES as u64);
 }
 
+/// Four numbers of one generator, into every eighth place.
 #[inline(always)]
-fn double_round(words: &mut [u32; 16]) {
-    quarter_round(words, 0, 4, 8, 12);
-    quarter_round(words, 1, 5, 9, 13);
-    quarter_round(words, 2, 6, 10, 14);
-    quarter_round(words, 3, 7, 11, 15);
-    quarter_round(words, 0, 5, 10, 15);
-    quarter_round(words, 1, 6, 11, 12);
-    quarter_round(words, 2, 7, 8, 13);
-    quarter_round(words, 3, 4, 9, 14);
+fn four(state: &mut [u64; 4], out: &mut [u64; BATCH], at: &mut usize) {
+    out[*at] = next(state);
+    out[*at + GENERATORS] = next(state);
+    out[*at + 2 * GENERATORS] = next(state);
+    out[*at + 3 * GENERATORS] = next(state);
+    *at += 4 * GENERATORS;
 }
 
+/// The next number of xoshiro256++.
 #[inline(always)]
-fn quarter_round(words: &mut [u32; 16], a: usize, b: usize, c: usize, d: usize) {
-    words[a] = words[a].wrapping_add(words[b]);
-    words[d] = (words[d] ^ words[a]).rotate_left(16);
-    words[c] = words[c].wrapping_add(words[d]);
-    words[b] = (words[b] ^ words[c]).rotate_left(12);
-    words[a] = words[a].wrapping_add(words[b]);
-    words[d] = (words[d] ^ words[a]).rotate_left(8);
-    words[c] = words[c].wrapping_add(words[d]);
-    words[b] = (words[b] ^ words[c]).rotate_left(7);
+fn next(state: &mut [u64; 4]) -> u64 {
+    let result = state[0].wrapping_add(state[3]).rotate_left(23).wrapping_add(state[0]);
+    let shifted = state[1] << 17;
+    state[2] ^= state[0];
+    state[3] ^= state[1];
+    state[1] ^= state[2];
+    state[0] ^= state[3];
+    state[2] ^= shifted;
+    state[3] = state[3].rotate_left(45);
+    result
 }
 
 #[cfg(test)]
@@ -177,20 +152,40 @@ mod tests {
     use rand::SeedableRng;
 
     #[test]
-    fn the_keystream_is_that_of_the_generator() {
-        let seed: [u8; 32] = std::array::from_fn(|i| 7 * i as u8 + 1);
-        let key = std::array::from_fn(|i| u32::from_le_bytes(std::array::from_fn(|j| seed[4 * i + j])));
-        let (mut low, mut high, mut counter) = ([0; BATCH], [0; BATCH], 0);
-        let mut generator = Stream::from_seed(seed);
+    fn a_generator_is_the_published_one() {
+        // The numbers that the authors' implementation in C gives from the state 1, 2, 3, 4.
+        let expected = [
+            41_943_041,
+            58_720_359,
+            3_588_806_011_781_223,
+            3_591_011_842_654_386,
+            9_228_616_714_210_784_205,
+            9_973_669_472_204_895_162,
+            14_011_001_112_246_962_877,
+            12_406_186_145_184_390_807,
+            15_849_039_046_786_891_736,
+            10_450_023_813_501_588_000,
+        ];
+        let mut state = [1, 2, 3, 4];
+        assert_eq!(expected.map(|_| next(&mut state)), expected);
+    }
+
+    #[test]
+    fn generators_side_by_side_are_generators_alone() {
+        let (mut stream, mut same) = (Stream::from_seed([9; 32]), Stream::from_seed([9; 32]));
+        let mut together = Generators::seeded(&mut stream);
+        let mut alone: [[u64; 4]; GENERATORS] = Default::default();
+        alone.as_flattened_mut().fill_with(|| same.next_u64());
+        let mut bits = [0; BATCH];
         for _ in 0..3 {
-            keystream(&key, &mut counter, &mut low, &mut high);
-            let bits = Bits { low: &low, high: &high };
-            for lane in 0..16 {
-                for pair in 0..8 {
-                    assert_eq!(bits.at(pair * 16 + lane), generator.next_u64());
+            together.next(&mut bits);
+            for numbers in bits.chunks_exact(GENERATORS) {
+                for (number, state) in numbers.iter().zip(&mut alone) {
+                    assert_eq!(*number, next(state));
                 }
             }
         }
+        assert_eq!(stream.next_u64(), same.next_u64());
     }
 
     /// Everything that a distribution is made of.
@@ -198,10 +193,10 @@ mod tests {
 
     impl Transform for Mixed {
         #[inline(always)]
-        fn pairs<const L: usize>(a: Bits<'_, L>, b: Bits<'_, L>, x: &mut [f64; L], y: &mut [f64; L]) {
+        fn pairs<const L: usize>(a: &[u64; L], b: &[u64; L], x: &mut [f64; L], y: &mut [f64; L]) {
             for i in 0..L {
-                (x[i], y[i]) = crate::elementary::sin_cos(a.at(i) as f64 * 2.0_f64.powi(-65));
-                y[i] = crate::elementary::ln(((b.at(i) >> 11) + 1) as f64).mul_add(x[i], y[i]);
+                (x[i], y[i]) = crate::elementary::sin_cos(a[i] as f64 * 2.0_f64.powi(-65));
+                y[i] = crate::elementary::ln(((b[i] >> 11) + 1) as f64).mul_add(x[i], y[i]);
             }
         }
     }

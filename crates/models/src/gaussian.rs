@@ -2,7 +2,7 @@
 
 use faer::{Mat, MatRef, Side};
 
-use crate::batch::{LANES, TileMatrix, load, particles_by_stream, squared_norms, store, with_scratch};
+use crate::batch::{LANES, TileMatrix, load, squared_norms, store, with_noise, with_scratch};
 use crate::{CovarianceFault, ModelError, Stream, fill_standard_normal};
 
 /// `ln 2π`.
@@ -121,20 +121,14 @@ impl Gaussian {
     /// If `K` is not a multiple of the number of streams.
     pub fn samples(&self, streams: &mut [Stream], states: &mut [f64]) {
         let n = self.mean.len();
-        let particles = states.len() / n;
-        for (stream, states) in particles_by_stream(streams, states, n, particles) {
-            fill_standard_normal(stream, states);
-        }
-        with_scratch(2 * n * LANES, |scratch| {
-            let (noise, tile) = scratch.split_at_mut(n * LANES);
-            for states in states.chunks_mut(n * LANES) {
-                load(states, n, noise);
+        with_scratch(n * LANES, |tile| {
+            with_noise(streams, n, states.len() / n, fill_standard_normal, |particles, noise| {
                 for (row, mean) in tile.as_chunks_mut::<LANES>().0.iter_mut().zip(&self.mean) {
                     row.fill(*mean);
                 }
                 self.tile_add_deviation(noise, tile);
-                store(tile, n, states);
-            }
+                store(tile, n, &mut states[particles.start * n..particles.end * n]);
+            });
         });
     }
 

@@ -4,7 +4,7 @@ mod batches;
 
 use faer::{Mat, MatRef};
 
-use crate::batch::TileMatrix;
+use crate::batch::{Rows, TileMatrix};
 use crate::error::check_matrix;
 use crate::{
     AdditiveGaussian, Gaussian, LinearGaussian, ModelError, Noise, RandomGeometricGraph, Simulator,
@@ -227,7 +227,7 @@ impl StateSpaceModel for GraphDiffusion {
     fn propagate(
         &self,
         _time: usize,
-        previous: &[f64],
+        previous: Rows<'_>,
         measurement: &[f64],
         streams: &mut [Stream],
         states: &mut [f64],

@@ -2,7 +2,7 @@
 
 use faer::{Mat, MatRef};
 
-use crate::batch::{LANES, TileMatrix, load, particles_by_stream, store, with_scratch};
+use crate::batch::{LANES, TileMatrix, load, store, with_noise, with_scratch};
 use crate::error::check_matrix;
 use crate::{
     AdditiveGaussian, Gaussian, ModelError, Simulator, StateGradients, StateSpaceModel, Stream,
@@ -112,19 +112,14 @@ impl StateSpaceModel for LinearGaussian {
 
     fn sample_transitions(&self, _time: usize, previous: &[f64], streams: &mut [Stream], states: &mut [f64]) {
         let n = self.state_dim();
-        let particles = states.len() / n;
-        for (stream, states) in particles_by_stream(streams, states, n, particles) {
-            fill_standard_normal(stream, states);
-        }
         with_scratch(2 * n * LANES, |scratch| {
             let (from, to) = scratch.split_at_mut(n * LANES);
-            for (previous, states) in previous.chunks(n * LANES).zip(states.chunks_mut(n * LANES)) {
-                load(previous, n, from);
+            with_noise(streams, n, states.len() / n, fill_standard_normal, |particles, noise| {
+                load(&previous[particles.start * n..particles.end * n], n, from);
                 self.transition_tiles.times(from, to);
-                load(states, n, from);
-                self.state_noise.tile_add_deviation(from, to);
-                store(to, n, states);
-            }
+                self.state_noise.tile_add_deviation(noise, to);
+                store(to, n, &mut states[particles.start * n..particles.end * n]);
+            });
         });
     }
 

@@ -2,7 +2,7 @@
 
 use faer::MatRef;
 
-use crate::batch::{load, particles_by_stream, store, with_scratch};
+use crate::batch::{Rows, load, particles_by_stream, store, with_scratch};
 use crate::{Gaussian, Stream, SystemGraph};
 
 /// A hidden Markov model on ℝᴺ, measured in ℝᴹ: `p(x_0)`, `p(x_t | x_{t−1})`, `p(y_t | x_t)`.
@@ -72,20 +72,21 @@ pub trait StateSpaceModel: Sync {
     }
 
     /// [`StateSpaceModel::sample_transitions`] and then [`StateSpaceModel::log_likelihoods`] of one measurement at what was drawn, into
-    /// `log_likelihoods` (`K`): what the bootstrap filter does, for models that can do both in one go.
+    /// `log_likelihoods` (`K`): what the bootstrap filter does, for models that can do both in one go. The previous states may
+    /// be picked from others by resampling.
     ///
     /// # Panics
     /// As [`StateSpaceModel::sample_transitions`].
     fn propagate(
         &self,
         time: usize,
-        previous: &[f64],
+        previous: Rows<'_>,
         measurement: &[f64],
         streams: &mut [Stream],
         states: &mut [f64],
         log_likelihoods: &mut [f64],
     ) {
-        self.sample_transitions(time, previous, streams, states);
+        previous.with_contiguous(|previous| self.sample_transitions(time, previous, streams, states));
         self.log_likelihoods(time, states, measurement, log_likelihoods);
     }
 

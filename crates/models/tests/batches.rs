@@ -1,6 +1,7 @@
 //! What models do for many particles at once against what they do for one.
 
 use faer::{Mat, mat};
+use motes_models::batch::Rows;
 use motes_models::{
     AdditiveGaussian, Drift, Gaussian, GraphDiffusion, GraphDiffusionConfig, LinearGaussian, Noise, Seed,
     StateSpaceModel,
@@ -67,7 +68,7 @@ fn check(model: &impl StateSpaceModel) {
         model.sample_initials(&mut alone, &mut first);
         assert!(first == previous[particles * n..]);
         let mut likelihoods = vec![f64::NAN; particles];
-        model.propagate(1, &first, &measurement, &mut alone, &mut second, &mut likelihoods);
+        model.propagate(1, Rows::all(&first, n), &measurement, &mut alone, &mut second, &mut likelihoods);
         assert!(second == states[particles * n..]);
         assert_same(&likelihoods, |row| out[particles + row]);
     }

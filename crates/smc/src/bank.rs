@@ -2,9 +2,11 @@
 
 use std::ops::Deref;
 
+use motes_models::batch::Rows;
 use motes_models::{ModelError, Seed, StateSpaceModel, Stream};
 
-use crate::blocks::{Blocks, Step, gather};
+use crate::blocks::{Filters, Outcome, Step};
+use crate::weights::BLOCK;
 use crate::workers::Workers;
 use crate::{
     Conditional, FilterError, LogWeights, ParticleMemory, Past, Proposal, ResampleWhen, Resampling,
@@ -58,11 +60,11 @@ pub struct FilterBank<D: Deref, P: Proposal<D::Target>> {
     weights: Vec<LogWeights>,
     log_evidence: Vec<f64>,
     ancestors: Vec<usize>,
-    resampled: bool,
+    resampled: Vec<bool>,
+    outcomes: Vec<Outcome>,
     increments: Vec<f64>,
     log_likelihoods: Vec<f64>,
     log_transitions: Vec<f64>,
-    blocks: Blocks,
     workers: Workers,
     failure: Option<FilterError>,
 }
@@ -119,7 +121,6 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
             model,
             proposal,
             settings,
-            blocks: Blocks::new(settings.particles, &streams),
             workers: Workers::none(),
             streams,
             time: 0,
@@ -128,7 +129,8 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
             weights: vec![LogWeights::uniform(settings.particles); filters],
             log_evidence: vec![0.0; filters],
             ancestors: (0..rows).collect(),
-            resampled: false,
+            resampled: vec![false; filters],
+            outcomes: vec![Outcome { ess_before: 0.0, increment: Ok(0.0) }; filters],
             increments: vec![0.0; rows],
             log_likelihoods: vec![0.0; rows],
             log_transitions: vec![0.0; rows],
@@ -142,7 +144,9 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
     /// # Errors
     /// [`FilterError::Setting`] if `threads` is 0 or more than the system can start.
     pub fn with_threads(mut self, threads: usize) -> Result<Self, FilterError> {
-        self.workers = Workers::new(threads)?;
+        // Points and ranks of a filter's resampling, and a block of particles, are the largest there is.
+        let scratch = 3 * self.settings.particles + BLOCK * self.model.state_dim();
+        self.workers = Workers::new(threads, self.increments.len(), scratch)?;
         Ok(self)
     }
 
@@ -161,12 +165,12 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
     }
 
     fn advance(&mut self, measurement: &[f64]) -> Result<(), FilterError> {
-        self.resample_where_due();
-        if !self.draw_by_rows(measurement)? {
-            self.gather();
+        if !self.advance_by_rows(measurement)? {
+            self.resample();
             self.draw(measurement)?;
+            self.weigh();
         }
-        self.weigh(measurement)?;
+        self.take_outcomes(measurement)?;
         self.time += 1;
         Ok(())
     }
@@ -185,34 +189,8 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
         }
     }
 
-    /// Draws ancestors where the rule says so, and moves the memory of the whole bank by them.
-    fn resample_where_due(&mut self) {
-        let k = self.settings.particles;
-        let mut any = false;
-        for (filter, weights) in self.weights.iter_mut().enumerate() {
-            let ancestors = &mut self.ancestors[filter * k..(filter + 1) * k];
-            // Before the first step there is nothing to resample.
-            if self.time > 0 && self.settings.resample_when.is_due(weights.effective_sample_size(), k) {
-                self.settings.resampling.draw(weights.normalised(), &mut self.streams[filter], ancestors);
-                for ancestor in ancestors.iter_mut() {
-                    *ancestor += filter * k;
-                }
-                weights.reset();
-                any = true;
-            } else if self.resampled {
-                for (particle, ancestor) in ancestors.iter_mut().enumerate() {
-                    *ancestor = filter * k + particle;
-                }
-            }
-        }
-        self.resampled = any;
-        if any {
-            self.memory.resample(&self.ancestors);
-        }
-    }
-
-    /// Draws and weighs every particle from its ancestor, if the proposal can be drawn from by rows.
-    fn draw_by_rows(&mut self, measurement: &[f64]) -> Result<bool, FilterError> {
+    /// Resamples, draws and weighs every filter, if the proposal can be drawn from by rows.
+    fn advance_by_rows(&mut self, measurement: &[f64]) -> Result<bool, FilterError> {
         let model = &*self.model;
         let proposal = match self.proposal.by_rows(model, self.time, measurement) {
             Ok(Some(proposal)) => proposal,
@@ -220,23 +198,47 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
             Err(source) => return Err(FilterError::Proposal { step: self.time, source }),
         };
         std::mem::swap(&mut self.states, &mut self.previous);
-        let step = Step {
-            proposal,
-            model,
-            workers: &self.workers,
-            time: self.time,
-            measurement,
-            previous: (self.time > 0).then_some(self.previous.as_slice()),
-            ancestors: self.resampled.then_some(self.ancestors.as_slice()),
+        let (settings, time, previous) = (self.settings, self.time, self.previous.as_slice());
+        let step = Step { proposal, model, settings, time, measurement, previous };
+        let filters = Filters {
+            first: 0,
+            streams: &mut self.streams,
+            weights: &mut self.weights,
+            resampled: &mut self.resampled,
+            outcomes: &mut self.outcomes,
+            ancestors: &mut self.ancestors,
+            states: &mut self.states,
         };
-        self.blocks.draw(&step, &mut self.streams, &mut self.states, &mut self.increments);
+        self.workers.gather(|workers| step.advance(filters, workers));
+        if self.resampled.contains(&true) {
+            self.memory.resample(&self.ancestors);
+        }
         Ok(true)
     }
 
-    /// Makes `previous` the states that each particle descends from.
-    fn gather(&mut self) {
-        if self.resampled {
-            gather(&self.states, self.model.state_dim(), &self.ancestors, &mut self.previous);
+    /// Draws ancestors where the rule says so, moves the memory of the whole bank by them, and makes `previous` the states that each
+    /// particle descends from.
+    fn resample(&mut self) {
+        let mut filters = Filters {
+            first: 0,
+            streams: &mut self.streams,
+            weights: &mut self.weights,
+            resampled: &mut self.resampled,
+            outcomes: &mut self.outcomes,
+            ancestors: &mut self.ancestors,
+            states: &mut self.previous,
+        };
+        // Before the first step there is nothing to resample.
+        if self.time > 0 {
+            filters.resample(&self.settings, &Workers::none());
+        }
+        if self.resampled.contains(&true) {
+            self.memory.resample(&self.ancestors);
+            let n = self.model.state_dim();
+            let rows = Rows::picked(&self.states, n, &self.ancestors);
+            for (k, row) in self.previous.chunks_exact_mut(n).enumerate() {
+                row.copy_from_slice(rows.row(k));
+            }
         } else {
             std::mem::swap(&mut self.states, &mut self.previous);
         }
@@ -273,23 +275,34 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
         Ok(())
     }
 
-    fn weigh(&mut self, measurement: &[f64]) -> Result<(), FilterError> {
-        let (k, n, step) = (self.settings.particles, self.model.state_dim(), self.time);
-        for (filter, weights) in self.weights.iter_mut().enumerate() {
-            let rows = filter * k..(filter + 1) * k;
+    fn weigh(&mut self) {
+        let increments = self.increments.chunks_exact(self.settings.particles);
+        for ((weights, increments), outcome) in
+            self.weights.iter_mut().zip(increments).zip(&mut self.outcomes)
+        {
             let ess_before = weights.effective_sample_size();
-            match weights.update(&self.increments[rows.clone()]) {
+            *outcome = Outcome { ess_before, increment: weights.update(increments) };
+        }
+    }
+
+    /// Adds up evidence, unless the weights of a filter could not be normalised.
+    fn take_outcomes(&mut self, measurement: &[f64]) -> Result<(), FilterError> {
+        let (k, n, step) = (self.settings.particles, self.model.state_dim(), self.time);
+        for (filter, outcome) in self.outcomes.iter().enumerate() {
+            match outcome.increment {
                 Ok(increment) => self.log_evidence[filter] += increment,
                 Err(WeightFault::NotANumber { particle, value }) => {
                     return Err(FilterError::NotANumber { step, filter, particle, value });
                 }
                 Err(WeightFault::AllZero) => {
                     // Not kept when particles are drawn by rows, and needed for no other purpose then.
+                    let rows = filter * k..(filter + 1) * k;
                     let states = &self.states[rows.start * n..rows.end * n];
                     let likelihoods = &mut self.log_likelihoods[rows];
                     self.model.log_likelihoods(step, states, measurement, likelihoods);
                     let largest_log_likelihood =
                         likelihoods.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+                    let ess_before = outcome.ess_before;
                     return Err(FilterError::Collapse { step, filter, ess_before, largest_log_likelihood });
                 }
             }

@@ -1,156 +1,95 @@
-//! How a bank's particles are cut into blocks, each with a random stream of its own, and drawn block by block.
+//! One step of a bank whose proposal draws by rows: every filter is resampled, drawn and weighed piece by piece, while the piece is in a cache.
 //!
-//! The cut depends on the number of particles alone, so that any number of threads draws the same numbers.
+//! Where a piece ends depends on the number of particles alone, so that any number of threads draws the same numbers.
 
-use motes_models::batch::with_scratch;
+use motes_models::batch::{Rows, with_scratch};
 use motes_models::{StateSpaceModel, Stream};
 use rand::{Rng, SeedableRng};
 
-use crate::workers::Workers;
-use crate::{Past, RowProposal};
+use crate::weights::{BLOCK, WeightBlocks};
+use crate::workers::{Pieces, Workers};
+use crate::{FilterSettings, LogWeights, RowPast, RowProposal, WeightFault};
 
-/// Particles of one filter that draw from one stream.
-const BLOCK: usize = 1024;
-/// Particles that are drawn and weighed together: few enough to stay in the nearest cache in between.
-const BATCH: usize = 256;
-/// Below so many particles another thread takes longer to wake than to help.
-const GRAIN: usize = 2048;
+/// Particles of small filters that are drawn together.
+const TOGETHER: usize = 256;
+/// Particles that a thread would rather do itself than hand on.
+const GRAIN: usize = 1024;
 
-/// The streams of the blocks of one step.
-///
-/// A filter of up to 1024 particles is one block and draws from its own stream. A larger one takes a key from its stream
-/// at each step, and each of its blocks has the stream of that key with its own number as nonce.
-pub(crate) struct Blocks {
-    particles: usize,
-    in_filter: usize,
-    streams: Vec<Stream>,
-}
-
-impl Blocks {
-    pub(crate) fn new(particles: usize, filters: &[Stream]) -> Self {
-        let in_filter = particles.div_ceil(BLOCK);
-        let streams = if in_filter == 1 { Vec::new() } else { Vec::with_capacity(filters.len() * in_filter) };
-        Blocks { particles, in_filter, streams }
-    }
-
-    /// One stream for each block of the bank.
-    fn streams<'a>(&'a mut self, filters: &'a mut [Stream]) -> &'a mut [Stream] {
-        if self.in_filter == 1 {
-            return filters;
-        }
-        self.streams.clear();
-        for filter in filters {
-            let mut key = [0; 32];
-            filter.fill_bytes(&mut key);
-            for block in 0..self.in_filter as u64 {
-                let mut stream = Stream::from_seed(key);
-                stream.set_stream(block);
-                self.streams.push(stream);
-            }
-        }
-        &mut self.streams
-    }
-
-    /// Draws every particle of the bank.
-    pub(crate) fn draw<M: StateSpaceModel + ?Sized>(
-        &mut self,
-        step: &Step<'_, M>,
-        filters: &mut [Stream],
-        states: &mut [f64],
-        increments: &mut [f64],
-    ) {
-        let cut = Cut { particles: self.particles, in_filter: self.in_filter };
-        let part = Part { first: 0, cut, streams: self.streams(filters), states, increments };
-        part.draw(step);
-    }
-}
-
-/// What all blocks of a step share.
+/// What all filters of a step share.
 pub(crate) struct Step<'a, M: ?Sized> {
     pub(crate) proposal: &'a dyn RowProposal<M>,
     pub(crate) model: &'a M,
-    pub(crate) workers: &'a Workers,
+    pub(crate) settings: FilterSettings,
     pub(crate) time: usize,
     pub(crate) measurement: &'a [f64],
-    /// The states of the step before, `None` at the first.
-    pub(crate) previous: Option<&'a [f64]>,
-    /// The row of `previous` that each particle descends from; `None` if each from its own.
-    pub(crate) ancestors: Option<&'a [usize]>,
+    /// The states of the step before.
+    pub(crate) previous: &'a [f64],
 }
 
-/// Where blocks begin.
-#[derive(Clone, Copy)]
-struct Cut {
-    particles: usize,
-    in_filter: usize,
+/// Consecutive filters of a bank, each with its place in every slice.
+pub(crate) struct Filters<'a> {
+    /// The number of the first in the bank.
+    pub(crate) first: usize,
+    pub(crate) streams: &'a mut [Stream],
+    pub(crate) weights: &'a mut [LogWeights],
+    /// Whether each has ancestors that were drawn; the rows of one that has not are their own.
+    pub(crate) resampled: &'a mut [bool],
+    pub(crate) outcomes: &'a mut [Outcome],
+    pub(crate) ancestors: &'a mut [usize],
+    pub(crate) states: &'a mut [f64],
 }
 
-impl Cut {
-    /// The first row of a block.
-    fn row(self, block: usize) -> usize {
-        block / self.in_filter * self.particles + block % self.in_filter * BLOCK
-    }
+/// What a filter's step leads to.
+#[derive(Clone)]
+pub(crate) struct Outcome {
+    /// The effective sample size before weighing.
+    pub(crate) ess_before: f64,
+    /// What the log-evidence grows by.
+    pub(crate) increment: Result<f64, WeightFault>,
 }
 
-/// Blocks one after another.
-struct Part<'a> {
-    /// The number of the first block in the bank.
-    first: usize,
-    cut: Cut,
-    streams: &'a mut [Stream],
-    states: &'a mut [f64],
-    increments: &'a mut [f64],
-}
-
-impl Part<'_> {
-    fn draw<M: StateSpaceModel + ?Sized>(self, step: &Step<'_, M>) {
-        let blocks = self.streams.len();
-        if blocks == 1 || step.workers.threads() == 1 || self.increments.len() < 2 * GRAIN {
-            return self.draw_here(step);
-        }
-        let (left, right) = self.split(blocks / 2, step.model.state_dim());
-        step.workers.join(|| left.draw(step), || right.draw(step));
+impl Pieces for Filters<'_> {
+    fn count(&self) -> usize {
+        self.streams.len()
     }
 
-    /// The first `blocks` blocks, and the others.
-    fn split<'b>(self, blocks: usize, width: usize) -> (Part<'b>, Part<'b>)
-    where
-        Self: 'b,
-    {
-        let rows = self.cut.row(self.first + blocks) - self.cut.row(self.first);
-        let (left_streams, right_streams) = self.streams.split_at_mut(blocks);
-        let (left_states, right_states) = self.states.split_at_mut(rows * width);
-        let (left_increments, right_increments) = self.increments.split_at_mut(rows);
-        let part =
-            |first, streams, states, increments| Part { first, cut: self.cut, streams, states, increments };
-        (
-            part(self.first, left_streams, left_states, left_increments),
-            part(self.first + blocks, right_streams, right_states, right_increments),
-        )
-    }
-
-    fn draw_here<M: StateSpaceModel + ?Sized>(self, step: &Step<'_, M>) {
-        let Part { first, cut, streams, mut states, mut increments } = self;
-        let mut at = cut.row(first);
-        let mut draw = |streams: &mut [Stream], rows: usize| {
-            let (now, later) = std::mem::take(&mut states).split_at_mut(rows * step.model.state_dim());
-            let (weighed, unweighed) = std::mem::take(&mut increments).split_at_mut(rows);
-            step.draw(at, streams, now, weighed);
-            (states, increments) = (later, unweighed);
-            at += rows;
+    fn split(self, filters: usize) -> (Self, Self) {
+        let (rows, values) =
+            (self.ancestors.len() / self.count() * filters, self.states.len() / self.count() * filters);
+        let (streams, later_streams) = self.streams.split_at_mut(filters);
+        let (weights, later_weights) = self.weights.split_at_mut(filters);
+        let (resampled, later_resampled) = self.resampled.split_at_mut(filters);
+        let (outcomes, later_outcomes) = self.outcomes.split_at_mut(filters);
+        let (ancestors, later_ancestors) = self.ancestors.split_at_mut(rows);
+        let (states, later_states) = self.states.split_at_mut(values);
+        let later = Filters {
+            first: self.first + filters,
+            streams: later_streams,
+            weights: later_weights,
+            resampled: later_resampled,
+            outcomes: later_outcomes,
+            ancestors: later_ancestors,
+            states: later_states,
         };
-        let together = BATCH / cut.particles;
-        if together > 1 {
-            for streams in streams.chunks_mut(together) {
-                draw(streams, streams.len() * cut.particles);
-            }
-        } else {
-            for (block, stream) in (first..).zip(streams) {
-                let mut left = cut.row(block + 1) - cut.row(block);
-                while left > 0 {
-                    let rows = left.min(BATCH);
-                    draw(std::slice::from_mut(stream), rows);
-                    left -= rows;
+        (Filters { first: self.first, streams, weights, resampled, outcomes, ancestors, states }, later)
+    }
+}
+
+impl Filters<'_> {
+    /// Draws ancestors of every filter for which the rule says so, and makes the weights of these equal.
+    pub(crate) fn resample(&mut self, settings: &FilterSettings, workers: &Workers) {
+        let k = settings.particles;
+        for (at, weights) in self.weights.iter_mut().enumerate() {
+            let ancestors = &mut self.ancestors[at * k..(at + 1) * k];
+            let row = (self.first + at) * k;
+            if settings.resample_when.is_due(weights.effective_sample_size(), k) {
+                let stream = &mut self.streams[at];
+                settings.resampling.draw_rows(weights.normalised(), row, stream, ancestors, workers);
+                weights.reset_until_update();
+                self.resampled[at] = true;
+            } else if std::mem::take(&mut self.resampled[at]) {
+                for (ancestor, row) in ancestors.iter_mut().zip(row..) {
+                    *ancestor = row;
                 }
             }
         }
@@ -158,44 +97,135 @@ impl Part<'_> {
 }
 
 impl<M: StateSpaceModel + ?Sized> Step<'_, M> {
-    fn past<'b>(&'b self, previous: Option<&'b [f64]>, particles: usize) -> Past<'b> {
-        Past { time: self.time, previous, measurement: self.measurement, particles }
+    /// Resamples, draws and weighs all filters.
+    pub(crate) fn advance(&self, filters: Filters<'_>, workers: &Workers) {
+        let k = self.settings.particles;
+        if k <= BLOCK {
+            return workers.share(filters, GRAIN.div_ceil(k), &|filters| self.advance_small(filters));
+        }
+        let mut rest = filters;
+        while rest.count() > 0 {
+            let (filter, others) = rest.split(1);
+            self.advance_large(filter, workers);
+            rest = others;
+        }
     }
 
-    /// Draws the particles from row `at` of the bank on.
-    fn draw(&self, at: usize, streams: &mut [Stream], states: &mut [f64], increments: &mut [f64]) {
-        let (width, particles) = (self.model.state_dim(), increments.len());
-        match (self.previous, self.ancestors) {
-            (None, _) => {
-                self.proposal.draw(self.model, self.past(None, particles), streams, states, increments)
+    /// Filters of one block each.
+    fn advance_small(&self, filters: Filters<'_>) {
+        let k = self.settings.particles;
+        let together = (TOGETHER / k).max(1);
+        with_scratch(together * k, |increments| {
+            let mut rest = filters;
+            while rest.count() > 0 {
+                let count = together.min(rest.count());
+                let (mut filters, others) = rest.split(count);
+                if self.time > 0 {
+                    filters.resample(&self.settings, &Workers::none());
+                }
+                let Filters { first, streams, weights, resampled, outcomes, ancestors, states } = filters;
+                let ancestors = resampled.contains(&true).then_some(&*ancestors);
+                let increments = &mut increments[..streams.len() * k];
+                self.draw(first * k, ancestors, streams, states, increments);
+                for ((weights, increments), outcome) in
+                    weights.iter_mut().zip(increments.chunks_exact(k)).zip(outcomes)
+                {
+                    let ess_before = weights.effective_sample_size();
+                    *outcome = Outcome { ess_before, increment: weights.update(increments) };
+                }
+                rest = others;
             }
-            (Some(previous), None) => {
-                let previous = &previous[at * width..(at + particles) * width];
-                self.proposal.draw(
-                    self.model,
-                    self.past(Some(previous), particles),
-                    streams,
-                    states,
-                    increments,
-                );
-            }
-            (Some(previous), Some(ancestors)) => with_scratch(particles * width, |gathered| {
-                gather(previous, width, &ancestors[at..at + particles], gathered);
-                self.proposal.draw(
-                    self.model,
-                    self.past(Some(gathered), particles),
-                    streams,
-                    states,
-                    increments,
-                );
-            }),
+        });
+    }
+
+    /// A filter of several blocks. Each has a stream of its own: that of a key that the filter's stream gives, with the block's number
+    /// as nonce.
+    fn advance_large(&self, mut filter: Filters<'_>, workers: &Workers) {
+        if self.time > 0 {
+            filter.resample(&self.settings, workers);
         }
+        let Filters { first, streams, weights, resampled, outcomes, ancestors, states } = filter;
+        let first = first * self.settings.particles;
+        for ((stream, weights), (resampled, outcome)) in
+            streams.iter_mut().zip(weights).zip(resampled.iter().zip(outcomes))
+        {
+            let ess_before = weights.effective_sample_size();
+            let (key, width) = (key(stream), self.model.state_dim());
+            let blocks = DrawnBlocks { first: 0, width, states: &mut *states, weights: weights.blocks() };
+            workers.share(blocks, GRAIN.div_ceil(BLOCK), &|blocks: DrawnBlocks<'_>| {
+                with_scratch(BLOCK, |increments| {
+                    let mut rest = blocks;
+                    while rest.count() > 0 {
+                        let (DrawnBlocks { first: block, states, mut weights, .. }, others) = rest.split(1);
+                        let increments = &mut increments[..states.len() / width];
+                        let rows = block * BLOCK..block * BLOCK + increments.len();
+                        let ancestors = resampled.then(|| &ancestors[rows.clone()]);
+                        let mut stream = [block_stream(key, block)];
+                        self.draw(first + rows.start, ancestors, &mut stream, states, increments);
+                        weights.multiply(increments);
+                        rest = others;
+                    }
+                });
+            });
+            *outcome = Outcome { ess_before, increment: weights.normalise(workers) };
+        }
+    }
+
+    /// Draws particles from row `at` of the bank on, each from its own row of the step before if there are no ancestors.
+    fn draw(
+        &self,
+        at: usize,
+        ancestors: Option<&[usize]>,
+        streams: &mut [Stream],
+        states: &mut [f64],
+        increments: &mut [f64],
+    ) {
+        let (width, particles) = (self.model.state_dim(), increments.len());
+        let previous = (self.time > 0).then(|| match ancestors {
+            None => Rows::all(&self.previous[at * width..(at + particles) * width], width),
+            Some(ancestors) => Rows::picked(self.previous, width, ancestors),
+        });
+        let past = RowPast { time: self.time, measurement: self.measurement, previous };
+        self.proposal.draw(self.model, past, streams, states, increments);
     }
 }
 
-/// Copies the rows named by `ancestors`, one after another.
-pub(crate) fn gather(states: &[f64], width: usize, ancestors: &[usize], gathered: &mut [f64]) {
-    for (row, &ancestor) in gathered.chunks_exact_mut(width).zip(ancestors) {
-        row.copy_from_slice(&states[ancestor * width..(ancestor + 1) * width]);
+/// Consecutive blocks of a filter.
+struct DrawnBlocks<'a> {
+    /// The number of the first.
+    first: usize,
+    width: usize,
+    states: &'a mut [f64],
+    weights: WeightBlocks<'a>,
+}
+
+impl Pieces for DrawnBlocks<'_> {
+    fn count(&self) -> usize {
+        self.weights.count()
     }
+
+    fn split(self, blocks: usize) -> (Self, Self) {
+        let DrawnBlocks { first, width, states, weights } = self;
+        let values = (blocks * BLOCK * width).min(states.len());
+        let (states, later_states) = states.split_at_mut(values);
+        let (weights, later_weights) = weights.split(blocks);
+        (
+            DrawnBlocks { first, width, states, weights },
+            DrawnBlocks { first: first + blocks, width, states: later_states, weights: later_weights },
+        )
+    }
+}
+
+/// A key for the streams of one step's blocks.
+pub(crate) fn key(stream: &mut Stream) -> [u8; 32] {
+    let mut key = [0; 32];
+    stream.fill_bytes(&mut key);
+    key
+}
+
+/// The stream of one block.
+pub(crate) fn block_stream(key: [u8; 32], block: usize) -> Stream {
+    let mut stream = Stream::from_seed(key);
+    stream.set_stream(block as u64);
+    stream
 }

@@ -22,7 +22,7 @@ pub use bank::{FilterBank, FilterSettings};
 pub use error::{ErrorKind, FilterError};
 pub use filter::ParticleFilter;
 pub use motes_models::batch::particles_by_stream;
-pub use proposal::{Conditional, Past, Proposal, ProposalError, RowProposal};
+pub use proposal::{Conditional, Past, Proposal, ProposalError, RowPast, RowProposal};
 pub use proposals::{Bootstrap, Defensive, MinDegeneracy, Mixture, Shifted, Transition};
 pub use resampling::{ParticleMemory, ResampleWhen, Resampling};
 pub use weights::{LogWeights, WeightFault};

@@ -1,6 +1,7 @@
 //! The interface of a sampling distribution: condition it on the past, then draw from it or ask its density.
 
 use motes_models::Stream;
+use motes_models::batch::Rows;
 use thiserror::Error;
 
 use crate::ParticleMemory;
@@ -134,16 +135,27 @@ pub trait Proposal<Model: ?Sized> {
     }
 }
 
+/// What a [`RowProposal`] draws from, for `R` particles.
+#[derive(Debug, Clone, Copy)]
+pub struct RowPast<'a> {
+    /// `t`, the time of the state to be drawn.
+    pub time: usize,
+    /// `y_t`, `M` numbers.
+    pub measurement: &'a [f64],
+    /// `x_{t−1}` of each particle, picked from all by resampling; `None` at `t = 0`.
+    pub previous: Option<Rows<'a>>,
+}
+
 /// A proposal that needs nothing of a particle but its previous state, and no scratch of its own.
 pub trait RowProposal<Model: ?Sized>: Sync {
-    /// Draws a state for each of the `R` particles in `past` into `states` (`R×N`), and writes what its weight is multiplied by,
-    /// `log p(y|x) + log p(x|x') − log q(x|x', y)`, into `increments` (`R`).
+    /// Draws a state for each of the `R` particles in `past` into `states` (`R×N`), and writes what
+    /// its weight is multiplied by, `log p(y|x) + log p(x|x') − log q(x|x', y)`, into `increments` (`R`).
     ///
     /// The particles are split evenly over `streams`, in order; what a stream gives to its particles does not depend on the others.
     fn draw(
         &self,
         model: &Model,
-        past: Past<'_>,
+        past: RowPast<'_>,
         streams: &mut [Stream],
         states: &mut [f64],
         increments: &mut [f64],

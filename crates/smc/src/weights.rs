@@ -1,9 +1,12 @@
 //! Log-weights: one value that knows its normalised weights, effective sample size and log-sum.
 
-use pulp::{Simd, WithSimd};
+mod sums;
+
 use thiserror::Error;
 
-use motes_models::elementary::exp;
+use crate::workers::{Pieces, Workers};
+pub(crate) use sums::{LANES, combined};
+use sums::{Mean, Shift, Sums, Together, Update};
 
 /// Why a set of log-weights cannot be normalised.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -21,19 +24,32 @@ pub enum WeightFault {
     AllZero,
 }
 
+/// Particles whose weights are summed up together, while they are in the nearest cache.
+pub(crate) const BLOCK: usize = 1024;
+
 /// The log-weights of `K` particles, normalised: `Σ_k exp(log W_k) = 1`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LogWeights {
     log: Vec<f64>,
     normalised: Vec<f64>,
     effective_sample_size: f64,
+    /// Whether all weights are equal whatever is stored, until they are updated.
+    equal: bool,
+    /// Of each block of weights, in the midst of an update.
+    blocks: Vec<Sums>,
 }
 
 impl LogWeights {
     /// `K` equal weights.
     pub fn uniform(particles: usize) -> Self {
         let zeros = vec![0.0; particles];
-        let mut weights = LogWeights { log: zeros.clone(), normalised: zeros, effective_sample_size: 0.0 };
+        let mut weights = LogWeights {
+            log: zeros.clone(),
+            normalised: zeros,
+            effective_sample_size: 0.0,
+            equal: false,
+            blocks: vec![Sums::default(); particles.div_ceil(BLOCK)],
+        };
         weights.reset();
         weights
     }
@@ -44,6 +60,12 @@ impl LogWeights {
         self.log.fill(-particles.ln());
         self.normalised.fill(1.0 / particles);
         self.effective_sample_size = particles;
+    }
+
+    /// [`LogWeights::reset`] of weights that nobody looks at before the next update.
+    pub(crate) fn reset_until_update(&mut self) {
+        self.effective_sample_size = self.log.len() as f64;
+        self.equal = true;
     }
 
     /// Multiplies each normalised weight by `exp(increment)`, normalises again, and returns the logarithm of
@@ -60,24 +82,41 @@ impl LogWeights {
     /// If there is not one increment for each particle.
     pub fn update(&mut self, increments: &[f64]) -> Result<f64, WeightFault> {
         assert_eq!(increments.len(), self.log.len(), "one increment for each particle");
-        let LogWeights { log, normalised, .. } = self;
-        let Sums { largest, number, sum, sum_of_squares } =
-            pulp::Arch::new().dispatch(Update { log, normalised, increments });
-        if !number {
+        let mut blocks = self.blocks();
+        for increments in increments.chunks(BLOCK) {
+            let (mut block, others) = blocks.split(1);
+            block.multiply(increments);
+            blocks = others;
+        }
+        self.normalise(&Workers::none())
+    }
+
+    /// The weights in blocks, each to be multiplied once before [`LogWeights::normalise`].
+    pub(crate) fn blocks(&mut self) -> WeightBlocks<'_> {
+        let equal = self.equal.then(|| -(self.log.len() as f64).ln());
+        WeightBlocks { equal, log: &mut self.log, weights: &mut self.normalised, sums: &mut self.blocks }
+    }
+
+    /// Ends an update of all blocks, as [`LogWeights::update`].
+    pub(crate) fn normalise(&mut self, workers: &Workers) -> Result<f64, WeightFault> {
+        self.equal = false;
+        let whole = pulp::Arch::new().dispatch(Together(&self.blocks));
+        if !whole.number {
             let fault = self.log.iter().position(|log| log.is_nan() || *log == f64::INFINITY);
             let particle = fault.unwrap_or_default();
             return Err(WeightFault::NotANumber { particle, value: self.log[particle] });
         }
-        if largest == f64::NEG_INFINITY {
+        if whole.largest == f64::NEG_INFINITY {
             return Err(WeightFault::AllZero);
         }
-        self.effective_sample_size = sum * sum / sum_of_squares;
-        let log_sum = largest + sum.ln();
-        let scale = 1.0 / sum;
-        for (log, weight) in self.log.iter_mut().zip(&mut self.normalised) {
-            *log -= log_sum;
-            *weight *= scale;
-        }
+        self.effective_sample_size = whole.sum * whole.sum / whole.sum_of_squares;
+        let log_sum = whole.largest + whole.sum.ln();
+        workers.share(self.blocks(), GRAIN, &|blocks: WeightBlocks<'_>| {
+            let parts = blocks.log.chunks_mut(BLOCK).zip(blocks.weights.chunks_mut(BLOCK));
+            for ((log, weights), sums) in parts.zip(blocks.sums) {
+                pulp::Arch::new().dispatch(Shift { log, weights, log_sum, sums, whole: &whole });
+            }
+        });
         Ok(log_sum)
     }
 
@@ -112,103 +151,40 @@ impl LogWeights {
     }
 }
 
-/// Adds increments to log-weights, and leaves `exp(log w_k − maxⱼ log w_j)`.
-struct Update<'a> {
+/// Blocks of weights that a thread would rather do itself than hand on.
+const GRAIN: usize = 8;
+
+/// Consecutive blocks of weights in the midst of an update.
+pub(crate) struct WeightBlocks<'a> {
+    /// What every log-weight is, if not what is stored.
+    equal: Option<f64>,
     log: &'a mut [f64],
-    normalised: &'a mut [f64],
-    increments: &'a [f64],
+    weights: &'a mut [f64],
+    sums: &'a mut [Sums],
 }
 
-/// What one needs to know of weights to normalise them.
-struct Sums {
-    largest: f64,
-    /// Whether each is a number below +∞.
-    number: bool,
-    sum: f64,
-    sum_of_squares: f64,
-}
-
-/// Partial sums that are kept side by side; their number fixes the order of additions on any machine.
-const LANES: usize = 32;
-
-impl WithSimd for Update<'_> {
-    type Output = Sums;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _simd: S) -> Sums {
-        let (mut largest, mut number) = ([f64::NEG_INFINITY; LANES], [1.0; LANES]);
-        let mut raise = |log: &mut [f64; LANES], increments: &[f64; LANES]| {
-            for i in 0..LANES {
-                let value = log[i] + increments[i];
-                log[i] = value;
-                largest[i] = if value > largest[i] { value } else { largest[i] };
-                number[i] = if value < f64::INFINITY { number[i] } else { 0.0 };
-            }
-        };
-        let (log, last_log) = self.log.as_chunks_mut::<LANES>();
-        let (increments, last_increments) = self.increments.as_chunks::<LANES>();
-        for (log, increments) in log.iter_mut().zip(increments) {
-            raise(log, increments);
-        }
-        let (mut padded_log, mut padded) = ([f64::NEG_INFINITY; LANES], [0.0; LANES]);
-        padded_log[..last_log.len()].copy_from_slice(last_log);
-        padded[..last_log.len()].copy_from_slice(last_increments);
-        raise(&mut padded_log, &padded);
-        last_log.copy_from_slice(&padded_log[..last_log.len()]);
-        let largest = largest.into_iter().fold(f64::NEG_INFINITY, f64::max);
-        let number = number == [1.0; LANES];
-
-        let (mut sum, mut sum_of_squares) = ([0.0; LANES], [0.0; LANES]);
-        let mut exponentiate = |weights: &mut [f64; LANES], log: &[f64; LANES]| {
-            for i in 0..LANES {
-                let weight = exp(log[i] - largest);
-                weights[i] = weight;
-                sum[i] += weight;
-                sum_of_squares[i] = weight.mul_add(weight, sum_of_squares[i]);
-            }
-        };
-        let (weights, last_weights) = self.normalised.as_chunks_mut::<LANES>();
-        for (weights, log) in weights.iter_mut().zip(log.iter()) {
-            exponentiate(weights, log);
-        }
-        exponentiate(&mut padded, &padded_log);
-        last_weights.copy_from_slice(&padded[..last_weights.len()]);
-        Sums { largest, number, sum: sum.iter().sum(), sum_of_squares: sum_of_squares.iter().sum() }
+impl WeightBlocks<'_> {
+    /// Adds increments to the log-weights of a single block, and leaves its weights as multiples of the largest of them.
+    pub(crate) fn multiply(&mut self, increments: &[f64]) {
+        let update = Update { equal: self.equal, log: self.log, weights: self.weights, increments };
+        self.sums[0] = pulp::Arch::new().dispatch(update);
     }
 }
 
-/// `Σ_k W_k x_k`.
-struct Mean<'a> {
-    weights: &'a [f64],
-    states: &'a [f64],
-    mean: &'a mut [f64],
-}
+impl Pieces for WeightBlocks<'_> {
+    fn count(&self) -> usize {
+        self.sums.len()
+    }
 
-impl WithSimd for Mean<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _simd: S) {
-        let width = self.mean.len();
-        self.mean.fill(0.0);
-        let (weights, last_weights) = self.weights.as_chunks::<4>();
-        let mut rows = self.states.chunks_exact(4 * width);
-        // Four particles at a time, so that the mean is not read and written for each.
-        for (weights, rows) in weights.iter().zip(&mut rows) {
-            let (a, rest) = rows.split_at(width);
-            let (b, rest) = rest.split_at(width);
-            let (c, d) = rest.split_at(width);
-            for i in 0..width {
-                let first = weights[0].mul_add(a[i], weights[1] * b[i]);
-                let second = weights[2].mul_add(c[i], weights[3] * d[i]);
-                self.mean[i] += first + second;
-            }
-        }
-        for (weight, row) in last_weights.iter().zip(rows.remainder().chunks_exact(width)) {
-            for (mean, value) in self.mean.iter_mut().zip(row) {
-                *mean = weight.mul_add(*value, *mean);
-            }
-        }
+    fn split(self, blocks: usize) -> (Self, Self) {
+        let rows = (blocks * BLOCK).min(self.log.len());
+        let (log, later_log) = self.log.split_at_mut(rows);
+        let (weights, later_weights) = self.weights.split_at_mut(rows);
+        let (sums, later_sums) = self.sums.split_at_mut(blocks);
+        (
+            WeightBlocks { equal: self.equal, log, weights, sums },
+            WeightBlocks { equal: self.equal, log: later_log, weights: later_weights, sums: later_sums },
+        )
     }
 }
 

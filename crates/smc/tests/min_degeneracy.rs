@@ -1,7 +1,8 @@
 //! The minimum-degeneracy proposal by rows against its own densities.
 
+use motes_models::batch::Rows;
 use motes_models::{Drift, GraphDiffusion, GraphDiffusionConfig, Noise, Seed, StateSpaceModel, simulate};
-use motes_smc::{Conditional, MinDegeneracy, Past, Proposal};
+use motes_smc::{Conditional, MinDegeneracy, Past, Proposal, RowPast};
 
 #[test]
 fn increments_are_likelihood_times_transition_over_proposal() {
@@ -21,7 +22,9 @@ fn increments_are_likelihood_times_transition_over_proposal() {
             let past = Past { time, previous: previous.as_deref(), measurement, particles: PARTICLES };
             let mut increments = [f64::NAN; PARTICLES];
             let rows = proposal.by_rows(&system, time, measurement).unwrap().expect("it draws by rows");
-            rows.draw(&system, past, &mut streams, &mut states, &mut increments);
+            let rows_before = previous.as_deref().map(|previous| Rows::all(previous, 8));
+            let from = RowPast { time, measurement, previous: rows_before };
+            rows.draw(&system, from, &mut streams, &mut states, &mut increments);
             let mut log_q = [f64::NAN; PARTICLES];
             proposal.condition(&system, past, &mut ()).unwrap().log_density(&states, &mut log_q);
             for (row, state) in states.chunks_exact(8).enumerate() {

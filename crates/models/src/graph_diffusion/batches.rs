@@ -3,7 +3,7 @@
 use pulp::{Simd, WithSimd};
 
 use super::{Drift, GraphDiffusion};
-use crate::batch::{LANES, load, particles_by_stream, store, with_scratch};
+use crate::batch::{LANES, Rows, load, store, with_noise, with_scratch};
 use crate::{StateSpaceModel, Stream};
 
 /// Draws `φ(A x_{t−1}) + v_t` for each row.
@@ -14,20 +14,29 @@ pub(super) fn sample_transitions(
     states: &mut [f64],
 ) {
     let n = system.state_dim();
-    let particles = states.len() / n;
-    for (stream, states) in particles_by_stream(streams, states, n, particles) {
-        system.noise.fill_unit(stream, states);
-    }
     with_scratch(2 * n * LANES, |scratch| {
         let (from, flow) = scratch.split_at_mut(n * LANES);
-        for (previous, states) in previous.chunks(n * LANES).zip(states.chunks_mut(n * LANES)) {
-            load(previous, n, from);
-            drifted(system, from, flow);
-            load(states, n, from);
-            pulp::Arch::new().dispatch(AddScaled { what: from, scale: system.state_sigma, to: flow });
-            store(flow, n, states);
-        }
+        let fill = |stream: &mut Stream, noise: &mut [f64]| system.noise.fill_unit(stream, noise);
+        with_noise(streams, n, states.len() / n, fill, |particles, noise| {
+            moved(system, Rows::all(previous, n), particles.start, noise, from, flow);
+            store(flow, n, &mut states[particles.start * n..particles.end * n]);
+        });
     });
+}
+
+/// The tile `flow` becomes `φ(A x_{t−1}) + v_t`, from particle `first` on, with `v_t` made of `noise` of standard deviation 1;
+/// `from` is scratch.
+fn moved(
+    system: &GraphDiffusion,
+    previous: Rows<'_>,
+    first: usize,
+    noise: &[f64],
+    from: &mut [f64],
+    flow: &mut [f64],
+) {
+    previous.load(first, from);
+    drifted(system, from, flow);
+    pulp::Arch::new().dispatch(AddScaled { what: noise, scale: system.state_sigma, to: flow });
 }
 
 /// `log p(x_t | x_{t−1})` of each row.
@@ -63,28 +72,22 @@ pub(super) fn log_likelihoods(system: &GraphDiffusion, states: &[f64], measureme
 /// Draws `φ(A x_{t−1}) + v_t` for each row, and `log p(y_t | x_t)` at it.
 pub(super) fn propagate(
     system: &GraphDiffusion,
-    previous: &[f64],
+    previous: Rows<'_>,
     measurement: &[f64],
     streams: &mut [Stream],
     states: &mut [f64],
     out: &mut [f64],
 ) {
     let n = system.state_dim();
-    for (stream, states) in particles_by_stream(streams, states, n, out.len()) {
-        system.noise.fill_unit(stream, states);
-    }
     with_scratch((2 * n + measurement.len()) * LANES, |scratch| {
-        let (tile, rest) = scratch.split_at_mut(n * LANES);
+        let (from, rest) = scratch.split_at_mut(n * LANES);
         let (flow, residuals) = rest.split_at_mut(n * LANES);
-        let rows = previous.chunks(n * LANES).zip(states.chunks_mut(n * LANES));
-        for ((previous, states), out) in rows.zip(out.chunks_mut(LANES)) {
-            load(previous, n, tile);
-            drifted(system, tile, flow);
-            load(states, n, tile);
-            pulp::Arch::new().dispatch(AddScaled { what: tile, scale: system.state_sigma, to: flow });
-            store(flow, n, states);
-            tile_log_likelihoods(system, flow, measurement, residuals, out);
-        }
+        let fill = |stream: &mut Stream, noise: &mut [f64]| system.noise.fill_unit(stream, noise);
+        with_noise(streams, n, out.len(), fill, |particles, noise| {
+            moved(system, previous, particles.start, noise, from, flow);
+            store(flow, n, &mut states[particles.start * n..particles.end * n]);
+            tile_log_likelihoods(system, flow, measurement, residuals, &mut out[particles]);
+        });
     });
 }
 

@@ -2,7 +2,7 @@
 
 use motes_models::{StateSpaceModel, Stream};
 
-use crate::{Conditional, Past, Proposal, ProposalError, RowProposal};
+use crate::{Conditional, Past, Proposal, ProposalError, RowPast, RowProposal};
 
 /// `q(x_t | x_{t−1}, y_t) = p(x_t | x_{t−1})`, blind to the measurement; weights are likelihoods.
 #[derive(Debug, Clone, Copy, Default)]
@@ -40,19 +40,18 @@ impl<M: StateSpaceModel + ?Sized> RowProposal<M> for Bootstrap {
     fn draw(
         &self,
         model: &M,
-        past: Past<'_>,
+        past: RowPast<'_>,
         streams: &mut [Stream],
         states: &mut [f64],
         increments: &mut [f64],
     ) {
+        let RowPast { time, measurement, previous } = past;
         // Transition and proposal cancel: the likelihood is all that is left.
-        match past.previous {
-            Some(previous) => {
-                model.propagate(past.time, previous, past.measurement, streams, states, increments);
-            }
+        match previous {
+            Some(previous) => model.propagate(time, previous, measurement, streams, states, increments),
             None => {
                 model.sample_initials(streams, states);
-                model.log_likelihoods(past.time, states, past.measurement, increments);
+                model.log_likelihoods(time, states, measurement, increments);
             }
         }
     }

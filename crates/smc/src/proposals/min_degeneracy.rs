@@ -1,11 +1,13 @@
 //! The minimum-degeneracy proposal in closed form.
 
-use motes_models::batch::{LANES, TileMatrix, load, particles_by_stream, squared_norms, store, with_scratch};
+use std::ops::Range;
+
+use motes_models::batch::{LANES, Rows, TileMatrix, load, squared_norms, store, with_noise, with_scratch};
 use motes_models::{AdditiveGaussian, Gaussian, ModelError, Stream, fill_standard_normal, kalman};
 
 use faer::{Mat, MatRef};
 
-use crate::{Conditional, Past, Proposal, ProposalError, RowProposal};
+use crate::{Conditional, Past, Proposal, ProposalError, RowPast, RowProposal};
 
 /// `p(x_t | x_{t−1}, y_t)` of a system with additive Gaussian noise and linear measurements (the paper's
 /// equation "minDeg", in Doucet, Godsill and Andrieu's closed form).
@@ -100,21 +102,20 @@ fn spread(vector: &[f64], tile: &mut [f64]) {
     }
 }
 
-/// `f(x_{t−1})` of up to a tile of previous states, or the mean of `x_0`; `tile` is scratch.
+/// `f(x_{t−1})` of up to a tile of previous states, from `particles.start` on, or the mean of `x_0`; `tile` is scratch.
 fn predict<M: AdditiveGaussian + ?Sized>(
     model: &M,
-    past: &Past<'_>,
-    first: usize,
-    particles: usize,
+    time: usize,
+    previous: Option<Rows<'_>>,
+    particles: Range<usize>,
     tile: &mut [f64],
     predicted: &mut [f64],
 ) {
-    match past.previous {
+    match previous {
         None => spread(model.initial().mean(), predicted),
         Some(previous) => {
-            let n = model.state_dim();
-            load(&previous[first * n..(first + particles) * n], n, tile);
-            model.tile_transition_means(past.time, tile, particles, predicted);
+            previous.load(particles.start, tile);
+            model.tile_transition_means(time, tile, particles.len(), predicted);
         }
     }
 }
@@ -139,11 +140,13 @@ impl<M: AdditiveGaussian + ?Sized> Proposal<M> for MinDegeneracy {
         let mut means = std::mem::take(&mut self.means);
         means.resize(past.particles * n, 0.0);
         let correction = self.at(past.time);
+        let previous = past.previous.map(|states| Rows::all(states, n));
         with_scratch(2 * n * LANES, |scratch| {
             let (tile, predicted) = scratch.split_at_mut(n * LANES);
             for (at, means) in means.chunks_mut(n * LANES).enumerate() {
                 let particles = means.len() / n;
-                predict(model, &past, at * LANES, particles, tile, predicted);
+                let particles = at * LANES..at * LANES + particles;
+                predict(model, past.time, previous, particles, tile, predicted);
                 correction.correct(predicted, tile);
                 store(tile, n, means);
             }
@@ -167,54 +170,52 @@ impl<M: AdditiveGaussian + ?Sized> RowProposal<M> for MinDegeneracy {
     fn draw(
         &self,
         model: &M,
-        past: Past<'_>,
+        past: RowPast<'_>,
         streams: &mut [Stream],
         states: &mut [f64],
         increments: &mut [f64],
     ) {
-        let correction = self.at(past.time);
+        let RowPast { time, measurement, previous } = past;
+        let correction = self.at(time);
         let (n, m) = correction.gain.shape();
-        for (stream, states) in particles_by_stream(streams, states, n, past.particles) {
-            fill_standard_normal(stream, states);
-        }
         with_scratch((3 * n + 2 * m) * LANES, |scratch| {
             let (tile, rest) = scratch.split_at_mut(n * LANES);
             let (predicted, rest) = rest.split_at_mut(n * LANES);
             let (drawn, rest) = rest.split_at_mut(n * LANES);
             let (residuals, whitened) = rest.split_at_mut(m * LANES);
-            let parts = states.chunks_mut(n * LANES).zip(increments.chunks_mut(LANES));
-            for (at, (states, increments)) in parts.enumerate() {
-                let particles = increments.len();
-                predict(model, &past, at * LANES, particles, tile, predicted);
+            with_noise(streams, n, increments.len(), fill_standard_normal, |particles, noise| {
+                predict(model, time, previous, particles.clone(), tile, predicted);
                 correction.correct(predicted, drawn);
-                load(states, n, tile);
-                correction.posterior.tile_add_deviation(tile, drawn);
-                store(drawn, n, states);
+                correction.posterior.tile_add_deviation(noise, drawn);
+                store(drawn, n, &mut states[particles.start * n..particles.end * n]);
+                let increments = &mut increments[particles];
                 if model.is_gaussian() {
                     // By Bayes' rule p(y|x) p(x|x') / q(x|x',y) is p(y|x'), whatever x was drawn.
-                    spread(past.measurement, residuals);
+                    spread(measurement, residuals);
                     correction.measurement_matrix.times_subtract(predicted, residuals);
                     correction.innovation.tile_log_density(residuals, whitened, increments);
                 } else {
                     // log q follows from the noise that x was made of.
                     let mut squares = [0.0; LANES];
-                    squared_norms(tile, &mut squares);
+                    squared_norms(noise, &mut squares);
                     for (increment, square) in increments.iter_mut().zip(squares) {
                         *increment = 0.5 * square - correction.posterior.log_normalizer();
                     }
                 }
-            }
+            });
         });
         if !model.is_gaussian() {
-            with_scratch(past.particles, |terms| {
+            with_scratch(increments.len(), |terms| {
                 let mut add = |terms: &[f64]| {
                     increments.iter_mut().zip(terms).for_each(|(increment, term)| *increment += term);
                 };
-                model.log_likelihoods(past.time, states, past.measurement, terms);
+                model.log_likelihoods(time, states, measurement, terms);
                 add(terms);
-                match past.previous {
+                match previous {
                     None => model.log_initials(states, terms),
-                    Some(previous) => model.log_transitions(past.time, previous, states, terms),
+                    Some(previous) => previous.with_contiguous(|previous| {
+                        model.log_transitions(time, previous, states, terms);
+                    }),
                 }
                 add(terms);
             });
@@ -231,24 +232,19 @@ pub struct Shifted<'a> {
 impl Conditional for Shifted<'_> {
     fn sample(&mut self, streams: &mut [Stream], states: &mut [f64], log_density: &mut [f64]) {
         let n = self.deviation.mean().len();
-        for (stream, states) in particles_by_stream(streams, states, n, log_density.len()) {
-            fill_standard_normal(stream, states);
-        }
-        with_scratch(2 * n * LANES, |scratch| {
-            let (noise, drawn) = scratch.split_at_mut(n * LANES);
-            let rows = states.chunks_mut(n * LANES).zip(self.means.chunks(n * LANES));
-            for ((states, means), log_density) in rows.zip(log_density.chunks_mut(LANES)) {
-                load(states, n, noise);
-                load(means, n, drawn);
+        with_scratch(n * LANES, |drawn| {
+            with_noise(streams, n, log_density.len(), fill_standard_normal, |particles, noise| {
+                let rows = particles.start * n..particles.end * n;
+                load(&self.means[rows.clone()], n, drawn);
                 self.deviation.tile_add_deviation(noise, drawn);
-                store(drawn, n, states);
+                store(drawn, n, &mut states[rows]);
                 // log q follows from the noise that x was made of.
                 let mut squares = [0.0; LANES];
                 squared_norms(noise, &mut squares);
-                for (log_density, square) in log_density.iter_mut().zip(squares) {
+                for (log_density, square) in log_density[particles].iter_mut().zip(squares) {
                     *log_density = self.deviation.log_normalizer() - 0.5 * square;
                 }
-            }
+            });
         });
     }
 

@@ -1,5 +1,6 @@
 //! Resampling: which particles survive, how often each, and when it happens at all.
 
+mod descent;
 mod memory;
 mod ranks;
 mod schemes;

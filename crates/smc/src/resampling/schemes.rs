@@ -1,10 +1,11 @@
 //! The four classical resampling schemes, all unbiased: particle `k` has `K·W_k` offspring in expectation.
 
 use motes_models::batch::with_scratch;
-use motes_models::{Stream, fill_standard_exponential, fill_uniform};
+use motes_models::{Stream, fill_uniform};
 use rand::RngExt;
 
-use super::ranks::{SortedPoints, among_regular, among_strata, descend};
+use super::descent::{Points, Spacings, draw};
+use crate::workers::Workers;
 
 /// How ancestors are drawn. Each scheme holds the cumulative weights against `K` increasing points, in time linear in `K`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -26,55 +27,64 @@ impl Resampling {
     /// The number of ancestors may differ from that of the weights. Once a thread has resampled so many particles, doing it again
     /// allocates nothing.
     pub fn draw(self, weights: &[f64], stream: &mut Stream, ancestors: &mut [usize]) {
-        let count = ancestors.len();
-        let scale = count as f64;
+        self.draw_rows(weights, 0, stream, ancestors, &Workers::none());
+    }
+
+    /// [`Resampling::draw`] on several threads, of particles the first of which is row `first`.
+    pub(crate) fn draw_rows(
+        self,
+        weights: &[f64],
+        first: usize,
+        stream: &mut Stream,
+        ancestors: &mut [usize],
+        workers: &Workers,
+    ) {
         match self {
-            Resampling::Multinomial => with_scratch(SortedPoints::scratch(count), |scratch| {
-                multinomial(weights, 1.0, stream, scratch, ancestors);
-            }),
-            Resampling::Systematic => {
-                let offset: f64 = stream.random();
-                descend(weights, |sum| among_regular(sum * scale, offset, count), ancestors);
+            Resampling::Multinomial => {
+                multinomial(weights, first, stream, ancestors, ancestors.len(), workers);
             }
-            Resampling::Stratified => with_scratch(count, |offsets| {
+            Resampling::Systematic => {
+                draw(weights, first, Points::Regular { offset: stream.random() }, ancestors, workers);
+            }
+            Resampling::Stratified => with_scratch(ancestors.len(), |offsets| {
                 fill_uniform(stream, offsets);
-                descend(weights, |sum| among_strata(sum * scale, offsets), ancestors);
+                draw(weights, first, Points::Strata { offsets }, ancestors, workers);
             }),
-            Resampling::Residual => residual(weights, stream, ancestors),
+            Resampling::Residual => residual(weights, first, stream, ancestors),
         }
     }
 }
 
-/// Independent draws by weights that sum to `total`, with scratch for the points.
+/// Independent draws, with scratch for up to `most` of them.
 fn multinomial(
     weights: &[f64],
-    total: f64,
+    first: usize,
     stream: &mut Stream,
-    scratch: &mut [f64],
     ancestors: &mut [usize],
+    most: usize,
+    workers: &Workers,
 ) {
     let count = ancestors.len();
-    fill_standard_exponential(stream, &mut scratch[..=count]);
-    let points = SortedPoints::from_spacings(&mut scratch[..SortedPoints::scratch(count)], count);
-    let scale = count as f64 / total;
-    descend(weights, |sum| points.rank(sum * scale), ancestors);
+    with_scratch(Spacings::scratch(most), |scratch| {
+        let spacings = Spacings::draw(count, stream, scratch, workers);
+        draw(weights, first, Points::Sorted { spacings, most }, ancestors, workers);
+    });
 }
 
-fn residual(weights: &[f64], stream: &mut Stream, ancestors: &mut [usize]) {
+fn residual(weights: &[f64], first: usize, stream: &mut Stream, ancestors: &mut [usize]) {
     let count = ancestors.len();
-    with_scratch(weights.len() + SortedPoints::scratch(count), |scratch| {
-        let (remainders, scratch) = scratch.split_at_mut(weights.len());
+    with_scratch(weights.len(), |remainders| {
         let mut filled = 0;
         for (index, (remainder, weight)) in remainders.iter_mut().zip(weights).enumerate() {
             let expected = weight * count as f64;
             let certain = (expected as usize).min(count - filled);
-            ancestors[filled..filled + certain].fill(index);
+            ancestors[filled..filled + certain].fill(first + index);
             filled += certain;
             *remainder = (expected - certain as f64).max(0.0);
         }
         if filled < count {
-            let total = remainders.iter().sum();
-            multinomial(remainders, total, stream, scratch, &mut ancestors[filled..]);
+            // As much scratch as if all were left, so that asking again allocates nothing.
+            multinomial(remainders, first, stream, &mut ancestors[filled..], count, &Workers::none());
             ancestors.sort_unstable();
         }
     });
