@@ -8,7 +8,7 @@ use crate::methods::MethodConfig;
 
 /// The version of what a unit's configuration means. Raised by hand whenever the same configuration gives other
 /// numbers than before, so that old units are never taken for new ones.
-pub const UNIT_FORMAT: u32 = 3;
+pub const UNIT_FORMAT: u32 = 4;
 
 /// Everything that a unit's result depends on.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -17,9 +17,12 @@ pub(super) fn seed() -> Seed {
     Seed::from_u64(1).child("speed")
 }
 
-/// The system of ten coordinates on a graph.
-pub(super) fn system() -> Result<GraphDiffusion, SpeedError> {
-    let config = GraphDiffusionConfig::new(10);
+/// Coordinates of the system, where nothing is said about growth with them.
+pub(super) const DIMENSION: usize = 10;
+
+/// The system of this many coordinates on a graph.
+pub(super) fn system(dimension: usize) -> Result<GraphDiffusion, SpeedError> {
+    let config = GraphDiffusionConfig::new(dimension);
     GraphDiffusion::random(&config, &mut seed().child("graph").stream()).map_err(prepare)
 }
 
@@ -46,10 +49,10 @@ struct Problem {
     adapter: Vec<Vec<f64>>,
 }
 
-/// Writes the system and its first `horizon` measurements.
-pub(super) fn write_problem(path: &Path, horizon: usize) -> Result<(), SpeedError> {
+/// Writes a system and its first `horizon` measurements.
+pub(super) fn write_problem(path: &Path, dimension: usize, horizon: usize) -> Result<(), SpeedError> {
     use motes_models::AdditiveGaussian;
-    let system = system()?;
+    let system = system(dimension)?;
     let measurements = trajectory(&system, horizon)?.measurements;
     let filtered = kalman::filter(&system.moment_matched().map_err(prepare)?, &measurements);
     let rows = |matrix: faer::MatRef<'_, f64>| -> Vec<Vec<f64>> {
@@ -79,11 +82,11 @@ pub(super) fn write_training<F: Family + Proposal<GraphDiffusion>>(
     if folder.exists() {
         std::fs::remove_dir_all(folder).map_err(SpeedError::system(folder))?;
     }
-    let system = system()?;
+    let system = system(DIMENSION)?;
     let proposal = F::create(config, &system, horizon, Backend::Native.into(), &seed().child("weights"));
     let proposal = proposal.map_err(prepare)?;
     save(folder, &proposal, &system, &TrainConfig::paper(particles)).map_err(prepare)?;
-    write_problem(&folder.join("problem.json"), horizon)?;
+    write_problem(&folder.join("problem.json"), DIMENSION, horizon)?;
     let (mut stream, mut noise) = (seed().child("noise").stream(), vec![0.0; particles * system.state_dim()]);
     let mut bytes = Vec::new();
     for _ in 0..horizon {

@@ -7,8 +7,9 @@ use serde::Serialize;
 
 use super::SpeedError;
 use super::drive::{Entry, Outcome};
+use super::folder::DIMENSION;
 use super::peak::Peak;
-use super::workloads::Kind;
+use super::workloads::{FILTER_HORIZON, Kind, Size};
 
 /// A report that grows.
 #[derive(Serialize)]
@@ -131,7 +132,7 @@ impl Report {
         text.push('\n');
     }
 
-    /// The exponent of the time in the number of particles, and in the number of times, from the two largest of each.
+    /// The exponent of the time in the number of particles, of times and of coordinates, fitted to all sizes of each.
     fn growth(&self, text: &mut String) {
         let seconds = |name: &str| {
             let line = self.work.iter().find(|line| line.name == name)?;
@@ -139,23 +140,30 @@ impl Report {
         };
         let mut lines = String::new();
         for method in ["bootstrap", "min-degeneracy"] {
-            let at = |particles: usize, horizon: usize| {
-                seconds(&format!("filter {method} B=1 K={particles} T={horizon}"))
+            let one = Size { dimension: DIMENSION, filters: 1, particles: 10_000, horizon: FILTER_HORIZON };
+            let grow = |sizes: &[usize], of: &dyn Fn(usize) -> Size| {
+                let points = sizes.iter().map(|&size| Some((size as f64, seconds(&of(size).name(method))?)));
+                points
+                    .collect::<Option<Vec<_>>>()
+                    .map_or("–".into(), |points| format!("{:.2}", exponent(&points)))
             };
-            let exponent = |small: Option<f64>, large: Option<f64>, factor: f64| {
-                small.zip(large).map_or("–".into(), |(small, large)| {
-                    format!("{:.2}", (large / small).ln() / factor.ln())
-                })
-            };
-            let in_particles = exponent(at(10_000, 50), at(100_000, 50), 10.0);
-            let in_times = exponent(at(10_000, 50), at(10_000, 200), 4.0);
-            let _ = writeln!(lines, "| {method} | {in_particles} | {in_times} |");
+            let in_particles = grow(&[10_000, 100_000], &|particles| Size { particles, ..one });
+            let in_times = grow(&[50, 100, 200], &|horizon| Size { horizon, ..one });
+            let in_dimensions = grow(&[10, 20, 40], &|dimension| Size { dimension, ..one });
+            let _ = writeln!(lines, "| {method} | {in_particles} | {in_times} | {in_dimensions} |");
         }
         let _ = write!(
             text,
-            "| time grows with the power of | K, 10,000 to 100,000 | T, 50 to 200 |\n|---|---:|---:|\n{lines}"
+            "| time grows with the power of | K, 10,000 to 100,000 | T, 50 to 200 | N, 10 to 40 |\n|---|---:|---:|---:|\n{lines}"
         );
     }
+}
+
+/// The slope of the logarithms, by least squares.
+fn exponent(points: &[(f64, f64)]) -> f64 {
+    let mean = |of: &dyn Fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / points.len() as f64;
+    let (x, y) = (mean(&|point| point.0.ln()), mean(&|point| point.1.ln()));
+    mean(&|point| (point.0.ln() - x) * (point.1.ln() - y)) / mean(&|point| (point.0.ln() - x).powi(2))
 }
 
 fn versus(line: &Line) -> String {

@@ -9,7 +9,7 @@ use motes_proposals::{Backend, Family, Fcnn, Gnn, Learnable, Psi, Rnn, load};
 use motes_smc::{Bootstrap, FilterBank, FilterSettings, MinDegeneracy, Proposal, Resampling};
 use motes_train::{GradientFlow, Objective, TrainConfig, rollout, train};
 
-use super::folder::{seed, system, trajectory};
+use super::folder::{DIMENSION, seed, system, trajectory};
 use super::task::{Answer, FilterTask, Request, Task, TrainTask};
 
 /// Something to be done again and again.
@@ -66,7 +66,8 @@ fn prepare(task: &Task) -> Result<Box<dyn Work>, String> {
             let problem: serde_json::Value = serde_json::from_str(&text).map_err(told)?;
             let horizon = problem["measurements"].as_array().map_or(0, Vec::len);
             let exact = problem["log_evidence"].as_f64().ok_or("the problem has no log_evidence")?;
-            let system = system().map_err(told)?;
+            let dimension = problem["A"].as_array().map_or(0, Vec::len);
+            let system = system(dimension).map_err(told)?;
             let measurements = trajectory(&system, horizon).map_err(told)?.measurements;
             let task = task.clone();
             match task.method.as_str() {
@@ -93,7 +94,7 @@ fn prepare(task: &Task) -> Result<Box<dyn Work>, String> {
                 Psi::NAME => Box::new(loaded::<Psi>(task)?),
                 other => return Err(format!("there is no family {other}")),
             };
-            let system = system().map_err(told)?;
+            let system = system(DIMENSION).map_err(told)?;
             let bytes = std::fs::metadata(task.folder.join("noise.f64")).map_err(told)?.len();
             let horizon = bytes as usize / 8 / task.particles / learned.state_dim();
             let measurements = trajectory(&system, horizon).map_err(told)?.measurements;
@@ -115,7 +116,7 @@ fn told(error: impl ToString) -> String {
 }
 
 fn loaded<F: Family>(task: &TrainTask) -> Result<F, String> {
-    load(&task.folder, &system().map_err(told)?, Backend::Native.into()).map_err(told)
+    load(&task.folder, &system(DIMENSION).map_err(told)?, Backend::Native.into()).map_err(told)
 }
 
 struct Filtering<P> {

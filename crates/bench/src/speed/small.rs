@@ -10,7 +10,7 @@ use motes_smc::{Bootstrap, FilterBank, FilterSettings, MinDegeneracy, Proposal};
 use motes_train::{TrainConfig, train};
 
 use super::SpeedError;
-use super::folder::{prepare, seed, system, trajectory};
+use super::folder::{DIMENSION, prepare, seed, system, trajectory};
 use crate::say::{news, result};
 
 /// The names of the small pieces of work.
@@ -24,7 +24,7 @@ const MARGIN: f64 = 0.1;
 /// # Errors
 /// [`SpeedError::Prepare`] if there is none of that name.
 pub fn small_work(name: &str) -> Result<(), SpeedError> {
-    let system = system()?;
+    let system = system(DIMENSION)?;
     match name {
         "filter-bootstrap" => filter(&system, Bootstrap, 2000, 1),
         "bank-min-degeneracy" => filter(&system, MinDegeneracy::new(&system).map_err(prepare)?, 20, 100),

@@ -5,7 +5,7 @@ use std::path::Path;
 use motes_proposals::{Fcnn, FcnnConfig, Gnn, GnnConfig, Psi, PsiConfig, Rnn, RnnConfig};
 
 use super::SpeedError;
-use super::folder::{write_problem, write_training};
+use super::folder::{DIMENSION, write_problem, write_training};
 use super::task::{FilterTask, Task, TrainTask};
 
 /// A piece of work, with those who do it.
@@ -37,7 +37,7 @@ pub(super) enum Kind {
     },
 }
 
-const FILTER_HORIZON: usize = 50;
+pub(super) const FILTER_HORIZON: usize = 50;
 const BANK_HORIZON: usize = 12;
 const BANK: usize = 100;
 
@@ -45,15 +45,20 @@ const BANK: usize = 100;
 pub(super) fn all(scratch: &Path) -> Result<Vec<Workload>, SpeedError> {
     let mut all = Vec::new();
     for method in ["bootstrap", "min-degeneracy"] {
+        let one = Size { dimension: DIMENSION, filters: 1, particles: 10_000, horizon: FILTER_HORIZON };
         for particles in [100, 1_000, 10_000, 100_000] {
-            all.push(filter(scratch, method, 1, particles, FILTER_HORIZON, &["particles", "cuthbert"])?);
+            all.push(filter(scratch, method, Size { particles, ..one }, &["particles", "cuthbert"])?);
         }
-        // Growth with T.
+        // Growth with T and with N.
         for horizon in [100, 200] {
-            all.push(filter(scratch, method, 1, 10_000, horizon, &[])?);
+            all.push(filter(scratch, method, Size { horizon, ..one }, &[])?);
+        }
+        for dimension in [20, 40] {
+            all.push(filter(scratch, method, Size { dimension, ..one }, &[])?);
         }
         for particles in [10, 50] {
-            all.push(filter(scratch, method, BANK, particles, BANK_HORIZON, &["numpy"])?);
+            let bank = Size { filters: BANK, particles, horizon: BANK_HORIZON, ..one };
+            all.push(filter(scratch, method, bank, &["numpy"])?);
         }
     }
     for particles in [10, 50] {
@@ -68,16 +73,27 @@ pub(super) fn all(scratch: &Path) -> Result<Vec<Workload>, SpeedError> {
     Ok(all)
 }
 
-fn filter(
-    scratch: &Path,
-    method: &str,
-    filters: usize,
-    particles: usize,
-    horizon: usize,
-    peers: &[&str],
-) -> Result<Workload, SpeedError> {
-    let problem = scratch.join(format!("problem-{horizon}.json"));
-    write_problem(&problem, horizon)?;
+/// How large filters are.
+#[derive(Clone, Copy)]
+pub(super) struct Size {
+    pub(super) dimension: usize,
+    pub(super) filters: usize,
+    pub(super) particles: usize,
+    pub(super) horizon: usize,
+}
+
+impl Size {
+    /// What such work is called.
+    pub(super) fn name(self, method: &str) -> String {
+        let Size { dimension, filters, particles, horizon } = self;
+        format!("filter {method} N={dimension} B={filters} K={particles} T={horizon}")
+    }
+}
+
+fn filter(scratch: &Path, method: &str, size: Size, peers: &[&str]) -> Result<Workload, SpeedError> {
+    let Size { dimension, filters, particles, horizon } = size;
+    let problem = scratch.join(format!("problem-{dimension}-{horizon}.json"));
+    write_problem(&problem, dimension, horizon)?;
     let task = |peer: Option<&str>, threads| {
         Task::Filter(FilterTask {
             peer: peer.map(String::from),
@@ -99,7 +115,7 @@ fn filter(
         })
     };
     Ok(Workload {
-        name: format!("filter {method} B={filters} K={particles} T={horizon}"),
+        name: size.name(method),
         kind: Kind::Filter { particle_steps: (filters * particles * horizon) as f64 },
         // Fewer particles are not worth a second thread.
         ours: vec![task(None, if particles < 10_000 { 1 } else { 2 })],

@@ -106,7 +106,8 @@ impl WithSimd for Times<'_> {
         let mut first = 0;
         while first < inner {
             let terms = TERMS.min(inner - first);
-            for (part, sums) in sums.chunks_exact_mut(rows * width).take(columns.div_ceil(width)).enumerate() {
+            for (part, sums) in sums.chunks_exact_mut(rows * width).take(columns.div_ceil(width)).enumerate()
+            {
                 let column = part * width;
                 let some = width.min(columns - column);
                 for (k, into) in panel.chunks_exact_mut(width).take(terms).enumerate() {

@@ -195,3 +195,79 @@ pub(super) fn column_sums<T: Real>(out: &mut [T], accum: Accum, rows: &[T]) {
 pub(super) fn vectorised<R>(loops: impl FnOnce() -> R) -> R {
     pulp::Arch::new().dispatch(loops)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIZES: [[usize; 3]; 16] = [
+        [1, 5, 64],
+        [10, 33, 70],
+        [9, 2, 65],
+        [12, 300, 64],
+        [13, 64, 97],
+        [17, 64, 64],
+        [29, 130, 66],
+        [40, 65, 128],
+        [50, 7, 1024],
+        [50, 200, 100],
+        [64, 65, 70],
+        [65, 100, 77],
+        [200, 90, 130],
+        [256, 64, 65],
+        [300, 64, 64],
+        [30, 0, 64],
+    ];
+
+    fn numbers(count: usize, rate: f64) -> Vec<f32> {
+        (0..count).map(|k| (rate * k as f64 + 0.3).sin() as f32).collect()
+    }
+
+    /// Every way and every size of its tiles, with and without a rest, against sums of 64 bits.
+    #[test]
+    fn products_are_those_of_the_definition() {
+        for sizes in SIZES {
+            let [rows, inner, columns] = sizes;
+            let (stride_a, stride_out) = (inner + 3, columns + 5);
+            let a = numbers(rows * stride_a, 0.7);
+            let b = numbers(inner * columns, 1.3);
+            let mut buffers = Buffers::default();
+            for accum in [Accum::Replace, Accum::Add] {
+                let before = numbers(rows * stride_out, 2.1);
+                let mut found = before.clone();
+                let out = ColumnsMut { values: &mut found, stride: stride_out };
+                let from = Columns { values: &a, stride: stride_a };
+                f32::times(out, accum, from, &b, sizes, &mut buffers);
+                check(&found, &before, stride_out, accum, sizes, |r, c| {
+                    (0..inner).map(|k| f64::from(a[r * stride_a + k]) * f64::from(b[k * columns + c])).sum()
+                });
+                let mut found = before.clone();
+                let out = ColumnsMut { values: &mut found, stride: stride_out };
+                let from = Columns { values: &a, stride: stride_a };
+                f32::times_transposed(out, accum, from, &b, sizes, &mut buffers);
+                check(&found, &before, stride_out, accum, sizes, |r, c| {
+                    (0..inner).map(|k| f64::from(a[r * stride_a + k]) * f64::from(b[c * inner + k])).sum()
+                });
+            }
+        }
+    }
+
+    fn check(
+        found: &[f32],
+        before: &[f32],
+        stride: usize,
+        accum: Accum,
+        [rows, inner, columns]: [usize; 3],
+        product: impl Fn(usize, usize) -> f64,
+    ) {
+        for r in 0..rows {
+            for c in 0..stride {
+                let at = r * stride + c;
+                let old = if accum == Accum::Add || c >= columns { f64::from(before[at]) } else { 0.0 };
+                let expected = old + if c < columns { product(r, c) } else { 0.0 };
+                let error = (f64::from(found[at]) - expected).abs();
+                assert!(error < 1e-6 * (inner as f64 + 1.0), "row {r}, column {c}: {error:e}");
+            }
+        }
+    }
+}

@@ -13,7 +13,8 @@ pub(crate) struct Waiting<T> {
     matrices: Vec<Pile<T>>,
 }
 
-/// What waits for one matrix.
+/// What waits for one matrix. The way in which a filter is computed may change with the number of rows: before rows of another kind, those
+/// that wait are multiplied.
 enum Pile<T> {
     Nothing,
     /// Of an affine map.
@@ -51,6 +52,7 @@ impl<T: Real> Waiting<T> {
     ) {
         let pile = &mut self.matrices[index];
         if !matches!(pile, Pile::Rows { .. }) {
+            pile.multiply_if(1, index, gradients);
             *pile = Pile::Rows { rows: 0, widths, inputs: Vec::new(), d_outputs: Vec::new() };
         }
         if let Pile::Rows { rows, inputs, d_outputs, .. } = pile {
@@ -72,6 +74,7 @@ impl<T: Real> Waiting<T> {
         let Eigen { of, shape, taps: index, rows: more } = *way;
         let pile = &mut self.matrices[index];
         if !matches!(pile, Pile::Spectral { .. }) {
+            pile.multiply_if(1, index, gradients);
             let eigenvalues = of.spectrum.map_or(Vec::new(), |spectrum| spectrum.eigenvalues.to_vec());
             let by_eigenvalue = vec![(Vec::new(), Vec::new()); of.nodes];
             *pile = Pile::Spectral { rows: 0, shape, eigenvalues, by_eigenvalue };
