@@ -30,7 +30,7 @@ pub(super) struct Entry {
     pub(super) name: String,
     /// Processes side by side.
     pub(super) processes: usize,
-    /// Of each round: until the last process was done.
+    /// Of each round: until the last process was done, on average over its runs.
     pub(super) seconds: Vec<f64>,
     /// What showed that the work is equal.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -66,16 +66,20 @@ impl Team {
         Ok(Team { entry, workers })
     }
 
-    /// One round: all processes start together.
-    fn round(&mut self) -> Result<(), SpeedError> {
-        for worker in &mut self.workers {
-            worker.send(&Request::Run(true))?;
+    /// One round of some runs, in each of which all processes start together.
+    fn round(&mut self, runs: usize) -> Result<(), SpeedError> {
+        let mut total = 0.0;
+        for _ in 0..runs {
+            for worker in &mut self.workers {
+                worker.send(&Request::Run(true))?;
+            }
+            let mut slowest: f64 = 0.0;
+            for worker in &mut self.workers {
+                slowest = slowest.max(worker.receive()?.seconds.unwrap_or(f64::NAN));
+            }
+            total += slowest;
         }
-        let mut slowest: f64 = 0.0;
-        for worker in &mut self.workers {
-            slowest = slowest.max(worker.receive()?.seconds.unwrap_or(f64::NAN));
-        }
-        self.entry.seconds.push(slowest);
+        self.entry.seconds.push(total / runs as f64);
         Ok(())
     }
 
@@ -113,10 +117,10 @@ impl Contest<'_> {
             if interrupt.check().is_break() {
                 return Err(SpeedError::Interrupted);
             }
-            ours.round()?;
+            ours.round(workload.kind.runs())?;
             for team in &mut teams {
                 if team.entry.error.is_none()
-                    && let Err(error) = team.round()
+                    && let Err(error) = team.round(workload.kind.runs())
                 {
                     team.entry.error = Some(error.to_string());
                 }

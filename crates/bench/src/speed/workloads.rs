@@ -37,7 +37,19 @@ pub(super) enum Kind {
     },
 }
 
+impl Kind {
+    /// How often the work is done in a round.
+    pub(super) fn runs(self) -> usize {
+        match self {
+            Kind::Filter { particle_steps } => (PARTICLE_STEPS / particle_steps).ceil() as usize,
+            Kind::Train { .. } => 1,
+        }
+    }
+}
+
 pub(super) const FILTER_HORIZON: usize = 50;
+/// A round of filters takes at least so many: what is done in a few milliseconds measures how a process wakes up.
+const PARTICLE_STEPS: f64 = 5e6;
 const BANK_HORIZON: usize = 12;
 const BANK: usize = 100;
 
