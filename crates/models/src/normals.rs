@@ -6,7 +6,7 @@ use crate::Stream;
 use crate::bulk::{Transform, fill};
 use crate::elementary::{ln, sin_cos};
 
-/// Fills `out` with independent standard normal numbers, several times as fast as one by one.
+/// Fills `out` with independent standard normal numbers, in vector instructions.
 ///
 /// Box and Muller's transform of 53-bit uniforms, so that every number is finite and below 8.6 in size, with tails as they
 /// should be up to there. Up to 16 numbers take 128 bytes of the stream, more take 256, however many: they come

@@ -1,4 +1,4 @@
-//! What a step of a filter costs, by its parts and as a whole: `cargo bench -p motes-smc`.
+//! What a step of a filter costs, by its parts and as a whole: `cargo bench --workspace --bench filters`.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use motes_models::{GraphDiffusion, GraphDiffusionConfig, Seed, fill_standard_normal, simulate};

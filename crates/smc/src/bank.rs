@@ -234,11 +234,8 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
         }
         if self.resampled.contains(&true) {
             self.memory.resample(&self.ancestors);
-            let n = self.model.state_dim();
-            let rows = Rows::picked(&self.states, n, &self.ancestors);
-            for (k, row) in self.previous.chunks_exact_mut(n).enumerate() {
-                row.copy_from_slice(rows.row(k));
-            }
+            let rows = Rows::picked(&self.states, self.model.state_dim(), &self.ancestors);
+            rows.copy_to(&mut self.previous);
         } else {
             std::mem::swap(&mut self.states, &mut self.previous);
         }

@@ -24,11 +24,11 @@ pub enum WeightFault {
     AllZero,
 }
 
-/// Particles whose weights are summed up together, while they are in the nearest cache.
+/// Particles whose weights are summed up together, while they are in the nearest cache, and resampled on one thread.
 pub(crate) const BLOCK: usize = 1024;
 
 /// The log-weights of `K` particles, normalised: `Σ_k exp(log W_k) = 1`.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct LogWeights {
     log: Vec<f64>,
     normalised: Vec<f64>,
@@ -151,6 +151,13 @@ impl LogWeights {
     }
 }
 
+/// Whether all weights are the same; how they were summed up does not matter.
+impl PartialEq for LogWeights {
+    fn eq(&self, other: &Self) -> bool {
+        self.log == other.log && self.normalised == other.normalised
+    }
+}
+
 /// Blocks of weights that a thread would rather do itself than hand on.
 const GRAIN: usize = 8;
 
@@ -205,6 +212,15 @@ mod tests {
         // A second update without resampling starts from those weights, not from ¼ each.
         let log_sum = weights.update(&[8.0_f64.ln(), 0.0, 0.0, f64::NEG_INFINITY]).unwrap();
         assert!((log_sum - (1.0_f64 + 0.25 + 0.375).ln()).abs() < 1e-15);
+    }
+
+    #[test]
+    fn weights_that_were_reset_are_equal_ones() {
+        let mut weights = LogWeights::uniform(3);
+        weights.update(&[0.0, 1.0, 2.0]).unwrap();
+        assert_ne!(weights, LogWeights::uniform(3));
+        weights.reset();
+        assert_eq!(weights, LogWeights::uniform(3));
     }
 
     #[test]

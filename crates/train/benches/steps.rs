@@ -1,4 +1,4 @@
-//! What a step of training costs, family by family, at the paper's sizes: `cargo bench -p motes-train`.
+//! What a step of training costs, family by family, at the paper's sizes: `cargo bench --workspace --bench steps`.
 
 use std::ops::ControlFlow;
 

@@ -51,11 +51,19 @@ impl<'a> Rows<'a> {
         match self.picked {
             None => work(self.states),
             Some(picked) => with_scratch(picked.len() * self.width, |rows| {
-                for (k, row) in rows.chunks_exact_mut(self.width).enumerate() {
-                    row.copy_from_slice(self.row(k));
-                }
+                self.copy_to(rows);
                 work(rows)
             }),
+        }
+    }
+
+    /// Copies the first states into `states`, as many as there is room for.
+    ///
+    /// # Panics
+    /// If there is room for more than there are.
+    pub fn copy_to(&self, states: &mut [f64]) {
+        for (k, state) in states.chunks_exact_mut(self.width).enumerate() {
+            state.copy_from_slice(self.row(k));
         }
     }
 }

@@ -7,7 +7,7 @@ use faer::Accum;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::Buffers;
-use super::products::{Columns, ColumnsMut};
+use super::products::{Columns, ColumnsMut, Product};
 
 /// The longest vector.
 const WIDEST: usize = 16;
@@ -15,30 +15,18 @@ const WIDEST: usize = 16;
 /// How many columns are turned at a time: what stays in the nearest cache.
 const TURNED: usize = 64;
 
-/// `out = a bᵀ`, or `out += a bᵀ`.
-pub(super) fn times_transposed(
-    out: ColumnsMut<'_, f32>,
-    accum: Accum,
-    a: Columns<'_, f32>,
-    b: &[f32],
-    sizes: [usize; 3],
-    buffers: &mut Buffers<f32>,
-) {
-    let [rows, inner, columns] = sizes;
+/// `a bᵀ`.
+pub(super) fn times_transposed(product: Product<'_, f32>, buffers: &mut Buffers<f32>) {
+    let [rows, inner, columns] = product.sizes;
     let padded = rows.next_multiple_of(WIDEST);
     let (mut turned, mut sums) = (buffers.take(padded * inner), buffers.take(padded * columns));
-    let lanes = (&mut *turned, &mut *sums);
-    Arch::new().dispatch(TimesTransposed { out, accum, a, b, sizes, turned: lanes.0, sums: lanes.1 });
+    Arch::new().dispatch(TimesTransposed { product, turned: &mut turned, sums: &mut sums });
     buffers.put(turned);
     buffers.put(sums);
 }
 
 struct TimesTransposed<'a> {
-    out: ColumnsMut<'a, f32>,
-    accum: Accum,
-    a: Columns<'a, f32>,
-    b: &'a [f32],
-    sizes: [usize; 3],
+    product: Product<'a, f32>,
     /// The columns of `a`, one after another.
     turned: &'a mut [f32],
     /// The columns of `a bᵀ`, one after another.
@@ -50,7 +38,7 @@ impl WithSimd for TimesTransposed<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) {
-        let [rows, inner, columns] = self.sizes;
+        let [rows, inner, columns] = self.product.sizes;
         let vectors = rows.div_ceil(S::F32_LANES);
         // As many rows of `b` at a time as leave registers for the sums of each with every vector.
         let most = if S::REGISTER_COUNT >= 32 { 4 } else { 2 };
@@ -60,7 +48,7 @@ impl WithSimd for TimesTransposed<'_> {
             let start = first * S::F32_LANES;
             let rows = rows.min(last * S::F32_LANES) - start;
             let (count, lanes) = (last - first, (last - first) * S::F32_LANES);
-            turn(self.a, start, rows, inner, &mut self.turned[..inner * lanes]);
+            turn(self.product.a, start, rows, inner, &mut self.turned[..inner * lanes]);
             match count {
                 1 => self.all::<S, 12, 1>(simd),
                 2 if S::REGISTER_COUNT >= 32 => self.all::<S, 12, 2>(simd),
@@ -68,8 +56,9 @@ impl WithSimd for TimesTransposed<'_> {
                 3 => self.all::<S, 8, 3>(simd),
                 _ => self.all::<S, 6, 4>(simd),
             }
-            let out = ColumnsMut { values: &mut self.out.values[start * self.out.stride..], ..self.out };
-            turn_back(out, self.accum, rows, lanes, &self.sums[..columns * lanes]);
+            let Product { out: ColumnsMut { values, stride }, accum, .. } = &mut self.product;
+            let out = ColumnsMut { values: &mut values[start * *stride..], stride: *stride };
+            turn_back(out, *accum, rows, lanes, &self.sums[..columns * lanes]);
         }
     }
 }
@@ -78,7 +67,7 @@ impl TimesTransposed<'_> {
     /// All sums of `V` vectors of rows, `B` rows of `b` at a time.
     #[inline(always)]
     fn all<S: Simd, const B: usize, const V: usize>(&mut self, simd: S) {
-        let [_, inner, columns] = self.sizes;
+        let [_, inner, columns] = self.product.sizes;
         let mut column = 0;
         while column < columns {
             if column + B <= columns {
@@ -96,7 +85,7 @@ impl TimesTransposed<'_> {
         let mut sums = [[simd.splat_f32s(0.0); V]; B];
         let mut b: [&[f32]; B] = [&[]; B];
         for (c, b) in b.iter_mut().enumerate() {
-            *b = &self.b[(column + c) * inner..(column + c + 1) * inner];
+            *b = &self.product.b[(column + c) * inner..(column + c + 1) * inner];
         }
         let (a, _) = S::as_simd_f32s(self.turned);
         let (a, _) = a.as_chunks::<V>();

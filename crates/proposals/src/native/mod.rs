@@ -1,7 +1,7 @@
 //! Networks computed here, on the host, by whole layers: the backend that experiments use.
 //!
-//! Matrix products are faer's. What is our own is everything around them: layers fused with their activations, derivatives
-//! taken from outputs, gradients of shared weights formed once from many times, memory that is used again.
+//! Products of a batch of particles with weights are our own, others faer's. Around them are layers fused with their activations,
+//! derivatives taken from outputs, gradients of shared weights formed once from many times, memory that is used again.
 
 mod across;
 mod affine;
@@ -13,6 +13,7 @@ mod panels;
 mod products;
 mod skinny;
 mod tape;
+mod vectors;
 mod waiting;
 
 pub(crate) use infer::{Inference, infer};

@@ -8,8 +8,8 @@ use faer::Accum;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::Buffers;
-use super::products::{Columns, ColumnsMut};
-use super::skinny::{load_two, store_two};
+use super::products::{Columns, Product};
+use super::vectors::{load_two, store_two};
 
 /// Terms of the sums at a time: as many rows of weights as a processor reads ahead in.
 const TERMS: usize = 64;
@@ -17,32 +17,21 @@ const TERMS: usize = 64;
 /// The widest panel: two of the longest vectors.
 const WIDEST: usize = 32;
 
-/// `out = a b`, or `out += a b`.
-pub(super) fn times(
-    out: ColumnsMut<'_, f32>,
-    accum: Accum,
-    a: Columns<'_, f32>,
-    b: &[f32],
-    sizes: [usize; 3],
-    buffers: &mut Buffers<f32>,
-) {
-    let [rows, inner, columns] = sizes;
+/// `a b`.
+pub(super) fn times(product: Product<'_, f32>, buffers: &mut Buffers<f32>) {
+    let [rows, inner, columns] = product.sizes;
     let mut panel = buffers.take(TERMS * WIDEST);
     let mut in_tiles = buffers.take(rows * inner);
     let mut sums = buffers.take(rows * columns.next_multiple_of(WIDEST));
-    let (panels, tiles) = (&mut panel, &mut in_tiles);
-    Arch::new().dispatch(Times { a, b, sizes, panel: panels, in_tiles: tiles, sums: &mut sums, out, accum });
+    let times = Times { product, panel: &mut panel, in_tiles: &mut in_tiles, sums: &mut sums };
+    Arch::new().dispatch(times);
     for buffer in [panel, in_tiles, sums] {
         buffers.put(buffer);
     }
 }
 
 struct Times<'a> {
-    out: ColumnsMut<'a, f32>,
-    accum: Accum,
-    a: Columns<'a, f32>,
-    b: &'a [f32],
-    sizes: [usize; 3],
+    product: Product<'a, f32>,
     /// Some rows and two vectors of columns of `b`.
     panel: &'a mut [f32],
     /// `a` in tiles of rows, each with its columns one after another.
@@ -53,21 +42,21 @@ struct Times<'a> {
 
 /// The rows of a tile: as even as can be, and so few that their sums fit into registers.
 #[derive(Clone, Copy)]
-pub(super) struct Tiles {
+struct Tiles {
     rows: usize,
     count: usize,
 }
 
 impl Tiles {
     #[inline(always)]
-    pub(super) fn of<S: Simd>(rows: usize) -> Self {
+    fn of<S: Simd>(rows: usize) -> Self {
         // Two vectors of sums a row; two of weights and one of the other factor beside them.
         Tiles { rows, count: rows.div_ceil((S::REGISTER_COUNT - 4) / 2) }
     }
 
     /// Where each tile begins, and how many rows it has.
     #[inline(always)]
-    pub(super) fn each(self) -> impl Iterator<Item = (usize, usize)> {
+    fn each(self) -> impl Iterator<Item = (usize, usize)> {
         let Tiles { rows, count } = self;
         (0..count).map(move |tile| {
             let start = |tile: usize| tile * rows / count;
@@ -77,7 +66,7 @@ impl Tiles {
 
     /// Brings rows into tiles.
     #[inline(always)]
-    pub(super) fn fill(self, a: Columns<'_, f32>, inner: usize, in_tiles: &mut [f32]) {
+    fn fill(self, a: Columns<'_, f32>, inner: usize, in_tiles: &mut [f32]) {
         for (start, rows) in self.each() {
             let tile = &mut in_tiles[start * inner..(start + rows) * inner];
             for row in 0..rows {
@@ -95,7 +84,8 @@ impl WithSimd for Times<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Times { out, accum, a, b, sizes: [rows, inner, columns], panel, in_tiles, sums } = self;
+        let Times { product, panel, in_tiles, sums } = self;
+        let Product { out, accum, a, b, sizes: [rows, inner, columns] } = product;
         let width = 2 * S::F32_LANES;
         let tiles = Tiles::of::<S>(rows);
         tiles.fill(a, inner, in_tiles);
@@ -141,7 +131,7 @@ impl WithSimd for Times<'_> {
 
 /// `sums (+)= a b` for a tile of `rows` rows: `a` column by column, `b` in a panel, in registers all along.
 #[inline(always)]
-pub(super) fn tile<S: Simd>(simd: S, rows: usize, add: bool, sums: &mut [f32], a: &[f32], b: &[f32]) {
+fn tile<S: Simd>(simd: S, rows: usize, add: bool, sums: &mut [f32], a: &[f32], b: &[f32]) {
     macro_rules! of_rows {
         ($($rows:literal)*) => {
             match rows {

@@ -26,103 +26,77 @@ const MANY: usize = 256;
 /// A factor narrower than this is not large.
 const WIDE: usize = 64;
 
-/// Products in one precision; sizes are `[rows of the result, terms of each sum, columns of the result]`.
-pub(crate) trait Products: Sized {
-    /// `out = a b`, or `out += a b`; the rows of `b` lie one after another.
-    fn times(
-        out: ColumnsMut<'_, Self>,
-        accum: Accum,
-        a: Columns<'_, Self>,
-        b: &[Self],
-        sizes: [usize; 3],
-        buffers: &mut Buffers<Self>,
-    );
+/// A product that is to be computed; the rows of `b` lie one after another.
+pub(crate) struct Product<'a, T> {
+    pub(crate) out: ColumnsMut<'a, T>,
+    /// Whether the result is added to `out`.
+    pub(crate) accum: Accum,
+    pub(crate) a: Columns<'a, T>,
+    pub(crate) b: &'a [T],
+    /// `[rows of the result, terms of each sum, columns of the result]`.
+    pub(crate) sizes: [usize; 3],
+}
 
-    /// `out = a bᵀ`, or `out += a bᵀ`; the rows of `b` lie one after another.
-    fn times_transposed(
-        out: ColumnsMut<'_, Self>,
-        accum: Accum,
-        a: Columns<'_, Self>,
-        b: &[Self],
-        sizes: [usize; 3],
-        buffers: &mut Buffers<Self>,
-    );
+/// Products in one precision.
+pub(crate) trait Products: Sized {
+    /// `a b`.
+    fn times(product: Product<'_, Self>, buffers: &mut Buffers<Self>);
+
+    /// `a bᵀ`.
+    fn times_transposed(product: Product<'_, Self>, buffers: &mut Buffers<Self>);
 }
 
 impl Products for f64 {
-    fn times(
-        out: ColumnsMut<'_, f64>,
-        accum: Accum,
-        a: Columns<'_, f64>,
-        b: &[f64],
-        sizes: [usize; 3],
-        _: &mut Buffers<f64>,
-    ) {
-        by_faer(out, accum, a, MatRef::from_row_major_slice(b, sizes[1], sizes[2]), sizes);
+    fn times(product: Product<'_, f64>, _: &mut Buffers<f64>) {
+        times_by_faer(product);
     }
 
-    fn times_transposed(
-        out: ColumnsMut<'_, f64>,
-        accum: Accum,
-        a: Columns<'_, f64>,
-        b: &[f64],
-        sizes: [usize; 3],
-        _: &mut Buffers<f64>,
-    ) {
-        by_faer(out, accum, a, MatRef::from_row_major_slice(b, sizes[2], sizes[1]).transpose(), sizes);
+    fn times_transposed(product: Product<'_, f64>, _: &mut Buffers<f64>) {
+        times_transposed_by_faer(product);
     }
 }
 
 impl Products for f32 {
-    fn times(
-        out: ColumnsMut<'_, f32>,
-        accum: Accum,
-        a: Columns<'_, f32>,
-        b: &[f32],
-        sizes: [usize; 3],
-        buffers: &mut Buffers<f32>,
-    ) {
-        let [rows, _, columns] = sizes;
+    fn times(product: Product<'_, f32>, buffers: &mut Buffers<f32>) {
+        let [rows, _, columns] = product.sizes;
         if columns < WIDE || rows > MANY {
-            by_faer(out, accum, a, MatRef::from_row_major_slice(b, sizes[1], columns), sizes);
+            times_by_faer(product);
         } else if rows <= FEW {
-            skinny::times(out, accum, a, b, sizes);
+            skinny::times(product);
         } else {
-            panels::times(out, accum, a, b, sizes, buffers);
+            panels::times(product, buffers);
         }
     }
 
-    fn times_transposed(
-        out: ColumnsMut<'_, f32>,
-        accum: Accum,
-        a: Columns<'_, f32>,
-        b: &[f32],
-        sizes: [usize; 3],
-        buffers: &mut Buffers<f32>,
-    ) {
-        let [rows, inner, columns] = sizes;
+    fn times_transposed(product: Product<'_, f32>, buffers: &mut Buffers<f32>) {
+        let [rows, inner, columns] = product.sizes;
         if inner < WIDE || columns < WIDE || rows > MANY {
-            by_faer(out, accum, a, MatRef::from_row_major_slice(b, columns, inner).transpose(), sizes);
+            times_transposed_by_faer(product);
         } else if rows <= FEW {
-            skinny::times_transposed(out, accum, a, b, sizes);
+            skinny::times_transposed(product);
         } else {
-            across::times_transposed(out, accum, a, b, sizes, buffers);
+            across::times_transposed(product, buffers);
         }
     }
 }
 
-fn by_faer<T: faer::traits::RealField>(
-    out: ColumnsMut<'_, T>,
-    accum: Accum,
-    a: Columns<'_, T>,
-    b: MatRef<'_, T>,
-    [rows, inner, columns]: [usize; 3],
-) {
-    let a = MatRef::from_row_major_slice_with_stride(a.values, rows, inner, a.stride);
+fn times_by_faer<T: Real>(product: Product<'_, T>) {
+    let [_, inner, columns] = product.sizes;
+    let b = MatRef::from_row_major_slice(product.b, inner, columns);
+    by_faer(product.out, product.accum, product.a, b, product.sizes[0]);
+}
+
+fn times_transposed_by_faer<T: Real>(product: Product<'_, T>) {
+    let [_, inner, columns] = product.sizes;
+    let b = MatRef::from_row_major_slice(product.b, columns, inner).transpose();
+    by_faer(product.out, product.accum, product.a, b, product.sizes[0]);
+}
+
+fn by_faer<T: Real>(out: ColumnsMut<'_, T>, accum: Accum, a: Columns<'_, T>, b: MatRef<'_, T>, rows: usize) {
+    let a = MatRef::from_row_major_slice_with_stride(a.values, rows, b.nrows(), a.stride);
     // As the transpose of a column-major matrix: faer 0.24.4 takes the strides of the row-major one the wrong way round.
-    let out = MatMut::from_column_major_slice_with_stride_mut(out.values, columns, rows, out.stride);
-    let out = out.transpose_mut();
-    matmul(out, accum, a, b, T::one_impl(), Par::Seq);
+    let out = MatMut::from_column_major_slice_with_stride_mut(out.values, b.ncols(), rows, out.stride);
+    matmul(out.transpose_mut(), accum, a, b, T::ONE, Par::Seq);
 }
 
 /// `out = a b`, or `out += a b`: `rows×inner` times `inner×columns`.
@@ -134,9 +108,7 @@ pub(super) fn times<T: Real>(
     sizes: [usize; 3],
     buffers: &mut Buffers<T>,
 ) {
-    let [_, inner, columns] = sizes;
-    let a = Columns { values: a, stride: inner };
-    T::times(ColumnsMut { values: out, stride: columns }, accum, a, b, sizes, buffers);
+    T::times(whole(out, accum, a, b, sizes), buffers);
 }
 
 /// `out = a bᵀ`, or `out += a bᵀ`: `rows×inner` times the transpose of `columns×inner`.
@@ -148,9 +120,14 @@ pub(super) fn times_transposed<T: Real>(
     sizes: [usize; 3],
     buffers: &mut Buffers<T>,
 ) {
+    T::times_transposed(whole(out, accum, a, b, sizes), buffers);
+}
+
+/// A product of whole matrices.
+fn whole<'a, T>(out: &'a mut [T], accum: Accum, a: &'a [T], b: &'a [T], sizes: [usize; 3]) -> Product<'a, T> {
     let [_, inner, columns] = sizes;
-    let a = Columns { values: a, stride: inner };
-    T::times_transposed(ColumnsMut { values: out, stride: columns }, accum, a, b, sizes, buffers);
+    let (a, out) = (Columns { values: a, stride: inner }, ColumnsMut { values: out, stride: columns });
+    Product { out, accum, a, b, sizes }
 }
 
 /// `out = aᵀ b`, or `out += aᵀ b`: the transpose of `inner×rows` times `inner×columns`.
@@ -236,15 +213,15 @@ mod tests {
                 let before = numbers(rows * stride_out, 2.1);
                 let mut found = before.clone();
                 let out = ColumnsMut { values: &mut found, stride: stride_out };
-                let from = Columns { values: &a, stride: stride_a };
-                f32::times(out, accum, from, &b, sizes, &mut buffers);
+                let a_rows = Columns { values: &a, stride: stride_a };
+                f32::times(Product { out, accum, a: a_rows, b: &b, sizes }, &mut buffers);
                 check(&found, &before, stride_out, accum, sizes, |r, c| {
                     (0..inner).map(|k| f64::from(a[r * stride_a + k]) * f64::from(b[k * columns + c])).sum()
                 });
                 let mut found = before.clone();
                 let out = ColumnsMut { values: &mut found, stride: stride_out };
-                let from = Columns { values: &a, stride: stride_a };
-                f32::times_transposed(out, accum, from, &b, sizes, &mut buffers);
+                let a_rows = Columns { values: &a, stride: stride_a };
+                f32::times_transposed(Product { out, accum, a: a_rows, b: &b, sizes }, &mut buffers);
                 check(&found, &before, stride_out, accum, sizes, |r, c| {
                     (0..inner).map(|k| f64::from(a[r * stride_a + k]) * f64::from(b[c * inner + k])).sum()
                 });

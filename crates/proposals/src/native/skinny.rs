@@ -1,64 +1,46 @@
 //! Products of few rows with a large matrix, which is read once and never copied.
 //!
-//! A general matrix product first copies its factors into an order of its own. Where one factor is a batch of ten or fifty particles
-//! and the other a matrix of weights, that copy costs as much as the product.
+//! A general matrix product first copies its factors into an order of its own. Where one factor is a batch of ten particles and the
+//! other a matrix of weights, that copy costs more than the product.
 
 use faer::Accum;
 use pulp::{Arch, Simd, WithSimd};
 
-use super::products::{Columns, ColumnsMut};
+use super::products::Product;
+use super::vectors::{load_two, store_two};
 
 /// Terms of the sums at a time: so few rows of a matrix of weights that the processor reads ahead in all of them. Weights come
 /// from far away; those of one training step do not fit into a cache.
 const TERMS: usize = 16;
 
-/// `out = a b`, or `out += a b`.
-pub(super) fn times(
-    out: ColumnsMut<'_, f32>,
-    accum: Accum,
-    a: Columns<'_, f32>,
-    b: &[f32],
-    [rows, inner, columns]: [usize; 3],
-) {
-    Arch::new().dispatch(Times { out, add: accum == Accum::Add, a, b, rows, inner, columns });
+/// `a b`.
+pub(super) fn times(product: Product<'_, f32>) {
+    Arch::new().dispatch(Times(product));
 }
 
-/// `out = a bᵀ`, or `out += a bᵀ`.
-pub(super) fn times_transposed(
-    out: ColumnsMut<'_, f32>,
-    accum: Accum,
-    a: Columns<'_, f32>,
-    b: &[f32],
-    [rows, inner, columns]: [usize; 3],
-) {
-    Arch::new().dispatch(TimesTransposed { out, add: accum == Accum::Add, a, b, rows, inner, columns });
+/// `a bᵀ`.
+pub(super) fn times_transposed(product: Product<'_, f32>) {
+    Arch::new().dispatch(TimesTransposed(product));
 }
 
-struct Times<'a> {
-    out: ColumnsMut<'a, f32>,
-    add: bool,
-    a: Columns<'a, f32>,
-    b: &'a [f32],
-    rows: usize,
-    inner: usize,
-    columns: usize,
-}
+struct Times<'a>(Product<'a, f32>);
 
 impl WithSimd for Times<'_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) {
+        let [all_rows, inner, columns] = self.0.sizes;
         let mut first = 0;
         // A sum of no terms is still a result.
-        while first < self.inner || (first == 0 && self.inner == 0) {
-            let terms = TERMS.min(self.inner - first);
+        while first < inner || (first == 0 && inner == 0) {
+            let terms = TERMS.min(inner - first);
             let mut column = 0;
-            while column < self.columns {
-                let width = (2 * S::F32_LANES).min(self.columns - column);
+            while column < columns {
+                let width = (2 * S::F32_LANES).min(columns - column);
                 let mut row = 0;
-                while row < self.rows {
-                    let rows = (self.rows - row).min(10);
+                while row < all_rows {
+                    let rows = (all_rows - row).min(10);
                     let corner = Corner { row, column, width, first, terms };
                     match rows {
                         10 => self.tile::<S, 10>(simd, corner),
@@ -91,53 +73,27 @@ struct Corner {
     terms: usize,
 }
 
-/// Two vectors from the beginning of a slice, with zeros where it is too short.
-#[inline(always)]
-pub(super) fn load_two<S: Simd>(simd: S, values: &[f32]) -> [S::f32s; 2] {
-    let lanes = S::F32_LANES;
-    if values.len() == 2 * lanes {
-        let (vectors, _) = S::as_simd_f32s(values);
-        [vectors[0], vectors[1]]
-    } else {
-        let (first, second) = values.split_at(values.len().min(lanes));
-        [simd.partial_load_f32s(first), simd.partial_load_f32s(second)]
-    }
-}
-
-/// Writes two vectors to a slice, or as much of them as it takes.
-#[inline(always)]
-pub(super) fn store_two<S: Simd>(simd: S, values: &mut [f32], vectors: [S::f32s; 2]) {
-    let lanes = S::F32_LANES;
-    if values.len() == 2 * lanes {
-        let (places, _) = S::as_mut_simd_f32s(values);
-        (places[0], places[1]) = (vectors[0], vectors[1]);
-    } else {
-        let (first, second) = values.split_at_mut(values.len().min(lanes));
-        simd.partial_store_f32s(first, vectors[0]);
-        simd.partial_store_f32s(second, vectors[1]);
-    }
-}
-
 impl Times<'_> {
     /// `R` rows of two vectors of columns, in registers all along some terms of their sums.
     #[inline(always)]
     fn tile<S: Simd, const R: usize>(&mut self, simd: S, corner: Corner) {
         let Corner { row, column, width, first, terms } = corner;
+        let Product { out, accum, a: rows, b: weights, sizes: [_, _, columns] } = &mut self.0;
         let mut sums = [[simd.splat_f32s(0.0); 2]; R];
-        if self.add || first > 0 {
+        if *accum == Accum::Add || first > 0 {
             for (r, sums) in sums.iter_mut().enumerate() {
-                let at = (row + r) * self.out.stride + column;
-                *sums = load_two::<S>(simd, &self.out.values[at..at + width]);
+                let at = (row + r) * out.stride + column;
+                *sums = load_two::<S>(simd, &out.values[at..at + width]);
             }
         }
         let mut a: [&[f32]; R] = [&[]; R];
         for (r, a) in a.iter_mut().enumerate() {
-            let at = (row + r) * self.a.stride + first;
-            *a = &self.a.values[at..at + terms];
+            let at = (row + r) * rows.stride + first;
+            *a = &rows.values[at..at + terms];
         }
         for k in 0..terms {
-            let at = (first + k) * self.columns + column;
-            let b = load_two::<S>(simd, &self.b[at..at + width]);
+            let at = (first + k) * *columns + column;
+            let b = load_two::<S>(simd, &weights[at..at + width]);
             for (a, sums) in a.iter().zip(&mut sums) {
                 let a = simd.splat_f32s(a[k]);
                 sums[0] = simd.mul_add_e_f32s(a, b[0], sums[0]);
@@ -145,33 +101,26 @@ impl Times<'_> {
             }
         }
         for (r, sums) in sums.into_iter().enumerate() {
-            let at = (row + r) * self.out.stride + column;
-            store_two::<S>(simd, &mut self.out.values[at..at + width], sums);
+            let at = (row + r) * out.stride + column;
+            store_two::<S>(simd, &mut out.values[at..at + width], sums);
         }
     }
 }
 
-struct TimesTransposed<'a> {
-    out: ColumnsMut<'a, f32>,
-    add: bool,
-    a: Columns<'a, f32>,
-    b: &'a [f32],
-    rows: usize,
-    inner: usize,
-    columns: usize,
-}
+struct TimesTransposed<'a>(Product<'a, f32>);
 
 impl WithSimd for TimesTransposed<'_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) {
+        let [all_rows, _, columns] = self.0.sizes;
         let mut column = 0;
-        while column < self.columns {
-            let four = column + 4 <= self.columns;
+        while column < columns {
+            let four = column + 4 <= columns;
             let mut row = 0;
-            while row < self.rows {
-                let rows = (self.rows - row).min(5);
+            while row < all_rows {
+                let rows = (all_rows - row).min(5);
                 match (four, rows) {
                     (true, 5) => self.tile::<S, 5, 4>(simd, row, column),
                     (true, 4) => self.tile::<S, 4, 4>(simd, row, column),
@@ -195,18 +144,19 @@ impl TimesTransposed<'_> {
     /// `R×C` sums at a time: so many that neither factor is read often.
     #[inline(always)]
     fn tile<S: Simd, const R: usize, const C: usize>(&mut self, simd: S, row: usize, column: usize) {
-        let whole = self.inner / S::F32_LANES;
+        let Product { out, accum, a: rows, b: weights, sizes: [_, inner, _] } = &mut self.0;
+        let whole = *inner / S::F32_LANES;
         let mut sums = [[simd.splat_f32s(0.0); C]; R];
         let (mut a, mut a_rest) = ([<&[S::f32s]>::default(); R], [<&[f32]>::default(); R]);
         let (mut b, mut b_rest) = ([<&[S::f32s]>::default(); C], [<&[f32]>::default(); C]);
         for r in 0..R {
-            let at = (row + r) * self.a.stride;
-            (a[r], a_rest[r]) = S::as_simd_f32s(&self.a.values[at..at + self.inner]);
+            let at = (row + r) * rows.stride;
+            (a[r], a_rest[r]) = S::as_simd_f32s(&rows.values[at..at + *inner]);
             a[r] = &a[r][..whole];
         }
         for c in 0..C {
-            let at = (column + c) * self.inner;
-            (b[c], b_rest[c]) = S::as_simd_f32s(&self.b[at..at + self.inner]);
+            let at = (column + c) * *inner;
+            (b[c], b_rest[c]) = S::as_simd_f32s(&weights[at..at + *inner]);
             b[c] = &b[c][..whole];
         }
         for k in 0..whole {
@@ -220,8 +170,8 @@ impl TimesTransposed<'_> {
             for c in 0..C {
                 let rest: f32 = a_rest[r].iter().zip(b_rest[c]).map(|(a, b)| a * b).sum();
                 let sum = simd.reduce_sum_f32s(sums[r][c]) + rest;
-                let place = &mut self.out.values[(row + r) * self.out.stride + column + c];
-                *place = if self.add { *place + sum } else { sum };
+                let place = &mut out.values[(row + r) * out.stride + column + c];
+                *place = if *accum == Accum::Add { *place + sum } else { sum };
             }
         }
     }

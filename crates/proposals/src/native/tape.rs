@@ -4,6 +4,7 @@ use faer::Accum;
 use motes_smc::{Past, ProposalError};
 
 use super::infer::{distinct, repeat_first};
+use super::products::column_sums;
 use super::{At, Buffers, Kind, Native, Node, Step, Waiting, affine, cells, graph};
 use crate::gaussian::{Known, NetworkTape, Networks};
 use crate::parameters::Matrices;
@@ -127,7 +128,7 @@ impl<F: Networks, T: Scratched> NetworkTape for NativeTape<'_, F, T> {
             let mut d = derivatives.buffers.take(nodes[at.0].values.len());
             if d.len() < values.len() {
                 let mut sum = vec![0.0; d.len()];
-                add_rows(&mut sum, values);
+                column_sums(&mut sum, Accum::Replace, values);
                 narrow(&sum, &mut d);
             } else {
                 narrow(values, &mut d);
@@ -138,8 +139,7 @@ impl<F: Networks, T: Scratched> NetworkTape for NativeTape<'_, F, T> {
             let len = nodes[at.0].values.len();
             if len < d.len() {
                 let mut sum = derivatives.buffers.take(len);
-                sum.fill(T::ZERO);
-                add_rows(&mut sum, &d);
+                column_sums(&mut sum, Accum::Replace, &d);
                 derivatives.add(*at, sum);
                 derivatives.buffers.put(d);
             } else {
@@ -156,9 +156,7 @@ impl<F: Networks, T: Scratched> NetworkTape for NativeTape<'_, F, T> {
         }
         d_previous.fill(0.0);
         if let Some(d) = derivatives.at[recorded.previous.0].take() {
-            if !recorded.first {
-                widen(&d, d_previous);
-            }
+            widen(&d, d_previous);
             derivatives.buffers.put(d);
         }
         if !recorded.first {
@@ -188,13 +186,6 @@ impl<F: Networks, T: Scratched> NetworkTape for NativeTape<'_, F, T> {
     fn finish(mut self: Box<Self>) -> Workspace {
         self.scratch.waiting.finish(&mut self.gradients);
         Workspace::closed(self.gradients, self.scratch)
-    }
-}
-
-/// The derivative of what was computed in one row for all particles.
-fn add_rows<T: Copy + std::ops::AddAssign>(sum: &mut [T], rows: &[T]) {
-    for row in rows.chunks_exact(sum.len()) {
-        sum.iter_mut().zip(row).for_each(|(sum, value)| *sum += *value);
     }
 }
 

@@ -6,11 +6,9 @@ use pulp::{Simd, WithSimd};
 
 use super::ranks::{SortedPoints, among_regular, among_strata, descend};
 use crate::blocks::{block_stream, key};
-use crate::weights::{LANES, combined};
+use crate::weights::{BLOCK, LANES, combined};
 use crate::workers::{Pieces, Workers};
 
-/// Weights, and points, of which one thread takes care at a time.
-const BLOCK: usize = 1024;
 /// Blocks that a thread would rather do itself than hand on.
 const GRAIN: usize = 4;
 

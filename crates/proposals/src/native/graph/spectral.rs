@@ -4,7 +4,7 @@ use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};
 
 use super::super::Buffers;
-use super::super::products::{Columns, ColumnsMut, times, vectorised};
+use super::super::products::{Columns, ColumnsMut, Product, times, vectorised};
 use super::super::waiting::Waiting;
 use crate::Gradients;
 use crate::gnn::{GraphOf, Shape};
@@ -54,7 +54,8 @@ pub(super) fn forward<T: Real>(
             let accum = if first == 0 { Accum::Replace } else { Accum::Add };
             let some = Columns { values: &from[first..], stride: inputs };
             let into = ColumnsMut { values: into, stride: outputs };
-            T::times(into, accum, some, &matrix, [rows, panel, outputs], buffers);
+            let sizes = [rows, panel, outputs];
+            T::times(Product { out: into, accum, a: some, b: &matrix, sizes }, buffers);
         }
         buffers.put(matrix);
     });
@@ -90,7 +91,8 @@ pub(super) fn backward<T: Real>(
             let into = &mut d_input_in_basis[i * rows * inputs..(i + 1) * rows * inputs];
             let some = ColumnsMut { values: &mut into[first..], stride: inputs };
             let from = Columns { values: from, stride: outputs };
-            T::times_transposed(some, Accum::Replace, from, &matrix, [rows, outputs, panel], buffers);
+            let (accum, sizes) = (Accum::Replace, [rows, outputs, panel]);
+            T::times_transposed(Product { out: some, accum, a: from, b: &matrix, sizes }, buffers);
         }
         buffers.put(matrix);
     });
