@@ -62,7 +62,7 @@ fn draw(psi: &Psi, past: Past<'_>, n: usize, seed: u64) -> Drawn {
     let noise = uniform(past.particles * n, seed);
     let (mut states, mut along) = (vec![0.0; noise.len()], vec![0.0; past.particles]);
     psi.tape(past.particles, Workspace::new(psi.parameters()))
-        .draw(past, &noise, &mut states, &mut along)
+        .draw(past, &noise, &mut states, Some(&mut along))
         .unwrap();
     Drawn { noise, states, along }
 }

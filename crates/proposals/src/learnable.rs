@@ -36,7 +36,8 @@ pub trait Learnable {
 
 /// A recording of one batch of particles from `t = 0` on.
 pub trait Tape {
-    /// Draws `x_t` of each of `K` particles from `noise` (`K×N`) into `states` (`K×N`), with `log q` in `log_density` (`K`).
+    /// Draws `x_t` of each of `K` particles from `noise` (`K×N`) into `states` (`K×N`), with `log q` in `log_density` (`K`) if that
+    /// is of interest: it takes determinants.
     ///
     /// # Errors
     /// [`ProposalError`] as in [`motes_smc::Proposal::condition`].
@@ -45,22 +46,22 @@ pub trait Tape {
         past: Past<'_>,
         noise: &[f64],
         states: &mut [f64],
-        log_density: &mut [f64],
+        log_density: Option<&mut [f64]>,
     ) -> Result<(), ProposalError>;
 
     /// Undoes the last draw that is not yet undone: takes the derivatives of the scalar with respect to its `states`
-    /// (`K×N`) and `log_density` (`K`), adds to the gradients of the weights, and writes the derivative with respect to
+    /// (`K×N`) and `log_density` (`K`; none if they are all zero), adds to the gradients of the weights, and writes the derivative with respect to
     /// `x_{t−1}` into `d_previous` (`K×N`; zeros at `t = 0`).
     ///
     /// # Errors
     /// [`ProposalError::Backend`] if the backend failed.
     ///
     /// # Panics
-    /// If no draw is left.
+    /// If no draw is left, or there is a derivative with respect to a log density that the draw was not asked for.
     fn pull_back(
         &mut self,
         d_states: &[f64],
-        d_log_density: &[f64],
+        d_log_density: Option<&[f64]>,
         d_previous: &mut [f64],
     ) -> Result<(), ProposalError>;
 

@@ -23,12 +23,17 @@ pub(crate) struct Evaluation {
     pub(crate) value: f64,
     /// `T×K`, row-major.
     pub(crate) d_log_model: Vec<f64>,
-    /// `T×K`, row-major.
-    pub(crate) d_log_proposal: Vec<f64>,
+    /// `T×K`, row-major; none where the value does not depend on them.
+    pub(crate) d_log_proposal: Option<Vec<f64>>,
 }
 
 impl Objective {
-    /// Takes `ℓ` and `log q` (`T×K`, row-major).
+    /// Whether it depends on `log q`.
+    pub(crate) fn weighs_proposal(self) -> bool {
+        self == Objective::Elbo
+    }
+
+    /// Takes `ℓ` and `log q` (`T×K`, row-major); the latter are not looked at unless it [weighs them](Objective::weighs_proposal).
     pub(crate) fn evaluate(self, log_model: &[f64], log_proposal: &[f64], particles: usize) -> Evaluation {
         let share = 1.0 / particles as f64;
         let mean = |values: &[f64]| share * values.iter().sum::<f64>();
@@ -37,12 +42,12 @@ impl Objective {
             Objective::LogLikelihood => Evaluation {
                 value: mean(log_model),
                 d_log_model: constant(share),
-                d_log_proposal: constant(0.0),
+                d_log_proposal: None,
             },
             Objective::Elbo => Evaluation {
                 value: mean(log_model) - mean(log_proposal),
                 d_log_model: constant(share),
-                d_log_proposal: constant(-share),
+                d_log_proposal: Some(constant(-share)),
             },
             Objective::Literal => {
                 let (mut value, mut d_log_model) = (0.0, Vec::with_capacity(log_model.len()));
@@ -52,7 +57,7 @@ impl Objective {
                     value += largest + (sum * share).ln();
                     d_log_model.extend(row.iter().map(|log| (log - largest).exp() / sum));
                 }
-                Evaluation { value, d_log_model, d_log_proposal: constant(0.0) }
+                Evaluation { value, d_log_model, d_log_proposal: None }
             }
         }
     }
@@ -68,6 +73,7 @@ mod tests {
         let h = 1e-6;
         for objective in [Objective::LogLikelihood, Objective::Literal, Objective::Elbo] {
             let found = objective.evaluate(&model, &proposal, 3);
+            assert_eq!(found.d_log_proposal.is_some(), objective.weighs_proposal());
             for at in 0..6 {
                 let value = |of_model: f64, of_proposal: f64| {
                     let (mut model, mut proposal) = (model, proposal);
@@ -78,7 +84,8 @@ mod tests {
                 let slope = (value(h, 0.0) - value(-h, 0.0)) / (2.0 * h);
                 assert!((slope - found.d_log_model[at]).abs() < 1e-8, "{objective:?}");
                 let slope = (value(0.0, h) - value(0.0, -h)) / (2.0 * h);
-                assert!((slope - found.d_log_proposal[at]).abs() < 1e-8, "{objective:?}");
+                let expected = found.d_log_proposal.as_ref().map_or(0.0, |d| d[at]);
+                assert!((slope - expected).abs() < 1e-8, "{objective:?}");
             }
         }
     }

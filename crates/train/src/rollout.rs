@@ -60,7 +60,8 @@ pub(crate) fn draw_and_pull(
     let mut tape = proposal.tape(particles, workspace);
     let mut states = vec![0.0; horizon * block];
     let mut log_model = vec![0.0; horizon * particles];
-    let mut log_proposal = vec![0.0; horizon * particles];
+    let weighs = objective.weighs_proposal();
+    let mut log_proposal = vec![0.0; if weighs { horizon * particles } else { 0 }];
     let (mut noise, mut log_likelihood) = (vec![0.0; block], vec![0.0; particles]);
 
     for (time, measurement) in measurements.rows().enumerate() {
@@ -70,7 +71,8 @@ pub(crate) fn draw_and_pull(
         let at = time * particles..(time + 1) * particles;
         proposal.fill_noise(stream, &mut noise);
         let past = Past { time, previous, measurement, particles };
-        tape.draw(past, &noise, now, &mut log_proposal[at.clone()]).map_err(|source| (time, source))?;
+        let log_density = weighs.then(|| &mut log_proposal[at.clone()]);
+        tape.draw(past, &noise, now, log_density).map_err(|source| (time, source))?;
         let log_model = &mut log_model[at];
         match previous {
             None => model.log_initials(now, log_model),
@@ -105,8 +107,9 @@ pub(crate) fn draw_and_pull(
             subtract_weighted(&mut carried, weights, &d_previous);
         }
         subtract_weighted(&mut d_states, weights, &term);
-        let d_log_density: Vec<f64> = evaluation.d_log_proposal[at].iter().map(|weight| -weight).collect();
-        tape.pull_back(&d_states, &d_log_density, &mut d_previous).map_err(|source| (time, source))?;
+        let d_log_density: Option<Vec<f64>> =
+            evaluation.d_log_proposal.as_ref().map(|d| d[at].iter().map(|weight| -weight).collect());
+        tape.pull_back(&d_states, d_log_density.as_deref(), &mut d_previous).map_err(|source| (time, source))?;
         if gradient.ends_at(time) {
             carried.fill(0.0);
             tape.cut();

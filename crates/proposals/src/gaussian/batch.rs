@@ -46,18 +46,23 @@ impl GaussianBatch {
         self.lowers
     }
 
-    /// `x = μ + L ε` and `log q = −½ εᵀε − Σᵢ log Lᵢᵢ − (N/2) log 2π`, for standard normal `noise` (`R×N`).
-    pub(crate) fn transform(&self, noise: &[f64], states: &mut [f64], log_density: &mut [f64]) {
+    /// `x = μ + L ε` for standard normal `noise` (`R×N`).
+    pub(crate) fn transform(&self, noise: &[f64], states: &mut [f64]) {
         let n = self.width;
         states.copy_from_slice(&self.means);
-        for (row, log_density) in log_density.iter_mut().enumerate() {
-            let epsilon = &noise[row * n..(row + 1) * n];
-            let state = &mut states[row * n..(row + 1) * n];
+        for (row, (state, epsilon)) in states.chunks_exact_mut(n).zip(noise.chunks_exact(n)).enumerate() {
             for (j, epsilon) in epsilon.iter().enumerate() {
                 for (state, entry) in state[j..].iter_mut().zip(self.column(row, j)) {
                     *state += entry * epsilon;
                 }
             }
+        }
+    }
+
+    /// `log q = −½ εᵀε − Σᵢ log Lᵢᵢ − (N/2) log 2π` of what [`GaussianBatch::transform`] makes of `noise`.
+    pub(crate) fn log_density_of_noise(&self, noise: &[f64], log_density: &mut [f64]) {
+        let rows = noise.chunks_exact(self.width).zip(log_density);
+        for (row, (epsilon, log_density)) in rows.enumerate() {
             *log_density = self.log_normalizer(row) - 0.5 * epsilon.iter().map(|e| e * e).sum::<f64>();
         }
     }
@@ -76,7 +81,8 @@ impl Conditional for GaussianBatch {
         for (stream, noise) in particles_by_stream(streams, &mut noise, self.width, log_density.len()) {
             fill_standard_normal(stream, noise);
         }
-        self.transform(&noise, states, log_density);
+        self.transform(&noise, states);
+        self.log_density_of_noise(&noise, log_density);
         self.noise = noise;
     }
 

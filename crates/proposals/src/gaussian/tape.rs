@@ -74,7 +74,7 @@ impl<F: Networks, Config: Clone> Tape for GaussianTape<'_, F, Config> {
         past: Past<'_>,
         noise: &[f64],
         states: &mut [f64],
-        log_density: &mut [f64],
+        log_density: Option<&mut [f64]>,
     ) -> Result<(), ProposalError> {
         let proposal = self.proposal;
         proposal.check(&past)?;
@@ -88,7 +88,10 @@ impl<F: Networks, Config: Clone> Tape for GaussianTape<'_, F, Config> {
         let (means, lowers) = batch.places(n, past.particles);
         self.networks.forward(&past, n, means, &mut representations)?;
         covariance.factor(&representations, lowers)?;
-        batch.transform(noise, states, log_density);
+        batch.transform(noise, states);
+        if let Some(log_density) = log_density {
+            batch.log_density_of_noise(noise, log_density);
+        }
         self.covariance = Some(covariance);
         let (time, lowers, noise) = (past.time, batch.into_lowers(), noise.to_vec());
         self.draws.push(Draw { time, representations, lowers, noise });
@@ -98,7 +101,7 @@ impl<F: Networks, Config: Clone> Tape for GaussianTape<'_, F, Config> {
     fn pull_back(
         &mut self,
         d_states: &[f64],
-        d_log_density: &[f64],
+        d_log_density: Option<&[f64]>,
         d_previous: &mut [f64],
     ) -> Result<(), ProposalError> {
         let (draw, covariance) = match (self.draws.pop(), &self.covariance) {

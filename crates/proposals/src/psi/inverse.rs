@@ -13,17 +13,19 @@ const SAFETY: f64 = 16.0;
 
 /// The matrices of a transform, factored once for all states.
 struct Factored {
+    log_abs_det: f64,
     noise: PartialPivLu<f64>,
     layers: Vec<PartialPivLu<f64>>,
 }
 
 impl Factored {
-    fn new(map: &Map) -> Self {
+    fn new(map: &Map, log_abs_det: f64) -> Self {
         let n = map.width;
         let factor = |matrix: &[f64]| MatRef::from_row_major_slice(matrix, n, n).partial_piv_lu();
         Factored {
-            noise: factor(&map.noise.matrix),
-            layers: map.layers.iter().map(|(layer, _)| factor(&layer.matrix)).collect(),
+            log_abs_det,
+            noise: factor(&map.noise),
+            layers: map.layers.iter().map(|(matrix, _)| factor(matrix)).collect(),
         }
     }
 }
@@ -33,9 +35,16 @@ impl Map {
     ///
     /// Each layer's inverse magnifies rounding errors, and atanh near ±1 does so without bound. So a first-order estimate of
     /// the error goes along: the derivative of what is recovered with respect to the state, times one unit of rounding.
-    pub(super) fn inverse(&self, shifts: &[f64], states: &[f64], noise: &mut [f64], log_density: &mut [f64]) {
+    pub(super) fn inverse(
+        &self,
+        log_abs_det: f64,
+        shifts: &[f64],
+        states: &[f64],
+        noise: &mut [f64],
+        log_density: &mut [f64],
+    ) {
         let n = self.width;
-        let factored = Factored::new(self);
+        let factored = Factored::new(self, log_abs_det);
         let rows = states.chunks_exact(n).zip(shifts.chunks_exact(n)).zip(noise.chunks_exact_mut(n));
         for (((state, shift), noise), log_density) in rows.zip(log_density) {
             *log_density = self.invert(&factored, state, shift, noise);
@@ -44,7 +53,7 @@ impl Map {
 
     fn invert(&self, factored: &Factored, state: &[f64], shift: &[f64], noise: &mut [f64]) -> f64 {
         let n = state.len();
-        let (mut log_density, mut log_density_error) = (-self.log_abs_det(), 0.0);
+        let (mut log_density, mut log_density_error) = (-factored.log_abs_det, 0.0);
         // The values of one layer, and beside them how each depends on a rounding error of each coordinate of the state.
         let mut values = Mat::zeros(n, n + 1);
         for (i, x) in state.iter().enumerate() {

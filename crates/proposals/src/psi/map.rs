@@ -3,37 +3,9 @@
 use std::f64::consts::LN_2;
 
 use motes_models::elementary::{exp, ln};
-use motes_smc::{Past, ProposalError};
+use motes_smc::Past;
 
-use crate::lanes::{LANES, Lane, vectorised};
-
-/// An invertible matrix, row-major. Samples are rows, so it is applied from the right.
-#[derive(Debug, Clone)]
-pub(super) struct Invertible {
-    pub(super) matrix: Vec<f64>,
-    pub(super) inverse: Vec<f64>,
-    log_abs_det: f64,
-}
-
-impl Invertible {
-    /// Takes row-major `entries` and adds `ridge` to the diagonal.
-    pub(super) fn new(
-        width: usize,
-        mut matrix: Vec<f64>,
-        ridge: f64,
-        time: usize,
-        name: impl Fn() -> String,
-    ) -> Result<Self, ProposalError> {
-        for i in 0..width {
-            matrix[i * width + i] += ridge;
-        }
-        let (inverse, log_abs_det) = invert(width, &matrix);
-        if !log_abs_det.is_finite() {
-            return Err(ProposalError::Singular { matrix: name(), time, log_abs_det });
-        }
-        Ok(Invertible { matrix, inverse, log_abs_det })
-    }
-}
+use crate::lanes::{LANES, Lane, add_times, vectorised};
 
 /// The inverse and the logarithm of the absolute determinant, by elimination with row pivots.
 fn invert(width: usize, matrix: &[f64]) -> (Vec<f64>, f64) {
@@ -68,24 +40,49 @@ fn invert(width: usize, matrix: &[f64]) -> (Vec<f64>, f64) {
     (inverse, log_abs_det)
 }
 
-/// The transform of one time. Matrices are row-major.
+/// The transform of one time. Matrices are row-major; samples are rows, so they are applied from the right.
 #[derive(Debug, Clone)]
 pub(super) struct Map {
     pub(super) width: usize,
     /// `A`.
-    pub(super) noise: Invertible,
+    pub(super) noise: Vec<f64>,
     /// `B`, `N×N`.
     pub(super) previous: Vec<f64>,
     /// `C`, `M×N`.
     pub(super) measurement: Vec<f64>,
     /// `W_ℓ` and `b_ℓ`.
-    pub(super) layers: Vec<(Invertible, Vec<f64>)>,
+    pub(super) layers: Vec<(Vec<f64>, Vec<f64>)>,
+}
+
+/// What densities, and their derivatives, need of the matrices that a transform is made of.
+#[derive(Debug, Clone)]
+pub(super) struct Inverses {
+    /// Of `A`.
+    pub(super) noise: Vec<f64>,
+    /// Of each `W_ℓ`.
+    pub(super) layers: Vec<Vec<f64>>,
+    /// `log|det A| + Σ_ℓ log|det W_ℓ|`.
+    pub(super) log_abs_det: f64,
 }
 
 impl Map {
-    /// `log|det A| + Σ_ℓ log|det W_ℓ|`.
-    pub(super) fn log_abs_det(&self) -> f64 {
-        self.noise.log_abs_det + self.layers.iter().map(|(layer, _)| layer.log_abs_det).sum::<f64>()
+    /// Inverts `A`, which is matrix 0, and the matrix of each layer `ℓ`, which is matrix `ℓ + 1`.
+    ///
+    /// # Errors
+    /// The number of a matrix that has no inverse, and the logarithm of its absolute determinant.
+    pub(super) fn inverses(&self) -> Result<Inverses, (usize, f64)> {
+        let inverse = |number: usize, matrix: &[f64]| match invert(self.width, matrix) {
+            (inverse, log_abs_det) if log_abs_det.is_finite() => Ok((inverse, log_abs_det)),
+            (_, log_abs_det) => Err((number, log_abs_det)),
+        };
+        let (noise, of_noise) = inverse(0, &self.noise)?;
+        let (mut layers, mut of_layers) = (Vec::with_capacity(self.layers.len()), 0.0);
+        for (number, (matrix, _)) in (1..).zip(&self.layers) {
+            let (layer, log_abs_det) = inverse(number, matrix)?;
+            of_layers += log_abs_det;
+            layers.push(layer);
+        }
+        Ok(Inverses { noise, layers, log_abs_det: of_noise + of_layers })
     }
 
     /// `B x_{t−1} + C y_t` of each particle, `R×N`.
@@ -111,44 +108,45 @@ impl Map {
         shifts
     }
 
-    /// Transforms `noise` (`R×N`) into `states` (`R×N`), with `log q` in `log_density` (`R`); what [`Map::values`] of the blocks of
-    /// particles were comes back.
+    /// Transforms `noise` (`R×N`) into `states` (`R×N`), with `log q` in the places (`R`) that come with the `log|det|` of all matrices;
+    /// the outputs of all layers before their products come back, block of particles by block.
     pub(super) fn forward(
         &self,
         shifts: &[f64],
         noise: &[f64],
         states: &mut [f64],
-        log_density: &mut [f64],
+        log_density: Option<(f64, &mut [f64])>,
     ) -> Vec<Lane> {
         let (n, rows) = (self.width, LANES * self.width);
         let each = self.layers.len() * n;
-        let mut activations = vec![Lane::default(); log_density.len().div_ceil(LANES) * each];
-        let start = -self.log_abs_det();
-        let (mut values, mut next) = (vec![Lane::default(); n], vec![Lane::default(); n]);
-        let blocks = noise.chunks(rows).zip(shifts.chunks(rows));
-        let blocks = blocks.zip(states.chunks_mut(rows)).zip(log_density.chunks_mut(LANES));
-        for ((((noise, shifts), states), log_density), kept) in blocks.zip(activations.chunks_mut(each)) {
+        let mut activations = vec![Lane::default(); (states.len() / n).div_ceil(LANES) * each];
+        let (log_abs_det, mut places) = match log_density {
+            Some((log_abs_det, places)) => (log_abs_det, Some(places.chunks_mut(LANES))),
+            None => (0.0, None),
+        };
+        let (mut values, mut uniform) = (vec![Lane::default(); n], vec![Lane::default(); n]);
+        let blocks = noise.chunks(rows).zip(shifts.chunks(rows)).zip(states.chunks_mut(rows));
+        for (((noise, shifts), states), kept) in blocks.zip(activations.chunks_mut(each)) {
+            let place = places.as_mut().and_then(Iterator::next);
             vectorised(
                 #[inline(always)]
                 || {
-                    for (j, value) in values.iter_mut().enumerate() {
-                        *value = Lane::gather(shifts, n, j);
-                    }
-                    for (i, row) in self.noise.matrix.chunks_exact(n).enumerate() {
-                        let u = Lane::gather(noise, n, i);
-                        values.iter_mut().zip(row).for_each(|(value, entry)| value.add_scaled(*entry, &u));
-                    }
-                    let mut log = Lane([start; LANES]);
-                    for ((layer, bias), kept) in self.layers.iter().zip(kept.chunks_exact_mut(n)) {
-                        bound(&values, kept, &mut log);
-                        next.iter_mut().zip(bias).for_each(|(value, bias)| *value = Lane([*bias; LANES]));
-                        for (z, row) in kept.iter().zip(layer.matrix.chunks_exact(n)) {
-                            next.iter_mut().zip(row).for_each(|(value, entry)| value.add_scaled(*entry, z));
+                    uniform.iter_mut().enumerate().for_each(|(i, u)| *u = Lane::gather(noise, n, i));
+                    values.iter_mut().enumerate().for_each(|(j, value)| *value = Lane::gather(shifts, n, j));
+                    add_times(&mut values, &uniform, &self.noise);
+                    let mut log = Lane([-log_abs_det; LANES]);
+                    for ((matrix, bias), kept) in self.layers.iter().zip(kept.chunks_exact_mut(n)) {
+                        match place {
+                            Some(_) => bound_with_slope(&values, kept, &mut log),
+                            None => bound(&values, kept),
                         }
-                        std::mem::swap(&mut values, &mut next);
+                        values.iter_mut().zip(bias).for_each(|(value, bias)| *value = Lane([*bias; LANES]));
+                        add_times(&mut values, kept, matrix);
                     }
                     values.iter().enumerate().for_each(|(j, value)| value.scatter(states, n, j));
-                    log_density.iter_mut().zip(&log.0).for_each(|(into, log)| *into = *log);
+                    if let Some(place) = place {
+                        place.iter_mut().zip(&log.0).for_each(|(into, log)| *into = *log);
+                    }
                 },
             );
         }
@@ -159,20 +157,35 @@ impl Map {
 /// So many factors of at most 2 have a product that is far from overflow.
 const FACTORS: usize = 256;
 
+/// `tanh a`, and `e^{−2|a|}` on the way to it.
+#[inline(always)]
+fn tanh(a: f64) -> (f64, f64) {
+    let e = exp(-2.0 * a.abs());
+    let tanh = ((1.0 - e) / (1.0 + e)).copysign(a);
+    // The exponential of NaN is none.
+    (if a.is_nan() { a } else { tanh }, e)
+}
+
+/// `tanh a` of each.
+#[inline(always)]
+fn bound(values: &[Lane], bounded: &mut [Lane]) {
+    for (value, bounded) in values.iter().zip(bounded) {
+        for lane in 0..LANES {
+            bounded.0[lane] = tanh(value.0[lane]).0;
+        }
+    }
+}
+
 /// `tanh a` of each, and from `log` the sum of `log(1 − tanh²a) = 2 (log 2 − |a| − log(1 + e^{−2|a|}))`.
 #[inline(always)]
-fn bound(values: &[Lane], bounded: &mut [Lane], log: &mut Lane) {
+fn bound_with_slope(values: &[Lane], bounded: &mut [Lane], log: &mut Lane) {
     for (values, bounded) in values.chunks(FACTORS).zip(bounded.chunks_mut(FACTORS)) {
         let (mut sizes, mut product) = (Lane::default(), Lane([1.0; LANES]));
         for (value, bounded) in values.iter().zip(bounded) {
             for lane in 0..LANES {
-                let a = value.0[lane];
-                let size = a.abs();
-                let e = exp(-2.0 * size);
-                let tanh = ((1.0 - e) / (1.0 + e)).copysign(a);
-                // The exponential of NaN is none.
-                bounded.0[lane] = if a.is_nan() { a } else { tanh };
-                sizes.0[lane] += size;
+                let (tanh, e) = tanh(value.0[lane]);
+                bounded.0[lane] = tanh;
+                sizes.0[lane] += value.0[lane].abs();
                 product.0[lane] *= 1.0 + e;
             }
         }

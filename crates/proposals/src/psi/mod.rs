@@ -16,7 +16,7 @@ use crate::Compute;
 use crate::family::{Family, check_count, check_horizon, check_ridge, check_weights, sizes_of};
 use crate::initial_weights::fan_in_bound;
 use crate::parameters::Parameters;
-use map::{Invertible, Map};
+use map::{Inverses, Map};
 use propose::Transformed;
 
 /// The settings of a [`Psi`].
@@ -104,20 +104,27 @@ impl Psi {
         }
         let first = self.first(time);
         let host = |at: usize| self.parameters.host(first + at);
-        let invertible = |at: usize| {
-            let name = || self.parameters.names()[first + at].clone();
-            Invertible::new(n, host(at), self.config.ridge, time, name)
+        let with_ridge = |at: usize| {
+            let mut matrix = host(at);
+            matrix.iter_mut().step_by(n + 1).for_each(|entry| *entry += self.config.ridge);
+            matrix
         };
-        let layers = (0..self.config.layers).map(|layer| {
-            let at = FIRST + 2 * layer;
-            Ok((invertible(at)?, host(at + 1)))
-        });
+        let layers = (0..self.config.layers).map(|layer| FIRST + 2 * layer);
         Ok(Map {
             width: n,
-            noise: invertible(0)?,
+            noise: with_ridge(0),
             previous: host(1),
             measurement: host(2),
-            layers: layers.collect::<Result<_, ProposalError>>()?,
+            layers: layers.map(|at| (with_ridge(at), host(at + 1))).collect(),
+        })
+    }
+
+    /// What `log q` at time `t` needs beside the transform.
+    fn inverses(&self, map: &Map, time: usize) -> Result<Inverses, ProposalError> {
+        map.inverses().map_err(|(number, log_abs_det)| {
+            let at = if number == 0 { 0 } else { FIRST + 2 * (number - 1) };
+            let matrix = self.parameters.names()[self.first(time) + at].clone();
+            ProposalError::Singular { matrix, time, log_abs_det }
         })
     }
 
@@ -147,7 +154,8 @@ impl Psi {
         log_density: &mut [f64],
     ) -> Result<(), ProposalError> {
         let (map, shifts) = self.conditioned(&past)?;
-        map.inverse(&shifts, states, noise, log_density);
+        let log_abs_det = self.inverses(&map, past.time)?.log_abs_det;
+        map.inverse(log_abs_det, &shifts, states, noise, log_density);
         match log_density.iter().position(|value| value.is_nan()) {
             None => Ok(()),
             Some(particle) => Err(ProposalError::Numerical {

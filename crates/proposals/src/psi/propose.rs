@@ -11,6 +11,7 @@ use super::map::Map;
 #[derive(Clone)]
 pub struct Transformed {
     map: Map,
+    log_abs_det: f64,
     /// `R×N`.
     shifts: Vec<f64>,
     /// `R×N`.
@@ -34,8 +35,9 @@ impl<M: StateSpaceModel + ?Sized> Proposal<M> for Psi {
     ) -> Result<&'a mut Transformed, ProposalError> {
         ProposalError::unless_same("the state dimension N", self.state_dim, model.state_dim())?;
         let (map, shifts) = self.conditioned(&past)?;
+        let log_abs_det = self.inverses(&map, past.time)?.log_abs_det;
         let noise = vec![0.0; shifts.len()];
-        Ok(self.conditional.insert(Transformed { map, shifts, noise }))
+        Ok(self.conditional.insert(Transformed { map, log_abs_det, shifts, noise }))
     }
 }
 
@@ -45,11 +47,12 @@ impl Conditional for Transformed {
         for (stream, noise) in particles_by_stream(streams, &mut self.noise, width, particles) {
             fill_uniform(stream, noise);
         }
+        let log_density = Some((self.log_abs_det, log_density));
         self.map.forward(&self.shifts, &self.noise, states, log_density);
     }
 
     fn log_density(&mut self, states: &[f64], log_density: &mut [f64]) {
-        self.map.inverse(&self.shifts, states, &mut self.noise, log_density);
+        self.map.inverse(self.log_abs_det, &self.shifts, states, &mut self.noise, log_density);
     }
 }
 

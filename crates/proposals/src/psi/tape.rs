@@ -3,10 +3,10 @@
 use motes_models::Stream;
 use motes_smc::{Past, ProposalError};
 
-use super::map::{Invertible, Map};
+use super::map::{Inverses, Map};
 use super::propose::fill_uniform;
 use super::{FIRST, Psi};
-use crate::lanes::{LANES, Lane, Square, vectorised};
+use crate::lanes::{LANES, Lane, Square, add_times_transposed, vectorised};
 use crate::{Gradients, Learnable, Parameters, Tape, Workspace};
 
 impl Learnable for Psi {
@@ -49,10 +49,12 @@ struct PsiTape<'p> {
 struct Draw {
     time: usize,
     map: Map,
+    /// If a log density was asked for.
+    inverses: Option<Inverses>,
     previous: Option<Vec<f64>>,
     measurement: Vec<f64>,
     noise: Vec<f64>,
-    /// Of each block of particles, the outputs of all layers before their products: what [`Map::forward`] returned.
+    /// Of each block of particles, what [`Map::forward`] returned.
     activations: Vec<Lane>,
 }
 
@@ -62,13 +64,16 @@ impl Tape for PsiTape<'_> {
         past: Past<'_>,
         noise: &[f64],
         states: &mut [f64],
-        log_density: &mut [f64],
+        log_density: Option<&mut [f64]>,
     ) -> Result<(), ProposalError> {
         let (map, shifts) = self.proposal.conditioned(&past)?;
+        let inverses = log_density.is_some().then(|| self.proposal.inverses(&map, past.time)).transpose()?;
+        let log_density = inverses.as_ref().map(|inverses| inverses.log_abs_det).zip(log_density);
         let activations = map.forward(&shifts, noise, states, log_density);
         self.draws.push(Draw {
             time: past.time,
             map,
+            inverses,
             previous: past.previous.map(<[f64]>::to_vec),
             measurement: past.measurement.to_vec(),
             noise: noise.to_vec(),
@@ -82,16 +87,22 @@ impl Tape for PsiTape<'_> {
     fn pull_back(
         &mut self,
         d_states: &[f64],
-        d_log_density: &[f64],
+        d_log_density: Option<&[f64]>,
         d_previous: &mut [f64],
     ) -> Result<(), ProposalError> {
         let Some(draw) = self.draws.pop() else { panic!("there is no draw left to pull back") };
+        let of_density = d_log_density.map(|d_log_density| {
+            let Some(inverses) = &draw.inverses else { panic!("log q was not asked for") };
+            (inverses, d_log_density.iter().sum::<f64>())
+        });
         let n = self.proposal.state_dim;
         let (rows, layers) = (LANES * n, draw.map.layers.len());
         let mut sums = Sums::zeros(n, layers);
         d_previous.fill(0.0);
-        for (block, d_log) in d_log_density.chunks(LANES).enumerate() {
-            let at = block * rows..(block * rows + d_log.len() * n);
+        for (block, d_states) in d_states.chunks(rows).enumerate() {
+            let at = block * rows..block * rows + d_states.len();
+            let particles = block * LANES..block * LANES + d_states.len() / n;
+            let d_log = d_log_density.map_or(Lane::default(), |d| Lane::gather_or_zero(&d[particles], 1, 0));
             let block = Block {
                 noise: &draw.noise[at.clone()],
                 previous: draw.previous.as_ref().map(|previous| &previous[at.clone()]),
@@ -99,17 +110,19 @@ impl Tape for PsiTape<'_> {
             };
             vectorised(
                 #[inline(always)]
-                || block.pull_back(&draw.map, &d_states[at.clone()], d_log, &mut d_previous[at], &mut sums),
+                || block.pull_back(&draw.map, d_states, &d_log, &mut d_previous[at], &mut sums),
             );
         }
-        let (first, total): (usize, f64) = (self.proposal.first(draw.time), d_log_density.iter().sum());
-        for (layer, (invertible, _)) in draw.map.layers.iter().enumerate() {
+        let first = self.proposal.first(draw.time);
+        for (layer, sum) in sums.layers.iter().enumerate() {
             let at = first + FIRST + 2 * layer;
-            self.add_square(at, invertible, &sums.layers[layer], total);
+            let of_density = of_density.map(|(inverses, total)| (inverses.layers[layer].as_slice(), total));
+            self.add_square(at, sum, of_density);
             let bias: Vec<f64> = sums.biases[layer].iter().map(Lane::sum).collect();
             self.gradients.add_wide(at + 1, &bias);
         }
-        self.add_square(first, &draw.map.noise, &sums.noise, total);
+        let of_density = of_density.map(|(inverses, total)| (inverses.noise.as_slice(), total));
+        self.add_square(first, &sums.noise, of_density);
         if draw.previous.is_some() {
             self.gradients.add_wide(first + 1, &sums.previous.sums());
         }
@@ -128,12 +141,15 @@ impl Tape for PsiTape<'_> {
 }
 
 impl PsiTape<'_> {
-    /// Adds the gradient of an invertible matrix: through its product with inputs, and through its determinant.
-    fn add_square(&mut self, index: usize, invertible: &Invertible, through_product: &Square, total: f64) {
+    /// Adds the gradient of an invertible matrix: through its product with inputs, and through its determinant if there is a derivative
+    /// with respect to `log q`, by its inverse and the sum of that derivative over the particles.
+    fn add_square(&mut self, index: usize, through_product: &Square, of_density: Option<(&[f64], f64)>) {
         let n = self.proposal.state_dim;
         let mut gradient = through_product.sums();
-        for (at, gradient) in gradient.iter_mut().enumerate() {
-            *gradient -= total * invertible.inverse[at % n * n + at / n];
+        if let Some((inverse, total)) = of_density {
+            for (at, gradient) in gradient.iter_mut().enumerate() {
+                *gradient -= total * inverse[at % n * n + at / n];
+            }
         }
         self.gradients.add_wide(index, &gradient);
     }
@@ -174,45 +190,45 @@ impl Block<'_> {
         &self,
         map: &Map,
         d_states: &[f64],
-        d_log_density: &[f64],
+        d_log: &Lane,
         d_previous: &mut [f64],
         sums: &mut Sums,
     ) {
         let n = map.width;
         // In lanes without a particle nothing changes anything.
-        let d_log = Lane::gather_or_zero(d_log_density, 1, 0);
         let mut d: Vec<Lane> = (0..n).map(|j| Lane::gather_or_zero(d_states, n, j)).collect();
         let mut below = vec![Lane::default(); n];
-        for (layer, (invertible, _)) in map.layers.iter().enumerate().rev() {
+        for (layer, (matrix, _)) in map.layers.iter().enumerate().rev() {
             let inputs = &self.activations[layer * n..(layer + 1) * n];
-            sums.biases[layer].iter_mut().zip(&d).for_each(|(sum, d)| sum.add(d));
-            for (i, (z, row)) in inputs.iter().zip(invertible.matrix.chunks_exact(n)).enumerate() {
-                let mut sum = Lane::default();
-                for (j, (d, entry)) in d.iter().zip(row).enumerate() {
-                    sums.layers[layer].at_mut(i, j).add_product(z, d);
-                    sum.add_scaled(*entry, d);
-                }
-                for lane in 0..LANES {
+            for (sum, d) in sums.biases[layer].iter_mut().zip(&d) {
+                sum.add(d);
+            }
+            sums.layers[layer].add_outer(inputs, &d);
+            below.fill(Lane::default());
+            add_times_transposed(&mut below, &d, matrix);
+            for (z, below) in inputs.iter().zip(&mut below) {
+                below.0 = std::array::from_fn(|lane| {
                     let z = z.0[lane];
-                    sum.0[lane] = sum.0[lane] * (1.0 - z * z) + 2.0 * d_log.0[lane] * z;
-                }
-                below[i] = sum;
+                    below.0[lane] * (1.0 - z * z) + 2.0 * d_log.0[lane] * z
+                });
             }
             std::mem::swap(&mut d, &mut below);
         }
-        sums.shifts.iter_mut().zip(&d).for_each(|(sum, d)| sum.add(d));
-        for i in 0..n {
-            let u = Lane::gather(self.noise, n, i);
-            d.iter().enumerate().for_each(|(j, d)| sums.noise.at_mut(i, j).add_product(&u, d));
+        for (sum, d) in sums.shifts.iter_mut().zip(&d) {
+            sum.add(d);
         }
+        for (i, u) in below.iter_mut().enumerate() {
+            *u = Lane::gather(self.noise, n, i);
+        }
+        sums.noise.add_outer(&below, &d);
         let Some(previous) = self.previous else { return };
-        for (i, row) in map.previous.chunks_exact(n).enumerate() {
-            let x = Lane::gather(previous, n, i);
-            let mut sum = Lane::default();
-            for (j, (d, entry)) in d.iter().zip(row).enumerate() {
-                sums.previous.at_mut(i, j).add_product(&x, d);
-                sum.add_scaled(*entry, d);
-            }
+        for (i, x) in below.iter_mut().enumerate() {
+            *x = Lane::gather(previous, n, i);
+        }
+        sums.previous.add_outer(&below, &d);
+        below.fill(Lane::default());
+        add_times_transposed(&mut below, &d, &map.previous);
+        for (i, sum) in below.iter().enumerate() {
             sum.scatter(d_previous, n, i);
         }
     }

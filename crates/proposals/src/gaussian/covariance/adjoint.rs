@@ -19,7 +19,7 @@ impl KernelCovariance {
         lowers: &[f64],
         noise: &[f64],
         d_states: &[f64],
-        d_log_density: &[f64],
+        d_log_density: Option<&[f64]>,
     ) -> (Vec<f64>, Vec<f64>) {
         let n = self.width;
         let mut d_representations = vec![0.0; representations.len()];
@@ -34,9 +34,10 @@ impl KernelCovariance {
         };
         let rows = LANES * n;
         let blocks = representations.chunks(rows).zip(lowers.chunks(rows * n)).zip(noise.chunks(rows));
-        let blocks = blocks.zip(d_states.chunks(rows)).zip(d_log_density.chunks(LANES));
-        for (((((z, lowers), noise), d_states), d_log), d_z) in blocks.zip(d_representations.chunks_mut(rows))
-        {
+        let blocks = blocks.zip(d_states.chunks(rows)).zip(d_representations.chunks_mut(rows));
+        let mut d_log_density = d_log_density.map(|d_log_density| d_log_density.chunks(LANES));
+        for ((((z, lowers), noise), d_states), d_z) in blocks {
+            let d_log = d_log_density.as_mut().and_then(Iterator::next);
             vectorised(
                 #[inline(always)]
                 || {
@@ -66,15 +67,17 @@ struct Adjoint {
 impl Adjoint {
     /// `L` and `L̄`; in lanes without a particle the latter is 0, so that nothing comes of them.
     #[inline(always)]
-    fn load(&mut self, n: usize, lowers: &[f64], noise: &[f64], d_states: &[f64], d_log_density: &[f64]) {
-        let particles = d_log_density.len();
+    fn load(&mut self, n: usize, lowers: &[f64], noise: &[f64], d_states: &[f64], d_log_density: Option<&[f64]>) {
+        let particles = d_states.len() / n;
         for i in 0..n {
             let (d_state, epsilon_at) = (Lane::gather(d_states, n, i), |j| Lane::gather(noise, n, j));
             for j in 0..=i {
                 let lower = Lane::gather(lowers, n * n, i + n * j);
                 let mut d = Lane::default();
                 d.add_product(&d_state, &epsilon_at(j));
-                if i == j {
+                if i == j
+                    && let Some(d_log_density) = d_log_density
+                {
                     for ((d, d_log), lower) in d.0.iter_mut().zip(d_log_density).zip(&lower.0) {
                         *d -= d_log / lower;
                     }
