@@ -85,7 +85,7 @@ fn check_family(label: &str, family: &str, proposal: &dyn Learnable, steps: &[St
         let past =
             Past { time, previous: previous.as_deref(), measurement: &measurement, particles: PARTICLES };
         let (mut states, mut log_q) = (vec![0.0; PARTICLES * STATE_DIM], vec![0.0; PARTICLES]);
-        let drawn = tape.draw(past, &noise(family, time), &mut states, &mut log_q);
+        let drawn = tape.draw(past, &noise(family, time), &mut states, Some(&mut log_q));
         assert_eq!(drawn, Ok(()), "{label}, step {time}");
         check(&format!("{label}, step {time}, states"), &states, &step.states.concat());
         check(&format!("{label}, step {time}, log q"), &log_q, &step.log_q);

@@ -3,17 +3,25 @@
 use motes_models::Seed;
 use serde::{Deserialize, Serialize};
 
-use crate::config::{Drift, Filter, Noise, Plan, Point, System};
+use crate::config::{Drift, Filter, Method, Noise, Plan, Point, System};
 use crate::methods::MethodConfig;
 
 /// The version of what a unit's configuration means. Raised by hand whenever the same configuration gives other
 /// numbers than before, so that old units are never taken for new ones.
-pub const UNIT_FORMAT: u32 = 4;
+pub const UNIT_FORMAT: u32 = 5;
+
+/// The version since which the numbers of a method are the same.
+fn format_of(method: Method) -> u32 {
+    match method {
+        Method::Gnn => 5,
+        _ => 4,
+    }
+}
 
 /// Everything that a unit's result depends on.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct UnitConfig {
-    /// [`UNIT_FORMAT`] when it was run.
+    /// The [`UNIT_FORMAT`] since which the method's numbers are the same.
     pub format: u32,
     /// The seed of the run.
     pub seed: u64,
@@ -43,7 +51,7 @@ impl UnitConfig {
         let (n, t, k) = plan.sizes(&point.panel, point.x)?;
         let experiment = &plan.experiment;
         Some(UnitConfig {
-            format: UNIT_FORMAT,
+            format: format_of(point.method),
             seed: plan.seed,
             repetition: point.repetition,
             system: System { dimension: n, horizon: t, ..experiment.system.clone() },

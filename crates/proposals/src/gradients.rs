@@ -6,7 +6,7 @@ use faer::Accum;
 
 use crate::Parameters;
 use crate::parameters::Layout;
-use crate::values::{Real, Values, narrow};
+use crate::values::{Real, Slice, Values, narrow};
 
 /// The derivative of a scalar with respect to each matrix of some [`Parameters`], laid out as these are.
 #[derive(Debug, Clone)]
@@ -64,15 +64,31 @@ impl Gradients {
         self.present[index].then(|| self.values.host(self.layout.range(index)))
     }
 
-    /// All gradients, laid out as the weights are; only [`Gradients::ranges`] of them mean anything.
-    pub fn values(&self) -> &Values {
-        &self.values
+    /// How many matrices there are.
+    pub(crate) fn matrices(&self) -> usize {
+        self.present.len()
     }
 
-    /// The stretches of [`Gradients::values`] that belong to matrices that the scalar depends on, in order.
-    pub fn ranges(&self) -> impl Iterator<Item = Range<usize>> + '_ {
-        let present = self.present.iter().enumerate().filter(|(_, present)| **present);
-        present.map(|(index, _)| self.layout.range(index))
+    /// Whether there is a gradient of a matrix.
+    pub(crate) fn has(&self, index: usize) -> bool {
+        self.present[index]
+    }
+
+    /// The place of a matrix among all.
+    pub(crate) fn range(&self, index: usize) -> Range<usize> {
+        self.layout.range(index)
+    }
+
+    /// The gradient of a matrix and its place among all, if there is one.
+    pub(crate) fn stretch(&self, index: usize) -> Option<(Range<usize>, Slice<'_>)> {
+        let range = self.range(index);
+        self.present[index].then(|| {
+            let values = match &self.values {
+                Values::F32(values) => Slice::F32(&values[range.clone()]),
+                Values::F64(values) => Slice::F64(&values[range.clone()]),
+            };
+            (range, values)
+        })
     }
 
     /// Multiplies all of them by `factor`.
@@ -88,11 +104,11 @@ impl Gradients {
         fn squares<T: Real>(values: &[T]) -> f64 {
             values.iter().map(|value| value.wide() * value.wide()).sum()
         }
-        let sum: f64 = self
-            .ranges()
-            .map(|range| match &self.values {
-                Values::F32(values) => squares(&values[range]),
-                Values::F64(values) => squares(&values[range]),
+        let stretches = (0..self.matrices()).filter_map(|index| self.stretch(index));
+        let sum: f64 = stretches
+            .map(|(_, values)| match values {
+                Slice::F32(values) => squares(values),
+                Slice::F64(values) => squares(values),
             })
             .sum();
         sum.sqrt()

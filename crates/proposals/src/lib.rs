@@ -59,5 +59,5 @@ pub use parameters::Parameters;
 pub use psi::{Psi, PsiConfig};
 pub use rnn::{Cell, Rnn, RnnConfig};
 pub use saved::{SAVED_FORMAT, SavedError, load, save};
-pub use values::Values;
-pub use workspace::Workspace;
+pub use values::{Slice, Values};
+pub use workspace::{GradientPart, Workspace};

@@ -68,6 +68,15 @@ impl Values {
     }
 }
 
+/// Some numbers of one precision, one after another.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Slice<'a> {
+    /// 32 bits each.
+    F32(&'a [f32]),
+    /// 64 bits each.
+    F64(&'a [f64]),
+}
+
 /// The same numbers in either precision.
 pub(crate) struct Both {
     narrow: Vec<f32>,
@@ -128,6 +137,9 @@ pub(crate) trait Real:
     /// The numbers, which are of this type, to be changed.
     fn slice_mut(values: &mut Values) -> &mut Vec<Self>;
 
+    /// The numbers, whatever their type.
+    fn wrap_slice(values: &[Self]) -> Slice<'_>;
+
     /// The numbers in this type.
     fn pick(values: &Both) -> &[Self];
 }
@@ -172,6 +184,10 @@ impl Real for f64 {
             Values::F64(values) => values,
             Values::F32(_) => panic!("{MIXED}"),
         }
+    }
+
+    fn wrap_slice(values: &[f64]) -> Slice<'_> {
+        Slice::F64(values)
     }
 
     fn pick(values: &Both) -> &[f64] {
@@ -221,6 +237,10 @@ impl Real for f32 {
             Values::F32(values) => values,
             Values::F64(_) => panic!("{MIXED}"),
         }
+    }
+
+    fn wrap_slice(values: &[f32]) -> Slice<'_> {
+        Slice::F32(values)
     }
 
     fn pick(values: &Both) -> &[f32] {

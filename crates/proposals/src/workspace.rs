@@ -1,7 +1,9 @@
 //! What training uses again from step to step: gradients, and the memory that computing them takes.
 
+use std::ops::Range;
+
 use crate::native::{Buffers, Step, Waiting};
-use crate::values::Real;
+use crate::values::{Real, Slice};
 use crate::{Gradients, Parameters};
 
 /// The gradients of a proposal's weights, with the memory that they were computed in; the next computation takes it over.
@@ -24,6 +26,40 @@ pub(crate) struct ForNative<T> {
     pub(crate) waiting: Waiting<T>,
     pub(crate) steps: Vec<Step<T>>,
     pub(crate) d_nodes: Vec<Option<Vec<T>>>,
+}
+
+impl<T: Scratched> ForNative<T> {
+    fn multiply(&mut self, gradients: &mut Gradients) {
+        self.waiting.multiply(&mut self.buffers, gradients);
+    }
+
+    /// Hands over what waits for a matrix, unless there already is a gradient that it is to be added to.
+    fn hand_over(
+        &mut self,
+        matrix: usize,
+        gradients: &mut Gradients,
+        take: &mut impl FnMut(GradientPart<'_>),
+    ) {
+        if gradients.has(matrix) {
+            return self.waiting.multiply_one(matrix, &mut self.buffers, gradients);
+        }
+        let start = gradients.range(matrix).start;
+        self.waiting.hand_over(matrix, &mut self.buffers, &mut |at, values| {
+            let range = start + at..start + at + values.len();
+            take(GradientPart { matrix, range, values: T::wrap_slice(values) });
+        });
+    }
+}
+
+/// Some of the gradients, in one piece.
+#[derive(Debug, Clone)]
+pub struct GradientPart<'a> {
+    /// The index of the matrix that they belong to.
+    pub matrix: usize,
+    /// Where they belong among all weights, one matrix after another.
+    pub range: Range<usize>,
+    /// As many numbers.
+    pub values: Slice<'a>,
 }
 
 /// A precision whose scratch memory can be told from that of others.
@@ -59,29 +95,48 @@ impl Workspace {
     }
 
     /// The gradients of the last computation.
-    pub fn gradients(&self) -> &Gradients {
-        &self.gradients
-    }
-
-    /// The gradients of the last computation, to be scaled.
-    pub fn gradients_mut(&mut self) -> &mut Gradients {
+    pub fn gradients(&mut self) -> &mut Gradients {
+        match &mut self.scratch {
+            Scratch::Nothing => {}
+            Scratch::Narrow(scratch) => scratch.multiply(&mut self.gradients),
+            Scratch::Wide(scratch) => scratch.multiply(&mut self.gradients),
+        }
         &mut self.gradients
     }
 
     /// The gradients alone.
-    pub fn into_gradients(self) -> Gradients {
+    pub fn into_gradients(mut self) -> Gradients {
+        self.gradients();
         self.gradients
+    }
+
+    /// Hands over the gradients of the last computation, matrix by matrix in their order and each in as many parts as it is formed in;
+    /// a part is gone when `take` returns. Where nothing asked for [`Workspace::gradients`] before, most of them are never
+    /// written to memory.
+    pub fn hand_over(&mut self, mut take: impl FnMut(GradientPart<'_>)) {
+        for matrix in 0..self.gradients.matrices() {
+            match &mut self.scratch {
+                Scratch::Nothing => {}
+                Scratch::Narrow(scratch) => scratch.hand_over(matrix, &mut self.gradients, &mut take),
+                Scratch::Wide(scratch) => scratch.hand_over(matrix, &mut self.gradients, &mut take),
+            }
+            if let Some((range, values)) = self.gradients.stretch(matrix) {
+                take(GradientPart { matrix, range, values });
+            }
+        }
+        self.gradients.clear();
     }
 
     /// Gradients to be gathered anew, and memory.
     pub(crate) fn open<T: Scratched>(mut self, parameters: &Parameters) -> (Gradients, ForNative<T>) {
         self.gradients.clear();
-        let scratch = T::unwrap(self.scratch).unwrap_or_else(|| ForNative {
+        let mut scratch = T::unwrap(self.scratch).unwrap_or_else(|| ForNative {
             buffers: Buffers::default(),
             waiting: Waiting::none(parameters.len()),
             steps: Vec::new(),
             d_nodes: Vec::new(),
         });
+        scratch.waiting.clear();
         (self.gradients, scratch)
     }
 

@@ -3,7 +3,7 @@
 use std::ops::Deref;
 
 use motes_models::batch::Rows;
-use motes_models::{ModelError, Seed, StateSpaceModel, Stream};
+use motes_models::{Measurements, ModelError, Seed, StateSpaceModel, Stream};
 
 use crate::blocks::{Filters, Outcome, Step};
 use crate::weights::BLOCK;
@@ -138,8 +138,9 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
         })
     }
 
-    /// Lets up to `threads` threads work on each step where the proposal allows it, as the designed ones do, and there are particles
-    /// enough. Results are the same bytes for any number.
+    /// Lets `threads` threads work on each step where the proposal allows it, as the designed ones do, and there are particles enough;
+    /// [`FilterBank::run`] needs fewer of them for that. The threads are started once for all banks that ask for as many. Results are
+    /// the same bytes for any number.
     ///
     /// # Errors
     /// [`FilterError::Setting`] if `threads` is 0 or more than the system can start.
@@ -162,6 +163,30 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
         }
         self.check_measurement(measurement)?;
         self.advance(measurement).inspect_err(|failure| self.failure = Some(failure.clone()))
+    }
+
+    /// Takes in all measurements, one step after the other, and shows the bank to `observe` after each.
+    ///
+    /// The same as as many calls of [`FilterBank::step`], but threads stay awake between steps.
+    ///
+    /// # Errors
+    /// As [`FilterBank::step`]; measurements after one that led to an error are not looked at.
+    pub fn run(
+        &mut self,
+        measurements: &Measurements,
+        mut observe: impl FnMut(&Self) + Send,
+    ) -> Result<(), FilterError>
+    where
+        Self: Send,
+    {
+        let workers = self.workers();
+        workers.together(|| {
+            measurements.rows().try_for_each(|measurement| {
+                self.step(measurement)?;
+                observe(self);
+                Ok(())
+            })
+        })
     }
 
     fn advance(&mut self, measurement: &[f64]) -> Result<(), FilterError> {
@@ -209,7 +234,7 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
             ancestors: &mut self.ancestors,
             states: &mut self.states,
         };
-        self.workers.gather(|workers| step.advance(filters, workers));
+        self.workers.step(|workers| step.advance(filters, workers));
         if self.resampled.contains(&true) {
             self.memory.resample(&self.ancestors);
         }
@@ -305,6 +330,11 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
             }
         }
         Ok(())
+    }
+
+    /// The threads.
+    pub(crate) fn workers(&self) -> Workers {
+        self.workers.clone()
     }
 
     /// `B`, the number of filters.

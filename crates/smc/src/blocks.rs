@@ -13,7 +13,7 @@ use crate::{FilterSettings, LogWeights, RowPast, RowProposal, WeightFault};
 /// Particles of small filters that are drawn together.
 const TOGETHER: usize = 256;
 /// Particles that a thread would rather do itself than hand on.
-const GRAIN: usize = 1024;
+const GRAIN: usize = 256;
 
 /// What all filters of a step share.
 pub(crate) struct Step<'a, M: ?Sized> {

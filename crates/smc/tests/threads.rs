@@ -17,8 +17,8 @@ fn settings(particles: usize) -> FilterSettings {
     FilterSettings { resample_when: ResampleWhen::EssBelow(0.9), ..FilterSettings::new(particles) }
 }
 
-/// Everything that a bank shows after each step.
-fn run<P: Proposal<GraphDiffusion>>(
+/// Everything that a bank shows after each step: on one thread stepped, on several run.
+fn run<P: Proposal<GraphDiffusion, Memory: Send> + Send>(
     proposal: P,
     noise: Noise,
     particles: usize,
@@ -29,12 +29,20 @@ fn run<P: Proposal<GraphDiffusion>>(
     let bank = FilterBank::new(&system, proposal, settings(particles), filters, &Seed::from_u64(81)).unwrap();
     let mut bank = bank.with_threads(threads).unwrap();
     let mut seen = vec![];
-    for measurement in measurements.rows() {
-        bank.step(measurement).unwrap();
+    let mut see = |bank: &FilterBank<&GraphDiffusion, P>| {
         let states = (0..filters).flat_map(|filter| bank.particles(filter).to_vec()).collect();
         let weights = (0..filters).flat_map(|filter| bank.weights(filter).log().to_vec()).collect();
         seen.push((states, weights, bank.ancestors().to_vec()));
+    };
+    if threads == 1 {
+        for measurement in measurements.rows() {
+            bank.step(measurement).unwrap();
+            see(&bank);
+        }
+    } else {
+        bank.run(&measurements, see).unwrap();
     }
+    assert_eq!(bank.time(), measurements.len());
     seen
 }
 
@@ -42,7 +50,7 @@ fn run<P: Proposal<GraphDiffusion>>(
 fn any_number_of_threads_gives_the_same_bytes() {
     let (system, _) = problem(Noise::Gaussian);
     let proposal = MinDegeneracy::new(&system).unwrap();
-    for (particles, filters) in [(20_000, 1), (9000, 3), (50, 300), (1, 5000), (300, 40)] {
+    for (particles, filters) in [(20_000, 1), (9000, 3), (50, 300), (10, 100), (1, 5000), (300, 40)] {
         let one = run(Bootstrap, Noise::Gaussian, particles, filters, 1);
         let same = |other| assert!(one == other, "bootstrap, {filters} × {particles}");
         same(run(Bootstrap, Noise::Gaussian, particles, filters, 2));

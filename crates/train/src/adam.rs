@@ -1,6 +1,6 @@
 //! Adam, in one pass over all weights.
 
-use motes_proposals::{Gradients, Parameters, Values};
+use motes_proposals::{GradientPart, Parameters, Slice, Values, Workspace};
 
 use crate::AdamConfig;
 
@@ -8,8 +8,8 @@ use crate::AdamConfig;
 pub(crate) struct AdamSteps {
     config: AdamConfig,
     moments: Option<Moments>,
-    /// How many steps each stretch of weights has taken: by where it begins.
-    taken: std::collections::BTreeMap<usize, i32>,
+    /// How many steps each matrix has taken.
+    taken: Vec<i32>,
 }
 
 /// Running means of gradients and of their squares.
@@ -18,7 +18,7 @@ struct Moments {
     second: Values,
 }
 
-/// What one step does to every weight alike.
+/// What one step does to every weight of a matrix alike.
 #[derive(Clone, Copy)]
 struct Step<T> {
     beta_1: T,
@@ -32,48 +32,64 @@ struct Step<T> {
     epsilon: T,
 }
 
+impl Step<f64> {
+    /// Step number `taken`, from 1 on.
+    fn new(config: &AdamConfig, taken: i32) -> Self {
+        let AdamConfig { learning_rate, beta_1, beta_2, epsilon } = *config;
+        let rate = learning_rate / (1.0 - beta_1.powi(taken));
+        let unbias = 1.0 / (1.0 - beta_2.powi(taken)).sqrt();
+        Step { beta_1, beta_2, rest: [1.0 - beta_1, 1.0 - beta_2], rate, unbias, epsilon }
+    }
+
+    fn narrow(self) -> Step<f32> {
+        let Step { beta_1, beta_2, rest, rate, unbias, epsilon } = self;
+        Step {
+            beta_1: beta_1 as f32,
+            beta_2: beta_2 as f32,
+            rest: rest.map(|rest| rest as f32),
+            rate: rate as f32,
+            unbias: unbias as f32,
+            epsilon: epsilon as f32,
+        }
+    }
+}
+
 impl AdamSteps {
     pub(crate) fn new(config: &AdamConfig) -> Self {
-        AdamSteps { config: *config, moments: None, taken: std::collections::BTreeMap::new() }
+        AdamSteps { config: *config, moments: None, taken: Vec::new() }
     }
 
     /// Moves every weight that has a gradient against it: `m ← β₁ m + (1 − β₁) g`, `v ← β₂ v + (1 − β₂) g²`,
     /// `θ ← θ − α m̂ / (√v̂ + ε)` with `m̂ = m / (1 − β₁ᵗ)`, `v̂ = v / (1 − β₂ᵗ)` (Kingma and Ba 2015).
-    pub(crate) fn step(&mut self, parameters: &mut Parameters, gradients: &Gradients) {
+    ///
+    /// The gradients are gone then: each part of them is used while it is in a cache.
+    pub(crate) fn step(&mut self, parameters: &mut Parameters, workspace: &mut Workspace) {
+        self.taken.resize(parameters.len(), 0);
         let weights = parameters.values_mut();
         let zeros = || weights.zeros_like(weights.len());
         let Moments { first, second } =
             self.moments.get_or_insert_with(|| Moments { first: zeros(), second: zeros() });
-        for range in gradients.ranges() {
-            let taken = self.taken.entry(range.start).or_insert(0);
-            *taken += 1;
-            let AdamConfig { learning_rate, beta_1, beta_2, epsilon } = self.config;
-            let rate = learning_rate / (1.0 - beta_1.powi(*taken));
-            let unbias = 1.0 / (1.0 - beta_2.powi(*taken)).sqrt();
-            match (&mut *weights, gradients.values(), &mut *first, &mut *second) {
-                (Values::F32(weights), Values::F32(gradient), Values::F32(first), Values::F32(second)) => {
-                    let step = Step {
-                        beta_1: beta_1 as f32,
-                        beta_2: beta_2 as f32,
-                        rest: [(1.0 - beta_1) as f32, (1.0 - beta_2) as f32],
-                        rate: rate as f32,
-                        unbias: unbias as f32,
-                        epsilon: epsilon as f32,
-                    };
-                    let at = || range.clone();
-                    let moments = (&mut first[at()], &mut second[at()]);
-                    move_narrow(step, &mut weights[at()], &gradient[at()], moments);
+        let mut current = None;
+        workspace.hand_over(|GradientPart { matrix, range, values }| {
+            let (wide, narrow) = match current {
+                Some((number, steps)) if number == matrix => steps,
+                _ => {
+                    self.taken[matrix] += 1;
+                    let step = Step::new(&self.config, self.taken[matrix]);
+                    current.insert((matrix, (step, step.narrow()))).1
                 }
-                (Values::F64(weights), Values::F64(gradient), Values::F64(first), Values::F64(second)) => {
-                    let rest = [1.0 - beta_1, 1.0 - beta_2];
-                    let step = Step { beta_1, beta_2, rest, rate, unbias, epsilon };
-                    let at = || range.clone();
-                    let moments = (&mut first[at()], &mut second[at()]);
-                    move_wide(step, &mut weights[at()], &gradient[at()], moments);
+            };
+            let at = || range.clone();
+            match (&mut *weights, values, &mut *first, &mut *second) {
+                (Values::F32(weights), Slice::F32(gradient), Values::F32(first), Values::F32(second)) => {
+                    move_narrow(narrow, &mut weights[at()], gradient, (&mut first[at()], &mut second[at()]));
+                }
+                (Values::F64(weights), Slice::F64(gradient), Values::F64(first), Values::F64(second)) => {
+                    move_wide(wide, &mut weights[at()], gradient, (&mut first[at()], &mut second[at()]));
                 }
                 _ => unreachable!("gradients and moments have the precision of the weights"),
             }
-        }
+        });
     }
 }
 

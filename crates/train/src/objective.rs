@@ -39,11 +39,9 @@ impl Objective {
         let mean = |values: &[f64]| share * values.iter().sum::<f64>();
         let constant = |value| vec![value; log_model.len()];
         match self {
-            Objective::LogLikelihood => Evaluation {
-                value: mean(log_model),
-                d_log_model: constant(share),
-                d_log_proposal: None,
-            },
+            Objective::LogLikelihood => {
+                Evaluation { value: mean(log_model), d_log_model: constant(share), d_log_proposal: None }
+            }
             Objective::Elbo => Evaluation {
                 value: mean(log_model) - mean(log_proposal),
                 d_log_model: constant(share),

@@ -109,7 +109,8 @@ pub(crate) fn draw_and_pull(
         subtract_weighted(&mut d_states, weights, &term);
         let d_log_density: Option<Vec<f64>> =
             evaluation.d_log_proposal.as_ref().map(|d| d[at].iter().map(|weight| -weight).collect());
-        tape.pull_back(&d_states, d_log_density.as_deref(), &mut d_previous).map_err(|source| (time, source))?;
+        tape.pull_back(&d_states, d_log_density.as_deref(), &mut d_previous)
+            .map_err(|source| (time, source))?;
         if gradient.ends_at(time) {
             carried.fill(0.0);
             tape.cut();

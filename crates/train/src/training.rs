@@ -147,17 +147,18 @@ pub fn train(
         history.losses.push(loss);
         // A gradient that is not finite shows in the next step's loss; after the last there is none.
         if config.clip_norm.is_some() || step + 1 == config.steps {
-            let norm = workspace.gradients().norm();
+            let gradients = workspace.gradients();
+            let norm = gradients.norm();
             if !norm.is_finite() {
                 return Err(TrainError::Diverged { step, loss: norm });
             }
             if let Some(largest) = config.clip_norm
                 && norm > largest
             {
-                workspace.gradients_mut().scale(largest / norm);
+                gradients.scale(largest / norm);
             }
         }
-        adam.step(proposal.parameters_mut(), workspace.gradients());
+        adam.step(proposal.parameters_mut(), &mut workspace);
         if observe(step, loss).is_break() {
             break;
         }

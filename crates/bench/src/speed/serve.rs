@@ -128,7 +128,7 @@ struct Filtering<P> {
     runs: u64,
 }
 
-impl<P: Proposal<GraphDiffusion> + Clone> Filtering<P> {
+impl<P: Proposal<GraphDiffusion, Memory: Send> + Clone + Send> Filtering<P> {
     fn evidence(&mut self) -> Result<Vec<f64>, String> {
         let settings = FilterSettings {
             resampling: match self.task.resampling.as_str() {
@@ -143,14 +143,12 @@ impl<P: Proposal<GraphDiffusion> + Clone> Filtering<P> {
         let bank = FilterBank::new(&self.system, self.proposal.clone(), settings, self.task.filters, &seed)
             .map_err(told)?;
         let mut bank = bank.with_threads(self.task.threads).map_err(told)?;
-        for measurement in self.measurements.rows() {
-            bank.step(measurement).map_err(told)?;
-        }
+        bank.run(&self.measurements, |_| ()).map_err(told)?;
         Ok((0..self.task.filters).map(|filter| bank.log_evidence(filter)).collect())
     }
 }
 
-impl<P: Proposal<GraphDiffusion> + Clone> Work for Filtering<P> {
+impl<P: Proposal<GraphDiffusion, Memory: Send> + Clone + Send> Work for Filtering<P> {
     fn check(&mut self) -> Result<Answer, String> {
         let mut ratios = Vec::new();
         for _ in 0..20 {

@@ -129,8 +129,8 @@ fn filter(scratch: &Path, method: &str, size: Size, peers: &[&str]) -> Result<Wo
     Ok(Workload {
         name: size.name(method),
         kind: Kind::Filter { particle_steps: (filters * particles * horizon) as f64 },
-        // Fewer particles are not worth a second thread.
-        ours: vec![task(None, if particles < 10_000 { 1 } else { 2 })],
+        // A single filter of fewer particles is not worth a second thread.
+        ours: vec![task(None, if filters == 1 && particles < 10_000 { 1 } else { 2 })],
         peers: peers.iter().flat_map(arrangements).collect(),
     })
 }

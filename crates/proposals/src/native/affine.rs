@@ -76,7 +76,8 @@ pub(super) fn backward<T: Real>(
     }
     for (At(input), weight) in inputs.iter().flatten() {
         let source = &below[*input];
-        waiting.push(*weight, (source.rows, [source.width, node.width]), &source.values, &d, gradients);
+        let (widths, rows) = ([source.width, node.width], (source.values.as_slice(), d.as_slice()));
+        waiting.push(*weight, widths, rows, derivatives.buffers, gradients);
         if derivatives.wanted(At(*input)) {
             let shape = [node.rows, node.width, source.width];
             let (mut place, accum) = derivatives.take(At(*input), source.values.len());

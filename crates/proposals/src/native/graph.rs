@@ -19,7 +19,7 @@ use crate::gnn::{Graph, GraphOf, Shape};
 use crate::parameters::Matrices;
 use crate::values::Real;
 
-pub(super) use spectral::{Eigen, gradient};
+use spectral::Eigen;
 
 /// A filter that was computed.
 pub(super) struct Filtered<T> {
@@ -116,7 +116,8 @@ pub(super) fn filter_backward<T: Real>(
             derivatives.add(*input, d_input);
         }
         Kept::Stacked(stacked) => {
-            waiting.push(taps, (rows, [count * inputs, outputs]), stacked, &d, gradients);
+            let widths = [count * inputs, outputs];
+            waiting.push(taps, widths, (stacked, &d), derivatives.buffers, gradients);
             if wanted {
                 let mut d_stacked = derivatives.buffers.take(stacked.len());
                 let sizes = [rows, outputs, count * inputs];

@@ -9,6 +9,7 @@ mod buffers;
 mod cells;
 mod graph;
 mod infer;
+mod outer;
 mod panels;
 mod products;
 mod skinny;

@@ -42,21 +42,21 @@ struct Times<'a> {
 
 /// The rows of a tile: as even as can be, and so few that their sums fit into registers.
 #[derive(Clone, Copy)]
-struct Tiles {
+pub(super) struct Tiles {
     rows: usize,
     count: usize,
 }
 
 impl Tiles {
     #[inline(always)]
-    fn of<S: Simd>(rows: usize) -> Self {
+    pub(super) fn of<S: Simd>(rows: usize) -> Self {
         // Two vectors of sums a row; two of weights and one of the other factor beside them.
         Tiles { rows, count: rows.div_ceil((S::REGISTER_COUNT - 4) / 2) }
     }
 
     /// Where each tile begins, and how many rows it has.
     #[inline(always)]
-    fn each(self) -> impl Iterator<Item = (usize, usize)> {
+    pub(super) fn each(self) -> impl Iterator<Item = (usize, usize)> {
         let Tiles { rows, count } = self;
         (0..count).map(move |tile| {
             let start = |tile: usize| tile * rows / count;

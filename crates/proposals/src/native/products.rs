@@ -3,7 +3,9 @@
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};
 
+use super::outer::{self, OuterProducts, Take};
 use super::{Buffers, across, panels, skinny};
+use crate::gnn::Shape;
 use crate::values::Real;
 
 /// A row-major matrix, or some of its columns: how far it is from one row to the next.
@@ -44,6 +46,9 @@ pub(crate) trait Products: Sized {
 
     /// `a bᵀ`.
     fn times_transposed(product: Product<'_, Self>, buffers: &mut Buffers<Self>);
+
+    /// Sums of outer products, in parts.
+    fn outer(sums: &OuterProducts<'_, Self>, buffers: &mut Buffers<Self>, take: Take<'_, Self>);
 }
 
 impl Products for f64 {
@@ -53,6 +58,10 @@ impl Products for f64 {
 
     fn times_transposed(product: Product<'_, f64>, _: &mut Buffers<f64>) {
         times_transposed_by_faer(product);
+    }
+
+    fn outer(sums: &OuterProducts<'_, f64>, buffers: &mut Buffers<f64>, take: Take<'_, f64>) {
+        outer::each_row(sums, buffers, take);
     }
 }
 
@@ -76,6 +85,22 @@ impl Products for f32 {
             skinny::times_transposed(product);
         } else {
             across::times_transposed(product, buffers);
+        }
+    }
+
+    fn outer(sums: &OuterProducts<'_, f32>, buffers: &mut Buffers<f32>, take: Take<'_, f32>) {
+        match sums.terms {
+            // Where sums are long there is nothing to gain.
+            [term] if term.inputs.len() > MANY * sums.shape.inputs => {
+                let Shape { inputs, outputs, taps } = sums.shape;
+                debug_assert_eq!(taps, 1, "a single term is an affine map's");
+                let mut whole = buffers.take(inputs * outputs);
+                let sizes = [inputs, term.inputs.len() / inputs, outputs];
+                transposed_times(&mut whole, Accum::Replace, &term.inputs, &term.d_outputs, sizes);
+                take(0, &whole);
+                buffers.put(whole);
+            }
+            _ => outer::each_tile(sums, buffers, take),
         }
     }
 }

@@ -183,8 +183,7 @@ impl<F: Networks, T: Scratched> NetworkTape for NativeTape<'_, F, T> {
         &mut self.gradients
     }
 
-    fn finish(mut self: Box<Self>) -> Workspace {
-        self.scratch.waiting.finish(&mut self.gradients);
+    fn finish(self: Box<Self>) -> Workspace {
         Workspace::closed(self.gradients, self.scratch)
     }
 }

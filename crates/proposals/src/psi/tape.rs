@@ -186,14 +186,7 @@ struct Block<'a> {
 
 impl Block<'_> {
     #[inline(always)]
-    fn pull_back(
-        &self,
-        map: &Map,
-        d_states: &[f64],
-        d_log: &Lane,
-        d_previous: &mut [f64],
-        sums: &mut Sums,
-    ) {
+    fn pull_back(&self, map: &Map, d_states: &[f64], d_log: &Lane, d_previous: &mut [f64], sums: &mut Sums) {
         let n = map.width;
         // In lanes without a particle nothing changes anything.
         let mut d: Vec<Lane> = (0..n).map(|j| Lane::gather_or_zero(d_states, n, j)).collect();

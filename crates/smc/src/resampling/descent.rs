@@ -10,7 +10,7 @@ use crate::weights::{BLOCK, LANES, combined};
 use crate::workers::{Pieces, Workers};
 
 /// Blocks that a thread would rather do itself than hand on.
-const GRAIN: usize = 4;
+const GRAIN: usize = 2;
 
 /// Increasing points on `[0, count]` that choose ancestors.
 #[derive(Clone, Copy)]

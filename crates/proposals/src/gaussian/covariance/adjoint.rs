@@ -67,7 +67,14 @@ struct Adjoint {
 impl Adjoint {
     /// `L` and `L̄`; in lanes without a particle the latter is 0, so that nothing comes of them.
     #[inline(always)]
-    fn load(&mut self, n: usize, lowers: &[f64], noise: &[f64], d_states: &[f64], d_log_density: Option<&[f64]>) {
+    fn load(
+        &mut self,
+        n: usize,
+        lowers: &[f64],
+        noise: &[f64],
+        d_states: &[f64],
+        d_log_density: Option<&[f64]>,
+    ) {
         let particles = d_states.len() / n;
         for i in 0..n {
             let (d_state, epsilon_at) = (Lane::gather(d_states, n, i), |j| Lane::gather(noise, n, j));

@@ -1,7 +1,6 @@
 //! A graph filter in the basis of the eigenvectors of its symmetric matrix.
 
-use faer::linalg::matmul::matmul;
-use faer::{Accum, MatMut, MatRef, Par};
+use faer::Accum;
 
 use super::super::Buffers;
 use super::super::products::{Columns, ColumnsMut, Product, times, vectorised};
@@ -12,13 +11,13 @@ use crate::parameters::Matrices;
 use crate::values::Real;
 
 /// A filter in this basis on its way back.
-pub(in super::super) struct Eigen<'a, T> {
-    pub(in super::super) of: GraphOf<'a, T>,
-    pub(in super::super) shape: Shape,
+pub(super) struct Eigen<'a, T> {
+    pub(super) of: GraphOf<'a, T>,
+    pub(super) shape: Shape,
     /// The index of its taps.
-    pub(in super::super) taps: usize,
+    pub(super) taps: usize,
     /// Rows of all nodes.
-    pub(in super::super) rows: usize,
+    pub(super) rows: usize,
 }
 
 /// How many numbers of all taps are worked on at a time: what stays in a core's own cache while every eigenvalue takes its turn.
@@ -80,7 +79,10 @@ pub(super) fn backward<T: Real>(
     let mut d_in_basis = buffers.take(d.len());
     let sizes = [nodes, nodes, d.len() / nodes];
     times(&mut d_in_basis, Accum::Replace, spectrum.basis_transposed, d, sizes, buffers);
-    waiting.push_spectral(way, in_basis, &d_in_basis, gradients);
+    // `W̄_d = Σ_i λ_i^d X̂_iᵀ dŶ_i`.
+    let by_eigenvalue = in_basis.chunks_exact(rows * inputs).zip(d_in_basis.chunks_exact(rows * outputs));
+    let by_eigenvalue = spectrum.eigenvalues.iter().zip(by_eigenvalue).map(|(value, (x, d))| (*value, x, d));
+    waiting.push_all(taps, shape, by_eigenvalue, buffers, gradients);
     let matrix_of_taps = weights.get(taps);
     let mut d_input_in_basis = buffers.take(in_basis.len());
     each_panel(shape, |first, panel| {
@@ -102,51 +104,6 @@ pub(super) fn backward<T: Real>(
     buffers.put(d_in_basis);
     buffers.put(d_input_in_basis);
     d_input
-}
-
-/// `W̄_d = Σ_i λ_i^d X̂_iᵀ dŶ_i`, from the rows of each eigenvalue.
-pub(in super::super) fn gradient<T: Real>(
-    eigenvalues: &[T],
-    shape: Shape,
-    waiting: &[(Vec<T>, Vec<T>)],
-    place: &mut [T],
-    accum: Accum,
-) {
-    let Shape { inputs, outputs, taps } = shape;
-    let mut product = vec![T::ZERO; panel_rows(shape) * outputs];
-    each_panel(shape, |first, panel| {
-        let product = &mut product[..panel * outputs];
-        for (i, (eigenvalue, (in_basis, d_in_basis))) in eigenvalues.iter().zip(waiting).enumerate() {
-            let rows = in_basis.len() / inputs;
-            matmul(
-                MatMut::from_row_major_slice_mut(product, panel, outputs),
-                Accum::Replace,
-                columns(in_basis, rows, inputs, first, panel).transpose(),
-                MatRef::from_row_major_slice(d_in_basis, rows, outputs),
-                T::ONE,
-                Par::Seq,
-            );
-            let replace = i == 0 && accum == Accum::Replace;
-            vectorised(
-                #[inline(always)]
-                || {
-                    for (row, product) in product.chunks_exact(outputs).enumerate() {
-                        let mut power = T::ONE;
-                        for tap in 0..taps {
-                            let at = (tap * inputs + first + row) * outputs;
-                            let into = &mut place[at..at + outputs];
-                            if replace {
-                                into.iter_mut().zip(product).for_each(|(into, term)| *into = power * *term);
-                            } else {
-                                into.iter_mut().zip(product).for_each(|(into, term)| *into += power * *term);
-                            }
-                            power *= *eigenvalue;
-                        }
-                    }
-                },
-            );
-        }
-    });
 }
 
 /// Visits all rows of the taps, some at a time.
@@ -190,9 +147,4 @@ fn combine<T: Real>(
             }
         },
     );
-}
-
-/// Some columns of a row-major matrix.
-fn columns<T>(values: &[T], rows: usize, width: usize, first: usize, count: usize) -> MatRef<'_, T> {
-    MatRef::from_row_major_slice(values, rows, width).subcols(first, count)
 }
