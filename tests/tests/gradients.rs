@@ -8,7 +8,7 @@ use motes_models::{
 };
 use motes_proposals::{
     Backend, Cell, Compute, Family, Fcnn, GaussianBatch, Gradients, KernelCovariance, Learnable, Precision,
-    Psi, Rnn,
+    Psi, Rnn, Workspace,
 };
 use motes_smc::{Conditional, Past, Proposal};
 use motes_tests::{
@@ -107,6 +107,36 @@ fn check_gradients(
 }
 
 const F64: Compute = Compute { backend: Backend::Native, precision: Precision::F64 };
+
+#[test]
+fn states_and_gradients_do_not_depend_on_whether_a_density_is_asked_for() {
+    let (system, measurements) = problem(Drift::Abs);
+    let compute = Compute { backend: Backend::Native, precision: Precision::F64 };
+    for (family, proposal) in small_families(&system, 3, compute, &Seed::from_u64(72)) {
+        let particles = 11;
+        let drawn = |asked: bool| {
+            let mut tape = proposal.tape(particles, Workspace::new(proposal.parameters()));
+            let (mut states, mut log_q) = (vec![vec![0.0; 5 * particles]; 2], vec![0.0; particles]);
+            for time in 0..2 {
+                let (earlier, now) = states.split_at_mut(time);
+                let previous = earlier.last().map(Vec::as_slice);
+                let past = Past { time, previous, measurement: measurements.row(time), particles };
+                let noise: Vec<f64> = random(5 * particles, 73).iter().map(|u| 0.5 * (u + 1.0)).collect();
+                tape.draw(past, &noise, &mut now[0], asked.then_some(&mut log_q)).unwrap();
+            }
+            let zeros = vec![0.0; particles];
+            for time in (0..2).rev() {
+                let d_states = random(5 * particles, 74 + time);
+                let mut d_previous = vec![0.0; 5 * particles];
+                tape.pull_back(&d_states, asked.then_some(&zeros), &mut d_previous).unwrap();
+            }
+            let gradients = tape.finish().into_gradients();
+            let count = proposal.parameters().len();
+            (states, (0..count).map(|index| gradients.host(index)).collect::<Vec<_>>())
+        };
+        assert_eq!(drawn(true), drawn(false), "{family}");
+    }
+}
 
 #[test]
 fn the_whole_objective_with_respect_to_every_weight() {

@@ -37,27 +37,24 @@ pub(crate) fn run(command: &mut Command) -> Result<(), ExitCode> {
     }
 }
 
-/// Has the C library of Linux ask for large pages where a program asks for much memory, unless its user has set something else: matrices of weights
-/// take less time to walk through. Others do not look at it.
-fn with_large_pages(command: &mut Command) -> &mut Command {
+/// Replaces this process, so that signals and the exit status are the program's own. With large pages it takes less time to walk through
+/// matrices of weights, and more to start with new memory.
+#[cfg(unix)]
+pub(crate) fn become_program(program: &Path, arguments: &[OsString], large_pages: bool) -> ExitCode {
+    use std::os::unix::process::CommandExt;
+    let mut command = Command::new(program);
+    // What the C library of Linux reads; others do not look at it.
     const TUNABLES: &str = "GLIBC_TUNABLES";
-    if std::env::var_os(TUNABLES).is_none() {
+    if large_pages && std::env::var_os(TUNABLES).is_none() {
         command.env(TUNABLES, "glibc.malloc.hugetlb=1");
     }
-    command
-}
-
-/// Replaces this process, so that signals and the exit status are the program's own.
-#[cfg(unix)]
-pub(crate) fn become_program(program: &Path, arguments: &[OsString]) -> ExitCode {
-    use std::os::unix::process::CommandExt;
-    let error = with_large_pages(Command::new(program).args(arguments)).exec();
+    let error = command.args(arguments).exec();
     say(&format!("error: {}: {error}", program.display()));
     ExitCode::from(3)
 }
 
 /// Runs the program and ends as it does.
 #[cfg(not(unix))]
-pub(crate) fn become_program(program: &Path, arguments: &[OsString]) -> ExitCode {
-    run(with_large_pages(Command::new(program).args(arguments))).err().unwrap_or(ExitCode::SUCCESS)
+pub(crate) fn become_program(program: &Path, arguments: &[OsString], _large_pages: bool) -> ExitCode {
+    run(Command::new(program).args(arguments)).err().unwrap_or(ExitCode::SUCCESS)
 }

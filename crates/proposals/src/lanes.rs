@@ -101,13 +101,13 @@ impl Square {
 /// `outⱼ = outⱼ + Σᵢ aᵢ Wᵢⱼ`, with a row-major matrix that is the same for all particles.
 pub(crate) fn add_times(out: &mut [Lane], a: &[Lane], matrix: &[f64]) {
     let width = out.len();
-    pulp::Arch::new().dispatch(AddTimes { out, a, matrix, across: width, along: 1 });
+    pulp::Arch::new().dispatch(AddTimes { out, a, matrix, to_next_term: width, to_next_sum: 1 });
 }
 
 /// `outᵢ = outᵢ + Σⱼ aⱼ Wᵢⱼ`, as [`add_times`].
 pub(crate) fn add_times_transposed(out: &mut [Lane], a: &[Lane], matrix: &[f64]) {
     let width = a.len();
-    pulp::Arch::new().dispatch(AddTimes { out, a, matrix, across: 1, along: width });
+    pulp::Arch::new().dispatch(AddTimes { out, a, matrix, to_next_term: 1, to_next_sum: width });
 }
 
 // Written in vectors, because a compiler would rather gather one number of each of several lanes.
@@ -139,9 +139,10 @@ struct AddTimes<'a> {
     out: &'a mut [Lane],
     a: &'a [Lane],
     matrix: &'a [f64],
-    /// From one term of a sum to the next, and from one sum to the next.
-    across: usize,
-    along: usize,
+    /// How far entries are from one term of a sum to the next, ...
+    to_next_term: usize,
+    /// ... and from one sum to the next.
+    to_next_sum: usize,
 }
 
 impl WithSimd for AddTimes<'_> {
@@ -149,14 +150,20 @@ impl WithSimd for AddTimes<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let AddTimes { out, a, matrix, across, along } = self;
+        let AddTimes { out, a, matrix, to_next_term, to_next_sum } = self;
         // Several sums at a time hide how long an addition takes.
         let (fours, rest) = out.as_chunks_mut::<4>();
         for (four, out) in fours.iter_mut().enumerate() {
-            sums::<S, 4>(simd, out, a, &matrix[4 * four * along..], [across, along]);
+            sums::<S, 4>(simd, out, a, &matrix[4 * four * to_next_sum..], [to_next_term, to_next_sum]);
         }
         for (number, out) in (4 * fours.len()..).zip(rest) {
-            sums::<S, 1>(simd, std::array::from_mut(out), a, &matrix[number * along..], [across, along]);
+            sums::<S, 1>(
+                simd,
+                std::array::from_mut(out),
+                a,
+                &matrix[number * to_next_sum..],
+                [to_next_term, to_next_sum],
+            );
         }
     }
 }
@@ -167,7 +174,7 @@ fn sums<S: Simd, const C: usize>(
     out: &mut [Lane; C],
     a: &[Lane],
     matrix: &[f64],
-    [across, along]: [usize; 2],
+    [to_next_term, to_next_sum]: [usize; 2],
 ) {
     for part in 0..LANES / S::F64_LANES {
         let mut sums = [simd.splat_f64s(0.0); C];
@@ -176,9 +183,9 @@ fn sums<S: Simd, const C: usize>(
         }
         for (i, a) in a.iter().enumerate() {
             let a = S::as_simd_f64s(&a.0).0[part];
-            let entries = &matrix[i * across..][..(C - 1) * along + 1];
+            let entries = &matrix[i * to_next_term..][..(C - 1) * to_next_sum + 1];
             for (c, sum) in sums.iter_mut().enumerate() {
-                *sum = simd.add_f64s(*sum, simd.mul_f64s(simd.splat_f64s(entries[c * along]), a));
+                *sum = simd.add_f64s(*sum, simd.mul_f64s(simd.splat_f64s(entries[c * to_next_sum]), a));
             }
         }
         for (out, sum) in out.iter_mut().zip(sums) {

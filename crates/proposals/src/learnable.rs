@@ -40,7 +40,7 @@ pub trait Tape {
     /// is of interest: it takes determinants.
     ///
     /// # Errors
-    /// [`ProposalError`] as in [`motes_smc::Proposal::condition`].
+    /// [`ProposalError`] as in [`motes_smc::Proposal::condition`]; what only a density can fail at, as a singular matrix, if it is asked for.
     fn draw(
         &mut self,
         past: Past<'_>,
@@ -57,7 +57,8 @@ pub trait Tape {
     /// [`ProposalError::Backend`] if the backend failed.
     ///
     /// # Panics
-    /// If no draw is left, or there is a derivative with respect to a log density that the draw was not asked for.
+    /// If no draw is left; perhaps if there is a derivative with respect to a log density that the draw was not asked for, or of the wrong
+    /// length.
     fn pull_back(
         &mut self,
         d_states: &[f64],

@@ -1,7 +1,7 @@
 //! What a step of a filter costs, by its parts and as a whole: `cargo bench --workspace --bench filters`.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use motes_models::{GraphDiffusion, GraphDiffusionConfig, Seed, fill_standard_normal, simulate};
+use motes_models::{GraphDiffusion, GraphDiffusionConfig, Seed, Trajectory, fill_standard_normal, simulate};
 use motes_smc::{
     Bootstrap, FilterBank, FilterSettings, LogWeights, MinDegeneracy, Proposal, ResampleWhen, Resampling,
 };
@@ -49,23 +49,28 @@ fn resampling(criterion: &mut Criterion) {
     }
 }
 
+fn problem() -> (GraphDiffusion, Trajectory) {
+    let seed = Seed::from_u64(4);
+    let config = GraphDiffusionConfig::new(10);
+    let system = GraphDiffusion::random(&config, &mut seed.child("graph").stream()).expect("a usable system");
+    let data = simulate(&system, 50, &mut seed.child("data").stream()).expect("a stable system");
+    (system, data)
+}
+
 /// Steps of filters that resample each time, on the measurements of one system over and over.
 fn steps<P: Proposal<GraphDiffusion> + Clone>(
     criterion: &mut Criterion,
     name: &str,
     make: impl Fn(&GraphDiffusion) -> P,
 ) {
-    let seed = Seed::from_u64(4);
-    let config = GraphDiffusionConfig::new(10);
-    let system = GraphDiffusion::random(&config, &mut seed.child("graph").stream()).expect("a usable system");
-    let data = simulate(&system, 50, &mut seed.child("data").stream()).expect("a stable system");
+    let (system, data) = problem();
     let mut group = criterion.benchmark_group(name);
     for (filters, particles, threads) in
         [(100, 10, 1), (100, 50, 1), (1, 1000, 1), (1, 10_000, 1), (1, 100_000, 1), (1, 100_000, 2)]
     {
         let settings =
             FilterSettings { resample_when: ResampleWhen::Always, ..FilterSettings::new(particles) };
-        let bank = FilterBank::new(&system, make(&system), settings, filters, &seed);
+        let bank = FilterBank::new(&system, make(&system), settings, filters, &Seed::from_u64(5));
         let mut bank = bank.and_then(|bank| bank.with_threads(threads)).expect("usable settings");
         let mut time = 0;
         group.throughput(Throughput::Elements((filters * particles) as u64));
@@ -78,10 +83,25 @@ fn steps<P: Proposal<GraphDiffusion> + Clone>(
     }
 }
 
+/// Whole sequences, in which threads stay awake.
+fn sequences(criterion: &mut Criterion) {
+    let (system, data) = problem();
+    let mut group = criterion.benchmark_group("bootstrap, 50 steps in one call");
+    for (filters, particles, threads) in [(100, 10, 1), (100, 10, 2), (1, 10_000, 1), (1, 10_000, 2)] {
+        let settings = FilterSettings::new(particles);
+        let bank = FilterBank::new(&system, Bootstrap, settings, filters, &Seed::from_u64(5));
+        let mut bank = bank.and_then(|bank| bank.with_threads(threads)).expect("usable settings");
+        group.throughput(Throughput::Elements((filters * particles * data.measurements.len()) as u64));
+        group.bench_function(format!("{filters} × {particles}, threads: {threads}"), |bencher| {
+            bencher.iter(|| bank.run(&data.measurements, |_| ()));
+        });
+    }
+}
+
 fn designed(criterion: &mut Criterion) {
     steps(criterion, "bootstrap", |_| Bootstrap);
     steps(criterion, "min-degeneracy", |system| MinDegeneracy::new(system).expect("positive definite"));
 }
 
-criterion_group!(benches, normals, weighing, resampling, designed);
+criterion_group!(benches, normals, weighing, resampling, designed, sequences);
 criterion_main!(benches);

@@ -139,8 +139,8 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
     }
 
     /// Lets `threads` threads work on each step where the proposal allows it, as the designed ones do, and there are particles enough;
-    /// [`FilterBank::run`] needs fewer of them for that. The threads are started once for all banks that ask for as many. Results are
-    /// the same bytes for any number.
+    /// [`FilterBank::run`] needs fewer of them for that. When the bank is dropped its threads sleep until another asks for as
+    /// many. Results are the same bytes for any number.
     ///
     /// # Errors
     /// [`FilterError::Setting`] if `threads` is 0 or more than the system can start.
@@ -167,7 +167,8 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
 
     /// Takes in all measurements, one step after the other, and shows the bank to `observe` after each.
     ///
-    /// The same as as many calls of [`FilterBank::step`], but threads stay awake between steps.
+    /// The same as as many calls of [`FilterBank::step`], but [threads](FilterBank::with_threads) stay awake between steps. With several
+    /// of them all of this happens on one of theirs, `observe` too.
     ///
     /// # Errors
     /// As [`FilterBank::step`]; measurements after one that led to an error are not looked at.
@@ -179,7 +180,7 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
     where
         Self: Send,
     {
-        let workers = self.workers();
+        let workers = self.workers.clone();
         workers.together(|| {
             measurements.rows().try_for_each(|measurement| {
                 self.step(measurement)?;
@@ -330,11 +331,6 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
             }
         }
         Ok(())
-    }
-
-    /// The threads.
-    pub(crate) fn workers(&self) -> Workers {
-        self.workers.clone()
     }
 
     /// `B`, the number of filters.

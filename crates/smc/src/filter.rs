@@ -2,7 +2,7 @@
 
 use std::ops::Deref;
 
-use motes_models::{Measurements, StateSpaceModel, Stream};
+use motes_models::{StateSpaceModel, Stream};
 
 use crate::{FilterBank, FilterError, FilterSettings, LogWeights, Proposal};
 
@@ -39,7 +39,7 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> ParticleFilter<D
         Ok(ParticleFilter { bank: FilterBank::with_streams(model, proposal, settings, vec![stream])?, mean })
     }
 
-    /// Lets up to `threads` threads work on each step, as [`FilterBank::with_threads`].
+    /// Lets `threads` threads work on each step, as [`FilterBank::with_threads`].
     ///
     /// # Errors
     /// As [`FilterBank::with_threads`].
@@ -56,28 +56,6 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> ParticleFilter<D
         self.bank.step(measurement)?;
         self.bank.mean(0, &mut self.mean);
         Ok(())
-    }
-
-    /// Takes in all measurements and shows the filter to `observe` after each, as [`FilterBank::run`].
-    ///
-    /// # Errors
-    /// As [`FilterBank::run`].
-    pub fn run(
-        &mut self,
-        measurements: &Measurements,
-        mut observe: impl FnMut(&Self) + Send,
-    ) -> Result<(), FilterError>
-    where
-        Self: Send,
-    {
-        let workers = self.bank.workers();
-        workers.together(|| {
-            measurements.rows().try_for_each(|measurement| {
-                self.step(measurement)?;
-                observe(self);
-                Ok(())
-            })
-        })
     }
 
     /// The estimate of `E[x_t | y_{0:t}]` (`N`); zeros before the first step.

@@ -17,13 +17,14 @@ fn settings(particles: usize) -> FilterSettings {
     FilterSettings { resample_when: ResampleWhen::EssBelow(0.9), ..FilterSettings::new(particles) }
 }
 
-/// Everything that a bank shows after each step: on one thread stepped, on several run.
+/// Everything that a bank shows after each step, stepped one by one or run.
 fn run<P: Proposal<GraphDiffusion, Memory: Send> + Send>(
     proposal: P,
     noise: Noise,
     particles: usize,
     filters: usize,
     threads: usize,
+    stepped: bool,
 ) -> Vec<(Vec<f64>, Vec<f64>, Vec<usize>)> {
     let (system, measurements) = problem(noise);
     let bank = FilterBank::new(&system, proposal, settings(particles), filters, &Seed::from_u64(81)).unwrap();
@@ -34,7 +35,7 @@ fn run<P: Proposal<GraphDiffusion, Memory: Send> + Send>(
         let weights = (0..filters).flat_map(|filter| bank.weights(filter).log().to_vec()).collect();
         seen.push((states, weights, bank.ancestors().to_vec()));
     };
-    if threads == 1 {
+    if stepped {
         for measurement in measurements.rows() {
             bank.step(measurement).unwrap();
             see(&bank);
@@ -51,12 +52,13 @@ fn any_number_of_threads_gives_the_same_bytes() {
     let (system, _) = problem(Noise::Gaussian);
     let proposal = MinDegeneracy::new(&system).unwrap();
     for (particles, filters) in [(20_000, 1), (9000, 3), (50, 300), (10, 100), (1, 5000), (300, 40)] {
-        let one = run(Bootstrap, Noise::Gaussian, particles, filters, 1);
-        let same = |other| assert!(one == other, "bootstrap, {filters} × {particles}");
-        same(run(Bootstrap, Noise::Gaussian, particles, filters, 2));
-        same(run(Bootstrap, Noise::Gaussian, particles, filters, 3));
-        let one = run(proposal.clone(), Noise::Gaussian, particles, filters, 1);
-        let other = run(proposal.clone(), Noise::Gaussian, particles, filters, 2);
+        let one = run(Bootstrap, Noise::Gaussian, particles, filters, 1, true);
+        for (threads, stepped) in [(2, true), (3, true), (1, false), (2, false), (3, false)] {
+            let other = run(Bootstrap, Noise::Gaussian, particles, filters, threads, stepped);
+            assert!(one == other, "bootstrap, {filters} × {particles}, {threads} threads");
+        }
+        let one = run(proposal.clone(), Noise::Gaussian, particles, filters, 1, true);
+        let other = run(proposal.clone(), Noise::Gaussian, particles, filters, 2, false);
         assert!(one == other, "minimum degeneracy, {filters} × {particles}");
     }
 }
@@ -82,6 +84,43 @@ fn a_filter_in_a_bank_gets_the_bytes_that_it_gets_alone() {
             }
         }
     }
+}
+
+#[test]
+fn a_run_ends_at_the_first_error() {
+    // Noise so narrow that a jump of the measurements leaves no particle.
+    let (system, measurements) = problem(Noise::Uniform);
+    let mut values = measurements.values().to_vec();
+    values[2 * 8..].fill(1e3);
+    let jumping = Measurements::new(8, values).unwrap();
+    let bank = FilterBank::new(&system, Bootstrap, settings(500), 1, &Seed::from_u64(83)).unwrap();
+    let mut bank = bank.with_threads(2).unwrap();
+    let mut seen = vec![];
+    let error = bank.run(&jumping, |bank| seen.push(bank.time())).unwrap_err();
+    assert!(matches!(error, FilterError::Collapse { .. }), "{error}");
+    assert_eq!(bank.run(&jumping, |_| panic!("it has failed")).unwrap_err(), error);
+    assert!(seen.len() <= 2 && seen.iter().enumerate().all(|(step, time)| step + 1 == *time));
+}
+
+#[test]
+fn banks_at_the_same_time_have_threads_of_their_own() {
+    let (system, measurements) = problem(Noise::Gaussian);
+    // Each waits in every step for the other, which would never come if one had to wait for the other's threads.
+    let barrier = std::sync::Barrier::new(2);
+    std::thread::scope(|scope| {
+        for _ in 0..2 {
+            scope.spawn(|| {
+                let seed = Seed::from_u64(84);
+                let bank = FilterBank::new(&system, Bootstrap, settings(3000), 1, &seed).unwrap();
+                bank.with_threads(2)
+                    .unwrap()
+                    .run(&measurements, |_| {
+                        barrier.wait();
+                    })
+                    .unwrap();
+            });
+        }
+    });
 }
 
 #[test]

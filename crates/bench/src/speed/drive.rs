@@ -89,22 +89,15 @@ impl Team {
     }
 }
 
-fn threads(task: &Task) -> usize {
-    match task {
-        Task::Filter(task) => task.threads,
-        Task::Train(task) => task.threads,
-    }
-}
-
 impl Contest<'_> {
     pub(super) fn run(self, interrupt: &Interrupt) -> Result<Outcome, SpeedError> {
         let Contest { workload, python, peers, rounds } = self;
         news(&workload.name);
-        let mut ours = Team::gather("motes", &workload.ours, |_| Worker::ours("motes"))?;
+        let mut ours = Team::gather("motes", &workload.ours, |task| Worker::ours("motes", task))?;
         let (mut teams, mut absent) = (Vec::new(), Vec::new());
         if let Some(python) = python {
             for (name, tasks) in &workload.peers {
-                match Team::gather(name, tasks, |task| Worker::peer(name, python, peers, threads(task))) {
+                match Team::gather(name, tasks, |task| Worker::peer(name, python, peers, task)) {
                     Ok(team) => teams.push(team),
                     Err(error) => {
                         let error = Some(error.to_string());

@@ -1,10 +1,11 @@
 //! Gradients of weights: sums of outer products, formed some rows at a time and handed over while they are in a cache.
 
+use faer::Accum;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::Buffers;
 use super::panels::Tiles;
-use super::products::vectorised;
+use super::products::{transposed_times, vectorised};
 use super::vectors::load_two;
 use crate::gnn::Shape;
 use crate::values::Real;
@@ -22,6 +23,32 @@ pub(crate) struct Terms<T> {
 pub(crate) struct OuterProducts<'a, T> {
     pub(super) shape: Shape,
     pub(super) terms: &'a [Terms<T>],
+}
+
+impl<T: Real> OuterProducts<'_, T> {
+    /// The term, if these are the sums of an affine map.
+    pub(super) fn affine(&self) -> Option<&Terms<T>> {
+        match self.terms {
+            [term] if self.shape.taps == 1 => Some(term),
+            _ => None,
+        }
+    }
+
+    /// Hands an affine map's sums over in one part.
+    pub(super) fn whole(&self, buffers: &mut Buffers<T>, take: Take<'_, T>) {
+        let mut product = buffers.take(self.shape.inputs * self.shape.outputs);
+        self.add_whole(&mut product, Accum::Replace);
+        take(0, &product);
+        buffers.put(product);
+    }
+
+    /// Writes or adds an affine map's sums; nothing if they are no affine map's.
+    pub(super) fn add_whole(&self, out: &mut [T], accum: Accum) {
+        let Shape { inputs, outputs, .. } = self.shape;
+        if let Some(Terms { inputs: rows, d_outputs, .. }) = self.affine() {
+            transposed_times(out, accum, rows, d_outputs, [inputs, rows.len() / inputs, outputs]);
+        }
+    }
 }
 
 /// What takes parts of a matrix: where a part begins, and the numbers from there on.
@@ -60,6 +87,15 @@ pub(super) fn each_row<T: Real>(sums: &OuterProducts<'_, T>, buffers: &mut Buffe
 
 /// [`each_row`] by tiles of rows, whose sums stay in registers.
 pub(super) fn each_tile(sums: &OuterProducts<'_, f32>, buffers: &mut Buffers<f32>, take: Take<'_, f32>) {
+    each_tile_by(sums, buffers, take, |work| Arch::new().dispatch(work));
+}
+
+fn each_tile_by(
+    sums: &OuterProducts<'_, f32>,
+    buffers: &mut Buffers<f32>,
+    take: Take<'_, f32>,
+    dispatch: impl FnOnce(EachTile<'_, '_>),
+) {
     let Shape { inputs, outputs, taps } = sums.shape;
     let rows: usize = sums.terms.iter().map(|term| term.inputs.len() / inputs).sum();
     let group = (GROUP / rows.max(1)).clamp(WIDEST, LONGEST) / WIDEST * WIDEST;
@@ -67,7 +103,7 @@ pub(super) fn each_tile(sums: &OuterProducts<'_, f32>, buffers: &mut Buffers<f32
     let mut panels = buffers.take(rows * group);
     let mut columns = buffers.take(rows * TALLEST);
     let mut tile = buffers.take(taps * TALLEST * (group + WIDEST));
-    let work = EachTile {
+    dispatch(EachTile {
         shape: sums.shape,
         terms: sums.terms,
         group,
@@ -75,8 +111,7 @@ pub(super) fn each_tile(sums: &OuterProducts<'_, f32>, buffers: &mut Buffers<f32
         columns: &mut columns,
         tile: &mut tile,
         take,
-    };
-    Arch::new().dispatch(work);
+    });
     for buffer in [panels, columns, tile] {
         buffers.put(buffer);
     }
@@ -86,7 +121,8 @@ pub(super) fn each_tile(sums: &OuterProducts<'_, f32>, buffers: &mut Buffers<f32
 const WIDEST: usize = 32;
 /// Rows of the largest tile.
 const TALLEST: usize = 14;
-/// Numbers of the derivatives of outputs that are used again and again: what a core's own cache holds beside the weights.
+/// Numbers of the derivatives of outputs that every tile uses again: as far as columns can be few enough, what a core's own cache holds beside the
+/// weights.
 const GROUP: usize = 128 * 1024;
 /// The most columns at a time: a page of memory.
 const LONGEST: usize = 1024;
@@ -134,9 +170,11 @@ impl WithSimd for EachTile<'_, '_> {
                 for (place, row) in columns.chunks_exact_mut(tall).zip(rows) {
                     place.copy_from_slice(&row[start..start + tall]);
                 }
-                for (number, panel) in panels.chunks_exact(count * width).take(stride / width).enumerate() {
-                    let into = Into { values: &mut tile[number * width..], stride, taps };
-                    of_tile::<S>(simd, tall, terms, inputs, &columns[..count * tall], panel, into);
+                for (number, panel) in
+                    panels.chunks_exact(count * width).take(some.div_ceil(width)).enumerate()
+                {
+                    let into = SumsOfTaps { values: &mut tile[number * width..], stride, taps };
+                    tile_of_panel::<S>(simd, tall, terms, inputs, &columns[..count * tall], panel, into);
                 }
                 for tap in 0..taps {
                     let at = (tap * inputs + start) * outputs + first;
@@ -152,21 +190,21 @@ impl WithSimd for EachTile<'_, '_> {
 }
 
 /// Where the sums of a panel go.
-struct Into<'a> {
+struct SumsOfTaps<'a> {
     values: &'a mut [f32],
     stride: usize,
     taps: usize,
 }
 
 #[inline(always)]
-fn of_tile<S: Simd>(
+fn tile_of_panel<S: Simd>(
     simd: S,
     rows: usize,
     terms: &[Terms<f32>],
     inputs: usize,
     columns: &[f32],
     panel: &[f32],
-    into: Into<'_>,
+    into: SumsOfTaps<'_>,
 ) {
     macro_rules! of_rows {
         ($($rows:literal)*) => {
@@ -186,7 +224,7 @@ fn sized<S: Simd, const R: usize>(
     inputs: usize,
     columns: &[f32],
     panel: &[f32],
-    into: Into<'_>,
+    into: SumsOfTaps<'_>,
 ) {
     let (mut columns, _) = columns.as_chunks::<R>();
     let (panel, _) = S::as_simd_f32s(panel);
@@ -230,7 +268,7 @@ mod tests {
         (0..count).map(|k| (rate * k as f64 + 0.3).sin() as f32).collect()
     }
 
-    /// Both ways and every rest of a tile, against sums of 64 bits; each place is handed over once.
+    /// Every way and every rest of a tile, against sums of 64 bits; each place is handed over once.
     #[test]
     fn sums_are_those_of_the_definition() {
         let shape = |inputs, outputs, taps| Shape { inputs, outputs, taps };
@@ -253,7 +291,11 @@ mod tests {
                 .collect();
             let sums = OuterProducts { shape, terms: &terms };
             let mut buffers = Buffers::default();
-            for way in [each_tile, each_row::<f32>] {
+            let without_vectors: fn(&OuterProducts<'_, f32>, &mut Buffers<f32>, Take<'_, f32>) =
+                |sums, buffers, take| {
+                    each_tile_by(sums, buffers, take, |work| pulp::Scalar::new().vectorize(work))
+                };
+            for way in [each_tile, without_vectors, each_row::<f32>] {
                 let mut found = vec![f32::NAN; shape.taps * shape.inputs * shape.outputs];
                 way(&sums, &mut buffers, &mut |at, values| {
                     let places = &mut found[at..at + values.len()];

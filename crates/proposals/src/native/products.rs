@@ -5,7 +5,6 @@ use faer::{Accum, MatMut, MatRef, Par};
 
 use super::outer::{self, OuterProducts, Take};
 use super::{Buffers, across, panels, skinny};
-use crate::gnn::Shape;
 use crate::values::Real;
 
 /// A row-major matrix, or some of its columns: how far it is from one row to the next.
@@ -61,7 +60,10 @@ impl Products for f64 {
     }
 
     fn outer(sums: &OuterProducts<'_, f64>, buffers: &mut Buffers<f64>, take: Take<'_, f64>) {
-        outer::each_row(sums, buffers, take);
+        match sums.affine() {
+            Some(_) => sums.whole(buffers, take),
+            None => outer::each_row(sums, buffers, take),
+        }
     }
 }
 
@@ -89,17 +91,9 @@ impl Products for f32 {
     }
 
     fn outer(sums: &OuterProducts<'_, f32>, buffers: &mut Buffers<f32>, take: Take<'_, f32>) {
-        match sums.terms {
-            // Where sums are long there is nothing to gain.
-            [term] if term.inputs.len() > MANY * sums.shape.inputs => {
-                let Shape { inputs, outputs, taps } = sums.shape;
-                debug_assert_eq!(taps, 1, "a single term is an affine map's");
-                let mut whole = buffers.take(inputs * outputs);
-                let sizes = [inputs, term.inputs.len() / inputs, outputs];
-                transposed_times(&mut whole, Accum::Replace, &term.inputs, &term.d_outputs, sizes);
-                take(0, &whole);
-                buffers.put(whole);
-            }
+        match sums.affine() {
+            // faer's product is as fast where sums are long, and a tile's rows would be used too seldom.
+            Some(term) if term.inputs.len() > MANY * sums.shape.inputs => sums.whole(buffers, take),
             _ => outer::each_tile(sums, buffers, take),
         }
     }

@@ -63,10 +63,12 @@ impl<T: Real> Waiting<T> {
         }
         for (number, (eigenvalue, inputs, d_outputs)) in new.enumerate() {
             if number == pile.terms.len() {
-                pile.terms.push(Terms { eigenvalue, inputs: Vec::new(), d_outputs: Vec::new() });
+                pile.terms.push(Terms::default());
             }
-            pile.terms[number].inputs.extend_from_slice(inputs);
-            pile.terms[number].d_outputs.extend_from_slice(d_outputs);
+            let term = &mut pile.terms[number];
+            term.eigenvalue = eigenvalue;
+            term.inputs.extend_from_slice(inputs);
+            term.d_outputs.extend_from_slice(d_outputs);
         }
         pile.multiply_if(ENOUGH, index, buffers, gradients);
     }
@@ -104,7 +106,7 @@ impl<T: Real> Pile<T> {
         self.terms.first().map_or(0, |term| term.inputs.len() / self.shape.inputs)
     }
 
-    /// The memory is kept.
+    /// The memory is kept for rows of the same shape.
     fn clear(&mut self) {
         for term in &mut self.terms {
             term.inputs.clear();
@@ -124,13 +126,113 @@ impl<T: Real> Pile<T> {
             return;
         }
         let (place, accum) = gradients.place::<T>(index);
-        T::outer(&OuterProducts { shape: self.shape, terms: &self.terms }, buffers, &mut |at, values| {
-            let place = &mut place[at..at + values.len()];
-            match accum {
-                Accum::Replace => place.copy_from_slice(values),
-                Accum::Add => place.iter_mut().zip(values).for_each(|(sum, term)| *sum += *term),
-            }
-        });
+        let sums = OuterProducts { shape: self.shape, terms: &self.terms };
+        if sums.affine().is_some() {
+            sums.add_whole(place, accum);
+        } else {
+            T::outer(&sums, buffers, &mut |at, values| {
+                let place = &mut place[at..at + values.len()];
+                match accum {
+                    Accum::Replace => place.copy_from_slice(values),
+                    Accum::Add => place.iter_mut().zip(values).for_each(|(sum, term)| *sum += *term),
+                }
+            });
+        }
         self.clear();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Backend, Compute, Parameters, Precision};
+    use motes_models::Seed;
+
+    const SHAPES: [[usize; 2]; 2] = [[6, 40], [8, 3]];
+
+    fn parameters(precision: Precision) -> Parameters {
+        let mut parameters = Parameters::new(Compute { backend: Backend::Native, precision });
+        let seed = Seed::from_u64(1);
+        for (name, shape) in ["first", "second"].into_iter().zip(SHAPES) {
+            parameters.draw(name.into(), shape, 1.0, &seed);
+        }
+        parameters
+    }
+
+    fn numbers<T: Real>(count: usize, rate: f64) -> Vec<T> {
+        (0..count).map(|k| T::of((rate * k as f64 + 0.3).sin())).collect()
+    }
+
+    /// Pushes so many rows for the first matrix, 500 at a time, and for the second rows of two kinds; returns what the gradients should be.
+    fn push<T: Real>(
+        rows: usize,
+        waiting: &mut Waiting<T>,
+        buffers: &mut Buffers<T>,
+        gradients: &mut Gradients,
+    ) -> [Vec<f64>; 2] {
+        let mut expected = SHAPES.map(|[inputs, outputs]| vec![0.0; inputs * outputs]);
+        let mut add =
+            |matrix: usize, first: usize, [inputs, outputs]: [usize; 2], power: f64, x: &[T], d: &[T]| {
+                for (x, d) in x.chunks_exact(inputs).zip(d.chunks_exact(outputs)) {
+                    for (i, x) in x.iter().enumerate() {
+                        for (j, d) in d.iter().enumerate() {
+                            expected[matrix][(first + i) * outputs + j] += power * x.wide() * d.wide();
+                        }
+                    }
+                }
+            };
+        let [[inputs, outputs], second] = SHAPES;
+        for start in (0..rows).step_by(500) {
+            let some = 500.min(rows - start);
+            let (x, d) = (numbers(some * inputs, 0.7 + start as f64), numbers(some * outputs, 0.9));
+            waiting.push(0, [inputs, outputs], (&x, &d), buffers, gradients);
+            add(0, 0, [inputs, outputs], 1.0, &x, &d);
+        }
+        // As a graph filter of two taps in the basis of two eigenvectors, and then as one map of their stacked inputs.
+        let shape = Shape { inputs: second[0] / 2, outputs: second[1], taps: 2 };
+        let of_both: Vec<(f64, Vec<T>, Vec<T>)> = [0.5, -0.25]
+            .into_iter()
+            .map(|value| {
+                (value, numbers(9 * shape.inputs, 1.1 + value), numbers(9 * shape.outputs, 1.3 - value))
+            })
+            .collect();
+        let terms = of_both.iter().map(|(value, x, d)| (T::of(*value), x.as_slice(), d.as_slice()));
+        waiting.push_all(1, shape, terms, buffers, gradients);
+        for (value, x, d) in &of_both {
+            add(1, 0, [shape.inputs, shape.outputs], 1.0, x, d);
+            add(1, shape.inputs, [shape.inputs, shape.outputs], *value, x, d);
+        }
+        let (x, d) = (numbers(2 * second[0], 1.7), numbers(2 * second[1], 0.2));
+        waiting.push(1, second, (&x, &d), buffers, gradients);
+        add(1, 0, second, 1.0, &x, &d);
+        expected
+    }
+
+    fn check<T: crate::workspace::Scratched>(precision: Precision, tolerance: f64) {
+        let parameters = parameters(precision);
+        // Few rows, many, and so many that some are multiplied before the others come.
+        for rows in [7, 900, 5300] {
+            let (mut waiting, mut buffers) = (Waiting::<T>::none(2), Buffers::default());
+            let mut gradients = Gradients::none(&parameters);
+            // What an abandoned computation leaves behind is forgotten.
+            push(3, &mut waiting, &mut buffers, &mut gradients);
+            waiting.clear();
+            gradients.clear();
+            let expected = push(rows, &mut waiting, &mut buffers, &mut gradients);
+            waiting.multiply(&mut buffers, &mut gradients);
+            for (index, expected) in expected.iter().enumerate() {
+                let found = gradients.host(index).unwrap();
+                let size = expected.iter().fold(1.0_f64, |size, value| size.max(value.abs()));
+                assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < tolerance * size), "{rows}");
+            }
+            waiting.multiply(&mut buffers, &mut gradients);
+            assert_eq!(waiting.matrices[0].rows(), 0, "nothing is multiplied twice");
+        }
+    }
+
+    #[test]
+    fn gradients_are_those_of_the_definition_however_many_rows_wait() {
+        check::<f32>(Precision::F32, 1e-5);
+        check::<f64>(Precision::F64, 1e-12);
     }
 }

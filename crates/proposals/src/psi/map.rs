@@ -121,7 +121,10 @@ impl Map {
         let each = self.layers.len() * n;
         let mut activations = vec![Lane::default(); (states.len() / n).div_ceil(LANES) * each];
         let (log_abs_det, mut places) = match log_density {
-            Some((log_abs_det, places)) => (log_abs_det, Some(places.chunks_mut(LANES))),
+            Some((log_abs_det, places)) => {
+                assert_eq!(places.len() * n, states.len(), "one log density for each particle");
+                (log_abs_det, Some(places.chunks_mut(LANES)))
+            }
             None => (0.0, None),
         };
         let (mut values, mut uniform) = (vec![Lane::default(); n], vec![Lane::default(); n]);

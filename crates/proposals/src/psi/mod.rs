@@ -43,7 +43,7 @@ impl PsiConfig {
 /// `NN_t` has `L` layers with square matrices, tanh after each but the last. With `ρ = tanh` and the values `a_ℓ` that it is
 /// applied to, `log q(x_t) = −(log|det A| + Σ_ℓ log|det W_ℓ| + Σ_ℓ Σᵢ log ρ′(a_ℓᵢ))`. The image of the cube is bounded: outside
 /// it the density is 0. Each time has a transform of its own, so the proposal knows its horizon `T`. The ridge makes a
-/// singular matrix unlikely, not impossible: [`ProposalError::Singular`].
+/// singular matrix unlikely, not impossible: [`ProposalError::Singular`], where a density is asked for.
 #[derive(Clone)]
 pub struct Psi {
     config: PsiConfig,

@@ -7,7 +7,7 @@ impl KernelCovariance {
     /// Pulls derivatives of a scalar back through `x = μ + L ε` and `log q = −Σᵢ log Lᵢᵢ + …` to `z` and `C`.
     ///
     /// Takes each particle's `z` (`R×N`), factor (`R` of `N×N` column-major), noise `ε` (`R×N`) and the derivatives with
-    /// respect to its state (`R×N`) and its log density (`R`). Returns the derivatives with respect to `z` (`R×N`) and
+    /// respect to its state (`R×N`) and its log density (`R`; none if they are all zero). Returns the derivatives with respect to `z` (`R×N`) and
     /// to `C` (`N×N` row-major); that with respect to `μ` is that with respect to the state.
     ///
     /// `L̄ = tril(x̄ εᵀ) − q̄ diag(L)⁻¹`. With `Φ` the lower triangle with halved diagonal and `S = L⁻ᵀ Φ(Lᵀ L̄) L⁻¹`,
@@ -22,6 +22,9 @@ impl KernelCovariance {
         d_log_density: Option<&[f64]>,
     ) -> (Vec<f64>, Vec<f64>) {
         let n = self.width;
+        if let Some(d_log_density) = d_log_density {
+            assert_eq!(d_log_density.len() * n, d_states.len(), "one log density for each particle");
+        }
         let mut d_representations = vec![0.0; representations.len()];
         let mut work = Adjoint {
             kernel: Square::zeros(n),
