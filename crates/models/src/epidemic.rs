@@ -2,7 +2,7 @@
 
 use faer::{Mat, MatRef};
 
-use crate::batch::with_noise;
+use crate::batch::{LANES, with_noise};
 use crate::{
     AdditiveGaussian, Gaussian, ModelError, Noise, Simulator, StateGradients, StateSpaceModel, Stream,
 };
@@ -74,8 +74,9 @@ impl Epidemic {
     /// [`ModelError::Parameter`] if a rate or the step is negative, a variance not positive, or anything not finite.
     pub fn new(config: &EpidemicConfig) -> Result<Self, ModelError> {
         let EpidemicConfig { infection_rate, removal_rate, time_step, initial_means, .. } = *config;
-        let refuse =
-            |name, value: f64, expected| Err(ModelError::Parameter { name, value: value.to_string(), expected });
+        let refuse = |name, value: f64, expected| {
+            Err(ModelError::Parameter { name, value: value.to_string(), expected })
+        };
         for (name, value) in [
             ("the infection rate β", infection_rate),
             ("the removal rate γ", removal_rate),
@@ -89,7 +90,11 @@ impl Epidemic {
             return refuse("a mean of x_0", mean, "finite");
         }
         let variances = [config.initial_variance, config.state_variance, config.measurement_variance];
-        let names = ["the variance of x_0", "the variance of the state noise", "the variance of the measurement noise"];
+        let names = [
+            "the variance of x_0",
+            "the variance of the state noise",
+            "the variance of the measurement noise",
+        ];
         for (name, variance) in names.into_iter().zip(variances) {
             if !(variance > 0.0 && variance.is_finite()) {
                 return refuse(name, variance, "positive and finite");
@@ -190,7 +195,7 @@ impl StateSpaceModel for Epidemic {
             let rows = previous[at.clone()].chunks_exact(N).zip(states[at].chunks_exact_mut(N));
             for (lane, (previous, state)) in rows.enumerate() {
                 for (j, (value, flow)) in state.iter_mut().zip(self.flow(previous)).enumerate() {
-                    *value = flow + self.sigmas[1] * noise[j * crate::batch::LANES + lane];
+                    *value = flow + self.sigmas[1] * noise[j * LANES + lane];
                 }
             }
         });
@@ -209,7 +214,8 @@ impl StateGradients for Epidemic {
     fn initial_gradients(&self, states: &[f64], d_states: &mut [f64]) {
         for (state, d_state) in states.chunks_exact(N).zip(d_states.chunks_exact_mut(N)) {
             let deviation = self.initial_deviation(state);
-            d_state.copy_from_slice(&deviation.map(|value| self.config.noise.gradient(self.sigmas[0], value)));
+            d_state
+                .copy_from_slice(&deviation.map(|value| self.config.noise.gradient(self.sigmas[0], value)));
         }
     }
 

@@ -4,7 +4,7 @@
 //! measurement `y_t ∈ ℝᴹ`. This crate holds the traits that a filter asks for ([`StateSpaceModel`]), what
 //! training and designed proposals ask for on top ([`StateGradients`], [`AdditiveGaussian`]), concrete models
 //! with exact answers ([`LinearGaussian`] with [`kalman`]), the graph-diffusion systems of the paper
-//! ([`GraphDiffusion`]) and the explicit random streams from which everything is drawn ([`Seed`]).
+//! ([`GraphDiffusion`]) and its epidemic ([`Epidemic`]), and the explicit random streams from which everything is drawn ([`Seed`]).
 //!
 //! A batch of `K` states is one row-major slice of `K·N` numbers, particle after particle.
 //!
@@ -23,6 +23,7 @@
 pub mod batch;
 mod bulk;
 pub mod elementary;
+mod epidemic;
 mod error;
 mod gaussian;
 mod graph;
@@ -38,6 +39,7 @@ mod state_space;
 mod stream;
 mod system_graph;
 
+pub use epidemic::{Epidemic, EpidemicConfig};
 pub use error::{CovarianceFault, ModelError};
 pub use gaussian::Gaussian;
 pub use graph::RandomGeometricGraph;

@@ -3,8 +3,8 @@
 use faer::{Mat, mat};
 use motes_models::batch::Rows;
 use motes_models::{
-    AdditiveGaussian, Drift, Gaussian, GraphDiffusion, GraphDiffusionConfig, LinearGaussian, Noise, Seed,
-    StateSpaceModel,
+    AdditiveGaussian, Drift, Epidemic, EpidemicConfig, Gaussian, GraphDiffusion, GraphDiffusionConfig,
+    LinearGaussian, Noise, Seed, StateSpaceModel,
 };
 
 fn dense() -> LinearGaussian {
@@ -22,6 +22,10 @@ fn dense() -> LinearGaussian {
 fn diffusion(drift: Drift, noise: Noise) -> GraphDiffusion {
     let config = GraphDiffusionConfig { drift, noise, ..GraphDiffusionConfig::new(7) };
     GraphDiffusion::random(&config, &mut Seed::from_u64(20).stream()).unwrap()
+}
+
+fn epidemic(noise: Noise) -> Epidemic {
+    Epidemic::new(&EpidemicConfig { noise, ..EpidemicConfig::paper() }).unwrap()
 }
 
 fn diffusions() -> impl Iterator<Item = GraphDiffusion> {
@@ -77,6 +81,9 @@ fn check(model: &impl StateSpaceModel) {
 #[test]
 fn batches_are_their_rows() {
     check(&dense());
+    for noise in [Noise::Gaussian, Noise::Exponential, Noise::Uniform] {
+        check(&epidemic(noise));
+    }
     diffusions().for_each(|system| check(&system));
 }
 
@@ -132,5 +139,6 @@ fn draws_in_batches_have_the_moments_of_the_model() {
         check_moments(&initial, |i, j| p[(i, j)], n);
     }
     draw(&dense());
+    draw(&epidemic(Noise::Exponential));
     diffusions().for_each(|system| draw(&system));
 }

@@ -2,8 +2,8 @@
 
 use faer::mat;
 use motes_models::{
-    Drift, Gaussian, GraphDiffusion, GraphDiffusionConfig, LinearGaussian, Noise, Seed, Simulator,
-    StateGradients, simulate,
+    Drift, Epidemic, EpidemicConfig, Gaussian, GraphDiffusion, GraphDiffusionConfig, LinearGaussian, Noise,
+    Seed, Simulator, StateGradients, simulate,
 };
 
 /// ‖analytic − numeric‖ / ‖numeric‖ of a gradient in one point.
@@ -48,6 +48,18 @@ fn graph_diffusion_of_every_drift_and_noise() {
             let system = GraphDiffusion::random(&config, &mut Seed::from_u64(9).stream()).unwrap();
             check(&system, 10);
         }
+    }
+}
+
+#[test]
+fn epidemic_of_every_noise() {
+    for noise in [Noise::Gaussian, Noise::Exponential, Noise::Uniform] {
+        // More infected than the paper begins with, so that every entry of the Jacobian counts.
+        let initial_means = [800.0, 150.0, 50.0];
+        check(
+            &Epidemic::new(&EpidemicConfig { noise, initial_means, ..EpidemicConfig::paper() }).unwrap(),
+            11,
+        );
     }
 }
 
