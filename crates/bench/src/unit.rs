@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::config::{Drift, Filter, Method, Noise, Plan, Point, System};
 use crate::methods::MethodConfig;
 
-/// The newest version of what a unit's configuration means; see [`format_of`].
+/// The newest version of what a unit's configuration means; each method has the one since which it means what it means.
 pub const UNIT_FORMAT: u32 = 5;
 
 /// The version since which a method's configuration means what it means. Raised by hand, to one above [`UNIT_FORMAT`], whenever the same
