@@ -132,5 +132,5 @@ fn hand_over(command: &str, folders: [(&str, bool, Option<PathBuf>); 2]) -> Exit
         }
     }
     arguments.extend(std::env::args_os().skip(2));
-    process::become_program(&program, &arguments, command == "reproduce")
+    process::become_program(&program, &arguments)
 }

@@ -37,15 +37,15 @@ pub(crate) fn run(command: &mut Command) -> Result<(), ExitCode> {
     }
 }
 
-/// Replaces this process, so that signals and the exit status are the program's own. With large pages it takes less time to walk through
-/// matrices of weights, and more to start with new memory.
+/// Replaces this process, so that signals and the exit status are the program's own.
 #[cfg(unix)]
-pub(crate) fn become_program(program: &Path, arguments: &[OsString], large_pages: bool) -> ExitCode {
+pub(crate) fn become_program(program: &Path, arguments: &[OsString]) -> ExitCode {
     use std::os::unix::process::CommandExt;
     let mut command = Command::new(program);
-    // What the C library of Linux reads; others do not look at it.
+    // Large pages of memory, in which one walks through matrices of weights faster. The C library of Linux reads this; others do not
+    // look at it.
     const TUNABLES: &str = "GLIBC_TUNABLES";
-    if large_pages && std::env::var_os(TUNABLES).is_none() {
+    if std::env::var_os(TUNABLES).is_none() {
         command.env(TUNABLES, "glibc.malloc.hugetlb=1");
     }
     let error = command.args(arguments).exec();
@@ -55,6 +55,6 @@ pub(crate) fn become_program(program: &Path, arguments: &[OsString], large_pages
 
 /// Runs the program and ends as it does.
 #[cfg(not(unix))]
-pub(crate) fn become_program(program: &Path, arguments: &[OsString], _large_pages: bool) -> ExitCode {
+pub(crate) fn become_program(program: &Path, arguments: &[OsString]) -> ExitCode {
     run(Command::new(program).args(arguments)).err().unwrap_or(ExitCode::SUCCESS)
 }

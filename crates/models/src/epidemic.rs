@@ -113,11 +113,6 @@ impl Epidemic {
         })
     }
 
-    /// What determines it.
-    pub fn config(&self) -> &EpidemicConfig {
-        &self.config
-    }
-
     /// The same system with another noise family of the same moments: what a filter that assumes Gaussian densities believes, for
     /// instance.
     #[must_use]

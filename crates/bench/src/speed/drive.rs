@@ -93,7 +93,7 @@ impl Contest<'_> {
     pub(super) fn run(self, interrupt: &Interrupt) -> Result<Outcome, SpeedError> {
         let Contest { workload, python, peers, rounds } = self;
         news(&workload.name);
-        let mut ours = Team::gather("motes", &workload.ours, |task| Worker::ours("motes", task))?;
+        let mut ours = Team::gather("motes", &workload.ours, |_| Worker::ours("motes"))?;
         let (mut teams, mut absent) = (Vec::new(), Vec::new());
         if let Some(python) = python {
             for (name, tasks) in &workload.peers {

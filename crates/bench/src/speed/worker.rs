@@ -17,11 +17,11 @@ pub(super) struct Worker {
 
 impl Worker {
     /// Our own.
-    pub(super) fn ours(name: &str, task: &Task) -> Result<Self, SpeedError> {
+    pub(super) fn ours(name: &str) -> Result<Self, SpeedError> {
         let program = std::env::current_exe().map_err(SpeedError::system("this program"))?;
         let mut command = Command::new(program);
         command.arg("serve");
-        Worker::start(name, command, task)
+        Worker::start(name, command)
     }
 
     /// Another library's, with the given Python and the folder of its scripts.
@@ -32,14 +32,10 @@ impl Worker {
         };
         let mut command = Command::new(python);
         command.arg(scripts.join("worker.py")).args(["--threads", &threads.to_string()]);
-        Worker::start(name, command, task)
+        Worker::start(name, command)
     }
 
-    fn start(name: &str, mut command: Command, task: &Task) -> Result<Self, SpeedError> {
-        if let Task::Train(_) = task {
-            // Large pages of memory for everybody, as experiments have them; what lives as shortly as a filter is slower with them.
-            command.env("GLIBC_TUNABLES", "glibc.malloc.hugetlb=1");
-        }
+    fn start(name: &str, mut command: Command) -> Result<Self, SpeedError> {
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::null());
         let mut child = command.spawn().map_err(SpeedError::system(command.get_program()))?;
         let (Some(requests), Some(answers)) = (child.stdin.take(), child.stdout.take()) else {

@@ -4,7 +4,7 @@ use faer::Accum;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::Buffers;
-use super::panels::Tiles;
+use super::panels::{TALLEST, Tiles, WIDEST, add_products};
 use super::products::{transposed_times, vectorised};
 use super::vectors::load_two;
 use crate::gnn::Shape;
@@ -117,12 +117,8 @@ fn each_tile_by(
     }
 }
 
-/// Two of the longest vectors.
-const WIDEST: usize = 32;
-/// Rows of the largest tile.
-const TALLEST: usize = 14;
-/// Numbers of the derivatives of outputs that every tile uses again: as far as columns can be few enough, what a core's own cache holds beside the
-/// weights.
+/// Numbers of the derivatives of outputs that every tile uses again: what a core's own cache holds beside weights, unless there are so
+/// many rows that already the narrowest panel has more.
 const GROUP: usize = 128 * 1024;
 /// The most columns at a time: a page of memory.
 const LONGEST: usize = 1024;
@@ -173,8 +169,9 @@ impl WithSimd for EachTile<'_, '_> {
                 for (number, panel) in
                     panels.chunks_exact(count * width).take(some.div_ceil(width)).enumerate()
                 {
+                    let factors = Factors { terms, inputs, columns: &columns[..count * tall], panel };
                     let into = SumsOfTaps { values: &mut tile[number * width..], stride, taps };
-                    tile_of_panel::<S>(simd, tall, terms, inputs, &columns[..count * tall], panel, into);
+                    tile_of_panel::<S>(simd, tall, factors, into);
                 }
                 for tap in 0..taps {
                     let at = (tap * inputs + start) * outputs + first;
@@ -189,6 +186,16 @@ impl WithSimd for EachTile<'_, '_> {
     }
 }
 
+/// What a tile's sums are made of.
+struct Factors<'a> {
+    /// Their eigenvalues and numbers of rows.
+    terms: &'a [Terms<f32>],
+    /// The width of a row of inputs.
+    inputs: usize,
+    columns: &'a [f32],
+    panel: &'a [f32],
+}
+
 /// Where the sums of a panel go.
 struct SumsOfTaps<'a> {
     values: &'a mut [f32],
@@ -197,19 +204,11 @@ struct SumsOfTaps<'a> {
 }
 
 #[inline(always)]
-fn tile_of_panel<S: Simd>(
-    simd: S,
-    rows: usize,
-    terms: &[Terms<f32>],
-    inputs: usize,
-    columns: &[f32],
-    panel: &[f32],
-    into: SumsOfTaps<'_>,
-) {
+fn tile_of_panel<S: Simd>(simd: S, rows: usize, factors: Factors<'_>, into: SumsOfTaps<'_>) {
     macro_rules! of_rows {
         ($($rows:literal)*) => {
             match rows {
-                $($rows => sized::<S, $rows>(simd, terms, inputs, columns, panel, into),)*
+                $($rows => sized::<S, $rows>(simd, factors, into),)*
                 _ => unreachable!("a tile has as many rows as fit into registers"),
             }
         };
@@ -218,14 +217,8 @@ fn tile_of_panel<S: Simd>(
 }
 
 #[inline(always)]
-fn sized<S: Simd, const R: usize>(
-    simd: S,
-    terms: &[Terms<f32>],
-    inputs: usize,
-    columns: &[f32],
-    panel: &[f32],
-    into: SumsOfTaps<'_>,
-) {
+fn sized<S: Simd, const R: usize>(simd: S, factors: Factors<'_>, into: SumsOfTaps<'_>) {
+    let Factors { terms, inputs, columns, panel } = factors;
     let (mut columns, _) = columns.as_chunks::<R>();
     let (panel, _) = S::as_simd_f32s(panel);
     let (mut panel, _) = panel.as_chunks::<2>();
@@ -234,13 +227,7 @@ fn sized<S: Simd, const R: usize>(
         let (a, later_columns) = columns.split_at(count);
         let (b, later_panel) = panel.split_at(count);
         let mut sums = [[simd.splat_f32s(0.0); 2]; R];
-        for (a, b) in a.iter().zip(b) {
-            for (a, sums) in a.iter().zip(&mut sums) {
-                let a = simd.splat_f32s(*a);
-                sums[0] = simd.mul_add_e_f32s(a, b[0], sums[0]);
-                sums[1] = simd.mul_add_e_f32s(a, b[1], sums[1]);
-            }
-        }
+        add_products::<S, R>(simd, &mut sums, a, b);
         let mut power = 1.0;
         for tap in 0..into.taps {
             let by = simd.splat_f32s(power);

@@ -15,7 +15,10 @@ use super::vectors::{load_two, store_two};
 const TERMS: usize = 64;
 
 /// The widest panel: two of the longest vectors.
-const WIDEST: usize = 32;
+pub(super) const WIDEST: usize = 32;
+
+/// The rows of the tallest tile: as many as have two sums each in the registers that a processor has at most.
+pub(super) const TALLEST: usize = 14;
 
 /// `a b`.
 pub(super) fn times(product: Product<'_, f32>, buffers: &mut Buffers<f32>) {
@@ -154,12 +157,23 @@ fn sized<S: Simd, const R: usize>(simd: S, add: bool, out: &mut [f32], a: &[f32]
     let (a, _) = a.as_chunks::<R>();
     let (b, _) = S::as_simd_f32s(b);
     let (b, _) = b.as_chunks::<2>();
+    add_products::<S, R>(simd, &mut sums, a, b);
+    out.iter_mut().zip(sums).for_each(|(out, sums)| *out = sums);
+}
+
+/// `sums += a b`: rows of the one in columns, two vectors of columns of the other in rows.
+#[inline(always)]
+pub(super) fn add_products<S: Simd, const R: usize>(
+    simd: S,
+    sums: &mut [[S::f32s; 2]; R],
+    a: &[[f32; R]],
+    b: &[[S::f32s; 2]],
+) {
     for (a, b) in a.iter().zip(b) {
-        for (a, sums) in a.iter().zip(&mut sums) {
+        for (a, sums) in a.iter().zip(&mut *sums) {
             let a = simd.splat_f32s(*a);
             sums[0] = simd.mul_add_e_f32s(a, b[0], sums[0]);
             sums[1] = simd.mul_add_e_f32s(a, b[1], sums[1]);
         }
     }
-    out.iter_mut().zip(sums).for_each(|(out, sums)| *out = sums);
 }
