@@ -4,7 +4,8 @@
 //! particle from a [`Proposal`] and weighs it by `p(y_t | x_t) p(x_t | x_{t−1}) / q(x_t | x_{t−1}, y_t)`.
 //! [`ParticleFilter`] is one filter on a stream of measurements; [`FilterBank`] is many independent ones advanced
 //! as a single batch, which is what proposals made of networks want. Both are steppers: they record nothing,
-//! and what should be remembered is read off them between two steps.
+//! and what should be remembered is read off them between two steps. [`FixedLagSmoother`] also remembers the last few generations, and
+//! so estimates earlier states by later measurements.
 //!
 //! Nothing here knows of neural networks; learned proposals implement the same [`Proposal`] in another crate.
 
@@ -12,6 +13,7 @@ mod bank;
 mod blocks;
 mod error;
 mod filter;
+mod fixed_lag;
 mod proposal;
 mod proposals;
 mod resampling;
@@ -21,6 +23,7 @@ mod workers;
 pub use bank::{FilterBank, FilterSettings};
 pub use error::{ErrorKind, FilterError};
 pub use filter::ParticleFilter;
+pub use fixed_lag::FixedLagSmoother;
 pub use motes_models::batch::particles_by_stream;
 pub use proposal::{Conditional, Past, Proposal, ProposalError, RowPast, RowProposal};
 pub use proposals::{Bootstrap, Defensive, MinDegeneracy, Mixture, Shifted, Transition};
