@@ -48,7 +48,7 @@ pub use linear_gaussian::LinearGaussian;
 pub use noise::Noise;
 pub use normals::{fill_standard_exponential, fill_standard_normal, fill_uniform};
 pub use sequence::{Measurements, Sequence};
-pub use simulate::{Trajectory, simulate};
+pub use simulate::{Trajectory, simulate, simulate_within};
 pub use state_space::{AdditiveGaussian, Simulator, StateGradients, StateSpaceModel};
 pub use stream::{Seed, Stream};
 pub use system_graph::SystemGraph;

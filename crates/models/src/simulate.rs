@@ -1,6 +1,6 @@
 //! Drawing a trajectory of states and measurements from a model.
 
-use crate::{Measurements, ModelError, Sequence, Simulator, Stream};
+use crate::{Measurements, ModelError, Seed, Sequence, Simulator, Stream};
 
 /// A simulated run of a system: the hidden truth and what was measured of it.
 ///
@@ -45,10 +45,41 @@ pub fn simulate(
     Ok(Trajectory { states: Sequence::new(n, states)?, measurements: Measurements::new(m, measurements)? })
 }
 
+/// How many trajectories [`simulate_within`] draws before it gives up.
+const MOST_DRAWS: usize = 10_000;
+
+/// Draws trajectories, each from a stream of its own, until one has no state coordinate of a size above `largest`, and says how many were
+/// left before it. For systems that run away now and then.
+///
+/// # Errors
+/// As [`simulate`] for a `horizon` of 0; [`ModelError::Parameter`] if `largest` is so small that none of 10,000 stays within it.
+pub fn simulate_within(
+    model: &(impl Simulator + ?Sized),
+    horizon: usize,
+    largest: f64,
+    seed: &Seed,
+) -> Result<(Trajectory, usize), ModelError> {
+    for left in 0..MOST_DRAWS {
+        match simulate(model, horizon, &mut seed.nth(left as u64).stream()) {
+            Ok(trajectory) if trajectory.states.values().iter().all(|value| value.abs() <= largest) => {
+                return Ok((trajectory, left));
+            }
+            // It overflowed, which is beyond any bound.
+            Ok(_) | Err(ModelError::Numerical { .. }) => {}
+            Err(error) => return Err(error),
+        }
+    }
+    Err(ModelError::Parameter {
+        name: "the largest state of a trajectory",
+        value: largest.to_string(),
+        expected: "large enough for one of 10,000 trajectories",
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{GraphDiffusion, GraphDiffusionConfig, Seed};
+    use crate::{Epidemic, EpidemicConfig, GraphDiffusion, GraphDiffusionConfig, Seed};
 
     #[test]
     fn a_longer_trajectory_begins_with_the_shorter_one() {
@@ -60,5 +91,19 @@ mod tests {
         assert_eq!(short.states.values(), &long.states.values()[..5 * 6]);
         assert_eq!(short.measurements.values(), &long.measurements.values()[..5 * 4]);
         assert!(simulate(&system, 0, &mut seed.stream()).is_err());
+    }
+    #[test]
+    fn trajectories_that_run_away_are_drawn_again() {
+        let epidemic = Epidemic::new(&EpidemicConfig::paper()).unwrap();
+        let lefts: Vec<usize> = (0..20)
+            .map(|at| {
+                let (kept, left) =
+                    simulate_within(&epidemic, 200, 2000.0, &Seed::from_u64(3).nth(at)).unwrap();
+                assert!(kept.states.values().iter().all(|value| value.abs() <= 2000.0));
+                left
+            })
+            .collect();
+        assert!(lefts.iter().any(|left| *left > 0) && lefts.contains(&0), "{lefts:?}");
+        assert!(simulate_within(&epidemic, 5, 1.0, &Seed::from_u64(3)).is_err());
     }
 }

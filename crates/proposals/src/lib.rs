@@ -6,7 +6,7 @@
 //!
 //! Each family implements [`motes_smc::Proposal`], by which a filter uses it, and [`Learnable`], by which it is trained.
 //! Three are Gaussian, [`Fcnn`], [`Rnn`] and [`Gnn`]: they differ in their networks alone. [`Psi`]
-//! transforms uniform noise by an invertible network.
+//! transforms uniform noise by an invertible network. [`Standardised`] is any of them in units that suit the system.
 //!
 //! ```
 //! use motes_models::{GraphDiffusion, GraphDiffusionConfig, Seed};
@@ -41,6 +41,7 @@ mod plain;
 mod psi;
 mod rnn;
 mod saved;
+mod standardised;
 mod values;
 mod workspace;
 
@@ -59,5 +60,6 @@ pub use parameters::Parameters;
 pub use psi::{Psi, PsiConfig};
 pub use rnn::{Cell, Rnn, RnnConfig};
 pub use saved::{SAVED_FORMAT, SavedError, load, save};
+pub use standardised::{Frame, FrameSettings, Frames, Origin, Scale, Standardised, StandardisedConfig};
 pub use values::{Slice, Values};
 pub use workspace::{GradientPart, Workspace};

@@ -1,0 +1,203 @@
+//! The units and origins in which a proposal's networks see and speak.
+
+use motes_smc::{Past, ProposalError};
+use serde::{Deserialize, Serialize};
+
+/// A mean and a standard deviation of each coordinate.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scale {
+    /// The means.
+    pub means: Vec<f64>,
+    /// The standard deviations, in the units of the coordinates.
+    pub deviations: Vec<f64>,
+}
+
+/// `ξ_{t−1} = (x_{t−1} − m) / s` and `υ_t = (y_t − m_y) / s_y` go in; of what comes out, `ξ`, the state is
+/// `x_t = o + P ξ_{t−1} + B υ_t + r ξ` (divisions and the product with `r` by coordinates).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Frame {
+    /// `m` and `s`; not looked at at `t = 0`.
+    pub previous: Scale,
+    /// `m_y` and `s_y`.
+    pub measurement: Scale,
+    /// `o` and `r`.
+    pub output: Scale,
+    /// `P`, `N×N` in rows, or empty for none.
+    pub by_previous: Vec<f64>,
+    /// `B`, `N×M` in rows, or empty for none.
+    pub by_measurement: Vec<f64>,
+}
+
+/// A frame for each time, or one for all of them.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct Frames {
+    frames: Vec<Frame>,
+}
+
+impl Frames {
+    /// One frame at all times.
+    pub fn constant(frame: Frame) -> Self {
+        Frames { frames: vec![frame] }
+    }
+
+    /// The frames of `t = 0, 1, …`: two of them or more.
+    pub(super) fn unrolled(frames: Vec<Frame>) -> Self {
+        Frames { frames }
+    }
+
+    /// How many times there are frames for; `None` if any number.
+    pub fn horizon(&self) -> Option<usize> {
+        (self.frames.len() != 1).then_some(self.frames.len())
+    }
+
+    /// The frame at `time`.
+    ///
+    /// # Errors
+    /// [`ProposalError::PastHorizon`] if there is none.
+    pub fn at(&self, time: usize) -> Result<&Frame, ProposalError> {
+        match (self.horizon(), self.frames.get(time)) {
+            (None, _) => Ok(&self.frames[0]),
+            (Some(_), Some(frame)) => Ok(frame),
+            (Some(horizon), None) => Err(ProposalError::PastHorizon { horizon, time }),
+        }
+    }
+
+    /// Refuses frames that do not fit states and measurements of `N` and `M` coordinates at `horizon` times.
+    ///
+    /// # Errors
+    /// [`ProposalError::Mismatch`] or [`ProposalError::Setting`] with what does not fit.
+    pub(super) fn check(&self, n: usize, m: usize, horizon: usize) -> Result<(), ProposalError> {
+        if let Some(frames) = self.horizon()
+            && frames < horizon
+        {
+            return Err(ProposalError::Setting {
+                name: "the number of frames",
+                value: frames.to_string(),
+                expected: "1, or one for each time",
+            });
+        }
+        self.frames.iter().try_for_each(|frame| frame.check(n, m))
+    }
+}
+
+impl Frame {
+    fn check(&self, n: usize, m: usize) -> Result<(), ProposalError> {
+        let scales = [
+            ("the coordinates of a frame's previous state", &self.previous, n),
+            ("the coordinates of a frame's measurement", &self.measurement, m),
+            ("the coordinates of a frame's output", &self.output, n),
+        ];
+        for (what, scale, expected) in scales {
+            ProposalError::unless_same(what, scale.means.len(), expected)?;
+            ProposalError::unless_same(what, scale.deviations.len(), expected)?;
+            if let Some(deviation) = scale.deviations.iter().find(|d| !(**d > 0.0 && d.is_finite())) {
+                return Err(ProposalError::Setting {
+                    name: "a standard deviation of a frame",
+                    value: deviation.to_string(),
+                    expected: "positive and finite",
+                });
+            }
+        }
+        let matrices = [
+            ("the entries of a frame's map of the previous state", &self.by_previous, n * n),
+            ("the entries of a frame's map of the measurement", &self.by_measurement, n * m),
+        ];
+        for (what, matrix, expected) in matrices {
+            if !matrix.is_empty() {
+                ProposalError::unless_same(what, matrix.len(), expected)?;
+            }
+        }
+        let mut others = scales
+            .iter()
+            .flat_map(|(_, scale, _)| &scale.means)
+            .chain(&self.by_previous)
+            .chain(&self.by_measurement);
+        match others.find(|value| !value.is_finite()) {
+            None => Ok(()),
+            Some(value) => Err(ProposalError::Setting {
+                name: "a number of a frame",
+                value: value.to_string(),
+                expected: "finite",
+            }),
+        }
+    }
+
+    /// `Σ log r`: what log densities of states are less by than those of outputs.
+    pub(super) fn log_volume(&self) -> f64 {
+        self.output.deviations.iter().map(|deviation| deviation.ln()).sum()
+    }
+
+    /// Fills `inputs` with what networks see of a past, and `origins` (`R×N`) with `o + P ξ_{t−1} + B υ_t`.
+    pub(super) fn enter(&self, past: &Past<'_>, inputs: &mut Inputs, origins: &mut Vec<f64>) {
+        inputs.measurement.clear();
+        inputs.measurement.extend(self.measurement.standardised(past.measurement));
+        inputs.previous.clear();
+        inputs.previous.extend(past.previous.into_iter().flat_map(|rows| self.previous.standardised(rows)));
+        let n = self.output.means.len();
+        let mut origin = self.output.means.clone();
+        add_product(&mut origin, &self.by_measurement, &inputs.measurement);
+        origins.clear();
+        for row in 0..past.particles {
+            origins.extend_from_slice(&origin);
+            if past.previous.is_some() {
+                let (row, previous) = (&mut origins[row * n..], &inputs.previous[row * n..(row + 1) * n]);
+                add_product(row, &self.by_previous, previous);
+            }
+        }
+    }
+
+    /// `x = origin + r ξ`, in place.
+    pub(super) fn leave(&self, origins: &[f64], outputs: &mut [f64]) {
+        let deviations = self.output.deviations.iter().cycle();
+        for ((output, origin), deviation) in outputs.iter_mut().zip(origins).zip(deviations) {
+            *output = origin + deviation * *output;
+        }
+    }
+
+    /// Adds what flows back into `ξ_{t−1}` by way of the origins, and turns the whole into derivatives with respect to `x_{t−1}`.
+    pub(super) fn pull_back(&self, d_states: &[f64], d_previous: &mut [f64]) {
+        let n = self.output.means.len();
+        for (d_state, d_previous) in d_states.chunks_exact(n).zip(d_previous.chunks_exact_mut(n)) {
+            for (row, d_state) in self.by_previous.chunks_exact(n).zip(d_state) {
+                d_previous.iter_mut().zip(row).for_each(|(d, entry)| *d += entry * d_state);
+            }
+            d_previous.iter_mut().zip(&self.previous.deviations).for_each(|(d, deviation)| *d /= deviation);
+        }
+    }
+}
+
+impl Scale {
+    pub(super) fn standardised(&self, rows: &[f64]) -> impl Iterator<Item = f64> {
+        let scales = self.means.iter().zip(&self.deviations).cycle();
+        rows.iter().zip(scales).map(|(value, (mean, deviation))| (value - mean) / deviation)
+    }
+}
+
+/// `into += matrix · vector`; nothing where there is no matrix.
+fn add_product(into: &mut [f64], matrix: &[f64], vector: &[f64]) {
+    for (into, row) in into.iter_mut().zip(matrix.chunks_exact(vector.len())) {
+        *into += row.iter().zip(vector).map(|(entry, value)| entry * value).sum::<f64>();
+    }
+}
+
+/// What the networks see.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Inputs {
+    previous: Vec<f64>,
+    measurement: Vec<f64>,
+}
+
+impl Inputs {
+    /// The past in their units.
+    pub(super) fn past(&self, past: &Past<'_>) -> Past<'_> {
+        Past {
+            time: past.time,
+            previous: past.previous.map(|_| self.previous.as_slice()),
+            measurement: &self.measurement,
+            particles: past.particles,
+        }
+    }
+}

@@ -1,0 +1,209 @@
+//! Families in units that suit networks: derivatives, densities, and frames that do what they say.
+
+use motes_models::{Epidemic, EpidemicConfig, Measurements, Noise, Seed, StateSpaceModel, simulate_within};
+use motes_proposals::{
+    Backend, Cell, Compute, Family, Fcnn, Frame, FrameSettings, Frames, Learnable, Origin, Precision, Psi,
+    Rnn, Scale, Standardised, StandardisedConfig, load, save,
+};
+use motes_smc::{Conditional, Past, Proposal, ProposalError};
+use motes_tests::{central_differences, distance, norm, small_fcnn, small_psi, small_rnn};
+use motes_train::{GradientFlow, Objective, TrainConfig, rollout};
+
+const HORIZON: usize = 4;
+const ORIGINS: [Origin; 3] = [Origin::Mean, Origin::MeanAtEachTime, Origin::Prediction];
+const F64: Compute = Compute { backend: Backend::Native, precision: Precision::F64 };
+
+fn system() -> Epidemic {
+    Epidemic::new(&EpidemicConfig::paper()).unwrap()
+}
+
+fn frames(origin: Origin) -> Frames {
+    let settings = FrameSettings { origin, trajectories: 300, largest_state: 2000.0 };
+    Frames::simulated(&system(), HORIZON, &settings, &Seed::from_u64(140)).unwrap()
+}
+
+fn measurements() -> Measurements {
+    simulate_within(&system(), HORIZON, 2000.0, &Seed::from_u64(141)).unwrap().0.measurements
+}
+
+fn make<F: Family>(family: F::Config, origin: Origin, compute: Compute) -> Standardised<F> {
+    let config = StandardisedConfig { family, frames: frames(origin) };
+    Standardised::create(&config, &system(), HORIZON, compute, &Seed::from_u64(142)).unwrap()
+}
+
+/// Holds the gradient of the objective with respect to each matrix against central differences.
+fn check_gradients(label: &str, proposal: &mut dyn Learnable) {
+    let (model, measurements) = (system().with_noise(Noise::Gaussian), measurements());
+    let found = |proposal: &dyn Learnable| {
+        let mut stream = Seed::from_u64(143).stream();
+        let (objective, flow) = (Objective::Elbo, GradientFlow::Full);
+        rollout(proposal, &model, &measurements, objective, flow, 4, &mut stream).unwrap()
+    };
+    let gradients = found(proposal).gradients;
+    let count = proposal.parameters().len();
+    let host = |at: usize, size: usize| gradients.host(at).unwrap_or_else(|| vec![0.0; size]);
+    let sizes: Vec<usize> = (0..count).map(|at| proposal.parameters().host(at).len()).collect();
+    let whole = norm(&(0..count).flat_map(|at| host(at, sizes[at])).collect::<Vec<f64>>());
+    for (index, size) in sizes.iter().enumerate() {
+        let values = proposal.parameters().host(index);
+        let numeric = central_differences(&values, 1e-5, |values| {
+            proposal.parameters_mut().set_host(index, values).unwrap();
+            -found(proposal).objective
+        });
+        proposal.parameters_mut().set_host(index, &values).unwrap();
+        let error = distance(&host(index, *size), &numeric) / (norm(&numeric) + 1e-5 * whole);
+        assert!(error < 1e-5, "{label}, {}: relative error {error:e}", proposal.parameters().names()[index]);
+    }
+}
+
+#[test]
+fn the_whole_objective_with_respect_to_every_weight() {
+    for origin in ORIGINS {
+        check_gradients(&format!("fcnn {origin:?}"), &mut make::<Fcnn>(small_fcnn(), origin, F64));
+        check_gradients(&format!("rnn {origin:?}"), &mut make::<Rnn>(small_rnn(Cell::Lstm), origin, F64));
+        check_gradients(&format!("psi {origin:?}"), &mut make::<Psi>(small_psi(), origin, F64));
+    }
+}
+
+/// The density along a sample is that at its point, and a filter draws what training draws.
+fn check_densities<F>(label: &str, mut proposal: Standardised<F>)
+where
+    F: Family + for<'a> Proposal<Epidemic, Memory: 'a>,
+{
+    let (model, particles) = (system(), 5);
+    let measurement = measurements().row(1).to_vec();
+    let previous: Vec<f64> = [900.0, 60.0, 10.0, 980.0, 20.0, -5.0].into_iter().cycle().take(15).collect();
+    let mut memory = proposal.initial_memory(particles);
+    for past in [
+        Past { time: 0, previous: None, measurement: &measurement, particles },
+        Past { time: 1, previous: Some(&previous), measurement: &measurement, particles },
+    ] {
+        let mut conditional = proposal.condition(&model, past, &mut memory).unwrap();
+        let (mut states, mut along, mut at) =
+            (vec![0.0; 3 * particles], vec![0.0; particles], vec![0.0; particles]);
+        conditional.sample(&mut Seed::from_u64(144).streams(1), &mut states, &mut along);
+        conditional.log_density(&states, &mut at);
+        for (along, at) in along.iter().zip(&at) {
+            assert!((along - at).abs() < 1e-6, "{label}: {along} {at}");
+        }
+    }
+}
+
+#[test]
+fn densities_are_those_of_the_states() {
+    for origin in ORIGINS {
+        check_densities("fcnn", make::<Fcnn>(small_fcnn(), origin, F64));
+        check_densities("rnn", make::<Rnn>(small_rnn(Cell::Gru), origin, F64));
+        check_densities("psi", make::<Psi>(small_psi(), origin, F64));
+    }
+}
+
+#[test]
+fn a_density_integrates_to_one_in_the_units_of_the_state() {
+    // One coordinate, in a frame by hand: 2 + 3 ξ' + 0.5 υ + 7 ξ.
+    let scale = |mean: f64, deviation: f64| Scale { means: vec![mean], deviations: vec![deviation] };
+    let frame = Frame {
+        previous: scale(1.0, 2.0),
+        measurement: scale(-1.0, 4.0),
+        output: scale(2.0, 7.0),
+        by_previous: vec![3.0],
+        by_measurement: vec![0.5],
+    };
+    let model = motes_tests::reference().model;
+    assert_eq!((model.state_dim(), model.measurement_dim()), (1, 1));
+    let config = StandardisedConfig { family: small_fcnn(), frames: Frames::constant(frame) };
+    let mut proposal: Standardised<Fcnn> =
+        Standardised::create(&config, &model, 2, F64, &Seed::from_u64(145)).unwrap();
+    let (count, step) = (4001, 0.05);
+    let states: Vec<f64> = (0..count).map(|at| (f64::from(at) - 2000.0) * step).collect();
+    let previous = vec![0.7; count as usize];
+    let past = Past { time: 1, previous: Some(&previous), measurement: &[1.5], particles: count as usize };
+    let mut memory = Proposal::<motes_models::LinearGaussian>::initial_memory(&proposal, count as usize);
+    let mut log_density = vec![0.0; count as usize];
+    let mut conditional = proposal.condition(&model, past, &mut memory).unwrap();
+    conditional.log_density(&states, &mut log_density);
+    let mass: f64 = log_density.iter().map(|log| step * log.exp()).sum();
+    assert!((mass - 1.0).abs() < 1e-9, "{mass}");
+}
+
+#[test]
+fn a_prediction_of_a_linear_system_is_its_regression() {
+    // x_t = 0.9 x_{t−1} + v, y = x + w: the best prediction is the minimum-degeneracy mean, what is left its deviation.
+    let model = motes_tests::reference().model;
+    let settings = FrameSettings { origin: Origin::Prediction, trajectories: 40_000, largest_state: 1e9 };
+    let frames = Frames::simulated(&model, 3, &settings, &Seed::from_u64(146)).unwrap();
+    let designed = motes_smc::MinDegeneracy::new(&model).unwrap();
+    let mean = |x: f64, y: f64| {
+        let mut designed = designed.clone();
+        let past = Past { time: 2, previous: Some(&[x]), measurement: &[y], particles: 1 };
+        let conditional =
+            Proposal::<motes_models::LinearGaussian>::condition(&mut designed, &model, past, &mut ());
+        let mut state = [0.0];
+        let mut log_density = [0.0];
+        let mut conditional = conditional.unwrap();
+        // The highest of densities on a fine grid is at the mean.
+        let mut best = (f64::NEG_INFINITY, 0.0);
+        for at in -4000..4000 {
+            state[0] = f64::from(at) * 1e-3;
+            conditional.log_density(&state, &mut log_density);
+            best = if log_density[0] > best.0 { (log_density[0], state[0]) } else { best };
+        }
+        best.1
+    };
+    let frame = frames.at(2).unwrap();
+    let predicted = |x: f64, y: f64| {
+        let standard = |scale: &Scale, value: f64| (value - scale.means[0]) / scale.deviations[0];
+        frame.output.means[0]
+            + frame.by_previous[0] * standard(&frame.previous, x)
+            + frame.by_measurement[0] * standard(&frame.measurement, y)
+    };
+    for (x, y) in [(0.5, 1.0), (-1.0, 0.3), (1.5, -0.5)] {
+        // Coefficients have a standard error of 1/√40000 of their noise.
+        assert!((predicted(x, y) - mean(x, y)).abs() < 0.03, "{} {}", predicted(x, y), mean(x, y));
+    }
+}
+
+#[test]
+fn a_standardised_proposal_comes_back_as_it_was_saved() {
+    let folder = tempfile::tempdir().unwrap();
+    let (path, model) = (folder.path().join("fcnn"), system());
+    let proposal = make::<Fcnn>(small_fcnn(), Origin::Prediction, Backend::Native.into());
+    save(&path, &proposal, &model, &TrainConfig::paper(10)).unwrap();
+    let loaded: Standardised<Fcnn> = load(&path, &model, Backend::Native.into()).unwrap();
+    assert_eq!(loaded.config(), proposal.config());
+    let weights = |proposal: &dyn Learnable| -> Vec<Vec<f64>> {
+        (0..proposal.parameters().len()).map(|at| proposal.parameters().host(at)).collect()
+    };
+    assert_eq!(weights(&loaded), weights(&proposal));
+    // The plain family does not take it for its own.
+    let error = load::<Fcnn>(&path, &model, Backend::Native.into()).err().unwrap().to_string();
+    assert!(error.contains("proposal.toml"), "{error}");
+}
+
+#[test]
+fn frames_that_do_not_fit_are_refused() {
+    let create = |frames: Frames, horizon: usize| {
+        let config = StandardisedConfig { family: small_fcnn(), frames };
+        let compute = Backend::Native.into();
+        Standardised::<Fcnn>::create(&config, &system(), horizon, compute, &Seed::from_u64(1)).err().unwrap()
+    };
+    let too_long = create(frames(Origin::MeanAtEachTime), HORIZON + 1);
+    assert!(matches!(too_long, ProposalError::Setting { name: "the number of frames", .. }), "{too_long}");
+    let good = || frames(Origin::Prediction).at(1).unwrap().clone();
+    let refused = |change: fn(&mut Frame)| {
+        let mut frame = good();
+        change(&mut frame);
+        create(Frames::constant(frame), HORIZON).to_string()
+    };
+    assert!(refused(|frame| frame.output.deviations[1] = 0.0).contains("standard deviation"));
+    assert!(refused(|frame| frame.previous.means[1] = f64::NAN).contains("NaN"));
+    assert!(refused(|frame| frame.measurement.means.push(0.0)).contains("3 in the proposal and 2"));
+    assert!(refused(|frame| drop(frame.by_previous.pop())).contains("8 in the proposal and 9"));
+    // Fewer trajectories than coefficients.
+    let few = FrameSettings { origin: Origin::Prediction, trajectories: 3, largest_state: 2000.0 };
+    let error = Frames::simulated(&system(), HORIZON, &few, &Seed::from_u64(1)).unwrap_err();
+    assert!(error.to_string().contains("enough to predict"), "{error}");
+    // A seen horizon is that of the frames, even where the family has none.
+    let rnn = make::<Rnn>(small_rnn(Cell::Lstm), Origin::Prediction, Backend::Native.into());
+    assert_eq!(rnn.horizon(), Some(HORIZON));
+}
