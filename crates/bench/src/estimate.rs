@@ -9,6 +9,7 @@ use crate::runner::guarded;
 use crate::{Interrupt, UnitConfig};
 
 const TRIAL_RUNS: usize = 2;
+const TRIAL_TIMES: usize = 20;
 
 /// Estimates times by trials, and remembers them: figures that differ in their noise alone take the same time.
 #[derive(Default)]
@@ -21,8 +22,8 @@ pub struct Estimator {
 impl Estimator {
     /// Estimated seconds of one thread for each of `points`, without the reference filters, which units share.
     ///
-    /// For each method and panel the smallest and the largest x are tried, with a training step and a filter or two; what
-    /// lies between is taken to grow linearly. A trial that fails counts for nothing.
+    /// For each method and panel the smallest and the largest x are tried, with a training step and a filter or two over the first times;
+    /// what lies between or beyond is taken to grow linearly. A trial that fails counts for nothing.
     pub(crate) fn seconds(&self, plan: &Plan, points: &[Point], interrupt: &Interrupt) -> Vec<f64> {
         let mut ends: BTreeMap<(Method, &str), (usize, usize)> = BTreeMap::new();
         for point in points {
@@ -52,7 +53,7 @@ impl Estimator {
 
     /// Seconds for one unit, scaled up from a trial.
     fn trial(&self, mut unit: UnitConfig, interrupt: &Interrupt) -> f64 {
-        let sizes = [unit.system.dimension, unit.system.horizon, unit.filter.particles, unit.filter_runs];
+        let sizes = [unit.system.dimension(), unit.system.horizon(), unit.filter.particles, unit.filter_runs];
         let key =
             serde_json::to_string(&(&unit.method, sizes)).expect("a configuration has only string keys");
         if let Some(&known) = self.known.borrow().get(&key) {
@@ -61,6 +62,10 @@ impl Estimator {
         let runs = unit.filter_runs.min(TRIAL_RUNS);
         let filter_scale = unit.filter_runs as f64 / runs as f64;
         unit.filter_runs = runs;
+        let horizon = unit.system.horizon();
+        let times = horizon.min(TRIAL_TIMES);
+        let time_scale = horizon as f64 / times as f64;
+        unit.system.set_horizon(times);
         unit.reference_particles = None;
         let mut train_scale = 0.0;
         if let Some(steps) = unit.method.steps_mut() {
@@ -72,8 +77,8 @@ impl Estimator {
         };
         let seconds = match guarded(|| self.evaluator.evaluate(&unit, interrupt)) {
             Ok(found) => {
-                of(&found.timings, "train_seconds") * train_scale
-                    + of(&found.timings, "filter_seconds") * filter_scale
+                let of = |name| of(&found.timings, name);
+                time_scale * (of("train_seconds") * train_scale + of("filter_seconds") * filter_scale)
             }
             Err(_) => 0.0,
         };

@@ -4,18 +4,22 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use motes_models::GraphDiffusion;
-use motes_proposals::{Backend, Family, save};
-use motes_smc::{FilterBank, FilterSettings, Proposal, ResampleWhen, Resampling};
+use motes_proposals::{Backend, Family, FrameSettings, Frames, save};
+use motes_smc::{
+    Bootstrap, FilterBank, FilterSettings, FixedLagSmoother, ParticleFilter, Proposal, ResampleWhen,
+    Resampling,
+};
 use motes_train::{AdamConfig, GradientFlow, History, Objective, TrainConfig, train};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::config;
-use crate::methods::{LearnedUnit, Visitor};
+use crate::config::Training;
+use crate::methods::Visitor;
 use crate::metrics::{Recorded, metrics};
-use crate::problem::Problem;
+use crate::problem::{Model, Problem};
 use crate::reference::{ReferenceCache, References};
+use crate::series::Series;
 use crate::{Interrupt, UnitConfig};
 
 /// A number with its name.
@@ -40,6 +44,8 @@ pub struct Evaluation {
     pub metrics: Vec<Metric>,
     /// What depends on the clock.
     pub timings: Vec<Metric>,
+    /// Estimates over time, where the experiment shows them.
+    pub series: Option<Series>,
 }
 
 /// Why a unit has no result.
@@ -82,7 +88,7 @@ impl Evaluator {
         let problem = Problem::draw(unit).map_err(failed)?;
         let references = self.references.of(unit, &problem, interrupt)?;
         let run = Run { evaluator: self, unit, problem: &problem, references: &references, interrupt };
-        let evaluation = unit.method.visit(&problem.model, run)?;
+        let evaluation = unit.method.visit(&*problem.model, run)?;
         match evaluation.metrics.iter().find(|metric| !metric.value.is_finite()) {
             Some(metric) => Err(failed(format!("the metric {} is {}", metric.name, metric.value))),
             None => Ok(evaluation),
@@ -103,22 +109,25 @@ struct Run<'a> {
 impl Visitor for Run<'_> {
     type Output = Evaluation;
 
-    fn designed(self, proposal: impl Proposal<GraphDiffusion>) -> Result<Evaluation, UnitError> {
-        self.judge(proposal)
+    fn designed(self, proposal: impl Proposal<Model>) -> Result<Evaluation, UnitError> {
+        self.judge(&*self.problem.model, proposal)
     }
 
-    fn learned<F: Family + Proposal<GraphDiffusion>>(
+    fn learned<F: Family + Proposal<Model>>(
         self,
-        learned: &LearnedUnit<F::Config>,
+        family: &F::Config,
+        training: &Training,
+        steps: usize,
+        backend: config::Backend,
     ) -> Result<Evaluation, UnitError> {
-        let (proposal, history, seconds) = self.train::<F>(learned)?;
+        let config = train_config(training, self.unit.filter.particles, steps);
+        let (proposal, history, seconds) = self.train::<F>(family, &config, backend)?;
         if let Some(models) = &self.evaluator.models {
-            let config = train_config(&learned.training, self.unit.filter.particles, learned.steps);
             let folder = models.join(self.unit.key());
-            save(&folder, &proposal, &self.problem.model, &config)
+            save(&folder, &proposal, &*self.problem.model, &config)
                 .map_err(|error| UnitError::NotKept(error.to_string()))?;
         }
-        let mut evaluation = self.judge(proposal)?;
+        let mut evaluation = self.judge(&*self.problem.model, proposal)?;
         let ends = [("loss_first", history.losses.first()), ("loss_last", history.losses.last())];
         for (name, loss) in ends {
             evaluation.metrics.extend(loss.map(|&loss| Metric::new(name, loss)));
@@ -126,61 +135,60 @@ impl Visitor for Run<'_> {
         evaluation.timings.insert(0, Metric::new("train_seconds", seconds));
         Ok(evaluation)
     }
+
+    fn frames(&self, settings: &FrameSettings) -> Result<Frames, UnitError> {
+        let seed = self.unit.system_seed().child("frames");
+        Frames::simulated(&*self.problem.system, self.unit.system.horizon(), settings, &seed).map_err(failed)
+    }
+
+    fn reference(self, lag: usize) -> Result<Evaluation, UnitError> {
+        match lag {
+            0 => self.judge(&*self.problem.system, Bootstrap),
+            _ => self.smooth(lag),
+        }
+    }
 }
 
 impl Run<'_> {
     /// Draws initial weights and trains them on the problem's measurements; the last value is the seconds that training took.
-    fn train<F: Family>(self, learned: &LearnedUnit<F::Config>) -> Result<(F, History, f64), UnitError> {
-        let backend = match learned.backend {
+    fn train<F: Family>(
+        self,
+        family: &F::Config,
+        config: &TrainConfig,
+        backend: config::Backend,
+    ) -> Result<(F, History, f64), UnitError> {
+        let backend = match backend {
             config::Backend::Native => Backend::Native,
             config::Backend::Flex => Backend::Flex,
             config::Backend::Ndarray => Backend::NdArray,
         };
-        let (model, seed) = (&self.problem.model, self.unit.own_seed());
-        let (horizon, weights) = (self.unit.system.horizon, seed.child("weights"));
-        let mut proposal =
-            F::create(&learned.proposal, model, horizon, backend.into(), &weights).map_err(failed)?;
+        let (model, seed) = (&*self.problem.model, self.unit.own_seed());
+        let (horizon, weights) = (self.unit.system.horizon(), seed.child("weights"));
+        let mut proposal = F::create(family, model, horizon, backend.into(), &weights).map_err(failed)?;
         let start = Instant::now();
-        let config = train_config(&learned.training, self.unit.filter.particles, learned.steps);
         let mut stream = seed.child("training").stream();
         let measurements = &self.problem.trajectory.measurements;
         let watch = |_, _| self.interrupt.check();
         let history =
-            train(&mut proposal, model, measurements, &config, &mut stream, watch).map_err(failed)?;
-        if history.losses.len() < learned.steps {
+            train(&mut proposal, model, measurements, config, &mut stream, watch).map_err(failed)?;
+        if history.losses.len() < config.steps {
             return Err(UnitError::Interrupted);
         }
         Ok((proposal, history, start.elapsed().as_secs_f64()))
     }
 
     /// Runs the filters of a unit with one proposal.
-    fn judge<P: Proposal<GraphDiffusion>>(self, proposal: P) -> Result<Evaluation, UnitError> {
+    fn judge<P: Proposal<Model>>(self, model: &Model, proposal: P) -> Result<Evaluation, UnitError> {
         let Run { unit, problem, .. } = self;
         let start = Instant::now();
-        let settings = FilterSettings {
-            particles: unit.filter.particles,
-            resampling: match unit.filter.resampling {
-                config::Resampling::Multinomial => Resampling::Multinomial,
-                config::Resampling::Systematic => Resampling::Systematic,
-                config::Resampling::Stratified => Resampling::Stratified,
-                config::Resampling::Residual => Resampling::Residual,
-            },
-            resample_when: ResampleWhen::EssBelow(unit.filter.ess_threshold),
-        };
-        let (filters, n) = (unit.filter_runs, unit.system.dimension);
+        let (filters, n) = (unit.filter_runs, unit.system.dimension());
         let seed = unit.own_seed().child("filter");
-        let mut bank = FilterBank::new(&problem.model, proposal, settings, filters, &seed).map_err(failed)?;
-        let mut recorded = Recorded {
-            filters,
-            means: Vec::with_capacity(unit.system.horizon * filters * n),
-            effective_sample_sizes: Vec::with_capacity(unit.system.horizon * filters),
-            log_evidence: Vec::with_capacity(filters),
-        };
+        let settings = filter_settings(&unit.filter);
+        let mut bank = FilterBank::new(model, proposal, settings, filters, &seed).map_err(failed)?;
+        let mut recorded = Recorded::with_capacity(filters, unit.system.horizon(), n);
         let mut mean = vec![0.0; n];
         for measurement in problem.trajectory.measurements.rows() {
-            if self.interrupt.check() == ControlFlow::Break(()) {
-                return Err(UnitError::Interrupted);
-            }
+            self.go_on()?;
             bank.step(measurement).map_err(failed)?;
             for filter in 0..filters {
                 bank.mean(filter, &mut mean);
@@ -189,8 +197,63 @@ impl Run<'_> {
             }
         }
         recorded.log_evidence.extend((0..filters).map(|filter| bank.log_evidence(filter)));
+        Ok(self.found(&recorded, start))
+    }
+
+    /// Smooths by `lag` later measurements, as far as there are any, under the densities that data were drawn with.
+    fn smooth(self, lag: usize) -> Result<Evaluation, UnitError> {
+        let Run { unit, problem, .. } = self;
+        let start = Instant::now();
+        let (runs, n, horizon) = (unit.filter_runs, unit.system.dimension(), unit.system.horizon());
+        let seed = unit.own_seed().child("filter");
+        let settings = filter_settings(&unit.filter);
+        let mut recorded = Recorded::with_capacity(runs, horizon, n);
+        recorded.means.resize(horizon * runs * n, 0.0);
+        for run in 0..runs {
+            let stream = seed.nth(run as u64).stream();
+            let filter =
+                ParticleFilter::new(&*problem.system, Bootstrap, settings, stream).map_err(failed)?;
+            let mut smoother = FixedLagSmoother::new(filter, lag);
+            for (time, measurement) in problem.trajectory.measurements.rows().enumerate() {
+                self.go_on()?;
+                smoother.step(measurement).map_err(failed)?;
+                recorded.effective_sample_sizes.push(smoother.filter().effective_sample_size());
+                // At the end there is nothing more to wait for.
+                let last = if time + 1 == horizon { 0 } else { lag };
+                for back in (last..=lag.min(time)).rev() {
+                    let at = ((time - back) * runs + run) * n;
+                    smoother.mean(back, &mut recorded.means[at..at + n]);
+                }
+            }
+            recorded.log_evidence.push(smoother.filter().log_evidence());
+        }
+        Ok(self.found(&recorded, start))
+    }
+
+    fn go_on(self) -> Result<(), UnitError> {
+        match self.interrupt.check() {
+            ControlFlow::Continue(()) => Ok(()),
+            ControlFlow::Break(()) => Err(UnitError::Interrupted),
+        }
+    }
+
+    fn found(self, recorded: &Recorded, start: Instant) -> Evaluation {
         let timings = vec![Metric::new("filter_seconds", start.elapsed().as_secs_f64())];
-        Ok(Evaluation { metrics: metrics(problem, self.references, &recorded), timings })
+        let metrics = metrics(self.problem, self.references, recorded);
+        Evaluation { metrics, timings, series: Series::of(self.unit, self.problem, recorded) }
+    }
+}
+
+fn filter_settings(filter: &config::Filter) -> FilterSettings {
+    FilterSettings {
+        particles: filter.particles,
+        resampling: match filter.resampling {
+            config::Resampling::Multinomial => Resampling::Multinomial,
+            config::Resampling::Systematic => Resampling::Systematic,
+            config::Resampling::Stratified => Resampling::Stratified,
+            config::Resampling::Residual => Resampling::Residual,
+        },
+        resample_when: ResampleWhen::EssBelow(filter.ess_threshold),
     }
 }
 
@@ -221,7 +284,7 @@ fn train_config(training: &config::Training, particles: usize, steps: usize) -> 
 mod tests {
     use super::*;
     use crate::methods::MethodConfig;
-    use crate::unit::tests::fcnn_unit;
+    use crate::unit::tests::{fcnn_unit, on_graph};
     use motes_models::{Seed, Sequence};
     use motes_proposals::{Fcnn, Learnable};
     use rand::RngExt;
@@ -240,7 +303,8 @@ mod tests {
                 references: &references,
                 interrupt: &interrupt,
             };
-            let (proposal, _, _) = run.train::<Fcnn>(fcnn).unwrap();
+            let config = train_config(&fcnn.training, unit.filter.particles, fcnn.steps);
+            let (proposal, _, _) = run.train::<Fcnn>(&fcnn.proposal, &config, fcnn.backend).unwrap();
             let parameters = proposal.parameters();
             (0..parameters.len()).flat_map(|at| parameters.host(at)).collect::<Vec<f64>>()
         };
@@ -271,8 +335,9 @@ mod tests {
     fn a_collapsed_filter_is_a_failed_unit_with_its_reason() {
         // Exact uniform densities with a handful of bootstrap particles: none explains the measurement.
         let mut unit = crate::unit::tests::unit(10, 12, 2);
-        unit.system.noise = config::Noise::Uniform;
-        unit.system.densities = config::Densities::Exact;
+        let system = on_graph(&mut unit);
+        system.noise = config::Noise::Uniform;
+        system.densities = config::Densities::Exact;
         let Err(UnitError::Failed(reason)) = Evaluator::default().evaluate(&unit, &Interrupt::default())
         else {
             panic!("no failure")

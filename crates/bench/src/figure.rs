@@ -1,5 +1,9 @@
 //! figure.svg: panels side by side, and below the paper's metric those that show what it hides.
 
+mod series;
+
+pub(crate) use series::series_figure;
+
 use std::error::Error;
 
 use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};

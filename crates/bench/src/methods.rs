@@ -1,14 +1,15 @@
 //! The method registry as units see it: what the result of a method depends on, and how it is run.
 
-use motes_models::GraphDiffusion;
 use motes_proposals::{
-    Adapter, Cell, Family, Fcnn, FcnnConfig, Gnn, GnnConfig, Psi, PsiConfig, Rnn, RnnConfig,
+    Adapter, Cell, Family, Fcnn, FcnnConfig, FrameSettings, Frames, Gnn, GnnConfig, Origin, Psi, PsiConfig,
+    Rnn, RnnConfig, Standardised, StandardisedConfig,
 };
 use motes_smc::{Bootstrap, MinDegeneracy, Proposal};
 use serde::{Deserialize, Serialize};
 
-use crate::config::{self, Backend, Method, Plan, Training};
+use crate::config::{self, Backend, Experiment, Method, Plan, Training};
 use crate::evaluate::{UnitError, failed};
+use crate::problem::Model;
 
 /// A method with the settings that it depends on, and no others.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -26,6 +27,13 @@ pub enum MethodConfig {
     Gnn(LearnedUnit<GnnConfig>),
     /// The transform of uniform noise.
     Psi(LearnedUnit<PsiConfig>),
+    /// The transition, under the densities that data were drawn with.
+    ReferenceFilter,
+    /// The same, with as many later measurements as this.
+    ReferenceSmoother {
+        /// How many.
+        lag: usize,
+    },
 }
 
 /// What the result of a learned proposal depends on.
@@ -39,6 +47,9 @@ pub struct LearnedUnit<Config> {
     pub steps: usize,
     /// What computes its networks.
     pub backend: Backend,
+    /// In which units they work; in those of the system if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frames: Option<FrameSettings>,
 }
 
 /// What a unit does with the proposal of its method.
@@ -46,28 +57,39 @@ pub(crate) trait Visitor {
     type Output;
 
     /// A proposal that is ready for use.
-    fn designed(self, proposal: impl Proposal<GraphDiffusion>) -> Result<Self::Output, UnitError>;
+    fn designed(self, proposal: impl Proposal<Model>) -> Result<Self::Output, UnitError>;
 
-    /// A family that is to be trained first.
-    fn learned<F: Family + Proposal<GraphDiffusion>>(
+    /// A family that is to be trained first, with its settings.
+    fn learned<F: Family + Proposal<Model>>(
         self,
-        unit: &LearnedUnit<F::Config>,
+        family: &F::Config,
+        training: &Training,
+        steps: usize,
+        backend: Backend,
     ) -> Result<Self::Output, UnitError>;
+
+    /// The units that networks work in.
+    fn frames(&self, settings: &FrameSettings) -> Result<Frames, UnitError>;
+
+    /// The filter that others are held against, with the measurements of as many later times.
+    fn reference(self, lag: usize) -> Result<Self::Output, UnitError>;
 }
 
 impl MethodConfig {
-    /// The method of a plan's units, as the plan's files and profile set it.
-    pub(crate) fn of(method: Method, plan: &Plan) -> MethodConfig {
+    /// The method of a plan's units, as the plan's files and profile set it; `None` if they do not say what it needs.
+    pub(crate) fn of(method: Method, plan: &Plan) -> Option<MethodConfig> {
         let (settings, sizes) = (&plan.experiment.proposals, &plan.profile.sizes);
-        match method {
+        Some(match method {
             Method::MinDegeneracy => MethodConfig::MinDegeneracy,
             Method::Bootstrap => MethodConfig::Bootstrap,
-            Method::Fcnn => MethodConfig::Fcnn(LearnedUnit::of(
+            Method::Fcnn | Method::FcnnAnchored => MethodConfig::Fcnn(LearnedUnit::of(
                 plan,
+                method,
                 FcnnConfig { widths: sizes.fcnn.clone(), ridge: settings.fcnn.ridge },
             )),
-            Method::Rnn => MethodConfig::Rnn(LearnedUnit::of(
+            Method::Rnn | Method::RnnAnchored => MethodConfig::Rnn(LearnedUnit::of(
                 plan,
+                method,
                 RnnConfig {
                     cell: match settings.rnn.cell {
                         config::Cell::Lstm => Cell::Lstm,
@@ -79,23 +101,32 @@ impl MethodConfig {
                     ridge: settings.rnn.ridge,
                 },
             )),
-            Method::Gnn => MethodConfig::Gnn(LearnedUnit::of(
-                plan,
-                GnnConfig {
-                    features: sizes.gnn.clone(),
-                    order: settings.gnn.order,
-                    adapter: match settings.gnn.adapter {
-                        config::Adapter::Fixed => Adapter::Fixed,
-                        config::Adapter::Learned => Adapter::Learned,
+            Method::Gnn => {
+                let (settings, features) = (settings.gnn.as_ref()?, sizes.gnn.clone()?);
+                MethodConfig::Gnn(LearnedUnit::of(
+                    plan,
+                    method,
+                    GnnConfig {
+                        features,
+                        order: settings.order,
+                        adapter: match settings.adapter {
+                            config::Adapter::Fixed => Adapter::Fixed,
+                            config::Adapter::Learned => Adapter::Learned,
+                        },
+                        ridge: settings.ridge,
                     },
-                    ridge: settings.gnn.ridge,
-                },
-            )),
-            Method::Psi => MethodConfig::Psi(LearnedUnit::of(
+                ))
+            }
+            Method::Psi | Method::PsiAnchored => MethodConfig::Psi(LearnedUnit::of(
                 plan,
+                method,
                 PsiConfig { layers: sizes.psi, ridge: settings.psi.ridge },
             )),
-        }
+            Method::ReferenceFilter => MethodConfig::ReferenceFilter,
+            Method::ReferenceSmoother => {
+                MethodConfig::ReferenceSmoother { lag: plan.experiment.reference.as_ref()?.smoother_lag }
+            }
+        })
     }
 
     /// Which method this is.
@@ -103,17 +134,22 @@ impl MethodConfig {
         match self {
             MethodConfig::MinDegeneracy => Method::MinDegeneracy,
             MethodConfig::Bootstrap => Method::Bootstrap,
-            MethodConfig::Fcnn(_) => Method::Fcnn,
-            MethodConfig::Rnn(_) => Method::Rnn,
+            MethodConfig::Fcnn(unit) => unit.anchored_or(Method::FcnnAnchored, Method::Fcnn),
+            MethodConfig::Rnn(unit) => unit.anchored_or(Method::RnnAnchored, Method::Rnn),
             MethodConfig::Gnn(_) => Method::Gnn,
-            MethodConfig::Psi(_) => Method::Psi,
+            MethodConfig::Psi(unit) => unit.anchored_or(Method::PsiAnchored, Method::Psi),
+            MethodConfig::ReferenceFilter => Method::ReferenceFilter,
+            MethodConfig::ReferenceSmoother { .. } => Method::ReferenceSmoother,
         }
     }
 
     /// The number of training steps, if it is trained.
     pub(crate) fn steps_mut(&mut self) -> Option<&mut usize> {
         match self {
-            MethodConfig::MinDegeneracy | MethodConfig::Bootstrap => None,
+            MethodConfig::MinDegeneracy
+            | MethodConfig::Bootstrap
+            | MethodConfig::ReferenceFilter
+            | MethodConfig::ReferenceSmoother { .. } => None,
             MethodConfig::Fcnn(unit) => Some(&mut unit.steps),
             MethodConfig::Rnn(unit) => Some(&mut unit.steps),
             MethodConfig::Gnn(unit) => Some(&mut unit.steps),
@@ -122,29 +158,55 @@ impl MethodConfig {
     }
 
     /// Hands the method's proposal to `visitor`.
-    pub(crate) fn visit<V: Visitor>(
-        &self,
-        model: &GraphDiffusion,
-        visitor: V,
-    ) -> Result<V::Output, UnitError> {
+    pub(crate) fn visit<V: Visitor>(&self, model: &Model, visitor: V) -> Result<V::Output, UnitError> {
         match self {
             MethodConfig::MinDegeneracy => visitor.designed(MinDegeneracy::new(model).map_err(failed)?),
             MethodConfig::Bootstrap => visitor.designed(Bootstrap),
-            MethodConfig::Fcnn(unit) => visitor.learned::<Fcnn>(unit),
-            MethodConfig::Rnn(unit) => visitor.learned::<Rnn>(unit),
-            MethodConfig::Gnn(unit) => visitor.learned::<Gnn>(unit),
-            MethodConfig::Psi(unit) => visitor.learned::<Psi>(unit),
+            MethodConfig::Fcnn(unit) => unit.hand_to::<Fcnn, V>(visitor),
+            MethodConfig::Rnn(unit) => unit.hand_to::<Rnn, V>(visitor),
+            MethodConfig::Gnn(unit) => unit.hand_to::<Gnn, V>(visitor),
+            MethodConfig::Psi(unit) => unit.hand_to::<Psi, V>(visitor),
+            MethodConfig::ReferenceFilter => visitor.reference(0),
+            MethodConfig::ReferenceSmoother { lag } => visitor.reference(*lag),
         }
     }
 }
 
-impl<Config> LearnedUnit<Config> {
-    fn of(plan: &Plan, proposal: Config) -> Self {
-        LearnedUnit {
-            proposal,
-            training: plan.experiment.training.clone(),
-            steps: plan.profile.training_steps,
-            backend: plan.backend,
+impl<Config: Clone> LearnedUnit<Config> {
+    fn of(plan: &Plan, method: Method, proposal: Config) -> Self {
+        let Experiment { training, proposals, epidemic, .. } = &plan.experiment;
+        let frames = proposals.standardised.as_ref().zip(epidemic.as_ref()).map(|(settings, epidemic)| {
+            let origin = match settings.origin {
+                _ if method.is_anchored() => Origin::Prediction,
+                config::Origin::Mean => Origin::Mean,
+                config::Origin::MeanAtEachTime => Origin::MeanAtEachTime,
+            };
+            let (trajectories, largest_state) = (settings.trajectories, epidemic.largest_state);
+            FrameSettings { origin, trajectories, largest_state }
+        });
+        let (training, steps, backend) = (training.clone(), plan.profile.training_steps, plan.backend);
+        LearnedUnit { proposal, training, steps, backend, frames }
+    }
+
+    fn anchored_or(&self, anchored: Method, plain: Method) -> Method {
+        match self.frames {
+            Some(FrameSettings { origin: Origin::Prediction, .. }) => anchored,
+            _ => plain,
+        }
+    }
+
+    fn hand_to<F: Family<Config = Config> + Proposal<Model>, V: Visitor>(
+        &self,
+        visitor: V,
+    ) -> Result<V::Output, UnitError> {
+        let LearnedUnit { proposal, training, steps, backend, frames } = self;
+        match frames {
+            None => visitor.learned::<F>(proposal, training, *steps, *backend),
+            Some(settings) => {
+                let frames = visitor.frames(settings)?;
+                let config = StandardisedConfig { family: proposal.clone(), frames };
+                visitor.learned::<Standardised<F>>(&config, training, *steps, *backend)
+            }
         }
     }
 }

@@ -3,6 +3,7 @@
 use motes_models::Sequence;
 
 use crate::Metric;
+use crate::config::Epidemic;
 use crate::problem::Problem;
 use crate::reference::{PosteriorMean, References};
 
@@ -20,6 +21,35 @@ pub(crate) struct Recorded {
 
 /// All metrics of one unit, in the order of the tables.
 pub(crate) fn metrics(problem: &Problem, references: &References, recorded: &Recorded) -> Vec<Metric> {
+    match problem.redrawn {
+        None => normalised(problem, references, recorded),
+        Some(redrawn) => by_state(problem, recorded, redrawn),
+    }
+}
+
+/// The error of each coordinate of an epidemic's state, over all times, and how much of it is the spread of single runs.
+fn by_state(problem: &Problem, recorded: &Recorded, redrawn: usize) -> Vec<Metric> {
+    let truth = problem.truth();
+    let (n, horizon) = (truth.width(), truth.len());
+    let mut found = Vec::new();
+    for (state, name) in Epidemic::STATES.iter().enumerate() {
+        let (mut error, mut spread) = (0.0, 0.0);
+        for time in 0..horizon {
+            let of_runs: Vec<f64> = recorded.coordinate(time, n, state).collect();
+            error += (mean(&of_runs) - truth.row(time)[state]).powi(2) / horizon as f64;
+            spread += standard_deviation(&of_runs).powi(2) / horizon as f64;
+        }
+        found.push(Metric::new(&format!("mse_{name}"), error));
+        found.push(Metric::new(&format!("run_variance_{name}"), spread));
+    }
+    found.push(Metric::new("ess", mean(&recorded.effective_sample_sizes)));
+    found.push(Metric::new("log_evidence_mean", mean(&recorded.log_evidence)));
+    found.push(Metric::new("log_evidence_std", standard_deviation(&recorded.log_evidence)));
+    found.push(Metric::new("trajectories_redrawn", redrawn as f64));
+    found
+}
+
+fn normalised(problem: &Problem, references: &References, recorded: &Recorded) -> Vec<Metric> {
     let truth = problem.truth();
     let (n, last) = (truth.width(), truth.len() - 1);
     let averages: Vec<Vec<f64>> =
@@ -55,6 +85,26 @@ pub(crate) fn metrics(problem: &Problem, references: &References, recorded: &Rec
 }
 
 impl Recorded {
+    /// Nothing yet, of `filters` filters over `horizon` times and `width` coordinates.
+    pub(crate) fn with_capacity(filters: usize, horizon: usize, width: usize) -> Self {
+        Recorded {
+            filters,
+            means: Vec::with_capacity(horizon * filters * width),
+            effective_sample_sizes: Vec::with_capacity(horizon * filters),
+            log_evidence: Vec::with_capacity(filters),
+        }
+    }
+
+    /// One coordinate of each filter's estimate at one time.
+    pub(crate) fn coordinate(
+        &self,
+        time: usize,
+        width: usize,
+        coordinate: usize,
+    ) -> impl Iterator<Item = f64> {
+        self.at(time, width).iter().skip(coordinate).step_by(width).copied()
+    }
+
     /// The estimates at one time, `B×N`.
     fn at(&self, time: usize, width: usize) -> &[f64] {
         let block = self.filters * width;
@@ -101,14 +151,18 @@ pub(crate) fn median(mut values: Vec<f64>) -> f64 {
 
 /// The values below which a quarter and three quarters of `values` lie, linear between two of them; NaN of nothing.
 pub(crate) fn quartiles(values: &[f64]) -> (f64, f64) {
+    quantiles(values, [0.25, 0.75]).into()
+}
+
+/// The values below which the given fractions of `values` lie, linear between two of them; NaN of nothing.
+pub(crate) fn quantiles<const COUNT: usize>(values: &[f64], fractions: [f64; COUNT]) -> [f64; COUNT] {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
-    let at = |fraction: f64| {
+    fractions.map(|fraction| {
         let place = fraction * sorted.len().saturating_sub(1) as f64;
         let (low, high) = (sorted.get(place.floor() as usize), sorted.get(place.ceil() as usize));
         low.zip(high).map_or(f64::NAN, |(low, high)| low + (high - low) * place.fract())
-    };
-    (at(0.25), at(0.75))
+    })
 }
 
 /// The sample standard deviation, over `n − 1`; 0 of one value.

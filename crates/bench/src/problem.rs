@@ -1,24 +1,38 @@
 //! The system that a unit works on, its measurements, and what is known exactly about them.
 
 use motes_models::{
-    Drift, GraphDiffusion, GraphDiffusionConfig, ModelError, Noise, Sequence, Trajectory, kalman, simulate,
+    AdditiveGaussian, Drift, Epidemic, EpidemicConfig, GraphDiffusion, GraphDiffusionConfig, ModelError,
+    Noise, Sequence, Simulator, StateGradients, Trajectory, kalman, simulate, simulate_within,
 };
 
 use crate::UnitConfig;
 use crate::config;
+use crate::unit::UnitSystem;
+
+/// All that experiments ask of a system.
+pub(crate) trait System: StateGradients + AdditiveGaussian + Simulator + Send {}
+
+impl<S: StateGradients + AdditiveGaussian + Simulator + Send> System for S {}
+
+/// Any system.
+pub(crate) type Model = dyn System;
 
 /// One repetition of an experiment.
 pub(crate) struct Problem {
     /// The system that data are drawn from.
-    pub(crate) system: GraphDiffusion,
+    pub(crate) system: Box<Model>,
     /// The model that weights and objective use.
-    pub(crate) model: GraphDiffusion,
+    pub(crate) model: Box<Model>,
+    /// The system with Gaussian noise of the same moments.
+    pub(crate) gaussian: Box<Model>,
     /// What was drawn from the true system.
     pub(crate) trajectory: Trajectory,
     /// Exact inference in the filter's model, where it is linear and Gaussian.
     pub(crate) exact: Option<Exact>,
     /// Whether the noise of the system is Gaussian, so that the exact means are also those of the system itself.
     pub(crate) has_gaussian_noise: bool,
+    /// How many trajectories were drawn in vain before this one, where those that run away are drawn again.
+    pub(crate) redrawn: Option<usize>,
 }
 
 /// Exact inference by the Kalman filter.
@@ -31,13 +45,16 @@ pub(crate) struct Exact {
 
 impl Problem {
     pub(crate) fn draw(unit: &UnitConfig) -> Result<Problem, ModelError> {
-        let config::System { drift, noise, densities, snr_db, neighbours, unmeasured, dimension, horizon } =
-            unit.system;
-        let noise = match noise {
-            config::Noise::Gaussian => Noise::Gaussian,
-            config::Noise::Exponential => Noise::Exponential,
-            config::Noise::Uniform => Noise::Uniform,
-        };
+        match &unit.system {
+            UnitSystem::Graph(system) => Problem::on_graph(unit, system),
+            UnitSystem::Epidemic(epidemic) => Problem::epidemic(unit, epidemic),
+        }
+    }
+
+    fn on_graph(unit: &UnitConfig, settings: &config::System) -> Result<Problem, ModelError> {
+        let &config::System { drift, noise, densities, snr_db, neighbours, unmeasured, dimension, horizon } =
+            settings;
+        let noise = family(noise);
         let drift = match drift {
             config::Drift::Identity => Drift::Identity,
             config::Drift::Abs => Drift::Abs,
@@ -48,10 +65,8 @@ impl Problem {
         let seed = unit.system_seed();
         let system = GraphDiffusion::random(&settings, &mut seed.child("graph").stream())?;
         let trajectory = simulate(&system, horizon, &mut seed.child("trajectory").stream())?;
-        let model = match densities {
-            config::Densities::Gaussian => system.with_noise(Noise::Gaussian),
-            config::Densities::Exact => system.clone(),
-        };
+        let gaussian = system.with_noise(Noise::Gaussian);
+        let model = believed(densities, &system, &gaussian);
         let believes_gaussian = noise == Noise::Gaussian || densities == config::Densities::Gaussian;
         let exact = if drift == Drift::Identity && believes_gaussian {
             let filtered = kalman::filter(&model.moment_matched()?, &trajectory.measurements)?;
@@ -60,7 +75,43 @@ impl Problem {
         } else {
             None
         };
-        Ok(Problem { system, model, trajectory, exact, has_gaussian_noise: noise == Noise::Gaussian })
+        Ok(Problem {
+            has_gaussian_noise: noise == Noise::Gaussian,
+            system: Box::new(system),
+            model: Box::new(model),
+            gaussian: Box::new(gaussian),
+            trajectory,
+            exact,
+            redrawn: None,
+        })
+    }
+
+    fn epidemic(unit: &UnitConfig, settings: &config::Epidemic) -> Result<Problem, ModelError> {
+        let noise = family(settings.noise);
+        let system = Epidemic::new(&EpidemicConfig {
+            infection_rate: settings.infection_rate,
+            removal_rate: settings.removal_rate,
+            time_step: settings.time_step,
+            initial_means: settings.initial_means,
+            initial_variance: settings.initial_variance,
+            state_variance: settings.state_variance,
+            measurement_variance: settings.measurement_variance,
+            noise,
+        })?;
+        let seed = unit.system_seed().child("trajectory");
+        let (trajectory, redrawn) =
+            simulate_within(&system, settings.horizon, settings.largest_state, &seed)?;
+        let gaussian = system.with_noise(Noise::Gaussian);
+        let model = believed(settings.densities, &system, &gaussian);
+        Ok(Problem {
+            system: Box::new(system),
+            model: Box::new(model),
+            gaussian: Box::new(gaussian),
+            trajectory,
+            exact: None,
+            has_gaussian_noise: noise == Noise::Gaussian,
+            redrawn: Some(redrawn),
+        })
     }
 
     /// What estimates are held against: the exact posterior means where they exist, else the simulated states.
@@ -69,5 +120,21 @@ impl Problem {
             Some(exact) if self.has_gaussian_noise => &exact.means,
             _ => &self.trajectory.states,
         }
+    }
+}
+
+fn family(noise: config::Noise) -> Noise {
+    match noise {
+        config::Noise::Gaussian => Noise::Gaussian,
+        config::Noise::Exponential => Noise::Exponential,
+        config::Noise::Uniform => Noise::Uniform,
+    }
+}
+
+/// The model that filters believe in.
+fn believed<S: Clone>(densities: config::Densities, system: &S, gaussian: &S) -> S {
+    match densities {
+        config::Densities::Gaussian => gaussian.clone(),
+        config::Densities::Exact => system.clone(),
     }
 }

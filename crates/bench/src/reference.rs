@@ -3,12 +3,12 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use motes_models::{GraphDiffusion, Noise, Seed};
+use motes_models::Seed;
 use motes_smc::{Bootstrap, FilterError, FilterSettings, MinDegeneracy, ParticleFilter, Proposal};
 
 use crate::evaluate::{UnitError, failed};
 use crate::metrics::{squared_error, squared_norm};
-use crate::problem::Problem;
+use crate::problem::{Model, Problem};
 use crate::{Interrupt, UnitConfig};
 
 /// An estimate of `E[x_{T−1} | y_{0:T−1}]`.
@@ -72,22 +72,22 @@ fn find(
             Some(PosteriorMean { mean: exact.means.row(exact.means.len() - 1).to_vec(), difference: None })
         }
         None => {
-            let model = problem.system.with_noise(Noise::Gaussian);
-            let proposal = MinDegeneracy::new(&model).map_err(failed)?;
-            two_filters(&model, &proposal, particles, problem, &seed.child("gaussian"), interrupt)?
+            let model = &*problem.gaussian;
+            let proposal = MinDegeneracy::new(model).map_err(failed)?;
+            two_filters(model, &proposal, particles, problem, &seed.child("gaussian"), interrupt)?
         }
     };
     let exact = if problem.has_gaussian_noise {
         None
     } else {
-        two_filters(&problem.system, &Bootstrap, particles, problem, &seed.child("exact"), interrupt)?
+        two_filters(&*problem.system, &Bootstrap, particles, problem, &seed.child("exact"), interrupt)?
     };
     Ok(References { gaussian, exact })
 }
 
 /// The average of two filters; none where all weights of one vanish, and nothing is then held against it.
-fn two_filters<P: Proposal<GraphDiffusion> + Clone>(
-    model: &GraphDiffusion,
+fn two_filters<P: Proposal<Model> + Clone>(
+    model: &Model,
     proposal: &P,
     particles: usize,
     problem: &Problem,
@@ -102,8 +102,8 @@ fn two_filters<P: Proposal<GraphDiffusion> + Clone>(
 }
 
 /// One filter's estimate at the last time; none where all its weights vanish.
-fn last_mean<P: Proposal<GraphDiffusion>>(
-    model: &GraphDiffusion,
+fn last_mean<P: Proposal<Model>>(
+    model: &Model,
     proposal: P,
     particles: usize,
     problem: &Problem,

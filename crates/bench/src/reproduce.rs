@@ -3,13 +3,15 @@
 use std::collections::BTreeSet;
 
 use crate::config::{Axis, Panel, Plan, Point};
-use crate::figure::figure;
+use crate::figure::{figure, series_figure};
 use crate::manifest::{manifest, revision, revisions};
 use crate::progress::{Progress, duration};
 use crate::runner::{Event, run};
 use crate::say::{news, result};
 use crate::store::{Contents, Outcome, Record};
-use crate::tables::{failures_csv, markdown, sort, summarise, summary_csv, timings_csv, units_csv};
+use crate::tables::{
+    failures_csv, markdown, redrawn, series_csv, sort, summarise, summary_csv, timings_csv, units_csv,
+};
 use crate::{Estimator, Evaluator, Interrupt, Store, StoreError, UnitConfig, UnitError};
 
 /// How a run ended.
@@ -176,9 +178,9 @@ fn run_missing(
             Event::Ended(_, Err(UnitError::Interrupted)) => {}
             Event::Ended(_, Err(UnitError::NotKept(reason))) => return Err(StoreError::Model(reason)),
             Event::Ended(index, result) => {
-                let (outcome, timings) = match result {
-                    Ok(found) => (Outcome::Metrics(found.metrics), found.timings),
-                    Err(error) => (Outcome::Failed(error.to_string()), vec![]),
+                let (outcome, timings, series) = match result {
+                    Ok(found) => (Outcome::Metrics(found.metrics), found.timings, found.series),
+                    Err(error) => (Outcome::Failed(error.to_string()), vec![], None),
                 };
                 let record = Record {
                     point: points[index].clone(),
@@ -186,6 +188,7 @@ fn run_missing(
                     revision: revision.clone(),
                     outcome,
                     timings,
+                    series,
                 };
                 store.write(&record)?;
                 let failure = match &record.outcome {
@@ -206,7 +209,10 @@ fn write_outputs(plan: &Plan, store: &Store, records: &[Record]) -> Result<(), S
     let rows = summarise(records);
     let (axis, title) = (axis_label(plan.experiment.axis), &plan.experiment.title);
     let title = format!("{title} ({figure_name}, profile {})", plan.profile_name);
-    let table = markdown(&title, axis, &rows);
+    let mut table = markdown(&title, axis, &rows, &plan.experiment.printed);
+    if let Some(note) = redrawn(records) {
+        table += &format!("\n{note}\n");
+    }
     store.write_file("units.csv", &units_csv(figure_name, records))?;
     store.write_file("timings.csv", &timings_csv(figure_name, records))?;
     store.write_file("failures.csv", &failures_csv(figure_name, records))?;
@@ -214,8 +220,14 @@ fn write_outputs(plan: &Plan, store: &Store, records: &[Record]) -> Result<(), S
     store.write_file("table.md", &table)?;
     store.write_file("manifest.json", &manifest(plan, records))?;
     if !rows.is_empty() {
-        let svg = figure(plan, &title, &rows).map_err(|error| StoreError::Figure(error.to_string()))?;
-        store.write_file("figure.svg", &svg)?;
+        let svg = match &plan.experiment.series {
+            None => figure(plan, &title, &rows),
+            Some(shown) => series_figure(shown, &title, records),
+        };
+        store.write_file("figure.svg", &svg.map_err(|error| StoreError::Figure(error.to_string()))?)?;
+    }
+    if plan.experiment.series.is_some() {
+        store.write_file("series.csv", &series_csv(figure_name, records))?;
     }
     let revisions = revisions(records);
     if revisions.len() > 1 {

@@ -82,7 +82,7 @@ mod tests {
             4 => Err(UnitError::Failed("four".into())),
             repetition => {
                 let metrics = vec![Metric::new("ess", repetition as f64)];
-                Ok(Evaluation { metrics, timings: vec![] })
+                Ok(Evaluation { metrics, timings: vec![], series: None })
             }
         }
     }

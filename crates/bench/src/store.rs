@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::config::Point;
+use crate::series::Series;
 use crate::{Metric, UnitConfig};
 
 /// What is stored of a unit.
@@ -23,6 +24,9 @@ pub struct Record {
     pub outcome: Outcome,
     /// What depends on the clock.
     pub timings: Vec<Metric>,
+    /// Estimates over time, where the experiment shows them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub series: Option<Series>,
 }
 
 /// How a unit ended.
@@ -232,7 +236,7 @@ fn whole(bytes: &[u8]) -> Option<&str> {
 mod tests {
     use super::*;
     use crate::config::Method;
-    use crate::unit::tests::unit;
+    use crate::unit::tests::{on_graph, unit};
 
     fn record() -> Record {
         Record {
@@ -241,6 +245,7 @@ mod tests {
             revision: "0123".into(),
             outcome: Outcome::Metrics(vec![Metric::new("ess", 0.1 + 0.2)]),
             timings: vec![],
+            series: None,
         }
     }
 
@@ -293,7 +298,7 @@ mod tests {
         let store = Store::open(folder.path()).unwrap();
         let mut awkward = record();
         // A parser that rounds twice takes the first of these for its neighbour.
-        awkward.config.system.snr_db = 0.9522444552911937;
+        on_graph(&mut awkward.config).snr_db = 0.9522444552911937;
         awkward.outcome =
             Outcome::Metrics(vec![Metric::new("ess", 5.0e-324), Metric::new("loss", 1.0 / 3.0)]);
         store.write(&awkward).unwrap();

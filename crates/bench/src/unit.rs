@@ -3,18 +3,26 @@
 use motes_models::Seed;
 use serde::{Deserialize, Serialize};
 
-use crate::config::{Drift, Filter, Method, Noise, Plan, Point, System};
+use crate::config::{Drift, Epidemic, Filter, Method, Noise, Plan, Point, System};
 use crate::methods::MethodConfig;
 
 /// The newest version of what a unit's configuration means; each method has the one since which it means what it means.
 pub const UNIT_FORMAT: u32 = 5;
+
+/// Independent runs of a reference filter, which tell how precise it is.
+const REFERENCE_RUNS: usize = 2;
 
 /// The version since which a method's configuration means what it means. Raised by hand, to one above [`UNIT_FORMAT`], whenever the same
 /// configuration gives other numbers than before, so that old units are never taken for new ones.
 fn format_of(method: Method) -> u32 {
     match method {
         Method::MinDegeneracy | Method::Bootstrap | Method::Fcnn | Method::Rnn | Method::Psi => 4,
-        Method::Gnn => 5,
+        Method::Gnn
+        | Method::FcnnAnchored
+        | Method::RnnAnchored
+        | Method::PsiAnchored
+        | Method::ReferenceFilter
+        | Method::ReferenceSmoother => 5,
     }
 }
 
@@ -28,7 +36,7 @@ pub struct UnitConfig {
     /// The repetition: which graph, trajectory and initial weights.
     pub repetition: usize,
     /// The system, with this unit's own N and T.
-    pub system: System,
+    pub system: UnitSystem,
     /// The filter, with this unit's own K.
     pub filter: Filter,
     /// Independent filters.
@@ -40,26 +48,74 @@ pub struct UnitConfig {
     pub method: MethodConfig,
 }
 
-/// Whether the Kalman filter gives the posterior means of the system itself.
-fn has_exact_means(system: &System) -> bool {
-    system.drift == Drift::Identity && system.noise == Noise::Gaussian
+/// The system of a unit.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum UnitSystem {
+    /// On a graph.
+    Graph(System),
+    /// An epidemic.
+    Epidemic(Epidemic),
+}
+
+impl UnitSystem {
+    /// N.
+    pub fn dimension(&self) -> usize {
+        match self {
+            UnitSystem::Graph(system) => system.dimension,
+            UnitSystem::Epidemic(_) => Epidemic::DIMENSION,
+        }
+    }
+
+    /// T.
+    pub fn horizon(&self) -> usize {
+        match self {
+            UnitSystem::Graph(system) => system.horizon,
+            UnitSystem::Epidemic(epidemic) => epidemic.horizon,
+        }
+    }
+
+    /// Makes it last for another T.
+    pub(crate) fn set_horizon(&mut self, horizon: usize) {
+        match self {
+            UnitSystem::Graph(system) => system.horizon = horizon,
+            UnitSystem::Epidemic(epidemic) => epidemic.horizon = horizon,
+        }
+    }
+
+    /// Whether an estimate is held against a posterior mean that has to be estimated by filters.
+    fn has_estimated_means(&self) -> bool {
+        match self {
+            UnitSystem::Graph(system) => system.drift != Drift::Identity || system.noise != Noise::Gaussian,
+            UnitSystem::Epidemic(_) => false,
+        }
+    }
 }
 
 impl UnitConfig {
     /// The unit at a point of a plan's figure; `None` if the figure has no such panel.
     pub fn at(plan: &Plan, point: &Point) -> Option<UnitConfig> {
         let (n, t, k) = plan.sizes(&point.panel, point.x)?;
-        let experiment = &plan.experiment;
+        let (experiment, profile) = (&plan.experiment, &plan.profile);
+        let system = match (&experiment.system, &experiment.epidemic) {
+            (Some(system), _) => UnitSystem::Graph(System { dimension: n, horizon: t, ..system.clone() }),
+            (None, Some(epidemic)) => UnitSystem::Epidemic(Epidemic { horizon: t, ..epidemic.clone() }),
+            (None, None) => return None,
+        };
+        // What others are held against does not depend on how many particles they have.
+        let (particles, filter_runs) = match point.method.is_reference() {
+            true => (profile.reference_particles, REFERENCE_RUNS),
+            false => (k, profile.filter_runs),
+        };
         Some(UnitConfig {
             format: format_of(point.method),
             seed: plan.seed,
             repetition: point.repetition,
-            system: System { dimension: n, horizon: t, ..experiment.system.clone() },
-            filter: Filter { particles: k, ..experiment.filter.clone() },
-            filter_runs: plan.profile.filter_runs,
-            reference_particles: (!has_exact_means(&experiment.system))
-                .then_some(plan.profile.reference_particles),
-            method: MethodConfig::of(point.method, plan),
+            reference_particles: system.has_estimated_means().then_some(profile.reference_particles),
+            system,
+            filter: Filter { particles, ..experiment.filter.clone() },
+            filter_runs,
+            method: MethodConfig::of(point.method, plan)?,
         })
     }
 
@@ -74,12 +130,13 @@ impl UnitConfig {
     /// T is left out too: a longer trajectory begins with the shorter one.
     pub fn system_seed(&self) -> Seed {
         let system = Seed::from_u64(self.seed).child("system");
-        system.nth(self.system.dimension as u64).nth(self.repetition as u64)
+        system.nth(self.system.dimension() as u64).nth(self.repetition as u64)
     }
 
     /// The streams of this unit alone: initial weights, training noise, filters.
     pub fn own_seed(&self) -> Seed {
-        [self.system.dimension, self.system.horizon, self.filter.particles, self.repetition].into_iter().fold(
+        let UnitConfig { system, filter, .. } = self;
+        [system.dimension(), system.horizon(), filter.particles, self.repetition].into_iter().fold(
             Seed::from_u64(self.seed).child("unit").child(self.method.method().name()),
             |seed, index| seed.nth(index as u64),
         )
@@ -106,7 +163,7 @@ pub(crate) mod tests {
             format: format_of(Method::Bootstrap),
             seed: 1,
             repetition: 0,
-            system: System {
+            system: UnitSystem::Graph(System {
                 drift: Drift::Identity,
                 noise: Noise::Gaussian,
                 densities: Densities::Gaussian,
@@ -115,11 +172,19 @@ pub(crate) mod tests {
                 unmeasured: 2,
                 dimension,
                 horizon,
-            },
+            }),
             filter: Filter { particles, resampling: Resampling::Multinomial, ess_threshold: 1.0 / 3.0 },
             filter_runs: 3,
             reference_particles: None,
             method: MethodConfig::Bootstrap,
+        }
+    }
+
+    /// The settings of a unit's system, to be changed.
+    pub(crate) fn on_graph(unit: &mut UnitConfig) -> &mut System {
+        match &mut unit.system {
+            UnitSystem::Graph(system) => system,
+            UnitSystem::Epidemic(_) => panic!("the unit is not on a graph"),
         }
     }
 
@@ -136,7 +201,7 @@ pub(crate) mod tests {
             epsilon: 1e-8,
         };
         let proposal = FcnnConfig { widths: vec![8, 8], ridge: 1e-6 };
-        let fcnn = LearnedUnit { proposal, training, steps: 5, backend: Backend::Native };
+        let fcnn = LearnedUnit { proposal, training, steps: 5, backend: Backend::Native, frames: None };
         UnitConfig { method: MethodConfig::Fcnn(fcnn), ..unit(dimension, horizon, particles) }
     }
 
@@ -153,7 +218,7 @@ pub(crate) mod tests {
             change(|unit| unit.format += 1),
             change(|unit| unit.seed = 2),
             change(|unit| unit.repetition = 1),
-            change(|unit| unit.system.snr_db = 6.0),
+            change(|unit| on_graph(unit).snr_db = 6.0),
             change(|unit| unit.filter.ess_threshold = 0.5),
             change(|unit| unit.filter_runs = 4),
             change(|unit| unit.reference_particles = Some(100)),

@@ -1,17 +1,31 @@
 //! The numbers of an experiment file: each in its range, or named.
 
-use super::{Axis, ConfigError, Experiment, Gradient};
+use super::{Axis, ConfigError, Epidemic, Experiment, Gradient, Method, System};
 
 /// Checks every number that a run would use, for all profiles.
 pub(super) fn check(file: &str, experiment: &Experiment) -> Result<(), ConfigError> {
     let checks = Checks { file };
-    let Experiment { axis, methods, system, filter, training, proposals, panels, profiles, .. } = experiment;
-
-    checks.at_least_one("system.neighbours", system.neighbours)?;
-    checks.at_least_one("system.dimension", system.dimension)?;
-    checks.at_least_one("system.horizon", system.horizon)?;
-    let decibels = (-200.0..=200.0).contains(&system.snr_db);
-    checks.that(decibels, "system.snr_db", system.snr_db, "it must be a number of dB from -200 to 200")?;
+    let Experiment { axis, methods, system, epidemic, filter, training, proposals, panels, profiles, .. } =
+        experiment;
+    match (system, epidemic) {
+        (Some(system), None) => {
+            checks.system(system)?;
+            let over_time = experiment.series.is_some();
+            checks.that(!over_time, "series", "there", "only an [epidemic] is shown over time")?;
+        }
+        (None, Some(epidemic)) => checks.epidemic(experiment, epidemic)?,
+        (None, None) => {
+            checks.that(false, "system", "absent", "a file describes a [system] or an [epidemic]")?
+        }
+        (Some(_), Some(_)) => {
+            checks.that(
+                false,
+                "epidemic",
+                "there",
+                "a file describes a [system] or an [epidemic], not both",
+            )?;
+        }
+    }
     checks.at_least_one("filter.particles", filter.particles)?;
     let fraction = filter.ess_threshold > 0.0 && filter.ess_threshold <= 1.0;
     checks.that(
@@ -52,16 +66,24 @@ pub(super) fn check(file: &str, experiment: &Experiment) -> Result<(), ConfigErr
     proposals.check(&checks)?;
 
     checks.distinct("methods", methods.iter().map(|method| method.name().to_string()))?;
+    for method in methods {
+        checks.method(experiment, *method)?;
+    }
     checks.distinct("panels", panels.iter().map(|panel| panel.name.clone()))?;
+    let dimension = experiment.sizes().map_or(0, |(dimension, _)| dimension);
     for panel in panels {
         let key = format!("panels.{}.dimension", panel.name);
-        match panel.dimension {
-            Some(dimension) => checks.system_of(experiment, dimension, &key)?,
-            None => checks.system_of(experiment, system.dimension, "system.dimension")?,
+        match (system, panel.dimension) {
+            (Some(system), Some(dimension)) => checks.system_of(system, dimension, &key)?,
+            (Some(system), None) => checks.system_of(system, dimension, "system.dimension")?,
+            (None, Some(dimension)) => {
+                checks.that(false, &key, dimension, "an epidemic has three coordinates")?
+            }
+            (None, None) => {}
         }
     }
     // Panels differ in N or not at all: units of equal configuration would be one and the same.
-    let sizes = panels.iter().map(|panel| panel.dimension.unwrap_or(system.dimension));
+    let sizes = panels.iter().map(|panel| panel.dimension.unwrap_or(dimension));
     checks.distinct("panels.*.dimension", sizes.map(|dimension| dimension.to_string()))?;
     let one_panel = *axis != Axis::Dimension || panels.len() == 1;
     checks.that(
@@ -75,8 +97,8 @@ pub(super) fn check(file: &str, experiment: &Experiment) -> Result<(), ConfigErr
         checks.distinct(&key("x"), profile.x.iter().map(usize::to_string))?;
         for &x in &profile.x {
             checks.at_least_one(&key("x"), x)?;
-            if *axis == Axis::Dimension {
-                checks.system_of(experiment, x, &key("x"))?;
+            if let (Axis::Dimension, Some(system)) = (axis, system) {
+                checks.system_of(system, x, &key("x"))?;
             }
         }
         checks.at_least_one(&key("repetitions"), profile.repetitions)?;
@@ -84,6 +106,8 @@ pub(super) fn check(file: &str, experiment: &Experiment) -> Result<(), ConfigErr
         checks.at_least_one(&key("training_steps"), profile.training_steps)?;
         checks.at_least_one(&key("reference_particles"), profile.reference_particles)?;
         profile.sizes.check(name, &checks)?;
+        let is_graph_sized = profile.sizes.gnn.is_some() || !methods.contains(&Method::Gnn);
+        checks.that(is_graph_sized, &key("sizes.gnn"), "absent", "the method gnn needs it")?;
         if let Some(chosen) = &profile.panels {
             checks.distinct(&key("panels"), chosen.iter().cloned())?;
             for panel in chosen {
@@ -143,9 +167,83 @@ impl Checks<'_> {
         self.that(twice.is_none(), key, format!("{values:?}"), "no value may stand twice")
     }
 
+    fn system(&self, system: &System) -> Result<(), ConfigError> {
+        self.at_least_one("system.neighbours", system.neighbours)?;
+        self.at_least_one("system.dimension", system.dimension)?;
+        self.at_least_one("system.horizon", system.horizon)?;
+        let decibels = (-200.0..=200.0).contains(&system.snr_db);
+        self.that(decibels, "system.snr_db", system.snr_db, "it must be a number of dB from -200 to 200")
+    }
+
+    fn epidemic(&self, experiment: &Experiment, epidemic: &Epidemic) -> Result<(), ConfigError> {
+        let key = |name: &str| format!("epidemic.{name}");
+        let Epidemic { infection_rate, removal_rate, time_step, .. } = *epidemic;
+        let rates =
+            [("infection_rate", infection_rate), ("removal_rate", removal_rate), ("time_step", time_step)];
+        for (name, rate) in rates {
+            let fine = rate >= 0.0 && rate.is_finite();
+            self.that(fine, &key(name), rate, "it must be at least 0 and finite")?;
+        }
+        for mean in epidemic.initial_means {
+            self.that(mean.is_finite(), &key("initial_means"), mean, "it must be finite")?;
+        }
+        for (name, value) in [
+            ("initial_variance", epidemic.initial_variance),
+            ("state_variance", epidemic.state_variance),
+            ("measurement_variance", epidemic.measurement_variance),
+            ("largest_state", epidemic.largest_state),
+        ] {
+            let fine = value > 0.0 && value.is_finite();
+            self.that(fine, &key(name), value, "it must be positive and finite")?;
+        }
+        self.at_least_one(&key("horizon"), epidemic.horizon)?;
+        if let Some(series) = &experiment.series {
+            let known = Epidemic::STATES.contains(&series.state.as_str());
+            self.that(known, "series.state", &series.state, &super::one_of(&series.state, Epidemic::STATES))?;
+            for window @ [first, last] in &series.windows {
+                let fine = first < last && *last <= epidemic.horizon;
+                let expected =
+                    format!("it must be two times, the first before the last, up to {}", epidemic.horizon);
+                self.that(fine, "series.windows", format!("{window:?}"), &expected)?;
+            }
+            self.that(
+                !series.windows.is_empty(),
+                "series.windows",
+                "empty",
+                "it must have one window or more",
+            )?;
+        }
+        let has_axis = experiment.axis != Axis::Dimension;
+        self.that(has_axis, "axis", "dimension", "an epidemic always has three coordinates")
+    }
+
+    /// What a method needs beside what every experiment has.
+    fn method(&self, experiment: &Experiment, method: Method) -> Result<(), ConfigError> {
+        let Experiment { epidemic, proposals, reference, .. } = experiment;
+        let name = method.name();
+        if method == Method::Gnn {
+            let expected = "an epidemic has no graph, which gnn needs";
+            self.that(epidemic.is_none(), "methods", name, expected)?;
+            self.that(proposals.gnn.is_some(), "proposals.gnn", "absent", "the method gnn needs it")?;
+        }
+        if method.is_anchored() || proposals.standardised.is_some() {
+            let expected =
+                "networks work in the units of simulated trajectories only where the system is an [epidemic]";
+            self.that(epidemic.is_some(), "proposals.standardised", name, expected)?;
+        }
+        if method.is_anchored() {
+            let there = proposals.standardised.is_some();
+            self.that(there, "proposals.standardised", "absent", "anchored methods need it")?;
+        }
+        if method.is_reference() {
+            self.that(epidemic.is_some(), "methods", name, "only an [epidemic] has reference methods")?;
+            self.that(reference.is_some(), "reference", "absent", "reference methods need it")?;
+        }
+        Ok(())
+    }
+
     /// N against what the graph and the measurement matrix need of it.
-    fn system_of(&self, experiment: &Experiment, dimension: usize, key: &str) -> Result<(), ConfigError> {
-        let system = &experiment.system;
+    fn system_of(&self, system: &System, dimension: usize, key: &str) -> Result<(), ConfigError> {
         let enough = dimension > system.neighbours;
         self.that(enough, key, dimension, &format!("N must exceed the {} neighbours", system.neighbours))?;
         let half = 2 * system.unmeasured <= dimension;

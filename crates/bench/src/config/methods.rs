@@ -21,6 +21,16 @@ pub enum Method {
     Gnn,
     /// The learned transform of uniform noise.
     Psi,
+    /// The fully connected proposal around a linear prediction.
+    FcnnAnchored,
+    /// The recurrent proposal around a linear prediction.
+    RnnAnchored,
+    /// The transform of uniform noise around a linear prediction.
+    PsiAnchored,
+    /// The transition with very many particles and the densities that data were drawn with.
+    ReferenceFilter,
+    /// The same, with later measurements.
+    ReferenceSmoother,
 }
 
 impl Method {
@@ -33,6 +43,11 @@ impl Method {
             Method::Rnn => "rnn",
             Method::Gnn => "gnn",
             Method::Psi => "psi",
+            Method::FcnnAnchored => "fcnn-anchored",
+            Method::RnnAnchored => "rnn-anchored",
+            Method::PsiAnchored => "psi-anchored",
+            Method::ReferenceFilter => "reference-filter",
+            Method::ReferenceSmoother => "reference-smoother",
         }
     }
 
@@ -41,16 +56,29 @@ impl Method {
         match self {
             Method::MinDegeneracy => [70, 70, 70],
             Method::Bootstrap => [160, 160, 160],
-            Method::Fcnn => [0, 114, 178],
-            Method::Rnn => [213, 94, 0],
+            Method::Fcnn | Method::FcnnAnchored => [0, 114, 178],
+            Method::Rnn | Method::RnnAnchored => [213, 94, 0],
             Method::Gnn => [0, 158, 115],
-            Method::Psi => [204, 121, 167],
+            Method::Psi | Method::PsiAnchored => [204, 121, 167],
+            Method::ReferenceFilter => [86, 180, 233],
+            Method::ReferenceSmoother => [230, 159, 0],
         }
     }
 
     /// Whether it is trained.
     pub fn is_learned(self) -> bool {
-        !matches!(self, Method::MinDegeneracy | Method::Bootstrap)
+        use Method::{Fcnn, FcnnAnchored, Gnn, Psi, PsiAnchored, Rnn, RnnAnchored};
+        matches!(self, Fcnn | Rnn | Gnn | Psi | FcnnAnchored | RnnAnchored | PsiAnchored)
+    }
+
+    /// Whether it is a family around a linear prediction.
+    pub fn is_anchored(self) -> bool {
+        matches!(self, Method::FcnnAnchored | Method::RnnAnchored | Method::PsiAnchored)
+    }
+
+    /// Whether others are held against it.
+    pub fn is_reference(self) -> bool {
+        matches!(self, Method::ReferenceFilter | Method::ReferenceSmoother)
     }
 }
 
@@ -62,10 +90,34 @@ pub struct Proposals {
     pub fcnn: Fcnn,
     /// The recurrent proposal.
     pub rnn: Rnn,
-    /// The graph proposal.
-    pub gnn: Gnn,
+    /// The graph proposal, where there is a graph.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gnn: Option<Gnn>,
     /// The transform of uniform noise.
     pub psi: Psi,
+    /// In which units networks work; in those of the system if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub standardised: Option<Standardised>,
+}
+
+/// Networks in the units of simulated trajectories.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Standardised {
+    /// What the outputs of `fcnn`, `rnn` and `psi` are counted from.
+    pub origin: Origin,
+    /// How many trajectories of the model are simulated.
+    pub trajectories: usize,
+}
+
+/// What the outputs of networks are counted from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Origin {
+    /// The mean over trajectories and times.
+    Mean,
+    /// The mean over trajectories, at each time.
+    MeanAtEachTime,
 }
 
 /// Settings of the fully connected proposal.
@@ -138,8 +190,9 @@ pub struct Sizes {
     pub fcnn: Vec<usize>,
     /// Hidden units of the recurrent proposal.
     pub rnn: usize,
-    /// Features of the graph proposal.
-    pub gnn: Vec<usize>,
+    /// Features of the graph proposal, where there is a graph.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gnn: Option<Vec<usize>>,
     /// Square layers of the transform.
     pub psi: usize,
 }
@@ -149,23 +202,30 @@ const LARGEST: usize = 65_536;
 
 impl Proposals {
     pub(super) fn check(&self, checks: &Checks<'_>) -> Result<(), ConfigError> {
-        let Proposals { fcnn, rnn, gnn, psi } = self;
-        for (family, ridge) in
-            [("fcnn", fcnn.ridge), ("rnn", rnn.ridge), ("gnn", gnn.ridge), ("psi", psi.ridge)]
-        {
+        let Proposals { fcnn, rnn, gnn, psi, standardised } = self;
+        let ridges = [("fcnn", fcnn.ridge), ("rnn", rnn.ridge), ("psi", psi.ridge)];
+        for (family, ridge) in ridges.into_iter().chain(gnn.iter().map(|gnn| ("gnn", gnn.ridge))) {
             let fine = ridge >= 0.0 && ridge.is_finite();
             let key = format!("proposals.{family}.ridge");
             checks.that(fine, &key, ridge, "it must be at least 0 and finite")?;
         }
         checks.within("proposals.rnn.depth", rnn.depth, 1, 64)?;
-        checks.within("proposals.gnn.order", gnn.order, 0, 64)
+        if let Some(gnn) = gnn {
+            checks.within("proposals.gnn.order", gnn.order, 0, 64)?;
+        }
+        if let Some(standardised) = standardised {
+            let key = "proposals.standardised.trajectories";
+            checks.within(key, standardised.trajectories, 1, 1_000_000)?;
+        }
+        Ok(())
     }
 }
 
 impl Sizes {
     pub(super) fn check(&self, profile: &str, checks: &Checks<'_>) -> Result<(), ConfigError> {
         let key = |family: &str| format!("profiles.{profile}.sizes.{family}");
-        for (family, widths) in [("fcnn", &self.fcnn), ("gnn", &self.gnn)] {
+        let gnn = self.gnn.iter().map(|widths| ("gnn", widths));
+        for (family, widths) in [("fcnn", &self.fcnn)].into_iter().chain(gnn) {
             let fine = !widths.is_empty() && widths.iter().all(|width| (1..=LARGEST).contains(width));
             let expected = "it must be one or more widths from 1 to 65536";
             checks.that(fine, &key(family), format!("{widths:?}"), expected)?;

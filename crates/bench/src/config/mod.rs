@@ -13,9 +13,9 @@ mod schema;
 
 pub use args::{BenchArgs, Parsed, ReproduceArgs, VerifyArgs, parse};
 pub use error::{ConfigError, one_of};
-pub use methods::{Adapter, Cell, Fcnn, Gnn, Method, Proposals, Psi, Rnn, Sizes};
+pub use methods::{Adapter, Cell, Fcnn, Gnn, Method, Origin, Proposals, Psi, Rnn, Sizes, Standardised};
 pub use plan::{Backend, Plan, Point, check_output, plans, whole_figure};
 pub use schema::{
-    Axis, Densities, Drift, Experiment, Filter, Gradient, Noise, Objective, Panel, Profile, Resampling,
-    System, Training,
+    Axis, Densities, Drift, Epidemic, Experiment, Filter, Gradient, Noise, Objective, Panel, Profile,
+    Reference, Resampling, SeriesFigure, System, Training,
 };

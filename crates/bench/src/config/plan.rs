@@ -96,9 +96,10 @@ impl Plan {
 
     /// N, T and K of the units at `x` in the panel of that name; `None` if the figure has no such panel.
     pub fn sizes(&self, panel: &str, x: usize) -> Option<(usize, usize, usize)> {
-        let Experiment { system, filter, axis, panels, .. } = &self.experiment;
+        let Experiment { filter, axis, panels, .. } = &self.experiment;
         let panel = panels.iter().find(|found| found.name == panel)?;
-        let (n, t, k) = (panel.dimension.unwrap_or(system.dimension), system.horizon, filter.particles);
+        let (dimension, t) = self.experiment.sizes()?;
+        let (n, k) = (panel.dimension.unwrap_or(dimension), filter.particles);
         Some(match axis {
             Axis::Particles => (n, t, x),
             Axis::Horizon => (n, x, k),
@@ -113,15 +114,23 @@ impl Plan {
 /// [`ConfigError`] for anything that could not be run.
 pub fn plans(args: &ReproduceArgs) -> Result<Vec<Plan>, ConfigError> {
     let known = figures(&args.experiments())?;
-    let chosen: Vec<&String> = match args.figure.as_str() {
-        "all" => known.iter().collect(),
-        figure => known.iter().filter(|known| *known == figure).collect(),
-    };
-    if chosen.is_empty() {
-        let names = known.iter().map(String::as_str).chain(["all"]);
-        return Err(refuse("figure", &args.figure, one_of(&args.figure, names)));
+    if args.figure == "all" {
+        return known.iter().map(|figure| plan(figure, args)).collect();
     }
-    chosen.into_iter().map(|figure| plan(figure, args)).collect()
+    if known.contains(&args.figure) {
+        return Ok(vec![plan(&args.figure, args)?]);
+    }
+    let mut others = Vec::new();
+    for figure in &known {
+        let file = args.experiments().join(format!("{figure}.toml"));
+        let also = load(&file)?.also;
+        if also.contains(&args.figure) {
+            return Ok(vec![plan(figure, args)?]);
+        }
+        others.extend(also);
+    }
+    let names = known.iter().chain(&others).map(String::as_str).chain(["all"]);
+    Err(refuse("figure", &args.figure, one_of(&args.figure, names)))
 }
 
 /// Every panel and x of a figure's paper profile; those of an experiment that has no file yet are none.

@@ -16,18 +16,42 @@ pub struct Experiment {
     pub axis: Axis,
     /// The methods it compares, in the order of its legend.
     pub methods: Vec<Method>,
-    /// The system.
-    pub system: System,
+    /// Other names that the experiment goes by: a figure that shows the same runs as a table, say.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub also: Vec<String>,
+    /// The system, if it lives on a graph.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub system: Option<System>,
+    /// The system, if it is an epidemic.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub epidemic: Option<Epidemic>,
     /// The filter.
     pub filter: Filter,
+    /// The filter and smoother with exact densities that others are held against, where they are among the methods.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reference: Option<Reference>,
     /// How proposals are trained.
     pub training: Training,
     /// Settings of the learned families.
     pub proposals: Proposals,
     /// The panels side by side; one named `all` where the figure has none.
     pub panels: Vec<Panel>,
+    /// What the figure shows over time, where that is what it shows.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub series: Option<SeriesFigure>,
+    /// What the paper prints: by method, the value of each metric.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub printed: BTreeMap<Method, BTreeMap<String, f64>>,
     /// What smoke, quick and paper runs do.
     pub profiles: BTreeMap<String, Profile>,
+}
+
+impl Experiment {
+    /// N and T, where neither a panel nor the x axis says otherwise; `None` if the file describes no system.
+    pub(super) fn sizes(&self) -> Option<(usize, usize)> {
+        let of_graph = self.system.as_ref().map(|system| (system.dimension, system.horizon));
+        of_graph.or_else(|| self.epidemic.as_ref().map(|epidemic| (Epidemic::DIMENSION, epidemic.horizon)))
+    }
 }
 
 /// What the x axis varies; it overrides the fixed value of the same quantity.
@@ -62,6 +86,60 @@ pub struct System {
     pub dimension: usize,
     /// T; the x axis may say otherwise.
     pub horizon: usize,
+}
+
+/// Susceptible, infected and removed people, of which the first and the last are measured; every noise is centred.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Epidemic {
+    /// β.
+    pub infection_rate: f64,
+    /// γ.
+    pub removal_rate: f64,
+    /// Δ, the step of Euler's method.
+    pub time_step: f64,
+    /// The means of S_0, I_0 and R_0.
+    pub initial_means: [f64; Epidemic::DIMENSION],
+    /// The variance of each of them.
+    pub initial_variance: f64,
+    /// The variance of the noise of each coordinate of the state.
+    pub state_variance: f64,
+    /// The variance of the noise of each measurement.
+    pub measurement_variance: f64,
+    /// The family of all noises that data are drawn with.
+    pub noise: Noise,
+    /// What the filter takes the noises to be.
+    pub densities: Densities,
+    /// T.
+    pub horizon: usize,
+    /// A trajectory in which a coordinate becomes larger than this, or smaller than its negative, is drawn again.
+    pub largest_state: f64,
+}
+
+impl Epidemic {
+    /// N.
+    pub const DIMENSION: usize = Epidemic::STATES.len();
+
+    /// Susceptible, infected and removed people.
+    pub const STATES: [&str; 3] = ["S", "I", "R"];
+}
+
+/// What is held against all other methods, because none can tune it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Reference {
+    /// How many later measurements the smoother waits for.
+    pub smoother_lag: usize,
+}
+
+/// A figure of estimates over time, those of the first repetition.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SeriesFigure {
+    /// Which coordinate of the state.
+    pub state: String,
+    /// The first and the last time of each plot.
+    pub windows: Vec<[usize; 2]>,
 }
 
 /// φ, applied to each coordinate.
@@ -194,7 +272,8 @@ pub struct Profile {
     pub filter_runs: usize,
     /// Training steps.
     pub training_steps: usize,
-    /// Particles in each of the two reference filters that stand in for a posterior mean where there is no exact one.
+    /// Particles in each of the two reference filters that stand in for a posterior mean where there is no exact one, and in the
+    /// filter and smoother with exact densities.
     pub reference_particles: usize,
     /// How large the networks are.
     pub sizes: Sizes,

@@ -1,9 +1,15 @@
 //! table.md: medians ± standard deviations, ready to paste.
 
+use std::collections::BTreeMap;
+
 use super::Row;
+use crate::config::Method;
 
 /// Metrics with a column of their own, and what its head says.
-const COLUMNS: [(&str, &str); 6] = [
+const COLUMNS: [(&str, &str); 9] = [
+    ("mse_S", "MSE of S"),
+    ("mse_I", "MSE of I"),
+    ("mse_R", "MSE of R"),
     ("nmse_final", "NMSE, last time"),
     ("nmse_final_single", "NMSE, last time, one run"),
     ("nmse_posterior", "NMSE to posterior mean"),
@@ -12,19 +18,26 @@ const COLUMNS: [(&str, &str); 6] = [
     ("ess", "ESS"),
 ];
 
-/// Left out of the table where nothing of them is known.
-const OPTIONAL: [&str; 2] = ["nmse_posterior", "nmse_posterior_exact"];
+/// What the paper prints: by method and metric.
+pub(crate) type Printed = BTreeMap<Method, BTreeMap<String, f64>>;
 
-/// The summary as a Markdown table: a line for each panel, x and method.
-pub(crate) fn markdown(title: &str, axis: &str, rows: &[Row]) -> String {
-    let there = |metric: &str| {
-        !OPTIONAL.contains(&metric) || rows.iter().any(|row| row.metric == metric && row.n_ok > 0)
-    };
+/// The summary as a Markdown table: a line for each panel, x and method, a column for each metric that is known of one, and beside it
+/// what the paper prints.
+pub(crate) fn markdown(title: &str, axis: &str, rows: &[Row], printed: &Printed) -> String {
+    let there = |metric: &str| rows.iter().any(|row| row.metric == metric && row.n_ok > 0);
     let columns: Vec<(&str, &str)> = COLUMNS.into_iter().filter(|(metric, _)| there(metric)).collect();
-    let heads: Vec<&str> = columns.iter().map(|(_, head)| *head).collect();
+    let is_printed = |metric: &str| printed.values().any(|values| values.contains_key(metric));
+    let heads: Vec<String> = columns
+        .iter()
+        .map(|(metric, head)| match is_printed(metric) {
+            true => format!("{head} | paper"),
+            false => (*head).to_string(),
+        })
+        .collect();
+    let width = columns.len() + columns.iter().filter(|(metric, _)| is_printed(metric)).count();
     let mut text = format!("{title}\n\nMedian ± standard deviation over repetitions.\n\n");
     text += &format!("| panel | {axis} | method | {} | n |\n", heads.join(" | "));
-    text += &format!("|---|---:|---|{}---:|\n", "---:|".repeat(columns.len()));
+    text += &format!("|---|---:|---|{}---:|\n", "---:|".repeat(width));
     let mut points: Vec<&Row> = Vec::new();
     for row in rows {
         let known = points.iter().any(|p| (&p.panel, p.x, p.method) == (&row.panel, row.x, row.method));
@@ -45,9 +58,16 @@ pub(crate) fn markdown(title: &str, axis: &str, rows: &[Row]) -> String {
         };
         let cells: Vec<String> = columns
             .iter()
-            .map(|(metric, _)| match of(metric) {
-                Some(row) if row.n_ok > 0 => format!("{} ± {}", short(row.median), short(row.std)),
-                _ => "–".into(),
+            .map(|(metric, _)| {
+                let ours = match of(metric) {
+                    Some(row) if row.n_ok > 0 => format!("{} ± {}", short(row.median), short(row.std)),
+                    _ => "–".into(),
+                };
+                if !is_printed(metric) {
+                    return ours;
+                }
+                let theirs = printed.get(&point.method).and_then(|values| values.get(*metric));
+                format!("{ours} | {}", theirs.map_or("–".into(), |value| value.to_string()))
             })
             .collect();
         let (panel, x, method) = (&point.panel, point.x, point.method.name());
@@ -72,7 +92,6 @@ fn short(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::config::Method;
 
     #[test]
     fn numbers_are_short() {
@@ -98,14 +117,29 @@ mod tests {
             row(20, Method::Bootstrap, "nmse_final", 0),
             row(10, Method::Fcnn, "nmse_final", 2),
         ];
-        let table = markdown("T", "K", &rows);
-        let lines: Vec<&str> = table.lines().skip(6).collect();
+        let table = markdown("T", "K", &rows, &Printed::new());
+        let lines: Vec<&str> = table.lines().skip(4).collect();
         assert_eq!(
             lines,
             [
-                "| N10 | 10 | bootstrap | 0.250 ± 0.500 | – | – | – | 2/2 |",
-                "| N10 | 10 | fcnn | 0.250 ± 0.500 | – | – | – | 2/2 |",
-                "| N10 | 20 | bootstrap | – | – | – | – | 0/2 |",
+                "| panel | K | method | NMSE, last time | n |",
+                "|---|---:|---|---:|---:|",
+                "| N10 | 10 | bootstrap | 0.250 ± 0.500 | 2/2 |",
+                "| N10 | 10 | fcnn | 0.250 ± 0.500 | 2/2 |",
+                "| N10 | 20 | bootstrap | – | 0/2 |",
+            ]
+        );
+        let printed = Printed::from([(Method::Fcnn, BTreeMap::from([("nmse_final".to_string(), 64.1)]))]);
+        let table = markdown("T", "K", &rows, &printed);
+        let lines: Vec<&str> = table.lines().skip(4).collect();
+        assert_eq!(
+            lines,
+            [
+                "| panel | K | method | NMSE, last time | paper | n |",
+                "|---|---:|---|---:|---:|---:|",
+                "| N10 | 10 | bootstrap | 0.250 ± 0.500 | – | 2/2 |",
+                "| N10 | 10 | fcnn | 0.250 ± 0.500 | 64.1 | 2/2 |",
+                "| N10 | 20 | bootstrap | – | – | 0/2 |",
             ]
         );
     }

@@ -1,10 +1,14 @@
 //! From finished units to tables: every number in long form, medians with deviations, and Markdown to paste.
 
 mod markdown;
+mod redrawn;
+mod series;
 mod summary;
 mod units;
 
 pub(crate) use markdown::markdown;
+pub(crate) use redrawn::redrawn;
+pub(crate) use series::series_csv;
 pub(crate) use summary::{Row, summarise, summary_csv};
 pub(crate) use units::{failures_csv, timings_csv, units_csv};
 

@@ -25,8 +25,13 @@ pub(crate) struct Row {
     pub(crate) n: usize,
 }
 
-/// Summarises sorted records. A point at which every unit failed has a row for `nmse_final` with no value.
+/// Summarises sorted records. A point at which every unit failed has a row with no value, for a metric that others have.
 pub(crate) fn summarise(records: &[Record]) -> Vec<Row> {
+    let first = |record: &Record| match &record.outcome {
+        Outcome::Metrics(metrics) => metrics.first().map(|metric| metric.name.clone()),
+        Outcome::Failed(_) => None,
+    };
+    let some_metric = records.iter().find_map(first).unwrap_or_else(|| "nmse_final".into());
     let same = |a: &Record, b: &Record| {
         (&a.point.panel, a.point.method, a.point.x) == (&b.point.panel, b.point.method, b.point.x)
     };
@@ -47,7 +52,7 @@ pub(crate) fn summarise(records: &[Record]) -> Vec<Row> {
             }
         }
         if names.is_empty() {
-            names.push("nmse_final");
+            names.push(&some_metric);
         }
         for name in names {
             let values: Vec<f64> = group
@@ -150,7 +155,8 @@ mod tests {
 
     fn record(x: usize, repetition: usize, outcome: Outcome) -> Record {
         let point = Point { panel: "N10".into(), x, method: Method::Bootstrap, repetition };
-        Record { point, config: unit(10, 12, x), revision: String::new(), outcome, timings: vec![] }
+        let config = unit(10, 12, x);
+        Record { point, config, revision: String::new(), outcome, timings: vec![], series: None }
     }
 
     #[test]

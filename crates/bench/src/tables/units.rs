@@ -35,7 +35,7 @@ pub(crate) fn failures_csv(figure: &str, records: &[Record]) -> String {
     )
 }
 
-fn place(figure: &str, record: &Record) -> [String; 5] {
+pub(super) fn place(figure: &str, record: &Record) -> [String; 5] {
     let point = &record.point;
     let (panel, method) = (point.panel.clone(), point.method.name().to_string());
     [figure.to_string(), panel, method, point.x.to_string(), point.repetition.to_string()]
