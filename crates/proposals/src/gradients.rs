@@ -22,7 +22,7 @@ impl Gradients {
     pub(crate) fn none(parameters: &Parameters) -> Self {
         let layout = parameters.layout().clone();
         Gradients {
-            values: parameters.precision_of_values().zeros_like(layout.len()),
+            values: parameters.values().zeros_like(layout.len()),
             present: vec![false; layout.matrices()],
             layout,
         }

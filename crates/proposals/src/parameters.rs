@@ -120,6 +120,11 @@ impl Parameters {
         Ok(())
     }
 
+    /// All weights, one matrix after another, in their own precision.
+    pub fn values(&self) -> &Values {
+        &self.values
+    }
+
     /// All weights, one matrix after another, for an optimiser to change.
     pub fn values_mut(&mut self) -> &mut Values {
         &mut self.values
@@ -127,10 +132,6 @@ impl Parameters {
 
     pub(crate) fn layout(&self) -> &Layout {
         &self.layout
-    }
-
-    pub(crate) fn precision_of_values(&self) -> &Values {
-        &self.values
     }
 
     /// The matrices in their own type.

@@ -7,15 +7,15 @@ use crate::AdamConfig;
 /// An optimiser together with what it remembers of each weight.
 pub(crate) struct AdamSteps {
     config: AdamConfig,
-    moments: Option<Moments>,
+    pub(crate) moments: Option<Moments>,
     /// How many steps each matrix has taken.
-    taken: Vec<i32>,
+    pub(crate) taken: Vec<i32>,
 }
 
 /// Running means of gradients and of their squares.
-struct Moments {
-    first: Values,
-    second: Values,
+pub(crate) struct Moments {
+    pub(crate) first: Values,
+    pub(crate) second: Values,
 }
 
 /// What one step does to every weight of a matrix alike.

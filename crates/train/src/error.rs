@@ -30,6 +30,12 @@ pub enum TrainError {
         /// What failed.
         source: ProposalError,
     },
+    /// A training that was put aside cannot be taken up again.
+    #[error("this is not a training that was put aside with this proposal and these settings: {reason}")]
+    NotResumed {
+        /// What does not fit.
+        reason: String,
+    },
     /// The loss, or after the last step the gradient's norm, is not a finite number.
     #[error("training diverged: the loss or its gradient is {loss} in step {step}")]
     Diverged {

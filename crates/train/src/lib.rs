@@ -27,6 +27,7 @@ mod adam;
 mod error;
 mod gradient_flow;
 mod objective;
+mod resume;
 mod rollout;
 mod training;
 
@@ -34,4 +35,4 @@ pub use error::TrainError;
 pub use gradient_flow::GradientFlow;
 pub use objective::Objective;
 pub use rollout::{Rollout, rollout};
-pub use training::{AdamConfig, History, TrainConfig, train};
+pub use training::{AdamConfig, History, TrainConfig, Training, train};

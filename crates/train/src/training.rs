@@ -116,7 +116,7 @@ pub struct History {
 /// The noise of each step is drawn from `stream`, so the same stream gives the same weights. `observe` is called with
 /// the number and the loss of each step and ends training early by breaking; the history then has fewer losses than
 /// `config.steps`. The last weights are kept. A sequence shorter than an unrolled proposal's horizon leaves the networks of later
-/// times as they are.
+/// times as they are. [`Training`] is the same step by step.
 ///
 /// # Errors
 /// [`TrainError::Setting`] or [`TrainError::Model`] for bad input, before anything is changed; [`TrainError::Diverged`] if
@@ -129,41 +129,101 @@ pub fn train(
     stream: &mut Stream,
     mut observe: impl FnMut(usize, f64) -> ControlFlow<()>,
 ) -> Result<History, TrainError> {
-    config.check()?;
-    check_fit(proposal, model, measurements, config.particles)?;
-    let mut adam = AdamSteps::new(&config.adam);
-    let mut workspace = Workspace::new(proposal.parameters());
-    let mut history = History::default();
-    for step in 0..config.steps {
-        let TrainConfig { objective, gradient, particles, .. } = *config;
-        let (value, found) =
+    let mut training = Training::new(proposal, model, measurements, config, stream)?;
+    while !training.is_finished() {
+        let step = training.history.losses.len();
+        let loss = training.step(proposal)?;
+        if observe(step, loss).is_break() {
+            break;
+        }
+    }
+    Ok(training.history)
+}
+
+/// A training in progress: one step at a time, and put aside and [taken up again](Training::resume) between two of them.
+pub struct Training<'a> {
+    model: &'a dyn StateGradients,
+    measurements: &'a Measurements,
+    config: TrainConfig,
+    pub(crate) adam: AdamSteps,
+    /// Memory for the next step; new if the last one failed.
+    workspace: Option<Workspace>,
+    pub(crate) stream: &'a mut Stream,
+    pub(crate) history: History,
+}
+
+impl<'a> Training<'a> {
+    /// Before the first step; noise will be drawn from `stream`.
+    ///
+    /// # Errors
+    /// [`TrainError::Setting`] or [`TrainError::Model`] for bad input.
+    pub fn new(
+        proposal: &dyn Learnable,
+        model: &'a dyn StateGradients,
+        measurements: &'a Measurements,
+        config: &TrainConfig,
+        stream: &'a mut Stream,
+    ) -> Result<Self, TrainError> {
+        config.check()?;
+        check_fit(proposal, model, measurements, config.particles)?;
+        let adam = AdamSteps::new(&config.adam);
+        let history = History::default();
+        Ok(Training { model, measurements, config: *config, adam, workspace: None, stream, history })
+    }
+
+    /// What has happened so far.
+    pub fn history(&self) -> &History {
+        &self.history
+    }
+
+    /// What has happened, when there is nothing more to come.
+    pub fn into_history(self) -> History {
+        self.history
+    }
+
+    /// Whether all steps of the settings have been taken.
+    pub fn is_finished(&self) -> bool {
+        self.history.losses.len() >= self.config.steps
+    }
+
+    /// Takes one step with `proposal`, the same at each step, and returns the loss before it.
+    ///
+    /// # Errors
+    /// [`TrainError::Diverged`] or [`TrainError::Proposal`], as [`train`].
+    pub fn step(&mut self, proposal: &mut dyn Learnable) -> Result<f64, TrainError> {
+        let TrainConfig { objective, gradient, particles, .. } = self.config;
+        let step = self.history.losses.len();
+        let workspace = self.workspace.take().unwrap_or_else(|| Workspace::new(proposal.parameters()));
+        let (model, measurements, stream) = (self.model, self.measurements, &mut *self.stream);
+        let (value, mut workspace) =
             draw_and_pull(proposal, model, measurements, objective, gradient, particles, stream, workspace)
                 .map_err(in_step(step))?;
-        workspace = found;
         let loss = -value;
         if !loss.is_finite() {
             return Err(TrainError::Diverged { step, loss });
         }
-        history.losses.push(loss);
+        self.history.losses.push(loss);
         // A gradient that is not finite shows in the next step's loss; after the last there is none.
-        if config.clip_norm.is_some() || step + 1 == config.steps {
+        if self.config.clip_norm.is_some() || self.is_finished() {
             let gradients = workspace.gradients();
             let norm = gradients.norm();
             if !norm.is_finite() {
                 return Err(TrainError::Diverged { step, loss: norm });
             }
-            if let Some(largest) = config.clip_norm
+            if let Some(largest) = self.config.clip_norm
                 && norm > largest
             {
                 gradients.scale(largest / norm);
             }
         }
-        adam.step(proposal.parameters_mut(), &mut workspace);
-        if observe(step, loss).is_break() {
-            break;
-        }
+        self.adam.step(proposal.parameters_mut(), &mut workspace);
+        self.workspace = Some(workspace);
+        Ok(loss)
     }
-    Ok(history)
+
+    pub(crate) fn steps(&self) -> usize {
+        self.config.steps
+    }
 }
 
 pub(crate) fn check_fit(

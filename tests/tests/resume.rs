@@ -1,0 +1,102 @@
+//! A training that was put aside goes on to the last bit, and nothing else is taken for one.
+
+use motes_models::{GraphDiffusion, GraphDiffusionConfig, Measurements, Seed, Stream, simulate};
+use motes_proposals::{Backend, Compute, Learnable, Precision};
+use motes_tests::small_families;
+use motes_train::{TrainConfig, TrainError, Training};
+
+const STEPS: usize = 6;
+
+fn problem() -> (GraphDiffusion, Measurements) {
+    let system =
+        GraphDiffusion::random(&GraphDiffusionConfig::new(5), &mut Seed::from_u64(150).stream()).unwrap();
+    let measurements = simulate(&system, 3, &mut Seed::from_u64(151).stream()).unwrap().measurements;
+    (system, measurements)
+}
+
+fn config() -> TrainConfig {
+    TrainConfig { steps: STEPS, ..TrainConfig::paper(7) }
+}
+
+fn stream() -> Stream {
+    Seed::from_u64(152).stream()
+}
+
+fn weights(proposal: &dyn Learnable) -> Vec<Vec<f64>> {
+    (0..proposal.parameters().len()).map(|at| proposal.parameters().host(at)).collect()
+}
+
+#[test]
+fn every_family_goes_on_to_the_last_bit() {
+    let (system, measurements) = problem();
+    for (backend, precision) in [
+        (Backend::Native, Precision::F32),
+        (Backend::Native, Precision::F64),
+        (Backend::Flex, Precision::F32),
+    ] {
+        let compute = Compute { backend, precision };
+        let fresh = || small_families(&system, 3, compute, &Seed::from_u64(153));
+        for at in 0..fresh().len() {
+            let run = |put_aside_after: Option<usize>| {
+                let (name, mut proposal) = fresh().swap_remove(at);
+                let (config, mut first) = (config(), stream());
+                let mut training =
+                    Training::new(&*proposal, &system, &measurements, &config, &mut first).unwrap();
+                let Some(steps) = put_aside_after else {
+                    while !training.is_finished() {
+                        training.step(&mut *proposal).unwrap();
+                    }
+                    return (name, training.into_history(), weights(&*proposal));
+                };
+                (0..steps).for_each(|_| assert!(training.step(&mut *proposal).is_ok()));
+                let bytes = training.suspend(&*proposal).unwrap();
+                let (name, mut proposal) = fresh().swap_remove(at);
+                let mut second = stream();
+                let mut training =
+                    Training::new(&*proposal, &system, &measurements, &config, &mut second).unwrap();
+                training.resume(&mut *proposal, &bytes).unwrap();
+                assert_eq!(training.history().losses.len(), steps);
+                while !training.is_finished() {
+                    training.step(&mut *proposal).unwrap();
+                }
+                (name, training.into_history(), weights(&*proposal))
+            };
+            let expected = run(None);
+            for steps in [0, 1, 4, STEPS] {
+                assert_eq!(run(Some(steps)), expected, "{backend:?} {precision:?} after {steps} steps");
+            }
+        }
+    }
+}
+
+#[test]
+fn what_does_not_fit_is_refused_and_changes_nothing() {
+    let (system, measurements) = problem();
+    let compute = Compute { backend: Backend::Native, precision: Precision::F32 };
+    let all = |compute| small_families(&system, 3, compute, &Seed::from_u64(153));
+    let suspended = |at: usize, compute: Compute, steps: usize| {
+        let (_, mut proposal) = all(compute).swap_remove(at);
+        let (config, mut stream) = (config(), stream());
+        let mut training = Training::new(&*proposal, &system, &measurements, &config, &mut stream).unwrap();
+        (0..steps).for_each(|_| assert!(training.step(&mut *proposal).is_ok()));
+        training.suspend(&*proposal).unwrap()
+    };
+    let good = suspended(0, compute, 5);
+    let (_, mut proposal) = all(compute).swap_remove(0);
+    let before = weights(&*proposal);
+    let mut refused = |bytes: &[u8], steps: usize, expected: &str| {
+        let (config, mut stream) = (TrainConfig { steps, ..config() }, stream());
+        let mut training = Training::new(&*proposal, &system, &measurements, &config, &mut stream).unwrap();
+        let error = training.resume(&mut *proposal, bytes).unwrap_err();
+        assert!(matches!(error, TrainError::NotResumed { .. }));
+        assert!(error.to_string().contains(expected), "{error}");
+        assert!(training.history().losses.is_empty());
+        assert_eq!(weights(&*proposal), before);
+    };
+    refused(&suspended(1, compute, 1), STEPS, "instead of");
+    refused(&suspended(0, Compute { precision: Precision::F64, ..compute }, 1), STEPS, "F64 and not F32");
+    refused(&good, 4, "it took 5 steps of 4");
+    for length in [0, 8, 100, good.len() - 1] {
+        refused(&good[..length], STEPS, "not a training that was put aside");
+    }
+}
