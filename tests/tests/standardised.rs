@@ -1,11 +1,13 @@
 //! Families in units that suit networks: derivatives, densities, and frames that do what they say.
 
-use motes_models::{Epidemic, EpidemicConfig, Measurements, Noise, Seed, StateSpaceModel, simulate_within};
-use motes_proposals::{
-    Backend, Cell, Compute, Family, Fcnn, Frame, FrameSettings, Frames, Learnable, Origin, Precision, Psi,
-    Rnn, Scale, Standardised, StandardisedConfig, load, save,
+use motes_models::{
+    Epidemic, EpidemicConfig, Measurements, Noise, Seed, Simulations, StateSpaceModel, simulate_within,
 };
-use motes_smc::{Conditional, Past, Proposal, ProposalError};
+use motes_proposals::{
+    Backend, Cell, Compute, Family, Fcnn, Frame, Frames, Learnable, Origin, Precision, Psi, Rnn, Scale,
+    Standardised, StandardisedConfig, load, save,
+};
+use motes_smc::{Conditional, Past, Proposal};
 use motes_tests::{central_differences, distance, norm, small_fcnn, small_psi, small_rnn};
 use motes_train::{GradientFlow, Objective, TrainConfig, rollout};
 
@@ -17,9 +19,12 @@ fn system() -> Epidemic {
     Epidemic::new(&EpidemicConfig::paper()).unwrap()
 }
 
+fn simulations(trajectories: usize) -> Simulations {
+    Simulations::draw(&system(), HORIZON, trajectories, 2000.0, &Seed::from_u64(140)).unwrap()
+}
+
 fn frames(origin: Origin) -> Frames {
-    let settings = FrameSettings { origin, trajectories: 300, largest_state: 2000.0 };
-    Frames::simulated(&system(), HORIZON, &settings, &Seed::from_u64(140)).unwrap()
+    Frames::of(&simulations(300), origin).unwrap()
 }
 
 fn measurements() -> Measurements {
@@ -127,43 +132,6 @@ fn a_density_integrates_to_one_in_the_units_of_the_state() {
 }
 
 #[test]
-fn a_prediction_of_a_linear_system_is_its_regression() {
-    // x_t = 0.9 x_{t−1} + v, y = x + w: the best prediction is the minimum-degeneracy mean, what is left its deviation.
-    let model = motes_tests::reference().model;
-    let settings = FrameSettings { origin: Origin::Prediction, trajectories: 40_000, largest_state: 1e9 };
-    let frames = Frames::simulated(&model, 3, &settings, &Seed::from_u64(146)).unwrap();
-    let designed = motes_smc::MinDegeneracy::new(&model).unwrap();
-    let mean = |x: f64, y: f64| {
-        let mut designed = designed.clone();
-        let past = Past { time: 2, previous: Some(&[x]), measurement: &[y], particles: 1 };
-        let conditional =
-            Proposal::<motes_models::LinearGaussian>::condition(&mut designed, &model, past, &mut ());
-        let mut state = [0.0];
-        let mut log_density = [0.0];
-        let mut conditional = conditional.unwrap();
-        // The highest of densities on a fine grid is at the mean.
-        let mut best = (f64::NEG_INFINITY, 0.0);
-        for at in -4000..4000 {
-            state[0] = f64::from(at) * 1e-3;
-            conditional.log_density(&state, &mut log_density);
-            best = if log_density[0] > best.0 { (log_density[0], state[0]) } else { best };
-        }
-        best.1
-    };
-    let frame = frames.at(2).unwrap();
-    let predicted = |x: f64, y: f64| {
-        let standard = |scale: &Scale, value: f64| (value - scale.means[0]) / scale.deviations[0];
-        frame.output.means[0]
-            + frame.by_previous[0] * standard(&frame.previous, x)
-            + frame.by_measurement[0] * standard(&frame.measurement, y)
-    };
-    for (x, y) in [(0.5, 1.0), (-1.0, 0.3), (1.5, -0.5)] {
-        // Coefficients have a standard error of 1/√40000 of their noise.
-        assert!((predicted(x, y) - mean(x, y)).abs() < 0.03, "{} {}", predicted(x, y), mean(x, y));
-    }
-}
-
-#[test]
 fn a_standardised_proposal_comes_back_as_it_was_saved() {
     let folder = tempfile::tempdir().unwrap();
     let (path, model) = (folder.path().join("fcnn"), system());
@@ -180,6 +148,10 @@ fn a_standardised_proposal_comes_back_as_it_was_saved() {
     assert!(error.contains("proposal.toml"), "{error}");
 }
 
+fn too_long_of(frames: usize) -> String {
+    format!("the number of frames is {frames}; it must be one for each time")
+}
+
 #[test]
 fn frames_that_do_not_fit_are_refused() {
     let create = |frames: Frames, horizon: usize| {
@@ -188,7 +160,7 @@ fn frames_that_do_not_fit_are_refused() {
         Standardised::<Fcnn>::create(&config, &system(), horizon, compute, &Seed::from_u64(1)).err().unwrap()
     };
     let too_long = create(frames(Origin::MeanAtEachTime), HORIZON + 1);
-    assert!(matches!(too_long, ProposalError::Setting { name: "the number of frames", .. }), "{too_long}");
+    assert_eq!(too_long.to_string(), too_long_of(HORIZON));
     let good = || frames(Origin::Prediction).at(1).unwrap().clone();
     let refused = |change: fn(&mut Frame)| {
         let mut frame = good();
@@ -198,12 +170,12 @@ fn frames_that_do_not_fit_are_refused() {
     assert!(refused(|frame| frame.output.deviations[1] = 0.0).contains("standard deviation"));
     assert!(refused(|frame| frame.previous.means[1] = f64::NAN).contains("NaN"));
     assert!(refused(|frame| frame.measurement.means.push(0.0)).contains("3 in the proposal and 2"));
-    assert!(refused(|frame| drop(frame.by_previous.pop())).contains("8 in the proposal and 9"));
-    // Fewer trajectories than coefficients.
-    let few = FrameSettings { origin: Origin::Prediction, trajectories: 3, largest_state: 2000.0 };
-    let error = Frames::simulated(&system(), HORIZON, &few, &Seed::from_u64(1)).unwrap_err();
-    assert!(error.to_string().contains("enough to predict"), "{error}");
-    // A seen horizon is that of the frames, even where the family has none.
+    assert!(refused(|frame| frame.by_previous.truncate(8)).contains("8 in the proposal and 9"));
+    let error = Frames::of(&simulations(3), Origin::Prediction).unwrap_err();
+    assert!(error.to_string().contains("ten or more"), "{error}");
+    // No frame at all is not one for all times.
+    assert_eq!(create(Frames::at_each_time(Vec::new()), 1).to_string(), too_long_of(0));
+    // The horizon is that of the frames where the family has none.
     let rnn = make::<Rnn>(small_rnn(Cell::Lstm), Origin::Prediction, Backend::Native.into());
     assert_eq!(rnn.horizon(), Some(HORIZON));
 }

@@ -19,7 +19,7 @@ fn bad_input_is_refused_before_any_build() {
     refused(
         &["reproduce", "fig0"],
         2,
-        "figure fig0: did you mean fig1? there are fig1, fig2, fig3, fig4, fig5, fig6, all",
+        "figure fig0: did you mean fig1? there are fig1, fig2, fig3, fig4, fig5, fig6, table1, fig7, all",
     );
     refused(
         &["reproduce", "fig1", "--profile", "papr"],

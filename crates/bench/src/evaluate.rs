@@ -1,26 +1,24 @@
 //! Running one unit: draw its problem, train its proposal, run its filters, measure.
 
-use std::ops::ControlFlow;
-use std::path::PathBuf;
-use std::time::Instant;
+mod judging;
+mod learning;
 
-use motes_proposals::{Backend, Family, FrameSettings, Frames, save};
-use motes_smc::{
-    Bootstrap, FilterBank, FilterSettings, FixedLagSmoother, ParticleFilter, Proposal, ResampleWhen,
-    Resampling,
-};
-use motes_train::{AdamConfig, GradientFlow, History, Objective, TrainConfig, train};
+use std::path::PathBuf;
+
+use motes_models::Simulations;
+use motes_proposals::{Family, Frames, save};
+use motes_smc::{Bootstrap, Proposal};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use crate::checkpoint::Checkpoints;
 use crate::config;
-use crate::config::Training;
-use crate::methods::Visitor;
-use crate::metrics::{Recorded, metrics};
+use crate::methods::{FrameSettings, Visitor};
 use crate::problem::{Model, Problem};
 use crate::reference::{ReferenceCache, References};
 use crate::series::Series;
 use crate::{Interrupt, UnitConfig};
+use learning::train_config;
 
 /// A number with its name.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -72,12 +70,19 @@ pub(crate) fn failed(error: impl ToString) -> UnitError {
 pub struct Evaluator {
     references: ReferenceCache,
     models: Option<PathBuf>,
+    checkpoints: Option<Checkpoints>,
 }
 
 impl Evaluator {
     /// One that keeps the trained proposal of each unit as `folder/<key>`, if there is a folder.
     pub fn new(models: Option<PathBuf>) -> Self {
-        Evaluator { references: ReferenceCache::default(), models }
+        Evaluator { models, ..Evaluator::default() }
+    }
+
+    /// Puts long trainings aside in `folder` now and then, and when the run is being stopped, and takes up what lies there.
+    #[must_use]
+    pub(crate) fn with_checkpoints(self, folder: PathBuf) -> Self {
+        Evaluator { checkpoints: Some(Checkpoints::in_folder(folder)), ..self }
     }
 
     /// Runs a unit on the calling thread.
@@ -116,7 +121,7 @@ impl Visitor for Run<'_> {
     fn learned<F: Family + Proposal<Model>>(
         self,
         family: &F::Config,
-        training: &Training,
+        training: &config::Training,
         steps: usize,
         backend: config::Backend,
     ) -> Result<Evaluation, UnitError> {
@@ -137,8 +142,12 @@ impl Visitor for Run<'_> {
     }
 
     fn frames(&self, settings: &FrameSettings) -> Result<Frames, UnitError> {
-        let seed = self.unit.system_seed().child("frames");
-        Frames::simulated(&*self.problem.system, self.unit.system.horizon(), settings, &seed).map_err(failed)
+        let FrameSettings { origin, trajectories, largest_state } = *settings;
+        let (system, seed) = (&*self.problem.system, self.unit.system_seed().child("frames"));
+        let horizon = self.unit.system.horizon();
+        let simulations =
+            Simulations::draw(system, horizon, trajectories, largest_state, &seed).map_err(failed)?;
+        Frames::of(&simulations, origin).map_err(failed)
     }
 
     fn reference(self, lag: usize) -> Result<Evaluation, UnitError> {
@@ -149,144 +158,14 @@ impl Visitor for Run<'_> {
     }
 }
 
-impl Run<'_> {
-    /// Draws initial weights and trains them on the problem's measurements; the last value is the seconds that training took.
-    fn train<F: Family>(
-        self,
-        family: &F::Config,
-        config: &TrainConfig,
-        backend: config::Backend,
-    ) -> Result<(F, History, f64), UnitError> {
-        let backend = match backend {
-            config::Backend::Native => Backend::Native,
-            config::Backend::Flex => Backend::Flex,
-            config::Backend::Ndarray => Backend::NdArray,
-        };
-        let (model, seed) = (&*self.problem.model, self.unit.own_seed());
-        let (horizon, weights) = (self.unit.system.horizon(), seed.child("weights"));
-        let mut proposal = F::create(family, model, horizon, backend.into(), &weights).map_err(failed)?;
-        let start = Instant::now();
-        let mut stream = seed.child("training").stream();
-        let measurements = &self.problem.trajectory.measurements;
-        let watch = |_, _| self.interrupt.check();
-        let history =
-            train(&mut proposal, model, measurements, config, &mut stream, watch).map_err(failed)?;
-        if history.losses.len() < config.steps {
-            return Err(UnitError::Interrupted);
-        }
-        Ok((proposal, history, start.elapsed().as_secs_f64()))
-    }
-
-    /// Runs the filters of a unit with one proposal.
-    fn judge<P: Proposal<Model>>(self, model: &Model, proposal: P) -> Result<Evaluation, UnitError> {
-        let Run { unit, problem, .. } = self;
-        let start = Instant::now();
-        let (filters, n) = (unit.filter_runs, unit.system.dimension());
-        let seed = unit.own_seed().child("filter");
-        let settings = filter_settings(&unit.filter);
-        let mut bank = FilterBank::new(model, proposal, settings, filters, &seed).map_err(failed)?;
-        let mut recorded = Recorded::with_capacity(filters, unit.system.horizon(), n);
-        let mut mean = vec![0.0; n];
-        for measurement in problem.trajectory.measurements.rows() {
-            self.go_on()?;
-            bank.step(measurement).map_err(failed)?;
-            for filter in 0..filters {
-                bank.mean(filter, &mut mean);
-                recorded.means.extend_from_slice(&mean);
-                recorded.effective_sample_sizes.push(bank.weights(filter).effective_sample_size());
-            }
-        }
-        recorded.log_evidence.extend((0..filters).map(|filter| bank.log_evidence(filter)));
-        Ok(self.found(&recorded, start))
-    }
-
-    /// Smooths by `lag` later measurements, as far as there are any, under the densities that data were drawn with.
-    fn smooth(self, lag: usize) -> Result<Evaluation, UnitError> {
-        let Run { unit, problem, .. } = self;
-        let start = Instant::now();
-        let (runs, n, horizon) = (unit.filter_runs, unit.system.dimension(), unit.system.horizon());
-        let seed = unit.own_seed().child("filter");
-        let settings = filter_settings(&unit.filter);
-        let mut recorded = Recorded::with_capacity(runs, horizon, n);
-        recorded.means.resize(horizon * runs * n, 0.0);
-        for run in 0..runs {
-            let stream = seed.nth(run as u64).stream();
-            let filter =
-                ParticleFilter::new(&*problem.system, Bootstrap, settings, stream).map_err(failed)?;
-            let mut smoother = FixedLagSmoother::new(filter, lag);
-            for (time, measurement) in problem.trajectory.measurements.rows().enumerate() {
-                self.go_on()?;
-                smoother.step(measurement).map_err(failed)?;
-                recorded.effective_sample_sizes.push(smoother.filter().effective_sample_size());
-                // At the end there is nothing more to wait for.
-                let last = if time + 1 == horizon { 0 } else { lag };
-                for back in (last..=lag.min(time)).rev() {
-                    let at = ((time - back) * runs + run) * n;
-                    smoother.mean(back, &mut recorded.means[at..at + n]);
-                }
-            }
-            recorded.log_evidence.push(smoother.filter().log_evidence());
-        }
-        Ok(self.found(&recorded, start))
-    }
-
-    fn go_on(self) -> Result<(), UnitError> {
-        match self.interrupt.check() {
-            ControlFlow::Continue(()) => Ok(()),
-            ControlFlow::Break(()) => Err(UnitError::Interrupted),
-        }
-    }
-
-    fn found(self, recorded: &Recorded, start: Instant) -> Evaluation {
-        let timings = vec![Metric::new("filter_seconds", start.elapsed().as_secs_f64())];
-        let metrics = metrics(self.problem, self.references, recorded);
-        Evaluation { metrics, timings, series: Series::of(self.unit, self.problem, recorded) }
-    }
-}
-
-fn filter_settings(filter: &config::Filter) -> FilterSettings {
-    FilterSettings {
-        particles: filter.particles,
-        resampling: match filter.resampling {
-            config::Resampling::Multinomial => Resampling::Multinomial,
-            config::Resampling::Systematic => Resampling::Systematic,
-            config::Resampling::Stratified => Resampling::Stratified,
-            config::Resampling::Residual => Resampling::Residual,
-        },
-        resample_when: ResampleWhen::EssBelow(filter.ess_threshold),
-    }
-}
-
-fn train_config(training: &config::Training, particles: usize, steps: usize) -> TrainConfig {
-    TrainConfig {
-        objective: match training.objective {
-            config::Objective::LogLikelihood => Objective::LogLikelihood,
-            config::Objective::Literal => Objective::Literal,
-            config::Objective::Elbo => Objective::Elbo,
-        },
-        gradient: match (training.gradient, training.gradient_window) {
-            (config::Gradient::Truncated, Some(window)) => GradientFlow::Truncated { window },
-            _ => GradientFlow::Full,
-        },
-        clip_norm: training.clip_norm,
-        particles,
-        steps,
-        adam: AdamConfig {
-            learning_rate: training.learning_rate,
-            beta_1: training.beta_1,
-            beta_2: training.beta_2,
-            epsilon: training.epsilon,
-        },
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::methods::MethodConfig;
     use crate::unit::tests::{fcnn_unit, on_graph};
     use motes_models::{Seed, Sequence};
-    use motes_proposals::{Fcnn, Learnable};
+    use motes_proposals::{Backend, Fcnn, Learnable};
+    use motes_train::Training;
     use rand::RngExt;
 
     #[test]
@@ -319,6 +198,51 @@ mod tests {
         // The same comparison does see a change in the measurements.
         let another = Problem::draw(&UnitConfig { repetition: 1, ..unit.clone() }).unwrap();
         assert_ne!(weights(&another), expected);
+    }
+
+    #[test]
+    fn a_training_goes_on_where_it_was_put_aside() {
+        let unit = fcnn_unit(6, 4, 5);
+        let MethodConfig::Fcnn(fcnn) = &unit.method else { panic!("not an fcnn") };
+        let expected = Evaluator::default().evaluate(&unit, &Interrupt::default()).unwrap().metrics;
+
+        // Three of its five steps, by hand.
+        let folder = tempfile::tempdir().unwrap();
+        let (problem, seed) = (Problem::draw(&unit).unwrap(), unit.own_seed());
+        let put_aside = |seed: &Seed| {
+            let weights = seed.child("weights");
+            let mut proposal =
+                Fcnn::create(&fcnn.proposal, &*problem.model, 4, Backend::Native.into(), &weights).unwrap();
+            let mut stream = seed.child("training").stream();
+            let config = train_config(&fcnn.training, unit.filter.particles, fcnn.steps);
+            let measurements = &problem.trajectory.measurements;
+            let mut training =
+                Training::new(&proposal, &*problem.model, measurements, &config, &mut stream).unwrap();
+            (0..3).for_each(|_| assert!(training.step(&mut proposal).is_ok()));
+            let bytes = training.suspend(&proposal).unwrap();
+            Checkpoints::in_folder(folder.path().into()).of(&unit.key()).write(7.0, &bytes).unwrap();
+        };
+        put_aside(&seed);
+        let evaluator = Evaluator::new(None).with_checkpoints(folder.path().into());
+        let found = evaluator.evaluate(&unit, &Interrupt::default()).unwrap();
+        assert_eq!(found.metrics, expected);
+        assert!(found.timings[0].value > 7.0, "the seconds of both parts");
+
+        // It was used: what another training has put aside leads elsewhere.
+        put_aside(&seed.child("another"));
+        let found = evaluator.evaluate(&unit, &Interrupt::default()).unwrap();
+        assert_ne!(found.metrics, expected);
+
+        // A damaged one is not.
+        let path = folder.path().join(format!("{}.checkpoint", unit.key()));
+        let mut bytes = std::fs::read(&path).unwrap();
+        let middle = bytes.len() / 2;
+        bytes[middle] ^= 1;
+        for damaged in [bytes.as_slice(), &bytes[..30], &[]] {
+            std::fs::write(&path, damaged).unwrap();
+            let found = evaluator.evaluate(&unit, &Interrupt::default()).unwrap();
+            assert_eq!(found.metrics, expected);
+        }
     }
 
     #[test]

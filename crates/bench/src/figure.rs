@@ -20,10 +20,13 @@ struct Metric {
     logarithmic: bool,
 }
 
-const METRICS: [Metric; 4] = [
+const METRICS: [Metric; 7] = [
     Metric { name: "nmse_final", label: "NMSE, last time", logarithmic: true },
     Metric { name: "nmse_posterior", label: "NMSE to posterior mean", logarithmic: true },
     Metric { name: "nmse_all", label: "NMSE, all times", logarithmic: true },
+    Metric { name: "mse_S", label: "squared error of S", logarithmic: true },
+    Metric { name: "mse_I", label: "squared error of I", logarithmic: true },
+    Metric { name: "mse_R", label: "squared error of R", logarithmic: true },
     Metric { name: "ess", label: "effective sample size", logarithmic: false },
 ];
 

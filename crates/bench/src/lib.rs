@@ -4,6 +4,7 @@
 //! thread of its own, stores it as soon as it is finished, and makes tables and a figure of all units in its folder. A
 //! run that was interrupted continues where it stopped.
 
+mod checkpoint;
 pub mod config;
 mod estimate;
 mod evaluate;
@@ -29,7 +30,7 @@ mod verify;
 pub use estimate::Estimator;
 pub use evaluate::{Evaluation, Evaluator, Metric, UnitError};
 pub use interrupt::Interrupt;
-pub use methods::{LearnedUnit, MethodConfig};
+pub use methods::{FrameSettings, LearnedUnit, MethodConfig};
 pub use regression::{RegressionError, regress};
 pub use reproduce::{Finished, paper_estimate, reproduce};
 pub use series::{Series, StateSeries};

@@ -1,8 +1,8 @@
 //! The method registry as units see it: what the result of a method depends on, and how it is run.
 
 use motes_proposals::{
-    Adapter, Cell, Family, Fcnn, FcnnConfig, FrameSettings, Frames, Gnn, GnnConfig, Origin, Psi, PsiConfig,
-    Rnn, RnnConfig, Standardised, StandardisedConfig,
+    Adapter, Cell, Family, Fcnn, FcnnConfig, Frames, Gnn, GnnConfig, Origin, Psi, PsiConfig, Rnn, RnnConfig,
+    Standardised, StandardisedConfig,
 };
 use motes_smc::{Bootstrap, MinDegeneracy, Proposal};
 use serde::{Deserialize, Serialize};
@@ -50,6 +50,17 @@ pub struct LearnedUnit<Config> {
     /// In which units they work; in those of the system if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frames: Option<FrameSettings>,
+}
+
+/// In which units networks work.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct FrameSettings {
+    /// What they speak relative to.
+    pub origin: Origin,
+    /// How many trajectories of the system are simulated.
+    pub trajectories: usize,
+    /// The largest size of a state in them: a trajectory that goes beyond is drawn again.
+    pub largest_state: f64,
 }
 
 /// What a unit does with the proposal of its method.

@@ -4,7 +4,7 @@ use motes_models::Sequence;
 
 use crate::Metric;
 use crate::config::Epidemic;
-use crate::problem::Problem;
+use crate::problem::{Judged, Problem};
 use crate::reference::{PosteriorMean, References};
 
 /// What a bank of filters said, recorded step by step.
@@ -21,9 +21,9 @@ pub(crate) struct Recorded {
 
 /// All metrics of one unit, in the order of the tables.
 pub(crate) fn metrics(problem: &Problem, references: &References, recorded: &Recorded) -> Vec<Metric> {
-    match problem.redrawn {
-        None => normalised(problem, references, recorded),
-        Some(redrawn) => by_state(problem, recorded, redrawn),
+    match problem.judged {
+        Judged::WholeState => normalised(problem, references, recorded),
+        Judged::EachState { redrawn } => by_state(problem, recorded, redrawn),
     }
 }
 
@@ -223,5 +223,39 @@ mod tests {
         // Where the exact means are not those of the true system, estimates are held against its states.
         problem.has_gaussian_noise = false;
         assert_eq!(problem.truth(), &problem.trajectory.states);
+    }
+
+    #[test]
+    fn errors_of_an_epidemic_are_by_state_and_over_all_times() {
+        let mut problem = Problem::draw(&unit(6, 2, 4)).unwrap();
+        problem.exact = None;
+        problem.judged = Judged::EachState { redrawn: 3 };
+        problem.trajectory.states = Sequence::new(3, vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0]).unwrap();
+        // Two runs at two times: their mean is off by 1 in S at t = 0 and by 2 in R at t = 1; they differ by 2 in I at t = 1.
+        let means = vec![2.0, 2.0, 3.0, 2.0, 2.0, 3.0, 4.0, 4.0, 8.0, 4.0, 6.0, 8.0];
+        let recorded = Recorded {
+            filters: 2,
+            means,
+            effective_sample_sizes: vec![4.0, 2.0, 1.0, 1.0],
+            log_evidence: vec![-10.0, -12.0],
+        };
+        let expected = [
+            ("mse_S", 0.5),
+            ("run_variance_S", 0.0),
+            ("mse_I", 0.0),
+            ("run_variance_I", 1.0),
+            ("mse_R", 2.0),
+            ("run_variance_R", 0.0),
+            ("ess", 2.0),
+            ("log_evidence_mean", -11.0),
+            ("log_evidence_std", 2.0_f64.sqrt()),
+            ("trajectories_redrawn", 3.0),
+        ];
+        let found = metrics(&problem, &References::default(), &recorded);
+        assert_eq!(found.len(), expected.len());
+        for (found, (name, value)) in found.iter().zip(expected) {
+            assert_eq!(found.name, name);
+            assert!((found.value - value).abs() < 1e-12, "{name}: {}", found.value);
+        }
     }
 }

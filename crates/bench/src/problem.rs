@@ -31,8 +31,20 @@ pub(crate) struct Problem {
     pub(crate) exact: Option<Exact>,
     /// Whether the noise of the system is Gaussian, so that the exact means are also those of the system itself.
     pub(crate) has_gaussian_noise: bool,
-    /// How many trajectories were drawn in vain before this one, where those that run away are drawn again.
-    pub(crate) redrawn: Option<usize>,
+    /// What errors are taken of.
+    pub(crate) judged: Judged,
+}
+
+/// What errors are taken of.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Judged {
+    /// The state as a whole, as a share of its size.
+    WholeState,
+    /// Each coordinate by itself.
+    EachState {
+        /// How many trajectories ran away before the one that was kept.
+        redrawn: usize,
+    },
 }
 
 /// Exact inference by the Kalman filter.
@@ -82,7 +94,7 @@ impl Problem {
             gaussian: Box::new(gaussian),
             trajectory,
             exact,
-            redrawn: None,
+            judged: Judged::WholeState,
         })
     }
 
@@ -110,7 +122,7 @@ impl Problem {
             trajectory,
             exact: None,
             has_gaussian_noise: noise == Noise::Gaussian,
-            redrawn: Some(redrawn),
+            judged: Judged::EachState { redrawn },
         })
     }
 

@@ -45,24 +45,25 @@ pub fn reproduce(plan: &Plan, estimator: &Estimator, interrupt: &Interrupt) -> R
     let (there, remarks) = read(plan, &store)?;
     remarks.iter().for_each(|remark| news(remark));
     let models = plan.save_models.then(|| plan.folder.join("models"));
-    let is_there = |unit: &UnitConfig| {
+    let is_there = |(point, unit): &(Point, UnitConfig)| {
         let has_model = models
             .as_ref()
             .is_none_or(|models| !unit.method.method().is_learned() || models.join(unit.key()).exists());
-        let recorded = there.iter().find(|record| record.config == *unit);
+        let recorded = there.iter().find(|record| record.is_of(point, unit));
         recorded.is_some_and(|record| has_model || matches!(record.outcome, Outcome::Failed(_)))
     };
-    let missing: Vec<&(Point, UnitConfig)> = wanted.iter().filter(|(_, unit)| !is_there(unit)).collect();
+    let missing: Vec<&(Point, UnitConfig)> = wanted.iter().filter(|wanted| !is_there(wanted)).collect();
     announce(plan, wanted.len(), missing.len());
     if !missing.is_empty() {
-        let evaluator = Evaluator::new(models.clone());
+        let evaluator = Evaluator::new(models.clone()).with_checkpoints(store.units());
         run_missing(plan, &store, &missing, (&evaluator, estimator), interrupt)?;
     }
 
     let (records, _) = read(plan, &store)?;
     write_outputs(plan, &store, &records)?;
-    let recorded = |unit: &UnitConfig| records.iter().find(|record| record.config == *unit);
-    let left = wanted.iter().filter(|(_, unit)| recorded(unit).is_none()).count();
+    let recorded =
+        |(point, unit): &(Point, UnitConfig)| records.iter().find(|record| record.is_of(point, unit));
+    let left = wanted.iter().filter(|wanted| recorded(wanted).is_none()).count();
     if left > 0 {
         let fresh = if plan.fresh { ", given without --fresh," } else { "" };
         news(&format!(
@@ -71,7 +72,7 @@ pub fn reproduce(plan: &Plan, estimator: &Estimator, interrupt: &Interrupt) -> R
         return Ok(Finished::Interrupted);
     }
     let has_failed = |record: &&Record| matches!(record.outcome, Outcome::Failed(_));
-    let failed = wanted.iter().filter_map(|(_, unit)| recorded(unit)).filter(has_failed).count();
+    let failed = wanted.iter().filter_map(recorded).filter(has_failed).count();
     if failed > 0 {
         news(&format!(
             "{failed} of {} units failed; failures.csv says why, --fresh runs them again",
@@ -115,7 +116,7 @@ fn read(plan: &Plan, store: &Store) -> Result<(Vec<Record>, Vec<String>), StoreE
 
 /// The first setting in which a stored unit differs from what this run would do.
 fn differs(found: &UnitConfig, expected: Option<&UnitConfig>) -> String {
-    let Some(expected) = expected else { return "this experiment has no such panel".into() };
+    let Some(expected) = expected else { return "this experiment has no such panel or method".into() };
     let json = |unit: &UnitConfig| serde_json::to_value(unit).unwrap_or_default();
     first_difference("", &json(found), &json(expected)).unwrap_or_else(|| "they differ".into())
 }

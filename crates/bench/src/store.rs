@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use crate::checkpoint::forget;
 use crate::config::Point;
 use crate::series::Series;
 use crate::{Metric, UnitConfig};
@@ -27,6 +28,13 @@ pub struct Record {
     /// Estimates over time, where the experiment shows them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub series: Option<Series>,
+}
+
+impl Record {
+    /// Whether it is what is wanted at a place.
+    pub(crate) fn is_of(&self, point: &Point, config: &UnitConfig) -> bool {
+        self.point == *point && self.config == *config
+    }
 }
 
 /// How a unit ended.
@@ -132,8 +140,13 @@ impl Store {
         &self.folder
     }
 
+    /// The folder of units, and of trainings that are not finished.
+    pub(crate) fn units(&self) -> PathBuf {
+        self.folder.join("units")
+    }
+
     fn path(&self, key: &str) -> PathBuf {
-        self.folder.join("units").join(format!("{key}.json"))
+        self.units().join(format!("{key}.json"))
     }
 
     /// Reads every unit. A file that is truncated, empty or changed is renamed out of the way and reported.
@@ -168,20 +181,24 @@ impl Store {
         Ok(contents)
     }
 
-    /// Stores a unit: written under another name, flushed to the disk, then renamed, so that no partial file ever counts.
+    /// Stores a unit: written under another name, flushed to the disk, then renamed, so that no partial file ever counts. What was put
+    /// aside of its training goes.
     ///
     /// # Errors
     /// [`StoreError::Io`] naming the path, for instance when the disk is full; nothing that was there is harmed.
     pub fn write(&self, record: &Record) -> Result<(), StoreError> {
-        self.replace(&self.path(&record.config.key()), encode(record).as_bytes())
+        let key = record.config.key();
+        self.replace(&self.path(&key), encode(record).as_bytes())?;
+        forget(&self.units(), &key).map_err(at(&self.units()))
     }
 
-    /// Removes a unit, if it is there.
+    /// Removes a unit, if it is there, and what was put aside of its training.
     ///
     /// # Errors
     /// [`StoreError::Io`] if it is there and cannot be removed.
     pub fn remove(&self, config: &UnitConfig) -> Result<(), StoreError> {
         let path = self.path(&config.key());
+        forget(&self.units(), &config.key()).map_err(at(&self.units()))?;
         match std::fs::remove_file(&path) {
             Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(at(&path)(error)),
             _ => Ok(()),
@@ -303,6 +320,21 @@ mod tests {
             Outcome::Metrics(vec![Metric::new("ess", 5.0e-324), Metric::new("loss", 1.0 / 3.0)]);
         store.write(&awkward).unwrap();
         assert_eq!(store.read().unwrap().records, [awkward]);
+    }
+
+    #[test]
+    fn what_was_put_aside_of_a_training_goes_with_its_unit() {
+        let folder = tempfile::tempdir().unwrap();
+        let store = Store::open(folder.path()).unwrap();
+        let path = store.units().join(format!("{}.checkpoint", record().config.key()));
+        let put_aside = || std::fs::write(&path, "half of it").unwrap();
+        put_aside();
+        assert!(store.read().unwrap().set_aside.is_empty() && path.exists());
+        store.write(&record()).unwrap();
+        assert!(!path.exists());
+        put_aside();
+        store.remove(&record().config).unwrap();
+        assert!(!path.exists());
     }
 
     #[test]

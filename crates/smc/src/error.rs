@@ -26,6 +26,7 @@ impl ProposalError {
             ProposalError::PastHorizon { .. }
             | ProposalError::Mismatch { .. }
             | ProposalError::Setting { .. }
+            | ProposalError::Frames { .. }
             | ProposalError::NoGraph => ErrorKind::BadInput,
             ProposalError::Backend { .. }
             | ProposalError::Singular { .. }

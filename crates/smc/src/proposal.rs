@@ -53,6 +53,12 @@ pub enum ProposalError {
     /// The proposal works on the graph of a system, and the model has none.
     #[error("the model has no graph, which a graph network needs: see StateSpaceModel::graph")]
     NoGraph,
+    /// The units in which a proposal's networks work cannot be had from simulations of the system.
+    #[error("the frames of a standardised proposal cannot be had: {reason}")]
+    Frames {
+        /// Why not.
+        reason: String,
+    },
     /// A matrix that must be invertible is not, in floating point.
     #[error("the matrix {matrix} at time {time} is singular: log|det| is {log_abs_det}")]
     Singular {

@@ -1,6 +1,8 @@
 //! The numbers of an experiment file: each in its range, or named.
 
-use super::{Axis, ConfigError, Epidemic, Experiment, Gradient, Method, System};
+mod epidemic;
+
+use super::{Axis, ConfigError, Experiment, Gradient, Method, System};
 
 /// Checks every number that a run would use, for all profiles.
 pub(super) fn check(file: &str, experiment: &Experiment) -> Result<(), ConfigError> {
@@ -12,6 +14,8 @@ pub(super) fn check(file: &str, experiment: &Experiment) -> Result<(), ConfigErr
             checks.system(system)?;
             let over_time = experiment.series.is_some();
             checks.that(!over_time, "series", "there", "only an [epidemic] is shown over time")?;
+            let printed = !experiment.printed.is_empty();
+            checks.that(!printed, "printed", "there", "the paper prints numbers of its [epidemic] only")?;
         }
         (None, Some(epidemic)) => checks.epidemic(experiment, epidemic)?,
         (None, None) => {
@@ -175,48 +179,6 @@ impl Checks<'_> {
         self.that(decibels, "system.snr_db", system.snr_db, "it must be a number of dB from -200 to 200")
     }
 
-    fn epidemic(&self, experiment: &Experiment, epidemic: &Epidemic) -> Result<(), ConfigError> {
-        let key = |name: &str| format!("epidemic.{name}");
-        let Epidemic { infection_rate, removal_rate, time_step, .. } = *epidemic;
-        let rates =
-            [("infection_rate", infection_rate), ("removal_rate", removal_rate), ("time_step", time_step)];
-        for (name, rate) in rates {
-            let fine = rate >= 0.0 && rate.is_finite();
-            self.that(fine, &key(name), rate, "it must be at least 0 and finite")?;
-        }
-        for mean in epidemic.initial_means {
-            self.that(mean.is_finite(), &key("initial_means"), mean, "it must be finite")?;
-        }
-        for (name, value) in [
-            ("initial_variance", epidemic.initial_variance),
-            ("state_variance", epidemic.state_variance),
-            ("measurement_variance", epidemic.measurement_variance),
-            ("largest_state", epidemic.largest_state),
-        ] {
-            let fine = value > 0.0 && value.is_finite();
-            self.that(fine, &key(name), value, "it must be positive and finite")?;
-        }
-        self.at_least_one(&key("horizon"), epidemic.horizon)?;
-        if let Some(series) = &experiment.series {
-            let known = Epidemic::STATES.contains(&series.state.as_str());
-            self.that(known, "series.state", &series.state, &super::one_of(&series.state, Epidemic::STATES))?;
-            for window @ [first, last] in &series.windows {
-                let fine = first < last && *last <= epidemic.horizon;
-                let expected =
-                    format!("it must be two times, the first before the last, up to {}", epidemic.horizon);
-                self.that(fine, "series.windows", format!("{window:?}"), &expected)?;
-            }
-            self.that(
-                !series.windows.is_empty(),
-                "series.windows",
-                "empty",
-                "it must have one window or more",
-            )?;
-        }
-        let has_axis = experiment.axis != Axis::Dimension;
-        self.that(has_axis, "axis", "dimension", "an epidemic always has three coordinates")
-    }
-
     /// What a method needs beside what every experiment has.
     fn method(&self, experiment: &Experiment, method: Method) -> Result<(), ConfigError> {
         let Experiment { epidemic, proposals, reference, .. } = experiment;
@@ -226,14 +188,14 @@ impl Checks<'_> {
             self.that(epidemic.is_none(), "methods", name, expected)?;
             self.that(proposals.gnn.is_some(), "proposals.gnn", "absent", "the method gnn needs it")?;
         }
-        if method.is_anchored() || proposals.standardised.is_some() {
-            let expected =
-                "networks work in the units of simulated trajectories only where the system is an [epidemic]";
-            self.that(epidemic.is_some(), "proposals.standardised", name, expected)?;
-        }
         if method.is_anchored() {
             let there = proposals.standardised.is_some();
             self.that(there, "proposals.standardised", "absent", "anchored methods need it")?;
+        }
+        if proposals.standardised.is_some() {
+            let expected =
+                "networks work in the units of simulated trajectories only where the system is an [epidemic]";
+            self.that(epidemic.is_some(), "proposals.standardised", "there", expected)?;
         }
         if method.is_reference() {
             self.that(epidemic.is_some(), "methods", name, "only an [epidemic] has reference methods")?;

@@ -123,7 +123,8 @@ pub fn plans(args: &ReproduceArgs) -> Result<Vec<Plan>, ConfigError> {
     let mut others = Vec::new();
     for figure in &known {
         let file = args.experiments().join(format!("{figure}.toml"));
-        let also = load(&file)?.also;
+        // A file that cannot be read has no other name to give; it is an error where it is asked for.
+        let Ok(Experiment { also, .. }) = load(&file) else { continue };
         if also.contains(&args.figure) {
             return Ok(vec![plan(figure, args)?]);
         }

@@ -36,7 +36,8 @@ pub(crate) fn markdown(title: &str, axis: &str, rows: &[Row], printed: &Printed)
         .collect();
     let width = columns.len() + columns.iter().filter(|(metric, _)| is_printed(metric)).count();
     let mut text = format!("{title}\n\nMedian ± standard deviation over repetitions.\n\n");
-    text += &format!("| panel | {axis} | method | {} | n |\n", heads.join(" | "));
+    let joined = |cells: &[String]| cells.iter().map(|cell| format!(" {cell} |")).collect::<String>();
+    text += &format!("| panel | {axis} | method |{} n |\n", joined(&heads));
     text += &format!("|---|---:|---|{}---:|\n", "---:|".repeat(width));
     let mut points: Vec<&Row> = Vec::new();
     for row in rows {
@@ -71,8 +72,7 @@ pub(crate) fn markdown(title: &str, axis: &str, rows: &[Row], printed: &Printed)
             })
             .collect();
         let (panel, x, method) = (&point.panel, point.x, point.method.name());
-        text +=
-            &format!("| {panel} | {x} | {method} | {} | {}/{} |\n", cells.join(" | "), point.n_ok, point.n);
+        text += &format!("| {panel} | {x} | {method} |{} {}/{} |\n", joined(&cells), point.n_ok, point.n);
     }
     text
 }
@@ -128,6 +128,11 @@ mod tests {
                 "| N10 | 10 | fcnn | 0.250 ± 0.500 | 2/2 |",
                 "| N10 | 20 | bootstrap | – | 0/2 |",
             ]
+        );
+        let failed = markdown("T", "K", &rows[1..2], &Printed::new());
+        assert_eq!(
+            failed.lines().skip(4).collect::<Vec<_>>(),
+            ["| panel | K | method | n |", "|---|---:|---|---:|", "| N10 | 20 | bootstrap | 0/2 |"]
         );
         let printed = Printed::from([(Method::Fcnn, BTreeMap::from([("nmse_final".to_string(), 64.1)]))]);
         let table = markdown("T", "K", &rows, &printed);

@@ -6,14 +6,13 @@ use crate::store::{Outcome, Record};
 
 /// Says how many trajectories were drawn in vain; nothing where none ever is.
 pub(crate) fn redrawn(records: &[Record]) -> Option<String> {
-    // Methods share the trajectory of a repetition.
+    // All methods and numbers of particles share the trajectory of a repetition.
     let mut by_repetition = BTreeMap::new();
     for record in records {
         if let Outcome::Metrics(metrics) = &record.outcome
             && let Some(metric) = metrics.iter().find(|metric| metric.name == "trajectories_redrawn")
         {
-            let point = &record.point;
-            by_repetition.insert((&point.panel, point.x, point.repetition), metric.value);
+            by_repetition.insert(record.point.repetition, metric.value);
         }
     }
     if by_repetition.is_empty() {

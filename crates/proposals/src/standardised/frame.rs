@@ -32,25 +32,31 @@ pub struct Frame {
 
 /// A frame for each time, or one for all of them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(transparent)]
-pub struct Frames {
-    frames: Vec<Frame>,
+#[serde(rename_all = "kebab-case")]
+pub enum Frames {
+    /// One for all times.
+    Constant(Box<Frame>),
+    /// Those of `t = 0, 1, …`.
+    AtEachTime(Vec<Frame>),
 }
 
 impl Frames {
     /// One frame at all times.
     pub fn constant(frame: Frame) -> Self {
-        Frames { frames: vec![frame] }
+        Frames::Constant(Box::new(frame))
     }
 
-    /// The frames of `t = 0, 1, …`: two of them or more.
-    pub(super) fn unrolled(frames: Vec<Frame>) -> Self {
-        Frames { frames }
+    /// The frames of `t = 0, 1, …`.
+    pub fn at_each_time(frames: Vec<Frame>) -> Self {
+        Frames::AtEachTime(frames)
     }
 
     /// How many times there are frames for; `None` if any number.
     pub fn horizon(&self) -> Option<usize> {
-        (self.frames.len() != 1).then_some(self.frames.len())
+        match self {
+            Frames::Constant(_) => None,
+            Frames::AtEachTime(frames) => Some(frames.len()),
+        }
     }
 
     /// The frame at `time`.
@@ -58,10 +64,11 @@ impl Frames {
     /// # Errors
     /// [`ProposalError::PastHorizon`] if there is none.
     pub fn at(&self, time: usize) -> Result<&Frame, ProposalError> {
-        match (self.horizon(), self.frames.get(time)) {
-            (None, _) => Ok(&self.frames[0]),
-            (Some(_), Some(frame)) => Ok(frame),
-            (Some(horizon), None) => Err(ProposalError::PastHorizon { horizon, time }),
+        match self {
+            Frames::Constant(frame) => Ok(frame),
+            Frames::AtEachTime(frames) => {
+                frames.get(time).ok_or(ProposalError::PastHorizon { horizon: frames.len(), time })
+            }
         }
     }
 
@@ -70,16 +77,15 @@ impl Frames {
     /// # Errors
     /// [`ProposalError::Mismatch`] or [`ProposalError::Setting`] with what does not fit.
     pub(super) fn check(&self, n: usize, m: usize, horizon: usize) -> Result<(), ProposalError> {
-        if let Some(frames) = self.horizon()
-            && frames < horizon
-        {
-            return Err(ProposalError::Setting {
+        match self {
+            Frames::Constant(frame) => frame.check(n, m),
+            Frames::AtEachTime(frames) if frames.len() < horizon => Err(ProposalError::Setting {
                 name: "the number of frames",
-                value: frames.to_string(),
-                expected: "1, or one for each time",
-            });
+                value: frames.len().to_string(),
+                expected: "one for each time",
+            }),
+            Frames::AtEachTime(frames) => frames.iter().try_for_each(|frame| frame.check(n, m)),
         }
-        self.frames.iter().try_for_each(|frame| frame.check(n, m))
     }
 }
 
@@ -170,7 +176,7 @@ impl Frame {
 }
 
 impl Scale {
-    pub(super) fn standardised(&self, rows: &[f64]) -> impl Iterator<Item = f64> {
+    fn standardised(&self, rows: &[f64]) -> impl Iterator<Item = f64> {
         let scales = self.means.iter().zip(&self.deviations).cycle();
         rows.iter().zip(scales).map(|(value, (mean, deviation))| (value - mean) / deviation)
     }

@@ -5,7 +5,7 @@ mod frame;
 mod propose;
 mod tape;
 
-pub use fit::{FrameSettings, Origin};
+pub use fit::Origin;
 pub use frame::{Frame, Frames, Scale};
 
 use motes_models::{Seed, StateSpaceModel};
@@ -30,17 +30,18 @@ pub struct StandardisedConfig<Config> {
 ///
 /// For systems whose coordinates are not of the size of 1: `F` gives `ξ_t ~ q(ξ | ξ_{t−1}, υ_t)` for the standardised previous state and
 /// measurement, and the state is `x_t = o_t + P_t ξ_{t−1} + B_t υ_t + r_t ξ_t`, with `log q(x_t) = log q(ξ_t) − Σ log r_t`. What a
-/// particle remembers is `F`'s. At `t = 0` the family sees zeros for the previous state, as it does by itself.
+/// particle remembers is `F`'s. At `t = 0` the family sees zeros for the previous state, as it does by itself. What a family's
+/// settings say in numbers, a ridge for instance, is in units of its outputs.
 ///
 /// ```
-/// use motes_models::{Epidemic, EpidemicConfig, Seed};
-/// use motes_proposals::{Backend, Family, Fcnn, FcnnConfig, FrameSettings, Frames, Origin, Standardised, StandardisedConfig};
+/// use motes_models::{Epidemic, EpidemicConfig, Seed, Simulations};
+/// use motes_proposals::{Backend, Family, Fcnn, FcnnConfig, Frames, Origin, Standardised, StandardisedConfig};
 /// use motes_smc::{FilterSettings, ParticleFilter};
 ///
 /// let (seed, horizon) = (Seed::from_u64(1), 20);
 /// let epidemic = Epidemic::new(&EpidemicConfig::paper())?;
-/// let settings = FrameSettings { origin: Origin::Prediction, trajectories: 200, largest_state: 2000.0 };
-/// let frames = Frames::simulated(&epidemic, horizon, &settings, &seed.child("frames"))?;
+/// let simulations = Simulations::draw(&epidemic, horizon, 200, 2000.0, &seed.child("frames"))?;
+/// let frames = Frames::of(&simulations, Origin::Prediction)?;
 /// let config = StandardisedConfig { family: FcnnConfig { widths: vec![16], ridge: 1e-6 }, frames };
 /// let weights = seed.child("weights");
 /// let proposal: Standardised<Fcnn> =
