@@ -155,7 +155,8 @@ fn table1(table: &Figure) -> Claim {
         Verdict::NotReproduced => Verdict::Reproduced,
         Verdict::NotRun => Verdict::NotRun,
     };
-    let numbers = rnn.iter().map(|finding| finding.numbers.as_str()).collect::<Vec<_>>().join("; ");
+    let numbers = rnn.iter().map(|finding| finding.numbers.as_str()).filter(|numbers| !numbers.is_empty());
+    let numbers = numbers.collect::<Vec<_>>().join("; ");
     let rnn = Finding { subject: "rnn".into(), verdict: somewhere_not, numbers };
     claim(
         "table1",
