@@ -1,10 +1,11 @@
 //! Families in units that suit networks: derivatives, densities, and frames that do what they say.
 
 use motes_models::{
-    Epidemic, EpidemicConfig, Measurements, Noise, Seed, Simulations, StateSpaceModel, simulate_within,
+    Epidemic, EpidemicConfig, Measurements, Noise, Seed, Simulations, Spread, StateSpaceModel,
+    simulate_within,
 };
 use motes_proposals::{
-    Backend, Cell, Compute, Family, Fcnn, Frame, Frames, Learnable, Origin, Precision, Psi, Rnn, Scale,
+    Backend, Cell, Compute, Family, Fcnn, Frame, Frames, Learnable, Origin, Precision, Psi, Rnn,
     Standardised, StandardisedConfig, load, save,
 };
 use motes_smc::{Conditional, Past, Proposal};
@@ -106,7 +107,7 @@ fn densities_are_those_of_the_states() {
 #[test]
 fn a_density_integrates_to_one_in_the_units_of_the_state() {
     // One coordinate, in a frame by hand: 2 + 3 ξ' + 0.5 υ + 7 ξ.
-    let scale = |mean: f64, deviation: f64| Scale { means: vec![mean], deviations: vec![deviation] };
+    let scale = |mean: f64, deviation: f64| Spread { means: vec![mean], deviations: vec![deviation] };
     let frame = Frame {
         previous: scale(1.0, 2.0),
         measurement: scale(-1.0, 4.0),
@@ -116,7 +117,7 @@ fn a_density_integrates_to_one_in_the_units_of_the_state() {
     };
     let model = motes_tests::reference().model;
     assert_eq!((model.state_dim(), model.measurement_dim()), (1, 1));
-    let config = StandardisedConfig { family: small_fcnn(), frames: Frames::constant(frame) };
+    let config = StandardisedConfig { family: small_fcnn(), frames: Frames::Constant(frame) };
     let mut proposal: Standardised<Fcnn> =
         Standardised::create(&config, &model, 2, F64, &Seed::from_u64(145)).unwrap();
     let (count, step) = (4001, 0.05);
@@ -165,7 +166,7 @@ fn frames_that_do_not_fit_are_refused() {
     let refused = |change: fn(&mut Frame)| {
         let mut frame = good();
         change(&mut frame);
-        create(Frames::constant(frame), HORIZON).to_string()
+        create(Frames::Constant(frame), HORIZON).to_string()
     };
     assert!(refused(|frame| frame.output.deviations[1] = 0.0).contains("standard deviation"));
     assert!(refused(|frame| frame.previous.means[1] = f64::NAN).contains("NaN"));
@@ -174,7 +175,7 @@ fn frames_that_do_not_fit_are_refused() {
     let error = Frames::of(&simulations(3), Origin::Prediction).unwrap_err();
     assert!(error.to_string().contains("ten or more"), "{error}");
     // No frame at all is not one for all times.
-    assert_eq!(create(Frames::at_each_time(Vec::new()), 1).to_string(), too_long_of(0));
+    assert_eq!(create(Frames::AtEachTime(Vec::new()), 1).to_string(), too_long_of(0));
     // The horizon is that of the frames where the family has none.
     let rnn = make::<Rnn>(small_rnn(Cell::Lstm), Origin::Prediction, Backend::Native.into());
     assert_eq!(rnn.horizon(), Some(HORIZON));

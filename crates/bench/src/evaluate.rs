@@ -11,7 +11,6 @@ use motes_smc::{Bootstrap, Proposal};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::checkpoint::Checkpoints;
 use crate::config;
 use crate::methods::{FrameSettings, Visitor};
 use crate::problem::{Model, Problem};
@@ -70,7 +69,8 @@ pub(crate) fn failed(error: impl ToString) -> UnitError {
 pub struct Evaluator {
     references: ReferenceCache,
     models: Option<PathBuf>,
-    checkpoints: Option<Checkpoints>,
+    /// The folder of units.
+    checkpoints: Option<PathBuf>,
 }
 
 impl Evaluator {
@@ -82,7 +82,7 @@ impl Evaluator {
     /// Puts long trainings aside in `folder` now and then, and when the run is being stopped, and takes up what lies there.
     #[must_use]
     pub(crate) fn with_checkpoints(self, folder: PathBuf) -> Self {
-        Evaluator { checkpoints: Some(Checkpoints::in_folder(folder)), ..self }
+        Evaluator { checkpoints: Some(folder), ..self }
     }
 
     /// Runs a unit on the calling thread.
@@ -161,6 +161,7 @@ impl Visitor for Run<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::checkpoint::Checkpoint;
     use crate::methods::MethodConfig;
     use crate::unit::tests::{fcnn_unit, on_graph};
     use motes_models::{Seed, Sequence};
@@ -220,7 +221,7 @@ mod tests {
                 Training::new(&proposal, &*problem.model, measurements, &config, &mut stream).unwrap();
             (0..3).for_each(|_| assert!(training.step(&mut proposal).is_ok()));
             let bytes = training.suspend(&proposal).unwrap();
-            Checkpoints::in_folder(folder.path().into()).of(&unit.key()).write(7.0, &bytes).unwrap();
+            Checkpoint::of(folder.path(), &unit.key()).write(7.0, &bytes).unwrap();
         };
         put_aside(&seed);
         let evaluator = Evaluator::new(None).with_checkpoints(folder.path().into());

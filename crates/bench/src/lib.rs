@@ -6,6 +6,7 @@
 
 mod checkpoint;
 pub mod config;
+mod durable;
 mod estimate;
 mod evaluate;
 mod figure;

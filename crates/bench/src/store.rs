@@ -7,10 +7,9 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::checkpoint::forget;
 use crate::config::Point;
 use crate::series::Series;
-use crate::{Metric, UnitConfig};
+use crate::{Metric, UnitConfig, checkpoint, durable};
 
 /// What is stored of a unit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -128,7 +127,7 @@ impl Store {
         // What a killed run was writing when it died; nobody else is writing now.
         for entry in std::fs::read_dir(&units).map_err(at(&units))? {
             let path = entry.map_err(at(&units))?.path();
-            if path.extension().is_some_and(|extension| extension == "partial") {
+            if path.extension().is_some_and(|extension| extension == durable::PARTIAL) {
                 std::fs::remove_file(&path).map_err(at(&path))?;
             }
         }
@@ -189,7 +188,7 @@ impl Store {
     pub fn write(&self, record: &Record) -> Result<(), StoreError> {
         let key = record.config.key();
         self.replace(&self.path(&key), encode(record).as_bytes())?;
-        forget(&self.units(), &key).map_err(at(&self.units()))
+        self.forget_training(&key)
     }
 
     /// Removes a unit, if it is there, and what was put aside of its training.
@@ -197,12 +196,15 @@ impl Store {
     /// # Errors
     /// [`StoreError::Io`] if it is there and cannot be removed.
     pub fn remove(&self, config: &UnitConfig) -> Result<(), StoreError> {
-        let path = self.path(&config.key());
-        forget(&self.units(), &config.key()).map_err(at(&self.units()))?;
-        match std::fs::remove_file(&path) {
-            Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(at(&path)(error)),
-            _ => Ok(()),
-        }
+        let key = config.key();
+        self.forget_training(&key)?;
+        let path = self.path(&key);
+        durable::remove(&path).map_err(at(&path))
+    }
+
+    fn forget_training(&self, key: &str) -> Result<(), StoreError> {
+        let path = checkpoint::path(&self.units(), key);
+        durable::remove(&path).map_err(at(&path))
     }
 
     /// Writes a table or figure into the results folder, whole or not at all.
@@ -214,19 +216,7 @@ impl Store {
     }
 
     fn replace(&self, path: &Path, contents: &[u8]) -> Result<(), StoreError> {
-        let temporary = path.with_extension("partial");
-        let write = || {
-            let mut file = File::create(&temporary)?;
-            file.write_all(contents)?;
-            file.sync_all()?;
-            std::fs::rename(&temporary, path)?;
-            // The new name, too, has to reach the disk.
-            path.parent().map_or(Ok(()), |folder| File::open(folder)?.sync_all())
-        };
-        write().map_err(|source| {
-            let _ = std::fs::remove_file(&temporary);
-            StoreError::Io { path: path.to_path_buf(), source }
-        })
+        durable::write(path, &[contents]).map_err(at(path))
     }
 }
 

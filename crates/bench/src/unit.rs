@@ -99,7 +99,7 @@ impl UnitConfig {
         let (experiment, profile) = (&plan.experiment, &plan.profile);
         let system = match (&experiment.system, &experiment.epidemic) {
             (Some(system), _) => UnitSystem::Graph(System { dimension: n, horizon: t, ..system.clone() }),
-            (None, Some(epidemic)) => UnitSystem::Epidemic(Epidemic { horizon: t, ..epidemic.clone() }),
+            (None, Some(epidemic)) => UnitSystem::Epidemic(epidemic.clone()),
             (None, None) => return None,
         };
         // What others are held against does not depend on how many particles they have.

@@ -196,8 +196,8 @@ impl Spread {
         }
     }
 
-    /// `(value − mean) / deviation` of each number of rows.
-    fn standardised(&self, rows: &[f64]) -> impl Iterator<Item = f64> {
+    /// `(value − mean) / deviation` of each number of rows (`K×N`).
+    pub fn standardised(&self, rows: &[f64]) -> impl Iterator<Item = f64> {
         let scales = self.means.iter().zip(&self.deviations).cycle();
         rows.iter().zip(scales).map(|(value, (mean, deviation))| (value - mean) / deviation)
     }

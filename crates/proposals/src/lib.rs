@@ -60,6 +60,6 @@ pub use parameters::Parameters;
 pub use psi::{Psi, PsiConfig};
 pub use rnn::{Cell, Rnn, RnnConfig};
 pub use saved::{SAVED_FORMAT, SavedError, load, save};
-pub use standardised::{Frame, Frames, Origin, Scale, Standardised, StandardisedConfig};
+pub use standardised::{Frame, Frames, Origin, Standardised, StandardisedConfig};
 pub use values::{Slice, Values};
 pub use workspace::{GradientPart, Workspace};

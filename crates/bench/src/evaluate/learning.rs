@@ -30,7 +30,8 @@ impl Run<'_> {
         let measurements = &self.problem.trajectory.measurements;
         let mut training =
             Training::new(&proposal, model, measurements, config, &mut stream).map_err(failed)?;
-        let mut checkpoint = self.evaluator.checkpoints.as_ref().map(|all| all.of(&self.unit.key()));
+        let mut checkpoint =
+            self.evaluator.checkpoints.as_ref().map(|units| Checkpoint::of(units, &self.unit.key()));
         let mut earlier = 0.0;
         if let Some((seconds, bytes)) = checkpoint.as_ref().and_then(Checkpoint::read) {
             match training.resume(&mut proposal, &bytes) {

@@ -50,13 +50,12 @@ pub(crate) fn series_figure(
     ];
     // Minimum degeneracy alone is shown once.
     let is_new = |group: &&Group<'_>| group.curves.iter().any(|(method, _)| *method != Method::MinDegeneracy);
-    let mut shown_groups: Vec<&Group<'_>> = groups.iter().filter(is_new).collect();
-    if shown_groups.is_empty() {
-        shown_groups.push(&groups[0]);
+    let mut rows: Vec<&Group<'_>> = groups.iter().filter(is_new).collect();
+    if rows.is_empty() {
+        rows.push(&groups[0]);
     }
-    let groups = shown_groups;
     let columns = shown.windows.len();
-    let size = (PANEL.0 * columns as u32, HEAD + (LEGEND + PANEL.1) * groups.len() as u32);
+    let size = (PANEL.0 * columns as u32, HEAD + (LEGEND + PANEL.1) * rows.len() as u32);
     let mut svg = String::new();
     {
         let root = SVGBackend::with_string(&mut svg, size).into_drawing_area();
@@ -65,8 +64,8 @@ pub(crate) fn series_figure(
         head.draw(&Text::new(title.to_string(), (12, 10), (FONT, 17).into_font().color(&INK)))?;
         let note = "first repetition; mean of all runs, bands span nine tenths of them";
         head.draw(&Text::new(note, (12, 36), (FONT, 13).into_font().color(&INK.mix(0.7))))?;
-        for (row, group) in body.split_evenly((groups.len(), 1)).iter().zip(&groups) {
-            let (legend, plots) = row.split_vertically(LEGEND);
+        for (area, group) in body.split_evenly((rows.len(), 1)).iter().zip(&rows) {
+            let (legend, plots) = area.split_vertically(LEGEND);
             draw_legend(&legend, group)?;
             for (cell, window) in plots.split_evenly((1, columns)).iter().zip(&shown.windows) {
                 draw_window(cell, &shown.state, group, *window)?;

@@ -1,10 +1,10 @@
 //! Frames from simulations of a system.
 
-use motes_models::{Simulations, Spread};
+use motes_models::{ModelError, Simulations, Spread};
 use motes_smc::ProposalError;
 use serde::{Deserialize, Serialize};
 
-use super::frame::{Frame, Frames, Scale};
+use super::frame::{Frame, Frames};
 
 /// What networks speak relative to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -25,10 +25,10 @@ impl Frames {
     /// # Errors
     /// [`ProposalError::Frames`] if a coordinate does not vary, or trajectories are too few to tell what predicts a state.
     pub fn of(simulations: &Simulations, origin: Origin) -> Result<Frames, ProposalError> {
-        let refuse = |error: motes_models::ModelError| ProposalError::Frames { reason: error.to_string() };
+        let refuse = |error: ModelError| ProposalError::Frames { reason: error.to_string() };
         if origin == Origin::Mean {
             let [states, measurements] = [simulations.states(), simulations.measurements()];
-            return Frame::around_mean(&states, &measurements, &states).map(Frames::constant).map_err(refuse);
+            return Frame::around_mean(&states, &measurements, &states).map(Frames::Constant).map_err(refuse);
         }
         let mut previous = simulations.states_at(0);
         let mut frames = Vec::with_capacity(simulations.horizon());
@@ -45,24 +45,17 @@ impl Frames {
             frames.push(frame);
             previous = states;
         }
-        Ok(Frames::at_each_time(frames))
+        Ok(Frames::AtEachTime(frames))
     }
 }
 
 impl Frame {
-    fn around_mean(
-        previous: &Spread,
-        measurement: &Spread,
-        output: &Spread,
-    ) -> Result<Frame, motes_models::ModelError> {
-        let scale = |spread: &Spread| {
-            spread.check()?;
-            Ok(Scale { means: spread.means.clone(), deviations: spread.deviations.clone() })
-        };
+    fn around_mean(previous: &Spread, measurement: &Spread, output: &Spread) -> Result<Frame, ModelError> {
+        [previous, measurement, output].into_iter().try_for_each(Spread::check)?;
         Ok(Frame {
-            previous: scale(previous)?,
-            measurement: scale(measurement)?,
-            output: scale(output)?,
+            previous: previous.clone(),
+            measurement: measurement.clone(),
+            output: output.clone(),
             by_previous: Vec::new(),
             by_measurement: Vec::new(),
         })

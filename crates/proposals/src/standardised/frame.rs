@@ -1,16 +1,15 @@
 //! The units and origins in which a proposal's networks see and speak.
 
+use motes_models::Spread;
 use motes_smc::{Past, ProposalError};
 use serde::{Deserialize, Serialize};
 
-/// A mean and a standard deviation of each coordinate.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Scale {
-    /// The means.
-    pub means: Vec<f64>,
-    /// The standard deviations, in the units of the coordinates.
-    pub deviations: Vec<f64>,
+/// How a [`Spread`] is written: the models know no format.
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "Spread", deny_unknown_fields)]
+struct WrittenSpread {
+    means: Vec<f64>,
+    deviations: Vec<f64>,
 }
 
 /// `ξ_{t−1} = (x_{t−1} − m) / s` and `υ_t = (y_t − m_y) / s_y` go in; of what comes out, `ξ`, the state is
@@ -19,11 +18,14 @@ pub struct Scale {
 #[serde(deny_unknown_fields)]
 pub struct Frame {
     /// `m` and `s`; not looked at at `t = 0`.
-    pub previous: Scale,
+    #[serde(with = "WrittenSpread")]
+    pub previous: Spread,
     /// `m_y` and `s_y`.
-    pub measurement: Scale,
+    #[serde(with = "WrittenSpread")]
+    pub measurement: Spread,
     /// `o` and `r`.
-    pub output: Scale,
+    #[serde(with = "WrittenSpread")]
+    pub output: Spread,
     /// `P`, `N×N` in rows, or empty for none.
     pub by_previous: Vec<f64>,
     /// `B`, `N×M` in rows, or empty for none.
@@ -35,22 +37,12 @@ pub struct Frame {
 #[serde(rename_all = "kebab-case")]
 pub enum Frames {
     /// One for all times.
-    Constant(Box<Frame>),
+    Constant(Frame),
     /// Those of `t = 0, 1, …`.
     AtEachTime(Vec<Frame>),
 }
 
 impl Frames {
-    /// One frame at all times.
-    pub fn constant(frame: Frame) -> Self {
-        Frames::Constant(Box::new(frame))
-    }
-
-    /// The frames of `t = 0, 1, …`.
-    pub fn at_each_time(frames: Vec<Frame>) -> Self {
-        Frames::AtEachTime(frames)
-    }
-
     /// How many times there are frames for; `None` if any number.
     pub fn horizon(&self) -> Option<usize> {
         match self {
@@ -172,13 +164,6 @@ impl Frame {
             }
             d_previous.iter_mut().zip(&self.previous.deviations).for_each(|(d, deviation)| *d /= deviation);
         }
-    }
-}
-
-impl Scale {
-    fn standardised(&self, rows: &[f64]) -> impl Iterator<Item = f64> {
-        let scales = self.means.iter().zip(&self.deviations).cycle();
-        rows.iter().zip(scales).map(|(value, (mean, deviation))| (value - mean) / deviation)
     }
 }
 

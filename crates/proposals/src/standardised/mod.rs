@@ -6,7 +6,7 @@ mod propose;
 mod tape;
 
 pub use fit::Origin;
-pub use frame::{Frame, Frames, Scale};
+pub use frame::{Frame, Frames};
 
 use motes_models::{Seed, StateSpaceModel};
 use motes_smc::ProposalError;
