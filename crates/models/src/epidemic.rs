@@ -4,7 +4,8 @@ use faer::{Mat, MatRef};
 
 use crate::batch::{LANES, with_noise};
 use crate::{
-    AdditiveGaussian, Gaussian, ModelError, Noise, Simulator, StateGradients, StateSpaceModel, Stream,
+    AdditiveGaussian, Gaussian, ModelError, Noise, PartialLikelihood, Simulator, StateGradients,
+    StateSpaceModel, Stream,
 };
 
 /// `S`, `I` and `R`.
@@ -194,6 +195,25 @@ impl StateSpaceModel for Epidemic {
                 }
             }
         });
+    }
+}
+
+/// Entries are independent, so those that are there keep their densities.
+impl PartialLikelihood for Epidemic {
+    fn partial_log_likelihoods(
+        &self,
+        _time: usize,
+        states: &[f64],
+        measurement: &[Option<f64>],
+        out: &mut [f64],
+    ) -> Result<(), ModelError> {
+        for (state, out) in states.chunks_exact(N).zip(out) {
+            let densities = measurement.iter().zip(MEASURED).filter_map(|(value, at)| {
+                Some(self.config.noise.log_density(self.sigmas[2], (*value)? - state[at]))
+            });
+            *out = densities.sum();
+        }
+        Ok(())
     }
 }
 

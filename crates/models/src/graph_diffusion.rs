@@ -7,8 +7,8 @@ use faer::{Mat, MatRef};
 use crate::batch::{Rows, TileMatrix};
 use crate::error::check_matrix;
 use crate::{
-    AdditiveGaussian, Gaussian, LinearGaussian, ModelError, Noise, RandomGeometricGraph, Simulator,
-    StateGradients, StateSpaceModel, Stream, SystemGraph,
+    AdditiveGaussian, Gaussian, LinearGaussian, ModelError, Noise, PartialLikelihood, RandomGeometricGraph,
+    Simulator, StateGradients, StateSpaceModel, Stream, SystemGraph,
 };
 
 /// The map `φ` applied to each coordinate of the diffused state.
@@ -253,6 +253,26 @@ impl StateSpaceModel for GraphDiffusion {
         let c = self.measurement_matrix.as_ref();
         let adapter = Mat::from_fn(c.ncols(), c.nrows(), |i, j| if c[(j, i)] != 0.0 { 1.0 } else { 0.0 });
         Some(SystemGraph { shift: self.adjacency.clone(), adapter })
+    }
+}
+
+/// Entries are independent, so those that are there keep their densities.
+impl PartialLikelihood for GraphDiffusion {
+    fn partial_log_likelihoods(
+        &self,
+        _time: usize,
+        states: &[f64],
+        measurement: &[Option<f64>],
+        out: &mut [f64],
+    ) -> Result<(), ModelError> {
+        for (state, out) in states.chunks_exact(self.state_dim()).zip(out) {
+            let densities = measurement.iter().enumerate().filter_map(|(i, value)| {
+                let residual = (*value)? - self.measure.row_times(i, state);
+                Some(self.noise.log_density(self.measurement_sigma, residual))
+            });
+            *out = densities.sum();
+        }
+        Ok(())
     }
 }
 

@@ -1,10 +1,13 @@
 //! The Kalman filter and smoother: exact means, covariances and log-evidence of a linear Gaussian model.
 
-use faer::{Col, ColRef, Mat, MatRef};
+use faer::{Col, Mat, MatRef};
 
 use crate::error::check_matrix;
 pub use crate::smoother::{Smoothed, smooth};
-use crate::{AdditiveGaussian, Gaussian, LinearGaussian, Measurements, ModelError, StateSpaceModel};
+use crate::{
+    AdditiveGaussian, Gaussian, LinearGaussian, Measurements, ModelError, PartialMeasurements,
+    StateSpaceModel,
+};
 
 /// A Gaussian belief about a state.
 #[derive(Debug, Clone)]
@@ -49,7 +52,22 @@ impl Filtered {
 /// [`ModelError::MeasurementWidth`] if the measurements do not fit the model; [`ModelError::Numerical`] if
 /// an innovation covariance cannot be factored.
 pub fn filter(model: &LinearGaussian, measurements: &Measurements) -> Result<Filtered, ModelError> {
-    measurements.check_width(model.measurement_dim())?;
+    filter_partial(model, &measurements.into())
+}
+
+/// [`filter`] with gaps: of a measurement only the entries that are there, with their rows of `C` and `R`, correct the prediction, and
+/// where none is the prediction stands.
+///
+/// # Errors
+/// As [`filter`].
+pub fn filter_partial(
+    model: &LinearGaussian,
+    measurements: &PartialMeasurements,
+) -> Result<Filtered, ModelError> {
+    let (width, expected) = (measurements.width(), model.measurement_dim());
+    if width != expected {
+        return Err(ModelError::MeasurementWidth { width, expected });
+    }
     let mut steps: Vec<Step> = Vec::with_capacity(measurements.len());
     for (time, measurement) in measurements.rows().enumerate() {
         let predicted = match steps.last() {
@@ -59,7 +77,6 @@ pub fn filter(model: &LinearGaussian, measurements: &Measurements) -> Result<Fil
             },
             Some(step) => predict(model, &step.filtered),
         };
-        let measurement = ColRef::from_slice(measurement);
         let (filtered, log_evidence_increment) = update(model, &predicted, measurement, time)?;
         steps.push(Step { predicted, filtered, log_evidence_increment });
     }
@@ -78,17 +95,38 @@ fn predict(model: &LinearGaussian, belief: &Belief) -> Belief {
 fn update(
     model: &LinearGaussian,
     predicted: &Belief,
-    measurement: ColRef<'_, f64>,
+    measurement: &[Option<f64>],
     time: usize,
 ) -> Result<(Belief, f64), ModelError> {
+    let there: Vec<usize> = (0..measurement.len()).filter(|&i| measurement[i].is_some()).collect();
+    if there.is_empty() {
+        return Ok((predicted.clone(), 0.0));
+    }
     let (c, r) = (model.measurement_matrix(), model.measurement_covariance());
+    let measured: Col<f64> = measurement.iter().copied().flatten().collect();
+    if there.len() == measurement.len() {
+        return correct(predicted, c, r, &measured, time);
+    }
+    let of_c = Mat::from_fn(there.len(), c.ncols(), |i, j| c[(there[i], j)]);
+    let of_r = Mat::from_fn(there.len(), there.len(), |i, j| r[(there[i], there[j])]);
+    correct(predicted, of_c.as_ref(), of_r.as_ref(), &measured, time)
+}
+
+/// Corrects a belief by what was measured of `C x + w`, `w ~ N(0, R)`; the corrected one and the log-density of the measurement.
+fn correct(
+    predicted: &Belief,
+    c: MatRef<'_, f64>,
+    r: MatRef<'_, f64>,
+    measured: &Col<f64>,
+    time: usize,
+) -> Result<(Belief, f64), ModelError> {
     let Correction { gain, covariance, innovation } = correction(predicted.covariance.as_ref(), c, r)
         .map_err(|fault| ModelError::Numerical {
             computation: "correcting a belief",
             time,
             reason: fault.to_string(),
         })?;
-    let surprise = measurement - c * &predicted.mean;
+    let surprise = measured - c * &predicted.mean;
     let log_evidence_increment = innovation.log_density_of(|i| surprise[i]);
     Ok((Belief { mean: &predicted.mean + gain * &surprise, covariance }, log_evidence_increment))
 }

@@ -5,8 +5,8 @@ use faer::{Mat, MatRef};
 use crate::batch::{LANES, TileMatrix, load, store, with_noise, with_scratch};
 use crate::error::check_matrix;
 use crate::{
-    AdditiveGaussian, Gaussian, ModelError, Simulator, StateGradients, StateSpaceModel, Stream,
-    fill_standard_normal,
+    AdditiveGaussian, Gaussian, ModelError, PartialLikelihood, Simulator, StateGradients, StateSpaceModel,
+    Stream, fill_standard_normal,
 };
 
 /// `x_0 ~ N(μ₀, P₀)`, `x_t = A x_{t−1} + v_t`, `v_t ~ N(0, Q)`, `y_t = C x_t + w_t`, `w_t ~ N(0, R)`.
@@ -155,6 +155,37 @@ impl StateSpaceModel for LinearGaussian {
                 self.measurement_noise.tile_log_density(residuals, whitened, out);
             }
         });
+    }
+}
+
+/// The marginal of a Gaussian: the rows of `C` and of `R` of what is there.
+impl PartialLikelihood for LinearGaussian {
+    fn partial_log_likelihoods(
+        &self,
+        _time: usize,
+        states: &[f64],
+        measurement: &[Option<f64>],
+        out: &mut [f64],
+    ) -> Result<(), ModelError> {
+        let there: Vec<(usize, f64)> =
+            measurement.iter().enumerate().filter_map(|(i, value)| Some((i, (*value)?))).collect();
+        if there.is_empty() {
+            out.fill(0.0);
+            return Ok(());
+        }
+        let r = self.measurement_covariance();
+        let noise = Gaussian::new(
+            "the covariance of the measured entries",
+            vec![0.0; there.len()],
+            Mat::from_fn(there.len(), there.len(), |i, j| r[(there[i].0, there[j].0)]),
+        )?;
+        for (state, out) in states.chunks_exact(self.state_dim()).zip(out) {
+            *out = noise.log_density_of(|i| {
+                let (row, value) = there[i];
+                value - row_times(&self.measurement_matrix, row, state)
+            });
+        }
+        Ok(())
     }
 }
 

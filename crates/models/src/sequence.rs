@@ -94,6 +94,72 @@ impl std::ops::Deref for Measurements {
     }
 }
 
+/// What was measured, with gaps: `T` rows of `M` entries, each a finite number or missing.
+///
+/// An entry that is missing carries no information, neither by its value nor by being missing.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PartialMeasurements {
+    width: usize,
+    values: Vec<Option<f64>>,
+}
+
+impl PartialMeasurements {
+    /// Takes row-major `values` (`T·width` entries).
+    ///
+    /// # Errors
+    /// As [`Measurements::new`]; a missing entry is `None`, never NaN.
+    pub fn new(width: usize, values: Vec<Option<f64>>) -> Result<Self, ModelError> {
+        if width == 0 || !values.len().is_multiple_of(width) {
+            return Err(ModelError::RaggedSequence { values: values.len(), width });
+        }
+        for (row, values) in values.chunks_exact(width).enumerate() {
+            check_entries(row, values)?;
+        }
+        Ok(PartialMeasurements { width, values })
+    }
+
+    /// Entries in a row, `M`.
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Number of rows, `T`.
+    pub fn len(&self) -> usize {
+        self.values.len() / self.width
+    }
+
+    /// Whether there is no row.
+    pub fn is_empty(&self) -> bool {
+        self.values.is_empty()
+    }
+
+    /// All rows in order of time.
+    pub fn rows(&self) -> impl ExactSizeIterator<Item = &[Option<f64>]> {
+        self.values.chunks_exact(self.width)
+    }
+}
+
+/// Measurements without a gap.
+impl From<&Measurements> for PartialMeasurements {
+    fn from(measurements: &Measurements) -> Self {
+        let values = measurements.values().iter().copied().map(Some).collect();
+        PartialMeasurements { width: measurements.width(), values }
+    }
+}
+
+/// Refuses a row of which an entry that is there is not finite.
+///
+/// # Errors
+/// [`ModelError::NotFinite`] with row and column.
+pub fn check_entries(row: usize, entries: &[Option<f64>]) -> Result<(), ModelError> {
+    match entries.iter().position(|entry| entry.is_some_and(|value| !value.is_finite())) {
+        Some(column) => {
+            Err(ModelError::NotFinite { row, column, value: entries[column].unwrap_or(f64::NAN) })
+        }
+        None => Ok(()),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -102,6 +168,16 @@ mod tests {
     fn a_measurement_that_is_not_finite_is_named_by_row_and_column() {
         let error = Measurements::new(2, vec![1.0, 2.0, 3.0, f64::NAN]).unwrap_err();
         assert_eq!(error.to_string(), "the measurement at row 1, column 1 is NaN; it must be finite");
+    }
+
+    #[test]
+    fn a_gap_is_none_and_never_nan() {
+        let error = PartialMeasurements::new(2, vec![None, Some(1.0), Some(f64::NAN), None]).unwrap_err();
+        assert_eq!(error.to_string(), "the measurement at row 1, column 0 is NaN; it must be finite");
+        assert!(PartialMeasurements::new(2, vec![None; 3]).is_err());
+        let gaps = PartialMeasurements::new(2, vec![None, Some(1.0), Some(2.0), None]).unwrap();
+        assert_eq!((gaps.width(), gaps.len()), (2, 2));
+        assert_eq!(gaps.rows().next(), Some(&[None, Some(1.0)][..]));
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use faer::MatRef;
 
 use crate::batch::{Rows, load, particles_by_stream, store, with_scratch};
-use crate::{Gaussian, Stream, SystemGraph};
+use crate::{Gaussian, ModelError, Stream, SystemGraph};
 
 /// A hidden Markov model on ℝᴺ, measured in ℝᴹ: `p(x_0)`, `p(x_t | x_{t−1})`, `p(y_t | x_t)`.
 ///
@@ -118,6 +118,22 @@ pub trait StateSpaceModel: Sync {
 pub trait Simulator: StateSpaceModel {
     /// Draws `y_t ~ p(y_t | x_t)` into `measurement` (`M`), given `state` (`N`).
     fn sample_measurement(&self, time: usize, state: &[f64], stream: &mut Stream, measurement: &mut [f64]);
+}
+
+/// A model that can weigh a measurement some of whose entries are missing.
+pub trait PartialLikelihood: StateSpaceModel {
+    /// `log p(y_t^O | x_t)` at each of `K` rows of `states` (`K×N`), into `out` (`K`): the marginal density of those entries `O` of
+    /// `measurement` (`M`) that are there; 0 where none is.
+    ///
+    /// # Errors
+    /// [`ModelError`] if the marginal density cannot be had in floating point.
+    fn partial_log_likelihoods(
+        &self,
+        time: usize,
+        states: &[f64],
+        measurement: &[Option<f64>],
+        out: &mut [f64],
+    ) -> Result<(), ModelError>;
 }
 
 /// The gradients of a model's log densities with respect to states, which is all that training asks of it.

@@ -4,7 +4,7 @@ use faer::{Mat, mat};
 use motes_models::batch::Rows;
 use motes_models::{
     AdditiveGaussian, Drift, Epidemic, EpidemicConfig, Gaussian, GraphDiffusion, GraphDiffusionConfig,
-    LinearGaussian, Noise, Seed, StateSpaceModel,
+    LinearGaussian, Noise, PartialLikelihood, Seed, StateSpaceModel,
 };
 
 fn dense() -> LinearGaussian {
@@ -141,4 +141,41 @@ fn draws_in_batches_have_the_moments_of_the_model() {
     draw(&dense());
     draw(&epidemic(Noise::Exponential));
     diffusions().for_each(|system| draw(&system));
+}
+
+/// The measurements' entries that are there: all, none, and each one missing. What is left is the full density integrated over the rest.
+fn assert_marginal(model: &impl PartialLikelihood, state: &[f64], measurement: &[f64], spread: f64) {
+    let of = |entries: &[Option<f64>]| {
+        let mut out = [f64::NAN];
+        model.partial_log_likelihoods(3, state, entries, &mut out).unwrap();
+        out[0]
+    };
+    let all: Vec<Option<f64>> = measurement.iter().copied().map(Some).collect();
+    let whole = model.log_likelihood(3, state, measurement);
+    assert!((of(&all) - whole).abs() < 1e-12 * whole.abs(), "{} for {whole}", of(&all));
+    assert_eq!(of(&vec![None; measurement.len()]), 0.0);
+    for missing in 0..measurement.len() {
+        let mut entries = all.clone();
+        entries[missing] = None;
+        let (mut values, points) = (measurement.to_vec(), 40_000);
+        let step = 2.0 * spread / points as f64;
+        let mut integral = 0.0;
+        for at in 0..points {
+            values[missing] = measurement[missing] - spread + (at as f64 + 0.5) * step;
+            integral += model.log_likelihood(3, state, &values).exp() * step;
+        }
+        let found = of(&entries);
+        assert!((found - integral.ln()).abs() < 2e-3, "without {missing}: {found} for {}", integral.ln());
+    }
+}
+
+#[test]
+fn what_is_there_of_a_measurement_has_the_marginal_density() {
+    assert_marginal(&dense(), &[0.3, -0.8], &[0.1, 0.9, -0.4], 12.0);
+    for noise in [Noise::Gaussian, Noise::Exponential, Noise::Uniform] {
+        // σ is about 1.5.
+        let state = [1.0, 0.5, 0.2, 0.8, 1.3, 0.9, 1.1];
+        assert_marginal(&diffusion(Drift::Abs, noise), &state, &[1.0, 0.7, 0.3, 0.8, 1.2], 25.0);
+        assert_marginal(&epidemic(noise), &[700.0, 200.0, 100.0], &[720.0, 130.0], 800.0);
+    }
 }

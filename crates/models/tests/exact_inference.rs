@@ -2,7 +2,9 @@
 
 use faer::prelude::Solve;
 use faer::{Col, Mat, Side, mat};
-use motes_models::{Gaussian, LinearGaussian, Measurements, Seed, StateSpaceModel, kalman, simulate};
+use motes_models::{
+    Gaussian, LinearGaussian, Measurements, PartialMeasurements, Seed, StateSpaceModel, kalman, simulate,
+};
 
 fn model() -> LinearGaussian {
     let initial =
@@ -51,19 +53,20 @@ fn joint(model: &LinearGaussian, horizon: usize) -> (Col<f64>, Mat<f64>) {
     (mean, &f * d * f.transpose())
 }
 
-/// Mean and covariance of the `n` coordinates from `at` on, given `values` of the first measurements.
+/// Mean and covariance of the `n` coordinates from `at` on, given `values` of the coordinates `seen`.
 fn condition(
     (mean, covariance): &(Col<f64>, Mat<f64>),
     at: usize,
     n: usize,
-    from: usize,
+    seen: &[usize],
     values: &[f64],
 ) -> (Col<f64>, Mat<f64>) {
-    let m = values.len();
-    let s = covariance.submatrix(from, from, m, m).llt(Side::Lower).unwrap();
-    let cross = covariance.submatrix(at, from, n, m);
-    let deviation = Col::from_fn(m, |i| values[i] - mean[from + i]);
-    let kept = covariance.submatrix(at, at, n, n) - cross * s.solve(cross.transpose());
+    let m = seen.len();
+    let of_seen = Mat::from_fn(m, m, |i, j| covariance[(seen[i], seen[j])]);
+    let s = of_seen.llt(Side::Lower).unwrap();
+    let cross = Mat::from_fn(n, m, |i, j| covariance[(at + i, seen[j])]);
+    let deviation = Col::from_fn(m, |i| values[i] - mean[seen[i]]);
+    let kept = covariance.submatrix(at, at, n, n) - &cross * s.solve(cross.transpose());
     (mean.subrows(at, n) + cross * s.solve(&deviation), kept)
 }
 
@@ -76,34 +79,56 @@ fn assert_close(found: impl Fn(usize, usize) -> f64, expected: &Mat<f64>) {
     }
 }
 
-#[test]
-fn filter_smoother_and_evidence_agree_with_the_dense_joint_gaussian() {
-    let (model, horizon) = (model(), 6);
-    let (n, m) = (model.state_dim(), model.measurement_dim());
-    let measurements = simulate(&model, horizon, &mut Seed::from_u64(4).stream()).unwrap().measurements;
-    let filtered = kalman::filter(&model, &measurements).unwrap();
-    let smoothed = kalman::smooth(&model, &filtered).unwrap();
-    let joint = joint(&model, horizon);
-    let from = horizon * n;
+/// Holds filter, smoother and evidence of measurements with gaps against the joint Gaussian.
+fn assert_exact(model: &LinearGaussian, measurements: &PartialMeasurements) {
+    let (n, m, horizon) = (model.state_dim(), model.measurement_dim(), measurements.len());
+    let filtered = kalman::filter_partial(model, measurements).unwrap();
+    let smoothed = kalman::smooth(model, &filtered).unwrap();
+    let joint = joint(model, horizon);
+    let entries: Vec<Option<f64>> = measurements.rows().flatten().copied().collect();
+    // Which coordinates of the joint Gaussian the first `rows` measurements are, and their values.
+    let seen = |rows: usize| -> (Vec<usize>, Vec<f64>) {
+        let there = entries[..rows * m].iter().enumerate();
+        there.filter_map(|(i, value)| Some((horizon * n + i, (*value)?))).unzip()
+    };
     for t in 0..horizon {
-        for (seen, belief) in [(t + 1, &filtered.steps[t].filtered), (horizon, &smoothed.beliefs[t])] {
-            let (mean, covariance) = condition(&joint, t * n, n, from, &measurements.values()[..seen * m]);
+        for (rows, belief) in [(t + 1, &filtered.steps[t].filtered), (horizon, &smoothed.beliefs[t])] {
+            let (seen, values) = seen(rows);
+            let (mean, covariance) = condition(&joint, t * n, n, &seen, &values);
             assert_close(|i, _| belief.mean[i], &Mat::from_fn(n, 1, |i, _| mean[i]));
             assert_close(|i, j| belief.covariance[(i, j)], &covariance);
         }
     }
-    let all = horizon * m;
-    let marginal = Gaussian::new(
-        "joint",
-        (0..all).map(|i| joint.0[from + i]).collect(),
-        motes_symmetric(joint.1.submatrix(from, from, all, all).to_owned()),
-    )
-    .unwrap();
-    let expected = marginal.log_density(measurements.values());
-    assert!((filtered.log_evidence() - expected).abs() < 1e-10);
+    let (seen, values) = seen(horizon);
+    let of_seen = Mat::from_fn(seen.len(), seen.len(), |i, j| joint.1[(seen[i], seen[j])]);
+    let means = seen.iter().map(|&i| joint.0[i]).collect();
+    let marginal = Gaussian::new("joint", means, symmetric(of_seen)).unwrap();
+    assert!((filtered.log_evidence() - marginal.log_density(&values)).abs() < 1e-10);
 }
 
-fn motes_symmetric(matrix: Mat<f64>) -> Mat<f64> {
+fn simulated(horizon: usize) -> Measurements {
+    simulate(&model(), horizon, &mut Seed::from_u64(4).stream()).unwrap().measurements
+}
+
+#[test]
+fn filter_smoother_and_evidence_agree_with_the_dense_joint_gaussian() {
+    assert_exact(&model(), &PartialMeasurements::from(&simulated(6)));
+}
+
+#[test]
+fn so_they_do_where_measurements_are_missing() {
+    // An entry of the first measurement, the whole third, an entry of the fifth, the whole last.
+    let missing = [1, 4, 5, 8, 10, 11];
+    let values = simulated(6)
+        .values()
+        .iter()
+        .enumerate()
+        .map(|(i, &v)| (!missing.contains(&i)).then_some(v))
+        .collect();
+    assert_exact(&model(), &PartialMeasurements::new(2, values).unwrap());
+}
+
+fn symmetric(matrix: Mat<f64>) -> Mat<f64> {
     Mat::from_fn(matrix.nrows(), matrix.ncols(), |i, j| 0.5 * (matrix[(i, j)] + matrix[(j, i)]))
 }
 
