@@ -8,8 +8,8 @@ use motes_models::{
 };
 use motes_proposals::{Backend, Fcnn, FcnnConfig};
 use motes_smc::{
-    Bootstrap, Conditional, Defensive, ErrorKind, FilterBank, FilterError, FilterSettings, MinDegeneracy,
-    ParticleFilter, Past, Proposal, ProposalError, ResampleWhen,
+    Bootstrap, ErrorKind, FilterBank, FilterError, FilterSettings, MinDegeneracy, ParticleFilter, Past,
+    Proposal, ProposalError, ResampleWhen,
 };
 use motes_tests::{reference, relative_distance};
 
@@ -68,8 +68,9 @@ fn a_constant_in_every_log_likelihood_shifts_the_evidence_and_nothing_else() {
 #[test]
 fn a_filter_in_a_bank_does_what_it_would_do_alone() {
     let reference = reference();
-    let proposal = Defensive::new(MinDegeneracy::new(&reference.model).unwrap(), 0.3).unwrap();
-    let (settings, seed) = (FilterSettings::new(32), Seed::from_u64(51));
+    let proposal = MinDegeneracy::new(&reference.model).unwrap();
+    let settings = FilterSettings { defensive_weight: Some(0.3), ..FilterSettings::new(32) };
+    let seed = Seed::from_u64(51);
     let mut bank = FilterBank::new(&reference.model, proposal.clone(), settings, 5, &seed).unwrap();
     let mut alone = ParticleFilter::new(&reference.model, proposal, settings, seed.nth(3).stream()).unwrap();
     for measurement in reference.measurements.rows() {
@@ -173,7 +174,11 @@ fn bad_input_is_refused_and_changes_nothing() {
     assert_eq!(none.to_string(), "the number of particles K is 0; it must be at least 1");
     let rule = FilterSettings { resample_when: ResampleWhen::EssBelow(f64::NAN), ..FilterSettings::new(4) };
     assert!(new(rule).unwrap_err().to_string().contains("NaN"));
-    assert!(Defensive::new(Bootstrap, 1.0).is_err() && Defensive::new(Bootstrap, f64::NAN).is_err());
+    for weight in [0.0, 1.0, f64::NAN] {
+        let settings = FilterSettings { defensive_weight: Some(weight), ..FilterSettings::new(4) };
+        let error = new(settings).unwrap_err().to_string();
+        assert!(error.starts_with("the transition's weight in a defensive mixture is"), "{error}");
+    }
 
     let stream = Seed::from_u64(1).stream();
     let mut filter = ParticleFilter::new(model, Bootstrap, FilterSettings::new(4), stream).unwrap();
@@ -196,24 +201,4 @@ fn the_collapse_of_all_weights_is_reported_with_its_circumstances() {
     );
     assert_eq!(error.kind(), ErrorKind::Collapse);
     assert_eq!(filter.step(&[0.0]).unwrap_err(), error, "a filter that failed stays failed");
-}
-
-#[test]
-fn the_defensive_mixture_has_the_density_of_the_mixture() {
-    let reference = reference();
-    let (model, previous, measurement) = (&reference.model, [0.4], [1.3]);
-    let past = Past { time: 1, previous: Some(&previous), measurement: &measurement, particles: 1 };
-    let mut proposal = Defensive::new(MinDegeneracy::new(model).unwrap(), 0.25).unwrap();
-    let mut mixture = proposal.condition(model, past, &mut ()).unwrap();
-    for state in [-3.0, 0.1, 0.8, 5.0] {
-        let normal = |mean: f64, variance: f64| {
-            (-0.5 * (state - mean) * (state - mean) / variance).exp()
-                / (std::f64::consts::TAU * variance).sqrt()
-        };
-        // The optimum halves the distance between prediction and measurement, with half the variance.
-        let expected = 0.75 * normal(0.5 * (0.36 + 1.3), 0.5) + 0.25 * normal(0.36, 1.0);
-        let mut found = [0.0];
-        mixture.log_density(&[state], &mut found);
-        assert!((found[0].exp() / expected - 1.0).abs() < 1e-12, "at {state}");
-    }
 }

@@ -5,9 +5,7 @@ use motes_models::{GraphDiffusion, GraphDiffusionConfig, LinearGaussian, Seed, S
 use motes_proposals::{
     Backend, Cell, Family, Fcnn, FcnnConfig, Gnn, GnnConfig, Learnable, Psi, PsiConfig, Rnn, RnnConfig,
 };
-use motes_smc::{
-    Bootstrap, Defensive, FilterSettings, LogWeights, MinDegeneracy, Proposal, ResampleWhen, Resampling,
-};
+use motes_smc::{Bootstrap, FilterSettings, LogWeights, MinDegeneracy, Proposal, ResampleWhen, Resampling};
 use motes_tests::{NEVER_HALF_ALWAYS, Reference, ScalarGaussian, evidence_scores, reference, score};
 use motes_train::{TrainConfig, train};
 
@@ -16,16 +14,29 @@ fn settings(resample_when: ResampleWhen) -> FilterSettings {
 }
 
 fn assert_unbiased<P: Proposal<LinearGaussian> + Clone>(name: &str, proposal: &P) {
-    assert_unbiased_at(&NEVER_HALF_ALWAYS, name, proposal);
+    NEVER_HALF_ALWAYS.map(|when| assert_unbiased_with(settings(when), name, proposal));
 }
 
-fn assert_unbiased_at<P: Proposal<LinearGaussian> + Clone>(rules: &[ResampleWhen], name: &str, proposal: &P) {
-    let reference = reference();
+/// In a mixture with a fifth of the transition.
+fn assert_defensive_unbiased_at<P: Proposal<LinearGaussian> + Clone>(
+    rules: &[ResampleWhen],
+    name: &str,
+    proposal: &P,
+) {
     for &when in rules {
-        let scores = evidence_scores(&reference, proposal, settings(when), 20_000);
-        println!("{name}, {when:?}: z = {scores:.2?}");
-        assert!(scores.iter().all(|z| z.abs() < 4.0), "{name}, {when:?}: z = {scores:?}");
+        let settings = FilterSettings { defensive_weight: Some(0.2), ..settings(when) };
+        assert_unbiased_with(settings, &format!("defensive {name}"), proposal);
     }
+}
+
+fn assert_unbiased_with<P: Proposal<LinearGaussian> + Clone>(
+    settings: FilterSettings,
+    name: &str,
+    proposal: &P,
+) {
+    let (scores, when) = (evidence_scores(&reference(), proposal, settings, 20_000), settings.resample_when);
+    println!("{name}, {when:?}: z = {scores:.2?}");
+    assert!(scores.iter().all(|z| z.abs() < 4.0), "{name}, {when:?}: z = {scores:?}");
 }
 
 #[test]
@@ -48,7 +59,7 @@ fn a_gaussian_wider_than_the_optimum() {
 fn a_collapsed_gaussian_made_safe_by_a_defensive_mixture() {
     // Alone, a proposal this narrow has weights of infinite variance.
     let narrow = ScalarGaussian { variance: 0.01, claimed_variance: 0.01 };
-    assert_unbiased("defensive mixture", &Defensive::new(narrow, 0.2).unwrap());
+    assert_defensive_unbiased_at(&NEVER_HALF_ALWAYS, "narrow Gaussian", &narrow);
 }
 
 #[test]
@@ -152,10 +163,6 @@ fn assert_collapsed(proposal: &impl Learnable) {
     assert!(mixing * mixing < 0.05, "the variance {} has not collapsed", mixing * mixing);
 }
 
-fn defensive<P>(proposal: P) -> Defensive<P> {
-    Defensive::new(proposal, 0.2).unwrap()
-}
-
 fn fcnn() -> FcnnConfig {
     FcnnConfig { widths: vec![8, 8], ..FcnnConfig::paper() }
 }
@@ -176,10 +183,10 @@ fn gaussian_families_wider_than_the_optimum() {
 }
 
 fn assert_untrained_are_unbiased(rules: &[ResampleWhen]) {
-    assert_unbiased_at(rules, "defensive fcnn", &defensive(untrained::<Fcnn>(&fcnn())));
-    assert_unbiased_at(rules, "defensive rnn", &defensive(untrained::<Rnn>(&rnn(Cell::Lstm))));
-    assert_unbiased_at(rules, "defensive gnn", &defensive(untrained::<Gnn>(&gnn())));
-    assert_unbiased_at(rules, "defensive psi", &defensive(untrained::<Psi>(&PsiConfig::paper())));
+    assert_defensive_unbiased_at(rules, "fcnn", &untrained::<Fcnn>(&fcnn()));
+    assert_defensive_unbiased_at(rules, "rnn", &untrained::<Rnn>(&rnn(Cell::Lstm)));
+    assert_defensive_unbiased_at(rules, "gnn", &untrained::<Gnn>(&gnn()));
+    assert_defensive_unbiased_at(rules, "psi", &untrained::<Psi>(&PsiConfig::paper()));
 }
 
 fn assert_trained_are_unbiased(rules: &[ResampleWhen]) {
@@ -188,10 +195,10 @@ fn assert_trained_are_unbiased(rules: &[ResampleWhen]) {
     assert_collapsed(&fcnn);
     assert_collapsed(&rnn);
     assert_collapsed(&gnn);
-    assert_unbiased_at(rules, "defensive trained fcnn", &defensive(fcnn));
-    assert_unbiased_at(rules, "defensive trained rnn", &defensive(rnn));
-    assert_unbiased_at(rules, "defensive trained gnn", &defensive(gnn));
-    assert_unbiased_at(rules, "defensive trained psi", &defensive(trained::<Psi>(&PsiConfig::paper())));
+    assert_defensive_unbiased_at(rules, "trained fcnn", &fcnn);
+    assert_defensive_unbiased_at(rules, "trained rnn", &rnn);
+    assert_defensive_unbiased_at(rules, "trained gnn", &gnn);
+    assert_defensive_unbiased_at(rules, "trained psi", &trained::<Psi>(&PsiConfig::paper()));
 }
 
 /// Where adaptive resampling shows its bugs; [`every_family_under_every_rule`] has the others.

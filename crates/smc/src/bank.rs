@@ -1,46 +1,19 @@
 //! Many independent particle filters on the same measurements, advanced as one batch.
 
+mod advance;
+mod settings;
+
 use std::ops::Deref;
 
-use motes_models::batch::Rows;
-use motes_models::{Measurements, ModelError, Seed, StateSpaceModel, Stream};
+use motes_models::{Seed, StateSpaceModel, Stream};
 
-use crate::blocks::{Filters, Outcome, Step};
+use crate::blocks::Outcome;
+use crate::diagnosis::{WeightDiagnosis, tail_index};
+use crate::proposals::Defensive;
 use crate::weights::BLOCK;
 use crate::workers::Workers;
-use crate::{
-    Conditional, FilterError, LogWeights, ParticleMemory, Past, Proposal, ResampleWhen, Resampling,
-    WeightFault,
-};
-
-/// The settings of a filter.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FilterSettings {
-    /// `K`, particles in each filter; at least 1.
-    pub particles: usize,
-    /// How ancestors are drawn.
-    pub resampling: Resampling,
-    /// When they are drawn.
-    pub resample_when: ResampleWhen,
-}
-
-impl FilterSettings {
-    /// `K` particles, multinomial resampling when `K_eff < K/3`: the paper's filter.
-    pub fn new(particles: usize) -> Self {
-        FilterSettings { particles, resampling: Resampling::Multinomial, resample_when: ResampleWhen::PAPER }
-    }
-
-    fn check(&self) -> Result<(), FilterError> {
-        if self.particles == 0 {
-            return Err(FilterError::Setting {
-                name: "the number of particles K",
-                value: "0".into(),
-                expected: "at least 1",
-            });
-        }
-        self.resample_when.check()
-    }
-}
+use crate::{FilterError, LogWeights, Proposal};
+pub use settings::FilterSettings;
 
 /// `B` independent filters of `K` particles each, with one model, one proposal and one sequence of measurements.
 ///
@@ -52,6 +25,7 @@ pub struct FilterBank<D: Deref, P: Proposal<D::Target>> {
     model: D,
     proposal: P,
     settings: FilterSettings,
+    defensive: Option<Defensive>,
     streams: Vec<Stream>,
     time: usize,
     states: Vec<f64>,
@@ -121,6 +95,7 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
             model,
             proposal,
             settings,
+            defensive: settings.defensive_weight.map(Defensive::new),
             workers: Workers::none(),
             streams,
             time: 0,
@@ -149,188 +124,6 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
         let scratch = 3 * self.settings.particles + BLOCK * self.model.state_dim();
         self.workers = Workers::new(threads, self.increments.len(), scratch)?;
         Ok(self)
-    }
-
-    /// Advances every filter by one measurement (`M` numbers): resample where due, draw, weigh.
-    ///
-    /// # Errors
-    /// [`FilterError::Model`] if the measurement has the wrong width or is not finite (nothing has changed then).
-    /// Otherwise the bank has failed, all of its filters together: every later step returns the same error, and particles and
-    /// weights mean nothing any more.
-    pub fn step(&mut self, measurement: &[f64]) -> Result<(), FilterError> {
-        if let Some(failure) = &self.failure {
-            return Err(failure.clone());
-        }
-        self.check_measurement(measurement)?;
-        self.advance(measurement).inspect_err(|failure| self.failure = Some(failure.clone()))
-    }
-
-    /// Takes in all measurements, one step after the other, and shows the bank to `observe` after each.
-    ///
-    /// The same as as many calls of [`FilterBank::step`], but [threads](FilterBank::with_threads) stay awake between steps. With several
-    /// of them all of this happens on one of theirs, `observe` too.
-    ///
-    /// # Errors
-    /// As [`FilterBank::step`]; measurements after one that led to an error are not looked at.
-    pub fn run(
-        &mut self,
-        measurements: &Measurements,
-        mut observe: impl FnMut(&Self) + Send,
-    ) -> Result<(), FilterError>
-    where
-        Self: Send,
-    {
-        let workers = self.workers.clone();
-        workers.together(|| {
-            measurements.rows().try_for_each(|measurement| {
-                self.step(measurement)?;
-                observe(self);
-                Ok(())
-            })
-        })
-    }
-
-    fn advance(&mut self, measurement: &[f64]) -> Result<(), FilterError> {
-        if !self.advance_by_rows(measurement)? {
-            self.resample();
-            self.draw(measurement)?;
-            self.weigh();
-        }
-        self.take_outcomes(measurement)?;
-        self.time += 1;
-        Ok(())
-    }
-
-    fn check_measurement(&self, measurement: &[f64]) -> Result<(), FilterError> {
-        let (width, expected) = (measurement.len(), self.model.measurement_dim());
-        if width != expected {
-            return Err(ModelError::MeasurementWidth { width, expected }.into());
-        }
-        match measurement.iter().position(|value| !value.is_finite()) {
-            None => Ok(()),
-            Some(column) => {
-                let value = measurement[column];
-                Err(ModelError::NotFinite { row: self.time, column, value }.into())
-            }
-        }
-    }
-
-    /// Resamples, draws and weighs every filter, if the proposal can be drawn from by rows.
-    fn advance_by_rows(&mut self, measurement: &[f64]) -> Result<bool, FilterError> {
-        let model = &*self.model;
-        let proposal = match self.proposal.by_rows(model, self.time, measurement) {
-            Ok(Some(proposal)) => proposal,
-            Ok(None) => return Ok(false),
-            Err(source) => return Err(FilterError::Proposal { step: self.time, source }),
-        };
-        std::mem::swap(&mut self.states, &mut self.previous);
-        let (settings, time, previous) = (self.settings, self.time, self.previous.as_slice());
-        let step = Step { proposal, model, settings, time, measurement, previous };
-        let filters = Filters {
-            first: 0,
-            streams: &mut self.streams,
-            weights: &mut self.weights,
-            resampled: &mut self.resampled,
-            outcomes: &mut self.outcomes,
-            ancestors: &mut self.ancestors,
-            states: &mut self.states,
-        };
-        self.workers.step(|workers| step.advance(filters, workers));
-        if self.resampled.contains(&true) {
-            self.memory.resample(&self.ancestors);
-        }
-        Ok(true)
-    }
-
-    /// Draws ancestors where the rule says so, moves the memory of the whole bank by them, and makes `previous` the states that each
-    /// particle descends from.
-    fn resample(&mut self) {
-        let mut filters = Filters {
-            first: 0,
-            streams: &mut self.streams,
-            weights: &mut self.weights,
-            resampled: &mut self.resampled,
-            outcomes: &mut self.outcomes,
-            ancestors: &mut self.ancestors,
-            states: &mut self.previous,
-        };
-        // Before the first step there is nothing to resample.
-        if self.time > 0 {
-            filters.resample(&self.settings, &Workers::none());
-        }
-        if self.resampled.contains(&true) {
-            self.memory.resample(&self.ancestors);
-            let rows = Rows::picked(&self.states, self.model.state_dim(), &self.ancestors);
-            rows.copy_to(&mut self.previous);
-        } else {
-            std::mem::swap(&mut self.states, &mut self.previous);
-        }
-    }
-
-    /// Draws every particle and leaves `log p(y|x) + log p(x|x') − log q` in `increments`.
-    fn draw(&mut self, measurement: &[f64]) -> Result<(), FilterError> {
-        let past = Past {
-            time: self.time,
-            previous: (self.time > 0).then_some(self.previous.as_slice()),
-            measurement,
-            particles: self.streams.len() * self.settings.particles,
-        };
-        let mut conditional = self
-            .proposal
-            .condition(&*self.model, past, &mut self.memory)
-            .map_err(|source| FilterError::Proposal { step: self.time, source })?;
-        conditional.sample(&mut self.streams, &mut self.states, &mut self.increments);
-        self.model.log_likelihoods(self.time, &self.states, measurement, &mut self.log_likelihoods);
-        if conditional.is_transition() {
-            self.increments.copy_from_slice(&self.log_likelihoods);
-            return Ok(());
-        }
-        match past.previous {
-            None => self.model.log_initials(&self.states, &mut self.log_transitions),
-            Some(previous) => {
-                self.model.log_transitions(self.time, previous, &self.states, &mut self.log_transitions);
-            }
-        }
-        let terms = self.log_likelihoods.iter().zip(&self.log_transitions);
-        for (increment, (likelihood, transition)) in self.increments.iter_mut().zip(terms) {
-            *increment = likelihood + transition - *increment;
-        }
-        Ok(())
-    }
-
-    fn weigh(&mut self) {
-        let increments = self.increments.chunks_exact(self.settings.particles);
-        for ((weights, increments), outcome) in
-            self.weights.iter_mut().zip(increments).zip(&mut self.outcomes)
-        {
-            let ess_before = weights.effective_sample_size();
-            *outcome = Outcome { ess_before, increment: weights.update(increments) };
-        }
-    }
-
-    /// Adds up evidence, unless the weights of a filter could not be normalised.
-    fn take_outcomes(&mut self, measurement: &[f64]) -> Result<(), FilterError> {
-        let (k, n, step) = (self.settings.particles, self.model.state_dim(), self.time);
-        for (filter, outcome) in self.outcomes.iter().enumerate() {
-            match outcome.increment {
-                Ok(increment) => self.log_evidence[filter] += increment,
-                Err(WeightFault::NotANumber { particle, value }) => {
-                    return Err(FilterError::NotANumber { step, filter, particle, value });
-                }
-                Err(WeightFault::AllZero) => {
-                    // Not kept when particles are drawn by rows, and needed for no other purpose then.
-                    let rows = filter * k..(filter + 1) * k;
-                    let states = &self.states[rows.start * n..rows.end * n];
-                    let likelihoods = &mut self.log_likelihoods[rows];
-                    self.model.log_likelihoods(step, states, measurement, likelihoods);
-                    let largest_log_likelihood =
-                        likelihoods.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-                    let ess_before = outcome.ess_before;
-                    return Err(FilterError::Collapse { step, filter, ess_before, largest_log_likelihood });
-                }
-            }
-        }
-        Ok(())
     }
 
     /// `B`, the number of filters.
@@ -363,6 +156,23 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
     /// What every particle of the bank carries beside its state.
     pub fn memory(&self) -> &P::Memory {
         &self.memory
+    }
+
+    /// What the weights of the last step say about how far they can be trusted.
+    ///
+    /// The tail index is that of `W_{t−1} p(y|x) p(x|x') / q`, of all filters together; it takes a pass over all of them.
+    pub fn diagnosis(&self) -> WeightDiagnosis {
+        let weights = self.weights.iter().zip(&self.outcomes).flat_map(|(weights, outcome)| {
+            let increment = *outcome.increment.as_ref().unwrap_or(&f64::NAN);
+            weights.log().iter().map(move |log| log + increment)
+        });
+        let sizes = self.weights.iter().map(LogWeights::effective_sample_size);
+        WeightDiagnosis {
+            time: self.time.saturating_sub(1),
+            particles: self.settings.particles,
+            effective_sample_size: sizes.sum::<f64>() / self.weights.len() as f64,
+            tail_index: tail_index(&weights.collect::<Vec<f64>>()),
+        }
     }
 
     /// The estimate of `log p(y_{0:t})` by one filter; its exponential is unbiased.

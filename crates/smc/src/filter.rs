@@ -2,9 +2,9 @@
 
 use std::ops::Deref;
 
-use motes_models::{StateSpaceModel, Stream};
+use motes_models::{PartialLikelihood, StateSpaceModel, Stream};
 
-use crate::{FilterBank, FilterError, FilterSettings, LogWeights, Proposal};
+use crate::{FilterBank, FilterError, FilterSettings, LogWeights, Proposal, WeightDiagnosis};
 
 /// A filter that takes one measurement at a time: a [`FilterBank`] of one, without the index.
 ///
@@ -58,6 +58,16 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> ParticleFilter<D
         Ok(())
     }
 
+    /// Takes in one time at which nothing was measured.
+    ///
+    /// # Errors
+    /// As [`FilterBank::step_without_measurement`].
+    pub fn step_without_measurement(&mut self) -> Result<(), FilterError> {
+        self.bank.step_without_measurement()?;
+        self.bank.mean(0, &mut self.mean);
+        Ok(())
+    }
+
     /// The estimate of `E[x_t | y_{0:t}]` (`N`); zeros before the first step.
     pub fn mean(&self) -> &[f64] {
         &self.mean
@@ -83,6 +93,11 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> ParticleFilter<D
         self.weights().effective_sample_size()
     }
 
+    /// What the weights of the last step say about how far they can be trusted, as [`FilterBank::diagnosis`].
+    pub fn diagnosis(&self) -> WeightDiagnosis {
+        self.bank.diagnosis()
+    }
+
     /// The estimate of `log p(y_{0:t})`; its exponential is unbiased.
     pub fn log_evidence(&self) -> f64 {
         self.bank.log_evidence(0)
@@ -91,5 +106,17 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> ParticleFilter<D
     /// How many measurements have been taken in.
     pub fn time(&self) -> usize {
         self.bank.time()
+    }
+}
+
+impl<D: Deref<Target: PartialLikelihood>, P: Proposal<D::Target>> ParticleFilter<D, P> {
+    /// Takes in one measurement (`M` entries) some of whose entries may be missing.
+    ///
+    /// # Errors
+    /// As [`FilterBank::step_partial`].
+    pub fn step_partial(&mut self, measurement: &[Option<f64>]) -> Result<(), FilterError> {
+        self.bank.step_partial(measurement)?;
+        self.bank.mean(0, &mut self.mean);
+        Ok(())
     }
 }

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::ops::Deref;
 
-use motes_models::StateSpaceModel;
+use motes_models::{PartialLikelihood, StateSpaceModel};
 
 use crate::{FilterError, ParticleFilter, Proposal};
 
@@ -59,6 +59,22 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FixedLagSmoother
     /// As [`ParticleFilter::step`].
     pub fn step(&mut self, measurement: &[f64]) -> Result<(), FilterError> {
         self.filter.step(measurement)?;
+        self.remember();
+        Ok(())
+    }
+
+    /// Takes in one time at which nothing was measured.
+    ///
+    /// # Errors
+    /// As [`ParticleFilter::step_without_measurement`].
+    pub fn step_without_measurement(&mut self) -> Result<(), FilterError> {
+        self.filter.step_without_measurement()?;
+        self.remember();
+        Ok(())
+    }
+
+    /// Keeps the present generation, in the place of one that is too old.
+    fn remember(&mut self) {
         let mut generation = match self.generations.len() > self.lag {
             true => self.generations.pop_front().unwrap_or_default(),
             false => Generation::default(),
@@ -68,7 +84,6 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FixedLagSmoother
         generation.ancestors.clear();
         generation.ancestors.extend_from_slice(self.filter.ancestors());
         self.generations.push_back(generation);
-        Ok(())
     }
 
     /// The filter, as it is after the last step.
@@ -103,5 +118,17 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FixedLagSmoother
             let state = &states[path * width..(path + 1) * width];
             mean.iter_mut().zip(state).for_each(|(mean, value)| *mean += weight * value);
         }
+    }
+}
+
+impl<D: Deref<Target: PartialLikelihood>, P: Proposal<D::Target>> FixedLagSmoother<D, P> {
+    /// Takes in one measurement (`M` entries) some of whose entries may be missing.
+    ///
+    /// # Errors
+    /// As [`ParticleFilter::step_partial`].
+    pub fn step_partial(&mut self, measurement: &[Option<f64>]) -> Result<(), FilterError> {
+        self.filter.step_partial(measurement)?;
+        self.remember();
+        Ok(())
     }
 }

@@ -11,6 +11,7 @@
 
 mod bank;
 mod blocks;
+mod diagnosis;
 mod error;
 mod filter;
 mod fixed_lag;
@@ -21,11 +22,12 @@ mod weights;
 mod workers;
 
 pub use bank::{FilterBank, FilterSettings};
+pub use diagnosis::{TAIL_INDEX_LIMIT, WeightDiagnosis, WeightReport, WeightWarning, tail_index};
 pub use error::{ErrorKind, FilterError};
 pub use filter::ParticleFilter;
 pub use fixed_lag::FixedLagSmoother;
 pub use motes_models::batch::particles_by_stream;
 pub use proposal::{Conditional, Past, Proposal, ProposalError, RowPast, RowProposal};
-pub use proposals::{Bootstrap, Defensive, MinDegeneracy, Mixture, Shifted, Transition};
+pub use proposals::{Bootstrap, MinDegeneracy, Shifted, Transition};
 pub use resampling::{ParticleMemory, ResampleWhen, Resampling};
 pub use weights::{LogWeights, WeightFault};

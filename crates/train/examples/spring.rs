@@ -8,7 +8,7 @@ use std::path::PathBuf;
 
 use motes_models::{Measurements, Noise, Seed, StateGradients, StateSpaceModel, Stream};
 use motes_proposals::{Backend, Rnn, RnnConfig, load, save};
-use motes_smc::{Bootstrap, Defensive, FilterSettings, ParticleFilter, Proposal};
+use motes_smc::{Bootstrap, FilterSettings, ParticleFilter, Proposal, WeightReport};
 use motes_train::{AdamConfig, Objective, TrainConfig, train};
 
 /// A mass on a soft spring, pushed about at random: `x' = x + Δ v`, `v' = v − Δ (k tanh x + f v)`; `x` is measured.
@@ -121,27 +121,28 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // In production: the same weights on measurements that training never saw, made safe by a share of the transition.
     let rnn: Rnn = load(&folder, &Spring, Backend::Native.into())?;
     let all = Measurements::new(1, values)?;
-    println!("rnn:       {}", filtered(Defensive::new(rnn, 0.1)?, &all, &seed)?);
-    println!("bootstrap: {}", filtered(Bootstrap, &all, &seed)?);
+    let settings = FilterSettings::new(100);
+    let safe = FilterSettings { defensive_weight: Some(0.1), ..settings };
+    println!("rnn:       {}", filtered(rnn, safe, &all, &seed)?);
+    println!("bootstrap: {}", filtered(Bootstrap, settings, &all, &seed)?);
     Ok(())
 }
 
-/// Filters with 100 particles and says how that went.
+/// Filters and says how that went.
 fn filtered(
     proposal: impl Proposal<Spring>,
+    settings: FilterSettings,
     measurements: &Measurements,
     seed: &Seed,
 ) -> Result<String, Box<dyn std::error::Error>> {
     let stream = seed.child("filter").stream();
-    let mut filter = ParticleFilter::new(&Spring, proposal, FilterSettings::new(100), stream)?;
-    let mut effective = 0.0;
+    let mut filter = ParticleFilter::new(&Spring, proposal, settings, stream)?;
+    let mut report = WeightReport::default();
     for measurement in measurements.rows() {
         filter.step(measurement)?;
-        effective += filter.effective_sample_size() / measurements.len() as f64;
+        report.add(&filter.diagnosis());
     }
     let (log_evidence, mean) = (filter.log_evidence(), filter.mean());
     let (x, v) = (mean[0], mean[1]);
-    Ok(format!(
-        "log-evidence {log_evidence:.2}, {effective:.0} effective particles, at last x = {x:.2}, v = {v:.2}"
-    ))
+    Ok(format!("log-evidence {log_evidence:.2}, at last x = {x:.2}, v = {v:.2}; {report}"))
 }

@@ -1,110 +1,107 @@
-//! The defensive mixture: any proposal, made safe by a share of the transition.
+//! The defensive mixture: draws of any proposal, made safe by a share of the transition.
 
 use motes_models::{StateSpaceModel, Stream};
 use rand::RngExt;
 
 use super::bootstrap::Transition;
-use crate::{Conditional, FilterError, Past, Proposal, ProposalError};
+use crate::Conditional;
 
-/// `(1 − α) q(x_t | past, y_t) + α p(x_t | x_{t−1})`.
-///
-/// The transition weighs at most `p(y_t | x_t)/α` against it, so the weights are bounded wherever the likelihood
-/// is, however badly `q` covers the target (Hesterberg 1995). Each particle first chooses its component; its density is
-/// the mixture's, exactly.
+/// Draws from `(1 − α) q(x_t | past, y_t) + α p(x_t | x_{t−1})`, the density of which it states exactly.
 #[derive(Debug, Clone)]
-pub struct Defensive<P> {
-    proposal: P,
+pub(crate) struct Defensive {
+    /// `α`.
     weight: f64,
-    scratch: Scratch,
-}
-
-#[derive(Debug, Clone, Default)]
-struct Scratch {
+    /// What the transition draws.
     states: Vec<f64>,
-    log_density: Vec<f64>,
 }
 
-impl<P> Defensive<P> {
-    /// Mixes `proposal` with the transition, which gets the given weight `α`.
-    ///
-    /// # Errors
-    /// [`FilterError::Setting`] unless `0 < α < 1`.
-    pub fn new(proposal: P, weight: f64) -> Result<Self, FilterError> {
-        if !(weight > 0.0 && weight < 1.0) {
-            return Err(FilterError::Setting {
-                name: "the transition's weight in a defensive mixture",
-                value: weight.to_string(),
-                expected: "between 0 and 1, both excluded",
-            });
-        }
-        Ok(Defensive { proposal, weight, scratch: Scratch::default() })
-    }
+/// Where log-densities of `R` drawn states are written.
+pub(crate) struct Densities<'a> {
+    /// Of what they are drawn from.
+    pub(crate) proposal: &'a mut [f64],
+    /// Of the transition.
+    pub(crate) transition: &'a mut [f64],
 }
 
-impl<M: StateSpaceModel + ?Sized, P: Proposal<M>> Proposal<M> for Defensive<P> {
-    type Memory = P::Memory;
-    type Conditional<'a>
-        = Mixture<'a, M, P::Conditional<'a>>
-    where
-        Self: 'a,
-        M: 'a;
-
-    fn initial_memory(&self, particles: usize) -> P::Memory {
-        self.proposal.initial_memory(particles)
+impl Defensive {
+    /// A mixture with this share of the transition, between 0 and 1.
+    pub(crate) fn new(weight: f64) -> Self {
+        Defensive { weight, states: Vec::new() }
     }
 
-    fn condition<'a>(
-        &'a mut self,
-        model: &'a M,
-        past: Past<'a>,
-        memory: &mut P::Memory,
-    ) -> Result<Self::Conditional<'a>, ProposalError> {
-        self.scratch.states.resize(past.particles * model.state_dim(), 0.0);
-        self.scratch.log_density.resize(past.particles, 0.0);
-        Ok(Mixture {
-            base: self.proposal.condition(model, past, memory)?,
-            transition: Transition { model, past },
-            weight: self.weight,
-            scratch: &mut self.scratch,
-        })
-    }
-}
-
-/// The conditional of a [`Defensive`] proposal.
-pub struct Mixture<'a, M: ?Sized, C> {
-    base: C,
-    transition: Transition<'a, M>,
-    weight: f64,
-    scratch: &'a mut Scratch,
-}
-
-impl<M: StateSpaceModel + ?Sized, C: Conditional> Conditional for Mixture<'_, M, C> {
-    fn sample(&mut self, streams: &mut [Stream], states: &mut [f64], log_density: &mut [f64]) {
-        let width = self.transition.model.state_dim();
+    /// Draws `states` (`R×N`), from `base` or from the transition.
+    pub(crate) fn draw<M: StateSpaceModel + ?Sized>(
+        &mut self,
+        base: &mut impl Conditional,
+        transition: &mut Transition<'_, M>,
+        streams: &mut [Stream],
+        states: &mut [f64],
+        densities: Densities<'_>,
+    ) {
+        let width = transition.model.state_dim();
+        self.states.resize(states.len(), 0.0);
         // Both components draw for every particle: their streams then advance by the same amount whatever is
         // chosen, and a bank stays one batch.
-        self.base.sample(streams, states, log_density);
-        self.transition.sample(streams, &mut self.scratch.states, log_density);
-        let block = self.transition.past.particles / streams.len().max(1);
-        let rows = states.chunks_exact_mut(width).zip(self.scratch.states.chunks_exact(width));
+        base.sample(streams, states, densities.proposal);
+        transition.sample(streams, &mut self.states, densities.transition);
+        let block = transition.past.particles / streams.len().max(1);
+        let rows = states.chunks_exact_mut(width).zip(self.states.chunks_exact(width));
         for (row, (state, safe)) in rows.enumerate() {
             if streams[row / block].random::<f64>() < self.weight {
                 state.copy_from_slice(safe);
             }
         }
-        self.log_density(states, log_density);
-    }
-
-    fn log_density(&mut self, states: &[f64], log_density: &mut [f64]) {
-        self.base.log_density(states, log_density);
-        self.transition.log_density(states, &mut self.scratch.log_density);
-        let (log_base, log_safe) = ((1.0 - self.weight).ln(), self.weight.ln());
-        for (base, safe) in log_density.iter_mut().zip(&self.scratch.log_density) {
+        base.log_density(states, densities.proposal);
+        transition.log_density(states, densities.transition);
+        let (log_base, log_safe) = ((-self.weight).ln_1p(), self.weight.ln());
+        for (base, safe) in densities.proposal.iter_mut().zip(&*densities.transition) {
             let (a, b) = (*base + log_base, safe + log_safe);
             let largest = a.max(b);
             if largest > f64::NEG_INFINITY {
                 *base = largest + ((a - largest).exp() + (b - largest).exp()).ln();
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use faer::mat;
+    use motes_models::{Gaussian, LinearGaussian, Seed};
+
+    use super::*;
+    use crate::{MinDegeneracy, Past, Proposal};
+
+    #[test]
+    fn what_is_drawn_has_the_density_of_the_mixture() {
+        let initial = Gaussian::new("P_0", vec![0.0], mat![[1.0]]).unwrap();
+        let model = LinearGaussian::new(initial, mat![[0.9]], mat![[1.0]], mat![[1.0]], mat![[1.0]]).unwrap();
+        let (count, measurement) = (2000, [1.3]);
+        let previous = vec![0.4; count];
+        let past = Past { time: 1, previous: Some(&previous), measurement: &measurement, particles: count };
+        let mut proposal = MinDegeneracy::new(&model).unwrap();
+        let mut base = proposal.condition(&model, past, &mut ()).unwrap();
+        let mut transition = Transition { model: &model, past };
+        let (mut states, mut of_mixture, mut of_transition) =
+            (vec![0.0; count], vec![0.0; count], vec![0.0; count]);
+        let densities = Densities { proposal: &mut of_mixture, transition: &mut of_transition };
+        let streams = &mut [Seed::from_u64(3).stream()];
+        Defensive::new(0.25).draw(&mut base, &mut transition, streams, &mut states, densities);
+        let normal = |x: f64, mean: f64, variance: f64| {
+            (-0.5 * (x - mean) * (x - mean) / variance).exp() / (std::f64::consts::TAU * variance).sqrt()
+        };
+        let mut sum = 0.0;
+        for (at, &x) in states.iter().enumerate() {
+            // The optimum halves the distance between prediction and measurement, with half the variance.
+            let (optimal, safe) = (normal(x, 0.5 * (0.36 + 1.3), 0.5), normal(x, 0.36, 1.0));
+            let expected = 0.75 * optimal + 0.25 * safe;
+            assert!((of_mixture[at].exp() / expected - 1.0).abs() < 1e-12, "at {x}");
+            assert!((of_transition[at].exp() / safe - 1.0).abs() < 1e-12, "at {x}");
+            sum += x;
+        }
+        // And the draws are its own: mean 0.75·0.83 + 0.25·0.36, variance 0.625 + 0.75·0.25·0.47².
+        let (mean, deviation) = (0.7125, (0.625_f64 + 0.1875 * 0.47 * 0.47).sqrt());
+        let z = (sum / count as f64 - mean) / (deviation / (count as f64).sqrt());
+        assert!(z.abs() < 4.0, "z = {z}");
     }
 }

@@ -5,5 +5,5 @@ mod defensive;
 mod min_degeneracy;
 
 pub use bootstrap::{Bootstrap, Transition};
-pub use defensive::{Defensive, Mixture};
+pub(crate) use defensive::{Defensive, Densities};
 pub use min_degeneracy::{MinDegeneracy, Shifted};

@@ -1,0 +1,110 @@
+//! The tail index of importance weights.
+
+/// The tail index from which on averages by weights are not to be trusted: the number of particles that they need then grows beyond any
+/// use (Vehtari, Simpson, Gelman, Yao and Gabry 2024). Beyond ½ weights have no finite variance.
+pub const TAIL_INDEX_LIMIT: f64 = 0.7;
+
+/// As few large weights as a distribution is fitted to.
+const LEAST_TAIL: usize = 5;
+
+/// The index `k̂` of the generalised Pareto distribution that fits the largest of the weights `exp(log_weights)` best.
+///
+/// Weights whose tail has the index `k` have `⌊1/k⌋` finite moments; a proposal narrower than what it is to cover shows here, while an
+/// effective sample size may look well by chance. Of `S` weights the largest `min(S/5, 3√S)` are taken. The estimate is Zhang's and
+/// Stephens's (2009), drawn towards ½ as by ten weights more, as in Pareto-smoothed importance sampling. Weights need not be normalised.
+///
+/// `None` of fewer than 25 weights, and where fewer than five of the largest exceed the others: there is no tail to fit.
+///
+/// ```
+/// use motes_smc::tail_index;
+///
+/// // Weights with survival function w^(−1/k) have the index k.
+/// let weights = |k: f64| (1..=10_000).map(|i| -k * (i as f64 / 10_000.5).ln()).collect::<Vec<f64>>();
+/// assert!((tail_index(&weights(0.3)).unwrap() - 0.3).abs() < 0.1);
+/// assert!((tail_index(&weights(1.2)).unwrap() - 1.2).abs() < 0.1);
+/// assert_eq!(tail_index(&[0.0; 100]), None);
+/// ```
+pub fn tail_index(log_weights: &[f64]) -> Option<f64> {
+    let count = (log_weights.len() as f64 / 5.0).min(3.0 * (log_weights.len() as f64).sqrt()) as usize;
+    if count < LEAST_TAIL {
+        return None;
+    }
+    let mut log = log_weights.to_vec();
+    // The weight that the largest `count` are held against, and behind it these.
+    let (_, &mut threshold, tail) = log.select_nth_unstable_by(log_weights.len() - count - 1, f64::total_cmp);
+    let largest = tail.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let threshold = (threshold - largest).exp();
+    let mut exceedances: Vec<f64> =
+        tail.iter().map(|log| (log - largest).exp() - threshold).filter(|excess| *excess > 0.0).collect();
+    exceedances.sort_unstable_by(f64::total_cmp);
+    if exceedances.len() < LEAST_TAIL { None } else { pareto_index(&exceedances) }
+}
+
+/// The index of the generalised Pareto distribution of sorted, positive values.
+///
+/// With `θ = −k/σ` the likelihood has `k(θ) = mean log(1 − θ x)` as its best index; `θ` is averaged over a grid by its profile likelihood.
+fn pareto_index(x: &[f64]) -> Option<f64> {
+    let n = x.len() as f64;
+    let index = |theta: f64| x.iter().map(|x| (-theta * x).ln_1p()).sum::<f64>() / n;
+    let (quartile, largest) = (x[(n / 4.0 + 0.5) as usize - 1], x[x.len() - 1]);
+    let points = 30 + n.sqrt() as usize;
+    let grid: Vec<(f64, f64)> = (1..=points)
+        .map(|j| {
+            let theta = 1.0 / largest + (1.0 - (points as f64 / (j as f64 - 0.5)).sqrt()) / (3.0 * quartile);
+            let k = index(theta);
+            (theta, n * ((-theta / k).ln() - k - 1.0))
+        })
+        .filter(|(theta, log_likelihood)| *theta != 0.0 && log_likelihood.is_finite())
+        .collect();
+    let best = grid.iter().map(|(_, log)| *log).fold(f64::NEG_INFINITY, f64::max);
+    let whole: f64 = grid.iter().map(|(_, log)| (log - best).exp()).sum();
+    let theta = grid.iter().map(|(theta, log)| theta * (log - best).exp()).sum::<f64>() / whole;
+    let k = (n * index(theta) + 10.0 * 0.5) / (n + 10.0);
+    k.is_finite().then_some(k)
+}
+
+#[cfg(test)]
+mod tests {
+    use motes_models::{Seed, fill_standard_normal, fill_uniform};
+
+    use super::*;
+
+    #[test]
+    fn the_index_of_pareto_weights_is_found() {
+        let mut uniform = vec![0.0; 20_000];
+        for k in [-0.5, 0.1, 0.5, 0.9, 1.5] {
+            fill_uniform(&mut Seed::from_u64(60).stream(), &mut uniform);
+            let weights: Vec<f64> =
+                uniform.iter().map(|u| ((1.0 - u).powf(-k) - 1.0).abs() / f64::abs(k)).map(f64::ln).collect();
+            let found = tail_index(&weights).unwrap();
+            // 424 weights: a standard error of (1 + k)/√424.
+            assert!((found - k).abs() < 4.0 * (1.0 + k) / 424.0_f64.sqrt(), "{found} for {k}");
+        }
+    }
+
+    #[test]
+    fn a_gaussian_that_is_too_narrow_has_the_index_that_theory_gives() {
+        // Weights exp(−x²/2 + x²/(2v)) under N(0, v): survival w^(−1/k) with k = 1 − v, up to logarithms.
+        let mut normals = vec![0.0; 1_000_000];
+        fill_standard_normal(&mut Seed::from_u64(61).stream(), &mut normals);
+        for (variance, low, high) in [(0.2, 0.65, 0.85), (0.9, -0.2, 0.15), (2.0, f64::NEG_INFINITY, 0.1)] {
+            let weights: Vec<f64> = normals.iter().map(|z: &f64| 0.5 * z * z * (1.0 - variance)).collect();
+            let found = tail_index(&weights).unwrap();
+            assert!((low..high).contains(&found), "{found} for the variance {variance}");
+        }
+    }
+
+    #[test]
+    fn a_shift_changes_nothing_and_what_has_no_tail_has_no_index() {
+        let weights: Vec<f64> = (1..200).map(|i| -0.8 * (f64::from(i) / 200.0).ln()).collect();
+        let shifted: Vec<f64> = weights.iter().map(|log| log - 1e5).collect();
+        let (found, again) = (tail_index(&weights).unwrap(), tail_index(&shifted).unwrap());
+        assert!((found - again).abs() < 1e-6);
+        assert_eq!(tail_index(&weights[..24]), None);
+        assert!(tail_index(&weights[..25]).is_some());
+        let one: Vec<f64> = (0..100).map(|i| if i == 7 { 0.0 } else { -1e4 }).collect();
+        assert_eq!(tail_index(&one), None);
+        assert_eq!(tail_index(&[f64::NEG_INFINITY; 100]), None);
+        assert_eq!(tail_index(&[f64::NAN; 100]), None);
+    }
+}
