@@ -2,26 +2,27 @@
 
 use std::sync::Arc;
 
+use faer::Mat;
 use motes_models::{
     GraphDiffusion, GraphDiffusionConfig, LinearGaussian, Measurements, Seed, StateSpaceModel, Stream,
-    simulate,
+    SystemGraph, simulate,
 };
-use motes_proposals::{Backend, Fcnn, FcnnConfig};
+use motes_proposals::{Adapter, Backend, Cell, Family, Fcnn, FcnnConfig, Gnn, Psi, Rnn};
 use motes_smc::{
     Bootstrap, ErrorKind, FilterBank, FilterError, FilterSettings, MinDegeneracy, ParticleFilter, Past,
-    Proposal, ProposalError, ResampleWhen,
+    Proposal, ProposalError, ResampleWhen, Resampling,
 };
-use motes_tests::{reference, relative_distance};
+use motes_tests::{reference, relative_distance, small_fcnn, small_gnn, small_psi, small_rnn};
 
 /// The reference model with a constant added to every log-likelihood.
-struct Shifted(LinearGaussian, f64);
+struct Shifted<M>(M, f64);
 
-impl StateSpaceModel for Shifted {
+impl<M: StateSpaceModel> StateSpaceModel for Shifted<M> {
     fn state_dim(&self) -> usize {
-        1
+        self.0.state_dim()
     }
     fn measurement_dim(&self) -> usize {
-        1
+        self.0.measurement_dim()
     }
     fn sample_initial(&self, stream: &mut Stream, state: &mut [f64]) {
         self.0.sample_initial(stream, state);
@@ -38,31 +39,66 @@ impl StateSpaceModel for Shifted {
     fn log_likelihood(&self, time: usize, state: &[f64], measurement: &[f64]) -> f64 {
         self.0.log_likelihood(time, state, measurement) + self.1
     }
+    fn graph(&self) -> Option<SystemGraph> {
+        self.0.graph()
+    }
+}
+
+/// Filters the reference measurements with this constant in every log-likelihood: an evidence, all particles, all ancestors.
+fn shifted<M: StateSpaceModel + Clone, P: Proposal<Shifted<M>> + Clone>(
+    model: &M,
+    proposal: &P,
+    settings: FilterSettings,
+    shift: f64,
+) -> (f64, Vec<f64>, Vec<usize>) {
+    let model = Shifted(model.clone(), shift);
+    let mut bank = FilterBank::new(&model, proposal.clone(), settings, 3, &Seed::from_u64(50)).unwrap();
+    let (mut particles, mut ancestors) = (vec![], vec![]);
+    for measurement in reference().measurements.rows() {
+        bank.step(measurement).unwrap();
+        particles.extend((0..3).flat_map(|filter| bank.particles(filter).to_vec()));
+        ancestors.extend(bank.ancestors().to_vec());
+    }
+    (bank.log_evidence(1), particles, ancestors)
+}
+
+fn assert_shifts<M: StateSpaceModel + Clone, P: Proposal<Shifted<M>> + Clone>(
+    name: &str,
+    model: &M,
+    proposal: &P,
+    settings: FilterSettings,
+) {
+    let settings = FilterSettings { resample_when: ResampleWhen::EssBelow(0.5), ..settings };
+    let (plain, particles, ancestors) = shifted(model, proposal, settings, 0.0);
+    assert!(ancestors.iter().enumerate().any(|(k, &a)| k % 192 != a), "{name}: nothing was resampled");
+    for shift in [-1e5, 1e5] {
+        let (found, same_particles, same_ancestors) = shifted(model, proposal, settings, shift);
+        assert!(((found - plain) / (5.0 * shift) - 1.0).abs() < 1e-9, "{name}: {found} for {plain}");
+        assert!(same_particles == particles && same_ancestors == ancestors, "{name}");
+    }
 }
 
 #[test]
 fn a_constant_in_every_log_likelihood_shifts_the_evidence_and_nothing_else() {
-    let reference = reference();
-    let run = |shift: f64| {
-        let model = Shifted(reference.model.clone(), shift);
-        let settings =
-            FilterSettings { resample_when: ResampleWhen::EssBelow(0.5), ..FilterSettings::new(64) };
-        let mut bank = FilterBank::new(&model, Bootstrap, settings, 3, &Seed::from_u64(50)).unwrap();
-        let (mut particles, mut ancestors) = (vec![], vec![]);
-        for measurement in reference.measurements.rows() {
-            bank.step(measurement).unwrap();
-            particles.extend((0..3).flat_map(|filter| bank.particles(filter).to_vec()));
-            ancestors.extend(bank.ancestors().to_vec());
-        }
-        (bank.log_evidence(1), particles, ancestors)
-    };
-    let (plain, particles, ancestors) = run(0.0);
-    assert!(ancestors.iter().enumerate().any(|(k, &a)| k % 192 != a), "nothing was resampled");
-    for shift in [-1e5, 1e5] {
-        let (shifted, same_particles, same_ancestors) = run(shift);
-        assert!(((shifted - plain) / (5.0 * shift) - 1.0).abs() < 1e-9);
-        assert!(same_particles == particles && same_ancestors == ancestors);
+    let model = reference().model;
+    for resampling in
+        [Resampling::Multinomial, Resampling::Systematic, Resampling::Stratified, Resampling::Residual]
+    {
+        let settings = FilterSettings { resampling, ..FilterSettings::new(64) };
+        assert_shifts(&format!("{resampling:?}"), &model, &Bootstrap, settings);
     }
+    // One node, so that a graph network has a graph.
+    let config = GraphDiffusionConfig { measurement_dim: 1, ..GraphDiffusionConfig::new(1) };
+    let node = GraphDiffusion::on_graph(&config, Mat::from_fn(1, 1, |_, _| 0.9).as_ref()).unwrap();
+    let safe = FilterSettings { defensive_weight: Some(0.2), ..FilterSettings::new(64) };
+    assert_shifts("fcnn", &node, &made::<Fcnn>(&small_fcnn(), &node), safe);
+    assert_shifts("rnn", &node, &made::<Rnn>(&small_rnn(Cell::Lstm), &node), safe);
+    assert_shifts("gnn", &node, &made::<Gnn>(&small_gnn(Adapter::Fixed), &node), safe);
+    assert_shifts("psi", &node, &made::<Psi>(&small_psi(), &node), safe);
+}
+
+fn made<F: Family>(config: &F::Config, model: &dyn StateSpaceModel) -> F {
+    F::create(config, model, 5, Backend::Native.into(), &Seed::from_u64(53)).unwrap()
 }
 
 #[test]

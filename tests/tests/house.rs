@@ -124,3 +124,17 @@ fn the_version_of_burn_is_stated_rightly() {
     let stated = format!("burn = {{ version = \"={}\"", motes_proposals::BURN_VERSION);
     assert!(text.contains(&stated), "Cargo.toml does not pin burn to {}", motes_proposals::BURN_VERSION);
 }
+
+#[test]
+fn the_page_on_trust_names_tests_that_exist() {
+    let page = std::fs::read_to_string(root().join("docs/trust.md")).unwrap();
+    let names: Vec<(&str, &str)> =
+        page.split('`').skip(1).step_by(2).filter_map(|code| code.split_once("::")).collect();
+    assert!(names.len() > 50, "the page names {} tests", names.len());
+    let texts = texts(&["crates", "tests", "xtask"]);
+    for (file, test) in names.into_iter().filter(|(file, _)| *file != "file") {
+        let mut of_file = texts.iter().filter(|(path, _)| path.file_stem().is_some_and(|stem| stem == file));
+        let is_there = of_file.any(|(_, text)| text.contains(&format!("fn {test}(")));
+        assert!(is_there, "there is no test {file}::{test}");
+    }
+}

@@ -6,7 +6,8 @@ use std::time::Instant;
 
 use crate::process::{built, cargo, run};
 
-fn run_all(root: &Path, update_expectations: bool) -> Result<(), ExitCode> {
+/// What every change is held against.
+fn usual(root: &Path, update_expectations: bool) -> Result<(), ExitCode> {
     let strict_docs = [("RUSTDOCFLAGS", "-D warnings")];
     step("format", || cargo(root, &["fmt", "--all", "--check"], &[]))?;
     step("lints", || {
@@ -14,6 +15,10 @@ fn run_all(root: &Path, update_expectations: bool) -> Result<(), ExitCode> {
         cargo(root, &lints, &[])
     })?;
     step("tests", || cargo(root, &["test", "--workspace", "--locked"], &[]))?;
+    // Which files a package has, and whether its description is whole; the thorough run builds from it.
+    step("packages", || {
+        cargo(root, &["package", "--workspace", "--locked", "--allow-dirty", "--no-verify"], &[])
+    })?;
     step("docs", || cargo(root, &["doc", "--workspace", "--no-deps", "--locked"], &strict_docs))?;
     // The same packages, targets and profile as the tests: nothing is compiled a second time.
     step("regression run", || {
@@ -35,9 +40,35 @@ fn run_all(root: &Path, update_expectations: bool) -> Result<(), ExitCode> {
     })
 }
 
+/// What takes longer than one waits for at every change.
+fn thorough(root: &Path) -> Result<(), ExitCode> {
+    // They print the scores that they are judged by.
+    let slow = ["test", "--workspace", "--locked", "--tests", "--", "--ignored", "--nocapture"];
+    step("slow tests", || cargo(root, &slow, &[]))?;
+    let properties = ["test", "--workspace", "--locked", "--test", "properties", "--test", "any_experiment"];
+    step("properties of many inputs", || cargo(root, &properties, &[("PROPTEST_CASES", MANY_CASES)]))?;
+    step("crates built from their packages", || package(root, &[]))
+}
+
+/// Packs the crates as they would be published: all files there, descriptions whole.
+fn package(root: &Path, more: &[&str]) -> Result<(), ExitCode> {
+    let crates = ["models", "smc", "proposals", "train", "bench"].map(|name| format!("motes-{name}"));
+    let chosen = crates.iter().flat_map(|name| ["--package", name]);
+    let arguments: Vec<&str> = ["package", "--locked", "--allow-dirty"]
+        .into_iter()
+        .chain(chosen)
+        .chain(more.iter().copied())
+        .collect();
+    cargo(root, &arguments, &[])
+}
+
+/// Inputs that each property is held against in the thorough run, instead of 256.
+const MANY_CASES: &str = "10000";
+
 /// Runs every check, stops at the first that fails, and ends with its status.
-pub(crate) fn check(root: &Path, update_expectations: bool) -> ExitCode {
-    match run_all(root, update_expectations) {
+pub(crate) fn check(root: &Path, all: bool, update_expectations: bool) -> ExitCode {
+    let slow = || if all { thorough(root) } else { Ok(()) };
+    match usual(root, update_expectations).and_then(|()| slow()) {
         Ok(()) => {
             println!("ci: all checks passed");
             ExitCode::SUCCESS

@@ -35,6 +35,9 @@ enum Command {
     Bench(BenchArgs),
     /// Everything that has to hold before a change lands: format, lints, tests, docs, regression run
     Ci {
+        /// Then also the tests that take long, properties with many more inputs, and each crate built from its package
+        #[arg(long)]
+        thorough: bool,
         /// Write the regression run's numbers anew instead of comparing with them, after the other checks
         #[arg(long)]
         update_expectations: bool,
@@ -54,7 +57,7 @@ fn main() -> ExitCode {
         Command::Reproduce(args) => reproduce(*args),
         Command::Verify(args) => verify(args),
         Command::Bench(args) => bench(args),
-        Command::Ci { update_expectations } => ci::check(&root(), update_expectations),
+        Command::Ci { thorough, update_expectations } => ci::check(&root(), thorough, update_expectations),
     }
 }
 

@@ -1,6 +1,7 @@
 //! How good the estimates of many filters are: the only place where the truth is looked at.
 
 use motes_models::Sequence;
+use motes_smc::WeightReport;
 
 use crate::Metric;
 use crate::config::Epidemic;
@@ -17,14 +18,18 @@ pub(crate) struct Recorded {
     pub(crate) effective_sample_sizes: Vec<f64>,
     /// Each filter's final estimate of the log-evidence.
     pub(crate) log_evidence: Vec<f64>,
+    /// Whether weights can be trusted.
+    pub(crate) report: WeightReport,
 }
 
 /// All metrics of one unit, in the order of the tables.
 pub(crate) fn metrics(problem: &Problem, references: &References, recorded: &Recorded) -> Vec<Metric> {
-    match problem.judged {
+    let mut found = match problem.judged {
         Judged::WholeState => normalised(problem, references, recorded),
         Judged::EachState { redrawn } => by_state(problem, recorded, redrawn),
-    }
+    };
+    found.extend(recorded.report.tail_index().map(|index| Metric::new("tail_index", index)));
+    found
 }
 
 /// The error of each coordinate of an epidemic's state, over all times, and how much of it is the spread of single runs.
@@ -92,6 +97,7 @@ impl Recorded {
             means: Vec::with_capacity(horizon * filters * width),
             effective_sample_sizes: Vec::with_capacity(horizon * filters),
             log_evidence: Vec::with_capacity(filters),
+            report: WeightReport::default(),
         }
     }
 
@@ -202,6 +208,7 @@ mod tests {
             means,
             effective_sample_sizes: vec![4.0, 2.0, 1.0, 1.0],
             log_evidence: vec![-10.0, -12.0],
+            report: WeightReport::default(),
         };
         let exact = problem.exact.as_ref().unwrap().log_evidence;
         let size = |time: usize| truth.row(time).iter().map(|x| x * x).sum::<f64>();
@@ -238,6 +245,7 @@ mod tests {
             means,
             effective_sample_sizes: vec![4.0, 2.0, 1.0, 1.0],
             log_evidence: vec![-10.0, -12.0],
+            report: WeightReport::default(),
         };
         let expected = [
             ("mse_S", 0.5),

@@ -1,183 +1,110 @@
 //! Bad input: one line that says what is wrong and what would be right, the right status, and nothing written.
+//!
+//! The lines are in `snapshots/`: `INSTA_UPDATE=always cargo test -p motes-bench --test bad_input` writes them anew, to be read before
+//! they are committed.
 
 mod common;
 
 use common::{TINY, Workplace, stderr};
 
-/// Runs `experiment` with `arguments` and expects exactly this line and status 2, and no results folder.
-fn refused(experiment: &str, arguments: &[&str], line: &str) {
+/// What the program says of `experiment` with `arguments`: one line, with status 2 and no results folder.
+fn told(experiment: &str, arguments: &[&str]) -> String {
     let place = Workplace::new(experiment);
     let output = place.run(arguments);
-    assert_eq!(stderr(&output), format!("error: {line}"), "for {arguments:?}");
-    assert_eq!(output.status.code(), Some(2));
-    assert!(!place.path("runs").exists(), "something was written for {arguments:?}");
+    let said = stderr(&output);
+    assert_eq!(said.lines().count(), 1, "for {arguments:?}: {said}");
+    assert_eq!(output.status.code(), Some(2), "for {arguments:?}: {said}");
+    assert!(output.stdout.is_empty(), "for {arguments:?}");
+    let there: Vec<_> = std::fs::read_dir(place.folder.path()).unwrap().collect();
+    assert_eq!(there.len(), 1, "something was written for {arguments:?}: {there:?}");
+    said
 }
 
 #[test]
 fn arguments() {
-    let cases: [(&[&str], &str); 11] = [
-        (&["tni"], "figure tni: did you mean tiny? there are tiny, all"),
-        (&["tiny", "--profile", "papr"], "--profile papr: there are quick"),
-        (
-            &["tiny", "--methods", "fcn"],
-            "--methods fcn: did you mean fcnn? there are min-degeneracy, bootstrap, fcnn",
-        ),
-        (&["tiny", "--methods", "fcnn,bootstrap,fcnn"], "--methods fcnn,bootstrap,fcnn: fcnn stands twice"),
-        (&["tiny", "--panels", "N5"], "--panels N5: did you mean N6? there are N6, N8"),
-        (&["tiny", "--backend", "cuda"], "--backend cuda: there are native, flex, ndarray"),
-        (&["tiny", "--repetitions", "0"], "--repetitions 0: it must be an integer from 1 to 1000000"),
-        (&["tiny", "--repetitions=-1"], "--repetitions -1: it must be an integer from 1 to 1000000"),
-        (&["tiny", "--jobs", "two"], "--jobs two: it must be an integer from 1 to 1024"),
-        (&["tiny", "--seed", "1.5"], "--seed 1.5: it must be an integer from 0 to 18446744073709551615"),
-        (
-            &["tiny", "--sed", "1"],
-            "unexpected argument '--sed' found  tip: a similar argument exists: '--seed'; see motes-bench --help",
-        ),
+    let cases: [&[&str]; 16] = [
+        &["tni"],
+        &["tiny", "--profile", "papr"],
+        &["tiny", "--methods", "fcn"],
+        &["tiny", "--methods", "fcnn,bootstrap,fcnn"],
+        &["tiny", "--methods", ""],
+        &["tiny", "--panels", "N5"],
+        &["tiny", "--backend", "cuda"],
+        &["tiny", "--repetitions", "0"],
+        &["tiny", "--repetitions=-1"],
+        &["tiny", "--repetitions", "1000001"],
+        &["tiny", "--jobs", "two"],
+        &["tiny", "--seed", "1.5"],
+        &["tiny", "--seed", "18446744073709551616"],
+        &["tiny", "--sed", "1"],
+        &["tiny", "--experiments", "no/such/folder"],
+        &[],
     ];
-    for (arguments, line) in cases {
-        refused(TINY, arguments, line);
-    }
+    let said = cases.map(|arguments| format!("{}\n    {}", arguments.join(" "), told(TINY, arguments)));
+    insta::with_settings!({ omit_expression => true }, { insta::assert_snapshot!(said.join("\n")) });
 }
 
 #[test]
 fn keys_and_values_of_the_experiment() {
-    let cases = [
-        ("x = [4, 8]", "x = [4, 0]", "key `profiles.quick.x` is 0; it must be at least 1"),
-        ("x = [4, 8]", "x = [4, 4]", "key `profiles.quick.x` is [\"4\", \"4\"]; no value may stand twice"),
-        ("x = [4, 8]", "x = []", "key `profiles.quick.x` is empty; it must have one value or more"),
-        ("x = [4, 8]", "x = [4, -8]", "line 54, key `x`: invalid value: integer `-8`, expected usize"),
-        ("particles = 8", "particles = 0", "key `filter.particles` is 0; it must be at least 1"),
-        ("horizon = 4", "horizon = 0", "key `system.horizon` is 0; it must be at least 1"),
-        (
-            "horizon = 4",
-            "horizon = \"4\"",
-            "line 14, key `horizon`: invalid type: string \"4\", expected usize",
-        ),
-        (
-            "horizon = 4",
-            "horizn = 4",
-            "line 14, key `horizn`: `horizn` is not known here; did you mean horizon? there are drift, noise, \
-             densities, snr_db, neighbours, unmeasured, dimension, horizon",
-        ),
-        ("horizon = 4", "horizon = 4\nhorizon = 5", "line 15, key `horizon`: duplicate key"),
-        (
-            "snr_db = 5.0",
-            "snr_db = nan",
-            "key `system.snr_db` is NaN; it must be a number of dB from -200 to 200",
-        ),
-        (
-            "snr_db = 5.0",
-            "snr_db = -inf",
-            "key `system.snr_db` is -inf; it must be a number of dB from -200 to 200",
-        ),
-        (
-            "repetitions = 4",
-            "repetitions = 0",
-            "key `profiles.quick.repetitions` is 0; it must be at least 1",
-        ),
-        (
-            "filter_runs = 5",
-            "filter_runs = 0",
-            "key `profiles.quick.filter_runs` is 0; it must be at least 1",
-        ),
-        (
-            "fcnn = [16, 16]",
-            "fcnn = [16, 0]",
-            "key `profiles.quick.sizes.fcnn` is [16, 0]; it must be one or more widths from 1 to 65536",
-        ),
-        (
-            "gnn = [8, 8]",
-            "gnn = []",
-            "key `profiles.quick.sizes.gnn` is []; it must be one or more widths from 1 to 65536",
-        ),
-        ("rnn = 8", "rnn = 0", "key `profiles.quick.sizes.rnn` is 0; it must be from 1 to 65536"),
-        ("psi = 3", "psi = 0", "key `profiles.quick.sizes.psi` is 0; it must be from 1 to 1024"),
-        (
-            "reference_particles = 100",
-            "reference_particles = 0",
-            "key `profiles.quick.reference_particles` is 0; it must be at least 1",
-        ),
-        (
-            "ridge = 1e-6",
-            "ridge = -1e-6",
-            "key `proposals.fcnn.ridge` is -0.000001; it must be at least 0 and finite",
-        ),
-        (
-            "ridge = 1e-3",
-            "ridge = -1e-3",
-            "key `proposals.psi.ridge` is -0.001; it must be at least 0 and finite",
-        ),
-        ("order = 3", "order = 65", "key `proposals.gnn.order` is 65; it must be from 0 to 64"),
-        ("depth = 1", "depth = 0", "key `proposals.rnn.depth` is 0; it must be from 1 to 64"),
-        (
-            "cell = \"lstm\"",
-            "cell = \"lsm\"",
-            "line 33, key `cell`: `lsm` is not known here; did you mean lstm? there are lstm, gru, elman",
-        ),
-        (
-            "adapter = \"fixed\"",
-            "adapter = \"fix\"",
-            "line 39, key `adapter`: `fix` is not known here; did you mean fixed? there are fixed, learned",
-        ),
-        (
-            "gradient = \"full\"",
-            "gradient = \"truncated\"",
-            "key `training.gradient_window` is absent; a truncated gradient needs a window of at least 1",
-        ),
-        (
-            "gradient = \"full\"",
-            "gradient = \"full\"\ngradient_window = 3",
-            "key `training.gradient_window` is 3; a full gradient has no window: leave it out, or set gradient = \"truncated\"",
-        ),
-        (
-            "gradient = \"full\"",
-            "gradient = \"full\"\nclip_norm = 0.0",
-            "key `training.clip_norm` is 0; it must be positive and finite",
-        ),
-        ("beta_1 = 0.9", "beta_1 = 1.0", "key `training.beta_1` is 1; it must be at least 0 and below 1"),
-        (
-            "dimension = 8",
-            "dimension = 6",
-            "key `panels.*.dimension` is [\"6\", \"6\"]; no value may stand twice",
-        ),
-        ("snr_db = 5.0\n", "", "line 6: missing field `snr_db`"),
-        (
-            "learning_rate = 0.001",
-            "learning_rate = 0.0",
-            "key `training.learning_rate` is 0; it must be positive and finite",
-        ),
-        (
-            "ess_threshold = 0.3333333333333333",
-            "ess_threshold = 1.5",
-            "key `filter.ess_threshold` is 1.5; it must be above 0 and at most 1",
-        ),
-        (
-            "neighbours = 3",
-            "neighbours = 6",
-            "key `panels.N6.dimension` is 6; N must exceed the 6 neighbours",
-        ),
-        (
-            "noise = \"gaussian\"",
-            "noise = \"gausian\"",
-            "line 8, key `noise`: `gausian` is not known here; did you mean gaussian? there are gaussian, \
-             exponential, uniform",
-        ),
-        (
-            "\"fcnn\"]",
-            "\"fcnn\", \"fcnn\"]",
-            "key `methods` is [\"bootstrap\", \"fcnn\", \"fcnn\", \"min-degeneracy\"]; no value may stand twice",
-        ),
+    // What is replaced, and by what.
+    let edits = [
+        ("x = [4, 8]", "x = [4, 0]"),
+        ("x = [4, 8]", "x = [4, 4]"),
+        ("x = [4, 8]", "x = []"),
+        ("x = [4, 8]", "x = [4, -8]"),
+        ("particles = 8", "particles = 0"),
+        ("horizon = 4", "horizon = 0"),
+        ("horizon = 4", "horizon = \"4\""),
+        ("horizon = 4", "horizn = 4"),
+        ("horizon = 4", "horizon = 4\nhorizon = 5"),
+        ("snr_db = 5.0", "snr_db = nan"),
+        ("snr_db = 5.0", "snr_db = -inf"),
+        ("repetitions = 4", "repetitions = 0"),
+        ("filter_runs = 5", "filter_runs = 0"),
+        ("fcnn = [16, 16]", "fcnn = [16, 0]"),
+        ("gnn = [8, 8]", "gnn = []"),
+        ("rnn = 8", "rnn = 0"),
+        ("psi = 3", "psi = 0"),
+        ("reference_particles = 100", "reference_particles = 0"),
+        ("ridge = 1e-6", "ridge = -1e-6"),
+        ("ridge = 1e-3", "ridge = -1e-3"),
+        ("order = 3", "order = 65"),
+        ("depth = 1", "depth = 0"),
+        ("cell = \"lstm\"", "cell = \"lsm\""),
+        ("adapter = \"fixed\"", "adapter = \"fix\""),
+        ("gradient = \"full\"", "gradient = \"truncated\""),
+        ("gradient = \"full\"", "gradient = \"full\"\ngradient_window = 3"),
+        ("gradient = \"full\"", "gradient = \"full\"\nclip_norm = 0.0"),
+        ("beta_1 = 0.9", "beta_1 = 1.0"),
+        ("dimension = 8", "dimension = 6"),
+        ("snr_db = 5.0\n", ""),
+        ("learning_rate = 0.001", "learning_rate = 0.0"),
+        ("ess_threshold = 0.3333333333333333", "ess_threshold = 1.5"),
+        ("neighbours = 3", "neighbours = 6"),
+        ("noise = \"gaussian\"", "noise = \"gausian\""),
+        ("\"fcnn\"]", "\"fcnn\", \"fcnn\"]"),
+        ("horizon = 4", "horizon = 1000000000000"),
+        ("repetitions = 4", "repetitions = 1000001"),
+        ("dimension = 8", "dimension = 70000"),
+        ("ess_threshold = 0.3333333333333333", "ess_threshold = 0.3333333333333333\ndefensive_weight = 1.0"),
+        ("ess_threshold = 0.3333333333333333", "ess_threshold = 0.3333333333333333\ndefensive_weight = nan"),
+        ("[system]", "[systm]"),
+        ("x = [4, 8]", "x = 4"),
     ];
-    for (right, wrong, line) in cases {
+    let said = edits.map(|(right, wrong)| {
         assert!(TINY.contains(right), "{right}");
-        let line = line.to_string();
-        let separator = if line.starts_with("line") || line.starts_with("key") { ": " } else { "" };
-        refused(
-            &TINY.replacen(right, wrong, 1),
-            &["tiny"],
-            &format!("experiments/tiny.toml{separator}{line}"),
-        );
-    }
+        let line = told(&TINY.replacen(right, wrong, 1), &["tiny"]);
+        format!("{} -> {}\n    {line}", right.replace('\n', " ⏎ "), wrong.replace('\n', " ⏎ "))
+    });
+    insta::with_settings!({ omit_expression => true }, { insta::assert_snapshot!(said.join("\n")) });
+}
+
+#[test]
+fn files_that_are_no_experiments() {
+    let files =
+        [("empty", ""), ("no TOML", "{]"), ("not closed", "title = \"A"), ("another", "title = \"A\"\n")];
+    let said = files.map(|(name, text)| format!("{name}\n    {}", told(text, &["tiny"])));
+    insta::with_settings!({ omit_expression => true }, { insta::assert_snapshot!(said.join("\n")) });
 }
 
 #[test]

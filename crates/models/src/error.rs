@@ -121,7 +121,9 @@ pub enum ModelError {
         expected: &'static str,
     },
     /// A sequence does not divide into rows of the given width.
-    #[error("{values} values do not divide into rows of width {width}")]
+    #[error(
+        "{values} values do not divide into rows of width {width}; they must fill rows of a width of at least 1"
+    )]
     RaggedSequence {
         /// Number of values found.
         values: usize,

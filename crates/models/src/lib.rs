@@ -54,3 +54,8 @@ pub use simulations::{Prediction, Simulations, Spread};
 pub use state_space::{AdditiveGaussian, PartialLikelihood, Simulator, StateGradients, StateSpaceModel};
 pub use stream::{Seed, Stream};
 pub use system_graph::SystemGraph;
+
+/// The README's code, compiled and run as a documentation test.
+#[doc = include_str!("../README.md")]
+#[cfg(doctest)]
+pub struct Readme;

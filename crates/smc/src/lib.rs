@@ -31,3 +31,8 @@ pub use proposal::{Conditional, Past, Proposal, ProposalError, RowPast, RowPropo
 pub use proposals::{Bootstrap, MinDegeneracy, Shifted, Transition};
 pub use resampling::{ParticleMemory, ResampleWhen, Resampling};
 pub use weights::{LogWeights, WeightFault};
+
+/// The README's code, compiled and run as a documentation test.
+#[doc = include_str!("../README.md")]
+#[cfg(doctest)]
+pub struct Readme;

@@ -2,6 +2,7 @@
 
 mod epidemic;
 
+use super::plan::MOST_REPETITIONS;
 use super::{Axis, ConfigError, Experiment, Gradient, Method, System};
 
 /// Checks every number that a run would use, for all profiles.
@@ -30,7 +31,7 @@ pub(super) fn check(file: &str, experiment: &Experiment) -> Result<(), ConfigErr
             )?;
         }
     }
-    checks.at_least_one("filter.particles", filter.particles)?;
+    checks.count("filter.particles", filter.particles)?;
     let fraction = filter.ess_threshold > 0.0 && filter.ess_threshold <= 1.0;
     checks.that(
         fraction,
@@ -38,6 +39,11 @@ pub(super) fn check(file: &str, experiment: &Experiment) -> Result<(), ConfigErr
         filter.ess_threshold,
         "it must be above 0 and at most 1",
     )?;
+    if let Some(weight) = filter.defensive_weight {
+        let fine = weight > 0.0 && weight < 1.0;
+        let expected = "it must be between 0 and 1, both excluded";
+        checks.that(fine, "filter.defensive_weight", weight, expected)?;
+    }
     for (key, value) in [("learning_rate", training.learning_rate), ("epsilon", training.epsilon)] {
         let fine = value > 0.0 && value.is_finite();
         checks.that(fine, &format!("training.{key}"), value, "it must be positive and finite")?;
@@ -100,15 +106,16 @@ pub(super) fn check(file: &str, experiment: &Experiment) -> Result<(), ConfigErr
         let key = |key: &str| format!("profiles.{name}.{key}");
         checks.distinct(&key("x"), profile.x.iter().map(usize::to_string))?;
         for &x in &profile.x {
-            checks.at_least_one(&key("x"), x)?;
+            checks.count(&key("x"), x)?;
             if let (Axis::Dimension, Some(system)) = (axis, system) {
                 checks.system_of(system, x, &key("x"))?;
             }
         }
-        checks.at_least_one(&key("repetitions"), profile.repetitions)?;
-        checks.at_least_one(&key("filter_runs"), profile.filter_runs)?;
-        checks.at_least_one(&key("training_steps"), profile.training_steps)?;
-        checks.at_least_one(&key("reference_particles"), profile.reference_particles)?;
+        checks.count(&key("repetitions"), profile.repetitions)?;
+        checks.within(&key("repetitions"), profile.repetitions, 1, MOST_REPETITIONS)?;
+        checks.count(&key("filter_runs"), profile.filter_runs)?;
+        checks.count(&key("training_steps"), profile.training_steps)?;
+        checks.count(&key("reference_particles"), profile.reference_particles)?;
         profile.sizes.check(name, &checks)?;
         let is_graph_sized = profile.sizes.gnn.is_some() || !methods.contains(&Method::Gnn);
         checks.that(is_graph_sized, &key("sizes.gnn"), "absent", "the method gnn needs it")?;
@@ -123,6 +130,11 @@ pub(super) fn check(file: &str, experiment: &Experiment) -> Result<(), ConfigErr
     }
     Ok(())
 }
+
+/// Beyond what any machine can hold or do; smaller than what overflows.
+const MOST: usize = 1_000_000_000;
+/// Numbers of coordinates of which matrices are made.
+const MOST_COORDINATES: usize = 65_536;
 
 /// Checks that name the file.
 pub(super) struct Checks<'a> {
@@ -148,8 +160,10 @@ impl Checks<'_> {
         })
     }
 
-    pub(super) fn at_least_one(&self, key: &str, value: usize) -> Result<(), ConfigError> {
-        self.that(value > 0, key, value, "it must be at least 1")
+    /// A number of things that are counted one by one, or have a place in memory.
+    pub(super) fn count(&self, key: &str, value: usize) -> Result<(), ConfigError> {
+        self.that(value > 0, key, value, "it must be at least 1")?;
+        self.that(value <= MOST, key, value, &format!("it must be at most {MOST}"))
     }
 
     pub(super) fn within(
@@ -172,9 +186,9 @@ impl Checks<'_> {
     }
 
     fn system(&self, system: &System) -> Result<(), ConfigError> {
-        self.at_least_one("system.neighbours", system.neighbours)?;
-        self.at_least_one("system.dimension", system.dimension)?;
-        self.at_least_one("system.horizon", system.horizon)?;
+        self.count("system.neighbours", system.neighbours)?;
+        self.count("system.dimension", system.dimension)?;
+        self.count("system.horizon", system.horizon)?;
         let decibels = (-200.0..=200.0).contains(&system.snr_db);
         self.that(decibels, "system.snr_db", system.snr_db, "it must be a number of dB from -200 to 200")
     }
@@ -206,6 +220,7 @@ impl Checks<'_> {
 
     /// N against what the graph and the measurement matrix need of it.
     fn system_of(&self, system: &System, dimension: usize, key: &str) -> Result<(), ConfigError> {
+        self.within(key, dimension, 1, MOST_COORDINATES)?;
         let enough = dimension > system.neighbours;
         self.that(enough, key, dimension, &format!("N must exceed the {} neighbours", system.neighbours))?;
         let half = 2 * system.unmeasured <= dimension;

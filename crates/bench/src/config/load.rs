@@ -30,9 +30,19 @@ pub(super) fn load(file: &Path) -> Result<Experiment, ConfigError> {
     toml::from_str(&text).map_err(|error| fail(explain(&text, &error)))
 }
 
+const TYPES: [(&str, &str); 5] = [
+    ("expected usize", "expected a whole number of at least 0"),
+    ("expected u32", "expected a whole number of at least 0"),
+    ("expected u64", "expected a whole number of at least 0"),
+    ("expected f64", "expected a number"),
+    ("expected a sequence", "expected a list"),
+];
+
 /// A parser's error in one line: where, which key, and for an unknown one the nearest known.
 fn explain(text: &str, error: &toml::de::Error) -> String {
     let message = error.message().lines().collect::<Vec<_>>().join(" ");
+    // Types by names that are not those of a language.
+    let message = TYPES.iter().fold(message, |message, (theirs, ours)| message.replace(theirs, ours));
     let place = error.span().map(|span| {
         let before = &text[..span.start.min(text.len())];
         let line = before.matches('\n').count() + 1;

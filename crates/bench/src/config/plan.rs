@@ -177,7 +177,7 @@ fn plan(figure: &str, args: &ReproduceArgs) -> Result<Plan, ConfigError> {
         profile_name: args.profile.clone(),
         panels: panels.into_iter().cloned().collect(),
         methods,
-        repetitions: number("--repetitions", args.repetitions.as_deref(), 1_000_000)?
+        repetitions: number("--repetitions", args.repetitions.as_deref(), MOST_REPETITIONS)?
             .unwrap_or(profile.repetitions),
         jobs: number("--jobs", args.jobs.as_deref(), 1024)?.unwrap_or(cores),
         backend,
@@ -191,6 +191,9 @@ fn plan(figure: &str, args: &ReproduceArgs) -> Result<Plan, ConfigError> {
         experiment,
     })
 }
+
+/// As many repetitions as a run may have.
+pub(super) const MOST_REPETITIONS: usize = 1_000_000;
 
 fn refuse(option: &str, value: &str, expected: String) -> ConfigError {
     ConfigError::Option { option: option.to_string(), value: value.to_string(), expected }

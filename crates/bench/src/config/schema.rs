@@ -184,6 +184,9 @@ pub struct Filter {
     pub resampling: Resampling,
     /// Resample when the effective sample size is below this fraction of K.
     pub ess_threshold: f64,
+    /// Draw from a mixture with this share of the transition; from the proposal alone if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub defensive_weight: Option<f64>,
 }
 
 /// How ancestors are drawn.

@@ -32,6 +32,7 @@ impl Run<'_> {
         for measurement in problem.trajectory.measurements.rows() {
             self.go_on()?;
             bank.step(measurement).map_err(failed)?;
+            recorded.report.add(&bank.diagnosis());
             for filter in 0..filters {
                 bank.mean(filter, &mut mean);
                 recorded.means.extend_from_slice(&mean);
@@ -59,6 +60,7 @@ impl Run<'_> {
             for (time, measurement) in problem.trajectory.measurements.rows().enumerate() {
                 self.go_on()?;
                 smoother.step(measurement).map_err(failed)?;
+                recorded.report.add(&smoother.filter().diagnosis());
                 recorded.effective_sample_sizes.push(smoother.filter().effective_sample_size());
                 // At the end there is nothing more to wait for.
                 let last = if time + 1 == horizon { 0 } else { lag };
@@ -96,5 +98,6 @@ fn filter_settings(filter: &config::Filter) -> FilterSettings {
             config::Resampling::Residual => Resampling::Residual,
         },
         resample_when: ResampleWhen::EssBelow(filter.ess_threshold),
+        defensive_weight: filter.defensive_weight,
     }
 }

@@ -2,11 +2,13 @@
 
 use std::collections::BTreeMap;
 
+use motes_smc::TAIL_INDEX_LIMIT;
+
 use super::Row;
 use crate::config::Method;
 
 /// Metrics with a column of their own, and what its head says.
-const COLUMNS: [(&str, &str); 9] = [
+const COLUMNS: [(&str, &str); 10] = [
     ("mse_S", "MSE of S"),
     ("mse_I", "MSE of I"),
     ("mse_R", "MSE of R"),
@@ -16,7 +18,11 @@ const COLUMNS: [(&str, &str); 9] = [
     ("nmse_posterior_exact", "NMSE to posterior mean, exact densities"),
     ("nmse_all", "NMSE, all times"),
     ("ess", "ESS"),
+    ("tail_index", "tail index"),
 ];
+
+/// Fewer effective particles than this, and one has more than half of the weight.
+const LEAST_EFFECTIVE: f64 = 2.0;
 
 /// What the paper prints: by method and metric.
 pub(crate) type Printed = BTreeMap<Method, BTreeMap<String, f64>>;
@@ -74,6 +80,31 @@ pub(crate) fn markdown(title: &str, axis: &str, rows: &[Row], printed: &Printed)
         let (panel, x, method) = (&point.panel, point.x, point.method.name());
         text += &format!("| {panel} | {x} | {method} |{} {}/{} |\n", joined(&cells), point.n_ok, point.n);
     }
+    text + &warnings(axis, rows)
+}
+
+/// Where weights cannot be trusted.
+fn warnings(axis: &str, rows: &[Row]) -> String {
+    let mut text = String::new();
+    let of = |metric: &'static str, is_bad: fn(f64) -> bool| {
+        rows.iter().filter(move |row| row.metric == metric && row.n_ok > 0 && is_bad(row.median))
+    };
+    let mut warn = |reason: String, bad: Vec<String>| {
+        if !bad.is_empty() {
+            text += &format!("\nWeights not to be trusted: {reason}: {}.\n", bad.join(", "));
+        }
+    };
+    let named = |row: &Row| {
+        let (method, panel, x) = (row.method.name(), &row.panel, row.x);
+        format!("{method} ({panel}, {axis} = {x}: {})", short(row.median))
+    };
+    let heavy = of("tail_index", |index| index > TAIL_INDEX_LIMIT);
+    warn(
+        format!("the tail index is above {TAIL_INDEX_LIMIT}, so that they hardly have a mean"),
+        heavy.map(named).collect(),
+    );
+    let few = of("ess", |size| size < LEAST_EFFECTIVE);
+    warn("one particle has more than half, on average".into(), few.map(named).collect());
     text
 }
 
@@ -97,6 +128,43 @@ mod tests {
     fn numbers_are_short() {
         let shown: Vec<String> = [0.0, 0.01234, 0.5678, 12.345, 123.4, 1.0, 2.5e-5].map(short).into();
         assert_eq!(shown, ["0", "0.0123", "0.568", "12.3", "123", "1.00", "2.50e-5"]);
+    }
+
+    #[test]
+    fn weights_that_cannot_be_trusted_are_named() {
+        let row = |method, metric: &str, median| Row {
+            panel: "N10".into(),
+            method,
+            x: 10,
+            metric: metric.into(),
+            median,
+            std: 0.1,
+            quartiles: (0.0, 0.5),
+            n_ok: 2,
+            n: 2,
+        };
+        let rows = [
+            row(Method::Bootstrap, "ess", 2.4),
+            row(Method::Bootstrap, "tail_index", 0.31),
+            row(Method::Fcnn, "ess", 1.2),
+            row(Method::Fcnn, "tail_index", 1.62),
+        ];
+        let table = markdown("T", "K", &rows, &Printed::new());
+        let lines: Vec<&str> = table.lines().skip(4).collect();
+        assert_eq!(
+            lines,
+            [
+                "| panel | K | method | ESS | tail index | n |",
+                "|---|---:|---|---:|---:|---:|",
+                "| N10 | 10 | bootstrap | 2.40 ± 0.100 | 0.310 ± 0.100 | 2/2 |",
+                "| N10 | 10 | fcnn | 1.20 ± 0.100 | 1.62 ± 0.100 | 2/2 |",
+                "",
+                "Weights not to be trusted: the tail index is above 0.7, so that they hardly have a mean: fcnn (N10, K = 10: 1.62).",
+                "",
+                "Weights not to be trusted: one particle has more than half, on average: fcnn (N10, K = 10: 1.20).",
+            ]
+        );
+        assert!(!markdown("T", "K", &rows[..2], &Printed::new()).contains("not to be trusted"));
     }
 
     #[test]

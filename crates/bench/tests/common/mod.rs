@@ -1,7 +1,7 @@
 //! Running the program on experiments of the tests' own.
 #![allow(dead_code, missing_docs)]
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::{Command, Output};
 
 use tempfile::TempDir;
@@ -105,14 +105,18 @@ impl Workplace {
 
     /// Number of stored units.
     pub fn units(&self, out: &str) -> usize {
-        let folder = self.path(out).join("tiny/quick/units");
-        let Ok(entries) = std::fs::read_dir(folder) else { return 0 };
-        entries.filter(|entry| is_unit(&entry.as_ref().unwrap().path())).count()
+        self.files(&format!("{out}/tiny/quick/units"), "json").len()
     }
-}
 
-pub fn is_unit(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| extension == "json")
+    /// The files in a folder, if it is there, whose names end so.
+    pub fn files(&self, folder: &str, extension: &str) -> Vec<PathBuf> {
+        let Ok(entries) = std::fs::read_dir(self.path(folder)) else { return vec![] };
+        let paths = entries.map(|entry| entry.unwrap().path());
+        let mut files: Vec<PathBuf> =
+            paths.filter(|path| path.extension().is_some_and(|found| found == extension)).collect();
+        files.sort();
+        files
+    }
 }
 
 pub fn stderr(output: &Output) -> String {

@@ -188,12 +188,12 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
             .condition(model, past, &mut self.memory)
             .map_err(|source| FilterError::Proposal { step: time, source })?;
         let (streams, states) = (self.streams.as_mut_slice(), self.states.as_mut_slice());
-        let mut transition = Transition { model, past };
         if conditional.is_transition() {
-            transition.sample(streams, states, &mut self.increments);
+            conditional.sample(streams, states, &mut self.increments);
             model.log_likelihoods(time, states, measurement, &mut self.increments);
             return Ok(());
         }
+        let mut transition = Transition { model, past };
         let densities = Densities { proposal: &mut self.increments, transition: &mut self.log_transitions };
         match &mut self.defensive {
             Some(defensive) => defensive.draw(&mut conditional, &mut transition, streams, states, densities),

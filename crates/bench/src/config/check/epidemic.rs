@@ -25,7 +25,7 @@ impl Checks<'_> {
             let fine = value > 0.0 && value.is_finite();
             self.that(fine, &key(name), value, "it must be positive and finite")?;
         }
-        self.at_least_one(&key("horizon"), epidemic.horizon)?;
+        self.count(&key("horizon"), epidemic.horizon)?;
         // N is what it is; and with another T another trajectory may be the first that does not run away, so that repetitions
         // would not be paired.
         let expected = "the x axis of an epidemic is the number of particles";

@@ -2,47 +2,21 @@
 
 use motes_models::Seed;
 use motes_smc::Resampling;
-
-const WEIGHTS: [f64; 5] = [0.1, 0.5, 0.1, 0.15, 0.15];
-const REPETITIONS: usize = 20_000;
-
-fn offspring(scheme: Resampling, count: usize) -> Vec<[usize; 5]> {
-    let mut stream = Seed::from_u64(40).nth(count as u64).stream();
-    let mut ancestors = vec![0; count];
-    (0..REPETITIONS)
-        .map(|_| {
-            scheme.draw(&WEIGHTS, &mut stream, &mut ancestors);
-            assert!(ancestors.is_sorted());
-            let mut counts = [0; 5];
-            ancestors.iter().for_each(|&ancestor| counts[ancestor] += 1);
-            counts
-        })
-        .collect()
-}
+use motes_tests::{OFFSPRING_WEIGHTS as WEIGHTS, Offspring};
 
 /// Checks means, variances and bounds of the offspring counts against what the scheme promises.
 fn check(scheme: Resampling, variance_of: impl Fn(usize, usize) -> f64, bounds: impl Fn(f64) -> (f64, f64)) {
     for count in [8, 10] {
-        let offspring = offspring(scheme, count);
+        let offspring = Offspring::of(count, |stream, ancestors| scheme.draw(&WEIGHTS, stream, ancestors));
         for (particle, weight) in WEIGHTS.into_iter().enumerate() {
-            let expected = count as f64 * weight;
-            let n = REPETITIONS as f64;
-            let counts: Vec<f64> = offspring.iter().map(|counts| counts[particle] as f64).collect();
-            let mean = counts.iter().sum::<f64>() / n;
-            let moment = |power| counts.iter().map(|c| (c - mean).powi(power)).sum::<f64>() / n;
-            let variance = moment(2);
-            // A count may never vary; then it has to be right to rounding.
-            let z = (mean - expected) / (variance / n).sqrt().max(1e-9);
-            assert!(z.abs() < 4.0, "{scheme:?}, {count}: {mean} for {expected}");
-            let expected_variance = variance_of(count, particle);
-            let error = ((moment(4) - variance * variance) / n).sqrt().max(1e-9);
-            let z = (variance - expected_variance) / error;
-            assert!(
-                z.abs() < 5.0,
-                "{scheme:?}, {count}: variance {variance} for {expected_variance}, z = {z}"
-            );
+            let (expected, promised) = (count as f64 * weight, variance_of(count, particle));
+            let z = offspring.score(particle, expected, promised);
+            assert!(z.abs() < 4.0, "{scheme:?}, {count}: particle {particle} has z = {z}");
+            let z = offspring.variance_score(particle, promised);
+            assert!(z.abs() < 5.0, "{scheme:?}, {count}: the variance of particle {particle} has z = {z}");
             let (least, most) = bounds(expected);
-            assert!(counts.iter().all(|c| (least..=most).contains(c)), "{scheme:?}, {count}, {expected}");
+            let mut counts = offspring.counts(particle);
+            assert!(counts.all(|c| (least..=most).contains(&c)), "{scheme:?}, {count}, {expected}");
         }
     }
 }
