@@ -100,7 +100,9 @@ fn warnings(axis: &str, rows: &[Row]) -> String {
     };
     let heavy = of("tail_index", |index| index > TAIL_INDEX_LIMIT);
     warn(
-        format!("the tail index is above {TAIL_INDEX_LIMIT}, so that they hardly have a mean"),
+        format!(
+            "the tail index is above {TAIL_INDEX_LIMIT}, so that averages by them need far more particles"
+        ),
         heavy.map(named).collect(),
     );
     let few = of("ess", |size| size < LEAST_EFFECTIVE);
@@ -159,7 +161,7 @@ mod tests {
                 "| N10 | 10 | bootstrap | 2.40 ± 0.100 | 0.310 ± 0.100 | 2/2 |",
                 "| N10 | 10 | fcnn | 1.20 ± 0.100 | 1.62 ± 0.100 | 2/2 |",
                 "",
-                "Weights not to be trusted: the tail index is above 0.7, so that they hardly have a mean: fcnn (N10, K = 10: 1.62).",
+                "Weights not to be trusted: the tail index is above 0.7, so that averages by them need far more particles: fcnn (N10, K = 10: 1.62).",
                 "",
                 "Weights not to be trusted: one particle has more than half, on average: fcnn (N10, K = 10: 1.20).",
             ]

@@ -143,8 +143,8 @@ impl fmt::Display for WeightWarning {
             ),
             WeightWarning::HeavyTail { steps, time, tail_index } => write!(
                 f,
-                "at {steps} steps the weights have a tail index above {TAIL_INDEX_LIMIT} ({tail_index:.2} at step {time}): they hardly \
-                 have a mean; the proposal is too narrow, and a defensive weight bounds them"
+                "at {steps} steps the weights have a tail index above {TAIL_INDEX_LIMIT} ({tail_index:.2} at step {time}): averages by \
+                 them need far more particles; where the proposal is too narrow, a defensive weight bounds them"
             ),
         }
     }
@@ -173,8 +173,8 @@ mod tests {
             report.to_string(),
             "4 steps, 3.4 effective particles, tail index 0.67\n\
              warning: at 2 steps one particle has more than half of the weight (1.2 effective ones of 10 at step 3)\n\
-             warning: at 2 steps the weights have a tail index above 0.7 (0.90 at step 2): they hardly have a mean; the \
-             proposal is too narrow, and a defensive weight bounds them"
+             warning: at 2 steps the weights have a tail index above 0.7 (0.90 at step 2): averages by them need far more \
+             particles; where the proposal is too narrow, a defensive weight bounds them"
         );
         // A single particle has all the weight, and no choice.
         let mut alone = WeightReport::default();

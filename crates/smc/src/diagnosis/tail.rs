@@ -1,7 +1,7 @@
 //! The tail index of importance weights.
 
 /// The tail index from which on averages by weights are not to be trusted: the number of particles that they need then grows beyond any
-/// use (Vehtari, Simpson, Gelman, Yao and Gabry 2024). Beyond ½ weights have no finite variance.
+/// use (Vehtari, Simpson, Gelman, Yao and Gabry 2024).
 pub const TAIL_INDEX_LIMIT: f64 = 0.7;
 
 /// As few large weights as a distribution is fitted to.
@@ -9,8 +9,9 @@ const LEAST_TAIL: usize = 5;
 
 /// The index `k̂` of the generalised Pareto distribution that fits the largest of the weights `exp(log_weights)` best.
 ///
-/// Weights whose tail has the index `k` have `⌊1/k⌋` finite moments; a proposal narrower than what it is to cover shows here, while an
-/// effective sample size may look well by chance. Of `S` weights the largest `min(S/5, 3√S)` are taken. The estimate is Zhang's and
+/// Weights whose tail has the index `k` have moments up to `1/k`: above ½ no variance, above 1 no mean. A proposal narrower than what it is to
+/// cover shows here, while an effective sample size may look well by chance. It is the index of the tail as far as it was seen: weights that are bounded,
+/// as those of likelihoods are, can have a large one too while few particles come near the bound, and averages are as poor then. Of `S` weights the largest `min(S/5, 3√S)` are taken. The estimate is Zhang's and
 /// Stephens's (2009), drawn towards ½ as by ten weights more, as in Pareto-smoothed importance sampling. Weights need not be normalised.
 ///
 /// `None` of fewer than 25 weights, and where fewer than five of the largest exceed the others: there is no tail to fit.
