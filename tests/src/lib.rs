@@ -11,7 +11,9 @@ pub use differences::{central_differences, distance, norm, relative_distance};
 pub use families::{small_families, small_fcnn, small_gnn, small_psi, small_rnn, trained_family};
 pub use offspring::{OFFSPRING_WEIGHTS, Offspring};
 pub use planted::{Bug, Forgetful, Stuck, plain_filter_scores, systematic_with_a_fixed_offset};
-pub use reference::{NEVER_HALF_ALWAYS, Reference, ScalarGaussian, evidence_scores, reference, score};
+pub use reference::{
+    NEVER_HALF_ALWAYS, Reference, ScalarGaussian, evidence_scores, reference, reference_with_gaps, score,
+};
 pub use replay::{Replay, replay, replayed_system};
 
 /// The README's code, compiled and run as a documentation test.

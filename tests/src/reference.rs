@@ -1,6 +1,8 @@
 //! The reference problem of the statistical tests, and a proposal that can be made wrong on purpose.
 use faer::mat;
-use motes_models::{Gaussian, LinearGaussian, Measurements, Seed, StateSpaceModel, Stream, kalman};
+use motes_models::{
+    Gaussian, LinearGaussian, Measurements, PartialMeasurements, Seed, StateSpaceModel, Stream, kalman,
+};
 use motes_smc::{
     Conditional, FilterBank, FilterError, FilterSettings, Past, Proposal, ProposalError, ResampleWhen,
 };
@@ -20,6 +22,8 @@ pub struct Reference<Model = LinearGaussian> {
     pub model: Model,
     /// Its measurements, five of them.
     pub measurements: Measurements,
+    /// The times whose measurements a filter does not get.
+    pub missing: Vec<usize>,
     /// Their exact log-evidence.
     pub log_evidence: f64,
     /// The exact mean of the last state given all measurements.
@@ -42,7 +46,18 @@ pub fn reference() -> Reference {
     let measurements = Measurements::new(1, values).unwrap();
     let exact = kalman::filter(&model, &measurements).unwrap();
     let last_mean = exact.steps[4].filtered.mean[0];
-    Reference { log_evidence: exact.log_evidence(), last_mean, model, measurements }
+    Reference { log_evidence: exact.log_evidence(), last_mean, model, measurements, missing: vec![] }
+}
+
+/// The same without the measurements at times 1 and 3.
+pub fn reference_with_gaps() -> Reference {
+    let Reference { model, measurements, .. } = reference();
+    let missing = vec![1, 3];
+    let seen = |(time, value): (usize, &f64)| (!missing.contains(&time)).then_some(*value);
+    let values = measurements.values().iter().enumerate().map(seen).collect();
+    let exact = kalman::filter_partial(&model, &PartialMeasurements::new(1, values).unwrap()).unwrap();
+    let last_mean = exact.steps[4].filtered.mean[0];
+    Reference { log_evidence: exact.log_evidence(), last_mean, model, measurements, missing }
 }
 
 /// Scores of the mean of Ẑ/Z against 1 and of (Ẑ/Z)·x̂_T against the exact mean, in standard errors.
@@ -86,8 +101,12 @@ fn estimates<M: StateSpaceModel, P: Proposal<M> + Clone>(
 ) -> Option<Vec<(f64, f64)>> {
     let filters = streams.len();
     let mut bank = FilterBank::with_streams(&reference.model, proposal.clone(), settings, streams).unwrap();
-    for measurement in reference.measurements.rows() {
-        match bank.step(measurement) {
+    for (time, measurement) in reference.measurements.rows().enumerate() {
+        let stepped = match reference.missing.contains(&time) {
+            true => bank.step_without_measurement(),
+            false => bank.step(measurement),
+        };
+        match stepped {
             Ok(()) => {}
             Err(FilterError::Collapse { .. }) => return None,
             Err(error) => panic!("{error}"),

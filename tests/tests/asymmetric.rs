@@ -84,7 +84,7 @@ fn exact() -> Reference<GraphDiffusion> {
     let last = forward.unwrap();
     let evidence = last.cumulative(|_| 1.0)[POINTS - 1];
     let last_mean = last.cumulative(|x| x)[POINTS - 1] / evidence;
-    Reference { log_evidence: evidence.ln(), last_mean, model, measurements }
+    Reference { log_evidence: evidence.ln(), last_mean, model, measurements, missing: vec![] }
 }
 
 fn assert_unbiased<P: Proposal<GraphDiffusion> + Clone>(

@@ -6,7 +6,9 @@ use motes_proposals::{
     Backend, Cell, Family, Fcnn, FcnnConfig, Gnn, GnnConfig, Learnable, Psi, PsiConfig, Rnn, RnnConfig,
 };
 use motes_smc::{Bootstrap, FilterSettings, MinDegeneracy, Proposal, ResampleWhen, Resampling};
-use motes_tests::{NEVER_HALF_ALWAYS, Reference, ScalarGaussian, evidence_scores, reference};
+use motes_tests::{
+    NEVER_HALF_ALWAYS, Reference, ScalarGaussian, evidence_scores, reference, reference_with_gaps,
+};
 use motes_train::{TrainConfig, train};
 
 fn settings(resample_when: ResampleWhen) -> FilterSettings {
@@ -161,6 +163,20 @@ fn assert_trained_are_unbiased(rules: &[ResampleWhen]) {
     assert_defensive_unbiased_at(rules, "trained rnn", &rnn);
     assert_defensive_unbiased_at(rules, "trained gnn", &gnn);
     assert_defensive_unbiased_at(rules, "trained psi", &trained::<Psi>(&PsiConfig::paper()));
+}
+
+/// Wide proposals, recurrent ones among them, whose memory stays as it was where nothing is measured.
+#[test]
+fn families_over_gaps() {
+    fn check<P: Proposal<LinearGaussian> + Clone>(name: &str, proposal: &P) {
+        let settings = settings(ResampleWhen::EssBelow(0.5));
+        let scores = evidence_scores(&reference_with_gaps(), proposal, settings, 20_000);
+        println!("{name} over gaps: z = {scores:.2?}");
+        assert!(scores.iter().all(|z| z.abs() < 4.0), "{name}: z = {scores:?}");
+    }
+    check("wide fcnn", &wide::<Fcnn>(&fcnn()));
+    check("wide rnn", &wide::<Rnn>(&rnn(Cell::Lstm)));
+    check("wide gnn", &wide::<Gnn>(&gnn()));
 }
 
 /// Where adaptive resampling shows its bugs; [`every_family_under_every_rule`] has the others.

@@ -42,9 +42,10 @@ fn usual(root: &Path, update_expectations: bool) -> Result<(), ExitCode> {
 
 /// What takes longer than one waits for at every change.
 fn thorough(root: &Path) -> Result<(), ExitCode> {
-    // They print the scores that they are judged by.
-    let slow = ["test", "--workspace", "--locked", "--tests", "--", "--ignored", "--nocapture"];
-    step("slow tests", || cargo(root, &slow, &[]))?;
+    let scores = ["--test", "evidence", "--test", "planted", "--", "--include-ignored", "--nocapture"];
+    step("scores of evidence and of planted bugs", || {
+        cargo(root, &[&["test", "--workspace", "--locked"], scores.as_slice()].concat(), &[])
+    })?;
     let properties = ["test", "--workspace", "--locked", "--test", "properties", "--test", "any_experiment"];
     step("properties of many inputs", || cargo(root, &properties, &[("PROPTEST_CASES", MANY_CASES)]))?;
     step("crates built from their packages", || package(root, &[]))
@@ -63,7 +64,7 @@ fn package(root: &Path, more: &[&str]) -> Result<(), ExitCode> {
 }
 
 /// Inputs that each property is held against in the thorough run, instead of 256.
-const MANY_CASES: &str = "10000";
+const MANY_CASES: &str = "50000";
 
 /// Runs every check, stops at the first that fails, and ends with its status.
 pub(crate) fn check(root: &Path, all: bool, update_expectations: bool) -> ExitCode {

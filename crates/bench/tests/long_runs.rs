@@ -135,6 +135,44 @@ fn units_of_another_configuration_or_seed_are_not_mixed_in() {
 }
 
 #[test]
+fn weights_of_a_collapsed_proposal_are_warned_of_and_a_defensive_weight_bounds_them() {
+    // Trained long enough to collapse, and weights enough to see it.
+    let collapsed = TINY
+        .replacen("x = [4, 8]", "x = [20]", 1)
+        .replacen("filter_runs = 5", "filter_runs = 100", 1)
+        .replacen("training_steps = 20", "training_steps = 300", 1)
+        .replacen("learning_rate = 0.001", "learning_rate = 0.01", 1);
+    let safe = collapsed.replacen("particles = 8", "particles = 8\ndefensive_weight = 0.5", 1);
+    let place = Workplace::new(&collapsed);
+    let indices = |out: &str| -> Vec<f64> {
+        let arguments = ["tiny", "--methods", "fcnn", "--repetitions", "2", "--out", out];
+        assert!(place.run(&arguments).status.success());
+        let units = std::fs::read_to_string(place.path(out).join("tiny/quick/units.csv")).unwrap();
+        let of_index = units.lines().filter(|line| line.contains(",tail_index,"));
+        of_index.map(|line| line.rsplit(',').next().unwrap().parse().unwrap()).collect()
+    };
+    let table = |out: &str| std::fs::read_to_string(place.path(out).join("tiny/quick/table.md")).unwrap();
+    let plain = indices("runs");
+    assert!(plain.len() == 4 && plain.iter().all(|index| *index > 0.7), "{plain:?}");
+    assert!(
+        table("runs").contains("Weights not to be trusted: the tail index is above 0.7"),
+        "{}",
+        table("runs")
+    );
+
+    std::fs::write(place.path("experiments/tiny.toml"), safe).unwrap();
+    let safe = indices("safe");
+    assert!(
+        safe.len() == 4 && safe.iter().zip(&plain).all(|(safe, plain)| safe < plain),
+        "{safe:?} for {plain:?}"
+    );
+    println!("tail indices {plain:.2?}, with a defensive weight {safe:.2?}");
+    // And what was run without is another run.
+    let said = stderr(&place.run(&["tiny", "--methods", "fcnn", "--repetitions", "1"]));
+    assert!(said.contains("of another run and not used: filter.defensive_weight is"), "{said}");
+}
+
+#[test]
 fn fresh_runs_the_selection_again() {
     let place = Workplace::new(TINY);
     assert!(place.run(&["tiny"]).status.success());
