@@ -9,10 +9,11 @@ mod replay;
 
 pub use differences::{central_differences, distance, norm, relative_distance};
 pub use families::{small_families, small_fcnn, small_gnn, small_psi, small_rnn, trained_family};
-pub use offspring::{OFFSPRING_WEIGHTS, Offspring};
+pub use offspring::{OFFSPRING_WEIGHTS, Offspring, systematic_bounds, systematic_variance};
 pub use planted::{Bug, Forgetful, Stuck, plain_filter_scores, systematic_with_a_fixed_offset};
 pub use reference::{
-    NEVER_HALF_ALWAYS, Reference, ScalarGaussian, evidence_scores, reference, reference_with_gaps, score,
+    NEVER_HALF_ALWAYS, PARTICLES, REFUSED, RUNS, Reference, ScalarGaussian, evidence_scores, is_unbiased,
+    reference, reference_with_gaps, score,
 };
 pub use replay::{Replay, replay, replayed_system};
 

@@ -6,9 +6,9 @@ use motes_smc::{LogWeights, ParticleMemory, Past, Proposal, ProposalError, Resam
 use rand::RngExt;
 use rand_distr::StandardNormal;
 
-use crate::{ScalarGaussian, reference, score};
+use crate::{PARTICLES, RUNS, ScalarGaussian, reference, score};
 
-/// What is wrong with [`plain_filter_score`]'s filter.
+/// What is wrong with the filter of [`plain_filter_scores`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Bug {
     /// Nothing: the control.
@@ -24,9 +24,9 @@ pub enum Bug {
 }
 
 /// The scores of evidence and mean, as [`crate::evidence_scores`] has them, of a filter written as plainly as can be with a bug in it:
-/// the reference problem, 64 particles drawn from [`ScalarGaussian::wide`], 20,000 runs.
+/// the reference problem, particles drawn from [`ScalarGaussian::wide`].
 pub fn plain_filter_scores(bug: Bug, when: ResampleWhen) -> [f64; 2] {
-    let (reference, k) = (reference(), 64);
+    let (reference, k) = (reference(), PARTICLES);
     let (model, variance) = (&reference.model, ScalarGaussian::wide().variance);
     let run = |stream: &mut Stream| {
         let (mut states, mut increments) = (vec![0.0; k], vec![0.0; k]);
@@ -73,7 +73,7 @@ pub fn plain_filter_scores(bug: Bug, when: ResampleWhen) -> [f64; 2] {
         (ratio, ratio * mean)
     };
     let (ratios, products): (Vec<f64>, Vec<f64>) =
-        Seed::from_u64(24).streams(20_000).iter_mut().map(run).unzip();
+        Seed::from_u64(24).streams(RUNS).iter_mut().map(run).unzip();
     [score(&ratios, 1.0), score(&products, reference.last_mean)]
 }
 

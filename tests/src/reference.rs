@@ -13,6 +13,18 @@ use rand_distr::StandardNormal;
 pub const NEVER_HALF_ALWAYS: [ResampleWhen; 3] =
     [ResampleWhen::Never, ResampleWhen::EssBelow(0.5), ResampleWhen::Always];
 
+/// Runs of filters that a score is taken of.
+pub const RUNS: usize = 20_000;
+/// Particles of each of them.
+pub const PARTICLES: usize = 64;
+/// The score from which on a test refuses.
+pub const REFUSED: f64 = 4.0;
+
+/// What tests of evidence ask of the scores of evidence and mean.
+pub fn is_unbiased(scores: &[f64; 2]) -> bool {
+    scores.iter().all(|z| z.abs() < REFUSED)
+}
+
 /// One dimension, a = 0.9, q = r = 1, five measurements.
 ///
 /// No random draw decides how hard the problem is: each measurement lies one standard deviation of its prediction

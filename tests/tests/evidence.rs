@@ -7,12 +7,13 @@ use motes_proposals::{
 };
 use motes_smc::{Bootstrap, FilterSettings, MinDegeneracy, Proposal, ResampleWhen, Resampling};
 use motes_tests::{
-    NEVER_HALF_ALWAYS, Reference, ScalarGaussian, evidence_scores, reference, reference_with_gaps,
+    NEVER_HALF_ALWAYS, PARTICLES, RUNS, Reference, ScalarGaussian, evidence_scores, is_unbiased, reference,
+    reference_with_gaps,
 };
 use motes_train::{TrainConfig, train};
 
 fn settings(resample_when: ResampleWhen) -> FilterSettings {
-    FilterSettings { resample_when, ..FilterSettings::new(64) }
+    FilterSettings { resample_when, ..FilterSettings::new(PARTICLES) }
 }
 
 fn assert_unbiased<P: Proposal<LinearGaussian> + Clone>(name: &str, proposal: &P) {
@@ -36,9 +37,9 @@ fn assert_unbiased_with<P: Proposal<LinearGaussian> + Clone>(
     name: &str,
     proposal: &P,
 ) {
-    let (scores, when) = (evidence_scores(&reference(), proposal, settings, 20_000), settings.resample_when);
+    let (scores, when) = (evidence_scores(&reference(), proposal, settings, RUNS), settings.resample_when);
     println!("{name}, {when:?}: z = {scores:.2?}");
-    assert!(scores.iter().all(|z| z.abs() < 4.0), "{name}, {when:?}: z = {scores:?}");
+    assert!(is_unbiased(&scores), "{name}, {when:?}: z = {scores:?}");
 }
 
 #[test]
@@ -170,9 +171,9 @@ fn assert_trained_are_unbiased(rules: &[ResampleWhen]) {
 fn families_over_gaps() {
     fn check<P: Proposal<LinearGaussian> + Clone>(name: &str, proposal: &P) {
         let settings = settings(ResampleWhen::EssBelow(0.5));
-        let scores = evidence_scores(&reference_with_gaps(), proposal, settings, 20_000);
+        let scores = evidence_scores(&reference_with_gaps(), proposal, settings, RUNS);
         println!("{name} over gaps: z = {scores:.2?}");
-        assert!(scores.iter().all(|z| z.abs() < 4.0), "{name}: z = {scores:?}");
+        assert!(is_unbiased(&scores), "{name}: z = {scores:?}");
     }
     check("wide fcnn", &wide::<Fcnn>(&fcnn()));
     check("wide rnn", &wide::<Rnn>(&rnn(Cell::Lstm)));
@@ -254,8 +255,8 @@ fn a_transform_alone_estimates_the_evidence_of_states_inside_its_image() {
     assert!((log_evidence - reference.log_evidence).abs() < 1e-3, "{log_evidence}");
     (reference.log_evidence, reference.last_mean) = (log_evidence, last_mean);
     for when in NEVER_HALF_ALWAYS {
-        let scores = evidence_scores(&reference, &psi, settings(when), 20_000);
+        let scores = evidence_scores(&reference, &psi, settings(when), RUNS);
         println!("psi, {when:?}: z = {scores:.2?}");
-        assert!(scores.iter().all(|z| z.abs() < 4.0), "psi, {when:?}: z = {scores:?}");
+        assert!(is_unbiased(&scores), "psi, {when:?}: z = {scores:?}");
     }
 }

@@ -125,16 +125,31 @@ fn the_version_of_burn_is_stated_rightly() {
     assert!(text.contains(&stated), "Cargo.toml does not pin burn to {}", motes_proposals::BURN_VERSION);
 }
 
+/// What stands above the function of that name in a text, from the function before it on.
+fn above<'a>(text: &'a str, test: &str) -> Option<&'a str> {
+    let (before, _) = text.split_once(&format!("fn {test}("))?;
+    Some(before.rfind('}').map_or(before, |end| &before[end..]))
+}
+
 #[test]
 fn the_page_on_trust_names_tests_that_exist() {
     let page = std::fs::read_to_string(root().join("docs/trust.md")).unwrap();
-    let names: Vec<(&str, &str)> =
-        page.split('`').skip(1).step_by(2).filter_map(|code| code.split_once("::")).collect();
-    assert!(names.len() > 50, "the page names {} tests", names.len());
     let texts = texts(&["crates", "tests", "xtask"]);
-    for (file, test) in names.into_iter().filter(|(file, _)| *file != "file") {
-        let mut of_file = texts.iter().filter(|(path, _)| path.file_stem().is_some_and(|stem| stem == file));
-        let is_there = of_file.any(|(_, text)| text.contains(&format!("fn {test}(")));
-        assert!(is_there, "there is no test {file}::{test}");
+    let mut named = 0;
+    for line in page.lines() {
+        let names = line.split('`').skip(1).step_by(2).filter_map(|code| code.split_once("::"));
+        for (file, test) in names.filter(|(file, _)| *file != "file") {
+            let of_file = texts.iter().filter(|(path, _)| path.file_stem().is_some_and(|stem| stem == file));
+            let found =
+                of_file.filter_map(|(_, text)| above(text, test)).find(|above| above.contains("#[test]"));
+            let Some(above) = found else { panic!("there is no test {file}::{test}") };
+            // Tests that only the thorough run has are said to be.
+            assert!(!above.contains("#[ignore") || line.contains("thorough"), "{file}::{test}: {line}");
+            named += 1;
+        }
+        for link in line.split("](").skip(1).filter_map(|rest| rest.split_once(')')).map(|(link, _)| link) {
+            assert!(root().join("docs").join(link).exists(), "{link} is not there");
+        }
     }
+    assert!(named > 50, "the page names {named} tests");
 }

@@ -4,13 +4,12 @@ use motes_models::Seed;
 use motes_proposals::{Backend, Cell, Compute, Learnable, Precision, Rnn, RnnConfig};
 use motes_smc::{FilterSettings, ResampleWhen};
 use motes_tests::{
-    Bug, Forgetful, NEVER_HALF_ALWAYS, OFFSPRING_WEIGHTS, Offspring, Replay, ScalarGaussian, evidence_scores,
-    plain_filter_scores, reference, replay, replayed_system, small_rnn, systematic_with_a_fixed_offset,
+    Bug, Forgetful, NEVER_HALF_ALWAYS, OFFSPRING_WEIGHTS, Offspring, PARTICLES, REFUSED, RUNS,
+    ScalarGaussian, evidence_scores, is_unbiased, plain_filter_scores, reference, replay, replayed_system,
+    small_rnn, systematic_bounds, systematic_variance, systematic_with_a_fixed_offset,
 };
 
-/// The score from which on the tests themselves refuse.
-const REFUSED: f64 = 4.0;
-/// One beyond any doubt.
+/// A score beyond any doubt.
 const CAUGHT: f64 = 20.0;
 
 /// The larger of the two scores of each rule.
@@ -54,44 +53,40 @@ fn weights_that_are_kept_by_resampling() {
 #[test]
 fn a_density_off_by_a_tenth_in_variance() {
     for resample_when in NEVER_HALF_ALWAYS {
-        let settings = FilterSettings { resample_when, ..FilterSettings::new(64) };
-        let [z, _] = evidence_scores(&reference(), &ScalarGaussian::lying(), settings, 20_000);
-        println!("planted: variance off by 10%, {resample_when:?}: z = {z:.1}");
-        assert!(z.abs() > CAUGHT);
+        let settings = FilterSettings { resample_when, ..FilterSettings::new(PARTICLES) };
+        let scores = evidence_scores(&reference(), &ScalarGaussian::lying(), settings, RUNS);
+        println!("planted: variance off by 10%, {resample_when:?}: z = {scores:.1?}");
+        assert!(!is_unbiased(&scores) && scores[0].abs() > CAUGHT);
     }
 }
 
 #[test]
 fn systematic_resampling_with_a_fixed_offset() {
-    // What the test of resamplers asks of systematic counts.
-    let score = |count: usize, particle: usize| {
+    let refused = |count| {
         let offspring = Offspring::of(count, |_, ancestors| {
             systematic_with_a_fixed_offset(&OFFSPRING_WEIGHTS, ancestors);
         });
-        let expected = count as f64 * OFFSPRING_WEIGHTS[particle];
-        let rest = expected.fract();
-        offspring.score(particle, expected, rest * (1.0 - rest)).abs()
+        offspring.check(systematic_variance, systematic_bounds).unwrap_err()
     };
-    let largest = (0..5).map(|particle| score(8, particle)).fold(0.0, f64::max);
-    println!("planted: systematic with a fixed offset, 8 offspring: z = {largest:.1}");
-    assert!(largest > CAUGHT);
+    let (of_eight, of_ten) = (refused(8), refused(10));
+    println!("planted: systematic with a fixed offset: of 8 {of_eight}, of 10 {of_ten}");
 }
 
 #[test]
 fn memory_that_is_not_resampled() {
     let compute = Compute { backend: Backend::Native, precision: Precision::F64 };
     let rnn = Rnn::new(&small_rnn(Cell::Lstm), &replayed_system(), compute, &Seed::from_u64(111)).unwrap();
-    let Replay { memory, weights, .. } = replay(&Forgetful(rnn), |memory| &memory.0);
-    println!("planted: memory not resampled: memory off by {memory:.2}, weights by {weights:.2}");
-    assert!(memory > 1e-3 && weights > 1e-3, "the test allows 1e-12 and 1e-9");
+    let found = replay(&Forgetful(rnn), |memory| &memory.0, &[]);
+    println!("planted: memory not resampled: {found:.2?}");
+    assert!(!found.holds() && found.memory > 1e-3 && found.weights > 1e-3);
 
     // The evidence does not see it: any memory gives some proposal, weighed by its own density.
     let config = RnnConfig { hidden: 8, ..RnnConfig::paper() };
     let mut wide = Rnn::new(&config, &reference().model, compute, &Seed::from_u64(22)).unwrap();
     let mixing = wide.parameters().names().iter().position(|name| name == "covariance.mixing").unwrap();
     wide.parameters_mut().set_host(mixing, &[1.2]).unwrap();
-    let settings = FilterSettings { resample_when: ResampleWhen::Always, ..FilterSettings::new(64) };
-    let scores = evidence_scores(&reference(), &Forgetful(wide), settings, 20_000);
+    let settings = FilterSettings { resample_when: ResampleWhen::Always, ..FilterSettings::new(PARTICLES) };
+    let scores = evidence_scores(&reference(), &Forgetful(wide), settings, RUNS);
     println!("planted: memory not resampled: evidence z = {scores:.1?}");
-    assert!(scores.iter().all(|z| z.abs() < REFUSED));
+    assert!(is_unbiased(&scores));
 }

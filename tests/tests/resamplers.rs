@@ -2,22 +2,14 @@
 
 use motes_models::Seed;
 use motes_smc::Resampling;
-use motes_tests::{OFFSPRING_WEIGHTS as WEIGHTS, Offspring};
+use motes_tests::{OFFSPRING_WEIGHTS as WEIGHTS, Offspring, systematic_bounds, systematic_variance};
 
 /// Checks means, variances and bounds of the offspring counts against what the scheme promises.
 fn check(scheme: Resampling, variance_of: impl Fn(usize, usize) -> f64, bounds: impl Fn(f64) -> (f64, f64)) {
     for count in [8, 10] {
         let offspring = Offspring::of(count, |stream, ancestors| scheme.draw(&WEIGHTS, stream, ancestors));
-        for (particle, weight) in WEIGHTS.into_iter().enumerate() {
-            let (expected, promised) = (count as f64 * weight, variance_of(count, particle));
-            let z = offspring.score(particle, expected, promised);
-            assert!(z.abs() < 4.0, "{scheme:?}, {count}: particle {particle} has z = {z}");
-            let z = offspring.variance_score(particle, promised);
-            assert!(z.abs() < 5.0, "{scheme:?}, {count}: the variance of particle {particle} has z = {z}");
-            let (least, most) = bounds(expected);
-            let mut counts = offspring.counts(particle);
-            assert!(counts.all(|c| (least..=most).contains(&c)), "{scheme:?}, {count}, {expected}");
-        }
+        let checked = offspring.check(&variance_of, &bounds);
+        assert!(checked.is_ok(), "{scheme:?}, {count} offspring: {checked:?}");
     }
 }
 
@@ -47,13 +39,7 @@ fn multinomial_counts_are_binomial() {
 
 #[test]
 fn systematic_counts_are_floor_or_ceiling() {
-    let variance = |count: usize, particle: usize| {
-        let expected = count as f64 * WEIGHTS[particle];
-        let rest = expected - floor(expected);
-        rest * (1.0 - rest)
-    };
-    // On a boundary of the cumulative sum a rounding error of the weights may move one point.
-    check(Resampling::Systematic, variance, |expected| (floor(expected), ceil(expected + 2e-9)));
+    check(Resampling::Systematic, systematic_variance, systematic_bounds);
 }
 
 #[test]

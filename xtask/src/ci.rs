@@ -15,10 +15,7 @@ fn usual(root: &Path, update_expectations: bool) -> Result<(), ExitCode> {
         cargo(root, &lints, &[])
     })?;
     step("tests", || cargo(root, &["test", "--workspace", "--locked"], &[]))?;
-    // Which files a package has, and whether its description is whole; the thorough run builds from it.
-    step("packages", || {
-        cargo(root, &["package", "--workspace", "--locked", "--allow-dirty", "--no-verify"], &[])
-    })?;
+    step("packages", || package(root, &["--no-verify"]))?;
     step("docs", || cargo(root, &["doc", "--workspace", "--no-deps", "--locked"], &strict_docs))?;
     // The same packages, targets and profile as the tests: nothing is compiled a second time.
     step("regression run", || {

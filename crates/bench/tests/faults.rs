@@ -29,9 +29,9 @@ fn killed_a_hundred_times_at_random() {
     let start = Instant::now();
     assert!(place.run(&["tiny", "--out", "whole", "--jobs", "1"]).status.success());
     // So that all kills together leave something to do, as a rule.
-    let most = start.elapsed().mul_f64(1.5 / kills as f64).max(Duration::from_millis(20));
+    let mut most = start.elapsed().mul_f64(1.5 / kills as f64).max(Duration::from_millis(20));
     let mut stream = Seed::from_u64(140).stream();
-    let (mut killed, mut stored, mut midway, mut begun_anew) = (0, 0, 0, 0);
+    let (mut killed, mut stored, mut midway, mut idle, mut ended) = (0, 0, 0, 0, 0);
     while killed < kills {
         let mut run = place
             .reproduce(&["tiny", "--out", "killed", "--jobs", "2"])
@@ -41,8 +41,12 @@ fn killed_a_hundred_times_at_random() {
             .unwrap();
         std::thread::sleep(most.mul_f64(stream.random::<f64>()));
         if run.try_wait().unwrap().is_some() {
+            // It was faster than the kill, and is as good as any.
+            let output = run.wait_with_output().unwrap();
+            assert!(output.status.success(), "{}", stderr(&output));
+            assert_eq!(place.tables("killed"), place.tables("whole"));
             std::fs::remove_dir_all(place.path("killed")).unwrap();
-            (stored, begun_anew) = (0, begun_anew + 1);
+            (stored, ended) = (0, ended + 1);
             continue;
         }
         run.kill().unwrap();
@@ -50,13 +54,18 @@ fn killed_a_hundred_times_at_random() {
         assert!(!said.contains("damaged"), "a partial unit counted as done: {said}");
         let now = place.units("killed");
         assert!(now >= stored, "units were lost: {now} after {stored}");
+        // A machine that has become slower needs more time to get anywhere.
+        idle = if now == stored { idle + 1 } else { 0 };
+        if idle == 5 {
+            (idle, most) = (0, most.mul_f64(1.5));
+        }
         (killed, stored) = (killed + 1, now);
         midway += usize::from((1..MANY).contains(&now));
     }
     println!(
-        "{kills} kills, {midway} of them with some units stored and others not; begun anew {begun_anew} times"
+        "{kills} kills, {midway} of them with some units stored and others not; {ended} runs ended before"
     );
-    assert!(midway >= kills / 2);
+    assert!(midway >= 10);
     let output = place.run(&["tiny", "--out", "killed"]);
     assert!(output.status.success(), "{}", stderr(&output));
     assert_eq!(place.tables("killed"), place.tables("whole"));
@@ -87,21 +96,26 @@ fn a_file_that_cannot_grow_ends_the_run_and_harms_nothing() {
     assert_eq!(place.tables("full"), place.tables("whole"));
 }
 
-/// Whether this system lets an ordinary user mount a file system for himself.
-fn may_mount() -> bool {
-    let mut command = Command::new("unshare");
-    let mount = ["--user", "--map-root-user", "--mount", "sh", "-c", "mount -t tmpfs -o size=64k none /mnt"];
-    command.args(mount).output().is_ok_and(|output| output.status.success())
+/// `unshare` with what lets this user mount a file system for himself: nothing more for root, a user namespace for others.
+fn mounting() -> Option<Command> {
+    let unshare = |more: &[&str]| {
+        let mut command = Command::new("unshare");
+        command.args(more).args(["--mount", "sh", "-c"]);
+        command
+    };
+    [&[][..], &["--user", "--map-root-user"]].into_iter().find_map(|more| {
+        let tried = unshare(more).arg("mount -t tmpfs -o size=64k none /mnt").output();
+        tried.is_ok_and(|output| output.status.success()).then(|| unshare(more))
+    })
 }
 
 #[test]
 fn a_full_disk_ends_the_run_and_harms_nothing() {
-    if !may_mount() {
-        println!(
-            "skipped: no file system of its own may be mounted here; a_file_that_cannot_grow… stands for it"
-        );
+    let Some(mut command) = mounting() else {
+        // Where a user may mount nothing, a file that cannot grow stands for it.
+        println!("skipped: no file system can be mounted here");
         return;
-    }
+    };
     let place = Workplace::new(TINY);
     assert!(place.run(&["tiny", "--out", "whole"]).status.success());
     std::fs::create_dir(place.path("full")).unwrap();
@@ -112,9 +126,7 @@ fn a_full_disk_ends_the_run_and_harms_nothing() {
         mount -o remount,size=64m full
         \"$0\" reproduce tiny --out full 2>second; echo $? >>statuses
         cp -r full kept";
-    let mut command = Command::new("unshare");
-    command.args(["--user", "--map-root-user", "--mount", "sh", "-c", script]);
-    command.arg(env!("CARGO_BIN_EXE_motes-bench")).current_dir(place.folder.path());
+    command.args([script, env!("CARGO_BIN_EXE_motes-bench")]).current_dir(place.folder.path());
     let output = command.output().unwrap();
     assert!(output.status.success(), "{}", stderr(&output));
     let read = |name: &str| std::fs::read_to_string(place.path(name)).unwrap();

@@ -28,7 +28,7 @@ pub enum CovarianceFault {
     },
     /// Two mirrored entries differ.
     #[error(
-        "differs from its transpose by {difference:e} at row {row}, column {column}; it must be symmetric"
+        "differs from its transpose by {difference:.2e} at row {row}, column {column}; it must be symmetric"
     )]
     NotSymmetric {
         /// Row of the entry.
@@ -39,7 +39,7 @@ pub enum CovarianceFault {
         difference: f64,
     },
     /// The smallest eigenvalue is not positive.
-    #[error("has the smallest eigenvalue {smallest_eigenvalue:e}; it must be positive definite")]
+    #[error("has the smallest eigenvalue {smallest_eigenvalue:.2e}; it must be positive definite")]
     NotPositiveDefinite {
         /// The smallest eigenvalue.
         smallest_eigenvalue: f64,

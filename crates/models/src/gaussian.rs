@@ -267,9 +267,9 @@ mod tests {
         assert_eq!(error(Mat::zeros(2, 3)), "Σ is 2×3; it must be 2×2");
         assert_eq!(
             error(mat![[1.0, 0.5], [0.4, 1.0]]),
-            "Σ differs from its transpose by 9.999999999999998e-2 at row 1, column 0; it must be symmetric"
+            "Σ differs from its transpose by 1.00e-1 at row 1, column 0; it must be symmetric"
         );
-        assert!(error(mat![[1.0, 2.0], [2.0, 1.0]]).contains("smallest eigenvalue -1e0"));
+        assert!(error(mat![[1.0, 2.0], [2.0, 1.0]]).contains("smallest eigenvalue -1.00e0"));
         assert!(error(mat![[f64::NAN, 0.0], [0.0, 1.0]]).contains("NaN at row 0, column 0"));
     }
 }

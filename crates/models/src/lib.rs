@@ -48,7 +48,7 @@ pub use graph_diffusion::{Drift, GraphDiffusion, GraphDiffusionConfig};
 pub use linear_gaussian::LinearGaussian;
 pub use noise::Noise;
 pub use normals::{fill_standard_exponential, fill_standard_normal, fill_uniform};
-pub use sequence::{Measurements, PartialMeasurements, Sequence, check_entries};
+pub use sequence::{Measurements, PartialMeasurements, Sequence};
 pub use simulate::{Trajectory, simulate, simulate_within};
 pub use simulations::{Prediction, Simulations, Spread};
 pub use state_space::{AdditiveGaussian, PartialLikelihood, Simulator, StateGradients, StateSpaceModel};

@@ -177,7 +177,8 @@ impl PartialLikelihood for LinearGaussian {
         let noise = Gaussian::new(
             "the covariance of the measured entries",
             vec![0.0; there.len()],
-            Mat::from_fn(there.len(), there.len(), |i, j| r[(there[i].0, there[j].0)]),
+            // Mirrored, so that what rounding is beside large entries is not an asymmetry beside small ones.
+            Mat::from_fn(there.len(), there.len(), |i, j| r[(there[i.max(j)].0, there[i.min(j)].0)]),
         )?;
         for (state, out) in states.chunks_exact(self.state_dim()).zip(out) {
             *out = noise.log_density_of(|i| {

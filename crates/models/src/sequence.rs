@@ -113,9 +113,23 @@ impl PartialMeasurements {
             return Err(ModelError::RaggedSequence { values: values.len(), width });
         }
         for (row, values) in values.chunks_exact(width).enumerate() {
-            check_entries(row, values)?;
+            PartialMeasurements::check_row(row, values)?;
         }
         Ok(PartialMeasurements { width, values })
+    }
+
+    /// Refuses entries of row `row` of which one that is there is not finite.
+    ///
+    /// # Errors
+    /// [`ModelError::NotFinite`] with row and column.
+    pub fn check_row(row: usize, entries: &[Option<f64>]) -> Result<(), ModelError> {
+        let bad = |(column, entry): (usize, &Option<f64>)| {
+            Some((column, (*entry)?)).filter(|(_, value)| !value.is_finite())
+        };
+        match entries.iter().enumerate().find_map(bad) {
+            Some((column, value)) => Err(ModelError::NotFinite { row, column, value }),
+            None => Ok(()),
+        }
     }
 
     /// Entries in a row, `M`.
@@ -144,19 +158,6 @@ impl From<&Measurements> for PartialMeasurements {
     fn from(measurements: &Measurements) -> Self {
         let values = measurements.values().iter().copied().map(Some).collect();
         PartialMeasurements { width: measurements.width(), values }
-    }
-}
-
-/// Refuses a row of which an entry that is there is not finite.
-///
-/// # Errors
-/// [`ModelError::NotFinite`] with row and column.
-pub fn check_entries(row: usize, entries: &[Option<f64>]) -> Result<(), ModelError> {
-    match entries.iter().position(|entry| entry.is_some_and(|value| !value.is_finite())) {
-        Some(column) => {
-            Err(ModelError::NotFinite { row, column, value: entries[column].unwrap_or(f64::NAN) })
-        }
-        None => Ok(()),
     }
 }
 

@@ -172,6 +172,13 @@ fn assert_marginal(model: &impl PartialLikelihood, state: &[f64], measurement: &
 #[test]
 fn what_is_there_of_a_measurement_has_the_marginal_density() {
     assert_marginal(&dense(), &[0.3, -0.8], &[0.1, 0.9, -0.4], 12.0);
+    // Rounding beside a large entry would be an asymmetry beside the small ones alone.
+    let r = mat![[1e6, 0.0, 0.0], [0.0, 1e-3, 1e-8], [0.0, 0.0, 1e-3]];
+    let initial = Gaussian::new("P_0", vec![0.0], mat![[1.0]]).unwrap();
+    let model = LinearGaussian::new(initial, mat![[1.0]], mat![[1.0]], mat![[1.0], [1.0], [1.0]], r).unwrap();
+    let mut out = [0.0];
+    model.partial_log_likelihoods(0, &[0.1], &[None, Some(0.1), Some(0.12)], &mut out).unwrap();
+    assert!(out[0].is_finite());
     for noise in [Noise::Gaussian, Noise::Exponential, Noise::Uniform] {
         // σ is about 1.5.
         let state = [1.0, 0.5, 0.2, 0.8, 1.3, 0.9, 1.1];

@@ -55,6 +55,7 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
         filters: usize,
         seed: &Seed,
     ) -> Result<Self, FilterError> {
+        settings.check_bank(filters, model.state_dim())?;
         FilterBank::with_streams(model, proposal, settings, seed.streams(filters))
     }
 
@@ -68,28 +69,8 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
         settings: FilterSettings,
         streams: Vec<Stream>,
     ) -> Result<Self, FilterError> {
-        settings.check()?;
-        if streams.is_empty() {
-            return Err(FilterError::Setting {
-                name: "the number of filters in a bank",
-                value: "0".into(),
-                expected: "at least 1",
-            });
-        }
-        let filters = streams.len();
-        let n = model.state_dim();
-        let sizes =
-            filters.checked_mul(settings.particles).and_then(|rows| Some((rows, rows.checked_mul(n)?)));
-        let (rows, values) = match sizes {
-            Some((rows, values)) if values > 0 => (rows, values),
-            _ => {
-                return Err(FilterError::Setting {
-                    name: "the number of values in a bank, filters × particles × N",
-                    value: format!("{filters} × {} × {n}", settings.particles),
-                    expected: "at least 1 and a number that can be stored",
-                });
-            }
-        };
+        let (filters, n) = (streams.len(), model.state_dim());
+        let (rows, values) = settings.check_bank(filters, n)?;
         Ok(FilterBank {
             memory: proposal.initial_memory(rows),
             model,
@@ -131,7 +112,7 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
         self.streams.len()
     }
 
-    /// How many measurements have been taken in.
+    /// How many steps have been taken.
     pub fn time(&self) -> usize {
         self.time
     }

@@ -103,7 +103,7 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> ParticleFilter<D
         self.bank.log_evidence(0)
     }
 
-    /// How many measurements have been taken in.
+    /// How many steps have been taken.
     pub fn time(&self) -> usize {
         self.bank.time()
     }

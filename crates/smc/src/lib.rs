@@ -22,7 +22,9 @@ mod weights;
 mod workers;
 
 pub use bank::{FilterBank, FilterSettings};
-pub use diagnosis::{TAIL_INDEX_LIMIT, WeightDiagnosis, WeightReport, WeightWarning, tail_index};
+pub use diagnosis::{
+    LEAST_EFFECTIVE_PARTICLES, TAIL_INDEX_LIMIT, WeightDiagnosis, WeightReport, WeightWarning, tail_index,
+};
 pub use error::{ErrorKind, FilterError};
 pub use filter::ParticleFilter;
 pub use fixed_lag::FixedLagSmoother;

@@ -166,6 +166,11 @@ pub trait RowProposal<Model: ?Sized>: Sync {
         states: &mut [f64],
         increments: &mut [f64],
     );
+
+    /// Whether this is the model's own `p(x_t | x_{t−1})`.
+    fn is_transition(&self) -> bool {
+        false
+    }
 }
 
 /// `q(x_t | past)` of each of `R` particles.

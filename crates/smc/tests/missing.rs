@@ -94,6 +94,13 @@ fn whole_measurements_and_none_at_all_are_the_two_ends() {
         assert_eq!(partly.log_evidence(), plainly.log_evidence());
     }
     assert_eq!(partly.time(), 6);
+    let settings = FilterSettings { resample_when: ResampleWhen::Always, ..FilterSettings::new(50) };
+    let proposal = MinDegeneracy::new(&model).unwrap();
+    let mut bank =
+        FilterBank::with_streams(&model, proposal, settings, vec![Seed::from_u64(82).stream()]).unwrap();
+    let mut seen = 0;
+    bank.run_partial(&measurements(), |_| seen += 1).unwrap();
+    assert_eq!((bank.particles(0), seen), (partly.particles(), 6));
     // Nothing was measured at the last time: equal weights after resampling, and no evidence.
     assert!((partly.effective_sample_size() - 50.0).abs() < 1e-9);
 }

@@ -3,7 +3,7 @@
 mod epidemic;
 
 use super::plan::MOST_REPETITIONS;
-use super::{Axis, ConfigError, Experiment, Gradient, Method, System};
+use super::{Axis, ConfigError, Experiment, Gradient, Method, Profile, System};
 
 /// Checks every number that a run would use, for all profiles.
 pub(super) fn check(file: &str, experiment: &Experiment) -> Result<(), ConfigError> {
@@ -107,6 +107,7 @@ pub(super) fn check(file: &str, experiment: &Experiment) -> Result<(), ConfigErr
         checks.distinct(&key("x"), profile.x.iter().map(usize::to_string))?;
         for &x in &profile.x {
             checks.count(&key("x"), x)?;
+            checks.memory(&key("x"), x, experiment, profile)?;
             if let (Axis::Dimension, Some(system)) = (axis, system) {
                 checks.system_of(system, x, &key("x"))?;
             }
@@ -131,8 +132,10 @@ pub(super) fn check(file: &str, experiment: &Experiment) -> Result<(), ConfigErr
     Ok(())
 }
 
-/// Beyond what any machine can hold or do; smaller than what overflows.
+/// As many as can be counted one by one.
 const MOST: usize = 1_000_000_000;
+/// As many numbers as a machine may hold: 400 GB of them.
+const MOST_NUMBERS: u128 = 50_000_000_000;
 /// Numbers of coordinates of which matrices are made.
 const MOST_COORDINATES: usize = 65_536;
 
@@ -175,6 +178,31 @@ impl Checks<'_> {
     ) -> Result<(), ConfigError> {
         let expected = format!("it must be from {least} to {most}");
         self.that((least..=most).contains(&value), key, value, &expected)
+    }
+
+    /// What the filters of a unit hold at once, and what is recorded of them over time.
+    fn memory(
+        &self,
+        key: &str,
+        x: usize,
+        experiment: &Experiment,
+        profile: &Profile,
+    ) -> Result<(), ConfigError> {
+        let Some((dimension, horizon)) = experiment.sizes() else { return Ok(()) };
+        let of_panels = experiment.panels.iter().filter_map(|panel| panel.dimension).chain([dimension]);
+        let (mut n, mut t, mut k) =
+            (of_panels.max().unwrap_or(dimension), horizon, experiment.filter.particles);
+        match experiment.axis {
+            Axis::Particles => k = x,
+            Axis::Horizon => t = x,
+            Axis::Dimension => n = x,
+        }
+        let [n, t, k, runs, of_references] =
+            [n, t, k, profile.filter_runs, profile.reference_particles].map(|number| number as u128);
+        let numbers = n * (runs * (k + t) + of_references);
+        let expected =
+            format!("filter_runs·(K + T)·N and reference_particles·N must not exceed {MOST_NUMBERS} numbers");
+        self.that(numbers <= MOST_NUMBERS, key, x, &expected)
     }
 
     fn distinct(&self, key: &str, values: impl Iterator<Item = String>) -> Result<(), ConfigError> {

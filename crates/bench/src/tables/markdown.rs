@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use motes_smc::TAIL_INDEX_LIMIT;
+use motes_smc::{LEAST_EFFECTIVE_PARTICLES, TAIL_INDEX_LIMIT};
 
 use super::Row;
 use crate::config::Method;
@@ -20,9 +20,6 @@ const COLUMNS: [(&str, &str); 10] = [
     ("ess", "ESS"),
     ("tail_index", "tail index"),
 ];
-
-/// Fewer effective particles than this, and one has more than half of the weight.
-const LEAST_EFFECTIVE: f64 = 2.0;
 
 /// What the paper prints: by method and metric.
 pub(crate) type Printed = BTreeMap<Method, BTreeMap<String, f64>>;
@@ -105,8 +102,19 @@ fn warnings(axis: &str, rows: &[Row]) -> String {
         ),
         heavy.map(named).collect(),
     );
-    let few = of("ess", |size| size < LEAST_EFFECTIVE);
+    let few = of("ess", |size| size < LEAST_EFFECTIVE_PARTICLES);
     warn("one particle has more than half, on average".into(), few.map(named).collect());
+    let partly: Vec<String> = rows
+        .iter()
+        .filter(|row| row.metric == "tail_index" && row.n_ok < row.n)
+        .map(|row| {
+            format!("{} ({}, {axis} = {}: {}/{})", row.method.name(), row.panel, row.x, row.n_ok, row.n)
+        })
+        .collect();
+    if !partly.is_empty() {
+        // Units of before there was one, failed ones, and ones of too few weights.
+        text += &format!("\nTail indices of a part of the repetitions only: {}.\n", partly.join(", "));
+    }
     text
 }
 
@@ -167,6 +175,13 @@ mod tests {
             ]
         );
         assert!(!markdown("T", "K", &rows[..2], &Printed::new()).contains("not to be trusted"));
+        let partly = Row { n_ok: 1, ..rows[1].clone() };
+        let table = markdown("T", "K", &[rows[0].clone(), partly], &Printed::new());
+        assert!(
+            table.ends_with(
+                "\nTail indices of a part of the repetitions only: bootstrap (N10, K = 10: 1/2).\n"
+            )
+        );
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use std::ops::Deref;
 
 use motes_models::batch::Rows;
-use motes_models::{Measurements, ModelError, PartialLikelihood, StateSpaceModel, check_entries};
+use motes_models::{Measurements, ModelError, PartialLikelihood, PartialMeasurements, StateSpaceModel};
 
 use super::FilterBank;
 use crate::blocks::{Filters, Outcome, Step};
@@ -121,13 +121,11 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
 
     /// Resamples, draws and weighs every filter, if the proposal can be drawn from by rows.
     fn advance_by_rows(&mut self, measurement: &[f64]) -> Result<bool, FilterError> {
-        if self.defensive.is_some() {
-            return Ok(false);
-        }
         let model = &*self.model;
         let proposal = match self.proposal.by_rows(model, self.time, measurement) {
-            Ok(Some(proposal)) => proposal,
-            Ok(None) => return Ok(false),
+            // A mixture of the transition with itself is no other.
+            Ok(Some(proposal)) if self.defensive.is_none() || proposal.is_transition() => proposal,
+            Ok(_) => return Ok(false),
             Err(source) => return Err(FilterError::Proposal { step: self.time, source }),
         };
         std::mem::swap(&mut self.states, &mut self.previous);
@@ -254,16 +252,40 @@ impl<D: Deref<Target: PartialLikelihood>, P: Proposal<D::Target>> FilterBank<D, 
     /// transition, as a proposal knows whole measurements only, and weighed by the density of the entries that are there.
     ///
     /// # Errors
-    /// As [`FilterBank::step`], and [`FilterError::Model`] if that density cannot be had.
+    /// As [`FilterBank::step`], and [`FilterError::Model`] if that density cannot be had (nothing has changed then).
     pub fn step_partial(&mut self, measurement: &[Option<f64>]) -> Result<(), FilterError> {
         self.check_width(measurement.len())?;
-        check_entries(self.time, measurement)?;
+        PartialMeasurements::check_row(self.time, measurement)?;
+        // Of no particle: what is there of the measurement can be weighed, or nothing has changed.
+        self.model.partial_log_likelihoods(self.time, &[], measurement, &mut [])?;
         if let Some(whole) = measurement.iter().copied().collect::<Option<Vec<f64>>>() {
             return self.step(&whole);
         }
         self.attempt(|bank| {
             bank.propagate(|model, time, states, out| {
                 model.partial_log_likelihoods(time, states, measurement, out)
+            })
+        })
+    }
+
+    /// [`FilterBank::run`] over measurements with gaps. Times with gaps are worked on by one thread.
+    ///
+    /// # Errors
+    /// As [`FilterBank::step_partial`]; measurements after one that led to an error are not looked at.
+    pub fn run_partial(
+        &mut self,
+        measurements: &PartialMeasurements,
+        mut observe: impl FnMut(&Self) + Send,
+    ) -> Result<(), FilterError>
+    where
+        Self: Send,
+    {
+        let workers = self.workers.clone();
+        workers.together(|| {
+            measurements.rows().try_for_each(|measurement| {
+                self.step_partial(measurement)?;
+                observe(self);
+                Ok(())
             })
         })
     }

@@ -30,7 +30,29 @@ impl FilterSettings {
         }
     }
 
-    pub(super) fn check(&self) -> Result<(), FilterError> {
+    /// Checks the settings of `filters` filters of states of width `n`: how many particles they have together, and how many coordinates.
+    pub(super) fn check_bank(&self, filters: usize, n: usize) -> Result<(usize, usize), FilterError> {
+        self.check()?;
+        if filters == 0 {
+            return Err(FilterError::Setting {
+                name: "the number of filters in a bank",
+                value: "0".into(),
+                expected: "at least 1",
+            });
+        }
+        let rows = filters.checked_mul(self.particles);
+        let values = rows.and_then(|rows| rows.checked_mul(n)).filter(|values| *values > 0);
+        match rows.zip(values).filter(|(rows, values)| can_be_stored(*rows, *values)) {
+            Some(sizes) => Ok(sizes),
+            None => Err(FilterError::Setting {
+                name: "the number of values in a bank, filters × particles × N",
+                value: format!("{filters} × {} × {n}", self.particles),
+                expected: "at least 1 and as many as there is memory for",
+            }),
+        }
+    }
+
+    fn check(&self) -> Result<(), FilterError> {
         if self.particles == 0 {
             return Err(FilterError::Setting {
                 name: "the number of particles K",
@@ -47,4 +69,10 @@ impl FilterSettings {
             _ => self.resample_when.check(),
         }
     }
+}
+
+/// Whether there is memory for states now and before, and for the seven numbers that a bank keeps of each particle beside them.
+fn can_be_stored(rows: usize, values: usize) -> bool {
+    let numbers = values.checked_mul(2).zip(rows.checked_mul(7)).and_then(|(a, b)| a.checked_add(b));
+    numbers.is_some_and(|numbers| Vec::<f64>::new().try_reserve_exact(numbers).is_ok())
 }

@@ -3,5 +3,5 @@
 mod report;
 mod tail;
 
-pub use report::{WeightDiagnosis, WeightReport, WeightWarning};
+pub use report::{LEAST_EFFECTIVE_PARTICLES, WeightDiagnosis, WeightReport, WeightWarning};
 pub use tail::{TAIL_INDEX_LIMIT, tail_index};

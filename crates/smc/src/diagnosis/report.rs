@@ -4,8 +4,8 @@ use std::fmt;
 
 use super::TAIL_INDEX_LIMIT;
 
-/// Fewer effective particles than this, and one of them has more than half of the weight.
-const LEAST_EFFECTIVE: f64 = 2.0;
+/// Fewer effective particles than this, and one of them has more than half of the weight: `max W_k ≥ Σ W_k² = 1/K_eff`.
+pub const LEAST_EFFECTIVE_PARTICLES: f64 = 2.0;
 
 /// The weights of one step, as figures that tell whether they can be trusted.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -50,7 +50,6 @@ pub struct WeightReport {
     fitted: usize,
     sum_of_indices: f64,
     heaviest: Option<(usize, f64)>,
-    heavy: usize,
 }
 
 /// A reason not to trust the weights of a run.
@@ -63,14 +62,14 @@ pub enum WeightWarning {
         /// The worst of them.
         worst: WeightDiagnosis,
     },
-    /// Weights have a tail index above [`TAIL_INDEX_LIMIT`].
+    /// Weights have a tail index above [`TAIL_INDEX_LIMIT`] in the mean over steps; that of a single step of few particles says little.
     HeavyTail {
-        /// At how many steps.
-        steps: usize,
+        /// The mean.
+        mean: f64,
         /// The step of the largest.
         time: usize,
         /// The largest.
-        tail_index: f64,
+        largest: f64,
     },
 }
 
@@ -79,14 +78,13 @@ impl WeightReport {
     pub fn add(&mut self, step: &WeightDiagnosis) {
         self.steps += 1;
         self.sum_of_sizes += step.effective_sample_size;
-        self.few += usize::from(step.effective_sample_size < LEAST_EFFECTIVE.min(step.particles as f64));
+        self.few += usize::from(step.effective_sample_size < LEAST_EFFECTIVE_PARTICLES);
         if self.least.is_none_or(|least| step.effective_sample_size < least.effective_sample_size) {
             self.least = Some(*step);
         }
         if let Some(index) = step.tail_index {
             self.fitted += 1;
             self.sum_of_indices += index;
-            self.heavy += usize::from(index > TAIL_INDEX_LIMIT);
             if self.heaviest.is_none_or(|(_, largest)| index > largest) {
                 self.heaviest = Some((step.time, index));
             }
@@ -112,9 +110,9 @@ impl WeightReport {
     pub fn warnings(&self) -> impl Iterator<Item = WeightWarning> {
         let few = self.least.filter(|_| self.few > 0);
         let few = few.map(|worst| WeightWarning::FewParticles { steps: self.few, worst });
-        let heavy = self.heaviest.filter(|_| self.heavy > 0);
-        let heavy =
-            heavy.map(|(time, tail_index)| WeightWarning::HeavyTail { steps: self.heavy, time, tail_index });
+        let mean = self.tail_index().filter(|mean| *mean > TAIL_INDEX_LIMIT);
+        let heavy = mean.zip(self.heaviest);
+        let heavy = heavy.map(|(mean, (time, largest))| WeightWarning::HeavyTail { mean, time, largest });
         few.into_iter().chain(heavy)
     }
 }
@@ -141,10 +139,10 @@ impl fmt::Display for WeightWarning {
                 "at {steps} steps one particle has more than half of the weight ({:.1} effective ones of {} at step {})",
                 worst.effective_sample_size, worst.particles, worst.time
             ),
-            WeightWarning::HeavyTail { steps, time, tail_index } => write!(
+            WeightWarning::HeavyTail { mean, time, largest } => write!(
                 f,
-                "at {steps} steps the weights have a tail index above {TAIL_INDEX_LIMIT} ({tail_index:.2} at step {time}): averages by \
-                 them need far more particles; where the proposal is too narrow, a defensive weight bounds them"
+                "the weights have a tail index of {mean:.2}, above {TAIL_INDEX_LIMIT} (largest {largest:.2} at step {time}): averages by them \
+                 need far more particles; where the proposal is too narrow, a defensive weight bounds them"
             ),
         }
     }
@@ -167,18 +165,14 @@ mod tests {
         report.add(&step(0, 8.0, Some(0.3)));
         report.add(&step(1, 3.0, None));
         assert_eq!(report.to_string(), "2 steps, 5.5 effective particles, tail index 0.30");
-        report.add(&step(2, 1.5, Some(0.9)));
-        report.add(&step(3, 1.2, Some(0.8)));
+        report.add(&step(2, 1.5, Some(1.4)));
+        report.add(&step(3, 1.2, Some(0.9)));
         assert_eq!(
             report.to_string(),
-            "4 steps, 3.4 effective particles, tail index 0.67\n\
+            "4 steps, 3.4 effective particles, tail index 0.87\n\
              warning: at 2 steps one particle has more than half of the weight (1.2 effective ones of 10 at step 3)\n\
-             warning: at 2 steps the weights have a tail index above 0.7 (0.90 at step 2): averages by them need far more \
+             warning: the weights have a tail index of 0.87, above 0.7 (largest 1.40 at step 2): averages by them need far more \
              particles; where the proposal is too narrow, a defensive weight bounds them"
         );
-        // A single particle has all the weight, and no choice.
-        let mut alone = WeightReport::default();
-        alone.add(&WeightDiagnosis { particles: 1, ..step(0, 1.0, None) });
-        assert_eq!(alone.warnings().count(), 0);
     }
 }

@@ -1,7 +1,7 @@
 //! The tail index of importance weights.
 
 /// The tail index from which on averages by weights are not to be trusted: the number of particles that they need then grows beyond any
-/// use (Vehtari, Simpson, Gelman, Yao and Gabry 2024).
+/// use (Vehtari, Simpson, Gelman, Yao and Gabry 2024, whose limit of `S` weights is `min(1 − 1/log₁₀ S, 0.7)`).
 pub const TAIL_INDEX_LIMIT: f64 = 0.7;
 
 /// As few large weights as a distribution is fitted to.
@@ -14,7 +14,9 @@ const LEAST_TAIL: usize = 5;
 /// as those of likelihoods are, can have a large one too while few particles come near the bound, and averages are as poor then. Of `S` weights the largest `min(S/5, 3√S)` are taken. The estimate is Zhang's and
 /// Stephens's (2009), drawn towards ½ as by ten weights more, as in Pareto-smoothed importance sampling. Weights need not be normalised.
 ///
-/// `None` of fewer than 25 weights, and where fewer than five of the largest exceed the others: there is no tail to fit.
+/// Where weights are so far apart that all but a few of the largest vanish beside the first, Hill's estimate stands in, the mean of their
+/// logarithms above those of the others, which is large then. `None` of fewer than 25 weights, and where fewer than five of the largest exceed
+/// the others: there is no tail.
 ///
 /// ```
 /// use motes_smc::tail_index;
@@ -33,12 +35,18 @@ pub fn tail_index(log_weights: &[f64]) -> Option<f64> {
     let mut log = log_weights.to_vec();
     // The weight that the largest `count` are held against, and behind it these.
     let (_, &mut threshold, tail) = log.select_nth_unstable_by(log_weights.len() - count - 1, f64::total_cmp);
+    if tail.iter().filter(|log| **log > threshold).count() < LEAST_TAIL {
+        return None;
+    }
     let largest = tail.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let threshold = (threshold - largest).exp();
+    let beside_largest = |log: f64| (log - largest).exp();
     let mut exceedances: Vec<f64> =
-        tail.iter().map(|log| (log - largest).exp() - threshold).filter(|excess| *excess > 0.0).collect();
+        tail.iter().map(|log| beside_largest(*log) - beside_largest(threshold)).collect();
+    exceedances.retain(|excess| *excess > 0.0);
     exceedances.sort_unstable_by(f64::total_cmp);
-    if exceedances.len() < LEAST_TAIL { None } else { pareto_index(&exceedances) }
+    let fitted = if exceedances.len() < LEAST_TAIL { None } else { pareto_index(&exceedances) };
+    let hill = || tail.iter().map(|log| log - threshold).sum::<f64>() / count as f64;
+    fitted.or_else(|| Some(hill()).filter(|index| index.is_finite()))
 }
 
 /// The index of the generalised Pareto distribution of sorted, positive values.
@@ -104,8 +112,22 @@ mod tests {
         assert_eq!(tail_index(&weights[..24]), None);
         assert!(tail_index(&weights[..25]).is_some());
         let one: Vec<f64> = (0..100).map(|i| if i == 7 { 0.0 } else { -1e4 }).collect();
-        assert_eq!(tail_index(&one), None);
+        assert_eq!(tail_index(&one), None, "the others are equal");
+        assert_eq!(tail_index(&[3.0; 100]), None);
         assert_eq!(tail_index(&[f64::NEG_INFINITY; 100]), None);
         assert_eq!(tail_index(&[f64::NAN; 100]), None);
+    }
+
+    #[test]
+    fn weights_too_far_apart_for_floating_point_have_a_large_index() {
+        let mut normals = vec![0.0; 1000];
+        for seed in 0..50 {
+            fill_standard_normal(&mut Seed::from_u64(62).nth(seed).stream(), &mut normals);
+            for deviation in [30.0, 300.0, 1e3, 1e5] {
+                let weights: Vec<f64> = normals.iter().map(|z| deviation * z).collect();
+                let found = tail_index(&weights);
+                assert!(found.is_some_and(|index| index > 3.0), "{found:?} for the deviation {deviation}");
+            }
+        }
     }
 }

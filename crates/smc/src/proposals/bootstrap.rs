@@ -55,6 +55,10 @@ impl<M: StateSpaceModel + ?Sized> RowProposal<M> for Bootstrap {
             }
         }
     }
+
+    fn is_transition(&self) -> bool {
+        true
+    }
 }
 
 /// `p(x_t | x_{t−1})`, or `p(x_0)` where there is no past.
