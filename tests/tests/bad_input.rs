@@ -155,7 +155,8 @@ fn filters() {
     assert_lines!([
         ("no particle", bank(FilterSettings::new(0), 1)),
         ("more particles than can be stored", bank(FilterSettings::new(usize::MAX), 2)),
-        ("more particles than there is memory for", bank(FilterSettings::new(usize::MAX), 1)),
+        ("more particles than there are bytes", bank(FilterSettings::new(usize::MAX), 1)),
+        ("more particles than there is memory for", bank(FilterSettings::new(1 << 50), 1)),
         ("more filters than there is memory for", bank(settings, usize::MAX / 8)),
         ("no filter", bank(settings, 0)),
         ("no thread", refused(threads)),

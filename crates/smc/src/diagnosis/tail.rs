@@ -9,10 +9,13 @@ const LEAST_TAIL: usize = 5;
 
 /// The index `k̂` of the generalised Pareto distribution that fits the largest of the weights `exp(log_weights)` best.
 ///
-/// Weights whose tail has the index `k` have moments up to `1/k`: above ½ no variance, above 1 no mean. A proposal narrower than what it is to
-/// cover shows here, while an effective sample size may look well by chance. It is the index of the tail as far as it was seen: weights that are bounded,
-/// as those of likelihoods are, can have a large one too while few particles come near the bound, and averages are as poor then. Of `S` weights the largest `min(S/5, 3√S)` are taken. The estimate is Zhang's and
-/// Stephens's (2009), drawn towards ½ as by ten weights more, as in Pareto-smoothed importance sampling. Weights need not be normalised.
+/// Weights whose tail has the index `k` have moments up to `1/k`: above ½ no variance, above 1 no mean. A proposal narrower than what
+/// it is to cover shows here, while an effective sample size may look fine by chance. It is the index of the tail as far as it was
+/// seen: bounded weights, as those of likelihoods are, can have a large one too while few particles come near the bound, and averages
+/// are as poor then.
+///
+/// Of `S` weights the largest `min(S/5, 3√S)` are taken. The estimate is Zhang's and Stephens's (2009), drawn towards ½ as by ten
+/// weights more, as in Pareto-smoothed importance sampling. Weights need not be normalised.
 ///
 /// Where weights are so far apart that all but a few of the largest vanish beside the first, Hill's estimate stands in, the mean of their
 /// logarithms above those of the others, which is large then. `None` of fewer than 25 weights, and where fewer than five of the largest exceed
