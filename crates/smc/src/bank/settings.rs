@@ -82,3 +82,19 @@ fn can_be_stored(rows: usize, values: usize) -> bool {
         black_box(memory.try_reserve_exact(numbers)).is_ok() && black_box(memory).is_empty()
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn more_than_there_is_memory_for_is_refused() {
+        assert_eq!(FilterSettings::new(10).check_bank(3, 2), Ok((30, 60)));
+        let said = FilterSettings::new(1 << 50).check_bank(1, 1).unwrap_err().to_string();
+        assert_eq!(
+            said,
+            "the number of values in a bank, filters × particles × N is 1 × 1125899906842624 × 1; it must be at least 1 and as many as \
+             there is memory for"
+        );
+    }
+}
