@@ -6,6 +6,7 @@ mod offspring;
 mod planted;
 mod reference;
 mod replay;
+mod shifted;
 
 pub use differences::{central_differences, distance, norm, relative_distance};
 pub use families::{small_families, small_fcnn, small_gnn, small_psi, small_rnn, trained_family};
@@ -16,6 +17,7 @@ pub use reference::{
     reference, reference_with_gaps, score,
 };
 pub use replay::{Replay, replay, replayed_system};
+pub use shifted::Shifted;
 
 /// The README's code, compiled and run as a documentation test.
 #[doc = include_str!("../../README.md")]

@@ -5,13 +5,13 @@
 use faer::{Mat, mat};
 use motes_models::{
     Drift, Epidemic, EpidemicConfig, Gaussian, GraphDiffusion, GraphDiffusionConfig, LinearGaussian,
-    Measurements, Noise, PartialMeasurements, Seed, Sequence, StateSpaceModel, Stream,
+    Measurements, Noise, PartialMeasurements, Seed, Sequence,
 };
 use motes_proposals::{Backend, Cell, Fcnn, Gnn, Psi, Rnn};
 use motes_smc::{
     Bootstrap, FilterBank, FilterError, FilterSettings, MinDegeneracy, ParticleFilter, ResampleWhen,
 };
-use motes_tests::{reference, small_fcnn, small_gnn, small_psi, small_rnn};
+use motes_tests::{Shifted, reference, small_fcnn, small_gnn, small_psi, small_rnn};
 use motes_train::{AdamConfig, TrainConfig, train};
 
 /// Compares with the committed lines.
@@ -108,33 +108,6 @@ fn measurements() {
     ]);
 }
 
-/// The reference model with a likelihood of this, in logarithms, everywhere.
-struct Flat(LinearGaussian, f64);
-
-impl StateSpaceModel for Flat {
-    fn state_dim(&self) -> usize {
-        self.0.state_dim()
-    }
-    fn measurement_dim(&self) -> usize {
-        self.0.measurement_dim()
-    }
-    fn sample_initial(&self, stream: &mut Stream, state: &mut [f64]) {
-        self.0.sample_initial(stream, state);
-    }
-    fn sample_transition(&self, time: usize, previous: &[f64], stream: &mut Stream, state: &mut [f64]) {
-        self.0.sample_transition(time, previous, stream, state);
-    }
-    fn log_initial(&self, state: &[f64]) -> f64 {
-        self.0.log_initial(state)
-    }
-    fn log_transition(&self, time: usize, previous: &[f64], state: &[f64]) -> f64 {
-        self.0.log_transition(time, previous, state)
-    }
-    fn log_likelihood(&self, time: usize, _state: &[f64], _measurement: &[f64]) -> f64 {
-        if time == 0 { 0.0 } else { self.1 }
-    }
-}
-
 #[test]
 fn filters() {
     let model = reference().model;
@@ -142,8 +115,8 @@ fn filters() {
         refused(FilterBank::new(&model, Bootstrap, settings, filters, &Seed::from_u64(1)))
     };
     let settings = FilterSettings::new(4);
-    let fails = |log_likelihood: f64| -> FilterError {
-        let model = Flat(reference().model, log_likelihood);
+    let fails = |shift: f64| -> FilterError {
+        let model = Shifted { model: reference().model, shift, from: 1 };
         let mut filter =
             ParticleFilter::new(&model, Bootstrap, settings, Seed::from_u64(1).stream()).unwrap();
         filter.step(&[0.0]).unwrap();

@@ -4,45 +4,14 @@ use std::sync::Arc;
 
 use faer::Mat;
 use motes_models::{
-    GraphDiffusion, GraphDiffusionConfig, LinearGaussian, Measurements, Seed, StateSpaceModel, Stream,
-    SystemGraph, simulate,
+    GraphDiffusion, GraphDiffusionConfig, LinearGaussian, Measurements, Seed, StateSpaceModel, simulate,
 };
 use motes_proposals::{Adapter, Backend, Cell, Family, Fcnn, FcnnConfig, Gnn, Psi, Rnn};
 use motes_smc::{
     Bootstrap, ErrorKind, FilterBank, FilterError, FilterSettings, MinDegeneracy, ParticleFilter, Past,
     Proposal, ProposalError, ResampleWhen, Resampling,
 };
-use motes_tests::{reference, relative_distance, small_fcnn, small_gnn, small_psi, small_rnn};
-
-/// The reference model with a constant added to every log-likelihood.
-struct Shifted<M>(M, f64);
-
-impl<M: StateSpaceModel> StateSpaceModel for Shifted<M> {
-    fn state_dim(&self) -> usize {
-        self.0.state_dim()
-    }
-    fn measurement_dim(&self) -> usize {
-        self.0.measurement_dim()
-    }
-    fn sample_initial(&self, stream: &mut Stream, state: &mut [f64]) {
-        self.0.sample_initial(stream, state);
-    }
-    fn sample_transition(&self, time: usize, previous: &[f64], stream: &mut Stream, state: &mut [f64]) {
-        self.0.sample_transition(time, previous, stream, state);
-    }
-    fn log_initial(&self, state: &[f64]) -> f64 {
-        self.0.log_initial(state)
-    }
-    fn log_transition(&self, time: usize, previous: &[f64], state: &[f64]) -> f64 {
-        self.0.log_transition(time, previous, state)
-    }
-    fn log_likelihood(&self, time: usize, state: &[f64], measurement: &[f64]) -> f64 {
-        self.0.log_likelihood(time, state, measurement) + self.1
-    }
-    fn graph(&self) -> Option<SystemGraph> {
-        self.0.graph()
-    }
-}
+use motes_tests::{Shifted, reference, relative_distance, small_fcnn, small_gnn, small_psi, small_rnn};
 
 /// Filters the reference measurements with this constant in every log-likelihood: an evidence, all particles, all ancestors.
 fn shifted<M: StateSpaceModel + Clone, P: Proposal<Shifted<M>> + Clone>(
@@ -51,7 +20,7 @@ fn shifted<M: StateSpaceModel + Clone, P: Proposal<Shifted<M>> + Clone>(
     settings: FilterSettings,
     shift: f64,
 ) -> (f64, Vec<f64>, Vec<usize>) {
-    let model = Shifted(model.clone(), shift);
+    let model = Shifted { model: model.clone(), shift, from: 0 };
     let mut bank = FilterBank::new(&model, proposal.clone(), settings, 3, &Seed::from_u64(50)).unwrap();
     let (mut particles, mut ancestors) = (vec![], vec![]);
     for measurement in reference().measurements.rows() {
@@ -226,7 +195,7 @@ fn bad_input_is_refused_and_changes_nothing() {
 
 #[test]
 fn the_collapse_of_all_weights_is_reported_with_its_circumstances() {
-    let model = Shifted(reference().model, f64::NEG_INFINITY);
+    let model = Shifted { model: reference().model, shift: f64::NEG_INFINITY, from: 0 };
     let stream = Seed::from_u64(1).stream();
     let mut filter = ParticleFilter::new(&model, Bootstrap, FilterSettings::new(4), stream).unwrap();
     let error = filter.step(&[0.0]).unwrap_err();

@@ -112,7 +112,6 @@ pub(super) fn check(file: &str, experiment: &Experiment) -> Result<(), ConfigErr
                 checks.system_of(system, x, &key("x"))?;
             }
         }
-        checks.count(&key("repetitions"), profile.repetitions)?;
         checks.within(&key("repetitions"), profile.repetitions, 1, MOST_REPETITIONS)?;
         checks.count(&key("filter_runs"), profile.filter_runs)?;
         checks.count(&key("training_steps"), profile.training_steps)?;

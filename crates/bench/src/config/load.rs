@@ -30,6 +30,7 @@ pub(super) fn load(file: &Path) -> Result<Experiment, ConfigError> {
     toml::from_str(&text).map_err(|error| fail(explain(&text, &error)))
 }
 
+/// What the parser calls a value that a key takes, and what one who writes the file calls it.
 const TYPES: [(&str, &str); 5] = [
     ("expected usize", "expected a whole number of at least 0"),
     ("expected u32", "expected a whole number of at least 0"),
@@ -41,7 +42,6 @@ const TYPES: [(&str, &str); 5] = [
 /// A parser's error in one line: where, which key, and for an unknown one the nearest known.
 fn explain(text: &str, error: &toml::de::Error) -> String {
     let message = error.message().lines().collect::<Vec<_>>().join(" ");
-    // Types by names that are not those of a language.
     let message = TYPES.iter().fold(message, |message, (theirs, ours)| message.replace(theirs, ours));
     let place = error.span().map(|span| {
         let before = &text[..span.start.min(text.len())];

@@ -60,6 +60,19 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
     pub fn run(
         &mut self,
         measurements: &Measurements,
+        observe: impl FnMut(&Self) + Send,
+    ) -> Result<(), FilterError>
+    where
+        Self: Send,
+    {
+        self.over(measurements.rows(), Self::step, observe)
+    }
+
+    /// Takes a step with each row and shows the bank to `observe` after it, on threads that stay awake.
+    fn over<Row: Send>(
+        &mut self,
+        mut rows: impl Iterator<Item = Row> + Send,
+        mut step: impl FnMut(&mut Self, Row) -> Result<(), FilterError> + Send,
         mut observe: impl FnMut(&Self) + Send,
     ) -> Result<(), FilterError>
     where
@@ -67,8 +80,8 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
     {
         let workers = self.workers.clone();
         workers.together(|| {
-            measurements.rows().try_for_each(|measurement| {
-                self.step(measurement)?;
+            rows.try_for_each(|row| {
+                step(self, row)?;
                 observe(self);
                 Ok(())
             })
@@ -275,18 +288,11 @@ impl<D: Deref<Target: PartialLikelihood>, P: Proposal<D::Target>> FilterBank<D, 
     pub fn run_partial(
         &mut self,
         measurements: &PartialMeasurements,
-        mut observe: impl FnMut(&Self) + Send,
+        observe: impl FnMut(&Self) + Send,
     ) -> Result<(), FilterError>
     where
         Self: Send,
     {
-        let workers = self.workers.clone();
-        workers.together(|| {
-            measurements.rows().try_for_each(|measurement| {
-                self.step_partial(measurement)?;
-                observe(self);
-                Ok(())
-            })
-        })
+        self.over(measurements.rows(), Self::step_partial, observe)
     }
 }

@@ -1,0 +1,42 @@
+//! A model with a constant added to its log-likelihoods.
+
+use motes_models::{StateSpaceModel, Stream, SystemGraph};
+
+/// `log p(y_t|x_t) + shift` at times `t ≥ from`; in all else the model itself.
+#[derive(Debug, Clone)]
+pub struct Shifted<M> {
+    /// The model itself.
+    pub model: M,
+    /// What is added: a finite number changes no posterior, an infinite one or NaN leaves none.
+    pub shift: f64,
+    /// The first time at which it is.
+    pub from: usize,
+}
+
+impl<M: StateSpaceModel> StateSpaceModel for Shifted<M> {
+    fn state_dim(&self) -> usize {
+        self.model.state_dim()
+    }
+    fn measurement_dim(&self) -> usize {
+        self.model.measurement_dim()
+    }
+    fn sample_initial(&self, stream: &mut Stream, state: &mut [f64]) {
+        self.model.sample_initial(stream, state);
+    }
+    fn sample_transition(&self, time: usize, previous: &[f64], stream: &mut Stream, state: &mut [f64]) {
+        self.model.sample_transition(time, previous, stream, state);
+    }
+    fn log_initial(&self, state: &[f64]) -> f64 {
+        self.model.log_initial(state)
+    }
+    fn log_transition(&self, time: usize, previous: &[f64], state: &[f64]) -> f64 {
+        self.model.log_transition(time, previous, state)
+    }
+    fn log_likelihood(&self, time: usize, state: &[f64], measurement: &[f64]) -> f64 {
+        let log_likelihood = self.model.log_likelihood(time, state, measurement);
+        if time < self.from { log_likelihood } else { log_likelihood + self.shift }
+    }
+    fn graph(&self) -> Option<SystemGraph> {
+        self.model.graph()
+    }
+}
