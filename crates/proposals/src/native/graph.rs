@@ -140,7 +140,8 @@ pub(super) fn filter_backward<T: Real>(
             let values = &below[input.0].values;
             let mut d_beside = derivatives.buffers.take(inputs * count * outputs);
             let sizes = [inputs, rows, count * outputs];
-            transposed_times(&mut d_beside, Accum::Replace, values, &d_products, sizes);
+            let buffers = &mut *derivatives.buffers;
+            transposed_times(&mut d_beside, Accum::Replace, values, &d_products, sizes, buffers);
             let (place, accum) = gradients.place::<T>(taps);
             for (i, row) in d_beside.chunks_exact(count * outputs).enumerate() {
                 for (tap, from) in row.chunks_exact(outputs).enumerate() {

@@ -9,6 +9,7 @@ mod buffers;
 mod cells;
 mod graph;
 mod infer;
+mod large;
 mod outer;
 mod panels;
 mod products;

@@ -37,16 +37,17 @@ impl<T: Real> OuterProducts<'_, T> {
     /// Hands an affine map's sums over in one part.
     pub(super) fn whole(&self, buffers: &mut Buffers<T>, take: Take<'_, T>) {
         let mut product = buffers.take(self.shape.inputs * self.shape.outputs);
-        self.add_whole(&mut product, Accum::Replace);
+        self.add_whole(&mut product, Accum::Replace, buffers);
         take(0, &product);
         buffers.put(product);
     }
 
     /// Writes or adds an affine map's sums; nothing if they are no affine map's.
-    pub(super) fn add_whole(&self, out: &mut [T], accum: Accum) {
+    pub(super) fn add_whole(&self, out: &mut [T], accum: Accum, buffers: &mut Buffers<T>) {
         let Shape { inputs, outputs, .. } = self.shape;
         if let Some(Terms { inputs: rows, d_outputs, .. }) = self.affine() {
-            transposed_times(out, accum, rows, d_outputs, [inputs, rows.len() / inputs, outputs]);
+            let sizes = [inputs, rows.len() / inputs, outputs];
+            transposed_times(out, accum, rows, d_outputs, sizes, buffers);
         }
     }
 }
@@ -101,18 +102,18 @@ fn each_tile_by(
     let group = (GROUP / rows.max(1)).clamp(WIDEST, LONGEST) / WIDEST * WIDEST;
     let group = group.min(outputs.next_multiple_of(WIDEST));
     let mut panels = buffers.take(rows * group);
-    let mut columns = buffers.take(rows * TALLEST);
+    let mut in_tiles = buffers.take(rows * inputs);
     let mut tile = buffers.take(taps * TALLEST * (group + WIDEST));
     dispatch(EachTile {
         shape: sums.shape,
         terms: sums.terms,
         group,
         panels: &mut panels,
-        columns: &mut columns,
+        in_tiles: &mut in_tiles,
         tile: &mut tile,
         take,
     });
-    for buffer in [panels, columns, tile] {
+    for buffer in [panels, in_tiles, tile] {
         buffers.put(buffer);
     }
 }
@@ -130,8 +131,8 @@ struct EachTile<'a, 'b> {
     group: usize,
     /// Derivatives of outputs in panels of two vectors of columns, each with its rows one after another.
     panels: &'a mut [f32],
-    /// Some columns of the inputs, row by row.
-    columns: &'a mut [f32],
+    /// All inputs in tiles of columns, each with its rows one after another.
+    in_tiles: &'a mut [f32],
     /// Of each tap, the sums of some rows and columns.
     tile: &'a mut [f32],
     take: Take<'b, f32>,
@@ -142,10 +143,18 @@ impl WithSimd for EachTile<'_, '_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let EachTile { shape, terms, group, panels, columns, tile, take } = self;
+        let EachTile { shape, terms, group, panels, in_tiles, tile, take } = self;
         let Shape { inputs, outputs, taps } = shape;
         let width = 2 * S::F32_LANES;
         let tiles = Tiles::of::<S>(inputs);
+        let count: usize = terms.iter().map(|term| term.inputs.len() / inputs).sum();
+        let rows = terms.iter().flat_map(|term| term.inputs.chunks_exact(inputs));
+        for (number, row) in rows.enumerate() {
+            for (start, tall) in tiles.each() {
+                let at = start * count + number * tall;
+                in_tiles[at..at + tall].copy_from_slice(&row[start..start + tall]);
+            }
+        }
         let mut first = 0;
         while first < outputs {
             let some = group.min(outputs - first);
@@ -160,16 +169,12 @@ impl WithSimd for EachTile<'_, '_> {
                     place.copy_from_slice(&load_two::<S>(simd, &row[first + column..first + last]));
                 }
             }
-            let count = rows().count();
             for (start, tall) in tiles.each() {
-                let rows = terms.iter().flat_map(|term| term.inputs.chunks_exact(inputs));
-                for (place, row) in columns.chunks_exact_mut(tall).zip(rows) {
-                    place.copy_from_slice(&row[start..start + tall]);
-                }
+                let columns = &in_tiles[start * count..(start + tall) * count];
                 for (number, panel) in
                     panels.chunks_exact(count * width).take(some.div_ceil(width)).enumerate()
                 {
-                    let factors = Factors { terms, inputs, columns: &columns[..count * tall], panel };
+                    let factors = Factors { terms, inputs, columns, panel };
                     let into = SumsOfTaps { values: &mut tile[number * width..], stride, taps };
                     tile_of_panel::<S>(simd, tall, factors, into);
                 }

@@ -57,6 +57,11 @@ impl Tiles {
         Tiles { rows, count: rows.div_ceil((S::REGISTER_COUNT - 4) / 2) }
     }
 
+    #[inline(always)]
+    pub(super) fn count(self) -> usize {
+        self.count
+    }
+
     /// Where each tile begins, and how many rows it has.
     #[inline(always)]
     pub(super) fn each(self) -> impl Iterator<Item = (usize, usize)> {
@@ -134,7 +139,7 @@ impl WithSimd for Times<'_> {
 
 /// `sums (+)= a b` for a tile of `rows` rows: `a` column by column, `b` in a panel, in registers all along.
 #[inline(always)]
-fn tile<S: Simd>(simd: S, rows: usize, add: bool, sums: &mut [f32], a: &[f32], b: &[f32]) {
+pub(super) fn tile<S: Simd>(simd: S, rows: usize, add: bool, sums: &mut [f32], a: &[f32], b: &[f32]) {
     macro_rules! of_rows {
         ($($rows:literal)*) => {
             match rows {

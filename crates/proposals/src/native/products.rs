@@ -3,6 +3,7 @@
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};
 
+use super::large::{self, Factor};
 use super::outer::{self, OuterProducts, Take};
 use super::{Buffers, across, panels, skinny};
 use crate::values::Real;
@@ -26,6 +27,8 @@ const FEW: usize = 12;
 const MANY: usize = 256;
 /// A factor narrower than this is not large.
 const WIDE: usize = 64;
+/// Of so many numbers, 32 MB, no part of a matrix is still in a cache when it is needed again: blocks of it have to be.
+const LARGE: usize = 8 << 20;
 
 /// A product that is to be computed; the rows of `b` lie one after another.
 pub(crate) struct Product<'a, T> {
@@ -46,6 +49,9 @@ pub(crate) trait Products: Sized {
     /// `a bᵀ`.
     fn times_transposed(product: Product<'_, Self>, buffers: &mut Buffers<Self>);
 
+    /// `aᵀ b`, where the rows of `a` lie one after another too.
+    fn transposed_times(product: Product<'_, Self>, buffers: &mut Buffers<Self>);
+
     /// Sums of outer products, in parts.
     fn outer(sums: &OuterProducts<'_, Self>, buffers: &mut Buffers<Self>, take: Take<'_, Self>);
 }
@@ -59,6 +65,10 @@ impl Products for f64 {
         times_transposed_by_faer(product);
     }
 
+    fn transposed_times(product: Product<'_, f64>, _: &mut Buffers<f64>) {
+        transposed_times_by_faer(product);
+    }
+
     fn outer(sums: &OuterProducts<'_, f64>, buffers: &mut Buffers<f64>, take: Take<'_, f64>) {
         match sums.affine() {
             Some(_) => sums.whole(buffers, take),
@@ -69,8 +79,10 @@ impl Products for f64 {
 
 impl Products for f32 {
     fn times(product: Product<'_, f32>, buffers: &mut Buffers<f32>) {
-        let [rows, _, columns] = product.sizes;
-        if columns < WIDE || rows > MANY {
+        let [rows, inner, columns] = product.sizes;
+        if rows > MANY && inner * columns >= LARGE {
+            in_blocks(product, [false, false], buffers);
+        } else if columns < WIDE || rows > MANY {
             times_by_faer(product);
         } else if rows <= FEW {
             skinny::times(product);
@@ -81,12 +93,23 @@ impl Products for f32 {
 
     fn times_transposed(product: Product<'_, f32>, buffers: &mut Buffers<f32>) {
         let [rows, inner, columns] = product.sizes;
-        if inner < WIDE || columns < WIDE || rows > MANY {
+        if rows > MANY && inner * columns >= LARGE {
+            in_blocks(product, [false, true], buffers);
+        } else if inner < WIDE || columns < WIDE || rows > MANY {
             times_transposed_by_faer(product);
         } else if rows <= FEW {
             skinny::times_transposed(product);
         } else {
             across::times_transposed(product, buffers);
+        }
+    }
+
+    fn transposed_times(product: Product<'_, f32>, buffers: &mut Buffers<f32>) {
+        let [rows, inner, columns] = product.sizes;
+        if inner > MANY && rows * columns >= LARGE {
+            in_blocks(product, [true, false], buffers);
+        } else {
+            transposed_times_by_faer(product);
         }
     }
 
@@ -99,6 +122,14 @@ impl Products for f32 {
     }
 }
 
+/// The product of the factors, or of the transposes of what lies there.
+fn in_blocks(product: Product<'_, f32>, [of_a, of_b]: [bool; 2], buffers: &mut Buffers<f32>) {
+    let Product { out, accum, a, b, sizes } = product;
+    let stride = if of_b { sizes[1] } else { sizes[2] };
+    let a = Factor { values: a.values, stride: a.stride, transposed: of_a };
+    large::times(out, accum, [a, Factor { values: b, stride, transposed: of_b }], sizes, buffers);
+}
+
 fn times_by_faer<T: Real>(product: Product<'_, T>) {
     let [_, inner, columns] = product.sizes;
     let b = MatRef::from_row_major_slice(product.b, inner, columns);
@@ -109,6 +140,13 @@ fn times_transposed_by_faer<T: Real>(product: Product<'_, T>) {
     let [_, inner, columns] = product.sizes;
     let b = MatRef::from_row_major_slice(product.b, columns, inner).transpose();
     by_faer(product.out, product.accum, product.a, b, product.sizes[0]);
+}
+
+fn transposed_times_by_faer<T: Real>(product: Product<'_, T>) {
+    let Product { out, accum, a, b, sizes: [rows, inner, columns] } = product;
+    let a = MatRef::from_row_major_slice(a.values, inner, rows).transpose();
+    let b = MatRef::from_row_major_slice(b, inner, columns);
+    matmul(MatMut::from_row_major_slice_mut(out.values, rows, columns), accum, a, b, T::ONE, Par::Seq);
 }
 
 fn by_faer<T: Real>(out: ColumnsMut<'_, T>, accum: Accum, a: Columns<'_, T>, b: MatRef<'_, T>, rows: usize) {
@@ -155,11 +193,12 @@ pub(super) fn transposed_times<T: Real>(
     accum: Accum,
     a: &[T],
     b: &[T],
-    [rows, inner, columns]: [usize; 3],
+    sizes: [usize; 3],
+    buffers: &mut Buffers<T>,
 ) {
-    let a = MatRef::from_row_major_slice(a, inner, rows).transpose();
-    let b = MatRef::from_row_major_slice(b, inner, columns);
-    matmul(MatMut::from_row_major_slice_mut(out, rows, columns), accum, a, b, T::ONE, Par::Seq);
+    let [rows, _, columns] = sizes;
+    let (a, out) = (Columns { values: a, stride: rows }, ColumnsMut { values: out, stride: columns });
+    T::transposed_times(Product { out, accum, a, b, sizes }, buffers);
 }
 
 /// The transpose of `rows×columns`.

@@ -128,7 +128,7 @@ impl<T: Real> Pile<T> {
         let (place, accum) = gradients.place::<T>(index);
         let sums = OuterProducts { shape: self.shape, terms: &self.terms };
         if sums.affine().is_some() {
-            sums.add_whole(place, accum);
+            sums.add_whole(place, accum, buffers);
         } else {
             T::outer(&sums, buffers, &mut |at, values| {
                 let place = &mut place[at..at + values.len()];
