@@ -111,7 +111,7 @@ def build(problem, task):
     """A function that makes one pass of each filter and returns their log evidence."""
     count = task["particles"]
     draw_first, weigh_first, draw, weigh, known = functions(
-        problem, task["method"], task.get("weights", "densities")
+        problem, task["method"], task.get("weights", "closed-form")
     )
     scheme = RESAMPLING[task["resampling"], task.get("ancestors", "compiled")]
     chain = particle_filter.build_filter(

@@ -10,7 +10,7 @@ class Bank:
 
     def __init__(self, problem, task):
         self.problem, self.method = problem, task["method"]
-        self.by_prediction = task.get("weights", "densities") == "closed-form"
+        self.by_prediction = task.get("weights", "closed-form") == "closed-form"
         self.scheme = task["resampling"]
         self.filters, self.particles = task["filters"], task["particles"]
         self.generator = np.random.Generator(np.random.SFC64(task["seed"]))

@@ -101,7 +101,7 @@ def build(problem, task):
     global GENERATOR
     GENERATOR = np.random.Generator(np.random.SFC64(task["seed"]))
     np.random.seed(task["seed"])  # the library's resampling draws from here
-    formalism = FORMALISMS[task["method"], task.get("weights", "densities")]
+    formalism = FORMALISMS[task["method"], task.get("weights", "closed-form")]
     model, data = LinearGaussian(problem), list(problem.measurements)
 
     def once():

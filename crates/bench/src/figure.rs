@@ -9,7 +9,7 @@ use std::error::Error;
 use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
 use plotters::prelude::*;
 
-use crate::config::{Method, Plan};
+use crate::config::{Axis, Method, Plan};
 use crate::reproduce::axis_label;
 use crate::tables::Row;
 
@@ -34,6 +34,14 @@ const PANEL: (u32, u32) = (380, 260);
 const HEAD: u32 = 84;
 const FONT: &str = "sans-serif";
 const INK: RGBColor = RGBColor(40, 40, 40);
+
+/// What all charts of a figure have in common.
+struct Common<'a> {
+    axis: Axis,
+    methods: &'a [Method],
+    /// The most repetitions that any point has: those with fewer say how many.
+    repetitions: usize,
+}
 
 type Drawn = Result<(), Box<dyn Error>>;
 
@@ -61,13 +69,16 @@ pub(crate) fn figure(plan: &Plan, title: &str, rows: &[Row]) -> Result<String, B
         let root = SVGBackend::with_string(&mut svg, size).into_drawing_area();
         root.fill(&WHITE)?;
         let (head, body) = root.split_vertically(HEAD);
-        draw_head(&head, title, &methods)?;
+        let repetitions = rows.iter().map(|row| row.n_ok).max().unwrap_or(0);
+        let common = Common { axis: plan.experiment.axis, methods: &methods, repetitions };
+        let uneven = rows.iter().any(|row| (1..repetitions).contains(&row.n_ok));
+        draw_head(&head, title, &methods, uneven)?;
         let cells = body.split_evenly((metrics.len(), panels.len()));
         for (at, cell) in cells.iter().enumerate() {
             let (metric, panel) = (metrics[at / panels.len()], panels[at % panels.len()]);
             let of_metric: Vec<&Row> =
                 rows.iter().filter(|row| row.metric == metric.name && row.n_ok > 0).collect();
-            draw_cell(cell, plan, metric, panel, &methods, &of_metric)?;
+            draw_cell(cell, &common, metric, panel, &of_metric)?;
         }
         root.present()?;
     }
@@ -77,7 +88,7 @@ pub(crate) fn figure(plan: &Plan, title: &str, rows: &[Row]) -> Result<String, B
 type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
 
 /// Title and legend.
-fn draw_head(head: &Area<'_>, title: &str, methods: &[Method]) -> Drawn {
+fn draw_head(head: &Area<'_>, title: &str, methods: &[Method], uneven: bool) -> Drawn {
     head.draw(&Text::new(title.to_string(), (12, 10), (FONT, 17).into_font().color(&INK)))?;
     let mut x = 12;
     for &method in methods {
@@ -87,19 +98,17 @@ fn draw_head(head: &Area<'_>, title: &str, methods: &[Method]) -> Drawn {
         head.draw(&Text::new(method.name(), (x + 32, 39), (FONT, 14).into_font().color(&INK)))?;
         x += 52 + 8 * method.name().len() as i32;
     }
-    let note = "medians; bars span the middle half of the repetitions";
+    let note = match uneven {
+        true => {
+            "medians; bars span the middle half of the repetitions, fewer where n says so"
+        }
+        false => "medians; bars span the middle half of the repetitions",
+    };
     head.draw(&Text::new(note, (12, 62), (FONT, 13).into_font().color(&INK.mix(0.7))))?;
     Ok(())
 }
 
-fn draw_cell(
-    cell: &Area<'_>,
-    plan: &Plan,
-    metric: &Metric,
-    panel: &str,
-    methods: &[Method],
-    rows: &[&Row],
-) -> Drawn {
+fn draw_cell(cell: &Area<'_>, common: &Common<'_>, metric: &Metric, panel: &str, rows: &[&Row]) -> Drawn {
     let (low_x, high_x) = extent(rows.iter().map(|row| row.x as f64));
     let margin = 0.06 * (high_x - low_x).max(1.0);
     let x = low_x - margin..high_x + margin;
@@ -118,20 +127,18 @@ fn draw_cell(
             false => (low / 1.5, high * 1.5),
         };
         let y = (low..high).log_scale();
-        draw_chart(cell, plan, metric, panel, methods, &here, x, y)
+        draw_chart(cell, common, metric, panel, &here, x, y)
     } else {
         let (_, high) = extent(rows.iter().map(|row| row.quartiles.1));
-        draw_chart(cell, plan, metric, panel, methods, &here, x, 0.0..high * 1.05)
+        draw_chart(cell, common, metric, panel, &here, x, 0.0..high * 1.05)
     }
 }
 
-#[allow(clippy::too_many_arguments, reason = "all of it is one picture, and only the axis type differs")]
 fn draw_chart<Y>(
     cell: &Area<'_>,
-    plan: &Plan,
+    common: &Common<'_>,
     metric: &Metric,
     panel: &str,
-    methods: &[Method],
     rows: &[&Row],
     x: std::ops::Range<f64>,
     y: Y,
@@ -154,7 +161,7 @@ where
     let label = |y: &f64| if metric.logarithmic { format!("{y:.0e}") } else { format!("{y}") };
     chart
         .configure_mesh()
-        .x_desc(axis_label(plan.experiment.axis))
+        .x_desc(axis_label(common.axis))
         .x_labels(xs.len().clamp(2, 8))
         .y_labels(5)
         .x_label_formatter(&|x| format!("{x:.0}"))
@@ -164,10 +171,10 @@ where
         .axis_style(INK.mix(0.6))
         .label_style((FONT, 12).into_font().color(&INK))
         .draw()?;
-    for (at, &method) in methods.iter().enumerate() {
+    for (at, &method) in common.methods.iter().enumerate() {
         let colour = colour(method);
         // Bars of different methods stand beside each other.
-        let shift = spread * 0.008 * (at as f64 - 0.5 * (methods.len() as f64 - 1.0));
+        let shift = spread * 0.008 * (at as f64 - 0.5 * (common.methods.len() as f64 - 1.0));
         let mut points: Vec<(f64, &Row)> =
             rows.iter().filter(|row| row.method == method).map(|row| (row.x as f64 + shift, *row)).collect();
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -178,6 +185,11 @@ where
         let line = points.iter().map(|(x, row)| (*x, row.median));
         chart.draw_series(LineSeries::new(line.clone(), colour.stroke_width(2)))?;
         chart.draw_series(line.map(|point| marker(method, point)))?;
+        let fewer = points.iter().filter(|(_, row)| row.n_ok < common.repetitions);
+        chart.draw_series(fewer.map(|(x, row)| {
+            let count = Text::new(format!("n = {}", row.n_ok), (6, 4), (FONT, 11).into_font().color(&colour));
+            EmptyElement::at((*x, row.median)) + count
+        }))?;
     }
     Ok(())
 }

@@ -13,7 +13,7 @@ pub const UNIT_FORMAT: u32 = 5;
 const REFERENCE_RUNS: usize = 2;
 
 /// The version since which a method's configuration means what it means. Raised by hand, to one above [`UNIT_FORMAT`], whenever the same
-/// configuration gives other numbers than before, so that old units are never taken for new ones.
+/// configuration gives other numbers than before, so that old units are never taken for new ones; not for what no unit was ever stored of.
 fn format_of(method: Method) -> u32 {
     match method {
         Method::MinDegeneracy | Method::Bootstrap | Method::Fcnn | Method::Rnn | Method::Psi => 4,

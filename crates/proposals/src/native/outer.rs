@@ -107,6 +107,7 @@ fn each_tile_by(
     dispatch(EachTile {
         shape: sums.shape,
         terms: sums.terms,
+        rows,
         group,
         panels: &mut panels,
         in_tiles: &mut in_tiles,
@@ -127,6 +128,8 @@ const LONGEST: usize = 1024;
 struct EachTile<'a, 'b> {
     shape: Shape,
     terms: &'a [Terms<f32>],
+    /// Of all terms.
+    rows: usize,
     /// Columns at a time.
     group: usize,
     /// Derivatives of outputs in panels of two vectors of columns, each with its rows one after another.
@@ -143,11 +146,10 @@ impl WithSimd for EachTile<'_, '_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let EachTile { shape, terms, group, panels, in_tiles, tile, take } = self;
+        let EachTile { shape, terms, rows: count, group, panels, in_tiles, tile, take } = self;
         let Shape { inputs, outputs, taps } = shape;
         let width = 2 * S::F32_LANES;
         let tiles = Tiles::of::<S>(inputs);
-        let count: usize = terms.iter().map(|term| term.inputs.len() / inputs).sum();
         let rows = terms.iter().flat_map(|term| term.inputs.chunks_exact(inputs));
         for (number, row) in rows.enumerate() {
             for (start, tall) in tiles.each() {

@@ -4,11 +4,13 @@
 //! that matrix, narrow and short, is copied into the nearest cache and multiplied by all rows. Sums are kept panel by panel: the
 //! rows of a wide result lie so far apart that they would push each other out of that cache.
 
+use std::ops::Range;
+
 use faer::Accum;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::Buffers;
-use super::products::{Columns, Product};
+use super::products::{Columns, ColumnsMut, Factor, Product};
 use super::vectors::{load_two, store_two};
 
 /// Terms of the sums at a time: as many rows of weights as a processor reads ahead in.
@@ -72,14 +74,21 @@ impl Tiles {
         })
     }
 
-    /// Brings rows into tiles.
+    /// Brings rows of `inner` numbers into tiles, each with its columns one after another.
     #[inline(always)]
-    fn fill(self, a: Columns<'_, f32>, inner: usize, in_tiles: &mut [f32]) {
+    pub(super) fn fill(self, a: Factor<'_>, inner: usize, in_tiles: &mut [f32]) {
+        let Factor { lies: Columns { values, stride }, transposed } = a;
         for (start, rows) in self.each() {
             let tile = &mut in_tiles[start * inner..(start + rows) * inner];
+            if transposed {
+                for (column, from) in tile.chunks_exact_mut(rows).zip(values.chunks(stride)) {
+                    column.copy_from_slice(&from[start..start + rows]);
+                }
+                continue;
+            }
             for row in 0..rows {
-                let from = (start + row) * a.stride;
-                for (column, value) in tile.chunks_exact_mut(rows).zip(&a.values[from..from + inner]) {
+                let from = &values[(start + row) * stride..][..inner];
+                for (column, value) in tile.chunks_exact_mut(rows).zip(from) {
                     column[row] = *value;
                 }
             }
@@ -96,7 +105,7 @@ impl WithSimd for Times<'_> {
         let Product { out, accum, a, b, sizes: [rows, inner, columns] } = product;
         let width = 2 * S::F32_LANES;
         let tiles = Tiles::of::<S>(rows);
-        tiles.fill(a, inner, in_tiles);
+        tiles.fill(Factor { lies: a, transposed: false }, inner, in_tiles);
         if inner == 0 {
             // A sum of no terms is still a result.
             sums.fill(0.0);
@@ -121,18 +130,30 @@ impl WithSimd for Times<'_> {
             }
             first += terms;
         }
-        for (part, sums) in sums.chunks_exact(rows * width).take(columns.div_ceil(width)).enumerate() {
-            let column = part * width;
-            let some = width.min(columns - column);
-            for (row, sums) in sums.chunks_exact(width).enumerate() {
-                let at = row * out.stride + column;
-                let (into, mut sums) = (&mut out.values[at..at + some], load_two::<S>(simd, sums));
-                if accum == Accum::Add {
-                    let before = load_two::<S>(simd, into);
-                    sums = [simd.add_f32s(sums[0], before[0]), simd.add_f32s(sums[1], before[1])];
-                }
-                store_two::<S>(simd, into, sums);
+        write::<S>(simd, out, accum, rows, 0..columns, sums);
+    }
+}
+
+/// Writes or adds sums in panels, each with its rows one after another, to the columns `group` of `out`.
+#[inline(always)]
+pub(super) fn write<S: Simd>(
+    simd: S,
+    out: ColumnsMut<'_, f32>,
+    accum: Accum,
+    rows: usize,
+    group: Range<usize>,
+    sums: &[f32],
+) {
+    let width = 2 * S::F32_LANES;
+    for row in 0..rows {
+        let into = &mut out.values[row * out.stride..][group.clone()];
+        for (number, into) in into.chunks_mut(width).enumerate() {
+            let mut found = load_two::<S>(simd, &sums[(number * rows + row) * width..][..width]);
+            if accum == Accum::Add {
+                let before = load_two::<S>(simd, into);
+                found = [simd.add_f32s(found[0], before[0]), simd.add_f32s(found[1], before[1])];
             }
+            store_two::<S>(simd, into, found);
         }
     }
 }

@@ -3,9 +3,8 @@
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};
 
-use super::large::{self, Factor};
 use super::outer::{self, OuterProducts, Take};
-use super::{Buffers, across, panels, skinny};
+use super::{Buffers, across, large, panels, skinny};
 use crate::values::Real;
 
 /// A row-major matrix, or some of its columns: how far it is from one row to the next.
@@ -21,13 +20,20 @@ pub(crate) struct ColumnsMut<'a, T> {
     pub(crate) stride: usize,
 }
 
+/// A factor of a product, or the transpose of what lies there.
+#[derive(Clone, Copy)]
+pub(super) struct Factor<'a> {
+    pub(super) lies: Columns<'a, f32>,
+    pub(super) transposed: bool,
+}
+
 /// Up to so many rows, the large factor is best read where it lies, ...
 const FEW: usize = 12;
 /// ... up to so many in pieces, and from there on a copy of it in another order, as a general product makes it, costs little.
 const MANY: usize = 256;
 /// A factor narrower than this is not large.
 const WIDE: usize = 64;
-/// Of so many numbers, 32 MB, no part of a matrix is still in a cache when it is needed again: blocks of it have to be.
+/// A matrix of so many numbers, 32 MB, is too large for a core's own cache and a share of the last one.
 const LARGE: usize = 8 << 20;
 
 /// A product that is to be computed; the rows of `b` lie one after another.
@@ -115,7 +121,7 @@ impl Products for f32 {
 
     fn outer(sums: &OuterProducts<'_, f32>, buffers: &mut Buffers<f32>, take: Take<'_, f32>) {
         match sums.affine() {
-            // faer's product is as fast where sums are long, and a tile's rows would be used too seldom.
+            // A product at once is as fast where sums are long, and a tile's rows would be used too seldom.
             Some(term) if term.inputs.len() > MANY * sums.shape.inputs => sums.whole(buffers, take),
             _ => outer::each_tile(sums, buffers, take),
         }
@@ -125,34 +131,33 @@ impl Products for f32 {
 /// The product of the factors, or of the transposes of what lies there.
 fn in_blocks(product: Product<'_, f32>, [of_a, of_b]: [bool; 2], buffers: &mut Buffers<f32>) {
     let Product { out, accum, a, b, sizes } = product;
-    let stride = if of_b { sizes[1] } else { sizes[2] };
-    let a = Factor { values: a.values, stride: a.stride, transposed: of_a };
-    large::times(out, accum, [a, Factor { values: b, stride, transposed: of_b }], sizes, buffers);
+    let b = Columns { values: b, stride: if of_b { sizes[1] } else { sizes[2] } };
+    let factors = [Factor { lies: a, transposed: of_a }, Factor { lies: b, transposed: of_b }];
+    large::times(out, accum, factors, sizes, buffers);
 }
 
 fn times_by_faer<T: Real>(product: Product<'_, T>) {
-    let [_, inner, columns] = product.sizes;
-    let b = MatRef::from_row_major_slice(product.b, inner, columns);
-    by_faer(product.out, product.accum, product.a, b, product.sizes[0]);
+    let Product { out, accum, a, b, sizes: [rows, inner, columns] } = product;
+    by_faer(out, accum, matrix(a, rows, inner), MatRef::from_row_major_slice(b, inner, columns));
 }
 
 fn times_transposed_by_faer<T: Real>(product: Product<'_, T>) {
-    let [_, inner, columns] = product.sizes;
-    let b = MatRef::from_row_major_slice(product.b, columns, inner).transpose();
-    by_faer(product.out, product.accum, product.a, b, product.sizes[0]);
+    let Product { out, accum, a, b, sizes: [rows, inner, columns] } = product;
+    by_faer(out, accum, matrix(a, rows, inner), MatRef::from_row_major_slice(b, columns, inner).transpose());
 }
 
 fn transposed_times_by_faer<T: Real>(product: Product<'_, T>) {
     let Product { out, accum, a, b, sizes: [rows, inner, columns] } = product;
-    let a = MatRef::from_row_major_slice(a.values, inner, rows).transpose();
-    let b = MatRef::from_row_major_slice(b, inner, columns);
-    matmul(MatMut::from_row_major_slice_mut(out.values, rows, columns), accum, a, b, T::ONE, Par::Seq);
+    by_faer(out, accum, matrix(a, inner, rows).transpose(), MatRef::from_row_major_slice(b, inner, columns));
 }
 
-fn by_faer<T: Real>(out: ColumnsMut<'_, T>, accum: Accum, a: Columns<'_, T>, b: MatRef<'_, T>, rows: usize) {
-    let a = MatRef::from_row_major_slice_with_stride(a.values, rows, b.nrows(), a.stride);
+fn matrix<T>(of: Columns<'_, T>, rows: usize, columns: usize) -> MatRef<'_, T> {
+    MatRef::from_row_major_slice_with_stride(of.values, rows, columns, of.stride)
+}
+
+fn by_faer<T: Real>(out: ColumnsMut<'_, T>, accum: Accum, a: MatRef<'_, T>, b: MatRef<'_, T>) {
     // As the transpose of a column-major matrix: faer 0.24.4 takes the strides of the row-major one the wrong way round.
-    let out = MatMut::from_column_major_slice_with_stride_mut(out.values, b.ncols(), rows, out.stride);
+    let out = MatMut::from_column_major_slice_with_stride_mut(out.values, b.ncols(), a.nrows(), out.stride);
     matmul(out.transpose_mut(), accum, a, b, T::ONE, Par::Seq);
 }
 
@@ -285,6 +290,58 @@ mod tests {
                 });
             }
         }
+    }
+
+    /// What `way` makes of factors of these sizes, whose rows lie one after another.
+    fn made(way: Way, sizes: [usize; 3], [a_stride, b_numbers]: [usize; 2]) -> Vec<f32> {
+        let [rows, inner, columns] = sizes;
+        let (a, b) = (numbers(rows * inner, 0.7), numbers(b_numbers, 1.3));
+        let mut found = vec![0.0; rows * columns];
+        let out = ColumnsMut { values: &mut found, stride: columns };
+        let a = Columns { values: &a, stride: a_stride };
+        way(Product { out, accum: Accum::Replace, a, b: &b, sizes }, &mut Buffers::default());
+        found
+    }
+
+    type Way = fn(Product<'_, f32>, &mut Buffers<f32>);
+
+    const IN_BLOCKS: [Way; 3] = [
+        |product, buffers| in_blocks(product, [false, false], buffers),
+        |product, buffers| in_blocks(product, [false, true], buffers),
+        |product, buffers| in_blocks(product, [true, false], buffers),
+    ];
+
+    #[test]
+    fn panels_and_blocks_agree_to_the_last_bit() {
+        let sizes = [50, 200, 100];
+        let strides = [200, 200 * 100];
+        assert!(made(panels::times, sizes, strides) == made(IN_BLOCKS[0], sizes, strides));
+        assert!(made(across::times_transposed, sizes, strides) == made(IN_BLOCKS[1], sizes, strides));
+    }
+
+    /// Each kind of product where blocks begin, and with fewer rows or a smaller matrix. The last bits tell which way was taken.
+    #[test]
+    fn large_matrices_are_multiplied_in_blocks() {
+        let kinds: [Way; 3] = [f32::times, f32::times_transposed, f32::transposed_times];
+        let by_faer: [Way; 3] = [
+            |product, _| times_by_faer(product),
+            |product, _| times_transposed_by_faer(product),
+            |product, _| transposed_times_by_faer(product),
+        ];
+        // Of the gradient, the matrix is the product.
+        let at_least = [[257, 2048, 4096], [257, 2048, 4096], [2048, 257, 4096]];
+        for (kind, sizes) in at_least.into_iter().enumerate() {
+            let of = |way: Way, [rows, inner, columns]: [usize; 3]| {
+                made(way, [rows, inner, columns], [if kind == 2 { rows } else { inner }, inner * columns])
+            };
+            let blocks = of(IN_BLOCKS[kind], sizes);
+            assert!(of(kinds[kind], sizes) == blocks, "kind {kind}");
+            assert!(of(by_faer[kind], sizes) != blocks, "kind {kind}: the last bits tell nothing");
+            let smaller = [sizes[0], sizes[1], sizes[2] - 1];
+            assert!(of(kinds[kind], smaller) == of(by_faer[kind], smaller), "kind {kind}");
+        }
+        let fewer = [2048, 256, 4096];
+        assert!(made(kinds[2], fewer, [2048, 256 * 4096]) == made(by_faer[2], fewer, [2048, 256 * 4096]));
     }
 
     fn check(
