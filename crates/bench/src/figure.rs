@@ -99,9 +99,7 @@ fn draw_head(head: &Area<'_>, title: &str, methods: &[Method], uneven: bool) -> 
         x += 52 + 8 * method.name().len() as i32;
     }
     let note = match uneven {
-        true => {
-            "medians; bars span the middle half of the repetitions, fewer where n says so"
-        }
+        true => "medians; bars span the middle half of the repetitions, fewer where n says so",
         false => "medians; bars span the middle half of the repetitions",
     };
     head.draw(&Text::new(note, (12, 62), (FONT, 13).into_font().color(&INK.mix(0.7))))?;
