@@ -292,34 +292,34 @@ mod tests {
         }
     }
 
-    /// What `way` makes of factors of these sizes, whose rows lie one after another.
-    fn made(way: Way, sizes: [usize; 3], [a_stride, b_numbers]: [usize; 2]) -> Vec<f32> {
-        let [rows, inner, columns] = sizes;
-        let (a, b) = (numbers(rows * inner, 0.7), numbers(b_numbers, 1.3));
-        let mut found = vec![0.0; rows * columns];
-        let out = ColumnsMut { values: &mut found, stride: columns };
-        let a = Columns { values: &a, stride: a_stride };
-        way(Product { out, accum: Accum::Replace, a, b: &b, sizes }, &mut Buffers::default());
-        found
-    }
-
     type Way = fn(Product<'_, f32>, &mut Buffers<f32>);
 
+    /// `a b`, `a bᵀ` and `aᵀ b`.
     const IN_BLOCKS: [Way; 3] = [
         |product, buffers| in_blocks(product, [false, false], buffers),
         |product, buffers| in_blocks(product, [false, true], buffers),
         |product, buffers| in_blocks(product, [true, false], buffers),
     ];
 
-    #[test]
-    fn panels_and_blocks_agree_to_the_last_bit() {
-        let sizes = [50, 200, 100];
-        let strides = [200, 200 * 100];
-        assert!(made(panels::times, sizes, strides) == made(IN_BLOCKS[0], sizes, strides));
-        assert!(made(across::times_transposed, sizes, strides) == made(IN_BLOCKS[1], sizes, strides));
+    /// What `way` makes of the first numbers of `a` and `b`.
+    fn made(way: Way, sizes: [usize; 3], a: Columns<'_, f32>, b: &[f32]) -> Vec<f32> {
+        let [rows, inner, columns] = sizes;
+        let mut found = vec![0.0; rows * columns];
+        let out = ColumnsMut { values: &mut found, stride: columns };
+        let b = &b[..inner * columns];
+        way(Product { out, accum: Accum::Replace, a, b, sizes }, &mut Buffers::default());
+        found
     }
 
-    /// Each kind of product where blocks begin, and with fewer rows or a smaller matrix. The last bits tell which way was taken.
+    #[test]
+    fn panels_and_blocks_agree_to_the_last_bit() {
+        let (sizes, a, b) = ([50, 200, 100], numbers(50 * 200, 0.7), numbers(200 * 100, 1.3));
+        let a = Columns { values: &a, stride: 200 };
+        assert!(made(panels::times, sizes, a, &b) == made(IN_BLOCKS[0], sizes, a, &b));
+        assert!(made(across::times_transposed, sizes, a, &b) == made(IN_BLOCKS[1], sizes, a, &b));
+    }
+
+    /// Each kind of product where blocks begin, and of a smaller matrix. The last bits tell which way was taken.
     #[test]
     fn large_matrices_are_multiplied_in_blocks() {
         let kinds: [Way; 3] = [f32::times, f32::times_transposed, f32::transposed_times];
@@ -328,20 +328,19 @@ mod tests {
             |product, _| times_transposed_by_faer(product),
             |product, _| transposed_times_by_faer(product),
         ];
-        // Of the gradient, the matrix is the product.
-        let at_least = [[257, 2048, 4096], [257, 2048, 4096], [2048, 257, 4096]];
-        for (kind, sizes) in at_least.into_iter().enumerate() {
-            let of = |way: Way, [rows, inner, columns]: [usize; 3]| {
-                made(way, [rows, inner, columns], [if kind == 2 { rows } else { inner }, inner * columns])
-            };
-            let blocks = of(IN_BLOCKS[kind], sizes);
-            assert!(of(kinds[kind], sizes) == blocks, "kind {kind}");
-            assert!(of(by_faer[kind], sizes) != blocks, "kind {kind}: the last bits tell nothing");
-            let smaller = [sizes[0], sizes[1], sizes[2] - 1];
-            assert!(of(kinds[kind], smaller) == of(by_faer[kind], smaller), "kind {kind}");
+        // Of the gradient, the matrix is the product; its sums must be longer for their last bits to differ.
+        let least = [[257, 2048, 4096], [257, 2048, 4096], [2048, 600, 4096]];
+        for (kind, sizes) in least.into_iter().enumerate() {
+            let [rows, inner, columns] = sizes;
+            let (a, b) = (numbers(rows * inner, 0.7), numbers(inner * columns, 1.3));
+            let a = Columns { values: &a, stride: if kind == 2 { rows } else { inner } };
+            let found = made(kinds[kind], sizes, a, &b);
+            assert!(found == made(IN_BLOCKS[kind], sizes, a, &b), "kind {kind}");
+            assert!(found != made(by_faer[kind], sizes, a, &b), "kind {kind}: the last bits tell nothing");
+            let smaller = [rows, inner, columns - 1];
+            let found = made(kinds[kind], smaller, a, &b);
+            assert!(found == made(by_faer[kind], smaller, a, &b), "kind {kind}");
         }
-        let fewer = [2048, 256, 4096];
-        assert!(made(kinds[2], fewer, [2048, 256 * 4096]) == made(by_faer[2], fewer, [2048, 256 * 4096]));
     }
 
     fn check(
