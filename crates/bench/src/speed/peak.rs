@@ -1,13 +1,21 @@
-//! What the machine can do at most: the fastest large product of f32 matrices.
+//! What the machine can do at most: the fastest large product of f32 matrices, and the fastest way through memory.
 
 use std::time::Instant;
 
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par};
 
-/// Floating-point operations a second.
+/// On one thread, and on two together.
 #[derive(Debug, Clone, Copy, serde::Serialize)]
 pub(super) struct Peak {
+    /// Floating-point operations a second of the product.
+    pub(super) product: Rates,
+    /// Bytes a second, read and written, of adding a long vector to another.
+    pub(super) memory: Rates,
+}
+
+#[derive(Debug, Clone, Copy, serde::Serialize)]
+pub(super) struct Rates {
     /// On one thread while nothing else of ours runs.
     pub(super) one_thread: f64,
     /// On each of two at once, added up.
@@ -16,17 +24,24 @@ pub(super) struct Peak {
 
 const WIDTH: usize = 1024;
 
-/// The best of several products on one thread and on two.
+/// Numbers of a vector that no cache holds: 128 MB.
+const LONG: usize = 1 << 25;
+
+/// The best of several products and sums, on one thread and on two.
 pub(super) fn measure() -> Peak {
-    let two = std::thread::scope(|scope| {
+    Peak { product: rates(product), memory: rates(memory) }
+}
+
+fn rates(best: fn() -> f64) -> Rates {
+    let two_threads = std::thread::scope(|scope| {
         let other = scope.spawn(best);
         let mine = best();
         mine + other.join().unwrap_or(0.0)
     });
-    Peak { one_thread: best(), two_threads: two }
+    Rates { one_thread: best(), two_threads }
 }
 
-fn best() -> f64 {
+fn product() -> f64 {
     let a = Mat::<f32>::from_fn(WIDTH, WIDTH, |i, j| ((i * 7 + j * 3) % 11) as f32 * 0.1);
     let mut product = Mat::<f32>::zeros(WIDTH, WIDTH);
     let operations = 2.0 * (WIDTH as f64).powi(3);
@@ -34,6 +49,20 @@ fn best() -> f64 {
         let start = Instant::now();
         matmul(&mut product, Accum::Replace, &a, &a, 1.0, Par::Seq);
         operations / start.elapsed().as_secs_f64()
+    };
+    (0..20).map(rate).fold(0.0, f64::max)
+}
+
+fn memory() -> f64 {
+    let (mut sums, terms) = (vec![0.5_f32; LONG], vec![0.25_f32; LONG]);
+    let bytes = (3 * LONG * size_of::<f32>()) as f64;
+    let rate = |_| {
+        let start = Instant::now();
+        for (sum, term) in sums.iter_mut().zip(&terms) {
+            *sum += term;
+        }
+        std::hint::black_box(&mut sums);
+        bytes / start.elapsed().as_secs_f64()
     };
     (0..20).map(rate).fold(0.0, f64::max)
 }

@@ -17,7 +17,7 @@ pub(super) struct Report {
     rounds: u64,
     cores: usize,
     processor: String,
-    /// Operations a second of the largest product.
+    /// What the machine can do at most.
     peak: Peak,
     work: Vec<Line>,
 }
@@ -78,12 +78,15 @@ impl Report {
         let giga = |rate: f64| rate / 1e9;
         let _ = writeln!(
             text,
-            "{} ({} cores), medians of {} rounds in turns. Largest f32 matrix product: {:.0} GFLOP/s on one thread, {:.0} on two.\n",
+            "{} ({} cores), medians of {} rounds in turns. Largest f32 matrix product: {:.0} GFLOP/s on one thread, {:.0} on two; \
+             memory: {:.0} GB/s and {:.0}.\n",
             self.processor,
             self.cores,
             self.rounds,
-            giga(self.peak.one_thread),
-            giga(self.peak.two_threads)
+            giga(self.peak.product.one_thread),
+            giga(self.peak.product.two_threads),
+            giga(self.peak.memory.one_thread),
+            giga(self.peak.memory.two_threads)
         );
         self.filters(&mut text);
         self.training(&mut text);
@@ -116,7 +119,7 @@ impl Report {
                 let (step, processes) =
                     (median(&line.ours.seconds) / steps as f64, line.ours.processes as f64);
                 let trainings = 3600.0 / (step * TRAINING) * processes;
-                let of_peak = operations / step * processes / self.peak.two_threads;
+                let of_peak = operations / step * processes / self.peak.product.two_threads;
                 let of_peak =
                     if operations > 0.0 { format!("{:.0} %", 100.0 * of_peak) } else { "–".into() };
                 let name = line.name.trim_start_matches("train ");

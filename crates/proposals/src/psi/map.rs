@@ -5,7 +5,7 @@ use std::f64::consts::LN_2;
 use motes_models::elementary::{exp, ln};
 use motes_smc::Past;
 
-use crate::lanes::{LANES, Lane, add_times, vectorised};
+use crate::lanes::{LANES, Lane, add_times, set_times, vectorised};
 
 /// The inverse and the logarithm of the absolute determinant, by elimination with row pivots.
 fn invert(width: usize, matrix: &[f64]) -> (Vec<f64>, f64) {
@@ -141,10 +141,9 @@ impl Map {
                     for ((matrix, bias), kept) in self.layers.iter().zip(kept.chunks_exact_mut(n)) {
                         match place {
                             Some(_) => bound_with_slope(&values, kept, &mut log),
-                            None => bound(&values, kept),
+                            None => bound(&values, kept, |_, _| ()),
                         }
-                        values.iter_mut().zip(bias).for_each(|(value, bias)| *value = Lane([*bias; LANES]));
-                        add_times(&mut values, kept, matrix);
+                        set_times(&mut values, bias, kept, matrix);
                     }
                     values.iter().enumerate().for_each(|(j, value)| value.scatter(states, n, j));
                     if let Some(place) = place {
@@ -160,22 +159,36 @@ impl Map {
 /// So many factors of at most 2 have a product that is far from overflow.
 const FACTORS: usize = 256;
 
-/// `tanh a`, and `e^{−2|a|}` on the way to it.
+/// Numbers whose tanh is taken at once: too many for a compiler to write a loop over them out, before it looks for vectors in it.
+const AT_ONCE: usize = 2 * LANES;
+
+/// Makes numbers their tanh, and returns `e^{−2|a|}`, which it takes on the way.
 #[inline(always)]
-fn tanh(a: f64) -> (f64, f64) {
-    let e = exp(-2.0 * a.abs());
-    let tanh = ((1.0 - e) / (1.0 + e)).copysign(a);
-    // The exponential of NaN is none.
-    (if a.is_nan() { a } else { tanh }, e)
+fn tanh(a: &mut [f64; AT_ONCE]) -> [f64; AT_ONCE] {
+    const SIGN: u64 = 1 << 63;
+    let mut e = [0.0; AT_ONCE];
+    for i in 0..AT_ONCE {
+        e[i] = exp(-2.0 * a[i].abs());
+        let size = (1.0 - e[i]) / (1.0 + e[i]);
+        let tanh = f64::from_bits(size.to_bits() | (a[i].to_bits() & SIGN));
+        // The exponential of NaN is none.
+        a[i] = if a[i].is_nan() { a[i] } else { tanh };
+    }
+    e
 }
 
-/// `tanh a` of each.
+/// `tanh a` of each; `see` gets each pair with its `a` and `e^{−2|a|}`.
 #[inline(always)]
-fn bound(values: &[Lane], bounded: &mut [Lane]) {
-    for (value, bounded) in values.iter().zip(bounded) {
-        for lane in 0..LANES {
-            bounded.0[lane] = tanh(value.0[lane]).0;
-        }
+fn bound(values: &[Lane], bounded: &mut [Lane], mut see: impl FnMut(&Lane, &Lane)) {
+    for (values, bounded) in values.chunks(2).zip(bounded.chunks_mut(2)) {
+        let mut a = [0.0; AT_ONCE];
+        let (lanes, _) = a.as_chunks_mut::<LANES>();
+        lanes.iter_mut().zip(values).for_each(|(lane, value)| *lane = value.0);
+        let e = tanh(&mut a);
+        let (lanes, _) = a.as_chunks::<LANES>();
+        bounded.iter_mut().zip(lanes).for_each(|(bounded, lane)| bounded.0 = *lane);
+        let (e, _) = e.as_chunks::<LANES>();
+        values.iter().zip(e).for_each(|(value, e)| see(value, &Lane(*e)));
     }
 }
 
@@ -184,14 +197,17 @@ fn bound(values: &[Lane], bounded: &mut [Lane]) {
 fn bound_with_slope(values: &[Lane], bounded: &mut [Lane], log: &mut Lane) {
     for (values, bounded) in values.chunks(FACTORS).zip(bounded.chunks_mut(FACTORS)) {
         let (mut sizes, mut product) = (Lane::default(), Lane([1.0; LANES]));
-        for (value, bounded) in values.iter().zip(bounded) {
-            for lane in 0..LANES {
-                let (tanh, e) = tanh(value.0[lane]);
-                bounded.0[lane] = tanh;
-                sizes.0[lane] += value.0[lane].abs();
-                product.0[lane] *= 1.0 + e;
-            }
-        }
+        bound(
+            values,
+            bounded,
+            #[inline(always)]
+            |value, e| {
+                for lane in 0..LANES {
+                    sizes.0[lane] += value.0[lane].abs();
+                    product.0[lane] *= 1.0 + e.0[lane];
+                }
+            },
+        );
         let count = LN_2 * values.len() as f64;
         for lane in 0..LANES {
             log.0[lane] -= 2.0 * (count - sizes.0[lane] - ln(product.0[lane]));

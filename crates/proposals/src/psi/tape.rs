@@ -2,11 +2,12 @@
 
 use motes_models::Stream;
 use motes_smc::{Past, ProposalError};
+use pulp::{Simd, WithSimd};
 
 use super::map::{Inverses, Map};
 use super::propose::fill_uniform;
 use super::{FIRST, Psi};
-use crate::lanes::{LANES, Lane, Square, add_times_transposed, vectorised};
+use crate::lanes::{Blocks, LANES, Lane, set_times_transposed, vectorised};
 use crate::{Gradients, Learnable, Parameters, Tape, Workspace};
 
 impl Learnable for Psi {
@@ -34,8 +35,15 @@ impl Learnable for Psi {
         fill_uniform(stream, noise);
     }
 
-    fn tape(&self, _particles: usize, workspace: Workspace) -> Box<dyn Tape + '_> {
-        Box::new(PsiTape { proposal: self, draws: Vec::new(), gradients: workspace.open_gradients() })
+    fn tape(&self, particles: usize, workspace: Workspace) -> Box<dyn Tape + '_> {
+        let (n, layers, blocks) = (self.state_dim, self.config.layers, particles.div_ceil(LANES));
+        Box::new(PsiTape {
+            proposal: self,
+            draws: Vec::new(),
+            gradients: workspace.open_gradients(),
+            given: vec![Lane::default(); blocks * 2 * n],
+            derivatives: vec![Lane::default(); blocks * (layers + 1) * n],
+        })
     }
 }
 
@@ -44,6 +52,11 @@ struct PsiTape<'p> {
     proposal: &'p Psi,
     draws: Vec<Draw>,
     gradients: Gradients,
+    // On the way back, each block of particles after the other:
+    /// `u` and `x_{t−1}`.
+    given: Vec<Lane>,
+    /// With respect to the values before the first tanh, then to the output of each layer.
+    derivatives: Vec<Lane>,
 }
 
 struct Draw {
@@ -97,9 +110,9 @@ impl Tape for PsiTape<'_> {
         });
         let n = self.proposal.state_dim;
         let (rows, layers) = (LANES * n, draw.map.layers.len());
-        let mut sums = Sums::zeros(n, layers);
         d_previous.fill(0.0);
-        for (block, d_states) in d_states.chunks(rows).enumerate() {
+        let work = self.given.chunks_mut(2 * n).zip(self.derivatives.chunks_mut((layers + 1) * n));
+        for ((block, d_states), (given, derivatives)) in d_states.chunks(rows).enumerate().zip(work) {
             let at = block * rows..block * rows + d_states.len();
             let particles = block * LANES..block * LANES + d_states.len() / n;
             let d_log = d_log_density.map_or(Lane::default(), |d| Lane::gather_or_zero(&d[particles], 1, 0));
@@ -110,23 +123,37 @@ impl Tape for PsiTape<'_> {
             };
             vectorised(
                 #[inline(always)]
-                || block.pull_back(&draw.map, d_states, &d_log, &mut d_previous[at], &mut sums),
+                || block.pull_back(&draw.map, d_states, &d_log, &mut d_previous[at], given, derivatives),
             );
         }
+        let [noise, previous] =
+            [0, n].map(|start| Blocks { lanes: &self.given[start..], width: n, stride: 2 * n });
+        let derivative = |number: usize| Blocks {
+            lanes: &self.derivatives[number * n..],
+            width: n,
+            stride: (layers + 1) * n,
+        };
         let first = self.proposal.first(draw.time);
-        for (layer, sum) in sums.layers.iter().enumerate() {
+        for layer in 0..layers {
             let at = first + FIRST + 2 * layer;
-            let of_density = of_density.map(|(inverses, total)| (inverses.layers[layer].as_slice(), total));
-            self.add_square(at, sum, of_density);
-            let bias: Vec<f64> = sums.biases[layer].iter().map(Lane::sum).collect();
-            self.gradients.add_wide(at + 1, &bias);
+            let inputs = Blocks { lanes: &draw.activations[layer * n..], width: n, stride: layers * n };
+            let d_outputs = derivative(layer + 1);
+            let mut gradient = inputs.outer(d_outputs);
+            if let Some((inverses, total)) = of_density {
+                add_log_det(&mut gradient, &inverses.layers[layer], total, n);
+            }
+            self.gradients.add_wide(at, &gradient);
+            self.gradients.add_wide(at + 1, &d_outputs.sums());
         }
-        let of_density = of_density.map(|(inverses, total)| (inverses.noise.as_slice(), total));
-        self.add_square(first, &sums.noise, of_density);
+        let mut gradient = noise.outer(derivative(0));
+        if let Some((inverses, total)) = of_density {
+            add_log_det(&mut gradient, &inverses.noise, total, n);
+        }
+        self.gradients.add_wide(first, &gradient);
         if draw.previous.is_some() {
-            self.gradients.add_wide(first + 1, &sums.previous.sums());
+            self.gradients.add_wide(first + 1, &previous.outer(derivative(0)));
         }
-        let common: Vec<f64> = sums.shifts.iter().map(Lane::sum).collect();
+        let common = derivative(0).sums();
         let outer = draw.measurement.iter().flat_map(|y| common.iter().map(move |s| y * s));
         self.gradients.add_wide(first + 2, &outer.collect::<Vec<f64>>());
         Ok(())
@@ -140,40 +167,11 @@ impl Tape for PsiTape<'_> {
     }
 }
 
-impl PsiTape<'_> {
-    /// Adds the gradient of an invertible matrix: through its product with inputs, and through its determinant if there is a derivative
-    /// with respect to `log q`, by its inverse and the sum of that derivative over the particles.
-    fn add_square(&mut self, index: usize, through_product: &Square, of_density: Option<(&[f64], f64)>) {
-        let n = self.proposal.state_dim;
-        let mut gradient = through_product.sums();
-        if let Some((inverse, total)) = of_density {
-            for (at, gradient) in gradient.iter_mut().enumerate() {
-                *gradient -= total * inverse[at % n * n + at / n];
-            }
-        }
-        self.gradients.add_wide(index, &gradient);
-    }
-}
-
-/// What is added up over the blocks of particles.
-struct Sums {
-    noise: Square,
-    previous: Square,
-    /// Of the values before the first tanh.
-    shifts: Vec<Lane>,
-    layers: Vec<Square>,
-    biases: Vec<Vec<Lane>>,
-}
-
-impl Sums {
-    fn zeros(width: usize, layers: usize) -> Self {
-        Sums {
-            noise: Square::zeros(width),
-            previous: Square::zeros(width),
-            shifts: vec![Lane::default(); width],
-            layers: (0..layers).map(|_| Square::zeros(width)).collect(),
-            biases: vec![vec![Lane::default(); width]; layers],
-        }
+/// Adds what the gradient of an invertible matrix gets through its determinant, by its inverse and the sum of the derivatives with respect
+/// to `log q` over the particles.
+fn add_log_det(gradient: &mut [f64], inverse: &[f64], total: f64, n: usize) {
+    for (at, gradient) in gradient.iter_mut().enumerate() {
+        *gradient -= total * inverse[at % n * n + at / n];
     }
 }
 
@@ -185,44 +183,59 @@ struct Block<'a> {
 }
 
 impl Block<'_> {
+    /// Fills `given` and `derivatives` of the block.
     #[inline(always)]
-    fn pull_back(&self, map: &Map, d_states: &[f64], d_log: &Lane, d_previous: &mut [f64], sums: &mut Sums) {
+    fn pull_back(
+        &self,
+        map: &Map,
+        d_states: &[f64],
+        d_log: &Lane,
+        d_previous: &mut [f64],
+        given: &mut [Lane],
+        derivatives: &mut [Lane],
+    ) {
         let n = map.width;
         // In lanes without a particle nothing changes anything.
-        let mut d: Vec<Lane> = (0..n).map(|j| Lane::gather_or_zero(d_states, n, j)).collect();
-        let mut below = vec![Lane::default(); n];
-        for (layer, (matrix, _)) in map.layers.iter().enumerate().rev() {
-            let inputs = &self.activations[layer * n..(layer + 1) * n];
-            for (sum, d) in sums.biases[layer].iter_mut().zip(&d) {
-                sum.add(d);
-            }
-            sums.layers[layer].add_outer(inputs, &d);
-            below.fill(Lane::default());
-            add_times_transposed(&mut below, &d, matrix);
-            for (z, below) in inputs.iter().zip(&mut below) {
-                below.0 = std::array::from_fn(|lane| {
-                    let z = z.0[lane];
-                    below.0[lane] * (1.0 - z * z) + 2.0 * d_log.0[lane] * z
-                });
-            }
-            std::mem::swap(&mut d, &mut below);
+        let (rest, last) = derivatives.split_at_mut(map.layers.len() * n);
+        last.iter_mut().enumerate().for_each(|(j, d)| *d = Lane::gather_or_zero(d_states, n, j));
+        let mut above: &[Lane] = last;
+        let each = rest.chunks_exact_mut(n).zip(self.activations.chunks_exact(n)).zip(&map.layers);
+        for ((below, inputs), (matrix, _)) in each.rev() {
+            set_times_transposed(below, above, matrix);
+            pulp::Arch::new().dispatch(BelowTanh { d: below, d_log, z: inputs });
+            above = below;
         }
-        for (sum, d) in sums.shifts.iter_mut().zip(&d) {
-            sum.add(d);
-        }
-        for (i, u) in below.iter_mut().enumerate() {
-            *u = Lane::gather(self.noise, n, i);
-        }
-        sums.noise.add_outer(&below, &d);
+        let (noise, states) = given.split_at_mut(n);
+        noise.iter_mut().enumerate().for_each(|(i, u)| *u = Lane::gather(self.noise, n, i));
         let Some(previous) = self.previous else { return };
-        for (i, x) in below.iter_mut().enumerate() {
-            *x = Lane::gather(previous, n, i);
-        }
-        sums.previous.add_outer(&below, &d);
-        below.fill(Lane::default());
-        add_times_transposed(&mut below, &d, &map.previous);
-        for (i, sum) in below.iter().enumerate() {
-            sum.scatter(d_previous, n, i);
+        states.iter_mut().enumerate().for_each(|(i, x)| *x = Lane::gather(previous, n, i));
+        let mut d = vec![Lane::default(); n];
+        set_times_transposed(&mut d, above, &map.previous);
+        d.iter().enumerate().for_each(|(i, d)| d.scatter(d_previous, n, i));
+    }
+}
+
+/// `d = d (1 − z²) + 2 q̄ z`, from outputs of tanh to what it was taken of.
+struct BelowTanh<'a> {
+    d: &'a mut [Lane],
+    d_log: &'a Lane,
+    z: &'a [Lane],
+}
+
+impl WithSimd for BelowTanh<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let (one, two) = (simd.splat_f64s(1.0), simd.splat_f64s(2.0));
+        let (d_log, _) = S::as_simd_f64s(&self.d_log.0);
+        for (d, z) in self.d.iter_mut().zip(self.z) {
+            let ((d, _), (z, _)) = (S::as_mut_simd_f64s(&mut d.0), S::as_simd_f64s(&z.0));
+            for ((d, z), d_log) in d.iter_mut().zip(z).zip(d_log) {
+                let slope = simd.sub_f64s(one, simd.mul_f64s(*z, *z));
+                let of_density = simd.mul_f64s(simd.mul_f64s(two, *d_log), *z);
+                *d = simd.add_f64s(simd.mul_f64s(*d, slope), of_density);
+            }
         }
     }
 }
