@@ -5,7 +5,7 @@ use std::time::Instant;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par};
 
-/// On one thread, and on two together.
+/// What limits arithmetic and what limits traffic.
 #[derive(Debug, Clone, Copy, serde::Serialize)]
 pub(super) struct Peak {
     /// Floating-point operations a second of the product.
@@ -14,6 +14,7 @@ pub(super) struct Peak {
     pub(super) memory: Rates,
 }
 
+/// So much a second.
 #[derive(Debug, Clone, Copy, serde::Serialize)]
 pub(super) struct Rates {
     /// On one thread while nothing else of ours runs.

@@ -159,7 +159,8 @@ impl Map {
 /// So many factors of at most 2 have a product that is far from overflow.
 const FACTORS: usize = 256;
 
-/// Numbers whose tanh is taken at once: too many for a compiler to write a loop over them out, before it looks for vectors in it.
+/// Numbers whose tanh is taken at once: so many that a compiler makes vectors of a loop over them. A shorter one it writes out first, and then
+/// gathers one number of each of several lanes.
 const AT_ONCE: usize = 2 * LANES;
 
 /// Makes numbers their tanh, and returns `e^{−2|a|}`, which it takes on the way.
@@ -177,7 +178,7 @@ fn tanh(a: &mut [f64; AT_ONCE]) -> [f64; AT_ONCE] {
     e
 }
 
-/// `tanh a` of each; `see` gets each pair with its `a` and `e^{−2|a|}`.
+/// `tanh a` of each; `see` gets each `a` with its `e^{−2|a|}`.
 #[inline(always)]
 fn bound(values: &[Lane], bounded: &mut [Lane], mut see: impl FnMut(&Lane, &Lane)) {
     for (values, bounded) in values.chunks(2).zip(bounded.chunks_mut(2)) {

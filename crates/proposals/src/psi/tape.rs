@@ -138,18 +138,12 @@ impl Tape for PsiTape<'_> {
             let at = first + FIRST + 2 * layer;
             let inputs = Blocks { lanes: &draw.activations[layer * n..], width: n, stride: layers * n };
             let d_outputs = derivative(layer + 1);
-            let mut gradient = inputs.outer(d_outputs);
-            if let Some((inverses, total)) = of_density {
-                add_log_det(&mut gradient, &inverses.layers[layer], total, n);
-            }
-            self.gradients.add_wide(at, &gradient);
+            let of_density = of_density.map(|(inverses, total)| (inverses.layers[layer].as_slice(), total));
+            self.gradients.add_wide(at, &of_square(inputs.outer(d_outputs), of_density, n));
             self.gradients.add_wide(at + 1, &d_outputs.sums());
         }
-        let mut gradient = noise.outer(derivative(0));
-        if let Some((inverses, total)) = of_density {
-            add_log_det(&mut gradient, &inverses.noise, total, n);
-        }
-        self.gradients.add_wide(first, &gradient);
+        let of_density = of_density.map(|(inverses, total)| (inverses.noise.as_slice(), total));
+        self.gradients.add_wide(first, &of_square(noise.outer(derivative(0)), of_density, n));
         if draw.previous.is_some() {
             self.gradients.add_wide(first + 1, &previous.outer(derivative(0)));
         }
@@ -167,12 +161,15 @@ impl Tape for PsiTape<'_> {
     }
 }
 
-/// Adds what the gradient of an invertible matrix gets through its determinant, by its inverse and the sum of the derivatives with respect
-/// to `log q` over the particles.
-fn add_log_det(gradient: &mut [f64], inverse: &[f64], total: f64, n: usize) {
-    for (at, gradient) in gradient.iter_mut().enumerate() {
-        *gradient -= total * inverse[at % n * n + at / n];
+/// The gradient of an invertible matrix: through its product with inputs, and through its determinant if there is a derivative with respect
+/// to `log q`, by its inverse and the sum of that derivative over the particles.
+fn of_square(mut through_product: Vec<f64>, of_density: Option<(&[f64], f64)>, n: usize) -> Vec<f64> {
+    if let Some((inverse, total)) = of_density {
+        for (at, gradient) in through_product.iter_mut().enumerate() {
+            *gradient -= total * inverse[at % n * n + at / n];
+        }
     }
+    through_product
 }
 
 /// A few particles of one draw.
