@@ -2,7 +2,7 @@
 
 use motes_models::{GraphDiffusion, Seed, StateSpaceModel, simulate};
 use motes_proposals::{Backend, Cell, Compute, Family, Fcnn, Learnable, Precision, Rnn, RnnConfig};
-use motes_smc::{FilterBank, FilterError, FilterSettings, Proposal, ProposalError};
+use motes_smc::{FilterBank, FilterError, FilterSettings, ParticleMemory, Past, Proposal, ProposalError};
 use motes_tests::{replay, replayed_system, small_fcnn, small_rnn, trained_family};
 
 const F64: Compute = Compute { backend: Backend::Native, precision: Precision::F64 };
@@ -47,6 +47,50 @@ fn trained_on_one_length_it_runs_on_any_other() {
         error.to_string(),
         "at step 4: this proposal is unrolled over 4 times and was asked for time 4"
     );
+}
+
+/// Means and memory after three steps of 300 particles with fifty ancestors at the last two, `ancestor` telling which each has.
+fn after_three_steps(ancestor: impl Fn(usize) -> usize) -> (Vec<f64>, Vec<Vec<f64>>) {
+    const PARTICLES: usize = 300;
+    let system = replayed_system();
+    let config = small_rnn(Cell::Lstm);
+    let mut rnn = Rnn::new(&config, &system, Backend::Native.into(), &Seed::from_u64(114)).unwrap();
+    let ancestors: Vec<usize> = (0..PARTICLES).map(ancestor).collect();
+    let n = system.state_dim();
+    let previous: Vec<f64> =
+        ancestors.iter().flat_map(|a| (0..n).map(move |i| (0.7 * (a * n + i) as f64).sin())).collect();
+    let measurement = vec![0.3; system.measurement_dim()];
+    let mut memory = Proposal::<GraphDiffusion>::initial_memory(&rnn, PARTICLES);
+    let mut means = Vec::new();
+    for time in 0..3 {
+        let previous = (time > 0).then_some(previous.as_slice());
+        let past = Past { time, previous, measurement: &measurement, particles: PARTICLES };
+        means = rnn.condition(&system, past, &mut memory).unwrap().means().to_vec();
+        if time == 1 {
+            // Each becomes the first child of its ancestor, and with it carries what that one does.
+            let first_of = |a: &usize| ancestors.iter().position(|other| other == a).unwrap();
+            memory.resample(&ancestors.iter().map(first_of).collect::<Vec<_>>());
+        }
+    }
+    (means, memory.host())
+}
+
+#[test]
+fn particles_of_one_ancestor_are_what_they_are_apart() {
+    // Side by side they are computed once, in turns each by itself.
+    let (side_by_side, in_turns) = (|particle| particle / 6, |particle| particle % 50);
+    let (means, memory) = after_three_steps(side_by_side);
+    let (means_apart, memory_apart) = after_three_steps(in_turns);
+    let same = |together: &[f64], apart: &[f64]| {
+        let width = together.len() / 300;
+        let row = |rows: &[f64], at: usize| rows[at * width..(at + 1) * width].to_vec();
+        for particle in 0..300 {
+            let other = (0..300).filter(|&other| in_turns(other) == side_by_side(particle));
+            other.for_each(|other| assert_eq!(row(together, particle), row(apart, other)));
+        }
+    };
+    same(&means, &means_apart);
+    memory.iter().zip(&memory_apart).for_each(|(together, apart)| same(together, apart));
 }
 
 #[test]

@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, HashMap};
 use crate::config::{Method, Plan, Point};
 use crate::evaluate::{Evaluator, Metric};
 use crate::runner::guarded;
-use crate::{Interrupt, UnitConfig};
+use crate::{Interrupt, UnitConfig, threads};
 
 const TRIAL_RUNS: usize = 2;
 const TRIAL_TIMES: usize = 20;
@@ -20,11 +20,12 @@ pub struct Estimator {
 }
 
 impl Estimator {
-    /// Estimated seconds of one thread for each of `points`, without the reference filters, which units share.
+    /// Estimated seconds for each of `points`, with its share of the plan's threads, without the reference filters, which units share.
     ///
     /// For each method and panel the smallest and the largest x are tried, with a training step and a filter or two over the first times;
     /// what lies between or beyond is taken to grow linearly. A trial that fails counts for nothing.
     pub(crate) fn seconds(&self, plan: &Plan, points: &[Point], interrupt: &Interrupt) -> Vec<f64> {
+        let threads = threads::of_workers(plan.jobs, points.len()).next().unwrap_or(1);
         let mut ends: BTreeMap<(Method, &str), (usize, usize)> = BTreeMap::new();
         for point in points {
             let (low, high) = ends.entry((point.method, &point.panel)).or_insert((point.x, point.x));
@@ -35,7 +36,7 @@ impl Estimator {
             .map(|((method, panel), (low, high))| {
                 let at = |x| {
                     let point = Point { panel: panel.into(), x, method, repetition: 0 };
-                    UnitConfig::at(plan, &point).map_or(0.0, |unit| self.trial(unit, interrupt))
+                    UnitConfig::at(plan, &point).map_or(0.0, |unit| self.trial(unit, threads, interrupt))
                 };
                 let first = at(low);
                 let slope = if high > low { (at(high) - first) / (high - low) as f64 } else { 0.0 };
@@ -51,11 +52,11 @@ impl Estimator {
             .collect()
     }
 
-    /// Seconds for one unit, scaled up from a trial.
-    fn trial(&self, mut unit: UnitConfig, interrupt: &Interrupt) -> f64 {
+    /// Seconds for one unit on so many threads, scaled up from a trial.
+    fn trial(&self, mut unit: UnitConfig, threads: usize, interrupt: &Interrupt) -> f64 {
         let sizes = [unit.system.dimension(), unit.system.horizon(), unit.filter.particles, unit.filter_runs];
-        let key =
-            serde_json::to_string(&(&unit.method, sizes)).expect("a configuration has only string keys");
+        let key = serde_json::to_string(&(&unit.method, sizes, threads))
+            .expect("a configuration has only string keys");
         if let Some(&known) = self.known.borrow().get(&key) {
             return known;
         }
@@ -75,7 +76,8 @@ impl Estimator {
         let of = |timings: &[Metric], name| {
             timings.iter().find(|timing| timing.name == name).map_or(0.0, |timing| timing.value)
         };
-        let seconds = match guarded(|| self.evaluator.evaluate(&unit, interrupt)) {
+        let evaluator = &self.evaluator;
+        let seconds = match threads::on(threads, || guarded(|| evaluator.evaluate(&unit, interrupt))) {
             Ok(found) => {
                 let of = |name| of(&found.timings, name);
                 time_scale * (of("train_seconds") * train_scale + of("filter_seconds") * filter_scale)

@@ -25,6 +25,7 @@ mod series;
 pub mod speed;
 mod store;
 mod tables;
+mod threads;
 mod unit;
 mod verify;
 

@@ -1,10 +1,10 @@
-//! Units on worker threads: one unit, one thread, and each result handed over as soon as it is there.
+//! Units on worker threads, each of which has helpers if there are few; each result is handed over as soon as it is there.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
 
-use crate::{Evaluation, Interrupt, UnitConfig, UnitError};
+use crate::{Evaluation, Interrupt, UnitConfig, UnitError, threads};
 
 /// What a worker reports.
 pub(crate) enum Event {
@@ -19,8 +19,8 @@ pub(crate) type Evaluate<'a> = dyn Fn(&UnitConfig, &Interrupt) -> Result<Evaluat
 
 /// Evaluates `units` on `jobs` threads and calls `observe` on the calling thread for each event.
 ///
-/// The networks compute on the thread that asks them to, so parallel units do not compete for cores, and the number of
-/// threads cannot change a result. An error from `observe` (a result that cannot be stored) stops the run, as the interrupt does.
+/// Parallel units do not compete for cores: each has its share of the threads, one if there are units enough. The number of threads cannot
+/// change a result. An error from `observe` (a result that cannot be stored) stops the run, as the interrupt does.
 pub(crate) fn run<E>(
     units: &[UnitConfig],
     jobs: usize,
@@ -31,9 +31,9 @@ pub(crate) fn run<E>(
     let next = AtomicUsize::new(0);
     let (sender, receiver) = mpsc::channel();
     std::thread::scope(|scope| {
-        for _ in 0..jobs.min(units.len()) {
+        for threads in threads::of_workers(jobs, units.len()) {
             let (sender, next) = (sender.clone(), &next);
-            scope.spawn(move || {
+            let work = move || {
                 while interrupt.check().is_continue() {
                     let index = next.fetch_add(1, Ordering::Relaxed);
                     let Some(unit) = units.get(index) else { return };
@@ -46,7 +46,8 @@ pub(crate) fn run<E>(
                         return;
                     }
                 }
-            });
+            };
+            scope.spawn(move || threads::on(threads, work));
         }
         drop(sender);
         for event in receiver {

@@ -3,11 +3,12 @@
 //! The rows of the small factor go into the lanes of vectors: then nothing has to be added up across lanes, and the large factor is
 //! needed number by number, in the order in which it lies.
 
-use faer::Accum;
+use faer::{Accum, MatMut};
 use pulp::{Arch, Simd, WithSimd};
 
 use super::Buffers;
-use super::products::{Columns, ColumnsMut, Product};
+use super::products::Columns;
+use super::shared::{Task, row};
 
 /// The longest vector.
 const WIDEST: usize = 16;
@@ -15,21 +16,21 @@ const WIDEST: usize = 16;
 /// How many columns are turned at a time: what stays in the nearest cache.
 const TURNED: usize = 64;
 
-/// `a bᵀ`.
-pub(super) fn times_transposed(product: Product<'_, f32>, buffers: &mut Buffers<f32>) {
-    let [rows, inner, columns] = product.sizes;
+/// `a b`, of the transpose of what lies there for `b`, row by row, and `a` as it lies.
+pub(super) fn times_transposed(task: Task<'_>, buffers: &mut Buffers<f32>) {
+    let [rows, inner, columns] = task.sizes();
     let padded = rows.next_multiple_of(WIDEST);
     let (mut turned, mut sums) = (buffers.take(padded * inner), buffers.take(padded * columns));
-    Arch::new().dispatch(TimesTransposed { product, turned: &mut turned, sums: &mut sums });
+    Arch::new().dispatch(TimesTransposed { task, turned: &mut turned, sums: &mut sums });
     buffers.put(turned);
     buffers.put(sums);
 }
 
 struct TimesTransposed<'a> {
-    product: Product<'a, f32>,
+    task: Task<'a>,
     /// The columns of `a`, one after another.
     turned: &'a mut [f32],
-    /// The columns of `a bᵀ`, one after another.
+    /// The columns of `a b`, one after another.
     sums: &'a mut [f32],
 }
 
@@ -38,7 +39,7 @@ impl WithSimd for TimesTransposed<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) {
-        let [rows, inner, columns] = self.product.sizes;
+        let [rows, inner, columns] = self.task.sizes();
         let vectors = rows.div_ceil(S::F32_LANES);
         // As many rows of `b` at a time as leave registers for the sums of each with every vector.
         let most = if S::REGISTER_COUNT >= 32 { 4 } else { 2 };
@@ -48,7 +49,7 @@ impl WithSimd for TimesTransposed<'_> {
             let start = first * S::F32_LANES;
             let rows = rows.min(last * S::F32_LANES) - start;
             let (count, lanes) = (last - first, (last - first) * S::F32_LANES);
-            turn(self.product.a, start, rows, inner, &mut self.turned[..inner * lanes]);
+            turn(self.task.a.lies, start, rows, inner, &mut self.turned[..inner * lanes]);
             match count {
                 1 => self.all::<S, 12, 1>(simd),
                 2 if S::REGISTER_COUNT >= 32 => self.all::<S, 12, 2>(simd),
@@ -56,9 +57,9 @@ impl WithSimd for TimesTransposed<'_> {
                 3 => self.all::<S, 8, 3>(simd),
                 _ => self.all::<S, 6, 4>(simd),
             }
-            let Product { out: ColumnsMut { values, stride }, accum, .. } = &mut self.product;
-            let out = ColumnsMut { values: &mut values[start * *stride..], stride: *stride };
-            turn_back(out, *accum, rows, lanes, &self.sums[..columns * lanes]);
+            let Task { out, accum, .. } = &mut self.task;
+            let some = out.as_mut().subrows_mut(start, rows);
+            turn_back(some, *accum, lanes, &self.sums[..columns * lanes]);
         }
     }
 }
@@ -67,7 +68,7 @@ impl TimesTransposed<'_> {
     /// All sums of `V` vectors of rows, `B` rows of `b` at a time.
     #[inline(always)]
     fn all<S: Simd, const B: usize, const V: usize>(&mut self, simd: S) {
-        let [_, inner, columns] = self.product.sizes;
+        let [_, inner, columns] = self.task.sizes();
         let mut column = 0;
         while column < columns {
             if column + B <= columns {
@@ -85,7 +86,7 @@ impl TimesTransposed<'_> {
         let mut sums = [[simd.splat_f32s(0.0); V]; B];
         let mut b: [&[f32]; B] = [&[]; B];
         for (c, b) in b.iter_mut().enumerate() {
-            *b = &self.product.b[(column + c) * inner..(column + c + 1) * inner];
+            *b = &self.task.b.lies.values[(column + c) * inner..(column + c + 1) * inner];
         }
         let (a, _) = S::as_simd_f32s(self.turned);
         let (a, _) = a.as_chunks::<V>();
@@ -122,12 +123,12 @@ fn turn(a: Columns<'_, f32>, start: usize, rows: usize, inner: usize, turned: &m
 
 /// Columns as rows, copied or added.
 #[inline(always)]
-fn turn_back(out: ColumnsMut<'_, f32>, accum: Accum, rows: usize, lanes: usize, sums: &[f32]) {
+fn turn_back(mut out: MatMut<'_, f32>, accum: Accum, lanes: usize, sums: &[f32]) {
     for (block, sums) in sums.chunks(TURNED * lanes).enumerate() {
-        for row in 0..rows {
-            let into = &mut out.values[row * out.stride + block * TURNED..];
+        for at in 0..out.nrows() {
+            let into = &mut row(&mut out, at)[block * TURNED..];
             for (into, column) in into.iter_mut().zip(sums.chunks_exact(lanes)) {
-                *into = if accum == Accum::Add { *into + column[row] } else { column[row] };
+                *into = if accum == Accum::Add { *into + column[at] } else { column[at] };
             }
         }
     }

@@ -5,11 +5,13 @@ use std::collections::HashMap;
 /// Free pieces of memory by their length.
 pub(crate) struct Buffers<T> {
     free: HashMap<usize, Vec<Vec<T>>>,
+    /// Those of a thread that helps.
+    others: Option<Box<Buffers<T>>>,
 }
 
 impl<T> Default for Buffers<T> {
     fn default() -> Self {
-        Buffers { free: HashMap::new() }
+        Buffers { free: HashMap::new(), others: None }
     }
 }
 
@@ -22,5 +24,14 @@ impl<T: Copy + Default> Buffers<T> {
     /// Takes a piece back.
     pub(crate) fn put(&mut self, values: Vec<T>) {
         self.free.entry(values.len()).or_default().push(values);
+    }
+    /// The buffers of a thread that helps.
+    pub(super) fn take_others(&mut self) -> Box<Buffers<T>> {
+        self.others.take().unwrap_or_default()
+    }
+
+    /// Takes them back.
+    pub(super) fn put_others(&mut self, others: Box<Buffers<T>>) {
+        self.others = Some(others);
     }
 }

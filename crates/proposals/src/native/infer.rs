@@ -2,6 +2,7 @@
 
 use motes_smc::Past;
 
+use super::alike::Computed;
 use super::{At, Buffers, Native, Step};
 use crate::gaussian::{Known, Networks};
 use crate::values::{Real, Values, narrow, widen};
@@ -12,6 +13,7 @@ use crate::{Parameters, Precision};
 pub(crate) struct Inference {
     narrow: (Step<f32>, Buffers<f32>),
     wide: (Step<f64>, Buffers<f64>),
+    computed: Computed,
 }
 
 impl Clone for Inference {
@@ -34,12 +36,13 @@ pub(crate) fn infer<F: Networks>(
     means: &mut [f64],
     representations: &mut [f64],
 ) {
+    let Inference { narrow, wide, computed } = memory;
     match parameters.compute().precision {
         Precision::F32 => {
-            infer_in(networks, parameters, past, hidden, &mut memory.narrow, means, representations);
+            infer_in(networks, parameters, past, hidden, (narrow, computed), means, representations);
         }
         Precision::F64 => {
-            infer_in(networks, parameters, past, hidden, &mut memory.wide, means, representations);
+            infer_in(networks, parameters, past, hidden, (wide, computed), means, representations);
         }
     }
 }
@@ -49,35 +52,36 @@ fn infer_in<F: Networks, T: Real>(
     parameters: &Parameters,
     past: &Past<'_>,
     hidden: &mut [Values],
-    (step, buffers): &mut (Step<T>, Buffers<T>),
+    ((step, buffers), computed): (&mut (Step<T>, Buffers<T>), &mut Computed),
     means: &mut [f64],
     representations: &mut [f64],
 ) {
     let n = means.len() / past.particles.max(1);
-    let distinct = distinct(past);
-    for first in (0..distinct).step_by(BLOCK) {
-        let rows = BLOCK.min(distinct - first);
+    for (number, block) in computed.find::<T>(past, hidden).chunks(BLOCK).enumerate() {
+        // Of what was computed, the first rows are those of the first blocks; no particle's row lies before them.
+        let (first, rows) = (number * BLOCK, block.len());
         let at = first * n..(first + rows) * n;
         let mut previous = buffers.take(rows * n);
         match past.previous {
-            Some(values) => narrow(&values[at.clone()], &mut previous),
+            Some(values) => {
+                let places = previous.chunks_exact_mut(n).zip(block);
+                places.for_each(|(place, row)| narrow(&values[row * n..][..n], place));
+            }
             None => previous.fill(T::ZERO),
         }
         let mut measurement = buffers.take(past.measurement.len());
         narrow(past.measurement, &mut measurement);
         let previous = step.give(rows, n, previous);
         let measurement = step.give(1, past.measurement.len(), measurement);
-        let carried = |values: &Values| {
-            let width = values.len() / past.particles;
-            (width, first * width..(first + rows) * width)
-        };
         let hidden_in: Vec<At> = hidden
             .iter()
             .map(|values| {
-                let (width, at) = carried(values);
-                let mut block = buffers.take(at.len());
-                block.copy_from_slice(&T::slice(values)[at]);
-                step.give(rows, width, block)
+                let width = values.len() / past.particles;
+                let mut carried = buffers.take(rows * width);
+                for (place, row) in carried.chunks_exact_mut(width).zip(block) {
+                    place.copy_from_slice(&T::slice(values)[row * width..][..width]);
+                }
+                step.give(rows, width, carried)
             })
             .collect();
         let mut native = Native { weights: parameters.matrices(), step, buffers };
@@ -86,28 +90,15 @@ fn infer_in<F: Networks, T: Real>(
         widen(step.values(emission.means), &mut means[at.clone()]);
         widen(step.values(emission.representations), &mut representations[at]);
         for (values, advanced) in hidden.iter_mut().zip(&emission.hidden) {
-            let (_, at) = carried(values);
-            T::slice_mut(values)[at].copy_from_slice(step.values(*advanced));
+            let advanced = step.values(*advanced);
+            T::slice_mut(values)[first * advanced.len() / rows..][..advanced.len()].copy_from_slice(advanced);
         }
         step.release(buffers);
     }
-    if distinct < past.particles {
-        repeat_first(means, n);
-        repeat_first(representations, n);
-        for values in hidden {
-            let width = values.len() / past.particles;
-            repeat_first(T::slice_mut(values), width);
-        }
+    computed.hand_out(means, n);
+    computed.hand_out(representations, n);
+    for values in hidden {
+        let width = values.len() / past.particles;
+        computed.hand_out(T::slice_mut(values), width);
     }
-}
-
-/// How many particles know something that others do not: before the first state none does.
-pub(super) fn distinct(past: &Past<'_>) -> usize {
-    if past.previous.is_some() { past.particles } else { past.particles.min(1) }
-}
-
-/// Copies the first row into all others.
-pub(super) fn repeat_first<T: Copy>(rows: &mut [T], width: usize) {
-    let (first, others) = rows.split_at_mut(width);
-    others.chunks_exact_mut(width.max(1)).for_each(|row| row.copy_from_slice(first));
 }

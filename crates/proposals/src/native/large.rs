@@ -5,12 +5,12 @@
 
 use std::ops::Range;
 
-use faer::Accum;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::Buffers;
 use super::panels::{TALLEST, Tiles, tile, write};
-use super::products::{Columns, ColumnsMut, Factor};
+use super::products::{Columns, Factor};
+use super::shared::Task;
 use super::vectors::{load_two, store_two};
 
 /// Terms of the sums at a time: with the longest vectors a panel of the one factor and a tile of the other are 36 KB.
@@ -20,50 +20,24 @@ const GROUP: usize = 512;
 /// ... and tiles of rows of them: a block of sums is at most 800 KB, with what it is made of 1.5 MB.
 const TILES: usize = 28;
 
-/// `out = a b`, or `out += a b`: `rows×inner` times `inner×columns`.
-pub(super) fn times(
-    out: ColumnsMut<'_, f32>,
-    accum: Accum,
-    [a, b]: [Factor<'_>; 2],
-    sizes: [usize; 3],
-    buffers: &mut Buffers<f32>,
-) {
-    times_by(out, accum, [a, b], sizes, buffers, |work| Arch::new().dispatch(work));
+/// `a b`.
+pub(super) fn times(task: Task<'_>, buffers: &mut Buffers<f32>) {
+    times_by(task, buffers, |work| Arch::new().dispatch(work));
 }
 
-fn times_by(
-    out: ColumnsMut<'_, f32>,
-    accum: Accum,
-    [a, b]: [Factor<'_>; 2],
-    sizes: [usize; 3],
-    buffers: &mut Buffers<f32>,
-    dispatch: impl FnOnce(Large<'_>),
-) {
-    let [rows, inner, _] = sizes;
+fn times_by(task: Task<'_>, buffers: &mut Buffers<f32>, dispatch: impl FnOnce(Large<'_>)) {
+    let [rows, inner, _] = task.sizes();
     let mut in_tiles = buffers.take(rows * inner);
     let mut panels = buffers.take(TERMS * GROUP);
     let mut sums = buffers.take((TILES * TALLEST).min(rows) * GROUP);
-    dispatch(Large {
-        out,
-        accum,
-        a,
-        b,
-        sizes,
-        in_tiles: &mut in_tiles,
-        panels: &mut panels,
-        sums: &mut sums,
-    });
+    dispatch(Large { task, in_tiles: &mut in_tiles, panels: &mut panels, sums: &mut sums });
     for buffer in [in_tiles, panels, sums] {
         buffers.put(buffer);
     }
 }
 
 struct Large<'a> {
-    out: ColumnsMut<'a, f32>,
-    accum: Accum,
-    a: Factor<'a>,
-    b: Factor<'a>,
-    sizes: [usize; 3],
+    task: Task<'a>,
     /// `a` in tiles of rows, each with its columns one after another.
     in_tiles: &'a mut [f32],
     /// Some rows and a group of columns of `b`, in panels of two vectors of columns, each with its rows one after another.
@@ -77,7 +51,9 @@ impl WithSimd for Large<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Large { out, accum, a, b, sizes: [rows, inner, columns], in_tiles, panels, sums } = self;
+        let Large { task, in_tiles, panels, sums } = self;
+        let [rows, inner, columns] = task.sizes();
+        let Task { mut out, accum, a, b, .. } = task;
         let width = 2 * S::F32_LANES;
         let tiles = Tiles::of::<S>(rows);
         tiles.fill(a, inner, in_tiles);
@@ -104,8 +80,8 @@ impl WithSimd for Large<'_> {
                         }
                     }
                 }
-                let into = ColumnsMut { values: &mut out.values[top * out.stride..], stride: out.stride };
-                write::<S>(simd, into, accum, tall, group.clone(), sums);
+                let block = out.as_mut().submatrix_mut(top, group.start, tall, group.len());
+                write::<S>(simd, block, accum, sums);
             }
         }
     }
@@ -149,6 +125,8 @@ fn fill_panels<S: Simd>(
 
 #[cfg(test)]
 mod tests {
+    use faer::{Accum, MatMut};
+
     use super::*;
 
     fn numbers(count: usize, rate: f64) -> Vec<f32> {
@@ -203,11 +181,15 @@ mod tests {
         let stride = columns + 3;
         let before = numbers(rows * stride, 2.1);
         let mut found = before.clone();
-        let factors = [
-            Factor { lies: Columns { values: &a, stride: a_stride }, transposed: a_transposed },
-            Factor { lies: Columns { values: &b, stride: b_stride }, transposed: b_transposed },
-        ];
-        times_by(ColumnsMut { values: &mut found, stride }, accum, factors, sizes, buffers, way);
+        let task = Task {
+            out: MatMut::from_column_major_slice_with_stride_mut(&mut found, columns, rows, stride)
+                .transpose_mut(),
+            accum,
+            a: Factor { lies: Columns { values: &a, stride: a_stride }, transposed: a_transposed },
+            b: Factor { lies: Columns { values: &b, stride: b_stride }, transposed: b_transposed },
+            inner,
+        };
+        times_by(task, buffers, way);
         for (place, (found, before)) in found.iter().zip(&before).enumerate() {
             let (row, column) = (place / stride, place % stride);
             if column >= columns {

@@ -5,6 +5,7 @@
 
 mod across;
 mod affine;
+mod alike;
 mod buffers;
 mod cells;
 mod graph;
@@ -13,6 +14,7 @@ mod large;
 mod outer;
 mod panels;
 mod products;
+mod shared;
 mod skinny;
 mod tape;
 mod vectors;

@@ -4,13 +4,12 @@
 //! that matrix, narrow and short, is copied into the nearest cache and multiplied by all rows. Sums are kept panel by panel: the
 //! rows of a wide result lie so far apart that they would push each other out of that cache.
 
-use std::ops::Range;
-
-use faer::Accum;
+use faer::{Accum, MatMut};
 use pulp::{Arch, Simd, WithSimd};
 
 use super::Buffers;
-use super::products::{Columns, ColumnsMut, Factor, Product};
+use super::products::{Columns, Factor};
+use super::shared::{Task, row};
 use super::vectors::{load_two, store_two};
 
 /// Terms of the sums at a time: as many rows of weights as a processor reads ahead in.
@@ -22,21 +21,20 @@ pub(super) const WIDEST: usize = 32;
 /// The rows of the tallest tile: as many as have two sums each in the registers that a processor has at most.
 pub(super) const TALLEST: usize = 14;
 
-/// `a b`.
-pub(super) fn times(product: Product<'_, f32>, buffers: &mut Buffers<f32>) {
-    let [rows, inner, columns] = product.sizes;
+/// `a b`, of factors as they lie.
+pub(super) fn times(task: Task<'_>, buffers: &mut Buffers<f32>) {
+    let [rows, inner, columns] = task.sizes();
     let mut panel = buffers.take(TERMS * WIDEST);
     let mut in_tiles = buffers.take(rows * inner);
     let mut sums = buffers.take(rows * columns.next_multiple_of(WIDEST));
-    let times = Times { product, panel: &mut panel, in_tiles: &mut in_tiles, sums: &mut sums };
-    Arch::new().dispatch(times);
+    Arch::new().dispatch(Times { task, panel: &mut panel, in_tiles: &mut in_tiles, sums: &mut sums });
     for buffer in [panel, in_tiles, sums] {
         buffers.put(buffer);
     }
 }
 
 struct Times<'a> {
-    product: Product<'a, f32>,
+    task: Task<'a>,
     /// Some rows and two vectors of columns of `b`.
     panel: &'a mut [f32],
     /// `a` in tiles of rows, each with its columns one after another.
@@ -101,11 +99,12 @@ impl WithSimd for Times<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Times { product, panel, in_tiles, sums } = self;
-        let Product { out, accum, a, b, sizes: [rows, inner, columns] } = product;
+        let Times { task, panel, in_tiles, sums } = self;
+        let [rows, inner, columns] = task.sizes();
+        let Task { out, accum, a, b: Factor { lies: b, .. }, .. } = task;
         let width = 2 * S::F32_LANES;
         let tiles = Tiles::of::<S>(rows);
-        tiles.fill(Factor { lies: a, transposed: false }, inner, in_tiles);
+        tiles.fill(a, inner, in_tiles);
         if inner == 0 {
             // A sum of no terms is still a result.
             sums.fill(0.0);
@@ -118,8 +117,8 @@ impl WithSimd for Times<'_> {
                 let column = part * width;
                 let some = width.min(columns - column);
                 for (k, into) in panel.chunks_exact_mut(width).take(terms).enumerate() {
-                    let at = (first + k) * columns + column;
-                    store_two::<S>(simd, into, load_two::<S>(simd, &b[at..at + some]));
+                    let at = (first + k) * b.stride + column;
+                    store_two::<S>(simd, into, load_two::<S>(simd, &b.values[at..at + some]));
                 }
                 for (start, count) in tiles.each() {
                     let from = start * inner;
@@ -130,25 +129,17 @@ impl WithSimd for Times<'_> {
             }
             first += terms;
         }
-        write::<S>(simd, out, accum, rows, 0..columns, sums);
+        write::<S>(simd, out, accum, sums);
     }
 }
 
-/// Writes or adds sums in panels, each with its rows one after another, to the columns `group` of `out`.
+/// Writes or adds sums in panels, each with its rows one after another.
 #[inline(always)]
-pub(super) fn write<S: Simd>(
-    simd: S,
-    out: ColumnsMut<'_, f32>,
-    accum: Accum,
-    rows: usize,
-    group: Range<usize>,
-    sums: &[f32],
-) {
-    let width = 2 * S::F32_LANES;
-    for row in 0..rows {
-        let into = &mut out.values[row * out.stride..][group.clone()];
-        for (number, into) in into.chunks_mut(width).enumerate() {
-            let mut found = load_two::<S>(simd, &sums[(number * rows + row) * width..][..width]);
+pub(super) fn write<S: Simd>(simd: S, mut out: MatMut<'_, f32>, accum: Accum, sums: &[f32]) {
+    let (width, rows) = (2 * S::F32_LANES, out.nrows());
+    for at in 0..rows {
+        for (number, into) in row(&mut out, at).chunks_mut(width).enumerate() {
+            let mut found = load_two::<S>(simd, &sums[(number * rows + at) * width..][..width]);
             if accum == Accum::Add {
                 let before = load_two::<S>(simd, into);
                 found = [simd.add_f32s(found[0], before[0]), simd.add_f32s(found[1], before[1])];

@@ -4,6 +4,7 @@ use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};
 
 use super::outer::{self, OuterProducts, Take};
+use super::shared::{Kernel, Task, share};
 use super::{Buffers, across, large, panels, skinny};
 use crate::values::Real;
 
@@ -87,33 +88,33 @@ impl Products for f32 {
     fn times(product: Product<'_, f32>, buffers: &mut Buffers<f32>) {
         let [rows, inner, columns] = product.sizes;
         if rows > MANY && inner * columns >= LARGE {
-            in_blocks(product, [false, false], buffers);
+            by_kernel(product, [false, false], large::times, buffers);
         } else if columns < WIDE || rows > MANY {
             times_by_faer(product);
         } else if rows <= FEW {
             skinny::times(product);
         } else {
-            panels::times(product, buffers);
+            by_kernel(product, [false, false], panels::times, buffers);
         }
     }
 
     fn times_transposed(product: Product<'_, f32>, buffers: &mut Buffers<f32>) {
         let [rows, inner, columns] = product.sizes;
         if rows > MANY && inner * columns >= LARGE {
-            in_blocks(product, [false, true], buffers);
+            by_kernel(product, [false, true], large::times, buffers);
         } else if inner < WIDE || columns < WIDE || rows > MANY {
             times_transposed_by_faer(product);
         } else if rows <= FEW {
             skinny::times_transposed(product);
         } else {
-            across::times_transposed(product, buffers);
+            by_kernel(product, [false, true], across::times_transposed, buffers);
         }
     }
 
     fn transposed_times(product: Product<'_, f32>, buffers: &mut Buffers<f32>) {
         let [rows, inner, columns] = product.sizes;
         if inner > MANY && rows * columns >= LARGE {
-            in_blocks(product, [true, false], buffers);
+            by_kernel(product, [true, false], large::times, buffers);
         } else {
             transposed_times_by_faer(product);
         }
@@ -128,12 +129,12 @@ impl Products for f32 {
     }
 }
 
-/// The product of the factors, or of the transposes of what lies there.
-fn in_blocks(product: Product<'_, f32>, [of_a, of_b]: [bool; 2], buffers: &mut Buffers<f32>) {
-    let Product { out, accum, a, b, sizes } = product;
-    let b = Columns { values: b, stride: if of_b { sizes[1] } else { sizes[2] } };
-    let factors = [Factor { lies: a, transposed: of_a }, Factor { lies: b, transposed: of_b }];
-    large::times(out, accum, factors, sizes, buffers);
+/// The product of the factors, or of the transposes of what lies there, on several threads if that is worth it.
+fn by_kernel(product: Product<'_, f32>, [of_a, of_b]: [bool; 2], kernel: Kernel, buffers: &mut Buffers<f32>) {
+    let Product { out, accum, a, b, sizes: [rows, inner, columns] } = product;
+    let b = Columns { values: b, stride: if of_b { inner } else { columns } };
+    let (a, b) = (Factor { lies: a, transposed: of_a }, Factor { lies: b, transposed: of_b });
+    share(Task { out: matrix_mut(out, rows, columns), accum, a, b, inner }, kernel, buffers);
 }
 
 fn times_by_faer<T: Real>(product: Product<'_, T>) {
@@ -155,10 +156,13 @@ fn matrix<T>(of: Columns<'_, T>, rows: usize, columns: usize) -> MatRef<'_, T> {
     MatRef::from_row_major_slice_with_stride(of.values, rows, columns, of.stride)
 }
 
-fn by_faer<T: Real>(out: ColumnsMut<'_, T>, accum: Accum, a: MatRef<'_, T>, b: MatRef<'_, T>) {
+fn matrix_mut<T>(of: ColumnsMut<'_, T>, rows: usize, columns: usize) -> MatMut<'_, T> {
     // As the transpose of a column-major matrix: faer 0.24.4 takes the strides of the row-major one the wrong way round.
-    let out = MatMut::from_column_major_slice_with_stride_mut(out.values, b.ncols(), a.nrows(), out.stride);
-    matmul(out.transpose_mut(), accum, a, b, T::ONE, Par::Seq);
+    MatMut::from_column_major_slice_with_stride_mut(of.values, columns, rows, of.stride).transpose_mut()
+}
+
+fn by_faer<T: Real>(out: ColumnsMut<'_, T>, accum: Accum, a: MatRef<'_, T>, b: MatRef<'_, T>) {
+    matmul(matrix_mut(out, a.nrows(), b.ncols()), accum, a, b, T::ONE, Par::Seq);
 }
 
 /// `out = a b`, or `out += a b`: `rows×inner` times `inner×columns`.
@@ -296,10 +300,14 @@ mod tests {
 
     /// `a b`, `a bᵀ` and `aᵀ b`.
     const IN_BLOCKS: [Way; 3] = [
-        |product, buffers| in_blocks(product, [false, false], buffers),
-        |product, buffers| in_blocks(product, [false, true], buffers),
-        |product, buffers| in_blocks(product, [true, false], buffers),
+        |product, buffers| by_kernel(product, [false, false], large::times, buffers),
+        |product, buffers| by_kernel(product, [false, true], large::times, buffers),
+        |product, buffers| by_kernel(product, [true, false], large::times, buffers),
     ];
+
+    const IN_PANELS: Way = |product, buffers| by_kernel(product, [false, false], panels::times, buffers);
+    const ACROSS: Way =
+        |product, buffers| by_kernel(product, [false, true], across::times_transposed, buffers);
 
     /// What `way` makes of the first numbers of `a` and `b`.
     fn made(way: Way, sizes: [usize; 3], a: Columns<'_, f32>, b: &[f32]) -> Vec<f32> {
@@ -315,8 +323,47 @@ mod tests {
     fn panels_and_blocks_agree_to_the_last_bit() {
         let (sizes, a, b) = ([50, 200, 100], numbers(50 * 200, 0.7), numbers(200 * 100, 1.3));
         let a = Columns { values: &a, stride: 200 };
-        assert!(made(panels::times, sizes, a, &b) == made(IN_BLOCKS[0], sizes, a, &b));
-        assert!(made(across::times_transposed, sizes, a, &b) == made(IN_BLOCKS[1], sizes, a, &b));
+        assert!(made(IN_PANELS, sizes, a, &b) == made(IN_BLOCKS[0], sizes, a, &b));
+        assert!(made(ACROSS, sizes, a, &b) == made(IN_BLOCKS[1], sizes, a, &b));
+    }
+
+    /// Filters leave rows out that are the same as others. A single row is another matter: faer has a way of its own for it.
+    #[test]
+    fn a_row_does_not_depend_on_the_others() {
+        for (inner, columns) in [(2048, 3), (1024, 10), (32, 3), (128, 32), (13, 64), (300, 600)] {
+            let (a, b) = (numbers(256 * inner, 0.7), numbers(inner * columns, 1.3));
+            let all = made(f32::times, [256, inner, columns], Columns { values: &a, stride: inner }, &b);
+            for (first, rows) in [(0, 2), (5, 11), (1, 13), (100, 32), (9, 47), (128, 128), (63, 193)] {
+                let some = Columns { values: &a[first * inner..], stride: inner };
+                let found = made(f32::times, [rows, inner, columns], some, &b);
+                assert!(
+                    found == all[first * columns..(first + rows) * columns],
+                    "{inner}×{columns}, {rows} rows from row {first}"
+                );
+            }
+        }
+    }
+
+    /// In blocks, with either factor transposed or none, and by the kernels of fewer rows.
+    #[test]
+    fn products_are_the_same_on_any_number_of_threads() {
+        let kinds: [(Way, [usize; 3], usize); 5] = [
+            (f32::times, [257, 2048, 4096], 2048),
+            (f32::times_transposed, [257, 2048, 4096], 2048),
+            (f32::transposed_times, [2048, 300, 4096], 2048),
+            (f32::times, [101, 600, 3000], 600),
+            (f32::times_transposed, [101, 600, 3000], 600),
+        ];
+        for (kind, (way, sizes, stride)) in kinds.into_iter().enumerate() {
+            let [rows, inner, columns] = sizes;
+            let (a, b) = (numbers(rows * inner, 0.7), numbers(inner * columns, 1.3));
+            let a = Columns { values: &a, stride };
+            let one = made(way, sizes, a, &b);
+            for threads in [2, 3] {
+                let pool = rayon_core::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+                assert!(pool.install(|| made(way, sizes, a, &b)) == one, "kind {kind}, {threads} threads");
+            }
+        }
     }
 
     /// Each kind of product where blocks begin, and of a smaller matrix. The last bits tell which way was taken.

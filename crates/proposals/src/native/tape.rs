@@ -3,7 +3,7 @@
 use faer::Accum;
 use motes_smc::{Past, ProposalError};
 
-use super::infer::{distinct, repeat_first};
+use super::alike::{distinct, repeat_first};
 use super::products::column_sums;
 use super::{At, Buffers, Kind, Native, Node, Step, Waiting, affine, cells, graph};
 use crate::gaussian::{Known, NetworkTape, Networks};
