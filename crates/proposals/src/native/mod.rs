@@ -7,6 +7,7 @@ mod across;
 mod affine;
 mod alike;
 mod buffers;
+mod by_faer;
 mod cells;
 mod graph;
 mod infer;

@@ -5,6 +5,7 @@
 //! rows of a wide result lie so far apart that they would push each other out of that cache.
 
 use faer::{Accum, MatMut};
+use prefetch_index::prefetch_index;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::Buffers;
@@ -120,7 +121,10 @@ impl WithSimd for Times<'_> {
                     let at = (first + k) * b.stride + column;
                     store_two::<S>(simd, into, load_two::<S>(simd, &b.values[at..at + some]));
                 }
-                for (start, count) in tiles.each() {
+                let next =
+                    if column + width < columns { [first, column + width] } else { [first + terms, 0] };
+                for (number, (start, count)) in tiles.each().enumerate() {
+                    ask_for(b, next, [inner, width], [number, tiles.count()]);
                     let from = start * inner;
                     let a = &in_tiles[from + first * count..from + (first + terms) * count];
                     let sums = &mut sums[start * width..(start + count) * width];
@@ -130,6 +134,22 @@ impl WithSimd for Times<'_> {
             first += terms;
         }
         write::<S>(simd, out, accum, sums);
+    }
+}
+
+/// Asks memory for a part of the panel that begins at a row and a column: its rows lie so far apart that no processor reads ahead in them.
+#[inline(always)]
+fn ask_for(
+    Columns { values, stride }: Columns<'_, f32>,
+    [first, column]: [usize; 2],
+    [inner, width]: [usize; 2],
+    [part, parts]: [usize; 2],
+) {
+    let terms = TERMS.min(inner.saturating_sub(first));
+    for term in part * terms / parts..(part + 1) * terms / parts {
+        let at = (first + term) * stride + column;
+        // It may begin anywhere in a line of cache.
+        [0, width / 2, width - 1].into_iter().for_each(|number| prefetch_index(values, at + number));
     }
 }
 
