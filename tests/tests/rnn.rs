@@ -50,11 +50,13 @@ fn trained_on_one_length_it_runs_on_any_other() {
 }
 
 /// Means and memory after three steps of 300 particles with fifty ancestors at the last two, `ancestor` telling which each has.
-fn after_three_steps(ancestor: impl Fn(usize) -> usize) -> (Vec<f64>, Vec<Vec<f64>>) {
+fn after_three_steps(precision: Precision, ancestor: impl Fn(usize) -> usize) -> (Vec<f64>, Vec<Vec<f64>>) {
     const PARTICLES: usize = 300;
     let system = replayed_system();
-    let config = small_rnn(Cell::Lstm);
-    let mut rnn = Rnn::new(&config, &system, Backend::Native.into(), &Seed::from_u64(114)).unwrap();
+    // So wide that gates are computed in panels.
+    let config = RnnConfig { hidden: 24, ..small_rnn(Cell::Lstm) };
+    let compute = Compute { backend: Backend::Native, precision };
+    let mut rnn = Rnn::new(&config, &system, compute, &Seed::from_u64(114)).unwrap();
     let ancestors: Vec<usize> = (0..PARTICLES).map(ancestor).collect();
     let n = system.state_dim();
     let previous: Vec<f64> =
@@ -79,8 +81,6 @@ fn after_three_steps(ancestor: impl Fn(usize) -> usize) -> (Vec<f64>, Vec<Vec<f6
 fn particles_of_one_ancestor_are_what_they_are_apart() {
     // Side by side they are computed once, in turns each by itself.
     let (side_by_side, in_turns) = (|particle| particle / 6, |particle| particle % 50);
-    let (means, memory) = after_three_steps(side_by_side);
-    let (means_apart, memory_apart) = after_three_steps(in_turns);
     let same = |together: &[f64], apart: &[f64]| {
         let width = together.len() / 300;
         let row = |rows: &[f64], at: usize| rows[at * width..(at + 1) * width].to_vec();
@@ -89,8 +89,22 @@ fn particles_of_one_ancestor_are_what_they_are_apart() {
             other.for_each(|other| assert_eq!(row(together, particle), row(apart, other)));
         }
     };
-    same(&means, &means_apart);
-    memory.iter().zip(&memory_apart).for_each(|(together, apart)| same(together, apart));
+    for precision in [Precision::F32, Precision::F64] {
+        let (means, memory) = after_three_steps(precision, side_by_side);
+        let (means_apart, memory_apart) = after_three_steps(precision, in_turns);
+        same(&means, &means_apart);
+        memory.iter().zip(&memory_apart).for_each(|(together, apart)| same(together, apart));
+    }
+}
+
+#[test]
+fn no_particles_are_no_work() {
+    let (system, mut rnn) = (replayed_system(), untrained(Cell::Lstm));
+    let mut memory = Proposal::<GraphDiffusion>::initial_memory(&rnn, 0);
+    for previous in [None, Some(&[][..])] {
+        let past = Past { time: 0, previous, measurement: &[0.3; 3], particles: 0 };
+        assert!(rnn.condition(&system, past, &mut memory).unwrap().means().is_empty());
+    }
 }
 
 #[test]

@@ -16,7 +16,7 @@ use crate::methods::{FrameSettings, Visitor};
 use crate::problem::{Model, Problem};
 use crate::reference::{ReferenceCache, References};
 use crate::series::Series;
-use crate::{Interrupt, UnitConfig};
+use crate::{Interrupt, UnitConfig, threads};
 use learning::train_config;
 
 /// A number with its name.
@@ -85,7 +85,7 @@ impl Evaluator {
         Evaluator { checkpoints: Some(folder), ..self }
     }
 
-    /// Runs a unit on the calling thread.
+    /// Runs a unit on the calling thread, and on the others of its rayon pool, if it is one of a pool.
     ///
     /// # Errors
     /// [`UnitError::Failed`] with the reason, [`UnitError::Interrupted`] soon after `interrupt` was raised.
@@ -93,7 +93,8 @@ impl Evaluator {
         let problem = Problem::draw(unit).map_err(failed)?;
         let references = self.references.of(unit, &problem, interrupt)?;
         let run = Run { evaluator: self, unit, problem: &problem, references: &references, interrupt };
-        let evaluation = unit.method.visit(&*problem.model, run)?;
+        let mut evaluation = unit.method.visit(&*problem.model, run)?;
+        evaluation.timings.push(Metric::new("threads", threads::here() as f64));
         match evaluation.metrics.iter().find(|metric| !metric.value.is_finite()) {
             Some(metric) => Err(failed(format!("the metric {} is {}", metric.name, metric.value))),
             None => Ok(evaluation),

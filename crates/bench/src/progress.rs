@@ -24,7 +24,7 @@ pub(crate) struct Progress {
 }
 
 impl Progress {
-    /// Starts showing a run of `units` units that are estimated to take `total` seconds of one thread.
+    /// Starts showing a run of `units` units that are estimated to take `total` seconds one after another.
     pub(crate) fn start(units: usize, total: f64) -> Self {
         let bar = std::io::stderr().is_terminal().then(|| {
             let style = ProgressStyle::with_template("{bar:30} {percent:>3} %  {msg}")

@@ -262,6 +262,8 @@ pub fn paper_estimate(plan: &Plan, estimator: &Estimator, interrupt: &Interrupt)
         profile,
         ..plan.clone()
     };
-    let total: f64 = estimator.seconds(&paper, &paper.points(), interrupt).iter().sum();
-    interrupt.check().is_continue().then(|| duration(total / plan.jobs as f64))
+    let points = paper.points();
+    let total: f64 = estimator.seconds(&paper, &points, interrupt).iter().sum();
+    let workers = plan.jobs.min(points.len()).max(1);
+    interrupt.check().is_continue().then(|| duration(total / workers as f64))
 }

@@ -31,7 +31,7 @@ pub(crate) fn run<E>(
     let next = AtomicUsize::new(0);
     let (sender, receiver) = mpsc::channel();
     std::thread::scope(|scope| {
-        for threads in threads::of_workers(jobs, units.len()) {
+        for count in threads::of_workers(jobs, units.len()) {
             let (sender, next) = (sender.clone(), &next);
             let work = move || {
                 while interrupt.check().is_continue() {
@@ -47,7 +47,7 @@ pub(crate) fn run<E>(
                     }
                 }
             };
-            scope.spawn(move || threads::on(threads, work));
+            scope.spawn(move || threads::on(count, work));
         }
         drop(sender);
         for event in receiver {
@@ -107,6 +107,23 @@ mod tests {
             assert_eq!(ends[3], Err(UnitError::Failed("panic: three".into())));
             assert_eq!(ends[4], Err(UnitError::Failed("four".into())));
             assert_eq!(ends[5].as_ref().unwrap().metrics[0].value, 5.0);
+        }
+    }
+
+    #[test]
+    fn a_unit_has_the_threads_that_no_other_needs() {
+        for (count, expected) in [(1, 3), (3, 1)] {
+            let evaluate = |_: &UnitConfig, _: &Interrupt| {
+                let metrics = vec![Metric::new("threads", threads::here() as f64)];
+                Ok(Evaluation { metrics, timings: vec![], series: None })
+            };
+            run(&units(count), 3, &Interrupt::default(), &evaluate, |event| {
+                if let Event::Ended(_, result) = event {
+                    assert_eq!(result.unwrap().metrics[0].value, f64::from(expected));
+                }
+                Ok::<(), ()>(())
+            })
+            .unwrap();
         }
     }
 

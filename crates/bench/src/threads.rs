@@ -1,6 +1,8 @@
 //! The threads of a unit: one, or several where there are fewer units than threads.
 
-use rayon_core::ThreadPoolBuilder;
+use rayon_core::{ThreadPoolBuilder, current_num_threads, current_thread_index};
+
+use crate::say::news;
 
 /// How many of `jobs` threads each of the workers has that evaluate `units` units.
 pub(crate) fn of_workers(jobs: usize, units: usize) -> impl Iterator<Item = usize> {
@@ -8,13 +10,23 @@ pub(crate) fn of_workers(jobs: usize, units: usize) -> impl Iterator<Item = usiz
     (0..workers).map(move |worker| (jobs + worker) / workers)
 }
 
-/// Does the work on so many threads: those of a pool, which large products find. Without a pool, if the system refuses to start it, it takes longer.
+/// Does the work on so many threads: those of a pool, which large products find. If the system refuses to start it, says so and does it on one.
 pub(crate) fn on<R: Send>(threads: usize, work: impl FnOnce() -> R + Send) -> R {
-    let pool = (threads > 1).then(|| ThreadPoolBuilder::new().num_threads(threads).build().ok()).flatten();
-    match pool {
-        Some(pool) => pool.install(work),
-        None => work(),
+    if threads < 2 {
+        return work();
     }
+    match ThreadPoolBuilder::new().num_threads(threads).build() {
+        Ok(pool) => pool.install(work),
+        Err(error) => {
+            news(&format!("a unit has one thread instead of {threads}: {error}"));
+            work()
+        }
+    }
+}
+
+/// How many threads the calling one can share work with, itself included.
+pub(crate) fn here() -> usize {
+    current_thread_index().map_or(1, |_| current_num_threads())
 }
 
 #[cfg(test)]
@@ -41,8 +53,7 @@ mod tests {
 
     #[test]
     fn work_finds_its_threads() {
-        let found = || rayon_core::current_thread_index().map(|_| rayon_core::current_num_threads());
-        assert_eq!(on(1, found), None);
-        assert_eq!(on(3, found), Some(3));
+        assert_eq!(on(1, here), 1);
+        assert_eq!(on(3, here), 3);
     }
 }

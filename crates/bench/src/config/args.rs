@@ -25,7 +25,7 @@ pub struct ReproduceArgs {
     /// Repetitions, instead of the profile's number
     #[arg(long)]
     pub repetitions: Option<String>,
-    /// Units run side by side, one thread each; as many as there are cores if absent
+    /// Threads for units side by side, which share those that are left over; as many as there are cores if absent
     #[arg(long)]
     pub jobs: Option<String>,
     /// What computes the networks: native, flex or ndarray
@@ -103,7 +103,7 @@ pub struct BenchArgs {
     /// How many times each piece of work is timed
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u64).range(1..=1000))]
     pub rounds: u64,
-    /// Only work whose name contains this, as "filter bootstrap" or "train rnn K=50"
+    /// Only work whose name contains this, as "filter bootstrap", "train rnn K=50" or "growth"
     #[arg(long, default_value = "")]
     pub only: String,
     /// A Python that has the other libraries; without it one is built from a pinned list

@@ -1,11 +1,11 @@
-//! One piece of work, done in turns by all who can.
+//! One piece of work, done in turns by all who can, or several in turns by us.
 
 use std::path::Path;
 
 use super::SpeedError;
 use super::task::{Answer, Request, Task};
 use super::worker::Worker;
-use super::workloads::Workload;
+use super::workloads::{Growing, Workload};
 use crate::Interrupt;
 use crate::say::news;
 
@@ -122,4 +122,34 @@ impl Contest<'_> {
         let peers = teams.into_iter().map(Team::end).chain(absent).collect();
         Ok(Outcome { ours: ours.end(), workload, peers })
     }
+}
+
+/// What filters of growing size took.
+pub(super) struct Growth {
+    pub(super) method: &'static str,
+    pub(super) size: char,
+    pub(super) values: Vec<usize>,
+    /// Of each round, the seconds of each size.
+    pub(super) seconds: Vec<Vec<f64>>,
+}
+
+/// Filters of all sizes in turns: a machine that becomes slower does so for all of them.
+pub(super) fn grow(growing: Growing, rounds: u64, interrupt: &Interrupt) -> Result<Growth, SpeedError> {
+    let Growing { method, size, filters } = growing;
+    news(&format!("growth {method} {size}"));
+    let mut teams = Vec::new();
+    for (_, workload) in &filters {
+        teams.push(Team::gather("motes", &workload.ours, |_| Worker::ours("motes"))?);
+    }
+    let mut seconds = Vec::new();
+    for _ in 0..rounds {
+        if interrupt.check().is_break() {
+            return Err(SpeedError::Interrupted);
+        }
+        for (team, (_, workload)) in teams.iter_mut().zip(&filters) {
+            team.round(workload.kind.runs())?;
+        }
+        seconds.push(teams.iter().filter_map(|team| team.entry.seconds.last().copied()).collect());
+    }
+    Ok(Growth { method, size, values: filters.into_iter().map(|(value, _)| value).collect(), seconds })
 }

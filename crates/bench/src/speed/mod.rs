@@ -25,6 +25,9 @@ use crate::config::BenchArgs;
 use drive::Contest;
 use report::Report;
 
+/// Rounds of filters of growing size for each of the others: they are short, and exponents ask for more.
+const GROWTH_ROUNDS: u64 = 3;
+
 /// Why there is no measurement.
 #[derive(Debug, Error)]
 pub enum SpeedError {
@@ -85,6 +88,13 @@ pub fn measure(args: &BenchArgs, interrupt: &Interrupt) -> Result<String, SpeedE
         let contest = Contest { workload, python: python.as_deref(), peers: &peers, rounds: args.rounds };
         report.add(contest.run(interrupt)?);
         // What is known is kept, whatever comes after.
+        report.write(&out)?;
+    }
+    for growing in workloads::growing(&scratch)? {
+        if !format!("growth {} {}", growing.method, growing.size).contains(&args.only) {
+            continue;
+        }
+        report.add_growth(drive::grow(growing, GROWTH_ROUNDS * args.rounds, interrupt)?);
         report.write(&out)?;
     }
     Ok(report.table())

@@ -6,10 +6,9 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::SpeedError;
-use super::drive::{Entry, Outcome};
-use super::folder::DIMENSION;
+use super::drive::{Entry, Growth, Outcome};
 use super::peak::Peak;
-use super::workloads::{FILTER_HORIZON, Kind, Size};
+use super::workloads::Kind;
 
 /// A report that grows.
 #[derive(Serialize)]
@@ -20,6 +19,19 @@ pub(super) struct Report {
     /// What the machine can do at most.
     peak: Peak,
     work: Vec<Line>,
+    growth: Vec<Exponent>,
+}
+
+/// The exponent with which the time of filters grows with one size.
+#[derive(Serialize)]
+struct Exponent {
+    method: &'static str,
+    size: char,
+    values: Vec<usize>,
+    /// Of each round, the seconds of each size.
+    seconds: Vec<Vec<f64>>,
+    /// Fitted in each round: least, median and greatest.
+    exponent: [f64; 3],
 }
 
 #[derive(Serialize)]
@@ -45,6 +57,21 @@ impl Report {
             processor: model.map_or("unknown".into(), |(_, name)| name.into()),
             peak,
             work: Vec::new(),
+            growth: Vec::new(),
+        }
+    }
+
+    pub(super) fn add_growth(&mut self, Growth { method, size, values, seconds }: Growth) {
+        let of_round = |seconds: &Vec<f64>| {
+            let points: Vec<(f64, f64)> =
+                values.iter().zip(seconds).map(|(&value, &seconds)| (value as f64, seconds)).collect();
+            exponent(&points)
+        };
+        let mut found: Vec<f64> = seconds.iter().map(of_round).collect();
+        found.sort_by(f64::total_cmp);
+        if let (Some(&least), Some(&greatest)) = (found.first(), found.last()) {
+            let exponent = [least, middle(&found), greatest];
+            self.growth.push(Exponent { method, size, values, seconds, exponent });
         }
     }
 
@@ -135,30 +162,15 @@ impl Report {
         text.push('\n');
     }
 
-    /// The exponent of the time in the number of particles, of times and of coordinates, fitted to all sizes of each.
     fn growth(&self, text: &mut String) {
-        let seconds = |name: &str| {
-            let line = self.work.iter().find(|line| line.name == name)?;
-            Some(median(&line.ours.seconds))
-        };
-        let mut lines = String::new();
-        for method in ["bootstrap", "min-degeneracy"] {
-            let one = Size { dimension: DIMENSION, filters: 1, particles: 10_000, horizon: FILTER_HORIZON };
-            let grow = |sizes: &[usize], of: &dyn Fn(usize) -> Size| {
-                let points = sizes.iter().map(|&size| Some((size as f64, seconds(&of(size).name(method))?)));
-                points
-                    .collect::<Option<Vec<_>>>()
-                    .map_or("–".into(), |points| format!("{:.2}", exponent(&points)))
-            };
-            let in_particles = grow(&[10_000, 100_000], &|particles| Size { particles, ..one });
-            let in_times = grow(&[50, 100, 200], &|horizon| Size { horizon, ..one });
-            let in_dimensions = grow(&[10, 20, 40], &|dimension| Size { dimension, ..one });
-            let _ = writeln!(lines, "| {method} | {in_particles} | {in_times} | {in_dimensions} |");
+        let _ = writeln!(text, "| filter | sizes | time grows with the power |\n|---|---|---:|");
+        for Exponent { method, size, values, exponent: [least, middle, greatest], .. } in &self.growth {
+            let values = values.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
+            let _ = writeln!(
+                text,
+                "| {method} | {size} = {values} | {middle:.2} ({least:.2} to {greatest:.2}) |"
+            );
         }
-        let _ = write!(
-            text,
-            "| time grows with the power of | K, 10,000 to 100,000 | T, 50 to 200 | N, 10 to 40 |\n|---|---:|---:|---:|\n{lines}"
-        );
     }
 }
 

@@ -1,4 +1,4 @@
-//! The pieces of work: filters of growing size, banks, and training of every family at the paper's sizes.
+//! The pieces of work: filters and banks of them, training of every family at the paper's sizes, and filters of growing size.
 
 use std::path::Path;
 
@@ -47,26 +47,21 @@ impl Kind {
     }
 }
 
-pub(super) const FILTER_HORIZON: usize = 50;
+const FILTER_HORIZON: usize = 50;
 /// A round of filters takes at least so many: what is done in a few milliseconds measures how a process wakes up.
 const PARTICLE_STEPS: f64 = 5e6;
 const BANK_HORIZON: usize = 12;
 const BANK: usize = 100;
 
-/// All of them, with their files under `scratch`.
+const METHODS: [&str; 2] = ["bootstrap", "min-degeneracy"];
+
+/// Those that others do too, with their files under `scratch`.
 pub(super) fn all(scratch: &Path) -> Result<Vec<Workload>, SpeedError> {
     let mut all = Vec::new();
-    for method in ["bootstrap", "min-degeneracy"] {
-        let one = Size { dimension: DIMENSION, filters: 1, particles: 10_000, horizon: FILTER_HORIZON };
+    let one = Size::usual();
+    for method in METHODS {
         for particles in [100, 1_000, 10_000, 100_000] {
             all.push(filter(scratch, method, Size { particles, ..one }, &["particles", "cuthbert"])?);
-        }
-        // Growth with T and with N.
-        for horizon in [100, 200] {
-            all.push(filter(scratch, method, Size { horizon, ..one }, &[])?);
-        }
-        for dimension in [20, 40] {
-            all.push(filter(scratch, method, Size { dimension, ..one }, &[])?);
         }
         for particles in [10, 50] {
             let bank = Size { filters: BANK, particles, horizon: BANK_HORIZON, ..one };
@@ -85,18 +80,54 @@ pub(super) fn all(scratch: &Path) -> Result<Vec<Workload>, SpeedError> {
     Ok(all)
 }
 
+/// Filters of a method that differ in one size.
+pub(super) struct Growing {
+    pub(super) method: &'static str,
+    /// The name of the size, as in formulas.
+    pub(super) size: char,
+    /// Its values, and a filter for each.
+    pub(super) filters: Vec<(usize, Workload)>,
+}
+
+/// Gives one of the sizes another value.
+type Resize = fn(Size, usize) -> Size;
+
+/// Filters of each method that grow with K, with T and with N.
+pub(super) fn growing(scratch: &Path) -> Result<Vec<Growing>, SpeedError> {
+    let one = Size::usual();
+    let mut all = Vec::new();
+    for method in METHODS {
+        let sizes: [(char, [usize; 3], Resize); 3] = [
+            ('K', [10_000, 30_000, 100_000], |one, particles| Size { particles, ..one }),
+            ('T', [50, 100, 200], |one, horizon| Size { horizon, ..one }),
+            ('N', [10, 20, 40], |one, dimension| Size { dimension, ..one }),
+        ];
+        for (size, values, of) in sizes {
+            let filters =
+                values.into_iter().map(|value| Ok((value, filter(scratch, method, of(one, value), &[])?)));
+            all.push(Growing { method, size, filters: filters.collect::<Result<_, SpeedError>>()? });
+        }
+    }
+    Ok(all)
+}
+
 /// How large filters are.
 #[derive(Clone, Copy)]
-pub(super) struct Size {
-    pub(super) dimension: usize,
-    pub(super) filters: usize,
-    pub(super) particles: usize,
-    pub(super) horizon: usize,
+struct Size {
+    dimension: usize,
+    filters: usize,
+    particles: usize,
+    horizon: usize,
 }
 
 impl Size {
+    /// What the others differ from in one number.
+    fn usual() -> Self {
+        Size { dimension: DIMENSION, filters: 1, particles: 10_000, horizon: FILTER_HORIZON }
+    }
+
     /// What such work is called.
-    pub(super) fn name(self, method: &str) -> String {
+    fn name(self, method: &str) -> String {
         let Size { dimension, filters, particles, horizon } = self;
         format!("filter {method} N={dimension} B={filters} K={particles} T={horizon}")
     }

@@ -11,15 +11,16 @@ use super::products::Columns;
 use super::shared::{Task, row};
 
 /// The longest vector.
-const WIDEST: usize = 16;
+const LANES: usize = 16;
 
 /// How many columns are turned at a time: what stays in the nearest cache.
 const TURNED: usize = 64;
 
-/// `a b`, of the transpose of what lies there for `b`, row by row, and `a` as it lies.
+/// `a b`, where `b` is the transpose of what lies there, and `a` lies row by row.
 pub(super) fn times_transposed(task: Task<'_>, buffers: &mut Buffers<f32>) {
+    debug_assert!(!task.a.transposed && task.b.transposed);
     let [rows, inner, columns] = task.sizes();
-    let padded = rows.next_multiple_of(WIDEST);
+    let padded = rows.next_multiple_of(LANES);
     let (mut turned, mut sums) = (buffers.take(padded * inner), buffers.take(padded * columns));
     Arch::new().dispatch(TimesTransposed { task, turned: &mut turned, sums: &mut sums });
     buffers.put(turned);
@@ -86,7 +87,8 @@ impl TimesTransposed<'_> {
         let mut sums = [[simd.splat_f32s(0.0); V]; B];
         let mut b: [&[f32]; B] = [&[]; B];
         for (c, b) in b.iter_mut().enumerate() {
-            *b = &self.task.b.lies.values[(column + c) * inner..(column + c + 1) * inner];
+            let Columns { values, stride } = self.task.b.lies;
+            *b = &values[(column + c) * stride..][..inner];
         }
         let (a, _) = S::as_simd_f32s(self.turned);
         let (a, _) = a.as_chunks::<V>();

@@ -5,10 +5,13 @@ use motes_smc::Past;
 
 use crate::values::{Real, Values};
 
-/// Rows that are computed are so many, or a multiple of it: memory is kept for each number of rows that there was.
+/// Numbers of rows are rounded up to a multiple of this, as memory is kept for each number of rows that there was.
 const AT_ONCE: usize = 32;
 
-/// How many particles know something that others do not, if they all have other states: before the first state none does.
+/// Particles at a time: so few that what a layer says of them stays near, and so many that its weights are read seldom.
+const BLOCK: usize = 256;
+
+/// How many rows a batch in training has, where no particle has a twin: one before the first state, else one for each.
 pub(super) fn distinct(past: &Past<'_>) -> usize {
     if past.previous.is_some() { past.particles } else { past.particles.min(1) }
 }
@@ -23,15 +26,15 @@ pub(super) fn repeat_first<T: Copy>(rows: &mut [T], width: usize) {
 #[derive(Default)]
 pub(super) struct Computed {
     particles: Vec<usize>,
-    /// Of each particle, whether it is one of them.
-    is: Vec<bool>,
+    /// Of each particle.
+    is_computed: Vec<bool>,
 }
 
 impl Computed {
-    /// Finds particles that carry `hidden` and differ from the one before them; if these are few, as many more as make good use of memory.
-    pub(super) fn find<T: Real>(&mut self, past: &Past<'_>, hidden: &[Values]) -> &[usize] {
+    /// Finds the particles that differ, in what is known or in `hidden`, from the one before them, and as many more as make their number round.
+    pub(super) fn find<T: Real>(&mut self, past: &Past<'_>, hidden: &[Values]) {
         let all = past.particles;
-        self.is.clear();
+        self.is_computed.clear();
         match past.previous {
             Some(previous) => {
                 let differs = |row| {
@@ -39,21 +42,37 @@ impl Computed {
                         || differ(previous, all, row)
                         || hidden.iter().any(|values| differ(T::slice(values), all, row))
                 };
-                self.is.extend((0..all).map(differs));
-                let found = self.is.iter().filter(|is| **is).count();
+                self.is_computed.extend((0..all).map(differs));
+                let found = self.is_computed.iter().filter(|is| **is).count();
                 let more = found.next_multiple_of(AT_ONCE).min(all) - found;
-                self.is.iter_mut().filter(|is| !**is).take(more).for_each(|is| *is = true);
+                self.is_computed.iter_mut().filter(|is| !**is).take(more).for_each(|is| *is = true);
             }
-            None => self.is.extend((0..all).map(|row| row == 0)),
+            None => self.is_computed.extend((0..all).map(|row| row == 0)),
         }
         self.particles.clear();
-        self.particles.extend((0..all).filter(|&row| self.is[row]));
-        &self.particles
+        self.particles.extend((0..all).filter(|&row| self.is_computed[row]));
+    }
+
+    /// Some of them.
+    pub(super) fn particles(&self, first: usize, count: usize) -> &[usize] {
+        &self.particles[first..first + count]
+    }
+
+    /// How many of them to compute at a time: no rest of a few, for which products have ways of their own that round otherwise.
+    pub(super) fn blocks(&self) -> impl Iterator<Item = usize> + use<> {
+        let count = self.particles.len();
+        let (whole, rest) = (count / BLOCK, count % BLOCK);
+        let [last_but_one, last] = match rest {
+            1..AT_ONCE if whole > 0 => [BLOCK + rest - AT_ONCE, AT_ONCE],
+            _ => [BLOCK, rest],
+        };
+        let before = (0..whole).map(move |block| if block + 1 < whole { BLOCK } else { last_but_one });
+        before.chain((last > 0).then_some(last))
     }
 
     /// Hands the first rows, each of which is that of a particle that was computed, to all particles.
     pub(super) fn hand_out<T: Copy>(&self, rows: &mut [T], width: usize) {
-        let mut end = self.is.len();
+        let mut end = self.is_computed.len();
         // From the last one on: none is overwritten before it was copied.
         for (from, &first) in self.particles.iter().enumerate().rev() {
             for into in first..end {
@@ -85,7 +104,8 @@ mod tests {
         let mut carried: Vec<f64> = previous.iter().flat_map(|value| [*value, 0.5]).collect();
         carried[2 * 7 + 1] = 0.25;
         let mut computed = Computed::default();
-        let found = computed.find::<f64>(&past(&previous), &[Values::F64(carried.clone())]).to_vec();
+        computed.find::<f64>(&past(&previous), &[Values::F64(carried.clone())]);
+        let found = computed.particles.clone();
         assert_eq!(found.len(), 32, "{found:?}");
         let differ = |row: usize| row == 7 || row.is_multiple_of(4);
         assert!((0..80).filter(|&row| differ(row)).all(|row| found.contains(&row)), "{found:?}");
@@ -98,14 +118,31 @@ mod tests {
     }
 
     #[test]
-    fn particles_that_differ_or_are_few_are_all_computed() {
+    fn blocks_have_all_that_is_computed_and_none_is_small() {
         let mut computed = Computed::default();
+        for count in (0..1100).chain([25_345, 30_000, 65_281]) {
+            let previous: Vec<f64> = (0..count).map(f64::from).collect();
+            computed.find::<f64>(&past(&previous), &[]);
+            let all = computed.particles.len();
+            let blocks: Vec<usize> = computed.blocks().collect();
+            assert_eq!(blocks.iter().sum::<usize>(), all, "{blocks:?}");
+            let least = blocks.iter().min().copied().unwrap_or(0);
+            assert!(least >= all.min(AT_ONCE) && blocks.iter().all(|&rows| rows <= BLOCK), "{blocks:?}");
+        }
+    }
+
+    #[test]
+    fn particles_that_differ_or_are_few_are_all_computed() {
+        let found = |past: &Past<'_>| {
+            let mut computed = Computed::default();
+            computed.find::<f64>(past, &[]);
+            computed.particles
+        };
         let differ: Vec<f64> = (0..100).map(f64::from).collect();
-        assert_eq!(computed.find::<f64>(&past(&differ), &[]), (0..100).collect::<Vec<_>>());
-        assert_eq!(computed.find::<f64>(&past(&[1.0; 10]), &[]), (0..10).collect::<Vec<_>>());
-        assert_eq!(computed.find::<f64>(&past(&[1.0; 100]), &[]).len(), 32);
-        assert!(computed.find::<f64>(&past(&[]), &[]).is_empty());
-        let first = Past { previous: None, ..past(&differ) };
-        assert_eq!(computed.find::<f64>(&first, &[]), [0]);
+        assert_eq!(found(&past(&differ)), (0..100).collect::<Vec<_>>());
+        assert_eq!(found(&past(&[1.0; 10])), (0..10).collect::<Vec<_>>());
+        assert_eq!(found(&past(&[1.0; 100])).len(), 32);
+        assert!(found(&past(&[])).is_empty());
+        assert_eq!(found(&Past { previous: None, ..past(&differ) }), [0]);
     }
 }

@@ -5,13 +5,13 @@ use std::collections::HashMap;
 /// Free pieces of memory by their length.
 pub(crate) struct Buffers<T> {
     free: HashMap<usize, Vec<Vec<T>>>,
-    /// Those of a thread that helps.
-    others: Option<Box<Buffers<T>>>,
+    /// Those of threads that help.
+    others: Vec<Buffers<T>>,
 }
 
 impl<T> Default for Buffers<T> {
     fn default() -> Self {
-        Buffers { free: HashMap::new(), others: None }
+        Buffers { free: HashMap::new(), others: Vec::new() }
     }
 }
 
@@ -25,13 +25,14 @@ impl<T: Copy + Default> Buffers<T> {
     pub(crate) fn put(&mut self, values: Vec<T>) {
         self.free.entry(values.len()).or_default().push(values);
     }
+
     /// The buffers of a thread that helps.
-    pub(super) fn take_others(&mut self) -> Box<Buffers<T>> {
-        self.others.take().unwrap_or_default()
+    pub(super) fn take_others(&mut self) -> Buffers<T> {
+        self.others.pop().unwrap_or_default()
     }
 
     /// Takes them back.
-    pub(super) fn put_others(&mut self, others: Box<Buffers<T>>) {
-        self.others = Some(others);
+    pub(super) fn put_others(&mut self, others: Buffers<T>) {
+        self.others.push(others);
     }
 }

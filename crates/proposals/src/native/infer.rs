@@ -23,9 +23,6 @@ impl Clone for Inference {
     }
 }
 
-/// Particles at a time: so few that what a layer says of them stays near, and so many that its weights are read seldom.
-const BLOCK: usize = 256;
-
 /// Means and representations (`R×N` each) of particles that carry `hidden`, which is advanced.
 pub(crate) fn infer<F: Networks>(
     networks: &F,
@@ -57,9 +54,10 @@ fn infer_in<F: Networks, T: Real>(
     representations: &mut [f64],
 ) {
     let n = means.len() / past.particles.max(1);
-    for (number, block) in computed.find::<T>(past, hidden).chunks(BLOCK).enumerate() {
-        // Of what was computed, the first rows are those of the first blocks; no particle's row lies before them.
-        let (first, rows) = (number * BLOCK, block.len());
+    computed.find::<T>(past, hidden);
+    let mut first = 0;
+    for rows in computed.blocks() {
+        let block = computed.particles(first, rows);
         let at = first * n..(first + rows) * n;
         let mut previous = buffers.take(rows * n);
         match past.previous {
@@ -90,15 +88,17 @@ fn infer_in<F: Networks, T: Real>(
         widen(step.values(emission.means), &mut means[at.clone()]);
         widen(step.values(emission.representations), &mut representations[at]);
         for (values, advanced) in hidden.iter_mut().zip(&emission.hidden) {
+            // To the first rows, where no particle lies whose turn is yet to come.
             let advanced = step.values(*advanced);
             T::slice_mut(values)[first * advanced.len() / rows..][..advanced.len()].copy_from_slice(advanced);
         }
         step.release(buffers);
+        first += rows;
     }
     computed.hand_out(means, n);
     computed.hand_out(representations, n);
     for values in hidden {
-        let width = values.len() / past.particles;
+        let width = values.len() / past.particles.max(1);
         computed.hand_out(T::slice_mut(values), width);
     }
 }

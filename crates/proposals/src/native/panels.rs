@@ -24,6 +24,7 @@ pub(super) const TALLEST: usize = 14;
 
 /// `a b`, of factors as they lie.
 pub(super) fn times(task: Task<'_>, buffers: &mut Buffers<f32>) {
+    debug_assert!(!task.a.transposed && !task.b.transposed);
     let [rows, inner, columns] = task.sizes();
     let mut panel = buffers.take(TERMS * WIDEST);
     let mut in_tiles = buffers.take(rows * inner);

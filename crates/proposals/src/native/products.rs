@@ -36,6 +36,9 @@ const WIDE: usize = 64;
 /// A matrix of so many numbers, 32 MB, is too large for a core's own cache and a share of the last one; a gradient already of half as many.
 const LARGE: usize = 8 << 20;
 
+/// So many terms of a sum faer 0.24 adds up at a time, where it has vectors with fused multiplication on x86.
+const SHORT: usize = 512;
+
 /// A product that is to be computed; the rows of `b` lie one after another.
 pub(crate) struct Product<'a, T> {
     pub(crate) out: ColumnsMut<'a, T>,
@@ -138,17 +141,17 @@ fn by_kernel(product: Product<'_, f32>, [of_a, of_b]: [bool; 2], kernel: Kernel,
     share(Task { out: by_faer::matrix_mut(out, rows, columns), accum, a, b, inner }, kernel, buffers);
 }
 
-/// `aᵀ b` in blocks, of at most 512 terms at a time: faer adds up so many, and results are the same as its own.
+/// `aᵀ b` in blocks, in sums as short as faer's, so that results are to the last bit what they were when it computed gradients of this size.
 fn in_short_sums(product: Product<'_, f32>, buffers: &mut Buffers<f32>) {
     let Product { out: ColumnsMut { values, stride }, mut accum, a, b, sizes: [rows, inner, columns] } =
         product;
-    for first in (0..inner).step_by(512) {
+    for first in (0..inner).step_by(SHORT) {
         let part = Product {
             out: ColumnsMut { values: &mut *values, stride },
             accum,
             a: Columns { values: &a.values[first * a.stride..], stride: a.stride },
             b: &b[first * columns..],
-            sizes: [rows, 512.min(inner - first), columns],
+            sizes: [rows, SHORT.min(inner - first), columns],
         };
         by_kernel(part, [true, false], large::times, buffers);
         accum = Accum::Add;
@@ -317,19 +320,30 @@ mod tests {
         assert!(made(ACROSS, sizes, a, &b) == made(IN_BLOCKS[1], sizes, a, &b));
     }
 
-    /// Filters leave rows out that are the same as others. A single row is another matter: faer has a way of its own for it.
+    /// Filters leave rows out that are the same as others.
     #[test]
     fn a_row_does_not_depend_on_the_others() {
+        let single = numbers(256 * 2048, 0.7);
+        rows_do_not_depend_on_others(&single, &numbers(2048 * 600, 1.3));
+        let double = |values: Vec<f32>| values.into_iter().map(f64::from).collect::<Vec<_>>();
+        rows_do_not_depend_on_others(&double(single), &double(numbers(2048 * 600, 1.3)));
+    }
+
+    /// As many rows as filters compute at a time: [more than a few](FEW).
+    fn rows_do_not_depend_on_others<T: Real>(a: &[T], b: &[T]) {
         for (inner, columns) in [(2048, 3), (1024, 10), (32, 3), (128, 32), (13, 64), (300, 600)] {
-            let (a, b) = (numbers(256 * inner, 0.7), numbers(inner * columns, 1.3));
-            let all = made(f32::times, [256, inner, columns], Columns { values: &a, stride: inner }, &b);
-            for (first, rows) in [(0, 2), (5, 11), (1, 13), (100, 32), (9, 47), (128, 128), (63, 193)] {
-                let some = Columns { values: &a[first * inner..], stride: inner };
-                let found = made(f32::times, [rows, inner, columns], some, &b);
-                assert!(
-                    found == all[first * columns..(first + rows) * columns],
-                    "{inner}×{columns}, {rows} rows from row {first}"
-                );
+            for accum in [Accum::Replace, Accum::Add] {
+                let product = |first: usize, rows: usize| {
+                    let mut out = b[first * columns..(first + rows) * columns].to_vec();
+                    let (a, b) = (&a[first * inner..(first + rows) * inner], &b[..inner * columns]);
+                    times(&mut out, accum, a, b, [rows, inner, columns], &mut Buffers::default());
+                    out
+                };
+                let all = product(0, 256);
+                for (first, rows) in [(1, 13), (100, 32), (9, 47), (128, 128), (63, 193)] {
+                    let expected = &all[first * columns..(first + rows) * columns];
+                    assert!(product(first, rows) == expected, "{inner}×{columns}, {rows} rows from {first}");
+                }
             }
         }
     }
@@ -379,7 +393,9 @@ mod tests {
             );
             let smaller = [rows, inner, columns - 1];
             let found = made(kinds[kind], smaller, a, &b);
-            assert!(found == made(ways_of_faer[kind], smaller, a, &b), "kind {kind}");
+            if kind < 2 || cfg!(target_arch = "x86_64") {
+                assert!(found == made(ways_of_faer[kind], smaller, a, &b), "kind {kind}");
+            }
         }
     }
 
