@@ -4,9 +4,11 @@ mod series;
 
 pub(crate) use series::series_figure;
 
+use std::collections::BTreeSet;
 use std::error::Error;
 
-use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
+use plotters::coord::ranged1d::{AsRangedCoord, DefaultFormatting, KeyPointHint, ValueFormatter};
+use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
 use crate::config::{Axis, Method, Plan};
@@ -32,6 +34,8 @@ const METRICS: [Metric; 7] = [
 
 const PANEL: (u32, u32) = (380, 260);
 const HEAD: u32 = 84;
+/// Labels that a panel has room for below it.
+const MOST_TICKS: usize = 10;
 const FONT: &str = "sans-serif";
 const INK: RGBColor = RGBColor(40, 40, 40);
 
@@ -109,7 +113,7 @@ fn draw_head(head: &Area<'_>, title: &str, methods: &[Method], uneven: bool) -> 
 fn draw_cell(cell: &Area<'_>, common: &Common<'_>, metric: &Metric, panel: &str, rows: &[&Row]) -> Drawn {
     let (low_x, high_x) = extent(rows.iter().map(|row| row.x as f64));
     let margin = 0.06 * (high_x - low_x).max(1.0);
-    let x = low_x - margin..high_x + margin;
+    let x = Across { range: (low_x - margin..high_x + margin).into(), ticks: ticks(rows) };
     let here: Vec<&Row> = rows.iter().filter(|row| row.panel == panel).copied().collect();
     // One scale for all panels of a metric, so that they can be compared.
     if metric.logarithmic {
@@ -138,17 +142,14 @@ fn draw_chart<Y>(
     metric: &Metric,
     panel: &str,
     rows: &[&Row],
-    x: std::ops::Range<f64>,
+    x: Across,
     y: Y,
 ) -> Drawn
 where
     Y: AsRangedCoord<Value = f64>,
     Y::CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>,
 {
-    let spread = x.end - x.start;
-    let mut xs: Vec<usize> = rows.iter().map(|row| row.x).collect();
-    xs.sort_unstable();
-    xs.dedup();
+    let spread = x.range().end - x.range().start;
     let mut chart = ChartBuilder::on(cell)
         .margin(8)
         .margin_right(14)
@@ -160,7 +161,6 @@ where
     chart
         .configure_mesh()
         .x_desc(axis_label(common.axis))
-        .x_labels(xs.len().clamp(2, 8))
         .y_labels(5)
         .x_label_formatter(&|x| format!("{x:.0}"))
         .y_label_formatter(&label)
@@ -190,6 +190,36 @@ where
         }))?;
     }
     Ok(())
+}
+
+/// The horizontal axis: the library's own ticks are at round numbers, where nothing may have been measured.
+struct Across {
+    range: RangedCoordf64,
+    ticks: Vec<f64>,
+}
+
+impl Ranged for Across {
+    type FormatOption = DefaultFormatting;
+    type ValueType = f64;
+
+    fn map(&self, value: &f64, limit: (i32, i32)) -> i32 {
+        self.range.map(value, limit)
+    }
+
+    fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
+        if hint.weight().allow_light_points() { Vec::new() } else { self.ticks.clone() }
+    }
+
+    fn range(&self) -> std::ops::Range<f64> {
+        self.range.range()
+    }
+}
+
+/// Where something was measured, or only some of it, if there is no room for so many labels.
+fn ticks(rows: &[&Row]) -> Vec<f64> {
+    let xs: BTreeSet<usize> = rows.iter().map(|row| row.x).collect();
+    let every = xs.len().div_ceil(MOST_TICKS).max(1);
+    xs.into_iter().step_by(every).map(|x| x as f64).collect()
 }
 
 /// Smallest and largest value; 0 and 1 of nothing.

@@ -83,39 +83,42 @@ pub(crate) fn markdown(title: &str, axis: &str, rows: &[Row], printed: &Printed)
 /// Where weights cannot be trusted.
 fn warnings(axis: &str, rows: &[Row]) -> String {
     let mut text = String::new();
-    let of = |metric: &'static str, is_bad: fn(f64) -> bool| {
-        rows.iter().filter(move |row| row.metric == metric && row.n_ok > 0 && is_bad(row.median))
-    };
-    let mut warn = |reason: String, bad: Vec<String>| {
+    let mut warn = |reason: &str, metric: &str, is_bad: fn(f64) -> bool| {
+        let bad = rows.iter().filter(|row| row.metric == metric && row.n_ok > 0 && is_bad(row.median));
+        let bad: Vec<(&Row, String)> = bad.map(|row| (row, short(row.median))).collect();
         if !bad.is_empty() {
-            text += &format!("\nWeights not to be trusted: {reason}: {}.\n", bad.join(", "));
+            text += &format!("\nWeights not to be trusted: {reason}: {}.\n", listed(axis, &bad));
         }
     };
-    let named = |row: &Row| {
-        let (method, panel, x) = (row.method.name(), &row.panel, row.x);
-        format!("{method} ({panel}, {axis} = {x}: {})", short(row.median))
-    };
-    let heavy = of("tail_index", |index| index > TAIL_INDEX_LIMIT);
-    warn(
-        format!(
-            "the tail index is above {TAIL_INDEX_LIMIT}, so that averages by them need far more particles"
-        ),
-        heavy.map(named).collect(),
+    let heavy = format!(
+        "the tail index is above {TAIL_INDEX_LIMIT}, so that averages by them need far more particles"
     );
-    let few = of("ess", |size| size < LEAST_EFFECTIVE_PARTICLES);
-    warn("one particle has more than half, on average".into(), few.map(named).collect());
-    let partly: Vec<String> = rows
-        .iter()
-        .filter(|row| row.metric == "tail_index" && row.n_ok < row.n)
-        .map(|row| {
-            format!("{} ({}, {axis} = {}: {}/{})", row.method.name(), row.panel, row.x, row.n_ok, row.n)
-        })
-        .collect();
+    warn(&heavy, "tail_index", |index| index > TAIL_INDEX_LIMIT);
+    warn("one particle has more than half, on average", "ess", |size| size < LEAST_EFFECTIVE_PARTICLES);
+    let partly = rows.iter().filter(|row| row.metric == "tail_index" && row.n_ok < row.n);
+    let partly: Vec<(&Row, String)> = partly.map(|row| (row, format!("{}/{}", row.n_ok, row.n))).collect();
     if !partly.is_empty() {
         // Units of before there was one, failed ones, and ones of too few weights.
-        text += &format!("\nTail indices of a part of the repetitions only: {}.\n", partly.join(", "));
+        let listed = listed(axis, &partly);
+        text += &format!("\nTail indices of a part of the repetitions only: {listed}.\n");
     }
     text
+}
+
+/// What is said of some rows: those of a method in a panel together, x by x.
+fn listed(axis: &str, said: &[(&Row, String)]) -> String {
+    let mut curves: Vec<(&Row, Vec<String>)> = Vec::new();
+    for (row, of) in said {
+        let of = format!("{}: {of}", row.x);
+        match curves.iter_mut().find(|(first, _)| (first.method, &first.panel) == (row.method, &row.panel)) {
+            Some((_, points)) => points.push(of),
+            None => curves.push((*row, vec![of])),
+        }
+    }
+    let curve = |(row, points): &(&Row, Vec<String>)| {
+        format!("{} ({}, {axis} = {})", row.method.name(), row.panel, points.join(", "))
+    };
+    curves.iter().map(curve).collect::<Vec<_>>().join("; ")
 }
 
 /// Three digits, in scientific notation where plain decimals would be long.
@@ -175,6 +178,11 @@ mod tests {
             ]
         );
         assert!(!markdown("T", "K", &rows[..2], &Printed::new()).contains("not to be trusted"));
+        let curves = [Row { x: 20, ..rows[3].clone() }, Row { method: Method::Psi, ..rows[3].clone() }];
+        let table = markdown("T", "K", &[&rows[3..], &curves].concat(), &Printed::new());
+        assert!(
+            table.ends_with("more particles: fcnn (N10, K = 10: 1.62, 20: 1.62); psi (N10, K = 10: 1.62).\n")
+        );
         let partly = Row { n_ok: 1, ..rows[1].clone() };
         let table = markdown("T", "K", &[rows[0].clone(), partly], &Printed::new());
         assert!(
