@@ -1,5 +1,6 @@
 //! manifest.json: what a folder of results was made from.
 
+use std::collections::BTreeSet;
 use std::process::Command;
 
 use serde::Serialize;
@@ -19,11 +20,13 @@ pub(crate) fn revision() -> String {
 }
 
 /// The distinct revisions that computed these records, sorted.
-pub(crate) fn revisions(records: &[Record]) -> Vec<String> {
-    let mut revisions: Vec<String> = records.iter().map(|record| record.revision.clone()).collect();
-    revisions.sort();
-    revisions.dedup();
-    revisions
+pub(crate) fn revisions(records: &[Record]) -> BTreeSet<&str> {
+    records.iter().map(|record| record.revision.as_str()).collect()
+}
+
+/// The distinct kinds of processors that computed these records, sorted.
+pub(crate) fn processors(records: &[Record]) -> BTreeSet<&str> {
+    records.iter().map(|record| record.processor.as_deref().unwrap_or("not recorded")).collect()
 }
 
 #[derive(Serialize)]
@@ -36,10 +39,10 @@ struct Manifest<'a> {
     units: usize,
     configuration_hash: String,
     configuration: Configuration<'a>,
-    revisions: Vec<String>,
+    revisions: BTreeSet<&'a str>,
+    processors: BTreeSet<&'a str>,
     repetitions: usize,
     versions: Versions,
-    cpu: Cpu,
 }
 
 #[derive(Serialize)]
@@ -53,12 +56,6 @@ struct Versions {
 struct Configuration<'a> {
     experiment: &'a Experiment,
     profile: &'a Profile,
-}
-
-#[derive(Serialize)]
-struct Cpu {
-    architecture: &'static str,
-    features: Vec<&'static str>,
 }
 
 /// The manifest of a folder that holds `records`.
@@ -75,28 +72,27 @@ pub(crate) fn manifest(plan: &Plan, records: &[Record]) -> String {
         configuration_hash: blake3::hash(json.as_bytes()).to_hex().to_string(),
         configuration,
         revisions: revisions(records),
+        processors: processors(records),
         repetitions: plan.repetitions,
         versions: Versions {
             motes: env!("CARGO_PKG_VERSION"),
             burn: motes_proposals::BURN_VERSION,
             rustc: env!("MOTES_RUSTC_VERSION"),
         },
-        cpu: Cpu { architecture: std::env::consts::ARCH, features: cpu_features() },
     };
     serde_json::to_string_pretty(&manifest).expect("a manifest has only string keys") + "\n"
 }
 
-/// The vector extensions that the linear algebra chooses its kernels by: results are the same bytes where these agree.
-fn cpu_features() -> Vec<&'static str> {
+/// The architecture and those vector extensions that the linear algebra chooses its kernels by: results are the same bytes where these agree.
+pub(crate) fn processor() -> String {
     #[cfg(target_arch = "x86_64")]
-    {
-        let found = [
-            ("avx2", std::arch::is_x86_feature_detected!("avx2")),
-            ("fma", std::arch::is_x86_feature_detected!("fma")),
-            ("avx512f", std::arch::is_x86_feature_detected!("avx512f")),
-        ];
-        found.into_iter().filter(|(_, there)| *there).map(|(name, _)| name).collect()
-    }
+    let extensions = [
+        ("avx2", std::arch::is_x86_feature_detected!("avx2")),
+        ("fma", std::arch::is_x86_feature_detected!("fma")),
+        ("avx512f", std::arch::is_x86_feature_detected!("avx512f")),
+    ];
     #[cfg(not(target_arch = "x86_64"))]
-    Vec::new()
+    let extensions = [];
+    let found = extensions.into_iter().filter(|(_, there)| *there).map(|(name, _): (&str, bool)| name);
+    std::iter::once(std::env::consts::ARCH).chain(found).collect::<Vec<_>>().join(" ")
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use crate::config::{Axis, Panel, Plan, Point};
 use crate::figure::{figure, series_figure};
-use crate::manifest::{manifest, revision, revisions};
+use crate::manifest::{manifest, processor, processors, revision, revisions};
 use crate::progress::{Progress, duration};
 use crate::runner::{Event, run};
 use crate::say::{news, result};
@@ -167,7 +167,7 @@ fn run_missing(
     let estimates = estimator.seconds(plan, &points, interrupt);
     let total: f64 = estimates.iter().sum();
     news(&format!("estimated time {}", duration(total / plan.jobs.min(units.len()) as f64)));
-    let revision = revision();
+    let (revision, processor) = (revision(), processor());
     let mut progress = Progress::start(units.len(), total);
     let name = |point: &Point| {
         format!("{} x = {} {} repetition {}", point.panel, point.x, point.method.name(), point.repetition)
@@ -187,6 +187,7 @@ fn run_missing(
                     point: points[index].clone(),
                     config: units[index].clone(),
                     revision: revision.clone(),
+                    processor: Some(processor.clone()),
                     outcome,
                     timings,
                     series,
@@ -230,12 +231,10 @@ fn write_outputs(plan: &Plan, store: &Store, records: &[Record]) -> Result<(), S
     if plan.experiment.series.is_some() {
         store.write_file("series.csv", &series_csv(figure_name, records))?;
     }
-    let revisions = revisions(records);
-    if revisions.len() > 1 {
-        news(&format!(
-            "these units were computed by {} source revisions; manifest.json lists them",
-            revisions.len()
-        ));
+    let of =
+        [(revisions(records).len(), "source revisions"), (processors(records).len(), "kinds of processors")];
+    for (count, kind) in of.into_iter().filter(|(count, _)| *count > 1) {
+        news(&format!("these units are of {count} {kind}; manifest.json lists them"));
     }
     result(&table);
     result(&format!("written to {}", store.folder().display()));

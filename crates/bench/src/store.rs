@@ -20,6 +20,9 @@ pub struct Record {
     pub config: UnitConfig,
     /// The source revision that computed it.
     pub revision: String,
+    /// The kind of processor that computed it, where it was recorded: architecture and vector extensions, which results depend on.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub processor: Option<String>,
     /// Its metrics, or why it failed.
     pub outcome: Outcome,
     /// What depends on the clock.
@@ -250,6 +253,7 @@ mod tests {
             point: Point { panel: "N10".into(), x: 20, method: Method::Bootstrap, repetition: 0 },
             config: unit(10, 12, 20),
             revision: "0123".into(),
+            processor: Some("x86_64 avx2 fma".into()),
             outcome: Outcome::Metrics(vec![Metric::new("ess", 0.1 + 0.2)]),
             timings: vec![],
             series: None,

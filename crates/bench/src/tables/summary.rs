@@ -156,7 +156,15 @@ mod tests {
     fn record(x: usize, repetition: usize, outcome: Outcome) -> Record {
         let point = Point { panel: "N10".into(), x, method: Method::Bootstrap, repetition };
         let config = unit(10, 12, x);
-        Record { point, config, revision: String::new(), outcome, timings: vec![], series: None }
+        Record {
+            point,
+            config,
+            revision: String::new(),
+            processor: None,
+            outcome,
+            timings: vec![],
+            series: None,
+        }
     }
 
     #[test]
