@@ -1,8 +1,8 @@
 //! Experiments: from a configuration file to tables and a figure.
 //!
 //! The `motes-bench` program reads `experiments/<figure>.toml`, runs each unit of work (panel, x, method, repetition) on a
-//! thread of its own (or on several, where there are fewer units than threads), stores it as soon as it is finished, and makes tables and a figure of all units in its folder. A
-//! run that was interrupted continues where it stopped.
+//! thread of its own (or on several, where there are fewer units than threads), stores it as soon as it is finished, and makes
+//! tables and a figure of all units in its folder. A run that was interrupted continues where it stopped.
 
 mod checkpoint;
 pub mod config;

@@ -3,9 +3,10 @@
 use std::path::Path;
 
 use super::SpeedError;
+use super::peak::product_on_two_threads;
 use super::task::{Answer, Request, Task};
 use super::worker::Worker;
-use super::workloads::{Growing, Workload};
+use super::workloads::{Growing, Kind, Workload};
 use crate::Interrupt;
 use crate::say::news;
 
@@ -22,6 +23,8 @@ pub(super) struct Outcome {
     pub(super) workload: Workload,
     pub(super) ours: Entry,
     pub(super) peers: Vec<Entry>,
+    /// Before each round of training, the rate of the largest product on two threads.
+    pub(super) peaks: Vec<f64>,
 }
 
 /// What one contestant did.
@@ -106,9 +109,13 @@ impl Contest<'_> {
                 }
             }
         }
+        let mut peaks = Vec::new();
         for _ in 0..rounds {
             if interrupt.check().is_break() {
                 return Err(SpeedError::Interrupted);
+            }
+            if let Kind::Train { .. } = workload.kind {
+                peaks.push(product_on_two_threads());
             }
             ours.round(workload.kind.runs())?;
             for team in &mut teams {
@@ -120,11 +127,12 @@ impl Contest<'_> {
             }
         }
         let peers = teams.into_iter().map(Team::end).chain(absent).collect();
-        Ok(Outcome { ours: ours.end(), workload, peers })
+        Ok(Outcome { ours: ours.end(), workload, peers, peaks })
     }
 }
 
 /// What filters of growing size took.
+#[derive(serde::Serialize)]
 pub(super) struct Growth {
     pub(super) method: &'static str,
     pub(super) size: char,

@@ -25,11 +25,8 @@ pub(super) struct Report {
 /// The exponent with which the time of filters grows with one size.
 #[derive(Serialize)]
 struct Exponent {
-    method: &'static str,
-    size: char,
-    values: Vec<usize>,
-    /// Of each round, the seconds of each size.
-    seconds: Vec<Vec<f64>>,
+    #[serde(flatten)]
+    of: Growth,
     /// Fitted in each round: least, median and greatest.
     exponent: [f64; 3],
 }
@@ -40,6 +37,9 @@ struct Line {
     kind: Kind,
     ours: Entry,
     peers: Vec<Entry>,
+    /// Before each round of training, floating-point operations a second of the largest product on two threads.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    peaks: Vec<f64>,
     /// Against each peer: peer's seconds by ours, of each round; least, median and greatest.
     ratios: Vec<(String, [f64; 3])>,
 }
@@ -61,33 +61,26 @@ impl Report {
         }
     }
 
-    pub(super) fn add_growth(&mut self, Growth { method, size, values, seconds }: Growth) {
+    pub(super) fn add_growth(&mut self, of: Growth) {
         let of_round = |seconds: &Vec<f64>| {
-            let points: Vec<(f64, f64)> =
-                values.iter().zip(seconds).map(|(&value, &seconds)| (value as f64, seconds)).collect();
-            exponent(&points)
+            let points = of.values.iter().zip(seconds).map(|(&value, &seconds)| (value as f64, seconds));
+            exponent(&points.collect::<Vec<_>>())
         };
-        let mut found: Vec<f64> = seconds.iter().map(of_round).collect();
-        found.sort_by(f64::total_cmp);
-        if let (Some(&least), Some(&greatest)) = (found.first(), found.last()) {
-            let exponent = [least, middle(&found), greatest];
-            self.growth.push(Exponent { method, size, values, seconds, exponent });
+        if let Some(exponent) = spread(of.seconds.iter().map(of_round)) {
+            self.growth.push(Exponent { of, exponent });
         }
     }
 
-    pub(super) fn add(&mut self, Outcome { workload, ours, peers }: Outcome) {
+    pub(super) fn add(&mut self, Outcome { workload, ours, peers, peaks }: Outcome) {
         let ratio = |peer: &Entry| {
             let each = peer.seconds.iter().zip(&ours.seconds);
             // As much work from every process of either side.
             let of =
                 |(theirs, mine): (&f64, &f64)| theirs / peer.processes as f64 * ours.processes as f64 / mine;
-            let mut ratios: Vec<f64> = each.map(of).collect();
-            ratios.sort_by(f64::total_cmp);
-            let (first, last) = (ratios.first()?, ratios.last()?);
-            Some((peer.name.clone(), [*first, middle(&ratios), *last]))
+            Some((peer.name.clone(), spread(each.map(of))?))
         };
         let ratios = peers.iter().filter_map(ratio).collect();
-        self.work.push(Line { name: workload.name, kind: workload.kind, ours, peers, ratios });
+        self.work.push(Line { name: workload.name, kind: workload.kind, ours, peers, peaks, ratios });
     }
 
     pub(super) fn write(&self, folder: &Path) -> Result<(), SpeedError> {
@@ -99,14 +92,14 @@ impl Report {
         Ok(())
     }
 
-    /// Three tables: filters, training, growth.
+    /// Up to three tables: filters, training, growth.
     pub(super) fn table(&self) -> String {
         let mut text = String::new();
         let giga = |rate: f64| rate / 1e9;
         let _ = writeln!(
             text,
             "{} ({} cores), medians of {} rounds in turns. Largest f32 matrix product: {:.0} GFLOP/s on one thread, {:.0} on two; \
-             memory: {:.0} GB/s and {:.0}.\n",
+             memory: {:.0} GB/s and {:.0}.",
             self.processor,
             self.cores,
             self.rounds,
@@ -115,17 +108,27 @@ impl Report {
             giga(self.peak.memory.one_thread),
             giga(self.peak.memory.two_threads)
         );
-        self.filters(&mut text);
-        self.training(&mut text);
-        self.growth(&mut text);
+        for (head, rows) in [
+            (
+                "| filter | million particle-steps a second | memory, MB | times the speed of |\n|---|---:|---:|---|",
+                self.filters(),
+            ),
+            (
+                "| training | ms a step | trainings an hour | of the peak | memory, MB | times the trainings an hour of |\n\
+                 |---|---:|---:|---:|---:|---|",
+                self.training(),
+            ),
+            ("| filter | sizes | time grows with the power |\n|---|---|---:|", self.growth()),
+        ] {
+            if !rows.is_empty() {
+                let _ = writeln!(text, "\n{head}\n{}", rows.trim_end());
+            }
+        }
         text
     }
 
-    fn filters(&self, text: &mut String) {
-        let _ = writeln!(
-            text,
-            "| filter | million particle-steps a second | memory, MB | times the speed of |\n|---|---:|---:|---|"
-        );
+    fn filters(&self) -> String {
+        let mut text = String::new();
         for line in &self.work {
             if let Kind::Filter { particle_steps } = line.kind {
                 let rate = particle_steps / median(&line.ours.seconds) / 1e6;
@@ -133,22 +136,25 @@ impl Report {
                 let _ = writeln!(text, "| {name} | {rate:.1} | {} | {} |", memory(&line.ours), versus(line));
             }
         }
-        text.push('\n');
+        text
     }
 
-    fn training(&self, text: &mut String) {
-        let _ = writeln!(
-            text,
-            "| training | ms a step | trainings an hour | of the peak | memory, MB | times the trainings an hour of |\n|---|---:|---:|---:|---:|---|"
-        );
+    fn training(&self) -> String {
+        let mut text = String::new();
         for line in &self.work {
             if let Kind::Train { steps, operations } = line.kind {
                 let (step, processes) =
                     (median(&line.ours.seconds) / steps as f64, line.ours.processes as f64);
                 let trainings = 3600.0 / (step * TRAINING) * processes;
-                let of_peak = operations / step * processes / self.peak.product.two_threads;
-                let of_peak =
-                    if operations > 0.0 { format!("{:.0} %", 100.0 * of_peak) } else { "–".into() };
+                let rates =
+                    line.ours.seconds.iter().map(|seconds| operations * steps as f64 * processes / seconds);
+                let of_peak = spread(rates.zip(&line.peaks).map(|(rate, peak)| 100.0 * rate / peak));
+                let of_peak = match of_peak {
+                    Some([least, middle, greatest]) if operations > 0.0 => {
+                        format!("{middle:.0} % ({least:.0} to {greatest:.0})")
+                    }
+                    _ => "–".into(),
+                };
                 let name = line.name.trim_start_matches("train ");
                 let _ = writeln!(
                     text,
@@ -159,18 +165,21 @@ impl Report {
                 );
             }
         }
-        text.push('\n');
+        text
     }
 
-    fn growth(&self, text: &mut String) {
-        let _ = writeln!(text, "| filter | sizes | time grows with the power |\n|---|---|---:|");
-        for Exponent { method, size, values, exponent: [least, middle, greatest], .. } in &self.growth {
+    fn growth(&self) -> String {
+        let mut text = String::new();
+        for Exponent { of: Growth { method, size, values, .. }, exponent: [least, middle, greatest] } in
+            &self.growth
+        {
             let values = values.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
             let _ = writeln!(
                 text,
                 "| {method} | {size} = {values} | {middle:.2} ({least:.2} to {greatest:.2}) |"
             );
         }
+        text
     }
 }
 
@@ -192,6 +201,13 @@ fn versus(line: &Line) -> String {
 
 fn memory(entry: &Entry) -> String {
     entry.peak_memory.map_or("–".into(), |bytes| format!("{:.0}", bytes as f64 / 1e6))
+}
+
+/// Least, median and greatest, if there are any.
+fn spread(values: impl Iterator<Item = f64>) -> Option<[f64; 3]> {
+    let mut sorted: Vec<f64> = values.collect();
+    sorted.sort_by(f64::total_cmp);
+    Some([*sorted.first()?, middle(&sorted), *sorted.last()?])
 }
 
 fn median(values: &[f64]) -> f64 {

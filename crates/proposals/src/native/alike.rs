@@ -75,8 +75,13 @@ impl Computed {
         let mut end = self.is_computed.len();
         // From the last one on: none is overwritten before it was copied.
         for (from, &first) in self.particles.iter().enumerate().rev() {
-            for into in first..end {
+            let in_place = from == first;
+            for into in first + usize::from(in_place)..end {
                 rows.copy_within(from * width..(from + 1) * width, into * width);
+            }
+            if in_place {
+                // So are all before it.
+                return;
             }
             end = first;
         }
