@@ -38,33 +38,28 @@ pub(crate) fn markdown(title: &str, axis: &str, rows: &[Row], printed: &Printed)
         })
         .collect();
     let width = columns.len() + columns.iter().filter(|(metric, _)| is_printed(metric)).count();
-    let mut text = format!("{title}\n\nMedian ± standard deviation over repetitions.\n\n");
+    let mut text = format!(
+        "{title}\n\nMedian ± standard deviation over n repetitions, or over so many as stand in brackets.\n\n"
+    );
     let joined = |cells: &[String]| cells.iter().map(|cell| format!(" {cell} |")).collect::<String>();
     text += &format!("| panel | {axis} | method |{} n |\n", joined(&heads));
     text += &format!("|---|---:|---|{}---:|\n", "---:|".repeat(width));
-    let mut points: Vec<&Row> = Vec::new();
-    for row in rows {
-        let known = points.iter().any(|p| (&p.panel, p.x, p.method) == (&row.panel, row.x, row.method));
-        if !known {
-            points.push(row);
-        }
-    }
+    let mut points = points(rows);
     // By x before method: methods are read against each other.
     let panels: Vec<&String> = points.iter().map(|row| &row.panel).collect();
     let order = |panel: &String| panels.iter().position(|known| *known == panel);
     points.sort_by_key(|row| (order(&row.panel), row.x));
     for point in points {
-        let of = |metric: &str| {
-            rows.iter().find(|row| {
-                (&row.panel, row.x, row.method) == (&point.panel, point.x, point.method)
-                    && row.metric == metric
-            })
-        };
+        let of = |metric: &str| rows.iter().find(|row| are_of_one_point(row, point) && row.metric == metric);
         let cells: Vec<String> = columns
             .iter()
             .map(|(metric, _)| {
                 let ours = match of(metric) {
-                    Some(row) if row.n_ok > 0 => format!("{} ± {}", short(row.median), short(row.std)),
+                    Some(row) if row.n_ok > 0 => {
+                        let of =
+                            if row.n_ok == point.n_ok { String::new() } else { format!(" ({})", row.n_ok) };
+                        format!("{} ± {}{of}", short(row.median), short(row.std))
+                    }
                     _ => "–".into(),
                 };
                 if !is_printed(metric) {
@@ -78,6 +73,23 @@ pub(crate) fn markdown(title: &str, axis: &str, rows: &[Row], printed: &Printed)
         text += &format!("| {panel} | {x} | {method} |{} {}/{} |\n", joined(&cells), point.n_ok, point.n);
     }
     text + &warnings(axis, rows)
+}
+
+fn are_of_one_point(a: &Row, b: &Row) -> bool {
+    (&a.panel, a.x, a.method) == (&b.panel, b.x, b.method)
+}
+
+/// A row of each point: of the metric that most of its repetitions have.
+fn points(rows: &[Row]) -> Vec<&Row> {
+    let mut points: Vec<&Row> = Vec::new();
+    for row in rows {
+        match points.iter_mut().find(|point| are_of_one_point(point, row)) {
+            Some(point) if point.n_ok < row.n_ok => *point = row,
+            Some(_) => {}
+            None => points.push(row),
+        }
+    }
+    points
 }
 
 /// Where weights cannot be trusted.
@@ -95,12 +107,16 @@ fn warnings(axis: &str, rows: &[Row]) -> String {
     );
     warn(&heavy, "tail_index", |index| index > TAIL_INDEX_LIMIT);
     warn("one particle has more than half, on average", "ess", |size| size < LEAST_EFFECTIVE_PARTICLES);
-    let partly = rows.iter().filter(|row| row.metric == "tail_index" && row.n_ok < row.n);
-    let partly: Vec<(&Row, String)> = partly.map(|row| (row, format!("{}/{}", row.n_ok, row.n))).collect();
-    if !partly.is_empty() {
-        // Units of before there was one, failed ones, and ones of too few weights.
+    let indices: Vec<&Row> = rows.iter().filter(|row| row.metric == "tail_index").collect();
+    let with_index =
+        |point: &Row| indices.iter().find(|row| are_of_one_point(row, point)).map_or(0, |row| row.n_ok);
+    let partly = points(rows).into_iter().filter(|point| with_index(point) < point.n_ok);
+    let partly: Vec<(&Row, String)> =
+        partly.map(|point| (point, format!("{}/{}", with_index(point), point.n))).collect();
+    if !indices.is_empty() && !partly.is_empty() {
+        // Units of before there was one, and ones of too few weights.
         let listed = listed(axis, &partly);
-        text += &format!("\nTail indices of a part of the repetitions only: {listed}.\n");
+        text += &format!("\nTail indices of a part of the repetitions only, or of none: {listed}.\n");
     }
     text
 }
@@ -185,11 +201,12 @@ mod tests {
         );
         let partly = Row { n_ok: 1, ..rows[1].clone() };
         let table = markdown("T", "K", &[rows[0].clone(), partly], &Printed::new());
-        assert!(
-            table.ends_with(
-                "\nTail indices of a part of the repetitions only: bootstrap (N10, K = 10: 1/2).\n"
-            )
-        );
+        assert!(table.ends_with(
+            "\nTail indices of a part of the repetitions only, or of none: bootstrap (N10, K = 10: 1/2).\n"
+        ));
+        assert!(table.contains("| 2.40 ± 0.100 | 0.310 ± 0.100 (1) | 2/2 |"));
+        let table = markdown("T", "K", &rows[..3], &Printed::new());
+        assert!(table.ends_with("or of none: fcnn (N10, K = 10: 0/2).\n"));
     }
 
     #[test]
