@@ -61,6 +61,17 @@ fn residual_counts_are_the_floor_and_a_binomial_rest() {
 }
 
 #[test]
+fn equal_weights_leave_residual_draws_nothing_to_chance() {
+    let mut stream = Seed::from_u64(42).stream();
+    for count in 1..=300 {
+        let (weights, expected) = (vec![1.0 / count as f64; count], (0..count).collect::<Vec<_>>());
+        let mut ancestors = vec![0; count];
+        Resampling::Residual.draw(&weights, &mut stream, &mut ancestors);
+        assert_eq!(ancestors, expected, "residual, {count} particles");
+    }
+}
+
+#[test]
 fn particles_without_weight_have_no_offspring() {
     let mut stream = Seed::from_u64(41).stream();
     let mut ancestors = [9; 7];

@@ -18,7 +18,8 @@ pub use settings::FilterSettings;
 /// `B` independent filters of `K` particles each, with one model, one proposal and one sequence of measurements.
 ///
 /// The model is held by anything that points to one: `&model` for a moment, `Arc<Model>` for a service that keeps filter and
-/// model together. Each filter draws from its own stream, so a bank gives each of its filters what it would get alone.
+/// model together. Each filter draws from its own stream, so a bank gives each of its filters what it would get alone
+/// (to the last bit with designed proposals; networks may round otherwise in larger batches).
 /// Between two steps the bank shows particles and weights as they are before resampling, which is when estimates
 /// are to be taken; resampling happens at the start of the next step.
 pub struct FilterBank<D: Deref, P: Proposal<D::Target>> {

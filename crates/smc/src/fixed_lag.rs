@@ -114,7 +114,8 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FixedLagSmoother
         let states = &self.generations[at].states;
         assert_eq!(particles * width, states.len(), "the mean has N coordinates");
         mean.fill(0.0);
-        for (weight, path) in self.filter.weights().normalised().iter().zip(&self.paths) {
+        let paths = self.filter.weights().normalised().iter().zip(&self.paths);
+        for (weight, path) in paths.filter(|(weight, _)| **weight > 0.0) {
             let state = &states[path * width..(path + 1) * width];
             mean.iter_mut().zip(state).for_each(|(mean, value)| *mean += weight * value);
         }

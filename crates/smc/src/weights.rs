@@ -120,9 +120,17 @@ impl LogWeights {
         Ok(log_sum)
     }
 
-    /// The weighted mean `Σ_k W_k x_k` of `states` (`K×N`), into `mean` (`N`).
+    /// The weighted mean `Σ_k W_k x_k` of `states` (`K×N`), into `mean` (`N`); a particle without weight has no part in it, wherever it is.
     pub(crate) fn mean(&self, states: &[f64], mean: &mut [f64]) {
         pulp::Arch::new().dispatch(Mean { weights: &self.normalised, states, mean });
+        if mean.iter().all(|mean| mean.is_finite()) {
+            return;
+        }
+        mean.fill(0.0);
+        let rows = self.normalised.iter().zip(states.chunks_exact(mean.len()));
+        for (weight, row) in rows.filter(|(weight, _)| **weight > 0.0) {
+            mean.iter_mut().zip(row).for_each(|(mean, value)| *mean += weight * value);
+        }
     }
 
     /// `log W_k`.
@@ -198,6 +206,26 @@ impl Pieces for WeightBlocks<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_has_no_weight_changes_nothing() {
+        let dead = f64::NEG_INFINITY;
+        let mut weights = LogWeights::uniform(3);
+        weights.update(&[0.0, dead, 0.0]).unwrap();
+        // Its state has run away since.
+        let evidence = weights.update(&[1.0, f64::NAN, 3.0]).unwrap();
+        let mut alone = LogWeights::uniform(2);
+        assert!((evidence - alone.update(&[1.0, 3.0]).unwrap()).abs() < 1e-15);
+        assert_eq!(weights.log()[1], dead);
+        for state in [f64::INFINITY, f64::NEG_INFINITY, f64::NAN] {
+            let (mut mean, mut expected) = ([0.0; 2], [0.0; 2]);
+            weights.mean(&[1.0, 2.0, state, 7.0, 5.0, 6.0], &mut mean);
+            alone.mean(&[1.0, 2.0, 5.0, 6.0], &mut expected);
+            assert!(mean.iter().zip(expected).all(|(mean, expected)| (mean - expected).abs() < 1e-12));
+        }
+        let found = weights.update(&[f64::NAN, 0.0, 0.0]);
+        assert!(matches!(found, Err(WeightFault::NotANumber { particle: 0, .. })));
+    }
 
     #[test]
     fn worked_by_hand() {

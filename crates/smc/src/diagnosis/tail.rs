@@ -48,8 +48,19 @@ pub fn tail_index(log_weights: &[f64]) -> Option<f64> {
     exceedances.retain(|excess| *excess > 0.0);
     exceedances.sort_unstable_by(f64::total_cmp);
     let fitted = if exceedances.len() < LEAST_TAIL { None } else { pareto_index(&exceedances) };
-    let hill = || tail.iter().map(|log| log - threshold).sum::<f64>() / count as f64;
-    fitted.or_else(|| Some(hill()).filter(|index| index.is_finite()))
+    fitted.or_else(|| Some(hill(tail, threshold)).filter(|index| index.is_finite()))
+}
+
+/// Hill's estimate: the mean of logarithms above a threshold, or above the least of them that is of no zero where the threshold is.
+fn hill(tail: &[f64], threshold: f64) -> f64 {
+    let positive = || tail.iter().filter(|log| **log > f64::NEG_INFINITY);
+    let (threshold, count) = match threshold {
+        f64::NEG_INFINITY => {
+            (positive().copied().fold(f64::INFINITY, f64::min), positive().count().saturating_sub(1))
+        }
+        _ => (threshold, tail.len()),
+    };
+    positive().map(|log| log - threshold).sum::<f64>() / count as f64
 }
 
 /// The index of the generalised Pareto distribution of sorted, positive values.
@@ -119,6 +130,17 @@ mod tests {
         assert_eq!(tail_index(&[3.0; 100]), None);
         assert_eq!(tail_index(&[f64::NEG_INFINITY; 100]), None);
         assert_eq!(tail_index(&[f64::NAN; 100]), None);
+    }
+
+    #[test]
+    fn weights_of_zero_hide_no_tail() {
+        let of = |count: u32| -> Vec<f64> {
+            (0..100).map(|i| if i < count { -1000.0 * f64::from(i) } else { f64::NEG_INFINITY }).collect()
+        };
+        // Fifteen weights above zero: the mean of 1000 to 14000.
+        assert!((tail_index(&of(15)).unwrap() - 7500.0).abs() < 1e-9);
+        assert!(tail_index(&of(30)).is_some_and(|index| index > 3.0));
+        assert_eq!(tail_index(&of(4)), None);
     }
 
     #[test]

@@ -71,13 +71,17 @@ fn multinomial(
     });
 }
 
+/// What weights are rounded by, and more.
+const ROUNDING: f64 = 1e-12;
+
 fn residual(weights: &[f64], first: usize, stream: &mut Stream, ancestors: &mut [usize]) {
     let count = ancestors.len();
     with_scratch(weights.len(), |remainders| {
         let mut filled = 0;
         for (index, (remainder, weight)) in remainders.iter_mut().zip(weights).enumerate() {
             let expected = weight * count as f64;
-            let certain = (expected as usize).min(count - filled);
+            // Not one less where rounding leaves a whole number a hair short, as it does 49 times the weight 1/49.
+            let certain = ((expected * (1.0 + ROUNDING)) as usize).min(count - filled);
             ancestors[filled..filled + certain].fill(first + index);
             filled += certain;
             *remainder = (expected - certain as f64).max(0.0);

@@ -93,7 +93,8 @@ impl WithSimd for Update<'_> {
             }
             None => {
                 for (log, increment) in log.iter_mut().zip(increments) {
-                    *log += increment;
+                    // What has no weight gets none, whatever has become of its state.
+                    *log = if *log == f64::NEG_INFINITY { *log } else { *log + increment };
                 }
             }
         }
