@@ -12,7 +12,7 @@ use motes_smc::{
     Bootstrap, FilterBank, FilterError, FilterSettings, MinDegeneracy, ParticleFilter, ResampleWhen,
 };
 use motes_tests::{Shifted, reference, small_fcnn, small_gnn, small_psi, small_rnn};
-use motes_train::{AdamConfig, TrainConfig, train};
+use motes_train::{AdamConfig, TrainConfig, TrainError, Training, train};
 
 /// Compares with the committed lines.
 macro_rules! assert_lines {
@@ -108,6 +108,29 @@ fn measurements() {
     ]);
 }
 
+/// The gradient overflows 32 bits where the loss does not overflow 64, and nobody waits for the next loss.
+#[test]
+fn a_training_that_is_ended_early_says_that_it_has_diverged() {
+    let initial = Gaussian::new("P_0", vec![0.0], mat![[1.0]]).unwrap();
+    let model = LinearGaussian::new(initial, mat![[0.9]], mat![[1.0]], mat![[1.0]], mat![[1e-80]]).unwrap();
+    let measurements = reference().measurements;
+    let (seed, config) = (Seed::from_u64(1), TrainConfig::paper(4));
+    let fresh = || Fcnn::new(&small_fcnn(), &model, 5, Backend::Native.into(), &seed).unwrap();
+    let mut proposal = fresh();
+    let end = |_, loss: f64| {
+        assert!(loss.is_finite());
+        std::ops::ControlFlow::Break(())
+    };
+    let found = train(&mut proposal, &model, &measurements, &config, &mut seed.stream(), end);
+    assert!(matches!(found, Err(TrainError::Diverged { step: 0, .. })), "{found:?}");
+
+    let (mut proposal, mut stream) = (fresh(), seed.stream());
+    let mut training = Training::new(&proposal, &model, &measurements, &config, &mut stream).unwrap();
+    training.check_weights(&proposal).unwrap();
+    training.step(&mut proposal).unwrap();
+    assert!(matches!(training.suspend(&proposal), Err(TrainError::Diverged { step: 0, .. })));
+}
+
 #[test]
 fn filters() {
     let model = reference().model;
@@ -185,6 +208,12 @@ fn proposals_and_training() {
         ("no time", refused(Fcnn::new(&small_fcnn(), model, 0, compute, &seed))),
         ("a proposal of another system", refused(misplaced.step(&[0.0; 3]))),
         ("training with no particle", training(|config| config.particles = 0)),
+        ("with more particles than can be counted", training(|config| config.particles = usize::MAX)),
+        ("with more particles than there is memory for", training(|config| config.particles = 1 << 50)),
+        (
+            "with a rate that is nothing in 32 bits",
+            training(|config| config.adam = AdamConfig { learning_rate: 1e-60, ..config.adam })
+        ),
         (
             "with a negative rate",
             training(|config| config.adam = AdamConfig { learning_rate: -1.0, ..config.adam })

@@ -96,6 +96,20 @@ fn what_does_not_fit_is_refused_and_changes_nothing() {
     refused(&suspended(1, compute, 1), STEPS, "instead of");
     refused(&suspended(0, Compute { precision: Precision::F64, ..compute }, 1), STEPS, "F64 and not F32");
     refused(&good, 4, "it took 5 steps of 4");
+    // With other bytes in the place of the first ones of a part.
+    let tampered = |name: &str, bytes: &[u8]| {
+        let from =
+            safetensors::SafeTensors::deserialize(&good).unwrap().tensor(name).unwrap().data().as_ptr();
+        let at = from as usize - good.as_ptr() as usize;
+        let mut other = good.clone();
+        other[at..at + bytes.len()].copy_from_slice(bytes);
+        other
+    };
+    refused(&tampered("losses", &f64::NAN.to_le_bytes()), STEPS, "losses are not all finite");
+    for steps in [6, -1, i32::MAX] {
+        let expected = format!("a matrix took {steps} steps of 5");
+        refused(&tampered("steps of each matrix", &steps.to_le_bytes()), STEPS, &expected);
+    }
     for length in [0, 8, 100, good.len() - 1] {
         refused(&good[..length], STEPS, "not a training that was put aside");
     }

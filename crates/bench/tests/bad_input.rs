@@ -83,6 +83,8 @@ fn keys_and_values_of_the_experiment() {
         ("dimension = 8", "dimension = 6"),
         ("snr_db = 5.0\n", ""),
         ("learning_rate = 0.001", "learning_rate = 0.0"),
+        ("learning_rate = 0.001", "learning_rate = 1e-60"),
+        ("epsilon = 1e-8", "epsilon = 1e-50"),
         ("ess_threshold = 0.3333333333333333", "ess_threshold = 1.5"),
         ("neighbours = 3", "neighbours = 6"),
         ("noise = \"gaussian\"", "noise = \"gausian\""),

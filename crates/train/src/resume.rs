@@ -44,8 +44,9 @@ impl Training<'_> {
     /// ```
     ///
     /// # Errors
-    /// [`TrainError::NotResumed`] if the numbers cannot be written.
+    /// [`TrainError::Diverged`] if the last step has left weights that are not finite, [`TrainError::NotResumed`] if the numbers cannot be written.
     pub fn suspend(&self, proposal: &dyn Learnable) -> Result<Vec<u8>, TrainError> {
+        self.check_weights(proposal)?;
         let weights = proposal.parameters().values();
         let zeros = || weights.zeros_like(weights.len());
         let (first, second) = match &self.adam.moments {
@@ -83,7 +84,7 @@ impl Training<'_> {
     /// That they are the same is the caller's to see to: of a training with other settings only its sizes are noticed.
     ///
     /// # Errors
-    /// [`TrainError::NotResumed`] if the bytes do not fit the proposal, took more steps than there are, or hold a number that is not finite;
+    /// [`TrainError::NotResumed`] if the bytes do not fit the proposal, took more steps than there are, or hold a number that cannot be;
     /// nothing has changed then.
     pub fn resume(&mut self, proposal: &mut dyn Learnable, bytes: &[u8]) -> Result<(), TrainError> {
         let file = SafeTensors::deserialize(bytes).map_err(|error| refuse(error.to_string()))?;
@@ -114,12 +115,22 @@ impl Training<'_> {
         if losses.len() > self.steps() {
             return Err(refuse(format!("it took {} steps of {}", losses.len(), self.steps())));
         }
+        if losses.iter().any(|loss| !loss.is_finite()) {
+            return Err(refuse(format!("{LOSSES} are not all finite")));
+        }
+        let taken: Vec<i32> = taken.as_chunks().0.iter().map(|steps| i32::from_le_bytes(*steps)).collect();
+        // A matrix may have been left out of steps, but was in none that were not taken.
+        if let Some(steps) =
+            taken.iter().find(|steps| usize::try_from(**steps).map_or(true, |steps| steps > losses.len()))
+        {
+            return Err(refuse(format!("a matrix took {steps} steps of {}", losses.len())));
+        }
         let position = part(POSITION, Dtype::U64, Some(2))?;
         let position = position.as_array().map_or(0, |position| u128::from_le_bytes(*position));
 
         *proposal.parameters_mut().values_mut() = new;
         self.adam.moments = Some(Moments { first, second });
-        self.adam.taken = taken.as_chunks().0.iter().map(|steps| i32::from_le_bytes(*steps)).collect();
+        self.adam.taken = taken;
         self.history.losses = losses;
         self.stream.set_word_pos(position);
         Ok(())
@@ -137,7 +148,7 @@ fn bytes_of(values: &Values) -> Vec<u8> {
     }
 }
 
-fn is_finite(values: &Values) -> bool {
+pub(crate) fn is_finite(values: &Values) -> bool {
     match values {
         Values::F32(values) => values.iter().all(|value| value.is_finite()),
         Values::F64(values) => values.iter().all(|value| value.is_finite()),

@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use crate::adam::AdamSteps;
 use crate::gradient_flow::GradientFlow;
+use crate::resume::is_finite;
 use crate::rollout::{draw_and_pull, in_step};
 use crate::{Objective, TrainError};
 
@@ -67,7 +68,12 @@ impl TrainConfig {
         // The optimiser computes in 32 bits: what rounds to 1 or to 0 there is as bad as 1 or 0.
         let forgetting = |value: f64| (0.0..1.0).contains(&(value as f32));
         let checks = [
-            (positive(learning_rate), "the learning rate", learning_rate.to_string(), "positive and finite"),
+            (
+                positive(f64::from(learning_rate as f32)),
+                "the learning rate",
+                format!("{learning_rate:?}"),
+                "positive and finite in 32 bits",
+            ),
             (
                 forgetting(beta_1),
                 "Adam's first forgetting factor",
@@ -83,8 +89,8 @@ impl TrainConfig {
             (
                 positive(f64::from(epsilon as f32)),
                 "Adam's epsilon",
-                epsilon.to_string(),
-                "positive and finite",
+                format!("{epsilon:?}"),
+                "positive and finite in 32 bits",
             ),
         ];
         self.gradient.check()?;
@@ -134,6 +140,7 @@ pub fn train(
         let step = training.history.losses.len();
         let loss = training.step(proposal)?;
         if observe(step, loss).is_break() {
+            training.check_weights(proposal)?;
             break;
         }
     }
@@ -189,7 +196,8 @@ impl<'a> Training<'a> {
     /// Takes one step with `proposal`, the same at each step, and returns the loss before it.
     ///
     /// # Errors
-    /// [`TrainError::Diverged`] or [`TrainError::Proposal`], as [`train`].
+    /// [`TrainError::Diverged`] or [`TrainError::Proposal`], as [`train`]. A gradient that is not finite shows in the next step, after the last
+    /// of the settings' steps at once; who stops earlier can ask [`Training::check_weights`].
     pub fn step(&mut self, proposal: &mut dyn Learnable) -> Result<f64, TrainError> {
         let TrainConfig { objective, gradient, particles, .. } = self.config;
         let step = self.history.losses.len();
@@ -221,9 +229,25 @@ impl<'a> Training<'a> {
         Ok(loss)
     }
 
+    /// Whether the weights are fit for use, whatever the gradient of the last step was.
+    ///
+    /// # Errors
+    /// [`TrainError::Diverged`] if they are not all finite.
+    pub fn check_weights(&self, proposal: &dyn Learnable) -> Result<(), TrainError> {
+        let step = self.history.losses.len().saturating_sub(1);
+        let fine = is_finite(proposal.parameters().values());
+        if fine { Ok(()) } else { Err(TrainError::Diverged { step, loss: f64::NAN }) }
+    }
+
     pub(crate) fn steps(&self) -> usize {
         self.config.steps
     }
+}
+
+fn there_is_memory_for(numbers: usize) -> bool {
+    let mut memory = Vec::<f64>::new();
+    // A compiler may leave out memory that nobody looks at.
+    std::hint::black_box(memory.try_reserve_exact(numbers)).is_ok()
 }
 
 pub(crate) fn check_fit(
@@ -243,6 +267,16 @@ pub(crate) fn check_fit(
         if value == 0 {
             return Err(differs(name, value, "at least 1"));
         }
+    }
+    // States of all times and their derivatives; what networks keep of them comes on top.
+    let values =
+        particles.checked_mul(measurements.len()).and_then(|rows| rows.checked_mul(model.state_dim()));
+    if !values.and_then(|values| values.checked_mul(2)).is_some_and(there_is_memory_for) {
+        return Err(differs(
+            "the number of particles K",
+            particles,
+            "as many as there is memory for at all times",
+        ));
     }
     if proposal.state_dim() != model.state_dim() {
         return Err(differs("the proposal's state dimension", proposal.state_dim(), "that of the model"));

@@ -45,11 +45,12 @@ pub(super) fn check(file: &str, experiment: &Experiment) -> Result<(), ConfigErr
         checks.that(fine, "filter.defensive_weight", weight, expected)?;
     }
     for (key, value) in [("learning_rate", training.learning_rate), ("epsilon", training.epsilon)] {
-        let fine = value > 0.0 && value.is_finite();
-        checks.that(fine, &format!("training.{key}"), value, "it must be positive and finite")?;
+        // The optimiser computes in 32 bits.
+        let fine = value as f32 > 0.0 && (value as f32).is_finite();
+        let value = format!("{value:?}");
+        checks.that(fine, &format!("training.{key}"), value, "it must be positive and finite in 32 bits")?;
     }
     for (key, value) in [("beta_1", training.beta_1), ("beta_2", training.beta_2)] {
-        // The optimiser computes in 32 bits.
         let fine = (0.0..1.0).contains(&(value as f32));
         checks.that(fine, &format!("training.{key}"), value, "it must be at least 0 and below 1")?;
     }
