@@ -3,7 +3,10 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use serde::{Deserialize, Serialize};
+
 use crate::durable;
+use crate::provenance::Provenance;
 use crate::say::news;
 
 /// How often a training is put aside.
@@ -16,25 +19,52 @@ pub(crate) fn path(units: &Path, key: &str) -> PathBuf {
     units.join(format!("{key}.checkpoint"))
 }
 
+/// Where trainings are put aside, and what computes them.
+#[derive(Debug, Clone)]
+pub(crate) struct Checkpoints {
+    /// The folder of units.
+    pub(crate) folder: PathBuf,
+    pub(crate) provenance: Provenance,
+}
+
+impl Checkpoints {
+    /// That of the unit with this key.
+    pub(crate) fn of(&self, key: &str) -> Checkpoint {
+        let provenance = self.provenance.clone();
+        Checkpoint { path: path(&self.folder, key), provenance, last: Instant::now() }
+    }
+}
+
 /// The training of one unit on disk.
 #[derive(Debug)]
 pub(crate) struct Checkpoint {
     path: PathBuf,
+    provenance: Provenance,
     last: Instant,
 }
 
-/// The length of what stands before the bytes of a training: their hash and the seconds that it has taken.
-const HEAD: usize = blake3::OUT_LEN + 8;
+/// A training that was put aside.
+#[derive(Debug, PartialEq)]
+pub(crate) struct PutAside {
+    /// The seconds that it had taken.
+    pub(crate) seconds: f64,
+    /// What computed its parts, one after the other.
+    pub(crate) provenances: Vec<Provenance>,
+    /// What `motes_train` wrote of it.
+    pub(crate) training: Vec<u8>,
+}
+
+/// A line before the bytes of a training.
+#[derive(Serialize, Deserialize)]
+struct Head {
+    seconds: f64,
+    provenances: Vec<Provenance>,
+}
 
 impl Checkpoint {
-    /// That of the unit with this key, in the folder of units.
-    pub(crate) fn of(units: &Path, key: &str) -> Self {
-        Checkpoint { path: path(units, key), last: Instant::now() }
-    }
-
-    /// The seconds that the training had taken and its bytes, if one was put aside; a damaged file is as good as none, and said to be.
-    pub(crate) fn read(&self) -> Option<(f64, Vec<u8>)> {
-        let mut bytes = match std::fs::read(&self.path) {
+    /// The training, if one was put aside; a damaged file is as good as none, and said to be.
+    pub(crate) fn read(&self) -> Option<PutAside> {
+        let bytes = match std::fs::read(&self.path) {
             Ok(bytes) => bytes,
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => return None,
             Err(error) => {
@@ -42,18 +72,11 @@ impl Checkpoint {
                 return None;
             }
         };
-        let seconds = bytes.get(blake3::OUT_LEN..HEAD).and_then(|seconds| seconds.as_array().copied());
-        let is_whole = |rest: &[u8]| blake3::hash(rest).as_bytes().as_slice() == &bytes[..blake3::OUT_LEN];
-        match seconds {
-            Some(seconds) if is_whole(&bytes[blake3::OUT_LEN..]) => {
-                bytes.drain(..HEAD);
-                Some((f64::from_le_bytes(seconds), bytes))
-            }
-            _ => {
-                news(&format!("{} is damaged; its training begins anew", self.path.display()));
-                None
-            }
+        let found = whole(&bytes);
+        if found.is_none() {
+            news(&format!("{} is damaged; its training begins anew", self.path.display()));
         }
+        found
     }
 
     /// Whether it is time to put the training aside: every ten minutes, and when the run is being stopped.
@@ -62,12 +85,33 @@ impl Checkpoint {
         self.last.elapsed() >= wait
     }
 
-    /// Puts a training aside that has taken so many seconds: whole, or what was there before stays.
-    pub(crate) fn write(&mut self, seconds: f64, bytes: &[u8]) -> Result<(), String> {
-        let seconds = seconds.to_le_bytes();
-        let hash = *blake3::Hasher::new().update(&seconds).update(bytes).finalize().as_bytes();
+    /// Puts a training aside that was begun by `earlier` and has taken so many seconds: whole, or what was there before stays.
+    pub(crate) fn write(
+        &mut self,
+        seconds: f64,
+        earlier: &[Provenance],
+        training: &[u8],
+    ) -> Result<(), String> {
+        let mut provenances = earlier.to_vec();
+        provenances.push(self.provenance.clone());
+        provenances.dedup();
+        let mut head =
+            serde_json::to_vec(&Head { seconds, provenances }).map_err(|error| error.to_string())?;
+        head.push(b'\n');
+        let hash = *blake3::Hasher::new().update(&head).update(training).finalize().as_bytes();
         self.last = Instant::now();
-        durable::write(&self.path, &[&hash, &seconds, bytes])
+        durable::write(&self.path, &[&hash, &head, training])
             .map_err(|error| format!("{}: {error}", self.path.display()))
     }
+}
+
+/// What was written, if it is all there: a hash, the head in a line, the training.
+fn whole(bytes: &[u8]) -> Option<PutAside> {
+    let (hash, rest) = bytes.split_first_chunk::<{ blake3::OUT_LEN }>()?;
+    if blake3::hash(rest).as_bytes() != hash {
+        return None;
+    }
+    let end = rest.iter().position(|byte| *byte == b'\n')?;
+    let Head { seconds, provenances } = serde_json::from_slice(&rest[..end]).ok()?;
+    Some(PutAside { seconds, provenances, training: rest[end + 1..].to_vec() })
 }

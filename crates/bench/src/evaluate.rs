@@ -11,13 +11,15 @@ use motes_smc::{Bootstrap, Proposal};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use crate::checkpoint::Checkpoints;
 use crate::config;
 use crate::methods::{FrameSettings, Visitor};
 use crate::problem::{Model, Problem};
+use crate::provenance::Provenance;
 use crate::reference::{ReferenceCache, References};
 use crate::series::Series;
 use crate::{Interrupt, UnitConfig, threads};
-use learning::train_config;
+use learning::{Trained, train_config};
 
 /// A number with its name.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -43,6 +45,8 @@ pub struct Evaluation {
     pub timings: Vec<Metric>,
     /// Estimates over time, where the experiment shows them.
     pub series: Option<Series>,
+    /// What began the training, if it was taken up.
+    pub(crate) earlier: Vec<Provenance>,
 }
 
 /// Why a unit has no result.
@@ -69,8 +73,7 @@ pub(crate) fn failed(error: impl ToString) -> UnitError {
 pub struct Evaluator {
     references: ReferenceCache,
     models: Option<PathBuf>,
-    /// The folder of units.
-    checkpoints: Option<PathBuf>,
+    checkpoints: Option<Checkpoints>,
 }
 
 impl Evaluator {
@@ -79,10 +82,10 @@ impl Evaluator {
         Evaluator { models, ..Evaluator::default() }
     }
 
-    /// Puts long trainings aside in `folder` now and then, and when the run is being stopped, and takes up what lies there.
+    /// Puts long trainings aside now and then, and when the run is being stopped, and takes up what was put aside.
     #[must_use]
-    pub(crate) fn with_checkpoints(self, folder: PathBuf) -> Self {
-        Evaluator { checkpoints: Some(folder), ..self }
+    pub(crate) fn with_checkpoints(self, checkpoints: Checkpoints) -> Self {
+        Evaluator { checkpoints: Some(checkpoints), ..self }
     }
 
     /// Runs a unit on the calling thread, and on the others of its rayon pool, if it is one of a pool.
@@ -127,7 +130,7 @@ impl Visitor for Run<'_> {
         backend: config::Backend,
     ) -> Result<Evaluation, UnitError> {
         let config = train_config(training, self.unit.filter.particles, steps);
-        let (proposal, history, seconds) = self.train::<F>(family, &config, backend)?;
+        let Trained { proposal, history, seconds, earlier } = self.train::<F>(family, &config, backend)?;
         if let Some(models) = &self.evaluator.models {
             let folder = models.join(self.unit.key());
             save(&folder, &proposal, &*self.problem.model, &config)
@@ -139,6 +142,7 @@ impl Visitor for Run<'_> {
             evaluation.metrics.extend(loss.map(|&loss| Metric::new(name, loss)));
         }
         evaluation.timings.insert(0, Metric::new("train_seconds", seconds));
+        evaluation.earlier = earlier;
         Ok(evaluation)
     }
 
@@ -162,7 +166,6 @@ impl Visitor for Run<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::checkpoint::Checkpoint;
     use crate::methods::MethodConfig;
     use crate::unit::tests::{fcnn_unit, on_graph};
     use motes_models::{Seed, Sequence};
@@ -185,8 +188,8 @@ mod tests {
                 interrupt: &interrupt,
             };
             let config = train_config(&fcnn.training, unit.filter.particles, fcnn.steps);
-            let (proposal, _, _) = run.train::<Fcnn>(&fcnn.proposal, &config, fcnn.backend).unwrap();
-            let parameters = proposal.parameters();
+            let trained = run.train::<Fcnn>(&fcnn.proposal, &config, fcnn.backend).unwrap();
+            let parameters = trained.proposal.parameters();
             (0..parameters.len()).flat_map(|at| parameters.host(at)).collect::<Vec<f64>>()
         };
         let problem = Problem::draw(&unit).unwrap();
@@ -211,6 +214,10 @@ mod tests {
         // Three of its five steps, by hand.
         let folder = tempfile::tempdir().unwrap();
         let (problem, seed) = (Problem::draw(&unit).unwrap(), unit.own_seed());
+        let checkpoints = |revision: &str| Checkpoints {
+            folder: folder.path().into(),
+            provenance: Provenance { revision: revision.into(), processor: "x86_64".into() },
+        };
         let put_aside = |seed: &Seed| {
             let weights = seed.child("weights");
             let mut proposal =
@@ -222,12 +229,13 @@ mod tests {
                 Training::new(&proposal, &*problem.model, measurements, &config, &mut stream).unwrap();
             (0..3).for_each(|_| assert!(training.step(&mut proposal).is_ok()));
             let bytes = training.suspend(&proposal).unwrap();
-            Checkpoint::of(folder.path(), &unit.key()).write(7.0, &bytes).unwrap();
+            checkpoints("earlier").of(&unit.key()).write(7.0, &[], &bytes).unwrap();
         };
         put_aside(&seed);
-        let evaluator = Evaluator::new(None).with_checkpoints(folder.path().into());
+        let evaluator = Evaluator::new(None).with_checkpoints(checkpoints("now"));
         let found = evaluator.evaluate(&unit, &Interrupt::default()).unwrap();
         assert_eq!(found.metrics, expected);
+        assert_eq!(found.earlier, [checkpoints("earlier").provenance]);
         assert!(found.timings[0].value > 7.0, "the seconds of both parts");
 
         // It was used: what another training has put aside leads elsewhere.
@@ -244,6 +252,7 @@ mod tests {
             std::fs::write(&path, damaged).unwrap();
             let found = evaluator.evaluate(&unit, &Interrupt::default()).unwrap();
             assert_eq!(found.metrics, expected);
+            assert!(found.earlier.is_empty());
         }
     }
 

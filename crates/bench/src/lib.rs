@@ -16,6 +16,7 @@ mod methods;
 mod metrics;
 mod problem;
 mod progress;
+mod provenance;
 mod reference;
 mod regression;
 mod reproduce;

@@ -1,23 +1,12 @@
 //! manifest.json: what a folder of results was made from.
 
 use std::collections::BTreeSet;
-use std::process::Command;
 
 use serde::Serialize;
 
 use crate::UNIT_FORMAT;
 use crate::config::{Experiment, Plan, Profile};
 use crate::store::Record;
-
-/// The source revision in the current folder, with `-dirty` if there are changes; `unknown` outside a repository.
-pub(crate) fn revision() -> String {
-    let described =
-        Command::new("git").args(["describe", "--always", "--abbrev=40", "--dirty", "--exclude=*"]).output();
-    match described {
-        Ok(output) if output.status.success() => String::from_utf8_lossy(&output.stdout).trim().to_string(),
-        _ => "unknown".into(),
-    }
-}
 
 /// The distinct revisions that computed these records, sorted.
 pub(crate) fn revisions(records: &[Record]) -> BTreeSet<&str> {
@@ -81,18 +70,4 @@ pub(crate) fn manifest(plan: &Plan, records: &[Record]) -> String {
         },
     };
     serde_json::to_string_pretty(&manifest).expect("a manifest has only string keys") + "\n"
-}
-
-/// The architecture and those vector extensions that the linear algebra chooses its kernels by: results are the same bytes where these agree.
-pub(crate) fn processor() -> String {
-    #[cfg(target_arch = "x86_64")]
-    let extensions = [
-        ("avx2", std::arch::is_x86_feature_detected!("avx2")),
-        ("fma", std::arch::is_x86_feature_detected!("fma")),
-        ("avx512f", std::arch::is_x86_feature_detected!("avx512f")),
-    ];
-    #[cfg(not(target_arch = "x86_64"))]
-    let extensions = [];
-    let found = extensions.into_iter().filter(|(_, there)| *there).map(|(name, _): (&str, bool)| name);
-    std::iter::once(std::env::consts::ARCH).chain(found).collect::<Vec<_>>().join(" ")
 }

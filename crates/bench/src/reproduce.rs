@@ -1,11 +1,14 @@
 //! One figure from plan to files: what is missing is run, then tables and figure are made of all that is there.
 
 use std::collections::BTreeSet;
+use std::path::PathBuf;
 
+use crate::checkpoint::Checkpoints;
 use crate::config::{Axis, Panel, Plan, Point};
 use crate::figure::{figure, series_figure};
-use crate::manifest::{manifest, processor, processors, revision, revisions};
+use crate::manifest::{manifest, processors, revisions};
 use crate::progress::{Progress, duration};
+use crate::provenance::Provenance;
 use crate::runner::{Event, run};
 use crate::say::{news, result};
 use crate::store::{Contents, Outcome, Record};
@@ -55,8 +58,7 @@ pub fn reproduce(plan: &Plan, estimator: &Estimator, interrupt: &Interrupt) -> R
     let missing: Vec<&(Point, UnitConfig)> = wanted.iter().filter(|wanted| !is_there(wanted)).collect();
     announce(plan, wanted.len(), missing.len());
     if !missing.is_empty() {
-        let evaluator = Evaluator::new(models.clone()).with_checkpoints(store.units());
-        run_missing(plan, &store, &missing, (&evaluator, estimator), interrupt)?;
+        run_missing(plan, &store, &missing, (models.clone(), estimator), interrupt)?;
     }
 
     let (records, _) = read(plan, &store)?;
@@ -159,7 +161,7 @@ fn run_missing(
     plan: &Plan,
     store: &Store,
     missing: &[&(Point, UnitConfig)],
-    (evaluator, estimator): (&Evaluator, &Estimator),
+    (models, estimator): (Option<PathBuf>, &Estimator),
     interrupt: &Interrupt,
 ) -> Result<(), StoreError> {
     let points: Vec<Point> = missing.iter().map(|(point, _)| point.clone()).collect();
@@ -167,7 +169,9 @@ fn run_missing(
     let estimates = estimator.seconds(plan, &points, interrupt);
     let total: f64 = estimates.iter().sum();
     news(&format!("estimated time {}", duration(total / plan.jobs.min(units.len()) as f64)));
-    let (revision, processor) = (revision(), processor());
+    let here = Provenance::here();
+    let checkpoints = Checkpoints { folder: store.units(), provenance: here.clone() };
+    let evaluator = Evaluator::new(models).with_checkpoints(checkpoints);
     let mut progress = Progress::start(units.len(), total);
     let name = |point: &Point| {
         format!("{} x = {} {} repetition {}", point.panel, point.x, point.method.name(), point.repetition)
@@ -179,15 +183,18 @@ fn run_missing(
             Event::Ended(_, Err(UnitError::Interrupted)) => {}
             Event::Ended(_, Err(UnitError::NotKept(reason))) => return Err(StoreError::Model(reason)),
             Event::Ended(index, result) => {
-                let (outcome, timings, series) = match result {
-                    Ok(found) => (Outcome::Metrics(found.metrics), found.timings, found.series),
-                    Err(error) => (Outcome::Failed(error.to_string()), vec![], None),
+                let (outcome, earlier, timings, series) = match result {
+                    Ok(found) => {
+                        (Outcome::Metrics(found.metrics), found.earlier, found.timings, found.series)
+                    }
+                    Err(error) => (Outcome::Failed(error.to_string()), vec![], vec![], None),
                 };
+                let Provenance { revision, processor } = here.after(&earlier);
                 let record = Record {
                     point: points[index].clone(),
                     config: units[index].clone(),
-                    revision: revision.clone(),
-                    processor: Some(processor.clone()),
+                    revision,
+                    processor: Some(processor),
                     outcome,
                     timings,
                     series,

@@ -3,7 +3,9 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
+use std::thread::Builder;
 
+use crate::say::news;
 use crate::{Evaluation, Interrupt, UnitConfig, UnitError, threads};
 
 /// What a worker reports.
@@ -20,7 +22,8 @@ pub(crate) type Evaluate<'a> = dyn Fn(&UnitConfig, &Interrupt) -> Result<Evaluat
 /// Evaluates `units` on `jobs` threads and calls `observe` on the calling thread for each event.
 ///
 /// Parallel units do not compete for cores: each has its share of the threads, one if there are units enough. The number of threads cannot
-/// change a result. An error from `observe` (a result that cannot be stored) stops the run, as the interrupt does.
+/// change a result. An error from `observe` (a result that cannot be stored) stops the run, as the interrupt does. Threads that the system
+/// refuses are done without; if it refuses all of them, the calling one does their work.
 pub(crate) fn run<E>(
     units: &[UnitConfig],
     jobs: usize,
@@ -29,14 +32,16 @@ pub(crate) fn run<E>(
     mut observe: impl FnMut(Event) -> Result<(), E>,
 ) -> Result<(), E> {
     let next = AtomicUsize::new(0);
+    let take = || {
+        let index = interrupt.check().is_continue().then(|| next.fetch_add(1, Ordering::Relaxed))?;
+        units.get(index).map(|unit| (index, unit))
+    };
     let (sender, receiver) = mpsc::channel();
     std::thread::scope(|scope| {
-        for count in threads::of_workers(jobs, units.len()) {
-            let (sender, next) = (sender.clone(), &next);
+        for (started, count) in threads::of_workers(jobs, units.len()).enumerate() {
+            let (sender, take) = (sender.clone(), &take);
             let work = move || {
-                while interrupt.check().is_continue() {
-                    let index = next.fetch_add(1, Ordering::Relaxed);
-                    let Some(unit) = units.get(index) else { return };
+                while let Some((index, unit)) = take() {
                     // If nobody listens any more, nobody wants the result.
                     if sender.send(Event::Started(index)).is_err() {
                         return;
@@ -47,7 +52,16 @@ pub(crate) fn run<E>(
                     }
                 }
             };
-            scope.spawn(move || threads::on(count, work));
+            if let Err(error) = Builder::new().spawn_scoped(scope, move || threads::on(count, work)) {
+                news(&format!("the system refuses more than {started} threads: {error}"));
+                if started == 0 {
+                    while let Some((index, unit)) = take() {
+                        observe(Event::Started(index))?;
+                        observe(Event::Ended(index, guarded(|| evaluate(unit, interrupt))))?;
+                    }
+                }
+                break;
+            }
         }
         drop(sender);
         for event in receiver {
@@ -83,7 +97,7 @@ mod tests {
             4 => Err(UnitError::Failed("four".into())),
             repetition => {
                 let metrics = vec![Metric::new("ess", repetition as f64)];
-                Ok(Evaluation { metrics, timings: vec![], series: None })
+                Ok(Evaluation { metrics, timings: vec![], series: None, earlier: vec![] })
             }
         }
     }
@@ -115,7 +129,7 @@ mod tests {
         for (count, expected) in [(1, 3), (3, 1)] {
             let evaluate = |_: &UnitConfig, _: &Interrupt| {
                 let metrics = vec![Metric::new("threads", threads::here() as f64)];
-                Ok(Evaluation { metrics, timings: vec![], series: None })
+                Ok(Evaluation { metrics, timings: vec![], series: None, earlier: vec![] })
             };
             run(&units(count), 3, &Interrupt::default(), &evaluate, |event| {
                 if let Event::Ended(_, result) = event {

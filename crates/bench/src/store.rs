@@ -18,9 +18,9 @@ pub struct Record {
     pub point: Point,
     /// What determined it.
     pub config: UnitConfig,
-    /// The source revision that computed it.
+    /// The source revision that computed it; more of them, `… then …`, if its training was put aside and taken up by another.
     pub revision: String,
-    /// The kind of processor that computed it, where it was recorded: architecture and vector extensions, which results depend on.
+    /// The kind of processor that computed it, likewise, where it was recorded: architecture and vector extensions, which results depend on.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub processor: Option<String>,
     /// Its metrics, or why it failed.

@@ -84,7 +84,12 @@ impl Run<'_> {
     fn found(self, recorded: &Recorded, start: Instant) -> Evaluation {
         let timings = vec![Metric::new("filter_seconds", start.elapsed().as_secs_f64())];
         let metrics = metrics(self.problem, self.references, recorded);
-        Evaluation { metrics, timings, series: Series::of(self.unit, self.problem, recorded) }
+        Evaluation {
+            metrics,
+            timings,
+            series: Series::of(self.unit, self.problem, recorded),
+            earlier: vec![],
+        }
     }
 }
 

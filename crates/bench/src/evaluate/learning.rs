@@ -3,21 +3,22 @@
 use std::time::Instant;
 
 use motes_proposals::{Backend, Family};
-use motes_train::{AdamConfig, GradientFlow, History, Objective, TrainConfig, Training};
+use motes_train::{AdamConfig, GradientFlow, History, Objective, TrainConfig, TrainError, Training};
 
 use super::{Run, UnitError, failed};
-use crate::checkpoint::Checkpoint;
+use crate::checkpoint::{Checkpoint, PutAside};
 use crate::config;
+use crate::provenance::Provenance;
 use crate::say::news;
 
 impl Run<'_> {
-    /// Draws initial weights and trains them on the problem's measurements; the last value is the seconds that training took.
+    /// Draws initial weights and trains them on the problem's measurements.
     pub(super) fn train<F: Family>(
         self,
         family: &F::Config,
         config: &TrainConfig,
         backend: config::Backend,
-    ) -> Result<(F, History, f64), UnitError> {
+    ) -> Result<Trained<F>, UnitError> {
         let backend = match backend {
             config::Backend::Native => Backend::Native,
             config::Backend::Flex => Backend::Flex,
@@ -31,24 +32,30 @@ impl Run<'_> {
         let mut training =
             Training::new(&proposal, model, measurements, config, &mut stream).map_err(failed)?;
         let mut checkpoint =
-            self.evaluator.checkpoints.as_ref().map(|units| Checkpoint::of(units, &self.unit.key()));
-        let mut earlier = 0.0;
-        if let Some((seconds, bytes)) = checkpoint.as_ref().and_then(Checkpoint::read) {
+            self.evaluator.checkpoints.as_ref().map(|checkpoints| checkpoints.of(&self.unit.key()));
+        let (mut seconds_before, mut earlier) = (0.0, vec![]);
+        if let Some(PutAside { seconds, provenances, training: bytes }) =
+            checkpoint.as_ref().and_then(Checkpoint::read)
+        {
             match training.resume(&mut proposal, &bytes) {
-                Ok(()) => earlier = seconds,
+                Ok(()) => (seconds_before, earlier) = (seconds, provenances),
                 Err(error) => news(&format!("{error}; the training begins anew")),
             }
         }
         let start = Instant::now();
-        let seconds = || earlier + start.elapsed().as_secs_f64();
+        let seconds = || seconds_before + start.elapsed().as_secs_f64();
         loop {
             let stopping = self.interrupt.check().is_break();
             // A training that is finished is followed by filters, which may take long, too.
             if let Some(checkpoint) = &mut checkpoint
                 && checkpoint.is_due(stopping || training.is_finished())
             {
-                let bytes = training.suspend(&proposal).map_err(failed)?;
-                checkpoint.write(seconds(), &bytes).map_err(UnitError::NotKept)?;
+                match training.suspend(&proposal) {
+                    Ok(bytes) => checkpoint.write(seconds(), &earlier, &bytes).map_err(UnitError::NotKept)?,
+                    // The next step will say so, as it does where nothing is put aside.
+                    Err(TrainError::Diverged { .. }) => {}
+                    Err(error) => return Err(failed(error)),
+                }
             }
             if stopping {
                 return Err(UnitError::Interrupted);
@@ -59,8 +66,18 @@ impl Run<'_> {
             training.step(&mut proposal).map_err(failed)?;
         }
         let history = training.into_history();
-        Ok((proposal, history, seconds()))
+        Ok(Trained { proposal, history, seconds: seconds(), earlier })
     }
+}
+
+/// A training that has ended.
+pub(super) struct Trained<F> {
+    pub(super) proposal: F,
+    pub(super) history: History,
+    /// How long it took, all parts of it.
+    pub(super) seconds: f64,
+    /// What computed all parts but the last, one after the other.
+    pub(super) earlier: Vec<Provenance>,
 }
 
 pub(super) fn train_config(training: &config::Training, particles: usize, steps: usize) -> TrainConfig {

@@ -85,8 +85,8 @@ pub enum SavedError {
 
 /// Writes `proposal`, trained for `model` with the given settings, into `folder`, replacing a proposal that is there.
 ///
-/// The new one is written whole under another name beside `folder`, and only then takes its place, so that one of the two
-/// is there whatever happens. Nothing but a saved proposal is ever replaced.
+/// The new one is written whole under another name beside `folder`, and only then takes its place. A process that is killed between the two
+/// renames of that leaves both beside it, the old one as `.<name>.old-<process>`. Nothing but a saved proposal is ever replaced.
 ///
 /// # Errors
 /// [`SavedError::Io`] if it cannot be written, [`SavedError::Proposal`] if the weights cannot be read back from the backend.
