@@ -51,6 +51,24 @@ fn every_family_comes_back_as_it_was_saved() {
     back_and_forth::<Psi>(folder.path(), &small_psi());
 }
 
+#[test]
+fn what_else_lies_in_a_replaced_folder_is_kept_each_time() {
+    let (folder, system) = (tempfile::tempdir().unwrap(), system());
+    let rnn = Rnn::new(&small_rnn(Cell::Lstm), &system, compute(), &Seed::from_u64(121)).unwrap();
+    let saved = folder.path().join("rnn");
+    save(&saved, &rnn, &system, &TrainConfig::paper(10)).unwrap();
+    for note in ["first", "second", "third"] {
+        std::fs::write(saved.join("notes.txt"), note).unwrap();
+        save(&saved, &rnn, &system, &TrainConfig::paper(10)).unwrap();
+        load::<Rnn>(&saved, &system, compute()).unwrap();
+    }
+    let others = std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().path());
+    let mut notes: Vec<String> =
+        others.filter_map(|path| std::fs::read_to_string(path.join("notes.txt")).ok()).collect();
+    notes.sort();
+    assert_eq!(notes, ["first", "second", "third"]);
+}
+
 /// A saved rnn, changed on disk, and what loading it says.
 fn told(change: impl FnOnce(&Path)) -> String {
     let (folder, system) = (tempfile::tempdir().unwrap(), system());

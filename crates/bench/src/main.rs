@@ -187,7 +187,7 @@ fn run_regress(
     out: PathBuf,
     interrupt: &Interrupt,
 ) -> ExitCode {
-    let expectation = experiments.join("expected").join(format!("{figure}-smoke.csv"));
+    let expected = experiments.join("expected");
     let args = ReproduceArgs {
         figure,
         profile: "smoke".into(),
@@ -207,6 +207,7 @@ fn run_regress(
         Err(error) => return refuse(&error),
     };
     for plan in &plans {
+        let expectation = expected.join(format!("{}-smoke.csv", plan.figure));
         if let Err(error) = regress(plan, &expectation, &out, update, interrupt) {
             news(&format!("error: {error}"));
             return ExitCode::from(match error {

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::numbers::{Figure, Place};
+use super::numbers::{Figure, Place, ratio};
 use super::predicates::{Below, CLOSE, IN_GENERAL, Slope, Verdict, below, unsteadiness};
 use crate::config::Method;
 use crate::metrics::median;
@@ -267,7 +267,7 @@ pub(super) fn relatively_better(
         let at = |place: &Place| {
             let peers: Option<Vec<f64>> =
                 others.iter().map(|other| figure.median(*other, place, metric)).collect();
-            Some(figure.median(method, place, metric)? / median(peers?))
+            Some(ratio(figure.median(method, place, metric)?, median(peers?)))
         };
         let ratios: Vec<f64> = figure.places.iter().filter_map(at).collect();
         (ratios.len() == figure.places.len() && !ratios.is_empty()).then(|| median(ratios))
@@ -288,7 +288,8 @@ pub(super) fn somewhere_no_better(figure: &Figure, method: Method, metric: &str)
         return vec![Finding::not_run(subject)];
     }
     let largest = ratios.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let verdict = match (largest >= 0.0, ratios.len() == figure.places.len()) {
+    let somewhere = ratios.iter().any(|ratio| ratio.is_nan() || *ratio >= 0.0);
+    let verdict = match (somewhere, ratios.len() == figure.places.len()) {
         (true, _) => Verdict::Reproduced,
         (false, true) => Verdict::NotReproduced,
         (false, false) => Verdict::NotRun,

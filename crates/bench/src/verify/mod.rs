@@ -58,7 +58,13 @@ impl VerifyError {
 /// # Errors
 /// [`VerifyError`] if results or experiments cannot be read, or the report cannot be written.
 pub fn verify(from: &Path, experiments: &Path) -> Result<String, VerifyError> {
-    let profile = best_profile(from, &FIGURES).unwrap_or("paper");
+    let profile = best_profile(from, &FIGURES).ok_or_else(|| {
+        VerifyError::Config(ConfigError::Option {
+            option: "--from".into(),
+            value: from.display().to_string(),
+            expected: "there is no result; give a folder that holds FIGURE/PROFILE/units.csv".into(),
+        })
+    })?;
     let mut figures: BTreeMap<&str, Figure> = BTreeMap::new();
     for name in FIGURES {
         let places =
@@ -69,4 +75,18 @@ pub fn verify(from: &Path, experiments: &Path) -> Result<String, VerifyError> {
     let path = from.join("verdict.md");
     std::fs::write(&path, &text).map_err(|source| VerifyError::Write { path, source })?;
     Ok(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_without_results_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let error = verify(folder.path(), Path::new("../../experiments")).unwrap_err();
+        assert_eq!(error.exit_status(), 2);
+        assert!(error.to_string().contains("there is no result"), "{error}");
+        assert!(!folder.path().join("verdict.md").exists());
+    }
 }

@@ -73,10 +73,11 @@ impl Figure {
         Some(median(self.at(method, place, metric)?.values().copied().collect()))
     }
 
-    /// The standard deviation over repetitions.
+    /// The standard deviation over repetitions; infinite if one of them failed.
     pub(super) fn deviation(&self, method: Method, place: &Place, metric: &str) -> Option<f64> {
         let values: Vec<f64> = self.at(method, place, metric)?.values().copied().collect();
-        Some(standard_deviation(&values))
+        let failed = values.iter().any(|value| value.is_infinite());
+        Some(if failed { f64::INFINITY } else { standard_deviation(&values) })
     }
 
     /// `log(method / other)` of each repetition that both have.
@@ -90,7 +91,7 @@ impl Figure {
         let (values, others) = (self.at(method, place, metric)?, self.at(other, place, metric)?);
         let ratios: Vec<f64> = values
             .iter()
-            .filter_map(|(repetition, value)| Some((value / others.get(repetition)?).ln()))
+            .filter_map(|(repetition, value)| Some(ratio(*value, *others.get(repetition)?).ln()))
             .collect();
         (!ratios.is_empty()).then_some(ratios)
     }
@@ -112,6 +113,15 @@ impl Figure {
     }
 }
 
+/// `error / other`, which is infinite wherever the first of them is, and 1 of equal ones.
+pub(super) fn ratio(error: f64, other: f64) -> f64 {
+    match error {
+        f64::INFINITY => f64::INFINITY,
+        _ if error == other => 1.0,
+        _ => error / other,
+    }
+}
+
 /// figure, panel, method, x, repetition, metric, value.
 type Line = (String, String, String, usize, usize, String, f64);
 
@@ -123,10 +133,15 @@ type FailureLine = (String, String, String, usize, usize, String);
 /// Method, place and repetition of each unit that failed.
 type Failures = Vec<(String, Place, usize)>;
 
+/// The metrics that claims are about, which every unit would have had if all failed.
+const JUDGED: [&str; 5] = ["nmse_final", "nmse_final_single", "mse_S", "mse_I", "mse_R"];
+
 /// A repetition that failed counts as one with an infinite error in every metric: it is never below another, and never
 /// dropped.
 fn count_failures(values: &mut Values, failures: Failures) {
-    let metrics: BTreeSet<String> = values.keys().map(|(_, _, metric)| metric.clone()).collect();
+    let judged = JUDGED.map(str::to_string);
+    let metrics: BTreeSet<String> =
+        values.keys().map(|(_, _, metric)| metric.clone()).chain(judged).collect();
     for (method, place, repetition) in failures {
         for metric in &metrics {
             let key = (method.clone(), place.clone(), metric.clone());
@@ -172,5 +187,30 @@ mod tests {
         assert_eq!(figure.median(Method::Psi, &place, "nmse_final"), Some(f64::INFINITY));
         assert_eq!(figure.median(Method::Bootstrap, &place, "nmse_final"), Some(1.5));
         assert_eq!(figure.median(Method::Fcnn, &place, "nmse_final"), None);
+    }
+
+    #[test]
+    fn a_figure_in_which_all_failed_was_run_and_nothing_is_below_in_it() {
+        let place = Place { panel: "N10".into(), x: 10 };
+        let mut values = Values::new();
+        let failures = ["psi", "min-degeneracy"].map(|method| (method.to_string(), place.clone(), 0));
+        count_failures(&mut values, failures.into());
+        let figure = Figure::of(vec![place.clone()], values);
+        let ratios = figure.log_ratios(Method::Psi, Method::MinDegeneracy, &place, "nmse_final");
+        assert_eq!(ratios, Some(vec![f64::INFINITY]));
+        assert_eq!(figure.deviation(Method::Psi, &place, "nmse_final"), Some(f64::INFINITY));
+    }
+
+    #[test]
+    fn repetitions_in_which_both_failed_are_not_below() {
+        let place = Place { panel: "N10".into(), x: 10 };
+        let key = |method: &str| (method.to_string(), place.clone(), "nmse_final".to_string());
+        let both = f64::INFINITY;
+        let of = |errors: [f64; 3]| (0..).zip(errors).collect::<BTreeMap<usize, f64>>();
+        let values =
+            Values::from([(key("psi"), of([both, 0.9, 1.1])), (key("min-degeneracy"), of([both, 1.0, 1.0]))]);
+        let figure = Figure::of(vec![place.clone()], values);
+        let ratios = figure.log_ratios(Method::Psi, Method::MinDegeneracy, &place, "nmse_final").unwrap();
+        assert!(median(ratios) > 0.0);
     }
 }

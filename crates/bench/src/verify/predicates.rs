@@ -1,5 +1,6 @@
 //! What "below", "independent", "steadier" and "close" mean, fixed before any result was seen.
 
+use super::numbers::ratio;
 use crate::metrics::{mean, median, standard_deviation};
 
 /// The verdict on a claim, or on a part of one.
@@ -78,16 +79,23 @@ pub(super) fn below(log_ratios: &[f64]) -> Below {
 
 /// `P(X ≥ successes)` for `X ~ Bin(n, ½)`.
 fn at_least(successes: usize, n: usize) -> f64 {
-    let mut term = 0.5_f64.powi(n as i32);
-    let mut sum = 0.0;
+    // Binomial coefficients, by numbers so large that they stay finite.
+    let (mut coefficient, mut tail, mut whole) = (1.0_f64, 0.0_f64, 0.0_f64);
     for k in 0..=n {
         if k >= successes {
-            sum += term;
+            tail += coefficient;
         }
-        term *= (n - k) as f64 / (k + 1) as f64;
+        whole += coefficient;
+        coefficient *= (n - k) as f64 / (k + 1) as f64;
+        if coefficient > LARGE {
+            [&mut coefficient, &mut tail, &mut whole].into_iter().for_each(|number| *number /= LARGE);
+        }
     }
-    sum.min(1.0)
+    tail / whole
 }
+
+/// What binomial coefficients are divided by where they become larger.
+const LARGE: f64 = 1e250;
 
 /// The slope of log error on log x, over repetitions.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -126,11 +134,11 @@ fn least_squares(points: &[(f64, f64)]) -> Option<f64> {
     (spread > 0.0).then(|| product / spread)
 }
 
-/// The ratio of the largest to the smallest: how unsteady medians are.
+/// The ratio of the largest to the smallest: how unsteady medians are. Infinite if one of them is.
 pub(super) fn unsteadiness(medians: &[f64]) -> f64 {
     let (low, high) =
         medians.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), m| (low.min(*m), high.max(*m)));
-    high / low
+    ratio(high, low)
 }
 
 #[cfg(test)]
@@ -142,6 +150,8 @@ mod tests {
         assert_eq!(at_least(0, 5), 1.0);
         assert!((at_least(5, 5) - 1.0 / 32.0).abs() < 1e-15);
         assert!((at_least(15, 20) - 0.020694732666015625).abs() < 1e-12);
+        assert!((at_least(551, 1100) - 0.488).abs() < 1e-3);
+        assert!(at_least(9000, 10_000) < 1e-300);
     }
 
     #[test]
@@ -181,5 +191,6 @@ mod tests {
         assert_eq!(Verdict::all([Reproduced, Reproduced]), Reproduced);
         assert_eq!(Verdict::all([]), NotRun);
         assert_eq!(unsteadiness(&[2.0, 1.0, 3.0]), 3.0);
+        assert_eq!(unsteadiness(&[f64::INFINITY; 3]), f64::INFINITY);
     }
 }
