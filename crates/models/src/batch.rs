@@ -8,6 +8,7 @@ mod noise;
 mod rows;
 
 use std::cell::RefCell;
+use std::hint::black_box;
 
 use faer::MatRef;
 use pulp::{Simd, WithSimd};
@@ -42,6 +43,13 @@ pub fn reserve_scratch(depth: usize, len: usize) {
         kept.retain(|scratch| scratch.len() >= len);
         kept.resize_with(depth.max(kept.len()), || vec![0.0; len]);
     });
+}
+
+/// Whether so many numbers of 64 bits can be had at once: asked before what would end the process if they cannot.
+pub fn there_is_memory_for(numbers: usize) -> bool {
+    let mut memory = Vec::<f64>::new();
+    // A compiler may leave out memory that nobody looks at.
+    black_box(memory.try_reserve_exact(numbers)).is_ok() && black_box(memory).is_empty()
 }
 
 /// A matrix that maps tiles, with the entries that are not zero: a diagonal or triangular one costs what it has.

@@ -45,6 +45,14 @@ impl Values {
         self.len() == 0
     }
 
+    /// Whether none is NaN or infinite.
+    pub fn are_finite(&self) -> bool {
+        match self {
+            Values::F32(values) => values.iter().all(|value| value.is_finite()),
+            Values::F64(values) => values.iter().all(|value| value.is_finite()),
+        }
+    }
+
     /// Copies of some of them in 64 bits.
     pub(crate) fn host(&self, range: std::ops::Range<usize>) -> Vec<f64> {
         match self {

@@ -106,7 +106,7 @@ impl Training<'_> {
         };
         let values = |name| {
             let values = values_like(weights, &part(name, real, count)?);
-            if is_finite(&values) { Ok(values) } else { Err(refuse(format!("{name} are not all finite"))) }
+            if values.are_finite() { Ok(values) } else { Err(refuse(format!("{name} are not all finite"))) }
         };
         let (new, first, second) = (values(WEIGHTS)?, values(FIRST)?, values(SECOND)?);
         let taken = part(TAKEN, Dtype::I32, Some(proposal.parameters().len()))?;
@@ -145,13 +145,6 @@ fn bytes_of(values: &Values) -> Vec<u8> {
     match values {
         Values::F32(values) => values.iter().flat_map(|value| value.to_le_bytes()).collect(),
         Values::F64(values) => values.iter().flat_map(|value| value.to_le_bytes()).collect(),
-    }
-}
-
-pub(crate) fn is_finite(values: &Values) -> bool {
-    match values {
-        Values::F32(values) => values.iter().all(|value| value.is_finite()),
-        Values::F64(values) => values.iter().all(|value| value.is_finite()),
     }
 }
 

@@ -2,13 +2,13 @@
 
 use std::ops::ControlFlow;
 
+use motes_models::batch::there_is_memory_for;
 use motes_models::{Measurements, StateGradients, Stream};
 use motes_proposals::{Learnable, Workspace};
 use serde::Serialize;
 
 use crate::adam::AdamSteps;
 use crate::gradient_flow::GradientFlow;
-use crate::resume::is_finite;
 use crate::rollout::{draw_and_pull, in_step};
 use crate::{Objective, TrainError};
 
@@ -235,19 +235,15 @@ impl<'a> Training<'a> {
     /// [`TrainError::Diverged`] if they are not all finite.
     pub fn check_weights(&self, proposal: &dyn Learnable) -> Result<(), TrainError> {
         let step = self.history.losses.len().saturating_sub(1);
-        let fine = is_finite(proposal.parameters().values());
-        if fine { Ok(()) } else { Err(TrainError::Diverged { step, loss: f64::NAN }) }
+        match proposal.parameters().values().are_finite() {
+            true => Ok(()),
+            false => Err(TrainError::Diverged { step, loss: f64::NAN }),
+        }
     }
 
     pub(crate) fn steps(&self) -> usize {
         self.config.steps
     }
-}
-
-fn there_is_memory_for(numbers: usize) -> bool {
-    let mut memory = Vec::<f64>::new();
-    // A compiler may leave out memory that nobody looks at.
-    std::hint::black_box(memory.try_reserve_exact(numbers)).is_ok()
 }
 
 pub(crate) fn check_fit(

@@ -38,6 +38,9 @@ impl Judgement {
 /// What a claim on an error is judged on: the paper's average over runs, and a single run.
 pub(super) const METRICS: [&str; 2] = ["nmse_final", "nmse_final_single"];
 
+/// What a claim on the epidemic is judged on: the error of each state.
+pub(super) const STATES: [&str; 3] = ["mse_S", "mse_I", "mse_R"];
+
 /// The figures that claims are about.
 pub(super) const FIGURES: [&str; 7] = ["fig1", "fig2", "fig3", "fig4", "fig5", "fig6", "table1"];
 
@@ -147,9 +150,8 @@ fn table1(table: &Figure) -> Claim {
             .map(|metric| Judgement { metric: (*metric).into(), findings: judge(metric) })
             .collect(),
     };
-    let states = ["mse_S", "mse_I", "mse_R"];
     let rnn: Vec<Finding> =
-        states.iter().flat_map(|metric| below_at_every_point(table, Rnn, metric)).collect();
+        STATES.iter().flat_map(|metric| below_at_every_point(table, Rnn, metric)).collect();
     let somewhere_not = match Verdict::all(rnn.iter().map(|finding| finding.verdict)) {
         Verdict::Reproduced => Verdict::NotReproduced,
         Verdict::NotReproduced => Verdict::Reproduced,
@@ -161,14 +163,14 @@ fn table1(table: &Figure) -> Claim {
     claim(
         "table1",
         vec![
-            on("fcnn is best on S and I", &states[..2], &|metric| best(table, Fcnn, &all, metric)),
-            on("psi is best on R", &states[2..], &|metric| best(table, Psi, &all, metric)),
-            on("fcnn and psi are below minimum degeneracy on every state", &states, &|metric| {
+            on("fcnn is best on S and I", &STATES[..2], &|metric| best(table, Fcnn, &all, metric)),
+            on("psi is best on R", &STATES[2..], &|metric| best(table, Psi, &all, metric)),
+            on("fcnn and psi are below minimum degeneracy on every state", &STATES, &|metric| {
                 each(&[Fcnn, Psi], |method| below_at_every_point(table, method, metric))
             }),
             Part {
                 says: "rnn is not below minimum degeneracy on every state",
-                judgements: vec![Judgement { metric: "mse_S, mse_I, mse_R".into(), findings: vec![rnn] }],
+                judgements: vec![Judgement { metric: STATES.join(", "), findings: vec![rnn] }],
             },
         ],
     )

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use super::VerifyError;
+use super::claims::{METRICS, STATES};
 use crate::config::Method;
 use crate::metrics::{median, standard_deviation};
 
@@ -133,13 +134,11 @@ type FailureLine = (String, String, String, usize, usize, String);
 /// Method, place and repetition of each unit that failed.
 type Failures = Vec<(String, Place, usize)>;
 
-/// The metrics that claims are about, which every unit would have had if all failed.
-const JUDGED: [&str; 5] = ["nmse_final", "nmse_final_single", "mse_S", "mse_I", "mse_R"];
-
 /// A repetition that failed counts as one with an infinite error in every metric: it is never below another, and never
 /// dropped.
 fn count_failures(values: &mut Values, failures: Failures) {
-    let judged = JUDGED.map(str::to_string);
+    // If no unit succeeded, nothing else says what they would have had.
+    let judged = METRICS.into_iter().chain(STATES).map(str::to_string);
     let metrics: BTreeSet<String> =
         values.keys().map(|(_, _, metric)| metric.clone()).chain(judged).collect();
     for (method, place, repetition) in failures {

@@ -86,7 +86,8 @@ pub enum SavedError {
 /// Writes `proposal`, trained for `model` with the given settings, into `folder`, replacing a proposal that is there.
 ///
 /// The new one is written whole under another name beside `folder`, and only then takes its place. A process that is killed between the two
-/// renames of that leaves both beside it, the old one as `.<name>.old-<process>`. Nothing but a saved proposal is ever replaced: other files of the folder stay, under that name.
+/// renames of that leaves both beside it, the old one as `.<name>.old-<process>`. Nothing but a saved proposal is ever replaced: other
+/// files of the folder stay, under that name (or `old2` and so on, where it is taken).
 ///
 /// # Errors
 /// [`SavedError::Io`] if it cannot be written, [`SavedError::Proposal`] if the weights cannot be read back from the backend.
@@ -139,10 +140,12 @@ fn replace(new: &Path, folder: &Path) -> Result<(), SavedError> {
         // Nothing there, or an empty folder; any other is refused by the operating system.
         return std::fs::rename(new, folder).map_err(io);
     }
-    // Where an earlier one with other files in it lies under this name, another.
-    let names = std::iter::once("old".to_string()).chain((2..).map(|number| format!("old{number}")));
-    let mut free = names.map(|name| beside(folder, &name)).filter(|path| !path.exists());
-    let old = free.next().unwrap_or_else(|| beside(folder, "old"));
+    let (mut old, mut number) = (beside(folder, "old"), 1);
+    // An earlier one with other files in it may lie there.
+    while old.exists() {
+        number += 1;
+        old = beside(folder, &format!("old{number}"));
+    }
     std::fs::rename(folder, &old).map_err(io)?;
     if let Err(error) = std::fs::rename(new, folder) {
         std::fs::rename(&old, folder).map_err(io)?;

@@ -1,6 +1,6 @@
 //! The settings of a filter.
 
-use std::hint::black_box;
+use motes_models::batch::there_is_memory_for;
 
 use crate::{FilterError, ResampleWhen, Resampling};
 
@@ -76,11 +76,7 @@ impl FilterSettings {
 /// Whether there is memory for states now and before, and for the seven numbers that a bank keeps of each particle beside them.
 fn can_be_stored(rows: usize, values: usize) -> bool {
     let numbers = values.checked_mul(2).zip(rows.checked_mul(7)).and_then(|(a, b)| a.checked_add(b));
-    numbers.is_some_and(|numbers| {
-        let mut memory = Vec::<f64>::new();
-        // A compiler may leave out memory that nobody looks at.
-        black_box(memory.try_reserve_exact(numbers)).is_ok() && black_box(memory).is_empty()
-    })
+    numbers.is_some_and(there_is_memory_for)
 }
 
 #[cfg(test)]
