@@ -24,17 +24,22 @@ fn bad_input_is_refused_before_any_build() {
     refused(
         &["reproduce", "fig1", "--profile", "papr"],
         2,
-        "--profile papr: did you mean paper? there are paper, quick, smoke",
+        "--profile papr: did you mean paper? there are paper, quick, smoke in fig1",
     );
     refused(
         &["reproduce", "fig1", "--methods", "fcnnn"],
         2,
-        "--methods fcnnn: did you mean fcnn? there are min-degeneracy, bootstrap, fcnn, rnn, gnn, psi",
+        "--methods fcnnn: did you mean fcnn? there are min-degeneracy, bootstrap, fcnn, rnn, gnn, psi in fig1",
+    );
+    refused(
+        &["reproduce", "all", "--methods", "smoother"],
+        2,
+        "--methods smoother: there are min-degeneracy, bootstrap, fcnn, rnn, gnn, psi in fig1",
     );
     refused(
         &["reproduce", "fig1", "--panels", "N11"],
         2,
-        "--panels N11: did you mean N10? there are N10, N25, N50",
+        "--panels N11: did you mean N10? there are N10, N25, N50 in fig1",
     );
     refused(
         &["reproduce", "fig1", "--backend", "flux"],

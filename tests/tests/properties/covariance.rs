@@ -62,12 +62,14 @@ proptest! {
     }
 
     #[test]
-    fn no_bits_make_it_panic(
+    fn neither_bits_nor_sizes_make_it_panic(
         bits in vec(any::<u64>().prop_map(f64::from_bits), 9),
-        z in vec(any::<u64>().prop_map(f64::from_bits), 6),
+        z in vec(any::<u64>().prop_map(f64::from_bits), 0..40),
         ridge in any::<u64>().prop_map(f64::from_bits),
     ) {
         if let Ok(head) = KernelCovariance::new(3, &bits, ridge) && let Ok(lowers) = head.factors(&z) {
+            prop_assert_eq!(lowers.len(), 3 * z.len());
+            prop_assert_eq!(z.len() % 3, 0);
             prop_assert!(lowers.iter().all(|entry| !entry.is_nan()));
         }
     }

@@ -158,15 +158,15 @@ fn plan(figure: &str, args: &ReproduceArgs) -> Result<Plan, ConfigError> {
     check(&file.display().to_string(), &experiment)?;
     let Some(profile) = experiment.profiles.get(&args.profile).cloned() else {
         let names = experiment.profiles.keys().map(String::as_str);
-        return Err(refuse("--profile", &args.profile, one_of(&args.profile, names)));
+        return Err(refuse("--profile", &args.profile, one_in(figure, &args.profile, names)));
     };
     let of_profile: Vec<&Panel> = experiment
         .panels
         .iter()
         .filter(|panel| profile.panels.as_ref().is_none_or(|names| names.contains(&panel.name)))
         .collect();
-    let panels = select("--panels", &args.panels, &of_profile, |panel| &panel.name)?;
-    let methods = select("--methods", &args.methods, &experiment.methods, |method| method.name())?;
+    let panels = select(figure, ("--panels", &args.panels), &of_profile, |panel| &panel.name)?;
+    let methods = select(figure, ("--methods", &args.methods), &experiment.methods, |method| method.name())?;
     let Some(backend) = Backend::ALL.into_iter().find(|backend| backend.name() == args.backend) else {
         let names = one_of(&args.backend, Backend::ALL.map(Backend::name));
         return Err(refuse("--backend", &args.backend, names));
@@ -199,16 +199,21 @@ fn refuse(option: &str, value: &str, expected: String) -> ConfigError {
     ConfigError::Option { option: option.to_string(), value: value.to_string(), expected }
 }
 
-/// Those of `all` whose names were asked for, in the order of `all`; all of them if none was.
+/// The names to choose from in one figure, which `reproduce all` does not name otherwise.
+fn one_in<'a>(figure: &str, found: &str, names: impl IntoIterator<Item = &'a str>) -> String {
+    format!("{} in {figure}", one_of(found, names))
+}
+
+/// Those of `all` in a figure whose names an option asked for, in the order of `all`; all of them if none was.
 fn select<T: Clone>(
-    option: &str,
-    asked: &[String],
+    figure: &str,
+    (option, asked): (&str, &[String]),
     all: &[T],
     name: impl Fn(&T) -> &str,
 ) -> Result<Vec<T>, ConfigError> {
     for (at, asked_name) in asked.iter().enumerate() {
         if !all.iter().any(|item| name(item) == asked_name) {
-            return Err(refuse(option, asked_name, one_of(asked_name, all.iter().map(&name))));
+            return Err(refuse(option, asked_name, one_in(figure, asked_name, all.iter().map(&name))));
         }
         if asked[..at].contains(asked_name) {
             return Err(refuse(option, &asked.join(","), format!("{asked_name} stands twice")));

@@ -16,8 +16,9 @@ impl GaussianBatch {
     /// Takes means (`R×N`, row-major) and lower Cholesky factors (`R` of them, each `N×N` column-major).
     ///
     /// # Panics
-    /// If the two do not hold the same number of particles of `width` coordinates.
+    /// If the two do not hold the same number of whole particles of `width` coordinates.
     pub fn new(width: usize, means: Vec<f64>, lowers: Vec<f64>) -> Self {
+        assert!(width > 0 && means.len().is_multiple_of(width), "whole rows of `width` coordinates");
         assert_eq!(means.len() * width, lowers.len(), "one mean and one factor for each particle");
         GaussianBatch { width, means, lowers, noise: Vec::new() }
     }

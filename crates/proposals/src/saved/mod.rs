@@ -211,8 +211,10 @@ pub fn load<F: Family>(
             "its files are not as they were saved: the hash in the first line of proposal.toml says so";
         return Err(SavedError::Damaged { path: folder.into(), reason: reason.into() });
     };
-    let saved: Description<F::Config> =
-        Description::parse(description).map_err(|reason| damaged(DESCRIPTION, reason))?;
+    // Nothing was damaged: the settings are those of something else, such as a family with standardised inputs.
+    let saved: Description<F::Config> = Description::parse(description).map_err(|reason| {
+        unfit("the proposal that its settings describe", format!("another ({reason})"), F::NAME.into())
+    })?;
     check_system(folder, &saved.system, model)?;
     let matrices = weights::decode(&bytes).map_err(|reason| damaged(WEIGHTS, reason))?;
 

@@ -45,9 +45,13 @@ impl KernelCovariance {
     /// The same into `lowers` (`R·N·N`).
     ///
     /// # Errors
-    /// [`ProposalError::Numerical`] with the particle, if its `z` is not finite or its `Σ` not positive definite.
+    /// [`ProposalError::Mismatch`] if the sizes are not those of `R` particles, [`ProposalError::Numerical`] with the
+    /// particle, if its `z` is not finite or its `Σ` not positive definite.
     pub fn factor(&self, representations: &[f64], lowers: &mut [f64]) -> Result<(), ProposalError> {
         let n = self.width;
+        let particles = representations.len() / n;
+        ProposalError::unless_same("the number of coordinates of z", representations.len(), particles * n)?;
+        ProposalError::unless_same("the number of entries of the factors", lowers.len(), particles * n * n)?;
         let mut work =
             Factoring { kernel: Square::zeros(n), mixed: Square::zeros(n), lower: Square::zeros(n) };
         let blocks = representations.chunks(LANES * n).zip(lowers.chunks_mut(LANES * n * n));
