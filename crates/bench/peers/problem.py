@@ -18,7 +18,6 @@ class Problem:
         self.c = np.array(self.raw["C"])
         self.sigma = float(self.raw["sigma"])
         self.measurements = np.array(self.raw["measurements"])
-        self.log_evidence = self.raw.get("log_evidence")
         self.n, self.m = self.a.shape[0], self.c.shape[0]
 
     def first(self):

@@ -10,7 +10,7 @@ use crate::methods::MethodConfig;
 pub const UNIT_FORMAT: u32 = 5;
 
 /// Independent runs of a reference filter, which tell how precise it is.
-const REFERENCE_RUNS: usize = 2;
+pub(crate) const REFERENCE_RUNS: usize = 2;
 
 /// The version since which a method's configuration means what it means. Raised by hand, to one above [`UNIT_FORMAT`], whenever the same
 /// configuration gives other numbers than before, so that old units are never taken for new ones; not for what no unit was ever stored of.

@@ -102,10 +102,14 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
     /// # Errors
     /// [`FilterError::Setting`] if `threads` is 0 or more than the system can start.
     pub fn with_threads(mut self, threads: usize) -> Result<Self, FilterError> {
-        // Points and ranks of a filter's resampling, and a block of particles, are the largest there is.
-        let scratch = 3 * self.settings.particles + BLOCK * self.model.state_dim();
-        self.workers = Workers::new(threads, self.increments.len(), scratch)?;
+        self.workers = Workers::new(threads, self.increments.len(), self.scratch())?;
         Ok(self)
+    }
+
+    /// As many numbers as a step may need at once: points and ranks of a filter's resampling, and a block of particles, are the
+    /// largest there is.
+    fn scratch(&self) -> usize {
+        3 * self.settings.particles + BLOCK * self.model.state_dim()
     }
 
     /// `B`, the number of filters.

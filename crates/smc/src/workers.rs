@@ -91,6 +91,11 @@ impl Workers {
         self.lent.as_ref().and_then(|lent| lent.0.as_ref())
     }
 
+    /// Allocates `scratch` numbers on the thread that calls, for the reason that [`Workers::new`] gives.
+    pub(crate) fn reserve(scratch: usize) {
+        reserve_scratch(NESTED, scratch);
+    }
+
     /// Does all of this on the threads: within, they wait for each other's work awake.
     pub(crate) fn together<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
         match self.pool() {

@@ -21,10 +21,12 @@ pub enum TrainError {
     #[error(transparent)]
     Model(#[from] ModelError),
     /// The proposal failed.
-    #[error("in training step {step}, at time {time}: {source}")]
+    #[error("in training step {step}{}, at time {time}: {source}", after(*loss))]
     Proposal {
         /// The training step.
         step: usize,
+        /// The loss of the step before, if there was one.
+        loss: Option<f64>,
         /// The time in the sequence.
         time: usize,
         /// What failed.
@@ -44,4 +46,8 @@ pub enum TrainError {
         /// Its loss, or its gradient's norm.
         loss: f64,
     },
+}
+
+fn after(loss: Option<f64>) -> String {
+    loss.map_or_else(String::new, |loss| format!(", after one with a loss of {loss}"))
 }

@@ -38,7 +38,7 @@ pub fn rollout(
     let workspace = Workspace::new(proposal.parameters());
     let (objective, workspace) =
         draw_and_pull(proposal, model, measurements, objective, gradient, particles, stream, workspace)
-            .map_err(in_step(0))?;
+            .map_err(in_step(0, None))?;
     Ok(Rollout { objective, gradients: workspace.into_gradients() })
 }
 
@@ -130,7 +130,7 @@ fn subtract_weighted(into: &mut [f64], weights: &[f64], term: &[f64]) {
     }
 }
 
-/// Adds the training step to an error of [`rollout`].
-pub(crate) fn in_step(step: usize) -> impl Fn((usize, ProposalError)) -> TrainError {
-    move |(time, source)| TrainError::Proposal { step, time, source }
+/// Adds to an error of [`rollout`] the training step and the loss of the one before.
+pub(crate) fn in_step(step: usize, loss: Option<f64>) -> impl Fn((usize, ProposalError)) -> TrainError {
+    move |(time, source)| TrainError::Proposal { step, loss, time, source }
 }

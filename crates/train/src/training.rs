@@ -205,7 +205,7 @@ impl<'a> Training<'a> {
         let (model, measurements, stream) = (self.model, self.measurements, &mut *self.stream);
         let (value, mut workspace) =
             draw_and_pull(proposal, model, measurements, objective, gradient, particles, stream, workspace)
-                .map_err(in_step(step))?;
+                .map_err(in_step(step, self.history.losses.last().copied()))?;
         let loss = -value;
         if !loss.is_finite() {
             return Err(TrainError::Diverged { step, loss });

@@ -9,6 +9,7 @@ use super::{Area, Drawn, FONT, INK, colour, extent};
 use crate::config::{Method, SeriesFigure};
 use crate::series::StateSeries;
 use crate::store::Record;
+use crate::unit::REFERENCE_RUNS;
 
 const PANEL: (u32, u32) = (430, 270);
 const HEAD: u32 = 62;
@@ -22,7 +23,8 @@ struct Group<'a> {
     curves: Vec<(Method, &'a StateSeries)>,
 }
 
-/// Draws the truth and the mean of each method's runs with a band that nine tenths of the runs lie in; a row for families as the paper describes
+/// Draws the truth and the mean of each method's runs with a band that nine tenths of the runs lie in, but for references, which have too
+/// few runs for one; a row for families as the paper describes
 /// them and one for what is not in the paper, both beside minimum degeneracy.
 ///
 /// # Errors
@@ -62,7 +64,12 @@ pub(crate) fn series_figure(
         root.fill(&WHITE)?;
         let (head, body) = root.split_vertically(HEAD);
         head.draw(&Text::new(title.to_string(), (12, 10), (FONT, 17).into_font().color(&INK)))?;
-        let note = "first repetition; mean of all runs, bands span nine tenths of them";
+        let of_references = match curves.iter().any(|(method, _)| method.is_reference()) {
+            true => format!("; references: mean of {REFERENCE_RUNS} runs"),
+            false => String::new(),
+        };
+        let note =
+            format!("first repetition; mean of all runs, bands span nine tenths of them{of_references}");
         head.draw(&Text::new(note, (12, 36), (FONT, 13).into_font().color(&INK.mix(0.7))))?;
         for (area, group) in body.split_evenly((rows.len(), 1)).iter().zip(&rows) {
             let (legend, plots) = area.split_vertically(LEGEND);
@@ -96,8 +103,9 @@ fn draw_window(cell: &Area<'_>, state: &str, group: &Group<'_>, [first, last]: [
         let times = values.iter().enumerate().map(|(t, value)| (t as f64, *value));
         times.skip(first).take(last + 1 - first).collect()
     };
-    let all =
-        group.curves.iter().flat_map(|(_, series)| [&series.truth, &series.mean, &series.lo, &series.hi]);
+    let bands = || group.curves.iter().filter(|(method, _)| !method.is_reference());
+    let all = group.curves.iter().flat_map(|(_, series)| [&series.truth, &series.mean]);
+    let all = all.chain(bands().flat_map(|(_, series)| [&series.lo, &series.hi]));
     let (low, high) = extent(all.flat_map(|values| part(values)).map(|(_, value)| value));
     let margin = 0.05 * (high - low).max(1.0);
     let mut chart = ChartBuilder::on(cell)
@@ -119,7 +127,7 @@ fn draw_window(cell: &Area<'_>, state: &str, group: &Group<'_>, [first, last]: [
         .axis_style(INK.mix(0.6))
         .label_style((FONT, 12).into_font().color(&INK))
         .draw()?;
-    for (method, series) in &group.curves {
+    for (method, series) in bands() {
         let band = part(&series.lo).into_iter().chain(part(&series.hi).into_iter().rev());
         chart.draw_series([Polygon::new(band.collect::<Vec<_>>(), colour(*method).mix(0.18))])?;
     }

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::SpeedError;
+use super::equal::difference;
 use super::peak::product_on_two_threads;
 use super::task::{Answer, Request, Task};
 use super::worker::Worker;
@@ -44,6 +45,14 @@ pub(super) struct Entry {
     /// Why it did nothing.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) error: Option<String>,
+}
+
+impl Entry {
+    /// A contestant that is not measured.
+    fn absent(name: &str, check: Option<Answer>, error: String) -> Entry {
+        news(&format!("{name}: {error}"));
+        Entry { name: name.into(), check, error: Some(error), ..Entry::default() }
+    }
 }
 
 /// A contestant at work.
@@ -92,6 +101,14 @@ impl Team {
     }
 }
 
+/// Why the work of a team is not ours, if it is not.
+fn unequal(ours: &Team, theirs: &Team) -> Option<String> {
+    let (Some(ours), Some(theirs)) = (&ours.entry.check, &theirs.entry.check) else {
+        return Some("nothing shows that the work is equal".into());
+    };
+    difference(ours, theirs).map(|reason| format!("the work is not equal: {reason}"))
+}
+
 impl Contest<'_> {
     pub(super) fn run(self, interrupt: &Interrupt) -> Result<Outcome, SpeedError> {
         let Contest { workload, python, peers, rounds } = self;
@@ -101,11 +118,11 @@ impl Contest<'_> {
         if let Some(python) = python {
             for (name, tasks) in &workload.peers {
                 match Team::gather(name, tasks, |task| Worker::peer(name, python, peers, task)) {
-                    Ok(team) => teams.push(team),
-                    Err(error) => {
-                        let error = Some(error.to_string());
-                        absent.push(Entry { name: name.clone(), error, ..Entry::default() });
-                    }
+                    Ok(team) => match unequal(&ours, &team) {
+                        None => teams.push(team),
+                        Some(reason) => absent.push(Entry::absent(name, team.entry.check, reason)),
+                    },
+                    Err(error) => absent.push(Entry::absent(name, None, error.to_string())),
                 }
             }
         }

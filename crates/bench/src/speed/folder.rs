@@ -2,9 +2,7 @@
 
 use std::path::Path;
 
-use motes_models::{
-    GraphDiffusion, GraphDiffusionConfig, Seed, StateSpaceModel, Trajectory, kalman, simulate,
-};
+use motes_models::{GraphDiffusion, GraphDiffusionConfig, Seed, StateSpaceModel, Trajectory, simulate};
 use motes_proposals::{Backend, Family, save};
 use motes_smc::Proposal;
 use motes_train::TrainConfig;
@@ -44,7 +42,6 @@ struct Problem {
     measurement: Vec<Vec<f64>>,
     sigma: f64,
     measurements: Vec<Vec<f64>>,
-    log_evidence: f64,
     shift: Vec<Vec<f64>>,
     adapter: Vec<Vec<f64>>,
 }
@@ -54,7 +51,6 @@ pub(super) fn write_problem(path: &Path, dimension: usize, horizon: usize) -> Re
     use motes_models::AdditiveGaussian;
     let system = system(dimension)?;
     let measurements = trajectory(&system, horizon)?.measurements;
-    let filtered = kalman::filter(&system.moment_matched().map_err(prepare)?, &measurements);
     let rows = |matrix: faer::MatRef<'_, f64>| -> Vec<Vec<f64>> {
         (0..matrix.nrows()).map(|i| (0..matrix.ncols()).map(|j| matrix[(i, j)]).collect()).collect()
     };
@@ -64,7 +60,6 @@ pub(super) fn write_problem(path: &Path, dimension: usize, horizon: usize) -> Re
         measurement: rows(system.measurement_matrix()),
         sigma: system.transition_covariance()[(0, 0)].sqrt(),
         measurements: measurements.rows().map(<[f64]>::to_vec).collect(),
-        log_evidence: filtered.map_err(prepare)?.log_evidence(),
         shift: rows(graph.shift.as_ref()),
         adapter: rows(graph.adapter.as_ref()),
     };

@@ -4,6 +4,7 @@
 //! driven, timed and weighed alike.
 
 mod drive;
+mod equal;
 mod folder;
 mod peak;
 mod report;

@@ -108,38 +108,54 @@ impl Report {
             giga(self.peak.memory.one_thread),
             giga(self.peak.memory.two_threads)
         );
-        for (head, rows) in [
-            (
-                "| filter | million particle-steps a second | memory, MB | times the speed of |\n|---|---:|---:|---|",
-                self.filters(),
-            ),
-            (
-                "| training | ms a step | trainings an hour | of the peak | memory, MB | times the trainings an hour of |\n\
-                 |---|---:|---:|---:|---:|---|",
-                self.training(),
-            ),
-            ("| filter | sizes | time grows with the power |\n|---|---|---:|", self.growth()),
+        let is_filter = |line: &Line| matches!(line.kind, Kind::Filter { .. });
+        let filters = self.libraries(is_filter);
+        let training = self.libraries(|line| !is_filter(line));
+        let of_filters = ["filter", "million particle-steps a second", "memory, MB"];
+        let of_training = ["training", "ms a step", "trainings an hour", "of the peak", "memory of both, MB"];
+        let of_growth = ["filter", "sizes", "time grows with the power"];
+        for (columns, libraries, rows) in [
+            (of_filters.as_slice(), &filters, self.filters(&filters)),
+            (of_training.as_slice(), &training, self.training(&training)),
+            (of_growth.as_slice(), &Vec::new(), self.growth()),
         ] {
             if !rows.is_empty() {
-                let _ = writeln!(text, "\n{head}\n{}", rows.trim_end());
+                let times = libraries.iter().map(|library| format!("times {library}"));
+                let names: Vec<String> =
+                    columns.iter().map(|name| (*name).to_string()).chain(times).collect();
+                let rules = format!("---|{}", "---:|".repeat(names.len() - 1));
+                let _ = writeln!(text, "\n| {} |\n|{rules}\n{}", names.join(" | "), rows.trim_end());
             }
         }
         text
     }
 
-    fn filters(&self) -> String {
+    /// The other libraries that were asked to do some of the work, in order.
+    fn libraries(&self, some: impl Fn(&Line) -> bool) -> Vec<String> {
+        let mut libraries: Vec<String> = Vec::new();
+        for peer in self.work.iter().filter(|line| some(line)).flat_map(|line| &line.peers) {
+            let library = library(&peer.name);
+            if !libraries.iter().any(|known| known == library) {
+                libraries.push(library.into());
+            }
+        }
+        libraries
+    }
+
+    fn filters(&self, libraries: &[String]) -> String {
         let mut text = String::new();
         for line in &self.work {
             if let Kind::Filter { particle_steps } = line.kind {
                 let rate = particle_steps / median(&line.ours.seconds) / 1e6;
                 let name = line.name.trim_start_matches("filter ");
-                let _ = writeln!(text, "| {name} | {rate:.1} | {} | {} |", memory(&line.ours), versus(line));
+                let memory = memory(&line.ours);
+                let _ = writeln!(text, "| {name} | {rate:.1} | {memory} |{}", versus(line, libraries));
             }
         }
         text
     }
 
-    fn training(&self) -> String {
+    fn training(&self, libraries: &[String]) -> String {
         let mut text = String::new();
         for line in &self.work {
             if let Kind::Train { steps, operations } = line.kind {
@@ -158,10 +174,10 @@ impl Report {
                 let name = line.name.trim_start_matches("train ");
                 let _ = writeln!(
                     text,
-                    "| {name} | {:.1} | {trainings:.0} | {of_peak} | {} | {} |",
+                    "| {name} | {:.1} | {trainings:.0} | {of_peak} | {} |{}",
                     1e3 * step,
                     memory(&line.ours),
-                    versus(line)
+                    versus(line, libraries)
                 );
             }
         }
@@ -190,13 +206,22 @@ fn exponent(points: &[(f64, f64)]) -> f64 {
     mean(&|point| (point.0.ln() - x) * (point.1.ln() - y)) / mean(&|point| (point.0.ln() - x).powi(2))
 }
 
-fn versus(line: &Line) -> String {
-    let ratios = line.ratios.iter().map(|(name, [least, middle, greatest])| {
-        format!("{name}: {middle:.1} ({least:.1} to {greatest:.1})")
-    });
-    let errors = line.peers.iter().filter(|peer| peer.seconds.is_empty());
-    let all: Vec<String> = ratios.chain(errors.map(|peer| format!("{}: none", peer.name))).collect();
-    if all.is_empty() { "–".into() } else { all.join("; ") }
+/// Which library it is of whose arrangements this is one.
+fn library(peer: &str) -> &str {
+    peer.split_once(", ").map_or(peer, |(library, _)| library)
+}
+
+/// A cell for each library: the ratio to the arrangement in which it does best.
+fn versus(line: &Line, libraries: &[String]) -> String {
+    let cell = |wanted: &String| {
+        let of_library = |name: &str| library(name) == wanted.as_str();
+        let ratios = line.ratios.iter().filter(|(name, _)| of_library(name)).map(|(_, ratio)| ratio);
+        match ratios.min_by(|a, b| a[1].total_cmp(&b[1])) {
+            Some([least, middle, greatest]) => format!(" {middle:.1} ({least:.1} to {greatest:.1}) |"),
+            None => " – |".to_string(),
+        }
+    };
+    libraries.iter().map(cell).collect()
 }
 
 fn memory(entry: &Entry) -> String {

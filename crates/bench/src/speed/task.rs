@@ -84,11 +84,11 @@ pub(super) struct Answer {
     /// Of a check: the norm of its gradient.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) gradient_norm: Option<f64>,
-    /// Of a check: the mean of `exp(log Ẑ − log Z)` over filters, which is 1, and its standard error.
+    /// Of a check: the mean of `log Ẑ` over filters, and its standard error.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) ratio_mean: Option<f64>,
+    pub(super) mean_log_evidence: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) ratio_error: Option<f64>,
+    pub(super) log_evidence_error: Option<f64>,
     /// Versions of what answers.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) versions: Option<serde_json::Value>,

@@ -110,74 +110,117 @@ pub(super) fn smaller_ratio(figure: &Figure, other: &Figure, method: Method, met
 
 /// The medians of all `methods` are within a factor 1.5 of each other at every point: one finding for each panel.
 pub(super) fn no_difference(figure: &Figure, methods: &[Method], metric: &str) -> Vec<Finding> {
-    at_every_point(figure, "", methods, metric, |medians| {
+    let judge = |medians: &[f64]| {
         let factor = unsteadiness(medians);
         (factor <= CLOSE, factor, format!("medians differ by a factor of up to {}", short(factor)))
-    })
+    };
+    let median = |method, place: &Place| figure.median(method, place, metric);
+    let of_panel = |panel: &&str| at_every_point(figure, panel, (*panel).into(), methods, median, judge);
+    figure.panels().iter().map(of_panel).collect()
 }
 
 /// The first of `methods` has the largest median at every point: one finding for each panel.
 pub(super) fn worst(figure: &Figure, methods: &[Method], metric: &str) -> Vec<Finding> {
-    at_every_point(figure, methods[0].name(), methods, metric, |medians| {
+    let median = |method, place: &Place| figure.median(method, place, metric);
+    let judge = |medians: &[f64]| {
         let others = medians[1..].iter().copied().fold(0.0, f64::max);
-        let factor = medians[0] / others;
+        let factor = 1.0 / ratio(others, medians[0]);
         (factor > 1.0, -factor, format!("at least {} times the next worst", short(factor)))
-    })
+    };
+    first_in_each_panel(figure, methods, median, judge)
 }
 
-/// Judges the medians of `methods` at every point; the point with the largest severity is the one reported.
-fn at_every_point(
-    figure: &Figure,
-    name: &str,
-    methods: &[Method],
-    metric: &str,
-    judge: impl Fn(&[f64]) -> (bool, f64, String),
-) -> Vec<Finding> {
-    let of_panel = |panel: &&str| {
-        let subject = if name.is_empty() { (*panel).to_string() } else { named(panel, name) };
-        let places: Vec<&Place> = figure.of_panel(panel).collect();
-        let mut run: Vec<&Place> = Vec::new();
-        let mut points: Vec<(bool, f64, String)> = Vec::new();
-        for place in &places {
-            let medians: Option<Vec<f64>> =
-                methods.iter().map(|method| figure.median(*method, place, metric)).collect();
-            if let Some(medians) = medians {
-                let (holds, severity, numbers) = judge(&medians);
-                points.push((holds, severity, format!("{numbers} (x = {})", place.x)));
-                run.push(place);
-            }
-        }
-        let Some((_, _, numbers)) = points.iter().max_by(|a, b| a.1.total_cmp(&b.1)) else {
-            return Finding::not_run(subject);
-        };
-        let missing = (run.len() < places.len()).then_some(Verdict::NotRun);
-        let verdict = Verdict::all(points.iter().map(|(holds, ..)| Verdict::of(*holds)).chain(missing));
-        Finding::new(subject, verdict, format!("{numbers}{}", gaps(&run, places.len())))
+/// The first of `methods` has the smallest median at every point: one finding for each panel.
+pub(super) fn best(figure: &Figure, methods: &[Method], metric: &str) -> Vec<Finding> {
+    let median = |method, place: &Place| figure.median(method, place, metric);
+    let judge = |medians: &[f64]| {
+        let least = medians[1..].iter().copied().fold(f64::INFINITY, f64::min);
+        let factor = ratio(medians[0], least);
+        (factor < 1.0, factor, format!("at most {} times the best other", short(factor)))
     };
-    figure.panels().iter().map(of_panel).collect()
+    first_in_each_panel(figure, methods, median, judge)
 }
 
 /// The standard deviation of the first of `methods` is the largest at every point of a panel.
 pub(super) fn most_spread(figure: &Figure, panel: &str, methods: &[Method], metric: &str) -> Vec<Finding> {
+    let deviation = |method, place: &Place| figure.deviation(method, place, metric);
+    let judge = |deviations: &[f64]| {
+        let factor = 1.0 / ratio(deviations[1..].iter().copied().fold(0.0, f64::max), deviations[0]);
+        (factor > 1.0, -factor, format!("at least {} times the next largest deviation", short(factor)))
+    };
     let subject = named(panel, methods[0].name());
+    vec![about_the_first(figure, panel, subject, methods, deviation, judge)]
+}
+
+fn first_in_each_panel(
+    figure: &Figure,
+    methods: &[Method],
+    value: impl Fn(Method, &Place) -> Option<f64>,
+    judge: impl Fn(&[f64]) -> (bool, f64, String),
+) -> Vec<Finding> {
+    let of_panel = |panel: &&str| {
+        about_the_first(figure, panel, named(panel, methods[0].name()), methods, &value, &judge)
+    };
+    figure.panels().iter().map(of_panel).collect()
+}
+
+/// [`at_every_point`] at which the first of `methods` was run.
+fn about_the_first(
+    figure: &Figure,
+    panel: &str,
+    subject: String,
+    methods: &[Method],
+    value: impl Fn(Method, &Place) -> Option<f64>,
+    judge: impl Fn(&[f64]) -> (bool, f64, String),
+) -> Finding {
+    let if_first = |method, place: &Place| value(methods[0], place).and_then(|_| value(method, place));
+    at_every_point(figure, panel, subject, methods, if_first, judge)
+}
+
+/// Judges the values of `methods` at every point of a panel where two of them or more were run; the point with the largest severity
+/// is the one reported. What holds of some methods only may not hold of all; what does not hold of some does not hold of all.
+fn at_every_point(
+    figure: &Figure,
+    panel: &str,
+    subject: String,
+    methods: &[Method],
+    value: impl Fn(Method, &Place) -> Option<f64>,
+    judge: impl Fn(&[f64]) -> (bool, f64, String),
+) -> Finding {
     let places: Vec<&Place> = figure.of_panel(panel).collect();
-    let factors: Vec<f64> = places
-        .iter()
-        .filter_map(|place| {
-            let deviations: Option<Vec<f64>> =
-                methods.iter().map(|method| figure.deviation(*method, place, metric)).collect();
-            let deviations = deviations?;
-            Some(deviations[0] / deviations[1..].iter().copied().fold(0.0, f64::max))
-        })
-        .collect();
-    if factors.is_empty() {
-        return vec![Finding::not_run(subject)];
+    let mut run: Vec<&Place> = Vec::new();
+    let mut verdicts: Vec<Verdict> = Vec::new();
+    let mut reported: Option<(f64, String)> = None;
+    for place in &places {
+        let found: Vec<(Method, f64)> =
+            methods.iter().filter_map(|method| Some((*method, value(*method, place)?))).collect();
+        if found.len() < 2 {
+            continue;
+        }
+        let (holds, severity, numbers) = judge(&found.iter().map(|(_, value)| *value).collect::<Vec<_>>());
+        verdicts.push(match (holds, found.len() == methods.len()) {
+            (true, false) => Verdict::NotRun,
+            (holds, _) => Verdict::of(holds),
+        });
+        let absent: Vec<&str> = methods
+            .iter()
+            .filter(|method| found.iter().all(|(other, _)| other != *method))
+            .map(|method| method.name())
+            .collect();
+        let without =
+            if absent.is_empty() { String::new() } else { format!(", without {}", absent.join(", ")) };
+        if reported.as_ref().is_none_or(|(most, _)| severity.total_cmp(most).is_ge()) {
+            reported = Some((severity, format!("{numbers} (x = {}{without})", place.x)));
+        }
+        run.push(place);
     }
-    let missing = (factors.len() < places.len()).then_some(Verdict::NotRun);
-    let verdict = Verdict::all(factors.iter().map(|factor| Verdict::of(*factor > 1.0)).chain(missing));
-    let least = factors.iter().copied().fold(f64::INFINITY, f64::min);
-    let numbers = format!("at least {} times the next largest deviation", short(least));
-    vec![Finding::new(subject, verdict, numbers)]
+    let Some((_, numbers)) = reported else { return Finding::not_run(subject) };
+    let missing = (run.len() < places.len()).then_some(Verdict::NotRun);
+    Finding::new(
+        subject,
+        Verdict::all(verdicts.into_iter().chain(missing)),
+        format!("{numbers}{}", gaps(&run, places.len())),
+    )
 }
 
 /// How the error goes with x: flat, or falling. One finding for each panel.
@@ -218,13 +261,15 @@ fn unsteadiness_of(figure: &Figure, panel: &str, method: Method, metric: &str) -
 /// Every one of `steady` is steadier than every one of `others`: one finding for each panel.
 pub(super) fn steadier(figure: &Figure, steady: &[Method], others: &[Method], metric: &str) -> Vec<Finding> {
     let of_panel = |panel: &&str| {
-        let of = |methods: &[Method]| -> Option<Vec<(Method, f64)>> {
+        let of = |methods: &[Method]| -> Vec<(Method, f64)> {
             let of = |method: &Method| Some((*method, unsteadiness_of(figure, panel, *method, metric)?));
-            methods.iter().map(of).collect()
+            methods.iter().filter_map(of).collect()
         };
-        let (Some(steady), Some(others)) = (of(steady), of(others)) else {
+        let complete = steady.len() + others.len();
+        let (steady, others) = (of(steady), of(others));
+        if steady.is_empty() || others.is_empty() {
             return Finding::not_run((*panel).to_string());
-        };
+        }
         let worst = steady.iter().map(|(_, ratio)| *ratio).fold(0.0, f64::max);
         let best = others.iter().map(|(_, ratio)| *ratio).fold(f64::INFINITY, f64::min);
         let all: Vec<String> = steady
@@ -233,7 +278,11 @@ pub(super) fn steadier(figure: &Figure, steady: &[Method], others: &[Method], me
             .map(|(method, ratio)| format!("{} {}", method.name(), short(*ratio)))
             .collect();
         let numbers = format!("largest over smallest median: {}", all.join(", "));
-        Finding::new((*panel).to_string(), Verdict::of(worst < best), numbers)
+        let verdict = match (worst < best, steady.len() + others.len() == complete) {
+            (true, false) => Verdict::NotRun,
+            (holds, _) => Verdict::of(holds),
+        };
+        Finding::new((*panel).to_string(), verdict, numbers)
     };
     figure.panels().iter().map(of_panel).collect()
 }
@@ -304,15 +353,4 @@ pub(super) fn short(value: f64) -> String {
         return format!("{value:.1e}");
     }
     format!("{value:.3}")
-}
-
-/// The first has the smallest median at every point: one finding for each panel.
-pub(super) fn best(figure: &Figure, method: Method, methods: &[Method], metric: &str) -> Vec<Finding> {
-    let others: Vec<Method> = methods.iter().copied().filter(|other| *other != method).collect();
-    let ordered: Vec<Method> = [&[method], others.as_slice()].concat();
-    at_every_point(figure, method.name(), &ordered, metric, |medians| {
-        let least = medians[1..].iter().copied().fold(f64::INFINITY, f64::min);
-        let factor = medians[0] / least;
-        (factor < 1.0, factor, format!("at most {} times the best other", short(factor)))
-    })
 }

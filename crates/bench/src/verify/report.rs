@@ -25,8 +25,8 @@ pub(super) fn report(profile: &str, figures: &BTreeMap<&str, Figure>, claims: &[
          *improves*: it is more than 2 below 0;\n\
          - *steadier*: a smaller ratio of the largest to the smallest median over K;\n\
          - *close*, *no significant difference*: medians within a factor {CLOSE};\n\
-         - one point that contradicts a claim is enough for *not reproduced*; otherwise one that is missing, or has too few \
-         repetitions for the test, makes it *not run*. A unit that failed counts as an infinite error.\n\n",
+         - one point that contradicts a claim, or one method that does, is enough for *not reproduced*; otherwise one that is \
+         missing, or has too few repetitions for the test, makes it *not run*. A unit that failed counts as an infinite error.\n\n",
         (100.0 * IN_GENERAL).round()
     );
     text += "| figure | the paper says | averaged | single run |\n|---|---|---|---|\n";

@@ -106,6 +106,10 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
         if let Some(failure) = &self.failure {
             return Err(failure.clone());
         }
+        if self.time == 0 {
+            // The first step that resamples needs more than this one.
+            Workers::reserve(self.scratch());
+        }
         advance(self).inspect_err(|failure| self.failure = Some(failure.clone()))?;
         self.time += 1;
         Ok(())
