@@ -6,6 +6,7 @@
 
 mod noise;
 mod rows;
+mod squares;
 
 use std::cell::RefCell;
 use std::hint::black_box;

@@ -1,5 +1,6 @@
 //! Rows of a batch turned into tiles and back, eight rows and eight coordinates at a time.
 
+use super::squares::{SIDE, Square, Turn, turn};
 use super::{LANES, with_scratch};
 
 /// The states of a batch of particles: rows one after another, or rows of another batch that were picked by number, as resampling does.
@@ -79,40 +80,6 @@ pub fn load(states: &[f64], width: usize, tile: &mut [f64]) {
 #[inline]
 pub fn store(tile: &[f64], width: usize, states: &mut [f64]) {
     turn(Store { tile, width, states });
-}
-
-/// Rows and coordinates that are turned over together.
-const SIDE: usize = 8;
-
-/// A square of a batch, turned over or to be.
-type Square = [[f64; SIDE]; SIDE];
-
-/// A movement between rows and a tile, by squares and what is left beside them.
-trait Turn {
-    fn by(self, transposed: impl Fn(Square) -> Square);
-}
-
-/// Moves, with vector instructions if the machine has those of AVX-512.
-fn turn(work: impl Turn) {
-    #[cfg(target_arch = "x86_64")]
-    if let Some(simd) = pulp::x86::V4::try_new() {
-        return pulp::Simd::vectorize(simd, wide::Wide { simd, work });
-    }
-    work.by(
-        #[inline(always)]
-        |square| transposed(&square),
-    );
-}
-
-#[inline(always)]
-fn transposed(square: &Square) -> Square {
-    let mut turned = [[0.0; SIDE]; SIDE];
-    for (i, row) in square.iter().enumerate() {
-        for (j, value) in row.iter().enumerate() {
-            turned[j][i] = *value;
-        }
-    }
-    turned
 }
 
 struct Load<'a> {
@@ -195,67 +162,6 @@ impl Turn for Store<'_> {
                 *value = tile[lane];
             }
         }
-    }
-}
-
-#[cfg(target_arch = "x86_64")]
-mod wide {
-    use std::arch::x86_64::__m512d;
-
-    use pulp::x86::V4;
-    use pulp::{Simd, WithSimd, cast};
-
-    use super::{Square, Turn};
-
-    pub(super) struct Wide<T> {
-        pub(super) simd: V4,
-        pub(super) work: T,
-    }
-
-    impl<T: Turn> WithSimd for Wide<T> {
-        type Output = ();
-
-        #[inline(always)]
-        fn with_simd<S: Simd>(self, _simd: S) {
-            let Wide { simd, work } = self;
-            work.by(
-                #[inline(always)]
-                |square| transposed(simd, square),
-            );
-        }
-    }
-
-    /// Turns pairs of rows over within pairs of coordinates, then pairs of pairs, then halves.
-    #[inline(always)]
-    fn transposed(simd: V4, square: Square) -> Square {
-        let avx = simd.avx512f;
-        let [a, b, c, d, e, f, g, h]: [__m512d; 8] = cast(square);
-        let even = [(a, b), (c, d), (e, f), (g, h)].map(
-            #[inline(always)]
-            |(a, b)| avx._mm512_unpacklo_pd(a, b),
-        );
-        let odd = [(a, b), (c, d), (e, f), (g, h)].map(
-            #[inline(always)]
-            |(a, b)| avx._mm512_unpackhi_pd(a, b),
-        );
-        let ([a, c, e, g], [b, d, f, h]) = (quarters(simd, even), quarters(simd, odd));
-        cast([a, b, c, d, e, f, g, h])
-    }
-
-    /// Quarter `j` of each of four registers side by side, for each `j`.
-    #[inline(always)]
-    fn quarters(simd: V4, [a, b, c, d]: [__m512d; 4]) -> [__m512d; 4] {
-        const EVEN: i32 = 0b10_00_10_00;
-        const ODD: i32 = 0b11_01_11_01;
-        let avx = simd.avx512f;
-        let even = (avx._mm512_shuffle_f64x2::<EVEN>(a, b), avx._mm512_shuffle_f64x2::<EVEN>(c, d));
-        let odd = (avx._mm512_shuffle_f64x2::<ODD>(a, b), avx._mm512_shuffle_f64x2::<ODD>(c, d));
-        [
-            avx._mm512_shuffle_f64x2::<EVEN>(even.0, even.1),
-            avx._mm512_shuffle_f64x2::<EVEN>(odd.0, odd.1),
-            avx._mm512_shuffle_f64x2::<ODD>(even.0, even.1),
-            avx._mm512_shuffle_f64x2::<ODD>(odd.0, odd.1),
-        ]
     }
 }
 
