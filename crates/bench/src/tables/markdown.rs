@@ -58,7 +58,10 @@ pub(crate) fn markdown(title: &str, axis: &str, rows: &[Row], printed: &Printed)
                     Some(row) if row.n_ok > 0 => {
                         let of =
                             if row.n_ok == point.n_ok { String::new() } else { format!(" ({})", row.n_ok) };
-                        format!("{} ± {}{of}", short(row.median), short(row.std))
+                        // One value has no deviation.
+                        let deviation =
+                            if row.n_ok > 1 { format!(" ± {}", short(row.std)) } else { String::new() };
+                        format!("{}{deviation}{of}", short(row.median))
                     }
                     _ => "–".into(),
                 };
@@ -204,7 +207,7 @@ mod tests {
         assert!(table.ends_with(
             "\nTail indices of a part of the repetitions only, or of none: bootstrap (N10, K = 10: 1/2).\n"
         ));
-        assert!(table.contains("| 2.40 ± 0.100 | 0.310 ± 0.100 (1) | 2/2 |"));
+        assert!(table.contains("| 2.40 ± 0.100 | 0.310 (1) | 2/2 |"));
         let table = markdown("T", "K", &rows[..3], &Printed::new());
         assert!(table.ends_with("or of none: fcnn (N10, K = 10: 0/2).\n"));
     }
