@@ -30,6 +30,13 @@ fn lines(cases: impl IntoIterator<Item = (&'static str, String)>) -> String {
     cases.into_iter().map(line).collect()
 }
 
+/// The loss on the way to a failure is rounding that grew: another on each kind of processor.
+fn without_loss(said: &str) -> String {
+    let (before, loss) = said.split_once("a loss of ").expect("it names the loss");
+    let (_, after) = loss.split_once(", ").expect("it goes on");
+    format!("{before}a loss of LOSS, {after}")
+}
+
 fn refused<T, E: ToString>(result: Result<T, E>) -> String {
     result.err().expect("it was taken").to_string()
 }
@@ -220,10 +227,10 @@ fn proposals_and_training() {
         ),
         (
             "with a rate that makes it diverge",
-            training(|config| {
+            without_loss(&training(|config| {
                 config.steps = 50;
                 config.adam = AdamConfig { learning_rate: 1e30, ..config.adam };
-            })
+            }))
         ),
     ]);
 }

@@ -2,10 +2,9 @@
 
 use std::path::Path;
 
-use motes_models::{GraphDiffusion, GraphDiffusionConfig, Noise, Seed, Simulations};
+use motes_models::{GraphDiffusion, GraphDiffusionConfig, Noise, Seed};
 use motes_proposals::{
-    Adapter, Backend, Cell, Compute, Family, Fcnn, Frames, Gnn, Learnable, Origin, Psi, Rnn, SavedError,
-    Standardised, StandardisedConfig, load, save,
+    Adapter, Backend, Cell, Compute, Family, Fcnn, Gnn, Learnable, Psi, Rnn, SavedError, load, save,
 };
 use motes_tests::{reference, small_fcnn, small_gnn, small_psi, small_rnn, trained_family};
 use motes_train::TrainConfig;
@@ -129,20 +128,6 @@ fn what_does_not_fit_is_refused() {
     ];
     let lines: String = said.iter().map(|(name, line)| format!("{name}\n    {line}\n")).collect();
     insta::with_settings!({ omit_expression => true }, { insta::assert_snapshot!(lines) });
-}
-
-/// Both are called `fcnn`.
-#[test]
-fn a_standardised_family_is_not_taken_for_the_plain_one() {
-    let (folder, system) = (tempfile::tempdir().unwrap(), system());
-    let simulations = Simulations::draw(&system, 3, 200, 1e6, &Seed::from_u64(124)).unwrap();
-    let frames = Frames::of(&simulations, Origin::Prediction).unwrap();
-    let config = StandardisedConfig { family: small_fcnn(), frames };
-    let standardised: Standardised<Fcnn> = trained_family(&config, &system, 3, compute());
-    save(folder.path(), &standardised, &system, &TrainConfig::paper(10)).unwrap();
-    let error = load::<Fcnn>(folder.path(), &system, compute()).err().unwrap();
-    assert!(matches!(error, SavedError::Unfit { .. }), "{error}");
-    load::<Standardised<Fcnn>>(folder.path(), &system, compute()).unwrap();
 }
 
 #[test]

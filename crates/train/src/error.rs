@@ -49,5 +49,5 @@ pub enum TrainError {
 }
 
 fn after(loss: Option<f64>) -> String {
-    loss.map_or_else(String::new, |loss| format!(", after one with a loss of {loss}"))
+    loss.map_or_else(String::new, |loss| format!(", after one with a loss of {loss:.1e}"))
 }
