@@ -112,10 +112,15 @@ fn run_reproduce(args: &ReproduceArgs, interrupt: &Interrupt) -> ExitCode {
     if let Some(error) = plans.iter().find_map(|plan| check_output(&plan.folder).err()) {
         return refuse(&error);
     }
-    let (mut status, estimator) = (0, Estimator::default());
+    let (mut status, mut tried_out, estimator) = (0, Vec::new(), Estimator::default());
     for plan in &plans {
         match reproduce(plan, &estimator, interrupt) {
-            Ok(Finished::Complete { failed }) => status = status.max(u8::from(failed > 0)),
+            Ok(Finished::Complete { ran, failed }) => {
+                status = status.max(u8::from(failed > 0));
+                if ran > 0 && plan.profile_name == "quick" {
+                    tried_out.push(plan);
+                }
+            }
             Ok(Finished::Interrupted) => return ExitCode::from(interrupt.exit_status()),
             Err(error) => {
                 news(&format!("error: {error}"));
@@ -123,7 +128,7 @@ fn run_reproduce(args: &ReproduceArgs, interrupt: &Interrupt) -> ExitCode {
             }
         }
     }
-    for plan in plans.iter().filter(|plan| plan.profile_name == "quick") {
+    for plan in tried_out {
         offer_paper_profile(plan, &estimator, interrupt);
     }
     ExitCode::from(status)

@@ -108,8 +108,8 @@ fn run(
     let folder = scratch.join(backend.name());
     let plan = Plan { backend, folder: folder.clone(), fresh: true, ..plan.clone() };
     match reproduce(&plan, &Estimator::default(), interrupt)? {
-        Finished::Complete { failed: 0 } => {}
-        Finished::Complete { failed } => {
+        Finished::Complete { failed: 0, .. } => {}
+        Finished::Complete { failed, .. } => {
             return Err(RegressionError::Failed { failed, backend: backend.name() });
         }
         Finished::Interrupted => return Err(RegressionError::Interrupted),

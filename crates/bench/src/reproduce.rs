@@ -20,9 +20,11 @@ use crate::{Estimator, Evaluator, Interrupt, Store, StoreError, UnitConfig, Unit
 /// How a run ended.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Finished {
-    /// All units are there; this many of them failed.
+    /// All units are there.
     Complete {
-        /// Units recorded as failed.
+        /// Units that were run now.
+        ran: usize,
+        /// Units recorded as failed, whenever they were run.
         failed: usize,
     },
     /// It was stopped; what was finished is kept.
@@ -81,7 +83,7 @@ pub fn reproduce(plan: &Plan, estimator: &Estimator, interrupt: &Interrupt) -> R
             wanted.len()
         ));
     }
-    Ok(Finished::Complete { failed })
+    Ok(Finished::Complete { ran: missing.len(), failed })
 }
 
 /// The folder's units that belong to this plan's configuration, sorted, and remarks on the others, which are left alone.
