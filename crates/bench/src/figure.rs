@@ -1,5 +1,6 @@
 //! figure.svg: panels side by side, and below the paper's metric those that show what it hides.
 
+mod counts;
 mod series;
 
 pub(crate) use series::series_figure;
@@ -10,6 +11,7 @@ use std::error::Error;
 use plotters::coord::ranged1d::{AsRangedCoord, DefaultFormatting, KeyPointHint, ValueFormatter};
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use crate::config::{Axis, Method, Plan};
 use crate::reproduce::axis_label;
@@ -150,6 +152,7 @@ where
     Y::CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>,
 {
     let spread = x.range().end - x.range().start;
+    let last = rows.iter().map(|row| row.x).max();
     let mut chart = ChartBuilder::on(cell)
         .margin(8)
         .margin_right(14)
@@ -169,6 +172,7 @@ where
         .axis_style(INK.mix(0.6))
         .label_style((FONT, 12).into_font().color(&INK))
         .draw()?;
+    let shared = counts::shared(rows.iter().map(|row| (row.x, row.n_ok)), common.repetitions);
     for (at, &method) in common.methods.iter().enumerate() {
         let colour = colour(method);
         // Bars of different methods stand beside each other.
@@ -183,13 +187,28 @@ where
         let line = points.iter().map(|(x, row)| (*x, row.median));
         chart.draw_series(LineSeries::new(line.clone(), colour.stroke_width(2)))?;
         chart.draw_series(line.map(|point| marker(method, point)))?;
-        let fewer = points.iter().filter(|(_, row)| row.n_ok < common.repetitions);
-        chart.draw_series(fewer.map(|(x, row)| {
-            let count = Text::new(format!("n = {}", row.n_ok), (6, 4), (FONT, 11).into_font().color(&colour));
-            EmptyElement::at((*x, row.median)) + count
+        let is_alone = |row: &Row| row.n_ok < common.repetitions && shared.get(&row.x) != Some(&row.n_ok);
+        chart.draw_series(points.iter().filter(|(_, row)| is_alone(row)).map(|(x, row)| {
+            // The last one would not have room to the right.
+            let (side, anchor) = if Some(row.x) == last { (-6, HPos::Right) } else { (6, HPos::Left) };
+            EmptyElement::at((*x, row.median)) + count(row.n_ok, (side, 4), anchor, &colour)
         }))?;
     }
+    let floor = chart.y_range().start;
+    chart.draw_series(shared.iter().map(|(&x, &repetitions)| {
+        EmptyElement::at((x as f64, floor)) + count(repetitions, (0, -14), HPos::Center, &INK)
+    }))?;
     Ok(())
+}
+
+fn count(
+    repetitions: usize,
+    offset: (i32, i32),
+    side: HPos,
+    colour: &RGBColor,
+) -> Text<'static, (i32, i32), String> {
+    let style = (FONT, 11).into_font().color(colour).pos(Pos::new(side, VPos::Top));
+    Text::new(format!("n = {repetitions}"), offset, style)
 }
 
 /// The horizontal axis: the library's own ticks are at round numbers, where nothing may have been measured.
