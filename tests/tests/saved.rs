@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use motes_models::{GraphDiffusion, GraphDiffusionConfig, Noise, Seed};
+use faer::{Mat, mat};
+use motes_models::{Gaussian, GraphDiffusion, GraphDiffusionConfig, LinearGaussian, Noise, Seed};
 use motes_proposals::{
     Adapter, Backend, Cell, Compute, Family, Fcnn, Gnn, Learnable, Psi, Rnn, SavedError, load, save,
 };
@@ -69,6 +70,25 @@ fn what_else_lies_in_a_replaced_folder_is_kept_each_time() {
     assert_eq!(notes, ["first", "second", "third"]);
 }
 
+/// Additive noise has the same density wherever it is added, and the last coordinate is two steps from the one that is measured.
+#[test]
+fn a_parameter_that_moves_unmeasured_coordinates_is_noticed() {
+    let chain = |last: f64| {
+        let initial = Gaussian::new("P_0", vec![0.0; 3], Mat::identity(3, 3)).unwrap();
+        let transition = mat![[1.0, 0.1, 0.0], [0.0, 1.0, 0.1], [0.0, 0.0, last]];
+        let (q, c) = (Mat::identity(3, 3), mat![[1.0, 0.0, 0.0]]);
+        LinearGaussian::new(initial, transition, q, c, mat![[1.0]]).unwrap()
+    };
+    let (folder, config) = (tempfile::tempdir().unwrap(), small_rnn(Cell::Gru));
+    let rnn = Rnn::new(&config, &chain(0.95), compute(), &Seed::from_u64(121)).unwrap();
+    let folder = folder.path().join("rnn");
+    save(&folder, &rnn, &chain(0.95), &TrainConfig::paper(10)).unwrap();
+    assert!(load::<Rnn>(&folder, &chain(0.95), compute()).is_ok());
+    let error =
+        load::<Rnn>(&folder, &chain(0.2), compute()).err().expect("another system was taken for the same");
+    assert!(error.to_string().contains("a fixed draw of x_1"), "{error}");
+}
+
 /// A saved rnn, changed on disk, and what loading it says.
 fn told(change: impl FnOnce(&Path)) -> String {
     let (folder, system) = (tempfile::tempdir().unwrap(), system());
@@ -118,9 +138,9 @@ fn what_does_not_fit_is_refused() {
         ("a bit of the description flipped", told(|folder| flip(folder, "proposal.toml"))),
         ("no description", not_a_file("proposal.toml")),
         ("no weights", not_a_file("weights.safetensors")),
-        ("another format", of_edit("format = 1", "format = 2")),
+        ("another format", of_edit("format = 2", "format = 3")),
         ("another family", of_edit("family = \"rnn\"", "family = \"fcnn\"")),
-        ("a horizon that it has not", of_edit("format = 1", "format = 1\nhorizon = 4")),
+        ("a horizon that it has not", of_edit("format = 2", "format = 2\nhorizon = 4")),
         ("another shape", of_edit("hidden = 5", "hidden = 6")),
         ("a shape beyond all memory", of_edit("hidden = 5", "hidden = 9000000000000000000")),
         ("a ridge that cannot be", of_edit("ridge = 0.001", "ridge = -0.001")),

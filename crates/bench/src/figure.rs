@@ -77,7 +77,8 @@ pub(crate) fn figure(plan: &Plan, title: &str, rows: &[Row]) -> Result<String, B
         let (head, body) = root.split_vertically(HEAD);
         let repetitions = rows.iter().map(|row| row.n_ok).max().unwrap_or(0);
         let common = Common { axis: plan.experiment.axis, methods: &methods, repetitions };
-        let uneven = rows.iter().any(|row| (1..repetitions).contains(&row.n_ok));
+        let is_shown = |row: &&Row| metrics.iter().any(|metric| metric.name == row.metric);
+        let uneven = rows.iter().filter(is_shown).any(|row| (1..repetitions).contains(&row.n_ok));
         draw_head(&head, title, &methods, uneven)?;
         let cells = body.split_evenly((metrics.len(), panels.len()));
         for (at, cell) in cells.iter().enumerate() {

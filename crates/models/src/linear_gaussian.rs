@@ -35,7 +35,8 @@ impl LinearGaussian {
     /// Takes `p(x_0)`, `A` (`N×N`), `Q` (`N×N`), `C` (`M×N`) and `R` (`M×M`).
     ///
     /// # Errors
-    /// [`ModelError::Shape`] or [`ModelError::NotFiniteEntry`] for `A` or `C`, [`ModelError::Covariance`] for `Q` or `R`.
+    /// [`ModelError::Shape`] or [`ModelError::NotFiniteEntry`] for `A` or `C`, [`ModelError::Covariance`] for `Q` or `R`;
+    /// [`ModelError::Parameter`] if `M` is 0.
     pub fn new(
         initial: Gaussian,
         transition_matrix: Mat<f64>,
@@ -45,6 +46,13 @@ impl LinearGaussian {
     ) -> Result<Self, ModelError> {
         let n = initial.mean().len();
         let m = measurement_covariance.nrows();
+        if m == 0 {
+            return Err(ModelError::Parameter {
+                name: "number of measured values M",
+                value: "0".into(),
+                expected: "the size of R, at least 1",
+            });
+        }
         check_matrix("the transition matrix A", transition_matrix.as_ref(), n, n)?;
         check_matrix("the measurement matrix C", measurement_matrix.as_ref(), m, n)?;
         Ok(LinearGaussian {

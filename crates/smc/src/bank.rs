@@ -56,7 +56,7 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
         filters: usize,
         seed: &Seed,
     ) -> Result<Self, FilterError> {
-        settings.check_bank(filters, model.state_dim())?;
+        settings.check_bank(filters, model.state_dim(), proposal.memory_per_particle())?;
         FilterBank::with_streams(model, proposal, settings, seed.streams(filters))
     }
 
@@ -71,7 +71,7 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
         streams: Vec<Stream>,
     ) -> Result<Self, FilterError> {
         let (filters, n) = (streams.len(), model.state_dim());
-        let (rows, values) = settings.check_bank(filters, n)?;
+        let (rows, values) = settings.check_bank(filters, n, proposal.memory_per_particle())?;
         Ok(FilterBank {
             memory: proposal.initial_memory(rows),
             model,

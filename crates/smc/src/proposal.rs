@@ -115,6 +115,12 @@ pub trait Proposal<Model: ?Sized> {
     /// The memory of `particles` particles before the first step.
     fn initial_memory(&self, particles: usize) -> Self::Memory;
 
+    /// How many numbers of 64 bits the memory keeps of each particle, with what it needs to move them. A filter asks, to refuse more
+    /// particles than there is memory for.
+    fn memory_per_particle(&self) -> usize {
+        0
+    }
+
     /// Conditions each particle's distribution on its past and on `y_t`, and advances its memory.
     ///
     /// # Errors

@@ -87,7 +87,7 @@ impl Team {
             }
             let mut slowest: f64 = 0.0;
             for worker in &mut self.workers {
-                slowest = slowest.max(worker.receive()?.seconds.unwrap_or(f64::NAN));
+                slowest = slowest.max(worker.receive_seconds()?);
             }
             total += slowest;
         }

@@ -65,6 +65,13 @@ impl Worker {
         }
     }
 
+    /// Waits for an answer that says how long a run took.
+    pub(super) fn receive_seconds(&mut self) -> Result<f64, SpeedError> {
+        let silent =
+            SpeedError::Worker { who: self.name.clone(), reason: "it did not say how long it took".into() };
+        self.receive()?.seconds.ok_or(silent)
+    }
+
     pub(super) fn ask(&mut self, request: &Request) -> Result<Answer, SpeedError> {
         self.send(request)?;
         self.receive()

@@ -1,9 +1,7 @@
 //! summary.csv: median and standard deviation over repetitions.
 
-use std::collections::{BTreeMap, BTreeSet};
-
 use super::{csv, number};
-use crate::config::{Method, Point};
+use crate::config::Method;
 use crate::metrics::{median, quartiles, standard_deviation};
 use crate::store::{Outcome, Record};
 
@@ -35,7 +33,6 @@ pub(crate) fn summarise(records: &[Record]) -> Vec<Row> {
     let same = |a: &Record, b: &Record| {
         (&a.point.panel, a.point.method, a.point.x) == (&b.point.panel, b.point.method, b.point.x)
     };
-    let sharp = SharpReferences::among(records);
     let mut rows = Vec::new();
     for group in records.chunk_by(same) {
         let found: Vec<_> = group
@@ -55,11 +52,7 @@ pub(crate) fn summarise(records: &[Record]) -> Vec<Row> {
             names.push(&some_metric);
         }
         for name in names {
-            let values: Vec<f64> = group
-                .iter()
-                .filter(|record| sharp.covers(&record.point, name))
-                .filter_map(|record| value(record, name))
-                .collect();
+            let values: Vec<f64> = group.iter().filter_map(|record| value(record, name)).collect();
             let point = &group[0].point;
             rows.push(Row {
                 panel: point.panel.clone(),
@@ -77,51 +70,10 @@ pub(crate) fn summarise(records: &[Record]) -> Vec<Row> {
     rows
 }
 
-/// Errors against a posterior mean that was itself estimated, and the metric that says how well.
-const REFERENCES: [(&str, &str); 2] = [
-    ("nmse_posterior", "nmse_posterior_reference"),
-    ("nmse_posterior_exact", "nmse_posterior_exact_reference"),
-];
-
-/// An estimated posterior mean is good enough while its two independent estimates differ by this share of the smallest error
-/// that is compared by it.
-const REFERENCE_SHARE: f64 = 0.1;
-
 fn value(record: &Record, name: &str) -> Option<f64> {
     match &record.outcome {
         Outcome::Metrics(metrics) => metrics.iter().find(|metric| metric.name == name).map(|m| m.value),
         Outcome::Failed(_) => None,
-    }
-}
-
-/// The repetitions of a point at which an estimated posterior mean is too blunt to compare methods by, for each metric.
-struct SharpReferences<'a> {
-    blunt: BTreeSet<(&'static str, &'a str, usize, usize)>,
-}
-
-impl<'a> SharpReferences<'a> {
-    fn among(records: &'a [Record]) -> Self {
-        let mut least: BTreeMap<(&'static str, &str, usize, usize), (f64, f64)> = BTreeMap::new();
-        for record in records {
-            let point = &record.point;
-            for (name, reference) in REFERENCES {
-                if let (Some(error), Some(difference)) = (value(record, name), value(record, reference)) {
-                    let key = (name, point.panel.as_str(), point.x, point.repetition);
-                    let (smallest, _) = least.entry(key).or_insert((error, difference));
-                    *smallest = smallest.min(error);
-                }
-            }
-        }
-        let blunt = |(_, (smallest, difference)): &(_, (f64, f64))| *difference > REFERENCE_SHARE * smallest;
-        SharpReferences { blunt: least.into_iter().filter(blunt).map(|(key, _)| key).collect() }
-    }
-
-    /// Whether a repetition's value of a metric is to be compared.
-    fn covers(&self, point: &Point, name: &str) -> bool {
-        let known = REFERENCES.iter().find(|(metric, _)| *metric == name);
-        known.is_none_or(|(metric, _)| {
-            !self.blunt.contains(&(*metric, point.panel.as_str(), point.x, point.repetition))
-        })
     }
 }
 
@@ -151,6 +103,7 @@ pub(crate) fn summary_csv(figure: &str, rows: &[Row]) -> String {
 mod tests {
     use super::*;
     use crate::Metric;
+    use crate::config::Point;
     use crate::unit::tests::unit;
 
     fn record(x: usize, repetition: usize, outcome: Outcome) -> Record {
@@ -165,29 +118,6 @@ mod tests {
             timings: vec![],
             series: None,
         }
-    }
-
-    #[test]
-    fn a_reference_too_blunt_for_the_smallest_error_is_left_out_for_every_method() {
-        let unit = |method, repetition, error, difference| {
-            let metrics = vec![
-                Metric::new("nmse_posterior", error),
-                Metric::new("nmse_posterior_reference", difference),
-            ];
-            let mut record = record(10, repetition, Outcome::Metrics(metrics));
-            record.point.method = method;
-            record
-        };
-        let records = [
-            unit(Method::Bootstrap, 0, 1.0, 0.01),
-            unit(Method::Bootstrap, 1, 1.0, 0.01),
-            unit(Method::Fcnn, 0, 0.5, 0.01),
-            unit(Method::Fcnn, 1, 0.05, 0.01),
-        ];
-        let rows = summarise(&records);
-        let errors = rows.iter().filter(|row| row.metric == "nmse_posterior");
-        let found: Vec<_> = errors.map(|row| (row.method, row.median, row.n_ok, row.n)).collect();
-        assert_eq!(found, [(Method::Bootstrap, 1.0, 1, 2), (Method::Fcnn, 0.5, 1, 2)]);
     }
 
     #[test]

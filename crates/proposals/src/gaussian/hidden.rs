@@ -23,6 +23,15 @@ impl Hidden {
         Hidden { widths: widths.to_vec(), spare: values.clone(), values }
     }
 
+    /// Numbers of 64 bits for each particle: values and where they are moved into.
+    pub(crate) fn per_particle(precision: Precision, widths: &[usize]) -> usize {
+        let values = widths.iter().fold(0, |sum: usize, width| sum.saturating_add(*width));
+        match precision {
+            Precision::F32 => values,
+            Precision::F64 => values.saturating_mul(2),
+        }
+    }
+
     /// Each matrix (`R×width`, row-major) in 64 bits.
     pub fn host(&self) -> Vec<Vec<f64>> {
         self.values.iter().map(|values| values.host(0..values.len())).collect()
@@ -45,5 +54,20 @@ impl ParticleMemory for Hidden {
 fn gather<T: Copy>(from: &[T], width: usize, ancestors: &[usize], into: &mut [T]) {
     for (row, &ancestor) in into.chunks_exact_mut(width).zip(ancestors) {
         row.copy_from_slice(&from[ancestor * width..(ancestor + 1) * width]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_counted_of_a_particle_is_what_is_kept() {
+        for precision in [Precision::F32, Precision::F64] {
+            let hidden = Hidden::zeros(precision, 3, &[2, 6]);
+            let bytes: usize = hidden.values.iter().chain(&hidden.spare).map(Values::len).sum::<usize>()
+                * if precision == Precision::F32 { 4 } else { 8 };
+            assert_eq!(bytes, 3 * 8 * Hidden::per_particle(precision, &[2, 6]));
+        }
     }
 }

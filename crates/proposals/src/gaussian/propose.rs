@@ -21,6 +21,10 @@ impl<M: StateSpaceModel + ?Sized, F: Networks, Config: Clone> Proposal<M> for Ga
         Hidden::zeros(precision, particles, &self.networks.hidden_widths())
     }
 
+    fn memory_per_particle(&self) -> usize {
+        Hidden::per_particle(self.parameters.compute().precision, &self.networks.hidden_widths())
+    }
+
     fn condition<'a>(
         &'a mut self,
         model: &'a M,

@@ -6,20 +6,27 @@ use rand_distr::StandardNormal;
 
 use super::Entry;
 
-/// Dimensions, log densities at a few points of the first three times, and projections of the graph: a change of a parameter
-/// changes some of them, unless it shows at later times alone.
+/// Dimensions, log densities at a few points of the first three times, projections of the points, and projections of the graph: a
+/// change of a parameter changes some of them, unless it shows at later times alone. Where noise is added, the density of a state that was
+/// drawn is that of its noise, wherever it was drawn around: only the state itself tells that.
 pub(super) fn fingerprint(model: &dyn StateSpaceModel) -> Vec<Entry> {
     let (n, m) = (model.state_dim(), model.measurement_dim());
     let mut stream = Seed::from_u64(0).child("fingerprint").stream();
+    let mut weights = Seed::from_u64(0).child("fingerprint projections").stream();
+    let mut projection = |values: &[f64]| -> f64 {
+        values.iter().map(|value| value * weights.sample::<f64, _>(StandardNormal)).sum()
+    };
     let mut entries =
         vec![entry("the state dimension N", n as f64), entry("the measurement dimension M", m as f64)];
     let (mut previous, mut state, mut measurement) = (vec![0.0; n], vec![0.0; n], vec![0.0; m]);
     model.sample_initial(&mut stream, &mut previous);
     entries.push(entry("log p(x_0) at a fixed point", model.log_initial(&previous)));
+    entries.push(entry("a fixed projection of a fixed draw of x_0", projection(&previous)));
     for time in 1..=2 {
         model.sample_transition(time, &previous, &mut stream, &mut state);
         let log = model.log_transition(time, &previous, &state);
         entries.push(entry(&format!("log p(x_{time} | x_{}) at a fixed point", time - 1), log));
+        entries.push(entry(&format!("a fixed projection of a fixed draw of x_{time}"), projection(&state)));
         // Noise with bounds may exclude most measurements: several sizes, so that some are inside.
         for scale in [0.1, 1.0, 10.0] {
             measurement.fill_with(|| scale * stream.sample::<f64, _>(StandardNormal));

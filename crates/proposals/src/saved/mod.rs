@@ -22,7 +22,7 @@ use description::{Description, Entry};
 use fingerprint::fingerprint;
 
 /// The version of the folder's layout and of what its entries mean.
-pub const SAVED_FORMAT: u32 = 1;
+pub const SAVED_FORMAT: u32 = 2;
 
 const DESCRIPTION: &str = "proposal.toml";
 const WEIGHTS: &str = "weights.safetensors";

@@ -18,6 +18,10 @@ impl<M: StateSpaceModel + ?Sized, F: Family + Proposal<M>> Proposal<M> for Stand
         self.proposal.initial_memory(particles)
     }
 
+    fn memory_per_particle(&self) -> usize {
+        self.proposal.memory_per_particle()
+    }
+
     fn condition<'a>(
         &'a mut self,
         model: &'a M,

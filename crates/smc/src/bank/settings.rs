@@ -33,7 +33,12 @@ impl FilterSettings {
     }
 
     /// Checks the settings of `filters` filters of states of width `n`: how many particles they have together, and how many coordinates.
-    pub(super) fn check_bank(&self, filters: usize, n: usize) -> Result<(usize, usize), FilterError> {
+    pub(super) fn check_bank(
+        &self,
+        filters: usize,
+        n: usize,
+        memory: usize,
+    ) -> Result<(usize, usize), FilterError> {
         self.check()?;
         if filters == 0 {
             return Err(FilterError::Setting {
@@ -44,7 +49,7 @@ impl FilterSettings {
         }
         let rows = filters.checked_mul(self.particles);
         let values = rows.and_then(|rows| rows.checked_mul(n)).filter(|values| *values > 0);
-        match rows.zip(values).filter(|(rows, values)| can_be_stored(*rows, *values)) {
+        match rows.zip(values).filter(|(rows, values)| can_be_stored(*rows, *values, memory)) {
             Some(sizes) => Ok(sizes),
             None => Err(FilterError::Setting {
                 name: "the number of values in a bank, filters × particles × N",
@@ -73,9 +78,11 @@ impl FilterSettings {
     }
 }
 
-/// Whether there is memory for states now and before, and for the seven numbers that a bank keeps of each particle beside them.
-fn can_be_stored(rows: usize, values: usize) -> bool {
-    let numbers = values.checked_mul(2).zip(rows.checked_mul(7)).and_then(|(a, b)| a.checked_add(b));
+/// Whether there is memory for states now and before, for the seven numbers that a bank keeps of each particle beside them, and for what a
+/// proposal does.
+fn can_be_stored(rows: usize, values: usize, memory: usize) -> bool {
+    let beside = memory.checked_add(7).and_then(|numbers| rows.checked_mul(numbers));
+    let numbers = values.checked_mul(2).zip(beside).and_then(|(a, b)| a.checked_add(b));
     numbers.is_some_and(there_is_memory_for)
 }
 
@@ -85,12 +92,16 @@ mod tests {
 
     #[test]
     fn more_than_there_is_memory_for_is_refused() {
-        assert_eq!(FilterSettings::new(10).check_bank(3, 2), Ok((30, 60)));
-        let said = FilterSettings::new(1 << 50).check_bank(1, 1).unwrap_err().to_string();
+        assert_eq!(FilterSettings::new(10).check_bank(3, 2, 0), Ok((30, 60)));
+        let said = FilterSettings::new(1 << 50).check_bank(1, 1, 0).unwrap_err().to_string();
         assert_eq!(
             said,
             "the number of values in a bank, filters × particles × N is 1 × 1125899906842624 × 1; it must be at least 1 and as many as \
              there is memory for"
+        );
+        assert!(
+            FilterSettings::new(10).check_bank(3, 2, 1 << 50).is_err(),
+            "a proposal may need more than states do"
         );
     }
 }
