@@ -62,6 +62,7 @@ fn matrices() {
         ("A not finite", linear(mat![[1.0, 0.0], [f64::NEG_INFINITY, 1.0]], one(), one(), one())),
         ("Q not positive definite", linear(one(), Mat::zeros(2, 2), one(), one())),
         ("C of another shape", linear(one(), one(), Mat::identity(3, 2), one())),
+        ("nothing measured", linear(one(), one(), Mat::zeros(0, 2), Mat::zeros(0, 0))),
         ("R not symmetric", linear(one(), one(), one(), mat![[1.0, 0.1], [0.0, 1.0]])),
     ]);
 }

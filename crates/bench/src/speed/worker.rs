@@ -67,9 +67,9 @@ impl Worker {
 
     /// Waits for an answer that says how long a run took.
     pub(super) fn receive_seconds(&mut self) -> Result<f64, SpeedError> {
-        let silent =
-            SpeedError::Worker { who: self.name.clone(), reason: "it did not say how long it took".into() };
-        self.receive()?.seconds.ok_or(silent)
+        let seconds = self.receive()?.seconds;
+        let fail = |reason: &str| SpeedError::Worker { who: self.name.clone(), reason: reason.into() };
+        seconds.ok_or_else(|| fail("it did not say how long it took"))
     }
 
     pub(super) fn ask(&mut self, request: &Request) -> Result<Answer, SpeedError> {

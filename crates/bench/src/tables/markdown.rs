@@ -190,6 +190,20 @@ fn short(value: f64) -> String {
 mod tests {
     use super::*;
 
+    fn row(method: Method, metric: &str, median: f64, std: f64) -> Row {
+        Row {
+            panel: "N10".into(),
+            method,
+            x: 10,
+            metric: metric.into(),
+            median,
+            std,
+            quartiles: (0.0, 0.5),
+            n_ok: 2,
+            n: 2,
+        }
+    }
+
     #[test]
     fn numbers_are_short() {
         let shown: Vec<String> = [0.0, 0.01234, 0.5678, 12.345, 123.4, 1.0, 2.5e-5].map(short).into();
@@ -198,17 +212,7 @@ mod tests {
 
     #[test]
     fn weights_that_cannot_be_trusted_are_named() {
-        let row = |method, metric: &str, median| Row {
-            panel: "N10".into(),
-            method,
-            x: 10,
-            metric: metric.into(),
-            median,
-            std: 0.1,
-            quartiles: (0.0, 0.5),
-            n_ok: 2,
-            n: 2,
-        };
+        let row = |method, metric, median| row(method, metric, median, 0.1);
         let rows = [
             row(Method::Bootstrap, "ess", 2.4),
             row(Method::Bootstrap, "tail_index", 0.31),
@@ -248,17 +252,7 @@ mod tests {
 
     #[test]
     fn errors_near_what_is_known_of_the_posterior_mean_are_named_and_kept() {
-        let row = |method, metric: &str, median| Row {
-            panel: "N10".into(),
-            method,
-            x: 10,
-            metric: metric.into(),
-            median,
-            std: 0.5,
-            quartiles: (0.0, 0.5),
-            n_ok: 2,
-            n: 2,
-        };
+        let row = |method, metric, median| row(method, metric, median, 0.5);
         let rows = [
             row(Method::Bootstrap, "nmse_posterior", 0.2),
             row(Method::Bootstrap, "nmse_posterior_reference", 0.01),
@@ -278,17 +272,7 @@ mod tests {
 
     #[test]
     fn a_line_for_each_point_and_a_dash_where_there_is_nothing() {
-        let row = |x, method, metric: &str, n_ok| Row {
-            panel: "N10".into(),
-            method,
-            x,
-            metric: metric.into(),
-            median: 0.25,
-            std: 0.5,
-            quartiles: (0.0, 0.5),
-            n_ok,
-            n: 2,
-        };
+        let row = |x, method, metric, n_ok| Row { x, n_ok, ..row(method, metric, 0.25, 0.5) };
         let rows = [
             row(10, Method::Bootstrap, "nmse_final", 2),
             row(20, Method::Bootstrap, "nmse_final", 0),
