@@ -54,7 +54,7 @@ pub use shape::ModelShape;
 pub use simulate::{Trajectory, simulate, simulate_within};
 pub use simulations::{Prediction, Simulations, Spread};
 pub use state_space::{AdditiveGaussian, PartialLikelihood, Simulator, StateGradients, StateSpaceModel};
-pub use stream::{Seed, Stream};
+pub use stream::{Seed, Stream, duplicate};
 pub use system_graph::SystemGraph;
 
 /// The README's code, compiled and run as a documentation test.
