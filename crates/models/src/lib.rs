@@ -35,7 +35,6 @@ mod normals;
 mod sequence;
 mod simulate;
 mod simulations;
-mod smoother;
 mod state_space;
 mod stream;
 mod system_graph;
