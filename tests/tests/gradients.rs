@@ -74,7 +74,7 @@ fn loss_and_gradients(
     let mut stream = Seed::from_u64(70).stream();
     let flow = GradientFlow::Full;
     let found = rollout(proposal, system, measurements, objective, flow, 4, &mut stream).unwrap();
-    (-found.objective, host(&found.gradients, proposal))
+    (-found.objective, host(&found.workspace.into_gradients(), proposal))
 }
 
 /// The gradient of each matrix; zeros where the loss does not depend on it, as on what multiplies `x_{−1} = 0`.
@@ -247,7 +247,7 @@ where
             -objective_by_windows(base, moved, (&system, &measurements), window)
         };
         assert!((loss(&mut base, &mut moved) / -found.objective - 1.0).abs() < 1e-12);
-        let gradients = host(&found.gradients, &proposal);
+        let gradients = host(&found.workspace.into_gradients(), &proposal);
         let whole = norm(&gradients.concat());
         for (index, gradient) in gradients.iter().enumerate() {
             let values = proposal.parameters().host(index);
@@ -288,8 +288,9 @@ fn a_clipped_gradient_is_shorter_and_points_the_same_way() {
     let proposal = Fcnn::new(&small_fcnn(), &system, 3, F64, &Seed::from_u64(69)).unwrap();
     let (objective, flow) = (Objective::LogLikelihood, GradientFlow::Full);
     let found = rollout(&proposal, &system, &measurements, objective, flow, 4, &mut stream).unwrap();
-    let length = found.gradients.norm();
-    assert!((length / norm(&host(&found.gradients, &proposal).concat()) - 1.0).abs() < 1e-12);
+    let gradients = found.workspace.into_gradients();
+    let length = gradients.norm();
+    assert!((length / norm(&host(&gradients, &proposal).concat()) - 1.0).abs() < 1e-12);
     let (free, clipped, loose) = (moved(None), moved(Some(0.25 * length)), moved(Some(2.0 * length)));
     assert_eq!(free, loose);
     let quarter: Vec<f64> = free.iter().map(|step| 0.25 * step).collect();

@@ -45,7 +45,7 @@ fn check_gradients(label: &str, proposal: &mut dyn Learnable) {
         let (objective, flow) = (Objective::Elbo, GradientFlow::Full);
         rollout(proposal, &model, &measurements, objective, flow, 4, &mut stream).unwrap()
     };
-    let gradients = found(proposal).gradients;
+    let gradients = found(proposal).workspace.into_gradients();
     let count = proposal.parameters().len();
     let host = |at: usize, size: usize| gradients.host(at).unwrap_or_else(|| vec![0.0; size]);
     let sizes: Vec<usize> = (0..count).map(|at| proposal.parameters().host(at).len()).collect();

@@ -228,7 +228,7 @@ mod tests {
             let mut training =
                 Training::new(&proposal, &*problem.model, measurements, &config, &mut stream).unwrap();
             (0..3).for_each(|_| assert!(training.step(&mut proposal).is_ok()));
-            let bytes = training.suspend(&proposal).unwrap();
+            let bytes = training.checkpoint(&proposal).unwrap();
             checkpoints("earlier").of(&unit.key()).write(7.0, &[], &bytes).unwrap();
         };
         put_aside(&seed);

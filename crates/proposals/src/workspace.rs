@@ -94,6 +94,11 @@ impl Workspace {
         Workspace { gradients: Gradients::none(parameters), scratch: Scratch::Nothing }
     }
 
+    /// Whether its gradients are laid out as these parameters, and in their precision.
+    pub fn fits(&self, parameters: &Parameters) -> bool {
+        self.gradients.fit(parameters)
+    }
+
     /// The gradients of the last computation.
     pub fn gradients(&mut self) -> &mut Gradients {
         match &mut self.scratch {

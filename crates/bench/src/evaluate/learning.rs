@@ -50,7 +50,7 @@ impl Run<'_> {
             if let Some(checkpoint) = &mut checkpoint
                 && checkpoint.is_due(stopping || training.is_finished())
             {
-                match training.suspend(&proposal) {
+                match training.checkpoint(&proposal) {
                     Ok(bytes) => checkpoint.write(seconds(), &earlier, &bytes).map_err(UnitError::NotKept)?,
                     // The next step will say so, as it does where nothing is put aside.
                     Err(TrainError::Diverged { .. }) => {}

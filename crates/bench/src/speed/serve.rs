@@ -188,7 +188,7 @@ impl Training {
             &mut stream,
         )
         .map_err(told)?;
-        Ok(*self.at_first.insert((-found.objective, found.gradients.norm())))
+        Ok(*self.at_first.insert((-found.objective, found.workspace.into_gradients().norm())))
     }
 }
 
