@@ -168,6 +168,7 @@ mod tests {
     use super::*;
     use crate::methods::MethodConfig;
     use crate::unit::tests::{fcnn_unit, on_graph};
+    use motes_models::ModelShape;
     use motes_models::{Seed, Sequence};
     use motes_proposals::{Backend, Fcnn, Learnable};
     use motes_train::Training;
@@ -220,8 +221,14 @@ mod tests {
         };
         let put_aside = |seed: &Seed| {
             let weights = seed.child("weights");
-            let mut proposal =
-                Fcnn::create(&fcnn.proposal, &*problem.model, 4, Backend::Native.into(), &weights).unwrap();
+            let mut proposal = Fcnn::create(
+                &fcnn.proposal,
+                &ModelShape::of(&*problem.model),
+                4,
+                Backend::Native.into(),
+                &weights,
+            )
+            .unwrap();
             let mut stream = seed.child("training").stream();
             let config = train_config(&fcnn.training, unit.filter.particles, fcnn.steps);
             let measurements = &problem.trajectory.measurements;

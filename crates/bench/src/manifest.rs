@@ -65,7 +65,7 @@ pub(crate) fn manifest(plan: &Plan, records: &[Record]) -> String {
         repetitions: plan.repetitions,
         versions: Versions {
             motes: env!("CARGO_PKG_VERSION"),
-            burn: motes_proposals::BURN_VERSION,
+            burn: motes_proposals::networks::BURN_VERSION,
             rustc: env!("MOTES_RUSTC_VERSION"),
         },
     };

@@ -69,15 +69,16 @@ impl AdamConfig {
 /// [`train`](crate::train) uses it. A training loop of one's own uses it with [`rollout`](crate::rollout()):
 ///
 /// ```
-/// use motes_models::{GraphDiffusion, GraphDiffusionConfig, Seed, simulate};
-/// use motes_proposals::{Backend, Fcnn, FcnnConfig, Learnable};
+/// use motes_models::{GraphDiffusion, GraphDiffusionConfig, ModelShape, Seed, simulate};
+/// use motes_proposals::{Backend, Family, Fcnn, FcnnConfig, Learnable};
 /// use motes_train::{Adam, AdamConfig, GradientFlow, Objective, rollout};
 ///
 /// let seed = Seed::from_u64(1);
 /// let system = GraphDiffusion::random(&GraphDiffusionConfig::new(6), &mut seed.child("graph").stream())?;
 /// let measurements = simulate(&system, 4, &mut seed.child("data").stream())?.measurements;
 /// let config = FcnnConfig { widths: vec![16], ..FcnnConfig::paper() };
-/// let mut proposal = Fcnn::new(&config, &system, 4, Backend::Native.into(), &seed.child("weights"))?;
+/// let shape = ModelShape::of(&system);
+/// let mut proposal = Fcnn::create(&config, &shape, 4, Backend::Native.into(), &seed.child("weights"))?;
 ///
 /// let mut adam = Adam::new(&AdamConfig { learning_rate: 1e-2, ..AdamConfig::paper() })?;
 /// let (objective, flow) = (Objective::Elbo, GradientFlow::Full);
