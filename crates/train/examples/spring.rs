@@ -107,8 +107,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     let seed = Seed::from_u64(1);
     let config = RnnConfig { hidden: 16, ridge: 1e-3, ..RnnConfig::paper() };
-    let mut rnn =
-        Rnn::create(&config, &ModelShape::of(&Spring), 0, Backend::Native.into(), &seed.child("weights"))?;
+    let shape = ModelShape::of(&Spring);
+    let mut rnn = Rnn::create(&config, &shape, 0, Backend::Native.into(), &seed.child("weights"))?;
     let adam = AdamConfig { learning_rate: 1e-2, ..AdamConfig::paper() };
     // With the entropy in the objective the proposal keeps as much variance as the posterior has.
     let training = TrainConfig { objective: Objective::Elbo, steps: 400, adam, ..TrainConfig::paper(8) };
@@ -119,10 +119,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         }
         ControlFlow::Continue(())
     })?;
-    save(&folder, &rnn, &Spring, &training)?;
+    save(&folder, &rnn, &Spring, &shape, &training)?;
 
     // The same sequence, and how it went on. A share of the transition bounds the weights; it does not make the proposal a good one.
-    let rnn: Rnn = load(&folder, &Spring, Backend::Native.into())?;
+    let rnn: Rnn = load(&folder, &Spring, &shape, Backend::Native.into())?;
     let all = Measurements::new(1, values)?;
     let settings = FilterSettings::new(100);
     let defensive = FilterSettings { defensive_weight: Some(0.1), ..settings };

@@ -6,7 +6,7 @@ use super::batches;
 use super::system::GraphDiffusion;
 use crate::batch::Rows;
 use crate::{
-    AdditiveGaussian, Gaussian, ModelError, Noise, PartialLikelihood, Simulator, StateGradients,
+    AdditiveGaussian, Gaussian, GraphModel, ModelError, Noise, PartialLikelihood, Simulator, StateGradients,
     StateSpaceModel, Stream, SystemGraph,
 };
 
@@ -75,12 +75,14 @@ impl StateSpaceModel for GraphDiffusion {
     fn log_likelihoods(&self, _time: usize, states: &[f64], measurement: &[f64], out: &mut [f64]) {
         batches::log_likelihoods(self, states, measurement, out);
     }
+}
 
-    /// `S = A`, and a measurement goes with weight 1 to each node that is in it: `Cᵀ` rescaled to ones.
-    fn graph(&self) -> Option<SystemGraph> {
+/// `S = A`, and a measurement goes with weight 1 to each node that is in it: `Cᵀ` rescaled to ones.
+impl GraphModel for GraphDiffusion {
+    fn graph(&self) -> SystemGraph {
         let c = self.measurement_matrix.as_ref();
         let adapter = Mat::from_fn(c.ncols(), c.nrows(), |i, j| if c[(j, i)] != 0.0 { 1.0 } else { 0.0 });
-        Some(SystemGraph { shift: self.adjacency.clone(), adapter })
+        SystemGraph { shift: self.adjacency.clone(), adapter }
     }
 }
 
