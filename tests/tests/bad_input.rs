@@ -137,7 +137,7 @@ fn a_training_that_is_ended_early_says_that_it_has_diverged() {
     let mut training = Training::new(&proposal, &model, &measurements, &config, &mut stream).unwrap();
     training.check_weights(&proposal).unwrap();
     training.step(&mut proposal).unwrap();
-    assert!(matches!(training.suspend(&proposal), Err(TrainError::Diverged { step: 0, .. })));
+    assert!(matches!(training.checkpoint(&proposal), Err(TrainError::Diverged { step: 0, .. })));
 }
 
 #[test]

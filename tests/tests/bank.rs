@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use faer::Mat;
 use motes_models::{
-    GraphDiffusion, GraphDiffusionConfig, LinearGaussian, Measurements, ModelShape, Seed, StateSpaceModel,
-    simulate,
+    GraphDiffusion, GraphDiffusionConfig, GraphModel, LinearGaussian, Measurements, ModelShape, Seed,
+    StateSpaceModel, simulate,
 };
 use motes_proposals::{Adapter, Backend, Cell, Family, Fcnn, FcnnConfig, Gnn, Psi, Rnn};
 use motes_smc::{
@@ -67,8 +67,8 @@ fn a_constant_in_every_log_likelihood_shifts_the_evidence_and_nothing_else() {
     assert_shifts("psi", &node, &made::<Psi>(&small_psi(), &node), safe);
 }
 
-fn made<F: Family>(config: &F::Config, model: &dyn StateSpaceModel) -> F {
-    F::create(config, &ModelShape::of(model), 5, Backend::Native.into(), &Seed::from_u64(53)).unwrap()
+fn made<F: Family>(config: &F::Config, model: &impl GraphModel) -> F {
+    F::create(config, &ModelShape::on_graph(model), 5, Backend::Native.into(), &Seed::from_u64(53)).unwrap()
 }
 
 #[test]

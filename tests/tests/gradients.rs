@@ -60,7 +60,7 @@ fn problem(drift: Drift) -> (GraphDiffusion, Measurements) {
 }
 
 fn families(system: &GraphDiffusion, compute: Compute) -> Vec<(String, Box<dyn Learnable>)> {
-    small_families(system, 3, compute, &Seed::from_u64(69))
+    small_families(&ModelShape::on_graph(system), 3, compute, &Seed::from_u64(69))
 }
 
 /// The value of the loss and its gradient with respect to each matrix of weights.
@@ -75,7 +75,7 @@ fn loss_and_gradients(
     let mut stream = Seed::from_u64(70).stream();
     let flow = GradientFlow::Full;
     let found = rollout(proposal, system, measurements, objective, flow, 4, &mut stream).unwrap();
-    (-found.objective, host(&found.gradients, proposal))
+    (-found.objective, host(&found.workspace.into_gradients(), proposal))
 }
 
 /// The gradient of each matrix; zeros where the loss does not depend on it, as on what multiplies `x_{−1} = 0`.
@@ -113,7 +113,8 @@ const F64: Compute = Compute { backend: Backend::Native, precision: Precision::F
 fn states_and_gradients_do_not_depend_on_whether_a_density_is_asked_for() {
     let (system, measurements) = problem(Drift::Abs);
     let compute = Compute { backend: Backend::Native, precision: Precision::F64 };
-    for (family, proposal) in small_families(&system, 3, compute, &Seed::from_u64(72)) {
+    for (family, proposal) in small_families(&ModelShape::on_graph(&system), 3, compute, &Seed::from_u64(72))
+    {
         let particles = 11;
         let drawn = |asked: bool| {
             let mut tape = proposal.tape(particles, Workspace::new(proposal.parameters())).unwrap();
@@ -243,7 +244,7 @@ where
     F::Memory: Clone,
 {
     let (system, measurements) = problem(Drift::Abs);
-    let proposal = F::create(config, &ModelShape::of(&system), 3, F64, &Seed::from_u64(69)).unwrap();
+    let proposal = F::create(config, &ModelShape::on_graph(&system), 3, F64, &Seed::from_u64(69)).unwrap();
     for window in 1..=3 {
         let mut stream = Seed::from_u64(70).stream();
         let (objective, flow) = (Objective::LogLikelihood, GradientFlow::Truncated { window });
@@ -253,7 +254,7 @@ where
             -objective_by_windows(base, moved, (&system, &measurements), window)
         };
         assert!((loss(&mut base, &mut moved) / -found.objective - 1.0).abs() < 1e-12);
-        let gradients = host(&found.gradients, &proposal);
+        let gradients = host(&found.workspace.into_gradients(), &proposal);
         let whole = norm(&gradients.concat());
         for (index, gradient) in gradients.iter().enumerate() {
             let values = proposal.parameters().host(index);
@@ -283,7 +284,7 @@ fn a_clipped_gradient_is_shorter_and_points_the_same_way() {
     // With so large an ε a step of Adam is the gradient itself, scaled.
     let moved = |clip_norm| {
         let mut proposal =
-            Fcnn::create(&small_fcnn(), &ModelShape::of(&system), 3, F64, &Seed::from_u64(69)).unwrap();
+            Fcnn::create(&small_fcnn(), &ModelShape::on_graph(&system), 3, F64, &Seed::from_u64(69)).unwrap();
         let before: Vec<f64> = weights(&proposal);
         let config = TrainConfig { steps: 1, adam, clip_norm, ..TrainConfig::paper(4) };
         let mut stream = Seed::from_u64(70).stream();
@@ -293,11 +294,12 @@ fn a_clipped_gradient_is_shorter_and_points_the_same_way() {
     };
     let mut stream = Seed::from_u64(70).stream();
     let proposal =
-        Fcnn::create(&small_fcnn(), &ModelShape::of(&system), 3, F64, &Seed::from_u64(69)).unwrap();
+        Fcnn::create(&small_fcnn(), &ModelShape::on_graph(&system), 3, F64, &Seed::from_u64(69)).unwrap();
     let (objective, flow) = (Objective::LogLikelihood, GradientFlow::Full);
     let found = rollout(&proposal, &system, &measurements, objective, flow, 4, &mut stream).unwrap();
-    let length = found.gradients.norm();
-    assert!((length / norm(&host(&found.gradients, &proposal).concat()) - 1.0).abs() < 1e-12);
+    let gradients = found.workspace.into_gradients();
+    let length = gradients.norm();
+    assert!((length / norm(&host(&gradients, &proposal).concat()) - 1.0).abs() < 1e-12);
     let (free, clipped, loose) = (moved(None), moved(Some(0.25 * length)), moved(Some(2.0 * length)));
     assert_eq!(free, loose);
     let quarter: Vec<f64> = free.iter().map(|step| 0.25 * step).collect();

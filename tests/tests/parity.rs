@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use faer::Mat;
-use motes_models::{GraphDiffusion, GraphDiffusionConfig, Seed};
+use motes_models::{GraphDiffusion, GraphDiffusionConfig, ModelShape, Seed};
 use motes_proposals::{Backend, Compute, Learnable, Precision, Workspace};
 use motes_smc::Past;
 use motes_tests::small_families;
@@ -99,7 +99,7 @@ fn two_steps_of_every_family_are_those_of_numpy() {
     let system = system(&numbers.adjacency);
     for backend in Backend::built() {
         let compute = Compute { backend, precision: Precision::F64 };
-        let families = small_families(&system, HORIZON, compute, &Seed::from_u64(110));
+        let families = small_families(&ModelShape::on_graph(&system), HORIZON, compute, &Seed::from_u64(110));
         let mut names: Vec<&str> = families.iter().map(|(family, _)| family.as_str()).collect();
         names.sort_unstable();
         let known: Vec<&str> = numbers.families.keys().map(String::as_str).collect();

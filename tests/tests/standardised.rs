@@ -45,7 +45,7 @@ fn check_gradients(label: &str, proposal: &mut dyn Learnable) {
         let (objective, flow) = (Objective::Elbo, GradientFlow::Full);
         rollout(proposal, &model, &measurements, objective, flow, 4, &mut stream).unwrap()
     };
-    let gradients = found(proposal).gradients;
+    let gradients = found(proposal).workspace.into_gradients();
     let count = proposal.parameters().len();
     let host = |at: usize, size: usize| gradients.host(at).unwrap_or_else(|| vec![0.0; size]);
     let sizes: Vec<usize> = (0..count).map(|at| proposal.parameters().host(at).len()).collect();
@@ -137,15 +137,16 @@ fn a_standardised_proposal_comes_back_as_it_was_saved() {
     let folder = tempfile::tempdir().unwrap();
     let (path, model) = (folder.path().join("fcnn"), system());
     let proposal = make::<Fcnn>(small_fcnn(), Origin::Prediction, Backend::Native.into());
-    save(&path, &proposal, &model, &TrainConfig::paper(10)).unwrap();
-    let loaded: Standardised<Fcnn> = load(&path, &model, Backend::Native.into()).unwrap();
+    let shape = ModelShape::of(&model);
+    save(&path, &proposal, &model, &shape, &TrainConfig::paper(10)).unwrap();
+    let loaded: Standardised<Fcnn> = load(&path, &model, &shape, Backend::Native.into()).unwrap();
     assert_eq!(loaded.config(), proposal.config());
     let weights = |proposal: &dyn Learnable| -> Vec<Vec<f64>> {
         (0..proposal.parameters().len()).map(|at| proposal.parameters().host(at)).collect()
     };
     assert_eq!(weights(&loaded), weights(&proposal));
     // The plain family does not take it for its own.
-    let error = load::<Fcnn>(&path, &model, Backend::Native.into()).err().unwrap();
+    let error = load::<Fcnn>(&path, &model, &shape, Backend::Native.into()).err().unwrap();
     assert!(matches!(error, SavedError::Unfit { .. }), "{error}");
 }
 

@@ -133,7 +133,7 @@ impl Visitor for Run<'_> {
         let Trained { proposal, history, seconds, earlier } = self.train::<F>(family, &config, backend)?;
         if let Some(models) = &self.evaluator.models {
             let folder = models.join(self.unit.key());
-            save(&folder, &proposal, &*self.problem.model, &config)
+            save(&folder, &proposal, &*self.problem.model, &self.problem.shape, &config)
                 .map_err(|error| UnitError::NotKept(error.to_string()))?;
         }
         let mut evaluation = self.judge(&*self.problem.model, proposal)?;
@@ -168,7 +168,6 @@ mod tests {
     use super::*;
     use crate::methods::MethodConfig;
     use crate::unit::tests::{fcnn_unit, on_graph};
-    use motes_models::ModelShape;
     use motes_models::{Seed, Sequence};
     use motes_proposals::{Backend, Fcnn, Learnable};
     use motes_train::Training;
@@ -221,21 +220,15 @@ mod tests {
         };
         let put_aside = |seed: &Seed| {
             let weights = seed.child("weights");
-            let mut proposal = Fcnn::create(
-                &fcnn.proposal,
-                &ModelShape::of(&*problem.model),
-                4,
-                Backend::Native.into(),
-                &weights,
-            )
-            .unwrap();
+            let mut proposal =
+                Fcnn::create(&fcnn.proposal, &problem.shape, 4, Backend::Native.into(), &weights).unwrap();
             let mut stream = seed.child("training").stream();
             let config = train_config(&fcnn.training, unit.filter.particles, fcnn.steps);
             let measurements = &problem.trajectory.measurements;
             let mut training =
                 Training::new(&proposal, &*problem.model, measurements, &config, &mut stream).unwrap();
             (0..3).for_each(|_| assert!(training.step(&mut proposal).is_ok()));
-            let bytes = training.suspend(&proposal).unwrap();
+            let bytes = training.checkpoint(&proposal).unwrap();
             checkpoints("earlier").of(&unit.key()).write(7.0, &[], &bytes).unwrap();
         };
         put_aside(&seed);

@@ -36,7 +36,6 @@ mod sequence;
 mod shape;
 mod simulate;
 mod simulations;
-mod smoother;
 mod state_space;
 mod stream;
 mod system_graph;
@@ -55,7 +54,7 @@ pub use simulate::{Trajectory, simulate, simulate_within};
 pub use simulations::{Prediction, Simulations, Spread};
 pub use state_space::{AdditiveGaussian, PartialLikelihood, Simulator, StateGradients, StateSpaceModel};
 pub use stream::{Seed, Stream, duplicate};
-pub use system_graph::SystemGraph;
+pub use system_graph::{GraphModel, SystemGraph};
 
 /// The README's code, compiled and run as a documentation test.
 #[doc = include_str!("../README.md")]

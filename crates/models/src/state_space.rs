@@ -3,7 +3,7 @@
 use faer::MatRef;
 
 use crate::batch::{Rows, load, particles_by_stream, store, with_scratch};
-use crate::{Gaussian, ModelError, Stream, SystemGraph};
+use crate::{Gaussian, ModelError, Stream};
 
 /// A hidden Markov model on ℝᴺ, measured in ℝᴹ: `p(x_0)`, `p(x_t | x_{t−1})`, `p(y_t | x_t)`.
 ///
@@ -33,11 +33,6 @@ pub trait StateSpaceModel: Sync {
 
     /// `log p(y_t | x_t)` of `measurement` (`M`) at `state` (`N`).
     fn log_likelihood(&self, time: usize, state: &[f64], measurement: &[f64]) -> f64;
-
-    /// The graph that the system lives on, if it lives on one.
-    fn graph(&self) -> Option<SystemGraph> {
-        None
-    }
 
     /// [`StateSpaceModel::sample_initial`] for each of `K` rows; the rows are split evenly over `streams`, in order.
     ///

@@ -2,7 +2,6 @@
 
 use std::time::Instant;
 
-use motes_models::ModelShape;
 use motes_proposals::{Backend, Family};
 use motes_train::{AdamConfig, GradientFlow, History, Objective, TrainConfig, TrainError, Training};
 
@@ -28,7 +27,7 @@ impl Run<'_> {
         let (model, seed) = (&*self.problem.model, self.unit.own_seed());
         let (horizon, weights) = (self.unit.system.horizon(), seed.child("weights"));
         let mut proposal =
-            F::create(family, &ModelShape::of(model), horizon, backend.into(), &weights).map_err(failed)?;
+            F::create(family, &self.problem.shape, horizon, backend.into(), &weights).map_err(failed)?;
         let mut stream = seed.child("training").stream();
         let measurements = &self.problem.trajectory.measurements;
         let mut training =
@@ -52,7 +51,7 @@ impl Run<'_> {
             if let Some(checkpoint) = &mut checkpoint
                 && checkpoint.is_due(stopping || training.is_finished())
             {
-                match training.suspend(&proposal) {
+                match training.checkpoint(&proposal) {
                     Ok(bytes) => checkpoint.write(seconds(), &earlier, &bytes).map_err(UnitError::NotKept)?,
                     // The next step will say so, as it does where nothing is put aside.
                     Err(TrainError::Diverged { .. }) => {}

@@ -4,7 +4,7 @@ use std::io::{BufRead, Write};
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use motes_models::{GraphDiffusion, Measurements, Stream};
+use motes_models::{GraphDiffusion, Measurements, ModelShape, Stream};
 use motes_proposals::{Backend, Family, Fcnn, Gnn, Learnable, Psi, Rnn, load};
 use motes_smc::{Bootstrap, FilterBank, FilterSettings, MinDegeneracy, Proposal, Resampling};
 use motes_train::{GradientFlow, Objective, TrainConfig, rollout, train};
@@ -110,7 +110,8 @@ fn told(error: impl ToString) -> String {
 }
 
 fn loaded<F: Family>(task: &TrainTask) -> Result<F, String> {
-    load(&task.folder, &system(DIMENSION).map_err(told)?, Backend::Native.into()).map_err(told)
+    let system = system(DIMENSION).map_err(told)?;
+    load(&task.folder, &system, &ModelShape::on_graph(&system), Backend::Native.into()).map_err(told)
 }
 
 struct Filtering<P> {
@@ -188,7 +189,7 @@ impl Training {
             &mut stream,
         )
         .map_err(told)?;
-        Ok(*self.at_first.insert((-found.objective, found.gradients.norm())))
+        Ok(*self.at_first.insert((-found.objective, found.workspace.into_gradients().norm())))
     }
 }
 

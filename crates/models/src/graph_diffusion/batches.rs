@@ -2,7 +2,8 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::{Drift, GraphDiffusion};
+use super::config::Drift;
+use super::system::GraphDiffusion;
 use crate::batch::{LANES, Rows, load, store, with_noise, with_scratch};
 use crate::{StateSpaceModel, Stream};
 

@@ -1,6 +1,6 @@
 //! `proposal.toml`.
 
-use motes_models::StateSpaceModel;
+use motes_models::{StateSpaceModel, SystemGraph};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
@@ -51,6 +51,7 @@ impl Description<()> {
     pub(super) fn of<F: Family>(
         proposal: &F,
         model: &dyn StateSpaceModel,
+        graph: Option<&SystemGraph>,
         training: &impl Serialize,
     ) -> Result<String, String> {
         let training = toml::Table::try_from(training)
@@ -61,7 +62,7 @@ impl Description<()> {
             horizon: proposal.horizon(),
             proposal: proposal.config().clone(),
             training,
-            system: fingerprint(model),
+            system: fingerprint(model, graph),
         };
         toml::to_string(&description).map_err(|error| error.to_string())
     }

@@ -84,7 +84,7 @@ pub enum SavedError {
     },
 }
 
-/// Writes `proposal`, trained for `model` with the given settings, into `folder`, replacing a proposal that is there.
+/// Writes `proposal`, made for `shape` and trained for `model` with the given settings, into `folder`, replacing a proposal that is there.
 ///
 /// The new one is written whole under another name beside `folder`, and only then takes its place. A process that is killed between the two
 /// renames of that leaves both beside it, the old one as `.<name>.old-<process>`. Nothing but a saved proposal is ever replaced: other
@@ -96,13 +96,14 @@ pub fn save<F: Family>(
     folder: &Path,
     proposal: &F,
     model: &dyn StateSpaceModel,
+    shape: &ModelShape,
     training: &impl Serialize,
 ) -> Result<(), SavedError> {
     // Without a trailing separator, so that names beside it can be made.
     let folder: PathBuf = folder.components().collect();
     let weights = weights::encode(proposal.parameters())
         .map_err(|reason| SavedError::Damaged { path: folder.join(WEIGHTS), reason })?;
-    let description = Description::of(proposal, model, training)
+    let description = Description::of(proposal, model, shape.graph.as_ref(), training)
         .map_err(|reason| SavedError::Damaged { path: folder.join(DESCRIPTION), reason })?;
     let partial = beside(&folder, "partial");
     let files = [(WEIGHTS, weights.as_slice()), (DESCRIPTION, &seal(&description, &weights).into_bytes())];
@@ -180,7 +181,7 @@ fn unsealed<'a>(text: &'a str, weights: &[u8]) -> Option<&'a str> {
     is_right.then_some(description)
 }
 
-/// Reads a proposal of family `F` for `model` from `folder`.
+/// Reads a proposal of family `F` for `model` from `folder`; `shape` is what it was made for.
 ///
 /// # Errors
 /// [`SavedError`] if a file is missing, damaged or of another version, if the proposal is of another family or was trained for
@@ -188,6 +189,7 @@ fn unsealed<'a>(text: &'a str, weights: &[u8]) -> Option<&'a str> {
 pub fn load<F: Family>(
     folder: &Path,
     model: &dyn StateSpaceModel,
+    shape: &ModelShape,
     compute: Compute,
 ) -> Result<F, SavedError> {
     let read = |name: &str| {
@@ -216,20 +218,20 @@ pub fn load<F: Family>(
     let saved: Description<F::Config> = Description::parse(description).map_err(|reason| {
         unfit("the proposal that its settings describe", format!("another ({reason})"), F::NAME.into())
     })?;
-    check_system(folder, &saved.system, model)?;
+    check_system(folder, &saved.system, &fingerprint(model, shape.graph.as_ref()))?;
     let matrices = weights::decode(&bytes).map_err(|reason| damaged(WEIGHTS, reason))?;
 
     // Before anything is allocated by sizes that a file claims.
     let found: usize = matrices.iter().map(|matrix| matrix.values.len()).sum();
-    let (shape, horizon) = (ModelShape::of(model), saved.horizon.unwrap_or(0));
-    let expected = F::count(&saved.proposal, &shape, horizon);
+    let horizon = saved.horizon.unwrap_or(0);
+    let expected = F::count(&saved.proposal, shape, horizon);
     if expected != Some(found) {
         let expected = expected.map_or("more than can be counted".into(), |count| count.to_string());
         return Err(unfit("the number of weights", found.to_string(), expected));
     }
     let refused = |source| SavedError::Proposal { path: folder.into(), source };
     let seed = Seed::from_u64(0);
-    let mut proposal = F::create(&saved.proposal, &shape, horizon, compute, &seed).map_err(refused)?;
+    let mut proposal = F::create(&saved.proposal, shape, horizon, compute, &seed).map_err(refused)?;
     if proposal.horizon() != saved.horizon {
         let text = |horizon: Option<usize>| horizon.map_or("none".into(), |horizon| horizon.to_string());
         return Err(unfit("the horizon", text(saved.horizon), text(proposal.horizon())));
@@ -238,10 +240,9 @@ pub fn load<F: Family>(
     Ok(proposal)
 }
 
-/// Holds the saved fingerprint against that of `model`.
-fn check_system(folder: &Path, saved: &[Entry], model: &dyn StateSpaceModel) -> Result<(), SavedError> {
-    let given = fingerprint(model);
-    for (found, expected) in saved.iter().zip(&given) {
+/// Holds the saved fingerprint against that of the model given.
+fn check_system(folder: &Path, saved: &[Entry], given: &[Entry]) -> Result<(), SavedError> {
+    for (found, expected) in saved.iter().zip(given) {
         let scale = found.value.abs().max(expected.value.abs());
         let near = (found.value - expected.value).abs() <= FINGERPRINT_TOLERANCE * scale;
         let same = found.value == expected.value || (scale.is_finite() && near);
