@@ -155,8 +155,6 @@ fn filters() {
         filter.step(&[0.0]).unwrap_err()
     };
     let typed = |error: FilterError| format!("{:?}: {error}", error.kind());
-    let threads =
-        FilterBank::new(&model, Bootstrap, settings, 1, &Seed::from_u64(1)).unwrap().with_threads(0);
     assert_lines!([
         ("no particle", bank(FilterSettings::new(0), 1)),
         ("more particles than can be stored", bank(FilterSettings::new(usize::MAX), 2)),
@@ -164,7 +162,6 @@ fn filters() {
         ("more particles than there is memory for", bank(FilterSettings::new(1 << 50), 1)),
         ("more filters than there is memory for", bank(settings, usize::MAX / 8)),
         ("no filter", bank(settings, 0)),
-        ("no thread", refused(threads)),
         (
             "a threshold above 1",
             bank(FilterSettings { resample_when: ResampleWhen::EssBelow(1.5), ..settings }, 1)

@@ -9,8 +9,8 @@ use motes_models::{
 };
 use motes_proposals::{Adapter, Backend, Cell, Family, Fcnn, FcnnConfig, Gnn, Psi, Rnn};
 use motes_smc::{
-    Bootstrap, ErrorKind, FilterBank, FilterError, FilterSettings, MinDegeneracy, ParticleFilter, Past,
-    Proposal, ProposalError, ResampleWhen, Resampling,
+    Bootstrap, Context, ErrorKind, FilterBank, FilterError, FilterSettings, MinDegeneracy, ParticleFilter,
+    Proposal, ProposalError, ResampleWhen, Resampling, Transition,
 };
 use motes_tests::{Shifted, reference, relative_distance, small_fcnn, small_gnn, small_psi, small_rnn};
 
@@ -129,22 +129,33 @@ struct Remembering;
 
 impl Proposal<LinearGaussian> for Remembering {
     type Memory = Vec<Vec<f64>>;
+    type Scratch = ();
     type Conditional<'a> = <Bootstrap as Proposal<LinearGaussian>>::Conditional<'a>;
 
     fn initial_memory(&self, particles: usize) -> Self::Memory {
         vec![vec![]; particles]
     }
 
+    fn prepare(
+        &mut self,
+        _model: &LinearGaussian,
+        _time: usize,
+        _measurement: &[f64],
+    ) -> Result<(), ProposalError> {
+        Ok(())
+    }
+
     fn condition<'a>(
-        &'a mut self,
+        &'a self,
         model: &'a LinearGaussian,
-        past: Past<'a>,
-        memory: &mut Self::Memory,
+        context: Context<'a>,
+        memory: &mut [Vec<f64>],
+        (): &'a mut (),
     ) -> Result<Self::Conditional<'a>, ProposalError> {
-        if let Some(previous) = past.previous {
-            memory.iter_mut().zip(previous).for_each(|(path, state)| path.push(*state));
+        if let Some(previous) = context.previous {
+            memory.iter_mut().enumerate().for_each(|(row, path)| path.push(previous.row(row)[0]));
         }
-        Box::leak(Box::new(Bootstrap)).condition(model, past, &mut ())
+        Ok(Transition::new(model, context))
     }
 }
 

@@ -6,7 +6,7 @@ use motes_models::{
     Stream, SystemGraph,
 };
 use motes_proposals::{Adapter, Backend, Compute, Family, Gnn, GnnConfig, Learnable, Precision};
-use motes_smc::{Conditional, FilterSettings, ParticleFilter, Past, Proposal, ProposalError};
+use motes_smc::{Conditional, Context, FilterSettings, ParticleFilter, Proposal, ProposalError};
 use motes_tests::{reference, relative_distance, small_gnn, trained_family};
 
 const F64: Compute = Compute { backend: Backend::Native, precision: Precision::F64 };
@@ -73,9 +73,10 @@ fn means_and_log_q(
 ) -> (Vec<f64>, Vec<f64>) {
     let (model, n) = (Graphed(graph.clone()), graph.shift.nrows());
     let particles = previous.len() / n;
-    let past = Past { time: 1, previous: Some(previous), measurement, particles };
+    let context = Context::new(1, Some(previous), measurement, particles);
     let mut memory = Proposal::<Graphed>::initial_memory(proposal, particles);
-    let conditional = proposal.condition(&model, past, &mut memory).unwrap();
+    let mut scratch = Default::default();
+    let conditional = proposal.condition_batch(&model, context, &mut memory, &mut scratch).unwrap();
     let mut log_density = vec![0.0; particles];
     conditional.log_density(states, &mut log_density);
     (conditional.means().to_vec(), log_density)

@@ -3,15 +3,17 @@
 use std::ops::ControlFlow;
 
 use faer::MatRef;
+use motes_models::batch::Rows;
 use motes_models::{
     Drift, GraphDiffusion, GraphDiffusionConfig, Measurements, ModelShape, Noise, Seed, StateSpaceModel,
     simulate,
 };
+use motes_proposals::networks::Inputs;
 use motes_proposals::{
-    Backend, Cell, Compute, Family, Fcnn, GaussianBatch, Gradients, KernelCovariance, Learnable, Precision,
-    Psi, Rnn, Workspace,
+    Backend, Cell, Compute, Family, Fcnn, Gradients, KernelCovariance, Learnable, Precision, Psi, Rnn,
+    Workspace,
 };
-use motes_smc::{Conditional, Past, Proposal};
+use motes_smc::{Conditional, Context, GaussianBatch, Proposal};
 use motes_tests::{
     central_differences, distance, norm, relative_distance, small_families, small_fcnn, small_psi, small_rnn,
 };
@@ -122,9 +124,10 @@ fn states_and_gradients_do_not_depend_on_whether_a_density_is_asked_for() {
             for time in 0..2 {
                 let (earlier, now) = states.split_at_mut(time);
                 let previous = earlier.last().map(Vec::as_slice);
-                let past = Past { time, previous, measurement: measurements.row(time), particles };
+                let measurement = measurements.row(time);
+                let inputs = Inputs { time, width: 5, previous, measurement, particles };
                 let noise: Vec<f64> = random(5 * particles, 73).iter().map(|u| 0.5 * (u + 1.0)).collect();
-                tape.draw(past, &noise, &mut now[0], asked.then_some(&mut log_q)).unwrap();
+                tape.draw(&inputs, &noise, &mut now[0], asked.then_some(&mut log_q)).unwrap();
             }
             let zeros = vec![0.0; particles];
             for time in (0..2).rev() {
@@ -219,18 +222,21 @@ where
             states.clone_from(&base_states);
             memory = base_memory.clone();
         }
-        let past = |previous| Past { time, previous: (time > 0).then_some(previous), measurement, particles };
+        let context = |previous| Context::new(time, (time > 0).then_some(previous), measurement, particles);
         let previous = base_states.clone();
-        let mut conditional = base.condition(system, past(&previous), &mut base_memory).unwrap();
+        let mut scratch = F::Scratch::default();
+        let mut conditional =
+            base.condition_batch(system, context(&previous), &mut base_memory, &mut scratch).unwrap();
         conditional.sample(&mut streams, &mut base_states, &mut log_q);
         drop(conditional);
         let previous = states.clone();
-        let mut conditional = proposal.condition(system, past(&previous), &mut memory).unwrap();
+        let mut conditional =
+            proposal.condition_batch(system, context(&previous), &mut memory, &mut scratch).unwrap();
         conditional.sample(&mut same_noise, &mut states, &mut log_q);
         drop(conditional);
         match time {
             0 => system.log_initials(&states, &mut log_model),
-            _ => system.log_transitions(time, &previous, &states, &mut log_model),
+            _ => system.log_transitions(time, Rows::all(&previous, n), &states, &mut log_model),
         }
         sum += log_model.iter().sum::<f64>();
         system.log_likelihoods(time, &states, measurement, &mut log_model);

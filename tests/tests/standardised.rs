@@ -8,7 +8,7 @@ use motes_proposals::{
     Backend, Cell, Compute, Family, Fcnn, Frame, Frames, Learnable, Origin, Precision, Psi, Rnn, SavedError,
     Standardised, StandardisedConfig, load, save,
 };
-use motes_smc::{Conditional, Past, Proposal};
+use motes_smc::{Conditional, Context, Proposal};
 use motes_tests::{central_differences, distance, norm, small_fcnn, small_psi, small_rnn};
 use motes_train::{GradientFlow, Objective, TrainConfig, rollout};
 
@@ -80,11 +80,12 @@ where
     let measurement = measurements().row(1).to_vec();
     let previous: Vec<f64> = [900.0, 60.0, 10.0, 980.0, 20.0, -5.0].into_iter().cycle().take(15).collect();
     let mut memory = proposal.initial_memory(particles);
-    for past in [
-        Past { time: 0, previous: None, measurement: &measurement, particles },
-        Past { time: 1, previous: Some(&previous), measurement: &measurement, particles },
+    for context in [
+        Context::new(0, None, &measurement, particles),
+        Context::new(1, Some(&previous), &measurement, particles),
     ] {
-        let mut conditional = proposal.condition(&model, past, &mut memory).unwrap();
+        let mut scratch = Default::default();
+        let mut conditional = proposal.condition_batch(&model, context, &mut memory, &mut scratch).unwrap();
         let (mut states, mut along, mut at) =
             (vec![0.0; 3 * particles], vec![0.0; particles], vec![0.0; particles]);
         conditional.sample(&mut Seed::from_u64(144).streams(1), &mut states, &mut along);
@@ -123,10 +124,11 @@ fn a_density_integrates_to_one_in_the_units_of_the_state() {
     let (count, step) = (4001, 0.05);
     let states: Vec<f64> = (0..count).map(|at| (f64::from(at) - 2000.0) * step).collect();
     let previous = vec![0.7; count as usize];
-    let past = Past { time: 1, previous: Some(&previous), measurement: &[1.5], particles: count as usize };
+    let context = Context::new(1, Some(&previous), &[1.5], count as usize);
     let mut memory = Proposal::<motes_models::LinearGaussian>::initial_memory(&proposal, count as usize);
     let mut log_density = vec![0.0; count as usize];
-    let mut conditional = proposal.condition(&model, past, &mut memory).unwrap();
+    let mut scratch = Default::default();
+    let mut conditional = proposal.condition_batch(&model, context, &mut memory, &mut scratch).unwrap();
     conditional.log_density(&states, &mut log_density);
     let mass: f64 = log_density.iter().map(|log| step * log.exp()).sum();
     assert!((mass - 1.0).abs() < 1e-9, "{mass}");

@@ -48,7 +48,7 @@ pub use motes_networks::layers::Cell;
 pub use motes_networks::{
     Backend, Compute, GradientPart, Gradients, Parameters, Precision, Slice, Values, Workspace,
 };
-pub use psi::{Psi, PsiConfig};
+pub use psi::{Psi, PsiConfig, PsiScratch};
 pub use rnn::{Rnn, RnnConfig, RnnNetworks};
 pub use saved::{SAVED_FORMAT, SavedError, load, save};
 pub use standardised::{Frame, Frames, Origin, Standardised, StandardisedConfig};

@@ -21,12 +21,7 @@ pub struct Context<'a> {
 
 impl<'a> Context<'a> {
     /// That of `particles` particles whose previous states (`R×N`, row-major) lie one after another.
-    pub fn new(
-        time: usize,
-        previous: Option<&'a [f64]>,
-        measurement: &'a [f64],
-        particles: usize,
-    ) -> Self {
+    pub fn new(time: usize, previous: Option<&'a [f64]>, measurement: &'a [f64], particles: usize) -> Self {
         let rows = |states: &'a [f64]| Rows::all(states, states.len() / particles.max(1));
         Context { time, previous: previous.map(rows), measurement, particles }
     }
@@ -59,8 +54,8 @@ pub trait Proposal<Model: ?Sized>: Sync {
         0
     }
 
-    /// The fewest particles that it likes to be conditioned on at once: as many small filters of a bank share a block, and a large filter is cut
-    /// into blocks. A filter of at most 1024 particles is never cut.
+    /// The fewest particles that it likes to be conditioned on at once: so many of a bank's small filters share a block. A filter of at most 1024
+    /// particles is never cut, a larger one is cut into blocks of 1024.
     fn block(&self) -> usize {
         256
     }

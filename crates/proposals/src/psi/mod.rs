@@ -18,6 +18,8 @@ use crate::settings::{check_compute, check_count, check_horizon, check_ridge, ch
 use map::{Inverses, Map};
 use propose::Prepared;
 
+pub use propose::PsiScratch;
+
 /// The settings of a [`Psi`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -81,7 +81,8 @@ impl Tape for PsiTape<'_> {
         log_density: Option<&mut [f64]>,
     ) -> Result<(), ProposalError> {
         let (map, shifts) = self.proposal.conditioned(inputs)?;
-        let inverses = log_density.is_some().then(|| self.proposal.inverses(&map, inputs.time)).transpose()?;
+        let inverses =
+            log_density.is_some().then(|| self.proposal.inverses(&map, inputs.time)).transpose()?;
         let log_density = inverses.as_ref().map(|inverses| inverses.log_abs_det).zip(log_density);
         let activations = map.forward(&shifts, noise, states, log_density);
         self.draws.push(Draw {

@@ -108,7 +108,8 @@ impl<M: StateSpaceModel + ?Sized, P: Proposal<M>> Step<'_, M, P> {
     fn advance_large<'m>(&self, filter: Filters<'_, Memory<'m, M, P>>, threads: Threads) {
         let Filters { first, streams, weights, resampled, outcomes, ancestors, states, memory } = filter;
         let (stream, weights, outcome) = (&mut streams[0], &mut weights[0], &mut outcomes[0]);
-        let (first, ancestors) = (first * self.common.settings.particles, resampled[0].then_some(&*ancestors));
+        let (first, ancestors) =
+            (first * self.common.settings.particles, resampled[0].then_some(&*ancestors));
         let ess_before = weights.effective_sample_size();
         let (key, width) = (key(stream), self.common.model.state_dim());
         // The first fault in the order of the blocks, whichever thread finds it.
@@ -126,8 +127,8 @@ impl<M: StateSpaceModel + ?Sized, P: Proposal<M>> Step<'_, M, P> {
                     let ancestors = ancestors.map(|ancestors| &ancestors[start..start + increments.len()]);
                     let mut stream = [block_stream(key, block)];
                     let rows = first + start..first + start + increments.len();
-                    let whole = Block { rows, ancestors, memory };
-                    match self.draw_in_parts(whole, &mut stream, states, increments, &mut scratch) {
+                    let block_of_rows = Block { rows, ancestors, memory };
+                    match self.draw(block_of_rows, &mut stream, states, increments, &mut scratch) {
                         Ok(()) => weights.multiply(increments),
                         Err(found) => {
                             let mut fault = fault.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
@@ -147,29 +148,6 @@ impl<M: StateSpaceModel + ?Sized, P: Proposal<M>> Step<'_, M, P> {
             None => weights.normalise(threads).map_err(Fault::Weights),
         };
         *outcome = Outcome { ess_before, increment };
-    }
-
-    /// Draws a block of one stream in parts of as many particles as the proposal likes.
-    fn draw_in_parts(
-        &self,
-        block: Block<'_, Memory<'_, M, P>>,
-        streams: &mut [Stream],
-        states: &mut [f64],
-        increments: &mut [f64],
-        scratch: &mut P::Scratch,
-    ) -> Result<(), Fault> {
-        let (width, each) = (self.common.model.state_dim(), self.proposal.block().clamp(1, BLOCK));
-        let Block { rows, ancestors, memory: mut rest } = block;
-        let parts = states.chunks_mut(each * width).zip(increments.chunks_mut(each));
-        for (part, (states, increments)) in parts.enumerate() {
-            let (start, count) = (part * each, increments.len());
-            let (memory, others) = rest.split(count);
-            rest = others;
-            let ancestors = ancestors.map(|ancestors| &ancestors[start..start + count]);
-            let rows = rows.start + start..rows.start + start + count;
-            self.draw(Block { rows, ancestors, memory }, streams, states, increments, scratch)?;
-        }
-        Ok(())
     }
 
     /// Draws a block and writes `log p(y|x) + log p(x|x') − log q` of each particle.
@@ -273,7 +251,13 @@ impl<R: MemoryRows> Pieces for DrawnBlocks<'_, R> {
         let later = first + blocks;
         (
             DrawnBlocks { first, width, states, weights, memory },
-            DrawnBlocks { first: later, width, states: later_states, weights: later_weights, memory: later_memory },
+            DrawnBlocks {
+                first: later,
+                width,
+                states: later_states,
+                weights: later_weights,
+                memory: later_memory,
+            },
         )
     }
 }

@@ -1,7 +1,7 @@
 //! Many independent particle filters on the same measurements, advanced as one batch.
 
-mod filter_bank;
 mod draw;
+mod filter_bank;
 mod filters;
 mod read;
 mod scratches;

@@ -67,7 +67,8 @@ mod tests {
         let previous = vec![0.4; count];
         let context = Context::new(1, Some(&previous), &measurement, count);
         let mut proposal = MinDegeneracy::new(&model).unwrap();
-        let base = proposal.condition_batch(&model, context, &mut (), &mut ()).unwrap();
+        let scratch = &mut ();
+        let base = proposal.condition_batch(&model, context, &mut (), scratch).unwrap();
         let (mut states, mut of_mixture, mut of_transition) =
             (vec![0.0; count], vec![0.0; count], vec![0.0; count]);
         let streams = &mut [Seed::from_u64(3).stream()];

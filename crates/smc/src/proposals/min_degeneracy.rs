@@ -172,12 +172,9 @@ impl<M: AdditiveGaussian + ?Sized> Proposal<M> for MinDegeneracy {
             let (c, noise) = (model.measurement_matrix(), model.measurement_covariance());
             let c = Mat::from_fn(present.len(), n, |i, j| c[(present[i], j)]);
             let noise = Mat::from_fn(present.len(), present.len(), |i, j| noise[(present[i], present[j])]);
-            let prior =
-                if is_first { model.initial().covariance() } else { model.transition_covariance() };
-            let correction =
-                Correction::new(prior, c.as_ref(), noise.as_ref()).map_err(|error| {
-                    ProposalError::Measurement { time, reason: error.to_string() }
-                })?;
+            let prior = if is_first { model.initial().covariance() } else { model.transition_covariance() };
+            let correction = Correction::new(prior, c.as_ref(), noise.as_ref())
+                .map_err(|error| ProposalError::Measurement { time, reason: error.to_string() })?;
             let present = measurement.iter().map(Option::is_some).collect();
             self.partial = Some(Partial { is_first, present, correction });
         }
