@@ -26,6 +26,7 @@ pub mod elementary;
 mod epidemic;
 mod error;
 mod gaussian;
+mod gradient_check;
 mod graph;
 mod graph_diffusion;
 pub mod kalman;
@@ -43,6 +44,7 @@ mod system_graph;
 pub use epidemic::{Epidemic, EpidemicConfig};
 pub use error::{CovarianceFault, ModelError};
 pub use gaussian::Gaussian;
+pub use gradient_check::{Comparison, Derivative, GradientError, GradientReport, check_gradients};
 pub use graph::RandomGeometricGraph;
 pub use graph_diffusion::{Drift, GraphDiffusion, GraphDiffusionConfig};
 pub use linear_gaussian::LinearGaussian;
@@ -52,7 +54,9 @@ pub use sequence::{Measurements, PartialMeasurements, Sequence};
 pub use shape::ModelShape;
 pub use simulate::{Trajectory, simulate, simulate_within};
 pub use simulations::{Prediction, Simulations, Spread};
-pub use state_space::{AdditiveGaussian, PartialLikelihood, Simulator, StateGradients, StateSpaceModel};
+pub use state_space::{
+    AdditiveGaussian, PartialLikelihood, Simulator, StateGradients, StateSpaceModel, check_dimensions,
+};
 pub use stream::{Seed, Stream};
 pub use system_graph::{GraphModel, SystemGraph};
 

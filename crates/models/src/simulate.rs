@@ -1,6 +1,6 @@
 //! Drawing a trajectory of states and measurements from a model.
 
-use crate::{Measurements, ModelError, Seed, Sequence, Simulator, Stream};
+use crate::{Measurements, ModelError, Seed, Sequence, Simulator, Stream, check_dimensions};
 
 /// A simulated run of a system: the hidden truth and what was measured of it.
 ///
@@ -17,7 +17,7 @@ pub struct Trajectory {
 /// same stream begins with the shorter one.
 ///
 /// # Errors
-/// [`ModelError::Parameter`] if `horizon` is 0; [`ModelError::Numerical`] with the time if the system overflowed.
+/// [`ModelError::Parameter`] if `horizon`, `N` or `M` is 0; [`ModelError::Numerical`] with the time if the system overflowed.
 pub fn simulate(
     model: &(impl Simulator + ?Sized),
     horizon: usize,
@@ -26,6 +26,7 @@ pub fn simulate(
     if horizon == 0 {
         return Err(ModelError::Parameter { name: "horizon T", value: "0".into(), expected: "at least 1" });
     }
+    check_dimensions(model)?;
     let (n, m) = (model.state_dim(), model.measurement_dim());
     let (mut states, mut measurements) = (vec![0.0; horizon * n], vec![0.0; horizon * m]);
     for time in 0..horizon {

@@ -109,6 +109,23 @@ pub trait StateSpaceModel: Sync {
     }
 }
 
+/// Refuses a model without states or without measurements.
+///
+/// Everything that takes a model refuses it with these words: simulation, filters, proposals and training.
+///
+/// # Errors
+/// [`ModelError::Parameter`] if `N` or `M` is 0.
+pub fn check_dimensions(model: &(impl StateSpaceModel + ?Sized)) -> Result<(), ModelError> {
+    let dimensions = [
+        ("the model's state dimension N", model.state_dim()),
+        ("the model's measurement dimension M", model.measurement_dim()),
+    ];
+    match dimensions.into_iter().find(|(_, dimension)| *dimension == 0) {
+        Some((name, _)) => Err(ModelError::Parameter { name, value: "0".into(), expected: "at least 1" }),
+        None => Ok(()),
+    }
+}
+
 /// A model that can also draw measurements, and so simulate itself.
 pub trait Simulator: StateSpaceModel {
     /// Draws `y_t ~ p(y_t | x_t)` into `measurement` (`M`), given `state` (`N`).
