@@ -103,8 +103,9 @@ const ROUNDING: f64 = 32.0;
 /// ```
 ///
 /// # Errors
-/// [`GradientError::Wrong`] with the worst coordinate if a relative error is above `tolerance` or not a number;
-/// [`GradientError::NotCompared`] if a derivative could not be checked; [`GradientError::Model`] as [`simulate`].
+/// - [`GradientError::Wrong`] with the worst coordinate, if a relative error is above `tolerance` or not a number.
+/// - [`GradientError::NotCompared`] if a derivative could not be checked.
+/// - [`GradientError::Model`] as [`simulate`].
 pub fn check_gradients(
     model: &(impl StateGradients + Simulator + ?Sized),
     horizon: usize,
