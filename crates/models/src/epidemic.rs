@@ -2,7 +2,7 @@
 
 use faer::{Mat, MatRef};
 
-use crate::batch::{LANES, with_noise};
+use crate::batch::{LANES, Rows, with_noise};
 use crate::{
     AdditiveGaussian, Gaussian, ModelError, Noise, PartialLikelihood, Simulator, StateGradients,
     StateSpaceModel, Stream,
@@ -188,13 +188,18 @@ impl StateSpaceModel for Epidemic {
         self.config.noise.log_density_of_all(self.sigmas[2], residuals.into_iter())
     }
 
-    fn sample_transitions(&self, _time: usize, previous: &[f64], streams: &mut [Stream], states: &mut [f64]) {
+    fn sample_transitions(
+        &self,
+        _time: usize,
+        previous: Rows<'_>,
+        streams: &mut [Stream],
+        states: &mut [f64],
+    ) {
         let fill = |stream: &mut Stream, noise: &mut [f64]| self.config.noise.fill_unit(stream, noise);
         with_noise(streams, N, states.len() / N, fill, |particles, noise| {
-            let at = particles.start * N..particles.end * N;
-            let rows = previous[at.clone()].chunks_exact(N).zip(states[at].chunks_exact_mut(N));
-            for (lane, (previous, state)) in rows.enumerate() {
-                for (j, (value, flow)) in state.iter_mut().zip(self.flow(previous)).enumerate() {
+            let drawn = states[particles.start * N..particles.end * N].chunks_exact_mut(N);
+            for (lane, (row, state)) in particles.zip(drawn).enumerate() {
+                for (j, (value, flow)) in state.iter_mut().zip(self.flow(previous.row(row))).enumerate() {
                     *value = flow + self.sigmas[1] * noise[j * LANES + lane];
                 }
             }

@@ -61,7 +61,7 @@ pub use simulations::{LinearPredictor, Simulations, Spread};
 pub use state_space::{
     AdditiveGaussian, PartialLikelihood, Simulator, StateGradients, StateSpaceModel, check_dimensions,
 };
-pub use stream::{Seed, Stream};
+pub use stream::{Seed, Stream, duplicate};
 pub use system_graph::{GraphModel, SystemGraph};
 
 /// The README's code, compiled and run as a documentation test.

@@ -48,42 +48,30 @@ pub trait StateSpaceModel: Sync {
         }
     }
 
-    /// [`StateSpaceModel::sample_transition`] for each of `K` rows; the rows are split evenly over `streams`, in order.
+    /// [`StateSpaceModel::sample_transition`] for each of `K` rows, whose previous states may be picked from others by resampling; the rows are
+    /// split evenly over `streams`, in order.
     ///
     /// A model may take another amount of a stream here than row by row. The numbers of one stream do not depend on the other
     /// streams in the call.
     ///
     /// # Panics
     /// If `K` is not a multiple of the number of streams.
-    fn sample_transitions(&self, time: usize, previous: &[f64], streams: &mut [Stream], states: &mut [f64]) {
-        let width = self.state_dim();
-        let particles = states.len() / width;
-        let mut previous = previous.chunks_exact(width);
-        for (stream, states) in particles_by_stream(streams, states, width, particles) {
-            for (state, previous) in states.chunks_exact_mut(width).zip(&mut previous) {
-                self.sample_transition(time, previous, stream, state);
-            }
-        }
-    }
-
-    /// [`StateSpaceModel::sample_transitions`], and then [`StateSpaceModel::log_likelihoods`] of one measurement at the drawn states.
-    ///
-    /// This is what the bootstrap filter does; a model overrides it if it can do both in one pass. The previous states may be
-    /// picked from others by resampling.
-    ///
-    /// # Panics
-    /// As [`StateSpaceModel::sample_transitions`].
-    fn propagate(
+    fn sample_transitions(
         &self,
         time: usize,
         previous: Rows<'_>,
-        measurement: &[f64],
         streams: &mut [Stream],
         states: &mut [f64],
-        log_likelihoods: &mut [f64],
     ) {
-        previous.with_contiguous(|previous| self.sample_transitions(time, previous, streams, states));
-        self.log_likelihoods(time, states, measurement, log_likelihoods);
+        let width = self.state_dim();
+        let particles = states.len() / width;
+        let mut row = 0;
+        for (stream, states) in particles_by_stream(streams, states, width, particles) {
+            for state in states.chunks_exact_mut(width) {
+                self.sample_transition(time, previous.row(row), stream, state);
+                row += 1;
+            }
+        }
     }
 
     /// [`StateSpaceModel::log_initial`] of each of `K` rows, into `out` (`K`).
@@ -93,12 +81,10 @@ pub trait StateSpaceModel: Sync {
         }
     }
 
-    /// [`StateSpaceModel::log_transition`] of each of `K` rows, into `out` (`K`).
-    fn log_transitions(&self, time: usize, previous: &[f64], states: &[f64], out: &mut [f64]) {
-        let width = self.state_dim();
-        let rows = previous.chunks_exact(width).zip(states.chunks_exact(width));
-        for ((previous, state), out) in rows.zip(out) {
-            *out = self.log_transition(time, previous, state);
+    /// [`StateSpaceModel::log_transition`] of each of `K` rows, whose previous states may be picked from others, into `out` (`K`).
+    fn log_transitions(&self, time: usize, previous: Rows<'_>, states: &[f64], out: &mut [f64]) {
+        for (row, (state, out)) in states.chunks_exact(self.state_dim()).zip(out).enumerate() {
+            *out = self.log_transition(time, previous.row(row), state);
         }
     }
 

@@ -8,6 +8,14 @@ use rand::{Rng, SeedableRng};
 /// Counter based, so a stream's position depends on nothing but how much was drawn from it.
 pub type Stream = ChaCha8Rng;
 
+/// A stream that goes on as the given one does from where it is. (Generators have no `Clone`, so that none is doubled by accident.)
+pub fn duplicate(stream: &Stream) -> Stream {
+    let mut same = Stream::from_seed(stream.get_seed());
+    same.set_stream(stream.get_stream());
+    same.set_word_pos(stream.get_word_pos());
+    same
+}
+
 /// A node in a tree of random streams.
 ///
 /// Children are derived by label or by number, and deriving one never changes another. The streams of unit 7 are the same

@@ -38,7 +38,9 @@ mod standardised;
 
 pub use family::Family;
 pub use fcnn::{Fcnn, FcnnConfig, FcnnNetworks};
-pub use gaussian::{GaussianBatch, GaussianNetworks, GaussianProposal, Hidden, KernelCovariance};
+pub use gaussian::{
+    GaussianNetworks, GaussianProposal, GaussianScratch, Hidden, HiddenRows, KernelCovariance,
+};
 pub use gnn::{Adapter, Gnn, GnnConfig, GnnNetworks};
 pub use learnable::{Learnable, Tape};
 pub use motes_networks as networks;

@@ -1,8 +1,10 @@
 //! One pass along a sequence: draws particles forward in time, then takes the objective's gradient backward.
 
+use motes_models::batch::Rows;
 use motes_models::{Measurements, StateGradients, Stream};
+use motes_proposals::networks::Inputs;
 use motes_proposals::{Learnable, Workspace};
-use motes_smc::{Past, ProposalError};
+use motes_smc::ProposalError;
 
 use crate::fit::check_fit;
 use crate::{GradientFlow, Objective, TrainError};
@@ -76,13 +78,13 @@ pub(crate) fn draw_and_differentiate(
         let now = &mut now[..block];
         let at = time * particles..(time + 1) * particles;
         proposal.fill_noise(stream, &mut noise);
-        let past = Past { time, previous, measurement, particles };
+        let inputs = Inputs { time, width: n, previous, measurement, particles };
         let log_density = needs.then(|| &mut log_proposal[at.clone()]);
-        tape.draw(past, &noise, now, log_density).map_err(|source| (time, source))?;
+        tape.draw(&inputs, &noise, now, log_density).map_err(|source| (time, source))?;
         let log_model = &mut log_model[at];
         match previous {
             None => model.log_initials(now, log_model),
-            Some(previous) => model.log_transitions(time, previous, now, log_model),
+            Some(previous) => model.log_transitions(time, Rows::all(previous, n), now, log_model),
         }
         model.log_likelihoods(time, now, measurement, &mut log_likelihood);
         log_model.iter_mut().zip(&log_likelihood).for_each(|(sum, term)| *sum += term);

@@ -48,27 +48,21 @@ impl StateSpaceModel for GraphDiffusion {
         self.initial.samples(streams, states);
     }
 
-    fn sample_transitions(&self, _time: usize, previous: &[f64], streams: &mut [Stream], states: &mut [f64]) {
-        batches::sample_transitions(self, previous, streams, states);
-    }
-
-    fn propagate(
+    fn sample_transitions(
         &self,
         _time: usize,
         previous: Rows<'_>,
-        measurement: &[f64],
         streams: &mut [Stream],
         states: &mut [f64],
-        log_likelihoods: &mut [f64],
     ) {
-        batches::propagate(self, previous, measurement, streams, states, log_likelihoods);
+        batches::sample_transitions(self, previous, streams, states);
     }
 
     fn log_initials(&self, states: &[f64], out: &mut [f64]) {
         self.initial.log_densities(states, out);
     }
 
-    fn log_transitions(&self, _time: usize, previous: &[f64], states: &[f64], out: &mut [f64]) {
+    fn log_transitions(&self, _time: usize, previous: Rows<'_>, states: &[f64], out: &mut [f64]) {
         batches::log_transitions(self, previous, states, out);
     }
 

@@ -9,14 +9,14 @@ mod propose;
 mod tape;
 
 use motes_models::{ModelShape, Seed};
-use motes_networks::{Compute, Parameters, fan_in_bound};
-use motes_smc::{Past, ProposalError};
+use motes_networks::{Compute, Inputs, Parameters, fan_in_bound};
+use motes_smc::ProposalError;
 use serde::{Deserialize, Serialize};
 
 use crate::family::Family;
 use crate::settings::{check_compute, check_count, check_horizon, check_ridge, check_shape, check_weights};
 use map::{Inverses, Map};
-use propose::Transformed;
+use propose::Prepared;
 
 /// The settings of a [`Psi`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -50,7 +50,8 @@ pub struct Psi {
     measurement_dim: usize,
     horizon: usize,
     parameters: Parameters,
-    conditional: Option<Transformed>,
+    /// What a filter prepared for its step.
+    prepared: Option<Prepared>,
 }
 
 /// How many matrices the first affine map has: `A`, `B` and `C`.
@@ -94,15 +95,20 @@ impl Psi {
         })
     }
 
+    /// The transform of a time together with `C y_t` (`N`).
+    fn at_measurement(&self, time: usize, measurement: &[f64]) -> Result<(Map, Vec<f64>), ProposalError> {
+        let (found, expected) = (self.measurement_dim, measurement.len());
+        ProposalError::unless_same("the measurement dimension M", found, expected)?;
+        let map = self.map(time)?;
+        let shift = map.shift(measurement);
+        Ok((map, shift))
+    }
+
     /// The transform of a time together with `B x_{t−1} + C y_t` of each particle (`R×N`).
-    fn conditioned(&self, past: &Past<'_>) -> Result<(Map, Vec<f64>), ProposalError> {
-        ProposalError::unless_same(
-            "the measurement dimension M",
-            self.measurement_dim,
-            past.measurement.len(),
-        )?;
-        let map = self.map(past.time)?;
-        let shifts = map.shifts(past);
+    fn conditioned(&self, inputs: &Inputs<'_>) -> Result<(Map, Vec<f64>), ProposalError> {
+        let (map, shift) = self.at_measurement(inputs.time, inputs.measurement)?;
+        let mut shifts = shift.repeat(inputs.particles);
+        map.add_previous(inputs.previous, &mut shifts);
         Ok((map, shifts))
     }
 
@@ -110,17 +116,17 @@ impl Psi {
     /// `log_density` (`R`): −∞ where the state lies outside the image of the cube, and `noise` then means nothing.
     ///
     /// # Errors
-    /// As [`motes_smc::Proposal::condition`], and [`ProposalError::Numerical`] with the particle if the transform is too ill-conditioned
+    /// As [`motes_smc::Proposal`], and [`ProposalError::Numerical`] with the particle if the transform is too ill-conditioned
     /// there to be inverted in floating point.
     pub fn inverse(
         &self,
-        past: Past<'_>,
+        inputs: &Inputs<'_>,
         states: &[f64],
         noise: &mut [f64],
         log_density: &mut [f64],
     ) -> Result<(), ProposalError> {
-        let (map, shifts) = self.conditioned(&past)?;
-        let log_abs_det = self.inverses(&map, past.time)?.log_abs_det;
+        let (map, shifts) = self.conditioned(inputs)?;
+        let log_abs_det = self.inverses(&map, inputs.time)?.log_abs_det;
         map.inverse(log_abs_det, &shifts, states, noise, log_density);
         match log_density.iter().position(|value| value.is_nan()) {
             None => Ok(()),
@@ -164,7 +170,7 @@ impl Family for Psi {
             }
         }
         let config = config.clone();
-        Ok(Psi { config, state_dim: n, measurement_dim: m, horizon, parameters, conditional: None })
+        Ok(Psi { config, state_dim: n, measurement_dim: m, horizon, parameters, prepared: None })
     }
 
     fn count(config: &PsiConfig, shape: &ModelShape, horizon: usize) -> Option<usize> {

@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::family::Family;
 use crate::settings::check_shape;
-use frame::Inputs;
+use propose::Prepared;
 
 /// The settings of a [`Standardised`] family.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -56,16 +56,8 @@ pub struct StandardisedConfig<Config> {
 pub struct Standardised<F: Family> {
     proposal: F,
     config: StandardisedConfig<F::Config>,
-    scratch: Scratch,
-}
-
-#[derive(Clone, Default)]
-struct Scratch {
-    inputs: Inputs,
-    /// `o + P ξ_{t−1} + B υ_t` of each particle, `R×N`.
-    origins: Vec<f64>,
-    /// States in the units of the outputs, `R×N`.
-    outputs: Vec<f64>,
+    /// What a filter prepared for its step.
+    prepared: Option<Prepared>,
 }
 
 impl<F: Family> Family for Standardised<F> {
@@ -84,7 +76,7 @@ impl<F: Family> Family for Standardised<F> {
         check_shape(shape)?;
         config.frames.check(shape.state_dim, shape.measurement_dim, horizon)?;
         let proposal = F::create(&config.family, shape, horizon, compute, seed)?;
-        Ok(Standardised { proposal, config: config.clone(), scratch: Scratch::default() })
+        Ok(Standardised { proposal, config: config.clone(), prepared: None })
     }
 
     fn count(config: &Self::Config, shape: &ModelShape, horizon: usize) -> Option<usize> {
