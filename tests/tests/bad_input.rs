@@ -5,7 +5,8 @@
 use faer::{Mat, mat};
 use motes_models::{
     Drift, Epidemic, EpidemicConfig, Gaussian, GraphDiffusion, GraphDiffusionConfig, LinearGaussian,
-    Measurements, ModelShape, Noise, PartialMeasurements, Seed, Sequence,
+    Measurements, ModelShape, Noise, PartialMeasurements, Seed, Sequence, Simulations, Simulator,
+    StateGradients, StateSpaceModel, Stream, check_dimensions, check_gradients, simulate,
 };
 use motes_proposals::{Backend, Cell, Family, Fcnn, Gnn, Psi, Rnn};
 use motes_smc::{
@@ -93,6 +94,101 @@ fn systems() {
         ("a variance of zero", epidemic(|config| config.state_variance = 0.0)),
         ("a mean that is not finite", epidemic(|config| config.initial_means[1] = f64::NAN)),
     ]);
+}
+
+/// Nothing but its dimensions.
+struct OfSize {
+    states: usize,
+    measurements: usize,
+}
+
+impl StateSpaceModel for OfSize {
+    fn state_dim(&self) -> usize {
+        self.states
+    }
+    fn measurement_dim(&self) -> usize {
+        self.measurements
+    }
+    fn sample_initial(&self, _stream: &mut Stream, state: &mut [f64]) {
+        state.fill(0.0);
+    }
+    fn sample_transition(&self, _time: usize, previous: &[f64], _stream: &mut Stream, state: &mut [f64]) {
+        state.copy_from_slice(previous);
+    }
+    fn log_initial(&self, _state: &[f64]) -> f64 {
+        0.0
+    }
+    fn log_transition(&self, _time: usize, _previous: &[f64], _state: &[f64]) -> f64 {
+        0.0
+    }
+    fn log_likelihood(&self, _time: usize, _state: &[f64], _measurement: &[f64]) -> f64 {
+        0.0
+    }
+}
+
+impl Simulator for OfSize {
+    fn sample_measurement(
+        &self,
+        _time: usize,
+        _state: &[f64],
+        _stream: &mut Stream,
+        measurement: &mut [f64],
+    ) {
+        measurement.fill(0.0);
+    }
+}
+
+impl StateGradients for OfSize {
+    fn initial_gradients(&self, _states: &[f64], d_states: &mut [f64]) {
+        d_states.fill(0.0);
+    }
+    fn transition_gradients(
+        &self,
+        _time: usize,
+        _previous: &[f64],
+        _states: &[f64],
+        d_previous: &mut [f64],
+        d_states: &mut [f64],
+    ) {
+        d_previous.fill(0.0);
+        d_states.fill(0.0);
+    }
+    fn likelihood_gradients(
+        &self,
+        _time: usize,
+        _states: &[f64],
+        _measurement: &[f64],
+        d_states: &mut [f64],
+    ) {
+        d_states.fill(0.0);
+    }
+}
+
+#[test]
+fn a_model_without_states_or_measurements_is_refused_everywhere_with_the_same_words() {
+    let seed = Seed::from_u64(1);
+    let fine = OfSize { states: 1, measurements: 1 };
+    let measurements = simulate(&fine, 3, &mut seed.stream()).unwrap().measurements;
+    let config = small_rnn(Cell::Lstm);
+    let rnn = |shape: &ModelShape| Rnn::create(&config, shape, 0, Backend::Native.into(), &seed).map(|_| ());
+    let mut proposal =
+        Rnn::create(&config, &ModelShape::of(&fine), 0, Backend::Native.into(), &seed).unwrap();
+    for (model, said) in [
+        (
+            OfSize { measurements: 0, ..fine },
+            "the model's measurement dimension M is 0; it must be at least 1",
+        ),
+        (OfSize { states: 0, ..fine }, "the model's state dimension N is 0; it must be at least 1"),
+    ] {
+        assert_eq!(refused(check_dimensions(&model)), said);
+        assert_eq!(refused(simulate(&model, 3, &mut seed.stream())), said);
+        assert_eq!(refused(Simulations::draw(&model, 3, 2, 1.0, &seed)), said);
+        assert_eq!(refused(check_gradients(&model, 3, 1e-5, &mut seed.stream())), said);
+        assert_eq!(refused(rnn(&ModelShape::of(&model))), said);
+        let (config, proceed) = (TrainConfig::paper(4), |_, _| std::ops::ControlFlow::Continue(()));
+        let trained = train(&mut proposal, &model, &measurements, &config, &mut seed.stream(), proceed);
+        assert_eq!(refused(trained), said);
+    }
 }
 
 #[test]

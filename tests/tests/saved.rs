@@ -98,14 +98,12 @@ fn a_parameter_that_moves_unmeasured_coordinates_is_noticed() {
 fn told(change: impl FnOnce(&Path)) -> String {
     let (folder, system) = (tempfile::tempdir().unwrap(), system());
     let config = small_rnn(Cell::Lstm);
-    let rnn = Rnn::create(&config, &ModelShape::of(&system), 0, compute(), &Seed::from_u64(121)).unwrap();
+    let shape = ModelShape::on_graph(&system);
+    let rnn = Rnn::create(&config, &shape, 0, compute(), &Seed::from_u64(121)).unwrap();
     let folder = folder.path().join("rnn");
-    save(&folder, &rnn, &system, &ModelShape::of(&system), &TrainConfig::paper(10)).unwrap();
+    save(&folder, &rnn, &system, &shape, &TrainConfig::paper(10)).unwrap();
     change(&folder);
-    let error = load::<Rnn>(&folder, &system, &ModelShape::of(&system), compute())
-        .err()
-        .expect("it was loaded")
-        .to_string();
+    let error = load::<Rnn>(&folder, &system, &shape, compute()).err().expect("it was loaded").to_string();
     assert_eq!(error.lines().count(), 1, "{error}");
     error.replace(&folder.display().to_string(), "DIR")
 }

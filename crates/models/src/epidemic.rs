@@ -50,11 +50,15 @@ impl EpidemicConfig {
     }
 }
 
-/// The susceptible, infected and removed people of an epidemic, `x_t = (S_t, I_t, R_t)`, in steps of Euler's method with noise added:
+/// The susceptible, infected and removed people of an epidemic, `x_t = (S_t, I_t, R_t)`, in steps of Euler's method with noise:
 ///
-/// `S_{t+1} = S_t − β S_t I_t Δ`, `I_{t+1} = I_t + (β S_t I_t − γ I_t) Δ`, `R_{t+1} = R_t + γ I_t Δ`, each `+ v`, and
-/// `y_t = (S_t, R_t) + w_t` (the paper's equation "sir"). All noises are centred and independent; `x_0` has the same family around its
-/// means. Nothing keeps a coordinate from becoming negative, and where `S` or `I` is, the map can run away.
+/// - `S_{t+1} = S_t − β S_t I_t Δ + v`
+/// - `I_{t+1} = I_t + (β S_t I_t − γ I_t) Δ + v`
+/// - `R_{t+1} = R_t + γ I_t Δ + v`
+/// - `y_t = (S_t, R_t) + w_t`
+///
+/// This is the paper's equation "sir". All noises are centred and independent, and `x_0` has the same family around its means.
+/// Coordinates can become negative. Where `S` or `I` is negative, states can diverge.
 #[derive(Debug, Clone)]
 pub struct Epidemic {
     config: EpidemicConfig,

@@ -48,9 +48,9 @@ impl LinearGaussian {
         let m = measurement_covariance.nrows();
         if m == 0 {
             return Err(ModelError::Parameter {
-                name: "number of measured values M",
+                name: "the model's measurement dimension M",
                 value: "0".into(),
-                expected: "the size of R, at least 1",
+                expected: "at least 1",
             });
         }
         check_matrix("the transition matrix A", transition_matrix.as_ref(), n, n)?;

@@ -18,8 +18,8 @@ pub fn duplicate(stream: &Stream) -> Stream {
 
 /// A node in a tree of random streams.
 ///
-/// Children are derived by label or by number, and deriving one never changes another: the streams of unit
-/// 7 are the same whether units 0 to 6 were run before it, after it, on another thread or not at all.
+/// Children are derived by label or by number, and deriving one never changes another. The streams of unit 7 are the same
+/// whether units 0 to 6 ran before it, after it, on another thread or not at all.
 ///
 /// ```
 /// use motes_models::Seed;

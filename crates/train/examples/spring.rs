@@ -8,7 +8,10 @@
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
-use motes_models::{Measurements, ModelShape, Noise, Seed, StateGradients, StateSpaceModel, Stream};
+use motes_models::{
+    Measurements, ModelShape, Noise, Seed, Simulator, StateGradients, StateSpaceModel, Stream,
+    check_gradients,
+};
 use motes_proposals::{Backend, Family, Rnn, RnnConfig, load, save};
 use motes_smc::{Bootstrap, FilterSettings, ParticleFilter, Proposal, WeightReport};
 use motes_train::{AdamConfig, Objective, TrainConfig, train};
@@ -93,6 +96,13 @@ impl StateGradients for Spring {
     }
 }
 
+/// What drawing measurements asks for, so that the gradients above can be checked.
+impl Simulator for Spring {
+    fn sample_measurement(&self, _time: usize, state: &[f64], stream: &mut Stream, measurement: &mut [f64]) {
+        measurement[0] = state[0] + Noise::Gaussian.sample(SIGMA[2], stream);
+    }
+}
+
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args_os().skip(1).map(PathBuf::from);
     let file = arguments.next().unwrap_or(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/spring.csv").into());
@@ -106,6 +116,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let logged = Measurements::new(1, values[..values.len() / 2].to_vec())?;
 
     let seed = Seed::from_u64(1);
+    // A gradient that is wrong makes no error in training, only a worse proposal.
+    check_gradients(&Spring, 20, 1e-5, &mut seed.child("gradients").stream())?;
     let config = RnnConfig { hidden: 16, ridge: 1e-3, ..RnnConfig::paper() };
     let shape = ModelShape::of(&Spring);
     let mut rnn = Rnn::create(&config, &shape, 0, Backend::Native.into(), &seed.child("weights"))?;

@@ -1,7 +1,7 @@
 //! Whether a proposal, a model and measurements fit each other.
 
 use motes_models::batch::there_is_memory_for;
-use motes_models::{Measurements, StateGradients};
+use motes_models::{Measurements, StateGradients, check_dimensions};
 use motes_proposals::Learnable;
 
 use crate::TrainError;
@@ -13,14 +13,13 @@ pub(crate) fn check_fit(
     measurements: &Measurements,
     particles: usize,
 ) -> Result<(), TrainError> {
+    check_dimensions(model)?;
     measurements.check_width(model.measurement_dim())?;
     let differs =
         |name, found: usize, expected| TrainError::Setting { name, value: found.to_string(), expected };
-    for (name, value) in [
-        ("the number of particles K", particles),
-        ("the number of measurements T", measurements.len()),
-        ("the model's state dimension N", model.state_dim()),
-    ] {
+    for (name, value) in
+        [("the number of particles K", particles), ("the number of measurements T", measurements.len())]
+    {
         if value == 0 {
             return Err(differs(name, value, "at least 1"));
         }

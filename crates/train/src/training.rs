@@ -70,8 +70,9 @@ pub struct History {
 /// [`Training`] is the same step by step.
 ///
 /// # Errors
-/// [`TrainError::Setting`] or [`TrainError::Model`] for bad input, before anything is changed; [`TrainError::Diverged`] if
-/// the loss, or the last gradient, is not finite; [`TrainError::Proposal`] if the proposal fails.
+/// - [`TrainError::Setting`] or [`TrainError::Model`] for bad input, before anything is changed.
+/// - [`TrainError::Diverged`] if the loss, or the last gradient, is not finite.
+/// - [`TrainError::Proposal`] if the proposal fails.
 pub fn train(
     proposal: &mut dyn Learnable,
     model: &dyn StateGradients,

@@ -9,9 +9,8 @@ use crate::{Gaussian, LinearGaussian, ModelError, Noise, RandomGeometricGraph, S
 
 /// `x_t = φ(A x_{t−1}) + v_t`, `y_t = C x_t + w_t`, `x_0 ~ N(1, I)`.
 ///
-/// `A` is the adjacency matrix of a random geometric graph with spectral norm 1,
-/// `C = [I_M, I_{M×(N−M)}]` divided by its spectral norm, and the noises have covariance `σ²I`
-/// (the paper's equation for its experiments, section "Numerical Experiments").
+/// `A` is the adjacency matrix of a random geometric graph, with spectral norm 1. `C` is `[I_M, I_{M×(N−M)}]` divided by its
+/// spectral norm. The noises have covariance `σ²I`. This is the system of the paper's section "Numerical Experiments".
 #[derive(Debug, Clone)]
 pub struct GraphDiffusion {
     pub(super) adjacency: Mat<f64>,

@@ -35,18 +35,20 @@ impl Filtered {
 
 /// Runs the Kalman filter over all measurements.
 ///
-/// With `m⁻, P⁻` the prediction: `S = C P⁻ Cᵀ + R`, `G = P⁻ Cᵀ S⁻¹`, `m = m⁻ + G (y − C m⁻)`, and the
-/// covariance in Joseph's form, `P = (I − G C) P⁻ (I − G C)ᵀ + G R Gᵀ`, which stays symmetric and positive.
+/// With `m⁻, P⁻` the prediction, `S = C P⁻ Cᵀ + R` and `G = P⁻ Cᵀ S⁻¹`:
+///
+/// - `m = m⁻ + G (y − C m⁻)`
+/// - `P = (I − G C) P⁻ (I − G C)ᵀ + G R Gᵀ`, Joseph's form, which stays symmetric and positive.
 ///
 /// # Errors
-/// [`ModelError::MeasurementWidth`] if the measurements do not fit the model; [`ModelError::Numerical`] with
-/// the time if an innovation covariance cannot be factored, or if a belief or a log-density is not finite.
+/// [`ModelError::MeasurementWidth`] if the measurements do not fit the model. [`ModelError::Numerical`] with the time if an
+/// innovation covariance cannot be factored, or if a belief or a log-density is not finite.
 pub fn filter(model: &LinearGaussian, measurements: &Measurements) -> Result<Filtered, ModelError> {
     filter_partial(model, &measurements.into())
 }
 
-/// [`filter`] with gaps: of a measurement only the entries that are there, with their rows of `C` and `R`, correct the prediction, and
-/// where none is the prediction stands.
+/// [`filter`] with gaps. Only the entries that are there correct the prediction, with their rows of `C` and `R`. Where none is
+/// there, the prediction stands.
 ///
 /// # Errors
 /// As [`filter`].
@@ -104,7 +106,7 @@ fn update(
 
 const CORRECTING: &str = "correcting a belief";
 
-/// Corrects a belief by what was measured of `C x + w`, `w ~ N(0, R)`; the corrected one and the log-density of the measurement.
+/// Corrects a belief by what was measured of `C x + w`, `w ~ N(0, R)`. Gives the corrected belief and the log-density of the measurement.
 fn correct(
     predicted: &Belief,
     c: MatRef<'_, f64>,

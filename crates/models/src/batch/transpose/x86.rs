@@ -1,15 +1,15 @@
-//! Squares turned over by the instructions of x86.
+//! Blocks transposed by the instructions of x86.
 
 use std::arch::x86_64::{__m256d, __m512d};
 
 use pulp::x86::{V3, V4};
 use pulp::{Simd, WithSimd, cast};
 
-use super::square::{Square, Turn};
+use super::block::{Block, MoveBlocks};
 
-/// Instructions that can turn a square over.
+/// Instructions that can transpose a block.
 pub(crate) trait Transpose: Copy {
-    fn transposed(self, square: Square) -> Square;
+    fn transposed(self, block: Block) -> Block;
 }
 
 pub(crate) struct With<S, T> {
@@ -17,15 +17,15 @@ pub(crate) struct With<S, T> {
     pub(crate) work: T,
 }
 
-impl<I: Transpose, T: Turn> WithSimd for With<I, T> {
+impl<I: Transpose, T: MoveBlocks> WithSimd for With<I, T> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _simd: S) {
         let With { simd, work } = self;
-        work.by(
+        work.run(
             #[inline(always)]
-            |square| simd.transposed(square),
+            |block| simd.transposed(block),
         );
     }
 }
@@ -33,9 +33,9 @@ impl<I: Transpose, T: Turn> WithSimd for With<I, T> {
 /// Quarter by quarter.
 impl Transpose for V3 {
     #[inline(always)]
-    fn transposed(self, square: Square) -> Square {
+    fn transposed(self, block: Block) -> Block {
         // Each row in two halves.
-        let [a, b, c, d, e, f, g, h]: [[__m256d; 2]; 8] = cast(square);
+        let [a, b, c, d, e, f, g, h]: [[__m256d; 2]; 8] = cast(block);
         let upper_left = quarter(self, [a[0], b[0], c[0], d[0]]);
         let upper_right = quarter(self, [a[1], b[1], c[1], d[1]]);
         let lower_left = quarter(self, [e[0], f[0], g[0], h[0]]);
@@ -50,7 +50,7 @@ fn side_by_side([a, b, c, d]: [__m256d; 4], [e, f, g, h]: [__m256d; 4]) -> [[__m
     [[a, e], [b, f], [c, g], [d, h]]
 }
 
-/// Turns pairs of rows over within pairs of coordinates, then halves.
+/// Transposes pairs of rows within pairs of coordinates, then halves.
 #[inline(always)]
 fn quarter(simd: V3, [a, b, c, d]: [__m256d; 4]) -> [__m256d; 4] {
     const LOWER: i32 = 0b10_00_00;
@@ -66,12 +66,12 @@ fn quarter(simd: V3, [a, b, c, d]: [__m256d; 4]) -> [__m256d; 4] {
     ]
 }
 
-/// Turns pairs of rows over within pairs of coordinates, then pairs of pairs, then halves.
+/// Transposes pairs of rows within pairs of coordinates, then pairs of pairs, then halves.
 impl Transpose for V4 {
     #[inline(always)]
-    fn transposed(self, square: Square) -> Square {
+    fn transposed(self, block: Block) -> Block {
         let avx = self.avx512f;
-        let [a, b, c, d, e, f, g, h]: [__m512d; 8] = cast(square);
+        let [a, b, c, d, e, f, g, h]: [__m512d; 8] = cast(block);
         let even = [(a, b), (c, d), (e, f), (g, h)].map(
             #[inline(always)]
             |(a, b)| avx._mm512_unpacklo_pd(a, b),
