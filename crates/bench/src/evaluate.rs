@@ -45,7 +45,7 @@ pub struct Evaluation {
     pub timings: Vec<Metric>,
     /// Estimates over time, where the experiment shows them.
     pub series: Option<Series>,
-    /// What began the training, if it was taken up.
+    /// What began the training, if it was resumed.
     pub(crate) earlier: Vec<Provenance>,
 }
 
@@ -82,7 +82,7 @@ impl Evaluator {
         Evaluator { models, ..Evaluator::default() }
     }
 
-    /// Puts long trainings aside now and then, and when the run is being stopped, and takes up what was put aside.
+    /// Checkpoints long trainings now and then, and when the run is being stopped, and resumes them.
     #[must_use]
     pub(crate) fn with_checkpoints(self, checkpoints: Checkpoints) -> Self {
         Evaluator { checkpoints: Some(checkpoints), ..self }
@@ -206,7 +206,7 @@ mod tests {
     }
 
     #[test]
-    fn a_training_goes_on_where_it_was_put_aside() {
+    fn a_training_goes_on_from_its_checkpoint() {
         let unit = fcnn_unit(6, 4, 5);
         let MethodConfig::Fcnn(fcnn) = &unit.method else { panic!("not an fcnn") };
         let expected = Evaluator::default().evaluate(&unit, &Interrupt::default()).unwrap().metrics;
@@ -218,7 +218,7 @@ mod tests {
             folder: folder.path().into(),
             provenance: Provenance { revision: revision.into(), processor: "x86_64".into() },
         };
-        let put_aside = |seed: &Seed| {
+        let write_checkpoint = |seed: &Seed| {
             let weights = seed.child("weights");
             let mut proposal =
                 Fcnn::create(&fcnn.proposal, &*problem.model, 4, Backend::Native.into(), &weights).unwrap();
@@ -231,15 +231,15 @@ mod tests {
             let bytes = training.suspend(&proposal).unwrap();
             checkpoints("earlier").of(&unit.key()).write(7.0, &[], &bytes).unwrap();
         };
-        put_aside(&seed);
+        write_checkpoint(&seed);
         let evaluator = Evaluator::new(None).with_checkpoints(checkpoints("now"));
         let found = evaluator.evaluate(&unit, &Interrupt::default()).unwrap();
         assert_eq!(found.metrics, expected);
         assert_eq!(found.earlier, [checkpoints("earlier").provenance]);
         assert!(found.timings[0].value > 7.0, "the seconds of both parts");
 
-        // It was used: what another training has put aside leads elsewhere.
-        put_aside(&seed.child("another"));
+        // It was used: the checkpoint of another training leads elsewhere.
+        write_checkpoint(&seed.child("another"));
         let found = evaluator.evaluate(&unit, &Interrupt::default()).unwrap();
         assert_ne!(found.metrics, expected);
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
-use crate::checkpoint::Checkpoints;
+use crate::checkpoint::{self, Checkpoints};
 use crate::config::{Axis, Panel, Plan, Point};
 use crate::figure::{figure, series_figure};
 use crate::manifest::{manifest, processors, revisions};
@@ -36,18 +36,16 @@ pub enum Finished {
 /// # Errors
 /// [`StoreError`] if the folder is in use or cannot be read or written.
 pub fn reproduce(plan: &Plan, estimator: &Estimator, interrupt: &Interrupt) -> Result<Finished, StoreError> {
-    let store = Store::open(&plan.folder)?;
+    let mut store = Store::open(&plan.folder)?;
     let wanted: Vec<(Point, UnitConfig)> = plan
         .points()
         .into_iter()
         .filter_map(|point| UnitConfig::at(plan, &point).map(|unit| (point, unit)))
         .collect();
     if plan.fresh {
-        for (_, unit) in &wanted {
-            store.remove(unit)?;
-        }
+        store.remove(wanted.iter().map(|(_, unit)| unit))?;
     }
-    let (there, remarks) = read(plan, &store)?;
+    let (there, remarks) = read(plan, &mut store)?;
     remarks.iter().for_each(|remark| news(remark));
     let models = plan.save_models.then(|| plan.folder.join("models"));
     let is_there = |(point, unit): &(Point, UnitConfig)| {
@@ -60,10 +58,10 @@ pub fn reproduce(plan: &Plan, estimator: &Estimator, interrupt: &Interrupt) -> R
     let missing: Vec<&(Point, UnitConfig)> = wanted.iter().filter(|wanted| !is_there(wanted)).collect();
     announce(plan, wanted.len(), missing.len());
     if !missing.is_empty() {
-        run_missing(plan, &store, &missing, (models.clone(), estimator), interrupt)?;
+        run_missing(plan, &mut store, &missing, (models.clone(), estimator), interrupt)?;
     }
 
-    let (records, _) = read(plan, &store)?;
+    let (records, _) = read(plan, &mut store)?;
     write_outputs(plan, &store, &records)?;
     let recorded =
         |(point, unit): &(Point, UnitConfig)| records.iter().find(|record| record.is_of(point, unit));
@@ -87,11 +85,17 @@ pub fn reproduce(plan: &Plan, estimator: &Estimator, interrupt: &Interrupt) -> R
 }
 
 /// The folder's units that belong to this plan's configuration, sorted, and remarks on the others, which are left alone.
-fn read(plan: &Plan, store: &Store) -> Result<(Vec<Record>, Vec<String>), StoreError> {
-    let Contents { mut records, set_aside, foreign } = store.read()?;
+fn read(plan: &Plan, store: &mut Store) -> Result<(Vec<Record>, Vec<String>), StoreError> {
+    let Contents { mut records, damaged, torn, foreign } = store.read()?;
     let mut remarks = Vec::new();
-    for path in set_aside {
-        remarks.push(format!("damaged unit set aside as {}; it is computed again", path.display()));
+    for (count, what) in [(damaged, "damaged units"), (torn, "lines that a killed run had begun")] {
+        if count > 0 {
+            let path = store.damaged();
+            remarks.push(format!(
+                "{what} set aside in {}: {count}; what is missing is computed again",
+                path.display()
+            ));
+        }
     }
     let all = records.len() + foreign;
     let mut differences = BTreeSet::new();
@@ -161,7 +165,7 @@ fn announce(plan: &Plan, wanted: usize, missing: usize) {
 
 fn run_missing(
     plan: &Plan,
-    store: &Store,
+    store: &mut Store,
     missing: &[&(Point, UnitConfig)],
     (models, estimator): (Option<PathBuf>, &Estimator),
     interrupt: &Interrupt,
@@ -172,7 +176,7 @@ fn run_missing(
     let total: f64 = estimates.iter().sum();
     news(&format!("estimated time {}", duration(total / plan.jobs.min(units.len()) as f64)));
     let here = Provenance::here();
-    let checkpoints = Checkpoints { folder: store.units(), provenance: here.clone() };
+    let checkpoints = Checkpoints { folder: checkpoint::folder(store.folder()), provenance: here.clone() };
     let evaluator = Evaluator::new(models).with_checkpoints(checkpoints);
     let mut progress = Progress::start(units.len(), total);
     let name = |point: &Point| {

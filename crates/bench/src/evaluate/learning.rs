@@ -6,7 +6,7 @@ use motes_proposals::{Backend, Family};
 use motes_train::{AdamConfig, GradientFlow, History, Objective, TrainConfig, TrainError, Training};
 
 use super::{Run, UnitError, failed};
-use crate::checkpoint::{Checkpoint, PutAside};
+use crate::checkpoint::{Checkpoint, Saved};
 use crate::config;
 use crate::provenance::Provenance;
 use crate::say::news;
@@ -34,7 +34,7 @@ impl Run<'_> {
         let mut checkpoint =
             self.evaluator.checkpoints.as_ref().map(|checkpoints| checkpoints.of(&self.unit.key()));
         let (mut seconds_before, mut earlier) = (0.0, vec![]);
-        if let Some(PutAside { seconds, provenances, training: bytes }) =
+        if let Some(Saved { seconds, provenances, training: bytes }) =
             checkpoint.as_ref().and_then(Checkpoint::read)
         {
             match training.resume(&mut proposal, &bytes) {
@@ -52,7 +52,7 @@ impl Run<'_> {
             {
                 match training.suspend(&proposal) {
                     Ok(bytes) => checkpoint.write(seconds(), &earlier, &bytes).map_err(UnitError::NotKept)?,
-                    // The next step will say so, as it does where nothing is put aside.
+                    // The next step will say so, as it does where there are no checkpoints.
                     Err(TrainError::Diverged { .. }) => {}
                     Err(error) => return Err(failed(error)),
                 }
