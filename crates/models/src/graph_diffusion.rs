@@ -3,6 +3,7 @@
 mod batches;
 
 use faer::{Mat, MatRef};
+use serde::{Deserialize, Serialize};
 
 use crate::batch::{Rows, TileMatrix};
 use crate::error::check_matrix;
@@ -12,7 +13,8 @@ use crate::{
 };
 
 /// The map `φ` applied to each coordinate of the diffused state.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Drift {
     /// `φ(x) = x`: a linear system.
     Identity,

@@ -1,7 +1,10 @@
 //! What networks are computed by, and in which precision.
 
+use serde::{Deserialize, Serialize};
+
 /// What computes the networks.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Backend {
     /// Our own: whole layers at a time, on the host. Several times faster than the others, and held against them by tests.
     #[default]
