@@ -28,7 +28,7 @@ fn usual(root: &Path, update_expectations: bool) -> Result<(), ExitCode> {
         run(&mut command)
     })?;
     step("instruction counts", || {
-        let mut command = Command::new(built("debug", "motes-bench"));
+        let mut command = Command::new(built("debug", "motes-speed"));
         command.current_dir(root).arg("instructions");
         if update_expectations {
             command.arg("--update");
@@ -50,7 +50,8 @@ fn thorough(root: &Path) -> Result<(), ExitCode> {
 
 /// Packs the crates as they would be published: all files there, descriptions whole.
 fn package(root: &Path, more: &[&str]) -> Result<(), ExitCode> {
-    let crates = ["models", "smc", "proposals", "train", "bench"].map(|name| format!("motes-{name}"));
+    let crates =
+        ["cli", "models", "smc", "proposals", "train", "bench", "speed"].map(|name| format!("motes-{name}"));
     let chosen = crates.iter().flat_map(|name| ["--package", name]);
     let arguments: Vec<&str> = ["package", "--locked", "--allow-dirty"]
         .into_iter()

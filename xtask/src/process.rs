@@ -1,20 +1,16 @@
 //! Starting other programs.
 
 use std::ffi::OsString;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
+
+use motes_cli::status;
 
 /// A program that cargo built in a profile: beside this one, wherever cargo was told to put what it builds.
 pub(crate) fn built(profile: &str, program: &str) -> PathBuf {
     let this = std::env::current_exe().unwrap_or_default();
     let target = this.parent().and_then(Path::parent).unwrap_or(Path::new("target"));
     target.join(profile).join(format!("{program}{}", std::env::consts::EXE_SUFFIX))
-}
-
-/// A line on standard error; that nobody reads it is no reason to panic.
-pub(crate) fn say(line: &str) {
-    let _ = writeln!(std::io::stderr(), "{line}");
 }
 
 /// Runs cargo in `root`; `Err` is the status to end with.
@@ -28,10 +24,10 @@ pub(crate) fn cargo(root: &Path, arguments: &[&str], environment: &[(&str, &str)
 /// Runs a command to its end; `Err` is the status to end with.
 pub(crate) fn run(command: &mut Command) -> Result<(), ExitCode> {
     match command.status() {
-        Ok(status) if status.success() => Ok(()),
-        Ok(status) => Err(ExitCode::from(status.code().map_or(1, |code| u8::try_from(code).unwrap_or(1)))),
+        Ok(ended) if ended.success() => Ok(()),
+        Ok(ended) => Err(ExitCode::from(ended.code().map_or(1, |code| u8::try_from(code).unwrap_or(1)))),
         Err(error) => {
-            say(&format!("error: {}: {error}", command.get_program().to_string_lossy()));
+            status(&format!("error: {}: {error}", command.get_program().to_string_lossy()));
             Err(ExitCode::from(3))
         }
     }
@@ -49,7 +45,7 @@ pub(crate) fn become_program(program: &Path, arguments: &[OsString]) -> ExitCode
         command.env(TUNABLES, "glibc.malloc.hugetlb=1");
     }
     let error = command.args(arguments).exec();
-    say(&format!("error: {}: {error}", program.display()));
+    status(&format!("error: {}: {error}", program.display()));
     ExitCode::from(3)
 }
 

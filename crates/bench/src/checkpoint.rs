@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::durable;
 use crate::provenance::Provenance;
-use crate::say::news;
+use motes_cli::status;
 
 /// How often a training is checkpointed.
 const EVERY: Duration = Duration::from_secs(600);
@@ -76,13 +76,13 @@ impl Checkpoint {
             Ok(bytes) => bytes,
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => return None,
             Err(error) => {
-                news(&format!("{}: {error}; its training begins anew", self.path.display()));
+                status(&format!("{}: {error}; its training begins anew", self.path.display()));
                 return None;
             }
         };
         let found = whole(&bytes);
         if found.is_none() {
-            news(&format!("{} is damaged; its training begins anew", self.path.display()));
+            status(&format!("{} is damaged; its training begins anew", self.path.display()));
         }
         found
     }

@@ -4,9 +4,9 @@ use std::collections::BTreeSet;
 
 use serde::Serialize;
 
-use crate::UNIT_FORMAT;
 use crate::config::{Experiment, Plan, Profile};
 use crate::store::Record;
+use crate::unit::UNIT_FORMAT;
 
 /// The distinct revisions that computed these records, sorted.
 pub(crate) fn revisions(records: &[Record]) -> BTreeSet<&str> {

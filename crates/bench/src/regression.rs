@@ -3,12 +3,15 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use motes_cli::{Interrupt, result, status};
+use motes_proposals::Backend;
 use thiserror::Error;
 
-use crate::config::{Backend, Plan};
-use crate::say::{news, result};
-use crate::tables::number;
-use crate::{Estimator, Finished, Interrupt, StoreError, reproduce};
+use crate::config::Plan;
+use crate::estimate::Estimator;
+use crate::reproduce::{Finished, reproduce};
+use crate::store::StoreError;
+use crate::tables::{MetricRow, number, read_rows};
 
 /// Why the regression run did not pass.
 #[derive(Debug, Error)]
@@ -84,7 +87,7 @@ pub fn regress(
     let mut wrong = 0;
     for (at, (backend, found)) in Backend::ALL.into_iter().zip(&found).enumerate() {
         for line in compare(found, &expected, at) {
-            news(&format!("{}: {line}", backend.name()));
+            status(&format!("{}: {line}", backend.name()));
             wrong += 1;
         }
     }
@@ -114,33 +117,25 @@ fn run(
         }
         Finished::Interrupted => return Err(RegressionError::Interrupted),
     }
-    let units =
-        read(&folder.join("units.csv"), |(_, panel, method, x, repetition, metric, value): UnitsRow| {
-            ([panel, method, x, repetition, metric], value)
-        })?;
-    Ok(units.into_iter().collect())
+    let rows: Vec<MetricRow> = read(&folder.join("units.csv"))?;
+    let place = |row: MetricRow| {
+        ([row.panel, row.method, row.x.to_string(), row.repetition.to_string(), row.metric], row.value)
+    };
+    Ok(rows.into_iter().map(place).collect())
 }
-
-/// A line of units.csv.
-type UnitsRow = (String, String, String, String, String, String, f64);
 
 /// A line of the expectation.
 type ExpectedRow = (String, String, String, String, String, f64, f64, f64);
 
 fn read_expected(path: &Path) -> Result<BTreeMap<Place, Expected>, RegressionError> {
-    let rows = read(path, |(panel, method, x, repetition, metric, a, b, c): ExpectedRow| {
+    let place = |(panel, method, x, repetition, metric, a, b, c): ExpectedRow| {
         ([panel, method, x, repetition, metric], [a, b, c])
-    })?;
-    Ok(rows.into_iter().collect())
+    };
+    Ok(read(path)?.into_iter().map(place).collect())
 }
 
-fn read<Row: serde::de::DeserializeOwned, T>(
-    path: &Path,
-    take: impl Fn(Row) -> T,
-) -> Result<Vec<T>, RegressionError> {
-    let fail = |source| RegressionError::File { file: path.display().to_string(), source };
-    let mut reader = csv::Reader::from_path(path).map_err(fail)?;
-    reader.deserialize().map(|row| row.map(&take).map_err(fail)).collect()
+fn read<Row: serde::de::DeserializeOwned>(path: &Path) -> Result<Vec<Row>, RegressionError> {
+    read_rows(path).map_err(|source| RegressionError::File { file: path.display().to_string(), source })
 }
 
 fn write(path: &Path, found: &[Found]) -> Result<(), RegressionError> {

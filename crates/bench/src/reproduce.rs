@@ -4,18 +4,21 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use crate::checkpoint::{self, Checkpoints};
-use crate::config::{Axis, Panel, Plan, Point};
+use crate::config::{Panel, Plan, Point};
+use crate::estimate::Estimator;
+use crate::evaluate::Evaluator;
 use crate::figure::{figure, series_figure};
 use crate::manifest::{manifest, processors, revisions};
 use crate::progress::{Progress, duration};
 use crate::provenance::Provenance;
 use crate::runner::{Event, run};
-use crate::say::{news, result};
-use crate::store::{Contents, Outcome, Record};
+use crate::store::{Contents, Outcome, Record, Store, StoreError};
 use crate::tables::{
     failures_csv, markdown, redrawn, series_csv, sort, summarise, summary_csv, timings_csv, units_csv,
 };
-use crate::{Estimator, Evaluator, Interrupt, Store, StoreError, UnitConfig, UnitError};
+use crate::unit::UnitConfig;
+use crate::unit_error::UnitError;
+use motes_cli::{Interrupt, result, status};
 
 /// How a run ended.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -46,7 +49,7 @@ pub fn reproduce(plan: &Plan, estimator: &Estimator, interrupt: &Interrupt) -> R
         store.remove(wanted.iter().map(|(_, unit)| unit))?;
     }
     let (there, remarks) = read(plan, &mut store)?;
-    remarks.iter().for_each(|remark| news(remark));
+    remarks.iter().for_each(|remark| status(remark));
     let models = plan.save_models.then(|| plan.folder.join("models"));
     let is_there = |(point, unit): &(Point, UnitConfig)| {
         let has_model = models
@@ -68,7 +71,7 @@ pub fn reproduce(plan: &Plan, estimator: &Estimator, interrupt: &Interrupt) -> R
     let left = wanted.iter().filter(|wanted| recorded(wanted).is_none()).count();
     if left > 0 {
         let fresh = if plan.fresh { ", given without --fresh," } else { "" };
-        news(&format!(
+        status(&format!(
             "stopped with {left} units left; the same command{fresh} goes on where this one stopped"
         ));
         return Ok(Finished::Interrupted);
@@ -76,7 +79,7 @@ pub fn reproduce(plan: &Plan, estimator: &Estimator, interrupt: &Interrupt) -> R
     let has_failed = |record: &&Record| matches!(record.outcome, Outcome::Failed(_));
     let failed = wanted.iter().filter_map(recorded).filter(has_failed).count();
     if failed > 0 {
-        news(&format!(
+        status(&format!(
             "{failed} of {} units failed; failures.csv says why, --fresh runs them again",
             wanted.len()
         ));
@@ -144,22 +147,10 @@ fn first_difference(path: &str, found: &serde_json::Value, expected: &serde_json
 }
 
 fn announce(plan: &Plan, wanted: usize, missing: usize) {
-    let methods: Vec<&str> = plan.methods.iter().map(|method| method.name()).collect();
-    let panels: Vec<&str> = plan.panels.iter().map(|panel| panel.name.as_str()).collect();
-    news(&format!(
-        "{} {}: panels {}, x = {:?}, methods {}, {} repetitions, seed {}, backend {}",
-        plan.figure,
-        plan.profile_name,
-        panels.join(" "),
-        plan.profile.x,
-        methods.join(" "),
-        plan.repetitions,
-        plan.seed,
-        plan.backend.name(),
-    ));
+    status(&plan.to_string());
     match wanted - missing {
-        0 => news(&format!("{missing} units to run on {} threads", plan.jobs)),
-        done => news(&format!("{done} units are there, {missing} to run on {} threads", plan.jobs)),
+        0 => status(&format!("{missing} units to run on {} threads", plan.jobs)),
+        done => status(&format!("{done} units are there, {missing} to run on {} threads", plan.jobs)),
     }
 }
 
@@ -174,7 +165,7 @@ fn run_missing(
     let units: Vec<UnitConfig> = missing.iter().map(|(_, unit)| unit.clone()).collect();
     let estimates = estimator.seconds(plan, &points, interrupt);
     let total: f64 = estimates.iter().sum();
-    news(&format!("estimated time {}", duration(total / plan.jobs.min(units.len()) as f64)));
+    status(&format!("estimated time {}", duration(total / plan.jobs.min(units.len()) as f64)));
     let here = Provenance::here();
     let checkpoints = Checkpoints { folder: checkpoint::folder(store.folder()), provenance: here.clone() };
     let evaluator = Evaluator::new(models).with_checkpoints(checkpoints);
@@ -222,7 +213,7 @@ fn run_missing(
 fn write_outputs(plan: &Plan, store: &Store, records: &[Record]) -> Result<(), StoreError> {
     let figure_name = &plan.figure;
     let rows = summarise(records);
-    let (axis, title) = (axis_label(plan.experiment.axis), &plan.experiment.title);
+    let (axis, title) = (plan.experiment.axis.symbol(), &plan.experiment.title);
     let title = format!("{title} ({figure_name}, profile {})", plan.profile_name);
     let mut table = markdown(&title, axis, &rows, &plan.experiment.printed);
     if let Some(note) = redrawn(records) {
@@ -247,19 +238,11 @@ fn write_outputs(plan: &Plan, store: &Store, records: &[Record]) -> Result<(), S
     let of =
         [(revisions(records).len(), "source revisions"), (processors(records).len(), "kinds of processors")];
     for (count, kind) in of.into_iter().filter(|(count, _)| *count > 1) {
-        news(&format!("these units are of {count} {kind}; manifest.json lists them"));
+        status(&format!("these units are of {count} {kind}; manifest.json lists them"));
     }
     result(&table);
     result(&format!("written to {}", store.folder().display()));
     Ok(())
-}
-
-pub(crate) fn axis_label(axis: Axis) -> &'static str {
-    match axis {
-        Axis::Particles => "K",
-        Axis::Horizon => "T",
-        Axis::Dimension => "N",
-    }
 }
 
 /// How long the paper profile of the whole figure would take on this machine with as many threads, as a person says it;

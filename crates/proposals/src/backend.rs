@@ -15,6 +15,20 @@ pub enum Backend {
     NdArray,
 }
 
+impl Backend {
+    /// All of them; the first is the default.
+    pub const ALL: [Backend; 3] = [Backend::Native, Backend::Flex, Backend::NdArray];
+
+    /// The name on command lines and in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Backend::Native => "native",
+            Backend::Flex => "flex",
+            Backend::NdArray => "ndarray",
+        }
+    }
+}
+
 /// The floating-point type of network weights and activations.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Precision {

@@ -154,7 +154,7 @@ mod tests {
     use super::super::record::Outcome;
     use super::super::record::tests::record;
     use super::*;
-    use crate::Metric;
+    use crate::metric::Metric;
     use crate::unit::tests::on_graph;
 
     fn opened() -> (tempfile::TempDir, Store) {

@@ -3,8 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use crate::config::Point;
+use crate::metric::Metric;
 use crate::series::Series;
-use crate::{Metric, UnitConfig};
+use crate::unit::UnitConfig;
 
 /// What is stored of a unit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -1,10 +1,5 @@
 //! figure.svg: panels side by side, and below the paper's metric those that show what it hides.
 
-mod counts;
-mod series;
-
-pub(crate) use series::series_figure;
-
 use std::collections::BTreeSet;
 use std::error::Error;
 
@@ -13,8 +8,9 @@ use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
+use super::counts;
+use super::style::{Area, Drawn, FONT, INK, colour, extent};
 use crate::config::{Axis, Method, Plan};
-use crate::reproduce::axis_label;
 use crate::tables::Row;
 
 /// A row of plots: which metric, what its axis says, and whether the axis is logarithmic.
@@ -38,9 +34,6 @@ const PANEL: (u32, u32) = (380, 260);
 const HEAD: u32 = 84;
 /// Labels that a panel has room for below it.
 const MOST_TICKS: usize = 10;
-const FONT: &str = "sans-serif";
-const INK: RGBColor = RGBColor(40, 40, 40);
-
 /// What all charts of a figure have in common.
 struct Common<'a> {
     axis: Axis,
@@ -48,8 +41,6 @@ struct Common<'a> {
     /// The most repetitions that any point has: those with fewer say how many.
     repetitions: usize,
 }
-
-type Drawn = Result<(), Box<dyn Error>>;
 
 /// Draws medians, a curve for each method, with bars over the middle half of the repetitions. On a logarithmic axis a standard
 /// deviation larger than the median, as here, would have no lower end; the tables have it.
@@ -91,8 +82,6 @@ pub(crate) fn figure(plan: &Plan, title: &str, rows: &[Row]) -> Result<String, B
     }
     Ok(svg)
 }
-
-type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
 
 /// Title and legend.
 fn draw_head(head: &Area<'_>, title: &str, methods: &[Method], uneven: bool) -> Drawn {
@@ -164,7 +153,7 @@ where
     let label = |y: &f64| if metric.logarithmic { format!("{y:.0e}") } else { format!("{y}") };
     chart
         .configure_mesh()
-        .x_desc(axis_label(common.axis))
+        .x_desc(common.axis.symbol())
         .y_labels(5)
         .x_label_formatter(&|x| format!("{x:.0}"))
         .y_label_formatter(&label)
@@ -242,32 +231,8 @@ fn ticks(rows: &[&Row]) -> Vec<f64> {
     xs.into_iter().step_by(every).map(|x| x as f64).collect()
 }
 
-/// Smallest and largest value; 0 and 1 of nothing.
-fn extent(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    let found = values.fold(None, |extent: Option<(f64, f64)>, value| {
-        Some(extent.map_or((value, value), |(low, high)| (low.min(value), high.max(value))))
-    });
-    found.unwrap_or((0.0, 1.0))
-}
-
-fn colour(method: Method) -> RGBColor {
-    let [red, green, blue] = method.colour();
-    RGBColor(red, green, blue)
-}
-
 /// Filled for learned proposals, hollow for designed ones.
 fn marker<C>(method: Method, at: C) -> Circle<C, i32> {
     let colour = colour(method);
     Circle::new(at, 4, if method.is_learned() { colour.filled() } else { colour.stroke_width(2) })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::extent;
-
-    #[test]
-    fn extents() {
-        assert_eq!(extent([2.0, -1.0, 5.0].into_iter()), (-1.0, 5.0));
-        assert_eq!(extent([].into_iter()), (0.0, 1.0));
-    }
 }

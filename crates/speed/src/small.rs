@@ -9,12 +9,14 @@ use motes_proposals::{Backend, Fcnn, FcnnConfig, Gnn, GnnConfig, Learnable};
 use motes_smc::{Bootstrap, FilterBank, FilterSettings, MinDegeneracy, Proposal};
 use motes_train::{TrainConfig, train};
 
-use super::SpeedError;
-use super::folder::{DIMENSION, prepare, seed, system, trajectory};
-use crate::say::{news, result};
+use crate::error::SpeedError;
+use crate::error::prepare;
+use crate::folder::{DIMENSION, seed, system, trajectory};
+use motes_cli::{one_of, result, status};
 
 /// The names of the small pieces of work.
-pub const SMALL_WORK: [&str; 4] = ["filter-bootstrap", "bank-min-degeneracy", "train-fcnn", "train-gnn"];
+pub(crate) const SMALL_WORK: [&str; 4] =
+    ["filter-bootstrap", "bank-min-degeneracy", "train-fcnn", "train-gnn"];
 
 /// How far a count may be from the expected one, relative to it: libraries of the system choose their instructions by processor.
 const MARGIN: f64 = 0.1;
@@ -23,7 +25,7 @@ const MARGIN: f64 = 0.1;
 ///
 /// # Errors
 /// [`SpeedError::Prepare`] if there is none of that name.
-pub fn small_work(name: &str) -> Result<(), SpeedError> {
+pub(crate) fn small_work(name: &str) -> Result<(), SpeedError> {
     let system = system(DIMENSION)?;
     match name {
         "filter-bootstrap" => filter(&system, Bootstrap, 2000, 1),
@@ -38,7 +40,7 @@ pub fn small_work(name: &str) -> Result<(), SpeedError> {
             let (compute, weights) = (Backend::Native.into(), seed().child("weights"));
             learn(&system, &mut Gnn::new(&config, &system, 4, compute, &weights).map_err(prepare)?)
         }
-        other => Err(prepare(format!("there is no small work {other}"))),
+        other => Err(prepare(format!("small work {other}: {}", one_of(other, SMALL_WORK)))),
     }
 }
 
@@ -67,9 +69,9 @@ fn learn(system: &GraphDiffusion, proposal: &mut dyn Learnable) -> Result<(), Sp
 ///
 /// # Errors
 /// [`SpeedError`] if valgrind or the file cannot be used.
-pub fn count_instructions(expectation: &Path, update: bool) -> Result<bool, SpeedError> {
+pub(crate) fn count_instructions(expectation: &Path, update: bool) -> Result<bool, SpeedError> {
     if Command::new("valgrind").arg("--version").stdout(Stdio::null()).status().is_err() {
-        news("instructions were not counted: there is no valgrind");
+        status("instructions were not counted: there is no valgrind");
         return Ok(!update);
     }
     let mut found = Vec::new();

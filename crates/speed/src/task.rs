@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 /// A request.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub(super) enum Request {
+pub(crate) enum Request {
     /// Get ready for a task.
     Prepare(Task),
     /// Show that the work is equal.
@@ -21,7 +21,7 @@ pub(super) enum Request {
 /// A piece of work.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
-pub(super) enum Task {
+pub(crate) enum Task {
     /// Filters along all measurements.
     Filter(FilterTask),
     /// Steps of training.
@@ -30,66 +30,66 @@ pub(super) enum Task {
 
 /// Filters along all measurements.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct FilterTask {
+pub(crate) struct FilterTask {
     /// Whose filter; nobody's if ours.
     #[serde(skip_serializing_if = "Option::is_none", default)]
-    pub(super) peer: Option<String>,
+    pub(crate) peer: Option<String>,
     /// The problem's file.
-    pub(super) problem: PathBuf,
+    pub(crate) problem: PathBuf,
     /// `bootstrap` or `min-degeneracy`.
-    pub(super) method: String,
+    pub(crate) method: String,
     /// `K`.
-    pub(super) particles: usize,
+    pub(crate) particles: usize,
     /// How many filters run side by side.
-    pub(super) filters: usize,
+    pub(crate) filters: usize,
     /// `multinomial` or `systematic`.
-    pub(super) resampling: String,
+    pub(crate) resampling: String,
     /// Where noise starts.
-    pub(super) seed: u64,
+    pub(crate) seed: u64,
     /// How many threads may work.
-    pub(super) threads: usize,
+    pub(crate) threads: usize,
 }
 
 /// Steps of training.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct TrainTask {
+pub(crate) struct TrainTask {
     /// Which family.
-    pub(super) family: String,
+    pub(crate) family: String,
     /// Weights, problem and noise.
-    pub(super) folder: PathBuf,
+    pub(crate) folder: PathBuf,
     /// `K`.
-    pub(super) particles: usize,
+    pub(crate) particles: usize,
     /// Whether the model is to be compiled first, where that means anything.
-    pub(super) compile: bool,
+    pub(crate) compile: bool,
     /// How many steps.
-    pub(super) steps: usize,
+    pub(crate) steps: usize,
     /// How many threads may work.
-    pub(super) threads: usize,
+    pub(crate) threads: usize,
 }
 
 /// An answer; what does not belong to the question is absent.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub(super) struct Answer {
+pub(crate) struct Answer {
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) ready: Option<bool>,
+    pub(crate) ready: Option<bool>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) error: Option<String>,
+    pub(crate) error: Option<String>,
     /// What one run took.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) seconds: Option<f64>,
+    pub(crate) seconds: Option<f64>,
     /// Of a check: the loss of the given weights and noise.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) loss: Option<f64>,
+    pub(crate) loss: Option<f64>,
     /// Of a check: the norm of its gradient.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) gradient_norm: Option<f64>,
+    pub(crate) gradient_norm: Option<f64>,
     /// Of a check: the mean of `log Ẑ` over filters, and its standard error.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) mean_log_evidence: Option<f64>,
+    pub(crate) mean_log_evidence: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) log_evidence_error: Option<f64>,
+    pub(crate) log_evidence_error: Option<f64>,
     /// Versions of what answers.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) versions: Option<serde_json::Value>,
+    pub(crate) versions: Option<serde_json::Value>,
 }

@@ -7,7 +7,7 @@ pub fn result(line: &str) {
     let _ = writeln!(std::io::stdout(), "{line}");
 }
 
-/// News of a run, on standard error.
-pub fn news(line: &str) {
+/// What a program is doing, or why it stops, on standard error.
+pub fn status(line: &str) {
     let _ = writeln!(std::io::stderr(), "{line}");
 }

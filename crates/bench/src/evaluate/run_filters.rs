@@ -1,22 +1,23 @@
 //! Running the filters of a unit.
 
-use std::ops::ControlFlow;
 use std::time::Instant;
 
 use motes_smc::{
     Bootstrap, FilterBank, FilterSettings, FixedLagSmoother, ParticleFilter, Proposal, ResampleWhen,
-    Resampling,
 };
 
-use super::{Evaluation, Metric, Run, UnitError, failed};
-use crate::config;
+use super::evaluation::Evaluation;
+use super::run::Run;
+use crate::config::Filter;
+use crate::metric::Metric;
 use crate::metrics::{Recorded, metrics};
 use crate::problem::Model;
-use crate::series::Series;
+use crate::recorded_series::series;
+use crate::unit_error::{UnitError, failed};
 
 impl Run<'_> {
     /// Runs the filters of a unit with one proposal.
-    pub(super) fn judge<P: Proposal<Model>>(
+    pub(super) fn run_filters<P: Proposal<Model>>(
         self,
         model: &Model,
         proposal: P,
@@ -74,34 +75,17 @@ impl Run<'_> {
         Ok(self.found(&recorded, start))
     }
 
-    fn go_on(self) -> Result<(), UnitError> {
-        match self.interrupt.check() {
-            ControlFlow::Continue(()) => Ok(()),
-            ControlFlow::Break(()) => Err(UnitError::Interrupted),
-        }
-    }
-
     fn found(self, recorded: &Recorded, start: Instant) -> Evaluation {
         let timings = vec![Metric::new("filter_seconds", start.elapsed().as_secs_f64())];
         let metrics = metrics(self.problem, self.references, recorded);
-        Evaluation {
-            metrics,
-            timings,
-            series: Series::of(self.unit, self.problem, recorded),
-            earlier: vec![],
-        }
+        Evaluation { metrics, timings, series: series(self.unit, self.problem, recorded), earlier: vec![] }
     }
 }
 
-fn filter_settings(filter: &config::Filter) -> FilterSettings {
+fn filter_settings(filter: &Filter) -> FilterSettings {
     FilterSettings {
         particles: filter.particles,
-        resampling: match filter.resampling {
-            config::Resampling::Multinomial => Resampling::Multinomial,
-            config::Resampling::Systematic => Resampling::Systematic,
-            config::Resampling::Stratified => Resampling::Stratified,
-            config::Resampling::Residual => Resampling::Residual,
-        },
+        resampling: filter.resampling,
         resample_when: ResampleWhen::EssBelow(filter.ess_threshold),
         defensive_weight: filter.defensive_weight,
     }

@@ -5,14 +5,14 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::SpeedError;
-use super::drive::{Entry, Growth, Outcome};
-use super::peak::Peak;
-use super::workloads::Kind;
+use crate::drive::{Entry, Growth, Outcome};
+use crate::error::SpeedError;
+use crate::peak::Peak;
+use crate::workloads::Kind;
 
 /// A report that grows.
 #[derive(Serialize)]
-pub(super) struct Report {
+pub(crate) struct Report {
     rounds: u64,
     cores: usize,
     processor: String,
@@ -48,7 +48,7 @@ struct Line {
 const TRAINING: f64 = 200.0;
 
 impl Report {
-    pub(super) fn new(rounds: u64, peak: Peak) -> Self {
+    pub(crate) fn new(rounds: u64, peak: Peak) -> Self {
         let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
         let model = text.lines().find_map(|line| line.strip_prefix("model name")?.split_once(": "));
         Report {
@@ -61,7 +61,7 @@ impl Report {
         }
     }
 
-    pub(super) fn add_growth(&mut self, of: Growth) {
+    pub(crate) fn add_growth(&mut self, of: Growth) {
         let of_round = |seconds: &Vec<f64>| {
             let points = of.values.iter().zip(seconds).map(|(&value, &seconds)| (value as f64, seconds));
             exponent(&points.collect::<Vec<_>>())
@@ -71,7 +71,7 @@ impl Report {
         }
     }
 
-    pub(super) fn add(&mut self, Outcome { workload, ours, peers, peaks }: Outcome) {
+    pub(crate) fn add(&mut self, Outcome { workload, ours, peers, peaks }: Outcome) {
         let ratio = |peer: &Entry| {
             let each = peer.seconds.iter().zip(&ours.seconds);
             // As much work from every process of either side.
@@ -83,7 +83,7 @@ impl Report {
         self.work.push(Line { name: workload.name, kind: workload.kind, ours, peers, peaks, ratios });
     }
 
-    pub(super) fn write(&self, folder: &Path) -> Result<(), SpeedError> {
+    pub(crate) fn write(&self, folder: &Path) -> Result<(), SpeedError> {
         let text = serde_json::to_string_pretty(self).unwrap_or_default();
         for (name, text) in [("speed.json", text + "\n"), ("speed.md", self.table())] {
             let path = folder.join(name);
@@ -93,7 +93,7 @@ impl Report {
     }
 
     /// Up to three tables: filters, training, growth.
-    pub(super) fn table(&self) -> String {
+    pub(crate) fn table(&self) -> String {
         let mut text = String::new();
         let giga = |rate: f64| rate / 1e9;
         let _ = writeln!(

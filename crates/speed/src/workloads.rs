@@ -4,25 +4,26 @@ use std::path::Path;
 
 use motes_proposals::{Fcnn, FcnnConfig, Gnn, GnnConfig, Psi, PsiConfig, Rnn, RnnConfig};
 
-use super::SpeedError;
-use super::folder::{DIMENSION, write_problem, write_training};
-use super::task::{FilterTask, Task, TrainTask};
+use crate::error::SpeedError;
+use crate::folder::{BANK_HORIZON, DIMENSION, write_problem, write_training};
+use crate::operations;
+use crate::task::{FilterTask, Task, TrainTask};
 
 /// A piece of work, with those who do it.
-pub(super) struct Workload {
+pub(crate) struct Workload {
     /// A name that sorts and filters well.
-    pub(super) name: String,
-    pub(super) kind: Kind,
+    pub(crate) name: String,
+    pub(crate) kind: Kind,
     /// Ours.
-    pub(super) ours: Vec<Task>,
+    pub(crate) ours: Vec<Task>,
     /// Others' by name: each a process, or two that work side by side.
-    pub(super) peers: Vec<(String, Vec<Task>)>,
+    pub(crate) peers: Vec<(String, Vec<Task>)>,
 }
 
 /// What is counted.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub(super) enum Kind {
+pub(crate) enum Kind {
     /// This many particle-steps a run.
     Filter {
         /// `B·K·T`.
@@ -39,7 +40,7 @@ pub(super) enum Kind {
 
 impl Kind {
     /// How often the work is done in a round.
-    pub(super) fn runs(self) -> usize {
+    pub(crate) fn runs(self) -> usize {
         match self {
             Kind::Filter { particle_steps } => (PARTICLE_STEPS / particle_steps).ceil() as usize,
             Kind::Train { .. } => 1,
@@ -50,13 +51,12 @@ impl Kind {
 const FILTER_HORIZON: usize = 50;
 /// A round of filters takes at least so many: what is done in a few milliseconds measures how a process wakes up.
 const PARTICLE_STEPS: f64 = 5e6;
-const BANK_HORIZON: usize = 12;
 const BANK: usize = 100;
 
 const METHODS: [&str; 2] = ["bootstrap", "min-degeneracy"];
 
 /// Those that others do too, with their files under `scratch`.
-pub(super) fn all(scratch: &Path) -> Result<Vec<Workload>, SpeedError> {
+pub(crate) fn all(scratch: &Path) -> Result<Vec<Workload>, SpeedError> {
     let mut all = Vec::new();
     let one = Size::usual();
     for method in METHODS {
@@ -81,19 +81,19 @@ pub(super) fn all(scratch: &Path) -> Result<Vec<Workload>, SpeedError> {
 }
 
 /// Filters of a method that differ in one size.
-pub(super) struct Growing {
-    pub(super) method: &'static str,
+pub(crate) struct Growing {
+    pub(crate) method: &'static str,
     /// The name of the size, as in formulas.
-    pub(super) size: char,
+    pub(crate) size: char,
     /// Its values, and a filter for each.
-    pub(super) filters: Vec<(usize, Workload)>,
+    pub(crate) filters: Vec<(usize, Workload)>,
 }
 
 /// Gives one of the sizes another value.
 type Resize = fn(Size, usize) -> Size;
 
 /// Filters of each method that grow with K, with T and with N.
-pub(super) fn growing(scratch: &Path) -> Result<Vec<Growing>, SpeedError> {
+pub(crate) fn growing(scratch: &Path) -> Result<Vec<Growing>, SpeedError> {
     let one = Size::usual();
     let mut all = Vec::new();
     for method in METHODS {
@@ -190,44 +190,4 @@ fn train<F: motes_proposals::Family + motes_smc::Proposal<motes_models::GraphDif
         ours: vec![task(false, 1), task(false, 1)],
         peers,
     })
-}
-
-/// Floating-point operations of one training step with `N = 10`, `M = 8`, `T = 12`: two for each multiplication of the products,
-/// which come three times, forward, and backward to inputs and to weights.
-mod operations {
-    use super::BANK_HORIZON;
-    use motes_proposals::{FcnnConfig, GnnConfig, RnnConfig};
-
-    const N: usize = 10;
-    const M: usize = 8;
-
-    /// Of `multiplications` for each particle at each time.
-    fn of(multiplications: usize, particles: usize) -> f64 {
-        6.0 * (multiplications * particles * BANK_HORIZON) as f64
-    }
-
-    fn cascade(widths: &[usize]) -> usize {
-        widths.windows(2).map(|pair| pair[0] * pair[1]).sum()
-    }
-
-    pub(super) fn fcnn(config: &FcnnConfig, particles: usize) -> f64 {
-        of(2 * cascade(&[&[N + M], config.widths.as_slice(), &[N]].concat()), particles)
-    }
-
-    pub(super) fn rnn(config: &RnnConfig, particles: usize) -> f64 {
-        let h = config.hidden;
-        of((N + M + h) * 4 * h + 2 * h * N, particles)
-    }
-
-    /// In the basis of the eigenvectors between the hidden layers: one product for each node instead of four, and two changes of
-    /// basis; forming a matrix for each eigenvalue is not counted.
-    pub(super) fn gnn(config: &GnnConfig, particles: usize) -> f64 {
-        let layers = [&[2], config.features.as_slice(), &[1]].concat();
-        let taps = config.order + 1;
-        let multiplications = |pair: &[usize]| match pair[0].min(pair[1]) {
-            0..=2 => taps * pair[0] * pair[1],
-            _ => pair[0] * pair[1] + N * (pair[0] + pair[1]),
-        };
-        of(2 * N * layers.windows(2).map(multiplications).sum::<usize>(), particles)
-    }
 }

@@ -9,8 +9,8 @@ use motes_proposals::{Backend, Family, Fcnn, Gnn, Learnable, Psi, Rnn, load};
 use motes_smc::{Bootstrap, FilterBank, FilterSettings, MinDegeneracy, Proposal, Resampling};
 use motes_train::{GradientFlow, Objective, TrainConfig, rollout, train};
 
-use super::folder::{DIMENSION, seed, system, trajectory};
-use super::task::{Answer, FilterTask, Request, Task, TrainTask};
+use crate::folder::{DIMENSION, seed, system, trajectory};
+use crate::task::{Answer, FilterTask, Request, Task, TrainTask};
 
 /// Something to be done again and again.
 trait Work {
@@ -19,7 +19,7 @@ trait Work {
 }
 
 /// Serves requests, a line each, until there are no more.
-pub fn serve() {
+pub(crate) fn serve() {
     let mut work: Option<Box<dyn Work>> = None;
     for line in std::io::stdin().lock().lines() {
         let Ok(line) = line else { break };

@@ -1,15 +1,9 @@
-//! The method registry as units see it: what the result of a method depends on, and how it is run.
+//! The method registry as units see it: what the result of a method depends on.
 
-use motes_proposals::{
-    Adapter, Cell, Family, Fcnn, FcnnConfig, Frames, Gnn, GnnConfig, Origin, Psi, PsiConfig, Rnn, RnnConfig,
-    Standardised, StandardisedConfig,
-};
-use motes_smc::{Bootstrap, MinDegeneracy, Proposal};
+use motes_proposals::{Backend, FcnnConfig, GnnConfig, Origin, PsiConfig, RnnConfig};
 use serde::{Deserialize, Serialize};
 
-use crate::config::{self, Backend, Experiment, Method, Plan, Training};
-use crate::evaluate::{UnitError, failed};
-use crate::problem::Model;
+use crate::config::{Experiment, Method, Plan, Training};
 
 /// A method with the settings that it depends on, and no others.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -63,29 +57,6 @@ pub struct FrameSettings {
     pub largest_state: f64,
 }
 
-/// What a unit does with the proposal of its method.
-pub(crate) trait Visitor {
-    type Output;
-
-    /// A proposal that is ready for use.
-    fn designed(self, proposal: impl Proposal<Model>) -> Result<Self::Output, UnitError>;
-
-    /// A family that is to be trained first, with its settings.
-    fn learned<F: Family + Proposal<Model>>(
-        self,
-        family: &F::Config,
-        training: &Training,
-        steps: usize,
-        backend: Backend,
-    ) -> Result<Self::Output, UnitError>;
-
-    /// The units that networks work in.
-    fn frames(&self, settings: &FrameSettings) -> Result<Frames, UnitError>;
-
-    /// The filter that others are held against, with the measurements of as many later times.
-    fn reference(self, lag: usize) -> Result<Self::Output, UnitError>;
-}
-
 impl MethodConfig {
     /// The method of a plan's units, as the plan's files and profile set it; `None` if they do not say what it needs.
     pub(crate) fn of(method: Method, plan: &Plan) -> Option<MethodConfig> {
@@ -102,11 +73,7 @@ impl MethodConfig {
                 plan,
                 method,
                 RnnConfig {
-                    cell: match settings.rnn.cell {
-                        config::Cell::Lstm => Cell::Lstm,
-                        config::Cell::Gru => Cell::Gru,
-                        config::Cell::Elman => Cell::Elman,
-                    },
+                    cell: settings.rnn.cell,
                     hidden: sizes.rnn,
                     depth: settings.rnn.depth,
                     ridge: settings.rnn.ridge,
@@ -120,10 +87,7 @@ impl MethodConfig {
                     GnnConfig {
                         features,
                         order: settings.order,
-                        adapter: match settings.adapter {
-                            config::Adapter::Fixed => Adapter::Fixed,
-                            config::Adapter::Learned => Adapter::Learned,
-                        },
+                        adapter: settings.adapter,
                         ridge: settings.ridge,
                     },
                 ))
@@ -167,31 +131,13 @@ impl MethodConfig {
             MethodConfig::Psi(unit) => Some(&mut unit.steps),
         }
     }
-
-    /// Hands the method's proposal to `visitor`.
-    pub(crate) fn visit<V: Visitor>(&self, model: &Model, visitor: V) -> Result<V::Output, UnitError> {
-        match self {
-            MethodConfig::MinDegeneracy => visitor.designed(MinDegeneracy::new(model).map_err(failed)?),
-            MethodConfig::Bootstrap => visitor.designed(Bootstrap),
-            MethodConfig::Fcnn(unit) => unit.hand_to::<Fcnn, V>(visitor),
-            MethodConfig::Rnn(unit) => unit.hand_to::<Rnn, V>(visitor),
-            MethodConfig::Gnn(unit) => unit.hand_to::<Gnn, V>(visitor),
-            MethodConfig::Psi(unit) => unit.hand_to::<Psi, V>(visitor),
-            MethodConfig::ReferenceFilter => visitor.reference(0),
-            MethodConfig::ReferenceSmoother { lag } => visitor.reference(*lag),
-        }
-    }
 }
 
 impl<Config: Clone> LearnedUnit<Config> {
     fn of(plan: &Plan, method: Method, proposal: Config) -> Self {
         let Experiment { training, proposals, epidemic, .. } = &plan.experiment;
         let frames = proposals.standardised.as_ref().zip(epidemic.as_ref()).map(|(settings, epidemic)| {
-            let origin = match settings.origin {
-                _ if method.is_anchored() => Origin::Prediction,
-                config::Origin::Mean => Origin::Mean,
-                config::Origin::MeanAtEachTime => Origin::MeanAtEachTime,
-            };
+            let origin = if method.is_anchored() { Origin::Prediction } else { settings.origin };
             let (trajectories, largest_state) = (settings.trajectories, epidemic.largest_state);
             FrameSettings { origin, trajectories, largest_state }
         });
@@ -203,21 +149,6 @@ impl<Config: Clone> LearnedUnit<Config> {
         match self.frames {
             Some(FrameSettings { origin: Origin::Prediction, .. }) => anchored,
             _ => plain,
-        }
-    }
-
-    fn hand_to<F: Family<Config = Config> + Proposal<Model>, V: Visitor>(
-        &self,
-        visitor: V,
-    ) -> Result<V::Output, UnitError> {
-        let LearnedUnit { proposal, training, steps, backend, frames } = self;
-        match frames {
-            None => visitor.learned::<F>(proposal, training, *steps, *backend),
-            Some(settings) => {
-                let frames = visitor.frames(settings)?;
-                let config = StandardisedConfig { family: proposal.clone(), frames };
-                visitor.learned::<Standardised<F>>(&config, training, *steps, *backend)
-            }
         }
     }
 }

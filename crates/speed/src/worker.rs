@@ -4,11 +4,11 @@ use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
-use super::SpeedError;
-use super::task::{Answer, Request, Task};
+use crate::error::SpeedError;
+use crate::task::{Answer, Request, Task};
 
 /// A process with one task.
-pub(super) struct Worker {
+pub(crate) struct Worker {
     name: String,
     child: Child,
     requests: ChildStdin,
@@ -17,7 +17,7 @@ pub(super) struct Worker {
 
 impl Worker {
     /// Our own.
-    pub(super) fn ours(name: &str) -> Result<Self, SpeedError> {
+    pub(crate) fn ours(name: &str) -> Result<Self, SpeedError> {
         let program = std::env::current_exe().map_err(SpeedError::system("this program"))?;
         let mut command = Command::new(program);
         command.arg("serve");
@@ -25,7 +25,7 @@ impl Worker {
     }
 
     /// Another library's, with the given Python and the folder of its scripts.
-    pub(super) fn peer(name: &str, python: &Path, scripts: &Path, task: &Task) -> Result<Self, SpeedError> {
+    pub(crate) fn peer(name: &str, python: &Path, scripts: &Path, task: &Task) -> Result<Self, SpeedError> {
         let threads = match task {
             Task::Filter(task) => task.threads,
             Task::Train(task) => task.threads,
@@ -45,13 +45,13 @@ impl Worker {
     }
 
     /// Sends a request without waiting.
-    pub(super) fn send(&mut self, request: &Request) -> Result<(), SpeedError> {
+    pub(crate) fn send(&mut self, request: &Request) -> Result<(), SpeedError> {
         let text = serde_json::to_string(request).unwrap_or_default();
         writeln!(self.requests, "{text}").map_err(SpeedError::system(&self.name))
     }
 
     /// Waits for an answer; one that is an error becomes one.
-    pub(super) fn receive(&mut self) -> Result<Answer, SpeedError> {
+    pub(crate) fn receive(&mut self) -> Result<Answer, SpeedError> {
         let fail = |reason: String| SpeedError::Worker { who: self.name.clone(), reason };
         let mut line = String::new();
         self.answers.read_line(&mut line).map_err(|error| fail(error.to_string()))?;
@@ -66,23 +66,23 @@ impl Worker {
     }
 
     /// Waits for an answer that says how long a run took.
-    pub(super) fn receive_seconds(&mut self) -> Result<f64, SpeedError> {
+    pub(crate) fn receive_seconds(&mut self) -> Result<f64, SpeedError> {
         let seconds = self.receive()?.seconds;
         let fail = |reason: &str| SpeedError::Worker { who: self.name.clone(), reason: reason.into() };
         seconds.ok_or_else(|| fail("it did not say how long it took"))
     }
 
-    pub(super) fn ask(&mut self, request: &Request) -> Result<Answer, SpeedError> {
+    pub(crate) fn ask(&mut self, request: &Request) -> Result<Answer, SpeedError> {
         self.send(request)?;
         self.receive()
     }
 
-    pub(super) fn prepare(&mut self, task: &Task) -> Result<Answer, SpeedError> {
+    pub(crate) fn prepare(&mut self, task: &Task) -> Result<Answer, SpeedError> {
         self.ask(&Request::Prepare(task.clone()))
     }
 
     /// The most memory that the process ever had, in bytes, where the system tells.
-    pub(super) fn peak_memory(&self) -> Option<u64> {
+    pub(crate) fn peak_memory(&self) -> Option<u64> {
         let status = std::fs::read_to_string(format!("/proc/{}/status", self.child.id())).ok()?;
         let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
         Some(line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()? * 1024)
@@ -97,7 +97,7 @@ impl Drop for Worker {
 }
 
 /// A Python environment with the pinned versions of the other libraries, built once.
-pub(super) fn environment(scripts: &Path, folder: &Path) -> Result<PathBuf, SpeedError> {
+pub(crate) fn environment(scripts: &Path, folder: &Path) -> Result<PathBuf, SpeedError> {
     let python = folder.join("bin/python");
     let list = scripts.join("requirements.txt");
     let wanted = std::fs::read_to_string(&list).map_err(SpeedError::system(&list))?;
@@ -106,7 +106,7 @@ pub(super) fn environment(scripts: &Path, folder: &Path) -> Result<PathBuf, Spee
     if std::fs::read_to_string(&mark).is_ok_and(|found| found == wanted) {
         return absolute(&python);
     }
-    crate::say::news("building a Python environment with the other libraries; this takes some minutes");
+    motes_cli::status("building a Python environment with the other libraries; this takes some minutes");
     let run = |mut command: Command| {
         let name = command.get_program().to_string_lossy().into_owned();
         let status = command.stdout(Stdio::null()).status().map_err(SpeedError::system(&name))?;

@@ -2,55 +2,55 @@
 
 use std::path::Path;
 
-use super::SpeedError;
-use super::equal::difference;
-use super::peak::product_on_two_threads;
-use super::task::{Answer, Request, Task};
-use super::worker::Worker;
-use super::workloads::{Growing, Kind, Workload};
-use crate::Interrupt;
-use crate::say::news;
+use crate::equal::difference;
+use crate::error::SpeedError;
+use crate::peak::product_on_two_threads;
+use crate::task::{Answer, Request, Task};
+use crate::worker::Worker;
+use crate::workloads::{Growing, Kind, Workload};
+use motes_cli::Interrupt;
+use motes_cli::status;
 
 /// A piece of work and those who are to do it.
-pub(super) struct Contest<'a> {
-    pub(super) workload: Workload,
-    pub(super) python: Option<&'a Path>,
-    pub(super) peers: &'a Path,
-    pub(super) rounds: u64,
+pub(crate) struct Contest<'a> {
+    pub(crate) workload: Workload,
+    pub(crate) python: Option<&'a Path>,
+    pub(crate) peers: &'a Path,
+    pub(crate) rounds: u64,
 }
 
 /// What came of it.
-pub(super) struct Outcome {
-    pub(super) workload: Workload,
-    pub(super) ours: Entry,
-    pub(super) peers: Vec<Entry>,
+pub(crate) struct Outcome {
+    pub(crate) workload: Workload,
+    pub(crate) ours: Entry,
+    pub(crate) peers: Vec<Entry>,
     /// Before each round of training, the rate of the largest product on two threads.
-    pub(super) peaks: Vec<f64>,
+    pub(crate) peaks: Vec<f64>,
 }
 
 /// What one contestant did.
 #[derive(Debug, Default, Clone, serde::Serialize)]
-pub(super) struct Entry {
-    pub(super) name: String,
+pub(crate) struct Entry {
+    pub(crate) name: String,
     /// Processes side by side.
-    pub(super) processes: usize,
+    pub(crate) processes: usize,
     /// Of each round: until the last process was done, on average over its runs.
-    pub(super) seconds: Vec<f64>,
+    pub(crate) seconds: Vec<f64>,
     /// What showed that the work is equal.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) check: Option<Answer>,
+    pub(crate) check: Option<Answer>,
     /// Of all its processes together, in bytes.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) peak_memory: Option<u64>,
+    pub(crate) peak_memory: Option<u64>,
     /// Why it did nothing.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) error: Option<String>,
+    pub(crate) error: Option<String>,
 }
 
 impl Entry {
     /// A contestant that is not measured.
     fn absent(name: &str, check: Option<Answer>, error: String) -> Entry {
-        news(&format!("{name}: {error}"));
+        status(&format!("{name}: {error}"));
         Entry { name: name.into(), check, error: Some(error), ..Entry::default() }
     }
 }
@@ -110,9 +110,9 @@ fn unequal(ours: &Team, theirs: &Team) -> Option<String> {
 }
 
 impl Contest<'_> {
-    pub(super) fn run(self, interrupt: &Interrupt) -> Result<Outcome, SpeedError> {
+    pub(crate) fn run(self, interrupt: &Interrupt) -> Result<Outcome, SpeedError> {
         let Contest { workload, python, peers, rounds } = self;
-        news(&workload.name);
+        status(&workload.name);
         let mut ours = Team::gather("motes", &workload.ours, |_| Worker::ours("motes"))?;
         let (mut teams, mut absent) = (Vec::new(), Vec::new());
         if let Some(python) = python {
@@ -150,18 +150,18 @@ impl Contest<'_> {
 
 /// What filters of growing size took.
 #[derive(serde::Serialize)]
-pub(super) struct Growth {
-    pub(super) method: &'static str,
-    pub(super) size: char,
-    pub(super) values: Vec<usize>,
+pub(crate) struct Growth {
+    pub(crate) method: &'static str,
+    pub(crate) size: char,
+    pub(crate) values: Vec<usize>,
     /// Of each round, the seconds of each size.
-    pub(super) seconds: Vec<Vec<f64>>,
+    pub(crate) seconds: Vec<Vec<f64>>,
 }
 
 /// Filters of all sizes in turns: a machine that becomes slower does so for all of them.
-pub(super) fn grow(growing: Growing, rounds: u64, interrupt: &Interrupt) -> Result<Growth, SpeedError> {
+pub(crate) fn grow(growing: Growing, rounds: u64, interrupt: &Interrupt) -> Result<Growth, SpeedError> {
     let Growing { method, size, filters } = growing;
-    news(&format!("growth {method} {size}"));
+    status(&format!("growth {method} {size}"));
     let mut teams = Vec::new();
     for (_, workload) in &filters {
         teams.push(Team::gather("motes", &workload.ours, |_| Worker::ours("motes"))?);

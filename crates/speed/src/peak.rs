@@ -7,20 +7,20 @@ use faer::{Accum, Mat, Par};
 
 /// What limits arithmetic and what limits traffic.
 #[derive(Debug, Clone, Copy, serde::Serialize)]
-pub(super) struct Peak {
+pub(crate) struct Peak {
     /// Floating-point operations a second of the product.
-    pub(super) product: Rates,
+    pub(crate) product: Rates,
     /// Bytes a second, read and written, of adding a long vector to another.
-    pub(super) memory: Rates,
+    pub(crate) memory: Rates,
 }
 
 /// So much a second.
 #[derive(Debug, Clone, Copy, serde::Serialize)]
-pub(super) struct Rates {
+pub(crate) struct Rates {
     /// On one thread while nothing else of ours runs.
-    pub(super) one_thread: f64,
+    pub(crate) one_thread: f64,
     /// On each of two at once, added up.
-    pub(super) two_threads: f64,
+    pub(crate) two_threads: f64,
 }
 
 const WIDTH: usize = 1024;
@@ -29,13 +29,13 @@ const WIDTH: usize = 1024;
 const LONG: usize = 1 << 25;
 
 /// The best of several products and sums, on one thread and on two.
-pub(super) fn measure() -> Peak {
+pub(crate) fn measure() -> Peak {
     let rates = |best: fn() -> f64| Rates { one_thread: best(), two_threads: on_two_threads(best) };
     Peak { product: rates(product), memory: rates(memory) }
 }
 
 /// The best of several products on two threads now: there are minutes in which a machine is half as fast as in others.
-pub(super) fn product_on_two_threads() -> f64 {
+pub(crate) fn product_on_two_threads() -> f64 {
     on_two_threads(product)
 }
 

@@ -8,29 +8,28 @@ use motes_smc::Proposal;
 use motes_train::TrainConfig;
 use serde::Serialize;
 
-use super::SpeedError;
+use crate::error::{SpeedError, prepare};
 
 /// Where all random numbers of this module come from.
-pub(super) fn seed() -> Seed {
+pub(crate) fn seed() -> Seed {
     Seed::from_u64(1).child("speed")
 }
 
 /// Coordinates of the system, where nothing is said about growth with them.
-pub(super) const DIMENSION: usize = 10;
+pub(crate) const DIMENSION: usize = 10;
+
+/// Times of a bank of filters, and of a training.
+pub(crate) const BANK_HORIZON: usize = 12;
 
 /// The system of this many coordinates on a graph.
-pub(super) fn system(dimension: usize) -> Result<GraphDiffusion, SpeedError> {
+pub(crate) fn system(dimension: usize) -> Result<GraphDiffusion, SpeedError> {
     let config = GraphDiffusionConfig::new(dimension);
     GraphDiffusion::random(&config, &mut seed().child("graph").stream()).map_err(prepare)
 }
 
 /// What it did, as far as it was watched.
-pub(super) fn trajectory(system: &GraphDiffusion, horizon: usize) -> Result<Trajectory, SpeedError> {
+pub(crate) fn trajectory(system: &GraphDiffusion, horizon: usize) -> Result<Trajectory, SpeedError> {
     simulate(system, horizon, &mut seed().child("trajectory").stream()).map_err(prepare)
-}
-
-pub(super) fn prepare(error: impl ToString) -> SpeedError {
-    SpeedError::Prepare(error.to_string())
 }
 
 /// A problem as the other libraries read it.
@@ -47,7 +46,7 @@ struct Problem {
 }
 
 /// Writes a system and its first `horizon` measurements.
-pub(super) fn write_problem(path: &Path, dimension: usize, horizon: usize) -> Result<(), SpeedError> {
+pub(crate) fn write_problem(path: &Path, dimension: usize, horizon: usize) -> Result<(), SpeedError> {
     use motes_models::AdditiveGaussian;
     let system = system(dimension)?;
     let measurements = trajectory(&system, horizon)?.measurements;
@@ -68,7 +67,7 @@ pub(super) fn write_problem(path: &Path, dimension: usize, horizon: usize) -> Re
 }
 
 /// Writes initial weights of a family, the problem and the noise of one training step.
-pub(super) fn write_training<F: Family + Proposal<GraphDiffusion>>(
+pub(crate) fn write_training<F: Family + Proposal<GraphDiffusion>>(
     folder: &Path,
     config: &F::Config,
     horizon: usize,

@@ -1,72 +1,25 @@
 //! Running one unit: draw its problem, train its proposal, run its filters, measure.
 
-mod judging;
-mod learning;
-
 use std::path::PathBuf;
 
+use motes_cli::Interrupt;
 use motes_models::Simulations;
-use motes_proposals::{Family, Frames, save};
+use motes_proposals::{Backend, Family, Frames, save};
 use motes_smc::{Bootstrap, Proposal};
-use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
+use super::dispatch::{Visitor, visit};
+use super::evaluation::Evaluation;
+use super::learning::{Trained, train_config};
+use super::run::Run;
 use crate::checkpoint::Checkpoints;
-use crate::config;
-use crate::methods::{FrameSettings, Visitor};
+use crate::config::Training;
+use crate::method_config::FrameSettings;
+use crate::metric::Metric;
 use crate::problem::{Model, Problem};
-use crate::provenance::Provenance;
-use crate::reference::{ReferenceCache, References};
-use crate::series::Series;
-use crate::{Interrupt, UnitConfig, threads};
-use learning::{Trained, train_config};
-
-/// A number with its name.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Metric {
-    /// The name, as in the tables.
-    pub name: String,
-    /// The value; finite.
-    pub value: f64,
-}
-
-impl Metric {
-    pub(crate) fn new(name: &str, value: f64) -> Self {
-        Metric { name: name.into(), value }
-    }
-}
-
-/// What a unit found.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Evaluation {
-    /// What depends on nothing but the configuration.
-    pub metrics: Vec<Metric>,
-    /// What depends on the clock.
-    pub timings: Vec<Metric>,
-    /// Estimates over time, where the experiment shows them.
-    pub series: Option<Series>,
-    /// What began the training, if it was resumed.
-    pub(crate) earlier: Vec<Provenance>,
-}
-
-/// Why a unit has no result.
-#[derive(Debug, Clone, PartialEq, Error)]
-pub enum UnitError {
-    /// It failed, and would fail again.
-    #[error("{0}")]
-    Failed(String),
-    /// Its trained proposal could not be written; nothing is wrong with the unit.
-    #[error("{0}")]
-    NotKept(String),
-    /// It was abandoned because the run is being stopped.
-    #[error("interrupted")]
-    Interrupted,
-}
-
-/// A failure for any reason.
-pub(crate) fn failed(error: impl ToString) -> UnitError {
-    UnitError::Failed(error.to_string())
-}
+use crate::reference::ReferenceCache;
+use crate::threads;
+use crate::unit::UnitConfig;
+use crate::unit_error::{UnitError, failed};
 
 /// Evaluates units; what units have in common is computed once.
 #[derive(Default)]
@@ -95,8 +48,9 @@ impl Evaluator {
     pub fn evaluate(&self, unit: &UnitConfig, interrupt: &Interrupt) -> Result<Evaluation, UnitError> {
         let problem = Problem::draw(unit).map_err(failed)?;
         let references = self.references.of(unit, &problem, interrupt)?;
-        let run = Run { evaluator: self, unit, problem: &problem, references: &references, interrupt };
-        let mut evaluation = unit.method.visit(&*problem.model, run)?;
+        let (models, checkpoints) = (self.models.as_deref(), self.checkpoints.as_ref());
+        let run = Run { unit, problem: &problem, references: &references, models, checkpoints, interrupt };
+        let mut evaluation = visit(&unit.method, &*problem.model, run)?;
         evaluation.timings.push(Metric::new("threads", threads::here() as f64));
         match evaluation.metrics.iter().find(|metric| !metric.value.is_finite()) {
             Some(metric) => Err(failed(format!("the metric {} is {}", metric.name, metric.value))),
@@ -105,38 +59,28 @@ impl Evaluator {
     }
 }
 
-/// A unit being run.
-#[derive(Clone, Copy)]
-struct Run<'a> {
-    evaluator: &'a Evaluator,
-    unit: &'a UnitConfig,
-    problem: &'a Problem,
-    references: &'a References,
-    interrupt: &'a Interrupt,
-}
-
 impl Visitor for Run<'_> {
     type Output = Evaluation;
 
     fn designed(self, proposal: impl Proposal<Model>) -> Result<Evaluation, UnitError> {
-        self.judge(&*self.problem.model, proposal)
+        self.run_filters(&*self.problem.model, proposal)
     }
 
     fn learned<F: Family + Proposal<Model>>(
         self,
         family: &F::Config,
-        training: &config::Training,
+        training: &Training,
         steps: usize,
-        backend: config::Backend,
+        backend: Backend,
     ) -> Result<Evaluation, UnitError> {
         let config = train_config(training, self.unit.filter.particles, steps);
         let Trained { proposal, history, seconds, earlier } = self.train::<F>(family, &config, backend)?;
-        if let Some(models) = &self.evaluator.models {
+        if let Some(models) = self.models {
             let folder = models.join(self.unit.key());
             save(&folder, &proposal, &*self.problem.model, &config)
                 .map_err(|error| UnitError::NotKept(error.to_string()))?;
         }
-        let mut evaluation = self.judge(&*self.problem.model, proposal)?;
+        let mut evaluation = self.run_filters(&*self.problem.model, proposal)?;
         let ends = [("loss_first", history.losses.first()), ("loss_last", history.losses.last())];
         for (name, loss) in ends {
             evaluation.metrics.extend(loss.map(|&loss| Metric::new(name, loss)));
@@ -157,7 +101,7 @@ impl Visitor for Run<'_> {
 
     fn reference(self, lag: usize) -> Result<Evaluation, UnitError> {
         match lag {
-            0 => self.judge(&*self.problem.system, Bootstrap),
+            0 => self.run_filters(&*self.problem.system, Bootstrap),
             _ => self.smooth(lag),
         }
     }
@@ -166,10 +110,13 @@ impl Visitor for Run<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::methods::MethodConfig;
+    use crate::config::Densities;
+    use crate::method_config::MethodConfig;
+    use crate::provenance::Provenance;
+    use crate::reference::References;
     use crate::unit::tests::{fcnn_unit, on_graph};
-    use motes_models::{Seed, Sequence};
-    use motes_proposals::{Backend, Fcnn, Learnable};
+    use motes_models::{Noise, Seed, Sequence};
+    use motes_proposals::{Fcnn, Learnable};
     use motes_train::Training;
     use rand::RngExt;
 
@@ -178,13 +125,13 @@ mod tests {
         let unit = fcnn_unit(6, 4, 5);
         let MethodConfig::Fcnn(fcnn) = &unit.method else { panic!("not an fcnn") };
         let weights = |problem: &Problem| {
-            let (evaluator, references) = (Evaluator::default(), References::default());
-            let interrupt = Interrupt::default();
+            let (references, interrupt) = (References::default(), Interrupt::default());
             let run = Run {
-                evaluator: &evaluator,
                 unit: &unit,
                 problem,
                 references: &references,
+                models: None,
+                checkpoints: None,
                 interrupt: &interrupt,
             };
             let config = train_config(&fcnn.training, unit.filter.particles, fcnn.steps);
@@ -271,8 +218,8 @@ mod tests {
         // Exact uniform densities with a handful of bootstrap particles: none explains the measurement.
         let mut unit = crate::unit::tests::unit(10, 12, 2);
         let system = on_graph(&mut unit);
-        system.noise = config::Noise::Uniform;
-        system.densities = config::Densities::Exact;
+        system.noise = Noise::Uniform;
+        system.densities = Densities::Exact;
         let Err(UnitError::Failed(reason)) = Evaluator::default().evaluate(&unit, &Interrupt::default())
         else {
             panic!("no failure")

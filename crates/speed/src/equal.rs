@@ -1,6 +1,6 @@
 //! Whether two contestants do the same work, by what they answer to a check.
 
-use super::task::Answer;
+use crate::task::Answer;
 
 /// Of the same weights and noise, losses and norms of gradients differ by rounding in 32 bits, relative to them.
 const ROUNDING: f64 = 1e-5;
@@ -9,7 +9,7 @@ const ROUNDING: f64 = 1e-5;
 const STANDARD_ERRORS: f64 = 5.0;
 
 /// What shows that the work of one is not that of the other, if anything does.
-pub(super) fn difference(ours: &Answer, theirs: &Answer) -> Option<String> {
+pub(crate) fn difference(ours: &Answer, theirs: &Answer) -> Option<String> {
     let loss = ("loss", ours.loss, theirs.loss);
     let norm = ("gradient norm", ours.gradient_norm, theirs.gradient_norm);
     let evidence = |answer: &Answer| answer.mean_log_evidence.zip(answer.log_evidence_error);
