@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use motes_models::{Seed, Simulator, StateGradients, StateSpaceModel, simulate};
+use motes_models::{ModelShape, Seed, Simulator, StateGradients, StateSpaceModel, simulate};
 use motes_proposals::{
     Adapter, Cell, Compute, Family, Fcnn, FcnnConfig, Gnn, GnnConfig, Learnable, Psi, PsiConfig, Rnn,
     RnnConfig,
@@ -43,7 +43,7 @@ pub fn small_families(
         compute: Compute,
         seed: &Seed,
     ) -> Box<dyn Learnable> {
-        Box::new(F::create(config, model, horizon, compute, seed).unwrap())
+        Box::new(F::create(config, &ModelShape::of(model), horizon, compute, seed).unwrap())
     }
     let mut families = vec![
         ("fcnn".to_string(), make::<Fcnn>(&small_fcnn(), model, horizon, compute, seed)),
@@ -71,7 +71,8 @@ pub fn trained_family<F: Family>(
 ) -> F {
     let seed = Seed::from_u64(99);
     let measurements = simulate(model, horizon, &mut seed.child("data").stream()).unwrap().measurements;
-    let mut proposal = F::create(config, model, horizon, compute, &seed.child("weights")).unwrap();
+    let mut proposal =
+        F::create(config, &ModelShape::of(model), horizon, compute, &seed.child("weights")).unwrap();
     let adam = AdamConfig { learning_rate: 1e-2, ..AdamConfig::paper() };
     let config = TrainConfig { steps: 60, adam, ..TrainConfig::paper(8) };
     let mut stream = seed.child("training").stream();

@@ -2,8 +2,8 @@
 
 use std::ops::ControlFlow;
 
-use motes_models::{GraphDiffusion, GraphDiffusionConfig, Measurements, Seed, simulate};
-use motes_proposals::{Backend, Compute, Fcnn, Learnable, Precision};
+use motes_models::{GraphDiffusion, GraphDiffusionConfig, Measurements, ModelShape, Seed, simulate};
+use motes_proposals::{Backend, Compute, Family, Fcnn, Learnable, Precision};
 use motes_tests::small_fcnn;
 use motes_train::{AdamConfig, GradientFlow, Objective, TrainConfig, rollout, train};
 
@@ -51,7 +51,8 @@ fn weights_move_as_the_definition_says_and_those_without_a_gradient_stay() {
         // One time fewer than the proposal is unrolled over: its last network has no gradient.
         let (system, measurements) = problem(2);
         let compute = Compute { backend: Backend::Native, precision };
-        let drawn = Fcnn::new(&small_fcnn(), &system, 3, compute, &Seed::from_u64(133)).unwrap();
+        let drawn =
+            Fcnn::create(&small_fcnn(), &ModelShape::of(&system), 3, compute, &Seed::from_u64(133)).unwrap();
         let (mut found, mut expected) = (drawn.clone(), drawn.clone());
         let config = TrainConfig { steps: STEPS, adam: ADAM, ..TrainConfig::paper(PARTICLES) };
         let mut stream = Seed::from_u64(132).stream();

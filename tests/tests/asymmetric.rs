@@ -2,7 +2,9 @@
 //! that is wrong on one side of an edge shows.
 
 use faer::mat;
-use motes_models::{GraphDiffusion, GraphDiffusionConfig, Measurements, Noise, Seed, StateSpaceModel};
+use motes_models::{
+    GraphDiffusion, GraphDiffusionConfig, Measurements, ModelShape, Noise, Seed, StateSpaceModel,
+};
 use motes_proposals::{
     Backend, Cell, Family, Fcnn, FcnnConfig, Gnn, GnnConfig, Psi, PsiConfig, Rnn, RnnConfig,
 };
@@ -116,7 +118,9 @@ fn check<F: Family + Proposal<GraphDiffusion> + Clone>(
     config: &F::Config,
 ) {
     let half = [ResampleWhen::EssBelow(0.5)];
-    let drawn = F::create(config, &model(), HORIZON, Backend::Native.into(), &Seed::from_u64(32)).unwrap();
+    let drawn =
+        F::create(config, &ModelShape::of(&model()), HORIZON, Backend::Native.into(), &Seed::from_u64(32))
+            .unwrap();
     // Outside the support the exact objective is −∞ and has no gradient: trained under Gaussian densities of the same moments.
     let believed = exact.model.with_noise(Noise::Gaussian);
     let trained: F = trained_family(config, &believed, HORIZON, Backend::Native.into());

@@ -5,9 +5,9 @@
 use faer::{Mat, mat};
 use motes_models::{
     Drift, Epidemic, EpidemicConfig, Gaussian, GraphDiffusion, GraphDiffusionConfig, LinearGaussian,
-    Measurements, Noise, PartialMeasurements, Seed, Sequence,
+    Measurements, ModelShape, Noise, PartialMeasurements, Seed, Sequence,
 };
-use motes_proposals::{Backend, Cell, Fcnn, Gnn, Psi, Rnn};
+use motes_proposals::{Backend, Cell, Family, Fcnn, Gnn, Psi, Rnn};
 use motes_smc::{
     Bootstrap, FilterBank, FilterError, FilterSettings, MinDegeneracy, ParticleFilter, ResampleWhen,
 };
@@ -123,7 +123,8 @@ fn a_training_that_is_ended_early_says_that_it_has_diverged() {
     let model = LinearGaussian::new(initial, mat![[0.9]], mat![[1.0]], mat![[1.0]], mat![[1e-80]]).unwrap();
     let measurements = reference().measurements;
     let (seed, config) = (Seed::from_u64(1), TrainConfig::paper(4));
-    let fresh = || Fcnn::new(&small_fcnn(), &model, 5, Backend::Native.into(), &seed).unwrap();
+    let fresh =
+        || Fcnn::create(&small_fcnn(), &ModelShape::of(&model), 5, Backend::Native.into(), &seed).unwrap();
     let mut proposal = fresh();
     let end = |_, loss: f64| {
         assert!(loss.is_finite());
@@ -183,7 +184,7 @@ fn proposals_and_training() {
     let (reference, seed, compute) = (reference(), Seed::from_u64(1), Backend::Native.into());
     let model = &reference.model;
     let diffusion = GraphDiffusion::random(&GraphDiffusionConfig::new(5), &mut seed.stream()).unwrap();
-    let mut fcnn = Fcnn::new(&small_fcnn(), model, 5, compute, &seed).unwrap();
+    let mut fcnn = Fcnn::create(&small_fcnn(), &ModelShape::of(model), 5, compute, &seed).unwrap();
     let mut training = |change: fn(&mut TrainConfig)| {
         let mut config = TrainConfig { steps: 2, ..TrainConfig::paper(4) };
         change(&mut config);
@@ -191,7 +192,7 @@ fn proposals_and_training() {
         refused(train(&mut fcnn, model, &reference.measurements, &config, &mut seed.stream(), proceed))
     };
     let stream = seed.stream();
-    let elsewhere = Fcnn::new(&small_fcnn(), model, 5, compute, &seed).unwrap();
+    let elsewhere = Fcnn::create(&small_fcnn(), &ModelShape::of(model), 5, compute, &seed).unwrap();
     let mut misplaced = ParticleFilter::new(&diffusion, elsewhere, FilterSettings::new(4), stream).unwrap();
     let mut config = small_rnn(Cell::Lstm);
     config.hidden = 0;
@@ -200,20 +201,29 @@ fn proposals_and_training() {
     assert_lines!([
         (
             "a graph network without a graph",
-            refused(Gnn::new(&small_gnn(motes_proposals::Adapter::Fixed), model, 5, compute, &seed))
-        ),
-        ("a hidden layer of nothing", refused(Rnn::new(&config, model, compute, &seed))),
-        (
-            "no layer",
-            refused(Psi::new(
-                &motes_proposals::PsiConfig { layers: 0, ..small_psi() },
-                model,
+            refused(Gnn::create(
+                &small_gnn(motes_proposals::Adapter::Fixed),
+                &ModelShape::of(model),
                 5,
                 compute,
                 &seed
             ))
         ),
-        ("no time", refused(Fcnn::new(&small_fcnn(), model, 0, compute, &seed))),
+        (
+            "a hidden layer of nothing",
+            refused(Rnn::create(&config, &ModelShape::of(model), 0, compute, &seed))
+        ),
+        (
+            "no layer",
+            refused(Psi::create(
+                &motes_proposals::PsiConfig { layers: 0, ..small_psi() },
+                &ModelShape::of(model),
+                5,
+                compute,
+                &seed
+            ))
+        ),
+        ("no time", refused(Fcnn::create(&small_fcnn(), &ModelShape::of(model), 0, compute, &seed))),
         ("a proposal of another system", refused(misplaced.step(&[0.0; 3]))),
         ("training with no particle", training(|config| config.particles = 0)),
         ("with more particles than can be counted", training(|config| config.particles = usize::MAX)),

@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use faer::Mat;
 use motes_models::{
-    GraphDiffusion, GraphDiffusionConfig, LinearGaussian, Measurements, Seed, StateSpaceModel, simulate,
+    GraphDiffusion, GraphDiffusionConfig, LinearGaussian, Measurements, ModelShape, Seed, StateSpaceModel,
+    simulate,
 };
 use motes_proposals::{Adapter, Backend, Cell, Family, Fcnn, FcnnConfig, Gnn, Psi, Rnn};
 use motes_smc::{
@@ -67,7 +68,7 @@ fn a_constant_in_every_log_likelihood_shifts_the_evidence_and_nothing_else() {
 }
 
 fn made<F: Family>(config: &F::Config, model: &dyn StateSpaceModel) -> F {
-    F::create(config, model, 5, Backend::Native.into(), &Seed::from_u64(53)).unwrap()
+    F::create(config, &ModelShape::of(model), 5, Backend::Native.into(), &Seed::from_u64(53)).unwrap()
 }
 
 #[test]
@@ -94,7 +95,9 @@ fn a_filter_in_a_bank_of_larger_states_does_what_it_would_do_alone() {
         GraphDiffusion::random(&GraphDiffusionConfig::new(10), &mut seed.child("graph").stream()).unwrap();
     let measurements = simulate(&system, 6, &mut seed.child("data").stream()).unwrap().measurements;
     let config = FcnnConfig { widths: vec![32, 16], ..FcnnConfig::paper() };
-    let fcnn = Fcnn::new(&config, &system, 6, Backend::Native.into(), &seed.child("weights")).unwrap();
+    let fcnn =
+        Fcnn::create(&config, &ModelShape::of(&system), 6, Backend::Native.into(), &seed.child("weights"))
+            .unwrap();
     // Products of matrices may round differently in a batch of another size: then by some 1e-15, f32 networks by 1e-7.
     same_alone(&system, MinDegeneracy::new(&system).unwrap(), &measurements, 1e-12);
     same_alone(&system, fcnn, &measurements, 1e-4);

@@ -3,8 +3,8 @@
 use std::ops::ControlFlow;
 
 use motes_models::kalman::{self, Belief};
-use motes_models::{GraphDiffusion, GraphDiffusionConfig, Measurements, Seed, simulate};
-use motes_proposals::{Backend, Fcnn, FcnnConfig};
+use motes_models::{GraphDiffusion, GraphDiffusionConfig, Measurements, ModelShape, Seed, simulate};
+use motes_proposals::{Backend, Family, Fcnn, FcnnConfig};
 use motes_smc::{FilterBank, FilterSettings};
 use motes_train::{TrainConfig, train};
 
@@ -29,8 +29,14 @@ fn errors<'a>(estimates: &[Vec<f64>], beliefs: impl Iterator<Item = &'a Belief>)
 fn estimates(system: &GraphDiffusion, measurements: &Measurements) -> (Vec<Vec<f64>>, f64) {
     let (seed, filters, particles) = (Seed::from_u64(90), 50, 20);
     let config = FcnnConfig { widths: vec![64, 128], ..FcnnConfig::paper() };
-    let mut proposal =
-        Fcnn::new(&config, system, HORIZON, Backend::Native.into(), &seed.child("weights")).unwrap();
+    let mut proposal = Fcnn::create(
+        &config,
+        &ModelShape::of(system),
+        HORIZON,
+        Backend::Native.into(),
+        &seed.child("weights"),
+    )
+    .unwrap();
     let config = TrainConfig { steps: 400, ..TrainConfig::paper(particles) };
     let mut stream = seed.child("training").stream();
     train(&mut proposal, system, measurements, &config, &mut stream, |_, _| ControlFlow::Continue(()))

@@ -1,7 +1,7 @@
 //! Evidence is unbiased, under every resampling rule, for every proposal; and a wrong density is caught.
 
 use faer::mat;
-use motes_models::{GraphDiffusion, GraphDiffusionConfig, LinearGaussian, Seed, StateSpaceModel};
+use motes_models::{GraphDiffusion, GraphDiffusionConfig, LinearGaussian, ModelShape, Seed, StateSpaceModel};
 use motes_proposals::{
     Backend, Cell, Family, Fcnn, FcnnConfig, Gnn, GnnConfig, Learnable, Psi, PsiConfig, Rnn, RnnConfig,
 };
@@ -98,7 +98,7 @@ fn on_a_graph() -> GraphDiffusion {
 }
 
 fn untrained<F: Family>(config: &F::Config) -> F {
-    F::create(config, &on_a_graph(), 5, Backend::Native.into(), &Seed::from_u64(22)).unwrap()
+    F::create(config, &ModelShape::of(&on_a_graph()), 5, Backend::Native.into(), &Seed::from_u64(22)).unwrap()
 }
 
 /// In one dimension K(z) = 1, so that C = 1.2 gives the variance 1.44, whatever the networks say.

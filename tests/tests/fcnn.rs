@@ -3,8 +3,10 @@
 use std::ops::ControlFlow;
 
 use faer::Mat;
-use motes_models::{Gaussian, GraphDiffusion, GraphDiffusionConfig, Seed, StateSpaceModel, simulate};
-use motes_proposals::{Backend, Compute, Fcnn, FcnnConfig, Hidden, Learnable, Parameters, Precision};
+use motes_models::{
+    Gaussian, GraphDiffusion, GraphDiffusionConfig, ModelShape, Seed, StateSpaceModel, simulate,
+};
+use motes_proposals::{Backend, Compute, Family, Fcnn, FcnnConfig, Hidden, Learnable, Parameters, Precision};
 use motes_smc::{Conditional, Past, Proposal, ProposalError};
 use motes_train::{AdamConfig, TrainConfig, train};
 
@@ -15,7 +17,7 @@ fn system() -> GraphDiffusion {
 fn fcnn(precision: Precision) -> Fcnn {
     let compute = Compute { backend: Backend::Native, precision };
     let config = FcnnConfig { widths: vec![4, 6], ridge: 1e-6 };
-    Fcnn::new(&config, &system(), 3, compute, &Seed::from_u64(81)).unwrap()
+    Fcnn::create(&config, &ModelShape::of(&system()), 3, compute, &Seed::from_u64(81)).unwrap()
 }
 
 fn initial_memory(proposal: &Fcnn, particles: usize) -> Hidden {
@@ -117,7 +119,14 @@ fn check_log_q(mut proposal: Fcnn) {
 fn weights_come_from_the_seed_alone() {
     let values = |seed| {
         let config = FcnnConfig { widths: vec![4, 6], ridge: 1e-6 };
-        let drawn = Fcnn::new(&config, &system(), 3, Backend::Native.into(), &Seed::from_u64(seed)).unwrap();
+        let drawn = Fcnn::create(
+            &config,
+            &ModelShape::of(&system()),
+            3,
+            Backend::Native.into(),
+            &Seed::from_u64(seed),
+        )
+        .unwrap();
         let parameters = drawn.parameters();
         (0..parameters.len()).flat_map(|index| parameters.host(index)).collect::<Vec<f64>>()
     };
@@ -147,8 +156,14 @@ fn misuse_is_a_typed_error() {
     assert_eq!((other.state_dim(), Learnable::state_dim(&proposal)), (6, 5));
 
     let new = |widths: Vec<usize>, ridge, horizon| {
-        Fcnn::new(&FcnnConfig { widths, ridge }, &system, horizon, Backend::Native.into(), &Seed::from_u64(1))
-            .err()
+        Fcnn::create(
+            &FcnnConfig { widths, ridge },
+            &ModelShape::of(&system),
+            horizon,
+            Backend::Native.into(),
+            &Seed::from_u64(1),
+        )
+        .err()
     };
     assert!(new(vec![4], 1e-6, 0).unwrap().to_string().contains("horizon"));
     assert!(new(vec![4, 0], 1e-6, 3).unwrap().to_string().contains("[4, 0]"));

@@ -2,7 +2,8 @@
 
 use faer::Mat;
 use motes_models::{
-    GraphDiffusion, GraphDiffusionConfig, LinearGaussian, Seed, StateSpaceModel, Stream, SystemGraph,
+    GraphDiffusion, GraphDiffusionConfig, LinearGaussian, ModelShape, Seed, StateSpaceModel, Stream,
+    SystemGraph,
 };
 use motes_proposals::{Adapter, Backend, Compute, Family, Gnn, GnnConfig, Learnable, Precision};
 use motes_smc::{Conditional, FilterSettings, ParticleFilter, Past, Proposal, ProposalError};
@@ -52,7 +53,7 @@ fn path(n: usize) -> SystemGraph {
 }
 
 fn gnn(config: &GnnConfig, graph: &SystemGraph) -> Gnn {
-    Gnn::new(config, &Graphed(graph.clone()), 2, F64, &Seed::from_u64(101)).unwrap()
+    Gnn::create(config, &ModelShape::of(&Graphed(graph.clone())), 2, F64, &Seed::from_u64(101)).unwrap()
 }
 
 fn index_of(proposal: &Gnn, name: &str) -> usize {
@@ -155,7 +156,7 @@ fn weights_but_for_c_do_not_depend_on_n() {
     let large =
         GraphDiffusion::random(&GraphDiffusionConfig::new(9), &mut Seed::from_u64(2).stream()).unwrap();
     let trained: Gnn = trained_family(&config, &small, 3, F64);
-    let mut other = Gnn::new(&config, &large, 3, F64, &Seed::from_u64(3)).unwrap();
+    let mut other = Gnn::create(&config, &ModelShape::of(&large), 3, F64, &Seed::from_u64(3)).unwrap();
     assert_eq!(trained.parameters().names(), other.parameters().names());
     for index in 0..trained.parameters().len() {
         let values = trained.parameters().host(index);
@@ -188,15 +189,23 @@ fn weights_but_for_c_do_not_depend_on_n() {
 fn a_system_without_a_graph_and_settings_that_cannot_be_are_refused() {
     let config = small_gnn(Adapter::Fixed);
     let model: &LinearGaussian = &reference().model;
-    let error = Gnn::new(&config, model, 3, F64, &Seed::from_u64(1)).err().unwrap();
+    let error = Gnn::create(&config, &ModelShape::of(model), 3, F64, &Seed::from_u64(1)).err().unwrap();
     assert_eq!(error, ProposalError::NoGraph);
     assert!(error.to_string().starts_with("the model has no graph"), "{error}");
     let config = GnnConfig { features: vec![4, 0], ..config };
-    let error = Gnn::new(&config, &Graphed(path(3)), 3, F64, &Seed::from_u64(1)).err().unwrap();
+    let error =
+        Gnn::create(&config, &ModelShape::of(&Graphed(path(3))), 3, F64, &Seed::from_u64(1)).err().unwrap();
     assert!(error.to_string().contains("[4, 0]"), "{error}");
     let lopsided = SystemGraph { shift: Mat::zeros(4, 3), ..path(3) };
-    let error =
-        Gnn::new(&small_gnn(Adapter::Fixed), &Graphed(lopsided), 3, F64, &Seed::from_u64(1)).err().unwrap();
+    let error = Gnn::create(
+        &small_gnn(Adapter::Fixed),
+        &ModelShape::of(&Graphed(lopsided)),
+        3,
+        F64,
+        &Seed::from_u64(1),
+    )
+    .err()
+    .unwrap();
     assert!(matches!(error, ProposalError::Mismatch { .. }), "{error}");
 }
 
@@ -206,8 +215,12 @@ fn the_number_of_weights_is_what_the_family_says_before_it_allocates_them() {
         let (config, graph) = (small_gnn(adapter), graph_of(6));
         let gnn = gnn(&config, &graph);
         let found: usize = (0..gnn.parameters().len()).map(|at| gnn.parameters().host(at).len()).sum();
-        assert_eq!(Gnn::count(&config, (6, graph.adapter.ncols()), 2), Some(found), "{adapter:?}");
+        assert_eq!(
+            Gnn::count(&config, &ModelShape::of(&Graphed(graph.clone())), 2),
+            Some(found),
+            "{adapter:?}"
+        );
     }
     let huge = GnnConfig { features: vec![usize::MAX], ..small_gnn(Adapter::Fixed) };
-    assert_eq!(Gnn::count(&huge, (5, 3), 1), None);
+    assert_eq!(Gnn::count(&huge, &ModelShape::of(&Graphed(graph_of(6))), 1), None);
 }

@@ -4,7 +4,8 @@ use std::ops::ControlFlow;
 
 use faer::MatRef;
 use motes_models::{
-    Drift, GraphDiffusion, GraphDiffusionConfig, Measurements, Noise, Seed, StateSpaceModel, simulate,
+    Drift, GraphDiffusion, GraphDiffusionConfig, Measurements, ModelShape, Noise, Seed, StateSpaceModel,
+    simulate,
 };
 use motes_proposals::{
     Backend, Cell, Compute, Family, Fcnn, GaussianBatch, Gradients, KernelCovariance, Learnable, Precision,
@@ -115,7 +116,7 @@ fn states_and_gradients_do_not_depend_on_whether_a_density_is_asked_for() {
     for (family, proposal) in small_families(&system, 3, compute, &Seed::from_u64(72)) {
         let particles = 11;
         let drawn = |asked: bool| {
-            let mut tape = proposal.tape(particles, Workspace::new(proposal.parameters()));
+            let mut tape = proposal.tape(particles, Workspace::new(proposal.parameters())).unwrap();
             let (mut states, mut log_q) = (vec![vec![0.0; 5 * particles]; 2], vec![0.0; particles]);
             for time in 0..2 {
                 let (earlier, now) = states.split_at_mut(time);
@@ -174,16 +175,21 @@ fn backends_agree_on_loss_and_gradients() {
     let (system, measurements) = problem(Drift::Identity);
     for (precision, tolerance) in [(Precision::F32, 1e-4), (Precision::F64, 1e-9)] {
         for objective in [Objective::LogLikelihood, Objective::Elbo] {
-            let of = |backend| families(&system, Compute { backend, precision });
-            for ((name, native), ((_, flex), (_, ndarray))) in
-                of(Backend::Native).into_iter().zip(of(Backend::Flex).into_iter().zip(of(Backend::NdArray)))
-            {
-                let [native, flex, ndarray] = [native, flex, ndarray]
-                    .map(|proposal| loss_and_gradients(proposal.as_ref(), &system, &measurements, objective));
-                for other in [flex, ndarray] {
-                    assert!((native.0 / other.0 - 1.0).abs() < tolerance, "{name}");
+            let of = |backend| {
+                let proposals = families(&system, Compute { backend, precision }).into_iter();
+                proposals.map(|(name, proposal)| {
+                    (name, loss_and_gradients(proposal.as_ref(), &system, &measurements, objective))
+                })
+            };
+            let native: Vec<_> = of(Backend::Native).collect();
+            for backend in Backend::built() {
+                for ((name, native), (_, other)) in native.iter().zip(of(backend)) {
+                    assert!((native.0 / other.0 - 1.0).abs() < tolerance, "{name} on {backend}");
                     let distance = relative_distance(&native.1.concat(), &other.1.concat());
-                    assert!(distance < tolerance, "{name}, {precision:?}: gradients differ by {distance:e}");
+                    assert!(
+                        distance < tolerance,
+                        "{name} on {backend}, {precision:?}: gradients differ by {distance:e}"
+                    );
                 }
             }
         }
@@ -237,7 +243,7 @@ where
     F::Memory: Clone,
 {
     let (system, measurements) = problem(Drift::Abs);
-    let proposal = F::create(config, &system, 3, F64, &Seed::from_u64(69)).unwrap();
+    let proposal = F::create(config, &ModelShape::of(&system), 3, F64, &Seed::from_u64(69)).unwrap();
     for window in 1..=3 {
         let mut stream = Seed::from_u64(70).stream();
         let (objective, flow) = (Objective::LogLikelihood, GradientFlow::Truncated { window });
@@ -276,7 +282,8 @@ fn a_clipped_gradient_is_shorter_and_points_the_same_way() {
     let adam = AdamConfig { epsilon: 1e3, ..AdamConfig::paper() };
     // With so large an ε a step of Adam is the gradient itself, scaled.
     let moved = |clip_norm| {
-        let mut proposal = Fcnn::new(&small_fcnn(), &system, 3, F64, &Seed::from_u64(69)).unwrap();
+        let mut proposal =
+            Fcnn::create(&small_fcnn(), &ModelShape::of(&system), 3, F64, &Seed::from_u64(69)).unwrap();
         let before: Vec<f64> = weights(&proposal);
         let config = TrainConfig { steps: 1, adam, clip_norm, ..TrainConfig::paper(4) };
         let mut stream = Seed::from_u64(70).stream();
@@ -285,7 +292,8 @@ fn a_clipped_gradient_is_shorter_and_points_the_same_way() {
         weights(&proposal).iter().zip(&before).map(|(after, before)| after - before).collect::<Vec<f64>>()
     };
     let mut stream = Seed::from_u64(70).stream();
-    let proposal = Fcnn::new(&small_fcnn(), &system, 3, F64, &Seed::from_u64(69)).unwrap();
+    let proposal =
+        Fcnn::create(&small_fcnn(), &ModelShape::of(&system), 3, F64, &Seed::from_u64(69)).unwrap();
     let (objective, flow) = (Objective::LogLikelihood, GradientFlow::Full);
     let found = rollout(&proposal, &system, &measurements, objective, flow, 4, &mut stream).unwrap();
     let length = found.gradients.norm();

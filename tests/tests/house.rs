@@ -18,22 +18,27 @@ fn known_to(manifest: &str) -> Vec<String> {
 
 #[test]
 fn arrows_go_one_way() {
-    let order = ["motes-models", "motes-smc", "motes-proposals", "motes-train", "motes-bench"];
-    for (at, name) in order.iter().enumerate() {
-        let known = known_to(&format!("crates/{}/Cargo.toml", name.trim_start_matches("motes-")));
-        for known in &known {
-            assert!(order[..at].contains(&known.as_str()), "{name} knows {known}");
-        }
-        // Each knows the one below it: none of them could be left out.
-        assert_eq!(at > 0, known.iter().any(|known| at > 0 && known == order[at - 1]), "{name}: {known:?}");
+    let known = [
+        ("models", &[][..]),
+        ("smc", &["models"]),
+        ("networks", &["models"]),
+        ("proposals", &["models", "networks", "smc"]),
+        ("train", &["models", "proposals", "smc"]),
+        ("cli", &[]),
+        ("bench", &["cli", "models", "proposals", "smc", "train"]),
+        ("speed", &["cli", "models", "proposals", "smc", "train"]),
+    ];
+    for (name, expected) in known {
+        let expected: Vec<String> = expected.iter().map(|name| format!("motes-{name}")).collect();
+        assert_eq!(known_to(&format!("crates/{name}/Cargo.toml")), expected, "{name}");
     }
-    assert_eq!(known_to("xtask/Cargo.toml"), [""; 0], "xtask has no crate edge");
+    assert_eq!(known_to("xtask/Cargo.toml"), ["motes-cli"], "xtask builds the others and links none of them");
 }
 
 /// The packages in the normal dependency tree of one package.
-fn tree(package: &str) -> Vec<String> {
+fn tree(package: &str, more: &[&str]) -> Vec<String> {
     let arguments = ["tree", "--offline", "--package", package, "--edges", "normal", "--prefix", "none"];
-    let output = Command::new(env!("CARGO")).current_dir(root()).args(arguments).output().unwrap();
+    let output = Command::new(env!("CARGO")).current_dir(root()).args(arguments).args(more).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let text = String::from_utf8(output.stdout).unwrap();
     text.lines().filter_map(|line| line.split(' ').next()).map(String::from).collect()
@@ -42,7 +47,7 @@ fn tree(package: &str) -> Vec<String> {
 #[test]
 fn the_light_crates_and_xtask_are_light() {
     for package in ["motes-models", "motes-smc", "xtask"] {
-        let tree = tree(package);
+        let tree = tree(package, &[]);
         assert!(tree.len() > 5, "the tree of {package} is suspiciously small: {tree:?}");
         let heavy = ["burn", "cubecl", "ndarray", "plotters", "indicatif", "rayon"];
         // Waiting threads, and nothing of rayon's iterators.
@@ -52,7 +57,15 @@ fn the_light_crates_and_xtask_are_light() {
             assert!(package == "xtask" || !name.starts_with("clap"), "{package} depends on {name}");
         }
     }
-    assert!(tree("motes-bench").iter().any(|name| name == "burn"), "the check sees burn where it is");
+}
+
+#[test]
+fn burn_is_there_for_who_asks_for_it() {
+    let has_burn = |package, more| tree(package, more).iter().any(|name| name.starts_with("burn"));
+    for package in ["motes-networks", "motes-proposals", "motes-train", "motes-bench"] {
+        assert!(!has_burn(package, &[]), "{package} depends on burn");
+        assert!(has_burn(package, &["--features", "burn"]), "{package} has no burn to offer");
+    }
 }
 
 fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
@@ -121,8 +134,12 @@ fn every_file_says_what_it_is_and_stays_small() {
 #[test]
 fn the_version_of_burn_is_stated_rightly() {
     let text = std::fs::read_to_string(root().join("Cargo.toml")).unwrap();
-    let stated = format!("burn = {{ version = \"={}\"", motes_proposals::BURN_VERSION);
-    assert!(text.contains(&stated), "Cargo.toml does not pin burn to {}", motes_proposals::BURN_VERSION);
+    let stated = format!("burn = {{ version = \"={}\"", motes_proposals::networks::BURN_VERSION);
+    assert!(
+        text.contains(&stated),
+        "Cargo.toml does not pin burn to {}",
+        motes_proposals::networks::BURN_VERSION
+    );
 }
 
 /// What stands above the function of that name in a text, from the function before it on.

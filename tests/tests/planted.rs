@@ -1,7 +1,7 @@
 //! Each planted bug is caught by the statistic of the test that is there to catch it, and without a bug nothing is.
 
-use motes_models::Seed;
-use motes_proposals::{Backend, Cell, Compute, Learnable, Precision, Rnn, RnnConfig};
+use motes_models::{ModelShape, Seed};
+use motes_proposals::{Backend, Cell, Compute, Family, Learnable, Precision, Rnn, RnnConfig};
 use motes_smc::{FilterSettings, ResampleWhen};
 use motes_tests::{
     Bug, Forgetful, NEVER_HALF_ALWAYS, OFFSPRING_WEIGHTS, Offspring, PARTICLES, REFUSED, RUNS,
@@ -75,14 +75,22 @@ fn systematic_resampling_with_a_fixed_offset() {
 #[test]
 fn memory_that_is_not_resampled() {
     let compute = Compute { backend: Backend::Native, precision: Precision::F64 };
-    let rnn = Rnn::new(&small_rnn(Cell::Lstm), &replayed_system(), compute, &Seed::from_u64(111)).unwrap();
+    let rnn = Rnn::create(
+        &small_rnn(Cell::Lstm),
+        &ModelShape::of(&replayed_system()),
+        0,
+        compute,
+        &Seed::from_u64(111),
+    )
+    .unwrap();
     let found = replay(&Forgetful(rnn), |memory| &memory.0, &[]);
     println!("planted: memory not resampled: {found:.2?}");
     assert!(!found.holds() && found.memory > 1e-3 && found.weights > 1e-3);
 
     // The evidence does not see it: any memory gives some proposal, weighed by its own density.
     let config = RnnConfig { hidden: 8, ..RnnConfig::paper() };
-    let mut wide = Rnn::new(&config, &reference().model, compute, &Seed::from_u64(22)).unwrap();
+    let mut wide =
+        Rnn::create(&config, &ModelShape::of(&reference().model), 0, compute, &Seed::from_u64(22)).unwrap();
     let mixing = wide.parameters().names().iter().position(|name| name == "covariance.mixing").unwrap();
     wide.parameters_mut().set_host(mixing, &[1.2]).unwrap();
     let settings = FilterSettings { resample_when: ResampleWhen::Always, ..FilterSettings::new(PARTICLES) };

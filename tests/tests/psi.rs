@@ -1,8 +1,8 @@
 //! The transform: forth and back, its density, and its determinant against the dense Jacobian.
 
 use faer::{Mat, MatRef};
-use motes_models::{GraphDiffusion, GraphDiffusionConfig, Seed};
-use motes_proposals::{Backend, Compute, Learnable, Precision, Psi, PsiConfig, Workspace};
+use motes_models::{GraphDiffusion, GraphDiffusionConfig, ModelShape, Seed};
+use motes_proposals::{Backend, Compute, Family, Learnable, Precision, Psi, PsiConfig, Workspace};
 use motes_smc::{Conditional, Past, Proposal, ProposalError};
 use motes_tests::trained_family;
 use rand::RngExt;
@@ -20,7 +20,8 @@ fn system(n: usize) -> GraphDiffusion {
 }
 
 fn psi(n: usize, layers: usize) -> Psi {
-    Psi::new(&PsiConfig { layers, ridge: 0.0 }, &system(n), 2, F64, &Seed::from_u64(90)).unwrap()
+    Psi::create(&PsiConfig { layers, ridge: 0.0 }, &ModelShape::of(&system(n)), 2, F64, &Seed::from_u64(90))
+        .unwrap()
 }
 
 fn uniform(count: usize, seed: u64) -> Vec<f64> {
@@ -62,6 +63,7 @@ fn draw(psi: &Psi, past: Past<'_>, n: usize, seed: u64) -> Drawn {
     let noise = uniform(past.particles * n, seed);
     let (mut states, mut along) = (vec![0.0; noise.len()], vec![0.0; past.particles]);
     psi.tape(past.particles, Workspace::new(psi.parameters()))
+        .unwrap()
         .draw(past, &noise, &mut states, Some(&mut along))
         .unwrap();
     Drawn { noise, states, along }
@@ -229,7 +231,8 @@ fn badly_conditioned_transforms_come_back_as_well_as_their_condition_allows_or_n
     let mut told = 0;
     for seed in 0..20 {
         let config = PsiConfig { layers: 9, ridge: 1e-3 };
-        let psi = Psi::new(&config, &system(n), 2, F64, &Seed::from_u64(900 + seed)).unwrap();
+        let psi =
+            Psi::create(&config, &ModelShape::of(&system(n)), 2, F64, &Seed::from_u64(900 + seed)).unwrap();
         let (previous, measurement) = (uniform(n, 92), uniform(n.div_ceil(2), 93));
         let past = past(n, &previous, &measurement);
         let Drawn { noise, states, .. } = draw(&psi, past, n, 94);
@@ -252,7 +255,14 @@ fn badly_conditioned_transforms_come_back_as_well_as_their_condition_allows_or_n
 #[test]
 fn settings_that_cannot_be_are_refused() {
     let new = |layers, ridge, horizon| {
-        Psi::new(&PsiConfig { layers, ridge }, &system(3), horizon, F64, &Seed::from_u64(1)).err()
+        Psi::create(
+            &PsiConfig { layers, ridge },
+            &ModelShape::of(&system(3)),
+            horizon,
+            F64,
+            &Seed::from_u64(1),
+        )
+        .err()
     };
     let told = |error: Option<ProposalError>| error.unwrap().to_string();
     assert_eq!(

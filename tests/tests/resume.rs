@@ -29,11 +29,8 @@ fn weights(proposal: &dyn Learnable) -> Vec<Vec<f64>> {
 #[test]
 fn every_family_goes_on_to_the_last_bit() {
     let (system, measurements) = problem();
-    for (backend, precision) in [
-        (Backend::Native, Precision::F32),
-        (Backend::Native, Precision::F64),
-        (Backend::Flex, Precision::F32),
-    ] {
+    let of_both = |backend| [Precision::F32, Precision::F64].map(|precision| (backend, precision));
+    for (backend, precision) in Backend::built().flat_map(of_both) {
         let compute = Compute { backend, precision };
         let fresh = || small_families(&system, 3, compute, &Seed::from_u64(153));
         for at in 0..fresh().len() {

@@ -1,13 +1,13 @@
 //! The recurrent proposal: memory that belongs to its particle, and sequences of any length.
 
-use motes_models::{GraphDiffusion, Seed, StateSpaceModel, simulate};
+use motes_models::{GraphDiffusion, ModelShape, Seed, StateSpaceModel, simulate};
 use motes_proposals::{Backend, Cell, Compute, Family, Fcnn, Learnable, Precision, Rnn, RnnConfig};
 use motes_smc::{FilterBank, FilterError, FilterSettings, ParticleMemory, Past, Proposal, ProposalError};
 use motes_tests::{replay, replayed_system, small_fcnn, small_rnn, trained_family};
 
 const F64: Compute = Compute { backend: Backend::Native, precision: Precision::F64 };
 fn untrained(cell: Cell) -> Rnn {
-    Rnn::new(&small_rnn(cell), &replayed_system(), F64, &Seed::from_u64(111)).unwrap()
+    Rnn::create(&small_rnn(cell), &ModelShape::of(&replayed_system()), 0, F64, &Seed::from_u64(111)).unwrap()
 }
 
 fn assert_replayed(rnn: &Rnn) {
@@ -56,7 +56,7 @@ fn after_three_steps(precision: Precision, ancestor: impl Fn(usize) -> usize) ->
     // So wide that gates are computed in panels.
     let config = RnnConfig { hidden: 24, ..small_rnn(Cell::Lstm) };
     let compute = Compute { backend: Backend::Native, precision };
-    let mut rnn = Rnn::new(&config, &system, compute, &Seed::from_u64(114)).unwrap();
+    let mut rnn = Rnn::create(&config, &ModelShape::of(&system), 0, compute, &Seed::from_u64(114)).unwrap();
     let ancestors: Vec<usize> = (0..PARTICLES).map(ancestor).collect();
     let n = system.state_dim();
     let previous: Vec<f64> =
@@ -109,15 +109,14 @@ fn no_particles_are_no_work() {
 
 #[test]
 fn the_number_of_weights_is_what_the_family_says_before_it_allocates_them() {
-    let system = replayed_system();
+    let shape = ModelShape::of(&replayed_system());
     for cell in [Cell::Lstm, Cell::Gru, Cell::Elman] {
         let rnn = untrained(cell);
         let found: usize = (0..rnn.parameters().len()).map(|at| rnn.parameters().host(at).len()).sum();
-        let sizes = (system.state_dim(), system.measurement_dim());
-        assert_eq!(Rnn::count(&small_rnn(cell), sizes, 7), Some(found), "{cell:?}");
+        assert_eq!(Rnn::count(&small_rnn(cell), &shape, 7), Some(found), "{cell:?}");
     }
     let huge = RnnConfig { hidden: usize::MAX, ..small_rnn(Cell::Lstm) };
-    assert_eq!(Rnn::count(&huge, (5, 3), 1), None);
+    assert_eq!(Rnn::count(&huge, &shape, 1), None);
 }
 
 #[test]
@@ -125,7 +124,10 @@ fn settings_that_cannot_be_are_refused() {
     let new = |change: fn(&mut RnnConfig)| {
         let mut config = small_rnn(Cell::Lstm);
         change(&mut config);
-        Rnn::new(&config, &replayed_system(), F64, &Seed::from_u64(1)).err().unwrap().to_string()
+        Rnn::create(&config, &ModelShape::of(&replayed_system()), 0, F64, &Seed::from_u64(1))
+            .err()
+            .unwrap()
+            .to_string()
     };
     assert_eq!(new(|config| config.hidden = 0), "the hidden size H is 0; it must be at least 1");
     assert_eq!(

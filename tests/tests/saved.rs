@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use faer::{Mat, mat};
-use motes_models::{Gaussian, GraphDiffusion, GraphDiffusionConfig, LinearGaussian, Noise, Seed};
+use motes_models::{Gaussian, GraphDiffusion, GraphDiffusionConfig, LinearGaussian, ModelShape, Noise, Seed};
 use motes_proposals::{
     Adapter, Backend, Cell, Compute, Family, Fcnn, Gnn, Learnable, Psi, Rnn, SavedError, load, save,
 };
@@ -55,7 +55,9 @@ fn every_family_comes_back_as_it_was_saved() {
 #[test]
 fn what_else_lies_in_a_replaced_folder_is_kept_each_time() {
     let (folder, system) = (tempfile::tempdir().unwrap(), system());
-    let rnn = Rnn::new(&small_rnn(Cell::Lstm), &system, compute(), &Seed::from_u64(121)).unwrap();
+    let rnn =
+        Rnn::create(&small_rnn(Cell::Lstm), &ModelShape::of(&system), 0, compute(), &Seed::from_u64(121))
+            .unwrap();
     let saved = folder.path().join("rnn");
     save(&saved, &rnn, &system, &TrainConfig::paper(10)).unwrap();
     for note in ["first", "second", "third"] {
@@ -80,7 +82,8 @@ fn a_parameter_that_moves_unmeasured_coordinates_is_noticed() {
         LinearGaussian::new(initial, transition, q, c, mat![[1.0]]).unwrap()
     };
     let (folder, config) = (tempfile::tempdir().unwrap(), small_rnn(Cell::Gru));
-    let rnn = Rnn::new(&config, &chain(0.95), compute(), &Seed::from_u64(121)).unwrap();
+    let rnn =
+        Rnn::create(&config, &ModelShape::of(&chain(0.95)), 0, compute(), &Seed::from_u64(121)).unwrap();
     let folder = folder.path().join("rnn");
     save(&folder, &rnn, &chain(0.95), &TrainConfig::paper(10)).unwrap();
     assert!(load::<Rnn>(&folder, &chain(0.95), compute()).is_ok());
@@ -93,7 +96,7 @@ fn a_parameter_that_moves_unmeasured_coordinates_is_noticed() {
 fn told(change: impl FnOnce(&Path)) -> String {
     let (folder, system) = (tempfile::tempdir().unwrap(), system());
     let config = small_rnn(Cell::Lstm);
-    let rnn = Rnn::new(&config, &system, compute(), &Seed::from_u64(121)).unwrap();
+    let rnn = Rnn::create(&config, &ModelShape::of(&system), 0, compute(), &Seed::from_u64(121)).unwrap();
     let folder = folder.path().join("rnn");
     save(&folder, &rnn, &system, &TrainConfig::paper(10)).unwrap();
     change(&folder);
@@ -153,7 +156,9 @@ fn what_does_not_fit_is_refused() {
 #[test]
 fn another_system_is_refused_with_what_differs() {
     let (folder, system) = (tempfile::tempdir().unwrap(), system());
-    let rnn = Rnn::new(&small_rnn(Cell::Lstm), &system, compute(), &Seed::from_u64(122)).unwrap();
+    let rnn =
+        Rnn::create(&small_rnn(Cell::Lstm), &ModelShape::of(&system), 0, compute(), &Seed::from_u64(122))
+            .unwrap();
     save(folder.path(), &rnn, &system, &TrainConfig::paper(10)).unwrap();
     let refused = |model: &dyn motes_models::StateSpaceModel| {
         let error = load::<Rnn>(folder.path(), model, compute()).err().unwrap();
@@ -176,7 +181,9 @@ fn another_system_is_refused_with_what_differs() {
 #[test]
 fn weights_that_are_not_finite_are_refused() {
     let (folder, system) = (tempfile::tempdir().unwrap(), system());
-    let mut rnn = Rnn::new(&small_rnn(Cell::Elman), &system, compute(), &Seed::from_u64(123)).unwrap();
+    let mut rnn =
+        Rnn::create(&small_rnn(Cell::Elman), &ModelShape::of(&system), 0, compute(), &Seed::from_u64(123))
+            .unwrap();
     let mut values = rnn.parameters().host(0);
     values[7] = f64::NAN;
     rnn.parameters_mut().set_host(0, &values).unwrap();

@@ -1,7 +1,7 @@
 //! Families in units that suit networks: derivatives, densities, and frames that do what they say.
 
 use motes_models::{
-    Epidemic, EpidemicConfig, Measurements, Noise, Seed, Simulations, Spread, StateSpaceModel,
+    Epidemic, EpidemicConfig, Measurements, ModelShape, Noise, Seed, Simulations, Spread, StateSpaceModel,
     simulate_within,
 };
 use motes_proposals::{
@@ -34,7 +34,7 @@ fn measurements() -> Measurements {
 
 fn make<F: Family>(family: F::Config, origin: Origin, compute: Compute) -> Standardised<F> {
     let config = StandardisedConfig { family, frames: frames(origin) };
-    Standardised::create(&config, &system(), HORIZON, compute, &Seed::from_u64(142)).unwrap()
+    Standardised::create(&config, &ModelShape::of(&system()), HORIZON, compute, &Seed::from_u64(142)).unwrap()
 }
 
 /// Holds the gradient of the objective with respect to each matrix against central differences.
@@ -119,7 +119,7 @@ fn a_density_integrates_to_one_in_the_units_of_the_state() {
     assert_eq!((model.state_dim(), model.measurement_dim()), (1, 1));
     let config = StandardisedConfig { family: small_fcnn(), frames: Frames::Constant(frame) };
     let mut proposal: Standardised<Fcnn> =
-        Standardised::create(&config, &model, 2, F64, &Seed::from_u64(145)).unwrap();
+        Standardised::create(&config, &ModelShape::of(&model), 2, F64, &Seed::from_u64(145)).unwrap();
     let (count, step) = (4001, 0.05);
     let states: Vec<f64> = (0..count).map(|at| (f64::from(at) - 2000.0) * step).collect();
     let previous = vec![0.7; count as usize];
@@ -158,7 +158,15 @@ fn frames_that_do_not_fit_are_refused() {
     let create = |frames: Frames, horizon: usize| {
         let config = StandardisedConfig { family: small_fcnn(), frames };
         let compute = Backend::Native.into();
-        Standardised::<Fcnn>::create(&config, &system(), horizon, compute, &Seed::from_u64(1)).err().unwrap()
+        Standardised::<Fcnn>::create(
+            &config,
+            &ModelShape::of(&system()),
+            horizon,
+            compute,
+            &Seed::from_u64(1),
+        )
+        .err()
+        .unwrap()
     };
     let too_long = create(frames(Origin::MeanAtEachTime), HORIZON + 1);
     assert_eq!(too_long.to_string(), too_long_of(HORIZON));

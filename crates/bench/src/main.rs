@@ -73,6 +73,12 @@ fn run_reproduce(args: &ReproduceArgs, interrupt: &Interrupt) -> ExitCode {
         Ok(plans) => plans,
         Err(error) => return refuse(&error),
     };
+    if !args.dry_run
+        && let Err(error) = args.backend.check()
+    {
+        status(&format!("error: --backend {}: {error}", args.backend));
+        return ExitCode::from(2);
+    }
     if args.dry_run {
         plans.iter().for_each(|plan| result(&plan.to_string()));
         return ExitCode::SUCCESS;
@@ -154,6 +160,7 @@ fn run_regress(
             status(&format!("error: {error}"));
             return ExitCode::from(match error {
                 RegressionError::Differs { .. } | RegressionError::Failed { .. } => 1,
+                RegressionError::NotBuilt(_) => 2,
                 RegressionError::Interrupted => interrupt.exit_status(),
                 RegressionError::Store(_) | RegressionError::File { .. } => 3,
             });

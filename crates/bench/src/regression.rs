@@ -5,6 +5,7 @@ use std::path::Path;
 
 use motes_cli::{Interrupt, result, status};
 use motes_proposals::Backend;
+use motes_proposals::networks::NetworkError;
 use thiserror::Error;
 
 use crate::config::Plan;
@@ -30,8 +31,11 @@ pub enum RegressionError {
         /// How many.
         failed: usize,
         /// On which backend.
-        backend: &'static str,
+        backend: Backend,
     },
+    /// This build lacks a backend.
+    #[error(transparent)]
+    NotBuilt(#[from] NetworkError),
     /// A signal came.
     #[error("interrupted")]
     Interrupted,
@@ -77,6 +81,7 @@ pub fn regress(
     interrupt: &Interrupt,
 ) -> Result<(), RegressionError> {
     let mut found = Vec::new();
+    Backend::ALL.into_iter().try_for_each(Backend::check)?;
     for backend in Backend::ALL {
         found.push(run(plan, backend, scratch, interrupt)?);
     }
@@ -87,7 +92,7 @@ pub fn regress(
     let mut wrong = 0;
     for (at, (backend, found)) in Backend::ALL.into_iter().zip(&found).enumerate() {
         for line in compare(found, &expected, at) {
-            status(&format!("{}: {line}", backend.name()));
+            status(&format!("{backend}: {line}"));
             wrong += 1;
         }
     }
@@ -108,12 +113,12 @@ fn run(
     scratch: &Path,
     interrupt: &Interrupt,
 ) -> Result<Found, RegressionError> {
-    let folder = scratch.join(backend.name());
+    let folder = scratch.join(backend.to_string());
     let plan = Plan { backend, folder: folder.clone(), fresh: true, ..plan.clone() };
     match reproduce(&plan, &Estimator::default(), interrupt)? {
         Finished::Complete { failed: 0, .. } => {}
         Finished::Complete { failed, .. } => {
-            return Err(RegressionError::Failed { failed, backend: backend.name() });
+            return Err(RegressionError::Failed { failed, backend });
         }
         Finished::Interrupted => return Err(RegressionError::Interrupted),
     }
@@ -141,8 +146,10 @@ fn read<Row: serde::de::DeserializeOwned>(path: &Path) -> Result<Vec<Row>, Regre
 fn write(path: &Path, found: &[Found]) -> Result<(), RegressionError> {
     let fail = |source| RegressionError::File { file: path.display().to_string(), source };
     let mut writer = csv::Writer::from_path(path).map_err(fail)?;
-    let header = ["panel", "method", "x", "repetition", "metric"];
-    writer.write_record(header.into_iter().chain(Backend::ALL.map(Backend::name))).map_err(fail)?;
+    let header = ["panel", "method", "x", "repetition", "metric"].map(String::from);
+    writer
+        .write_record(header.into_iter().chain(Backend::ALL.map(|backend| backend.to_string())))
+        .map_err(fail)?;
     for place in found[0].keys() {
         // A unit that ran on one backend ran on the others.
         let value = |found: &Found| number(found.get(place).copied().unwrap_or(f64::NAN));

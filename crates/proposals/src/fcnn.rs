@@ -1,14 +1,13 @@
 //! The fully connected proposal of the paper: unrolled mean networks and one covariance network.
 
-use motes_models::{Seed, StateSpaceModel};
+use motes_models::{ModelShape, Seed};
+use motes_networks::layers::Mlp;
+use motes_networks::{Arithmetic, Known, Networks, Outputs, Parameters};
 use motes_smc::ProposalError;
 use serde::{Deserialize, Serialize};
 
-use crate::Compute;
-use crate::arithmetic::Arithmetic;
-use crate::family::{Family, check_horizon, check_weights, check_widths, count_affine, sizes_of};
-use crate::gaussian::{Emission, GaussianProposal, Known, Networks};
-use crate::mlp::Mlp;
+use crate::gaussian::{GaussianNetworks, GaussianProposal};
+use crate::settings::{check_horizon, check_widths, count_affine};
 
 /// The settings of an [`Fcnn`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -27,8 +26,9 @@ impl FcnnConfig {
     }
 
     /// Widths from the input `[x_{t−1}; y_t]` to the output.
-    fn layers(&self, state_dim: usize, measurement_dim: usize) -> Vec<usize> {
-        [&[state_dim + measurement_dim], self.widths.as_slice(), &[state_dim]].concat()
+    fn layers(&self, shape: &ModelShape) -> Vec<usize> {
+        let inputs = shape.state_dim + shape.measurement_dim;
+        [&[inputs], self.widths.as_slice(), &[shape.state_dim]].concat()
     }
 }
 
@@ -36,40 +36,14 @@ impl FcnnConfig {
 ///
 /// Each time has a mean network of its own, so the proposal knows its horizon `T`; the covariance network is the same
 /// at all times (the paper's section on the multivariate normal parametrization). Hidden activations are tanh, output
-/// layers are linear, and `x_{−1} = 0`.
-pub type Fcnn = GaussianProposal<FcnnNetworks, FcnnConfig>;
+/// layers are linear, and `x_{−1} = 0`. Initial weights and biases are uniform on `±1/√fan_in`, `C` on `±1/N`.
+pub type Fcnn = GaussianProposal<FcnnNetworks>;
 
 /// The networks of an [`Fcnn`].
 #[derive(Clone)]
 pub struct FcnnNetworks {
     means: Vec<Mlp>,
     representation: Mlp,
-}
-
-impl Fcnn {
-    /// Draws initial weights for `model`'s dimensions and `horizon` times: weights and biases uniform on `±1/√fan_in`,
-    /// `C` uniform on `±1/N`, each matrix from the stream that `seed` has for its name.
-    ///
-    /// # Errors
-    /// [`ProposalError::Setting`] if the horizon or a width is 0, or the ridge is negative or not finite.
-    pub fn new(
-        config: &FcnnConfig,
-        model: &(impl StateSpaceModel + ?Sized),
-        horizon: usize,
-        compute: Compute,
-        seed: &Seed,
-    ) -> Result<Self, ProposalError> {
-        check_horizon(horizon)?;
-        check_widths("the hidden widths", &config.widths)?;
-        let sizes = sizes_of(model)?;
-        let (n, m) = (sizes.state_dim, sizes.measurement_dim);
-        check_weights(Fcnn::count(config, (n, m), horizon))?;
-        let widths = config.layers(n, m);
-        GaussianProposal::assemble(config, config.ridge, sizes, compute, seed, |parameters| FcnnNetworks {
-            means: (0..horizon).map(|t| Mlp::draw(parameters, &format!("mean.{t}"), &widths, seed)).collect(),
-            representation: Mlp::draw(parameters, "covariance", &widths, seed),
-        })
-    }
 }
 
 impl Networks for FcnnNetworks {
@@ -82,35 +56,42 @@ impl Networks for FcnnNetworks {
         arithmetic: &mut A,
         time: usize,
         known: Known<'_, A::Rows>,
-    ) -> Emission<A::Rows> {
+    ) -> Outputs<A::Rows> {
         let inputs = arithmetic.stacked(&known.previous, &known.measurement);
-        Emission {
-            means: self.means[time].forward(arithmetic, inputs.clone()),
-            representations: self.representation.forward(arithmetic, inputs),
-            hidden: Vec::new(),
-        }
+        let means = self.means[time].forward(arithmetic, inputs.clone());
+        let representations = self.representation.forward(arithmetic, inputs);
+        Outputs { values: vec![means, representations], hidden: Vec::new() }
     }
 }
 
-impl Family for Fcnn {
+impl GaussianNetworks for FcnnNetworks {
     const NAME: &'static str = "fcnn";
     type Config = FcnnConfig;
 
-    fn create(
+    fn check(config: &FcnnConfig, horizon: usize) -> Result<(), ProposalError> {
+        check_horizon(horizon)?;
+        check_widths("the hidden widths", &config.widths)
+    }
+
+    fn count(config: &FcnnConfig, shape: &ModelShape, horizon: usize) -> Option<usize> {
+        count_affine(&config.layers(shape), 1)?.checked_mul(horizon.checked_add(1)?)
+    }
+
+    fn draw(
         config: &FcnnConfig,
-        model: &dyn StateSpaceModel,
+        shape: &ModelShape,
         horizon: usize,
-        compute: Compute,
+        parameters: &mut Parameters,
         seed: &Seed,
     ) -> Result<Self, ProposalError> {
-        Fcnn::new(config, model, horizon, compute, seed)
+        let widths = config.layers(shape);
+        Ok(FcnnNetworks {
+            means: (0..horizon).map(|t| Mlp::draw(parameters, &format!("mean.{t}"), &widths, seed)).collect(),
+            representation: Mlp::draw(parameters, "covariance", &widths, seed),
+        })
     }
 
-    fn count(config: &FcnnConfig, (n, m): (usize, usize), horizon: usize) -> Option<usize> {
-        count_affine(&config.layers(n, m), 1)?.checked_mul(horizon.checked_add(1)?)?.checked_add(n * n)
-    }
-
-    fn config(&self) -> &FcnnConfig {
-        &self.config
+    fn ridge(config: &FcnnConfig) -> f64 {
+        config.ridge
     }
 }

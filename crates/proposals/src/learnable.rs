@@ -1,9 +1,8 @@
 //! What training asks of a proposal: draw with a tape running, then pull derivatives back along it.
 
 use motes_models::Stream;
+use motes_networks::{Parameters, Workspace};
 use motes_smc::{Past, ProposalError};
-
-use crate::{Parameters, Workspace};
 
 /// A proposal whose weights can be learned by reparametrised samples.
 ///
@@ -31,7 +30,10 @@ pub trait Learnable {
     fn fill_noise(&self, stream: &mut Stream, noise: &mut [f64]);
 
     /// Starts recording `particles` particles at `t = 0`, with the memory of a recording that is over.
-    fn tape(&self, particles: usize, workspace: Workspace) -> Box<dyn Tape + '_>;
+    ///
+    /// # Errors
+    /// [`ProposalError::Backend`] if what computes the networks cannot be had.
+    fn tape(&self, particles: usize, workspace: Workspace) -> Result<Box<dyn Tape + '_>, ProposalError>;
 }
 
 /// A recording of one batch of particles from `t = 0` on.
@@ -68,7 +70,7 @@ pub trait Tape {
 
     /// Forgets what the draws undone so far would carry into earlier ones through the particles' memory: with a zero
     /// derivative of the states, nothing then flows back past this point.
-    fn cut(&mut self);
+    fn detach(&mut self);
 
     /// Ends the recording; the workspace then holds the gradients.
     fn finish(self: Box<Self>) -> Workspace;

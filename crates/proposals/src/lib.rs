@@ -9,57 +9,44 @@
 //! transforms uniform noise by an invertible network. [`Standardised`] is any of them in units that suit the system.
 //!
 //! ```
-//! use motes_models::{GraphDiffusion, GraphDiffusionConfig, Seed};
-//! use motes_proposals::{Backend, Fcnn, FcnnConfig};
+//! use motes_models::{GraphDiffusion, GraphDiffusionConfig, ModelShape, Seed};
+//! use motes_proposals::{Backend, Family, Fcnn, FcnnConfig};
 //! use motes_smc::{FilterSettings, ParticleFilter};
 //!
 //! let seed = Seed::from_u64(1);
 //! let system = GraphDiffusion::random(&GraphDiffusionConfig::new(6), &mut seed.child("graph").stream())?;
 //! // Three times, and initial weights drawn from our own seed.
 //! let config = FcnnConfig { widths: vec![16, 16], ..FcnnConfig::paper() };
-//! let proposal = Fcnn::new(&config, &system, 3, Backend::Native.into(), &seed.child("weights"))?;
+//! let proposal = Fcnn::create(&config, &ModelShape::of(&system), 3, Backend::Native.into(), &seed.child("weights"))?;
 //! let stream = seed.child("filter").stream();
 //! let mut filter = ParticleFilter::new(&system, proposal, FilterSettings::new(50), stream)?;
 //! filter.step(&[1.0, 0.8, 1.2, 0.9])?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod arithmetic;
-mod backend;
 mod family;
 mod fcnn;
 mod gaussian;
 mod gnn;
-mod gradients;
-mod initial_weights;
 mod lanes;
 mod learnable;
-mod mlp;
-mod native;
-mod parameters;
-mod plain;
 mod psi;
 mod rnn;
 mod saved;
+mod settings;
 mod standardised;
-mod values;
-mod workspace;
 
-/// The version of burn that networks are computed with; results depend on it.
-pub const BURN_VERSION: &str = "0.22.1";
-
-pub use arithmetic::{Activation, Arithmetic};
-pub use backend::{Backend, Compute, Precision};
 pub use family::Family;
-pub use fcnn::{Fcnn, FcnnConfig};
-pub use gaussian::{GaussianBatch, GaussianProposal, Hidden, KernelCovariance};
-pub use gnn::{Adapter, Gnn, GnnConfig, Graph, Shape};
-pub use gradients::Gradients;
+pub use fcnn::{Fcnn, FcnnConfig, FcnnNetworks};
+pub use gaussian::{GaussianBatch, GaussianNetworks, GaussianProposal, Hidden, KernelCovariance};
+pub use gnn::{Adapter, Gnn, GnnConfig, GnnNetworks};
 pub use learnable::{Learnable, Tape};
-pub use parameters::Parameters;
+pub use motes_networks as networks;
+pub use motes_networks::layers::Cell;
+pub use motes_networks::{
+    Backend, Compute, GradientPart, Gradients, Parameters, Precision, Slice, Values, Workspace,
+};
 pub use psi::{Psi, PsiConfig};
-pub use rnn::{Cell, Rnn, RnnConfig};
+pub use rnn::{Rnn, RnnConfig, RnnNetworks};
 pub use saved::{SAVED_FORMAT, SavedError, load, save};
 pub use standardised::{Frame, Frames, Origin, Standardised, StandardisedConfig};
-pub use values::{Slice, Values};
-pub use workspace::{GradientPart, Workspace};

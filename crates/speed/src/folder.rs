@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use motes_models::{GraphDiffusion, GraphDiffusionConfig, Seed, StateSpaceModel, Trajectory, simulate};
+use motes_models::{
+    GraphDiffusion, GraphDiffusionConfig, ModelShape, Seed, StateSpaceModel, Trajectory, simulate,
+};
 use motes_proposals::{Backend, Family, save};
 use motes_smc::Proposal;
 use motes_train::TrainConfig;
@@ -77,7 +79,13 @@ pub(crate) fn write_training<F: Family + Proposal<GraphDiffusion>>(
         std::fs::remove_dir_all(folder).map_err(SpeedError::system(folder))?;
     }
     let system = system(DIMENSION)?;
-    let proposal = F::create(config, &system, horizon, Backend::Native.into(), &seed().child("weights"));
+    let proposal = F::create(
+        config,
+        &ModelShape::of(&system),
+        horizon,
+        Backend::Native.into(),
+        &seed().child("weights"),
+    );
     let proposal = proposal.map_err(prepare)?;
     save(folder, &proposal, &system, &TrainConfig::paper(particles)).map_err(prepare)?;
     write_problem(&folder.join("problem.json"), DIMENSION, horizon)?;

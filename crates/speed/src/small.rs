@@ -4,8 +4,8 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use motes_models::GraphDiffusion;
-use motes_proposals::{Backend, Fcnn, FcnnConfig, Gnn, GnnConfig, Learnable};
+use motes_models::{GraphDiffusion, ModelShape};
+use motes_proposals::{Backend, Family, Fcnn, FcnnConfig, Gnn, GnnConfig, Learnable};
 use motes_smc::{Bootstrap, FilterBank, FilterSettings, MinDegeneracy, Proposal};
 use motes_train::{TrainConfig, train};
 
@@ -33,12 +33,19 @@ pub(crate) fn small_work(name: &str) -> Result<(), SpeedError> {
         "train-fcnn" => {
             let config = FcnnConfig { widths: vec![64, 128], ridge: 1e-6 };
             let (compute, weights) = (Backend::Native.into(), seed().child("weights"));
-            learn(&system, &mut Fcnn::new(&config, &system, 4, compute, &weights).map_err(prepare)?)
+            learn(
+                &system,
+                &mut Fcnn::create(&config, &ModelShape::of(&system), 4, compute, &weights)
+                    .map_err(prepare)?,
+            )
         }
         "train-gnn" => {
             let config = GnnConfig { features: vec![32, 64], ..GnnConfig::paper() };
             let (compute, weights) = (Backend::Native.into(), seed().child("weights"));
-            learn(&system, &mut Gnn::new(&config, &system, 4, compute, &weights).map_err(prepare)?)
+            learn(
+                &system,
+                &mut Gnn::create(&config, &ModelShape::of(&system), 4, compute, &weights).map_err(prepare)?,
+            )
         }
         other => Err(prepare(format!("small work {other}: {}", one_of(other, SMALL_WORK)))),
     }

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
-use motes_models::{GraphDiffusion, GraphDiffusionConfig, Seed, simulate};
+use motes_models::{GraphDiffusion, GraphDiffusionConfig, ModelShape, Seed, simulate};
 use motes_proposals::{Backend, Family, Fcnn, FcnnConfig, Gnn, GnnConfig, Psi, PsiConfig, Rnn, RnnConfig};
 use motes_train::{TrainConfig, train};
 
@@ -20,7 +20,13 @@ fn steps<F: Family>(criterion: &mut Criterion, config: &F::Config) {
     let mut group = criterion.benchmark_group(format!("{STEPS} steps of {}", F::NAME));
     group.sample_size(10);
     for particles in [10, 50] {
-        let proposal = F::create(config, &system, HORIZON, Backend::Native.into(), &seed.child("weights"));
+        let proposal = F::create(
+            config,
+            &ModelShape::of(&system),
+            HORIZON,
+            Backend::Native.into(),
+            &seed.child("weights"),
+        );
         let mut proposal = proposal.expect("the paper's sizes are usable");
         let config = TrainConfig { steps: STEPS, ..TrainConfig::paper(particles) };
         let mut stream = seed.child("training").stream();

@@ -6,8 +6,8 @@
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
-use motes_models::{Measurements, Noise, Seed, StateGradients, StateSpaceModel, Stream};
-use motes_proposals::{Backend, Rnn, RnnConfig, load, save};
+use motes_models::{Measurements, ModelShape, Noise, Seed, StateGradients, StateSpaceModel, Stream};
+use motes_proposals::{Backend, Family, Rnn, RnnConfig, load, save};
 use motes_smc::{Bootstrap, FilterSettings, ParticleFilter, Proposal, WeightReport};
 use motes_train::{AdamConfig, Objective, TrainConfig, train};
 
@@ -105,7 +105,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     let seed = Seed::from_u64(1);
     let config = RnnConfig { hidden: 16, ridge: 1e-3, ..RnnConfig::paper() };
-    let mut rnn = Rnn::new(&config, &Spring, Backend::Native.into(), &seed.child("weights"))?;
+    let mut rnn =
+        Rnn::create(&config, &ModelShape::of(&Spring), 0, Backend::Native.into(), &seed.child("weights"))?;
     let adam = AdamConfig { learning_rate: 1e-2, ..AdamConfig::paper() };
     // With the entropy in the objective the proposal keeps as much variance as the posterior has.
     let training = TrainConfig { objective: Objective::Elbo, steps: 400, adam, ..TrainConfig::paper(8) };

@@ -5,8 +5,8 @@
 //! returns the states of a system: all it can be handed are [`motes_models::Measurements`].
 //!
 //! ```
-//! use motes_models::{GraphDiffusion, GraphDiffusionConfig, Seed, simulate};
-//! use motes_proposals::{Backend, Fcnn, FcnnConfig};
+//! use motes_models::{GraphDiffusion, GraphDiffusionConfig, ModelShape, Seed, simulate};
+//! use motes_proposals::{Backend, Family, Fcnn, FcnnConfig};
 //! use motes_train::{TrainConfig, train};
 //! use std::ops::ControlFlow;
 //!
@@ -15,7 +15,7 @@
 //! let measurements = simulate(&system, 4, &mut seed.child("data").stream())?.measurements;
 //!
 //! let config = FcnnConfig { widths: vec![16, 16], ..FcnnConfig::paper() };
-//! let mut proposal = Fcnn::new(&config, &system, 4, Backend::Native.into(), &seed.child("weights"))?;
+//! let mut proposal = Fcnn::create(&config, &ModelShape::of(&system), 4, Backend::Native.into(), &seed.child("weights"))?;
 //! let config = TrainConfig { steps: 20, ..TrainConfig::paper(10) };
 //! let mut stream = seed.child("training").stream();
 //! let history = train(&mut proposal, &system, &measurements, &config, &mut stream, |_, _| ControlFlow::Continue(()))?;

@@ -19,15 +19,15 @@ impl Training<'_> {
     /// of noise was read. Some three times the size of the weights.
     ///
     /// ```
-    /// use motes_models::{GraphDiffusion, GraphDiffusionConfig, Seed, simulate};
-    /// use motes_proposals::{Backend, Fcnn, FcnnConfig};
+    /// use motes_models::{GraphDiffusion, GraphDiffusionConfig, ModelShape, Seed, simulate};
+    /// use motes_proposals::{Backend, Family, Fcnn, FcnnConfig};
     /// use motes_train::{TrainConfig, Training};
     ///
     /// let seed = Seed::from_u64(1);
     /// let system = GraphDiffusion::random(&GraphDiffusionConfig::new(6), &mut seed.child("graph").stream())?;
     /// let measurements = simulate(&system, 4, &mut seed.child("data").stream())?.measurements;
     /// let settings = FcnnConfig { widths: vec![16], ..FcnnConfig::paper() };
-    /// let fresh = || Fcnn::new(&settings, &system, 4, Backend::Native.into(), &seed.child("weights"));
+    /// let fresh = || Fcnn::create(&settings, &ModelShape::of(&system), 4, Backend::Native.into(), &seed.child("weights"));
     /// let config = TrainConfig::paper(10);
     /// let [mut stream, mut same] = [0, 1].map(|_| seed.child("training").stream());
     ///

@@ -57,7 +57,7 @@ pub(crate) fn draw_and_pull(
 ) -> Result<(f64, Workspace), (usize, ProposalError)> {
     let (n, horizon) = (model.state_dim(), measurements.len());
     let block = particles * n;
-    let mut tape = proposal.tape(particles, workspace);
+    let mut tape = proposal.tape(particles, workspace).map_err(|source| (0, source))?;
     let mut states = vec![0.0; horizon * block];
     let mut log_model = vec![0.0; horizon * particles];
     let weighs = objective.weighs_proposal();
@@ -113,7 +113,7 @@ pub(crate) fn draw_and_pull(
             .map_err(|source| (time, source))?;
         if gradient.ends_at(time) {
             carried.fill(0.0);
-            tape.cut();
+            tape.detach();
         } else {
             carried.iter_mut().zip(&d_previous).for_each(|(sum, d)| *sum += d);
         }

@@ -1,6 +1,6 @@
 //! Proposals of every family with any weights and any particles: numbers, or a typed error.
 
-use motes_models::{GraphDiffusion, GraphDiffusionConfig, Seed, fill_standard_normal};
+use motes_models::{GraphDiffusion, GraphDiffusionConfig, ModelShape, Seed, fill_standard_normal};
 use motes_proposals::{Adapter, Backend, Cell, Family, Fcnn, Gnn, Psi, Rnn};
 use motes_smc::{FilterBank, FilterSettings, Proposal};
 use motes_tests::{small_fcnn, small_gnn, small_psi, small_rnn};
@@ -21,7 +21,9 @@ fn filter<F: Family + Proposal<GraphDiffusion>>(
     seed: u64,
 ) -> Result<(), TestCaseError> {
     let (system, seed) = (system(), Seed::from_u64(seed));
-    let mut proposal = F::create(config, &system, 3, Backend::Native.into(), &seed.child("weights")).unwrap();
+    let mut proposal =
+        F::create(config, &ModelShape::of(&system), 3, Backend::Native.into(), &seed.child("weights"))
+            .unwrap();
     let mut stream = seed.child("values").stream();
     for index in 0..proposal.parameters().len() {
         let mut values = proposal.parameters().host(index);

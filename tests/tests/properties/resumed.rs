@@ -2,8 +2,8 @@
 
 use std::sync::OnceLock;
 
-use motes_models::{GraphDiffusion, GraphDiffusionConfig, Seed, simulate};
-use motes_proposals::{Backend, Fcnn};
+use motes_models::{GraphDiffusion, GraphDiffusionConfig, ModelShape, Seed, simulate};
+use motes_proposals::{Backend, Family, Fcnn};
 use motes_tests::small_fcnn;
 use motes_train::{TrainConfig, TrainError, Training};
 use proptest::collection::vec;
@@ -18,7 +18,8 @@ fn training(bytes: Option<&[u8]>) -> Result<Vec<u8>, TrainError> {
     let config = GraphDiffusionConfig::new(5);
     let system = GraphDiffusion::random(&config, &mut seed.child("graph").stream()).unwrap();
     let measurements = simulate(&system, 3, &mut seed.child("data").stream()).unwrap().measurements;
-    let mut proposal = Fcnn::new(&small_fcnn(), &system, 3, Backend::Native.into(), &seed).unwrap();
+    let mut proposal =
+        Fcnn::create(&small_fcnn(), &ModelShape::of(&system), 3, Backend::Native.into(), &seed).unwrap();
     let (config, mut stream) = (TrainConfig { steps: 4, ..TrainConfig::paper(5) }, seed.stream());
     let mut training = Training::new(&proposal, &system, &measurements, &config, &mut stream).unwrap();
     match bytes {

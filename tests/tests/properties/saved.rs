@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use motes_models::{GraphDiffusion, GraphDiffusionConfig, Seed};
+use motes_models::{GraphDiffusion, GraphDiffusionConfig, ModelShape, Seed};
 use motes_proposals::{Adapter, Backend, Cell, Family, Fcnn, Gnn, Psi, Rnn, load, save};
 use motes_tests::{small_fcnn, small_gnn, small_psi, small_rnn};
 use motes_train::TrainConfig;
@@ -19,7 +19,8 @@ fn system() -> GraphDiffusion {
 /// The two files of a saved proposal.
 fn files<F: Family>(config: &F::Config) -> [Vec<u8>; 2] {
     let (folder, system) = (tempfile::tempdir().unwrap(), system());
-    let proposal = F::create(config, &system, 3, Backend::Native.into(), &Seed::from_u64(132)).unwrap();
+    let proposal =
+        F::create(config, &ModelShape::of(&system), 3, Backend::Native.into(), &Seed::from_u64(132)).unwrap();
     save(folder.path(), &proposal, &system, &TrainConfig::paper(10)).unwrap();
     ["proposal.toml", "weights.safetensors"].map(|name| std::fs::read(folder.path().join(name)).unwrap())
 }

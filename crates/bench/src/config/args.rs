@@ -32,7 +32,7 @@ pub struct ReproduceArgs {
     #[arg(long, value_parser = integer(1..=1024_usize))]
     pub jobs: Option<usize>,
     /// What computes the networks: native, flex or ndarray
-    #[arg(long, default_value = Backend::Native.name(), value_parser = backend)]
+    #[arg(long, default_value_t = Backend::Native, value_parser = backend)]
     pub backend: Backend,
     /// The seed that every random number of the run comes from
     #[arg(long, default_value_t = 1, value_parser = integer(0..=u64::MAX))]
@@ -76,8 +76,9 @@ impl ReproduceArgs {
 }
 
 fn backend(name: &str) -> Result<Backend, String> {
-    let found = Backend::ALL.into_iter().find(|backend| backend.name() == name);
-    found.ok_or_else(|| one_of(name, Backend::ALL.map(Backend::name)))
+    let names = Backend::ALL.map(|backend| backend.to_string());
+    let at = names.iter().position(|known| known == name);
+    at.map(|at| Backend::ALL[at]).ok_or_else(|| one_of(name, names.iter().map(String::as_str)))
 }
 
 /// `verify`: hold the paper's claims against finished runs.

@@ -73,7 +73,7 @@ impl fmt::Display for Plan {
             methods.join(" "),
             self.repetitions,
             self.seed,
-            self.backend.name(),
+            self.backend,
         )
     }
 }

@@ -115,7 +115,7 @@ mod tests {
     use crate::provenance::Provenance;
     use crate::reference::References;
     use crate::unit::tests::{fcnn_unit, on_graph};
-    use motes_models::{Noise, Seed, Sequence};
+    use motes_models::{ModelShape, Noise, Seed, Sequence};
     use motes_proposals::{Fcnn, Learnable};
     use motes_train::Training;
     use rand::RngExt;
@@ -167,8 +167,14 @@ mod tests {
         };
         let write_checkpoint = |seed: &Seed| {
             let weights = seed.child("weights");
-            let mut proposal =
-                Fcnn::create(&fcnn.proposal, &*problem.model, 4, Backend::Native.into(), &weights).unwrap();
+            let mut proposal = Fcnn::create(
+                &fcnn.proposal,
+                &ModelShape::of(&*problem.model),
+                4,
+                Backend::Native.into(),
+                &weights,
+            )
+            .unwrap();
             let mut stream = seed.child("training").stream();
             let config = train_config(&fcnn.training, unit.filter.particles, fcnn.steps);
             let measurements = &problem.trajectory.measurements;

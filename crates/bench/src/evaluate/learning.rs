@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use motes_cli::status;
+use motes_models::ModelShape;
 use motes_proposals::{Backend, Family};
 use motes_train::{AdamConfig, GradientFlow, History, TrainConfig, TrainError, Training};
 
@@ -22,7 +23,8 @@ impl Run<'_> {
     ) -> Result<Trained<F>, UnitError> {
         let (model, seed) = (&*self.problem.model, self.unit.own_seed());
         let (horizon, weights) = (self.unit.system.horizon(), seed.child("weights"));
-        let mut proposal = F::create(family, model, horizon, backend.into(), &weights).map_err(failed)?;
+        let mut proposal =
+            F::create(family, &ModelShape::of(model), horizon, backend.into(), &weights).map_err(failed)?;
         let mut stream = seed.child("training").stream();
         let measurements = &self.problem.trajectory.measurements;
         let mut training =

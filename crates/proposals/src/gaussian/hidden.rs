@@ -1,16 +1,14 @@
 //! What particles carry beside their state.
 
+use motes_networks::{Precision, SliceMut, Values};
 use motes_smc::ParticleMemory;
-
-use crate::Precision;
-use crate::values::Values;
 
 /// The hidden state of each particle, a row in each of a few matrices; empty for a family without memory.
 #[derive(Debug, Clone)]
 pub struct Hidden {
     widths: Vec<usize>,
     /// `R×width` each.
-    pub(crate) values: Vec<Values>,
+    values: Vec<Values>,
     /// As large as `values`, to be moved into.
     spare: Vec<Values>,
 }
@@ -30,6 +28,11 @@ impl Hidden {
             Precision::F32 => values,
             Precision::F64 => values.saturating_mul(2),
         }
+    }
+
+    /// Each matrix, for networks to advance.
+    pub(super) fn slices(&mut self) -> Vec<SliceMut<'_>> {
+        self.values.iter_mut().map(Values::as_slice_mut).collect()
     }
 
     /// Each matrix (`R×width`, row-major) in 64 bits.

@@ -1,77 +1,43 @@
 //! What tells the Gaussian families apart: their networks.
 
-use motes_smc::{Past, ProposalError};
-
-use crate::Gradients;
-use crate::arithmetic::Arithmetic;
-use crate::workspace::Workspace;
+use motes_models::{ModelShape, Seed};
+use motes_networks::{Networks, Parameters};
+use motes_smc::ProposalError;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 
 /// The networks of one Gaussian family: from what a particle knows to a mean and a representation.
 ///
-/// This is all that tells the families apart; covariance, sampling, densities and derivatives are
-/// [`super::GaussianProposal`]'s, and how the networks are computed is the backend's.
-pub trait Networks: Clone {
-    /// How many times there are networks for; `None` if any number.
-    fn horizon(&self) -> Option<usize>;
+/// They have two outputs of width `N`: first `μ_t`, then `z_t`. This is all that tells the families apart; covariance, sampling, densities and
+/// derivatives are [`super::GaussianProposal`]'s. Implement it for networks of your own, and `GaussianProposal<YourNetworks>` is a family.
+pub trait GaussianNetworks: Networks {
+    /// The family's name in configurations and saved files.
+    const NAME: &'static str;
 
-    /// The widths of what a particle carries from step to step; none for a Markov family.
-    fn hidden_widths(&self) -> Vec<usize> {
-        Vec::new()
-    }
+    /// The family's settings.
+    type Config: Serialize + DeserializeOwned + Clone + Send + Sync;
 
-    /// Emits the parameters of `R` particles' distributions at time `t`.
-    fn forward<A: Arithmetic>(
-        &self,
-        arithmetic: &mut A,
-        time: usize,
-        known: Known<'_, A::Rows>,
-    ) -> Emission<A::Rows>;
-}
+    /// Refuses settings that no networks can be made from.
+    ///
+    /// # Errors
+    /// [`ProposalError::Setting`] with the setting that is wrong.
+    fn check(config: &Self::Config, horizon: usize) -> Result<(), ProposalError>;
 
-/// What the networks see of `R` particles.
-pub struct Known<'a, Rows> {
-    /// `x_{t−1}`, `R×N`; zeros at `t = 0`.
-    pub previous: Rows,
-    /// `y_t`, `1×M`.
-    pub measurement: Rows,
-    /// What the particles carry, `R×width` each.
-    pub hidden: &'a [Rows],
-}
+    /// How many numbers the weights of the networks are; `None` if they cannot be counted. Nothing is allocated.
+    fn count(config: &Self::Config, shape: &ModelShape, horizon: usize) -> Option<usize>;
 
-/// What the networks say of `R` particles.
-pub struct Emission<Rows> {
-    /// `μ_t`, `R×N`.
-    pub means: Rows,
-    /// `z_t`, `R×N`.
-    pub representations: Rows,
-    /// What the particles carry on, in the order of [`Networks::hidden_widths`].
-    pub hidden: Vec<Rows>,
-}
+    /// Adds the weights of the networks to `parameters`, each matrix drawn from the stream that `seed` has for its name.
+    ///
+    /// # Errors
+    /// [`ProposalError`] if the networks cannot be made for this model.
+    fn draw(
+        config: &Self::Config,
+        shape: &ModelShape,
+        horizon: usize,
+        parameters: &mut Parameters,
+        seed: &Seed,
+    ) -> Result<Self, ProposalError>;
 
-/// Networks computed forward along a sequence with derivatives to come, by one backend.
-pub(crate) trait NetworkTape {
-    /// Computes means and representations (`R×N` each) of particles of `width` coordinates.
-    fn forward(
-        &mut self,
-        past: &Past<'_>,
-        width: usize,
-        means: &mut [f64],
-        representations: &mut [f64],
-    ) -> Result<(), ProposalError>;
-
-    /// Undoes the last step that is not yet undone; `d_previous` (`R×N`) means nothing at `t = 0`.
-    fn backward(
-        &mut self,
-        d_means: &[f64],
-        d_representations: &[f64],
-        d_previous: &mut [f64],
-    ) -> Result<(), ProposalError>;
-
-    /// Forgets what would flow into earlier steps through what the particles carry.
-    fn cut(&mut self);
-
-    /// The gradients gathered so far, some of which may still wait for [`NetworkTape::finish`].
-    fn gradients(&mut self) -> &mut Gradients;
-
-    fn finish(self: Box<Self>) -> Workspace;
+    /// `δ`, which is added to the diagonal of the covariance.
+    fn ridge(config: &Self::Config) -> f64;
 }

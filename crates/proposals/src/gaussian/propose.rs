@@ -3,17 +3,18 @@
 use motes_models::StateSpaceModel;
 use motes_smc::{Past, Proposal, ProposalError};
 
-use super::{GaussianBatch, GaussianProposal, Hidden, Networks};
-use crate::plain::Library;
-use crate::{native, plain};
+use super::batch::GaussianBatch;
+use super::hidden::Hidden;
+use super::networks::GaussianNetworks;
+use super::proposal::GaussianProposal;
+use crate::settings::of_networks;
 
-impl<M: StateSpaceModel + ?Sized, F: Networks, Config: Clone> Proposal<M> for GaussianProposal<F, Config> {
+impl<M: StateSpaceModel + ?Sized, F: GaussianNetworks> Proposal<M> for GaussianProposal<F> {
     type Memory = Hidden;
     type Conditional<'a>
         = &'a mut GaussianBatch
     where
         F: 'a,
-        Config: 'a,
         M: 'a;
 
     fn initial_memory(&self, particles: usize) -> Hidden {
@@ -34,17 +35,12 @@ impl<M: StateSpaceModel + ?Sized, F: Networks, Config: Clone> Proposal<M> for Ga
         ProposalError::unless_same("the state dimension N", self.state_dim, model.state_dim())?;
         self.check(&past)?;
         let covariance = self.covariance()?;
+        let inputs = self.inputs(&past);
         let GaussianProposal { networks, parameters, conditional, representations, inference, .. } = self;
-        let values = past.particles * self.state_dim;
-        representations.resize(values, 0.0);
+        representations.resize(past.particles * self.state_dim, 0.0);
         let (means, lowers) = conditional.places(self.state_dim, past.particles);
-        let hidden = &mut memory.values;
-        match Library::of(parameters) {
-            None => native::infer(networks, parameters, &past, hidden, inference, means, representations),
-            Some(library) => {
-                plain::infer(&library, networks, parameters, &past, hidden, means, representations)?;
-            }
-        }
+        let outputs = &mut [means, representations.as_mut_slice()];
+        inference.run(networks, parameters, &inputs, &mut memory.slices(), outputs).map_err(of_networks)?;
         covariance.factor(representations, lowers)?;
         Ok(conditional)
     }

@@ -1,15 +1,17 @@
 //! A Gaussian family in training.
 
 use motes_models::{Stream, fill_standard_normal};
+use motes_networks::{NetworkTape, Parameters, Workspace};
 use motes_smc::{Past, ProposalError};
 
 use super::batch::GaussianBatch;
-use super::{GaussianProposal, KernelCovariance, NetworkTape, Networks};
-use crate::native::NativeTape;
-use crate::plain::{Library, PlainTape};
-use crate::{Learnable, Parameters, Precision, Tape, Workspace};
+use super::covariance::KernelCovariance;
+use super::networks::GaussianNetworks;
+use super::proposal::GaussianProposal;
+use crate::learnable::{Learnable, Tape};
+use crate::settings::of_networks;
 
-impl<F: Networks, Config: Clone> Learnable for GaussianProposal<F, Config> {
+impl<F: GaussianNetworks> Learnable for GaussianProposal<F> {
     fn parameters(&self) -> &Parameters {
         &self.parameters
     }
@@ -34,27 +36,17 @@ impl<F: Networks, Config: Clone> Learnable for GaussianProposal<F, Config> {
         fill_standard_normal(stream, noise);
     }
 
-    fn tape(&self, particles: usize, workspace: Workspace) -> Box<dyn Tape + '_> {
-        let (networks, parameters) = (&self.networks, &self.parameters);
-        let networks: Box<dyn NetworkTape + '_> = match Library::of(parameters) {
-            Some(library) => Box::new(PlainTape::new(library, networks, parameters, particles, workspace)),
-            None => match parameters.compute().precision {
-                Precision::F32 => {
-                    Box::new(NativeTape::<F, f32>::new(networks, parameters, particles, workspace))
-                }
-                Precision::F64 => {
-                    Box::new(NativeTape::<F, f64>::new(networks, parameters, particles, workspace))
-                }
-            },
-        };
-        Box::new(GaussianTape { proposal: self, networks, covariance: None, draws: Vec::new() })
+    fn tape(&self, particles: usize, workspace: Workspace) -> Result<Box<dyn Tape + '_>, ProposalError> {
+        let networks = NetworkTape::new(&self.networks, &self.parameters, particles, workspace);
+        let networks = networks.map_err(of_networks)?;
+        Ok(Box::new(GaussianTape { proposal: self, networks, covariance: None, draws: Vec::new() }))
     }
 }
 
 /// Everything that the way back needs.
-struct GaussianTape<'p, F, Config> {
-    proposal: &'p GaussianProposal<F, Config>,
-    networks: Box<dyn NetworkTape + 'p>,
+struct GaussianTape<'p, F: GaussianNetworks> {
+    proposal: &'p GaussianProposal<F>,
+    networks: NetworkTape<'p, F>,
     /// The same at all times; formed at the first draw, which can report an error.
     covariance: Option<KernelCovariance>,
     draws: Vec<Draw>,
@@ -68,7 +60,7 @@ struct Draw {
     noise: Vec<f64>,
 }
 
-impl<F: Networks, Config: Clone> Tape for GaussianTape<'_, F, Config> {
+impl<F: GaussianNetworks> Tape for GaussianTape<'_, F> {
     fn draw(
         &mut self,
         past: Past<'_>,
@@ -86,7 +78,8 @@ impl<F: Networks, Config: Clone> Tape for GaussianTape<'_, F, Config> {
         let mut representations = vec![0.0; past.particles * n];
         let mut batch = GaussianBatch::default();
         let (means, lowers) = batch.places(n, past.particles);
-        self.networks.forward(&past, n, means, &mut representations)?;
+        let outputs = &mut [means, representations.as_mut_slice()];
+        self.networks.forward(&proposal.inputs(&past), outputs).map_err(of_networks)?;
         covariance.factor(&representations, lowers)?;
         batch.transform(noise, states);
         if let Some(log_density) = log_density {
@@ -111,15 +104,15 @@ impl<F: Networks, Config: Clone> Tape for GaussianTape<'_, F, Config> {
         let (d_representations, d_mixing) =
             covariance.pull_back(&draw.representations, &draw.lowers, &draw.noise, d_states, d_log_density);
         self.networks.gradients().add_wide(self.proposal.mixing, &d_mixing);
-        self.networks.backward(d_states, &d_representations, d_previous)?;
+        self.networks.backward(&[d_states, &d_representations], d_previous).map_err(of_networks)?;
         if draw.time == 0 {
             d_previous.fill(0.0);
         }
         Ok(())
     }
 
-    fn cut(&mut self) {
-        self.networks.cut();
+    fn detach(&mut self) {
+        self.networks.detach();
     }
 
     fn finish(self: Box<Self>) -> Workspace {

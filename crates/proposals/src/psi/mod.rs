@@ -8,14 +8,13 @@ mod map;
 mod propose;
 mod tape;
 
-use motes_models::{Seed, StateSpaceModel};
+use motes_models::{ModelShape, Seed};
+use motes_networks::{Compute, Parameters, fan_in_bound};
 use motes_smc::{Past, ProposalError};
 use serde::{Deserialize, Serialize};
 
-use crate::Compute;
-use crate::family::{Family, check_count, check_horizon, check_ridge, check_weights, sizes_of};
-use crate::initial_weights::fan_in_bound;
-use crate::parameters::Parameters;
+use crate::family::Family;
+use crate::settings::{check_compute, check_count, check_horizon, check_ridge, check_shape, check_weights};
 use map::{Inverses, Map};
 use propose::Transformed;
 
@@ -58,39 +57,6 @@ pub struct Psi {
 const FIRST: usize = 3;
 
 impl Psi {
-    /// Draws initial weights for `model`'s dimensions and `horizon` times: each matrix uniform on `±1/√fan_in`, biases on the
-    /// bound of their layer, from the stream that `seed` has for its name.
-    ///
-    /// # Errors
-    /// [`ProposalError::Setting`] if the horizon or the number of layers is 0, or the ridge is negative or not finite.
-    pub fn new(
-        config: &PsiConfig,
-        model: &(impl StateSpaceModel + ?Sized),
-        horizon: usize,
-        compute: Compute,
-        seed: &Seed,
-    ) -> Result<Self, ProposalError> {
-        check_horizon(horizon)?;
-        check_count("the number of layers of the transform", config.layers)?;
-        check_ridge("the ridge of the transform", config.ridge)?;
-        let sizes = sizes_of(model)?;
-        let (n, m) = (sizes.state_dim, sizes.measurement_dim);
-        check_weights(Psi::count(config, (n, m), horizon))?;
-        let mut parameters = Parameters::new(compute);
-        let (of_states, of_measurements) = (fan_in_bound(n), fan_in_bound(m));
-        for t in 0..horizon {
-            parameters.draw(format!("psi.{t}.noise"), [n, n], of_states, seed);
-            parameters.draw(format!("psi.{t}.previous"), [n, n], of_states, seed);
-            parameters.draw(format!("psi.{t}.measurement"), [m, n], of_measurements, seed);
-            for layer in 0..config.layers {
-                parameters.draw(format!("psi.{t}.{layer}.weight"), [n, n], of_states, seed);
-                parameters.draw(format!("psi.{t}.{layer}.bias"), [1, n], of_states, seed);
-            }
-        }
-        let config = config.clone();
-        Ok(Psi { config, state_dim: n, measurement_dim: m, horizon, parameters, conditional: None })
-    }
-
     /// Where the matrices of time `t` begin.
     fn first(&self, time: usize) -> usize {
         time * (FIRST + 2 * self.config.layers)
@@ -171,17 +137,38 @@ impl Family for Psi {
     const NAME: &'static str = "psi";
     type Config = PsiConfig;
 
+    /// Each matrix is uniform on `±1/√fan_in`, biases on the bound of their layer.
     fn create(
         config: &PsiConfig,
-        model: &dyn StateSpaceModel,
+        shape: &ModelShape,
         horizon: usize,
         compute: Compute,
         seed: &Seed,
     ) -> Result<Self, ProposalError> {
-        Psi::new(config, model, horizon, compute, seed)
+        check_compute(compute)?;
+        check_horizon(horizon)?;
+        check_count("the number of layers of the transform", config.layers)?;
+        check_ridge("the ridge of the transform", config.ridge)?;
+        check_shape(shape)?;
+        check_weights(Psi::count(config, shape, horizon))?;
+        let &ModelShape { state_dim: n, measurement_dim: m, .. } = shape;
+        let mut parameters = Parameters::new(compute);
+        let (of_states, of_measurements) = (fan_in_bound(n), fan_in_bound(m));
+        for t in 0..horizon {
+            parameters.draw(format!("psi.{t}.noise"), [n, n], of_states, seed);
+            parameters.draw(format!("psi.{t}.previous"), [n, n], of_states, seed);
+            parameters.draw(format!("psi.{t}.measurement"), [m, n], of_measurements, seed);
+            for layer in 0..config.layers {
+                parameters.draw(format!("psi.{t}.{layer}.weight"), [n, n], of_states, seed);
+                parameters.draw(format!("psi.{t}.{layer}.bias"), [1, n], of_states, seed);
+            }
+        }
+        let config = config.clone();
+        Ok(Psi { config, state_dim: n, measurement_dim: m, horizon, parameters, conditional: None })
     }
 
-    fn count(config: &PsiConfig, (n, m): (usize, usize), horizon: usize) -> Option<usize> {
+    fn count(config: &PsiConfig, shape: &ModelShape, horizon: usize) -> Option<usize> {
+        let &ModelShape { state_dim: n, measurement_dim: m, .. } = shape;
         let layers = config.layers.checked_mul(n * n + n)?;
         layers.checked_add(2 * n * n + m * n)?.checked_mul(horizon)
     }

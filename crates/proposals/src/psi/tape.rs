@@ -1,6 +1,7 @@
 //! The transform in training.
 
 use motes_models::Stream;
+use motes_networks::{Gradients, Parameters, Workspace};
 use motes_smc::{Past, ProposalError};
 use pulp::{Simd, WithSimd};
 
@@ -8,7 +9,7 @@ use super::map::{Inverses, Map};
 use super::propose::fill_uniform;
 use super::{FIRST, Psi};
 use crate::lanes::{Blocks, LANES, Lane, set_times_transposed, vectorised};
-use crate::{Gradients, Learnable, Parameters, Tape, Workspace};
+use crate::learnable::{Learnable, Tape};
 
 impl Learnable for Psi {
     fn parameters(&self) -> &Parameters {
@@ -35,15 +36,15 @@ impl Learnable for Psi {
         fill_uniform(stream, noise);
     }
 
-    fn tape(&self, particles: usize, workspace: Workspace) -> Box<dyn Tape + '_> {
+    fn tape(&self, particles: usize, workspace: Workspace) -> Result<Box<dyn Tape + '_>, ProposalError> {
         let (n, layers, blocks) = (self.state_dim, self.config.layers, particles.div_ceil(LANES));
-        Box::new(PsiTape {
+        Ok(Box::new(PsiTape {
             proposal: self,
             draws: Vec::new(),
-            gradients: workspace.open_gradients(),
+            gradients: workspace.into_cleared_gradients(),
             given: vec![Lane::default(); blocks * 2 * n],
             derivatives: vec![Lane::default(); blocks * (layers + 1) * n],
-        })
+        }))
     }
 }
 
@@ -154,10 +155,10 @@ impl Tape for PsiTape<'_> {
     }
 
     /// The particles carry nothing.
-    fn cut(&mut self) {}
+    fn detach(&mut self) {}
 
     fn finish(self: Box<Self>) -> Workspace {
-        Workspace::closed_gradients(self.gradients)
+        self.gradients.into()
     }
 }
 

@@ -5,7 +5,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use super::{SAVED_FORMAT, fingerprint};
-use crate::Family;
+use crate::family::Family;
 
 /// A named number of a system's fingerprint.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

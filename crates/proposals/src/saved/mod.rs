@@ -12,12 +12,13 @@ use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use motes_models::{Seed, StateSpaceModel};
+use motes_models::{ModelShape, Seed, StateSpaceModel};
+use motes_networks::Compute;
 use motes_smc::ProposalError;
 use serde::Serialize;
 use thiserror::Error;
 
-use crate::{Compute, Family};
+use crate::family::Family;
 use description::{Description, Entry};
 use fingerprint::fingerprint;
 
@@ -90,7 +91,7 @@ pub enum SavedError {
 /// files of the folder stay, under that name (or `old2` and so on, where it is taken).
 ///
 /// # Errors
-/// [`SavedError::Io`] if it cannot be written, [`SavedError::Proposal`] if the weights cannot be read back from the backend.
+/// [`SavedError::Io`] if it cannot be written, [`SavedError::Damaged`] if something of it has no form in these files.
 pub fn save<F: Family>(
     folder: &Path,
     proposal: &F,
@@ -100,7 +101,7 @@ pub fn save<F: Family>(
     // Without a trailing separator, so that names beside it can be made.
     let folder: PathBuf = folder.components().collect();
     let weights = weights::encode(proposal.parameters())
-        .map_err(|source| SavedError::Proposal { path: folder.clone(), source })?;
+        .map_err(|reason| SavedError::Damaged { path: folder.join(WEIGHTS), reason })?;
     let description = Description::of(proposal, model, training)
         .map_err(|reason| SavedError::Damaged { path: folder.join(DESCRIPTION), reason })?;
     let partial = beside(&folder, "partial");
@@ -220,16 +221,15 @@ pub fn load<F: Family>(
 
     // Before anything is allocated by sizes that a file claims.
     let found: usize = matrices.iter().map(|matrix| matrix.values.len()).sum();
-    let sizes = (model.state_dim(), model.measurement_dim());
-    let expected = F::count(&saved.proposal, sizes, saved.horizon.unwrap_or(0));
+    let (shape, horizon) = (ModelShape::of(model), saved.horizon.unwrap_or(0));
+    let expected = F::count(&saved.proposal, &shape, horizon);
     if expected != Some(found) {
         let expected = expected.map_or("more than can be counted".into(), |count| count.to_string());
         return Err(unfit("the number of weights", found.to_string(), expected));
     }
     let refused = |source| SavedError::Proposal { path: folder.into(), source };
     let seed = Seed::from_u64(0);
-    let mut proposal =
-        F::create(&saved.proposal, model, saved.horizon.unwrap_or(0), compute, &seed).map_err(refused)?;
+    let mut proposal = F::create(&saved.proposal, &shape, horizon, compute, &seed).map_err(refused)?;
     if proposal.horizon() != saved.horizon {
         let text = |horizon: Option<usize>| horizon.map_or("none".into(), |horizon| horizon.to_string());
         return Err(unfit("the horizon", text(saved.horizon), text(proposal.horizon())));

@@ -1,10 +1,8 @@
 //! `weights.safetensors`: the matrices by name.
 
+use motes_networks::{Parameters, Precision};
 use safetensors::tensor::{SafeTensors, TensorView};
 use safetensors::{Dtype, serialize};
-
-use crate::{Parameters, Precision};
-use motes_smc::ProposalError;
 
 /// A named matrix as it was read.
 pub(super) struct Matrix {
@@ -15,7 +13,7 @@ pub(super) struct Matrix {
 }
 
 /// The file for some parameters, in their own precision.
-pub(super) fn encode(parameters: &Parameters) -> Result<Vec<u8>, ProposalError> {
+pub(super) fn encode(parameters: &Parameters) -> Result<Vec<u8>, String> {
     let (dtype, wide) = match parameters.compute().precision {
         Precision::F32 => (Dtype::F32, false),
         Precision::F64 => (Dtype::F64, true),
@@ -30,12 +28,12 @@ pub(super) fn encode(parameters: &Parameters) -> Result<Vec<u8>, ProposalError> 
         };
         matrices.push((name.clone(), parameters.shape(index), bytes));
     }
-    let backend = |error: safetensors::SafeTensorError| ProposalError::Backend { reason: error.to_string() };
+    let unwritten = |error: safetensors::SafeTensorError| format!("the weights cannot be written: {error}");
     let views = matrices.iter().map(|(name, shape, bytes)| {
         TensorView::new(dtype, shape.to_vec(), bytes).map(|view| (name.clone(), view))
     });
-    let views = views.collect::<Result<Vec<_>, _>>().map_err(backend)?;
-    serialize(views, None).map_err(backend)
+    let views = views.collect::<Result<Vec<_>, _>>().map_err(unwritten)?;
+    serialize(views, None).map_err(unwritten)
 }
 
 /// Reads the file; every value must be finite.

@@ -8,12 +8,13 @@ mod tape;
 pub use fit::Origin;
 pub use frame::{Frame, Frames};
 
-use motes_models::{Seed, StateSpaceModel};
+use motes_models::{ModelShape, Seed};
+use motes_networks::Compute;
 use motes_smc::ProposalError;
 use serde::{Deserialize, Serialize};
 
-use crate::family::sizes_of;
-use crate::{Compute, Family};
+use crate::family::Family;
+use crate::settings::check_shape;
 use frame::Inputs;
 
 /// The settings of a [`Standardised`] family.
@@ -34,7 +35,7 @@ pub struct StandardisedConfig<Config> {
 /// settings say in numbers, a ridge for instance, is in units of its outputs.
 ///
 /// ```
-/// use motes_models::{Epidemic, EpidemicConfig, Seed, Simulations};
+/// use motes_models::{Epidemic, EpidemicConfig, ModelShape, Seed, Simulations};
 /// use motes_proposals::{Backend, Family, Fcnn, FcnnConfig, Frames, Origin, Standardised, StandardisedConfig};
 /// use motes_smc::{FilterSettings, ParticleFilter};
 ///
@@ -45,7 +46,7 @@ pub struct StandardisedConfig<Config> {
 /// let config = StandardisedConfig { family: FcnnConfig { widths: vec![16], ridge: 1e-6 }, frames };
 /// let weights = seed.child("weights");
 /// let proposal: Standardised<Fcnn> =
-///     Standardised::create(&config, &epidemic, horizon, Backend::Native.into(), &weights)?;
+///     Standardised::create(&config, &ModelShape::of(&epidemic), horizon, Backend::Native.into(), &weights)?;
 /// let stream = seed.child("filter").stream();
 /// let mut filter = ParticleFilter::new(&epidemic, proposal, FilterSettings::new(500), stream)?;
 /// filter.step(&[1010.0, -20.0])?;
@@ -75,19 +76,19 @@ impl<F: Family> Family for Standardised<F> {
     /// Those of the family, and [`ProposalError::Mismatch`] or [`ProposalError::Setting`] for frames that do not fit the model.
     fn create(
         config: &Self::Config,
-        model: &dyn StateSpaceModel,
+        shape: &ModelShape,
         horizon: usize,
         compute: Compute,
         seed: &Seed,
     ) -> Result<Self, ProposalError> {
-        let sizes = sizes_of(model)?;
-        config.frames.check(sizes.state_dim, sizes.measurement_dim, horizon)?;
-        let proposal = F::create(&config.family, model, horizon, compute, seed)?;
+        check_shape(shape)?;
+        config.frames.check(shape.state_dim, shape.measurement_dim, horizon)?;
+        let proposal = F::create(&config.family, shape, horizon, compute, seed)?;
         Ok(Standardised { proposal, config: config.clone(), scratch: Scratch::default() })
     }
 
-    fn count(config: &Self::Config, sizes: (usize, usize), horizon: usize) -> Option<usize> {
-        F::count(&config.family, sizes, horizon)
+    fn count(config: &Self::Config, shape: &ModelShape, horizon: usize) -> Option<usize> {
+        F::count(&config.family, shape, horizon)
     }
 
     fn config(&self) -> &Self::Config {

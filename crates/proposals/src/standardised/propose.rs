@@ -4,7 +4,7 @@ use motes_models::{StateSpaceModel, Stream};
 use motes_smc::{Conditional, Past, Proposal, ProposalError};
 
 use super::{Frame, Scratch, Standardised};
-use crate::Family;
+use crate::family::Family;
 
 impl<M: StateSpaceModel + ?Sized, F: Family + Proposal<M>> Proposal<M> for Standardised<F> {
     type Memory = F::Memory;

@@ -1,11 +1,13 @@
 //! A standardised family in training.
 
 use motes_models::Stream;
+use motes_networks::{Parameters, Workspace};
 use motes_smc::{Past, ProposalError};
 
 use super::frame::Inputs;
 use super::{Frame, Standardised};
-use crate::{Family, Learnable, Parameters, Tape, Workspace};
+use crate::family::Family;
+use crate::learnable::{Learnable, Tape};
 
 impl<F: Family> Learnable for Standardised<F> {
     fn parameters(&self) -> &Parameters {
@@ -33,15 +35,15 @@ impl<F: Family> Learnable for Standardised<F> {
         self.proposal.fill_noise(stream, noise);
     }
 
-    fn tape(&self, particles: usize, workspace: Workspace) -> Box<dyn Tape + '_> {
-        Box::new(StandardisedTape {
+    fn tape(&self, particles: usize, workspace: Workspace) -> Result<Box<dyn Tape + '_>, ProposalError> {
+        Ok(Box::new(StandardisedTape {
             proposal: self,
-            inner: self.proposal.tape(particles, workspace),
+            inner: self.proposal.tape(particles, workspace)?,
             frames: Vec::new(),
             inputs: Inputs::default(),
             origins: Vec::new(),
             d_outputs: Vec::new(),
-        })
+        }))
     }
 }
 
@@ -96,8 +98,8 @@ impl<F: Family> Tape for StandardisedTape<'_, F> {
         Ok(())
     }
 
-    fn cut(&mut self) {
-        self.inner.cut();
+    fn detach(&mut self) {
+        self.inner.detach();
     }
 
     fn finish(self: Box<Self>) -> Workspace {

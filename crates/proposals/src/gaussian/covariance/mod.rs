@@ -5,8 +5,8 @@ mod adjoint;
 use motes_models::elementary::exp;
 use motes_smc::ProposalError;
 
-use crate::family::check_ridge;
 use crate::lanes::{LANES, Lane, Square, vectorised};
+use crate::settings::check_ridge;
 
 /// `Σ = C K(z) Cᵀ + δ I` with `K(z)ᵢⱼ = exp(−(zᵢ − zⱼ)²)` (the paper's equations "covMatrix" and "covKernel"; the ridge
 /// `δ` makes it positive definite, which without it it need not be).

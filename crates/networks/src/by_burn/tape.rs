@@ -1,0 +1,120 @@
+//! Derivatives by burn's automatic differentiation, each step's graph cut off from those of the others.
+
+use burn::tensor::Tensor;
+
+use super::library::{Library, to_host};
+use super::operations::Operations;
+use crate::error::NetworkError;
+use crate::gradients::Gradients;
+use crate::networks::{Inputs, Known, Networks, Outputs};
+use crate::parameters::Parameters;
+
+/// The steps of a batch of particles, from `t = 0` on.
+pub(crate) struct BurnTape<'p, F> {
+    networks: &'p F,
+    library: Library,
+    weights: Vec<Tensor<2>>,
+    gradients: Gradients,
+    steps: Vec<Recorded>,
+    /// What the particles carry into the next step.
+    hidden: Vec<Tensor<2>>,
+    /// The derivative with respect to what they carried out of the last step not yet undone; empty if it is zero.
+    d_hidden: Vec<Tensor<2>>,
+}
+
+struct Recorded {
+    weights: Vec<Tensor<2>>,
+    previous: Tensor<2>,
+    hidden_in: Vec<Tensor<2>>,
+    hidden_out: Vec<Tensor<2>>,
+    outputs: Vec<Tensor<2>>,
+}
+
+impl<'p, F: Networks> BurnTape<'p, F> {
+    pub(crate) fn new(
+        library: Library,
+        networks: &'p F,
+        parameters: &Parameters,
+        particles: usize,
+        gradients: Gradients,
+    ) -> Self {
+        let zeros = |&width: &usize| library.tensor(&vec![0.0; particles * width], [particles, width]);
+        BurnTape {
+            weights: library.weights(parameters),
+            gradients,
+            steps: Vec::new(),
+            hidden: networks.hidden_widths().iter().map(zeros).collect(),
+            d_hidden: Vec::new(),
+            networks,
+            library,
+        }
+    }
+}
+
+fn leaf(tensor: Tensor<2>) -> Tensor<2> {
+    tensor.autodiff().require_grad()
+}
+
+impl<F: Networks> BurnTape<'_, F> {
+    pub(crate) fn forward(
+        &mut self,
+        inputs: &Inputs<'_>,
+        outputs: &mut [&mut [f64]],
+    ) -> Result<(), NetworkError> {
+        let (previous, measurement) = self.library.known(inputs);
+        let (previous, measurement) = (leaf(previous), measurement.autodiff());
+        let hidden_in: Vec<Tensor<2>> = self.hidden.drain(..).map(leaf).collect();
+        let weights: Vec<Tensor<2>> = self.weights.iter().cloned().map(leaf).collect();
+        let known = Known { previous: previous.clone(), measurement, hidden: &hidden_in };
+        let mut operations = Operations { library: &self.library, weights: &weights };
+        let Outputs { values, hidden: hidden_out } =
+            self.networks.forward(&mut operations, inputs.time, known);
+        self.hidden = hidden_out.iter().map(|tensor| tensor.clone().inner()).collect();
+        for (tensor, output) in values.iter().zip(outputs) {
+            output.copy_from_slice(&to_host(tensor.clone().inner())?);
+        }
+        self.steps.push(Recorded { weights, previous, hidden_in, hidden_out, outputs: values });
+        Ok(())
+    }
+
+    pub(crate) fn backward(
+        &mut self,
+        d_outputs: &[&[f64]],
+        d_previous: &mut [f64],
+    ) -> Result<(), NetworkError> {
+        let Some(recorded) = self.steps.pop() else { panic!("there is no step left to pull back") };
+        // The scalar whose gradient is the vector–Jacobian product that is wanted.
+        let weigh = |tensor: Tensor<2>, d: Tensor<2>| (tensor * d.autodiff()).sum();
+        let of_outputs = recorded.outputs.into_iter().zip(d_outputs).map(|(tensor, d)| {
+            let shape = tensor.dims();
+            weigh(tensor, self.library.tensor(d, shape))
+        });
+        let of_hidden = recorded.hidden_out.into_iter().zip(self.d_hidden.drain(..));
+        let terms = of_outputs.chain(of_hidden.map(|(tensor, d)| weigh(tensor, d)));
+        let Some(scalar) = terms.reduce(|sum, term| sum + term) else { panic!("networks have an output") };
+        let mut found = scalar.backward();
+        for (index, weight) in recorded.weights.iter().enumerate() {
+            if let Some(gradient) = weight.grad_remove(&mut found) {
+                self.gradients.add_wide(index, &to_host(gradient)?);
+            }
+        }
+        let gradient_of = |tensor: &Tensor<2>, found: &mut _| {
+            tensor.grad_remove(found).unwrap_or_else(|| tensor.clone().inner().zeros_like())
+        };
+        self.d_hidden = recorded.hidden_in.iter().map(|tensor| gradient_of(tensor, &mut found)).collect();
+        d_previous.copy_from_slice(&to_host(gradient_of(&recorded.previous, &mut found))?);
+        Ok(())
+    }
+
+    pub(crate) fn detach(&mut self) {
+        self.d_hidden.clear();
+    }
+
+    pub(crate) fn gradients(&mut self) -> &mut Gradients {
+        &mut self.gradients
+    }
+
+    pub(crate) fn finish(self) -> Gradients {
+        self.gradients
+    }
+}

@@ -1,0 +1,58 @@
+//! Networks computed forward only, as a filter does, by the backend that the weights ask for.
+
+use crate::backend::{Backend, Precision};
+#[cfg(feature = "burn")]
+use crate::by_burn::{self, Library};
+use crate::error::NetworkError;
+use crate::native::{self, Memory};
+use crate::networks::{Inputs, Networks};
+use crate::parameters::Parameters;
+use crate::values::SliceMut;
+
+/// Computes networks, with memory that is used again from call to call.
+#[derive(Default)]
+pub struct Inference {
+    memory: Memory,
+}
+
+impl Clone for Inference {
+    /// A copy has memory of its own.
+    fn clone(&self) -> Self {
+        Inference::default()
+    }
+}
+
+impl Inference {
+    /// Computes the outputs of particles that carry `hidden` (`R×width` each), which is advanced; each output (`R×width`) goes into a slice of
+    /// `outputs`. Particles that know the same and lie side by side are computed once.
+    ///
+    /// # Errors
+    /// [`NetworkError::NotBuilt`] if the backend of the weights is not there, [`NetworkError::Backend`] if it failed.
+    pub fn run<F: Networks>(
+        &mut self,
+        networks: &F,
+        parameters: &Parameters,
+        inputs: &Inputs<'_>,
+        hidden: &mut [SliceMut<'_>],
+        outputs: &mut [&mut [f64]],
+    ) -> Result<(), NetworkError> {
+        let compute = parameters.compute();
+        compute.backend.check()?;
+        match (compute.backend, compute.precision) {
+            (Backend::Native, Precision::F32) => {
+                native::infer::<F, f32>(networks, parameters, inputs, hidden, &mut self.memory, outputs);
+                Ok(())
+            }
+            (Backend::Native, Precision::F64) => {
+                native::infer::<F, f64>(networks, parameters, inputs, hidden, &mut self.memory, outputs);
+                Ok(())
+            }
+            #[cfg(feature = "burn")]
+            (Backend::Flex | Backend::NdArray, _) => {
+                by_burn::infer(&Library::of(compute)?, networks, parameters, inputs, hidden, outputs)
+            }
+            #[cfg(not(feature = "burn"))]
+            (backend, _) => Err(NetworkError::NotBuilt { backend: backend.to_string() }),
+        }
+    }
+}

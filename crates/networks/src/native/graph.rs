@@ -1,0 +1,282 @@
+//! Graph filters, forward and backward, by whichever of three ways is the cheapest.
+//!
+//! With few features coming in, `[X, S X, S² X, …]` is multiplied by all taps at once; with few going out, `X` is, and the products are
+//! shifted. With many of both and a symmetric `S = U Λ Uᵀ`, all is done in the basis of `U`, where a filter is one product
+//! for each eigenvalue, with `Σ_d λ^d W_d`: a part in `D + 1` of the arithmetic.
+
+mod spectral;
+
+use faer::Accum;
+
+use super::affine::{activate, deactivate};
+use super::buffers::Buffers;
+use super::derivatives::Derivatives;
+use super::gradient_accumulator::GradientAccumulator;
+use super::products::{Multiply, column_sums, times, times_transposed, transposed_times};
+use super::step::{At, Filtered, Kept, Kind, Native, Node};
+use crate::arithmetic::Activation;
+use crate::gradients::Gradients;
+use crate::graph::{Graph, GraphOf, Shape};
+use crate::parameters::Matrices;
+
+use spectral::Eigen;
+
+/// Whether the basis of the eigenvectors is the cheaper one, by its multiplications for `rows` rows of each node.
+fn spectral_pays<T>(graph: GraphOf<'_, T>, shape: Shape, rows: usize) -> bool {
+    let Shape { inputs, outputs, taps } = shape;
+    let (nodes, product) = (graph.nodes, inputs * outputs);
+    let direct = rows * (taps * product + (taps - 1) * nodes * inputs.min(outputs));
+    // Forming a matrix for each eigenvalue is memory traffic: it counts twice.
+    let spectral = rows * (product + nodes * (inputs + outputs)) + 2 * taps * product;
+    graph.spectrum.is_some() && spectral < direct
+}
+
+pub(super) fn filter<T: Multiply>(
+    native: &mut Native<'_, T>,
+    graph: &Graph,
+    input: At,
+    shape: Shape,
+    taps: usize,
+    activation: Activation,
+) -> At {
+    let of = graph.of::<T>();
+    let (rows, _) = native.step.size(input);
+    let Shape { inputs, outputs, taps: count } = shape;
+    let mut out = native.buffers.take(rows * outputs);
+    let (values, matrix) = (native.step.values(input), native.weights.get(taps));
+    let buffers = &mut *native.buffers;
+    let kept = if spectral_pays(of, shape, rows / of.nodes) {
+        Kept::Spectral(spectral::forward(of, values, matrix, shape, &mut out, buffers))
+    } else if inputs <= outputs {
+        let stacked = stack(of, values, shape, buffers);
+        times(&mut out, Accum::Replace, &stacked, matrix, [rows, count * inputs, outputs], buffers);
+        Kept::Stacked(stacked)
+    } else {
+        let beside = beside(matrix, shape, buffers);
+        let mut products = buffers.take(rows * count * outputs);
+        times(&mut products, Accum::Replace, values, &beside, [rows, inputs, count * outputs], buffers);
+        sum_shifted(of.shift, of.nodes, &products, shape, &mut out, buffers);
+        buffers.put(beside);
+        buffers.put(products);
+        Kept::Products
+    };
+    activate(&mut out, Some(native.weights.get(taps + 1)), activation);
+    let filtered = Filtered { graph: graph.clone(), input, shape, taps, activation, kept };
+    native.step.push(Kind::Filter(filtered), rows, outputs, out)
+}
+
+pub(super) fn filter_backward<T: Multiply>(
+    weights: Matrices<'_, T>,
+    (below, node, filtered): (&[Node<T>], &Node<T>, &Filtered<T>),
+    mut d: Vec<T>,
+    derivatives: &mut Derivatives<'_, T>,
+    accumulator: &mut GradientAccumulator<T>,
+    gradients: &mut Gradients,
+) {
+    let Filtered { graph, input, shape, taps, activation, kept } = filtered;
+    let (of, taps, shape) = (graph.of::<T>(), *taps, *shape);
+    let Shape { inputs, outputs, taps: count } = shape;
+    deactivate(&mut d, &node.values, *activation);
+    let (place, accum) = gradients.place(taps + 1);
+    column_sums(place, accum, &d);
+    let (rows, wanted) = (node.rows, derivatives.wanted(*input));
+    match kept {
+        Kept::Spectral(in_basis) => {
+            let way = Eigen { of, shape, taps, rows };
+            let d_input = spectral::backward(
+                &way,
+                weights,
+                in_basis,
+                &d,
+                (derivatives.buffers, accumulator, gradients),
+            );
+            derivatives.add(*input, d_input);
+        }
+        Kept::Stacked(stacked) => {
+            let widths = [count * inputs, outputs];
+            accumulator.push(taps, widths, (stacked, &d), derivatives.buffers, gradients);
+            if wanted {
+                let mut d_stacked = derivatives.buffers.take(stacked.len());
+                let sizes = [rows, outputs, count * inputs];
+                let weights = weights.get(taps);
+                times_transposed(&mut d_stacked, Accum::Replace, &d, weights, sizes, derivatives.buffers);
+                let mut d_input = derivatives.buffers.take(rows * inputs);
+                // What `S^d X` has at the place of a product here: the sum is taken with the transpose.
+                let as_products = Shape { inputs: outputs, outputs: inputs, taps: count };
+                let shift = of.shift_transposed;
+                sum_shifted(shift, of.nodes, &d_stacked, as_products, &mut d_input, derivatives.buffers);
+                derivatives.buffers.put(d_stacked);
+                derivatives.add(*input, d_input);
+            }
+        }
+        Kept::Products => {
+            // The derivative of the products is the output's, shifted 0 to D times against the edges.
+            let transposed = GraphSides { shift: of.shift_transposed, nodes: of.nodes };
+            let d_products =
+                stack_by(transposed, &d, Shape { inputs: outputs, ..shape }, derivatives.buffers);
+            let values = &below[input.0].values;
+            let mut d_beside = derivatives.buffers.take(inputs * count * outputs);
+            let sizes = [inputs, rows, count * outputs];
+            let buffers = &mut *derivatives.buffers;
+            transposed_times(&mut d_beside, Accum::Replace, values, &d_products, sizes, buffers);
+            let (place, accum) = gradients.place::<T>(taps);
+            for (i, row) in d_beside.chunks_exact(count * outputs).enumerate() {
+                for (tap, from) in row.chunks_exact(outputs).enumerate() {
+                    let at = (tap * inputs + i) * outputs;
+                    let into = &mut place[at..at + outputs];
+                    match accum {
+                        Accum::Replace => into.copy_from_slice(from),
+                        Accum::Add => into.iter_mut().zip(from).for_each(|(sum, term)| *sum += *term),
+                    }
+                }
+            }
+            derivatives.buffers.put(d_beside);
+            if wanted {
+                let beside = beside(weights.get(taps), shape, derivatives.buffers);
+                let sizes = [rows, count * outputs, inputs];
+                let (mut place, accum) = derivatives.take(*input, rows * inputs);
+                times_transposed(&mut place, accum, &d_products, &beside, sizes, derivatives.buffers);
+                derivatives.put(*input, place);
+                derivatives.buffers.put(beside);
+            }
+            derivatives.buffers.put(d_products);
+        }
+    }
+    derivatives.buffers.put(d);
+}
+
+/// A shift in one direction.
+#[derive(Clone, Copy)]
+struct GraphSides<'a, T> {
+    shift: &'a [T],
+    nodes: usize,
+}
+
+/// `[X, S X, …, S^D X]` side by side.
+fn stack<T: Multiply>(of: GraphOf<'_, T>, values: &[T], shape: Shape, buffers: &mut Buffers<T>) -> Vec<T> {
+    stack_by(GraphSides { shift: of.shift, nodes: of.nodes }, values, shape, buffers)
+}
+
+fn stack_by<T: Multiply>(
+    GraphSides { shift, nodes }: GraphSides<'_, T>,
+    values: &[T],
+    Shape { inputs, taps, .. }: Shape,
+    buffers: &mut Buffers<T>,
+) -> Vec<T> {
+    let mut stacked = buffers.take(values.len() * taps);
+    let (mut current, mut next) = (buffers.take(values.len()), buffers.take(values.len()));
+    current.copy_from_slice(values);
+    for tap in 0..taps {
+        if tap > 0 {
+            let sizes = [nodes, nodes, values.len() / nodes];
+            times(&mut next, Accum::Replace, shift, &current, sizes, buffers);
+            std::mem::swap(&mut current, &mut next);
+        }
+        for (row, from) in stacked.chunks_exact_mut(taps * inputs).zip(current.chunks_exact(inputs)) {
+            row[tap * inputs..(tap + 1) * inputs].copy_from_slice(from);
+        }
+    }
+    buffers.put(current);
+    buffers.put(next);
+    stacked
+}
+
+/// `P_0 + S (P_1 + S (P_2 + …))` of products side by side, from the inside.
+fn sum_shifted<T: Multiply>(
+    shift: &[T],
+    nodes: usize,
+    products: &[T],
+    Shape { outputs, taps, .. }: Shape,
+    sum: &mut [T],
+    buffers: &mut Buffers<T>,
+) {
+    let mut inner = buffers.take(sum.len());
+    for tap in (0..taps).rev() {
+        if tap + 1 < taps {
+            inner.copy_from_slice(sum);
+            times(sum, Accum::Replace, shift, &inner, [nodes, nodes, inner.len() / nodes], buffers);
+        }
+        let rows = sum.chunks_exact_mut(outputs).zip(products.chunks_exact(taps * outputs));
+        for (sum, products) in rows {
+            let product = &products[tap * outputs..(tap + 1) * outputs];
+            if tap + 1 == taps {
+                sum.copy_from_slice(product);
+            } else {
+                sum.iter_mut().zip(product).for_each(|(sum, term)| *sum += *term);
+            }
+        }
+    }
+    buffers.put(inner);
+}
+
+/// The taps beside each other instead of on top of each other: `F_in×((D+1)·F_out)`.
+fn beside<T: Multiply>(
+    matrix: &[T],
+    Shape { inputs, outputs, taps }: Shape,
+    buffers: &mut Buffers<T>,
+) -> Vec<T> {
+    let mut beside = buffers.take(matrix.len());
+    for (i, row) in beside.chunks_exact_mut(taps * outputs).enumerate() {
+        for (tap, into) in row.chunks_exact_mut(outputs).enumerate() {
+            let at = (tap * inputs + i) * outputs;
+            into.copy_from_slice(&matrix[at..at + outputs]);
+        }
+    }
+    beside
+}
+
+/// Row `i·R + k` is `[x_{k,i}, (A_y y)_i]`.
+pub(super) fn at_nodes<T: Multiply>(
+    native: &mut Native<'_, T>,
+    previous: At,
+    measurement: At,
+    graph: &Graph,
+    adapter: Option<usize>,
+) -> At {
+    let (particles, nodes) = native.step.size(previous);
+    let matrix = match adapter {
+        Some(index) => native.weights.get(index),
+        None => graph.of::<T>().adapter,
+    };
+    let mut values = native.buffers.take(particles * nodes * 2);
+    let (states, y) = (native.step.values(previous), native.step.values(measurement));
+    for (i, (rows, weights)) in
+        values.chunks_exact_mut(particles * 2).zip(matrix.chunks_exact(y.len())).enumerate()
+    {
+        let heard = weights.iter().zip(y).fold(T::ZERO, |sum, (weight, y)| sum + *weight * *y);
+        for (row, state) in rows.chunks_exact_mut(2).zip(states.chunks_exact(nodes)) {
+            (row[0], row[1]) = (state[i], heard);
+        }
+    }
+    native.step.push(Kind::AtNodes { previous, measurement, adapter }, particles * nodes, 2, values)
+}
+
+pub(super) fn at_nodes_backward<T: Multiply>(
+    below: &[Node<T>],
+    (previous, measurement, adapter): (At, At, Option<usize>),
+    d: Vec<T>,
+    derivatives: &mut Derivatives<'_, T>,
+    gradients: &mut Gradients,
+) {
+    let (particles, nodes) = (below[previous.0].rows, below[previous.0].width);
+    if let Some(adapter) = adapter {
+        let y = &below[measurement.0].values;
+        let (place, accum) = gradients.place::<T>(adapter);
+        for (row, d) in place.chunks_exact_mut(y.len()).zip(d.chunks_exact(particles * 2)) {
+            let sum = d.chunks_exact(2).fold(T::ZERO, |sum, pair| sum + pair[1]);
+            for (place, y) in row.iter_mut().zip(y) {
+                *place = if accum == Accum::Add { *place + sum * *y } else { sum * *y };
+            }
+        }
+    }
+    if derivatives.wanted(previous) {
+        let mut d_previous = derivatives.buffers.take(particles * nodes);
+        for (i, d) in d.chunks_exact(particles * 2).enumerate() {
+            for (row, d) in d_previous.chunks_exact_mut(nodes).zip(d.chunks_exact(2)) {
+                row[i] = d[0];
+            }
+        }
+        derivatives.add(previous, d_previous);
+    }
+    derivatives.buffers.put(d);
+}

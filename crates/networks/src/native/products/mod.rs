@@ -1,0 +1,21 @@
+//! Products of batches of particles with matrices of weights, each by the kernel that suits its sizes.
+
+mod by_faer;
+mod dispatch;
+mod few_rows;
+mod large_weights;
+mod matrix;
+mod multiply;
+mod outer_products;
+mod some_rows;
+mod some_rows_transposed;
+mod threads;
+mod tiles;
+mod vectors;
+mod weight_gradients;
+
+pub(crate) use matrix::{Columns, ColumnsMut, Product};
+pub(crate) use multiply::{Multiply, column_sums, times, times_transposed, transpose, transposed_times};
+pub(crate) use outer_products::{OuterProducts, Take, Terms};
+pub(crate) use vectors::vectorised;
+pub(crate) use weight_gradients::add_whole;

@@ -1,0 +1,115 @@
+//! Networks computed forward along a sequence with derivatives to come, by the backend that the weights ask for.
+
+use crate::backend::{Backend, Precision};
+#[cfg(feature = "burn")]
+use crate::by_burn::{BurnTape, Library};
+use crate::error::NetworkError;
+use crate::gradients::Gradients;
+use crate::native::NativeTape;
+use crate::networks::{Inputs, Networks};
+use crate::parameters::Parameters;
+use crate::workspace::Workspace;
+
+/// A recording of one batch of particles from `t = 0` on.
+pub struct NetworkTape<'p, F>(By<'p, F>);
+
+enum By<'p, F> {
+    Narrow(NativeTape<'p, F, f32>),
+    Wide(NativeTape<'p, F, f64>),
+    #[cfg(feature = "burn")]
+    Burn(Box<BurnTape<'p, F>>),
+}
+
+impl<'p, F: Networks> NetworkTape<'p, F> {
+    /// Starts recording `particles` particles, with the memory of a recording that is over.
+    ///
+    /// # Errors
+    /// [`NetworkError::NotBuilt`] if the backend of the weights is not there.
+    pub fn new(
+        networks: &'p F,
+        parameters: &'p Parameters,
+        particles: usize,
+        workspace: Workspace,
+    ) -> Result<Self, NetworkError> {
+        let compute = parameters.compute();
+        compute.backend.check()?;
+        Ok(NetworkTape(match (compute.backend, compute.precision) {
+            (Backend::Native, Precision::F32) => {
+                By::Narrow(NativeTape::new(networks, parameters, particles, workspace.open(parameters)))
+            }
+            (Backend::Native, Precision::F64) => {
+                By::Wide(NativeTape::new(networks, parameters, particles, workspace.open(parameters)))
+            }
+            #[cfg(feature = "burn")]
+            (Backend::Flex | Backend::NdArray, _) => {
+                let gradients = workspace.into_cleared_gradients();
+                let library = Library::of(compute)?;
+                By::Burn(Box::new(BurnTape::new(library, networks, parameters, particles, gradients)))
+            }
+            #[cfg(not(feature = "burn"))]
+            (backend, _) => return Err(NetworkError::NotBuilt { backend: backend.to_string() }),
+        }))
+    }
+
+    /// Computes one step, each of its outputs (`R×width`) into a slice of `outputs`.
+    ///
+    /// # Errors
+    /// [`NetworkError::Backend`] if the backend failed.
+    pub fn forward(&mut self, inputs: &Inputs<'_>, outputs: &mut [&mut [f64]]) -> Result<(), NetworkError> {
+        match &mut self.0 {
+            By::Narrow(tape) => tape.forward(inputs, outputs),
+            By::Wide(tape) => tape.forward(inputs, outputs),
+            #[cfg(feature = "burn")]
+            By::Burn(tape) => return tape.forward(inputs, outputs),
+        }
+        Ok(())
+    }
+
+    /// Undoes the last step that is not yet undone: takes the derivative with respect to each output, adds to the gradients of the weights, and
+    /// writes the derivative with respect to `x_{t−1}` into `d_previous` (`R×N`; it means nothing at `t = 0`).
+    ///
+    /// # Errors
+    /// [`NetworkError::Backend`] if the backend failed.
+    ///
+    /// # Panics
+    /// If no step is left.
+    pub fn backward(&mut self, d_outputs: &[&[f64]], d_previous: &mut [f64]) -> Result<(), NetworkError> {
+        match &mut self.0 {
+            By::Narrow(tape) => tape.backward(d_outputs, d_previous),
+            By::Wide(tape) => tape.backward(d_outputs, d_previous),
+            #[cfg(feature = "burn")]
+            By::Burn(tape) => return tape.backward(d_outputs, d_previous),
+        }
+        Ok(())
+    }
+
+    /// Forgets what would flow into earlier steps through what the particles carry.
+    pub fn detach(&mut self) {
+        match &mut self.0 {
+            By::Narrow(tape) => tape.detach(),
+            By::Wide(tape) => tape.detach(),
+            #[cfg(feature = "burn")]
+            By::Burn(tape) => tape.detach(),
+        }
+    }
+
+    /// The gradients gathered so far, to be added to; some may still wait for [`NetworkTape::finish`].
+    pub fn gradients(&mut self) -> &mut Gradients {
+        match &mut self.0 {
+            By::Narrow(tape) => tape.gradients(),
+            By::Wide(tape) => tape.gradients(),
+            #[cfg(feature = "burn")]
+            By::Burn(tape) => tape.gradients(),
+        }
+    }
+
+    /// Ends the recording; the workspace then holds the gradients.
+    pub fn finish(self) -> Workspace {
+        match self.0 {
+            By::Narrow(tape) => Workspace::closed(tape.finish()),
+            By::Wide(tape) => Workspace::closed(tape.finish()),
+            #[cfg(feature = "burn")]
+            By::Burn(tape) => tape.finish().into(),
+        }
+    }
+}
