@@ -4,29 +4,27 @@ use std::ffi::{OsStr, OsString};
 use std::path::Path;
 use std::process::{Command, ExitCode, Stdio};
 
-use motes_cli::status;
-
-use crate::process::{become_program, built, cargo, run};
+use crate::process::{become_program, build, built, run};
 
 const RUNNER: &str = "motes-bench";
+const WITH_BURN: [&str; 2] = ["--features", "burn"];
+const PURPOSE: &str = "; --backend flex and ndarray need it";
+const DRY_RUN: &str = "--dry-run";
 
 /// Runs a figure. With a backend of burn, arguments and experiment file are checked before burn is built.
 pub(crate) fn reproduce(root: &Path, arguments: &[OsString]) -> ExitCode {
     let folders = [("--experiments", root.join("experiments")), ("--out", root.join("runs"))];
     let arguments = with_folders("reproduce", arguments, folders);
-    if let Err(exit_status) = build(root, RUNNER, &[]) {
+    if let Err(exit_status) = build(root, RUNNER, &[], "") {
         return exit_status;
     }
-    if asks_for_burn(&arguments) {
+    if asks_for_burn(&arguments) && !arguments.iter().any(|argument| argument == DRY_RUN) {
         let mut check = Command::new(built("release", RUNNER));
-        check.args(&arguments).arg("--dry-run").stdout(Stdio::null());
+        check.arg(&arguments[0]).arg(DRY_RUN).args(&arguments[1..]).stdout(Stdio::null());
         if let Err(exit_status) = run(&mut check) {
             return exit_status;
         }
-        if let Err(exit_status) = build(root, RUNNER, &["--features", "burn"]) {
-            status(
-                "error: motes-bench does not build with --features burn, which --backend flex and ndarray need",
-            );
+        if let Err(exit_status) = build(root, RUNNER, &WITH_BURN, PURPOSE) {
             return exit_status;
         }
     }
@@ -47,7 +45,7 @@ pub(crate) fn measure(root: &Path, arguments: &[OsString]) -> ExitCode {
 }
 
 fn hand_over(root: &Path, program: &str, arguments: Vec<OsString>) -> ExitCode {
-    match build(root, program, &[]) {
+    match build(root, program, &[], "") {
         Ok(()) => become_program(&built("release", program), &arguments),
         Err(exit_status) => exit_status,
     }
@@ -79,12 +77,4 @@ fn asks_for_burn(arguments: &[OsString]) -> bool {
         Some(name) => name != "native",
         None => false,
     })
-}
-
-/// Builds a program in release mode.
-fn build(root: &Path, program: &str, features: &[&str]) -> Result<(), ExitCode> {
-    if !built("release", program).exists() {
-        status(&format!("building {program} in release mode; the first build takes some minutes"));
-    }
-    cargo(root, &[&["build", "--release", "--package", program], features].concat(), &[])
 }

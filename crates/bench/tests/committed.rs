@@ -42,18 +42,9 @@ fn committed_units_have_the_keys_that_this_program_gives_them() {
 fn the_paper_profile_plans_the_committed_units() {
     for figure in ["fig1", "fig2", "fig3", "fig4", "fig5", "fig6", "table1"] {
         let plan = plans(&ReproduceArgs {
-            figure: figure.into(),
             profile: "paper".into(),
-            methods: vec![],
-            panels: vec![],
-            repetitions: None,
-            jobs: None,
-            backend: "native".into(),
-            seed: "1".into(),
-            out: None,
-            fresh: false,
-            save_models: false,
-            experiments: Some(experiments()),
+            experiments: experiments(),
+            ..ReproduceArgs::of(figure)
         });
         let plan = plan.unwrap().remove(0);
         let path = experiments().join("reference").join(figure).join("paper/units.jsonl");

@@ -252,8 +252,35 @@ fn signals_end_a_run_cleanly_with_their_own_status() {
     }
 }
 
+#[cfg(not(feature = "burn"))]
 #[test]
-fn both_backends_run() {
+fn a_backend_that_was_not_built_is_refused() {
+    let place = Workplace::new(TINY);
+    let output = place.run(&["tiny", "--methods", "fcnn", "--backend", "flex"]);
+    let said = stderr(&output);
+    assert_eq!(
+        said,
+        "error: --backend flex: the backend flex is not in this build; it needs the cargo feature `burn` of motes-networks"
+    );
+    assert_eq!(output.status.code(), Some(2));
+    assert!(!place.path("runs").exists());
+}
+
+#[test]
+fn a_dry_run_says_what_would_be_run_and_writes_nothing() {
+    let place = Workplace::new(TINY);
+    let output = place.run(&["tiny", "--methods", "fcnn", "--backend", "flex", "--dry-run"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert_eq!(
+        String::from_utf8_lossy(&output.stdout).trim(),
+        "tiny quick: panels N6 N8, x = [4, 8], methods fcnn, 4 repetitions, seed 1, backend flex"
+    );
+    assert!(output.stderr.is_empty() && !place.path("runs").exists());
+}
+
+#[cfg(feature = "burn")]
+#[test]
+fn all_backends_run() {
     let place = Workplace::new(TINY);
     for backend in ["native", "flex", "ndarray"] {
         let output = place.run(&["tiny", "--methods", "fcnn", "--backend", backend, "--out", backend]);
