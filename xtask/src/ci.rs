@@ -6,20 +6,29 @@ use std::time::Instant;
 
 use crate::process::{built, cargo, run};
 
+/// burn's backends, which tests hold ours against.
+const WITH_BURN: [&str; 2] = ["--features", "burn"];
+
 /// What every change is held against.
 fn usual(root: &Path, update_expectations: bool) -> Result<(), ExitCode> {
     let strict_docs = [("RUSTDOCFLAGS", "-D warnings")];
     step("format", || cargo(root, &["fmt", "--all", "--check"], &[]))?;
     step("lints", || {
-        let lints = ["clippy", "--workspace", "--all-targets", "--locked", "--", "--deny", "warnings"];
-        cargo(root, &lints, &[])
+        let lints = |more: &[&str]| {
+            let clippy = ["clippy", "--workspace", "--all-targets", "--locked"];
+            cargo(root, &[&clippy, more, &["--", "--deny", "warnings"]].concat(), &[])
+        };
+        lints(&[]).and_then(|()| lints(&WITH_BURN))
     })?;
-    step("tests", || cargo(root, &["test", "--workspace", "--locked"], &[]))?;
+    step("tests", || {
+        cargo(root, &[&["test", "--workspace", "--locked"], WITH_BURN.as_slice()].concat(), &[])
+    })?;
     step("packages", || package(root, &["--no-verify"]))?;
     step("docs", || cargo(root, &["doc", "--workspace", "--no-deps", "--locked"], &strict_docs))?;
     // The same packages, targets and profile as the tests: nothing is compiled a second time.
     step("regression run", || {
-        cargo(root, &["build", "--workspace", "--all-targets", "--locked"], &[])?;
+        let build = ["build", "--workspace", "--all-targets", "--locked"];
+        cargo(root, &[&build, WITH_BURN.as_slice()].concat(), &[])?;
         let mut command = Command::new(built("debug", "motes-bench"));
         command.current_dir(root).args(["regress", "fig1"]);
         if update_expectations {
@@ -28,7 +37,7 @@ fn usual(root: &Path, update_expectations: bool) -> Result<(), ExitCode> {
         run(&mut command)
     })?;
     step("instruction counts", || {
-        let mut command = Command::new(built("debug", "motes-bench"));
+        let mut command = Command::new(built("debug", "motes-speed"));
         command.current_dir(root).arg("instructions");
         if update_expectations {
             command.arg("--update");
@@ -41,16 +50,19 @@ fn usual(root: &Path, update_expectations: bool) -> Result<(), ExitCode> {
 fn thorough(root: &Path) -> Result<(), ExitCode> {
     let scores = ["--test", "evidence", "--test", "planted", "--", "--include-ignored", "--nocapture"];
     step("scores of evidence and of planted bugs", || {
-        cargo(root, &[&["test", "--workspace", "--locked"], scores.as_slice()].concat(), &[])
+        cargo(root, &[&["test", "--workspace", "--locked"], &WITH_BURN[..], &scores].concat(), &[])
     })?;
     let properties = ["test", "--workspace", "--locked", "--test", "properties", "--test", "any_experiment"];
-    step("properties of many inputs", || cargo(root, &properties, &[("PROPTEST_CASES", MANY_CASES)]))?;
+    step("properties of many inputs", || {
+        cargo(root, &[&properties[..], &WITH_BURN].concat(), &[("PROPTEST_CASES", MANY_CASES)])
+    })?;
     step("crates built from their packages", || package(root, &[]))
 }
 
 /// Packs the crates as they would be published: all files there, descriptions whole.
 fn package(root: &Path, more: &[&str]) -> Result<(), ExitCode> {
-    let crates = ["models", "smc", "proposals", "train", "bench"].map(|name| format!("motes-{name}"));
+    let crates = ["cli", "models", "smc", "networks", "proposals", "train", "bench", "speed"]
+        .map(|name| format!("motes-{name}"));
     let chosen = crates.iter().flat_map(|name| ["--package", name]);
     let arguments: Vec<&str> = ["package", "--locked", "--allow-dirty"]
         .into_iter()

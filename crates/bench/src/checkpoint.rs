@@ -1,4 +1,4 @@
-//! Long trainings put aside now and then, so that a run that is stopped or killed does not lose them.
+//! Checkpoints of long trainings, so that a run that is stopped or killed does not lose them.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -7,22 +7,30 @@ use serde::{Deserialize, Serialize};
 
 use crate::durable;
 use crate::provenance::Provenance;
-use crate::say::news;
+use motes_cli::status;
 
-/// How often a training is put aside.
+/// How often a training is checkpointed.
 const EVERY: Duration = Duration::from_secs(600);
-/// What is not worth being put aside when a run is stopped.
+/// What is not worth a checkpoint when a run is stopped.
 const WORTH: Duration = Duration::from_secs(60);
 
-/// Where the training of the unit with this key lies, in the folder of units.
-pub(crate) fn path(units: &Path, key: &str) -> PathBuf {
-    units.join(format!("{key}.checkpoint"))
+/// What ends the names of checkpoints.
+pub(crate) const EXTENSION: &str = "checkpoint";
+
+/// Where the checkpoints of a results folder lie.
+pub(crate) fn folder(results: &Path) -> PathBuf {
+    results.join("checkpoints")
 }
 
-/// Where trainings are put aside, and what computes them.
+/// That of the unit with this key, in the folder of checkpoints.
+pub(crate) fn path(checkpoints: &Path, key: &str) -> PathBuf {
+    checkpoints.join(format!("{key}.{EXTENSION}"))
+}
+
+/// Where checkpoints lie, and what computes the trainings.
 #[derive(Debug, Clone)]
 pub(crate) struct Checkpoints {
-    /// The folder of units.
+    /// Their folder.
     pub(crate) folder: PathBuf,
     pub(crate) provenance: Provenance,
 }
@@ -43,9 +51,9 @@ pub(crate) struct Checkpoint {
     last: Instant,
 }
 
-/// A training that was put aside.
+/// A training as it was when its checkpoint was written.
 #[derive(Debug, PartialEq)]
-pub(crate) struct PutAside {
+pub(crate) struct Saved {
     /// The seconds that it had taken.
     pub(crate) seconds: f64,
     /// What computed its parts, one after the other.
@@ -62,30 +70,30 @@ struct Head {
 }
 
 impl Checkpoint {
-    /// The training, if one was put aside; a damaged file is as good as none, and said to be.
-    pub(crate) fn read(&self) -> Option<PutAside> {
+    /// The training, if it has a checkpoint. A damaged file is as good as none, and said to be.
+    pub(crate) fn read(&self) -> Option<Saved> {
         let bytes = match std::fs::read(&self.path) {
             Ok(bytes) => bytes,
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => return None,
             Err(error) => {
-                news(&format!("{}: {error}; its training begins anew", self.path.display()));
+                status(&format!("{}: {error}; its training begins anew", self.path.display()));
                 return None;
             }
         };
         let found = whole(&bytes);
         if found.is_none() {
-            news(&format!("{} is damaged; its training begins anew", self.path.display()));
+            status(&format!("{} is damaged; its training begins anew", self.path.display()));
         }
         found
     }
 
-    /// Whether it is time to put the training aside: every ten minutes, and when the run is being stopped.
+    /// Whether it is time for a checkpoint: every ten minutes, and when the run is being stopped.
     pub(crate) fn is_due(&self, stopping: bool) -> bool {
         let wait = if stopping { WORTH } else { EVERY };
         self.last.elapsed() >= wait
     }
 
-    /// Puts a training aside that was begun by `earlier` and has taken so many seconds: whole, or what was there before stays.
+    /// Writes the checkpoint of a training that was begun by `earlier` and has taken so many seconds: whole, or what was there before stays.
     pub(crate) fn write(
         &mut self,
         seconds: f64,
@@ -100,18 +108,19 @@ impl Checkpoint {
         head.push(b'\n');
         let hash = *blake3::Hasher::new().update(&head).update(training).finalize().as_bytes();
         self.last = Instant::now();
-        durable::write(&self.path, &[&hash, &head, training])
+        std::fs::create_dir_all(self.path.parent().unwrap_or(Path::new(".")))
+            .and_then(|()| durable::write(&self.path, &[&hash, &head, training]))
             .map_err(|error| format!("{}: {error}", self.path.display()))
     }
 }
 
 /// What was written, if it is all there: a hash, the head in a line, the training.
-fn whole(bytes: &[u8]) -> Option<PutAside> {
+fn whole(bytes: &[u8]) -> Option<Saved> {
     let (hash, rest) = bytes.split_first_chunk::<{ blake3::OUT_LEN }>()?;
     if blake3::hash(rest).as_bytes() != hash {
         return None;
     }
     let end = rest.iter().position(|byte| *byte == b'\n')?;
     let Head { seconds, provenances } = serde_json::from_slice(&rest[..end]).ok()?;
-    Some(PutAside { seconds, provenances, training: rest[end + 1..].to_vec() })
+    Some(Saved { seconds, provenances, training: rest[end + 1..].to_vec() })
 }

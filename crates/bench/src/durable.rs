@@ -4,26 +4,42 @@ use std::fs::File;
 use std::io::{ErrorKind, Result, Write};
 use std::path::Path;
 
-/// What ends the names of files that are being written; a run that was killed may leave some.
-pub(crate) const PARTIAL: &str = "partial";
+/// What ends the names of files that are being written; a process that is killed may leave some.
+const PARTIAL: &str = ".partial";
 
 /// Writes a file of these parts under another name, flushes it to the disk and renames it: what was there before stays until then.
 ///
 /// # Errors
 /// What the operating system says, when the disk is full for instance; nothing is left behind then.
 pub(crate) fn write(path: &Path, parts: &[&[u8]]) -> Result<()> {
-    let temporary = path.with_extension(PARTIAL);
-    let write = || {
-        let mut file = File::create(&temporary)?;
-        parts.iter().try_for_each(|part| file.write_all(part))?;
-        file.sync_all()?;
-        std::fs::rename(&temporary, path)?;
-        // The new name, too, has to reach the disk.
-        path.parent().map_or(Ok(()), |folder| File::open(folder)?.sync_all())
+    let folder = path.parent().unwrap_or(Path::new("."));
+    let mut builder = tempfile::Builder::new();
+    // Readable for all whom the user's mask lets read, as any file that a program creates.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    let mut file = builder.suffix(PARTIAL).tempfile_in(folder)?;
+    // So that a run that starts now does not take it for one that was left; where there are no locks, nothing else is lost.
+    let _ = file.as_file().try_lock();
+    parts.iter().try_for_each(|part| file.as_file_mut().write_all(part))?;
+    file.as_file().sync_all()?;
+    file.persist(path).map_err(|error| error.error)?;
+    // The new name, too, has to reach the disk.
+    File::open(folder)?.sync_all()
+}
+
+/// Removes what killed processes were writing in a folder, if the folder is there.
+pub(crate) fn clear(folder: &Path) -> Result<()> {
+    let entries = match std::fs::read_dir(folder) {
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
+        entries => entries?,
     };
-    write().inspect_err(|_| {
-        let _ = std::fs::remove_file(&temporary);
-    })
+    for entry in entries {
+        let path = entry?.path();
+        if path.to_string_lossy().ends_with(PARTIAL) && File::open(&path)?.try_lock().is_ok() {
+            remove(&path)?;
+        }
+    }
+    Ok(())
 }
 
 /// Removes a file, if it is there.

@@ -3,10 +3,14 @@
 use std::cell::RefCell;
 use std::collections::{BTreeMap, HashMap};
 
+use motes_cli::Interrupt;
+
 use crate::config::{Method, Plan, Point};
-use crate::evaluate::{Evaluator, Metric};
+use crate::evaluate::Evaluator;
+use crate::metric::Metric;
 use crate::runner::guarded;
-use crate::{Interrupt, UnitConfig, threads};
+use crate::threads;
+use crate::unit::UnitConfig;
 
 const TRIAL_RUNS: usize = 2;
 const TRIAL_TIMES: usize = 20;

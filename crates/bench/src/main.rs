@@ -4,14 +4,9 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use motes_bench::config::{
-    Backend, BenchArgs, ConfigError, Parsed, Plan, ReproduceArgs, VerifyArgs, check_output, parse, plans,
-};
-use motes_bench::say::{news, result};
-use motes_bench::speed::{SpeedError, count_instructions, measure, serve, small_work};
-use motes_bench::{
-    Estimator, Finished, Interrupt, RegressionError, paper_estimate, regress, reproduce, verify,
-};
+use motes_bench::config::{ConfigError, Plan, ReproduceArgs, VerifyArgs, check_output, plans};
+use motes_bench::{Estimator, Finished, RegressionError, paper_estimate, regress, reproduce, verify};
+use motes_cli::{Interrupt, Parsed, parse, result, status};
 
 /// Reproduces the figures and tables of the paper.
 #[derive(Parser)]
@@ -27,26 +22,6 @@ enum Command {
     Reproduce(Box<ReproduceArgs>),
     /// Hold the paper's claims against finished runs
     Verify(VerifyArgs),
-    /// Time filters and training, alone or in turns with other libraries
-    Bench(BenchArgs),
-    /// Take pieces of work on standard input and answer on standard output; what `bench` starts
-    #[command(hide = true)]
-    Serve,
-    /// Do one small fixed piece of work, for its instructions to be counted
-    #[command(hide = true)]
-    Work {
-        /// Which one
-        name: String,
-    },
-    /// Hold the instructions that small pieces of work take against committed numbers
-    Instructions {
-        /// Write the numbers instead of comparing
-        #[arg(long)]
-        update: bool,
-        /// The folder with the experiment files; expectations lie in its subfolder expected
-        #[arg(long, default_value = "experiments")]
-        experiments: PathBuf,
-    },
     /// Hold a figure's smoke profile, on every backend, against committed numbers
     Regress {
         /// The figure
@@ -64,35 +39,24 @@ enum Command {
 }
 
 fn main() -> ExitCode {
-    let command = <Cli as clap::CommandFactory>::command();
-    let cli = match parse::<Cli>(command, std::env::args_os()) {
+    let cli = match parse::<Cli>(std::env::args_os()) {
         Ok(Parsed::Args(cli)) => cli,
         Ok(Parsed::Help(text)) => {
             result(text.trim_end());
             return ExitCode::SUCCESS;
         }
-        Err(error) => return refuse(&error),
+        Err(error) => return refuse(&error.into()),
     };
     let interrupt = match Interrupt::on_signals() {
         Ok(interrupt) => interrupt,
         Err(error) => {
-            news(&format!("error: signal handlers: {error}"));
+            status(&format!("error: signal handlers: {error}"));
             return ExitCode::from(3);
         }
     };
     match cli.command {
         Command::Reproduce(args) => run_reproduce(&args, &interrupt),
         Command::Verify(args) => run_verify(&args),
-        Command::Bench(args) => run_bench(&args, &interrupt),
-        Command::Serve => {
-            serve();
-            ExitCode::SUCCESS
-        }
-        Command::Work { name } => speed_status(small_work(&name).map(|()| true), &interrupt),
-        Command::Instructions { update, experiments } => {
-            let expectation = experiments.join("expected/instructions.toml");
-            speed_status(count_instructions(&expectation, update), &interrupt)
-        }
         Command::Regress { figure, update, experiments, out } => {
             run_regress(figure, update, experiments, out, &interrupt)
         }
@@ -100,7 +64,7 @@ fn main() -> ExitCode {
 }
 
 fn refuse(error: &ConfigError) -> ExitCode {
-    news(&format!("error: {error}"));
+    status(&format!("error: {error}"));
     ExitCode::from(error.exit_status())
 }
 
@@ -109,21 +73,31 @@ fn run_reproduce(args: &ReproduceArgs, interrupt: &Interrupt) -> ExitCode {
         Ok(plans) => plans,
         Err(error) => return refuse(&error),
     };
+    if !args.dry_run
+        && let Err(error) = args.backend.check()
+    {
+        status(&format!("error: --backend {}: {error}", args.backend));
+        return ExitCode::from(2);
+    }
+    if args.dry_run {
+        plans.iter().for_each(|plan| result(&plan.to_string()));
+        return ExitCode::SUCCESS;
+    }
     if let Some(error) = plans.iter().find_map(|plan| check_output(&plan.folder).err()) {
         return refuse(&error);
     }
-    let (mut status, mut tried_out, estimator) = (0, Vec::new(), Estimator::default());
+    let (mut exit_status, mut tried_out, estimator) = (0, Vec::new(), Estimator::default());
     for plan in &plans {
         match reproduce(plan, &estimator, interrupt) {
             Ok(Finished::Complete { ran, failed }) => {
-                status = status.max(u8::from(failed > 0));
+                exit_status = exit_status.max(u8::from(failed > 0));
                 if ran > 0 && plan.profile_name == "quick" {
                     tried_out.push(plan);
                 }
             }
             Ok(Finished::Interrupted) => return ExitCode::from(interrupt.exit_status()),
             Err(error) => {
-                news(&format!("error: {error}"));
+                status(&format!("error: {error}"));
                 return ExitCode::from(3);
             }
         }
@@ -131,7 +105,7 @@ fn run_reproduce(args: &ReproduceArgs, interrupt: &Interrupt) -> ExitCode {
     for plan in tried_out {
         offer_paper_profile(plan, &estimator, interrupt);
     }
-    ExitCode::from(status)
+    ExitCode::from(exit_status)
 }
 
 /// What to type for the protocol to the letter, and how long it would take here.
@@ -145,42 +119,19 @@ fn offer_paper_profile(plan: &Plan, estimator: &Estimator, interrupt: &Interrupt
 }
 
 fn run_verify(args: &VerifyArgs) -> ExitCode {
-    let from = match args.from() {
+    let from = match args.results() {
         Ok(from) => from,
         Err(error) => return refuse(&error),
     };
-    match verify(&from, &args.experiments()) {
+    match verify(from, &args.experiments) {
         Ok(text) => {
             result(text.trim_end());
             result(&format!("written to {}", from.join("verdict.md").display()));
             ExitCode::SUCCESS
         }
         Err(error) => {
-            news(&format!("error: {error}"));
+            status(&format!("error: {error}"));
             ExitCode::from(error.exit_status())
-        }
-    }
-}
-
-fn run_bench(args: &BenchArgs, interrupt: &Interrupt) -> ExitCode {
-    let measured = measure(args, interrupt).map(|table| {
-        result(table.trim_end());
-        result(&format!("written to {}", args.out().join("speed.md").display()));
-        true
-    });
-    speed_status(measured, interrupt)
-}
-
-/// The status for whether all was as it should be.
-fn speed_status(fine: Result<bool, SpeedError>, interrupt: &Interrupt) -> ExitCode {
-    match fine {
-        Ok(fine) => ExitCode::from(u8::from(!fine)),
-        Err(error) => {
-            news(&format!("error: {error}"));
-            ExitCode::from(match error {
-                SpeedError::Interrupted => interrupt.exit_status(),
-                SpeedError::System { .. } | SpeedError::Worker { .. } | SpeedError::Prepare(_) => 3,
-            })
         }
     }
 }
@@ -194,18 +145,10 @@ fn run_regress(
 ) -> ExitCode {
     let expected = experiments.join("expected");
     let args = ReproduceArgs {
-        figure,
         profile: "smoke".into(),
-        methods: vec![],
-        panels: vec![],
-        repetitions: None,
-        jobs: None,
-        backend: Backend::ALL[0].name().into(),
-        seed: "1".into(),
-        out: Some(out.clone()),
-        fresh: true,
-        save_models: false,
-        experiments: Some(experiments),
+        out: out.clone(),
+        experiments,
+        ..ReproduceArgs::of(&figure)
     };
     let plans = match plans(&args) {
         Ok(plans) => plans,
@@ -214,9 +157,10 @@ fn run_regress(
     for plan in &plans {
         let expectation = expected.join(format!("{}-smoke.csv", plan.figure));
         if let Err(error) = regress(plan, &expectation, &out, update, interrupt) {
-            news(&format!("error: {error}"));
+            status(&format!("error: {error}"));
             return ExitCode::from(match error {
                 RegressionError::Differs { .. } | RegressionError::Failed { .. } => 1,
+                RegressionError::NotBuilt(_) => 2,
                 RegressionError::Interrupted => interrupt.exit_status(),
                 RegressionError::Store(_) | RegressionError::File { .. } => 3,
             });

@@ -2,11 +2,12 @@
 
 use std::collections::BTreeSet;
 
+use motes_proposals::Backend;
 use serde::Serialize;
 
-use crate::UNIT_FORMAT;
 use crate::config::{Experiment, Plan, Profile};
 use crate::store::Record;
+use crate::unit::UNIT_FORMAT;
 
 /// The distinct revisions that computed these records, sorted.
 pub(crate) fn revisions(records: &[Record]) -> BTreeSet<&str> {
@@ -23,7 +24,7 @@ struct Manifest<'a> {
     figure: &'a str,
     profile: &'a str,
     seed: u64,
-    backend: &'a str,
+    backend: Backend,
     unit_format: u32,
     units: usize,
     configuration_hash: String,
@@ -55,7 +56,7 @@ pub(crate) fn manifest(plan: &Plan, records: &[Record]) -> String {
         figure: &plan.figure,
         profile: &plan.profile_name,
         seed: plan.seed,
-        backend: plan.backend.name(),
+        backend: plan.backend,
         unit_format: UNIT_FORMAT,
         units: records.len(),
         configuration_hash: blake3::hash(json.as_bytes()).to_hex().to_string(),

@@ -5,9 +5,8 @@ use motes_models::{
     ModelShape, Noise, Sequence, Simulator, StateGradients, Trajectory, kalman, simulate, simulate_within,
 };
 
-use crate::UnitConfig;
-use crate::config;
-use crate::unit::UnitSystem;
+use crate::config::{self, Densities};
+use crate::unit::{UnitConfig, UnitSystem};
 
 /// All that experiments ask of a system.
 pub(crate) trait System: StateGradients + AdditiveGaussian + Simulator + Send {}
@@ -68,11 +67,6 @@ impl Problem {
     fn on_graph(unit: &UnitConfig, settings: &config::System) -> Result<Problem, ModelError> {
         let &config::System { drift, noise, densities, snr_db, neighbours, unmeasured, dimension, horizon } =
             settings;
-        let noise = family(noise);
-        let drift = match drift {
-            config::Drift::Identity => Drift::Identity,
-            config::Drift::Abs => Drift::Abs,
-        };
         let measurement_dim = dimension - unmeasured;
         let settings =
             GraphDiffusionConfig { state_dim: dimension, measurement_dim, neighbours, snr_db, drift, noise };
@@ -81,7 +75,7 @@ impl Problem {
         let trajectory = simulate(&system, horizon, &mut seed.child("trajectory").stream())?;
         let gaussian = system.with_noise(Noise::Gaussian);
         let model = believed(densities, &system, &gaussian);
-        let believes_gaussian = noise == Noise::Gaussian || densities == config::Densities::Gaussian;
+        let believes_gaussian = noise == Noise::Gaussian || densities == Densities::Gaussian;
         let exact = if drift == Drift::Identity && believes_gaussian {
             let filtered = kalman::filter(&model.moment_matched()?, &trajectory.measurements)?;
             let means = filtered.steps.iter().flat_map(|step| step.filtered.mean.iter().copied()).collect();
@@ -102,7 +96,7 @@ impl Problem {
     }
 
     fn epidemic(unit: &UnitConfig, settings: &config::Epidemic) -> Result<Problem, ModelError> {
-        let noise = family(settings.noise);
+        let noise = settings.noise;
         let system = Epidemic::new(&EpidemicConfig {
             infection_rate: settings.infection_rate,
             removal_rate: settings.removal_rate,
@@ -139,18 +133,10 @@ impl Problem {
     }
 }
 
-fn family(noise: config::Noise) -> Noise {
-    match noise {
-        config::Noise::Gaussian => Noise::Gaussian,
-        config::Noise::Exponential => Noise::Exponential,
-        config::Noise::Uniform => Noise::Uniform,
-    }
-}
-
 /// The model that filters believe in.
-fn believed<S: Clone>(densities: config::Densities, system: &S, gaussian: &S) -> S {
+fn believed<S: Clone>(densities: Densities, system: &S, gaussian: &S) -> S {
     match densities {
-        config::Densities::Gaussian => gaussian.clone(),
-        config::Densities::Exact => system.clone(),
+        Densities::Gaussian => gaussian.clone(),
+        Densities::Exact => system.clone(),
     }
 }

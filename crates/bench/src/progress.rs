@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::say::news;
+use motes_cli::status;
 
 /// How often a line is written where there is no terminal.
 const LINE_EVERY: Duration = Duration::from_secs(20);
@@ -50,7 +50,7 @@ impl Progress {
         self.units_done += 1;
         if let Some(reason) = failure {
             self.failed += 1;
-            self.say(&format!("failed: {name}: {reason}"));
+            self.print(&format!("failed: {name}: {reason}"));
         }
         let summary = self.summary();
         match &self.bar {
@@ -60,7 +60,7 @@ impl Progress {
             }
             None if self.last_line.elapsed() >= LINE_EVERY || self.units_done == self.units => {
                 self.last_line = Instant::now();
-                news(&format!("{:3.0} %  {summary}, last {name}", 100.0 * self.fraction()));
+                status(&format!("{:3.0} %  {summary}, last {name}", 100.0 * self.fraction()));
             }
             None => {}
         }
@@ -73,10 +73,10 @@ impl Progress {
         }
     }
 
-    fn say(&self, line: &str) {
+    fn print(&self, line: &str) {
         match &self.bar {
             Some(bar) => bar.println(line),
-            None => news(line),
+            None => status(line),
         }
     }
 

@@ -3,13 +3,14 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
+use motes_cli::Interrupt;
 use motes_models::Seed;
 use motes_smc::{Bootstrap, FilterError, FilterSettings, MinDegeneracy, ParticleFilter, Proposal};
 
-use crate::evaluate::{UnitError, failed};
-use crate::metrics::{squared_error, squared_norm};
 use crate::problem::{Model, Problem};
-use crate::{Interrupt, UnitConfig};
+use crate::statistics::{squared_error, squared_norm};
+use crate::unit::UnitConfig;
+use crate::unit_error::{UnitError, failed};
 
 /// An estimate of `E[x_{T−1} | y_{0:T−1}]`.
 #[derive(Debug, Clone, PartialEq)]

@@ -3,12 +3,16 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use motes_cli::{Interrupt, result, status};
+use motes_proposals::Backend;
+use motes_proposals::networks::NetworkError;
 use thiserror::Error;
 
-use crate::config::{Backend, Plan};
-use crate::say::{news, result};
-use crate::tables::number;
-use crate::{Estimator, Finished, Interrupt, StoreError, reproduce};
+use crate::config::Plan;
+use crate::estimate::Estimator;
+use crate::reproduce::{Finished, reproduce};
+use crate::store::StoreError;
+use crate::tables::{MetricRow, number, read_rows};
 
 /// Why the regression run did not pass.
 #[derive(Debug, Error)]
@@ -27,8 +31,11 @@ pub enum RegressionError {
         /// How many.
         failed: usize,
         /// On which backend.
-        backend: &'static str,
+        backend: Backend,
     },
+    /// This build lacks a backend.
+    #[error(transparent)]
+    NotBuilt(#[from] NetworkError),
     /// A signal came.
     #[error("interrupted")]
     Interrupted,
@@ -74,6 +81,7 @@ pub fn regress(
     interrupt: &Interrupt,
 ) -> Result<(), RegressionError> {
     let mut found = Vec::new();
+    Backend::ALL.into_iter().try_for_each(Backend::check)?;
     for backend in Backend::ALL {
         found.push(run(plan, backend, scratch, interrupt)?);
     }
@@ -84,7 +92,7 @@ pub fn regress(
     let mut wrong = 0;
     for (at, (backend, found)) in Backend::ALL.into_iter().zip(&found).enumerate() {
         for line in compare(found, &expected, at) {
-            news(&format!("{}: {line}", backend.name()));
+            status(&format!("{backend}: {line}"));
             wrong += 1;
         }
     }
@@ -105,49 +113,43 @@ fn run(
     scratch: &Path,
     interrupt: &Interrupt,
 ) -> Result<Found, RegressionError> {
-    let folder = scratch.join(backend.name());
+    let folder = scratch.join(backend.to_string());
     let plan = Plan { backend, folder: folder.clone(), fresh: true, ..plan.clone() };
     match reproduce(&plan, &Estimator::default(), interrupt)? {
         Finished::Complete { failed: 0, .. } => {}
         Finished::Complete { failed, .. } => {
-            return Err(RegressionError::Failed { failed, backend: backend.name() });
+            return Err(RegressionError::Failed { failed, backend });
         }
         Finished::Interrupted => return Err(RegressionError::Interrupted),
     }
-    let units =
-        read(&folder.join("units.csv"), |(_, panel, method, x, repetition, metric, value): UnitsRow| {
-            ([panel, method, x, repetition, metric], value)
-        })?;
-    Ok(units.into_iter().collect())
+    let rows: Vec<MetricRow> = read(&folder.join("units.csv"))?;
+    let place = |row: MetricRow| {
+        ([row.panel, row.method, row.x.to_string(), row.repetition.to_string(), row.metric], row.value)
+    };
+    Ok(rows.into_iter().map(place).collect())
 }
-
-/// A line of units.csv.
-type UnitsRow = (String, String, String, String, String, String, f64);
 
 /// A line of the expectation.
 type ExpectedRow = (String, String, String, String, String, f64, f64, f64);
 
 fn read_expected(path: &Path) -> Result<BTreeMap<Place, Expected>, RegressionError> {
-    let rows = read(path, |(panel, method, x, repetition, metric, a, b, c): ExpectedRow| {
+    let place = |(panel, method, x, repetition, metric, a, b, c): ExpectedRow| {
         ([panel, method, x, repetition, metric], [a, b, c])
-    })?;
-    Ok(rows.into_iter().collect())
+    };
+    Ok(read(path)?.into_iter().map(place).collect())
 }
 
-fn read<Row: serde::de::DeserializeOwned, T>(
-    path: &Path,
-    take: impl Fn(Row) -> T,
-) -> Result<Vec<T>, RegressionError> {
-    let fail = |source| RegressionError::File { file: path.display().to_string(), source };
-    let mut reader = csv::Reader::from_path(path).map_err(fail)?;
-    reader.deserialize().map(|row| row.map(&take).map_err(fail)).collect()
+fn read<Row: serde::de::DeserializeOwned>(path: &Path) -> Result<Vec<Row>, RegressionError> {
+    read_rows(path).map_err(|source| RegressionError::File { file: path.display().to_string(), source })
 }
 
 fn write(path: &Path, found: &[Found]) -> Result<(), RegressionError> {
     let fail = |source| RegressionError::File { file: path.display().to_string(), source };
     let mut writer = csv::Writer::from_path(path).map_err(fail)?;
-    let header = ["panel", "method", "x", "repetition", "metric"];
-    writer.write_record(header.into_iter().chain(Backend::ALL.map(Backend::name))).map_err(fail)?;
+    let header = ["panel", "method", "x", "repetition", "metric"].map(String::from);
+    writer
+        .write_record(header.into_iter().chain(Backend::ALL.map(|backend| backend.to_string())))
+        .map_err(fail)?;
     for place in found[0].keys() {
         // A unit that ran on one backend ran on the others.
         let value = |found: &Found| number(found.get(place).copied().unwrap_or(f64::NAN));

@@ -3,19 +3,22 @@
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
-use crate::checkpoint::Checkpoints;
-use crate::config::{Axis, Panel, Plan, Point};
+use crate::checkpoint::{self, Checkpoints};
+use crate::config::{Panel, Plan, Point};
+use crate::estimate::Estimator;
+use crate::evaluate::Evaluator;
 use crate::figure::{figure, series_figure};
 use crate::manifest::{manifest, processors, revisions};
 use crate::progress::{Progress, duration};
 use crate::provenance::Provenance;
 use crate::runner::{Event, run};
-use crate::say::{news, result};
-use crate::store::{Contents, Outcome, Record};
+use crate::store::{Contents, Outcome, Record, Store, StoreError};
 use crate::tables::{
     failures_csv, markdown, redrawn, series_csv, sort, summarise, summary_csv, timings_csv, units_csv,
 };
-use crate::{Estimator, Evaluator, Interrupt, Store, StoreError, UnitConfig, UnitError};
+use crate::unit::UnitConfig;
+use crate::unit_error::UnitError;
+use motes_cli::{Interrupt, result, status};
 
 /// How a run ended.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -36,19 +39,17 @@ pub enum Finished {
 /// # Errors
 /// [`StoreError`] if the folder is in use or cannot be read or written.
 pub fn reproduce(plan: &Plan, estimator: &Estimator, interrupt: &Interrupt) -> Result<Finished, StoreError> {
-    let store = Store::open(&plan.folder)?;
+    let mut store = Store::open(&plan.folder)?;
     let wanted: Vec<(Point, UnitConfig)> = plan
         .points()
         .into_iter()
         .filter_map(|point| UnitConfig::at(plan, &point).map(|unit| (point, unit)))
         .collect();
     if plan.fresh {
-        for (_, unit) in &wanted {
-            store.remove(unit)?;
-        }
+        store.remove(wanted.iter().map(|(_, unit)| unit))?;
     }
-    let (there, remarks) = read(plan, &store)?;
-    remarks.iter().for_each(|remark| news(remark));
+    let (there, remarks) = read(plan, &mut store)?;
+    remarks.iter().for_each(|remark| status(remark));
     let models = plan.save_models.then(|| plan.folder.join("models"));
     let is_there = |(point, unit): &(Point, UnitConfig)| {
         let has_model = models
@@ -60,17 +61,17 @@ pub fn reproduce(plan: &Plan, estimator: &Estimator, interrupt: &Interrupt) -> R
     let missing: Vec<&(Point, UnitConfig)> = wanted.iter().filter(|wanted| !is_there(wanted)).collect();
     announce(plan, wanted.len(), missing.len());
     if !missing.is_empty() {
-        run_missing(plan, &store, &missing, (models.clone(), estimator), interrupt)?;
+        run_missing(plan, &mut store, &missing, (models.clone(), estimator), interrupt)?;
     }
 
-    let (records, _) = read(plan, &store)?;
+    let (records, _) = read(plan, &mut store)?;
     write_outputs(plan, &store, &records)?;
     let recorded =
         |(point, unit): &(Point, UnitConfig)| records.iter().find(|record| record.is_of(point, unit));
     let left = wanted.iter().filter(|wanted| recorded(wanted).is_none()).count();
     if left > 0 {
         let fresh = if plan.fresh { ", given without --fresh," } else { "" };
-        news(&format!(
+        status(&format!(
             "stopped with {left} units left; the same command{fresh} goes on where this one stopped"
         ));
         return Ok(Finished::Interrupted);
@@ -78,7 +79,7 @@ pub fn reproduce(plan: &Plan, estimator: &Estimator, interrupt: &Interrupt) -> R
     let has_failed = |record: &&Record| matches!(record.outcome, Outcome::Failed(_));
     let failed = wanted.iter().filter_map(recorded).filter(has_failed).count();
     if failed > 0 {
-        news(&format!(
+        status(&format!(
             "{failed} of {} units failed; failures.csv says why, --fresh runs them again",
             wanted.len()
         ));
@@ -87,11 +88,17 @@ pub fn reproduce(plan: &Plan, estimator: &Estimator, interrupt: &Interrupt) -> R
 }
 
 /// The folder's units that belong to this plan's configuration, sorted, and remarks on the others, which are left alone.
-fn read(plan: &Plan, store: &Store) -> Result<(Vec<Record>, Vec<String>), StoreError> {
-    let Contents { mut records, set_aside, foreign } = store.read()?;
+fn read(plan: &Plan, store: &mut Store) -> Result<(Vec<Record>, Vec<String>), StoreError> {
+    let Contents { mut records, damaged, torn, foreign } = store.read()?;
     let mut remarks = Vec::new();
-    for path in set_aside {
-        remarks.push(format!("damaged unit set aside as {}; it is computed again", path.display()));
+    for (count, what) in [(damaged, "damaged units"), (torn, "lines that a killed run had begun")] {
+        if count > 0 {
+            let path = store.damaged();
+            remarks.push(format!(
+                "{what} set aside in {}: {count}; what is missing is computed again",
+                path.display()
+            ));
+        }
     }
     let all = records.len() + foreign;
     let mut differences = BTreeSet::new();
@@ -140,28 +147,16 @@ fn first_difference(path: &str, found: &serde_json::Value, expected: &serde_json
 }
 
 fn announce(plan: &Plan, wanted: usize, missing: usize) {
-    let methods: Vec<&str> = plan.methods.iter().map(|method| method.name()).collect();
-    let panels: Vec<&str> = plan.panels.iter().map(|panel| panel.name.as_str()).collect();
-    news(&format!(
-        "{} {}: panels {}, x = {:?}, methods {}, {} repetitions, seed {}, backend {}",
-        plan.figure,
-        plan.profile_name,
-        panels.join(" "),
-        plan.profile.x,
-        methods.join(" "),
-        plan.repetitions,
-        plan.seed,
-        plan.backend.name(),
-    ));
+    status(&plan.to_string());
     match wanted - missing {
-        0 => news(&format!("{missing} units to run on {} threads", plan.jobs)),
-        done => news(&format!("{done} units are there, {missing} to run on {} threads", plan.jobs)),
+        0 => status(&format!("{missing} units to run on {} threads", plan.jobs)),
+        done => status(&format!("{done} units are there, {missing} to run on {} threads", plan.jobs)),
     }
 }
 
 fn run_missing(
     plan: &Plan,
-    store: &Store,
+    store: &mut Store,
     missing: &[&(Point, UnitConfig)],
     (models, estimator): (Option<PathBuf>, &Estimator),
     interrupt: &Interrupt,
@@ -170,9 +165,9 @@ fn run_missing(
     let units: Vec<UnitConfig> = missing.iter().map(|(_, unit)| unit.clone()).collect();
     let estimates = estimator.seconds(plan, &points, interrupt);
     let total: f64 = estimates.iter().sum();
-    news(&format!("estimated time {}", duration(total / plan.jobs.min(units.len()) as f64)));
+    status(&format!("estimated time {}", duration(total / plan.jobs.min(units.len()) as f64)));
     let here = Provenance::here();
-    let checkpoints = Checkpoints { folder: store.units(), provenance: here.clone() };
+    let checkpoints = Checkpoints { folder: checkpoint::folder(store.folder()), provenance: here.clone() };
     let evaluator = Evaluator::new(models).with_checkpoints(checkpoints);
     let mut progress = Progress::start(units.len(), total);
     let name = |point: &Point| {
@@ -218,7 +213,7 @@ fn run_missing(
 fn write_outputs(plan: &Plan, store: &Store, records: &[Record]) -> Result<(), StoreError> {
     let figure_name = &plan.figure;
     let rows = summarise(records);
-    let (axis, title) = (axis_label(plan.experiment.axis), &plan.experiment.title);
+    let (axis, title) = (plan.experiment.axis.symbol(), &plan.experiment.title);
     let title = format!("{title} ({figure_name}, profile {})", plan.profile_name);
     let mut table = markdown(&title, axis, &rows, &plan.experiment.printed);
     if let Some(note) = redrawn(records) {
@@ -243,19 +238,11 @@ fn write_outputs(plan: &Plan, store: &Store, records: &[Record]) -> Result<(), S
     let of =
         [(revisions(records).len(), "source revisions"), (processors(records).len(), "kinds of processors")];
     for (count, kind) in of.into_iter().filter(|(count, _)| *count > 1) {
-        news(&format!("these units are of {count} {kind}; manifest.json lists them"));
+        status(&format!("these units are of {count} {kind}; manifest.json lists them"));
     }
     result(&table);
     result(&format!("written to {}", store.folder().display()));
     Ok(())
-}
-
-pub(crate) fn axis_label(axis: Axis) -> &'static str {
-    match axis {
-        Axis::Particles => "K",
-        Axis::Horizon => "T",
-        Axis::Dimension => "N",
-    }
 }
 
 /// How long the paper profile of the whole figure would take on this machine with as many threads, as a person says it;

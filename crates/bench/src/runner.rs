@@ -5,8 +5,11 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
 use std::thread::Builder;
 
-use crate::say::news;
-use crate::{Evaluation, Interrupt, UnitConfig, UnitError, threads};
+use crate::evaluate::Evaluation;
+use crate::threads;
+use crate::unit::UnitConfig;
+use crate::unit_error::UnitError;
+use motes_cli::{Interrupt, status};
 
 /// What a worker reports.
 pub(crate) enum Event {
@@ -53,7 +56,7 @@ pub(crate) fn run<E>(
                 }
             };
             if let Err(error) = Builder::new().spawn_scoped(scope, move || threads::on(count, work)) {
-                news(&format!("the system refuses more than {started} threads: {error}"));
+                status(&format!("the system refuses more than {started} threads: {error}"));
                 if started == 0 {
                     while let Some((index, unit)) = take() {
                         observe(Event::Started(index))?;
@@ -88,7 +91,7 @@ pub(crate) fn guarded(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Metric;
+    use crate::metric::Metric;
     use crate::unit::tests::unit;
 
     fn fake(unit: &UnitConfig, _: &Interrupt) -> Result<Evaluation, UnitError> {

@@ -2,7 +2,7 @@
 
 use rayon_core::{ThreadPoolBuilder, current_num_threads, current_thread_index};
 
-use crate::say::news;
+use motes_cli::status;
 
 /// How many of `jobs` threads each of the workers has that evaluate `units` units.
 pub(crate) fn of_workers(jobs: usize, units: usize) -> impl Iterator<Item = usize> {
@@ -18,7 +18,7 @@ pub(crate) fn on<R: Send>(threads: usize, work: impl FnOnce() -> R + Send) -> R 
     match ThreadPoolBuilder::new().num_threads(threads).build() {
         Ok(pool) => pool.install(work),
         Err(error) => {
-            news(&format!("a unit has one thread instead of {threads}: {error}"));
+            status(&format!("a unit has one thread instead of {threads}: {error}"));
             work()
         }
     }

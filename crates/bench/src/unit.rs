@@ -1,10 +1,10 @@
 //! A unit of work: all that determines its result, and the key that this hashes to.
 
-use motes_models::Seed;
+use motes_models::{Drift, Noise, Seed};
 use serde::{Deserialize, Serialize};
 
-use crate::config::{Drift, Epidemic, Filter, Method, Noise, Plan, Point, System};
-use crate::methods::MethodConfig;
+use crate::config::{Epidemic, Filter, Method, Plan, Point, System};
+use crate::method_config::MethodConfig;
 
 /// The newest version of what a unit's configuration means; each method has the one since which it means what it means.
 pub const UNIT_FORMAT: u32 = 5;
@@ -146,9 +146,11 @@ impl UnitConfig {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::config::{Backend, Densities, Gradient, Resampling, Training};
-    use crate::methods::LearnedUnit;
-    use motes_proposals::FcnnConfig;
+    use crate::config::{Densities, Gradient, Training};
+    use crate::method_config::LearnedUnit;
+    use motes_proposals::{Backend, FcnnConfig};
+    use motes_smc::Resampling;
+    use motes_train::Objective;
 
     #[test]
     fn the_newest_format_is_some_methods() {
@@ -196,7 +198,7 @@ pub(crate) mod tests {
     /// A small fully connected unit of the same system.
     pub(crate) fn fcnn_unit(dimension: usize, horizon: usize, particles: usize) -> UnitConfig {
         let training = Training {
-            objective: crate::config::Objective::LogLikelihood,
+            objective: Objective::LogLikelihood,
             gradient: Gradient::Full,
             gradient_window: None,
             clip_norm: None,

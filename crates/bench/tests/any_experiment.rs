@@ -19,18 +19,10 @@ const EPIDEMIC: &str = include_str!("../../../experiments/table1.toml");
 /// What the program makes of a file, for every profile that the files here have.
 fn plan(experiments: &Path, profile: &str) -> Result<Vec<Plan>, ConfigError> {
     plans(&ReproduceArgs {
-        figure: "any".into(),
         profile: profile.into(),
-        methods: vec![],
-        panels: vec![],
-        repetitions: None,
-        jobs: Some("1".into()),
-        backend: "native".into(),
-        seed: "1".into(),
-        out: None,
-        fresh: false,
-        save_models: false,
-        experiments: Some(experiments.into()),
+        jobs: Some(1),
+        experiments: experiments.into(),
+        ..ReproduceArgs::of("any")
     })
 }
 

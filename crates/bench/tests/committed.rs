@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use motes_bench::Record;
+use motes_bench::config::{ReproduceArgs, plans};
+use motes_bench::{Record, UnitConfig};
 
 fn experiments() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../experiments")
@@ -23,14 +24,37 @@ fn files(folder: &Path, ending: &str, found: &mut Vec<PathBuf>) {
 #[test]
 fn committed_units_have_the_keys_that_this_program_gives_them() {
     let mut units = Vec::new();
-    files(&experiments().join("reference"), "json", &mut units);
-    units.retain(|path| path.parent().is_some_and(|folder| folder.ends_with("units")));
-    assert!(units.len() > 500, "{} units", units.len());
+    files(&experiments().join("reference"), "jsonl", &mut units);
+    assert!(units.len() >= 7, "{units:?}");
+    let mut count = 0;
     for path in units {
-        let text = std::fs::read_to_string(&path).unwrap();
-        let file: serde_json::Value = serde_json::from_str(&text).unwrap();
-        let record: Record = serde_json::from_value(file["unit"].clone()).unwrap();
-        assert_eq!(record.config.key(), path.file_stem().unwrap().to_str().unwrap(), "{}", path.display());
+        for line in std::fs::read_to_string(&path).unwrap().lines() {
+            let line: serde_json::Value = serde_json::from_str(line).unwrap();
+            let record: Record = serde_json::from_value(line["unit"].clone()).unwrap();
+            assert_eq!(record.config.key(), line["key"].as_str().unwrap(), "{}", path.display());
+            count += 1;
+        }
+    }
+    assert!(count >= 5048, "{count} units");
+}
+
+#[test]
+fn the_paper_profile_plans_the_committed_units() {
+    for figure in ["fig1", "fig2", "fig3", "fig4", "fig5", "fig6", "table1"] {
+        let plan = plans(&ReproduceArgs {
+            profile: "paper".into(),
+            experiments: experiments(),
+            ..ReproduceArgs::of(figure)
+        });
+        let plan = plan.unwrap().remove(0);
+        let path = experiments().join("reference").join(figure).join("paper/units.jsonl");
+        let planned: Vec<String> =
+            plan.points().iter().map(|point| UnitConfig::at(&plan, point).unwrap().key()).collect();
+        for line in std::fs::read_to_string(&path).unwrap().lines() {
+            let line: serde_json::Value = serde_json::from_str(line).unwrap();
+            let key = line["key"].as_str().unwrap();
+            assert!(planned.iter().any(|planned| planned == key), "{figure} has no unit {key}");
+        }
     }
 }
 

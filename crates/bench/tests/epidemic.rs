@@ -143,6 +143,11 @@ fn files_that_cannot_be_run_are_refused() {
             "trajectories = 0",
             "`proposals.standardised.trajectories` is 0; it must be from 1 to 100000",
         ),
+        (
+            "origin = \"mean\"",
+            "origin = \"prediction\"",
+            "`proposals.standardised.origin` is prediction; methods with -anchored have that origin; there are mean, mean-at-each-time",
+        ),
         ("[reference]\nsmoother_lag = 30", "", "`reference` is absent; reference methods need it"),
         (
             "name = \"all\"",

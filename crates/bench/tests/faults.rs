@@ -69,15 +69,17 @@ fn killed_a_hundred_times_at_random() {
     let output = place.run(&["tiny", "--out", "killed"]);
     assert!(output.status.success(), "{}", stderr(&output));
     assert_eq!(place.tables("killed"), place.tables("whole"));
-    let partial = place.files("killed/tiny/quick/units", "partial");
-    assert!(partial.is_empty(), "{partial:?}");
+    for left in ["partial", "part.jsonl"] {
+        let left = place.files("killed/tiny/quick", left);
+        assert!(left.is_empty(), "{left:?}");
+    }
 }
 
 #[test]
 fn a_file_that_cannot_grow_ends_the_run_and_harms_nothing() {
     let place = Workplace::new(TINY);
     assert!(place.run(&["tiny", "--out", "whole"]).status.success());
-    // Units fit into 8 KiB, the table of all of them does not.
+    // Some units fit into 8 KiB.
     let script = "trap '' XFSZ; ulimit -f 16; exec \"$0\" reproduce tiny --out full";
     let run = |script: &str| {
         let mut command = Command::new("sh");
@@ -88,11 +90,13 @@ fn a_file_that_cannot_grow_ends_the_run_and_harms_nothing() {
     let said = stderr(&output);
     assert_eq!(output.status.code(), Some(3), "{said}");
     let line = said.lines().last().unwrap_or_default();
-    assert!(line.starts_with("error: full/tiny/quick/units.csv: "), "{said}");
-    assert_eq!(place.units("full"), 48);
-    assert!(place.files("full/tiny/quick", "partial").is_empty());
+    assert!(line.starts_with("error: full/tiny/quick/units-"), "{said}");
+    let stored = place.units("full");
+    assert!((1..48).contains(&stored), "{stored} units");
     let output = place.run(&["tiny", "--out", "full"]);
-    assert!(stderr(&output).contains("48 units are there, 0 to run"), "{}", stderr(&output));
+    let said = stderr(&output);
+    assert!(said.contains(&format!("{stored} units are there, {} to run", 48 - stored)), "{said}");
+    assert!(!said.contains("set aside"), "{said}");
     assert_eq!(place.tables("full"), place.tables("whole"));
 }
 
@@ -111,36 +115,42 @@ fn mounting() -> Option<Command> {
 
 #[test]
 fn a_full_disk_ends_the_run_and_harms_nothing() {
-    let Some(mut command) = mounting() else {
+    if mounting().is_none() {
         // Where a user may mount nothing, a file that cannot grow stands for it.
         println!("skipped: no file system can be mounted here");
         return;
-    };
+    }
     let place = Workplace::new(TINY);
     assert!(place.run(&["tiny", "--out", "whole"]).status.success());
     std::fs::create_dir(place.path("full")).unwrap();
-    // A disk with room for some of the units, which is then made larger.
-    let script = "mount -t tmpfs -o size=96k none full || exit 99
-        \"$0\" reproduce tiny --out full 2>first; echo $? >>statuses
-        ls full/tiny/quick/units >stored
-        mount -o remount,size=64m full
-        \"$0\" reproduce tiny --out full 2>second; echo $? >>statuses
-        cp -r full kept";
-    command.args([script, env!("CARGO_BIN_EXE_motes-bench")]).current_dir(place.folder.path());
-    let output = command.output().unwrap();
-    assert!(output.status.success(), "{}", stderr(&output));
-    let read = |name: &str| std::fs::read_to_string(place.path(name)).unwrap();
-    assert_eq!(read("statuses"), "3\n0\n", "{} / {}", read("first"), read("second"));
-    let first = read("first");
-    let line = first.trim().lines().last().unwrap_or_default();
-    assert!(line.starts_with("error: full/tiny/quick/"), "{first}");
-    assert!(line.ends_with("No space left on device (os error 28)"), "{first}");
-    let stored = read("stored").lines().filter(|name| name.ends_with(".json")).count();
-    assert!((1..48).contains(&stored), "{stored} units");
-    assert!(!read("stored").contains("partial"));
-    assert!(read("second").contains(&format!("{stored} units are there, {} to run", 48 - stored)));
-    assert!(!read("second").contains("damaged"));
-    assert_eq!(place.tables("kept"), place.tables("whole"));
+    // Disks with room for some of the units, and for all of them but not for merging them; then they are made larger.
+    for (size, least, most) in [("24k", 1, 47), ("96k", 48, 48)] {
+        let script = format!(
+            "mount -t tmpfs -o size={size} none full || exit 99
+            \"$0\" reproduce tiny --out full 2>first; echo $? >statuses
+            cp -r full stored
+            mount -o remount,size=64m full
+            \"$0\" reproduce tiny --out full 2>second; echo $? >>statuses
+            rm -rf kept; cp -r full kept"
+        );
+        let mut command = mounting().expect("a file system can be mounted");
+        command.args([&script, env!("CARGO_BIN_EXE_motes-bench")]).current_dir(place.folder.path());
+        let output = command.output().unwrap();
+        assert!(output.status.success(), "{}", stderr(&output));
+        let read = |name: &str| std::fs::read_to_string(place.path(name)).unwrap();
+        assert_eq!(read("statuses"), "3\n0\n", "{} / {}", read("first"), read("second"));
+        let first = read("first");
+        let line = first.trim().lines().last().unwrap_or_default();
+        assert!(line.starts_with("error: full/tiny/quick/"), "{first}");
+        assert!(line.ends_with("No space left on device (os error 28)"), "{first}");
+        let stored = place.units("stored");
+        assert!((least..=most).contains(&stored), "{stored} units on a disk of {size}");
+        assert!(place.files("stored/tiny/quick", "partial").is_empty());
+        assert!(read("second").contains(&format!("{stored} units are there, {} to run", 48 - stored)));
+        assert!(!read("second").contains("set aside"));
+        assert_eq!(place.tables("kept"), place.tables("whole"));
+        std::fs::remove_dir_all(place.path("stored")).unwrap();
+    }
 }
 
 #[test]
@@ -148,9 +158,9 @@ fn units_of_another_format_are_not_taken_for_ones_of_this() {
     let place = Workplace::new(TINY);
     assert!(place.run(&["tiny", "--methods", "bootstrap"]).status.success());
     let expected = place.tables("runs");
-    let store = Store::open(&place.path("runs/tiny/quick")).unwrap();
+    let mut store = Store::open(&place.path("runs/tiny/quick")).unwrap();
     for mut record in store.read().unwrap().records {
-        store.remove(&record.config).unwrap();
+        store.remove([&record.config]).unwrap();
         record.config.format -= 1;
         store.write(&record).unwrap();
     }
@@ -172,17 +182,22 @@ fn no_timestamp_decides_anything() {
     let place = Workplace::new(TINY);
     assert!(place.run(&["tiny"]).status.success());
     let expected = place.tables("runs");
-    let units = place.files("runs/tiny/quick/units", "json");
+    // A third of the units in each of three files.
+    let folder = place.path("runs/tiny/quick");
+    let merged = std::fs::read_to_string(folder.join("units.jsonl")).unwrap();
+    let lines: Vec<&str> = merged.split_inclusive('\n').collect();
     let year = Duration::from_secs(365 * 24 * 3600);
-    for (at, path) in units.iter().enumerate() {
-        let time = match at % 3 {
-            0 => SystemTime::UNIX_EPOCH,
-            1 => SystemTime::now() - year,
-            _ => SystemTime::now() + 50 * year,
-        };
+    for (lines, (name, time)) in lines.chunks(16).zip([
+        ("units.jsonl", SystemTime::UNIX_EPOCH),
+        ("units-1-1.part.jsonl", SystemTime::now() - year),
+        ("units-2-1.part.jsonl", SystemTime::now() + 50 * year),
+    ]) {
+        let path = folder.join(name);
+        std::fs::write(&path, lines.concat()).unwrap();
         std::fs::File::options().append(true).open(path).unwrap().set_modified(time).unwrap();
     }
     let output = place.run(&["tiny"]);
     assert!(stderr(&output).contains("48 units are there, 0 to run"), "{}", stderr(&output));
     assert_eq!(place.tables("runs"), expected);
+    assert_eq!(std::fs::read_to_string(folder.join("units.jsonl")).unwrap(), merged);
 }

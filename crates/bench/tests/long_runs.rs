@@ -96,20 +96,45 @@ fn a_damaged_unit_is_set_aside_and_computed_again() {
     let place = Workplace::new(TINY);
     assert!(place.run(&["tiny"]).status.success());
     let expected = place.tables("runs");
-    let folder = place.path("runs/tiny/quick/units");
-    let mut units: Vec<_> = std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path()).collect();
-    units.sort();
-    std::fs::write(&units[0], "").unwrap();
-    let whole = std::fs::read(&units[1]).unwrap();
-    std::fs::write(&units[1], &whole[..whole.len() / 2]).unwrap();
-    let mut flipped = std::fs::read(&units[2]).unwrap();
-    let middle = flipped.len() / 2;
-    flipped[middle] ^= 4;
-    std::fs::write(&units[2], flipped).unwrap();
+    let path = place.path("runs/tiny/quick/units.jsonl");
+    let mut lines: Vec<Vec<u8>> =
+        std::fs::read(&path).unwrap().split_inclusive(|byte| *byte == b'\n').map(<[u8]>::to_vec).collect();
+    // One is cut short, one has a wrong byte, and the file ends within the last.
+    let middle = lines[1].len() / 2;
+    lines[1].truncate(middle);
+    lines[1].push(b'\n');
+    let middle = lines[2].len() / 2;
+    lines[2][middle] ^= 4;
+    let last = lines.len() - 1;
+    lines[last].truncate(100);
+    std::fs::write(&path, lines.concat()).unwrap();
     let output = place.run(&["tiny"]);
     let said = stderr(&output);
-    assert_eq!(said.matches("damaged unit set aside").count(), 3, "{said}");
+    assert!(said.contains("damaged units set aside in runs/tiny/quick/units.damaged: 3; what"), "{said}");
     assert!(said.contains("45 units are there, 3 to run"), "{said}");
+    assert_eq!(place.tables("runs"), expected);
+}
+
+#[test]
+fn a_folder_in_the_old_layout_is_taken_over() {
+    let place = Workplace::new(TINY);
+    assert!(place.run(&["tiny"]).status.success());
+    let expected = place.tables("runs");
+    let folder = place.path("runs/tiny/quick");
+    let merged = std::fs::read_to_string(folder.join("units.jsonl")).unwrap();
+    std::fs::create_dir(folder.join("units")).unwrap();
+    for line in merged.lines() {
+        let parsed: serde_json::Value = serde_json::from_str(line).unwrap();
+        let body = line.split_once("\"unit\":").unwrap().1.strip_suffix('}').unwrap();
+        let (length, hash) = (body.len(), blake3::hash(body.as_bytes()).to_hex());
+        let text = format!("{{\"length\":{length},\"blake3\":\"{hash}\",\"unit\":{body}}}\n");
+        std::fs::write(folder.join(format!("units/{}.json", parsed["key"].as_str().unwrap())), text).unwrap();
+    }
+    std::fs::remove_file(folder.join("units.jsonl")).unwrap();
+    let said = stderr(&place.run(&["tiny"]));
+    assert!(said.contains("48 units are there, 0 to run"), "{said}");
+    assert_eq!(std::fs::read_to_string(folder.join("units.jsonl")).unwrap(), merged);
+    assert!(!folder.join("units").exists());
     assert_eq!(place.tables("runs"), expected);
 }
 
@@ -221,13 +246,41 @@ fn signals_end_a_run_cleanly_with_their_own_status() {
         assert_eq!(output.status.code(), Some(status));
         let said = stderr(&output);
         assert!(said.contains("the same command goes on where this one stopped"), "{said}");
-        assert!(place.files("runs/tiny/quick/units", "partial").is_empty());
+        assert!(place.files("runs/tiny/quick", "partial").is_empty());
+        assert!(place.files("runs/tiny/quick", "part.jsonl").is_empty());
         assert!(place.path("runs/tiny/quick/units.csv").exists());
     }
 }
 
+#[cfg(not(feature = "burn"))]
 #[test]
-fn both_backends_run() {
+fn a_backend_that_was_not_built_is_refused() {
+    let place = Workplace::new(TINY);
+    let output = place.run(&["tiny", "--methods", "fcnn", "--backend", "flex"]);
+    let said = stderr(&output);
+    assert_eq!(
+        said,
+        "error: --backend flex: the backend flex is not in this build; it needs the cargo feature `burn` of motes-networks"
+    );
+    assert_eq!(output.status.code(), Some(2));
+    assert!(!place.path("runs").exists());
+}
+
+#[test]
+fn a_dry_run_says_what_would_be_run_and_writes_nothing() {
+    let place = Workplace::new(TINY);
+    let output = place.run(&["tiny", "--methods", "fcnn", "--backend", "flex", "--dry-run"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert_eq!(
+        String::from_utf8_lossy(&output.stdout).trim(),
+        "tiny quick: panels N6 N8, x = [4, 8], methods fcnn, 4 repetitions, seed 1, backend flex"
+    );
+    assert!(output.stderr.is_empty() && !place.path("runs").exists());
+}
+
+#[cfg(feature = "burn")]
+#[test]
+fn all_backends_run() {
     let place = Workplace::new(TINY);
     for backend in ["native", "flex", "ndarray"] {
         let output = place.run(&["tiny", "--methods", "fcnn", "--backend", backend, "--out", backend]);

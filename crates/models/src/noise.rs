@@ -2,13 +2,15 @@
 
 use rand::RngExt;
 use rand_distr::{Exp1, StandardNormal};
+use serde::{Deserialize, Serialize};
 
 use crate::batch::{LANES, squared_norms};
 use crate::gaussian::LN_2PI;
 use crate::{Stream, fill_standard_exponential, fill_standard_normal, fill_uniform};
 
 /// A scalar noise with mean 0 and variance σ²; vectors have independent coordinates.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Noise {
     /// `N(0, σ²)`.
     Gaussian,

@@ -2,10 +2,13 @@
 
 use std::fmt;
 
+use serde::{Deserialize, Serialize};
+
 use crate::error::NetworkError;
 
 /// What computes the networks.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Backend {
     /// Our own: whole layers at a time, on the host. Several times faster than the others, and held against them by tests.
     #[default]
@@ -17,10 +20,12 @@ pub enum Backend {
 }
 
 impl Backend {
+    /// All of them; the first is the default.
+    pub const ALL: [Backend; 3] = [Backend::Native, Backend::Flex, Backend::NdArray];
+
     /// Those that this build has: the native one, and burn's with the feature `burn`.
     pub fn built() -> impl Iterator<Item = Backend> {
-        let all = [Backend::Native, Backend::Flex, Backend::NdArray];
-        all.into_iter().filter(|backend| backend.check().is_ok())
+        Backend::ALL.into_iter().filter(|backend| backend.check().is_ok())
     }
 
     /// Refuses a backend that was not compiled.

@@ -1,11 +1,11 @@
 //! What training maximises, as a function of log densities alone.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// A scalar of the log densities of drawn particles, to be maximised.
 ///
 /// With `ℓ_t^k = log p(x_t^k | x_{t−1}^k) + log p(y_t | x_t^k)`, where `p(x_0)` stands at `t = 0`:
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Objective {
     /// `Σ_t 1/K Σ_k ℓ_t^k`: the paper's likelihood of the model in logarithmic form.

@@ -1,12 +1,15 @@
-//! Command-line arguments, with errors of one line.
+//! The arguments of the commands that run experiments and judge them.
 
-use std::ffi::OsString;
 use std::path::PathBuf;
 
-use clap::error::ErrorKind;
-use clap::{Args, FromArgMatches};
+use clap::Args;
+use motes_cli::{integer, one_of};
+use motes_proposals::Backend;
 
-use super::ConfigError;
+use super::error::ConfigError;
+
+/// As many repetitions as a run may have.
+pub(super) const MOST_REPETITIONS: usize = 1_000_000;
 
 /// `reproduce`: run an experiment, or what of it is missing, and write its tables and figure.
 #[derive(Debug, Clone, Args)]
@@ -23,146 +26,82 @@ pub struct ReproduceArgs {
     #[arg(long, value_delimiter = ',')]
     pub panels: Vec<String>,
     /// Repetitions, instead of the profile's number
-    #[arg(long)]
-    pub repetitions: Option<String>,
+    #[arg(long, value_parser = integer(1..=MOST_REPETITIONS))]
+    pub repetitions: Option<usize>,
     /// Threads for units side by side, which share those that are left over; as many as there are cores if absent
-    #[arg(long)]
-    pub jobs: Option<String>,
+    #[arg(long, value_parser = integer(1..=1024_usize))]
+    pub jobs: Option<usize>,
     /// What computes the networks: native, flex or ndarray
-    #[arg(long, default_value = "native")]
-    pub backend: String,
+    #[arg(long, default_value_t = Backend::Native, value_parser = backend)]
+    pub backend: Backend,
     /// The seed that every random number of the run comes from
-    #[arg(long, default_value = "1")]
-    pub seed: String,
-    /// Results go to OUT/FIGURE/PROFILE [default: runs]
-    #[arg(long)]
-    pub out: Option<PathBuf>,
+    #[arg(long, default_value_t = 1, value_parser = integer(0..=u64::MAX))]
+    pub seed: u64,
+    /// Results go to OUT/FIGURE/PROFILE
+    #[arg(long, default_value = "runs")]
+    pub out: PathBuf,
     /// Forget finished units of this selection and run them again
     #[arg(long)]
     pub fresh: bool,
     /// Keep each trained proposal in OUT/FIGURE/PROFILE/models; finished units without one are trained again
     #[arg(long)]
     pub save_models: bool,
-    /// The folder with the experiment files [default: experiments]
+    /// Check arguments and experiment files, say how many units they ask for, and run nothing
     #[arg(long)]
-    pub experiments: Option<PathBuf>,
+    pub dry_run: bool,
+    /// The folder with the experiment files
+    #[arg(long, default_value = "experiments")]
+    pub experiments: PathBuf,
 }
 
 impl ReproduceArgs {
-    /// The folder with the experiment files.
-    pub(super) fn experiments(&self) -> PathBuf {
-        self.experiments.clone().unwrap_or_else(|| "experiments".into())
+    /// What a figure is run with where nothing else is said.
+    pub fn of(figure: &str) -> Self {
+        ReproduceArgs {
+            figure: figure.into(),
+            profile: "quick".into(),
+            methods: Vec::new(),
+            panels: Vec::new(),
+            repetitions: None,
+            jobs: None,
+            backend: Backend::Native,
+            seed: 1,
+            out: "runs".into(),
+            fresh: false,
+            save_models: false,
+            dry_run: false,
+            experiments: "experiments".into(),
+        }
     }
+}
 
-    /// The folder that results go to.
-    pub(super) fn out(&self) -> PathBuf {
-        self.out.clone().unwrap_or_else(|| "runs".into())
-    }
+fn backend(name: &str) -> Result<Backend, String> {
+    let names = Backend::ALL.map(|backend| backend.to_string());
+    let at = names.iter().position(|known| known == name);
+    at.map(|at| Backend::ALL[at]).ok_or_else(|| one_of(name, names.iter().map(String::as_str)))
 }
 
 /// `verify`: hold the paper's claims against finished runs.
 #[derive(Debug, Clone, Args)]
 pub struct VerifyArgs {
-    /// The folder that holds FIGURE/PROFILE/units.csv; verdict.md is written there [default: experiments/reference]
-    #[arg(long)]
-    pub from: Option<PathBuf>,
-    /// The folder with the experiment files [default: experiments]
-    #[arg(long)]
-    pub experiments: Option<PathBuf>,
+    /// The folder that holds FIGURE/PROFILE/units.csv; verdict.md is written there
+    #[arg(long, default_value = "experiments/reference")]
+    pub from: PathBuf,
+    /// The folder with the experiment files
+    #[arg(long, default_value = "experiments")]
+    pub experiments: PathBuf,
 }
 
 impl VerifyArgs {
-    /// The folder with the experiment files.
-    pub fn experiments(&self) -> PathBuf {
-        self.experiments.clone().unwrap_or_else(|| "experiments".into())
-    }
-
-    /// The folder with the results, which must be there.
+    /// The folder with the results.
     ///
     /// # Errors
-    /// [`ConfigError::Option`] if it is not a folder.
-    pub fn from(&self) -> Result<PathBuf, ConfigError> {
-        let from = self.from.clone().unwrap_or_else(|| "experiments/reference".into());
-        if from.is_dir() {
-            return Ok(from);
+    /// [`ConfigError::Usage`] if it is not a folder.
+    pub fn results(&self) -> Result<&PathBuf, ConfigError> {
+        if self.from.is_dir() {
+            return Ok(&self.from);
         }
-        Err(ConfigError::Option {
-            option: "--from".into(),
-            value: from.display().to_string(),
-            expected: "there is no such folder; give one that holds FIGURE/PROFILE/units.csv".into(),
-        })
-    }
-}
-
-/// What is to be timed, and against whom.
-#[derive(Debug, Clone, Args)]
-pub struct BenchArgs {
-    /// Run the same work in other libraries as well, in turns with ours; needs Python 3 and the network
-    #[arg(long)]
-    pub peers: bool,
-    /// How many times each piece of work is timed
-    #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u64).range(1..=1000))]
-    pub rounds: u64,
-    /// Only work whose name contains this, as "filter bootstrap", "train rnn K=50" or "growth"
-    #[arg(long, default_value = "")]
-    pub only: String,
-    /// A Python that has the other libraries; without it one is built from a pinned list
-    #[arg(long)]
-    pub python: Option<PathBuf>,
-    /// The folder for speed.json and speed.md [default: runs/speed]
-    #[arg(long)]
-    pub out: Option<PathBuf>,
-    /// The folder with the scripts that run other libraries [default: crates/bench/peers]
-    #[arg(long)]
-    pub peer_scripts: Option<PathBuf>,
-}
-
-impl BenchArgs {
-    /// The folder for results.
-    pub fn out(&self) -> PathBuf {
-        self.out.clone().unwrap_or_else(|| "runs/speed".into())
-    }
-
-    /// The folder with the scripts that run other libraries.
-    pub fn peer_scripts(&self) -> PathBuf {
-        self.peer_scripts.clone().unwrap_or_else(|| "crates/bench/peers".into())
-    }
-}
-
-/// The outcome of parsing.
-#[derive(Debug)]
-pub enum Parsed<T> {
-    /// Arguments to act on.
-    Args(T),
-    /// Help that was asked for.
-    Help(String),
-}
-
-/// Parses `arguments` (the program's name first) with a command made of `T`'s arguments.
-///
-/// # Errors
-/// [`ConfigError::Usage`] in one line.
-pub fn parse<T: FromArgMatches>(
-    command: clap::Command,
-    arguments: impl IntoIterator<Item = OsString>,
-) -> Result<Parsed<T>, ConfigError> {
-    let name = command.get_bin_name().unwrap_or(command.get_name()).to_string();
-    let usage = |error: &clap::Error| {
-        let text = error.to_string();
-        let said: Vec<&str> =
-            text.lines().take_while(|line| !line.starts_with("Usage")).map(str::trim).collect();
-        let said = said.join(" ");
-        let said = said.trim_start_matches("error: ").trim();
-        ConfigError::Usage(format!("{said}; see {name} --help"))
-    };
-    match command.try_get_matches_from(arguments) {
-        Ok(matches) => T::from_arg_matches(&matches).map(Parsed::Args).map_err(|error| usage(&error)),
-        Err(error) => match error.kind() {
-            ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => Ok(Parsed::Help(error.to_string())),
-            ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
-                Err(ConfigError::Usage(format!("no command is given; see {name} --help")))
-            }
-            _ => Err(usage(&error)),
-        },
+        let expected = "there is no such folder; give one that holds FIGURE/PROFILE/units.csv";
+        Err(ConfigError::option("--from", &self.from.display().to_string(), expected.into()))
     }
 }

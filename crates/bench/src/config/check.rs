@@ -1,9 +1,15 @@
 //! The numbers of an experiment file: each in its range, or named.
 
 mod epidemic;
+mod proposals;
 
-use super::plan::MOST_REPETITIONS;
-use super::{Axis, ConfigError, Experiment, Gradient, Method, Profile, System};
+use motes_cli::one_of;
+
+use super::args::MOST_REPETITIONS;
+use super::checks::Checks;
+use super::error::ConfigError;
+use super::method::Method;
+use super::schema::{Axis, Experiment, Gradient, Profile, System};
 
 /// Checks every number that a run would use, for all profiles.
 pub(super) fn check(file: &str, experiment: &Experiment) -> Result<(), ConfigError> {
@@ -125,61 +131,19 @@ pub(super) fn check(file: &str, experiment: &Experiment) -> Result<(), ConfigErr
             for panel in chosen {
                 let names = panels.iter().map(|panel| panel.name.as_str());
                 let known = names.clone().any(|name| name == panel);
-                checks.that(known, &key("panels"), panel, &super::one_of(panel, names))?;
+                checks.that(known, &key("panels"), panel, &one_of(panel, names))?;
             }
         }
     }
     Ok(())
 }
 
-/// As many as can be counted one by one.
-const MOST: usize = 1_000_000_000;
 /// As many numbers as a machine may hold: 400 GB of them.
 const MOST_NUMBERS: u128 = 50_000_000_000;
 /// Numbers of coordinates of which matrices are made.
 const MOST_COORDINATES: usize = 65_536;
 
-/// Checks that name the file.
-pub(super) struct Checks<'a> {
-    file: &'a str,
-}
-
 impl Checks<'_> {
-    pub(super) fn that(
-        &self,
-        fine: bool,
-        key: &str,
-        value: impl ToString,
-        expected: &str,
-    ) -> Result<(), ConfigError> {
-        if fine {
-            return Ok(());
-        }
-        Err(ConfigError::Key {
-            file: self.file.to_string(),
-            key: key.to_string(),
-            value: value.to_string(),
-            expected: expected.to_string(),
-        })
-    }
-
-    /// A number of things that are counted one by one, or have a place in memory.
-    pub(super) fn count(&self, key: &str, value: usize) -> Result<(), ConfigError> {
-        self.that(value > 0, key, value, "it must be at least 1")?;
-        self.that(value <= MOST, key, value, &format!("it must be at most {MOST}"))
-    }
-
-    pub(super) fn within(
-        &self,
-        key: &str,
-        value: usize,
-        least: usize,
-        most: usize,
-    ) -> Result<(), ConfigError> {
-        let expected = format!("it must be from {least} to {most}");
-        self.that((least..=most).contains(&value), key, value, &expected)
-    }
-
     /// What the filters of a unit hold at once, and what is recorded of them over time.
     fn memory(
         &self,
@@ -203,14 +167,6 @@ impl Checks<'_> {
         let expected =
             format!("filter_runs·(K + T)·N and reference_particles·N must not exceed {MOST_NUMBERS} numbers");
         self.that(numbers <= MOST_NUMBERS, key, x, &expected)
-    }
-
-    fn distinct(&self, key: &str, values: impl Iterator<Item = String>) -> Result<(), ConfigError> {
-        let mut values: Vec<String> = values.collect();
-        self.that(!values.is_empty(), key, "empty", "it must have one value or more")?;
-        values.sort();
-        let twice = values.windows(2).find(|pair| pair[0] == pair[1]);
-        self.that(twice.is_none(), key, format!("{values:?}"), "no value may stand twice")
     }
 
     fn system(&self, system: &System) -> Result<(), ConfigError> {

@@ -2,24 +2,15 @@
 
 use std::path::PathBuf;
 
+use motes_cli::UsageError;
 use thiserror::Error;
 
 /// Input that cannot be run.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum ConfigError {
     /// An argument of the command line.
-    #[error("{0}")]
-    Usage(String),
-    /// A value given on the command line.
-    #[error("{option} {value}: {expected}")]
-    Option {
-        /// The option's name.
-        option: String,
-        /// The value found.
-        value: String,
-        /// What would be right.
-        expected: String,
-    },
+    #[error(transparent)]
+    Usage(#[from] UsageError),
     /// An experiment file that cannot be read or parsed.
     #[error("{file}: {reason}")]
     File {
@@ -51,6 +42,11 @@ pub enum ConfigError {
 }
 
 impl ConfigError {
+    /// A value of an option that the experiment does not have.
+    pub(crate) fn option(option: &str, value: &str, expected: String) -> Self {
+        ConfigError::Usage(UsageError::Value { option: option.into(), value: value.into(), expected })
+    }
+
     /// 3 where input or output failed, 2 for every other bad input.
     pub fn exit_status(&self) -> u8 {
         match self {
@@ -58,15 +54,4 @@ impl ConfigError {
             _ => 2,
         }
     }
-}
-
-/// "did you mean `a`? there are a, b and c": the names to choose from, the nearest one first.
-pub fn one_of<'a>(found: &str, names: impl IntoIterator<Item = &'a str>) -> String {
-    let names: Vec<&str> = names.into_iter().collect();
-    let nearest = names.iter().min_by_key(|name| strsim::damerau_levenshtein(found, name));
-    let hint = nearest
-        .filter(|name| strsim::damerau_levenshtein(found, name) <= found.len().max(3) / 3 + 1)
-        .map(|name| format!("did you mean {name}? "))
-        .unwrap_or_default();
-    format!("{hint}there are {}", names.join(", "))
 }

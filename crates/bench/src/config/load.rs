@@ -2,7 +2,10 @@
 
 use std::path::Path;
 
-use super::{ConfigError, Experiment, one_of};
+use motes_cli::one_of;
+
+use super::error::ConfigError;
+use super::schema::Experiment;
 
 /// The figures that have a file in `folder`, sorted.
 pub(super) fn figures(folder: &Path) -> Result<Vec<String>, ConfigError> {

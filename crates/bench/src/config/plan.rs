@@ -1,38 +1,18 @@
 //! Arguments and experiment file brought together: exactly what is to be run.
 
+use std::fmt;
 use std::path::{Path, PathBuf};
 
+use motes_cli::one_of;
+use motes_proposals::Backend;
 use serde::{Deserialize, Serialize};
 
+use super::args::ReproduceArgs;
 use super::check::check;
+use super::error::ConfigError;
 use super::load::{figures, load};
-use super::{Axis, ConfigError, Experiment, Method, Panel, Profile, ReproduceArgs, one_of};
-
-/// What computes the networks.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Backend {
-    /// Our own.
-    Native,
-    /// burn's CPU backend.
-    Flex,
-    /// The backend on ndarray.
-    Ndarray,
-}
-
-impl Backend {
-    /// All of them; the first is the default.
-    pub const ALL: [Backend; 3] = [Backend::Native, Backend::Flex, Backend::Ndarray];
-
-    /// The name on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Backend::Native => "native",
-            Backend::Flex => "flex",
-            Backend::Ndarray => "ndarray",
-        }
-    }
-}
+use super::method::Method;
+use super::schema::{Axis, Experiment, Panel, Profile};
 
 /// One figure in one profile, restricted to what was asked for.
 #[derive(Debug, Clone)]
@@ -78,6 +58,26 @@ pub struct Point {
     pub repetition: usize,
 }
 
+/// What it runs, in one line.
+impl fmt::Display for Plan {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let methods: Vec<&str> = self.methods.iter().map(|method| method.name()).collect();
+        let panels: Vec<&str> = self.panels.iter().map(|panel| panel.name.as_str()).collect();
+        write!(
+            formatter,
+            "{} {}: panels {}, x = {:?}, methods {}, {} repetitions, seed {}, backend {}",
+            self.figure,
+            self.profile_name,
+            panels.join(" "),
+            self.profile.x,
+            methods.join(" "),
+            self.repetitions,
+            self.seed,
+            self.backend,
+        )
+    }
+}
+
 impl Plan {
     /// The units of this plan: panel by panel, so that finished panels come early.
     pub fn points(&self) -> Vec<Point> {
@@ -113,7 +113,7 @@ impl Plan {
 /// # Errors
 /// [`ConfigError`] for anything that could not be run.
 pub fn plans(args: &ReproduceArgs) -> Result<Vec<Plan>, ConfigError> {
-    let known = figures(&args.experiments())?;
+    let known = figures(&args.experiments)?;
     if args.figure == "all" {
         return known.iter().map(|figure| plan(figure, args)).collect();
     }
@@ -122,7 +122,7 @@ pub fn plans(args: &ReproduceArgs) -> Result<Vec<Plan>, ConfigError> {
     }
     let mut others = Vec::new();
     for figure in &known {
-        let file = args.experiments().join(format!("{figure}.toml"));
+        let file = args.experiments.join(format!("{figure}.toml"));
         // A file that cannot be read has no other name to give; it is an error where it is asked for.
         let Ok(Experiment { also, .. }) = load(&file) else { continue };
         if also.contains(&args.figure) {
@@ -131,7 +131,7 @@ pub fn plans(args: &ReproduceArgs) -> Result<Vec<Plan>, ConfigError> {
         others.extend(also);
     }
     let names = known.iter().chain(&others).map(String::as_str).chain(["all"]);
-    Err(refuse("figure", &args.figure, one_of(&args.figure, names)))
+    Err(ConfigError::option("figure", &args.figure, one_of(&args.figure, names)))
 }
 
 /// Every panel and x of a figure's paper profile; those of an experiment that has no file yet are none.
@@ -153,12 +153,12 @@ pub fn whole_figure(experiments: &Path, figure: &str) -> Result<Vec<(String, usi
 }
 
 fn plan(figure: &str, args: &ReproduceArgs) -> Result<Plan, ConfigError> {
-    let file = args.experiments().join(format!("{figure}.toml"));
+    let file = args.experiments.join(format!("{figure}.toml"));
     let experiment = load(&file)?;
     check(&file.display().to_string(), &experiment)?;
     let Some(profile) = experiment.profiles.get(&args.profile).cloned() else {
         let names = experiment.profiles.keys().map(String::as_str);
-        return Err(refuse("--profile", &args.profile, one_in(figure, &args.profile, names)));
+        return Err(ConfigError::option("--profile", &args.profile, one_in(figure, &args.profile, names)));
     };
     let of_profile: Vec<&Panel> = experiment
         .panels
@@ -167,36 +167,22 @@ fn plan(figure: &str, args: &ReproduceArgs) -> Result<Plan, ConfigError> {
         .collect();
     let panels = select(figure, ("--panels", &args.panels), &of_profile, |panel| &panel.name)?;
     let methods = select(figure, ("--methods", &args.methods), &experiment.methods, |method| method.name())?;
-    let Some(backend) = Backend::ALL.into_iter().find(|backend| backend.name() == args.backend) else {
-        let names = one_of(&args.backend, Backend::ALL.map(Backend::name));
-        return Err(refuse("--backend", &args.backend, names));
-    };
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     Ok(Plan {
         figure: figure.to_string(),
         profile_name: args.profile.clone(),
         panels: panels.into_iter().cloned().collect(),
         methods,
-        repetitions: number("--repetitions", args.repetitions.as_deref(), MOST_REPETITIONS)?
-            .unwrap_or(profile.repetitions),
-        jobs: number("--jobs", args.jobs.as_deref(), 1024)?.unwrap_or(cores),
-        backend,
-        seed: args.seed.parse().map_err(|_| {
-            refuse("--seed", &args.seed, format!("it must be an integer from 0 to {}", u64::MAX))
-        })?,
-        folder: args.out().join(figure).join(&args.profile),
+        repetitions: args.repetitions.unwrap_or(profile.repetitions),
+        jobs: args.jobs.unwrap_or(cores),
+        backend: args.backend,
+        seed: args.seed,
+        folder: args.out.join(figure).join(&args.profile),
         fresh: args.fresh,
         save_models: args.save_models,
         profile,
         experiment,
     })
-}
-
-/// As many repetitions as a run may have.
-pub(super) const MOST_REPETITIONS: usize = 1_000_000;
-
-fn refuse(option: &str, value: &str, expected: String) -> ConfigError {
-    ConfigError::Option { option: option.to_string(), value: value.to_string(), expected }
 }
 
 /// The names to choose from in one figure, which `reproduce all` does not name otherwise.
@@ -213,23 +199,18 @@ fn select<T: Clone>(
 ) -> Result<Vec<T>, ConfigError> {
     for (at, asked_name) in asked.iter().enumerate() {
         if !all.iter().any(|item| name(item) == asked_name) {
-            return Err(refuse(option, asked_name, one_in(figure, asked_name, all.iter().map(&name))));
+            return Err(ConfigError::option(
+                option,
+                asked_name,
+                one_in(figure, asked_name, all.iter().map(&name)),
+            ));
         }
         if asked[..at].contains(asked_name) {
-            return Err(refuse(option, &asked.join(","), format!("{asked_name} stands twice")));
+            return Err(ConfigError::option(option, &asked.join(","), format!("{asked_name} stands twice")));
         }
     }
     let chosen = all.iter().filter(|item| asked.is_empty() || asked.iter().any(|asked| asked == name(item)));
     Ok(chosen.cloned().collect())
-}
-
-fn number(option: &str, value: Option<&str>, most: usize) -> Result<Option<usize>, ConfigError> {
-    value
-        .map(|value| match value.parse::<usize>() {
-            Ok(number) if (1..=most).contains(&number) => Ok(number),
-            _ => Err(refuse(option, value, format!("it must be an integer from 1 to {most}"))),
-        })
-        .transpose()
 }
 
 /// Makes sure that results can be written to `folder`, by creating it and a file in it that is removed again.

@@ -2,9 +2,13 @@
 
 use std::collections::BTreeMap;
 
+use motes_models::{Drift, Noise};
+use motes_smc::Resampling;
+use motes_train::Objective;
 use serde::{Deserialize, Serialize};
 
-use super::{Method, Proposals, Sizes};
+use super::method::Method;
+use super::proposals::{Proposals, Sizes};
 
 /// A whole file, `experiments/<figure>.toml`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -64,6 +68,17 @@ pub enum Axis {
     Horizon,
     /// The number of state coordinates, N.
     Dimension,
+}
+
+impl Axis {
+    /// The letter that it has in formulas.
+    pub fn symbol(self) -> &'static str {
+        match self {
+            Axis::Particles => "K",
+            Axis::Horizon => "T",
+            Axis::Dimension => "N",
+        }
+    }
 }
 
 /// `x_t = φ(A x_{t−1}) + v_t`, `y_t = C x_t + w_t` on a random geometric graph.
@@ -142,28 +157,6 @@ pub struct SeriesFigure {
     pub windows: Vec<[usize; 2]>,
 }
 
-/// φ, applied to each coordinate.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Drift {
-    /// φ(x) = x.
-    Identity,
-    /// φ(x) = |x|.
-    Abs,
-}
-
-/// A noise family, centred, with the given variance.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Noise {
-    /// Normal.
-    Gaussian,
-    /// Shifted exponential.
-    Exponential,
-    /// Uniform.
-    Uniform,
-}
-
 /// The densities in weights and objective.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -189,20 +182,6 @@ pub struct Filter {
     pub defensive_weight: Option<f64>,
 }
 
-/// How ancestors are drawn.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Resampling {
-    /// Independent draws.
-    Multinomial,
-    /// One uniform, evenly spaced points.
-    Systematic,
-    /// One uniform in each of K strata.
-    Stratified,
-    /// Whole parts for certain, the rest multinomial.
-    Residual,
-}
-
 /// How proposals are trained.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -225,18 +204,6 @@ pub struct Training {
     pub beta_2: f64,
     /// Adam's ε.
     pub epsilon: f64,
-}
-
-/// What training maximises.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Objective {
-    /// Σ_t mean_k [log p(x_t|x_{t−1}) + log p(y_t|x_t)].
-    LogLikelihood,
-    /// Σ_t log mean_k p(x_t|x_{t−1}) p(y_t|x_t).
-    Literal,
-    /// The log-likelihood minus log q.
-    Elbo,
 }
 
 /// How far back in time a gradient reaches.

@@ -2,14 +2,15 @@
 
 use std::time::Instant;
 
+use motes_cli::status;
 use motes_proposals::{Backend, Family};
-use motes_train::{AdamConfig, GradientFlow, History, Objective, TrainConfig, TrainError, Training};
+use motes_train::{AdamConfig, GradientFlow, History, TrainConfig, TrainError, Training};
 
-use super::{Run, UnitError, failed};
-use crate::checkpoint::{Checkpoint, PutAside};
-use crate::config;
+use super::run::Run;
+use crate::checkpoint::{Checkpoint, Saved};
+use crate::config::{self, Gradient};
 use crate::provenance::Provenance;
-use crate::say::news;
+use crate::unit_error::{UnitError, failed};
 
 impl Run<'_> {
     /// Draws initial weights and trains them on the problem's measurements.
@@ -17,13 +18,8 @@ impl Run<'_> {
         self,
         family: &F::Config,
         config: &TrainConfig,
-        backend: config::Backend,
+        backend: Backend,
     ) -> Result<Trained<F>, UnitError> {
-        let backend = match backend {
-            config::Backend::Native => Backend::Native,
-            config::Backend::Flex => Backend::Flex,
-            config::Backend::Ndarray => Backend::NdArray,
-        };
         let (model, seed) = (&*self.problem.model, self.unit.own_seed());
         let (horizon, weights) = (self.unit.system.horizon(), seed.child("weights"));
         let mut proposal =
@@ -32,15 +28,14 @@ impl Run<'_> {
         let measurements = &self.problem.trajectory.measurements;
         let mut training =
             Training::new(&proposal, model, measurements, config, &mut stream).map_err(failed)?;
-        let mut checkpoint =
-            self.evaluator.checkpoints.as_ref().map(|checkpoints| checkpoints.of(&self.unit.key()));
+        let mut checkpoint = self.checkpoints.map(|checkpoints| checkpoints.of(&self.unit.key()));
         let (mut seconds_before, mut earlier) = (0.0, vec![]);
-        if let Some(PutAside { seconds, provenances, training: bytes }) =
+        if let Some(Saved { seconds, provenances, training: bytes }) =
             checkpoint.as_ref().and_then(Checkpoint::read)
         {
             match training.resume(&mut proposal, &bytes) {
                 Ok(()) => (seconds_before, earlier) = (seconds, provenances),
-                Err(error) => news(&format!("{error}; the training begins anew")),
+                Err(error) => status(&format!("{error}; the training begins anew")),
             }
         }
         let start = Instant::now();
@@ -53,7 +48,7 @@ impl Run<'_> {
             {
                 match training.checkpoint(&proposal) {
                     Ok(bytes) => checkpoint.write(seconds(), &earlier, &bytes).map_err(UnitError::NotKept)?,
-                    // The next step will say so, as it does where nothing is put aside.
+                    // The next step will say so, as it does where there are no checkpoints.
                     Err(TrainError::Diverged { .. }) => {}
                     Err(error) => return Err(failed(error)),
                 }
@@ -83,13 +78,9 @@ pub(super) struct Trained<F> {
 
 pub(super) fn train_config(training: &config::Training, particles: usize, steps: usize) -> TrainConfig {
     TrainConfig {
-        objective: match training.objective {
-            config::Objective::LogLikelihood => Objective::LogLikelihood,
-            config::Objective::Literal => Objective::Literal,
-            config::Objective::Elbo => Objective::Elbo,
-        },
+        objective: training.objective,
         gradient: match (training.gradient, training.gradient_window) {
-            (config::Gradient::Truncated, Some(window)) => GradientFlow::Truncated { window },
+            (Gradient::Truncated, Some(window)) => GradientFlow::Truncated { window },
             _ => GradientFlow::Full,
         },
         clip_norm: training.clip_norm,

@@ -5,7 +5,7 @@ use std::error::Error;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use super::{Area, Drawn, FONT, INK, colour, extent};
+use super::style::{Area, Drawn, FONT, INK, colour, extent};
 use crate::config::{Method, SeriesFigure};
 use crate::series::StateSeries;
 use crate::store::Record;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use motes_smc::{LEAST_EFFECTIVE_PARTICLES, TAIL_INDEX_LIMIT};
 
-use super::Row;
+use super::summary::Row;
 use crate::config::Method;
 
 /// Metrics with a column of their own, and what its head says.

@@ -1,8 +1,10 @@
 //! summary.csv: median and standard deviation over repetitions.
 
-use super::{csv, number};
+use serde::Serialize;
+
+use super::rows::{csv, exact_or_empty};
 use crate::config::Method;
-use crate::metrics::{median, quartiles, standard_deviation};
+use crate::statistics::{median, quartiles, standard_deviation};
 use crate::store::{Outcome, Record};
 
 /// One metric of one method at one point, over its repetitions.
@@ -77,33 +79,45 @@ fn value(record: &Record, name: &str) -> Option<f64> {
     }
 }
 
+#[derive(Serialize)]
+struct SummaryRow<'a> {
+    figure: &'a str,
+    panel: &'a str,
+    method: &'a str,
+    x: usize,
+    metric: &'a str,
+    #[serde(serialize_with = "exact_or_empty")]
+    median: Option<f64>,
+    #[serde(serialize_with = "exact_or_empty")]
+    std: Option<f64>,
+    n_ok: usize,
+    n: usize,
+}
+
 /// The summary as CSV; a point without any value has empty cells.
 pub(crate) fn summary_csv(figure: &str, rows: &[Row]) -> String {
-    let header = ["figure", "panel", "method", "x", "metric", "median", "std", "n_ok", "n"];
-    csv(
-        header,
-        rows.iter().map(|row| {
-            let value = |value: f64| if row.n_ok == 0 { String::new() } else { number(value) };
-            [
-                figure.to_string(),
-                row.panel.clone(),
-                row.method.name().to_string(),
-                row.x.to_string(),
-                row.metric.clone(),
-                value(row.median),
-                value(row.std),
-                row.n_ok.to_string(),
-                row.n.to_string(),
-            ]
-        }),
-    )
+    let rows = rows.iter().map(|row| {
+        let known = |value: f64| (row.n_ok > 0).then_some(value);
+        SummaryRow {
+            figure,
+            panel: &row.panel,
+            method: row.method.name(),
+            x: row.x,
+            metric: &row.metric,
+            median: known(row.median),
+            std: known(row.std),
+            n_ok: row.n_ok,
+            n: row.n,
+        }
+    });
+    csv(&["figure", "panel", "method", "x", "metric", "median", "std", "n_ok", "n"], rows)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Metric;
     use crate::config::Point;
+    use crate::metric::Metric;
     use crate::unit::tests::unit;
 
     fn record(x: usize, repetition: usize, outcome: Outcome) -> Record {

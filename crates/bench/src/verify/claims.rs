@@ -6,7 +6,7 @@ use super::judge::{
     Finding, below_at_every_point, best, in_general_below, most_spread, no_difference, relatively_better,
     smaller_ratio, somewhere_no_better, steadier, steadier_than_in, trend, worst,
 };
-use super::numbers::Figure;
+use super::numbers::{Figure, METRICS, STATES};
 use super::predicates::Verdict;
 use crate::config::Method::{self, Fcnn, Gnn, Psi, Rnn};
 
@@ -34,12 +34,6 @@ impl Judgement {
         Verdict::all(self.findings.iter().map(|finding| finding.verdict))
     }
 }
-
-/// What a claim on an error is judged on: the paper's average over runs, and a single run.
-pub(super) const METRICS: [&str; 2] = ["nmse_final", "nmse_final_single"];
-
-/// What a claim on the epidemic is judged on: the error of each state.
-pub(super) const STATES: [&str; 3] = ["mse_S", "mse_I", "mse_R"];
 
 /// The figures that claims are about.
 pub(super) const FIGURES: [&str; 7] = ["fig1", "fig2", "fig3", "fig4", "fig5", "fig6", "table1"];

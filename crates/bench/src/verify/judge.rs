@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::numbers::{Figure, Place, ratio};
 use super::predicates::{Below, CLOSE, IN_GENERAL, Slope, Verdict, below, unsteadiness};
 use crate::config::Method;
-use crate::metrics::median;
+use crate::statistics::median;
 
 /// A verdict on one subject, with the numbers that it rests on.
 #[derive(Debug, Clone, PartialEq)]

@@ -3,10 +3,16 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use super::VerifyError;
-use super::claims::{METRICS, STATES};
+use super::error::VerifyError;
 use crate::config::Method;
-use crate::metrics::{median, standard_deviation};
+use crate::statistics::{median, standard_deviation};
+use crate::tables::{FailureRow, MetricRow, read_rows};
+
+/// What a claim on an error is judged on: the paper's average over runs, and a single run.
+pub(super) const METRICS: [&str; 2] = ["nmse_final", "nmse_final_single"];
+
+/// What a claim on the epidemic is judged on: the error of each state.
+pub(super) const STATES: [&str; 3] = ["mse_S", "mse_I", "mse_R"];
 
 /// Where a number stands in a figure.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
@@ -123,13 +129,8 @@ pub(super) fn ratio(error: f64, other: f64) -> f64 {
     }
 }
 
-/// figure, panel, method, x, repetition, metric, value.
-type Line = (String, String, String, usize, usize, String, f64);
-
+/// By method, place and metric: the value of each repetition.
 pub(super) type Values = BTreeMap<(String, Place, String), BTreeMap<usize, f64>>;
-
-/// figure, panel, method, x, repetition, reason.
-type FailureLine = (String, String, String, usize, usize, String);
 
 /// Method, place and repetition of each unit that failed.
 type Failures = Vec<(String, Place, usize)>;
@@ -149,23 +150,16 @@ fn count_failures(values: &mut Values, failures: Failures) {
     }
 }
 
-fn read_failures(path: &PathBuf) -> Result<Failures, VerifyError> {
-    let fail = |source| VerifyError::Table { path: path.clone(), source };
-    let mut failed = Failures::new();
-    let mut reader = csv::Reader::from_path(path).map_err(fail)?;
-    for line in reader.deserialize() {
-        let (_, panel, method, x, repetition, _): FailureLine = line.map_err(fail)?;
-        failed.push((method, Place { panel, x }, repetition));
-    }
-    Ok(failed)
+fn read_failures(path: &Path) -> Result<Failures, VerifyError> {
+    let rows = read_rows(path).map_err(|source| VerifyError::Table { path: path.to_path_buf(), source })?;
+    let place = |row: FailureRow| (row.method, Place { panel: row.panel, x: row.x }, row.repetition);
+    Ok(rows.into_iter().map(place).collect())
 }
 
-fn read_units(path: &PathBuf) -> Result<Values, VerifyError> {
-    let fail = |source| VerifyError::Table { path: path.clone(), source };
+fn read_units(path: &Path) -> Result<Values, VerifyError> {
+    let rows = read_rows(path).map_err(|source| VerifyError::Table { path: path.to_path_buf(), source })?;
     let mut values = Values::new();
-    let mut reader = csv::Reader::from_path(path).map_err(fail)?;
-    for line in reader.deserialize() {
-        let (_, panel, method, x, repetition, metric, value): Line = line.map_err(fail)?;
+    for MetricRow { panel, method, x, repetition, metric, value, .. } in rows {
         values.entry((method, Place { panel, x }, metric)).or_default().insert(repetition, value);
     }
     Ok(values)

@@ -1,7 +1,7 @@
 //! What "below", "independent", "steadier" and "close" mean, fixed before any result was seen.
 
 use super::numbers::ratio;
-use crate::metrics::{mean, median, standard_deviation};
+use crate::statistics::{mean, median, standard_deviation};
 
 /// The verdict on a claim, or on a part of one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::claims::{Claim, Judgement, METRICS};
-use super::numbers::Figure;
+use super::claims::{Claim, Judgement};
+use super::numbers::{Figure, METRICS};
 use super::predicates::{CLOSE, IN_GENERAL, Verdict};
 
 /// In the place of a verdict that there is none of.

@@ -1,6 +1,7 @@
 //! Running the program on experiments of the tests' own.
 #![allow(dead_code, missing_docs)]
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::process::{Command, Output};
 
@@ -103,9 +104,18 @@ impl Workplace {
             .to_vec()
     }
 
-    /// Number of stored units.
+    /// Number of stored units: whole lines, each key once, in parts and then in what they were merged into meanwhile.
     pub fn units(&self, out: &str) -> usize {
-        self.files(&format!("{out}/tiny/quick/units"), "json").len()
+        let folder = format!("{out}/tiny/quick");
+        let parts = self.files(&folder, "part.jsonl").into_iter();
+        let texts =
+            parts.chain([self.path(&folder).join("units.jsonl")]).filter_map(|path| std::fs::read(path).ok());
+        let mut keys = BTreeSet::new();
+        for text in texts {
+            let lines = text.split_inclusive(|byte| *byte == b'\n').filter(|line| line.ends_with(b"\n"));
+            keys.extend(lines.map(|line| line[..44].to_vec()));
+        }
+        keys.len()
     }
 
     /// The files in a folder, if it is there, whose names end so.
@@ -113,7 +123,7 @@ impl Workplace {
         let Ok(entries) = std::fs::read_dir(self.path(folder)) else { return vec![] };
         let paths = entries.map(|entry| entry.unwrap().path());
         let mut files: Vec<PathBuf> =
-            paths.filter(|path| path.extension().is_some_and(|found| found == extension)).collect();
+            paths.filter(|path| path.to_string_lossy().ends_with(&format!(".{extension}"))).collect();
         files.sort();
         files
     }

@@ -1,9 +1,12 @@
 //! What determines a graph-diffusion system but for its random graph.
 
+use serde::{Deserialize, Serialize};
+
 use crate::Noise;
 
 /// The map `φ` applied to each coordinate of the diffused state.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Drift {
     /// `φ(x) = x`: a linear system.
     Identity,

@@ -3,12 +3,14 @@
 use motes_models::batch::with_scratch;
 use motes_models::{Stream, fill_uniform};
 use rand::RngExt;
+use serde::{Deserialize, Serialize};
 
 use super::descent::{Points, Spacings, draw};
 use crate::parallel::Threads;
 
 /// How ancestors are drawn. Each scheme holds the cumulative weights against `K` increasing points, in time linear in `K`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Resampling {
     /// `K` independent draws: offspring counts are multinomial. The paper's choice.
     #[default]

@@ -1,10 +1,17 @@
 //! What has to hold of an epidemic, and of what only epidemics have.
 
-use super::super::{Axis, ConfigError, Epidemic, Experiment, one_of};
-use super::Checks;
+use motes_cli::one_of;
+
+use super::super::checks::Checks;
+use super::super::error::ConfigError;
+use super::super::schema::{Axis, Epidemic, Experiment};
 
 impl Checks<'_> {
-    pub(super) fn epidemic(&self, experiment: &Experiment, epidemic: &Epidemic) -> Result<(), ConfigError> {
+    pub(in crate::config) fn epidemic(
+        &self,
+        experiment: &Experiment,
+        epidemic: &Epidemic,
+    ) -> Result<(), ConfigError> {
         let key = |name: &str| format!("epidemic.{name}");
         let Epidemic { infection_rate, removal_rate, time_step, .. } = *epidemic;
         let rates =

@@ -1,0 +1,92 @@
+//! Running the filters of a unit.
+
+use std::time::Instant;
+
+use motes_smc::{
+    Bootstrap, FilterBank, FilterSettings, FixedLagSmoother, ParticleFilter, Proposal, ResampleWhen,
+};
+
+use super::evaluation::Evaluation;
+use super::run::Run;
+use crate::config::Filter;
+use crate::metric::Metric;
+use crate::metrics::{Recorded, metrics};
+use crate::problem::Model;
+use crate::recorded_series::series;
+use crate::unit_error::{UnitError, failed};
+
+impl Run<'_> {
+    /// Runs the filters of a unit with one proposal.
+    pub(super) fn run_filters<P: Proposal<Model>>(
+        self,
+        model: &Model,
+        proposal: P,
+    ) -> Result<Evaluation, UnitError> {
+        let Run { unit, problem, .. } = self;
+        let start = Instant::now();
+        let (filters, n) = (unit.filter_runs, unit.system.dimension());
+        let seed = unit.own_seed().child("filter");
+        let settings = filter_settings(&unit.filter);
+        let mut bank = FilterBank::new(model, proposal, settings, filters, &seed).map_err(failed)?;
+        let mut recorded = Recorded::with_capacity(filters, unit.system.horizon(), n);
+        let mut mean = vec![0.0; n];
+        for measurement in problem.trajectory.measurements.rows() {
+            self.go_on()?;
+            bank.step(measurement).map_err(failed)?;
+            recorded.report.add(&bank.diagnosis());
+            for filter in 0..filters {
+                bank.mean(filter, &mut mean);
+                recorded.means.extend_from_slice(&mean);
+                recorded.effective_sample_sizes.push(bank.weights(filter).effective_sample_size());
+            }
+        }
+        recorded.log_evidence.extend((0..filters).map(|filter| bank.log_evidence(filter)));
+        Ok(self.found(&recorded, start))
+    }
+
+    /// Smooths by `lag` later measurements, as far as there are any, under the densities that data were drawn with.
+    pub(super) fn smooth(self, lag: usize) -> Result<Evaluation, UnitError> {
+        let Run { unit, problem, .. } = self;
+        let start = Instant::now();
+        let (runs, n, horizon) = (unit.filter_runs, unit.system.dimension(), unit.system.horizon());
+        let seed = unit.own_seed().child("filter");
+        let settings = filter_settings(&unit.filter);
+        let mut recorded = Recorded::with_capacity(runs, horizon, n);
+        recorded.means.resize(horizon * runs * n, 0.0);
+        for run in 0..runs {
+            let stream = seed.nth(run as u64).stream();
+            let filter =
+                ParticleFilter::new(&*problem.system, Bootstrap, settings, stream).map_err(failed)?;
+            let mut smoother = FixedLagSmoother::new(filter, lag);
+            for (time, measurement) in problem.trajectory.measurements.rows().enumerate() {
+                self.go_on()?;
+                smoother.step(measurement).map_err(failed)?;
+                recorded.report.add(&smoother.filter().diagnosis());
+                recorded.effective_sample_sizes.push(smoother.filter().effective_sample_size());
+                // At the end there is nothing more to wait for.
+                let last = if time + 1 == horizon { 0 } else { lag };
+                for back in (last..=lag.min(time)).rev() {
+                    let at = ((time - back) * runs + run) * n;
+                    smoother.mean(back, &mut recorded.means[at..at + n]);
+                }
+            }
+            recorded.log_evidence.push(smoother.filter().log_evidence());
+        }
+        Ok(self.found(&recorded, start))
+    }
+
+    fn found(self, recorded: &Recorded, start: Instant) -> Evaluation {
+        let timings = vec![Metric::new("filter_seconds", start.elapsed().as_secs_f64())];
+        let metrics = metrics(self.problem, self.references, recorded);
+        Evaluation { metrics, timings, series: series(self.unit, self.problem, recorded), earlier: vec![] }
+    }
+}
+
+fn filter_settings(filter: &Filter) -> FilterSettings {
+    FilterSettings {
+        particles: filter.particles,
+        resampling: filter.resampling,
+        resample_when: ResampleWhen::EssBelow(filter.ess_threshold),
+        defensive_weight: filter.defensive_weight,
+    }
+}

@@ -1,0 +1,238 @@
+//! figure.svg: panels side by side, and below the paper's metric those that show what it hides.
+
+use std::collections::BTreeSet;
+use std::error::Error;
+
+use plotters::coord::ranged1d::{AsRangedCoord, DefaultFormatting, KeyPointHint, ValueFormatter};
+use plotters::coord::types::RangedCoordf64;
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+use super::counts;
+use super::style::{Area, Drawn, FONT, INK, colour, extent};
+use crate::config::{Axis, Method, Plan};
+use crate::tables::Row;
+
+/// A row of plots: which metric, what its axis says, and whether the axis is logarithmic.
+struct Metric {
+    name: &'static str,
+    label: &'static str,
+    logarithmic: bool,
+}
+
+const METRICS: [Metric; 7] = [
+    Metric { name: "nmse_final", label: "NMSE, last time", logarithmic: true },
+    Metric { name: "nmse_posterior", label: "NMSE to posterior mean", logarithmic: true },
+    Metric { name: "nmse_all", label: "NMSE, all times", logarithmic: true },
+    Metric { name: "mse_S", label: "squared error of S", logarithmic: true },
+    Metric { name: "mse_I", label: "squared error of I", logarithmic: true },
+    Metric { name: "mse_R", label: "squared error of R", logarithmic: true },
+    Metric { name: "ess", label: "effective sample size", logarithmic: false },
+];
+
+const PANEL: (u32, u32) = (380, 260);
+const HEAD: u32 = 84;
+/// Labels that a panel has room for below it.
+const MOST_TICKS: usize = 10;
+/// What all charts of a figure have in common.
+struct Common<'a> {
+    axis: Axis,
+    methods: &'a [Method],
+    /// The most repetitions that any point has: those with fewer say how many.
+    repetitions: usize,
+}
+
+/// Draws medians, a curve for each method, with bars over the middle half of the repetitions. On a logarithmic axis a standard
+/// deviation larger than the median, as here, would have no lower end; the tables have it.
+///
+/// # Errors
+/// What the drawing library says.
+pub(crate) fn figure(plan: &Plan, title: &str, rows: &[Row]) -> Result<String, Box<dyn Error>> {
+    let mut panels: Vec<&str> = Vec::new();
+    let mut methods: Vec<Method> = Vec::new();
+    for row in rows {
+        if !panels.contains(&row.panel.as_str()) {
+            panels.push(&row.panel);
+        }
+        if !methods.contains(&row.method) {
+            methods.push(row.method);
+        }
+    }
+    let there = |metric: &&Metric| rows.iter().any(|row| row.metric == metric.name && row.n_ok > 0);
+    let metrics: Vec<&Metric> = METRICS.iter().filter(there).collect();
+    let size = (PANEL.0 * panels.len().max(2) as u32, HEAD + PANEL.1 * metrics.len() as u32);
+    let mut svg = String::new();
+    {
+        let root = SVGBackend::with_string(&mut svg, size).into_drawing_area();
+        root.fill(&WHITE)?;
+        let (head, body) = root.split_vertically(HEAD);
+        let repetitions = rows.iter().map(|row| row.n_ok).max().unwrap_or(0);
+        let common = Common { axis: plan.experiment.axis, methods: &methods, repetitions };
+        let is_shown = |row: &&Row| metrics.iter().any(|metric| metric.name == row.metric);
+        let uneven = rows.iter().filter(is_shown).any(|row| (1..repetitions).contains(&row.n_ok));
+        draw_head(&head, title, &methods, uneven)?;
+        let cells = body.split_evenly((metrics.len(), panels.len()));
+        for (at, cell) in cells.iter().enumerate() {
+            let (metric, panel) = (metrics[at / panels.len()], panels[at % panels.len()]);
+            let of_metric: Vec<&Row> =
+                rows.iter().filter(|row| row.metric == metric.name && row.n_ok > 0).collect();
+            draw_cell(cell, &common, metric, panel, &of_metric)?;
+        }
+        root.present()?;
+    }
+    Ok(svg)
+}
+
+/// Title and legend.
+fn draw_head(head: &Area<'_>, title: &str, methods: &[Method], uneven: bool) -> Drawn {
+    head.draw(&Text::new(title.to_string(), (12, 10), (FONT, 17).into_font().color(&INK)))?;
+    let mut x = 12;
+    for &method in methods {
+        let colour = colour(method);
+        head.draw(&PathElement::new(vec![(x, 46), (x + 26, 46)], colour.stroke_width(2)))?;
+        head.draw(&marker(method, (x + 13, 46)))?;
+        head.draw(&Text::new(method.name(), (x + 32, 39), (FONT, 14).into_font().color(&INK)))?;
+        x += 52 + 8 * method.name().len() as i32;
+    }
+    let note = match uneven {
+        true => "medians; bars span the middle half of the repetitions, fewer where n says so",
+        false => "medians; bars span the middle half of the repetitions",
+    };
+    head.draw(&Text::new(note, (12, 62), (FONT, 13).into_font().color(&INK.mix(0.7))))?;
+    Ok(())
+}
+
+fn draw_cell(cell: &Area<'_>, common: &Common<'_>, metric: &Metric, panel: &str, rows: &[&Row]) -> Drawn {
+    let (low_x, high_x) = extent(rows.iter().map(|row| row.x as f64));
+    let margin = 0.06 * (high_x - low_x).max(1.0);
+    let x = Across { range: (low_x - margin..high_x + margin).into(), ticks: ticks(rows) };
+    let here: Vec<&Row> = rows.iter().filter(|row| row.panel == panel).copied().collect();
+    // One scale for all panels of a metric, so that they can be compared.
+    if metric.logarithmic {
+        let (low, _) = extent(rows.iter().map(|row| row.quartiles.0));
+        let (_, high) = extent(rows.iter().map(|row| row.quartiles.1));
+        // A narrow range is widened to whole decades, so that there are two labelled lines to read it by.
+        let (low, high) = match high < 30.0 * low {
+            true => {
+                let whole = |value: f64, round: fn(f64) -> f64| 10_f64.powf(round(value.log10()));
+                // A hair beyond, so that rounding does not leave the line at the end out.
+                (0.99 * whole(low / 1.05, f64::floor), 1.01 * whole(high * 1.05, f64::ceil))
+            }
+            false => (low / 1.5, high * 1.5),
+        };
+        let y = (low..high).log_scale();
+        draw_chart(cell, common, metric, panel, &here, x, y)
+    } else {
+        let (_, high) = extent(rows.iter().map(|row| row.quartiles.1));
+        draw_chart(cell, common, metric, panel, &here, x, 0.0..high * 1.05)
+    }
+}
+
+fn draw_chart<Y>(
+    cell: &Area<'_>,
+    common: &Common<'_>,
+    metric: &Metric,
+    panel: &str,
+    rows: &[&Row],
+    x: Across,
+    y: Y,
+) -> Drawn
+where
+    Y: AsRangedCoord<Value = f64>,
+    Y::CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>,
+{
+    let spread = x.range().end - x.range().start;
+    let last = rows.iter().map(|row| row.x).max();
+    let mut chart = ChartBuilder::on(cell)
+        .margin(8)
+        .margin_right(14)
+        .caption(format!("{panel}: {}", metric.label), (FONT, 14).into_font().color(&INK))
+        .x_label_area_size(34)
+        .y_label_area_size(48)
+        .build_cartesian_2d(x, y)?;
+    let label = |y: &f64| if metric.logarithmic { format!("{y:.0e}") } else { format!("{y}") };
+    chart
+        .configure_mesh()
+        .x_desc(common.axis.symbol())
+        .y_labels(5)
+        .x_label_formatter(&|x| format!("{x:.0}"))
+        .y_label_formatter(&label)
+        .light_line_style(TRANSPARENT)
+        .bold_line_style(INK.mix(0.12))
+        .axis_style(INK.mix(0.6))
+        .label_style((FONT, 12).into_font().color(&INK))
+        .draw()?;
+    let shared = counts::shared(rows.iter().map(|row| (row.x, row.n_ok)), common.repetitions);
+    for (at, &method) in common.methods.iter().enumerate() {
+        let colour = colour(method);
+        // Bars of different methods stand beside each other.
+        let shift = spread * 0.008 * (at as f64 - 0.5 * (common.methods.len() as f64 - 1.0));
+        let mut points: Vec<(f64, &Row)> =
+            rows.iter().filter(|row| row.method == method).map(|row| (row.x as f64 + shift, *row)).collect();
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for (x, row) in &points {
+            let ends = [(*x, row.quartiles.0), (*x, row.quartiles.1)];
+            chart.draw_series([PathElement::new(ends, colour.mix(0.45).stroke_width(2))])?;
+        }
+        let line = points.iter().map(|(x, row)| (*x, row.median));
+        chart.draw_series(LineSeries::new(line.clone(), colour.stroke_width(2)))?;
+        chart.draw_series(line.map(|point| marker(method, point)))?;
+        let is_alone = |row: &Row| row.n_ok < common.repetitions && shared.get(&row.x) != Some(&row.n_ok);
+        chart.draw_series(points.iter().filter(|(_, row)| is_alone(row)).map(|(x, row)| {
+            // The last one would not have room to the right.
+            let (side, anchor) = if Some(row.x) == last { (-6, HPos::Right) } else { (6, HPos::Left) };
+            EmptyElement::at((*x, row.median)) + count(row.n_ok, (side, 4), anchor, &colour)
+        }))?;
+    }
+    let floor = chart.y_range().start;
+    chart.draw_series(shared.iter().map(|(&x, &repetitions)| {
+        EmptyElement::at((x as f64, floor)) + count(repetitions, (0, -14), HPos::Center, &INK)
+    }))?;
+    Ok(())
+}
+
+fn count(
+    repetitions: usize,
+    offset: (i32, i32),
+    side: HPos,
+    colour: &RGBColor,
+) -> Text<'static, (i32, i32), String> {
+    let style = (FONT, 11).into_font().color(colour).pos(Pos::new(side, VPos::Top));
+    Text::new(format!("n = {repetitions}"), offset, style)
+}
+
+/// The horizontal axis: the library's own ticks are at round numbers, where nothing may have been measured.
+struct Across {
+    range: RangedCoordf64,
+    ticks: Vec<f64>,
+}
+
+impl Ranged for Across {
+    type FormatOption = DefaultFormatting;
+    type ValueType = f64;
+
+    fn map(&self, value: &f64, limit: (i32, i32)) -> i32 {
+        self.range.map(value, limit)
+    }
+
+    fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
+        if hint.weight().allow_light_points() { Vec::new() } else { self.ticks.clone() }
+    }
+
+    fn range(&self) -> std::ops::Range<f64> {
+        self.range.range()
+    }
+}
+
+/// Where something was measured, or only some of it, if there is no room for so many labels.
+fn ticks(rows: &[&Row]) -> Vec<f64> {
+    let xs: BTreeSet<usize> = rows.iter().map(|row| row.x).collect();
+    let every = xs.len().div_ceil(MOST_TICKS).max(1);
+    xs.into_iter().step_by(every).map(|x| x as f64).collect()
+}
+
+/// Filled for learned proposals, hollow for designed ones.
+fn marker<C>(method: Method, at: C) -> Circle<C, i32> {
+    let colour = colour(method);
+    Circle::new(at, 4, if method.is_learned() { colour.filled() } else { colour.stroke_width(2) })
+}

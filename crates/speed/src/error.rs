@@ -1,0 +1,44 @@
+//! Why there is no measurement.
+
+use std::path::Path;
+
+use thiserror::Error;
+
+/// Why there is no measurement.
+#[derive(Debug, Error)]
+pub(crate) enum SpeedError {
+    /// A file or a process could not be had.
+    #[error("{what}: {source}")]
+    System {
+        /// Which one.
+        what: String,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// A process did not do what it was asked for.
+    #[error("{who}: {reason}")]
+    Worker {
+        /// Which one.
+        who: String,
+        /// What it said.
+        reason: String,
+    },
+    /// Our own work could not be prepared.
+    #[error("{0}")]
+    Prepare(String),
+    /// A signal came.
+    #[error("interrupted")]
+    Interrupted,
+}
+
+impl SpeedError {
+    /// Names what the system refused.
+    pub(crate) fn system(what: impl AsRef<Path>) -> impl FnOnce(std::io::Error) -> SpeedError {
+        move |source| SpeedError::System { what: what.as_ref().display().to_string(), source }
+    }
+}
+
+/// Our own work could not be prepared, for any reason.
+pub(crate) fn prepare(error: impl ToString) -> SpeedError {
+    SpeedError::Prepare(error.to_string())
+}

@@ -1,0 +1,95 @@
+//! What a worker is asked to do and what it answers: JSON, a line each.
+
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+
+/// A request.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum Request {
+    /// Get ready for a task.
+    Prepare(Task),
+    /// Show that the work is equal.
+    Check(bool),
+    /// Do it once, and time it.
+    Run(bool),
+    /// End.
+    Quit(bool),
+}
+
+/// A piece of work.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub(crate) enum Task {
+    /// Filters along all measurements.
+    Filter(FilterTask),
+    /// Steps of training.
+    Train(TrainTask),
+}
+
+/// Filters along all measurements.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) struct FilterTask {
+    /// Whose filter; nobody's if ours.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub(crate) peer: Option<String>,
+    /// The problem's file.
+    pub(crate) problem: PathBuf,
+    /// `bootstrap` or `min-degeneracy`.
+    pub(crate) method: String,
+    /// `K`.
+    pub(crate) particles: usize,
+    /// How many filters run side by side.
+    pub(crate) filters: usize,
+    /// `multinomial` or `systematic`.
+    pub(crate) resampling: String,
+    /// Where noise starts.
+    pub(crate) seed: u64,
+    /// How many threads may work.
+    pub(crate) threads: usize,
+}
+
+/// Steps of training.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) struct TrainTask {
+    /// Which family.
+    pub(crate) family: String,
+    /// Weights, problem and noise.
+    pub(crate) folder: PathBuf,
+    /// `K`.
+    pub(crate) particles: usize,
+    /// Whether the model is to be compiled first, where that means anything.
+    pub(crate) compile: bool,
+    /// How many steps.
+    pub(crate) steps: usize,
+    /// How many threads may work.
+    pub(crate) threads: usize,
+}
+
+/// An answer; what does not belong to the question is absent.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub(crate) struct Answer {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) ready: Option<bool>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) error: Option<String>,
+    /// What one run took.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) seconds: Option<f64>,
+    /// Of a check: the loss of the given weights and noise.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) loss: Option<f64>,
+    /// Of a check: the norm of its gradient.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) gradient_norm: Option<f64>,
+    /// Of a check: the mean of `log Ẑ` over filters, and its standard error.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) mean_log_evidence: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) log_evidence_error: Option<f64>,
+    /// Versions of what answers.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) versions: Option<serde_json::Value>,
+}
