@@ -51,4 +51,4 @@ pub use motes_networks::{
 pub use psi::{Psi, PsiConfig, PsiScratch};
 pub use rnn::{Rnn, RnnConfig, RnnNetworks};
 pub use saved::{SAVED_FORMAT, SavedError, load, save};
-pub use standardised::{Frame, Frames, Origin, Standardised, StandardisedConfig};
+pub use standardised::{Frame, Frames, Origin, Standardised, StandardisedConfig, StandardisedScratch};

@@ -5,17 +5,8 @@ use motes_models::{StateSpaceModel, Stream};
 use motes_smc::{Conditional, Context, Proposal, ProposalError, particles_by_stream};
 use rand::RngExt;
 
-use super::Psi;
 use super::map::Map;
-
-/// What all particles of a step have in common.
-#[derive(Clone)]
-pub(super) struct Prepared {
-    map: Map,
-    log_abs_det: f64,
-    /// `C y_t`.
-    shift: Vec<f64>,
-}
+use super::transform::{Prepared, Psi};
 
 /// What conditioning a block of particles computes in.
 #[derive(Default)]

@@ -7,7 +7,7 @@ use pulp::{Simd, WithSimd};
 
 use super::map::{Inverses, Map};
 use super::propose::fill_uniform;
-use super::{FIRST, Psi};
+use super::transform::{FIRST, Psi};
 use crate::lanes::{Blocks, LANES, Lane, set_times_transposed, vectorised};
 use crate::learnable::{Learnable, Tape};
 

@@ -3,8 +3,17 @@
 use motes_models::{Seed, StateSpaceModel, SystemGraph};
 use rand::RngExt;
 use rand_distr::StandardNormal;
+use serde::{Deserialize, Serialize};
 
-use super::Entry;
+/// A named number of a system's fingerprint.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Entry {
+    /// What it is.
+    pub name: String,
+    /// Its value.
+    pub value: f64,
+}
 
 /// Dimensions, log densities at a few points of the first three times, projections of the points, and projections of the graph: a
 /// change of a parameter changes some of them, unless it shows at later times alone. Where noise is added, the density of a state that was

@@ -4,18 +4,9 @@ use motes_models::batch::Rows;
 use motes_models::{StateSpaceModel, Stream};
 use motes_smc::{Conditional, Context, ParticleMemory, Proposal, ProposalError};
 
-use super::Standardised;
+use super::family::{Prepared, Standardised};
 use super::frame::Frame;
 use crate::family::Family;
-
-/// What all particles of a step have in common.
-#[derive(Clone)]
-pub(super) struct Prepared {
-    /// `υ_t`.
-    measurement: Vec<f64>,
-    /// `o + B υ_t`.
-    origin: Vec<f64>,
-}
 
 /// What conditioning a block of particles computes in.
 #[derive(Default)]

@@ -5,7 +5,7 @@ use motes_models::batch::Rows;
 use motes_networks::{Inputs, Parameters, Workspace};
 use motes_smc::ProposalError;
 
-use super::Standardised;
+use super::family::Standardised;
 use super::frame::Frame;
 use crate::family::Family;
 use crate::learnable::{Learnable, Tape};

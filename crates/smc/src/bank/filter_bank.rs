@@ -2,7 +2,7 @@
 
 use std::ops::Deref;
 
-use motes_models::{Seed, StateSpaceModel, Stream, duplicate};
+use motes_models::{Seed, StateSpaceModel, Stream, check_dimensions, duplicate};
 
 use super::filters::Outcome;
 use super::scratches::Scratches;
@@ -46,7 +46,8 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
     /// Prepares `filters` filters; filter `b` draws from the stream of `seed.nth(b)`.
     ///
     /// # Errors
-    /// [`FilterError::Setting`] if there is no filter or no particle, or a setting is out of range.
+    /// [`FilterError::Setting`] if there is no filter or no particle, or a setting is out of range; [`FilterError::Model`] for a model without states
+    /// or measurements.
     pub fn new(
         model: D,
         proposal: P,
@@ -54,6 +55,7 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
         filters: usize,
         seed: &Seed,
     ) -> Result<Self, FilterError> {
+        check_dimensions(&*model)?;
         settings.check_bank(filters, model.state_dim(), proposal.memory_per_particle())?;
         FilterBank::with_streams(model, proposal, settings, seed.streams(filters))
     }
@@ -68,6 +70,7 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
         settings: FilterSettings,
         streams: Vec<Stream>,
     ) -> Result<Self, FilterError> {
+        check_dimensions(&*model)?;
         let (filters, n) = (streams.len(), model.state_dim());
         let (rows, values) = settings.check_bank(filters, n, proposal.memory_per_particle())?;
         Ok(FilterBank {
