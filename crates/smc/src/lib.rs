@@ -25,7 +25,7 @@ mod weights;
 
 pub use bank::{FilterBank, FilterSettings};
 pub use diagnosis::{
-    LEAST_EFFECTIVE_PARTICLES, TAIL_INDEX_LIMIT, WeightDiagnosis, WeightReport, WeightWarning, tail_index,
+    LEAST_EFFECTIVE_PARTICLES, PARETO_K_LIMIT, WeightDiagnosis, WeightReport, WeightWarning, pareto_k,
 };
 pub use error::{ErrorKind, FilterError};
 pub use filter::ParticleFilter;

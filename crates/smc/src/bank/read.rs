@@ -5,7 +5,7 @@ use std::ops::Deref;
 use motes_models::StateSpaceModel;
 
 use super::filter_bank::FilterBank;
-use crate::diagnosis::{WeightDiagnosis, tail_index};
+use crate::diagnosis::{WeightDiagnosis, pareto_k};
 use crate::proposal::Proposal;
 use crate::weights::LogWeights;
 
@@ -61,7 +61,7 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
             time: self.time.saturating_sub(1),
             particles: self.settings.particles,
             effective_sample_size: sizes.sum::<f64>() / self.weights.len() as f64,
-            tail_index: tail_index(&weights.collect::<Vec<f64>>()),
+            pareto_k: pareto_k(&weights.collect::<Vec<f64>>()),
         }
     }
 
