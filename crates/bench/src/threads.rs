@@ -10,10 +10,10 @@ pub(crate) fn of_workers(jobs: usize, units: usize) -> impl Iterator<Item = usiz
     (0..workers).map(move |worker| (jobs + worker) / workers)
 }
 
-/// Does the work in a pool of so many threads, which filters and large products find. If the system refuses to start it, says so and does the
-/// work where it is.
+/// Does the work in a pool of so many threads, which filters and large products find; the calling one is the first of them for good. If the
+/// system refuses to start it, says so and does the work where it is.
 pub(crate) fn on<R: Send>(threads: usize, work: impl FnOnce() -> R + Send) -> R {
-    match ThreadPoolBuilder::new().num_threads(threads).build() {
+    match ThreadPoolBuilder::new().num_threads(threads).use_current_thread().build() {
         Ok(pool) => pool.install(work),
         Err(error) => {
             status(&format!("a unit has no threads of its own, {threads} were asked for: {error}"));

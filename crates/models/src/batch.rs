@@ -26,14 +26,17 @@ thread_local! {
     static SCRATCH: RefCell<Vec<Vec<f64>>> = const { RefCell::new(Vec::new()) };
 }
 
-/// Lends scratch of `len` numbers of any value. It is the thread's own and kept, so that asking again allocates nothing.
+/// Lends scratch of `len` numbers of any value, which begins with a line of cache. It is the thread's own and kept, so that asking again allocates
+/// nothing.
 pub fn with_scratch<R>(len: usize, work: impl FnOnce(&mut [f64]) -> R) -> R {
     // Taken, not borrowed, so that a call inside a call gets another.
     let mut scratch = SCRATCH.with_borrow_mut(Vec::pop).unwrap_or_default();
-    if scratch.len() < len {
-        scratch.resize(len, 0.0);
+    if scratch.len() < len + LINE {
+        scratch.resize(len + LINE, 0.0);
     }
-    let result = work(&mut scratch[..len]);
+    // Vectors as long as a line would otherwise each lie in two.
+    let start = scratch.as_ptr().align_offset(LINE * size_of::<f64>()).min(LINE);
+    let result = work(&mut scratch[start..start + len]);
     SCRATCH.with_borrow_mut(|kept| kept.push(scratch));
     result
 }
@@ -41,10 +44,13 @@ pub fn with_scratch<R>(len: usize, work: impl FnOnce(&mut [f64]) -> R) -> R {
 /// Allocates what [`with_scratch`] lends on this thread for `depth` calls inside each other, of up to `len` numbers each.
 pub fn reserve_scratch(depth: usize, len: usize) {
     SCRATCH.with_borrow_mut(|kept| {
-        kept.retain(|scratch| scratch.len() >= len);
-        kept.resize_with(depth.max(kept.len()), || vec![0.0; len]);
+        kept.retain(|scratch| scratch.len() >= len + LINE);
+        kept.resize_with(depth.max(kept.len()), || vec![0.0; len + LINE]);
     });
 }
+
+/// Numbers in a line of cache, which is as long as the longest vector.
+const LINE: usize = 8;
 
 /// Whether so many numbers of 64 bits can be had at once: asked before what would end the process if they cannot.
 pub fn there_is_memory_for(numbers: usize) -> bool {

@@ -59,7 +59,8 @@ pub use shape::ModelShape;
 pub use simulate::{Trajectory, simulate, simulate_within};
 pub use simulations::{LinearPredictor, Simulations, Spread};
 pub use state_space::{
-    AdditiveGaussian, PartialLikelihood, Simulator, StateGradients, StateSpaceModel, check_dimensions,
+    AdditiveGaussian, PartialLikelihood, Propagator, Simulator, StateGradients, StateSpaceModel,
+    check_dimensions,
 };
 pub use stream::{Seed, Stream, duplicate};
 pub use system_graph::{GraphModel, SystemGraph};

@@ -74,6 +74,11 @@ pub trait StateSpaceModel: Sync {
         }
     }
 
+    /// This model as one that draws and weighs in one pass, if it has such a form.
+    fn propagator(&self) -> Option<&dyn Propagator> {
+        None
+    }
+
     /// [`StateSpaceModel::log_initial`] of each of `K` rows, into `out` (`K`).
     fn log_initials(&self, states: &[f64], out: &mut [f64]) {
         for (state, out) in states.chunks_exact(self.state_dim()).zip(out) {
@@ -94,6 +99,27 @@ pub trait StateSpaceModel: Sync {
             *out = self.log_likelihood(time, state, measurement);
         }
     }
+}
+
+/// A model that can draw transitions and weigh them in one pass over the particles.
+///
+/// It gives what [`StateSpaceModel::sample_transitions`] and then [`StateSpaceModel::log_likelihoods`] give, to the last bit, and saves bringing the
+/// states that were drawn from memory once more.
+pub trait Propagator: Sync {
+    /// Draws `x_t ~ p(x_t | x_{t−1})` for each of `K` rows into `states` (`K×N`) and writes `log p(y_t | x_t)` into `log_likelihoods` (`K`). The rows are
+    /// split evenly over `streams`, in order.
+    ///
+    /// # Panics
+    /// If `K` is not a multiple of the number of streams.
+    fn propagate(
+        &self,
+        time: usize,
+        previous: Rows<'_>,
+        measurement: &[f64],
+        streams: &mut [Stream],
+        states: &mut [f64],
+        log_likelihoods: &mut [f64],
+    );
 }
 
 /// Refuses a model without states or without measurements.

@@ -75,6 +75,15 @@ fn check(model: &impl StateSpaceModel) {
         let rows = Rows::picked(&previous, n, &picked);
         model.sample_transitions(1, rows, &mut alone, &mut second);
         assert!(second == states[particles * n..]);
+        // Drawing and weighing in one pass are the same two things.
+        if let Some(propagator) = model.propagator() {
+            let (mut third, mut likelihoods) = (vec![f64::NAN; particles * n], vec![f64::NAN; particles]);
+            let mut again = Seed::from_u64(21).streams(2).split_off(1);
+            model.sample_initials(&mut again, &mut first);
+            propagator.propagate(1, rows, &measurement, &mut again, &mut third, &mut likelihoods);
+            assert!(third == second);
+            assert_same(&likelihoods, |row| out[particles + row]);
+        }
         let mut densities = vec![f64::NAN; particles];
         model.log_transitions(1, rows, &second, &mut densities);
         assert_same(&densities, |row| {

@@ -8,36 +8,20 @@ use motes_models::{GraphDiffusion, Measurements, ModelShape, Stream};
 use motes_proposals::{Backend, Family, Fcnn, Gnn, Learnable, Psi, Rnn, load};
 use motes_smc::{Bootstrap, FilterBank, FilterSettings, MinDegeneracy, Proposal, Resampling};
 use motes_train::{GradientFlow, Objective, TrainConfig, rollout, train};
-use rayon_core::{ThreadPool, ThreadPoolBuilder};
+use rayon_core::{ThreadPoolBuilder, current_num_threads, current_thread_index};
 
 use crate::folder::{DIMENSION, seed, system, trajectory};
 use crate::task::{Answer, FilterTask, Request, Task, TrainTask};
 
 /// Something to be done again and again.
-trait Work: Send {
+trait Work {
     fn check(&mut self) -> Result<Answer, String>;
     fn run(&mut self) -> Result<(), String>;
 }
 
-/// Work with the threads that it may have.
-struct Prepared {
-    work: Box<dyn Work>,
-    pool: ThreadPool,
-}
-
-impl Prepared {
-    fn check(&mut self) -> Result<Answer, String> {
-        self.pool.install(|| self.work.check())
-    }
-
-    fn run(&mut self) -> Result<(), String> {
-        self.pool.install(|| self.work.run())
-    }
-}
-
 /// Serves requests, a line each, until there are no more.
 pub(crate) fn serve() {
-    let mut work: Option<Prepared> = None;
+    let mut work: Option<Box<dyn Work>> = None;
     for line in std::io::stdin().lock().lines() {
         let Ok(line) = line else { break };
         let answer = match serde_json::from_str::<Request>(&line) {
@@ -54,14 +38,14 @@ pub(crate) fn serve() {
     }
 }
 
-fn answer(request: Request, work: &mut Option<Prepared>) -> Result<Answer, String> {
+fn answer(request: Request, work: &mut Option<Box<dyn Work>>) -> Result<Answer, String> {
     let nothing = || "nothing is prepared".to_string();
     match request {
         Request::Prepare(task) => {
             *work = None;
             let (Task::Filter(FilterTask { threads, .. }) | Task::Train(TrainTask { threads, .. })) = &task;
-            let pool = ThreadPoolBuilder::new().num_threads(*threads).build().map_err(told)?;
-            let mut prepared = Prepared { work: prepare(&task)?, pool };
+            have_threads(*threads)?;
+            let mut prepared = prepare(&task)?;
             // Once unseen, as the others compile and warm up.
             prepared.run()?;
             *work = Some(prepared);
@@ -75,6 +59,21 @@ fn answer(request: Request, work: &mut Option<Prepared>) -> Result<Answer, Strin
             work.run()?;
             Ok(Answer { seconds: Some(start.elapsed().as_secs_f64()), ..Answer::default() })
         }
+    }
+}
+
+/// Makes the process one of so many threads: the calling one, and others beside it.
+fn have_threads(threads: usize) -> Result<(), String> {
+    if current_thread_index().is_none() {
+        return ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .use_current_thread()
+            .build_global()
+            .map_err(told);
+    }
+    match current_num_threads() {
+        found if found == threads => Ok(()),
+        found => Err(format!("this process has {found} threads and was asked for {threads}")),
     }
 }
 
@@ -100,7 +99,7 @@ fn prepare(task: &Task) -> Result<Box<dyn Work>, String> {
             }
         }
         Task::Train(task) => {
-            let learned: Box<dyn Learnable + Send> = match task.family.as_str() {
+            let learned: Box<dyn Learnable> = match task.family.as_str() {
                 Fcnn::NAME => Box::new(loaded::<Fcnn>(task)?),
                 Rnn::NAME => Box::new(loaded::<Rnn>(task)?),
                 Gnn::NAME => Box::new(loaded::<Gnn>(task)?),
@@ -183,7 +182,7 @@ struct Training {
     task: TrainTask,
     system: GraphDiffusion,
     measurements: Measurements,
-    learned: Box<dyn Learnable + Send>,
+    learned: Box<dyn Learnable>,
     stream: Stream,
     /// Loss and gradient norm at the weights that were given.
     at_first: Option<(f64, f64)>,

@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::{LANES, load, particles_by_stream, with_scratch};
 use crate::Stream;
 
-/// Particles whose noise is drawn together: few enough for it to stay in the nearest cache.
+/// Particles of one stream whose noise is drawn together: few enough for it to stay in the nearest cache.
 const TOGETHER: usize = 256;
 
 /// Draws noise of `width` coordinates for each of `particles` particles, which are split evenly over `streams` in order.

@@ -69,6 +69,28 @@ pub(super) fn log_likelihoods(system: &GraphDiffusion, states: &[f64], measureme
     });
 }
 
+/// Draws `φ(A x_{t−1}) + v_t` for each row, and `log p(y_t | x_t)` at it.
+pub(super) fn propagate(
+    system: &GraphDiffusion,
+    previous: Rows<'_>,
+    measurement: &[f64],
+    streams: &mut [Stream],
+    states: &mut [f64],
+    out: &mut [f64],
+) {
+    let n = system.state_dim();
+    with_scratch((2 * n + measurement.len()) * LANES, |scratch| {
+        let (from, rest) = scratch.split_at_mut(n * LANES);
+        let (flow, residuals) = rest.split_at_mut(n * LANES);
+        let fill = |stream: &mut Stream, noise: &mut [f64]| system.noise.fill_unit(stream, noise);
+        with_noise(streams, n, out.len(), fill, |particles, noise| {
+            moved(system, previous, particles.start, noise, from, flow);
+            store(flow, n, &mut states[particles.start * n..particles.end * n]);
+            tile_log_likelihoods(system, flow, measurement, residuals, &mut out[particles]);
+        });
+    });
+}
+
 /// `log p(y_t | x_t)` of each lane of a tile that there is a place for in `out`; `residuals` is scratch (`M × LANES`).
 fn tile_log_likelihoods(
     system: &GraphDiffusion,

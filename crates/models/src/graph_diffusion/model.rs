@@ -6,8 +6,8 @@ use super::batches;
 use super::system::GraphDiffusion;
 use crate::batch::Rows;
 use crate::{
-    AdditiveGaussian, Gaussian, GraphModel, ModelError, Noise, PartialLikelihood, Simulator, StateGradients,
-    StateSpaceModel, Stream, SystemGraph,
+    AdditiveGaussian, Gaussian, GraphModel, ModelError, Noise, PartialLikelihood, Propagator, Simulator,
+    StateGradients, StateSpaceModel, Stream, SystemGraph,
 };
 
 impl StateSpaceModel for GraphDiffusion {
@@ -58,6 +58,10 @@ impl StateSpaceModel for GraphDiffusion {
         batches::sample_transitions(self, previous, streams, states);
     }
 
+    fn propagator(&self) -> Option<&dyn Propagator> {
+        Some(self)
+    }
+
     fn log_initials(&self, states: &[f64], out: &mut [f64]) {
         self.initial.log_densities(states, out);
     }
@@ -68,6 +72,20 @@ impl StateSpaceModel for GraphDiffusion {
 
     fn log_likelihoods(&self, _time: usize, states: &[f64], measurement: &[f64], out: &mut [f64]) {
         batches::log_likelihoods(self, states, measurement, out);
+    }
+}
+
+impl Propagator for GraphDiffusion {
+    fn propagate(
+        &self,
+        _time: usize,
+        previous: Rows<'_>,
+        measurement: &[f64],
+        streams: &mut [Stream],
+        states: &mut [f64],
+        log_likelihoods: &mut [f64],
+    ) {
+        batches::propagate(self, previous, measurement, streams, states, log_likelihoods);
     }
 }
 

@@ -160,21 +160,20 @@ impl<M: StateSpaceModel + ?Sized, P: Proposal<M>> Step<'_, M, P> {
         scratch: &mut P::Scratch,
     ) -> Result<(), Fault> {
         let Block { rows, ancestors, memory } = block;
-        let first = rows.start;
-        let (model, time, width) = (self.common.model, self.common.time, self.common.model.state_dim());
+        let Common { model, time, measurement, previous, .. } = self.common;
+        let (first, width) = (rows.start, model.state_dim());
         let previous = (time > 0).then(|| match ancestors {
-            None => Rows::all(&self.common.previous[rows.start * width..rows.end * width], width),
-            Some(ancestors) => Rows::picked(self.common.previous, width, ancestors),
+            None => Rows::all(&previous[rows.start * width..rows.end * width], width),
+            Some(ancestors) => Rows::picked(previous, width, ancestors),
         });
-        let context = Context { time, previous, measurement: self.common.measurement, particles: rows.len() };
+        let context = Context { time, previous, measurement, particles: rows.len() };
         let conditioned = self.proposal.condition(model, context, memory, scratch);
         let mut conditional = conditioned.map_err(|error| Fault::Proposal(error.from_row(first)))?;
         // A mixture of the transition with itself is no other.
         let defensive = self.common.settings.defensive_weight.filter(|_| !conditional.is_transition());
         if conditional.is_transition() {
-            conditional.sample(streams, states, increments);
-            self.check_states(first, states)?;
-            return (self.common.likelihood)(states, increments).map_err(Fault::Model);
+            drop(conditional);
+            return self.draw_from_transition(context, first, streams, states, increments);
         }
         if defensive.is_none() && conditional.sample_weighted(streams, states, increments) {
             return self.check_states(first, states);
@@ -201,6 +200,27 @@ impl<M: StateSpaceModel + ?Sized, P: Proposal<M>> Step<'_, M, P> {
             }
             Ok(())
         })
+    }
+
+    /// Draws from the transition, whose density cancels in the weight: in one pass with the likelihood where the model can.
+    fn draw_from_transition(
+        &self,
+        context: Context<'_>,
+        first: usize,
+        streams: &mut [Stream],
+        states: &mut [f64],
+        increments: &mut [f64],
+    ) -> Result<(), Fault> {
+        let Common { model, time, measurement, checks_states, .. } = self.common;
+        if let (Some(previous), Some(propagator), false) =
+            (context.previous, model.propagator(), checks_states)
+        {
+            propagator.propagate(time, previous, measurement, streams, states, increments);
+            return Ok(());
+        }
+        Transition::new(model, context).sample(streams, states, increments);
+        self.check_states(first, states)?;
+        (self.common.likelihood)(states, increments).map_err(Fault::Model)
     }
 
     /// Refuses states that are not finite, where no density of them tells; `first` is the row of the first in the bank.

@@ -82,9 +82,10 @@ impl MinDegeneracy {
         let mut shift = std::mem::take(&mut self.shift);
         let gain = &self.at(time).gain;
         shift.clear();
-        shift.extend((0..gain.nrows()).map(|i| {
-            self.measurement.iter().enumerate().map(|(j, value)| gain[(i, j)] * value).sum::<f64>()
-        }));
+        shift.resize(gain.nrows(), 0.0);
+        for (j, value) in self.measurement.iter().enumerate() {
+            shift.iter_mut().zip(gain.col_as_slice(j)).for_each(|(sum, entry)| *sum += entry * value);
+        }
         self.shift = shift;
     }
 }
@@ -210,23 +211,26 @@ impl<M: AdditiveGaussian + ?Sized> Corrected<'_, M> {
         self.correction.kept.times_add(predicted, means);
     }
 
-    /// Draws all particles, and shows `weigh` which were drawn, their noise and their predictions.
+    /// Draws all particles, and shows `weigh` which were drawn, their noise, their predictions, and scratch of `rows` tile rows.
     fn draw(
         &self,
         streams: &mut [Stream],
         states: &mut [f64],
         particles: usize,
-        mut weigh: impl FnMut(Range<usize>, &mut [f64], &[f64]),
+        rows: usize,
+        mut weigh: impl FnMut(Range<usize>, &mut [f64], &[f64], &mut [f64]),
     ) {
         let n = self.correction.gain.nrows();
-        with_scratch(3 * n * LANES, |scratch| {
+        // One piece for all: pieces that begin alike in their pages would push each other out of the nearest cache.
+        with_scratch((3 * n + rows) * LANES, |scratch| {
             let (tile, rest) = scratch.split_at_mut(n * LANES);
-            let (predicted, drawn) = rest.split_at_mut(n * LANES);
+            let (predicted, rest) = rest.split_at_mut(n * LANES);
+            let (drawn, of_weights) = rest.split_at_mut(n * LANES);
             with_noise(streams, n, particles, fill_standard_normal, |particles, noise| {
                 self.means(particles.clone(), tile, predicted, drawn);
                 self.correction.posterior.tile_add_deviation(noise, drawn);
                 store(drawn, n, &mut states[particles.start * n..particles.end * n]);
-                weigh(particles, noise, predicted);
+                weigh(particles, noise, predicted, of_weights);
             });
         });
     }
@@ -235,7 +239,7 @@ impl<M: AdditiveGaussian + ?Sized> Corrected<'_, M> {
 impl<M: AdditiveGaussian + ?Sized> Conditional for Corrected<'_, M> {
     fn sample(&mut self, streams: &mut [Stream], states: &mut [f64], log_density: &mut [f64]) {
         let log_normalizer = self.correction.posterior.log_normalizer();
-        self.draw(streams, states, log_density.len(), |particles, noise, _| {
+        self.draw(streams, states, log_density.len(), 0, |particles, noise, _, _| {
             // log q follows from the noise that x was made of.
             let mut squares = [0.0; LANES];
             squared_norms(noise, &mut squares);
@@ -255,14 +259,12 @@ impl<M: AdditiveGaussian + ?Sized> Conditional for Corrected<'_, M> {
             return false;
         }
         let m = self.correction.gain.ncols();
-        with_scratch(2 * m * LANES, |scratch| {
+        self.draw(streams, states, log_weights.len(), 2 * m, |particles, _, predicted, scratch| {
             let (residuals, whitened) = scratch.split_at_mut(m * LANES);
-            self.draw(streams, states, log_weights.len(), |particles, _, predicted| {
-                // By Bayes' rule p(y|x) p(x|x') / q(x|x',y) is p(y|x'), whatever x was drawn.
-                spread(&self.proposal.measurement, residuals);
-                self.correction.measurement_matrix.times_subtract(predicted, residuals);
-                self.correction.innovation.tile_log_density(residuals, whitened, &mut log_weights[particles]);
-            });
+            // By Bayes' rule p(y|x) p(x|x') / q(x|x',y) is p(y|x'), whatever x was drawn.
+            spread(&self.proposal.measurement, residuals);
+            self.correction.measurement_matrix.times_subtract(predicted, residuals);
+            self.correction.innovation.tile_log_density(residuals, whitened, &mut log_weights[particles]);
         });
         true
     }
