@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use motes_models::{ModelShape, Seed, Simulator, StateGradients, StateSpaceModel, simulate};
+use motes_models::{GraphModel, ModelShape, Seed, Simulator, StateGradients, simulate};
 use motes_proposals::{
     Adapter, Cell, Compute, Family, Fcnn, FcnnConfig, Gnn, GnnConfig, Learnable, Psi, PsiConfig, Rnn,
     RnnConfig,
@@ -29,33 +29,33 @@ pub fn small_psi() -> PsiConfig {
     PsiConfig { layers: 4, ridge: 1e-3 }
 }
 
-/// One of each, with initial weights for `model` and `horizon` times; a graph proposal only where there is a graph.
+/// One of each, with initial weights for `shape` and `horizon` times; a graph proposal only where there is a graph.
 pub fn small_families(
-    model: &dyn StateSpaceModel,
+    shape: &ModelShape,
     horizon: usize,
     compute: Compute,
     seed: &Seed,
 ) -> Vec<(String, Box<dyn Learnable>)> {
     fn make<F: Family + 'static>(
         config: &F::Config,
-        model: &dyn StateSpaceModel,
+        shape: &ModelShape,
         horizon: usize,
         compute: Compute,
         seed: &Seed,
     ) -> Box<dyn Learnable> {
-        Box::new(F::create(config, &ModelShape::of(model), horizon, compute, seed).unwrap())
+        Box::new(F::create(config, shape, horizon, compute, seed).unwrap())
     }
     let mut families = vec![
-        ("fcnn".to_string(), make::<Fcnn>(&small_fcnn(), model, horizon, compute, seed)),
-        ("psi".to_string(), make::<Psi>(&small_psi(), model, horizon, compute, seed)),
+        ("fcnn".to_string(), make::<Fcnn>(&small_fcnn(), shape, horizon, compute, seed)),
+        ("psi".to_string(), make::<Psi>(&small_psi(), shape, horizon, compute, seed)),
     ];
     for cell in [Cell::Lstm, Cell::Gru, Cell::Elman] {
         families
-            .push((format!("rnn {cell:?}"), make::<Rnn>(&small_rnn(cell), model, horizon, compute, seed)));
+            .push((format!("rnn {cell:?}"), make::<Rnn>(&small_rnn(cell), shape, horizon, compute, seed)));
     }
-    if model.graph().is_some() {
+    if shape.graph.is_some() {
         for adapter in [Adapter::Fixed, Adapter::Learned] {
-            let gnn = make::<Gnn>(&small_gnn(adapter), model, horizon, compute, seed);
+            let gnn = make::<Gnn>(&small_gnn(adapter), shape, horizon, compute, seed);
             families.push((format!("gnn {adapter:?}"), gnn));
         }
     }
@@ -65,14 +65,14 @@ pub fn small_families(
 /// A proposal trained for 60 steps, by its own simulated measurements.
 pub fn trained_family<F: Family>(
     config: &F::Config,
-    model: &(impl StateGradients + Simulator),
+    model: &(impl StateGradients + Simulator + GraphModel),
     horizon: usize,
     compute: Compute,
 ) -> F {
     let seed = Seed::from_u64(99);
     let measurements = simulate(model, horizon, &mut seed.child("data").stream()).unwrap().measurements;
     let mut proposal =
-        F::create(config, &ModelShape::of(model), horizon, compute, &seed.child("weights")).unwrap();
+        F::create(config, &ModelShape::on_graph(model), horizon, compute, &seed.child("weights")).unwrap();
     let adam = AdamConfig { learning_rate: 1e-2, ..AdamConfig::paper() };
     let config = TrainConfig { steps: 60, adam, ..TrainConfig::paper(8) };
     let mut stream = seed.child("training").stream();

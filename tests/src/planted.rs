@@ -1,8 +1,8 @@
 //! Bugs of particle-filter code that looks right, planted on purpose: tests that no longer catch them are noticed.
 
 use motes_models::{Seed, StateSpaceModel, Stream};
-use motes_proposals::{Hidden, Rnn};
-use motes_smc::{LogWeights, ParticleMemory, Past, Proposal, ProposalError, ResampleWhen, Resampling};
+use motes_proposals::{GaussianScratch, Hidden, HiddenRows, Rnn};
+use motes_smc::{Context, LogWeights, ParticleMemory, Proposal, ProposalError, ResampleWhen, Resampling};
 use rand::RngExt;
 use rand_distr::StandardNormal;
 
@@ -97,11 +97,18 @@ pub struct Forgetful(pub Rnn);
 pub struct Stuck(pub Hidden);
 
 impl ParticleMemory for Stuck {
+    type Rows<'a> = HiddenRows<'a>;
+
+    fn rows(&mut self) -> HiddenRows<'_> {
+        self.0.rows()
+    }
+
     fn resample(&mut self, _ancestors: &[usize]) {}
 }
 
 impl<M: StateSpaceModel + ?Sized> Proposal<M> for Forgetful {
     type Memory = Stuck;
+    type Scratch = GaussianScratch;
     type Conditional<'a>
         = <Rnn as Proposal<M>>::Conditional<'a>
     where
@@ -111,12 +118,17 @@ impl<M: StateSpaceModel + ?Sized> Proposal<M> for Forgetful {
         Stuck(Proposal::<M>::initial_memory(&self.0, particles))
     }
 
+    fn prepare(&mut self, model: &M, time: usize, measurement: &[f64]) -> Result<(), ProposalError> {
+        self.0.prepare(model, time, measurement)
+    }
+
     fn condition<'a>(
-        &'a mut self,
+        &'a self,
         model: &'a M,
-        past: Past<'a>,
-        memory: &mut Stuck,
+        context: Context<'a>,
+        memory: HiddenRows<'_>,
+        scratch: &'a mut GaussianScratch,
     ) -> Result<Self::Conditional<'a>, ProposalError> {
-        self.0.condition(model, past, &mut memory.0)
+        self.0.condition(model, context, memory, scratch)
     }
 }

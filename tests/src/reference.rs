@@ -4,7 +4,7 @@ use motes_models::{
     Gaussian, LinearGaussian, Measurements, PartialMeasurements, Seed, StateSpaceModel, Stream, kalman,
 };
 use motes_smc::{
-    Conditional, FilterBank, FilterError, FilterSettings, Past, Proposal, ProposalError, ResampleWhen,
+    Conditional, Context, FilterBank, FilterError, FilterSettings, Proposal, ProposalError, ResampleWhen,
 };
 use rand::RngExt;
 use rand_distr::StandardNormal;
@@ -163,30 +163,41 @@ impl ScalarGaussian {
 
 impl Proposal<LinearGaussian> for ScalarGaussian {
     type Memory = ();
+    type Scratch = ();
     type Conditional<'a> = ScalarConditional<'a>;
 
     fn initial_memory(&self, _particles: usize) {}
 
+    fn prepare(
+        &mut self,
+        _model: &LinearGaussian,
+        _time: usize,
+        _measurement: &[f64],
+    ) -> Result<(), ProposalError> {
+        Ok(())
+    }
+
     fn condition<'a>(
-        &'a mut self,
+        &'a self,
         _model: &'a LinearGaussian,
-        past: Past<'a>,
-        _memory: &mut (),
+        context: Context<'a>,
+        (): (),
+        (): &'a mut (),
     ) -> Result<ScalarConditional<'a>, ProposalError> {
-        Ok(ScalarConditional { proposal: self, past })
+        Ok(ScalarConditional { proposal: self, context })
     }
 }
 
 /// [`ScalarGaussian`] given the past.
 pub struct ScalarConditional<'a> {
     proposal: &'a ScalarGaussian,
-    past: Past<'a>,
+    context: Context<'a>,
 }
 
 impl ScalarConditional<'_> {
     fn mean(&self, row: usize) -> f64 {
-        let predicted = self.past.previous.map_or(0.0, |previous| 0.9 * previous[row]);
-        0.5 * (predicted + self.past.measurement[0])
+        let predicted = self.context.previous.map_or(0.0, |previous| 0.9 * previous.row(row)[0]);
+        0.5 * (predicted + self.context.measurement[0])
     }
 }
 

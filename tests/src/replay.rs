@@ -2,7 +2,7 @@
 
 use motes_models::{GraphDiffusion, GraphDiffusionConfig, Seed, StateSpaceModel, simulate};
 use motes_proposals::Hidden;
-use motes_smc::{Conditional, FilterBank, FilterSettings, Past, Proposal, ResampleWhen};
+use motes_smc::{Conditional, Context, FilterBank, FilterSettings, Proposal, ResampleWhen};
 
 use crate::relative_distance;
 
@@ -62,13 +62,14 @@ pub fn replay<P: Proposal<GraphDiffusion> + Clone>(
         }
         path.reverse();
         found.moved += path.windows(2).filter(|pair| pair[0] != pair[1]).count();
-        let mut memory = proposal.initial_memory(1);
+        let (mut memory, mut scratch) = (proposal.initial_memory(1), P::Scratch::default());
         let mut log_density = [0.0];
         for time in (0..=last).filter(|time| !missing.contains(time)) {
             let state = |time: usize| &states[time][path[time] * N..(path[time] + 1) * N];
             let previous = (time > 0).then(|| state(time - 1));
-            let past = Past { time, previous, measurement: measurements.row(time), particles: 1 };
-            let mut conditional = proposal.condition(&system, past, &mut memory).unwrap();
+            let context = Context::new(time, previous, measurements.row(time), 1);
+            let mut conditional =
+                proposal.condition_batch(&system, context, &mut memory, &mut scratch).unwrap();
             conditional.log_density(state(time), &mut log_density);
         }
         for (replayed, stored) in hidden(&memory).host().iter().zip(&stored) {

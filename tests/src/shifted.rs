@@ -1,6 +1,6 @@
 //! A model with a constant added to its log-likelihoods.
 
-use motes_models::{StateSpaceModel, Stream, SystemGraph};
+use motes_models::{StateSpaceModel, Stream};
 
 /// `log p(y_t|x_t) + shift` at times `t ≥ from`; in all else the model itself.
 #[derive(Debug, Clone)]
@@ -35,8 +35,5 @@ impl<M: StateSpaceModel> StateSpaceModel for Shifted<M> {
     fn log_likelihood(&self, time: usize, state: &[f64], measurement: &[f64]) -> f64 {
         let log_likelihood = self.model.log_likelihood(time, state, measurement);
         if time < self.from { log_likelihood } else { log_likelihood + self.shift }
-    }
-    fn graph(&self) -> Option<SystemGraph> {
-        self.model.graph()
     }
 }

@@ -118,9 +118,14 @@ fn check<F: Family + Proposal<GraphDiffusion> + Clone>(
     config: &F::Config,
 ) {
     let half = [ResampleWhen::EssBelow(0.5)];
-    let drawn =
-        F::create(config, &ModelShape::of(&model()), HORIZON, Backend::Native.into(), &Seed::from_u64(32))
-            .unwrap();
+    let drawn = F::create(
+        config,
+        &ModelShape::on_graph(&model()),
+        HORIZON,
+        Backend::Native.into(),
+        &Seed::from_u64(32),
+    )
+    .unwrap();
     // Outside the support the exact objective is −∞ and has no gradient: trained under Gaussian densities of the same moments.
     let believed = exact.model.with_noise(Noise::Gaussian);
     let trained: F = trained_family(config, &believed, HORIZON, Backend::Native.into());

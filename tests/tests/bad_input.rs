@@ -5,7 +5,8 @@
 use faer::{Mat, mat};
 use motes_models::{
     Drift, Epidemic, EpidemicConfig, Gaussian, GraphDiffusion, GraphDiffusionConfig, LinearGaussian,
-    Measurements, ModelShape, Noise, PartialMeasurements, Seed, Sequence,
+    Measurements, ModelShape, Noise, PartialMeasurements, Seed, Sequence, Simulations, Simulator,
+    StateGradients, StateSpaceModel, Stream, check_dimensions, check_gradients, simulate,
 };
 use motes_proposals::{Backend, Cell, Family, Fcnn, Gnn, Psi, Rnn};
 use motes_smc::{
@@ -95,6 +96,101 @@ fn systems() {
     ]);
 }
 
+/// Nothing but its dimensions.
+struct OfSize {
+    states: usize,
+    measurements: usize,
+}
+
+impl StateSpaceModel for OfSize {
+    fn state_dim(&self) -> usize {
+        self.states
+    }
+    fn measurement_dim(&self) -> usize {
+        self.measurements
+    }
+    fn sample_initial(&self, _stream: &mut Stream, state: &mut [f64]) {
+        state.fill(0.0);
+    }
+    fn sample_transition(&self, _time: usize, previous: &[f64], _stream: &mut Stream, state: &mut [f64]) {
+        state.copy_from_slice(previous);
+    }
+    fn log_initial(&self, _state: &[f64]) -> f64 {
+        0.0
+    }
+    fn log_transition(&self, _time: usize, _previous: &[f64], _state: &[f64]) -> f64 {
+        0.0
+    }
+    fn log_likelihood(&self, _time: usize, _state: &[f64], _measurement: &[f64]) -> f64 {
+        0.0
+    }
+}
+
+impl Simulator for OfSize {
+    fn sample_measurement(
+        &self,
+        _time: usize,
+        _state: &[f64],
+        _stream: &mut Stream,
+        measurement: &mut [f64],
+    ) {
+        measurement.fill(0.0);
+    }
+}
+
+impl StateGradients for OfSize {
+    fn initial_gradients(&self, _states: &[f64], d_states: &mut [f64]) {
+        d_states.fill(0.0);
+    }
+    fn transition_gradients(
+        &self,
+        _time: usize,
+        _previous: &[f64],
+        _states: &[f64],
+        d_previous: &mut [f64],
+        d_states: &mut [f64],
+    ) {
+        d_previous.fill(0.0);
+        d_states.fill(0.0);
+    }
+    fn likelihood_gradients(
+        &self,
+        _time: usize,
+        _states: &[f64],
+        _measurement: &[f64],
+        d_states: &mut [f64],
+    ) {
+        d_states.fill(0.0);
+    }
+}
+
+#[test]
+fn a_model_without_states_or_measurements_is_refused_everywhere_with_the_same_words() {
+    let seed = Seed::from_u64(1);
+    let fine = OfSize { states: 1, measurements: 1 };
+    let measurements = simulate(&fine, 3, &mut seed.stream()).unwrap().measurements;
+    let config = small_rnn(Cell::Lstm);
+    let rnn = |shape: &ModelShape| Rnn::create(&config, shape, 0, Backend::Native.into(), &seed).map(|_| ());
+    let mut proposal =
+        Rnn::create(&config, &ModelShape::of(&fine), 0, Backend::Native.into(), &seed).unwrap();
+    for (model, said) in [
+        (
+            OfSize { measurements: 0, ..fine },
+            "the model's measurement dimension M is 0; it must be at least 1",
+        ),
+        (OfSize { states: 0, ..fine }, "the model's state dimension N is 0; it must be at least 1"),
+    ] {
+        assert_eq!(refused(check_dimensions(&model)), said);
+        assert_eq!(refused(simulate(&model, 3, &mut seed.stream())), said);
+        assert_eq!(refused(Simulations::draw(&model, 3, 2, 1.0, &seed)), said);
+        assert_eq!(refused(check_gradients(&model, 3, 1e-5, &mut seed.stream())), said);
+        assert_eq!(refused(rnn(&ModelShape::of(&model))), said);
+        let (config, proceed) = (TrainConfig::paper(4), |_, _| std::ops::ControlFlow::Continue(()));
+        let trained = train(&mut proposal, &model, &measurements, &config, &mut seed.stream(), proceed);
+        assert_eq!(refused(trained), said);
+    }
+}
+
 #[test]
 fn measurements() {
     let model = reference().model;
@@ -137,7 +233,7 @@ fn a_training_that_is_ended_early_says_that_it_has_diverged() {
     let mut training = Training::new(&proposal, &model, &measurements, &config, &mut stream).unwrap();
     training.check_weights(&proposal).unwrap();
     training.step(&mut proposal).unwrap();
-    assert!(matches!(training.suspend(&proposal), Err(TrainError::Diverged { step: 0, .. })));
+    assert!(matches!(training.checkpoint(&proposal), Err(TrainError::Diverged { step: 0, .. })));
 }
 
 #[test]
@@ -155,8 +251,6 @@ fn filters() {
         filter.step(&[0.0]).unwrap_err()
     };
     let typed = |error: FilterError| format!("{:?}: {error}", error.kind());
-    let threads =
-        FilterBank::new(&model, Bootstrap, settings, 1, &Seed::from_u64(1)).unwrap().with_threads(0);
     assert_lines!([
         ("no particle", bank(FilterSettings::new(0), 1)),
         ("more particles than can be stored", bank(FilterSettings::new(usize::MAX), 2)),
@@ -164,7 +258,6 @@ fn filters() {
         ("more particles than there is memory for", bank(FilterSettings::new(1 << 50), 1)),
         ("more filters than there is memory for", bank(settings, usize::MAX / 8)),
         ("no filter", bank(settings, 0)),
-        ("no thread", refused(threads)),
         (
             "a threshold above 1",
             bank(FilterSettings { resample_when: ResampleWhen::EssBelow(1.5), ..settings }, 1)

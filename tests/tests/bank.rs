@@ -4,13 +4,13 @@ use std::sync::Arc;
 
 use faer::Mat;
 use motes_models::{
-    GraphDiffusion, GraphDiffusionConfig, LinearGaussian, Measurements, ModelShape, Seed, StateSpaceModel,
-    simulate,
+    GraphDiffusion, GraphDiffusionConfig, GraphModel, LinearGaussian, Measurements, ModelShape, Seed,
+    StateSpaceModel, Stream, kalman, simulate,
 };
 use motes_proposals::{Adapter, Backend, Cell, Family, Fcnn, FcnnConfig, Gnn, Psi, Rnn};
 use motes_smc::{
-    Bootstrap, ErrorKind, FilterBank, FilterError, FilterSettings, MinDegeneracy, ParticleFilter, Past,
-    Proposal, ProposalError, ResampleWhen, Resampling,
+    Bootstrap, Context, ErrorKind, FilterBank, FilterError, FilterSettings, MinDegeneracy, ParticleFilter,
+    Proposal, ProposalError, ResampleWhen, Resampling, Transition,
 };
 use motes_tests::{Shifted, reference, relative_distance, small_fcnn, small_gnn, small_psi, small_rnn};
 
@@ -67,8 +67,8 @@ fn a_constant_in_every_log_likelihood_shifts_the_evidence_and_nothing_else() {
     assert_shifts("psi", &node, &made::<Psi>(&small_psi(), &node), safe);
 }
 
-fn made<F: Family>(config: &F::Config, model: &dyn StateSpaceModel) -> F {
-    F::create(config, &ModelShape::of(model), 5, Backend::Native.into(), &Seed::from_u64(53)).unwrap()
+fn made<F: Family>(config: &F::Config, model: &impl GraphModel) -> F {
+    F::create(config, &ModelShape::on_graph(model), 5, Backend::Native.into(), &Seed::from_u64(53)).unwrap()
 }
 
 #[test]
@@ -129,22 +129,33 @@ struct Remembering;
 
 impl Proposal<LinearGaussian> for Remembering {
     type Memory = Vec<Vec<f64>>;
+    type Scratch = ();
     type Conditional<'a> = <Bootstrap as Proposal<LinearGaussian>>::Conditional<'a>;
 
     fn initial_memory(&self, particles: usize) -> Self::Memory {
         vec![vec![]; particles]
     }
 
+    fn prepare(
+        &mut self,
+        _model: &LinearGaussian,
+        _time: usize,
+        _measurement: &[f64],
+    ) -> Result<(), ProposalError> {
+        Ok(())
+    }
+
     fn condition<'a>(
-        &'a mut self,
+        &'a self,
         model: &'a LinearGaussian,
-        past: Past<'a>,
-        memory: &mut Self::Memory,
+        context: Context<'a>,
+        memory: &mut [Vec<f64>],
+        (): &'a mut (),
     ) -> Result<Self::Conditional<'a>, ProposalError> {
-        if let Some(previous) = past.previous {
-            memory.iter_mut().zip(previous).for_each(|(path, state)| path.push(*state));
+        if let Some(previous) = context.previous {
+            memory.iter_mut().enumerate().for_each(|(row, path)| path.push(previous.row(row)[0]));
         }
-        Box::leak(Box::new(Bootstrap)).condition(model, past, &mut ())
+        Ok(Transition::new(model, context))
     }
 }
 
@@ -209,4 +220,108 @@ fn the_collapse_of_all_weights_is_reported_with_its_circumstances() {
     );
     assert_eq!(error.kind(), ErrorKind::Collapse);
     assert_eq!(filter.step(&[0.0]).unwrap_err(), error, "a filter that failed stays failed");
+}
+
+/// A model whose second state is NaN from the first transition on.
+struct RunsAway(LinearGaussian);
+
+impl StateSpaceModel for RunsAway {
+    fn state_dim(&self) -> usize {
+        1
+    }
+
+    fn measurement_dim(&self) -> usize {
+        1
+    }
+
+    fn sample_initial(&self, stream: &mut Stream, state: &mut [f64]) {
+        self.0.sample_initial(stream, state);
+    }
+
+    fn sample_transition(&self, _time: usize, _previous: &[f64], _stream: &mut Stream, state: &mut [f64]) {
+        state[0] = f64::NAN;
+    }
+
+    fn log_initial(&self, state: &[f64]) -> f64 {
+        self.0.log_initial(state)
+    }
+
+    fn log_transition(&self, time: usize, previous: &[f64], state: &[f64]) -> f64 {
+        self.0.log_transition(time, previous, state)
+    }
+
+    fn log_likelihood(&self, time: usize, state: &[f64], measurement: &[f64]) -> f64 {
+        self.0.log_likelihood(time, state, measurement)
+    }
+}
+
+#[test]
+fn a_state_that_is_no_number_is_an_error_where_nothing_is_measured() {
+    let model = RunsAway(reference().model);
+    let mut filter =
+        ParticleFilter::new(&model, Bootstrap, FilterSettings::new(5000), Seed::from_u64(57).stream())
+            .unwrap();
+    filter.step(&[0.3]).unwrap();
+    let said = filter.step_without_measurement().unwrap_err();
+    assert_eq!(said.kind(), ErrorKind::Numerical);
+    assert!(
+        matches!(said, FilterError::State { step: 1, filter: 0, particle: 0, coordinate: 0, .. }),
+        "{said}"
+    );
+    assert_eq!(filter.step(&[0.3]).unwrap_err().to_string(), said.to_string(), "it stays failed");
+}
+
+#[test]
+fn quantiles_are_those_of_the_weighted_particles() {
+    let reference = reference();
+    let stream = Seed::from_u64(58).stream();
+    let mut filter =
+        ParticleFilter::new(&reference.model, Bootstrap, FilterSettings::new(40_000), stream).unwrap();
+    reference.measurements.rows().for_each(|measurement| filter.step(measurement).unwrap());
+    let exact = kalman::filter(&reference.model, &reference.measurements).unwrap();
+    let belief = &exact.steps[reference.measurements.len() - 1].filtered;
+    let (mean, deviation) = (belief.mean[0], belief.covariance[(0, 0)].sqrt());
+    // Normal quantiles; a standard error of the outer ones is some 0.02 deviations with 10,000 effective particles.
+    let expected = [-1.644_853_6, -0.674_489_8, 0.0, 0.674_489_8, 1.644_853_6].map(|z| mean + deviation * z);
+    let found = filter.quantiles(0, &[0.05, 0.25, 0.5, 0.75, 0.95]);
+    for (found, expected) in found.iter().zip(expected) {
+        assert!((found - expected).abs() < 0.08 * deviation, "{found} for {expected}");
+    }
+    // The ends are the outermost particles that have weight.
+    let ends = filter.quantiles(0, &[0.0, 1.0]);
+    let least = filter.particles().iter().copied().fold(f64::INFINITY, f64::min);
+    let most = filter.particles().iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    assert_eq!(ends, [least, most]);
+}
+
+/// Particles and evidence of learned filters on so many threads: a large one, and one of a bank.
+fn on_threads<F: Family + Proposal<GraphDiffusion> + Clone + Send>(
+    config: &F::Config,
+    threads: usize,
+) -> Vec<(Vec<f64>, f64)> {
+    let system =
+        GraphDiffusion::random(&GraphDiffusionConfig::new(5), &mut Seed::from_u64(59).stream()).unwrap();
+    let measurements = simulate(&system, 3, &mut Seed::from_u64(60).stream()).unwrap().measurements;
+    let proposal: F = made(config, &system);
+    let pool = rayon_core::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+    let seen = [(1, 5000), (120, 40)].map(|(filters, particles)| {
+        let settings = FilterSettings { defensive_weight: Some(0.1), ..FilterSettings::new(particles) };
+        let seed = Seed::from_u64(61);
+        let mut bank = FilterBank::new(&system, proposal.clone(), settings, filters, &seed).unwrap();
+        pool.install(|| bank.run(&measurements, |_| ())).unwrap();
+        (bank.particles(filters / 2).to_vec(), bank.log_evidence(filters / 2))
+    });
+    seen.into()
+}
+
+#[test]
+fn learned_filters_give_the_same_bytes_on_any_number_of_threads() {
+    fn check<F: Family + Proposal<GraphDiffusion> + Clone + Send>(config: &F::Config) {
+        let one = on_threads::<F>(config, 1);
+        assert!(one == on_threads::<F>(config, 2) && one == on_threads::<F>(config, 3), "{}", F::NAME);
+    }
+    check::<Fcnn>(&small_fcnn());
+    check::<Rnn>(&small_rnn(Cell::Lstm));
+    check::<Gnn>(&small_gnn(Adapter::Fixed));
+    check::<Psi>(&small_psi());
 }

@@ -98,7 +98,8 @@ fn on_a_graph() -> GraphDiffusion {
 }
 
 fn untrained<F: Family>(config: &F::Config) -> F {
-    F::create(config, &ModelShape::of(&on_a_graph()), 5, Backend::Native.into(), &Seed::from_u64(22)).unwrap()
+    F::create(config, &ModelShape::on_graph(&on_a_graph()), 5, Backend::Native.into(), &Seed::from_u64(22))
+        .unwrap()
 }
 
 /// In one dimension K(z) = 1, so that C = 1.2 gives the variance 1.44, whatever the networks say.

@@ -7,7 +7,7 @@ use motes_models::{
     Gaussian, GraphDiffusion, GraphDiffusionConfig, ModelShape, Seed, StateSpaceModel, simulate,
 };
 use motes_proposals::{Backend, Compute, Family, Fcnn, FcnnConfig, Hidden, Learnable, Parameters, Precision};
-use motes_smc::{Conditional, Past, Proposal, ProposalError};
+use motes_smc::{Conditional, Context, Proposal, ProposalError};
 use motes_train::{AdamConfig, TrainConfig, train};
 
 fn system() -> GraphDiffusion {
@@ -93,9 +93,10 @@ fn check_log_q(mut proposal: Fcnn) {
     let measurement = [0.4, -1.0, 2.0];
     let previous: Vec<f64> = (0..n * particles).map(|i| (i as f64 * 0.7).sin() * 2.0).collect();
     for (time, past) in [(0, None), (2, Some(previous.as_slice()))] {
-        let past = Past { time, previous: past, measurement: &measurement, particles };
+        let context = Context::new(time, past, &measurement, particles);
         let mut memory = initial_memory(&proposal, particles);
-        let conditional = proposal.condition(&system, past, &mut memory).unwrap();
+        let mut scratch = Default::default();
+        let conditional = proposal.condition_batch(&system, context, &mut memory, &mut scratch).unwrap();
         let mut streams = Seed::from_u64(82).streams(2);
         let (mut states, mut along) = (vec![0.0; n * particles], vec![0.0; particles]);
         conditional.sample(&mut streams, &mut states, &mut along);
@@ -104,7 +105,7 @@ fn check_log_q(mut proposal: Fcnn) {
         conditional.log_density(&elsewhere, &mut there);
         for row in 0..particles {
             let at = row * n..(row + 1) * n;
-            let mut input = past.previous.map_or(vec![0.0; n], |previous| previous[at.clone()].to_vec());
+            let mut input = context.previous.map_or(vec![0.0; n], |previous| previous.row(row).to_vec());
             input.extend(measurement);
             let dense = by_hand(&parameters, time, &input, n);
             for (found, at) in [(along[row], &states[at.clone()]), (there[row], &elsewhere[at])] {
@@ -145,14 +146,15 @@ fn weights_come_from_the_seed_alone() {
 fn misuse_is_a_typed_error() {
     let (system, mut proposal) = (system(), fcnn(Precision::F32));
     let mut memory = initial_memory(&proposal, 1);
-    let past = Past { time: 3, previous: Some(&[0.0; 5]), measurement: &[0.0; 3], particles: 1 };
-    let error = proposal.condition(&system, past, &mut memory).err().unwrap();
+    let context = Context::new(3, Some(&[0.0; 5]), &[0.0; 3], 1);
+    let error =
+        proposal.condition_batch(&system, context, &mut memory, &mut Default::default()).err().unwrap();
     assert_eq!(error, ProposalError::PastHorizon { horizon: 3, time: 3 });
     assert_eq!(error.to_string(), "this proposal is unrolled over 3 times and was asked for time 3");
     let other =
         GraphDiffusion::random(&GraphDiffusionConfig::new(6), &mut Seed::from_u64(1).stream()).unwrap();
-    let past = Past { time: 0, previous: None, measurement: &[0.0; 4], particles: 1 };
-    assert!(proposal.condition(&other, past, &mut memory).is_err());
+    let context = Context::new(0, None, &[0.0; 4], 1);
+    assert!(proposal.condition_batch(&other, context, &mut memory, &mut Default::default()).is_err());
     assert_eq!((other.state_dim(), Learnable::state_dim(&proposal)), (6, 5));
 
     let new = |widths: Vec<usize>, ridge, horizon| {

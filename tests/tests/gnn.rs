@@ -2,11 +2,11 @@
 
 use faer::Mat;
 use motes_models::{
-    GraphDiffusion, GraphDiffusionConfig, LinearGaussian, ModelShape, Seed, StateSpaceModel, Stream,
-    SystemGraph,
+    GraphDiffusion, GraphDiffusionConfig, GraphModel, LinearGaussian, ModelShape, Seed, StateSpaceModel,
+    Stream, SystemGraph,
 };
 use motes_proposals::{Adapter, Backend, Compute, Family, Gnn, GnnConfig, Learnable, Precision};
-use motes_smc::{Conditional, FilterSettings, ParticleFilter, Past, Proposal, ProposalError};
+use motes_smc::{Conditional, Context, FilterSettings, ParticleFilter, Proposal, ProposalError};
 use motes_tests::{reference, relative_distance, small_gnn, trained_family};
 
 const F64: Compute = Compute { backend: Backend::Native, precision: Precision::F64 };
@@ -36,14 +36,17 @@ impl StateSpaceModel for Graphed {
     fn log_likelihood(&self, _time: usize, _state: &[f64], _measurement: &[f64]) -> f64 {
         0.0
     }
-    fn graph(&self) -> Option<SystemGraph> {
-        Some(self.0.clone())
+}
+
+impl GraphModel for Graphed {
+    fn graph(&self) -> SystemGraph {
+        self.0.clone()
     }
 }
 
 fn graph_of(n: usize) -> SystemGraph {
     let config = GraphDiffusionConfig::new(n);
-    GraphDiffusion::random(&config, &mut Seed::from_u64(100).stream()).unwrap().graph().unwrap()
+    GraphDiffusion::random(&config, &mut Seed::from_u64(100).stream()).unwrap().graph()
 }
 
 /// A path of `n` nodes, each of which is measured.
@@ -53,7 +56,7 @@ fn path(n: usize) -> SystemGraph {
 }
 
 fn gnn(config: &GnnConfig, graph: &SystemGraph) -> Gnn {
-    Gnn::create(config, &ModelShape::of(&Graphed(graph.clone())), 2, F64, &Seed::from_u64(101)).unwrap()
+    Gnn::create(config, &ModelShape::on_graph(&Graphed(graph.clone())), 2, F64, &Seed::from_u64(101)).unwrap()
 }
 
 fn index_of(proposal: &Gnn, name: &str) -> usize {
@@ -70,9 +73,10 @@ fn means_and_log_q(
 ) -> (Vec<f64>, Vec<f64>) {
     let (model, n) = (Graphed(graph.clone()), graph.shift.nrows());
     let particles = previous.len() / n;
-    let past = Past { time: 1, previous: Some(previous), measurement, particles };
+    let context = Context::new(1, Some(previous), measurement, particles);
     let mut memory = Proposal::<Graphed>::initial_memory(proposal, particles);
-    let conditional = proposal.condition(&model, past, &mut memory).unwrap();
+    let mut scratch = Default::default();
+    let conditional = proposal.condition_batch(&model, context, &mut memory, &mut scratch).unwrap();
     let mut log_density = vec![0.0; particles];
     conditional.log_density(states, &mut log_density);
     (conditional.means().to_vec(), log_density)
@@ -156,7 +160,7 @@ fn weights_but_for_c_do_not_depend_on_n() {
     let large =
         GraphDiffusion::random(&GraphDiffusionConfig::new(9), &mut Seed::from_u64(2).stream()).unwrap();
     let trained: Gnn = trained_family(&config, &small, 3, F64);
-    let mut other = Gnn::create(&config, &ModelShape::of(&large), 3, F64, &Seed::from_u64(3)).unwrap();
+    let mut other = Gnn::create(&config, &ModelShape::on_graph(&large), 3, F64, &Seed::from_u64(3)).unwrap();
     assert_eq!(trained.parameters().names(), other.parameters().names());
     for index in 0..trained.parameters().len() {
         let values = trained.parameters().host(index);
@@ -193,13 +197,14 @@ fn a_system_without_a_graph_and_settings_that_cannot_be_are_refused() {
     assert_eq!(error, ProposalError::NoGraph);
     assert!(error.to_string().starts_with("the model has no graph"), "{error}");
     let config = GnnConfig { features: vec![4, 0], ..config };
-    let error =
-        Gnn::create(&config, &ModelShape::of(&Graphed(path(3))), 3, F64, &Seed::from_u64(1)).err().unwrap();
+    let error = Gnn::create(&config, &ModelShape::on_graph(&Graphed(path(3))), 3, F64, &Seed::from_u64(1))
+        .err()
+        .unwrap();
     assert!(error.to_string().contains("[4, 0]"), "{error}");
     let lopsided = SystemGraph { shift: Mat::zeros(4, 3), ..path(3) };
     let error = Gnn::create(
         &small_gnn(Adapter::Fixed),
-        &ModelShape::of(&Graphed(lopsided)),
+        &ModelShape::on_graph(&Graphed(lopsided)),
         3,
         F64,
         &Seed::from_u64(1),
@@ -216,11 +221,11 @@ fn the_number_of_weights_is_what_the_family_says_before_it_allocates_them() {
         let gnn = gnn(&config, &graph);
         let found: usize = (0..gnn.parameters().len()).map(|at| gnn.parameters().host(at).len()).sum();
         assert_eq!(
-            Gnn::count(&config, &ModelShape::of(&Graphed(graph.clone())), 2),
+            Gnn::count(&config, &ModelShape::on_graph(&Graphed(graph.clone())), 2),
             Some(found),
             "{adapter:?}"
         );
     }
     let huge = GnnConfig { features: vec![usize::MAX], ..small_gnn(Adapter::Fixed) };
-    assert_eq!(Gnn::count(&huge, &ModelShape::of(&Graphed(graph_of(6))), 1), None);
+    assert_eq!(Gnn::count(&huge, &ModelShape::on_graph(&Graphed(graph_of(6))), 1), None);
 }

@@ -3,15 +3,17 @@
 use std::ops::ControlFlow;
 
 use faer::MatRef;
+use motes_models::batch::Rows;
 use motes_models::{
     Drift, GraphDiffusion, GraphDiffusionConfig, Measurements, ModelShape, Noise, Seed, StateSpaceModel,
     simulate,
 };
+use motes_proposals::networks::Inputs;
 use motes_proposals::{
-    Backend, Cell, Compute, Family, Fcnn, GaussianBatch, Gradients, KernelCovariance, Learnable, Precision,
-    Psi, Rnn, Workspace,
+    Backend, Cell, Compute, Family, Fcnn, Gradients, KernelCovariance, Learnable, Precision, Psi, Rnn,
+    Workspace,
 };
-use motes_smc::{Conditional, Past, Proposal};
+use motes_smc::{Conditional, Context, GaussianBatch, Proposal};
 use motes_tests::{
     central_differences, distance, norm, relative_distance, small_families, small_fcnn, small_psi, small_rnn,
 };
@@ -60,7 +62,7 @@ fn problem(drift: Drift) -> (GraphDiffusion, Measurements) {
 }
 
 fn families(system: &GraphDiffusion, compute: Compute) -> Vec<(String, Box<dyn Learnable>)> {
-    small_families(system, 3, compute, &Seed::from_u64(69))
+    small_families(&ModelShape::on_graph(system), 3, compute, &Seed::from_u64(69))
 }
 
 /// The value of the loss and its gradient with respect to each matrix of weights.
@@ -75,7 +77,7 @@ fn loss_and_gradients(
     let mut stream = Seed::from_u64(70).stream();
     let flow = GradientFlow::Full;
     let found = rollout(proposal, system, measurements, objective, flow, 4, &mut stream).unwrap();
-    (-found.objective, host(&found.gradients, proposal))
+    (-found.objective, host(&found.workspace.into_gradients(), proposal))
 }
 
 /// The gradient of each matrix; zeros where the loss does not depend on it, as on what multiplies `x_{−1} = 0`.
@@ -113,7 +115,8 @@ const F64: Compute = Compute { backend: Backend::Native, precision: Precision::F
 fn states_and_gradients_do_not_depend_on_whether_a_density_is_asked_for() {
     let (system, measurements) = problem(Drift::Abs);
     let compute = Compute { backend: Backend::Native, precision: Precision::F64 };
-    for (family, proposal) in small_families(&system, 3, compute, &Seed::from_u64(72)) {
+    for (family, proposal) in small_families(&ModelShape::on_graph(&system), 3, compute, &Seed::from_u64(72))
+    {
         let particles = 11;
         let drawn = |asked: bool| {
             let mut tape = proposal.tape(particles, Workspace::new(proposal.parameters())).unwrap();
@@ -121,9 +124,10 @@ fn states_and_gradients_do_not_depend_on_whether_a_density_is_asked_for() {
             for time in 0..2 {
                 let (earlier, now) = states.split_at_mut(time);
                 let previous = earlier.last().map(Vec::as_slice);
-                let past = Past { time, previous, measurement: measurements.row(time), particles };
+                let measurement = measurements.row(time);
+                let inputs = Inputs { time, width: 5, previous, measurement, particles };
                 let noise: Vec<f64> = random(5 * particles, 73).iter().map(|u| 0.5 * (u + 1.0)).collect();
-                tape.draw(past, &noise, &mut now[0], asked.then_some(&mut log_q)).unwrap();
+                tape.draw(&inputs, &noise, &mut now[0], asked.then_some(&mut log_q)).unwrap();
             }
             let zeros = vec![0.0; particles];
             for time in (0..2).rev() {
@@ -218,18 +222,21 @@ where
             states.clone_from(&base_states);
             memory = base_memory.clone();
         }
-        let past = |previous| Past { time, previous: (time > 0).then_some(previous), measurement, particles };
+        let context = |previous| Context::new(time, (time > 0).then_some(previous), measurement, particles);
         let previous = base_states.clone();
-        let mut conditional = base.condition(system, past(&previous), &mut base_memory).unwrap();
+        let mut scratch = F::Scratch::default();
+        let mut conditional =
+            base.condition_batch(system, context(&previous), &mut base_memory, &mut scratch).unwrap();
         conditional.sample(&mut streams, &mut base_states, &mut log_q);
         drop(conditional);
         let previous = states.clone();
-        let mut conditional = proposal.condition(system, past(&previous), &mut memory).unwrap();
+        let mut conditional =
+            proposal.condition_batch(system, context(&previous), &mut memory, &mut scratch).unwrap();
         conditional.sample(&mut same_noise, &mut states, &mut log_q);
         drop(conditional);
         match time {
             0 => system.log_initials(&states, &mut log_model),
-            _ => system.log_transitions(time, &previous, &states, &mut log_model),
+            _ => system.log_transitions(time, Rows::all(&previous, n), &states, &mut log_model),
         }
         sum += log_model.iter().sum::<f64>();
         system.log_likelihoods(time, &states, measurement, &mut log_model);
@@ -243,7 +250,7 @@ where
     F::Memory: Clone,
 {
     let (system, measurements) = problem(Drift::Abs);
-    let proposal = F::create(config, &ModelShape::of(&system), 3, F64, &Seed::from_u64(69)).unwrap();
+    let proposal = F::create(config, &ModelShape::on_graph(&system), 3, F64, &Seed::from_u64(69)).unwrap();
     for window in 1..=3 {
         let mut stream = Seed::from_u64(70).stream();
         let (objective, flow) = (Objective::LogLikelihood, GradientFlow::Truncated { window });
@@ -253,7 +260,7 @@ where
             -objective_by_windows(base, moved, (&system, &measurements), window)
         };
         assert!((loss(&mut base, &mut moved) / -found.objective - 1.0).abs() < 1e-12);
-        let gradients = host(&found.gradients, &proposal);
+        let gradients = host(&found.workspace.into_gradients(), &proposal);
         let whole = norm(&gradients.concat());
         for (index, gradient) in gradients.iter().enumerate() {
             let values = proposal.parameters().host(index);
@@ -283,7 +290,7 @@ fn a_clipped_gradient_is_shorter_and_points_the_same_way() {
     // With so large an ε a step of Adam is the gradient itself, scaled.
     let moved = |clip_norm| {
         let mut proposal =
-            Fcnn::create(&small_fcnn(), &ModelShape::of(&system), 3, F64, &Seed::from_u64(69)).unwrap();
+            Fcnn::create(&small_fcnn(), &ModelShape::on_graph(&system), 3, F64, &Seed::from_u64(69)).unwrap();
         let before: Vec<f64> = weights(&proposal);
         let config = TrainConfig { steps: 1, adam, clip_norm, ..TrainConfig::paper(4) };
         let mut stream = Seed::from_u64(70).stream();
@@ -293,11 +300,12 @@ fn a_clipped_gradient_is_shorter_and_points_the_same_way() {
     };
     let mut stream = Seed::from_u64(70).stream();
     let proposal =
-        Fcnn::create(&small_fcnn(), &ModelShape::of(&system), 3, F64, &Seed::from_u64(69)).unwrap();
+        Fcnn::create(&small_fcnn(), &ModelShape::on_graph(&system), 3, F64, &Seed::from_u64(69)).unwrap();
     let (objective, flow) = (Objective::LogLikelihood, GradientFlow::Full);
     let found = rollout(&proposal, &system, &measurements, objective, flow, 4, &mut stream).unwrap();
-    let length = found.gradients.norm();
-    assert!((length / norm(&host(&found.gradients, &proposal).concat()) - 1.0).abs() < 1e-12);
+    let gradients = found.workspace.into_gradients();
+    let length = gradients.norm();
+    assert!((length / norm(&host(&gradients, &proposal).concat()) - 1.0).abs() < 1e-12);
     let (free, clipped, loose) = (moved(None), moved(Some(0.25 * length)), moved(Some(2.0 * length)));
     assert_eq!(free, loose);
     let quarter: Vec<f64> = free.iter().map(|step| 0.25 * step).collect();

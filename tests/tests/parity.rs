@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 
 use faer::Mat;
-use motes_models::{GraphDiffusion, GraphDiffusionConfig, Seed};
+use motes_models::{GraphDiffusion, GraphDiffusionConfig, ModelShape, Seed};
+use motes_proposals::networks::Inputs;
 use motes_proposals::{Backend, Compute, Learnable, Precision, Workspace};
-use motes_smc::Past;
 use motes_tests::small_families;
 use serde::Deserialize;
 
@@ -82,10 +82,16 @@ fn check_family(label: &str, family: &str, proposal: &dyn Learnable, steps: &[St
     let mut previous: Option<Vec<f64>> = None;
     for (time, step) in steps.iter().enumerate() {
         let measurement = measurement(time);
-        let past =
-            Past { time, previous: previous.as_deref(), measurement: &measurement, particles: PARTICLES };
+        let (previous_states, width) = (previous.as_deref(), STATE_DIM);
+        let inputs = Inputs {
+            time,
+            width,
+            previous: previous_states,
+            measurement: &measurement,
+            particles: PARTICLES,
+        };
         let (mut states, mut log_q) = (vec![0.0; PARTICLES * STATE_DIM], vec![0.0; PARTICLES]);
-        let drawn = tape.draw(past, &noise(family, time), &mut states, Some(&mut log_q));
+        let drawn = tape.draw(&inputs, &noise(family, time), &mut states, Some(&mut log_q));
         assert_eq!(drawn, Ok(()), "{label}, step {time}");
         check(&format!("{label}, step {time}, states"), &states, &step.states.concat());
         check(&format!("{label}, step {time}, log q"), &log_q, &step.log_q);
@@ -99,7 +105,7 @@ fn two_steps_of_every_family_are_those_of_numpy() {
     let system = system(&numbers.adjacency);
     for backend in Backend::built() {
         let compute = Compute { backend, precision: Precision::F64 };
-        let families = small_families(&system, HORIZON, compute, &Seed::from_u64(110));
+        let families = small_families(&ModelShape::on_graph(&system), HORIZON, compute, &Seed::from_u64(110));
         let mut names: Vec<&str> = families.iter().map(|(family, _)| family.as_str()).collect();
         names.sort_unstable();
         let known: Vec<&str> = numbers.families.keys().map(String::as_str).collect();

@@ -2,8 +2,11 @@
 
 use faer::{Mat, MatRef};
 use motes_models::{GraphDiffusion, GraphDiffusionConfig, ModelShape, Seed};
-use motes_proposals::{Backend, Compute, Family, Learnable, Precision, Psi, PsiConfig, Workspace};
-use motes_smc::{Conditional, Past, Proposal, ProposalError};
+use motes_proposals::networks::Inputs;
+use motes_proposals::{
+    Backend, Compute, Family, Learnable, Precision, Psi, PsiConfig, PsiScratch, Workspace,
+};
+use motes_smc::{Conditional, Context, Proposal, ProposalError};
 use motes_tests::trained_family;
 use rand::RngExt;
 
@@ -54,17 +57,22 @@ struct Drawn {
     along: Vec<f64>,
 }
 
-fn past<'a>(n: usize, previous: &'a [f64], measurement: &'a [f64]) -> Past<'a> {
-    Past { time: 1, previous: Some(previous), measurement, particles: previous.len() / n }
+fn inputs<'a>(n: usize, previous: &'a [f64], measurement: &'a [f64]) -> Inputs<'a> {
+    Inputs { time: 1, width: n, previous: Some(previous), measurement, particles: previous.len() / n }
+}
+
+/// The same for a filter.
+fn context<'a>(inputs: &Inputs<'a>) -> Context<'a> {
+    Context::new(inputs.time, inputs.previous, inputs.measurement, inputs.particles)
 }
 
 /// Draws through the tape, which takes the noise that it is given.
-fn draw(psi: &Psi, past: Past<'_>, n: usize, seed: u64) -> Drawn {
-    let noise = uniform(past.particles * n, seed);
-    let (mut states, mut along) = (vec![0.0; noise.len()], vec![0.0; past.particles]);
-    psi.tape(past.particles, Workspace::new(psi.parameters()))
+fn draw(psi: &Psi, inputs: &Inputs<'_>, n: usize, seed: u64) -> Drawn {
+    let noise = uniform(inputs.particles * n, seed);
+    let (mut states, mut along) = (vec![0.0; noise.len()], vec![0.0; inputs.particles]);
+    psi.tape(inputs.particles, Workspace::new(psi.parameters()))
         .unwrap()
-        .draw(past, &noise, &mut states, Some(&mut along))
+        .draw(inputs, &noise, &mut states, Some(&mut along))
         .unwrap();
     Drawn { noise, states, along }
 }
@@ -74,10 +82,10 @@ fn back_and_forth_for_well_conditioned_weights() {
     for n in [1, 2, 5, 10] {
         let psi = well_conditioned(n);
         let (previous, measurement) = (uniform(20 * n, 92), uniform(n.div_ceil(2), 93));
-        let past = past(n, &previous, &measurement);
-        let Drawn { noise, states, along } = draw(&psi, past, n, 94);
+        let inputs = inputs(n, &previous, &measurement);
+        let Drawn { noise, states, along } = draw(&psi, &inputs, n, 94);
         let (mut back, mut at) = (vec![0.0; noise.len()], vec![0.0; 20]);
-        psi.inverse(past, &states, &mut back, &mut at).unwrap();
+        psi.inverse(&inputs, &states, &mut back, &mut at).unwrap();
         let error = noise.iter().zip(&back).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         assert!(error < 1e-8, "N = {n}: the noise comes back with an error of {error:e}");
         for (along, at) in along.iter().zip(&at) {
@@ -132,7 +140,7 @@ fn by_hand(
 
 fn check_log_q(psi: &Psi, n: usize, layers: usize, ridge: f64, tolerance: f64) {
     let (previous, measurement) = (uniform(3 * n, 95), uniform(n.div_ceil(2), 96));
-    let Drawn { noise, states, along } = draw(psi, past(n, &previous, &measurement), n, 97);
+    let Drawn { noise, states, along } = draw(psi, &inputs(n, &previous, &measurement), n, 97);
     for (row, found) in along.iter().enumerate() {
         let at = row * n..(row + 1) * n;
         let (state, jacobian) =
@@ -165,7 +173,7 @@ fn log_q_of_a_trained_transform_is_that_of_the_dense_jacobian() {
 fn integral(psi: &mut Psi, n: usize, count: usize) -> f64 {
     let system = system(n);
     let measurement = vec![-0.2; n.div_ceil(2)];
-    let drawn = draw(psi, past(n, &vec![0.3; 2000 * n], &measurement), n, 99);
+    let drawn = draw(psi, &inputs(n, &vec![0.3; 2000 * n], &measurement), n, 99);
     let sides: Vec<(f64, f64)> = (0..n)
         .map(|d| {
             let values = drawn.states.iter().skip(d).step_by(n);
@@ -182,8 +190,10 @@ fn integral(psi: &mut Psi, n: usize, count: usize) -> f64 {
         (0..total).flat_map(|at| (0..n).map(move |d| (at, d))).map(|(at, d)| coordinate(at, d)).collect();
     let previous = vec![0.3; total * n];
     let mut log_density = vec![0.0; total];
-    let past = past(n, &previous, &measurement);
-    psi.condition(&system, past, &mut ()).unwrap().log_density(&states, &mut log_density);
+    let inputs = inputs(n, &previous, &measurement);
+    psi.condition_batch(&system, context(&inputs), &mut (), &mut PsiScratch::default())
+        .unwrap()
+        .log_density(&states, &mut log_density);
     let outside = log_density.iter().filter(|value| **value == f64::NEG_INFINITY).count();
     assert!(outside > total / 10, "the grid does not reach beyond the image");
     steps.iter().product::<f64>() * log_density.iter().map(|value| value.exp()).sum::<f64>()
@@ -205,22 +215,25 @@ fn outside_the_image_the_density_is_zero_and_where_it_cannot_be_told_the_error_i
     let system = system(2);
     let mut psi = well_conditioned(2);
     let (previous, measurement) = ([0.1, 0.2], [0.5]);
-    let past = past(2, &previous, &measurement);
+    let inputs = inputs(2, &previous, &measurement);
     let mut log_density = [0.0];
-    psi.condition(&system, past, &mut ()).unwrap().log_density(&[50.0, 0.0], &mut log_density);
+    psi.condition_batch(&system, context(&inputs), &mut (), &mut PsiScratch::default())
+        .unwrap()
+        .log_density(&[50.0, 0.0], &mut log_density);
     assert_eq!(log_density[0], f64::NEG_INFINITY);
 
     // So large a first matrix saturates tanh: what was drawn cannot be found again.
     let index = psi.parameters().names().iter().position(|name| name == "psi.1.noise").unwrap();
     psi.parameters_mut().set_host(index, &[200.0, 0.0, 0.0, 200.0]).unwrap();
-    let Drawn { states, along, .. } = draw(&psi, past, 2, 98);
+    let Drawn { states, along, .. } = draw(&psi, &inputs, 2, 98);
     assert!(along[0].is_finite());
     let (mut noise, mut log_density) = ([0.0; 2], [0.0]);
-    let error = psi.inverse(past, &states, &mut noise, &mut log_density).unwrap_err();
+    let error = psi.inverse(&inputs, &states, &mut noise, &mut log_density).unwrap_err();
     assert!(matches!(error, ProposalError::Numerical { particle: 0, .. }), "{error}");
 
     psi.parameters_mut().set_host(index, &[1.0, 2.0, 2.0, 4.0]).unwrap();
-    let error = psi.condition(&system, past, &mut ()).err().unwrap();
+    let error =
+        psi.condition_batch(&system, context(&inputs), &mut (), &mut PsiScratch::default()).err().unwrap();
     assert!(matches!(error, ProposalError::Singular { time: 1, .. }), "{error}");
     assert!(error.to_string().starts_with("the matrix psi.1.noise at time 1 is singular"), "{error}");
 }
@@ -234,13 +247,13 @@ fn badly_conditioned_transforms_come_back_as_well_as_their_condition_allows_or_n
         let psi =
             Psi::create(&config, &ModelShape::of(&system(n)), 2, F64, &Seed::from_u64(900 + seed)).unwrap();
         let (previous, measurement) = (uniform(n, 92), uniform(n.div_ceil(2), 93));
-        let past = past(n, &previous, &measurement);
-        let Drawn { noise, states, .. } = draw(&psi, past, n, 94);
+        let inputs = inputs(n, &previous, &measurement);
+        let Drawn { noise, states, .. } = draw(&psi, &inputs, n, 94);
         let (_, jacobian) = by_hand(&psi, 9, 1e-3, &noise, &previous, &measurement);
         let values = jacobian.singular_values().unwrap();
         let condition = values[0] / values[n - 1];
         let (mut back, mut at) = (vec![0.0; n], [0.0]);
-        if psi.inverse(past, &states, &mut back, &mut at).is_ok() && at[0].is_finite() {
+        if psi.inverse(&inputs, &states, &mut back, &mut at).is_ok() && at[0].is_finite() {
             let error = noise.iter().zip(&back).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             // The state is recovered relative to its size, which the biases make larger than the largest singular value.
             let size = states.iter().map(|x| x * x).sum::<f64>().sqrt().max(values[0]) / values[0];
@@ -272,7 +285,7 @@ fn settings_that_cannot_be_are_refused() {
     assert!(told(new(0, 1e-3, 2)).contains("layers"));
     assert!(told(new(9, 1e-3, 0)).contains("horizon"));
     let mut psi = psi(3, 2);
-    let past = Past { time: 2, previous: Some(&[0.0; 3]), measurement: &[0.0; 2], particles: 1 };
-    let error = psi.condition(&system(3), past, &mut ()).err().unwrap();
+    let past = Context::new(2, Some(&[0.0; 3]), &[0.0; 2], 1);
+    let error = psi.condition_batch(&system(3), past, &mut (), &mut PsiScratch::default()).err().unwrap();
     assert_eq!(error, ProposalError::PastHorizon { horizon: 2, time: 2 });
 }

@@ -1,6 +1,6 @@
-//! A training that was put aside goes on to the last bit, and nothing else is taken for one.
+//! A training goes on from a checkpoint to the last bit, and nothing else is taken for a checkpoint.
 
-use motes_models::{GraphDiffusion, GraphDiffusionConfig, Measurements, Seed, Stream, simulate};
+use motes_models::{GraphDiffusion, GraphDiffusionConfig, Measurements, ModelShape, Seed, Stream, simulate};
 use motes_proposals::{Backend, Compute, Learnable, Precision};
 use motes_tests::small_families;
 use motes_train::{TrainConfig, TrainError, Training};
@@ -32,21 +32,21 @@ fn every_family_goes_on_to_the_last_bit() {
     let of_both = |backend| [Precision::F32, Precision::F64].map(|precision| (backend, precision));
     for (backend, precision) in Backend::built().flat_map(of_both) {
         let compute = Compute { backend, precision };
-        let fresh = || small_families(&system, 3, compute, &Seed::from_u64(153));
+        let fresh = || small_families(&ModelShape::on_graph(&system), 3, compute, &Seed::from_u64(153));
         for at in 0..fresh().len() {
-            let run = |put_aside_after: Option<usize>| {
+            let run = |checkpoint_after: Option<usize>| {
                 let (name, mut proposal) = fresh().swap_remove(at);
                 let (config, mut first) = (config(), stream());
                 let mut training =
                     Training::new(&*proposal, &system, &measurements, &config, &mut first).unwrap();
-                let Some(steps) = put_aside_after else {
+                let Some(steps) = checkpoint_after else {
                     while !training.is_finished() {
                         training.step(&mut *proposal).unwrap();
                     }
                     return (name, training.into_history(), weights(&*proposal));
                 };
                 (0..steps).for_each(|_| assert!(training.step(&mut *proposal).is_ok()));
-                let bytes = training.suspend(&*proposal).unwrap();
+                let bytes = training.checkpoint(&*proposal).unwrap();
                 let (name, mut proposal) = fresh().swap_remove(at);
                 let mut second = stream();
                 let mut training =
@@ -70,15 +70,15 @@ fn every_family_goes_on_to_the_last_bit() {
 fn what_does_not_fit_is_refused_and_changes_nothing() {
     let (system, measurements) = problem();
     let compute = Compute { backend: Backend::Native, precision: Precision::F32 };
-    let all = |compute| small_families(&system, 3, compute, &Seed::from_u64(153));
-    let suspended = |at: usize, compute: Compute, steps: usize| {
+    let all = |compute| small_families(&ModelShape::on_graph(&system), 3, compute, &Seed::from_u64(153));
+    let checkpoint = |at: usize, compute: Compute, steps: usize| {
         let (_, mut proposal) = all(compute).swap_remove(at);
         let (config, mut stream) = (config(), stream());
         let mut training = Training::new(&*proposal, &system, &measurements, &config, &mut stream).unwrap();
         (0..steps).for_each(|_| assert!(training.step(&mut *proposal).is_ok()));
-        training.suspend(&*proposal).unwrap()
+        training.checkpoint(&*proposal).unwrap()
     };
-    let good = suspended(0, compute, 5);
+    let good = checkpoint(0, compute, 5);
     let (_, mut proposal) = all(compute).swap_remove(0);
     let before = weights(&*proposal);
     let mut refused = |bytes: &[u8], steps: usize, expected: &str| {
@@ -90,8 +90,8 @@ fn what_does_not_fit_is_refused_and_changes_nothing() {
         assert!(training.history().losses.is_empty());
         assert_eq!(weights(&*proposal), before);
     };
-    refused(&suspended(1, compute, 1), STEPS, "instead of");
-    refused(&suspended(0, Compute { precision: Precision::F64, ..compute }, 1), STEPS, "F64 and not F32");
+    refused(&checkpoint(1, compute, 1), STEPS, "instead of");
+    refused(&checkpoint(0, Compute { precision: Precision::F64, ..compute }, 1), STEPS, "F64 and not F32");
     refused(&good, 4, "it took 5 steps of 4");
     // With other bytes in the place of the first ones of a part.
     let tampered = |name: &str, bytes: &[u8]| {
@@ -108,6 +108,6 @@ fn what_does_not_fit_is_refused_and_changes_nothing() {
         refused(&tampered("steps of each matrix", &steps.to_le_bytes()), STEPS, &expected);
     }
     for length in [0, 8, 100, good.len() - 1] {
-        refused(&good[..length], STEPS, "not a training that was put aside");
+        refused(&good[..length], STEPS, "not a checkpoint");
     }
 }

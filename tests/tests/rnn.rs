@@ -2,7 +2,7 @@
 
 use motes_models::{GraphDiffusion, ModelShape, Seed, StateSpaceModel, simulate};
 use motes_proposals::{Backend, Cell, Compute, Family, Fcnn, Learnable, Precision, Rnn, RnnConfig};
-use motes_smc::{FilterBank, FilterError, FilterSettings, ParticleMemory, Past, Proposal, ProposalError};
+use motes_smc::{Context, FilterBank, FilterError, FilterSettings, ParticleMemory, Proposal, ProposalError};
 use motes_tests::{replay, replayed_system, small_fcnn, small_rnn, trained_family};
 
 const F64: Compute = Compute { backend: Backend::Native, precision: Precision::F64 };
@@ -66,8 +66,12 @@ fn after_three_steps(precision: Precision, ancestor: impl Fn(usize) -> usize) ->
     let mut means = Vec::new();
     for time in 0..3 {
         let previous = (time > 0).then_some(previous.as_slice());
-        let past = Past { time, previous, measurement: &measurement, particles: PARTICLES };
-        means = rnn.condition(&system, past, &mut memory).unwrap().means().to_vec();
+        let context = Context::new(time, previous, &measurement, PARTICLES);
+        means = rnn
+            .condition_batch(&system, context, &mut memory, &mut Default::default())
+            .unwrap()
+            .means()
+            .to_vec();
         if time == 1 {
             // Each becomes the first child of its ancestor, and with it carries what that one does.
             let first_of = |a: &usize| ancestors.iter().position(|other| other == a).unwrap();
@@ -102,8 +106,13 @@ fn no_particles_are_no_work() {
     let (system, mut rnn) = (replayed_system(), untrained(Cell::Lstm));
     let mut memory = Proposal::<GraphDiffusion>::initial_memory(&rnn, 0);
     for previous in [None, Some(&[][..])] {
-        let past = Past { time: 0, previous, measurement: &[0.3; 3], particles: 0 };
-        assert!(rnn.condition(&system, past, &mut memory).unwrap().means().is_empty());
+        let context = Context::new(0, previous, &[0.3; 3], 0);
+        assert!(
+            rnn.condition_batch(&system, context, &mut memory, &mut Default::default())
+                .unwrap()
+                .means()
+                .is_empty()
+        );
     }
 }
 

@@ -27,19 +27,20 @@ fn back_and_forth<F: Family>(folder: &Path, config: &F::Config) {
     let trained: F = trained_family(config, &system, 3, compute());
     // Twice: the second replaces the first.
     for _ in 0..2 {
-        save(&folder, &trained, &system, &TrainConfig::paper(10)).unwrap();
+        save(&folder, &trained, &system, &ModelShape::on_graph(&system), &TrainConfig::paper(10)).unwrap();
     }
-    let loaded: F = load(&folder, &system, compute()).unwrap();
+    let loaded: F = load(&folder, &system, &ModelShape::on_graph(&system), compute()).unwrap();
     assert_eq!(weights(&loaded), weights(&trained));
     assert_eq!(loaded.horizon(), trained.horizon());
     let names: Vec<_> =
         std::fs::read_dir(folder.parent().unwrap()).unwrap().map(|e| e.unwrap().file_name()).collect();
     assert!(names.iter().all(|name| !name.to_string_lossy().contains("partial")), "{names:?}");
     // A path may end in a separator.
-    save(&folder.join(""), &trained, &system, &TrainConfig::paper(10)).unwrap();
+    save(&folder.join(""), &trained, &system, &ModelShape::on_graph(&system), &TrainConfig::paper(10))
+        .unwrap();
     // Weights of another precision fit too.
     let wide = Compute { precision: motes_proposals::Precision::F64, ..compute() };
-    let loaded: F = load(&folder, &system, wide).unwrap();
+    let loaded: F = load(&folder, &system, &ModelShape::on_graph(&system), wide).unwrap();
     assert_eq!(weights(&loaded), weights(&trained));
 }
 
@@ -59,11 +60,11 @@ fn what_else_lies_in_a_replaced_folder_is_kept_each_time() {
         Rnn::create(&small_rnn(Cell::Lstm), &ModelShape::of(&system), 0, compute(), &Seed::from_u64(121))
             .unwrap();
     let saved = folder.path().join("rnn");
-    save(&saved, &rnn, &system, &TrainConfig::paper(10)).unwrap();
+    save(&saved, &rnn, &system, &ModelShape::of(&system), &TrainConfig::paper(10)).unwrap();
     for note in ["first", "second", "third"] {
         std::fs::write(saved.join("notes.txt"), note).unwrap();
-        save(&saved, &rnn, &system, &TrainConfig::paper(10)).unwrap();
-        load::<Rnn>(&saved, &system, compute()).unwrap();
+        save(&saved, &rnn, &system, &ModelShape::of(&system), &TrainConfig::paper(10)).unwrap();
+        load::<Rnn>(&saved, &system, &ModelShape::of(&system), compute()).unwrap();
     }
     let others = std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().path());
     let mut notes: Vec<String> =
@@ -82,13 +83,14 @@ fn a_parameter_that_moves_unmeasured_coordinates_is_noticed() {
         LinearGaussian::new(initial, transition, q, c, mat![[1.0]]).unwrap()
     };
     let (folder, config) = (tempfile::tempdir().unwrap(), small_rnn(Cell::Gru));
-    let rnn =
-        Rnn::create(&config, &ModelShape::of(&chain(0.95)), 0, compute(), &Seed::from_u64(121)).unwrap();
+    let shape = ModelShape::of(&chain(0.95));
+    let rnn = Rnn::create(&config, &shape, 0, compute(), &Seed::from_u64(121)).unwrap();
     let folder = folder.path().join("rnn");
-    save(&folder, &rnn, &chain(0.95), &TrainConfig::paper(10)).unwrap();
-    assert!(load::<Rnn>(&folder, &chain(0.95), compute()).is_ok());
-    let error =
-        load::<Rnn>(&folder, &chain(0.2), compute()).err().expect("another system was taken for the same");
+    save(&folder, &rnn, &chain(0.95), &shape, &TrainConfig::paper(10)).unwrap();
+    assert!(load::<Rnn>(&folder, &chain(0.95), &shape, compute()).is_ok());
+    let error = load::<Rnn>(&folder, &chain(0.2), &shape, compute())
+        .err()
+        .expect("another system was taken for the same");
     assert!(error.to_string().contains("a fixed draw of x_1"), "{error}");
 }
 
@@ -96,11 +98,12 @@ fn a_parameter_that_moves_unmeasured_coordinates_is_noticed() {
 fn told(change: impl FnOnce(&Path)) -> String {
     let (folder, system) = (tempfile::tempdir().unwrap(), system());
     let config = small_rnn(Cell::Lstm);
-    let rnn = Rnn::create(&config, &ModelShape::of(&system), 0, compute(), &Seed::from_u64(121)).unwrap();
+    let shape = ModelShape::on_graph(&system);
+    let rnn = Rnn::create(&config, &shape, 0, compute(), &Seed::from_u64(121)).unwrap();
     let folder = folder.path().join("rnn");
-    save(&folder, &rnn, &system, &TrainConfig::paper(10)).unwrap();
+    save(&folder, &rnn, &system, &shape, &TrainConfig::paper(10)).unwrap();
     change(&folder);
-    let error = load::<Rnn>(&folder, &system, compute()).err().expect("it was loaded").to_string();
+    let error = load::<Rnn>(&folder, &system, &shape, compute()).err().expect("it was loaded").to_string();
     assert_eq!(error.lines().count(), 1, "{error}");
     error.replace(&folder.display().to_string(), "DIR")
 }
@@ -159,9 +162,9 @@ fn another_system_is_refused_with_what_differs() {
     let rnn =
         Rnn::create(&small_rnn(Cell::Lstm), &ModelShape::of(&system), 0, compute(), &Seed::from_u64(122))
             .unwrap();
-    save(folder.path(), &rnn, &system, &TrainConfig::paper(10)).unwrap();
+    save(folder.path(), &rnn, &system, &ModelShape::of(&system), &TrainConfig::paper(10)).unwrap();
     let refused = |model: &dyn motes_models::StateSpaceModel| {
-        let error = load::<Rnn>(folder.path(), model, compute()).err().unwrap();
+        let error = load::<Rnn>(folder.path(), model, &ModelShape::of(model), compute()).err().unwrap();
         assert!(matches!(error, SavedError::OtherSystem { .. }), "{error}");
         error.to_string()
     };
@@ -187,7 +190,27 @@ fn weights_that_are_not_finite_are_refused() {
     let mut values = rnn.parameters().host(0);
     values[7] = f64::NAN;
     rnn.parameters_mut().set_host(0, &values).unwrap();
-    save(folder.path(), &rnn, &system, &TrainConfig::paper(10)).unwrap();
-    let error = load::<Rnn>(folder.path(), &system, compute()).err().unwrap().to_string();
+    save(folder.path(), &rnn, &system, &ModelShape::of(&system), &TrainConfig::paper(10)).unwrap();
+    let error =
+        load::<Rnn>(folder.path(), &system, &ModelShape::of(&system), compute()).err().unwrap().to_string();
     assert!(error.ends_with("recurrent.0.input holds NaN at row 1, column 2"), "{error}");
+}
+
+#[test]
+fn another_graph_of_the_same_system_is_refused() {
+    let (folder, system) = (tempfile::tempdir().unwrap(), system());
+    let shape = ModelShape::on_graph(&system);
+    let config = small_gnn(Adapter::Fixed);
+    let gnn = Gnn::create(&config, &shape, 3, compute(), &Seed::from_u64(124)).unwrap();
+    save(folder.path(), &gnn, &system, &shape, &TrainConfig::paper(10)).unwrap();
+    assert!(load::<Gnn>(folder.path(), &system, &shape, compute()).is_ok());
+    let refused = |shape: &ModelShape| {
+        let error = load::<Gnn>(folder.path(), &system, shape, compute()).err().unwrap();
+        assert!(matches!(error, SavedError::OtherSystem { .. }), "{error}");
+        error.to_string()
+    };
+    assert!(refused(&ModelShape::of(&system)).contains("the number of graphs is 1 there and 0"));
+    let mut other = shape.clone();
+    other.graph.as_mut().unwrap().shift[(0, 1)] += 0.1;
+    assert!(refused(&other).contains("the graph's matrix S"));
 }

@@ -8,7 +8,7 @@ use motes_proposals::{
     Backend, Cell, Compute, Family, Fcnn, Frame, Frames, Learnable, Origin, Precision, Psi, Rnn, SavedError,
     Standardised, StandardisedConfig, load, save,
 };
-use motes_smc::{Conditional, Past, Proposal};
+use motes_smc::{Conditional, Context, Proposal};
 use motes_tests::{central_differences, distance, norm, small_fcnn, small_psi, small_rnn};
 use motes_train::{GradientFlow, Objective, TrainConfig, rollout};
 
@@ -45,7 +45,7 @@ fn check_gradients(label: &str, proposal: &mut dyn Learnable) {
         let (objective, flow) = (Objective::Elbo, GradientFlow::Full);
         rollout(proposal, &model, &measurements, objective, flow, 4, &mut stream).unwrap()
     };
-    let gradients = found(proposal).gradients;
+    let gradients = found(proposal).workspace.into_gradients();
     let count = proposal.parameters().len();
     let host = |at: usize, size: usize| gradients.host(at).unwrap_or_else(|| vec![0.0; size]);
     let sizes: Vec<usize> = (0..count).map(|at| proposal.parameters().host(at).len()).collect();
@@ -80,11 +80,12 @@ where
     let measurement = measurements().row(1).to_vec();
     let previous: Vec<f64> = [900.0, 60.0, 10.0, 980.0, 20.0, -5.0].into_iter().cycle().take(15).collect();
     let mut memory = proposal.initial_memory(particles);
-    for past in [
-        Past { time: 0, previous: None, measurement: &measurement, particles },
-        Past { time: 1, previous: Some(&previous), measurement: &measurement, particles },
+    for context in [
+        Context::new(0, None, &measurement, particles),
+        Context::new(1, Some(&previous), &measurement, particles),
     ] {
-        let mut conditional = proposal.condition(&model, past, &mut memory).unwrap();
+        let mut scratch = Default::default();
+        let mut conditional = proposal.condition_batch(&model, context, &mut memory, &mut scratch).unwrap();
         let (mut states, mut along, mut at) =
             (vec![0.0; 3 * particles], vec![0.0; particles], vec![0.0; particles]);
         conditional.sample(&mut Seed::from_u64(144).streams(1), &mut states, &mut along);
@@ -123,10 +124,11 @@ fn a_density_integrates_to_one_in_the_units_of_the_state() {
     let (count, step) = (4001, 0.05);
     let states: Vec<f64> = (0..count).map(|at| (f64::from(at) - 2000.0) * step).collect();
     let previous = vec![0.7; count as usize];
-    let past = Past { time: 1, previous: Some(&previous), measurement: &[1.5], particles: count as usize };
+    let context = Context::new(1, Some(&previous), &[1.5], count as usize);
     let mut memory = Proposal::<motes_models::LinearGaussian>::initial_memory(&proposal, count as usize);
     let mut log_density = vec![0.0; count as usize];
-    let mut conditional = proposal.condition(&model, past, &mut memory).unwrap();
+    let mut scratch = Default::default();
+    let mut conditional = proposal.condition_batch(&model, context, &mut memory, &mut scratch).unwrap();
     conditional.log_density(&states, &mut log_density);
     let mass: f64 = log_density.iter().map(|log| step * log.exp()).sum();
     assert!((mass - 1.0).abs() < 1e-9, "{mass}");
@@ -137,15 +139,16 @@ fn a_standardised_proposal_comes_back_as_it_was_saved() {
     let folder = tempfile::tempdir().unwrap();
     let (path, model) = (folder.path().join("fcnn"), system());
     let proposal = make::<Fcnn>(small_fcnn(), Origin::Prediction, Backend::Native.into());
-    save(&path, &proposal, &model, &TrainConfig::paper(10)).unwrap();
-    let loaded: Standardised<Fcnn> = load(&path, &model, Backend::Native.into()).unwrap();
+    let shape = ModelShape::of(&model);
+    save(&path, &proposal, &model, &shape, &TrainConfig::paper(10)).unwrap();
+    let loaded: Standardised<Fcnn> = load(&path, &model, &shape, Backend::Native.into()).unwrap();
     assert_eq!(loaded.config(), proposal.config());
     let weights = |proposal: &dyn Learnable| -> Vec<Vec<f64>> {
         (0..proposal.parameters().len()).map(|at| proposal.parameters().host(at)).collect()
     };
     assert_eq!(weights(&loaded), weights(&proposal));
     // The plain family does not take it for its own.
-    let error = load::<Fcnn>(&path, &model, Backend::Native.into()).err().unwrap();
+    let error = load::<Fcnn>(&path, &model, &shape, Backend::Native.into()).err().unwrap();
     assert!(matches!(error, SavedError::Unfit { .. }), "{error}");
 }
 

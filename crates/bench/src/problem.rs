@@ -2,7 +2,7 @@
 
 use motes_models::{
     AdditiveGaussian, Drift, Epidemic, EpidemicConfig, GraphDiffusion, GraphDiffusionConfig, ModelError,
-    Noise, Sequence, Simulator, StateGradients, Trajectory, kalman, simulate, simulate_within,
+    ModelShape, Noise, Sequence, Simulator, StateGradients, Trajectory, kalman, simulate, simulate_within,
 };
 
 use crate::config::{self, Densities};
@@ -22,6 +22,8 @@ pub(crate) struct Problem {
     pub(crate) system: Box<Model>,
     /// The model that weights and objective use.
     pub(crate) model: Box<Model>,
+    /// What the networks of proposals are made from: the model's sizes, and its graph if it has one.
+    pub(crate) shape: ModelShape,
     /// The system with Gaussian noise of the same moments.
     pub(crate) gaussian: Box<Model>,
     /// What was drawn from the true system.
@@ -84,6 +86,7 @@ impl Problem {
         Ok(Problem {
             has_gaussian_noise: noise == Noise::Gaussian,
             system: Box::new(system),
+            shape: ModelShape::on_graph(&model),
             model: Box::new(model),
             gaussian: Box::new(gaussian),
             trajectory,
@@ -111,6 +114,7 @@ impl Problem {
         let model = believed(settings.densities, &system, &gaussian);
         Ok(Problem {
             system: Box::new(system),
+            shape: ModelShape::of(&model),
             model: Box::new(model),
             gaussian: Box::new(gaussian),
             trajectory,

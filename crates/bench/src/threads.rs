@@ -10,15 +10,13 @@ pub(crate) fn of_workers(jobs: usize, units: usize) -> impl Iterator<Item = usiz
     (0..workers).map(move |worker| (jobs + worker) / workers)
 }
 
-/// Does the work on so many threads: those of a pool, which large products find. If the system refuses to start it, says so and does it on one.
+/// Does the work in a pool of so many threads, which filters and large products find. If the system refuses to start it, says so and does the
+/// work where it is.
 pub(crate) fn on<R: Send>(threads: usize, work: impl FnOnce() -> R + Send) -> R {
-    if threads < 2 {
-        return work();
-    }
     match ThreadPoolBuilder::new().num_threads(threads).build() {
         Ok(pool) => pool.install(work),
         Err(error) => {
-            status(&format!("a unit has one thread instead of {threads}: {error}"));
+            status(&format!("a unit has no threads of its own, {threads} were asked for: {error}"));
             work()
         }
     }

@@ -6,7 +6,7 @@
 
 mod noise;
 mod rows;
-mod squares;
+mod transpose;
 
 use std::cell::RefCell;
 use std::hint::black_box;

@@ -24,8 +24,9 @@ pub(crate) trait Transform {
 
 /// Fills `out` with independent numbers.
 ///
-/// Up to 32 numbers, rounded up to 16 or 32, take 8 bytes of the stream each. More take 256 bytes together, which are the states
-/// of eight xoshiro256++ generators: ChaCha decides where they start, and their period of `2²⁵⁶ − 1` keeps them apart.
+/// Up to 32 numbers, rounded up to 16 or 32, take 8 bytes of the stream each. More numbers take 256 bytes together, whatever
+/// their count. These bytes are the states of eight xoshiro256++ generators. ChaCha decides where they start, and their
+/// period of `2²⁵⁶ − 1` keeps them apart.
 pub(crate) fn fill<T: Transform>(stream: &mut Stream, out: &mut [f64]) {
     pulp::Arch::new().dispatch(Fill::<T> { stream, out, transform: PhantomData });
 }

@@ -1,12 +1,15 @@
 //! Elementary functions without branches, so that a loop over them becomes vector instructions.
 //!
-//! They are Taylor series after a reduction to a short interval, long enough for the last term left out to be below
-//! rounding. Every multiplication that is followed by an addition is a fused one, in hardware or not, so that their
-//! results are the same numbers on every machine.
+//! They are Taylor series after a reduction to a short interval. The first term left out is below rounding.
+//!
+//! Every multiplication that is followed by an addition is fused, in hardware or not. The results are therefore the same
+//! numbers on every machine.
 
 use std::f64::consts::{LN_2, LOG2_E, SQRT_2};
 
-/// `eˣ` for `x ≤ 0`, within 2 units in the last place; 0 below −708, where the standard library's results lose digits, at −∞ and at NaN.
+/// `eˣ` for `x ≤ 0`, within 2 units in the last place.
+///
+/// It is 0 at −∞, at NaN, and below −708, where the standard library's results lose digits.
 ///
 /// `x = n ln 2 + r` with an integer `n` and `|r| ≤ ½ ln 2`: the Taylor series of `eʳ`, times `2ⁿ`.
 #[inline(always)]

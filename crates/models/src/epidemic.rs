@@ -2,7 +2,7 @@
 
 use faer::{Mat, MatRef};
 
-use crate::batch::{LANES, with_noise};
+use crate::batch::{LANES, Rows, with_noise};
 use crate::{
     AdditiveGaussian, Gaussian, ModelError, Noise, PartialLikelihood, Simulator, StateGradients,
     StateSpaceModel, Stream,
@@ -50,11 +50,15 @@ impl EpidemicConfig {
     }
 }
 
-/// The susceptible, infected and removed people of an epidemic, `x_t = (S_t, I_t, R_t)`, in steps of Euler's method with noise added:
+/// The susceptible, infected and removed people of an epidemic, `x_t = (S_t, I_t, R_t)`, in steps of Euler's method with noise:
 ///
-/// `S_{t+1} = S_t − β S_t I_t Δ`, `I_{t+1} = I_t + (β S_t I_t − γ I_t) Δ`, `R_{t+1} = R_t + γ I_t Δ`, each `+ v`, and
-/// `y_t = (S_t, R_t) + w_t` (the paper's equation "sir"). All noises are centred and independent; `x_0` has the same family around its
-/// means. Nothing keeps a coordinate from becoming negative, and where `S` or `I` is, the map can run away.
+/// - `S_{t+1} = S_t − β S_t I_t Δ + v`
+/// - `I_{t+1} = I_t + (β S_t I_t − γ I_t) Δ + v`
+/// - `R_{t+1} = R_t + γ I_t Δ + v`
+/// - `y_t = (S_t, R_t) + w_t`
+///
+/// This is the paper's equation "sir". All noises are centred and independent, and `x_0` has the same family around its means.
+/// Coordinates can become negative. Where `S` or `I` is negative, states can diverge.
 #[derive(Debug, Clone)]
 pub struct Epidemic {
     config: EpidemicConfig,
@@ -184,13 +188,18 @@ impl StateSpaceModel for Epidemic {
         self.config.noise.log_density_of_all(self.sigmas[2], residuals.into_iter())
     }
 
-    fn sample_transitions(&self, _time: usize, previous: &[f64], streams: &mut [Stream], states: &mut [f64]) {
+    fn sample_transitions(
+        &self,
+        _time: usize,
+        previous: Rows<'_>,
+        streams: &mut [Stream],
+        states: &mut [f64],
+    ) {
         let fill = |stream: &mut Stream, noise: &mut [f64]| self.config.noise.fill_unit(stream, noise);
         with_noise(streams, N, states.len() / N, fill, |particles, noise| {
-            let at = particles.start * N..particles.end * N;
-            let rows = previous[at.clone()].chunks_exact(N).zip(states[at].chunks_exact_mut(N));
-            for (lane, (previous, state)) in rows.enumerate() {
-                for (j, (value, flow)) in state.iter_mut().zip(self.flow(previous)).enumerate() {
+            let drawn = states[particles.start * N..particles.end * N].chunks_exact_mut(N);
+            for (lane, (row, state)) in particles.zip(drawn).enumerate() {
+                for (j, (value, flow)) in state.iter_mut().zip(self.flow(previous.row(row))).enumerate() {
                     *value = flow + self.sigmas[1] * noise[j * LANES + lane];
                 }
             }

@@ -26,8 +26,9 @@ impl Gaussian {
     /// Takes a mean (`N`) and a symmetric positive-definite covariance (`N×N`); `name` is what errors call it.
     ///
     /// # Errors
-    /// [`ModelError::Covariance`] if the covariance is of another shape, not finite, not symmetric (beyond
-    /// 1e-12 of its largest entry) or not positive definite; it is never changed to make it fit.
+    /// [`ModelError::Covariance`] if the covariance is of another shape, not finite, not symmetric or not positive definite.
+    /// Symmetric means up to 1e-12 of its largest entry. A covariance is never changed to make it fit.
+    ///
     /// [`ModelError::Parameter`] if the mean is empty or not finite.
     pub fn new(name: &'static str, mean: Vec<f64>, covariance: Mat<f64>) -> Result<Self, ModelError> {
         if mean.is_empty() || mean.iter().any(|value| !value.is_finite()) {
@@ -99,8 +100,9 @@ impl Gaussian {
         });
     }
 
-    /// `log N(d; 0, Σ)` of each lane of a tile of deviations (`N × LANES`) that there is a place for in `out`; `whitened` is
-    /// scratch of the same size, left with `L⁻¹ d`.
+    /// `log N(d; 0, Σ)` of each lane of a tile of deviations (`N × LANES`), for as many lanes as `out` has places.
+    ///
+    /// `whitened` is scratch of the tile's size. It holds `L⁻¹ d` afterwards.
     pub fn tile_log_density(&self, deviations: &[f64], whitened: &mut [f64], out: &mut [f64]) {
         self.inverse_tiles.times(deviations, whitened);
         let mut squares = [0.0; LANES];

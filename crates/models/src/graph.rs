@@ -15,8 +15,8 @@ impl RandomGeometricGraph {
     /// Draws `nodes` points uniformly on the unit square and joins each to its `neighbours` nearest others
     /// with weight `exp(−‖rᵢ − rⱼ‖²)`.
     ///
-    /// The directed graph is symmetrised by averaging with its transpose, drawn again until it is
-    /// connected, has no self-loops, and is divided by its spectral norm.
+    /// The directed graph is averaged with its transpose and divided by its spectral norm. It has no self-loops. It is drawn
+    /// again until it is connected.
     ///
     /// # Errors
     /// [`ModelError::Parameter`] unless `1 ≤ neighbours < nodes`, or if none of a thousand draws was connected.

@@ -1,10 +1,14 @@
 //! State-space models for particle filters: what is known about a system before any filter runs.
 //!
 //! A model is the triple `p(x_0)`, `p(x_t | x_{t-1})`, `p(y_t | x_t)` of a hidden state `x_t ∈ ℝᴺ` and a
-//! measurement `y_t ∈ ℝᴹ`. This crate holds the traits that a filter asks for ([`StateSpaceModel`]), what
-//! training and designed proposals ask for on top ([`StateGradients`], [`AdditiveGaussian`]), concrete models
-//! with exact answers ([`LinearGaussian`] with [`kalman`]), the graph-diffusion systems of the paper
-//! ([`GraphDiffusion`]) and its epidemic ([`Epidemic`]), and the explicit random streams from which everything is drawn ([`Seed`]).
+//! measurement `y_t ∈ ℝᴹ`.
+//!
+//! - A filter asks for a [`StateSpaceModel`].
+//! - Training asks for [`StateGradients`] too, designed proposals for [`AdditiveGaussian`], graph networks for [`GraphModel`].
+//! - [`check_gradients`] checks gradients that were written by hand.
+//! - [`LinearGaussian`] has exact answers, by [`kalman`].
+//! - [`GraphDiffusion`] and [`Epidemic`] are the paper's systems.
+//! - Everything is drawn from explicit random streams, derived from a [`Seed`].
 //!
 //! A batch of `K` states is one row-major slice of `K·N` numbers, particle after particle.
 //!
@@ -26,6 +30,7 @@ pub mod elementary;
 mod epidemic;
 mod error;
 mod gaussian;
+mod gradient_check;
 mod graph;
 mod graph_diffusion;
 pub mod kalman;
@@ -36,7 +41,6 @@ mod sequence;
 mod shape;
 mod simulate;
 mod simulations;
-mod smoother;
 mod state_space;
 mod stream;
 mod system_graph;
@@ -44,6 +48,7 @@ mod system_graph;
 pub use epidemic::{Epidemic, EpidemicConfig};
 pub use error::{CovarianceFault, ModelError};
 pub use gaussian::Gaussian;
+pub use gradient_check::{Comparison, Derivative, GradientError, GradientReport, check_gradients};
 pub use graph::RandomGeometricGraph;
 pub use graph_diffusion::{Drift, GraphDiffusion, GraphDiffusionConfig};
 pub use linear_gaussian::LinearGaussian;
@@ -52,10 +57,12 @@ pub use normals::{fill_standard_exponential, fill_standard_normal, fill_uniform}
 pub use sequence::{Measurements, PartialMeasurements, Sequence};
 pub use shape::ModelShape;
 pub use simulate::{Trajectory, simulate, simulate_within};
-pub use simulations::{Prediction, Simulations, Spread};
-pub use state_space::{AdditiveGaussian, PartialLikelihood, Simulator, StateGradients, StateSpaceModel};
-pub use stream::{Seed, Stream};
-pub use system_graph::SystemGraph;
+pub use simulations::{LinearPredictor, Simulations, Spread};
+pub use state_space::{
+    AdditiveGaussian, PartialLikelihood, Simulator, StateGradients, StateSpaceModel, check_dimensions,
+};
+pub use stream::{Seed, Stream, duplicate};
+pub use system_graph::{GraphModel, SystemGraph};
 
 /// The README's code, compiled and run as a documentation test.
 #[doc = include_str!("../README.md")]

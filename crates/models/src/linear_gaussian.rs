@@ -2,7 +2,7 @@
 
 use faer::{Mat, MatRef};
 
-use crate::batch::{LANES, TileMatrix, load, store, with_noise, with_scratch};
+use crate::batch::{LANES, Rows, TileMatrix, load, store, with_noise, with_scratch};
 use crate::error::check_matrix;
 use crate::{
     AdditiveGaussian, Gaussian, ModelError, PartialLikelihood, Simulator, StateGradients, StateSpaceModel,
@@ -48,9 +48,9 @@ impl LinearGaussian {
         let m = measurement_covariance.nrows();
         if m == 0 {
             return Err(ModelError::Parameter {
-                name: "number of measured values M",
+                name: "the model's measurement dimension M",
                 value: "0".into(),
-                expected: "the size of R, at least 1",
+                expected: "at least 1",
             });
         }
         check_matrix("the transition matrix A", transition_matrix.as_ref(), n, n)?;
@@ -118,12 +118,18 @@ impl StateSpaceModel for LinearGaussian {
         self.initial.samples(streams, states);
     }
 
-    fn sample_transitions(&self, _time: usize, previous: &[f64], streams: &mut [Stream], states: &mut [f64]) {
+    fn sample_transitions(
+        &self,
+        _time: usize,
+        previous: Rows<'_>,
+        streams: &mut [Stream],
+        states: &mut [f64],
+    ) {
         let n = self.state_dim();
         with_scratch(2 * n * LANES, |scratch| {
             let (from, to) = scratch.split_at_mut(n * LANES);
             with_noise(streams, n, states.len() / n, fill_standard_normal, |particles, noise| {
-                load(&previous[particles.start * n..particles.end * n], n, from);
+                previous.load(particles.start, from);
                 self.transition_tiles.times(from, to);
                 self.state_noise.tile_add_deviation(noise, to);
                 store(to, n, &mut states[particles.start * n..particles.end * n]);
@@ -135,13 +141,12 @@ impl StateSpaceModel for LinearGaussian {
         self.initial.log_densities(states, out);
     }
 
-    fn log_transitions(&self, _time: usize, previous: &[f64], states: &[f64], out: &mut [f64]) {
+    fn log_transitions(&self, _time: usize, previous: Rows<'_>, states: &[f64], out: &mut [f64]) {
         let n = self.state_dim();
         with_scratch(2 * n * LANES, |scratch| {
             let (from, to) = scratch.split_at_mut(n * LANES);
-            let rows = previous.chunks(n * LANES).zip(states.chunks(n * LANES));
-            for ((previous, states), out) in rows.zip(out.chunks_mut(LANES)) {
-                load(previous, n, from);
+            for (tile, (states, out)) in states.chunks(n * LANES).zip(out.chunks_mut(LANES)).enumerate() {
+                previous.load(tile * LANES, from);
                 load(states, n, to);
                 self.transition_tiles.times_subtract(from, to);
                 self.state_noise.tile_log_density(to, from, out);

@@ -8,10 +8,11 @@ use crate::elementary::{ln, sin_cos};
 
 /// Fills `out` with independent standard normal numbers, in vector instructions.
 ///
-/// Box and Muller's transform of 53-bit uniforms, so that every number is finite and below 8.6 in size, with tails as they
-/// should be up to there. Up to 16 numbers take 128 bytes of the stream, more take 256, however many: they come
-/// from generators that start there. The same stream gives the same numbers, whatever vector instructions
-/// the machine has.
+/// They are Box and Muller's transform of 53-bit uniforms. Every number is finite and below 8.6 in size, and the tails are right
+/// up to there.
+///
+/// Up to 16 numbers take 128 bytes of the stream. More take 256 bytes, however many: they come from generators that start there.
+/// The same stream gives the same numbers, whatever vector instructions the machine has.
 ///
 /// ```
 /// use motes_models::{Seed, fill_standard_normal};
@@ -56,8 +57,8 @@ fn up_to_one(bits: u64) -> f64 {
 struct Normal;
 
 impl Transform for Normal {
-    /// A radius `√(−2 ln u)` and an angle: within an eighth of the circle to either side of an axis by 53 bits, which axis by
-    /// two of the others.
+    /// A radius `√(−2 ln u)` and an angle. 53 bits place the angle within an eighth of the circle to either side of an axis. Two
+    /// other bits choose the axis.
     #[inline(always)]
     fn pairs<const L: usize>(a: &[u64; L], b: &[u64; L], x: &mut [f64; L], y: &mut [f64; L]) {
         // In one loop, so that a processor divides and takes roots while it multiplies for the angle.

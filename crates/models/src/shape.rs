@@ -1,25 +1,36 @@
 //! What a network needs to know of a model before it is made.
 
-use crate::{StateSpaceModel, SystemGraph};
+use crate::{GraphModel, StateSpaceModel, SystemGraph};
 
-/// The sizes of a model, and the graph that it lives on if it lives on one: all that a proposal's networks are made from.
+/// All that a proposal's networks are made from: the sizes of a model, and its graph where one is used.
+///
+/// ```
+/// use motes_models::{GraphDiffusion, GraphDiffusionConfig, ModelShape, Seed};
+///
+/// let system = GraphDiffusion::random(&GraphDiffusionConfig::new(6), &mut Seed::from_u64(1).stream())?;
+/// assert_eq!(ModelShape::of(&system).graph, None);
+/// assert_eq!(ModelShape::on_graph(&system).graph.map(|graph| graph.shift.nrows()), Some(6));
+/// # Ok::<(), motes_models::ModelError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModelShape {
     /// `N`, the number of coordinates of a state.
     pub state_dim: usize,
     /// `M`, the number of coordinates of a measurement.
     pub measurement_dim: usize,
-    /// The graph whose nodes are the coordinates of a state.
+    /// The graph whose nodes are the coordinates of a state; graph networks need one.
     pub graph: Option<SystemGraph>,
 }
 
 impl ModelShape {
-    /// The shape of a model.
+    /// The sizes of a model, without a graph.
     pub fn of(model: &(impl StateSpaceModel + ?Sized)) -> Self {
-        ModelShape {
-            state_dim: model.state_dim(),
-            measurement_dim: model.measurement_dim(),
-            graph: model.graph(),
-        }
+        let (state_dim, measurement_dim) = (model.state_dim(), model.measurement_dim());
+        ModelShape { state_dim, measurement_dim, graph: None }
+    }
+
+    /// The sizes of a model and its graph.
+    pub fn on_graph(model: &(impl GraphModel + ?Sized)) -> Self {
+        ModelShape { graph: Some(model.graph()), ..ModelShape::of(model) }
     }
 }

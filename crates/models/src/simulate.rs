@@ -1,6 +1,6 @@
 //! Drawing a trajectory of states and measurements from a model.
 
-use crate::{Measurements, ModelError, Seed, Sequence, Simulator, Stream};
+use crate::{Measurements, ModelError, Seed, Sequence, Simulator, Stream, check_dimensions};
 
 /// A simulated run of a system: the hidden truth and what was measured of it.
 ///
@@ -17,7 +17,7 @@ pub struct Trajectory {
 /// same stream begins with the shorter one.
 ///
 /// # Errors
-/// [`ModelError::Parameter`] if `horizon` is 0; [`ModelError::Numerical`] with the time if the system overflowed.
+/// [`ModelError::Parameter`] if `horizon`, `N` or `M` is 0; [`ModelError::Numerical`] with the time if the system overflowed.
 pub fn simulate(
     model: &(impl Simulator + ?Sized),
     horizon: usize,
@@ -26,6 +26,7 @@ pub fn simulate(
     if horizon == 0 {
         return Err(ModelError::Parameter { name: "horizon T", value: "0".into(), expected: "at least 1" });
     }
+    check_dimensions(model)?;
     let (n, m) = (model.state_dim(), model.measurement_dim());
     let (mut states, mut measurements) = (vec![0.0; horizon * n], vec![0.0; horizon * m]);
     for time in 0..horizon {
@@ -48,8 +49,9 @@ pub fn simulate(
 /// How many trajectories [`simulate_within`] draws before it gives up.
 const MOST_DRAWS: usize = 10_000;
 
-/// Draws trajectories, each from a stream of its own, until one has no state coordinate of a size above `largest`, and says how many were
-/// left before it. For systems that run away now and then.
+/// Draws trajectories until all state coordinates of one are at most `largest` in size, and says how many were rejected before it.
+///
+/// Each trajectory has a stream of its own. This is for systems that diverge now and then.
 ///
 /// # Errors
 /// As [`simulate`] for a `horizon` of 0; [`ModelError::Parameter`] if `largest` is so small that none of 10,000 stays within it.
@@ -59,10 +61,10 @@ pub fn simulate_within(
     largest: f64,
     seed: &Seed,
 ) -> Result<(Trajectory, usize), ModelError> {
-    for left in 0..MOST_DRAWS {
-        match simulate(model, horizon, &mut seed.nth(left as u64).stream()) {
+    for rejected in 0..MOST_DRAWS {
+        match simulate(model, horizon, &mut seed.nth(rejected as u64).stream()) {
             Ok(trajectory) if trajectory.states.values().iter().all(|value| value.abs() <= largest) => {
-                return Ok((trajectory, left));
+                return Ok((trajectory, rejected));
             }
             // It overflowed, which is beyond any bound.
             Ok(_) | Err(ModelError::Numerical { .. }) => {}
@@ -92,18 +94,19 @@ mod tests {
         assert_eq!(short.measurements.values(), &long.measurements.values()[..5 * 4]);
         assert!(simulate(&system, 0, &mut seed.stream()).is_err());
     }
+
     #[test]
-    fn trajectories_that_run_away_are_drawn_again() {
+    fn trajectories_that_diverge_are_drawn_again() {
         let epidemic = Epidemic::new(&EpidemicConfig::paper()).unwrap();
-        let lefts: Vec<usize> = (0..20)
+        let rejections: Vec<usize> = (0..20)
             .map(|at| {
-                let (kept, left) =
+                let (kept, rejected) =
                     simulate_within(&epidemic, 200, 2000.0, &Seed::from_u64(3).nth(at)).unwrap();
                 assert!(kept.states.values().iter().all(|value| value.abs() <= 2000.0));
-                left
+                rejected
             })
             .collect();
-        assert!(lefts.iter().any(|left| *left > 0) && lefts.contains(&0), "{lefts:?}");
+        assert!(rejections.iter().any(|count| *count > 0) && rejections.contains(&0), "{rejections:?}");
         assert!(simulate_within(&epidemic, 5, 1.0, &Seed::from_u64(3)).is_err());
     }
 }

@@ -7,7 +7,7 @@ use crate::{ModelError, Seed, Sequence, Simulator, Trajectory, simulate_within};
 
 /// Trajectories that were drawn from a model for themselves: what is known of a system before anything was measured.
 ///
-/// There is no way to make one of trajectories from elsewhere, so what learns may see it without seeing the truth behind its data.
+/// No constructor takes trajectories from elsewhere. What learns may therefore see it without seeing the truth behind its data.
 ///
 /// ```
 /// use motes_models::{Epidemic, EpidemicConfig, Seed, Simulations};
@@ -32,9 +32,9 @@ pub struct Spread {
     pub deviations: Vec<f64>,
 }
 
-/// The linear function of `x_{t−1}` and `y_t` that is nearest to `x_t` in squared error.
+/// The least-squares predictor of `x_t`, linear in `x_{t−1}` and `y_t`.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Prediction {
+pub struct LinearPredictor {
     /// Its dependence on the standardised `x_{t−1}`, `N×N` in rows; empty at `t = 0`.
     pub by_previous: Vec<f64>,
     /// Its dependence on the standardised `y_t`, `N×M` in rows.
@@ -43,7 +43,7 @@ pub struct Prediction {
     pub deviations: Vec<f64>,
 }
 
-/// A prediction is fitted to at least this many trajectories for each number that it rests on.
+/// A predictor is fitted to at least this many trajectories for each coefficient.
 const TRAJECTORIES_PER_COEFFICIENT: usize = 10;
 
 /// The least standard deviation of a coordinate, as a share of its largest value, that is more than rounding.
@@ -104,14 +104,14 @@ impl Simulations {
         Spread::of(self.trajectories.iter().map(|trajectory| of(trajectory).row(time)))
     }
 
-    /// What predicts the state at `time`, by least squares.
+    /// The least-squares predictor of the state at `time`.
     ///
     /// # Errors
     /// [`ModelError::Parameter`] if there are fewer than ten trajectories for each coefficient, or if a coordinate hardly varies.
     ///
     /// # Panics
     /// If `time` is not below [`Simulations::horizon`].
-    pub fn prediction_at(&self, time: usize) -> Result<Prediction, ModelError> {
+    pub fn linear_predictor_at(&self, time: usize) -> Result<LinearPredictor, ModelError> {
         let (states, measurements) = (self.states_at(time), self.measurements_at(time));
         let previous = (time > 0).then(|| self.states_at(time - 1));
         for spread in [Some(&measurements), previous.as_ref()].into_iter().flatten() {
@@ -148,7 +148,7 @@ impl Simulations {
             let places = (0..n).flat_map(|i| (0..width).map(move |j| (i, j)));
             places.map(|(i, j)| coefficients[(from + j, i)]).collect()
         };
-        let found = Prediction {
+        let found = LinearPredictor {
             by_previous: map(0, of_previous),
             by_measurement: map(of_previous, m),
             deviations: (0..n).map(deviation).collect(),
@@ -214,19 +214,19 @@ mod tests {
     }
 
     #[test]
-    fn a_prediction_of_a_linear_system_is_the_conditional_mean() {
+    fn the_predictor_of_a_linear_system_is_the_conditional_mean() {
         // x' = 0.9 x + v, y = x' + w, all variances 1: given x and y, x' has mean 0.45 x + 0.5 y and variance ½.
         let initial = Gaussian::new("P_0", vec![2.0], mat![[1.0]]).unwrap();
         let model = LinearGaussian::new(initial, mat![[0.9]], mat![[1.0]], mat![[1.0]], mat![[1.0]]).unwrap();
         let simulations = draw(&model, 40_000);
-        let found = simulations.prediction_at(2).unwrap();
+        let found = simulations.linear_predictor_at(2).unwrap();
         let [previous, measurement] = [simulations.states_at(1), simulations.measurements_at(2)];
         // The standard error of a coefficient is that of the noise over √40000.
         assert!((found.by_previous[0] / previous.deviations[0] - 0.45).abs() < 0.02);
         assert!((found.by_measurement[0] / measurement.deviations[0] - 0.5).abs() < 0.02);
         assert!((found.deviations[0] - 0.5_f64.sqrt()).abs() < 0.02);
         assert!((simulations.states_at(1).means[0] - 1.8).abs() < 0.03);
-        assert!(simulations.prediction_at(0).unwrap().by_previous.is_empty());
+        assert!(simulations.linear_predictor_at(0).unwrap().by_previous.is_empty());
     }
 
     #[test]
@@ -246,9 +246,9 @@ mod tests {
             let initial = Gaussian::new("P_0", vec![997.3], mat![[variance]]).unwrap();
             LinearGaussian::new(initial, mat![[1.0]], mat![[1e-24]], mat![[1.0]], mat![[1.0]]).unwrap()
         };
-        let error = draw(&model(1e-24), 100).prediction_at(1).unwrap_err().to_string();
+        let error = draw(&model(1e-24), 100).linear_predictor_at(1).unwrap_err().to_string();
         assert!(error.contains("standard deviation"), "{error}");
-        let error = draw(&model(1.0), 19).prediction_at(1).unwrap_err().to_string();
+        let error = draw(&model(1.0), 19).linear_predictor_at(1).unwrap_err().to_string();
         assert!(error.contains("ten or more"), "{error}");
         let error = Simulations::draw(&model(1.0), 3, 0, 1e9, &Seed::from_u64(1)).unwrap_err().to_string();
         assert!(error.contains("at least 1"), "{error}");

@@ -3,15 +3,15 @@
 use faer::MatRef;
 
 use crate::batch::{Rows, load, particles_by_stream, store, with_scratch};
-use crate::{Gaussian, ModelError, Stream, SystemGraph};
+use crate::{Gaussian, ModelError, Stream};
 
 /// A hidden Markov model on ℝᴺ, measured in ℝᴹ: `p(x_0)`, `p(x_t | x_{t−1})`, `p(y_t | x_t)`.
 ///
-/// Densities are logarithmic and normalised; −∞ says that a point lies outside the support. `time` is the
-/// `t` of the state being drawn or judged, so a transition is asked for with `time ≥ 1`.
+/// Densities are logarithmic and normalised; −∞ says that a point lies outside the support. `time` is the `t` of the state
+/// that is drawn or weighed. A transition therefore has `time ≥ 1`.
 ///
-/// The plural methods do the same for a batch of `K` particles, row-major `K×N`. Their default is a loop;
-/// a model overrides them where a batch is cheaper than its rows.
+/// The plural methods do the same for a batch of `K` particles, row-major `K×N`. Their default is a loop. A model overrides
+/// them where a batch is cheaper than its rows.
 pub trait StateSpaceModel: Sync {
     /// `N`, the number of coordinates of a state.
     fn state_dim(&self) -> usize;
@@ -34,11 +34,6 @@ pub trait StateSpaceModel: Sync {
     /// `log p(y_t | x_t)` of `measurement` (`M`) at `state` (`N`).
     fn log_likelihood(&self, time: usize, state: &[f64], measurement: &[f64]) -> f64;
 
-    /// The graph that the system lives on, if it lives on one.
-    fn graph(&self) -> Option<SystemGraph> {
-        None
-    }
-
     /// [`StateSpaceModel::sample_initial`] for each of `K` rows; the rows are split evenly over `streams`, in order.
     ///
     /// # Panics
@@ -53,41 +48,30 @@ pub trait StateSpaceModel: Sync {
         }
     }
 
-    /// [`StateSpaceModel::sample_transition`] for each of `K` rows; the rows are split evenly over `streams`, in order.
+    /// [`StateSpaceModel::sample_transition`] for each of `K` rows, whose previous states may be picked from others by resampling; the rows are
+    /// split evenly over `streams`, in order.
     ///
-    /// A model may take another amount of a stream here than row by row, but each stream by itself gives the same numbers
-    /// whatever other streams are in the call.
+    /// A model may take another amount of a stream here than row by row. The numbers of one stream do not depend on the other
+    /// streams in the call.
     ///
     /// # Panics
     /// If `K` is not a multiple of the number of streams.
-    fn sample_transitions(&self, time: usize, previous: &[f64], streams: &mut [Stream], states: &mut [f64]) {
-        let width = self.state_dim();
-        let particles = states.len() / width;
-        let mut previous = previous.chunks_exact(width);
-        for (stream, states) in particles_by_stream(streams, states, width, particles) {
-            for (state, previous) in states.chunks_exact_mut(width).zip(&mut previous) {
-                self.sample_transition(time, previous, stream, state);
-            }
-        }
-    }
-
-    /// [`StateSpaceModel::sample_transitions`] and then [`StateSpaceModel::log_likelihoods`] of one measurement at what was drawn, into
-    /// `log_likelihoods` (`K`): what the bootstrap filter does, for models that can do both in one go. The previous states may
-    /// be picked from others by resampling.
-    ///
-    /// # Panics
-    /// As [`StateSpaceModel::sample_transitions`].
-    fn propagate(
+    fn sample_transitions(
         &self,
         time: usize,
         previous: Rows<'_>,
-        measurement: &[f64],
         streams: &mut [Stream],
         states: &mut [f64],
-        log_likelihoods: &mut [f64],
     ) {
-        previous.with_contiguous(|previous| self.sample_transitions(time, previous, streams, states));
-        self.log_likelihoods(time, states, measurement, log_likelihoods);
+        let width = self.state_dim();
+        let particles = states.len() / width;
+        let mut row = 0;
+        for (stream, states) in particles_by_stream(streams, states, width, particles) {
+            for state in states.chunks_exact_mut(width) {
+                self.sample_transition(time, previous.row(row), stream, state);
+                row += 1;
+            }
+        }
     }
 
     /// [`StateSpaceModel::log_initial`] of each of `K` rows, into `out` (`K`).
@@ -97,12 +81,10 @@ pub trait StateSpaceModel: Sync {
         }
     }
 
-    /// [`StateSpaceModel::log_transition`] of each of `K` rows, into `out` (`K`).
-    fn log_transitions(&self, time: usize, previous: &[f64], states: &[f64], out: &mut [f64]) {
-        let width = self.state_dim();
-        let rows = previous.chunks_exact(width).zip(states.chunks_exact(width));
-        for ((previous, state), out) in rows.zip(out) {
-            *out = self.log_transition(time, previous, state);
+    /// [`StateSpaceModel::log_transition`] of each of `K` rows, whose previous states may be picked from others, into `out` (`K`).
+    fn log_transitions(&self, time: usize, previous: Rows<'_>, states: &[f64], out: &mut [f64]) {
+        for (row, (state, out)) in states.chunks_exact(self.state_dim()).zip(out).enumerate() {
+            *out = self.log_transition(time, previous.row(row), state);
         }
     }
 
@@ -114,6 +96,23 @@ pub trait StateSpaceModel: Sync {
     }
 }
 
+/// Refuses a model without states or without measurements.
+///
+/// Everything that takes a model refuses it with these words: simulation, filters, proposals and training.
+///
+/// # Errors
+/// [`ModelError::Parameter`] if `N` or `M` is 0.
+pub fn check_dimensions(model: &(impl StateSpaceModel + ?Sized)) -> Result<(), ModelError> {
+    let dimensions = [
+        ("the model's state dimension N", model.state_dim()),
+        ("the model's measurement dimension M", model.measurement_dim()),
+    ];
+    match dimensions.into_iter().find(|(_, dimension)| *dimension == 0) {
+        Some((name, _)) => Err(ModelError::Parameter { name, value: "0".into(), expected: "at least 1" }),
+        None => Ok(()),
+    }
+}
+
 /// A model that can also draw measurements, and so simulate itself.
 pub trait Simulator: StateSpaceModel {
     /// Draws `y_t ~ p(y_t | x_t)` into `measurement` (`M`), given `state` (`N`).
@@ -122,8 +121,9 @@ pub trait Simulator: StateSpaceModel {
 
 /// A model that can weigh a measurement some of whose entries are missing.
 pub trait PartialLikelihood: StateSpaceModel {
-    /// `log p(y_t^O | x_t)` at each of `K` rows of `states` (`K×N`), into `out` (`K`): the marginal density of those entries `O` of
-    /// `measurement` (`M`) that are there; 0 where none is.
+    /// `log p(y_t^O | x_t)` at each of `K` rows of `states` (`K×N`), into `out` (`K`).
+    ///
+    /// It is the marginal density of those entries `O` of `measurement` (`M`) that are there, and 0 where none is.
     ///
     /// # Errors
     /// [`ModelError`] if the marginal density cannot be had in floating point.
@@ -162,7 +162,7 @@ pub trait StateGradients: StateSpaceModel {
 ///
 /// It is exact when `v_t` and `w_t` are Gaussian; otherwise it is the Gaussian with the same moments.
 pub trait AdditiveGaussian: StateSpaceModel {
-    /// Whether `x_0`, `v_t` and `w_t` are Gaussian, so that these moments say all there is to say; `false` unless a model says so.
+    /// Whether `x_0`, `v_t` and `w_t` are Gaussian, so that these moments determine them; `false` unless a model says so.
     fn is_gaussian(&self) -> bool {
         false
     }

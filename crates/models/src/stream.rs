@@ -8,10 +8,18 @@ use rand::{Rng, SeedableRng};
 /// Counter based, so a stream's position depends on nothing but how much was drawn from it.
 pub type Stream = ChaCha8Rng;
 
+/// A stream that goes on as the given one does from where it is. (Generators have no `Clone`, so that none is doubled by accident.)
+pub fn duplicate(stream: &Stream) -> Stream {
+    let mut same = Stream::from_seed(stream.get_seed());
+    same.set_stream(stream.get_stream());
+    same.set_word_pos(stream.get_word_pos());
+    same
+}
+
 /// A node in a tree of random streams.
 ///
-/// Children are derived by label or by number, and deriving one never changes another: the streams of unit
-/// 7 are the same whether units 0 to 6 were run before it, after it, on another thread or not at all.
+/// Children are derived by label or by number, and deriving one never changes another. The streams of unit 7 are the same
+/// whether units 0 to 6 ran before it, after it, on another thread or not at all.
 ///
 /// ```
 /// use motes_models::Seed;

@@ -2,6 +2,8 @@
 
 use faer::Mat;
 
+use crate::StateSpaceModel;
+
 /// A graph whose nodes are the coordinates of a state.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SystemGraph {
@@ -9,4 +11,10 @@ pub struct SystemGraph {
     pub shift: Mat<f64>,
     /// `N×M`: which nodes a measurement belongs to, and how much of it each gets.
     pub adapter: Mat<f64>,
+}
+
+/// A model that lives on a graph, which is what a graph network asks of it.
+pub trait GraphModel: StateSpaceModel {
+    /// The graph.
+    fn graph(&self) -> SystemGraph;
 }

@@ -51,30 +51,35 @@ fn check(model: &impl StateSpaceModel) {
         let (mut previous, mut states) =
             (vec![f64::NAN; 2 * particles * n], vec![f64::NAN; 2 * particles * n]);
         model.sample_initials(&mut streams, &mut previous);
-        model.sample_transitions(1, &previous, &mut streams, &mut states);
+        model.sample_transitions(1, Rows::all(&previous, n), &mut streams, &mut states);
 
         let mut out = vec![f64::NAN; 2 * particles];
         model.log_initials(&previous, &mut out);
         assert_same(&out, |row| model.log_initial(&previous[row * n..][..n]));
-        model.log_transitions(1, &previous, &states, &mut out);
+        model.log_transitions(1, Rows::all(&previous, n), &states, &mut out);
         // What was drawn lies in the support.
         assert!(out.iter().all(|density| density.is_finite()));
         assert_same(&out, |row| model.log_transition(1, &previous[row * n..][..n], &states[row * n..][..n]));
         // Elsewhere, too.
-        model.log_transitions(1, &states, &previous, &mut out);
+        model.log_transitions(1, Rows::all(&states, n), &previous, &mut out);
         assert_same(&out, |row| model.log_transition(1, &states[row * n..][..n], &previous[row * n..][..n]));
         model.log_likelihoods(1, &states, &measurement, &mut out);
         assert_same(&out, |row| model.log_likelihood(1, &states[row * n..][..n], &measurement));
 
-        // Each stream gives what it gives alone, and drawing and judging in one go are the same two things.
+        // Each stream gives what it gives alone, and rows that were picked what they give where they lie.
         let mut alone = Seed::from_u64(21).streams(2).split_off(1);
         let (mut first, mut second) = (vec![f64::NAN; particles * n], vec![f64::NAN; particles * n]);
         model.sample_initials(&mut alone, &mut first);
         assert!(first == previous[particles * n..]);
-        let mut likelihoods = vec![f64::NAN; particles];
-        model.propagate(1, Rows::all(&first, n), &measurement, &mut alone, &mut second, &mut likelihoods);
+        let picked: Vec<usize> = (particles..2 * particles).collect();
+        let rows = Rows::picked(&previous, n, &picked);
+        model.sample_transitions(1, rows, &mut alone, &mut second);
         assert!(second == states[particles * n..]);
-        assert_same(&likelihoods, |row| out[particles + row]);
+        let mut densities = vec![f64::NAN; particles];
+        model.log_transitions(1, rows, &second, &mut densities);
+        assert_same(&densities, |row| {
+            model.log_transition(1, &first[row * n..][..n], &second[row * n..][..n])
+        });
     }
 }
 
@@ -126,7 +131,7 @@ fn draws_in_batches_have_the_moments_of_the_model() {
         let mut streams = [Seed::from_u64(22).stream()];
         let (mut initial, mut states) = (vec![0.0; ROWS * n], vec![0.0; ROWS * n]);
         model.sample_initials(&mut streams, &mut initial);
-        model.sample_transitions(1, &initial, &mut streams, &mut states);
+        model.sample_transitions(1, Rows::all(&initial, n), &mut streams, &mut states);
         let mut means = vec![0.0; ROWS * n];
         model.transition_means(1, &initial, &mut means);
         states.iter_mut().zip(&means).for_each(|(state, mean)| *state -= mean);

@@ -3,7 +3,8 @@
 use faer::prelude::Solve;
 use faer::{Col, Mat, Side, mat};
 use motes_models::{
-    Gaussian, LinearGaussian, Measurements, PartialMeasurements, Seed, StateSpaceModel, kalman, simulate,
+    Gaussian, LinearGaussian, Measurements, ModelError, PartialMeasurements, Seed, StateSpaceModel, kalman,
+    simulate,
 };
 
 fn model() -> LinearGaussian {
@@ -162,4 +163,27 @@ fn normalised_estimation_error_squared_is_chi_squared() {
 fn measurements_of_the_wrong_width_are_refused() {
     let error = kalman::filter(&model(), &Measurements::new(3, vec![0.0; 6]).unwrap()).unwrap_err();
     assert_eq!(error.to_string(), "measurements have width 3; this model measures 2 numbers at each time");
+}
+
+#[test]
+fn what_leaves_the_range_of_numbers_is_refused_with_its_time() {
+    let failed_at = |result: Result<kalman::Filtered, ModelError>| match result {
+        Err(ModelError::Numerical { time, .. }) => time,
+        other => panic!("{other:?}"),
+    };
+    let measured = |values: &[f64]| Measurements::new(2, values.to_vec()).unwrap();
+    for value in [1e300, -1e200, f64::MAX] {
+        assert_eq!(failed_at(kalman::filter(&model(), &measured(&[0.1, 0.2, 0.3, value, 0.0, 0.0]))), 1);
+    }
+    let error = kalman::filter(&model(), &measured(&[1e300, 0.0])).unwrap_err();
+    let expected = "correcting a belief failed at time 0: the log-density of the measurement is -inf";
+    assert_eq!(error.to_string(), expected);
+    assert!(kalman::filter(&model(), &measured(&[1e100, 0.0])).is_ok());
+
+    // A belief that nothing corrects grows by a factor of 10¹⁰⁰ at each time.
+    let initial = Gaussian::new("P_0", vec![1.0], mat![[1.0]]).unwrap();
+    let one = || mat![[1.0]];
+    let growing = LinearGaussian::new(initial, mat![[1e100]], one(), one(), one()).unwrap();
+    let gaps = PartialMeasurements::new(1, vec![None; 5]).unwrap();
+    assert_eq!(failed_at(kalman::filter_partial(&growing, &gaps)), 2);
 }

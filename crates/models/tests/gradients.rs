@@ -2,42 +2,16 @@
 
 use faer::mat;
 use motes_models::{
-    Drift, Epidemic, EpidemicConfig, Gaussian, GraphDiffusion, GraphDiffusionConfig, LinearGaussian, Noise,
-    Seed, Simulator, StateGradients, simulate,
+    Derivative, Drift, Epidemic, EpidemicConfig, Gaussian, GradientError, GraphDiffusion,
+    GraphDiffusionConfig, LinearGaussian, Noise, Seed, Simulator, StateGradients, StateSpaceModel, Stream,
+    check_gradients,
 };
 
-/// ‖analytic − numeric‖ / ‖numeric‖ of a gradient in one point.
-fn relative_error(analytic: &[f64], at: &[f64], f: impl Fn(&[f64]) -> f64) -> f64 {
-    let h = 1e-5;
-    let numeric: Vec<f64> = (0..at.len())
-        .map(|i| {
-            let (mut up, mut down) = (at.to_vec(), at.to_vec());
-            up[i] += h;
-            down[i] -= h;
-            (f(&up) - f(&down)) / (2.0 * h)
-        })
-        .collect();
-    let norm = |values: &mut dyn Iterator<Item = f64>| values.map(|v| v * v).sum::<f64>().sqrt();
-    let difference = norm(&mut analytic.iter().zip(&numeric).map(|(a, b)| a - b));
-    difference / norm(&mut numeric.iter().copied()).max(1e-3)
-}
+const TOLERANCE: f64 = 1e-5;
 
 fn check(model: &(impl StateGradients + Simulator), stream_seed: u64) {
-    let n = model.state_dim();
-    let trajectory = simulate(model, 3, &mut Seed::from_u64(stream_seed).stream()).unwrap();
-    let (previous, state) = (trajectory.states.row(0), trajectory.states.row(1));
-    let measurement = trajectory.measurements.row(1);
-    let (mut d_previous, mut d_state) = (vec![0.0; n], vec![0.0; n]);
-
-    model.initial_gradients(previous, &mut d_state);
-    assert!(relative_error(&d_state, previous, |x| model.log_initial(x)) < 1e-5);
-
-    model.transition_gradients(1, previous, state, &mut d_previous, &mut d_state);
-    assert!(relative_error(&d_state, state, |x| model.log_transition(1, previous, x)) < 1e-5);
-    assert!(relative_error(&d_previous, previous, |x| model.log_transition(1, x, state)) < 1e-5);
-
-    model.likelihood_gradients(1, state, measurement, &mut d_state);
-    assert!(relative_error(&d_state, state, |x| model.log_likelihood(1, x, measurement)) < 1e-5);
+    let report = check_gradients(model, 3, TOLERANCE, &mut Seed::from_u64(stream_seed).stream()).unwrap();
+    assert!(report.compared > 10 * report.skipped, "{report:?}");
 }
 
 #[test]
@@ -63,16 +37,136 @@ fn epidemic_of_every_noise() {
     }
 }
 
-#[test]
-fn linear_gaussian_with_dense_covariances() {
+fn dense() -> LinearGaussian {
     let initial = Gaussian::new("P_0", vec![0.5, -1.0], mat![[1.0, 0.3], [0.3, 2.0]]).unwrap();
-    let model = LinearGaussian::new(
+    LinearGaussian::new(
         initial,
         mat![[0.9, 0.2], [-0.1, 0.8]],
         mat![[0.5, 0.1], [0.1, 0.4]],
         mat![[1.0, 0.4], [-0.3, 0.8], [0.5, 0.2]],
         mat![[0.6, 0.1, 0.0], [0.1, 0.9, -0.2], [0.0, -0.2, 0.7]],
     )
-    .unwrap();
-    check(&model, 11);
+    .unwrap()
+}
+
+#[test]
+fn linear_gaussian_with_dense_covariances() {
+    check(&dense(), 11);
+}
+
+/// A mistake in gradients: what it does to the batch of the derivative that it concerns.
+struct Mistaken {
+    model: LinearGaussian,
+    derivative: Derivative,
+    mistake: fn(&mut [f64]),
+}
+
+impl Mistaken {
+    fn make(&self, derivative: Derivative, gradients: &mut [f64]) {
+        if derivative == self.derivative {
+            (self.mistake)(gradients);
+        }
+    }
+}
+
+impl StateSpaceModel for Mistaken {
+    fn state_dim(&self) -> usize {
+        self.model.state_dim()
+    }
+    fn measurement_dim(&self) -> usize {
+        self.model.measurement_dim()
+    }
+    fn sample_initial(&self, stream: &mut Stream, state: &mut [f64]) {
+        self.model.sample_initial(stream, state);
+    }
+    fn sample_transition(&self, time: usize, previous: &[f64], stream: &mut Stream, state: &mut [f64]) {
+        self.model.sample_transition(time, previous, stream, state);
+    }
+    fn log_initial(&self, state: &[f64]) -> f64 {
+        self.model.log_initial(state)
+    }
+    fn log_transition(&self, time: usize, previous: &[f64], state: &[f64]) -> f64 {
+        self.model.log_transition(time, previous, state)
+    }
+    fn log_likelihood(&self, time: usize, state: &[f64], measurement: &[f64]) -> f64 {
+        self.model.log_likelihood(time, state, measurement)
+    }
+}
+
+impl Simulator for Mistaken {
+    fn sample_measurement(&self, time: usize, state: &[f64], stream: &mut Stream, measurement: &mut [f64]) {
+        self.model.sample_measurement(time, state, stream, measurement);
+    }
+}
+
+impl StateGradients for Mistaken {
+    fn initial_gradients(&self, states: &[f64], d_states: &mut [f64]) {
+        self.model.initial_gradients(states, d_states);
+        self.make(Derivative::Initial, d_states);
+    }
+    fn transition_gradients(
+        &self,
+        time: usize,
+        previous: &[f64],
+        states: &[f64],
+        d_previous: &mut [f64],
+        d_states: &mut [f64],
+    ) {
+        self.model.transition_gradients(time, previous, states, d_previous, d_states);
+        self.make(Derivative::TransitionByPrevious, d_previous);
+        self.make(Derivative::TransitionByState, d_states);
+    }
+    fn likelihood_gradients(&self, time: usize, states: &[f64], measurement: &[f64], d_states: &mut [f64]) {
+        self.model.likelihood_gradients(time, states, measurement, d_states);
+        self.make(Derivative::Likelihood, d_states);
+    }
+}
+
+#[test]
+fn a_mistake_in_any_derivative_is_found_in_its_place() {
+    // A factor near 1, a sign, a number that was not written, and rows after the first that were forgotten.
+    let mistakes: [fn(&mut [f64]); 4] = [
+        |batch| batch.iter_mut().skip(1).step_by(2).for_each(|d| *d *= 1.001),
+        |batch| batch.iter_mut().skip(1).step_by(2).for_each(|d| *d = -*d),
+        |batch| batch[3] = f64::NAN,
+        |batch| batch.iter_mut().skip(3).step_by(2).for_each(|d| *d = 0.0),
+    ];
+    for derivative in [
+        Derivative::Initial,
+        Derivative::TransitionByPrevious,
+        Derivative::TransitionByState,
+        Derivative::Likelihood,
+    ] {
+        for (number, mistake) in mistakes.into_iter().enumerate() {
+            let mistaken = Mistaken { model: dense(), derivative, mistake };
+            let found = check_gradients(&mistaken, 3, TOLERANCE, &mut Seed::from_u64(12).stream());
+            let said = found.as_ref().err().map(ToString::to_string).unwrap_or_default();
+            let Err(GradientError::Wrong(worst)) = found else { panic!("{derivative} {number}: {found:?}") };
+            assert_eq!((worst.derivative, worst.coordinate), (derivative, 1), "{number}: {worst:?}");
+            assert!(worst.relative_error > TOLERANCE || worst.relative_error.is_nan(), "{number}: {worst:?}");
+            assert!(
+                said.starts_with(&format!("{derivative} at time {}, coordinate 1, is", worst.time)),
+                "{said}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_derivative_that_cannot_be_compared_is_not_taken_for_right() {
+    // With noise this small next to the states, a step is beyond the support.
+    let initial_means = [1e9, 0.0, 0.0];
+    let config = EpidemicConfig {
+        infection_rate: 0.0,
+        removal_rate: 0.0,
+        initial_means,
+        initial_variance: 1e12,
+        state_variance: 1e-6,
+        measurement_variance: 1e-6,
+        noise: Noise::Uniform,
+        ..EpidemicConfig::paper()
+    };
+    let model = Epidemic::new(&config).unwrap();
+    let found = check_gradients(&model, 2, TOLERANCE, &mut Seed::from_u64(13).stream());
+    assert_eq!(found, Err(GradientError::NotCompared(Derivative::TransitionByPrevious)));
 }

@@ -1,5 +1,6 @@
 //! The derivative of a scalar with respect to a proposal's weights.
 
+use std::mem::discriminant;
 use std::ops::Range;
 
 use faer::Accum;
@@ -25,6 +26,11 @@ impl Gradients {
             present: vec![false; layout.matrices()],
             layout,
         }
+    }
+
+    /// Whether they are laid out as these parameters, and in their precision.
+    pub(crate) fn fit(&self, parameters: &Parameters) -> bool {
+        self.layout == *parameters.layout() && discriminant(&self.values) == discriminant(parameters.values())
     }
 
     /// Forgets all of them, and keeps the memory.

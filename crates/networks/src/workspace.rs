@@ -71,6 +71,11 @@ impl Workspace {
         Gradients::none(parameters).into()
     }
 
+    /// Whether its gradients are laid out as these parameters, and in their precision.
+    pub fn fits(&self, parameters: &Parameters) -> bool {
+        self.gradients.fit(parameters)
+    }
+
     /// The gradients of the last computation.
     pub fn gradients(&mut self) -> &mut Gradients {
         match &mut self.scratch {

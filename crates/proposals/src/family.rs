@@ -14,7 +14,7 @@ pub trait Family: Learnable + Sized {
     const NAME: &'static str;
 
     /// Its settings.
-    type Config: Serialize + DeserializeOwned + Clone;
+    type Config: Serialize + DeserializeOwned + Clone + Send + Sync;
 
     /// Draws initial weights for models of a shape. A family that is not unrolled over time has no use for `horizon`.
     ///

@@ -1,8 +1,8 @@
 //! What training asks of a proposal: draw with a tape running, then pull derivatives back along it.
 
 use motes_models::Stream;
-use motes_networks::{Parameters, Workspace};
-use motes_smc::{Past, ProposalError};
+use motes_networks::{Inputs, Parameters, Workspace};
+use motes_smc::ProposalError;
 
 /// A proposal whose weights can be learned by reparametrised samples.
 ///
@@ -42,10 +42,10 @@ pub trait Tape {
     /// is of interest: it takes determinants.
     ///
     /// # Errors
-    /// [`ProposalError`] as in [`motes_smc::Proposal::condition`]; what only a density can fail at, as a singular matrix, if it is asked for.
+    /// [`ProposalError`] as in [`motes_smc::Proposal`]; what only a density can fail at, as a singular matrix, if it is asked for.
     fn draw(
         &mut self,
-        past: Past<'_>,
+        inputs: &Inputs<'_>,
         noise: &[f64],
         states: &mut [f64],
         log_density: Option<&mut [f64]>,

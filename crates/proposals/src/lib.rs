@@ -38,7 +38,9 @@ mod standardised;
 
 pub use family::Family;
 pub use fcnn::{Fcnn, FcnnConfig, FcnnNetworks};
-pub use gaussian::{GaussianBatch, GaussianNetworks, GaussianProposal, Hidden, KernelCovariance};
+pub use gaussian::{
+    GaussianNetworks, GaussianProposal, GaussianScratch, Hidden, HiddenRows, KernelCovariance,
+};
 pub use gnn::{Adapter, Gnn, GnnConfig, GnnNetworks};
 pub use learnable::{Learnable, Tape};
 pub use motes_networks as networks;
@@ -46,7 +48,7 @@ pub use motes_networks::layers::Cell;
 pub use motes_networks::{
     Backend, Compute, GradientPart, Gradients, Parameters, Precision, Slice, Values, Workspace,
 };
-pub use psi::{Psi, PsiConfig};
+pub use psi::{Psi, PsiConfig, PsiScratch};
 pub use rnn::{Rnn, RnnConfig, RnnNetworks};
 pub use saved::{SAVED_FORMAT, SavedError, load, save};
-pub use standardised::{Frame, Frames, Origin, Standardised, StandardisedConfig};
+pub use standardised::{Frame, Frames, Origin, Standardised, StandardisedConfig, StandardisedScratch};

@@ -5,6 +5,7 @@ use motes_models::{GraphDiffusion, GraphDiffusionConfig, Seed, Trajectory, fill_
 use motes_smc::{
     Bootstrap, FilterBank, FilterSettings, LogWeights, MinDegeneracy, Proposal, ResampleWhen, Resampling,
 };
+use rayon_core::{ThreadPool, ThreadPoolBuilder};
 
 fn normals(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("normals");
@@ -49,6 +50,11 @@ fn resampling(criterion: &mut Criterion) {
     }
 }
 
+/// A pool of so many threads.
+fn pool(threads: usize) -> ThreadPool {
+    ThreadPoolBuilder::new().num_threads(threads).build().expect("a few threads can be had")
+}
+
 fn problem() -> (GraphDiffusion, Trajectory) {
     let seed = Seed::from_u64(4);
     let config = GraphDiffusionConfig::new(10);
@@ -58,7 +64,7 @@ fn problem() -> (GraphDiffusion, Trajectory) {
 }
 
 /// Steps of filters that resample each time, on the measurements of one system over and over.
-fn steps<P: Proposal<GraphDiffusion> + Clone>(
+fn steps<P: Proposal<GraphDiffusion> + Clone + Send>(
     criterion: &mut Criterion,
     name: &str,
     make: impl Fn(&GraphDiffusion) -> P,
@@ -70,14 +76,16 @@ fn steps<P: Proposal<GraphDiffusion> + Clone>(
     {
         let settings =
             FilterSettings { resample_when: ResampleWhen::Always, ..FilterSettings::new(particles) };
-        let bank = FilterBank::new(&system, make(&system), settings, filters, &Seed::from_u64(5));
-        let mut bank = bank.and_then(|bank| bank.with_threads(threads)).expect("usable settings");
+        let mut bank = FilterBank::new(&system, make(&system), settings, filters, &Seed::from_u64(5))
+            .expect("usable settings");
         let mut time = 0;
         group.throughput(Throughput::Elements((filters * particles) as u64));
         group.bench_function(format!("{filters} × {particles}, threads: {threads}"), |bencher| {
-            bencher.iter(|| {
-                time = (time + 1) % data.measurements.len();
-                bank.step(data.measurements.row(time))
+            pool(threads).install(|| {
+                bencher.iter(|| {
+                    time = (time + 1) % data.measurements.len();
+                    bank.step(data.measurements.row(time))
+                });
             });
         });
     }
@@ -89,11 +97,11 @@ fn sequences(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("bootstrap, 50 steps in one call");
     for (filters, particles, threads) in [(100, 10, 1), (100, 10, 2), (1, 10_000, 1), (1, 10_000, 2)] {
         let settings = FilterSettings::new(particles);
-        let bank = FilterBank::new(&system, Bootstrap, settings, filters, &Seed::from_u64(5));
-        let mut bank = bank.and_then(|bank| bank.with_threads(threads)).expect("usable settings");
+        let mut bank = FilterBank::new(&system, Bootstrap, settings, filters, &Seed::from_u64(5))
+            .expect("usable settings");
         group.throughput(Throughput::Elements((filters * particles * data.measurements.len()) as u64));
         group.bench_function(format!("{filters} × {particles}, threads: {threads}"), |bencher| {
-            bencher.iter(|| bank.run(&data.measurements, |_| ()));
+            pool(threads).install(|| bencher.iter(|| bank.run(&data.measurements, |_| ())));
         });
     }
 }

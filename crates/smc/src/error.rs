@@ -3,7 +3,7 @@
 use motes_models::ModelError;
 use thiserror::Error;
 
-use crate::ProposalError;
+use crate::proposal_error::ProposalError;
 
 impl FilterError {
     /// What this error calls for.
@@ -13,7 +13,7 @@ impl FilterError {
             FilterError::Model(ModelError::Numerical { .. }) => ErrorKind::Numerical,
             FilterError::Model(_) => ErrorKind::BadInput,
             FilterError::Proposal { source, .. } => source.kind(),
-            FilterError::NotANumber { .. } => ErrorKind::Numerical,
+            FilterError::NotANumber { .. } | FilterError::State { .. } => ErrorKind::Numerical,
             FilterError::Collapse { .. } => ErrorKind::Collapse,
         }
     }
@@ -27,8 +27,10 @@ impl ProposalError {
             | ProposalError::Mismatch { .. }
             | ProposalError::Setting { .. }
             | ProposalError::Frames { .. }
+            | ProposalError::NotPrepared { .. }
             | ProposalError::NoGraph => ErrorKind::BadInput,
             ProposalError::Backend { .. }
+            | ProposalError::Measurement { .. }
             | ProposalError::Singular { .. }
             | ProposalError::Numerical { .. } => ErrorKind::Numerical,
         }
@@ -80,6 +82,23 @@ pub enum FilterError {
         /// The particle in its filter.
         particle: usize,
         /// The log-weight.
+        value: f64,
+    },
+    /// The transition drew a state that is not finite, at a step at which no whole measurement weighs it.
+    #[error(
+        "at step {step}, coordinate {coordinate} of the state of particle {particle} of filter {filter} is {value}; the model \
+         draws states that are not finite"
+    )]
+    State {
+        /// The step, `t`.
+        step: usize,
+        /// The filter in its bank.
+        filter: usize,
+        /// The particle in its filter.
+        particle: usize,
+        /// The coordinate of its state.
+        coordinate: usize,
+        /// Its value.
         value: f64,
     },
     /// All weights of a filter are zero.

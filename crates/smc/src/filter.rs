@@ -4,9 +4,13 @@ use std::ops::Deref;
 
 use motes_models::{PartialLikelihood, StateSpaceModel, Stream};
 
-use crate::{FilterBank, FilterError, FilterSettings, LogWeights, Proposal, WeightDiagnosis};
+use crate::bank::{FilterBank, FilterSettings};
+use crate::diagnosis::WeightDiagnosis;
+use crate::error::FilterError;
+use crate::proposal::Proposal;
+use crate::weights::LogWeights;
 
-/// A filter that takes one measurement at a time: a [`FilterBank`] of one, without the index.
+/// A filter that takes one measurement at a time: a [`FilterBank`] of one, without the index. Threads and clones are as there.
 ///
 /// ```
 /// use faer::mat;
@@ -39,15 +43,6 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> ParticleFilter<D
         Ok(ParticleFilter { bank: FilterBank::with_streams(model, proposal, settings, vec![stream])?, mean })
     }
 
-    /// Lets `threads` threads work on each step, as [`FilterBank::with_threads`].
-    ///
-    /// # Errors
-    /// As [`FilterBank::with_threads`].
-    pub fn with_threads(mut self, threads: usize) -> Result<Self, FilterError> {
-        self.bank = self.bank.with_threads(threads)?;
-        Ok(self)
-    }
-
     /// Takes in one measurement (`M` numbers).
     ///
     /// # Errors
@@ -71,6 +66,14 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> ParticleFilter<D
     /// The estimate of `E[x_t | y_{0:t}]` (`N`); zeros before the first step.
     pub fn mean(&self) -> &[f64] {
         &self.mean
+    }
+
+    /// Quantiles of one coordinate of `x_t` given `y_{0:t}`, as [`FilterBank::quantiles`].
+    ///
+    /// # Panics
+    /// If there is no such coordinate, or a probability is not between 0 and 1.
+    pub fn quantiles(&self, coordinate: usize, probabilities: &[f64]) -> Vec<f64> {
+        self.bank.quantiles(0, coordinate, probabilities)
     }
 
     /// The particles, row-major `K×N`.
@@ -106,6 +109,12 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> ParticleFilter<D
     /// How many steps have been taken.
     pub fn time(&self) -> usize {
         self.bank.time()
+    }
+}
+
+impl<D: Deref + Clone, P: Proposal<D::Target, Memory: Clone> + Clone> Clone for ParticleFilter<D, P> {
+    fn clone(&self) -> Self {
+        ParticleFilter { bank: self.bank.clone(), mean: self.mean.clone() }
     }
 }
 

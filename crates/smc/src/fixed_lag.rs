@@ -5,7 +5,9 @@ use std::ops::Deref;
 
 use motes_models::{PartialLikelihood, StateSpaceModel};
 
-use crate::{FilterError, ParticleFilter, Proposal};
+use crate::error::FilterError;
+use crate::filter::ParticleFilter;
+use crate::proposal::Proposal;
 
 /// A filter that remembers the last `L` generations of its particles, and so also estimates `E[x_{t−ℓ} | y_{0:t}]` for each `ℓ ≤ L`.
 ///
@@ -28,7 +30,7 @@ use crate::{FilterError, ParticleFilter, Proposal};
 ///     smoother.step(&measurement)?;
 /// }
 /// // E[x_0 | y_0, y_1, y_2].
-/// smoother.mean(2, &mut mean);
+/// smoother.mean(2, &mut mean)?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct FixedLagSmoother<D: Deref, P: Proposal<D::Target>> {
@@ -98,11 +100,18 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FixedLagSmoother
 
     /// The estimate of `E[x_{t−back} | y_{0:t}]`, `t` being the time of the last step, into `mean` (`N`).
     ///
+    /// # Errors
+    /// [`FilterError::Setting`] if `back` is beyond [`FixedLagSmoother::reach`], as everything is before the first step.
+    ///
     /// # Panics
-    /// If `back` is beyond [`FixedLagSmoother::reach`] or `mean` has not `N` places.
-    pub fn mean(&mut self, back: usize, mean: &mut [f64]) {
+    /// If `mean` has not `N` places.
+    pub fn mean(&mut self, back: usize, mean: &mut [f64]) -> Result<(), FilterError> {
         let Some(at) = self.reach().and_then(|reach| reach.checked_sub(back)) else {
-            panic!("one cannot look back {back} times, only {:?}", self.reach());
+            return Err(FilterError::Setting {
+                name: "how many times a smoother is to look back",
+                value: back.to_string(),
+                expected: "at most the lag and fewer than the steps taken",
+            });
         };
         let particles = self.filter.weights().len();
         self.paths.clear();
@@ -119,6 +128,7 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FixedLagSmoother
             let state = &states[path * width..(path + 1) * width];
             mean.iter_mut().zip(state).for_each(|(mean, value)| *mean += weight * value);
         }
+        Ok(())
     }
 }
 

@@ -10,28 +10,32 @@
 //! Nothing here knows of neural networks; learned proposals implement the same [`Proposal`] in another crate.
 
 mod bank;
-mod blocks;
 mod diagnosis;
 mod error;
 mod filter;
 mod fixed_lag;
+mod memory;
+mod parallel;
 mod proposal;
+mod proposal_error;
 mod proposals;
 mod resampling;
+mod streams;
 mod weights;
-mod workers;
 
 pub use bank::{FilterBank, FilterSettings};
 pub use diagnosis::{
-    LEAST_EFFECTIVE_PARTICLES, TAIL_INDEX_LIMIT, WeightDiagnosis, WeightReport, WeightWarning, tail_index,
+    LEAST_EFFECTIVE_PARTICLES, PARETO_K_LIMIT, WeightDiagnosis, WeightReport, WeightWarning, pareto_k,
 };
 pub use error::{ErrorKind, FilterError};
 pub use filter::ParticleFilter;
 pub use fixed_lag::FixedLagSmoother;
-pub use motes_models::batch::particles_by_stream;
-pub use proposal::{Conditional, Past, Proposal, ProposalError, RowPast, RowProposal};
-pub use proposals::{Bootstrap, MinDegeneracy, Shifted, Transition};
-pub use resampling::{ParticleMemory, ResampleWhen, Resampling};
+pub use memory::{MemoryRows, ParticleMemory};
+pub use motes_models::batch::{Rows, particles_by_stream};
+pub use proposal::{Conditional, Context, Proposal};
+pub use proposal_error::ProposalError;
+pub use proposals::{Bootstrap, Corrected, GaussianBatch, MinDegeneracy, Transition};
+pub use resampling::{ResampleWhen, Resampling};
 pub use weights::{LogWeights, WeightFault};
 
 /// The README's code, compiled and run as a documentation test.

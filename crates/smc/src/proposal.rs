@@ -1,112 +1,45 @@
-//! The interface of a sampling distribution: condition it on the past, then draw from it or ask its density.
+//! The interface of a sampling distribution: prepare it for a step, condition blocks of particles, draw from them or ask their density.
 
 use motes_models::Stream;
 use motes_models::batch::Rows;
-use thiserror::Error;
 
-use crate::ParticleMemory;
+use crate::memory::ParticleMemory;
+use crate::proposal_error::ProposalError;
 
-/// What a proposal is conditioned on at one step, for a batch of `R` particles.
+/// What the distributions of a block of `R` particles are conditioned on.
 #[derive(Debug, Clone, Copy)]
-pub struct Past<'a> {
+pub struct Context<'a> {
     /// `t`, the time of the state to be drawn.
     pub time: usize,
-    /// `x_{t−1}`, row-major `R×N`; `None` at `t = 0`, where there is no past.
-    pub previous: Option<&'a [f64]>,
-    /// `y_t`, `M` numbers, the same for every particle.
+    /// `x_{t−1}` of each particle, picked from all by resampling; `None` at `t = 0`, where there is no past.
+    pub previous: Option<Rows<'a>>,
+    /// `y_t`, `M` numbers, the same for every particle; none at a step whose measurement has gaps ([`Proposal::prepare_partial`]).
     pub measurement: &'a [f64],
     /// `R`, the number of particles.
     pub particles: usize,
 }
 
-/// Why a proposal could not be used.
-#[derive(Debug, Clone, PartialEq, Error)]
-pub enum ProposalError {
-    /// A proposal that has its own parameters for each time was stepped past the last of them.
-    #[error("this proposal is unrolled over {horizon} times and was asked for time {time}")]
-    PastHorizon {
-        /// The number of times it knows, `T`.
-        horizon: usize,
-        /// The time it was asked for.
-        time: usize,
-    },
-    /// The proposal does not fit the model it is used with.
-    #[error("{what} is {found} in the proposal and {expected} in the model")]
-    Mismatch {
-        /// What differs.
-        what: &'static str,
-        /// The proposal's value.
-        found: usize,
-        /// The model's value.
-        expected: usize,
-    },
-    /// A setting is outside its range.
-    #[error("{name} is {value}; it must be {expected}")]
-    Setting {
-        /// Which setting.
-        name: &'static str,
-        /// The value found, as text.
-        value: String,
-        /// What would be right.
-        expected: &'static str,
-    },
-    /// The proposal works on the graph of a system, and the model has none.
-    #[error("the model has no graph, which a graph network needs: see StateSpaceModel::graph")]
-    NoGraph,
-    /// The units in which a proposal's networks work cannot be had from simulations of the system.
-    #[error("the frames of a standardised proposal cannot be had: {reason}")]
-    Frames {
-        /// Why not.
-        reason: String,
-    },
-    /// A matrix that must be invertible is not, in floating point.
-    #[error("the matrix {matrix} at time {time} is singular: log|det| is {log_abs_det}")]
-    Singular {
-        /// Which matrix.
-        matrix: String,
-        /// The time it belongs to.
-        time: usize,
-        /// The logarithm of its absolute determinant.
-        log_abs_det: f64,
-    },
-    /// What computes the proposal's networks failed.
-    #[error("the compute backend failed: {reason}")]
-    Backend {
-        /// What it said.
-        reason: String,
-    },
-    /// A computation failed although its input was valid.
-    #[error("{computation} failed for particle {particle}: {reason}")]
-    Numerical {
-        /// What was being computed.
-        computation: &'static str,
-        /// Row of the particle in its batch.
-        particle: usize,
-        /// Why it failed.
-        reason: String,
-    },
-}
-
-impl ProposalError {
-    /// Refuses a proposal in which `what` is not what it is in the model.
-    ///
-    /// # Errors
-    /// [`ProposalError::Mismatch`] if the two differ.
-    pub fn unless_same(what: &'static str, found: usize, expected: usize) -> Result<(), Self> {
-        if found == expected { Ok(()) } else { Err(ProposalError::Mismatch { what, found, expected }) }
+impl<'a> Context<'a> {
+    /// That of `particles` particles whose previous states (`R×N`, row-major) lie one after another.
+    pub fn new(time: usize, previous: Option<&'a [f64]>, measurement: &'a [f64], particles: usize) -> Self {
+        let rows = |states: &'a [f64]| Rows::all(states, states.len() / particles.max(1));
+        Context { time, previous: previous.map(rows), measurement, particles }
     }
 }
 
 /// A sampling distribution `q(x_t | x_{0:t−1}, y_{0:t})` for particles of a model of type `Model`.
 ///
-/// Using one takes two moves: [`Proposal::condition`] computes whatever depends on the past (a network runs
-/// here, once), and the [`Conditional`] that comes back is drawn from, or asked its density at any point.
-/// Mixtures and tests therefore need nothing special of a proposal.
-pub trait Proposal<Model: ?Sized> {
+/// A step takes three moves. [`Proposal::prepare`] computes what is the same for all particles. [`Proposal::condition`] computes what depends on
+/// the past of a block of particles (a network runs here); blocks are independent, and threads share them. The [`Conditional`] that comes back
+/// is drawn from, or asked its density at any point. Mixtures and tests therefore need nothing special of a proposal.
+pub trait Proposal<Model: ?Sized>: Sync {
     /// What a particle carries from step to step beside its state; `()` for a Markov proposal.
     type Memory: ParticleMemory;
 
-    /// The distribution of `x_t` once the past is known. It may borrow the proposal's scratch space.
+    /// What conditioning a block computes in. A filter keeps one for each block that is worked on at the same time.
+    type Scratch: Default + Send;
+
+    /// The distributions of a block's `x_t` once the past is known.
     type Conditional<'a>: Conditional
     where
         Self: 'a,
@@ -121,61 +54,58 @@ pub trait Proposal<Model: ?Sized> {
         0
     }
 
-    /// Conditions each particle's distribution on its past and on `y_t`, and advances its memory.
-    ///
-    /// # Errors
-    /// [`ProposalError`] if the proposal does not fit the model, is past its horizon, or fails numerically.
-    fn condition<'a>(
-        &'a mut self,
-        model: &'a Model,
-        past: Past<'a>,
-        memory: &mut Self::Memory,
-    ) -> Result<Self::Conditional<'a>, ProposalError>;
+    /// The fewest particles that it likes to be conditioned on at once: so many of a bank's small filters share a block. A filter of at most 1024
+    /// particles is never cut, a larger one is cut into blocks of 1024.
+    fn block(&self) -> usize {
+        256
+    }
 
-    /// The same distributions for this step as ones that can be drawn from in any parts, several at once: a filter then never forms
-    /// the batch as a whole. `None`, the default, for a proposal that has a memory or wants its batch whole, as networks do.
+    /// Computes what all particles of a step have in common, from `y_t` (`M` numbers).
     ///
     /// # Errors
-    /// As [`Proposal::condition`].
-    fn by_rows(
+    /// [`ProposalError`] if the proposal does not fit the model, or is past its horizon.
+    fn prepare(&mut self, model: &Model, time: usize, measurement: &[f64]) -> Result<(), ProposalError>;
+
+    /// The same from a measurement some of whose `M` entries are missing. `false`, the default, says that the proposal cannot take one: a filter
+    /// then draws from the transition.
+    ///
+    /// # Errors
+    /// As [`Proposal::prepare`].
+    fn prepare_partial(
         &mut self,
         _model: &Model,
         _time: usize,
-        _measurement: &[f64],
-    ) -> Result<Option<&dyn RowProposal<Model>>, ProposalError> {
-        Ok(None)
+        _measurement: &[Option<f64>],
+    ) -> Result<bool, ProposalError> {
+        Ok(false)
     }
-}
 
-/// What a [`RowProposal`] draws from, for `R` particles.
-#[derive(Debug, Clone, Copy)]
-pub struct RowPast<'a> {
-    /// `t`, the time of the state to be drawn.
-    pub time: usize,
-    /// `y_t`, `M` numbers.
-    pub measurement: &'a [f64],
-    /// `x_{t−1}` of each particle, picked from all by resampling; `None` at `t = 0`.
-    pub previous: Option<Rows<'a>>,
-}
-
-/// A proposal that needs nothing of a particle but its previous state, and no scratch of its own.
-pub trait RowProposal<Model: ?Sized>: Sync {
-    /// Draws a state for each of the `R` particles in `past` into `states` (`R×N`), and writes what
-    /// its weight is multiplied by, `log p(y|x) + log p(x|x') − log q(x|x', y)`, into `increments` (`R`).
+    /// Conditions each distribution of a block on its past and on the measurement that the proposal was prepared for, and advances the
+    /// block's memory.
     ///
-    /// The particles are split evenly over `streams`, in order; what a stream gives to its particles does not depend on the others.
-    fn draw(
-        &self,
-        model: &Model,
-        past: RowPast<'_>,
-        streams: &mut [Stream],
-        states: &mut [f64],
-        increments: &mut [f64],
-    );
+    /// # Errors
+    /// [`ProposalError`] if the proposal does not fit the context or fails numerically.
+    fn condition<'a>(
+        &'a self,
+        model: &'a Model,
+        context: Context<'a>,
+        memory: <Self::Memory as ParticleMemory>::Rows<'_>,
+        scratch: &'a mut Self::Scratch,
+    ) -> Result<Self::Conditional<'a>, ProposalError>;
 
-    /// Whether this is the model's own `p(x_t | x_{t−1})`.
-    fn is_transition(&self) -> bool {
-        false
+    /// Prepares and conditions a batch in one call, for who asks a proposal without a filter.
+    ///
+    /// # Errors
+    /// As [`Proposal::prepare`] and [`Proposal::condition`].
+    fn condition_batch<'a>(
+        &'a mut self,
+        model: &'a Model,
+        context: Context<'a>,
+        memory: &mut Self::Memory,
+        scratch: &'a mut Self::Scratch,
+    ) -> Result<Self::Conditional<'a>, ProposalError> {
+        self.prepare(model, context.time, context.measurement)?;
+        self.condition(model, context, memory.rows(), scratch)
     }
 }
 
@@ -191,6 +121,17 @@ pub trait Conditional {
     /// be computed (a filter then stops with the particle named).
     fn log_density(&mut self, states: &[f64], log_density: &mut [f64]);
 
+    /// Draws as [`Conditional::sample`], and writes `log p(y|x) + log p(x|x') − log q(x|x', y)` into `log_weights` (`R`), where that has a closed
+    /// form that is cheaper than its terms. `false`, the default, says that it has none, and nothing was drawn.
+    fn sample_weighted(
+        &mut self,
+        _streams: &mut [Stream],
+        _states: &mut [f64],
+        _log_weights: &mut [f64],
+    ) -> bool {
+        false
+    }
+
     /// Whether this is the model's own `p(x_t | x_{t−1})`, so that both cancel in the weight and neither is
     /// evaluated.
     fn is_transition(&self) -> bool {
@@ -205,6 +146,15 @@ impl<C: Conditional + ?Sized> Conditional for &mut C {
 
     fn log_density(&mut self, states: &[f64], log_density: &mut [f64]) {
         (**self).log_density(states, log_density);
+    }
+
+    fn sample_weighted(
+        &mut self,
+        streams: &mut [Stream],
+        states: &mut [f64],
+        log_weights: &mut [f64],
+    ) -> bool {
+        (**self).sample_weighted(streams, states, log_weights)
     }
 
     fn is_transition(&self) -> bool {

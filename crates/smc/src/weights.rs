@@ -4,7 +4,7 @@ mod sums;
 
 use thiserror::Error;
 
-use crate::workers::{Pieces, Workers};
+use crate::parallel::{Pieces, Threads};
 pub(crate) use sums::{LANES, combined};
 use sums::{Mean, Shift, Sums, Together, Update};
 
@@ -88,7 +88,7 @@ impl LogWeights {
             block.multiply(increments);
             blocks = others;
         }
-        self.normalise(&Workers::none())
+        self.normalise(Threads::One)
     }
 
     /// The weights in blocks, each to be multiplied once before [`LogWeights::normalise`].
@@ -98,7 +98,7 @@ impl LogWeights {
     }
 
     /// Ends an update of all blocks, as [`LogWeights::update`].
-    pub(crate) fn normalise(&mut self, workers: &Workers) -> Result<f64, WeightFault> {
+    pub(crate) fn normalise(&mut self, threads: Threads) -> Result<f64, WeightFault> {
         self.equal = false;
         let whole = pulp::Arch::new().dispatch(Together(&self.blocks));
         if !whole.number {
@@ -111,7 +111,7 @@ impl LogWeights {
         }
         self.effective_sample_size = whole.sum * whole.sum / whole.sum_of_squares;
         let log_sum = whole.largest + whole.sum.ln();
-        workers.share(self.blocks(), GRAIN, &|blocks: WeightBlocks<'_>| {
+        threads.share(self.blocks(), GRAIN, &|blocks: WeightBlocks<'_>| {
             let parts = blocks.log.chunks_mut(BLOCK).zip(blocks.weights.chunks_mut(BLOCK));
             for ((log, weights), sums) in parts.zip(blocks.sums) {
                 pulp::Arch::new().dispatch(Shift { log, weights, log_sum, sums, whole: &whole });
@@ -131,6 +131,30 @@ impl LogWeights {
         for (weight, row) in rows.filter(|(weight, _)| **weight > 0.0) {
             mean.iter_mut().zip(row).for_each(|(mean, value)| *mean += weight * value);
         }
+    }
+
+    /// Weighted quantiles of one number `x_k` of each particle (`K` of them): for each probability `p` the smallest value that particles with a
+    /// weight of at least `p` together do not exceed. A particle without weight has no part in it.
+    ///
+    /// # Panics
+    /// If a probability is not between 0 and 1, or there is not one value for each particle.
+    pub fn quantiles(&self, values: impl Iterator<Item = f64>, probabilities: &[f64]) -> Vec<f64> {
+        let mut pairs: Vec<(f64, f64)> = values.zip(self.normalised.iter().copied()).collect();
+        assert_eq!(pairs.len(), self.len(), "one value for each particle");
+        pairs.retain(|(_, weight)| *weight > 0.0);
+        pairs.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        let mut sum = 0.0;
+        for (_, weight) in &mut pairs {
+            sum += *weight;
+            *weight = sum;
+        }
+        let quantile = |probability: &f64| {
+            assert!((0.0..=1.0).contains(probability), "{probability} is no probability");
+            // Relative to the whole sum, which rounding leaves a hair beside 1.
+            let at = pairs.partition_point(|(_, cumulative)| *cumulative < probability * sum);
+            pairs.get(at.min(pairs.len() - 1)).map_or(f64::NAN, |(value, _)| *value)
+        };
+        probabilities.iter().map(quantile).collect()
     }
 
     /// `log W_k`.

@@ -2,6 +2,7 @@
 
 use motes_models::{GraphDiffusion, GraphDiffusionConfig, Noise, Seed, simulate};
 use motes_smc::{Bootstrap, FilterBank, FilterSettings, MinDegeneracy, Proposal, ResampleWhen, Resampling};
+use rayon_core::{ThreadPool, ThreadPoolBuilder};
 
 #[global_allocator]
 static COUNTING: dhat::Alloc = dhat::Alloc;
@@ -9,54 +10,65 @@ static COUNTING: dhat::Alloc = dhat::Alloc;
 const STEPS: usize = 40;
 
 /// Allocations, on any thread, in all steps but the first.
-fn allocations<P: Proposal<GraphDiffusion>>(
+fn allocations<P: Proposal<GraphDiffusion> + Send>(
     proposal: fn(&GraphDiffusion) -> P,
+    settings: FilterSettings,
     noise: Noise,
-    resampling: Resampling,
-    (filters, particles): (usize, usize),
-    threads: usize,
+    filters: usize,
+    pool: &ThreadPool,
 ) -> u64 {
     let seed = Seed::from_u64(60);
     let config = GraphDiffusionConfig { noise, ..GraphDiffusionConfig::new(4) };
     let system = GraphDiffusion::random(&config, &mut seed.child("graph").stream()).unwrap();
     let data = simulate(&system, STEPS, &mut seed.child("data").stream()).unwrap();
-    let settings =
-        FilterSettings { resampling, resample_when: ResampleWhen::Always, ..FilterSettings::new(particles) };
-    let bank = FilterBank::new(&system, proposal(&system), settings, filters, &seed).unwrap();
-    let mut bank = bank.with_threads(threads).unwrap();
-    let mut mean = [0.0; 4];
-    let mut before = 0;
-    for (time, measurement) in data.measurements.rows().enumerate() {
-        if time == 1 {
-            before = dhat::HeapStats::get().total_blocks;
+    let mut bank = FilterBank::new(&system, proposal(&system), settings, filters, &seed).unwrap();
+    pool.install(|| {
+        let mut mean = [0.0; 4];
+        let mut before = 0;
+        for (time, measurement) in data.measurements.rows().enumerate() {
+            if time == 1 {
+                before = dhat::HeapStats::get().total_blocks;
+            }
+            bank.step(measurement).unwrap();
+            bank.mean(0, &mut mean);
         }
-        bank.step(measurement).unwrap();
-        bank.mean(0, &mut mean);
-    }
-    dhat::HeapStats::get().total_blocks - before
+        dhat::HeapStats::get().total_blocks - before
+    })
 }
 
 fn min_degeneracy(system: &GraphDiffusion) -> MinDegeneracy {
     MinDegeneracy::new(system).unwrap()
 }
 
+fn settings(particles: usize, resampling: Resampling, defensive_weight: Option<f64>) -> FilterSettings {
+    let resample_when = ResampleWhen::Always;
+    FilterSettings { resampling, resample_when, defensive_weight, ..FilterSettings::new(particles) }
+}
+
 #[test]
 fn steps_allocate_nothing() {
+    // Pools that live to the end: one that ends allocates while it does.
+    let [one, two] = [1, 2].map(|threads| ThreadPoolBuilder::new().num_threads(threads).build().unwrap());
     let _counting = dhat::Profiler::builder().testing().build();
     let schemes =
         [Resampling::Multinomial, Resampling::Systematic, Resampling::Stratified, Resampling::Residual];
-    for size in [(7, 10), (1, 9000)] {
+    for (filters, particles) in [(7, 10), (1, 9000)] {
         for scheme in schemes {
-            let found = allocations(|_| Bootstrap, Noise::Gaussian, scheme, size, 1);
-            assert_eq!(found, 0, "bootstrap, {scheme:?}, {size:?}");
-            let found = allocations(min_degeneracy, Noise::Gaussian, scheme, size, 1);
-            assert_eq!(found, 0, "minimum degeneracy, {scheme:?}, {size:?}");
+            let plain = settings(particles, scheme, None);
+            let found = allocations(|_| Bootstrap, plain, Noise::Gaussian, filters, &one);
+            assert_eq!(found, 0, "bootstrap, {scheme:?}, {filters} × {particles}");
+            let found = allocations(min_degeneracy, plain, Noise::Gaussian, filters, &one);
+            assert_eq!(found, 0, "minimum degeneracy, {scheme:?}, {filters} × {particles}");
         }
+        let mixed = settings(particles, Resampling::Systematic, Some(0.1));
+        let found = allocations(min_degeneracy, mixed, Noise::Gaussian, filters, &one);
+        assert_eq!(found, 0, "defensive mixture, {filters} × {particles}");
     }
     // A noise for which the proposal is no more than a guess, and weights need every density.
-    let found = allocations(min_degeneracy, Noise::Exponential, Resampling::Multinomial, (1, 9000), 1);
+    let large = settings(9000, Resampling::Multinomial, None);
+    let found = allocations(min_degeneracy, large, Noise::Exponential, 1, &one);
     assert_eq!(found, 0, "minimum degeneracy, exponential noise");
     // Handing work to other threads goes through a queue that grows by a piece every few dozen times.
-    let found = allocations(|_| Bootstrap, Noise::Gaussian, Resampling::Multinomial, (1, 9000), 2);
+    let found = allocations(|_| Bootstrap, large, Noise::Gaussian, 1, &two);
     assert!(found <= 4, "{found} allocations in {STEPS} steps on two threads");
 }

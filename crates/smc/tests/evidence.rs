@@ -15,11 +15,16 @@ fn reference() -> (LinearGaussian, Measurements, f64) {
 }
 
 /// How far the mean of `Ẑ/Z` over the runs is from 1, in standard errors.
-fn z(proposal: impl Proposal<LinearGaussian>, settings: FilterSettings, runs: usize, threads: usize) -> f64 {
+fn z(
+    proposal: impl Proposal<LinearGaussian> + Send,
+    settings: FilterSettings,
+    runs: usize,
+    threads: usize,
+) -> f64 {
     let (model, measurements, exact) = reference();
-    let bank = FilterBank::new(&model, proposal, settings, runs, &Seed::from_u64(71)).unwrap();
-    let mut bank = bank.with_threads(threads).unwrap();
-    measurements.rows().for_each(|measurement| bank.step(measurement).unwrap());
+    let mut bank = FilterBank::new(&model, proposal, settings, runs, &Seed::from_u64(71)).unwrap();
+    let pool = rayon_core::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+    pool.install(|| measurements.rows().for_each(|measurement| bank.step(measurement).unwrap()));
     let ratios: Vec<f64> = (0..runs).map(|run| (bank.log_evidence(run) - exact).exp()).collect();
     let n = runs as f64;
     let mean = ratios.iter().sum::<f64>() / n;

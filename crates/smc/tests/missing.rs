@@ -115,7 +115,7 @@ fn smoothing_looks_back_over_gaps() {
     let exact = kalman::smooth(&model, &filtered).unwrap();
     let mut mean = [0.0; 2];
     for back in 0..=3 {
-        smoother.mean(back, &mut mean);
+        smoother.mean(back, &mut mean).unwrap();
         let belief = &exact.beliefs[5 - back];
         for (i, mean) in mean.into_iter().enumerate() {
             assert!((mean - belief.mean[i]).abs() < 0.05, "{back} back: {mean} for {}", belief.mean[i]);

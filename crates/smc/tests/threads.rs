@@ -4,6 +4,7 @@ use motes_models::{Drift, GraphDiffusion, GraphDiffusionConfig, Measurements, No
 use motes_smc::{
     Bootstrap, FilterBank, FilterError, FilterSettings, MinDegeneracy, ParticleFilter, Proposal, ResampleWhen,
 };
+use rayon_core::{ThreadPool, ThreadPoolBuilder};
 
 fn problem(noise: Noise) -> (GraphDiffusion, Measurements) {
     let seed = Seed::from_u64(80);
@@ -17,32 +18,40 @@ fn settings(particles: usize) -> FilterSettings {
     FilterSettings { resample_when: ResampleWhen::EssBelow(0.9), ..FilterSettings::new(particles) }
 }
 
-/// Everything that a bank shows after each step, stepped one by one or run.
-fn run<P: Proposal<GraphDiffusion, Memory: Send> + Send>(
+/// A pool of so many threads.
+fn pool(threads: usize) -> ThreadPool {
+    ThreadPoolBuilder::new().num_threads(threads).build().unwrap()
+}
+
+/// What a bank shows after each step: particles, log-weights, ancestors.
+type Seen = Vec<(Vec<f64>, Vec<f64>, Vec<usize>)>;
+
+/// Everything that a bank shows after each step on so many threads, stepped one by one or run.
+fn run<P: Proposal<GraphDiffusion> + Send>(
     proposal: P,
-    noise: Noise,
-    particles: usize,
+    settings: FilterSettings,
     filters: usize,
     threads: usize,
     stepped: bool,
-) -> Vec<(Vec<f64>, Vec<f64>, Vec<usize>)> {
-    let (system, measurements) = problem(noise);
-    let bank = FilterBank::new(&system, proposal, settings(particles), filters, &Seed::from_u64(81)).unwrap();
-    let mut bank = bank.with_threads(threads).unwrap();
+) -> Seen {
+    let (system, measurements) = problem(Noise::Gaussian);
+    let mut bank = FilterBank::new(&system, proposal, settings, filters, &Seed::from_u64(81)).unwrap();
     let mut seen = vec![];
     let mut see = |bank: &FilterBank<&GraphDiffusion, P>| {
         let states = (0..filters).flat_map(|filter| bank.particles(filter).to_vec()).collect();
         let weights = (0..filters).flat_map(|filter| bank.weights(filter).log().to_vec()).collect();
         seen.push((states, weights, bank.ancestors().to_vec()));
     };
-    if stepped {
-        for measurement in measurements.rows() {
-            bank.step(measurement).unwrap();
-            see(&bank);
+    pool(threads).install(|| {
+        if stepped {
+            for measurement in measurements.rows() {
+                bank.step(measurement).unwrap();
+                see(&bank);
+            }
+        } else {
+            bank.run(&measurements, see).unwrap();
         }
-    } else {
-        bank.run(&measurements, see).unwrap();
-    }
+    });
     assert_eq!(bank.time(), measurements.len());
     seen
 }
@@ -52,15 +61,37 @@ fn any_number_of_threads_gives_the_same_bytes() {
     let (system, _) = problem(Noise::Gaussian);
     let proposal = MinDegeneracy::new(&system).unwrap();
     for (particles, filters) in [(20_000, 1), (9000, 3), (50, 300), (10, 100), (1, 5000), (300, 40)] {
-        let one = run(Bootstrap, Noise::Gaussian, particles, filters, 1, true);
+        let plain = settings(particles);
+        let one = run(Bootstrap, plain, filters, 1, true);
         for (threads, stepped) in [(2, true), (3, true), (1, false), (2, false), (3, false)] {
-            let other = run(Bootstrap, Noise::Gaussian, particles, filters, threads, stepped);
+            let other = run(Bootstrap, plain, filters, threads, stepped);
             assert!(one == other, "bootstrap, {filters} × {particles}, {threads} threads");
         }
-        let one = run(proposal.clone(), Noise::Gaussian, particles, filters, 1, true);
-        let other = run(proposal.clone(), Noise::Gaussian, particles, filters, 2, false);
-        assert!(one == other, "minimum degeneracy, {filters} × {particles}");
+        for settings in [plain, FilterSettings { defensive_weight: Some(0.2), ..plain }] {
+            let one = run(proposal.clone(), settings, filters, 1, true);
+            let other = run(proposal.clone(), settings, filters, 2, false);
+            assert!(one == other, "minimum degeneracy, {filters} × {particles}, {settings:?}");
+        }
     }
+}
+
+#[test]
+fn gaps_give_the_same_bytes_on_any_number_of_threads() {
+    let (system, measurements) = problem(Noise::Gaussian);
+    let with_gaps = measurements.rows().enumerate().map(|(time, row)| {
+        let there = |at: usize| time == 0 || (time != 2 && at % 3 != time % 3);
+        row.iter().enumerate().map(move |(at, value)| there(at).then_some(*value)).collect::<Vec<_>>()
+    });
+    let with_gaps: Vec<Vec<Option<f64>>> = with_gaps.collect();
+    let seen = |threads: usize| {
+        let proposal = MinDegeneracy::new(&system).unwrap();
+        let stream = Seed::from_u64(85).stream();
+        let mut filter = ParticleFilter::new(&system, proposal, settings(20_000), stream).unwrap();
+        pool(threads).install(|| with_gaps.iter().for_each(|row| filter.step_partial(row).unwrap()));
+        (filter.particles().to_vec(), filter.log_evidence())
+    };
+    let one = seen(1);
+    assert!(one == seen(2) && one == seen(3));
 }
 
 #[test]
@@ -93,8 +124,7 @@ fn a_run_ends_at_the_first_error() {
     let mut values = measurements.values().to_vec();
     values[2 * 8..].fill(1e3);
     let jumping = Measurements::new(8, values).unwrap();
-    let bank = FilterBank::new(&system, Bootstrap, settings(500), 1, &Seed::from_u64(83)).unwrap();
-    let mut bank = bank.with_threads(2).unwrap();
+    let mut bank = FilterBank::new(&system, Bootstrap, settings(500), 1, &Seed::from_u64(83)).unwrap();
     let mut seen = vec![];
     let error = bank.run(&jumping, |bank| seen.push(bank.time())).unwrap_err();
     assert!(matches!(error, FilterError::Collapse { .. }), "{error}");
@@ -103,29 +133,19 @@ fn a_run_ends_at_the_first_error() {
 }
 
 #[test]
-fn banks_at_the_same_time_have_threads_of_their_own() {
+fn a_clone_goes_its_own_way() {
     let (system, measurements) = problem(Noise::Gaussian);
-    // Each waits in every step for the other, which would never come if one had to wait for the other's threads.
-    let barrier = std::sync::Barrier::new(2);
-    std::thread::scope(|scope| {
-        for _ in 0..2 {
-            scope.spawn(|| {
-                let seed = Seed::from_u64(84);
-                let bank = FilterBank::new(&system, Bootstrap, settings(3000), 1, &seed).unwrap();
-                bank.with_threads(2)
-                    .unwrap()
-                    .run(&measurements, |_| {
-                        barrier.wait();
-                    })
-                    .unwrap();
-            });
-        }
-    });
-}
-
-#[test]
-fn no_threads_are_refused() {
-    let (system, _) = problem(Noise::Gaussian);
-    let bank = FilterBank::new(&system, Bootstrap, settings(10), 1, &Seed::from_u64(1)).unwrap();
-    assert!(matches!(bank.with_threads(0), Err(FilterError::Setting { .. })));
+    let stream = Seed::from_u64(84).stream();
+    let mut filter = ParticleFilter::new(&system, Bootstrap, settings(3000), stream).unwrap();
+    filter.step(measurements.row(0)).unwrap();
+    let before = (filter.mean().to_vec(), filter.log_evidence());
+    let mut forecast = filter.clone();
+    (0..3).for_each(|_| forecast.step_without_measurement().unwrap());
+    assert_eq!((filter.mean().to_vec(), filter.log_evidence(), filter.time()), (before.0, before.1, 1));
+    // From where it was cloned, it draws what the original draws.
+    let mut same = filter.clone();
+    filter.step(measurements.row(1)).unwrap();
+    same.step(measurements.row(1)).unwrap();
+    assert_eq!(filter.particles(), same.particles());
+    assert_eq!((forecast.time(), filter.time()), (4, 2));
 }

@@ -49,13 +49,13 @@ struct Problem {
 
 /// Writes a system and its first `horizon` measurements.
 pub(crate) fn write_problem(path: &Path, dimension: usize, horizon: usize) -> Result<(), SpeedError> {
-    use motes_models::AdditiveGaussian;
+    use motes_models::{AdditiveGaussian, GraphModel};
     let system = system(dimension)?;
     let measurements = trajectory(&system, horizon)?.measurements;
     let rows = |matrix: faer::MatRef<'_, f64>| -> Vec<Vec<f64>> {
         (0..matrix.nrows()).map(|i| (0..matrix.ncols()).map(|j| matrix[(i, j)]).collect()).collect()
     };
-    let Some(graph) = system.graph() else { return Err(prepare("the system has no graph")) };
+    let graph = system.graph();
     let problem = Problem {
         transition: rows(system.adjacency()),
         measurement: rows(system.measurement_matrix()),
@@ -79,15 +79,10 @@ pub(crate) fn write_training<F: Family + Proposal<GraphDiffusion>>(
         std::fs::remove_dir_all(folder).map_err(SpeedError::system(folder))?;
     }
     let system = system(DIMENSION)?;
-    let proposal = F::create(
-        config,
-        &ModelShape::of(&system),
-        horizon,
-        Backend::Native.into(),
-        &seed().child("weights"),
-    );
+    let (shape, weights) = (ModelShape::on_graph(&system), seed().child("weights"));
+    let proposal = F::create(config, &shape, horizon, Backend::Native.into(), &weights);
     let proposal = proposal.map_err(prepare)?;
-    save(folder, &proposal, &system, &TrainConfig::paper(particles)).map_err(prepare)?;
+    save(folder, &proposal, &system, &shape, &TrainConfig::paper(particles)).map_err(prepare)?;
     write_problem(&folder.join("problem.json"), DIMENSION, horizon)?;
     let (mut stream, mut noise) = (seed().child("noise").stream(), vec![0.0; particles * system.state_dim()]);
     let mut bytes = Vec::new();

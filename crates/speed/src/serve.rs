@@ -4,23 +4,40 @@ use std::io::{BufRead, Write};
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use motes_models::{GraphDiffusion, Measurements, Stream};
+use motes_models::{GraphDiffusion, Measurements, ModelShape, Stream};
 use motes_proposals::{Backend, Family, Fcnn, Gnn, Learnable, Psi, Rnn, load};
 use motes_smc::{Bootstrap, FilterBank, FilterSettings, MinDegeneracy, Proposal, Resampling};
 use motes_train::{GradientFlow, Objective, TrainConfig, rollout, train};
+use rayon_core::{ThreadPool, ThreadPoolBuilder};
 
 use crate::folder::{DIMENSION, seed, system, trajectory};
 use crate::task::{Answer, FilterTask, Request, Task, TrainTask};
 
 /// Something to be done again and again.
-trait Work {
+trait Work: Send {
     fn check(&mut self) -> Result<Answer, String>;
     fn run(&mut self) -> Result<(), String>;
 }
 
+/// Work with the threads that it may have.
+struct Prepared {
+    work: Box<dyn Work>,
+    pool: ThreadPool,
+}
+
+impl Prepared {
+    fn check(&mut self) -> Result<Answer, String> {
+        self.pool.install(|| self.work.check())
+    }
+
+    fn run(&mut self) -> Result<(), String> {
+        self.pool.install(|| self.work.run())
+    }
+}
+
 /// Serves requests, a line each, until there are no more.
 pub(crate) fn serve() {
-    let mut work: Option<Box<dyn Work>> = None;
+    let mut work: Option<Prepared> = None;
     for line in std::io::stdin().lock().lines() {
         let Ok(line) = line else { break };
         let answer = match serde_json::from_str::<Request>(&line) {
@@ -37,12 +54,14 @@ pub(crate) fn serve() {
     }
 }
 
-fn answer(request: Request, work: &mut Option<Box<dyn Work>>) -> Result<Answer, String> {
+fn answer(request: Request, work: &mut Option<Prepared>) -> Result<Answer, String> {
     let nothing = || "nothing is prepared".to_string();
     match request {
         Request::Prepare(task) => {
             *work = None;
-            let mut prepared = prepare(&task)?;
+            let (Task::Filter(FilterTask { threads, .. }) | Task::Train(TrainTask { threads, .. })) = &task;
+            let pool = ThreadPoolBuilder::new().num_threads(*threads).build().map_err(told)?;
+            let mut prepared = Prepared { work: prepare(&task)?, pool };
             // Once unseen, as the others compile and warm up.
             prepared.run()?;
             *work = Some(prepared);
@@ -81,7 +100,7 @@ fn prepare(task: &Task) -> Result<Box<dyn Work>, String> {
             }
         }
         Task::Train(task) => {
-            let learned: Box<dyn Learnable> = match task.family.as_str() {
+            let learned: Box<dyn Learnable + Send> = match task.family.as_str() {
                 Fcnn::NAME => Box::new(loaded::<Fcnn>(task)?),
                 Rnn::NAME => Box::new(loaded::<Rnn>(task)?),
                 Gnn::NAME => Box::new(loaded::<Gnn>(task)?),
@@ -110,7 +129,8 @@ fn told(error: impl ToString) -> String {
 }
 
 fn loaded<F: Family>(task: &TrainTask) -> Result<F, String> {
-    load(&task.folder, &system(DIMENSION).map_err(told)?, Backend::Native.into()).map_err(told)
+    let system = system(DIMENSION).map_err(told)?;
+    load(&task.folder, &system, &ModelShape::on_graph(&system), Backend::Native.into()).map_err(told)
 }
 
 struct Filtering<P> {
@@ -121,7 +141,7 @@ struct Filtering<P> {
     runs: u64,
 }
 
-impl<P: Proposal<GraphDiffusion, Memory: Send> + Clone + Send> Filtering<P> {
+impl<P: Proposal<GraphDiffusion> + Clone + Send> Filtering<P> {
     fn evidence(&mut self) -> Result<Vec<f64>, String> {
         let settings = FilterSettings {
             resampling: match self.task.resampling.as_str() {
@@ -133,15 +153,15 @@ impl<P: Proposal<GraphDiffusion, Memory: Send> + Clone + Send> Filtering<P> {
         };
         self.runs += 1;
         let seed = seed().child("filter").nth(self.task.seed).nth(self.runs);
-        let bank = FilterBank::new(&self.system, self.proposal.clone(), settings, self.task.filters, &seed)
-            .map_err(told)?;
-        let mut bank = bank.with_threads(self.task.threads).map_err(told)?;
+        let proposal = self.proposal.clone();
+        let mut bank =
+            FilterBank::new(&self.system, proposal, settings, self.task.filters, &seed).map_err(told)?;
         bank.run(&self.measurements, |_| ()).map_err(told)?;
         Ok((0..self.task.filters).map(|filter| bank.log_evidence(filter)).collect())
     }
 }
 
-impl<P: Proposal<GraphDiffusion, Memory: Send> + Clone + Send> Work for Filtering<P> {
+impl<P: Proposal<GraphDiffusion> + Clone + Send> Work for Filtering<P> {
     fn check(&mut self) -> Result<Answer, String> {
         let mut found = Vec::new();
         for _ in 0..20 {
@@ -163,7 +183,7 @@ struct Training {
     task: TrainTask,
     system: GraphDiffusion,
     measurements: Measurements,
-    learned: Box<dyn Learnable>,
+    learned: Box<dyn Learnable + Send>,
     stream: Stream,
     /// Loss and gradient norm at the weights that were given.
     at_first: Option<(f64, f64)>,
@@ -188,7 +208,7 @@ impl Training {
             &mut stream,
         )
         .map_err(told)?;
-        Ok(*self.at_first.insert((-found.objective, found.gradients.norm())))
+        Ok(*self.at_first.insert((-found.objective, found.workspace.into_gradients().norm())))
     }
 }
 

@@ -44,7 +44,8 @@ pub(crate) fn small_work(name: &str) -> Result<(), SpeedError> {
             let (compute, weights) = (Backend::Native.into(), seed().child("weights"));
             learn(
                 &system,
-                &mut Gnn::create(&config, &ModelShape::of(&system), 4, compute, &weights).map_err(prepare)?,
+                &mut Gnn::create(&config, &ModelShape::on_graph(&system), 4, compute, &weights)
+                    .map_err(prepare)?,
             )
         }
         other => Err(prepare(format!("small work {other}: {}", one_of(other, SMALL_WORK)))),

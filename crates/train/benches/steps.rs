@@ -22,7 +22,7 @@ fn steps<F: Family>(criterion: &mut Criterion, config: &F::Config) {
     for particles in [10, 50] {
         let proposal = F::create(
             config,
-            &ModelShape::of(&system),
+            &ModelShape::on_graph(&system),
             HORIZON,
             Backend::Native.into(),
             &seed.child("weights"),

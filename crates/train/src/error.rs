@@ -32,8 +32,14 @@ pub enum TrainError {
         /// What failed.
         source: ProposalError,
     },
-    /// A training that was put aside cannot be taken up again.
-    #[error("this is not a training that was put aside with this proposal and these settings: {reason}")]
+    /// The optimiser was handed parameters, gradients or moments that are not of one proposal.
+    #[error("{what} are of other parameters; a step takes weights, gradients and moments of one proposal")]
+    Optimiser {
+        /// What differs from the parameters.
+        what: &'static str,
+    },
+    /// Bytes are not a checkpoint from which this training can go on.
+    #[error("this is not a checkpoint of a training with this proposal and these settings: {reason}")]
     NotResumed {
         /// What does not fit.
         reason: String,

@@ -11,8 +11,8 @@ pub enum GradientFlow {
     /// All the way to `t = 0`: the exact gradient of the objective.
     #[default]
     Full,
-    /// The sequence is cut into windows, and nothing flows from one into the one before. With windows of one time every
-    /// draw takes its past as given.
+    /// Backpropagation through time is truncated: no derivative crosses from a window into the one before it. With windows of
+    /// one time every draw takes its past as given.
     Truncated {
         /// Times in a window; at least 1.
         window: usize,

@@ -1,8 +1,9 @@
 //! Unsupervised training of proposals: from measurements and a model, never from states.
 //!
-//! [`train`] draws particles from a proposal along one sequence of measurements, asks the model how likely they are, and
-//! moves the proposal's weights by the reparametrised gradient of an [`Objective`]. Nothing in this crate takes or
-//! returns the states of a system: all it can be handed are [`motes_models::Measurements`].
+//! [`train`] draws particles from a proposal along one sequence of measurements. The model says how likely they are. The
+//! reparametrised gradient of an [`Objective`] then moves the proposal's weights.
+//!
+//! Nothing in this crate takes or returns the states of a system. It takes [`motes_models::Measurements`] only.
 //!
 //! ```
 //! use motes_models::{GraphDiffusion, GraphDiffusionConfig, ModelShape, Seed, simulate};
@@ -24,15 +25,17 @@
 //! ```
 
 mod adam;
+mod checkpoint;
 mod error;
+mod fit;
 mod gradient_flow;
 mod objective;
-mod resume;
 mod rollout;
 mod training;
 
+pub use adam::{Adam, AdamConfig};
 pub use error::TrainError;
 pub use gradient_flow::GradientFlow;
 pub use objective::Objective;
 pub use rollout::{Rollout, rollout};
-pub use training::{AdamConfig, History, TrainConfig, Training, train};
+pub use training::{History, TrainConfig, Training, train};

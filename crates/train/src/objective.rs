@@ -29,11 +29,11 @@ pub(crate) struct Evaluation {
 
 impl Objective {
     /// Whether it depends on `log q`.
-    pub(crate) fn weighs_proposal(self) -> bool {
+    pub(crate) fn needs_log_proposal(self) -> bool {
         self == Objective::Elbo
     }
 
-    /// Takes `ℓ` and `log q` (`T×K`, row-major); the latter are not looked at unless it [weighs them](Objective::weighs_proposal).
+    /// The value at `ℓ` and `log q` (`T×K`, row-major). `log q` is read only if it is [needed](Objective::needs_log_proposal).
     pub(crate) fn evaluate(self, log_model: &[f64], log_proposal: &[f64], particles: usize) -> Evaluation {
         let share = 1.0 / particles as f64;
         let mean = |values: &[f64]| share * values.iter().sum::<f64>();
@@ -71,7 +71,7 @@ mod tests {
         let h = 1e-6;
         for objective in [Objective::LogLikelihood, Objective::Literal, Objective::Elbo] {
             let found = objective.evaluate(&model, &proposal, 3);
-            assert_eq!(found.d_log_proposal.is_some(), objective.weighs_proposal());
+            assert_eq!(found.d_log_proposal.is_some(), objective.needs_log_proposal());
             for at in 0..6 {
                 let value = |of_model: f64, of_proposal: f64| {
                     let (mut model, mut proposal) = (model, proposal);

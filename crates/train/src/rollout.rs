@@ -1,26 +1,27 @@
-//! One pass along a sequence: draw particles forward in time, pull the objective's gradient backward.
+//! One pass along a sequence: draws particles forward in time, then takes the objective's gradient backward.
 
+use motes_models::batch::Rows;
 use motes_models::{Measurements, StateGradients, Stream};
-use motes_proposals::{Gradients, Learnable, Workspace};
-use motes_smc::{Past, ProposalError};
+use motes_proposals::networks::Inputs;
+use motes_proposals::{Learnable, Workspace};
+use motes_smc::ProposalError;
 
-use crate::gradient_flow::GradientFlow;
-use crate::training::check_fit;
-use crate::{Objective, TrainError};
+use crate::fit::check_fit;
+use crate::{GradientFlow, Objective, TrainError};
 
 /// The objective of one batch of particles and its gradient.
 pub struct Rollout {
     /// The value of the objective.
     pub objective: f64,
-    /// The gradient of the *loss*, minus the objective, with respect to the proposal's weights.
-    pub gradients: Gradients,
+    /// Holds the gradient of the *loss*, minus the objective, with respect to the proposal's weights.
+    pub workspace: Workspace,
 }
 
 /// Draws `particles` particles along `measurements`, without resampling, and differentiates the objective.
 ///
-/// The derivative of the objective with respect to `x_t` gathers three terms, all on the host: what `x_t` does to its own
-/// densities, to the transition into `x_{t+1}`, and, through the proposal's networks, to every later draw; `gradient` says how far
-/// the last two reach.
+/// The derivative of the objective with respect to `x_t` is a sum of three terms. The densities at `x_t` give the first, the
+/// transition into `x_{t+1}` gives the second, and every later draw gives the third, through the proposal's networks.
+/// `gradient` says how far back the last two reach.
 ///
 /// # Errors
 /// [`TrainError::Setting`] or [`TrainError::Model`] for input that does not fit, [`TrainError::Proposal`] if the proposal fails.
@@ -36,16 +37,23 @@ pub fn rollout(
     gradient.check()?;
     check_fit(proposal, model, measurements, particles)?;
     let workspace = Workspace::new(proposal.parameters());
-    let (objective, workspace) =
-        draw_and_pull(proposal, model, measurements, objective, gradient, particles, stream, workspace)
-            .map_err(in_step(0, None))?;
-    Ok(Rollout { objective, gradients: workspace.into_gradients() })
+    let (objective, workspace) = draw_and_differentiate(
+        proposal,
+        model,
+        measurements,
+        objective,
+        gradient,
+        particles,
+        stream,
+        workspace,
+    )
+    .map_err(in_step(0, None))?;
+    Ok(Rollout { objective, workspace })
 }
 
-/// [`rollout`] of input that is known to fit, in memory that comes back with the gradients in it; an error comes with the time at
-/// which it happened.
+/// [`rollout`] of input that is known to fit. The workspace comes back with the gradients in it, an error with its time.
 #[allow(clippy::too_many_arguments, reason = "the arguments of rollout and the memory")]
-pub(crate) fn draw_and_pull(
+pub(crate) fn draw_and_differentiate(
     proposal: &dyn Learnable,
     model: &dyn StateGradients,
     measurements: &Measurements,
@@ -60,8 +68,8 @@ pub(crate) fn draw_and_pull(
     let mut tape = proposal.tape(particles, workspace).map_err(|source| (0, source))?;
     let mut states = vec![0.0; horizon * block];
     let mut log_model = vec![0.0; horizon * particles];
-    let weighs = objective.weighs_proposal();
-    let mut log_proposal = vec![0.0; if weighs { horizon * particles } else { 0 }];
+    let needs = objective.needs_log_proposal();
+    let mut log_proposal = vec![0.0; if needs { horizon * particles } else { 0 }];
     let (mut noise, mut log_likelihood) = (vec![0.0; block], vec![0.0; particles]);
 
     for (time, measurement) in measurements.rows().enumerate() {
@@ -70,13 +78,13 @@ pub(crate) fn draw_and_pull(
         let now = &mut now[..block];
         let at = time * particles..(time + 1) * particles;
         proposal.fill_noise(stream, &mut noise);
-        let past = Past { time, previous, measurement, particles };
-        let log_density = weighs.then(|| &mut log_proposal[at.clone()]);
-        tape.draw(past, &noise, now, log_density).map_err(|source| (time, source))?;
+        let inputs = Inputs { time, width: n, previous, measurement, particles };
+        let log_density = needs.then(|| &mut log_proposal[at.clone()]);
+        tape.draw(&inputs, &noise, now, log_density).map_err(|source| (time, source))?;
         let log_model = &mut log_model[at];
         match previous {
             None => model.log_initials(now, log_model),
-            Some(previous) => model.log_transitions(time, previous, now, log_model),
+            Some(previous) => model.log_transitions(time, Rows::all(previous, n), now, log_model),
         }
         model.log_likelihoods(time, now, measurement, &mut log_likelihood);
         log_model.iter_mut().zip(&log_likelihood).for_each(|(sum, term)| *sum += term);

@@ -2,35 +2,13 @@
 
 use std::ops::ControlFlow;
 
-use motes_models::batch::there_is_memory_for;
 use motes_models::{Measurements, StateGradients, Stream};
 use motes_proposals::{Learnable, Workspace};
 use serde::Serialize;
 
-use crate::adam::AdamSteps;
-use crate::gradient_flow::GradientFlow;
-use crate::rollout::{draw_and_pull, in_step};
-use crate::{Objective, TrainError};
-
-/// The settings of Adam.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct AdamConfig {
-    /// Step size.
-    pub learning_rate: f64,
-    /// Forgetting factor of the gradient's mean.
-    pub beta_1: f64,
-    /// Forgetting factor of its square's mean.
-    pub beta_2: f64,
-    /// Added to the root in the denominator.
-    pub epsilon: f64,
-}
-
-impl AdamConfig {
-    /// The paper's: learning rate 0.001, forgetting factors 0.9 and 0.999; ε is Adam's usual 1e-8.
-    pub fn paper() -> Self {
-        AdamConfig { learning_rate: 1e-3, beta_1: 0.9, beta_2: 0.999, epsilon: 1e-8 }
-    }
-}
+use crate::fit::check_fit;
+use crate::rollout::{draw_and_differentiate, in_step};
+use crate::{Adam, AdamConfig, GradientFlow, Objective, TrainError};
 
 /// The settings of training.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -39,7 +17,7 @@ pub struct TrainConfig {
     pub objective: Objective,
     /// How far back in time its gradient reaches.
     pub gradient: GradientFlow,
-    /// The largest norm of all gradients taken together: a longer one is shortened to it. `None` leaves them as they are.
+    /// The largest Euclidean norm of the gradient of all weights. A longer gradient is scaled down to it. `None` never scales.
     pub clip_norm: Option<f64>,
     /// `K`, particles drawn in each step.
     pub particles: usize,
@@ -63,54 +41,19 @@ impl TrainConfig {
     }
 
     fn check(&self) -> Result<(), TrainError> {
-        let AdamConfig { learning_rate, beta_1, beta_2, epsilon } = self.adam;
-        let positive = |value: f64| value > 0.0 && value.is_finite();
-        // The optimiser computes in 32 bits: what rounds to 1 or to 0 there is as bad as 1 or 0.
-        let forgetting = |value: f64| (0.0..1.0).contains(&(value as f32));
-        let checks = [
-            (
-                positive(f64::from(learning_rate as f32)),
-                "the learning rate",
-                format!("{learning_rate:?}"),
-                "positive and finite in 32 bits",
-            ),
-            (
-                forgetting(beta_1),
-                "Adam's first forgetting factor",
-                beta_1.to_string(),
-                "at least 0 and below 1",
-            ),
-            (
-                forgetting(beta_2),
-                "Adam's second forgetting factor",
-                beta_2.to_string(),
-                "at least 0 and below 1",
-            ),
-            (
-                positive(f64::from(epsilon as f32)),
-                "Adam's epsilon",
-                format!("{epsilon:?}"),
-                "positive and finite in 32 bits",
-            ),
-        ];
         self.gradient.check()?;
-        let clip_norm = self.clip_norm.unwrap_or(1.0);
-        let checks = checks.into_iter().chain([(
-            positive(clip_norm),
-            "the largest norm of the gradient",
-            clip_norm.to_string(),
-            "positive and finite",
-        )]);
-        for (fine, name, value, expected) in checks {
-            if !fine {
-                return Err(TrainError::Setting { name, value, expected });
-            }
+        match self.clip_norm {
+            Some(largest) if !(largest > 0.0 && largest.is_finite()) => Err(TrainError::Setting {
+                name: "the largest norm of the gradient",
+                value: largest.to_string(),
+                expected: "positive and finite",
+            }),
+            _ => Ok(()),
         }
-        Ok(())
     }
 }
 
-/// What happened in training.
+/// The course of a training.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct History {
     /// The loss (minus the objective) before each step.
@@ -120,13 +63,16 @@ pub struct History {
 /// Trains `proposal` for `model` on one sequence of measurements.
 ///
 /// The noise of each step is drawn from `stream`, so the same stream gives the same weights. `observe` is called with
-/// the number and the loss of each step and ends training early by breaking; the history then has fewer losses than
-/// `config.steps`. The last weights are kept. A sequence shorter than an unrolled proposal's horizon leaves the networks of later
-/// times as they are. [`Training`] is the same step by step.
+/// the number and the loss of each step, and ends training early by breaking. The history then has fewer losses than
+/// `config.steps`. The last weights are kept.
+///
+/// A sequence may be shorter than an unrolled proposal's horizon. The networks of later times then keep their weights.
+/// [`Training`] is the same step by step.
 ///
 /// # Errors
-/// [`TrainError::Setting`] or [`TrainError::Model`] for bad input, before anything is changed; [`TrainError::Diverged`] if
-/// the loss, or the last gradient, is not finite; [`TrainError::Proposal`] if the proposal fails.
+/// - [`TrainError::Setting`] or [`TrainError::Model`] for bad input, before anything is changed.
+/// - [`TrainError::Diverged`] if the loss, or the last gradient, is not finite.
+/// - [`TrainError::Proposal`] if the proposal fails.
 pub fn train(
     proposal: &mut dyn Learnable,
     model: &dyn StateGradients,
@@ -147,12 +93,14 @@ pub fn train(
     Ok(training.history)
 }
 
-/// A training in progress: one step at a time, and put aside and [taken up again](Training::resume) between two of them.
+/// A training in progress, one step at a time.
+///
+/// Between two steps it gives a [checkpoint](Training::checkpoint), from which another [goes on](Training::resume).
 pub struct Training<'a> {
     model: &'a dyn StateGradients,
     measurements: &'a Measurements,
     config: TrainConfig,
-    pub(crate) adam: AdamSteps,
+    pub(crate) adam: Adam,
     /// Memory for the next step; new if the last one failed.
     workspace: Option<Workspace>,
     pub(crate) stream: &'a mut Stream,
@@ -160,7 +108,7 @@ pub struct Training<'a> {
 }
 
 impl<'a> Training<'a> {
-    /// Before the first step; noise will be drawn from `stream`.
+    /// A training before its first step. It draws its noise from `stream`.
     ///
     /// # Errors
     /// [`TrainError::Setting`] or [`TrainError::Model`] for bad input.
@@ -171,19 +119,19 @@ impl<'a> Training<'a> {
         config: &TrainConfig,
         stream: &'a mut Stream,
     ) -> Result<Self, TrainError> {
+        let adam = Adam::new(&config.adam)?;
         config.check()?;
         check_fit(proposal, model, measurements, config.particles)?;
-        let adam = AdamSteps::new(&config.adam);
         let history = History::default();
         Ok(Training { model, measurements, config: *config, adam, workspace: None, stream, history })
     }
 
-    /// What has happened so far.
+    /// The losses so far.
     pub fn history(&self) -> &History {
         &self.history
     }
 
-    /// What has happened, when there is nothing more to come.
+    /// The losses, at the end of the training.
     pub fn into_history(self) -> History {
         self.history
     }
@@ -196,16 +144,25 @@ impl<'a> Training<'a> {
     /// Takes one step with `proposal`, the same at each step, and returns the loss before it.
     ///
     /// # Errors
-    /// [`TrainError::Diverged`] or [`TrainError::Proposal`], as [`train`]. A gradient that is not finite shows in the next step, after the last
-    /// of the settings' steps at once; who stops earlier can ask [`Training::check_weights`].
+    /// [`TrainError::Diverged`] or [`TrainError::Proposal`], as [`train`]; [`TrainError::Optimiser`] for another proposal than before.
+    /// A gradient that is not finite shows in the next step, and after the last step at once. A caller who stops earlier asks
+    /// [`Training::check_weights`].
     pub fn step(&mut self, proposal: &mut dyn Learnable) -> Result<f64, TrainError> {
         let TrainConfig { objective, gradient, particles, .. } = self.config;
         let step = self.history.losses.len();
         let workspace = self.workspace.take().unwrap_or_else(|| Workspace::new(proposal.parameters()));
         let (model, measurements, stream) = (self.model, self.measurements, &mut *self.stream);
-        let (value, mut workspace) =
-            draw_and_pull(proposal, model, measurements, objective, gradient, particles, stream, workspace)
-                .map_err(in_step(step, self.history.losses.last().copied()))?;
+        let (value, mut workspace) = draw_and_differentiate(
+            proposal,
+            model,
+            measurements,
+            objective,
+            gradient,
+            particles,
+            stream,
+            workspace,
+        )
+        .map_err(in_step(step, self.history.losses.last().copied()))?;
         let loss = -value;
         if !loss.is_finite() {
             return Err(TrainError::Diverged { step, loss });
@@ -224,12 +181,12 @@ impl<'a> Training<'a> {
                 gradients.scale(largest / norm);
             }
         }
-        self.adam.step(proposal.parameters_mut(), &mut workspace);
+        self.adam.step(proposal.parameters_mut(), &mut workspace)?;
         self.workspace = Some(workspace);
         Ok(loss)
     }
 
-    /// Whether the weights are fit for use, whatever the gradient of the last step was.
+    /// Refuses weights that are not finite, which the last step may have left.
     ///
     /// # Errors
     /// [`TrainError::Diverged`] if they are not all finite.
@@ -244,46 +201,4 @@ impl<'a> Training<'a> {
     pub(crate) fn steps(&self) -> usize {
         self.config.steps
     }
-}
-
-pub(crate) fn check_fit(
-    proposal: &dyn Learnable,
-    model: &dyn StateGradients,
-    measurements: &Measurements,
-    particles: usize,
-) -> Result<(), TrainError> {
-    measurements.check_width(model.measurement_dim())?;
-    let differs =
-        |name, found: usize, expected| TrainError::Setting { name, value: found.to_string(), expected };
-    for (name, value) in [
-        ("the number of particles K", particles),
-        ("the number of measurements T", measurements.len()),
-        ("the model's state dimension N", model.state_dim()),
-    ] {
-        if value == 0 {
-            return Err(differs(name, value, "at least 1"));
-        }
-    }
-    // States of all times and their derivatives; what networks keep of them comes on top.
-    let values =
-        particles.checked_mul(measurements.len()).and_then(|rows| rows.checked_mul(model.state_dim()));
-    if !values.and_then(|values| values.checked_mul(2)).is_some_and(there_is_memory_for) {
-        return Err(differs(
-            "the number of particles K",
-            particles,
-            "as many as there is memory for at all times",
-        ));
-    }
-    if proposal.state_dim() != model.state_dim() {
-        return Err(differs("the proposal's state dimension", proposal.state_dim(), "that of the model"));
-    }
-    if proposal.measurement_dim() != model.measurement_dim() {
-        let found = proposal.measurement_dim();
-        return Err(differs("the proposal's measurement dimension", found, "that of the model"));
-    }
-    if proposal.horizon().is_some_and(|horizon| horizon < measurements.len()) {
-        let name = "the number of measurements T";
-        return Err(differs(name, measurements.len(), "at most the horizon of the unrolled proposal"));
-    }
-    Ok(())
 }

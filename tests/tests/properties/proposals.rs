@@ -22,7 +22,7 @@ fn filter<F: Family + Proposal<GraphDiffusion>>(
 ) -> Result<(), TestCaseError> {
     let (system, seed) = (system(), Seed::from_u64(seed));
     let mut proposal =
-        F::create(config, &ModelShape::of(&system), 3, Backend::Native.into(), &seed.child("weights"))
+        F::create(config, &ModelShape::on_graph(&system), 3, Backend::Native.into(), &seed.child("weights"))
             .unwrap();
     let mut stream = seed.child("values").stream();
     for index in 0..proposal.parameters().len() {

@@ -12,7 +12,7 @@ use proptest::sample::Index;
 
 use crate::cases;
 
-/// A training after two of four steps, put aside; or what comes of taking up these bytes, and of a step from there.
+/// The checkpoint of a training after two of four steps; or what comes of resuming from these bytes, and of a step from there.
 fn training(bytes: Option<&[u8]>) -> Result<Vec<u8>, TrainError> {
     let seed = Seed::from_u64(133);
     let config = GraphDiffusionConfig::new(5);
@@ -31,7 +31,7 @@ fn training(bytes: Option<&[u8]>) -> Result<Vec<u8>, TrainError> {
             }
         }
     }
-    training.suspend(&proposal)
+    training.checkpoint(&proposal)
 }
 
 proptest! {

@@ -20,8 +20,9 @@ fn system() -> GraphDiffusion {
 fn files<F: Family>(config: &F::Config) -> [Vec<u8>; 2] {
     let (folder, system) = (tempfile::tempdir().unwrap(), system());
     let proposal =
-        F::create(config, &ModelShape::of(&system), 3, Backend::Native.into(), &Seed::from_u64(132)).unwrap();
-    save(folder.path(), &proposal, &system, &TrainConfig::paper(10)).unwrap();
+        F::create(config, &ModelShape::on_graph(&system), 3, Backend::Native.into(), &Seed::from_u64(132))
+            .unwrap();
+    save(folder.path(), &proposal, &system, &ModelShape::on_graph(&system), &TrainConfig::paper(10)).unwrap();
     ["proposal.toml", "weights.safetensors"].map(|name| std::fs::read(folder.path().join(name)).unwrap())
 }
 
@@ -98,7 +99,7 @@ fn check<F: Family>(
         change.apply(if *of_description { &mut description } else { &mut weights });
     }
     put(folder.path(), &description, &weights, sealed);
-    match load::<F>(folder.path(), &system, Backend::Native.into()) {
+    match load::<F>(folder.path(), &system, &ModelShape::on_graph(&system), Backend::Native.into()) {
         Ok(proposal) => {
             let parameters = proposal.parameters();
             let finite = (0..parameters.len()).all(|at| parameters.host(at).iter().all(|v| v.is_finite()));

@@ -1,6 +1,6 @@
 //! Log-weights.
 
-use motes_smc::{LogWeights, TAIL_INDEX_LIMIT, WeightFault, tail_index};
+use motes_smc::{LogWeights, PARETO_K_LIMIT, WeightFault, pareto_k};
 use proptest::collection::vec;
 use proptest::prelude::*;
 
@@ -80,7 +80,7 @@ proptest! {
                 prop_assert!(near(weights.normalised().iter().sum(), 1.0));
             }
         }
-        if let Some(index) = tail_index(&increments) {
+        if let Some(index) = pareto_k(&increments) {
             prop_assert!(index.is_finite());
         }
     }
@@ -90,12 +90,12 @@ proptest! {
         mut logs in vec(-20.0..20.0, 25..400),
         shift in -1e3..1e3,
     ) {
-        let index = tail_index(&logs);
+        let index = pareto_k(&logs);
         logs.reverse();
-        prop_assert_eq!(tail_index(&logs), index);
+        prop_assert_eq!(pareto_k(&logs), index);
         logs.iter_mut().for_each(|log| *log += shift);
-        if let (Some(index), Some(shifted)) = (index, tail_index(&logs)) {
-            prop_assert!((index - shifted).abs() < 1e-6 || index.min(shifted) > 10.0 * TAIL_INDEX_LIMIT);
+        if let (Some(index), Some(shifted)) = (index, pareto_k(&logs)) {
+            prop_assert!((index - shifted).abs() < 1e-6 || index.min(shifted) > 10.0 * PARETO_K_LIMIT);
         }
     }
 }

@@ -77,7 +77,7 @@ impl Visitor for Run<'_> {
         let Trained { proposal, history, seconds, earlier } = self.train::<F>(family, &config, backend)?;
         if let Some(models) = self.models {
             let folder = models.join(self.unit.key());
-            save(&folder, &proposal, &*self.problem.model, &config)
+            save(&folder, &proposal, &*self.problem.model, &self.problem.shape, &config)
                 .map_err(|error| UnitError::NotKept(error.to_string()))?;
         }
         let mut evaluation = self.run_filters(&*self.problem.model, proposal)?;
@@ -115,8 +115,8 @@ mod tests {
     use crate::provenance::Provenance;
     use crate::reference::References;
     use crate::unit::tests::{fcnn_unit, on_graph};
-    use motes_models::{ModelShape, Noise, Seed, Sequence};
-    use motes_proposals::{Fcnn, Learnable};
+    use motes_models::{Noise, Seed, Sequence};
+    use motes_proposals::{Backend, Fcnn, Learnable};
     use motes_train::Training;
     use rand::RngExt;
 
@@ -167,21 +167,15 @@ mod tests {
         };
         let write_checkpoint = |seed: &Seed| {
             let weights = seed.child("weights");
-            let mut proposal = Fcnn::create(
-                &fcnn.proposal,
-                &ModelShape::of(&*problem.model),
-                4,
-                Backend::Native.into(),
-                &weights,
-            )
-            .unwrap();
+            let mut proposal =
+                Fcnn::create(&fcnn.proposal, &problem.shape, 4, Backend::Native.into(), &weights).unwrap();
             let mut stream = seed.child("training").stream();
             let config = train_config(&fcnn.training, unit.filter.particles, fcnn.steps);
             let measurements = &problem.trajectory.measurements;
             let mut training =
                 Training::new(&proposal, &*problem.model, measurements, &config, &mut stream).unwrap();
             (0..3).for_each(|_| assert!(training.step(&mut proposal).is_ok()));
-            let bytes = training.suspend(&proposal).unwrap();
+            let bytes = training.checkpoint(&proposal).unwrap();
             checkpoints("earlier").of(&unit.key()).write(7.0, &[], &bytes).unwrap();
         };
         write_checkpoint(&seed);

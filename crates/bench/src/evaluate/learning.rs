@@ -3,7 +3,6 @@
 use std::time::Instant;
 
 use motes_cli::status;
-use motes_models::ModelShape;
 use motes_proposals::{Backend, Family};
 use motes_train::{AdamConfig, GradientFlow, History, TrainConfig, TrainError, Training};
 
@@ -24,7 +23,7 @@ impl Run<'_> {
         let (model, seed) = (&*self.problem.model, self.unit.own_seed());
         let (horizon, weights) = (self.unit.system.horizon(), seed.child("weights"));
         let mut proposal =
-            F::create(family, &ModelShape::of(model), horizon, backend.into(), &weights).map_err(failed)?;
+            F::create(family, &self.problem.shape, horizon, backend.into(), &weights).map_err(failed)?;
         let mut stream = seed.child("training").stream();
         let measurements = &self.problem.trajectory.measurements;
         let mut training =
@@ -47,7 +46,7 @@ impl Run<'_> {
             if let Some(checkpoint) = &mut checkpoint
                 && checkpoint.is_due(stopping || training.is_finished())
             {
-                match training.suspend(&proposal) {
+                match training.checkpoint(&proposal) {
                     Ok(bytes) => checkpoint.write(seconds(), &earlier, &bytes).map_err(UnitError::NotKept)?,
                     // The next step will say so, as it does where there are no checkpoints.
                     Err(TrainError::Diverged { .. }) => {}

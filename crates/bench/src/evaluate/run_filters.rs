@@ -67,7 +67,7 @@ impl Run<'_> {
                 let last = if time + 1 == horizon { 0 } else { lag };
                 for back in (last..=lag.min(time)).rev() {
                     let at = ((time - back) * runs + run) * n;
-                    smoother.mean(back, &mut recorded.means[at..at + n]);
+                    smoother.mean(back, &mut recorded.means[at..at + n]).map_err(failed)?;
                 }
             }
             recorded.log_evidence.push(smoother.filter().log_evidence());

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use motes_smc::{LEAST_EFFECTIVE_PARTICLES, TAIL_INDEX_LIMIT};
+use motes_smc::{LEAST_EFFECTIVE_PARTICLES, PARETO_K_LIMIT};
 
 use super::summary::Row;
 use crate::config::Method;
@@ -114,10 +114,9 @@ fn warnings(axis: &str, rows: &[Row]) -> String {
             text += &format!("\nWeights not to be trusted: {reason}: {}.\n", listed(axis, &bad));
         }
     };
-    let heavy = format!(
-        "the tail index is above {TAIL_INDEX_LIMIT}, so that averages by them need far more particles"
-    );
-    warn(&heavy, "tail_index", |index| index > TAIL_INDEX_LIMIT);
+    let heavy =
+        format!("the tail index is above {PARETO_K_LIMIT}, so that averages by them need far more particles");
+    warn(&heavy, "tail_index", |index| index > PARETO_K_LIMIT);
     warn("one particle has more than half, on average", "ess", |size| size < LEAST_EFFECTIVE_PARTICLES);
     let indices: Vec<&Row> = rows.iter().filter(|row| row.metric == "tail_index").collect();
     let with_index =

@@ -8,11 +8,12 @@ use crate::Stream;
 /// Particles whose noise is drawn together: few enough for it to stay in the nearest cache.
 const TOGETHER: usize = 256;
 
-/// Draws noise of `width` coordinates for each of `particles` particles, which are split evenly over `streams` in order, and shows it to
-/// `work`: the numbers of up to [`LANES`] particles, and a tile (`width × LANES`) of their noise.
+/// Draws noise of `width` coordinates for each of `particles` particles, which are split evenly over `streams` in order.
 ///
-/// A stream of 256 particles and more fills tiles as they are, for lanes without a particle, too. One of fewer fills rows, since several
-/// share a tile. Either way a stream's particles get what they get without the others.
+/// `work` gets it tile by tile: the numbers of up to [`LANES`] particles, and a tile (`width × LANES`) of their noise.
+///
+/// A stream of 256 particles or more fills whole tiles, with lanes that have no particle. A stream of fewer fills rows, since several
+/// streams share a tile. Either way the noise of one stream's particles does not depend on the other streams.
 ///
 /// # Panics
 /// If `particles` is not a multiple of the number of streams.

@@ -1,6 +1,6 @@
-//! Rows of a batch turned into tiles and back, eight rows and eight coordinates at a time.
+//! Rows of a batch copied into tiles and back, eight rows and eight coordinates at a time.
 
-use super::squares::{SIDE, Square, Turn, turn};
+use super::transpose::{BLOCK, Block, MoveBlocks, with_transpose};
 use super::{LANES, with_scratch};
 
 /// The states of a batch of particles: rows one after another, or rows of another batch that were picked by number, as resampling does.
@@ -44,7 +44,7 @@ impl<'a> Rows<'a> {
 
     /// Copies up to [`LANES`] states, from particle `first` on, into a tile (`width × LANES`); lanes without a state are left as they were.
     pub fn load(&self, first: usize, tile: &mut [f64]) {
-        turn(Load { rows: *self, first, tile });
+        with_transpose(Load { rows: *self, first, tile });
     }
 
     /// Lends all states one after another, in scratch if they are picked.
@@ -79,7 +79,7 @@ pub fn load(states: &[f64], width: usize, tile: &mut [f64]) {
 /// Copies a tile (`width × LANES`) into up to [`LANES`] states.
 #[inline]
 pub fn store(tile: &[f64], width: usize, states: &mut [f64]) {
-    turn(Store { tile, width, states });
+    with_transpose(Store { tile, width, states });
 }
 
 struct Load<'a> {
@@ -88,34 +88,34 @@ struct Load<'a> {
     tile: &'a mut [f64],
 }
 
-impl Turn for Load<'_> {
+impl MoveBlocks for Load<'_> {
     #[inline(always)]
-    fn by(self, transposed: impl Fn(Square) -> Square) {
+    fn run(self, transposed: impl Fn(Block) -> Block) {
         let Load { rows, first, tile } = self;
         let particles = rows.len().saturating_sub(first).min(LANES);
         let (tile, _) = tile.as_chunks_mut::<LANES>();
-        let squares = rows.width / SIDE * SIDE;
+        let blocks = rows.width / BLOCK * BLOCK;
         let mut lane = 0;
-        while lane + SIDE <= particles {
-            let mut states = [&[][..]; SIDE];
+        while lane + BLOCK <= particles {
+            let mut states = [&[][..]; BLOCK];
             for (k, state) in states.iter_mut().enumerate() {
                 *state = rows.row(first + lane + k);
             }
-            for (at, tile) in tile[..squares].as_chunks_mut::<SIDE>().0.iter_mut().enumerate() {
-                let mut square = [[0.0; SIDE]; SIDE];
-                for (row, state) in square.iter_mut().zip(states) {
-                    row.copy_from_slice(&state[at * SIDE..][..SIDE]);
+            for (at, tile) in tile[..blocks].as_chunks_mut::<BLOCK>().0.iter_mut().enumerate() {
+                let mut block = [[0.0; BLOCK]; BLOCK];
+                for (row, state) in block.iter_mut().zip(states) {
+                    row.copy_from_slice(&state[at * BLOCK..][..BLOCK]);
                 }
-                for (tile, row) in tile.iter_mut().zip(transposed(square)) {
-                    tile[lane..lane + SIDE].copy_from_slice(&row);
+                for (tile, row) in tile.iter_mut().zip(transposed(block)) {
+                    tile[lane..lane + BLOCK].copy_from_slice(&row);
                 }
             }
-            for (i, tile) in tile[..rows.width].iter_mut().enumerate().skip(squares) {
-                for (value, state) in tile[lane..lane + SIDE].iter_mut().zip(states) {
+            for (i, tile) in tile[..rows.width].iter_mut().enumerate().skip(blocks) {
+                for (value, state) in tile[lane..lane + BLOCK].iter_mut().zip(states) {
                     *value = state[i];
                 }
             }
-            lane += SIDE;
+            lane += BLOCK;
         }
         for lane in lane..particles {
             for (tile, value) in tile.iter_mut().zip(rows.row(first + lane)) {
@@ -131,31 +131,31 @@ struct Store<'a> {
     states: &'a mut [f64],
 }
 
-impl Turn for Store<'_> {
+impl MoveBlocks for Store<'_> {
     #[inline(always)]
-    fn by(self, transposed: impl Fn(Square) -> Square) {
+    fn run(self, transposed: impl Fn(Block) -> Block) {
         let Store { tile, width, states } = self;
         let (tile, _) = tile.as_chunks::<LANES>();
-        let squares = width / SIDE * SIDE;
+        let blocks = width / BLOCK * BLOCK;
         let states = &mut states[..];
-        let mut groups = states.chunks_exact_mut(SIDE * width);
+        let mut groups = states.chunks_exact_mut(BLOCK * width);
         let mut lane = 0;
-        for states in groups.by_ref().take(LANES / SIDE) {
-            for (at, tile) in tile[..squares].as_chunks::<SIDE>().0.iter().enumerate() {
-                let mut square = [[0.0; SIDE]; SIDE];
-                for (row, tile) in square.iter_mut().zip(tile) {
-                    row.copy_from_slice(&tile[lane..lane + SIDE]);
+        for states in groups.by_ref().take(LANES / BLOCK) {
+            for (at, tile) in tile[..blocks].as_chunks::<BLOCK>().0.iter().enumerate() {
+                let mut block = [[0.0; BLOCK]; BLOCK];
+                for (row, tile) in block.iter_mut().zip(tile) {
+                    row.copy_from_slice(&tile[lane..lane + BLOCK]);
                 }
-                for (state, row) in states.chunks_exact_mut(width).zip(transposed(square)) {
-                    state[at * SIDE..][..SIDE].copy_from_slice(&row);
+                for (state, row) in states.chunks_exact_mut(width).zip(transposed(block)) {
+                    state[at * BLOCK..][..BLOCK].copy_from_slice(&row);
                 }
             }
-            for (i, tile) in tile[..width].iter().enumerate().skip(squares) {
-                for (state, value) in states.chunks_exact_mut(width).zip(&tile[lane..lane + SIDE]) {
+            for (i, tile) in tile[..width].iter().enumerate().skip(blocks) {
+                for (state, value) in states.chunks_exact_mut(width).zip(&tile[lane..lane + BLOCK]) {
                     state[i] = *value;
                 }
             }
-            lane += SIDE;
+            lane += BLOCK;
         }
         for (lane, state) in (lane..LANES).zip(groups.into_remainder().chunks_exact_mut(width)) {
             for (value, tile) in state.iter_mut().zip(tile) {

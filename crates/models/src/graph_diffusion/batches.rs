@@ -2,14 +2,15 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::{Drift, GraphDiffusion};
+use super::config::Drift;
+use super::system::GraphDiffusion;
 use crate::batch::{LANES, Rows, load, store, with_noise, with_scratch};
 use crate::{StateSpaceModel, Stream};
 
 /// Draws `φ(A x_{t−1}) + v_t` for each row.
 pub(super) fn sample_transitions(
     system: &GraphDiffusion,
-    previous: &[f64],
+    previous: Rows<'_>,
     streams: &mut [Stream],
     states: &mut [f64],
 ) {
@@ -18,7 +19,7 @@ pub(super) fn sample_transitions(
         let (from, flow) = scratch.split_at_mut(n * LANES);
         let fill = |stream: &mut Stream, noise: &mut [f64]| system.noise.fill_unit(stream, noise);
         with_noise(streams, n, states.len() / n, fill, |particles, noise| {
-            moved(system, Rows::all(previous, n), particles.start, noise, from, flow);
+            moved(system, previous, particles.start, noise, from, flow);
             store(flow, n, &mut states[particles.start * n..particles.end * n]);
         });
     });
@@ -40,13 +41,12 @@ fn moved(
 }
 
 /// `log p(x_t | x_{t−1})` of each row.
-pub(super) fn log_transitions(system: &GraphDiffusion, previous: &[f64], states: &[f64], out: &mut [f64]) {
+pub(super) fn log_transitions(system: &GraphDiffusion, previous: Rows<'_>, states: &[f64], out: &mut [f64]) {
     let n = system.state_dim();
     with_scratch(2 * n * LANES, |scratch| {
         let (tile, flow) = scratch.split_at_mut(n * LANES);
-        let rows = previous.chunks(n * LANES).zip(states.chunks(n * LANES));
-        for ((previous, states), out) in rows.zip(out.chunks_mut(LANES)) {
-            load(previous, n, tile);
+        for (tile_number, (states, out)) in states.chunks(n * LANES).zip(out.chunks_mut(LANES)).enumerate() {
+            previous.load(tile_number * LANES, tile);
             drifted(system, tile, flow);
             load(states, n, tile);
             pulp::Arch::new().dispatch(Subtract { from: tile, what: flow });
@@ -66,28 +66,6 @@ pub(super) fn log_likelihoods(system: &GraphDiffusion, states: &[f64], measureme
             load(states, n, tile);
             tile_log_likelihoods(system, tile, measurement, residuals, out);
         }
-    });
-}
-
-/// Draws `φ(A x_{t−1}) + v_t` for each row, and `log p(y_t | x_t)` at it.
-pub(super) fn propagate(
-    system: &GraphDiffusion,
-    previous: Rows<'_>,
-    measurement: &[f64],
-    streams: &mut [Stream],
-    states: &mut [f64],
-    out: &mut [f64],
-) {
-    let n = system.state_dim();
-    with_scratch((2 * n + measurement.len()) * LANES, |scratch| {
-        let (from, rest) = scratch.split_at_mut(n * LANES);
-        let (flow, residuals) = rest.split_at_mut(n * LANES);
-        let fill = |stream: &mut Stream, noise: &mut [f64]| system.noise.fill_unit(stream, noise);
-        with_noise(streams, n, out.len(), fill, |particles, noise| {
-            moved(system, previous, particles.start, noise, from, flow);
-            store(flow, n, &mut states[particles.start * n..particles.end * n]);
-            tile_log_likelihoods(system, flow, measurement, residuals, &mut out[particles]);
-        });
     });
 }
 

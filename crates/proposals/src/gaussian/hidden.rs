@@ -1,7 +1,7 @@
 //! What particles carry beside their state.
 
 use motes_networks::{Precision, SliceMut, Values};
-use motes_smc::ParticleMemory;
+use motes_smc::{MemoryRows, ParticleMemory};
 
 /// The hidden state of each particle, a row in each of a few matrices; empty for a family without memory.
 #[derive(Debug, Clone)]
@@ -30,18 +30,44 @@ impl Hidden {
         }
     }
 
-    /// Each matrix, for networks to advance.
-    pub(super) fn slices(&mut self) -> Vec<SliceMut<'_>> {
-        self.values.iter_mut().map(Values::as_slice_mut).collect()
-    }
-
     /// Each matrix (`R×width`, row-major) in 64 bits.
     pub fn host(&self) -> Vec<Vec<f64>> {
         self.values.iter().map(|values| values.host(0..values.len())).collect()
     }
 }
 
+/// The hidden states of consecutive particles, to be advanced.
+pub struct HiddenRows<'a> {
+    /// Of each matrix, how wide its rows are, and some of them.
+    matrices: Vec<(usize, SliceMut<'a>)>,
+}
+
+impl<'a> HiddenRows<'a> {
+    /// Each matrix, for networks to advance.
+    pub(super) fn into_slices(self) -> Vec<SliceMut<'a>> {
+        self.matrices.into_iter().map(|(_, rows)| rows).collect()
+    }
+}
+
+impl MemoryRows for HiddenRows<'_> {
+    fn split(self, particles: usize) -> (Self, Self) {
+        let halves = self.matrices.into_iter().map(|(width, rows)| {
+            let [first, others] = rows.split(particles * width);
+            ((width, first), (width, others))
+        });
+        let (first, others) = halves.unzip();
+        (HiddenRows { matrices: first }, HiddenRows { matrices: others })
+    }
+}
+
 impl ParticleMemory for Hidden {
+    type Rows<'a> = HiddenRows<'a>;
+
+    fn rows(&mut self) -> HiddenRows<'_> {
+        let rows = self.values.iter_mut().map(Values::as_slice_mut);
+        HiddenRows { matrices: self.widths.iter().copied().zip(rows).collect() }
+    }
+
     fn resample(&mut self, ancestors: &[usize]) {
         for ((values, spare), width) in self.values.iter_mut().zip(&mut self.spare).zip(&self.widths) {
             match (&*values, &mut *spare) {

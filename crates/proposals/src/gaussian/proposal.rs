@@ -1,10 +1,9 @@
 //! A Gaussian proposal: its networks, its weights, and how it is made.
 
 use motes_models::{ModelShape, Seed};
-use motes_networks::{Compute, Inference, Inputs, Parameters};
-use motes_smc::{Past, ProposalError};
+use motes_networks::{Compute, Parameters};
+use motes_smc::ProposalError;
 
-use super::batch::GaussianBatch;
 use super::covariance::KernelCovariance;
 use super::networks::GaussianNetworks;
 use crate::family::Family;
@@ -22,27 +21,27 @@ pub struct GaussianProposal<F: GaussianNetworks> {
     pub(super) parameters: Parameters,
     /// Index of `C` among the parameters.
     pub(super) mixing: usize,
-    pub(super) conditional: GaussianBatch,
-    pub(super) representations: Vec<f64>,
-    pub(super) inference: Inference,
+    /// `y_t` and the covariance for the present weights, of the step that a filter prepared.
+    pub(super) prepared: Option<Prepared>,
+}
+
+/// What all particles of a step have in common.
+#[derive(Clone)]
+pub(super) struct Prepared {
+    pub(super) measurement: Vec<f64>,
+    pub(super) covariance: KernelCovariance,
 }
 
 impl<F: GaussianNetworks> GaussianProposal<F> {
-    /// Refuses a past that the networks cannot be asked about.
-    pub(super) fn check(&self, past: &Past<'_>) -> Result<(), ProposalError> {
+    /// Refuses a step that the networks cannot be asked about.
+    pub(super) fn check(&self, time: usize, measurement: &[f64]) -> Result<(), ProposalError> {
         if let Some(horizon) = self.networks.horizon()
-            && past.time >= horizon
+            && time >= horizon
         {
-            return Err(ProposalError::PastHorizon { horizon, time: past.time });
+            return Err(ProposalError::PastHorizon { horizon, time });
         }
-        let (found, expected) = (self.measurement_dim, past.measurement.len());
+        let (found, expected) = (self.measurement_dim, measurement.len());
         ProposalError::unless_same("the measurement dimension M", found, expected)
-    }
-
-    /// What the networks are asked.
-    pub(super) fn inputs<'a>(&self, past: &Past<'a>) -> Inputs<'a> {
-        let Past { time, previous, measurement, particles } = *past;
-        Inputs { time, width: self.state_dim, previous, measurement, particles }
     }
 
     /// The covariance for the current `C`.
@@ -82,9 +81,7 @@ impl<F: GaussianNetworks> Family for GaussianProposal<F> {
             measurement_dim,
             parameters,
             mixing,
-            conditional: GaussianBatch::default(),
-            representations: Vec::new(),
-            inference: Inference::default(),
+            prepared: None,
         })
     }
 

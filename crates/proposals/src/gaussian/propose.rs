@@ -1,16 +1,27 @@
 //! A Gaussian family in a filter.
 
 use motes_models::StateSpaceModel;
-use motes_smc::{Past, Proposal, ProposalError};
+use motes_models::batch::Rows;
+use motes_networks::{Inference, Inputs};
+use motes_smc::{Context, GaussianBatch, Proposal, ProposalError};
 
-use super::batch::GaussianBatch;
-use super::hidden::Hidden;
+use super::hidden::{Hidden, HiddenRows};
 use super::networks::GaussianNetworks;
-use super::proposal::GaussianProposal;
+use super::proposal::{GaussianProposal, Prepared};
 use crate::settings::of_networks;
+
+/// What conditioning a block of particles computes in.
+#[derive(Default)]
+pub struct GaussianScratch {
+    conditional: GaussianBatch,
+    /// `z_t`, `R×N`.
+    representations: Vec<f64>,
+    inference: Inference,
+}
 
 impl<M: StateSpaceModel + ?Sized, F: GaussianNetworks> Proposal<M> for GaussianProposal<F> {
     type Memory = Hidden;
+    type Scratch = GaussianScratch;
     type Conditional<'a>
         = &'a mut GaussianBatch
     where
@@ -26,21 +37,39 @@ impl<M: StateSpaceModel + ?Sized, F: GaussianNetworks> Proposal<M> for GaussianP
         Hidden::per_particle(self.parameters.compute().precision, &self.networks.hidden_widths())
     }
 
-    fn condition<'a>(
-        &'a mut self,
-        model: &'a M,
-        past: Past<'a>,
-        memory: &mut Hidden,
-    ) -> Result<&'a mut GaussianBatch, ProposalError> {
+    fn prepare(&mut self, model: &M, time: usize, measurement: &[f64]) -> Result<(), ProposalError> {
         ProposalError::unless_same("the state dimension N", self.state_dim, model.state_dim())?;
-        self.check(&past)?;
+        self.check(time, measurement)?;
         let covariance = self.covariance()?;
-        let inputs = self.inputs(&past);
-        let GaussianProposal { networks, parameters, conditional, representations, inference, .. } = self;
-        representations.resize(past.particles * self.state_dim, 0.0);
-        let (means, lowers) = conditional.places(self.state_dim, past.particles);
-        let outputs = &mut [means, representations.as_mut_slice()];
-        inference.run(networks, parameters, &inputs, &mut memory.slices(), outputs).map_err(of_networks)?;
+        self.prepared = Some(Prepared { measurement: measurement.to_vec(), covariance });
+        Ok(())
+    }
+
+    fn condition<'a>(
+        &'a self,
+        _model: &'a M,
+        context: Context<'a>,
+        memory: HiddenRows<'_>,
+        scratch: &'a mut GaussianScratch,
+    ) -> Result<&'a mut GaussianBatch, ProposalError> {
+        let Context { time, previous, particles, .. } = context;
+        let Some(Prepared { measurement, covariance }) = &self.prepared else {
+            return Err(ProposalError::NotPrepared { time });
+        };
+        let (width, mut hidden) = (self.state_dim, memory.into_slices());
+        let GaussianScratch { conditional, representations, inference } = scratch;
+        representations.resize(particles * width, 0.0);
+        let (means, lowers) = conditional.places(width, particles);
+        let mut run = |previous: Option<&[f64]>| {
+            let inputs = Inputs { time, width, previous, measurement, particles };
+            let outputs = &mut [&mut *means, representations.as_mut_slice()];
+            inference.run(&self.networks, &self.parameters, &inputs, &mut hidden, outputs)
+        };
+        match previous {
+            None => run(None),
+            Some(previous) => Rows::with_contiguous(&previous, |previous| run(Some(previous))),
+        }
+        .map_err(of_networks)?;
         covariance.factor(representations, lowers)?;
         Ok(conditional)
     }

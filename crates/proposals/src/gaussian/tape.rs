@@ -1,10 +1,9 @@
 //! A Gaussian family in training.
 
 use motes_models::{Stream, fill_standard_normal};
-use motes_networks::{NetworkTape, Parameters, Workspace};
-use motes_smc::{Past, ProposalError};
+use motes_networks::{Inputs, NetworkTape, Parameters, Workspace};
+use motes_smc::{GaussianBatch, ProposalError};
 
-use super::batch::GaussianBatch;
 use super::covariance::KernelCovariance;
 use super::networks::GaussianNetworks;
 use super::proposal::GaussianProposal;
@@ -63,30 +62,30 @@ struct Draw {
 impl<F: GaussianNetworks> Tape for GaussianTape<'_, F> {
     fn draw(
         &mut self,
-        past: Past<'_>,
+        inputs: &Inputs<'_>,
         noise: &[f64],
         states: &mut [f64],
         log_density: Option<&mut [f64]>,
     ) -> Result<(), ProposalError> {
         let proposal = self.proposal;
-        proposal.check(&past)?;
+        proposal.check(inputs.time, inputs.measurement)?;
         let covariance = match self.covariance.take() {
             Some(covariance) => covariance,
             None => proposal.covariance()?,
         };
         let n = proposal.state_dim;
-        let mut representations = vec![0.0; past.particles * n];
+        let mut representations = vec![0.0; inputs.particles * n];
         let mut batch = GaussianBatch::default();
-        let (means, lowers) = batch.places(n, past.particles);
+        let (means, lowers) = batch.places(n, inputs.particles);
         let outputs = &mut [means, representations.as_mut_slice()];
-        self.networks.forward(&proposal.inputs(&past), outputs).map_err(of_networks)?;
+        self.networks.forward(inputs, outputs).map_err(of_networks)?;
         covariance.factor(&representations, lowers)?;
         batch.transform(noise, states);
         if let Some(log_density) = log_density {
             batch.log_density_of_noise(noise, log_density);
         }
         self.covariance = Some(covariance);
-        let (time, lowers, noise) = (past.time, batch.into_lowers(), noise.to_vec());
+        let (time, lowers, noise) = (inputs.time, batch.into_lowers(), noise.to_vec());
         self.draws.push(Draw { time, representations, lowers, noise });
         Ok(())
     }

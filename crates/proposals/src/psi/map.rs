@@ -3,7 +3,6 @@
 use std::f64::consts::LN_2;
 
 use motes_models::elementary::{exp, ln};
-use motes_smc::Past;
 
 use crate::lanes::{LANES, Lane, add_times, set_times, vectorised};
 
@@ -85,27 +84,28 @@ impl Map {
         Ok(Inverses { noise, layers, log_abs_det: of_noise + of_layers })
     }
 
-    /// `B x_{t−1} + C y_t` of each particle, `R×N`.
-    pub(super) fn shifts(&self, past: &Past<'_>) -> Vec<f64> {
-        let n = self.width;
-        let mut common = vec![0.0; n];
-        for (value, row) in past.measurement.iter().zip(self.measurement.chunks_exact(n)) {
-            common.iter_mut().zip(row).for_each(|(sum, entry)| *sum += value * entry);
+    /// `C y_t`, `N`.
+    pub(super) fn shift(&self, measurement: &[f64]) -> Vec<f64> {
+        let mut shift = vec![0.0; self.width];
+        for (value, row) in measurement.iter().zip(self.measurement.chunks_exact(self.width)) {
+            shift.iter_mut().zip(row).for_each(|(sum, entry)| *sum += value * entry);
         }
-        let mut shifts = common.repeat(past.particles);
-        if let Some(previous) = past.previous {
-            vectorised(
-                #[inline(always)]
-                || {
-                    for (shift, state) in shifts.chunks_exact_mut(n).zip(previous.chunks_exact(n)) {
-                        for (value, row) in state.iter().zip(self.previous.chunks_exact(n)) {
-                            shift.iter_mut().zip(row).for_each(|(sum, entry)| *sum += value * entry);
-                        }
+        shift
+    }
+
+    /// Adds `B x_{t−1}` of each particle to its shift (`R×N` each); nothing at `t = 0`.
+    pub(super) fn add_previous(&self, previous: Option<&[f64]>, shifts: &mut [f64]) {
+        let (n, Some(previous)) = (self.width, previous) else { return };
+        vectorised(
+            #[inline(always)]
+            || {
+                for (shift, state) in shifts.chunks_exact_mut(n).zip(previous.chunks_exact(n)) {
+                    for (value, row) in state.iter().zip(self.previous.chunks_exact(n)) {
+                        shift.iter_mut().zip(row).for_each(|(sum, entry)| *sum += value * entry);
                     }
-                },
-            );
-        }
-        shifts
+                }
+            },
+        );
     }
 
     /// Transforms `noise` (`R×N`) into `states` (`R×N`), with `log q` in the places (`R`) that come with the `log|det|` of all matrices;

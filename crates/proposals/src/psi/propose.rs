@@ -1,58 +1,81 @@
 //! The transform in a filter.
 
+use motes_models::batch::Rows;
 use motes_models::{StateSpaceModel, Stream};
-use motes_smc::{Conditional, Past, Proposal, ProposalError, particles_by_stream};
+use motes_smc::{Conditional, Context, Proposal, ProposalError, particles_by_stream};
 use rand::RngExt;
 
-use super::Psi;
 use super::map::Map;
+use super::transform::{Prepared, Psi};
 
-/// The distributions of `R` particles at one time.
-#[derive(Clone)]
-pub struct Transformed {
-    map: Map,
-    log_abs_det: f64,
-    /// `R×N`.
+/// What conditioning a block of particles computes in.
+#[derive(Default)]
+pub struct PsiScratch {
+    /// `B x_{t−1} + C y_t`, `R×N`.
     shifts: Vec<f64>,
     /// `R×N`.
     noise: Vec<f64>,
 }
 
+/// The distributions of `R` particles at one time.
+pub struct Transformed<'a> {
+    map: &'a Map,
+    log_abs_det: f64,
+    scratch: &'a mut PsiScratch,
+}
+
 impl<M: StateSpaceModel + ?Sized> Proposal<M> for Psi {
     type Memory = ();
+    type Scratch = PsiScratch;
     type Conditional<'a>
-        = &'a mut Transformed
+        = Transformed<'a>
     where
         M: 'a;
 
     fn initial_memory(&self, _particles: usize) {}
 
-    fn condition<'a>(
-        &'a mut self,
-        model: &'a M,
-        past: Past<'a>,
-        _memory: &mut (),
-    ) -> Result<&'a mut Transformed, ProposalError> {
+    fn prepare(&mut self, model: &M, time: usize, measurement: &[f64]) -> Result<(), ProposalError> {
         ProposalError::unless_same("the state dimension N", self.state_dim, model.state_dim())?;
-        let (map, shifts) = self.conditioned(&past)?;
-        let log_abs_det = self.inverses(&map, past.time)?.log_abs_det;
-        let noise = vec![0.0; shifts.len()];
-        Ok(self.conditional.insert(Transformed { map, log_abs_det, shifts, noise }))
+        let (map, shift) = self.at_measurement(time, measurement)?;
+        let log_abs_det = self.inverses(&map, time)?.log_abs_det;
+        self.prepared = Some(Prepared { map, log_abs_det, shift });
+        Ok(())
+    }
+
+    fn condition<'a>(
+        &'a self,
+        _model: &'a M,
+        context: Context<'a>,
+        (): (),
+        scratch: &'a mut PsiScratch,
+    ) -> Result<Transformed<'a>, ProposalError> {
+        let Some(Prepared { map, log_abs_det, shift }) = &self.prepared else {
+            return Err(ProposalError::NotPrepared { time: context.time });
+        };
+        let PsiScratch { shifts, noise } = scratch;
+        noise.resize(context.particles * self.state_dim, 0.0);
+        shifts.clear();
+        (0..context.particles).for_each(|_| shifts.extend_from_slice(shift));
+        if let Some(previous) = context.previous {
+            Rows::with_contiguous(&previous, |previous| map.add_previous(Some(previous), shifts));
+        }
+        Ok(Transformed { map, log_abs_det: *log_abs_det, scratch })
     }
 }
 
-impl Conditional for Transformed {
+impl Conditional for Transformed<'_> {
     fn sample(&mut self, streams: &mut [Stream], states: &mut [f64], log_density: &mut [f64]) {
         let (particles, width) = (log_density.len(), states.len() / log_density.len().max(1));
-        for (stream, noise) in particles_by_stream(streams, &mut self.noise, width, particles) {
+        let PsiScratch { shifts, noise } = &mut *self.scratch;
+        for (stream, noise) in particles_by_stream(streams, noise, width, particles) {
             fill_uniform(stream, noise);
         }
-        let log_density = Some((self.log_abs_det, log_density));
-        self.map.forward(&self.shifts, &self.noise, states, log_density);
+        self.map.forward(shifts, noise, states, Some((self.log_abs_det, log_density)));
     }
 
     fn log_density(&mut self, states: &[f64], log_density: &mut [f64]) {
-        self.map.inverse(self.log_abs_det, &self.shifts, states, &mut self.noise, log_density);
+        let PsiScratch { shifts, noise } = &mut *self.scratch;
+        self.map.inverse(self.log_abs_det, shifts, states, noise, log_density);
     }
 }
 

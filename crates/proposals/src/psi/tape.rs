@@ -1,13 +1,13 @@
 //! The transform in training.
 
 use motes_models::Stream;
-use motes_networks::{Gradients, Parameters, Workspace};
-use motes_smc::{Past, ProposalError};
+use motes_networks::{Gradients, Inputs, Parameters, Workspace};
+use motes_smc::ProposalError;
 use pulp::{Simd, WithSimd};
 
 use super::map::{Inverses, Map};
 use super::propose::fill_uniform;
-use super::{FIRST, Psi};
+use super::transform::{FIRST, Psi};
 use crate::lanes::{Blocks, LANES, Lane, set_times_transposed, vectorised};
 use crate::learnable::{Learnable, Tape};
 
@@ -75,21 +75,22 @@ struct Draw {
 impl Tape for PsiTape<'_> {
     fn draw(
         &mut self,
-        past: Past<'_>,
+        inputs: &Inputs<'_>,
         noise: &[f64],
         states: &mut [f64],
         log_density: Option<&mut [f64]>,
     ) -> Result<(), ProposalError> {
-        let (map, shifts) = self.proposal.conditioned(&past)?;
-        let inverses = log_density.is_some().then(|| self.proposal.inverses(&map, past.time)).transpose()?;
+        let (map, shifts) = self.proposal.conditioned(inputs)?;
+        let inverses =
+            log_density.is_some().then(|| self.proposal.inverses(&map, inputs.time)).transpose()?;
         let log_density = inverses.as_ref().map(|inverses| inverses.log_abs_det).zip(log_density);
         let activations = map.forward(&shifts, noise, states, log_density);
         self.draws.push(Draw {
-            time: past.time,
+            time: inputs.time,
             map,
             inverses,
-            previous: past.previous.map(<[f64]>::to_vec),
-            measurement: past.measurement.to_vec(),
+            previous: inputs.previous.map(<[f64]>::to_vec),
+            measurement: inputs.measurement.to_vec(),
             noise: noise.to_vec(),
             activations,
         });

@@ -1,21 +1,17 @@
 //! `proposal.toml`.
 
-use motes_models::StateSpaceModel;
+use motes_models::{StateSpaceModel, SystemGraph};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use super::{SAVED_FORMAT, fingerprint};
+use super::fingerprint::{Entry, fingerprint};
 use crate::family::Family;
 
-/// A named number of a system's fingerprint.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Entry {
-    /// What it is.
-    pub name: String,
-    /// Its value.
-    pub value: f64,
-}
+/// The version of the folder's layout and of what its entries mean.
+pub const SAVED_FORMAT: u32 = 2;
+
+/// The file's name.
+pub(super) const DESCRIPTION: &str = "proposal.toml";
 
 /// The whole file but for its first line.
 #[derive(Serialize, Deserialize)]
@@ -51,6 +47,7 @@ impl Description<()> {
     pub(super) fn of<F: Family>(
         proposal: &F,
         model: &dyn StateSpaceModel,
+        graph: Option<&SystemGraph>,
         training: &impl Serialize,
     ) -> Result<String, String> {
         let training = toml::Table::try_from(training)
@@ -61,7 +58,7 @@ impl Description<()> {
             horizon: proposal.horizon(),
             proposal: proposal.config().clone(),
             training,
-            system: fingerprint(model),
+            system: fingerprint(model, graph),
         };
         toml::to_string(&description).map_err(|error| error.to_string())
     }

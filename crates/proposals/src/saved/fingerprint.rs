@@ -1,15 +1,24 @@
 //! What tells one system from another: its densities at points that are drawn from it by a fixed stream.
 
-use motes_models::{Seed, StateSpaceModel};
+use motes_models::{Seed, StateSpaceModel, SystemGraph};
 use rand::RngExt;
 use rand_distr::StandardNormal;
+use serde::{Deserialize, Serialize};
 
-use super::Entry;
+/// A named number of a system's fingerprint.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Entry {
+    /// What it is.
+    pub name: String,
+    /// Its value.
+    pub value: f64,
+}
 
 /// Dimensions, log densities at a few points of the first three times, projections of the points, and projections of the graph: a
 /// change of a parameter changes some of them, unless it shows at later times alone. Where noise is added, the density of a state that was
 /// drawn is that of its noise, wherever it was drawn around: only the state itself tells that.
-pub(super) fn fingerprint(model: &dyn StateSpaceModel) -> Vec<Entry> {
+pub(super) fn fingerprint(model: &dyn StateSpaceModel, graph: Option<&SystemGraph>) -> Vec<Entry> {
     let (n, m) = (model.state_dim(), model.measurement_dim());
     let mut stream = Seed::from_u64(0).child("fingerprint").stream();
     let mut weights = Seed::from_u64(0).child("fingerprint projections").stream();
@@ -35,11 +44,11 @@ pub(super) fn fingerprint(model: &dyn StateSpaceModel) -> Vec<Entry> {
         }
         previous.copy_from_slice(&state);
     }
-    // Along which edges a graph network computes is the model's too.
-    let graph = model.graph();
+    // Along which edges a graph network computes is the system's too.
     entries.push(entry("the number of graphs", f64::from(u8::from(graph.is_some()))));
     if let Some(graph) = graph {
-        for (name, matrix) in [("the graph's matrix S", graph.shift), ("the graph's adapter", graph.adapter)]
+        for (name, matrix) in
+            [("the graph's matrix S", &graph.shift), ("the graph's adapter", &graph.adapter)]
         {
             let mut sum = 0.0;
             for j in 0..matrix.ncols() {

@@ -4,6 +4,9 @@ use motes_networks::{Parameters, Precision};
 use safetensors::tensor::{SafeTensors, TensorView};
 use safetensors::{Dtype, serialize};
 
+/// The file's name.
+pub(super) const WEIGHTS: &str = "weights.safetensors";
+
 /// A named matrix as it was read.
 pub(super) struct Matrix {
     name: String,

@@ -37,7 +37,7 @@ impl Frames {
             let mut frame =
                 Frame::around_mean(&previous, &simulations.measurements_at(time), &states).map_err(refuse)?;
             if origin == Origin::Prediction {
-                let prediction = simulations.prediction_at(time).map_err(refuse)?;
+                let prediction = simulations.linear_predictor_at(time).map_err(refuse)?;
                 frame.output.deviations = prediction.deviations;
                 (frame.by_previous, frame.by_measurement) =
                     (prediction.by_previous, prediction.by_measurement);

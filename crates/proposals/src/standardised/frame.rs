@@ -1,7 +1,8 @@
 //! The units and origins in which a proposal's networks see and speak.
 
 use motes_models::Spread;
-use motes_smc::{Past, ProposalError};
+use motes_models::batch::Rows;
+use motes_smc::ProposalError;
 use serde::{Deserialize, Serialize};
 
 /// How a [`Spread`] is written: the models know no format.
@@ -128,21 +129,30 @@ impl Frame {
         self.output.deviations.iter().map(|deviation| deviation.ln()).sum()
     }
 
-    /// Fills `inputs` with what networks see of a past, and `origins` (`R×N`) with `o + P ξ_{t−1} + B υ_t`.
-    pub(super) fn enter(&self, past: &Past<'_>, inputs: &mut Inputs, origins: &mut Vec<f64>) {
-        inputs.measurement.clear();
-        inputs.measurement.extend(self.measurement.standardised(past.measurement));
-        inputs.previous.clear();
-        inputs.previous.extend(past.previous.into_iter().flat_map(|rows| self.previous.standardised(rows)));
-        let n = self.output.means.len();
+    /// `υ_t`, and `o + B υ_t`.
+    pub(super) fn of_measurement(&self, measurement: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let measurement: Vec<f64> = self.measurement.standardised(measurement).collect();
         let mut origin = self.output.means.clone();
-        add_product(&mut origin, &self.by_measurement, &inputs.measurement);
+        add_product(&mut origin, &self.by_measurement, &measurement);
+        (measurement, origin)
+    }
+
+    /// `ξ_{t−1}` of each particle into `inputs`, and `origin + P ξ_{t−1}` into `origins` (`R×N` each); `inputs` are empty at `t = 0`.
+    pub(super) fn of_previous(
+        &self,
+        previous: Option<Rows<'_>>,
+        particles: usize,
+        origin: &[f64],
+        (inputs, origins): (&mut Vec<f64>, &mut Vec<f64>),
+    ) {
+        inputs.clear();
         origins.clear();
-        for row in 0..past.particles {
-            origins.extend_from_slice(&origin);
-            if past.previous.is_some() {
-                let (row, previous) = (&mut origins[row * n..], &inputs.previous[row * n..(row + 1) * n]);
-                add_product(row, &self.by_previous, previous);
+        let n = origin.len();
+        for row in 0..particles {
+            origins.extend_from_slice(origin);
+            if let Some(previous) = previous {
+                inputs.extend(self.previous.standardised(previous.row(row)));
+                add_product(&mut origins[row * n..], &self.by_previous, &inputs[row * n..]);
             }
         }
     }
@@ -171,24 +181,5 @@ impl Frame {
 fn add_product(into: &mut [f64], matrix: &[f64], vector: &[f64]) {
     for (into, row) in into.iter_mut().zip(matrix.chunks_exact(vector.len())) {
         *into += row.iter().zip(vector).map(|(entry, value)| entry * value).sum::<f64>();
-    }
-}
-
-/// What the networks see.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Inputs {
-    previous: Vec<f64>,
-    measurement: Vec<f64>,
-}
-
-impl Inputs {
-    /// The past in their units.
-    pub(super) fn past(&self, past: &Past<'_>) -> Past<'_> {
-        Past {
-            time: past.time,
-            previous: past.previous.map(|_| self.previous.as_slice()),
-            measurement: &self.measurement,
-            particles: past.particles,
-        }
     }
 }

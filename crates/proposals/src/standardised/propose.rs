@@ -1,13 +1,28 @@
 //! A standardised family in a filter.
 
+use motes_models::batch::Rows;
 use motes_models::{StateSpaceModel, Stream};
-use motes_smc::{Conditional, Past, Proposal, ProposalError};
+use motes_smc::{Conditional, Context, ParticleMemory, Proposal, ProposalError};
 
-use super::{Frame, Scratch, Standardised};
+use super::family::{Prepared, Standardised};
+use super::frame::Frame;
 use crate::family::Family;
+
+/// What conditioning a block of particles computes in.
+#[derive(Default)]
+pub struct StandardisedScratch<S> {
+    inner: S,
+    /// `ξ_{t−1}`, `R×N`.
+    inputs: Vec<f64>,
+    /// `o + P ξ_{t−1} + B υ_t`, `R×N`.
+    origins: Vec<f64>,
+    /// States in the units of the outputs, `R×N`.
+    outputs: Vec<f64>,
+}
 
 impl<M: StateSpaceModel + ?Sized, F: Family + Proposal<M>> Proposal<M> for Standardised<F> {
     type Memory = F::Memory;
+    type Scratch = StandardisedScratch<F::Scratch>;
     type Conditional<'a>
         = InFrame<'a, F::Conditional<'a>>
     where
@@ -22,25 +37,38 @@ impl<M: StateSpaceModel + ?Sized, F: Family + Proposal<M>> Proposal<M> for Stand
         self.proposal.memory_per_particle()
     }
 
-    fn condition<'a>(
-        &'a mut self,
-        model: &'a M,
-        past: Past<'a>,
-        memory: &mut F::Memory,
-    ) -> Result<Self::Conditional<'a>, ProposalError> {
+    fn block(&self) -> usize {
+        self.proposal.block()
+    }
+
+    fn prepare(&mut self, model: &M, time: usize, measurement: &[f64]) -> Result<(), ProposalError> {
         let (n, m) = (self.proposal.state_dim(), self.proposal.measurement_dim());
         ProposalError::unless_same("the state dimension N", n, model.state_dim())?;
-        ProposalError::unless_same("the measurement dimension M", m, past.measurement.len())?;
-        let Standardised { proposal, config, scratch: Scratch { inputs, origins, outputs } } = self;
-        let frame = config.frames.at(past.time)?;
-        frame.enter(&past, inputs, origins);
-        Ok(InFrame {
-            inner: proposal.condition(model, inputs.past(&past), memory)?,
-            frame,
-            log_volume: frame.log_volume(),
-            origins,
-            outputs,
-        })
+        ProposalError::unless_same("the measurement dimension M", m, measurement.len())?;
+        let (measurement, origin) = self.config.frames.at(time)?.of_measurement(measurement);
+        self.proposal.prepare(model, time, &measurement)?;
+        self.prepared = Some(Prepared { measurement, origin });
+        Ok(())
+    }
+
+    fn condition<'a>(
+        &'a self,
+        model: &'a M,
+        context: Context<'a>,
+        memory: <F::Memory as ParticleMemory>::Rows<'_>,
+        scratch: &'a mut Self::Scratch,
+    ) -> Result<Self::Conditional<'a>, ProposalError> {
+        let Context { time, previous, particles, .. } = context;
+        let Some(Prepared { measurement, origin }) = &self.prepared else {
+            return Err(ProposalError::NotPrepared { time });
+        };
+        let frame = self.config.frames.at(time)?;
+        let StandardisedScratch { inner, inputs, origins, outputs } = scratch;
+        frame.of_previous(previous, particles, origin, (&mut *inputs, &mut *origins));
+        let previous = previous.map(|_| Rows::all(inputs, origin.len()));
+        let context = Context { time, previous, measurement, particles };
+        let inner = self.proposal.condition(model, context, memory, inner)?;
+        Ok(InFrame { inner, frame, log_volume: frame.log_volume(), origins, outputs })
     }
 }
 

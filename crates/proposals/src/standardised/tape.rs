@@ -1,11 +1,12 @@
 //! A standardised family in training.
 
 use motes_models::Stream;
-use motes_networks::{Parameters, Workspace};
-use motes_smc::{Past, ProposalError};
+use motes_models::batch::Rows;
+use motes_networks::{Inputs, Parameters, Workspace};
+use motes_smc::ProposalError;
 
-use super::frame::Inputs;
-use super::{Frame, Standardised};
+use super::family::Standardised;
+use super::frame::Frame;
 use crate::family::Family;
 use crate::learnable::{Learnable, Tape};
 
@@ -40,7 +41,7 @@ impl<F: Family> Learnable for Standardised<F> {
             proposal: self,
             inner: self.proposal.tape(particles, workspace)?,
             frames: Vec::new(),
-            inputs: Inputs::default(),
+            standardised: Vec::new(),
             origins: Vec::new(),
             d_outputs: Vec::new(),
         }))
@@ -52,7 +53,8 @@ struct StandardisedTape<'p, F: Family> {
     inner: Box<dyn Tape + 'p>,
     /// Those of the draws that are not yet undone.
     frames: Vec<&'p Frame>,
-    inputs: Inputs,
+    /// `ξ_{t−1}`, `R×N`.
+    standardised: Vec<f64>,
     origins: Vec<f64>,
     d_outputs: Vec<f64>,
 }
@@ -60,16 +62,21 @@ struct StandardisedTape<'p, F: Family> {
 impl<F: Family> Tape for StandardisedTape<'_, F> {
     fn draw(
         &mut self,
-        past: Past<'_>,
+        inputs: &Inputs<'_>,
         noise: &[f64],
         states: &mut [f64],
         mut log_density: Option<&mut [f64]>,
     ) -> Result<(), ProposalError> {
         let measurement_dim = self.proposal.measurement_dim();
-        ProposalError::unless_same("the measurement dimension M", measurement_dim, past.measurement.len())?;
-        let frame = self.proposal.config.frames.at(past.time)?;
-        frame.enter(&past, &mut self.inputs, &mut self.origins);
-        self.inner.draw(self.inputs.past(&past), noise, states, log_density.as_deref_mut())?;
+        ProposalError::unless_same("the measurement dimension M", measurement_dim, inputs.measurement.len())?;
+        let frame = self.proposal.config.frames.at(inputs.time)?;
+        let (measurement, origin) = frame.of_measurement(inputs.measurement);
+        let previous = inputs.previous.map(|previous| Rows::all(previous, inputs.width));
+        let written = (&mut self.standardised, &mut self.origins);
+        frame.of_previous(previous, inputs.particles, &origin, written);
+        let previous = inputs.previous.map(|_| self.standardised.as_slice());
+        let of_family = Inputs { previous, measurement: &measurement, ..*inputs };
+        self.inner.draw(&of_family, noise, states, log_density.as_deref_mut())?;
         frame.leave(&self.origins, states);
         if let Some(log_density) = log_density {
             let log_volume = frame.log_volume();

@@ -2,7 +2,8 @@
 
 use motes_models::batch::there_is_memory_for;
 
-use crate::{FilterError, ResampleWhen, Resampling};
+use crate::error::FilterError;
+use crate::resampling::{ResampleWhen, Resampling};
 
 /// The settings of a filter.
 #[derive(Debug, Clone, Copy, PartialEq)]

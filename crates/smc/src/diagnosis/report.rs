@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::TAIL_INDEX_LIMIT;
+use super::PARETO_K_LIMIT;
 
 /// Fewer effective particles than this, and one of them has more than half of the weight: `max W_k ≥ Σ W_k² = 1/K_eff`.
 pub const LEAST_EFFECTIVE_PARTICLES: f64 = 2.0;
@@ -16,8 +16,8 @@ pub struct WeightDiagnosis {
     pub particles: usize,
     /// `K_eff`, the mean over the filters of a bank.
     pub effective_sample_size: f64,
-    /// `k̂` of all weights of the bank, if there are enough ([`tail_index`](crate::tail_index)).
-    pub tail_index: Option<f64>,
+    /// `k̂` of all weights of the bank, if there are enough ([`pareto_k`](crate::pareto_k)).
+    pub pareto_k: Option<f64>,
 }
 
 /// What the weights of a run say about how far it can be trusted, step by step added up.
@@ -62,7 +62,7 @@ pub enum WeightWarning {
         /// The worst of them.
         worst: WeightDiagnosis,
     },
-    /// Weights have a tail index above [`TAIL_INDEX_LIMIT`] in the mean over steps; that of a single step of few particles says little.
+    /// Weights have a tail index above [`PARETO_K_LIMIT`] in the mean over steps; that of a single step of few particles says little.
     HeavyTail {
         /// The mean.
         mean: f64,
@@ -82,7 +82,7 @@ impl WeightReport {
         if self.least.is_none_or(|least| step.effective_sample_size < least.effective_sample_size) {
             self.least = Some(*step);
         }
-        if let Some(index) = step.tail_index {
+        if let Some(index) = step.pareto_k {
             self.fitted += 1;
             self.sum_of_indices += index;
             if self.heaviest.is_none_or(|(_, largest)| index > largest) {
@@ -102,7 +102,7 @@ impl WeightReport {
     }
 
     /// The mean of `k̂` over the steps that have one.
-    pub fn tail_index(&self) -> Option<f64> {
+    pub fn pareto_k(&self) -> Option<f64> {
         (self.fitted > 0).then(|| self.sum_of_indices / self.fitted as f64)
     }
 
@@ -110,7 +110,7 @@ impl WeightReport {
     pub fn warnings(&self) -> impl Iterator<Item = WeightWarning> {
         let few = self.least.filter(|_| self.few > 0);
         let few = few.map(|worst| WeightWarning::FewParticles { steps: self.few, worst });
-        let mean = self.tail_index().filter(|mean| *mean > TAIL_INDEX_LIMIT);
+        let mean = self.pareto_k().filter(|mean| *mean > PARETO_K_LIMIT);
         let heavy = mean.zip(self.heaviest);
         let heavy = heavy.map(|(mean, (time, largest))| WeightWarning::HeavyTail { mean, time, largest });
         few.into_iter().chain(heavy)
@@ -124,7 +124,7 @@ impl fmt::Display for WeightReport {
         if let Some(size) = self.effective_sample_size() {
             write!(f, ", {size:.1} effective particles")?;
         }
-        if let Some(index) = self.tail_index() {
+        if let Some(index) = self.pareto_k() {
             write!(f, ", tail index {index:.2}")?;
         }
         self.warnings().try_for_each(|warning| write!(f, "\nwarning: {warning}"))
@@ -141,7 +141,7 @@ impl fmt::Display for WeightWarning {
             ),
             WeightWarning::HeavyTail { mean, time, largest } => write!(
                 f,
-                "the weights have a tail index of {mean:.2}, above {TAIL_INDEX_LIMIT} (largest {largest:.2} at step {time}): averages by them \
+                "the weights have a tail index of {mean:.2}, above {PARETO_K_LIMIT} (largest {largest:.2} at step {time}): averages by them \
                  need far more particles; where the proposal is too narrow, a defensive weight bounds them"
             ),
         }
@@ -156,11 +156,11 @@ mod tests {
     fn a_report_has_a_line_for_each_warning() {
         let mut report = WeightReport::default();
         assert_eq!((report.to_string().as_str(), report.warnings().count()), ("0 steps", 0));
-        let step = |time, effective_sample_size, tail_index| WeightDiagnosis {
+        let step = |time, effective_sample_size, pareto_k| WeightDiagnosis {
             time,
             particles: 10,
             effective_sample_size,
-            tail_index,
+            pareto_k,
         };
         report.add(&step(0, 8.0, Some(0.3)));
         report.add(&step(1, 3.0, None));

@@ -2,7 +2,8 @@
 
 use motes_models::{StateSpaceModel, Stream};
 
-use crate::{Conditional, Past, Proposal, ProposalError, RowPast, RowProposal};
+use crate::proposal::{Conditional, Context, Proposal};
+use crate::proposal_error::ProposalError;
 
 /// `q(x_t | x_{t−1}, y_t) = p(x_t | x_{t−1})`, blind to the measurement; weights are likelihoods.
 #[derive(Debug, Clone, Copy, Default)]
@@ -10,6 +11,7 @@ pub struct Bootstrap;
 
 impl<M: StateSpaceModel + ?Sized> Proposal<M> for Bootstrap {
     type Memory = ();
+    type Scratch = ();
     type Conditional<'a>
         = Transition<'a, M>
     where
@@ -17,70 +19,55 @@ impl<M: StateSpaceModel + ?Sized> Proposal<M> for Bootstrap {
 
     fn initial_memory(&self, _particles: usize) {}
 
-    fn condition<'a>(
-        &'a mut self,
-        model: &'a M,
-        past: Past<'a>,
-        _memory: &mut (),
-    ) -> Result<Transition<'a, M>, ProposalError> {
-        Ok(Transition { model, past })
+    fn prepare(&mut self, _model: &M, _time: usize, _measurement: &[f64]) -> Result<(), ProposalError> {
+        Ok(())
     }
 
-    fn by_rows(
+    fn prepare_partial(
         &mut self,
         _model: &M,
         _time: usize,
-        _measurement: &[f64],
-    ) -> Result<Option<&dyn RowProposal<M>>, ProposalError> {
-        Ok(Some(self))
-    }
-}
-
-impl<M: StateSpaceModel + ?Sized> RowProposal<M> for Bootstrap {
-    fn draw(
-        &self,
-        model: &M,
-        past: RowPast<'_>,
-        streams: &mut [Stream],
-        states: &mut [f64],
-        increments: &mut [f64],
-    ) {
-        let RowPast { time, measurement, previous } = past;
-        // Transition and proposal cancel: the likelihood is all that is left.
-        match previous {
-            Some(previous) => model.propagate(time, previous, measurement, streams, states, increments),
-            None => {
-                model.sample_initials(streams, states);
-                model.log_likelihoods(time, states, measurement, increments);
-            }
-        }
+        _measurement: &[Option<f64>],
+    ) -> Result<bool, ProposalError> {
+        Ok(true)
     }
 
-    fn is_transition(&self) -> bool {
-        true
+    fn condition<'a>(
+        &'a self,
+        model: &'a M,
+        context: Context<'a>,
+        (): (),
+        (): &'a mut (),
+    ) -> Result<Transition<'a, M>, ProposalError> {
+        Ok(Transition { model, context })
     }
 }
 
 /// `p(x_t | x_{t−1})`, or `p(x_0)` where there is no past.
 pub struct Transition<'a, M: ?Sized> {
-    pub(crate) model: &'a M,
-    pub(crate) past: Past<'a>,
+    model: &'a M,
+    context: Context<'a>,
+}
+
+impl<'a, M: StateSpaceModel + ?Sized> Transition<'a, M> {
+    /// That of the particles in `context`.
+    pub fn new(model: &'a M, context: Context<'a>) -> Self {
+        Transition { model, context }
+    }
 }
 
 impl<M: StateSpaceModel + ?Sized> Conditional for Transition<'_, M> {
     fn sample(&mut self, streams: &mut [Stream], states: &mut [f64], _log_density: &mut [f64]) {
-        match self.past.previous {
+        match self.context.previous {
             None => self.model.sample_initials(streams, states),
-            Some(previous) => {
-                self.model.sample_transitions(self.past.time, previous, streams, states);
-            }
+            Some(previous) => self.model.sample_transitions(self.context.time, previous, streams, states),
         }
     }
 
     fn log_density(&mut self, states: &[f64], log_density: &mut [f64]) {
-        match self.past.previous {
+        match self.context.previous {
             None => self.model.log_initials(states, log_density),
-            Some(previous) => self.model.log_transitions(self.past.time, previous, states, log_density),
+            Some(previous) => self.model.log_transitions(self.context.time, previous, states, log_density),
         }
     }
 

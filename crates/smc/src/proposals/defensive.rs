@@ -1,60 +1,47 @@
 //! The defensive mixture: draws of any proposal, made safe by a share of the transition.
 
+use motes_models::batch::with_scratch;
 use motes_models::{StateSpaceModel, Stream};
 use rand::RngExt;
 
 use super::bootstrap::Transition;
-use crate::Conditional;
+use crate::proposal::Conditional;
 
-/// Draws from `(1 − α) q(x_t | past, y_t) + α p(x_t | x_{t−1})`, the density of which it states exactly.
-#[derive(Debug, Clone)]
-pub(crate) struct Defensive {
-    /// `α`.
-    weight: f64,
-    /// What the transition draws.
-    states: Vec<f64>,
+/// `(1 − α) q(x_t | past, y_t) + α p(x_t | x_{t−1})` of a block of particles, the density of which it states exactly.
+pub(crate) struct Defensive<'a, C, M: ?Sized> {
+    pub(crate) base: C,
+    pub(crate) transition: Transition<'a, M>,
+    /// `α`, between 0 and 1.
+    pub(crate) weight: f64,
 }
 
-/// Where log-densities of `R` drawn states are written.
-pub(crate) struct Densities<'a> {
-    /// Of what they are drawn from.
-    pub(crate) proposal: &'a mut [f64],
-    /// Of the transition.
-    pub(crate) transition: &'a mut [f64],
-}
-
-impl Defensive {
-    /// A mixture with this share of the transition, between 0 and 1.
-    pub(crate) fn new(weight: f64) -> Self {
-        Defensive { weight, states: Vec::new() }
-    }
-
-    /// Draws `states` (`R×N`), from `base` or from the transition.
-    pub(crate) fn draw<M: StateSpaceModel + ?Sized>(
+impl<C: Conditional, M: StateSpaceModel + ?Sized> Defensive<'_, C, M> {
+    /// Draws `states` (`R×N`), from the base or from the transition, and writes `log` of the mixture's density into `mixture` (`R`) and of the
+    /// transition's into `transition` (`R`).
+    pub(crate) fn draw(
         &mut self,
-        base: &mut impl Conditional,
-        transition: &mut Transition<'_, M>,
         streams: &mut [Stream],
         states: &mut [f64],
-        densities: Densities<'_>,
+        mixture: &mut [f64],
+        transition: &mut [f64],
     ) {
-        let width = transition.model.state_dim();
-        self.states.resize(states.len(), 0.0);
-        // Both components draw for every particle: their streams then advance by the same amount whatever is
-        // chosen, and a bank stays one batch.
-        base.sample(streams, states, densities.proposal);
-        transition.sample(streams, &mut self.states, densities.transition);
-        let block = transition.past.particles / streams.len().max(1);
-        let rows = states.chunks_exact_mut(width).zip(self.states.chunks_exact(width));
-        for (row, (state, safe)) in rows.enumerate() {
-            if streams[row / block].random::<f64>() < self.weight {
-                state.copy_from_slice(safe);
+        let particles = mixture.len();
+        let (width, each) = (states.len() / particles.max(1), particles / streams.len().max(1));
+        // Both components draw for every particle: their streams then advance by the same amount whatever is chosen.
+        self.base.sample(streams, states, mixture);
+        with_scratch(states.len(), |safe| {
+            self.transition.sample(streams, safe, transition);
+            let rows = states.chunks_exact_mut(width.max(1)).zip(safe.chunks_exact(width.max(1)));
+            for (row, (state, safe)) in rows.enumerate() {
+                if streams[row / each].random::<f64>() < self.weight {
+                    state.copy_from_slice(safe);
+                }
             }
-        }
-        base.log_density(states, densities.proposal);
-        transition.log_density(states, densities.transition);
+        });
+        self.base.log_density(states, mixture);
+        self.transition.log_density(states, transition);
         let (log_base, log_safe) = ((-self.weight).ln_1p(), self.weight.ln());
-        for (base, safe) in densities.proposal.iter_mut().zip(&*densities.transition) {
+        for (base, safe) in mixture.iter_mut().zip(&*transition) {
             let (a, b) = (*base + log_base, safe + log_safe);
             let largest = a.max(b);
             if largest > f64::NEG_INFINITY {
@@ -70,7 +57,7 @@ mod tests {
     use motes_models::{Gaussian, LinearGaussian, Seed};
 
     use super::*;
-    use crate::{MinDegeneracy, Past, Proposal};
+    use crate::{Context, MinDegeneracy, Proposal};
 
     #[test]
     fn what_is_drawn_has_the_density_of_the_mixture() {
@@ -78,15 +65,15 @@ mod tests {
         let model = LinearGaussian::new(initial, mat![[0.9]], mat![[1.0]], mat![[1.0]], mat![[1.0]]).unwrap();
         let (count, measurement) = (2000, [1.3]);
         let previous = vec![0.4; count];
-        let past = Past { time: 1, previous: Some(&previous), measurement: &measurement, particles: count };
+        let context = Context::new(1, Some(&previous), &measurement, count);
         let mut proposal = MinDegeneracy::new(&model).unwrap();
-        let mut base = proposal.condition(&model, past, &mut ()).unwrap();
-        let mut transition = Transition { model: &model, past };
+        let scratch = &mut ();
+        let base = proposal.condition_batch(&model, context, &mut (), scratch).unwrap();
         let (mut states, mut of_mixture, mut of_transition) =
             (vec![0.0; count], vec![0.0; count], vec![0.0; count]);
-        let densities = Densities { proposal: &mut of_mixture, transition: &mut of_transition };
         let streams = &mut [Seed::from_u64(3).stream()];
-        Defensive::new(0.25).draw(&mut base, &mut transition, streams, &mut states, densities);
+        let mut mixture = Defensive { base, transition: Transition::new(&model, context), weight: 0.25 };
+        mixture.draw(streams, &mut states, &mut of_mixture, &mut of_transition);
         let normal = |x: f64, mean: f64, variance: f64| {
             (-0.5 * (x - mean) * (x - mean) / variance).exp() / (std::f64::consts::TAU * variance).sqrt()
         };

@@ -2,25 +2,40 @@
 
 use std::ops::Range;
 
+use faer::{Mat, MatRef};
 use motes_models::batch::{LANES, Rows, TileMatrix, load, squared_norms, store, with_noise, with_scratch};
 use motes_models::{AdditiveGaussian, Gaussian, ModelError, Stream, fill_standard_normal, kalman};
 
-use faer::{Mat, MatRef};
-
-use crate::{Conditional, Past, Proposal, ProposalError, RowPast, RowProposal};
+use crate::proposal::{Conditional, Context, Proposal};
+use crate::proposal_error::ProposalError;
 
 /// `p(x_t | x_{t−1}, y_t)` of a system with additive Gaussian noise and linear measurements (the paper's
 /// equation "minDeg", in Doucet, Godsill and Andrieu's closed form).
 ///
 /// `Σ⁻¹ = Σ_v⁻¹ + Cᵀ Σ_w⁻¹ C` and `μ = f(x_{t−1}) + G (y_t − C f(x_{t−1}))` with `G = Σ Cᵀ Σ_w⁻¹`; at `t = 0`
-/// the prior's mean and covariance take the place of `f` and `Σ_v`. Among proposals that see only `x_{t−1}` and `y_t`
-/// it gives weights of the smallest variance.
+/// the prior's mean and covariance take the place of `f` and `Σ_v`, and where entries of `y_t` are missing, the rows of `C` and `Σ_w` that are
+/// there take the place of all. Among proposals that see only `x_{t−1}` and `y_t` it gives weights of the smallest variance.
 #[derive(Debug, Clone)]
 #[doc(alias = "optimal proposal")]
 pub struct MinDegeneracy {
     first: Correction,
     later: Correction,
-    means: Vec<f64>,
+    /// For the entries of a measurement that are there, where some are missing.
+    partial: Option<Partial>,
+    /// `G y` of the present step, and what of `y` is there.
+    shift: Vec<f64>,
+    measurement: Vec<f64>,
+    /// Whether the present step is corrected by `partial`.
+    has_gaps: bool,
+}
+
+/// A correction by some entries of a measurement.
+#[derive(Debug, Clone)]
+struct Partial {
+    is_first: bool,
+    /// Which entries are there.
+    present: Vec<bool>,
+    correction: Correction,
 }
 
 /// How a prediction `f` is corrected by a measurement, for one prior covariance: to `(I − G C) f + G y`.
@@ -32,8 +47,6 @@ struct Correction {
     gain: Mat<f64>,
     kept: TileMatrix,
     measurement_matrix: TileMatrix,
-    /// `G y` of the present step.
-    shift: Vec<f64>,
 }
 
 impl MinDegeneracy {
@@ -42,41 +55,45 @@ impl MinDegeneracy {
     /// # Errors
     /// [`ModelError::Covariance`] if a posterior covariance is not positive definite in floating point.
     pub fn new(model: &(impl AdditiveGaussian + ?Sized)) -> Result<Self, ModelError> {
+        let (c, noise) = (model.measurement_matrix(), model.measurement_covariance());
         Ok(MinDegeneracy {
-            first: Correction::new(model, model.initial().covariance())?,
-            later: Correction::new(model, model.transition_covariance())?,
-            means: Vec::new(),
+            first: Correction::new(model.initial().covariance(), c, noise)?,
+            later: Correction::new(model.transition_covariance(), c, noise)?,
+            partial: None,
+            shift: Vec::new(),
+            measurement: Vec::new(),
+            has_gaps: false,
         })
     }
 
+    /// How predictions of a time are corrected in the present step.
     fn at(&self, time: usize) -> &Correction {
-        if time == 0 { &self.first } else { &self.later }
+        match &self.partial {
+            Some(partial) if self.has_gaps => &partial.correction,
+            _ if time == 0 => &self.first,
+            _ => &self.later,
+        }
     }
 
-    /// Makes everything ready that does not depend on particles.
-    fn prepare<M: AdditiveGaussian + ?Sized>(
-        &mut self,
-        model: &M,
-        time: usize,
-        measurement: &[f64],
-    ) -> Result<(), ProposalError> {
-        let correction = if time == 0 { &mut self.first } else { &mut self.later };
-        let (n, m) = correction.gain.shape();
-        ProposalError::unless_same("the state dimension N", n, model.state_dim())?;
-        ProposalError::unless_same("the measurement dimension M", m, measurement.len())?;
-        for (i, shift) in correction.shift.iter_mut().enumerate() {
-            *shift = measurement.iter().enumerate().map(|(j, value)| correction.gain[(i, j)] * value).sum();
-        }
-        Ok(())
+    /// Keeps a measurement, and what it shifts every mean by.
+    fn take(&mut self, time: usize, measurement: impl Iterator<Item = f64>) {
+        self.measurement.clear();
+        self.measurement.extend(measurement);
+        let mut shift = std::mem::take(&mut self.shift);
+        let gain = &self.at(time).gain;
+        shift.clear();
+        shift.extend((0..gain.nrows()).map(|i| {
+            self.measurement.iter().enumerate().map(|(j, value)| gain[(i, j)] * value).sum::<f64>()
+        }));
+        self.shift = shift;
     }
 }
 
 impl Correction {
-    fn new(model: &(impl AdditiveGaussian + ?Sized), prior: MatRef<'_, f64>) -> Result<Self, ModelError> {
-        let c = model.measurement_matrix();
+    /// That of a prior covariance by a measurement with matrix `C` and noise covariance `Σ_w`.
+    fn new(prior: MatRef<'_, f64>, c: MatRef<'_, f64>, noise: MatRef<'_, f64>) -> Result<Self, ModelError> {
         let n = c.ncols();
-        let kalman::Correction { gain, covariance, innovation } =
-            kalman::correction(prior, c, model.measurement_covariance())?;
+        let kalman::Correction { gain, covariance, innovation } = kalman::correction(prior, c, noise)?;
         let kept = Mat::<f64>::identity(n, n) - &gain * c;
         Ok(Correction {
             posterior: Gaussian::new("the minimum-degeneracy covariance", vec![0.0; n], covariance)?,
@@ -84,14 +101,7 @@ impl Correction {
             gain,
             kept: TileMatrix::new(kept.as_ref()),
             measurement_matrix: TileMatrix::new(c),
-            shift: vec![0.0; n],
         })
-    }
-
-    /// The posterior means of a tile of predictions.
-    fn correct(&self, predicted: &[f64], means: &mut [f64]) {
-        spread(&self.shift, means);
-        self.kept.times_add(predicted, means);
     }
 }
 
@@ -122,144 +132,154 @@ fn predict<M: AdditiveGaussian + ?Sized>(
 
 impl<M: AdditiveGaussian + ?Sized> Proposal<M> for MinDegeneracy {
     type Memory = ();
+    type Scratch = ();
     type Conditional<'a>
-        = Shifted<'a>
+        = Corrected<'a, M>
     where
         M: 'a;
 
     fn initial_memory(&self, _particles: usize) {}
 
-    fn condition<'a>(
-        &'a mut self,
-        model: &'a M,
-        past: Past<'a>,
-        _memory: &mut (),
-    ) -> Result<Shifted<'a>, ProposalError> {
-        self.prepare(model, past.time, past.measurement)?;
-        let n = model.state_dim();
-        let mut means = std::mem::take(&mut self.means);
-        means.resize(past.particles * n, 0.0);
-        let correction = self.at(past.time);
-        let previous = past.previous.map(|states| Rows::all(states, n));
-        with_scratch(2 * n * LANES, |scratch| {
-            let (tile, predicted) = scratch.split_at_mut(n * LANES);
-            for (at, means) in means.chunks_mut(n * LANES).enumerate() {
-                let particles = means.len() / n;
-                let particles = at * LANES..at * LANES + particles;
-                predict(model, past.time, previous, particles, tile, predicted);
-                correction.correct(predicted, tile);
-                store(tile, n, means);
-            }
-        });
-        self.means = means;
-        Ok(Shifted { deviation: &self.at(past.time).posterior, means: &self.means })
+    fn prepare(&mut self, model: &M, time: usize, measurement: &[f64]) -> Result<(), ProposalError> {
+        self.has_gaps = false;
+        let (n, m) = self.at(time).gain.shape();
+        ProposalError::unless_same("the state dimension N", n, model.state_dim())?;
+        ProposalError::unless_same("the measurement dimension M", m, measurement.len())?;
+        self.take(time, measurement.iter().copied());
+        Ok(())
     }
 
-    fn by_rows(
+    fn prepare_partial(
         &mut self,
         model: &M,
         time: usize,
-        measurement: &[f64],
-    ) -> Result<Option<&dyn RowProposal<M>>, ProposalError> {
-        self.prepare(model, time, measurement)?;
-        Ok(Some(self))
-    }
-}
-
-impl<M: AdditiveGaussian + ?Sized> RowProposal<M> for MinDegeneracy {
-    fn draw(
-        &self,
-        model: &M,
-        past: RowPast<'_>,
-        streams: &mut [Stream],
-        states: &mut [f64],
-        increments: &mut [f64],
-    ) {
-        let RowPast { time, measurement, previous } = past;
-        let correction = self.at(time);
-        let (n, m) = correction.gain.shape();
-        with_scratch((3 * n + 2 * m) * LANES, |scratch| {
-            let (tile, rest) = scratch.split_at_mut(n * LANES);
-            let (predicted, rest) = rest.split_at_mut(n * LANES);
-            let (drawn, rest) = rest.split_at_mut(n * LANES);
-            let (residuals, whitened) = rest.split_at_mut(m * LANES);
-            with_noise(streams, n, increments.len(), fill_standard_normal, |particles, noise| {
-                predict(model, time, previous, particles.clone(), tile, predicted);
-                correction.correct(predicted, drawn);
-                correction.posterior.tile_add_deviation(noise, drawn);
-                store(drawn, n, &mut states[particles.start * n..particles.end * n]);
-                let increments = &mut increments[particles];
-                if model.is_gaussian() {
-                    // By Bayes' rule p(y|x) p(x|x') / q(x|x',y) is p(y|x'), whatever x was drawn.
-                    spread(measurement, residuals);
-                    correction.measurement_matrix.times_subtract(predicted, residuals);
-                    correction.innovation.tile_log_density(residuals, whitened, increments);
-                } else {
-                    // log q follows from the noise that x was made of.
-                    let mut squares = [0.0; LANES];
-                    squared_norms(noise, &mut squares);
-                    for (increment, square) in increments.iter_mut().zip(squares) {
-                        *increment = 0.5 * square - correction.posterior.log_normalizer();
-                    }
-                }
-            });
-        });
-        if !model.is_gaussian() {
-            with_scratch(increments.len(), |terms| {
-                let mut add = |terms: &[f64]| {
-                    increments.iter_mut().zip(terms).for_each(|(increment, term)| *increment += term);
-                };
-                model.log_likelihoods(time, states, measurement, terms);
-                add(terms);
-                match previous {
-                    None => model.log_initials(states, terms),
-                    Some(previous) => previous.with_contiguous(|previous| {
-                        model.log_transitions(time, previous, states, terms);
-                    }),
-                }
-                add(terms);
-            });
+        measurement: &[Option<f64>],
+    ) -> Result<bool, ProposalError> {
+        let (n, m) = self.later.gain.shape();
+        ProposalError::unless_same("the state dimension N", n, model.state_dim())?;
+        ProposalError::unless_same("the measurement dimension M", m, measurement.len())?;
+        if measurement.iter().all(Option::is_none) {
+            // Nothing to be corrected by: that is the transition.
+            return Ok(false);
         }
+        let is_first = time == 0;
+        let is_there = |partial: &Partial| {
+            let same = measurement.iter().map(Option::is_some).eq(partial.present.iter().copied());
+            partial.is_first == is_first && same
+        };
+        if !self.partial.as_ref().is_some_and(is_there) {
+            let present: Vec<usize> = (0..m).filter(|&j| measurement[j].is_some()).collect();
+            let (c, noise) = (model.measurement_matrix(), model.measurement_covariance());
+            let c = Mat::from_fn(present.len(), n, |i, j| c[(present[i], j)]);
+            let noise = Mat::from_fn(present.len(), present.len(), |i, j| noise[(present[i], present[j])]);
+            let prior = if is_first { model.initial().covariance() } else { model.transition_covariance() };
+            let correction = Correction::new(prior, c.as_ref(), noise.as_ref())
+                .map_err(|error| ProposalError::Measurement { time, reason: error.to_string() })?;
+            let present = measurement.iter().map(Option::is_some).collect();
+            self.partial = Some(Partial { is_first, present, correction });
+        }
+        self.has_gaps = true;
+        self.take(time, measurement.iter().copied().flatten());
+        Ok(true)
+    }
+
+    fn condition<'a>(
+        &'a self,
+        model: &'a M,
+        context: Context<'a>,
+        (): (),
+        (): &'a mut (),
+    ) -> Result<Corrected<'a, M>, ProposalError> {
+        Ok(Corrected { model, correction: self.at(context.time), proposal: self, context })
     }
 }
 
 /// Gaussians of one covariance, each particle with its own mean.
-pub struct Shifted<'a> {
-    deviation: &'a Gaussian,
-    means: &'a [f64],
+pub struct Corrected<'a, M: ?Sized> {
+    model: &'a M,
+    proposal: &'a MinDegeneracy,
+    correction: &'a Correction,
+    context: Context<'a>,
 }
 
-impl Conditional for Shifted<'_> {
-    fn sample(&mut self, streams: &mut [Stream], states: &mut [f64], log_density: &mut [f64]) {
-        let n = self.deviation.mean().len();
-        with_scratch(n * LANES, |drawn| {
-            with_noise(streams, n, log_density.len(), fill_standard_normal, |particles, noise| {
-                let rows = particles.start * n..particles.end * n;
-                load(&self.means[rows.clone()], n, drawn);
-                self.deviation.tile_add_deviation(noise, drawn);
-                store(drawn, n, &mut states[rows]);
-                // log q follows from the noise that x was made of.
-                let mut squares = [0.0; LANES];
-                squared_norms(noise, &mut squares);
-                for (log_density, square) in log_density[particles].iter_mut().zip(squares) {
-                    *log_density = self.deviation.log_normalizer() - 0.5 * square;
-                }
+impl<M: AdditiveGaussian + ?Sized> Corrected<'_, M> {
+    /// The predictions and posterior means of a tile of particles; `tile` is scratch.
+    fn means(&self, particles: Range<usize>, tile: &mut [f64], predicted: &mut [f64], means: &mut [f64]) {
+        predict(self.model, self.context.time, self.context.previous, particles, tile, predicted);
+        spread(&self.proposal.shift, means);
+        self.correction.kept.times_add(predicted, means);
+    }
+
+    /// Draws all particles, and shows `weigh` which were drawn, their noise and their predictions.
+    fn draw(
+        &self,
+        streams: &mut [Stream],
+        states: &mut [f64],
+        particles: usize,
+        mut weigh: impl FnMut(Range<usize>, &mut [f64], &[f64]),
+    ) {
+        let n = self.correction.gain.nrows();
+        with_scratch(3 * n * LANES, |scratch| {
+            let (tile, rest) = scratch.split_at_mut(n * LANES);
+            let (predicted, drawn) = rest.split_at_mut(n * LANES);
+            with_noise(streams, n, particles, fill_standard_normal, |particles, noise| {
+                self.means(particles.clone(), tile, predicted, drawn);
+                self.correction.posterior.tile_add_deviation(noise, drawn);
+                store(drawn, n, &mut states[particles.start * n..particles.end * n]);
+                weigh(particles, noise, predicted);
             });
         });
     }
+}
+
+impl<M: AdditiveGaussian + ?Sized> Conditional for Corrected<'_, M> {
+    fn sample(&mut self, streams: &mut [Stream], states: &mut [f64], log_density: &mut [f64]) {
+        let log_normalizer = self.correction.posterior.log_normalizer();
+        self.draw(streams, states, log_density.len(), |particles, noise, _| {
+            // log q follows from the noise that x was made of.
+            let mut squares = [0.0; LANES];
+            squared_norms(noise, &mut squares);
+            for (log_density, square) in log_density[particles].iter_mut().zip(squares) {
+                *log_density = log_normalizer - 0.5 * square;
+            }
+        });
+    }
+
+    fn sample_weighted(
+        &mut self,
+        streams: &mut [Stream],
+        states: &mut [f64],
+        log_weights: &mut [f64],
+    ) -> bool {
+        if !self.model.is_gaussian() {
+            return false;
+        }
+        let m = self.correction.gain.ncols();
+        with_scratch(2 * m * LANES, |scratch| {
+            let (residuals, whitened) = scratch.split_at_mut(m * LANES);
+            self.draw(streams, states, log_weights.len(), |particles, _, predicted| {
+                // By Bayes' rule p(y|x) p(x|x') / q(x|x',y) is p(y|x'), whatever x was drawn.
+                spread(&self.proposal.measurement, residuals);
+                self.correction.measurement_matrix.times_subtract(predicted, residuals);
+                self.correction.innovation.tile_log_density(residuals, whitened, &mut log_weights[particles]);
+            });
+        });
+        true
+    }
 
     fn log_density(&mut self, states: &[f64], log_density: &mut [f64]) {
-        let n = self.deviation.mean().len();
-        with_scratch(2 * n * LANES, |scratch| {
-            let (deviations, whitened) = scratch.split_at_mut(n * LANES);
-            let rows = states.chunks(n * LANES).zip(self.means.chunks(n * LANES));
-            for ((states, means), log_density) in rows.zip(log_density.chunks_mut(LANES)) {
+        let n = self.correction.gain.nrows();
+        with_scratch(4 * n * LANES, |scratch| {
+            let (tile, rest) = scratch.split_at_mut(n * LANES);
+            let (predicted, rest) = rest.split_at_mut(n * LANES);
+            let (deviations, means) = rest.split_at_mut(n * LANES);
+            let blocks = states.chunks(n * LANES).zip(log_density.chunks_mut(LANES));
+            for (block, (states, log_density)) in blocks.enumerate() {
+                let first = block * LANES;
+                self.means(first..first + log_density.len(), tile, predicted, means);
                 load(states, n, deviations);
-                load(means, n, whitened);
-                for (deviation, mean) in deviations.iter_mut().zip(whitened.iter()) {
-                    *deviation -= mean;
-                }
-                self.deviation.tile_log_density(deviations, whitened, log_density);
+                deviations.iter_mut().zip(means.iter()).for_each(|(deviation, mean)| *deviation -= mean);
+                self.correction.posterior.tile_log_density(deviations, means, log_density);
             }
         });
     }

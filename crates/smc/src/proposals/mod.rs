@@ -1,9 +1,11 @@
-//! Proposals designed by hand.
+//! Proposals designed by hand, and what they are made of.
 
 mod bootstrap;
 mod defensive;
+mod gaussian_batch;
 mod min_degeneracy;
 
 pub use bootstrap::{Bootstrap, Transition};
-pub(crate) use defensive::{Defensive, Densities};
-pub use min_degeneracy::{MinDegeneracy, Shifted};
+pub(crate) use defensive::Defensive;
+pub use gaussian_batch::GaussianBatch;
+pub use min_degeneracy::{Corrected, MinDegeneracy};

@@ -5,9 +5,9 @@ use motes_models::{Stream, fill_standard_exponential};
 use pulp::{Simd, WithSimd};
 
 use super::ranks::{SortedPoints, among_regular, among_strata, descend};
-use crate::blocks::{block_stream, key};
+use crate::parallel::{Pieces, Threads};
+use crate::streams::{block_stream, key};
 use crate::weights::{BLOCK, LANES, combined};
-use crate::workers::{Pieces, Workers};
 
 /// Blocks that a thread would rather do itself than hand on.
 const GRAIN: usize = 2;
@@ -52,7 +52,7 @@ impl<'a> Spacings<'a> {
     }
 
     /// Draws them, each block from a stream of its own if there are several.
-    pub(super) fn draw(count: usize, stream: &mut Stream, scratch: &'a mut [f64], workers: &Workers) -> Self {
+    pub(super) fn draw(count: usize, stream: &mut Stream, scratch: &'a mut [f64], threads: Threads) -> Self {
         let blocks = (count + 1).div_ceil(BLOCK);
         let (partial, before) = scratch[..Spacings::scratch(count)].split_at_mut(count + 1);
         if blocks == 1 {
@@ -60,7 +60,7 @@ impl<'a> Spacings<'a> {
             before[0] = accumulate(partial);
         } else {
             let key = key(stream);
-            workers.share(Parts { first: 0, partial, sums: before }, GRAIN, &|parts: Parts<'_>| {
+            threads.share(Parts { first: 0, partial, sums: before }, GRAIN, &|parts: Parts<'_>| {
                 let blocks = parts.partial.chunks_mut(BLOCK).zip(parts.sums);
                 for (block, (partial, sum)) in (parts.first..).zip(blocks) {
                     fill_standard_exponential(&mut block_stream(key, block), partial);
@@ -132,7 +132,7 @@ pub(super) fn draw(
     first: usize,
     points: Points<'_>,
     ancestors: &mut [usize],
-    workers: &Workers,
+    threads: Threads,
 ) {
     let count = ancestors.len();
     with_scratch(weights.len().div_ceil(BLOCK).max(1) + 1, |before| {
@@ -155,7 +155,7 @@ pub(super) fn draw(
             row: first,
             count,
         };
-        workers.share(
+        threads.share(
             Blocks { descent: &descent, blocks: 0..blocks, start: 0, ancestors },
             GRAIN,
             &Blocks::fill,

@@ -6,7 +6,7 @@ use rand::RngExt;
 use serde::{Deserialize, Serialize};
 
 use super::descent::{Points, Spacings, draw};
-use crate::workers::Workers;
+use crate::parallel::Threads;
 
 /// How ancestors are drawn. Each scheme holds the cumulative weights against `K` increasing points, in time linear in `K`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -29,7 +29,7 @@ impl Resampling {
     /// The number of ancestors may differ from that of the weights. Once a thread has resampled so many particles, doing it again
     /// allocates nothing.
     pub fn draw(self, weights: &[f64], stream: &mut Stream, ancestors: &mut [usize]) {
-        self.draw_rows(weights, 0, stream, ancestors, &Workers::none());
+        self.draw_rows(weights, 0, stream, ancestors, Threads::One);
     }
 
     /// [`Resampling::draw`] on several threads, of particles the first of which is row `first`.
@@ -39,18 +39,18 @@ impl Resampling {
         first: usize,
         stream: &mut Stream,
         ancestors: &mut [usize],
-        workers: &Workers,
+        threads: Threads,
     ) {
         match self {
             Resampling::Multinomial => {
-                multinomial(weights, first, stream, ancestors, ancestors.len(), workers);
+                multinomial(weights, first, stream, ancestors, ancestors.len(), threads);
             }
             Resampling::Systematic => {
-                draw(weights, first, Points::Regular { offset: stream.random() }, ancestors, workers);
+                draw(weights, first, Points::Regular { offset: stream.random() }, ancestors, threads);
             }
             Resampling::Stratified => with_scratch(ancestors.len(), |offsets| {
                 fill_uniform(stream, offsets);
-                draw(weights, first, Points::Strata { offsets }, ancestors, workers);
+                draw(weights, first, Points::Strata { offsets }, ancestors, threads);
             }),
             Resampling::Residual => residual(weights, first, stream, ancestors),
         }
@@ -64,12 +64,12 @@ fn multinomial(
     stream: &mut Stream,
     ancestors: &mut [usize],
     most: usize,
-    workers: &Workers,
+    threads: Threads,
 ) {
     let count = ancestors.len();
     with_scratch(Spacings::scratch(most), |scratch| {
-        let spacings = Spacings::draw(count, stream, scratch, workers);
-        draw(weights, first, Points::Sorted { spacings, most }, ancestors, workers);
+        let spacings = Spacings::draw(count, stream, scratch, threads);
+        draw(weights, first, Points::Sorted { spacings, most }, ancestors, threads);
     });
 }
 
@@ -90,7 +90,7 @@ fn residual(weights: &[f64], first: usize, stream: &mut Stream, ancestors: &mut 
         }
         if filled < count {
             // As much scratch as if all were left, so that asking again allocates nothing.
-            multinomial(remainders, first, stream, &mut ancestors[filled..], count, &Workers::none());
+            multinomial(remainders, first, stream, &mut ancestors[filled..], count, Threads::One);
             ancestors.sort_unstable();
         }
     });

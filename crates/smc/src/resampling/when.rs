@@ -1,6 +1,6 @@
 //! When to resample.
 
-use crate::FilterError;
+use crate::error::FilterError;
 
 /// The rule that decides whether a filter resamples after a step.
 #[derive(Debug, Clone, Copy, PartialEq)]

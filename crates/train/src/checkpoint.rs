@@ -1,4 +1,4 @@
-//! A training put aside as bytes and taken up again, to the last bit.
+//! A checkpoint of a training as bytes, from which it goes on to the last bit.
 
 use motes_proposals::{Learnable, Values};
 use safetensors::tensor::{SafeTensors, TensorView};
@@ -15,8 +15,9 @@ const LOSSES: &str = "losses";
 const POSITION: &str = "position in the stream";
 
 impl Training<'_> {
-    /// What has to be remembered to go on later from here: weights, the optimiser's moments, losses, and how far the stream
-    /// of noise was read. Some three times the size of the weights.
+    /// What is needed to go on from here: weights, the optimiser's moments, losses, and the position in the stream of noise.
+    ///
+    /// It takes about three times the memory of the weights.
     ///
     /// ```
     /// use motes_models::{GraphDiffusion, GraphDiffusionConfig, ModelShape, Seed, simulate};
@@ -34,7 +35,7 @@ impl Training<'_> {
     /// let mut proposal = fresh()?;
     /// let mut training = Training::new(&proposal, &system, &measurements, &config, &mut stream)?;
     /// training.step(&mut proposal)?;
-    /// let bytes = training.suspend(&proposal)?;
+    /// let bytes = training.checkpoint(&proposal)?;
     ///
     /// let mut another = fresh()?;
     /// let mut resumed = Training::new(&another, &system, &measurements, &config, &mut same)?;
@@ -44,8 +45,8 @@ impl Training<'_> {
     /// ```
     ///
     /// # Errors
-    /// [`TrainError::Diverged`] if the last step has left weights that are not finite, [`TrainError::NotResumed`] if the numbers cannot be written.
-    pub fn suspend(&self, proposal: &dyn Learnable) -> Result<Vec<u8>, TrainError> {
+    /// [`TrainError::Diverged`] if the last step left weights that are not finite; [`TrainError::NotResumed`] if the numbers cannot be written.
+    pub fn checkpoint(&self, proposal: &dyn Learnable) -> Result<Vec<u8>, TrainError> {
         self.check_weights(proposal)?;
         let weights = proposal.parameters().values();
         let zeros = || weights.zeros_like(weights.len());
@@ -53,7 +54,7 @@ impl Training<'_> {
             Some(Moments { first, second }) => (bytes_of(first), bytes_of(second)),
             None => (bytes_of(&zeros()), bytes_of(&zeros())),
         };
-        let mut taken = self.adam.taken.clone();
+        let mut taken = self.adam.steps.clone();
         taken.resize(proposal.parameters().len(), 0);
         let taken: Vec<u8> = taken.iter().flat_map(|steps| steps.to_le_bytes()).collect();
         let losses: Vec<u8> = self.history.losses.iter().flat_map(|loss| loss.to_le_bytes()).collect();
@@ -79,13 +80,13 @@ impl Training<'_> {
         serialize(views, None).map_err(not_written)
     }
 
-    /// Goes on from where a training with the same proposal, model, measurements, settings and stream was put aside.
+    /// Goes on from a checkpoint of a training with the same proposal, model, measurements, settings and stream.
     ///
-    /// That they are the same is the caller's to see to: of a training with other settings only its sizes are noticed.
+    /// The caller sees to it that they are the same. Only other sizes are noticed.
     ///
     /// # Errors
-    /// [`TrainError::NotResumed`] if the bytes do not fit the proposal, took more steps than there are, or hold a number that cannot be;
-    /// nothing has changed then.
+    /// [`TrainError::NotResumed`] if the bytes do not fit the proposal, took more steps than there are, or hold an impossible
+    /// number. Nothing has changed then.
     pub fn resume(&mut self, proposal: &mut dyn Learnable, bytes: &[u8]) -> Result<(), TrainError> {
         let file = SafeTensors::deserialize(bytes).map_err(|error| refuse(error.to_string()))?;
         let part = |name: &str, dtype: Dtype, count: Option<usize>| {
@@ -130,7 +131,7 @@ impl Training<'_> {
 
         *proposal.parameters_mut().values_mut() = new;
         self.adam.moments = Some(Moments { first, second });
-        self.adam.taken = taken;
+        self.adam.steps = taken;
         self.history.losses = losses;
         self.stream.set_word_pos(position);
         Ok(())

@@ -1,9 +1,11 @@
 //! Gaussians with a mean and a covariance of their own for each particle.
 
+use motes_models::batch::particles_by_stream;
 use motes_models::{Stream, fill_standard_normal};
-use motes_smc::{Conditional, particles_by_stream};
 
-/// `N(μ_k, L_k L_kᵀ)` for each of `R` particles; what every Gaussian family conditions to.
+use crate::proposal::Conditional;
+
+/// `N(μ_k, L_k L_kᵀ)` for each of `R` particles; what a guided proposal of one's own, or of a learned Gaussian family, conditions to.
 #[derive(Debug, Clone, Default)]
 pub struct GaussianBatch {
     width: usize,
@@ -23,8 +25,8 @@ impl GaussianBatch {
         GaussianBatch { width, means, lowers, noise: Vec::new() }
     }
 
-    /// The places of the means (`R×N`) and factors (`R·N·N`) of `particles` particles, to be filled.
-    pub(crate) fn places(&mut self, width: usize, particles: usize) -> (&mut [f64], &mut [f64]) {
+    /// The places of the means (`R×N`) and factors (`R·N·N`, each column-major) of `particles` particles, to be filled; memory is used again.
+    pub fn places(&mut self, width: usize, particles: usize) -> (&mut [f64], &mut [f64]) {
         self.width = width;
         self.means.resize(particles * width, 0.0);
         self.lowers.resize(particles * width * width, 0.0);
@@ -42,13 +44,16 @@ impl GaussianBatch {
         &self.lowers[row * n * n + j * n + j..row * n * n + (j + 1) * n]
     }
 
-    /// All factors, one after another.
-    pub(crate) fn into_lowers(self) -> Vec<f64> {
+    /// All factors, one after another (`R·N·N`, each column-major).
+    pub fn into_lowers(self) -> Vec<f64> {
         self.lowers
     }
 
     /// `x = μ + L ε` for standard normal `noise` (`R×N`).
-    pub(crate) fn transform(&self, noise: &[f64], states: &mut [f64]) {
+    ///
+    /// # Panics
+    /// If `states` are not as many as the means.
+    pub fn transform(&self, noise: &[f64], states: &mut [f64]) {
         let n = self.width;
         states.copy_from_slice(&self.means);
         for (row, (state, epsilon)) in states.chunks_exact_mut(n).zip(noise.chunks_exact(n)).enumerate() {
@@ -61,7 +66,7 @@ impl GaussianBatch {
     }
 
     /// `log q = −½ εᵀε − Σᵢ log Lᵢᵢ − (N/2) log 2π` of what [`GaussianBatch::transform`] makes of `noise`.
-    pub(crate) fn log_density_of_noise(&self, noise: &[f64], log_density: &mut [f64]) {
+    pub fn log_density_of_noise(&self, noise: &[f64], log_density: &mut [f64]) {
         let rows = noise.chunks_exact(self.width).zip(log_density);
         for (row, (epsilon, log_density)) in rows.enumerate() {
             *log_density = self.log_normalizer(row) - 0.5 * epsilon.iter().map(|e| e * e).sum::<f64>();

@@ -3,7 +3,8 @@
 use faer::Side;
 use faer::prelude::Solve;
 
-use crate::kalman::{Belief, Filtered, symmetric};
+use super::belief::{Belief, symmetric};
+use super::filter::Filtered;
 use crate::{LinearGaussian, ModelError};
 
 /// `p(x_t | y_{0:T−1})` at every time.
@@ -19,7 +20,7 @@ pub struct Smoothed {
 /// `Pˢ_t = P_t + J_t (Pˢ_{t+1} − P⁻_{t+1}) J_tᵀ`.
 ///
 /// # Errors
-/// [`ModelError::Numerical`] if a predicted covariance cannot be factored.
+/// [`ModelError::Numerical`] with the time if a predicted covariance cannot be factored, or if a belief is not finite.
 pub fn smooth(model: &LinearGaussian, filtered: &Filtered) -> Result<Smoothed, ModelError> {
     let steps = &filtered.steps;
     let mut beliefs: Vec<Belief> = steps.last().map(|step| step.filtered.clone()).into_iter().collect();
@@ -35,7 +36,8 @@ pub fn smooth(model: &LinearGaussian, filtered: &Filtered) -> Result<Smoothed, M
         let gain = factored.solve(model.transition_matrix() * &now.covariance).transpose().to_owned();
         let mean = &now.mean + &gain * (&later.mean - &next.mean);
         let correction = &gain * (&later.covariance - &next.covariance) * gain.transpose();
-        beliefs.push(Belief { mean, covariance: symmetric(&now.covariance + correction) });
+        let smoothed = Belief { mean, covariance: symmetric(&now.covariance + correction) };
+        beliefs.push(smoothed.check("smoothing a belief", time)?);
     }
     beliefs.reverse();
     Ok(Smoothed { beliefs })

@@ -2,7 +2,7 @@
 
 /// The tail index from which on averages by weights are not to be trusted: the number of particles that they need then grows beyond any
 /// use (Vehtari, Simpson, Gelman, Yao and Gabry 2024, whose limit of `S` weights is `min(1 − 1/log₁₀ S, 0.7)`).
-pub const TAIL_INDEX_LIMIT: f64 = 0.7;
+pub const PARETO_K_LIMIT: f64 = 0.7;
 
 /// As few large weights as a distribution is fitted to.
 const LEAST_TAIL: usize = 5;
@@ -22,15 +22,15 @@ const LEAST_TAIL: usize = 5;
 /// the others: there is no tail.
 ///
 /// ```
-/// use motes_smc::tail_index;
+/// use motes_smc::pareto_k;
 ///
 /// // Weights with survival function w^(−1/k) have the index k.
 /// let weights = |k: f64| (1..=10_000).map(|i| -k * (i as f64 / 10_000.5).ln()).collect::<Vec<f64>>();
-/// assert!((tail_index(&weights(0.3)).unwrap() - 0.3).abs() < 0.1);
-/// assert!((tail_index(&weights(1.2)).unwrap() - 1.2).abs() < 0.1);
-/// assert_eq!(tail_index(&[0.0; 100]), None);
+/// assert!((pareto_k(&weights(0.3)).unwrap() - 0.3).abs() < 0.1);
+/// assert!((pareto_k(&weights(1.2)).unwrap() - 1.2).abs() < 0.1);
+/// assert_eq!(pareto_k(&[0.0; 100]), None);
 /// ```
-pub fn tail_index(log_weights: &[f64]) -> Option<f64> {
+pub fn pareto_k(log_weights: &[f64]) -> Option<f64> {
     let count = (log_weights.len() as f64 / 5.0).min(3.0 * (log_weights.len() as f64).sqrt()) as usize;
     if count < LEAST_TAIL {
         return None;
@@ -99,7 +99,7 @@ mod tests {
             fill_uniform(&mut Seed::from_u64(60).stream(), &mut uniform);
             let weights: Vec<f64> =
                 uniform.iter().map(|u| ((1.0 - u).powf(-k) - 1.0).abs() / f64::abs(k)).map(f64::ln).collect();
-            let found = tail_index(&weights).unwrap();
+            let found = pareto_k(&weights).unwrap();
             // 424 weights: a standard error of (1 + k)/√424.
             assert!((found - k).abs() < 4.0 * (1.0 + k) / 424.0_f64.sqrt(), "{found} for {k}");
         }
@@ -112,7 +112,7 @@ mod tests {
         fill_standard_normal(&mut Seed::from_u64(61).stream(), &mut normals);
         for (variance, low, high) in [(0.2, 0.65, 0.85), (0.9, -0.2, 0.15), (2.0, f64::NEG_INFINITY, 0.1)] {
             let weights: Vec<f64> = normals.iter().map(|z: &f64| 0.5 * z * z * (1.0 - variance)).collect();
-            let found = tail_index(&weights).unwrap();
+            let found = pareto_k(&weights).unwrap();
             assert!((low..high).contains(&found), "{found} for the variance {variance}");
         }
     }
@@ -121,15 +121,15 @@ mod tests {
     fn a_shift_changes_nothing_and_what_has_no_tail_has_no_index() {
         let weights: Vec<f64> = (1..200).map(|i| -0.8 * (f64::from(i) / 200.0).ln()).collect();
         let shifted: Vec<f64> = weights.iter().map(|log| log - 1e5).collect();
-        let (found, again) = (tail_index(&weights).unwrap(), tail_index(&shifted).unwrap());
+        let (found, again) = (pareto_k(&weights).unwrap(), pareto_k(&shifted).unwrap());
         assert!((found - again).abs() < 1e-6);
-        assert_eq!(tail_index(&weights[..24]), None);
-        assert!(tail_index(&weights[..25]).is_some());
+        assert_eq!(pareto_k(&weights[..24]), None);
+        assert!(pareto_k(&weights[..25]).is_some());
         let one: Vec<f64> = (0..100).map(|i| if i == 7 { 0.0 } else { -1e4 }).collect();
-        assert_eq!(tail_index(&one), None, "the others are equal");
-        assert_eq!(tail_index(&[3.0; 100]), None);
-        assert_eq!(tail_index(&[f64::NEG_INFINITY; 100]), None);
-        assert_eq!(tail_index(&[f64::NAN; 100]), None);
+        assert_eq!(pareto_k(&one), None, "the others are equal");
+        assert_eq!(pareto_k(&[3.0; 100]), None);
+        assert_eq!(pareto_k(&[f64::NEG_INFINITY; 100]), None);
+        assert_eq!(pareto_k(&[f64::NAN; 100]), None);
     }
 
     #[test]
@@ -138,9 +138,9 @@ mod tests {
             (0..100).map(|i| if i < count { -1000.0 * f64::from(i) } else { f64::NEG_INFINITY }).collect()
         };
         // Fifteen weights above zero: the mean of 1000 to 14000.
-        assert!((tail_index(&of(15)).unwrap() - 7500.0).abs() < 1e-9);
-        assert!(tail_index(&of(30)).is_some_and(|index| index > 3.0));
-        assert_eq!(tail_index(&of(4)), None);
+        assert!((pareto_k(&of(15)).unwrap() - 7500.0).abs() < 1e-9);
+        assert!(pareto_k(&of(30)).is_some_and(|index| index > 3.0));
+        assert_eq!(pareto_k(&of(4)), None);
     }
 
     #[test]
@@ -150,7 +150,7 @@ mod tests {
             fill_standard_normal(&mut Seed::from_u64(62).nth(seed).stream(), &mut normals);
             for deviation in [30.0, 300.0, 1e3, 1e5] {
                 let weights: Vec<f64> = normals.iter().map(|z| deviation * z).collect();
-                let found = tail_index(&weights);
+                let found = pareto_k(&weights);
                 assert!(found.is_some_and(|index| index > 3.0), "{found:?} for the deviation {deviation}");
             }
         }

@@ -1,0 +1,127 @@
+//! The Kalman filter, for measurements with and without gaps.
+
+use faer::{Col, Mat, MatRef};
+
+use super::belief::{Belief, symmetric};
+use super::correction::{Correction, correction};
+use crate::{
+    AdditiveGaussian, LinearGaussian, Measurements, ModelError, PartialMeasurements, StateSpaceModel,
+};
+
+/// What the filter knows at one time.
+#[derive(Debug, Clone)]
+pub struct Step {
+    /// `p(x_t | y_{0:t−1})`; at `t = 0` the prior.
+    pub predicted: Belief,
+    /// `p(x_t | y_{0:t})`.
+    pub filtered: Belief,
+    /// `log p(y_t | y_{0:t−1})`.
+    pub log_evidence_increment: f64,
+}
+
+/// The filter's beliefs at every time.
+#[derive(Debug, Clone)]
+pub struct Filtered {
+    /// One entry for each measurement.
+    pub steps: Vec<Step>,
+}
+
+impl Filtered {
+    /// `log p(y_{0:T−1}) = Σ_t log p(y_t | y_{0:t−1})`.
+    pub fn log_evidence(&self) -> f64 {
+        self.steps.iter().map(|step| step.log_evidence_increment).sum()
+    }
+}
+
+/// Runs the Kalman filter over all measurements.
+///
+/// With `m⁻, P⁻` the prediction, `S = C P⁻ Cᵀ + R` and `G = P⁻ Cᵀ S⁻¹`:
+///
+/// - `m = m⁻ + G (y − C m⁻)`
+/// - `P = (I − G C) P⁻ (I − G C)ᵀ + G R Gᵀ`, Joseph's form, which stays symmetric and positive.
+///
+/// # Errors
+/// [`ModelError::MeasurementWidth`] if the measurements do not fit the model. [`ModelError::Numerical`] with the time if an
+/// innovation covariance cannot be factored, or if a belief or a log-density is not finite.
+pub fn filter(model: &LinearGaussian, measurements: &Measurements) -> Result<Filtered, ModelError> {
+    filter_partial(model, &measurements.into())
+}
+
+/// [`filter`] with gaps. Only the entries that are there correct the prediction, with their rows of `C` and `R`. Where none is
+/// there, the prediction stands.
+///
+/// # Errors
+/// As [`filter`].
+pub fn filter_partial(
+    model: &LinearGaussian,
+    measurements: &PartialMeasurements,
+) -> Result<Filtered, ModelError> {
+    let (width, expected) = (measurements.width(), model.measurement_dim());
+    if width != expected {
+        return Err(ModelError::MeasurementWidth { width, expected });
+    }
+    let mut steps: Vec<Step> = Vec::with_capacity(measurements.len());
+    for (time, measurement) in measurements.rows().enumerate() {
+        let predicted = match steps.last() {
+            None => Belief {
+                mean: Col::from_fn(model.state_dim(), |i| model.initial().mean()[i]),
+                covariance: model.initial().covariance().to_owned(),
+            },
+            Some(step) => predict(model, &step.filtered).check("predicting a belief", time)?,
+        };
+        let (filtered, log_evidence_increment) = update(model, &predicted, measurement, time)?;
+        steps.push(Step { predicted, filtered, log_evidence_increment });
+    }
+    Ok(Filtered { steps })
+}
+
+/// `A m`, `A P Aᵀ + Q`.
+fn predict(model: &LinearGaussian, belief: &Belief) -> Belief {
+    let a = model.transition_matrix();
+    Belief {
+        mean: a * &belief.mean,
+        covariance: symmetric(a * &belief.covariance * a.transpose() + model.transition_covariance()),
+    }
+}
+
+fn update(
+    model: &LinearGaussian,
+    predicted: &Belief,
+    measurement: &[Option<f64>],
+    time: usize,
+) -> Result<(Belief, f64), ModelError> {
+    let there: Vec<usize> = (0..measurement.len()).filter(|&i| measurement[i].is_some()).collect();
+    if there.is_empty() {
+        return Ok((predicted.clone(), 0.0));
+    }
+    let (c, r) = (model.measurement_matrix(), model.measurement_covariance());
+    let measured: Col<f64> = measurement.iter().copied().flatten().collect();
+    if there.len() == measurement.len() {
+        return correct(predicted, c, r, &measured, time);
+    }
+    let of_c = Mat::from_fn(there.len(), c.ncols(), |i, j| c[(there[i], j)]);
+    let of_r = Mat::from_fn(there.len(), there.len(), |i, j| r[(there[i], there[j])]);
+    correct(predicted, of_c.as_ref(), of_r.as_ref(), &measured, time)
+}
+
+const CORRECTING: &str = "correcting a belief";
+
+/// Corrects a belief by what was measured of `C x + w`, `w ~ N(0, R)`. Gives the corrected belief and the log-density of the measurement.
+fn correct(
+    predicted: &Belief,
+    c: MatRef<'_, f64>,
+    r: MatRef<'_, f64>,
+    measured: &Col<f64>,
+    time: usize,
+) -> Result<(Belief, f64), ModelError> {
+    let failed = |reason| ModelError::Numerical { computation: CORRECTING, time, reason };
+    let Correction { gain, covariance, innovation: distribution } =
+        correction(predicted.covariance.as_ref(), c, r).map_err(|fault| failed(fault.to_string()))?;
+    let innovation = measured - c * &predicted.mean;
+    let log_evidence_increment = distribution.log_density_of(|i| innovation[i]);
+    if !log_evidence_increment.is_finite() {
+        return Err(failed(format!("the log-density of the measurement is {log_evidence_increment}")));
+    }
+    let filtered = Belief { mean: &predicted.mean + gain * &innovation, covariance };
+    Ok((filtered.check(CORRECTING, time)?, log_evidence_increment))
+}

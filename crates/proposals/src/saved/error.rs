@@ -1,0 +1,62 @@
+//! Why a proposal could not be saved or loaded.
+
+use std::path::PathBuf;
+
+use motes_smc::ProposalError;
+use thiserror::Error;
+
+/// Why a proposal could not be saved or loaded.
+#[derive(Debug, Error)]
+pub enum SavedError {
+    /// A file could not be read or written.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// The file or folder.
+        path: PathBuf,
+        /// What the operating system said.
+        source: std::io::Error,
+    },
+    /// A file is not what [`save`] writes.
+    #[error("{}: {reason}", path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// The proposal is whole but not the one that was asked for.
+    #[error("{}: {what} is {found}; {expected} was expected", path.display())]
+    Unfit {
+        /// The folder.
+        path: PathBuf,
+        /// What differs.
+        what: &'static str,
+        /// What the folder has.
+        found: String,
+        /// What was asked for.
+        expected: String,
+    },
+    /// The proposal was trained for another system.
+    #[error(
+        "{}: this proposal was trained for another system: {what} is {found} there and {expected} in the model given",
+        path.display()
+    )]
+    OtherSystem {
+        /// The folder.
+        path: PathBuf,
+        /// What differs.
+        what: String,
+        /// The value of the system it was trained for.
+        found: f64,
+        /// The value of the model given.
+        expected: f64,
+    },
+    /// The family cannot be made from the saved settings.
+    #[error("{}: {source}", path.display())]
+    Proposal {
+        /// The folder.
+        path: PathBuf,
+        /// Why not.
+        source: ProposalError,
+    },
+}

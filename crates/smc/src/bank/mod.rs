@@ -1,0 +1,12 @@
+//! Many independent particle filters on the same measurements, advanced as one batch.
+
+mod draw;
+mod filter_bank;
+mod filters;
+mod read;
+mod scratches;
+mod settings;
+mod step;
+
+pub use filter_bank::FilterBank;
+pub use settings::FilterSettings;

@@ -1,0 +1,96 @@
+//! What a bank shows between two steps.
+
+use std::ops::Deref;
+
+use motes_models::StateSpaceModel;
+
+use super::filter_bank::FilterBank;
+use crate::diagnosis::{WeightDiagnosis, pareto_k};
+use crate::proposal::Proposal;
+use crate::weights::LogWeights;
+
+impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P> {
+    /// `B`, the number of filters.
+    pub fn filters(&self) -> usize {
+        self.streams.len()
+    }
+
+    /// How many steps have been taken.
+    pub fn time(&self) -> usize {
+        self.time
+    }
+
+    /// The particles of one filter, row-major `K×N`, as they are before resampling.
+    ///
+    /// # Panics
+    /// If there is no such filter.
+    pub fn particles(&self, filter: usize) -> &[f64] {
+        let values = self.settings.particles * self.model.state_dim();
+        &self.states[filter * values..(filter + 1) * values]
+    }
+
+    /// The weights of one filter's particles.
+    ///
+    /// # Panics
+    /// If there is no such filter.
+    pub fn weights(&self, filter: usize) -> &LogWeights {
+        &self.weights[filter]
+    }
+
+    /// For each particle of the whole bank (`B·K`), the row it descends from in the step before; itself where its
+    /// filter did not resample.
+    pub fn ancestors(&self) -> &[usize] {
+        &self.ancestors
+    }
+
+    /// What every particle of the bank carries beside its state.
+    pub fn memory(&self) -> &P::Memory {
+        &self.memory
+    }
+
+    /// What the weights of the last step say about how far they can be trusted.
+    ///
+    /// The tail index is that of `W_{t−1} p(y|x) p(x|x') / q`, of all filters together; it takes a pass over all of them.
+    pub fn diagnosis(&self) -> WeightDiagnosis {
+        let weights = self.weights.iter().zip(&self.outcomes).flat_map(|(weights, outcome)| {
+            let increment = *outcome.increment.as_ref().unwrap_or(&f64::NAN);
+            weights.log().iter().map(move |log| log + increment)
+        });
+        let sizes = self.weights.iter().map(LogWeights::effective_sample_size);
+        WeightDiagnosis {
+            time: self.time.saturating_sub(1),
+            particles: self.settings.particles,
+            effective_sample_size: sizes.sum::<f64>() / self.weights.len() as f64,
+            pareto_k: pareto_k(&weights.collect::<Vec<f64>>()),
+        }
+    }
+
+    /// The estimate of `log p(y_{0:t})` by one filter; its exponential is unbiased.
+    ///
+    /// # Panics
+    /// If there is no such filter.
+    pub fn log_evidence(&self, filter: usize) -> f64 {
+        self.log_evidence[filter]
+    }
+
+    /// One filter's estimate of `E[x_t | y_{0:t}]`, `Σ_k W_k x_k`, into `mean` (`N`).
+    ///
+    /// # Panics
+    /// If there is no such filter or `mean` has not `N` places.
+    pub fn mean(&self, filter: usize, mean: &mut [f64]) {
+        assert_eq!(mean.len(), self.model.state_dim(), "the mean has N coordinates");
+        self.weights[filter].mean(self.particles(filter), mean);
+    }
+
+    /// Quantiles of one coordinate of `x_t` given `y_{0:t}` as one filter estimates them: for each probability `p` the smallest value that
+    /// particles with a weight of at least `p` together do not exceed.
+    ///
+    /// # Panics
+    /// If there is no such filter or coordinate, or a probability is not between 0 and 1.
+    pub fn quantiles(&self, filter: usize, coordinate: usize, probabilities: &[f64]) -> Vec<f64> {
+        let width = self.model.state_dim();
+        assert!(coordinate < width, "a state has {width} coordinates");
+        let values = self.particles(filter).iter().skip(coordinate).step_by(width);
+        self.weights[filter].quantiles(values.copied(), probabilities)
+    }
+}

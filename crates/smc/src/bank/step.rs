@@ -1,0 +1,262 @@
+//! Steps of a bank: with a measurement, with gaps in it, without one, and whole sequences of them.
+
+use std::ops::Deref;
+
+use motes_models::{Measurements, ModelError, PartialLikelihood, PartialMeasurements, StateSpaceModel};
+
+use super::draw::{Common, Likelihood, Step};
+use super::filter_bank::FilterBank;
+use super::filters::{Fault, Filters};
+use super::scratches::Scratches;
+use crate::error::FilterError;
+use crate::memory::ParticleMemory;
+use crate::parallel;
+use crate::proposal::Proposal;
+use crate::proposals::Bootstrap;
+use crate::weights::WeightFault;
+
+impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P> {
+    /// Advances every filter by one measurement (`M` numbers): resample where due, draw, weigh.
+    ///
+    /// # Errors
+    /// [`FilterError::Model`] if the measurement has the wrong width or is not finite (nothing has changed then).
+    /// Otherwise the bank has failed, all of its filters together: every later step returns the same error, and particles and
+    /// weights mean nothing any more.
+    pub fn step(&mut self, measurement: &[f64]) -> Result<(), FilterError> {
+        self.check_width(measurement.len())?;
+        if let Some(column) = measurement.iter().position(|value| !value.is_finite()) {
+            let value = measurement[column];
+            return Err(ModelError::NotFinite { row: self.time, column, value }.into());
+        }
+        self.attempt(|bank| {
+            let (step, proposal) = (bank.time, &mut bank.proposal);
+            let prepared = proposal.prepare(&bank.model, step, measurement);
+            prepared.map_err(|source| FilterError::Proposal { step, source })?;
+            let likelihood = |model: &D::Target, time: usize, states: &[f64], out: &mut [f64]| {
+                model.log_likelihoods(time, states, measurement, out);
+                Ok(())
+            };
+            bank.advance(Drawn::FromProposal, measurement, false, likelihood)
+        })
+    }
+
+    /// Advances every filter by one time at which nothing was measured: particles are drawn from the transition, weights and
+    /// evidence stay. A proposal's memory, which only measurements advance, follows its particle.
+    ///
+    /// # Errors
+    /// [`FilterError::State`] if the transition draws a state that is not finite, and as [`FilterBank::step`].
+    pub fn step_without_measurement(&mut self) -> Result<(), FilterError> {
+        self.attempt(|bank| {
+            bank.advance(Drawn::FromTransition, &[], true, |_, _, _, out| {
+                out.fill(0.0);
+                Ok(())
+            })
+        })
+    }
+
+    /// Takes in all measurements, one step after the other, and shows the bank to `observe` after each.
+    ///
+    /// The same as as many calls of [`FilterBank::step`], but threads stay awake between steps. Where there are several, all of this happens on
+    /// one of theirs, `observe` too.
+    ///
+    /// # Errors
+    /// As [`FilterBank::step`]; measurements after one that led to an error are not looked at.
+    pub fn run(
+        &mut self,
+        measurements: &Measurements,
+        observe: impl FnMut(&Self) + Send,
+    ) -> Result<(), FilterError>
+    where
+        Self: Send,
+    {
+        self.over(measurements.rows(), Self::step, observe)
+    }
+
+    /// Takes a step with each row and shows the bank to `observe` after it, on threads that stay awake.
+    fn over<Row: Send>(
+        &mut self,
+        mut rows: impl Iterator<Item = Row> + Send,
+        mut step: impl FnMut(&mut Self, Row) -> Result<(), FilterError> + Send,
+        mut observe: impl FnMut(&Self) + Send,
+    ) -> Result<(), FilterError>
+    where
+        Self: Send,
+    {
+        parallel::sequence(|| {
+            rows.try_for_each(|row| {
+                step(self, row)?;
+                observe(self);
+                Ok(())
+            })
+        })
+    }
+
+    /// Whether the bank can take another step of a measurement with so many entries.
+    fn check_width(&self, width: usize) -> Result<(), FilterError> {
+        let expected = self.model.measurement_dim();
+        match &self.failure {
+            Some(failure) => Err(failure.clone()),
+            None if width != expected => Err(ModelError::MeasurementWidth { width, expected }.into()),
+            None => Ok(()),
+        }
+    }
+
+    /// Does what a step does; the bank has failed if that fails.
+    fn attempt(
+        &mut self,
+        advance: impl FnOnce(&mut Self) -> Result<(), FilterError>,
+    ) -> Result<(), FilterError> {
+        if let Some(failure) = &self.failure {
+            return Err(failure.clone());
+        }
+        if self.time == 0 {
+            // The first step that resamples needs more than this one.
+            parallel::reserve(self.ancestors.len(), self.scratch());
+        }
+        advance(self).inspect_err(|failure| self.failure = Some(failure.clone()))?;
+        self.time += 1;
+        Ok(())
+    }
+
+    /// Resamples where due, draws and weighs every filter, and adds up evidence.
+    fn advance<L>(
+        &mut self,
+        drawn: Drawn,
+        measurement: &[f64],
+        checks_states: bool,
+        likelihood: L,
+    ) -> Result<(), FilterError>
+    where
+        L: Fn(&D::Target, usize, &[f64], &mut [f64]) -> Result<(), ModelError> + Sync,
+    {
+        std::mem::swap(&mut self.states, &mut self.previous);
+        let (model, settings, time) = (&*self.model, self.settings, self.time);
+        let particles = self.ancestors.len();
+        let at_states = |states: &[f64], out: &mut [f64]| likelihood(model, time, states, out);
+        let (likelihood_at, previous): (&Likelihood<'_>, _) = (&at_states, self.previous.as_slice());
+        let common =
+            Common { model, settings, time, measurement, likelihood: likelihood_at, checks_states, previous };
+        let mut filters = Filters {
+            first: 0,
+            streams: &mut self.streams,
+            weights: &mut self.weights,
+            resampled: &mut self.resampled,
+            outcomes: &mut self.outcomes,
+            ancestors: &mut self.ancestors,
+            states: &mut self.states,
+            memory: (),
+        };
+        // What particles carry is moved before any block of it is advanced; where they carry nothing, blocks are resampled one by one.
+        let has_memory = size_of::<P::Memory>() > 0;
+        if has_memory && time > 0 {
+            parallel::step(particles, |threads| filters.resample_all(&settings, threads));
+            if filters.resampled.contains(&true) {
+                self.memory.resample(filters.ancestors);
+            }
+        }
+        let resamples = time > 0 && !has_memory;
+        match drawn {
+            Drawn::FromProposal => {
+                let step = Step { proposal: &self.proposal, common, scratches: &self.scratches };
+                let filters = filters.with_memory(self.memory.rows());
+                parallel::step(particles, |threads| step.advance(filters, resamples, threads));
+            }
+            Drawn::FromTransition => {
+                let step = Step { proposal: &Bootstrap, common, scratches: &Scratches::default() };
+                parallel::step(particles, |threads| step.advance(filters, resamples, threads));
+            }
+        }
+        self.take_outcomes(&likelihood)
+    }
+
+    /// Adds up evidence, unless a filter failed.
+    fn take_outcomes(
+        &mut self,
+        likelihood: &impl Fn(&D::Target, usize, &[f64], &mut [f64]) -> Result<(), ModelError>,
+    ) -> Result<(), FilterError> {
+        let (k, n, step) = (self.settings.particles, self.model.state_dim(), self.time);
+        for (filter, outcome) in self.outcomes.iter().enumerate() {
+            let fault = match &outcome.increment {
+                Ok(increment) => {
+                    self.log_evidence[filter] += increment;
+                    continue;
+                }
+                Err(fault) => fault.clone(),
+            };
+            return Err(match fault {
+                Fault::Proposal(source) => FilterError::Proposal { step, source },
+                Fault::Model(error) => error.into(),
+                Fault::State { row, coordinate, value } => {
+                    FilterError::State { step, filter: row / k, particle: row % k, coordinate, value }
+                }
+                Fault::Weights(WeightFault::NotANumber { particle, value }) => {
+                    FilterError::NotANumber { step, filter, particle, value }
+                }
+                Fault::Weights(WeightFault::AllZero) => {
+                    let mut log_likelihoods = vec![f64::NEG_INFINITY; k];
+                    let states = &self.states[filter * k * n..(filter + 1) * k * n];
+                    // It did not fail for all of these states.
+                    let _ = likelihood(&self.model, step, states, &mut log_likelihoods);
+                    let largest_log_likelihood =
+                        log_likelihoods.into_iter().fold(f64::NEG_INFINITY, f64::max);
+                    let ess_before = outcome.ess_before;
+                    FilterError::Collapse { step, filter, ess_before, largest_log_likelihood }
+                }
+            });
+        }
+        Ok(())
+    }
+}
+
+/// What the particles of a step are drawn from.
+enum Drawn {
+    FromProposal,
+    FromTransition,
+}
+
+impl<D: Deref<Target: PartialLikelihood>, P: Proposal<D::Target>> FilterBank<D, P> {
+    /// Advances every filter by a measurement of which some of the `M` entries may be missing, and weighs particles by the density of the
+    /// entries that are there. They are drawn from the proposal if it can take such a measurement ([`Proposal::prepare_partial`]), else from the
+    /// transition.
+    ///
+    /// # Errors
+    /// As [`FilterBank::step`], and [`FilterError::Model`] if that density cannot be had (nothing has changed then).
+    pub fn step_partial(&mut self, measurement: &[Option<f64>]) -> Result<(), FilterError> {
+        self.check_width(measurement.len())?;
+        PartialMeasurements::check_row(self.time, measurement)?;
+        // Of no particle: what is there of the measurement can be weighed, or nothing has changed.
+        self.model.partial_log_likelihoods(self.time, &[], measurement, &mut [])?;
+        if let Some(whole) = measurement.iter().copied().collect::<Option<Vec<f64>>>() {
+            return self.step(&whole);
+        }
+        if measurement.iter().all(Option::is_none) {
+            return self.step_without_measurement();
+        }
+        self.attempt(|bank| {
+            let (step, proposal) = (bank.time, &mut bank.proposal);
+            let prepared = proposal.prepare_partial(&bank.model, step, measurement);
+            let drawn = match prepared.map_err(|source| FilterError::Proposal { step, source })? {
+                true => Drawn::FromProposal,
+                false => Drawn::FromTransition,
+            };
+            bank.advance(drawn, &[], true, |model, time, states, out| {
+                model.partial_log_likelihoods(time, states, measurement, out)
+            })
+        })
+    }
+
+    /// [`FilterBank::run`] over measurements with gaps.
+    ///
+    /// # Errors
+    /// As [`FilterBank::step_partial`]; measurements after one that led to an error are not looked at.
+    pub fn run_partial(
+        &mut self,
+        measurements: &PartialMeasurements,
+        observe: impl FnMut(&Self) + Send,
+    ) -> Result<(), FilterError>
+    where
+        Self: Send,
+    {
+        self.over(measurements.rows(), Self::step_partial, observe)
+    }
+}

@@ -1,0 +1,58 @@
+//! What particles carry beside their state, how it follows them through resampling, and how blocks of it are lent.
+
+/// Per-particle values that are resampled together with the particle that owns them.
+pub trait ParticleMemory: Send {
+    /// The memory of consecutive particles, to be advanced.
+    type Rows<'a>: MemoryRows
+    where
+        Self: 'a;
+
+    /// The memory of all particles.
+    fn rows(&mut self) -> Self::Rows<'_>;
+
+    /// Replaces the memory of particle `k` by that of particle `ancestors[k]`, for every `k` at once.
+    fn resample(&mut self, ancestors: &[usize]);
+}
+
+/// The memory of consecutive particles.
+pub trait MemoryRows: Send + Sized {
+    /// That of the first `particles` of them, and of the others.
+    fn split(self, particles: usize) -> (Self, Self);
+}
+
+/// No memory at all.
+impl ParticleMemory for () {
+    type Rows<'a> = ();
+
+    fn rows(&mut self) {}
+
+    fn resample(&mut self, _ancestors: &[usize]) {}
+}
+
+impl MemoryRows for () {
+    fn split(self, _particles: usize) -> ((), ()) {
+        ((), ())
+    }
+}
+
+/// One value for each particle.
+impl<T: Clone + Send> ParticleMemory for Vec<T> {
+    type Rows<'a>
+        = &'a mut [T]
+    where
+        T: 'a;
+
+    fn rows(&mut self) -> &mut [T] {
+        self
+    }
+
+    fn resample(&mut self, ancestors: &[usize]) {
+        *self = ancestors.iter().map(|&ancestor| self[ancestor].clone()).collect();
+    }
+}
+
+impl<T: Send> MemoryRows for &mut [T] {
+    fn split(self, particles: usize) -> (Self, Self) {
+        self.split_at_mut(particles)
+    }
+}
