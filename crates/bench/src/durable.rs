@@ -52,3 +52,22 @@ pub(crate) fn remove(path: &Path) -> Result<()> {
         _ => Ok(()),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[cfg(unix)]
+    #[test]
+    fn a_written_file_may_be_read_by_who_may_read_any_other() {
+        let folder = tempfile::tempdir().unwrap();
+        let mode = |name: &str| {
+            use std::os::unix::fs::PermissionsExt;
+            std::fs::metadata(folder.path().join(name)).unwrap().permissions().mode()
+        };
+        std::fs::write(folder.path().join("any"), "").unwrap();
+        write(&folder.path().join("ours"), &[b"a", b"b"]).unwrap();
+        assert_eq!(mode("ours"), mode("any"));
+        assert_eq!(std::fs::read(folder.path().join("ours")).unwrap(), b"ab");
+    }
+}

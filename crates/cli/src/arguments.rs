@@ -71,3 +71,64 @@ fn other_error(error: &clap::Error, name: &str) -> UsageError {
     let said = said.join(" ");
     UsageError::Other(format!("{}; see {name} --help", said.trim_start_matches("error: ").trim()))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{integer, one_of};
+    use clap::Parser;
+
+    #[derive(Debug, Parser)]
+    #[command(name = "program")]
+    struct Arguments {
+        #[arg(long, value_parser = integer(1..=9_u32))]
+        count: Option<u32>,
+        #[arg(long, value_parser = colour)]
+        colour: Option<String>,
+    }
+
+    fn colour(name: &str) -> Result<String, String> {
+        let known = ["red", "green"];
+        if known.contains(&name) { Ok(name.into()) } else { Err(one_of(name, known)) }
+    }
+
+    fn parsed(arguments: &[&str]) -> Result<Parsed<Arguments>, String> {
+        let all = std::iter::once("program").chain(arguments.iter().copied());
+        parse(all.map(OsString::from)).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn errors_are_one_line_that_says_what_would_be_right() {
+        for (arguments, line) in [
+            (["--count", "10"], "--count 10: it must be an integer from 1 to 9"),
+            (["--count", "1.5"], "--count 1.5: it must be an integer from 1 to 9"),
+            (["--count", "-1"], "--count -1: it must be an integer from 1 to 9"),
+            (["--colour", "gren"], "--colour gren: did you mean green? there are red, green"),
+            (["--colour", "violet"], "--colour violet: there are red, green"),
+            (
+                ["--colur", "red"],
+                "unexpected argument '--colur' found  tip: a similar argument exists: '--colour'; see program --help",
+            ),
+        ] {
+            let [option, value] = arguments;
+            // With an equals sign, a value may begin like an option.
+            let given = if value.starts_with('-') {
+                vec![format!("{option}={value}")]
+            } else {
+                arguments.map(String::from).into()
+            };
+            let given: Vec<&str> = given.iter().map(String::as_str).collect();
+            assert_eq!(parsed(&given).unwrap_err(), line);
+        }
+    }
+
+    #[test]
+    fn good_arguments_and_help_are_no_errors() {
+        let Ok(Parsed::Args(arguments)) = parsed(&["--count", "9", "--colour", "red"]) else {
+            panic!("refused")
+        };
+        assert_eq!((arguments.count, arguments.colour.as_deref()), (Some(9), Some("red")));
+        let Ok(Parsed::Help(text)) = parsed(&["--help"]) else { panic!("no help") };
+        assert!(text.contains("--colour"), "{text}");
+    }
+}

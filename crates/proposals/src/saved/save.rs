@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use motes_models::{ModelShape, StateSpaceModel};
 use serde::Serialize;
+use tempfile::TempDir;
 
 use super::description::{DESCRIPTION, Description};
 use super::error::SavedError;
@@ -34,12 +35,24 @@ pub fn save<F: Family>(
         .map_err(|reason| SavedError::Damaged { path: folder.join(WEIGHTS), reason })?;
     let description = Description::of(proposal, model, shape.graph.as_ref(), training)
         .map_err(|reason| SavedError::Damaged { path: folder.join(DESCRIPTION), reason })?;
-    let partial = beside(&folder, "partial");
     let files = [(WEIGHTS, weights.as_slice()), (DESCRIPTION, &seal(&description, &weights).into_bytes())];
-    write(&partial, files).and_then(|()| replace(&partial, &folder)).inspect_err(|_| {
-        // What could not be finished is of no use; the error that is reported is the first one.
-        let _ = std::fs::remove_dir_all(&partial);
-    })
+    // Removed if it does not come to take its place.
+    let new = empty_beside(&folder).map_err(|source| SavedError::Io { path: folder.clone(), source })?;
+    write(new.path(), files)?;
+    replace(new.path(), &folder)?;
+    drop(new.keep());
+    Ok(())
+}
+
+/// An empty folder in the same folder, under a name that nothing else has.
+fn empty_beside(folder: &Path) -> std::io::Result<TempDir> {
+    let parent = folder.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    std::fs::create_dir_all(parent)?;
+    let mut builder = tempfile::Builder::new();
+    // Open to all whom the user's mask lets in, as any folder that a program creates.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o777));
+    builder.prefix(".partial-").tempdir_in(parent)
 }
 
 /// `.<name>.<what>-<process>` in the same folder.
@@ -52,7 +65,6 @@ fn write(folder: &Path, files: [(&str, &[u8]); 2]) -> Result<(), SavedError> {
     let io = |path: &Path, result: std::io::Result<()>| {
         result.map_err(|source| SavedError::Io { path: path.into(), source })
     };
-    io(folder, std::fs::create_dir_all(folder))?;
     for (name, bytes) in files {
         let path = folder.join(name);
         let written = File::create(&path).and_then(|mut file| {
