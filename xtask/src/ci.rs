@@ -48,7 +48,7 @@ fn usual(root: &Path, update_expectations: bool) -> Result<(), ExitCode> {
 
 /// What takes longer than one waits for at every change.
 fn thorough(root: &Path) -> Result<(), ExitCode> {
-    let scores = ["--test", "evidence", "--test", "planted", "--", "--include-ignored", "--nocapture"];
+    let scores = ["--test", "all", "--", "evidence::", "planted::", "--include-ignored", "--nocapture"];
     step("scores of evidence and of planted bugs", || {
         cargo(root, &[&["test", "--workspace", "--locked"], &WITH_BURN[..], &scores].concat(), &[])
     })?;

@@ -94,7 +94,7 @@ impl ProposalError {
     }
 
     /// The same error of a block that begins at row `first` of a batch.
-    pub(crate) fn from_row(self, first: usize) -> Self {
+    pub(crate) fn in_batch(self, first: usize) -> Self {
         match self {
             ProposalError::Numerical { computation, particle, reason } => {
                 ProposalError::Numerical { computation, particle: first + particle, reason }

@@ -168,7 +168,7 @@ impl<M: StateSpaceModel + ?Sized, P: Proposal<M>> Step<'_, M, P> {
         });
         let context = Context { time, previous, measurement, particles: rows.len() };
         let conditioned = self.proposal.condition(model, context, memory, scratch);
-        let mut conditional = conditioned.map_err(|error| Fault::Proposal(error.from_row(first)))?;
+        let mut conditional = conditioned.map_err(|error| Fault::Proposal(error.in_batch(first)))?;
         // A mixture of the transition with itself is no other.
         let defensive = self.common.settings.defensive_weight.filter(|_| !conditional.is_transition());
         if conditional.is_transition() {

@@ -32,7 +32,7 @@ struct Step {
 }
 
 fn numbers() -> Numbers {
-    serde_json::from_str(include_str!("../parity/families.json")).unwrap()
+    serde_json::from_str(include_str!("../../parity/families.json")).unwrap()
 }
 
 fn system(adjacency: &[Vec<f64>]) -> GraphDiffusion {
