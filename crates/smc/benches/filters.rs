@@ -106,10 +106,45 @@ fn sequences(criterion: &mut Criterion) {
     }
 }
 
+/// What a designed proposal is used with: a defensive mixture, and measurements of which the first entry is missing.
+fn mixtures_and_gaps(criterion: &mut Criterion) {
+    let (system, data) = problem();
+    let mut group = criterion.benchmark_group("min-degeneracy, K = 10000");
+    group.throughput(Throughput::Elements(10_000));
+    for threads in [1, 2] {
+        let bank = |defensive_weight| {
+            let always = ResampleWhen::Always;
+            let settings =
+                FilterSettings { resample_when: always, defensive_weight, ..FilterSettings::new(10_000) };
+            let proposal = MinDegeneracy::new(&system).expect("positive definite");
+            FilterBank::new(&system, proposal, settings, 1, &Seed::from_u64(5)).expect("usable settings")
+        };
+        let (mut mixed, mut partial, mut time) = (bank(Some(0.1)), bank(None), 0);
+        group.bench_function(format!("defensive mixture, threads: {threads}"), |bencher| {
+            pool(threads).install(|| {
+                bencher.iter(|| {
+                    time = (time + 1) % data.measurements.len();
+                    mixed.step(data.measurements.row(time))
+                });
+            });
+        });
+        group.bench_function(format!("one entry missing, threads: {threads}"), |bencher| {
+            pool(threads).install(|| {
+                bencher.iter(|| {
+                    time = (time + 1) % data.measurements.len();
+                    let mut row: Vec<_> = data.measurements.row(time).iter().copied().map(Some).collect();
+                    row[0] = None;
+                    partial.step_partial(&row)
+                });
+            });
+        });
+    }
+}
+
 fn designed(criterion: &mut Criterion) {
     steps(criterion, "bootstrap", |_| Bootstrap);
     steps(criterion, "min-degeneracy", |system| MinDegeneracy::new(system).expect("positive definite"));
 }
 
-criterion_group!(benches, normals, weighing, resampling, designed, sequences);
+criterion_group!(benches, normals, weighing, resampling, designed, mixtures_and_gaps, sequences);
 criterion_main!(benches);

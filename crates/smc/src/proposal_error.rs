@@ -34,7 +34,7 @@ pub enum ProposalError {
         expected: &'static str,
     },
     /// The proposal works on the graph of a system, and the model has none.
-    #[error("the model has no graph, which a graph network needs: see ModelShape::graph")]
+    #[error("the model has no graph, which a graph network needs: see ModelShape::on_graph")]
     NoGraph,
     /// The units in which a proposal's networks work cannot be had from simulations of the system.
     #[error("the frames of a standardised proposal cannot be had: {reason}")]

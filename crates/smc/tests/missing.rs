@@ -73,6 +73,23 @@ fn evidence_and_means_are_those_of_the_kalman_filter() {
     }
 }
 
+/// The entries that are there choose the draws, too: weights are closer to equal than those of the blind transition.
+#[test]
+fn what_is_there_of_a_measurement_is_used_to_draw() {
+    let model = model();
+    fn run(proposal: impl Proposal<LinearGaussian>, model: &LinearGaussian) -> f64 {
+        let settings = FilterSettings { resample_when: ResampleWhen::Always, ..FilterSettings::new(20_000) };
+        let stream = Seed::from_u64(84).stream();
+        let mut filter = ParticleFilter::new(model, proposal, settings, stream).unwrap();
+        filter.step(&[0.9, 0.1]).unwrap();
+        filter.step_partial(&[None, Some(-1.2)]).unwrap();
+        filter.effective_sample_size()
+    }
+    let designed = run(MinDegeneracy::new(&model).unwrap(), &model);
+    let blind = run(Bootstrap, &model);
+    assert!(designed > 1.1 * blind, "{designed} of 20,000 beside {blind}");
+}
+
 fn filter(model: &LinearGaussian) -> ParticleFilter<&LinearGaussian, MinDegeneracy> {
     let settings = FilterSettings { resample_when: ResampleWhen::Always, ..FilterSettings::new(50) };
     let proposal = MinDegeneracy::new(model).unwrap();
