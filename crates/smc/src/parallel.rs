@@ -3,7 +3,7 @@
 //! Who wants a filter on one thread, or on two, calls it in a pool of as many. Nothing here decides by a clock, and no result depends on threads.
 
 use motes_models::batch::reserve_scratch;
-use rayon_core::{broadcast, current_num_threads, current_thread_index, join, scope};
+use rayon_core::{current_num_threads, current_thread_index, join, scope};
 
 /// For fewer particles than this a thread that sleeps takes longer to wake than to help.
 const WORTH_WAKING: usize = 2048;
@@ -32,7 +32,7 @@ pub(crate) enum Threads {
 impl Threads {
     /// Does all pieces, at least `grain` of them at a time, on any thread that has time.
     pub(crate) fn share<P: Pieces>(self, pieces: P, grain: usize, work: &(impl Fn(P) + Sync)) {
-        if self == Threads::OfPool && pieces.count() >= 2 * grain.max(1) {
+        if self == Threads::OfPool && pieces.count() >= grain.max(1).saturating_mul(2) {
             let half = pieces.count() / 2;
             let (left, right) = pieces.split(half);
             join(|| self.share(left, grain, work), || self.share(right, grain, work));
@@ -44,10 +44,13 @@ impl Threads {
 
 /// Does a step of `particles` particles: on the threads of the pool if the caller is in one, or if it is worth waking them.
 pub(crate) fn step(particles: usize, work: impl FnOnce(Threads) + Send) {
-    match () {
-        () if particles < WORTH_WAKING && current_thread_index().is_none() => work(Threads::One),
-        () if current_num_threads() < 2 => work(Threads::One),
-        () => scope(|_| work(Threads::OfPool)),
+    let is_outside = current_thread_index().is_none();
+    if (is_outside && particles < WORTH_WAKING) || current_num_threads() < 2 {
+        work(Threads::One);
+    } else if is_outside {
+        scope(|_| work(Threads::OfPool));
+    } else {
+        work(Threads::OfPool);
     }
 }
 
@@ -56,10 +59,8 @@ pub(crate) fn sequence<R: Send>(work: impl FnOnce() -> R + Send) -> R {
     if current_thread_index().is_some() || current_num_threads() < 2 { work() } else { scope(|_| work()) }
 }
 
-/// Allocates `scratch` numbers on every thread that may take part, because one might otherwise need them first in the midst of a sequence.
-pub(crate) fn reserve(particles: usize, scratch: usize) {
+/// Allocates `scratch` numbers on the calling thread, because it might otherwise need them first in the midst of a sequence. Other threads allocate
+/// theirs when they first help: to wait for them could be to wait for work that waits for this.
+pub(crate) fn reserve(scratch: usize) {
     reserve_scratch(NESTED, scratch);
-    if (particles >= WORTH_WAKING || current_thread_index().is_some()) && current_num_threads() > 1 {
-        broadcast(|_| reserve_scratch(NESTED, scratch));
-    }
 }

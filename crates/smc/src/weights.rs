@@ -134,7 +134,7 @@ impl LogWeights {
     }
 
     /// Weighted quantiles of one number `x_k` of each particle (`K` of them): for each probability `p` the smallest value that particles with a
-    /// weight of at least `p` together do not exceed. A particle without weight has no part in it.
+    /// weight of at least `p` together do not exceed. A particle without weight has no part in it; NaN where none has weight.
     ///
     /// # Panics
     /// If a probability is not between 0 and 1, or there is not one value for each particle.
@@ -152,7 +152,7 @@ impl LogWeights {
             assert!((0.0..=1.0).contains(probability), "{probability} is no probability");
             // Relative to the whole sum, which rounding leaves a hair beside 1.
             let at = pairs.partition_point(|(_, cumulative)| *cumulative < probability * sum);
-            pairs.get(at.min(pairs.len() - 1)).map_or(f64::NAN, |(value, _)| *value)
+            pairs.get(at.min(pairs.len().saturating_sub(1))).map_or(f64::NAN, |(value, _)| *value)
         };
         probabilities.iter().map(quantile).collect()
     }

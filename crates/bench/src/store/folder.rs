@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{Read, Seek, Write};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use super::error::{StoreError, at};
 use super::line::encode;
@@ -133,7 +134,16 @@ fn lock(folder: &Path) -> Result<File, StoreError> {
         .truncate(false)
         .open(&path)
         .map_err(at(&path))?;
-    match lock.try_lock() {
+    // A process that was killed while it started another leaves its lock to that one for a moment.
+    let mut locked = lock.try_lock();
+    for _ in 0..LOCK_ATTEMPTS {
+        if !matches!(locked, Err(TryLockError::WouldBlock)) {
+            break;
+        }
+        std::thread::sleep(LOCK_PAUSE);
+        locked = lock.try_lock();
+    }
+    match locked {
         Ok(()) => {}
         Err(TryLockError::WouldBlock) => {
             let mut holder = String::new();
@@ -146,6 +156,11 @@ fn lock(folder: &Path) -> Result<File, StoreError> {
     writeln!(lock, "process {}", std::process::id()).map_err(at(&path))?;
     Ok(lock)
 }
+
+/// How often a folder that another process has is tried again before it is refused, ...
+const LOCK_ATTEMPTS: usize = 25;
+/// ... and how long after the last time.
+const LOCK_PAUSE: Duration = Duration::from_millis(20);
 
 #[cfg(test)]
 mod tests {

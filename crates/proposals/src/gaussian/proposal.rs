@@ -28,6 +28,7 @@ pub struct GaussianProposal<F: GaussianNetworks> {
 /// What all particles of a step have in common.
 #[derive(Clone)]
 pub(super) struct Prepared {
+    pub(super) time: usize,
     pub(super) measurement: Vec<f64>,
     pub(super) covariance: KernelCovariance,
 }

@@ -39,9 +39,10 @@ impl<M: StateSpaceModel + ?Sized, F: GaussianNetworks> Proposal<M> for GaussianP
 
     fn prepare(&mut self, model: &M, time: usize, measurement: &[f64]) -> Result<(), ProposalError> {
         ProposalError::unless_same("the state dimension N", self.state_dim, model.state_dim())?;
+        self.prepared = None;
         self.check(time, measurement)?;
         let covariance = self.covariance()?;
-        self.prepared = Some(Prepared { measurement: measurement.to_vec(), covariance });
+        self.prepared = Some(Prepared { time, measurement: measurement.to_vec(), covariance });
         Ok(())
     }
 
@@ -53,7 +54,8 @@ impl<M: StateSpaceModel + ?Sized, F: GaussianNetworks> Proposal<M> for GaussianP
         scratch: &'a mut GaussianScratch,
     ) -> Result<&'a mut GaussianBatch, ProposalError> {
         let Context { time, previous, particles, .. } = context;
-        let Some(Prepared { measurement, covariance }) = &self.prepared else {
+        let prepared = self.prepared.as_ref().filter(|prepared| prepared.time == time);
+        let Some(Prepared { measurement, covariance, .. }) = prepared else {
             return Err(ProposalError::NotPrepared { time });
         };
         let (width, mut hidden) = (self.state_dim, memory.into_slices());

@@ -36,9 +36,10 @@ impl<M: StateSpaceModel + ?Sized> Proposal<M> for Psi {
 
     fn prepare(&mut self, model: &M, time: usize, measurement: &[f64]) -> Result<(), ProposalError> {
         ProposalError::unless_same("the state dimension N", self.state_dim, model.state_dim())?;
+        self.prepared = None;
         let (map, shift) = self.at_measurement(time, measurement)?;
         let log_abs_det = self.inverses(&map, time)?.log_abs_det;
-        self.prepared = Some(Prepared { map, log_abs_det, shift });
+        self.prepared = Some(Prepared { time, map, log_abs_det, shift });
         Ok(())
     }
 
@@ -49,7 +50,8 @@ impl<M: StateSpaceModel + ?Sized> Proposal<M> for Psi {
         (): (),
         scratch: &'a mut PsiScratch,
     ) -> Result<Transformed<'a>, ProposalError> {
-        let Some(Prepared { map, log_abs_det, shift }) = &self.prepared else {
+        let prepared = self.prepared.as_ref().filter(|prepared| prepared.time == context.time);
+        let Some(Prepared { map, log_abs_det, shift, .. }) = prepared else {
             return Err(ProposalError::NotPrepared { time: context.time });
         };
         let PsiScratch { shifts, noise } = scratch;

@@ -48,6 +48,7 @@ pub struct Psi {
 /// What all particles of a step have in common.
 #[derive(Clone)]
 pub(super) struct Prepared {
+    pub(super) time: usize,
     pub(super) map: Map,
     pub(super) log_abs_det: f64,
     /// `C y_t`.

@@ -56,6 +56,7 @@ pub struct Standardised<F: Family> {
 #[derive(Clone)]
 pub(super) struct Prepared {
     /// `υ_t`.
+    pub(super) time: usize,
     pub(super) measurement: Vec<f64>,
     /// `o + B υ_t`.
     pub(super) origin: Vec<f64>,

@@ -42,12 +42,13 @@ impl<M: StateSpaceModel + ?Sized, F: Family + Proposal<M>> Proposal<M> for Stand
     }
 
     fn prepare(&mut self, model: &M, time: usize, measurement: &[f64]) -> Result<(), ProposalError> {
+        self.prepared = None;
         let (n, m) = (self.proposal.state_dim(), self.proposal.measurement_dim());
         ProposalError::unless_same("the state dimension N", n, model.state_dim())?;
         ProposalError::unless_same("the measurement dimension M", m, measurement.len())?;
         let (measurement, origin) = self.config.frames.at(time)?.of_measurement(measurement);
         self.proposal.prepare(model, time, &measurement)?;
-        self.prepared = Some(Prepared { measurement, origin });
+        self.prepared = Some(Prepared { time, measurement, origin });
         Ok(())
     }
 
@@ -59,7 +60,8 @@ impl<M: StateSpaceModel + ?Sized, F: Family + Proposal<M>> Proposal<M> for Stand
         scratch: &'a mut Self::Scratch,
     ) -> Result<Self::Conditional<'a>, ProposalError> {
         let Context { time, previous, particles, .. } = context;
-        let Some(Prepared { measurement, origin }) = &self.prepared else {
+        let prepared = self.prepared.as_ref().filter(|prepared| prepared.time == time);
+        let Some(Prepared { measurement, origin, .. }) = prepared else {
             return Err(ProposalError::NotPrepared { time });
         };
         let frame = self.config.frames.at(time)?;

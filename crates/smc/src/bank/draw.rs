@@ -55,8 +55,11 @@ impl<M: StateSpaceModel + ?Sized, P: Proposal<M>> Step<'_, M, P> {
     ) {
         let k = self.common.settings.particles;
         if k <= BLOCK {
-            let grain = self.proposal.block().div_ceil(k);
-            return threads.share(filters, grain, &|filters| self.advance_small(filters, resamples));
+            let each = self.group();
+            let groups = Groups { filters, each };
+            return threads.share(groups, 1, &|groups: Groups<'_, _>| {
+                self.advance_small(groups.filters, resamples);
+            });
         }
         let mut rest = filters;
         while rest.count() > 0 {
@@ -69,10 +72,15 @@ impl<M: StateSpaceModel + ?Sized, P: Proposal<M>> Step<'_, M, P> {
         }
     }
 
+    /// How many small filters are drawn together: by the proposal and the number of particles alone, so that no result depends on threads.
+    fn group(&self) -> usize {
+        (self.proposal.block().min(BLOCK) / self.common.settings.particles).max(1)
+    }
+
     /// Filters of one block each, or less.
     fn advance_small<'m>(&self, filters: Filters<'_, Memory<'m, M, P>>, resamples: bool) {
         let k = self.common.settings.particles;
-        let together = (self.proposal.block() / k).max(1);
+        let together = self.group().min(filters.count());
         let mut scratch = self.scratches.take();
         with_scratch(together * k, |increments| {
             let mut rest = filters;
@@ -170,11 +178,11 @@ impl<M: StateSpaceModel + ?Sized, P: Proposal<M>> Step<'_, M, P> {
         let conditioned = self.proposal.condition(model, context, memory, scratch);
         let mut conditional = conditioned.map_err(|error| Fault::Proposal(error.in_batch(first)))?;
         // A mixture of the transition with itself is no other.
-        let defensive = self.common.settings.defensive_weight.filter(|_| !conditional.is_transition());
         if conditional.is_transition() {
             drop(conditional);
             return self.draw_from_transition(context, first, streams, states, increments);
         }
+        let defensive = self.common.settings.defensive_weight;
         if defensive.is_none() && conditional.sample_weighted(streams, states, increments) {
             return self.check_states(first, states);
         }
@@ -245,6 +253,24 @@ struct Block<'a, R> {
     /// The row of each one's ancestor; their own rows if there are none.
     ancestors: Option<&'a [usize]>,
     memory: R,
+}
+
+/// Consecutive small filters, in groups that are drawn together.
+struct Groups<'a, R> {
+    filters: Filters<'a, R>,
+    each: usize,
+}
+
+impl<R: MemoryRows> Pieces for Groups<'_, R> {
+    fn count(&self) -> usize {
+        self.filters.count().div_ceil(self.each)
+    }
+
+    fn split(self, groups: usize) -> (Self, Self) {
+        let Groups { filters, each } = self;
+        let (first, others) = filters.split(groups * each);
+        (Groups { filters: first, each }, Groups { filters: others, each })
+    }
 }
 
 /// Consecutive blocks of a filter.

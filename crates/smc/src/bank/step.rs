@@ -111,7 +111,7 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
         }
         if self.time == 0 {
             // The first step that resamples needs more than this one.
-            parallel::reserve(self.ancestors.len(), self.scratch());
+            parallel::reserve(self.scratch());
         }
         advance(self).inspect_err(|failure| self.failure = Some(failure.clone()))?;
         self.time += 1;

@@ -191,7 +191,11 @@ impl<M: AdditiveGaussian + ?Sized> Proposal<M> for MinDegeneracy {
         (): (),
         (): &'a mut (),
     ) -> Result<Corrected<'a, M>, ProposalError> {
-        Ok(Corrected { model, correction: self.at(context.time), proposal: self, context })
+        let correction = self.at(context.time);
+        if self.shift.len() != correction.gain.nrows() {
+            return Err(ProposalError::NotPrepared { time: context.time });
+        }
+        Ok(Corrected { model, correction, proposal: self, context })
     }
 }
 
