@@ -21,11 +21,11 @@ pub trait Arithmetic {
         activation: Activation,
     ) -> Self::Rows;
 
-    /// `h'` and `c'` of an LSTM layer from its pre-activations (`R×4H`) and `c` (`R×H`); see [`crate::Cell::Lstm`].
+    /// `h'` and `c'` of an LSTM layer from its pre-activations (`R×4H`) and `c` (`R×H`); see [`crate::layers::Cell::Lstm`].
     fn lstm(&mut self, gates: Self::Rows, cells: &Self::Rows) -> (Self::Rows, Self::Rows);
 
     /// `h'` of a GRU layer from the products with its input and its hidden state (`R×3H` each), the index of the offset `d` and
-    /// `h` (`R×H`); see [`crate::Cell::Gru`].
+    /// `h` (`R×H`); see [`crate::layers::Cell::Gru`].
     fn gru(
         &mut self,
         from_input: &Self::Rows,

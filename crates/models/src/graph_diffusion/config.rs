@@ -32,7 +32,7 @@ impl Drift {
     }
 }
 
-/// What determines a [`GraphDiffusion`] but for its random graph. Set fields after [`GraphDiffusionConfig::new`].
+/// What determines a [`crate::GraphDiffusion`] but for its random graph. Set fields after [`GraphDiffusionConfig::new`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct GraphDiffusionConfig {
     /// `N`, the number of nodes and of state coordinates.

@@ -16,7 +16,7 @@ pub enum SavedError {
         /// What the operating system said.
         source: std::io::Error,
     },
-    /// A file is not what [`save`] writes.
+    /// A file is not what [`crate::save`] writes.
     #[error("{}: {reason}", path.display())]
     Damaged {
         /// The file.
