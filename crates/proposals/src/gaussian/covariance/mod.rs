@@ -10,6 +10,8 @@ use crate::settings::check_ridge;
 
 /// `Σ = C K(z) Cᵀ + δ I` with `K(z)ᵢⱼ = exp(−(zᵢ − zⱼ)²)` (the paper's equations "covMatrix" and "covKernel"; the ridge
 /// `δ` makes it positive definite, which without it it need not be).
+///
+/// For `N = 1` it is a constant whatever `z` is: `K(z) = 1`, so `Σ = C² + δ`.
 #[derive(Debug, Clone)]
 pub struct KernelCovariance {
     width: usize,
