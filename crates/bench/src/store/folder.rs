@@ -134,10 +134,9 @@ fn lock(folder: &Path) -> Result<File, StoreError> {
         .truncate(false)
         .open(&path)
         .map_err(at(&path))?;
-    // A process that was killed while it started another leaves its lock to that one for a moment.
     let mut locked = lock.try_lock();
     for _ in 0..LOCK_ATTEMPTS {
-        if !matches!(locked, Err(TryLockError::WouldBlock)) {
+        if !matches!(locked, Err(TryLockError::WouldBlock)) || !is_of_a_dead_process(&path) {
             break;
         }
         std::thread::sleep(LOCK_PAUSE);
@@ -157,7 +156,14 @@ fn lock(folder: &Path) -> Result<File, StoreError> {
     Ok(lock)
 }
 
-/// How often a folder that another process has is tried again before it is refused, ...
+/// Whether the process that the lock file names is gone: killed while it started another, it leaves the lock to that one for a moment.
+fn is_of_a_dead_process(lock: &Path) -> bool {
+    let holder = std::fs::read_to_string(lock).unwrap_or_default();
+    let Some(process) = holder.trim().strip_prefix("process ") else { return false };
+    Path::new("/proc/self").exists() && !Path::new("/proc").join(process).exists()
+}
+
+/// How often a folder whose holder is gone is tried again, ...
 const LOCK_ATTEMPTS: usize = 25;
 /// ... and how long after the last time.
 const LOCK_PAUSE: Duration = Duration::from_millis(20);
