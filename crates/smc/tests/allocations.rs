@@ -1,5 +1,6 @@
 //! A step of a designed filter allocates nothing after the first.
 
+use motes_models::batch::reserve_scratch;
 use motes_models::{GraphDiffusion, GraphDiffusionConfig, Noise, Seed, simulate};
 use motes_smc::{Bootstrap, FilterBank, FilterSettings, MinDegeneracy, Proposal, ResampleWhen, Resampling};
 use rayon_core::{ThreadPool, ThreadPoolBuilder};
@@ -69,6 +70,8 @@ fn steps_allocate_nothing() {
     let found = allocations(min_degeneracy, large, Noise::Exponential, 1, &one);
     assert_eq!(found, 0, "minimum degeneracy, exponential noise");
     // Handing work to other threads goes through a queue that grows by a piece every few dozen times.
+    // A thread allocates its scratch when it first helps; here all do so before.
+    two.broadcast(|_| reserve_scratch(5, 3 * 9000 + 1024 * 4));
     let found = allocations(|_| Bootstrap, large, Noise::Gaussian, 1, &two);
     assert!(found <= 4, "{found} allocations in {STEPS} steps on two threads");
 }
