@@ -50,6 +50,10 @@ fn settings(particles: usize, resampling: Resampling, defensive_weight: Option<f
 fn steps_allocate_nothing() {
     // Pools that live to the end: one that ends allocates while it does.
     let [one, two] = [1, 2].map(|threads| ThreadPoolBuilder::new().num_threads(threads).build().unwrap());
+    // Their threads have started, and each has the scratch that it would allocate when it first helps.
+    for pool in [&one, &two] {
+        pool.broadcast(|_| reserve_scratch(5, 3 * 9000 + 1024 * 4));
+    }
     let _counting = dhat::Profiler::builder().testing().build();
     let schemes =
         [Resampling::Multinomial, Resampling::Systematic, Resampling::Stratified, Resampling::Residual];
@@ -70,8 +74,6 @@ fn steps_allocate_nothing() {
     let found = allocations(min_degeneracy, large, Noise::Exponential, 1, &one);
     assert_eq!(found, 0, "minimum degeneracy, exponential noise");
     // Handing work to other threads goes through a queue that grows by a piece every few dozen times.
-    // A thread allocates its scratch when it first helps; here all do so before.
-    two.broadcast(|_| reserve_scratch(5, 3 * 9000 + 1024 * 4));
     let found = allocations(|_| Bootstrap, large, Noise::Gaussian, 1, &two);
     assert!(found <= 4, "{found} allocations in {STEPS} steps on two threads");
 }
