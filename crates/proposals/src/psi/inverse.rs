@@ -12,14 +12,16 @@ const LOG_DENSITY_ERROR: f64 = 1e-4;
 const SAFETY: f64 = 16.0;
 
 /// The matrices of a transform, factored once for all states.
-struct Factored {
+#[derive(Debug, Clone)]
+pub(super) struct Factored {
     log_abs_det: f64,
     noise: PartialPivLu<f64>,
     layers: Vec<PartialPivLu<f64>>,
 }
 
 impl Factored {
-    fn new(map: &Map, log_abs_det: f64) -> Self {
+    /// Those of `map`, whose `log|det|` together are `log_abs_det`.
+    pub(super) fn new(map: &Map, log_abs_det: f64) -> Self {
         let n = map.width;
         let factor = |matrix: &[f64]| MatRef::from_row_major_slice(matrix, n, n).partial_piv_lu();
         Factored {
@@ -37,17 +39,16 @@ impl Map {
     /// the error goes along: the derivative of what is recovered with respect to the state, times one unit of rounding.
     pub(super) fn inverse(
         &self,
-        log_abs_det: f64,
+        factored: &Factored,
         shifts: &[f64],
         states: &[f64],
         noise: &mut [f64],
         log_density: &mut [f64],
     ) {
         let n = self.width;
-        let factored = Factored::new(self, log_abs_det);
         let rows = states.chunks_exact(n).zip(shifts.chunks_exact(n)).zip(noise.chunks_exact_mut(n));
         for (((state, shift), noise), log_density) in rows.zip(log_density) {
-            *log_density = self.invert(&factored, state, shift, noise);
+            *log_density = self.invert(factored, state, shift, noise);
         }
     }
 

@@ -1,11 +1,13 @@
 //! The transform in a filter.
 
+use std::sync::OnceLock;
+
 use motes_models::batch::Rows;
 use motes_models::{StateSpaceModel, Stream};
 use motes_smc::{Conditional, Context, Proposal, ProposalError, particles_by_stream};
 use rand::RngExt;
 
-use super::map::Map;
+use super::inverse::Factored;
 use super::transform::{Prepared, Psi};
 
 /// What conditioning a block of particles computes in.
@@ -19,8 +21,7 @@ pub struct PsiScratch {
 
 /// The distributions of `R` particles at one time.
 pub struct Transformed<'a> {
-    map: &'a Map,
-    log_abs_det: f64,
+    prepared: &'a Prepared,
     scratch: &'a mut PsiScratch,
 }
 
@@ -39,7 +40,7 @@ impl<M: StateSpaceModel + ?Sized> Proposal<M> for Psi {
         self.prepared = None;
         let (map, shift) = self.at_measurement(time, measurement)?;
         let log_abs_det = self.inverses(&map, time)?.log_abs_det;
-        self.prepared = Some(Prepared { time, map, log_abs_det, shift });
+        self.prepared = Some(Prepared { time, map, log_abs_det, factored: OnceLock::new(), shift });
         Ok(())
     }
 
@@ -51,9 +52,10 @@ impl<M: StateSpaceModel + ?Sized> Proposal<M> for Psi {
         scratch: &'a mut PsiScratch,
     ) -> Result<Transformed<'a>, ProposalError> {
         let prepared = self.prepared.as_ref().filter(|prepared| prepared.time == context.time);
-        let Some(Prepared { map, log_abs_det, shift, .. }) = prepared else {
+        let Some(prepared) = prepared else {
             return Err(ProposalError::NotPrepared { time: context.time });
         };
+        let Prepared { map, shift, .. } = prepared;
         let PsiScratch { shifts, noise } = scratch;
         noise.resize(context.particles * self.state_dim, 0.0);
         shifts.clear();
@@ -61,7 +63,7 @@ impl<M: StateSpaceModel + ?Sized> Proposal<M> for Psi {
         if let Some(previous) = context.previous {
             Rows::with_contiguous(&previous, |previous| map.add_previous(Some(previous), shifts));
         }
-        Ok(Transformed { map, log_abs_det: *log_abs_det, scratch })
+        Ok(Transformed { prepared, scratch })
     }
 }
 
@@ -72,12 +74,15 @@ impl Conditional for Transformed<'_> {
         for (stream, noise) in particles_by_stream(streams, noise, width, particles) {
             fill_uniform(stream, noise);
         }
-        self.map.forward(shifts, noise, states, Some((self.log_abs_det, log_density)));
+        let Prepared { map, log_abs_det, .. } = self.prepared;
+        map.forward(shifts, noise, states, Some((*log_abs_det, log_density)));
     }
 
     fn log_density(&mut self, states: &[f64], log_density: &mut [f64]) {
         let PsiScratch { shifts, noise } = &mut *self.scratch;
-        self.map.inverse(self.log_abs_det, shifts, states, noise, log_density);
+        let Prepared { map, log_abs_det, factored, .. } = self.prepared;
+        let factored = factored.get_or_init(|| Factored::new(map, *log_abs_det));
+        map.inverse(factored, shifts, states, noise, log_density);
     }
 }
 

@@ -1,10 +1,13 @@
 //! The family: its settings, its weights, and the transform that they make at each time.
 
+use std::sync::OnceLock;
+
 use motes_models::{ModelShape, Seed};
 use motes_networks::{Compute, Inputs, Parameters, fan_in_bound};
 use motes_smc::ProposalError;
 use serde::{Deserialize, Serialize};
 
+use super::inverse::Factored;
 use super::map::{Inverses, Map};
 use crate::family::Family;
 use crate::settings::{check_compute, check_count, check_horizon, check_ridge, check_shape, check_weights};
@@ -51,6 +54,8 @@ pub(super) struct Prepared {
     pub(super) time: usize,
     pub(super) map: Map,
     pub(super) log_abs_det: f64,
+    /// For densities at given states, formed when the first block asks for one.
+    pub(super) factored: OnceLock<Factored>,
     /// `C y_t`.
     pub(super) shift: Vec<f64>,
 }
@@ -132,7 +137,7 @@ impl Psi {
     ) -> Result<(), ProposalError> {
         let (map, shifts) = self.conditioned(inputs)?;
         let log_abs_det = self.inverses(&map, inputs.time)?.log_abs_det;
-        map.inverse(log_abs_det, &shifts, states, noise, log_density);
+        map.inverse(&Factored::new(&map, log_abs_det), &shifts, states, noise, log_density);
         match log_density.iter().position(|value| value.is_nan()) {
             None => Ok(()),
             Some(particle) => Err(ProposalError::Numerical {
