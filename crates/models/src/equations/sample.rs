@@ -1,11 +1,8 @@
 //! Drawing vectors of many particles from the distributions that a model states.
 
-use rand::Rng;
-
 use super::distribution::Distribution;
-use super::draw::{Needs, count, overdispersed_count, standard_gamma, student_factor, successes};
+use super::draw::{Needs, Source};
 use super::lanes::Lanes;
-use super::scalar::Scalar;
 use super::statement::Coordinates;
 use super::tiles::{rows_of, rows_of_mut};
 use crate::batch::{LANES, Rows, store, with_scratch};
@@ -56,51 +53,35 @@ fn take(numbers: &mut &[f64], particles: usize) -> Lanes {
     Lanes(lanes)
 }
 
-impl Drawn<'_, '_> {
-    /// A number for each particle from the stream itself, by two parameters.
-    fn by_one(&mut self, a: Lanes, b: Lanes, mut draw: impl FnMut(f64, f64, &mut dyn Rng) -> f64) -> Lanes {
-        let mut lanes = Lanes::from(0.0);
-        for lane in 0..self.particles {
-            lanes.0[lane] = draw(a.0[lane], b.0[lane], self.stream);
+impl Source<Lanes> for Drawn<'_, '_> {
+    #[inline(always)]
+    fn normal(&mut self) -> Lanes {
+        take(&mut self.normals, self.particles)
+    }
+
+    #[inline(always)]
+    fn exponential(&mut self) -> Lanes {
+        take(&mut self.exponentials, self.particles)
+    }
+
+    #[inline(always)]
+    fn uniform(&mut self) -> Lanes {
+        take(&mut self.uniforms, self.particles)
+    }
+
+    fn by(&mut self, a: Lanes, b: Lanes, draw: fn(f64, f64, &mut Stream) -> f64) -> Lanes {
+        let mut lanes = [0.0; LANES];
+        for (lane, drawn) in lanes[..self.particles].iter_mut().enumerate() {
+            *drawn = draw(a.0[lane], b.0[lane], self.stream);
         }
-        lanes
+        Lanes(lanes)
     }
 }
 
 impl Coordinates<Lanes> for Drawn<'_, '_> {
     #[inline(always)]
     fn push(&mut self, distribution: Distribution<Lanes>) {
-        let particles = self.particles;
-        let drawn = match distribution {
-            Distribution::Normal { mean, sd } => mean + sd * take(&mut self.normals, particles),
-            Distribution::LogNormal { origin, sign, location, scale } => {
-                origin + sign * (location + scale * take(&mut self.normals, particles)).exp()
-            }
-            Distribution::Laplace { location, scale } => {
-                let up = take(&mut self.exponentials, particles);
-                location + scale * (up - take(&mut self.exponentials, particles))
-            }
-            Distribution::Exponential { origin, mean } => {
-                origin + mean * take(&mut self.exponentials, particles)
-            }
-            Distribution::Uniform { low, high } => low + (high - low) * take(&mut self.uniforms, particles),
-            Distribution::StudentT { df, location, scale } => {
-                let normal = take(&mut self.normals, particles);
-                let factor = self.by_one(df, df, |df, _, mut rng| student_factor(df, &mut rng));
-                location + scale * normal * factor
-            }
-            Distribution::Gamma { origin, shape, scale } => {
-                let standard = self.by_one(shape, shape, |shape, _, mut rng| standard_gamma(shape, &mut rng));
-                origin + scale * standard
-            }
-            Distribution::Poisson { mean } => {
-                self.by_one(mean, mean, |mean, _, mut rng| count(mean, &mut rng))
-            }
-            Distribution::NegativeBinomial { mean, size } => {
-                self.by_one(mean, size, |mean, size, mut rng| overdispersed_count(mean, size, &mut rng))
-            }
-            Distribution::Binomial { n, p } => self.by_one(n, p, |n, p, mut rng| successes(n, p, &mut rng)),
-        };
+        let drawn = distribution.draw(self);
         match std::mem::take(&mut self.rows) {
             [] => self.is_ragged = true,
             [row, rest @ ..] => {
