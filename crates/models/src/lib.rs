@@ -28,6 +28,7 @@ pub mod batch;
 mod bulk;
 pub mod elementary;
 mod epidemic;
+pub mod equations;
 mod error;
 mod gaussian;
 mod gradient_check;

@@ -34,7 +34,10 @@ pub use memory::{MemoryRows, ParticleMemory};
 pub use motes_models::batch::{Rows, particles_by_stream};
 pub use proposal::{Conditional, Context, Proposal};
 pub use proposal_error::ProposalError;
-pub use proposals::{Bootstrap, Corrected, GaussianBatch, MinDegeneracy, Transition};
+pub use proposals::{
+    Bootstrap, Corrected, GaussianBatch, Linearised, LinearisedBatch, LinearisedScratch, MinDegeneracy,
+    Transition,
+};
 pub use resampling::{ResampleWhen, Resampling};
 pub use weights::{LogWeights, WeightFault};
 

@@ -3,9 +3,11 @@
 mod bootstrap;
 mod defensive;
 mod gaussian_batch;
+mod linearised;
 mod min_degeneracy;
 
 pub use bootstrap::{Bootstrap, Transition};
 pub(crate) use defensive::Defensive;
 pub use gaussian_batch::GaussianBatch;
+pub use linearised::{Linearised, LinearisedBatch, LinearisedScratch};
 pub use min_degeneracy::{Corrected, MinDegeneracy};

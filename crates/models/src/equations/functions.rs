@@ -1,0 +1,176 @@
+//! Exponentials, logarithms and sines for any number, without branches where numbers are common.
+//!
+//! They agree with those of the standard library within a few units in the last place. A loop over them becomes vector instructions, and a number's
+//! result does not depend on its neighbours: the standard library answers for the rare ones, number by number.
+
+use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
+
+use crate::elementary;
+
+/// Whether [`exp`] needs the standard library.
+#[inline(always)]
+fn is_rare_exponent(x: f64) -> bool {
+    // Written so that NaN is rare.
+    !(x > -700.0 && x < 700.0)
+}
+
+/// `eˣ` for `|x| < 700`.
+#[inline(always)]
+fn common_exp(x: f64) -> f64 {
+    // The reduction takes what is not positive; the inverse of a number has half a unit of rounding.
+    let size = elementary::exp(-x.abs());
+    if x > 0.0 { 1.0 / size } else { size }
+}
+
+/// Whether [`ln`] needs the standard library.
+#[inline(always)]
+fn is_rare_logarithm(x: f64) -> bool {
+    !(x > 1e-300 && x < 1e300)
+}
+
+/// Beyond this an angle loses digits when multiples of `π/2` are taken off it by three parts.
+const LARGEST_ANGLE: f64 = 1e5;
+
+/// Whether [`sin`] and [`cos`] need the standard library.
+#[inline(always)]
+fn is_rare_angle(x: f64) -> bool {
+    !(x > -LARGEST_ANGLE && x < LARGEST_ANGLE)
+}
+
+/// `sin(x + quarters·π/2)` for a common angle.
+#[inline(always)]
+fn common_sin(x: f64, quarters: u64) -> f64 {
+    // What π/2 is beyond its nearest double, and beyond that.
+    const MIDDLE: f64 = 6.123_233_995_736_766e-17;
+    const LAST: f64 = -1.497_384_904_859_169e-33;
+    const ROUND: f64 = 1.5 * (1_u64 << 52) as f64;
+    let rounded = x.mul_add(FRAC_2_PI, ROUND);
+    let n = rounded - ROUND;
+    let rest = n.mul_add(-LAST, n.mul_add(-MIDDLE, n.mul_add(-FRAC_PI_2, x)));
+    let (sin, cos) = elementary::sin_cos(rest);
+    let quadrant = rounded.to_bits().wrapping_add(quarters);
+    let size = if quadrant & 1 == 0 { sin } else { cos };
+    f64::from_bits(size.to_bits() ^ ((quadrant & 2) << 62))
+}
+
+/// `eˣ`.
+#[inline(always)]
+pub(super) fn exp(x: f64) -> f64 {
+    if is_rare_exponent(x) { x.exp() } else { common_exp(x) }
+}
+
+/// `ln x`.
+#[inline(always)]
+pub(super) fn ln(x: f64) -> f64 {
+    if is_rare_logarithm(x) { x.ln() } else { elementary::ln(x) }
+}
+
+/// `sin x`.
+#[inline(always)]
+pub(super) fn sin(x: f64) -> f64 {
+    if is_rare_angle(x) { x.sin() } else { common_sin(x, 0) }
+}
+
+/// `cos x`.
+#[inline(always)]
+pub(super) fn cos(x: f64) -> f64 {
+    if is_rare_angle(x) { x.cos() } else { common_sin(x, 1) }
+}
+
+/// A function of many numbers side by side, by vector instructions for common numbers.
+macro_rules! of_all {
+    ($(#[$doc:meta])* $name:ident, $is_rare:ident, |$x:ident| $common:expr, $rare:expr) => {
+        $(#[$doc])*
+        pub(super) fn $name<const W: usize>(values: &[f64; W]) -> [f64; W] {
+            let mut found = [0.0; W];
+            let mut is_rare = false;
+            pulp::Arch::new().dispatch(
+                #[inline(always)]
+                || {
+                    for (found, &$x) in found.iter_mut().zip(values) {
+                        *found = $common;
+                        is_rare |= $is_rare($x);
+                    }
+                },
+            );
+            if is_rare {
+                for (found, &value) in found.iter_mut().zip(values) {
+                    if $is_rare(value) {
+                        *found = $rare(value);
+                    }
+                }
+            }
+            found
+        }
+    };
+}
+
+of_all!(
+    /// [`exp`] of each.
+    exp_of_all, is_rare_exponent, |x| common_exp(x), f64::exp
+);
+of_all!(
+    /// [`ln`] of each.
+    ln_of_all, is_rare_logarithm, |x| elementary::ln(x), f64::ln
+);
+of_all!(
+    /// [`sin`] of each.
+    sin_of_all, is_rare_angle, |x| common_sin(x, 0), f64::sin
+);
+of_all!(
+    /// [`cos`] of each.
+    cos_of_all, is_rare_angle, |x| common_sin(x, 1), f64::cos
+);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn check(
+        found: fn(f64) -> f64,
+        all: fn(&[f64; 4]) -> [f64; 4],
+        expected: fn(f64) -> f64,
+        points: &[f64],
+        units: f64,
+    ) {
+        for &x in points {
+            let (found, expected) = (found(x), expected(x));
+            let same = found == expected || found.is_nan() && expected.is_nan();
+            let error = (found - expected).abs();
+            let allowed = units * f64::EPSILON * expected.abs().max(f64::MIN_POSITIVE);
+            assert!(same || error <= allowed, "at {x:e}: {found:e} for {expected:e}");
+            // Beside a rare number, and beside a common one.
+            for other in [f64::NAN, 0.5] {
+                assert_eq!(all(&[x, other, 1.0, x]).map(f64::to_bits)[0], found.to_bits(), "at {x:e}");
+                assert_eq!(all(&[x, other, 1.0, x]).map(f64::to_bits)[3], found.to_bits(), "at {x:e}");
+            }
+        }
+    }
+
+    /// Numbers of all sizes and both signs, and those that no formula likes.
+    fn points() -> Vec<f64> {
+        let sizes = (0..4000).map(|i| 1e-310 * 1.44_f64.powi(i)).take_while(|x| x.is_finite());
+        let special = [0.0, f64::INFINITY, f64::NAN, f64::MAX, 700.0, 709.5, 710.0, 745.0, 1e5];
+        sizes.chain(special).flat_map(|x| [x, -x]).collect()
+    }
+
+    #[test]
+    fn they_are_those_of_the_standard_library() {
+        check(exp, exp_of_all, f64::exp, &points(), 3.0);
+        check(ln, ln_of_all, f64::ln, &points(), 3.0);
+        let exponents: Vec<f64> = (-7100..7100).map(|i| 0.1 * f64::from(i) + 1e-3).collect();
+        check(exp, exp_of_all, f64::exp, &exponents, 3.0);
+    }
+
+    #[test]
+    fn angles_keep_their_digits() {
+        for (found, all, expected) in [
+            (sin as fn(f64) -> f64, sin_of_all as fn(&[f64; 4]) -> [f64; 4], f64::sin as fn(f64) -> f64),
+            (cos, cos_of_all, f64::cos),
+        ] {
+            let angles: Vec<f64> = (-200_000..200_000).map(|i| 0.7 * f64::from(i)).collect();
+            check(found, all, expected, &angles, 4.0);
+            check(found, all, expected, &points(), 4.0);
+        }
+    }
+}
