@@ -1,0 +1,219 @@
+//! The arguments of each command.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+use motes::models::ModelError;
+use motes::output::Output;
+use motes::smc::Resampling;
+use motes::{FilterOptions, Model, MotesError, ProposalName};
+use motes_cli::{integer, one_of};
+
+/// Particle filters for state-space models: hidden states, evidence and warnings from a model file and a CSV file.
+#[derive(Parser)]
+#[command(
+    name = "motes",
+    version,
+    after_help = "Exit status: 0; 1 where a warning fired and --strict was given; 2 for bad input; 3 where input or output failed."
+)]
+pub(super) struct Cli {
+    #[command(subcommand)]
+    pub(super) command: Command,
+}
+
+#[derive(Subcommand)]
+pub(super) enum Command {
+    /// Estimate the hidden states of data, time by time, with the evidence of each measurement
+    #[command(
+        after_help = "Examples:\n  motes filter nile.toml nile.csv -o states.csv --report nile.html\n  motes filter growth.toml data.csv --proposal linearised --particles 500 --set q=2\n  tail -f log.csv | motes filter walk.toml -"
+    )]
+    Filter(FilterArgs),
+    /// Draw series of states and measurements from a model
+    #[command(after_help = "Example:\n  motes simulate growth.toml --steps 100 --series 20 -o data.csv")]
+    Simulate(SimulateArgs),
+    /// Print what a shell needs to complete this command
+    Completions {
+        /// The shell
+        shell: clap_complete::Shell,
+    },
+    /// Print the manual page
+    Man,
+}
+
+/// The model, and what of it is changed.
+#[derive(Args)]
+pub(super) struct ModelArgs {
+    /// The model file
+    pub(super) model: PathBuf,
+    /// Give a parameter of the model another value
+    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = parameter)]
+    pub(super) set: Vec<(String, f64)>,
+    /// The seed that every random number comes from
+    #[arg(long, default_value_t = 1)]
+    pub(super) seed: u64,
+    /// Threads; as many as there are cores if absent
+    #[arg(long, value_name = "J", value_parser = integer(1..=1024_usize))]
+    pub(super) threads: Option<usize>,
+    /// Say nothing but errors
+    #[arg(long, short)]
+    pub(super) quiet: bool,
+}
+
+impl ModelArgs {
+    pub(super) fn read(&self) -> Result<Model, MotesError> {
+        Ok(Model::read(&self.model, &self.set)?)
+    }
+}
+
+/// How to filter.
+#[derive(Args)]
+pub(super) struct FilterSettingsArgs {
+    /// What particles are drawn from: bootstrap, linearised or optimal
+    #[arg(long, value_name = "P", default_value = "bootstrap")]
+    pub(super) proposal: ProposalName,
+    /// The number of particles
+    #[arg(long, value_name = "K", default_value = "1000", value_parser = integer(1..=1_000_000_000_usize))]
+    pub(super) particles: usize,
+    /// The share of particles that are drawn from the transition whatever the proposal is, from 0 to below 1
+    #[arg(long, value_name = "W", value_parser = share)]
+    pub(super) defensive: Option<f64>,
+    /// Resample where the effective sample size is below this share of the particles, above 0 and at most 1; 1 is at each step
+    #[arg(long, value_name = "F", default_value = "0.5", value_parser = fraction)]
+    pub(super) resample_below: f64,
+    /// How ancestors are drawn: multinomial, systematic, stratified or residual
+    #[arg(long, value_name = "SCHEME", default_value = "systematic", value_parser = resampling)]
+    pub(super) resampling: Resampling,
+    /// Let a bootstrap filter give a second opinion (the default for every proposal but bootstrap)
+    #[arg(long, overrides_with = "no_check")]
+    pub(super) check: bool,
+    /// Ask for no second opinion
+    #[arg(long, overrides_with = "check")]
+    pub(super) no_check: bool,
+}
+
+impl FilterSettingsArgs {
+    pub(super) fn options(&self, seed: u64, forecast: usize) -> FilterOptions {
+        FilterOptions {
+            proposal: self.proposal,
+            particles: self.particles,
+            defensive: self.defensive.unwrap_or(0.0),
+            resample_below: self.resample_below,
+            resampling: self.resampling,
+            seed,
+            check: !self.no_check,
+            forecast,
+        }
+    }
+}
+
+/// Where results go.
+#[derive(Args)]
+pub(super) struct OutputArgs {
+    /// Write the table to a file, which is replaced when the table is whole; standard output if absent
+    #[arg(long, short = 'o', value_name = "FILE")]
+    pub(super) output: Option<PathBuf>,
+    /// Print one JSON object with the figures of the whole run
+    #[arg(long)]
+    pub(super) json: bool,
+    /// Write a report with figures, an HTML file that needs nothing else
+    #[arg(long, value_name = "FILE.html")]
+    pub(super) report: Option<PathBuf>,
+    /// Exit with status 1 if a warning fired
+    #[arg(long)]
+    pub(super) strict: bool,
+}
+
+impl OutputArgs {
+    /// Where the table goes, if anywhere.
+    pub(super) fn table(&self) -> Option<Output> {
+        match (&self.output, self.json) {
+            (Some(path), _) => Some(Output::File(path.clone())),
+            (None, false) => Some(Output::Standard),
+            (None, true) => None,
+        }
+    }
+
+    /// Refuses places that cannot be written to, before the work is done.
+    pub(super) fn check(&self) -> Result<(), MotesError> {
+        let report = self.report.clone().map(Output::File);
+        for output in self.table().into_iter().chain(report) {
+            output.check().map_err(|source| MotesError::Output { file: output.name(), source })?;
+        }
+        Ok(())
+    }
+}
+
+#[derive(Args)]
+pub(super) struct FilterArgs {
+    #[command(flatten)]
+    pub(super) model: ModelArgs,
+    /// The data, a CSV file with a header; - reads standard input and answers line by line
+    pub(super) data: PathBuf,
+    #[command(flatten)]
+    pub(super) settings: FilterSettingsArgs,
+    /// Predict the states of so many times after the last measurement
+    #[arg(long, value_name = "H", default_value = "0", value_parser = integer(0..=1_000_000_usize))]
+    pub(super) forecast: usize,
+    #[command(flatten)]
+    pub(super) output: OutputArgs,
+}
+
+#[derive(Args)]
+pub(super) struct SimulateArgs {
+    #[command(flatten)]
+    pub(super) model: ModelArgs,
+    /// The number of times in each series
+    #[arg(long, value_name = "T", value_parser = integer(1..=1_000_000_000_usize))]
+    pub(super) steps: usize,
+    /// The number of series
+    #[arg(long, value_name = "S", default_value = "1", value_parser = integer(1..=1_000_000_000_usize))]
+    pub(super) series: usize,
+    /// Write the table to a file, which is replaced when the table is whole; standard output if absent
+    #[arg(long, short = 'o', value_name = "FILE")]
+    pub(super) output: Option<PathBuf>,
+}
+
+fn parameter(text: &str) -> Result<(String, f64), String> {
+    let (name, value) = text.split_once('=').ok_or("it must be NAME=VALUE")?;
+    let number: f64 =
+        value.trim().parse().map_err(|_| format!("{value} is no number; it must be NAME=VALUE"))?;
+    match number.is_finite() {
+        true => Ok((name.trim().to_string(), number)),
+        false => Err(format!("{value} is not finite")),
+    }
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    let share = text.parse().ok().filter(|share| (0.0..1.0).contains(share));
+    share.ok_or_else(|| "it must be a number from 0 to below 1".into())
+}
+
+fn fraction(text: &str) -> Result<f64, String> {
+    let fraction = text.parse().ok().filter(|fraction| *fraction > 0.0 && *fraction <= 1.0);
+    fraction.ok_or_else(|| "it must be a number above 0 and at most 1".into())
+}
+
+fn resampling(text: &str) -> Result<Resampling, String> {
+    match text {
+        "multinomial" => Ok(Resampling::Multinomial),
+        "systematic" => Ok(Resampling::Systematic),
+        "stratified" => Ok(Resampling::Stratified),
+        "residual" => Ok(Resampling::Residual),
+        other => Err(one_of(other, ["multinomial", "systematic", "stratified", "residual"])),
+    }
+}
+
+/// Does the work on so many threads.
+pub(super) fn on_threads<R: Send>(
+    threads: Option<usize>,
+    work: impl FnOnce() -> R + Send,
+) -> Result<R, MotesError> {
+    let count = threads.or_else(|| std::thread::available_parallelism().ok().map(usize::from)).unwrap_or(1);
+    let pool = rayon_core::ThreadPoolBuilder::new().num_threads(count).build();
+    let refused = |error: rayon_core::ThreadPoolBuildError| {
+        let expected = "as many as the system starts";
+        let value = format!("{count} ({error})");
+        MotesError::from(ModelError::Parameter { name: "the number of threads", value, expected })
+    };
+    Ok(pool.map_err(refused)?.install(work))
+}

@@ -1,0 +1,41 @@
+//! Why the command ends without a result.
+
+use std::fmt;
+
+use motes::MotesError;
+
+/// One line for a person, and an exit status.
+#[derive(Debug)]
+pub(super) struct Failure {
+    exit_status: u8,
+    line: String,
+    is_interrupt: bool,
+}
+
+impl Failure {
+    pub(super) fn new(exit_status: u8, line: impl fmt::Display) -> Self {
+        Failure { exit_status, line: line.to_string(), is_interrupt: false }
+    }
+
+    pub(super) fn exit_status(&self) -> u8 {
+        self.exit_status
+    }
+
+    pub(super) fn is_interrupt(&self) -> bool {
+        self.is_interrupt
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(&self.line)
+    }
+}
+
+impl<E: Into<MotesError>> From<E> for Failure {
+    fn from(error: E) -> Self {
+        let error = error.into();
+        let is_interrupt = matches!(error, MotesError::Interrupted);
+        Failure { exit_status: error.exit_status(), line: error.to_string(), is_interrupt }
+    }
+}

@@ -1,0 +1,66 @@
+//! The command line: what can be asked, and what each answer is made of.
+
+mod args;
+mod failure;
+mod filter;
+mod progress;
+mod simulate;
+mod stream;
+mod summary;
+
+use std::process::ExitCode;
+
+use clap::CommandFactory;
+use motes_cli::{Interrupt, Parsed, parse, result, status};
+
+use args::{Cli, Command};
+use failure::Failure;
+
+/// Does what the arguments say.
+pub(crate) fn run() -> ExitCode {
+    let cli = match parse::<Cli>(std::env::args_os()) {
+        Ok(Parsed::Args(cli)) => cli,
+        Ok(Parsed::Help(text)) => {
+            result(text.trim_end());
+            return ExitCode::SUCCESS;
+        }
+        Err(error) => return refuse(&Failure::new(2, error)),
+    };
+    let interrupt = match Interrupt::on_signals() {
+        Ok(interrupt) => interrupt,
+        Err(error) => return refuse(&Failure::new(3, format!("signal handlers: {error}"))),
+    };
+    let done = match cli.command {
+        Command::Filter(args) => filter::run(&args, &interrupt),
+        Command::Simulate(args) => simulate::run(&args, &interrupt),
+        Command::Completions { shell } => {
+            let mut text = Vec::new();
+            clap_complete::generate(shell, &mut Cli::command(), "motes", &mut text);
+            result(String::from_utf8_lossy(&text).trim_end());
+            Ok(0)
+        }
+        Command::Man => man(),
+    };
+    match done {
+        Ok(exit_status) => ExitCode::from(exit_status),
+        Err(failure) if failure.is_interrupt() => {
+            status("motes: stopped; nothing was written");
+            ExitCode::from(interrupt.exit_status())
+        }
+        Err(failure) => refuse(&failure),
+    }
+}
+
+fn refuse(failure: &Failure) -> ExitCode {
+    status(&format!("motes: {failure}"));
+    ExitCode::from(failure.exit_status())
+}
+
+/// The manual page.
+fn man() -> Result<u8, Failure> {
+    let mut page = Vec::new();
+    let rendered = clap_mangen::Man::new(Cli::command()).render(&mut page);
+    rendered.map_err(|error| Failure::new(3, error))?;
+    result(String::from_utf8_lossy(&page).trim_end());
+    Ok(0)
+}

@@ -1,0 +1,54 @@
+//! A run in a few figures, and what it was made with.
+
+use motes::{Data, FilterOptions, Filtered};
+
+use super::args::ModelArgs;
+
+/// The figures of a filter, a name and a value each.
+pub(super) fn filter_summary(
+    data: &Data,
+    filtered: &Filtered,
+    options: &FilterOptions,
+) -> Vec<(String, String)> {
+    let mean = filtered.weights.effective_sample_size().unwrap_or_default();
+    let k = options.particles;
+    let mut figures = vec![
+        ("log-evidence", format!("{:.3}", filtered.log_evidence())),
+        ("times", data.rows.len().to_string()),
+        ("effective sample size", format!("{mean:.0} of {k}, {:.0} at least", filtered.least_ess)),
+    ];
+    if data.columns.has_series() {
+        figures.insert(1, ("series", data.series.len().to_string()));
+    }
+    if let Some(index) = filtered.weights.pareto_k() {
+        figures.push(("Pareto k", format!("{index:.2}")));
+    }
+    figures.into_iter().map(|(name, value)| (name.to_string(), value)).collect()
+}
+
+/// What a filter was made with, a name and a value each.
+pub(super) fn filter_settings(model: &ModelArgs, options: &FilterOptions) -> Vec<(String, String)> {
+    let mut settings = vec![
+        ("model".to_string(), model.model.display().to_string()),
+        ("proposal".into(), options.proposal.to_string()),
+        ("particles".into(), options.particles.to_string()),
+        ("defensive share".into(), options.defensive.to_string()),
+        ("resample below".into(), options.resample_below.to_string()),
+        ("resampling".into(), format!("{:?}", options.resampling).to_lowercase()),
+        ("seed".into(), options.seed.to_string()),
+    ];
+    settings.extend(model.set.iter().map(|(name, value)| (format!("--set {name}"), value.to_string())));
+    settings
+}
+
+/// The command as it was given.
+pub(super) fn command_line() -> String {
+    let quoted =
+        |argument: String| match argument.chars().all(|c| c.is_alphanumeric() || "-_./=,:+".contains(c)) {
+            true => argument,
+            false => format!("'{}'", argument.replace('\'', "'\\''")),
+        };
+    let arguments =
+        std::env::args_os().skip(1).map(|argument| quoted(argument.to_string_lossy().into_owned()));
+    std::iter::once("motes".to_string()).chain(arguments).collect::<Vec<_>>().join(" ")
+}

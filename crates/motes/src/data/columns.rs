@@ -1,0 +1,109 @@
+//! What the columns of a file are for.
+
+use super::error::DataError;
+
+/// The place of each column that is used.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Columns {
+    /// Names of all columns, in order.
+    pub(super) names: Vec<String>,
+    /// The column of each measurement, in the model's order.
+    pub(super) measurements: Vec<usize>,
+    /// The column `series`.
+    pub(super) series: Option<usize>,
+    /// The column `t`.
+    pub(super) time: Option<usize>,
+    /// The column that is carried to the output.
+    pub(super) carried: Option<usize>,
+    /// Names of the columns that are not used.
+    pub ignored: Vec<String>,
+}
+
+impl Columns {
+    /// Finds the columns `measurements` of a model with these `states` in a header.
+    ///
+    /// The first column beside `series` and `t` is carried to the output, unless it is a measurement or a state.
+    ///
+    /// # Errors
+    /// [`DataError::MissingColumn`] and [`DataError::ColumnTwice`].
+    pub fn of(
+        header: &[String],
+        file: &str,
+        states: &[String],
+        measurements: &[String],
+    ) -> Result<Self, DataError> {
+        let names: Vec<String> = header.iter().map(|name| name.trim().to_string()).collect();
+        for (at, name) in names.iter().enumerate() {
+            if names[..at].contains(name) {
+                return Err(DataError::ColumnTwice { file: file.into(), column: name.clone() });
+            }
+        }
+        let place = |wanted: &str| names.iter().position(|name| name == wanted);
+        let found = measurements.iter().map(|wanted| {
+            place(wanted).ok_or_else(|| {
+                let is_one_column = names.len() == 1 && names[0].contains([';', '\t']);
+                let nearest = names.iter().min_by_key(|name| distance(name, wanted));
+                let near = nearest.filter(|name| distance(name, wanted) <= 1 + wanted.len() / 4);
+                let hint = match (is_one_column, near) {
+                    (true, _) => "; columns are separated by commas".to_string(),
+                    (false, Some(near)) => format!("; is it {near}?"),
+                    (false, None) => String::new(),
+                };
+                DataError::MissingColumn {
+                    file: file.into(),
+                    column: wanted.clone(),
+                    found: names.join(", "),
+                    hint,
+                }
+            })
+        });
+        let measured: Vec<usize> = found.collect::<Result<_, _>>()?;
+        let is_measured = |name: &str| measurements.iter().any(|measured| measured == name);
+        let [series, time] = ["series", "t"].map(|name| place(name).filter(|_| !is_measured(name)));
+        let first = (0..names.len()).find(|&at| Some(at) != series && Some(at) != time);
+        let is_known = |at: usize| is_measured(&names[at]) || states.contains(&names[at]);
+        let carried = first.filter(|&at| !is_known(at));
+        let used = |at: usize| measured.contains(&at) || [series, time, carried].contains(&Some(at));
+        let ignored = (0..names.len()).filter(|&at| !used(at)).map(|at| names[at].clone()).collect();
+        Ok(Columns { measurements: measured, series, time, carried, ignored, names })
+    }
+
+    /// Whether rows say which series they belong to.
+    pub fn has_series(&self) -> bool {
+        self.series.is_some()
+    }
+
+    /// The name of the column that is carried to the output.
+    pub fn carried(&self) -> Option<&str> {
+        self.carried.map(|at| self.names[at].as_str())
+    }
+}
+
+/// In how many places two names differ, capitals aside.
+fn distance(a: &str, b: &str) -> usize {
+    let (a, b) = (a.to_lowercase(), b.to_lowercase());
+    let same = a.chars().zip(b.chars()).take_while(|(a, b)| a == b).count();
+    a.chars().count().max(b.chars().count()) - same
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn columns(header: &str) -> Columns {
+        let split = |text: &str| text.split(',').map(String::from).collect::<Vec<_>>();
+        Columns::of(&split(header), "data.csv", &split("x,v"), &split("y")).unwrap()
+    }
+
+    #[test]
+    fn the_first_column_of_another_name_is_carried() {
+        let date = columns("date,y,note");
+        assert_eq!((date.carried(), &date.ignored[..]), (Some("date"), &["note".to_string()][..]));
+        assert_eq!(columns("series,date,y").carried(), Some("date"));
+        assert_eq!(columns("t,date,y").carried(), Some("date"));
+        assert_eq!(columns("y,note").carried(), None);
+        // What `simulate` writes: states are no dates.
+        let simulated = columns("series,t,x,v,y");
+        assert_eq!((simulated.carried(), simulated.ignored.len(), simulated.has_series()), (None, 2, true));
+    }
+}

@@ -1,0 +1,162 @@
+//! Rows of a CSV file, one at a time: what a file and a stream have in common.
+
+use std::io::Read;
+
+use csv::{ByteRecord, Reader, ReaderBuilder, Trim};
+
+use super::cell::number;
+use super::columns::Columns;
+use super::error::{DataError, Place};
+use crate::model::Model;
+
+/// A row of data.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Row {
+    /// Its line in the file, from 1.
+    pub line: u64,
+    /// The number of its series, in order of appearance.
+    pub series: usize,
+    /// Its time in the series.
+    pub time: usize,
+    /// What the carried column says.
+    pub label: Option<String>,
+    /// The measurement, in the model's order.
+    pub measurement: Vec<Option<f64>>,
+}
+
+/// The rows of a CSV text, which are read as they come.
+pub struct Rows<R> {
+    reader: Reader<R>,
+    record: ByteRecord,
+    file: String,
+    columns: Columns,
+    /// The names of the series so far, with the number of rows of each.
+    series: Vec<(String, usize)>,
+}
+
+impl<R: Read> Rows<R> {
+    /// Reads the header of `input`, which errors call `file`.
+    ///
+    /// # Errors
+    /// [`DataError`] if it cannot be read or lacks a measurement of the model.
+    pub fn new(input: R, file: &str, model: &Model) -> Result<Self, DataError> {
+        let mut reader = ReaderBuilder::new().trim(Trim::None).flexible(true).from_reader(input);
+        let header = reader.byte_headers().map_err(|error| read_error(file, &error))?.clone();
+        if header.is_empty() {
+            return Err(DataError::Empty { file: file.into() });
+        }
+        let text = |cell: &[u8]| match std::str::from_utf8(cell) {
+            Ok(text) => Ok(text.to_string()),
+            Err(_) => Err(DataError::NotUtf8 { file: file.into(), line: 1 }),
+        };
+        let names: Vec<String> = header.iter().map(text).collect::<Result<_, _>>()?;
+        let columns = Columns::of(&names, file, model.states(), model.measurements())?;
+        Ok(Rows { reader, record: ByteRecord::new(), file: file.into(), columns, series: Vec::new() })
+    }
+
+    /// What the columns are for.
+    pub fn columns(&self) -> &Columns {
+        &self.columns
+    }
+
+    /// The names of the series so far, in order of appearance.
+    pub fn series(&self) -> impl Iterator<Item = &str> {
+        self.series.iter().map(|(name, _)| name.as_str())
+    }
+
+    /// The next row, or none at the end.
+    ///
+    /// # Errors
+    /// [`DataError`] if it cannot be read or is no row of data.
+    pub fn next_row(&mut self) -> Result<Option<Row>, DataError> {
+        let is_there = self.reader.read_byte_record(&mut self.record);
+        if !is_there.map_err(|error| read_error(&self.file, &error))? {
+            return Ok(None);
+        }
+        let line = self.record.position().map_or(0, csv::Position::line);
+        self.check_width(line)?;
+        let series = match self.columns.series {
+            None => self.number_of_series(""),
+            Some(at) => {
+                let name = self.text(at, line)?.to_string();
+                self.number_of_series(&name)
+            }
+        };
+        let time = self.series[series].1;
+        self.check_time(line, time)?;
+        let label = match self.columns.carried {
+            Some(at) => Some(self.text(at, line)?.to_string()),
+            None => None,
+        };
+        let mut measurement = Vec::with_capacity(self.columns.measurements.len());
+        for &at in &self.columns.measurements {
+            let text = self.text(at, line)?;
+            measurement.push(number(text).map_err(|problem| DataError::Cell {
+                place: self.place(line, at),
+                value: shown(text),
+                problem,
+            })?);
+        }
+        self.series[series].1 += 1;
+        Ok(Some(Row { line, series, time, label, measurement }))
+    }
+
+    fn check_width(&self, line: u64) -> Result<(), DataError> {
+        let (found, expected) = (self.record.len(), self.columns.names.len());
+        if found == expected {
+            return Ok(());
+        }
+        let hint =
+            if found > expected { "; a decimal comma, or a comma in a text without quotes?" } else { "" };
+        Err(DataError::Ragged { file: self.file.clone(), line, found, expected, hint: hint.into() })
+    }
+
+    /// `t` counts, where there is such a column.
+    fn check_time(&self, line: u64, expected: usize) -> Result<(), DataError> {
+        let Some(at) = self.columns.time else { return Ok(()) };
+        let text = self.text(at, line)?.trim();
+        if text.parse::<f64>().is_ok_and(|time| time == expected as f64) {
+            return Ok(());
+        }
+        Err(DataError::Time { place: self.place(line, at), value: shown(text), expected })
+    }
+
+    fn number_of_series(&mut self, name: &str) -> usize {
+        let known = self.series.iter().position(|(known, _)| known == name);
+        known.unwrap_or_else(|| {
+            self.series.push((name.into(), 0));
+            self.series.len() - 1
+        })
+    }
+
+    fn text(&self, at: usize, line: u64) -> Result<&str, DataError> {
+        std::str::from_utf8(&self.record[at])
+            .map_err(|_| DataError::NotUtf8 { file: self.file.clone(), line })
+    }
+
+    fn place(&self, line: u64, at: usize) -> Place {
+        Place { file: self.file.clone(), line, column: self.columns.names[at].clone() }
+    }
+}
+
+/// What stands in a cell, for a line that says what is wrong with it.
+fn shown(text: &str) -> String {
+    const LONGEST: usize = 40;
+    let text = text.trim();
+    match text.char_indices().nth(LONGEST) {
+        _ if text.is_empty() => "an empty cell".to_string(),
+        None => text.escape_debug().to_string(),
+        Some((end, _)) => format!("{}…", text[..end].escape_debug()),
+    }
+}
+
+fn read_error(file: &str, error: &csv::Error) -> DataError {
+    let reason = match error.kind() {
+        csv::ErrorKind::Io(error) => match error.kind() {
+            std::io::ErrorKind::IsADirectory => "this is a folder; data are a file".to_string(),
+            _ => error.to_string(),
+        },
+        _ => error.to_string(),
+    };
+    DataError::Read { file: file.into(), reason }
+}

@@ -1,0 +1,174 @@
+//! One running filter, whatever its model and its proposal are.
+
+use motes_formulas::FileModel;
+use motes_models::{PartialLikelihood, Seed};
+use motes_smc::{
+    Bootstrap, FilterError, FilterSettings, Linearised, MinDegeneracy, ParticleFilter, Proposal,
+    WeightDiagnosis,
+};
+
+use crate::error::MotesError;
+use crate::estimate::{Coordinate, Estimate, PROBABILITIES};
+use crate::model::Model;
+use crate::options::{FilterOptions, ProposalName};
+
+/// A filter with the types of its model and proposal put aside.
+trait Steps: Send {
+    fn step(&mut self, measurement: &[Option<f64>]) -> Result<(), FilterError>;
+    fn state(&self) -> Vec<Coordinate>;
+    fn diagnosis(&self) -> WeightDiagnosis;
+    fn effective_sample_size(&self) -> f64;
+    fn log_evidence(&self) -> f64;
+    /// The state of one particle.
+    fn particle(&self, particle: usize) -> &[f64];
+}
+
+impl<M, P> Steps for ParticleFilter<&M, P>
+where
+    M: PartialLikelihood,
+    P: Proposal<M> + Send,
+{
+    fn step(&mut self, measurement: &[Option<f64>]) -> Result<(), FilterError> {
+        self.step_partial(measurement)
+    }
+
+    fn state(&self) -> Vec<Coordinate> {
+        let (means, particles, weights) = (self.mean(), self.particles(), self.weights().normalised());
+        let n = means.len();
+        let of_coordinate = |(coordinate, &mean): (usize, &f64)| {
+            let values = particles.iter().skip(coordinate).step_by(n);
+            let variance: f64 = values.zip(weights).map(|(x, weight)| weight * (x - mean) * (x - mean)).sum();
+            let quantiles = self.quantiles(coordinate, &PROBABILITIES);
+            Coordinate { mean, sd: variance.sqrt(), quantiles: [quantiles[0], quantiles[1], quantiles[2]] }
+        };
+        means.iter().enumerate().map(of_coordinate).collect()
+    }
+
+    fn diagnosis(&self) -> WeightDiagnosis {
+        ParticleFilter::diagnosis(self)
+    }
+
+    fn effective_sample_size(&self) -> f64 {
+        ParticleFilter::effective_sample_size(self)
+    }
+
+    fn log_evidence(&self) -> f64 {
+        ParticleFilter::log_evidence(self)
+    }
+
+    fn particle(&self, particle: usize) -> &[f64] {
+        let n = self.mean().len();
+        &self.particles()[particle * n..(particle + 1) * n]
+    }
+}
+
+/// A filter of one series, step by step.
+pub struct Running<'m> {
+    model: &'m Model,
+    filter: Box<dyn Steps + 'm>,
+    time: usize,
+}
+
+impl<'m> Running<'m> {
+    /// A filter for the series of that number; its random numbers do not depend on other series.
+    ///
+    /// # Errors
+    /// [`MotesError::Proposal`] if the model has no such proposal, [`MotesError::Setting`] if an option is out of range.
+    pub fn new(model: &'m Model, options: &FilterOptions, series: usize) -> Result<Self, MotesError> {
+        let seed = Seed::from_u64(options.seed).child("filter").nth(series as u64);
+        Ok(Running { model, filter: filter_of(model, options, &seed)?, time: 0 })
+    }
+
+    /// Takes in the measurement of the next time.
+    ///
+    /// # Errors
+    /// [`MotesError::Filter`] if no particle explains it, or a formula leaves its domain.
+    pub fn step(&mut self, measurement: &[Option<f64>]) -> Result<Estimate, MotesError> {
+        let before = self.filter.log_evidence();
+        self.filter.step(measurement).map_err(|error| self.explain(&error))?;
+        self.time += 1;
+        let evidence = self.filter.log_evidence() - before;
+        Ok(Estimate {
+            state: self.filter.state(),
+            ess: Some(self.filter.effective_sample_size()),
+            log_evidence: Some(evidence),
+        })
+    }
+
+    /// Predicts the next time, at which nothing is measured.
+    ///
+    /// # Errors
+    /// As [`Running::step`].
+    pub fn predict(&mut self) -> Result<Estimate, MotesError> {
+        let nothing = vec![None; self.model.measurements().len()];
+        let estimate = self.step(&nothing)?;
+        Ok(Estimate { ess: None, log_evidence: None, ..estimate })
+    }
+
+    /// What the weights of the last step say about how far they can be trusted.
+    pub fn diagnosis(&self) -> WeightDiagnosis {
+        self.filter.diagnosis()
+    }
+
+    /// The estimate of `log p(y_{0:t})`.
+    pub fn log_evidence(&self) -> f64 {
+        self.filter.log_evidence()
+    }
+
+    /// What a failure means for who wrote the model and the data.
+    fn explain(&self, error: &FilterError) -> MotesError {
+        let place = format!("t = {}", self.time);
+        let reason = match error {
+            FilterError::Collapse { ess_before, largest_log_likelihood, .. } => format!(
+                "no particle explains the measurement (the largest log-likelihood is {largest_log_likelihood:.4}, the effective sample \
+                 size before was {ess_before:.0}); take more particles or --proposal linearised, or look at the model's noise"
+            ),
+            FilterError::NotANumber { particle, .. } => {
+                let state = self.filter.particle(*particle);
+                format!("the density of a particle is not a number, at the state {state:?}")
+            }
+            other => other.to_string(),
+        };
+        MotesError::Filter { place, reason }
+    }
+}
+
+/// The filter that the options ask for.
+fn filter_of<'m>(
+    model: &'m Model,
+    options: &FilterOptions,
+    seed: &Seed,
+) -> Result<Box<dyn Steps + 'm>, MotesError> {
+    let settings = options.settings();
+    match (model.model(), options.proposal) {
+        (FileModel::Formulas(formulas), ProposalName::Bootstrap) => {
+            boxed(formulas, Bootstrap, settings, seed)
+        }
+        (FileModel::Formulas(formulas), name) => {
+            if name == ProposalName::Optimal
+                && let Err(reason) = Err::<(), String>(String::new())
+            /* TODO closed_form */
+            {
+                let reason = format!("{reason}; take --proposal linearised");
+                return Err(MotesError::Proposal { proposal: name.to_string(), reason });
+            }
+            // Where there is a closed form, linearising gives it.
+            boxed(formulas, Linearised::new(formulas)?, settings, seed)
+        }
+        (FileModel::LinearGaussian(linear), ProposalName::Bootstrap) => {
+            boxed(&**linear, Bootstrap, settings, seed)
+        }
+        (FileModel::LinearGaussian(linear), _) => {
+            boxed(&**linear, MinDegeneracy::new(&**linear)?, settings, seed)
+        }
+    }
+}
+
+fn boxed<'m, M: PartialLikelihood>(
+    model: &'m M,
+    proposal: impl Proposal<M> + Send + 'm,
+    settings: FilterSettings,
+    seed: &Seed,
+) -> Result<Box<dyn Steps + 'm>, MotesError> {
+    Ok(Box::new(ParticleFilter::new(model, proposal, settings, seed.stream())?))
+}

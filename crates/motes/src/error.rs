@@ -1,0 +1,79 @@
+//! What can go wrong, and whose fault it is.
+
+use motes_formulas::FileError;
+use motes_models::ModelError;
+use motes_smc::FilterError;
+use thiserror::Error;
+
+use crate::data::DataError;
+
+/// Why there is no result.
+#[derive(Debug, Error)]
+pub enum MotesError {
+    /// The model file cannot be used.
+    #[error(transparent)]
+    Model(#[from] FileError),
+    /// The data cannot be used.
+    #[error(transparent)]
+    Data(#[from] DataError),
+    /// The proposal cannot be had for this model.
+    #[error("--proposal {proposal}: {reason}")]
+    Proposal {
+        /// Its name.
+        proposal: String,
+        /// Why not, and what to take instead.
+        reason: String,
+    },
+    /// A setting is out of range.
+    #[error("{0}")]
+    Setting(String),
+    /// A filter failed.
+    #[error("{place}: {reason}")]
+    Filter {
+        /// Which series and time.
+        place: String,
+        /// What happened, and what to do.
+        reason: String,
+    },
+    /// The model draws numbers that are not finite.
+    #[error("{0}")]
+    Simulation(String),
+    /// Something could not be written.
+    #[error("{file}: {source}")]
+    Output {
+        /// Where to.
+        file: String,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+    /// A figure could not be drawn.
+    #[error("the report cannot be drawn: {0}")]
+    Report(String),
+    /// It was asked to stop.
+    #[error("stopped")]
+    Interrupted,
+}
+
+impl MotesError {
+    /// The exit status: 2 for bad input, 3 where input or output failed.
+    pub fn exit_status(&self) -> u8 {
+        match self {
+            MotesError::Model(error) if error.is_io() => 3,
+            MotesError::Data(error) if error.is_io() => 3,
+            MotesError::Output { .. } | MotesError::Report(_) => 3,
+            _ => 2,
+        }
+    }
+}
+
+impl From<ModelError> for MotesError {
+    fn from(error: ModelError) -> Self {
+        MotesError::Setting(error.to_string())
+    }
+}
+
+impl From<FilterError> for MotesError {
+    fn from(error: FilterError) -> Self {
+        MotesError::Setting(error.to_string())
+    }
+}

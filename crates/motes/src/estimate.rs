@@ -1,0 +1,26 @@
+//! What a filter says of the state at one time.
+
+/// The probabilities of the quantiles that are given of each coordinate.
+pub const PROBABILITIES: [f64; 3] = [0.05, 0.5, 0.95];
+
+/// A coordinate of the state at one time, given measurements.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Coordinate {
+    /// Its mean.
+    pub mean: f64,
+    /// Its standard deviation.
+    pub sd: f64,
+    /// Its quantiles at 5, 50 and 95 %.
+    pub quantiles: [f64; 3],
+}
+
+/// The state at one time given the measurements up to it, and what its measurement said.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Estimate {
+    /// Each of the `N` coordinates of the state.
+    pub state: Vec<Coordinate>,
+    /// The effective sample size before resampling, in particles; none in a forecast.
+    pub ess: Option<f64>,
+    /// `log p(y_t | y_{0:t−1})`; 0 where nothing was measured, none in a forecast.
+    pub log_evidence: Option<f64>,
+}

@@ -1,0 +1,108 @@
+//! Filtering all series of some data.
+
+use std::fmt;
+use std::ops::ControlFlow;
+
+use motes_smc::WeightReport;
+
+use crate::data::{Data, Row};
+use crate::engine::Running;
+use crate::error::MotesError;
+use crate::estimate::Estimate;
+use crate::model::Model;
+use crate::options::FilterOptions;
+
+/// A reason not to trust a result.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Warning {
+    /// The series that it is about; none where there is one without a name.
+    pub series: Option<String>,
+    /// What the matter is.
+    pub text: String,
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.series {
+            Some(series) => write!(formatter, "series {series}: {}", self.text),
+            None => formatter.write_str(&self.text),
+        }
+    }
+}
+
+/// What filters made of data.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Filtered {
+    /// The estimate of each row of the data, in their order.
+    pub estimates: Vec<Estimate>,
+    /// What is predicted after the last measurement of each series.
+    pub forecasts: Vec<Vec<Estimate>>,
+    /// The log-evidence of each series.
+    pub log_evidence_per_series: Vec<f64>,
+    /// What the weights of all steps say.
+    pub weights: WeightReport,
+    /// The least effective sample size of all steps.
+    pub least_ess: f64,
+    /// Reasons not to trust the estimates.
+    pub warnings: Vec<Warning>,
+}
+
+impl Filtered {
+    /// The log-evidence of all series together.
+    pub fn log_evidence(&self) -> f64 {
+        self.log_evidence_per_series.iter().sum()
+    }
+}
+
+/// Filters each series of `data`; `proceed` is asked after each row, with how many are done.
+///
+/// # Errors
+/// [`MotesError`] if an option is out of range, a filter failed, or `proceed` said to stop.
+pub fn filter(
+    model: &Model,
+    data: &Data,
+    options: &FilterOptions,
+    mut proceed: impl FnMut(usize) -> ControlFlow<()>,
+) -> Result<Filtered, MotesError> {
+    let mut estimates: Vec<Option<Estimate>> = vec![None; data.rows.len()];
+    let (mut forecasts, mut log_evidence_per_series, mut warnings) = (vec![], vec![], vec![]);
+    let (mut weights, mut least_ess, mut done) = (WeightReport::default(), f64::INFINITY, 0);
+    for (series, name) in data.series.iter().enumerate() {
+        let name = data.columns.has_series().then(|| name.clone());
+        let mut running = Running::new(model, options, series)?;
+        let mut report = WeightReport::default();
+        let rows: Vec<(usize, &Row)> =
+            data.rows.iter().enumerate().filter(|(_, row)| row.series == series).collect();
+        for (at, row) in rows {
+            let estimate =
+                running.step(&row.measurement).map_err(|error| of_series(name.as_deref(), error))?;
+            report.add(&running.diagnosis());
+            weights.add(&running.diagnosis());
+            least_ess = estimate.ess.map_or(least_ess, |ess| least_ess.min(ess));
+            estimates[at] = Some(estimate);
+            done += 1;
+            if proceed(done).is_break() {
+                return Err(MotesError::Interrupted);
+            }
+        }
+        log_evidence_per_series.push(running.log_evidence());
+        warnings.extend(
+            report.warnings().map(|warning| Warning { series: name.clone(), text: warning.to_string() }),
+        );
+        let forecast = (0..options.forecast).map(|_| running.predict());
+        let forecast: Result<Vec<Estimate>, MotesError> = forecast.collect();
+        forecasts.push(forecast.map_err(|error| of_series(name.as_deref(), error))?);
+    }
+    let estimates = estimates.into_iter().flatten().collect();
+    Ok(Filtered { estimates, forecasts, log_evidence_per_series, weights, least_ess, warnings })
+}
+
+/// Says which series an error is about.
+pub(crate) fn of_series(name: Option<&str>, error: MotesError) -> MotesError {
+    match (name, error) {
+        (Some(name), MotesError::Filter { place, reason }) => {
+            MotesError::Filter { place: format!("series {name}, {place}"), reason }
+        }
+        (_, error) => error,
+    }
+}

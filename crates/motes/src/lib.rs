@@ -1,0 +1,59 @@
+//! State-space models from files or from Rust, and what a particle filter makes of data: hidden states, evidence, and a warning when neither can be
+//! trusted.
+//!
+//! This crate is the command `motes`, the functions that it is made of, and a prelude for programs of one's own. The parts can be had one by one: they are
+//! re-exported as [`models`], [`smc`] and [`formulas`].
+//!
+//! ```
+//! use motes::{Data, FilterOptions, Model, filter};
+//!
+//! let text = r#"
+//!     [initial]
+//!     level = "normal(1000, 1000)"
+//!     [transition]
+//!     level = "normal(level, 38)"
+//!     [measurement]
+//!     flow = "normal(level, 123)"
+//! "#;
+//! let model = Model::parse(text, "nile", &[])?;
+//! let data = Data::read("year,flow\n1871,1120\n1872,1160\n1873,\n1874,1210\n".as_bytes(), "nile.csv", &model)?;
+//! let filtered = filter(&model, &data, &FilterOptions::default(), |_| std::ops::ControlFlow::Continue(()))?;
+//! println!("log-evidence {:.2}", filtered.log_evidence());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod data;
+mod engine;
+mod error;
+mod estimate;
+mod filtering;
+mod model;
+mod options;
+pub mod output;
+mod simulating;
+
+pub use data::{Columns, Data, DataError, Place, Row, Rows};
+pub use engine::Running;
+pub use error::MotesError;
+pub use estimate::Estimate;
+pub use filtering::{Filtered, Warning, filter};
+pub use model::Model;
+pub use options::{FilterOptions, ProposalName};
+pub use simulating::{Simulated, simulate};
+
+pub use motes_formulas as formulas;
+pub use motes_models as models;
+pub use motes_smc as smc;
+
+/// What a program that filters with a model of its own needs.
+pub mod prelude {
+    pub use motes_models::equations::{
+        Coordinates, Distribution, Equations, Scalar, bernoulli, binomial, exponential, gamma, laplace,
+        log_normal, negative_binomial, normal, poisson, student_t, uniform,
+    };
+    pub use motes_models::{Measurements, PartialMeasurements, Seed, StateSpaceModel, simulate};
+    pub use motes_smc::{
+        Bootstrap, FilterBank, FilterSettings, Linearised, MinDegeneracy, ParticleFilter, ResampleWhen,
+        Resampling,
+    };
+}

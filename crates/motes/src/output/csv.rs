@@ -1,0 +1,112 @@
+//! Tables of estimates and of simulated series.
+
+use super::number::text;
+use crate::data::{Columns, Data, Row};
+use crate::estimate::{Coordinate, Estimate};
+use crate::filtering::Filtered;
+use crate::model::Model;
+use crate::simulating::Simulated;
+
+/// A table of estimates: its header and its rows, each a line that ends.
+#[derive(Debug, Clone)]
+pub struct EstimateTable {
+    has_series: bool,
+    carried: Option<String>,
+    states: Vec<String>,
+    /// Whether rows end with the effective sample size and the log-evidence.
+    has_weights: bool,
+}
+
+impl EstimateTable {
+    /// That of a model's states for data with such columns; a filter's has weights, a smoother's none.
+    pub fn new(model: &Model, columns: &Columns, has_weights: bool) -> Self {
+        EstimateTable {
+            has_series: columns.has_series(),
+            carried: columns.carried().map(String::from),
+            states: model.states().to_vec(),
+            has_weights,
+        }
+    }
+
+    /// The names of the columns.
+    pub fn header(&self) -> String {
+        let series = self.has_series.then(|| "series".to_string());
+        let mut cells: Vec<String> =
+            series.into_iter().chain(self.carried.clone()).chain(["t".to_string()]).collect();
+        for state in &self.states {
+            cells.extend(["mean", "sd", "q05", "q50", "q95"].map(|figure| format!("{state}_{figure}")));
+        }
+        if self.has_weights {
+            cells.extend(["ess", "log_evidence"].map(String::from));
+        }
+        line(&cells)
+    }
+
+    /// The row of a time of a series.
+    pub fn row(&self, series: &str, label: Option<&str>, time: usize, estimate: &Estimate) -> String {
+        let mut cells = Vec::new();
+        if self.has_series {
+            cells.push(series.to_string());
+        }
+        if self.carried.is_some() {
+            cells.push(label.unwrap_or_default().to_string());
+        }
+        cells.push(time.to_string());
+        for Coordinate { mean, sd, quantiles: [low, middle, high] } in &estimate.state {
+            cells.extend([mean, sd, low, middle, high].map(|value| text(*value)));
+        }
+        if self.has_weights {
+            cells.extend(
+                [estimate.ess, estimate.log_evidence].map(|value| value.map(text).unwrap_or_default()),
+            );
+        }
+        line(&cells)
+    }
+
+    /// The whole table of a filter: rows in the order of the data, then what is predicted.
+    pub fn filtered(&self, data: &Data, filtered: &Filtered) -> String {
+        let mut table = self.header();
+        for (row, estimate) in data.rows.iter().zip(&filtered.estimates) {
+            table += &self.row_of(data, row, estimate);
+        }
+        for (series, forecast) in filtered.forecasts.iter().enumerate() {
+            let length = data.of_series(series).count();
+            for (time, estimate) in (length..).zip(forecast) {
+                table += &self.row(&data.series[series], None, time, estimate);
+            }
+        }
+        table
+    }
+
+    /// The row of a row of data.
+    pub fn row_of(&self, data: &Data, row: &Row, estimate: &Estimate) -> String {
+        self.row(&data.series[row.series], row.label.as_deref(), row.time, estimate)
+    }
+}
+
+/// The table of simulated series: `series`, `t`, the states, the measurements.
+pub fn simulated_table(model: &Model, simulated: &Simulated) -> String {
+    let names = model.states().iter().chain(model.measurements()).cloned();
+    let header: Vec<String> = ["series", "t"].map(String::from).into_iter().chain(names).collect();
+    let mut table = line(&header);
+    for (series, trajectory) in simulated.series.iter().enumerate() {
+        for (time, (state, measurement)) in
+            trajectory.states.rows().zip(trajectory.measurements.rows()).enumerate()
+        {
+            let numbers = state.iter().chain(measurement).map(|value| text(*value));
+            let cells: Vec<String> =
+                [series.to_string(), time.to_string()].into_iter().chain(numbers).collect();
+            table += &line(&cells);
+        }
+    }
+    table
+}
+
+/// Cells separated by commas, in quotes where they have to be.
+fn line(cells: &[String]) -> String {
+    let cell = |cell: &String| match cell.contains([',', '"', '\n', '\r']) {
+        true => format!("\"{}\"", cell.replace('"', "\"\"")),
+        false => cell.clone(),
+    };
+    cells.iter().map(cell).collect::<Vec<_>>().join(",") + "\n"
+}

@@ -1,0 +1,33 @@
+//! Results as one JSON object.
+
+use serde::Serialize;
+
+use crate::filtering::Filtered;
+use crate::options::FilterOptions;
+
+#[derive(Serialize)]
+struct FilterObject<'a> {
+    log_evidence: f64,
+    log_evidence_per_series: &'a [f64],
+    ess_mean: Option<f64>,
+    ess_min: f64,
+    pareto_k: Option<f64>,
+    warnings: Vec<String>,
+    particles: usize,
+    seconds: f64,
+}
+
+/// The object of a filter: evidence, what the weights say, warnings, and how long it took.
+pub fn filter_json(filtered: &Filtered, options: &FilterOptions, seconds: f64) -> String {
+    let object = FilterObject {
+        log_evidence: filtered.log_evidence(),
+        log_evidence_per_series: &filtered.log_evidence_per_series,
+        ess_mean: filtered.weights.effective_sample_size(),
+        ess_min: filtered.least_ess,
+        pareto_k: filtered.weights.pareto_k(),
+        warnings: filtered.warnings.iter().map(ToString::to_string).collect(),
+        particles: options.particles,
+        seconds,
+    };
+    serde_json::to_string(&object).expect("numbers and texts") + "\n"
+}

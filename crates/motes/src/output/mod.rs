@@ -1,0 +1,12 @@
+//! Results as tables, as JSON and as a report.
+
+mod csv;
+mod file;
+mod json;
+mod number;
+mod report;
+
+pub use csv::{EstimateTable, simulated_table};
+pub use file::Output;
+pub use json::filter_json;
+pub use report::{Report, report};

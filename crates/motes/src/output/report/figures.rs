@@ -1,0 +1,158 @@
+//! Figures over time, as SVG.
+
+use std::error::Error;
+
+use plotters::coord::Shift;
+use plotters::coord::types::RangedCoordf64;
+use plotters::prelude::*;
+
+const FONT: &str = "sans-serif";
+const INK: RGBColor = RGBColor(40, 40, 40);
+const BLUE: RGBColor = RGBColor(31, 90, 160);
+const RED: RGBColor = RGBColor(192, 60, 40);
+const SIZE: (u32, u32) = (900, 230);
+
+/// Points that are drawn one by one; more of them would only be a blot.
+const MOST_POINTS: usize = 5000;
+
+/// A mean with a band around it.
+pub(super) struct Band {
+    pub(super) low: Vec<f64>,
+    pub(super) high: Vec<f64>,
+    pub(super) middle: Vec<f64>,
+}
+
+type Drawn<T> = Result<T, Box<dyn Error>>;
+type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+
+/// A state over `length` times with data and those predicted after them, with measurements of it if there are any.
+pub(super) fn band_figure(title: &str, band: &Band, length: usize, points: &[Option<f64>]) -> Drawn<String> {
+    let all = band.low.iter().chain(&band.high).copied().chain(points.iter().flatten().copied());
+    figure(title, band.middle.len(), all, |chart| {
+        let times = |values: &[f64]| -> Vec<(f64, f64)> { at_times(values) };
+        let outline: Vec<_> =
+            times(&band.low).into_iter().chain(times(&band.high).into_iter().rev()).collect();
+        chart.draw_series([Polygon::new(outline, BLUE.mix(0.18))])?;
+        chart.draw_series(LineSeries::new(times(&band.middle), BLUE.stroke_width(2)))?;
+        draw_points(chart, points)?;
+        if length < band.middle.len() {
+            let x = length as f64 - 0.5;
+            let (low, high) = (chart.y_range().start, chart.y_range().end);
+            chart.draw_series(DashedLineSeries::new([(x, low), (x, high)], 3, 3, INK.mix(0.5).into()))?;
+        }
+        Ok(())
+    })
+}
+
+/// Measurements over time; missing ones leave gaps.
+pub(super) fn point_figure(title: &str, points: &[Option<f64>]) -> Drawn<String> {
+    figure(title, points.len(), points.iter().flatten().copied(), |chart| draw_points(chart, points))
+}
+
+/// A figure of a filter over time.
+pub(super) fn line_figure(title: &str, values: &[f64]) -> Drawn<String> {
+    figure(title, values.len(), values.iter().copied(), |chart| {
+        chart.draw_series(LineSeries::new(at_times(values), INK.stroke_width(1)))?;
+        Ok(())
+    })
+}
+
+fn at_times(values: &[f64]) -> Vec<(f64, f64)> {
+    let finite = values.iter().enumerate().filter(|(_, value)| value.is_finite());
+    finite.map(|(time, value)| (time as f64, *value)).collect()
+}
+
+fn draw_points(chart: &mut Chart<'_, '_>, points: &[Option<f64>]) -> Drawn<()> {
+    let every = points.len().div_ceil(MOST_POINTS).max(1);
+    let there =
+        points.iter().enumerate().step_by(every).filter_map(|(time, value)| Some((time as f64, (*value)?)));
+    chart.draw_series(there.map(|at| Circle::new(at, 2, RED.filled())))?;
+    Ok(())
+}
+
+/// Axes and a title around what `draw` draws.
+fn figure(
+    title: &str,
+    length: usize,
+    values: impl Iterator<Item = f64>,
+    draw: impl FnOnce(&mut Chart<'_, '_>) -> Drawn<()>,
+) -> Drawn<String> {
+    let (low, high) = extent(values);
+    let mut svg = String::new();
+    {
+        let root: DrawingArea<SVGBackend<'_>, Shift> =
+            SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
+        root.fill(&WHITE)?;
+        let margin = 0.05 * (high - low);
+        let mut chart = ChartBuilder::on(&root)
+            .caption(title, (FONT, 15).into_font().color(&INK))
+            .margin(6)
+            .margin_right(14)
+            .x_label_area_size(36)
+            .y_label_area_size(62)
+            .build_cartesian_2d(-0.5..length as f64 - 0.5, low - margin..high + margin)?;
+        chart
+            .configure_mesh()
+            .x_desc("t")
+            .x_labels(10)
+            .y_labels(5)
+            .x_label_formatter(&|x| format!("{x:.0}"))
+            .y_label_formatter(&|y| label(*y))
+            .light_line_style(TRANSPARENT)
+            .bold_line_style(INK.mix(0.12))
+            .axis_style(INK.mix(0.6))
+            .label_style((FONT, 12).into_font().color(&INK))
+            .draw()?;
+        draw(&mut chart)?;
+        root.present()?;
+    }
+    Ok(svg)
+}
+
+/// Smallest and largest finite value, a little apart at least.
+fn extent(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    let finite = values.filter(|value| value.is_finite());
+    let (low, high) = finite
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
+    match low <= high {
+        false => (0.0, 1.0),
+        // Numbers as large as there are have no larger ones to draw margins to.
+        true if high - low > 1e300 => (-1e300, 1e300),
+        true => {
+            let least = 1e-6 * (1.0 + low.abs().max(high.abs()));
+            if high - low < least { (low - least, high + least) } else { (low, high) }
+        }
+    }
+}
+
+/// A number on an axis.
+fn label(value: f64) -> String {
+    let size = value.abs();
+    match size {
+        0.0 => "0".into(),
+        size if size >= 1e5 || size < 1e-3 => format!("{value:.1e}"),
+        size if size >= 100.0 => format!("{value:.0}"),
+        size if size >= 1.0 => format!("{value:.1}"),
+        _ => format!("{value:.3}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn anything_can_be_drawn() {
+        for values in [
+            vec![],
+            vec![1.0],
+            vec![0.0; 5],
+            vec![f64::NAN, 1e308, -1e308, f64::INFINITY],
+            vec![1e-300, 2e-300],
+        ] {
+            line_figure("a <title>", &values).unwrap();
+            let band = Band { low: values.clone(), high: values.clone(), middle: values.clone() };
+            band_figure("state", &band, 1, &[Some(1.0), None]).unwrap();
+        }
+    }
+}

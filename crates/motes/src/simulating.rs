@@ -1,0 +1,64 @@
+//! Drawing series from a model.
+
+use std::ops::ControlFlow;
+
+use motes_formulas::FileModel;
+use motes_models::{ModelError, Seed, Simulator, Trajectory, simulate as draw};
+
+use crate::error::MotesError;
+use crate::model::Model;
+
+/// Series of states and measurements that a model drew.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Simulated {
+    /// One after another.
+    pub series: Vec<Trajectory>,
+}
+
+/// Draws `series` series of `steps` times each. One series is the same whatever others there are.
+///
+/// # Errors
+/// [`MotesError::Simulation`] where states overflow, with how many series do; [`MotesError::Interrupted`] if `proceed` said to stop.
+pub fn simulate(
+    model: &Model,
+    steps: usize,
+    series: usize,
+    seed: u64,
+    mut proceed: impl FnMut(usize) -> ControlFlow<()>,
+) -> Result<Simulated, MotesError> {
+    let seed = Seed::from_u64(seed).child("simulate");
+    let (mut drawn, mut first, mut failures) = (Vec::new(), None, 0);
+    for number in 0..series {
+        let mut stream = seed.nth(number as u64).stream();
+        let found = match model.model() {
+            FileModel::Formulas(formulas) => draw_one(formulas, steps, &mut stream),
+            FileModel::LinearGaussian(linear) => draw_one(&**linear, steps, &mut stream),
+        };
+        match found {
+            Ok(trajectory) => drawn.push(trajectory),
+            Err(ModelError::Numerical { time, .. }) => {
+                failures += 1;
+                first.get_or_insert((number, time));
+            }
+            Err(error) => return Err(error.into()),
+        }
+        if proceed(number + 1).is_break() {
+            return Err(MotesError::Interrupted);
+        }
+    }
+    match first {
+        None => Ok(Simulated { series: drawn }),
+        Some((number, time)) => Err(MotesError::Simulation(format!(
+            "{failures} of {series} series run to numbers that are not finite, series {number} at t = {time}; take fewer steps, or look at \
+             the transition's noise and at formulas that grow"
+        ))),
+    }
+}
+
+fn draw_one(
+    model: &impl Simulator,
+    steps: usize,
+    stream: &mut motes_models::Stream,
+) -> Result<Trajectory, ModelError> {
+    draw(model, steps, stream)
+}
