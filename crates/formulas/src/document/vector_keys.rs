@@ -1,0 +1,75 @@
+//! Keys of vectors, `x[40] = …`, which TOML wants in quotes.
+
+use std::borrow::Cow;
+
+use crate::names::is_in_name;
+
+/// A text whose keys of vectors are in quotes, and the way back to the text without them.
+pub(super) struct Quoted<'t> {
+    text: Cow<'t, str>,
+    /// The bytes of the new text that are not of the old one, in order.
+    added: Vec<usize>,
+}
+
+impl<'t> Quoted<'t> {
+    /// Puts `x[40]` in quotes where a line begins with it and goes on with `=`.
+    pub(super) fn of(text: &'t str) -> Self {
+        if !text.contains('[') {
+            return Quoted { text: Cow::Borrowed(text), added: Vec::new() };
+        }
+        let mut quoted = String::with_capacity(text.len());
+        let mut added = Vec::new();
+        for line in text.split_inclusive('\n') {
+            let start = line.len() - line.trim_start_matches(['\u{feff}', ' ', '\t']).len();
+            match vector_key(&line[start..]) {
+                None => quoted.push_str(line),
+                Some(length) => {
+                    let (indent, rest) = line.split_at(start);
+                    let (key, rest) = rest.split_at(length);
+                    quoted.push_str(indent);
+                    added.push(quoted.len());
+                    quoted.push('"');
+                    quoted.push_str(key);
+                    added.push(quoted.len());
+                    quoted.push('"');
+                    quoted.push_str(rest);
+                }
+            }
+        }
+        Quoted { text: Cow::Owned(quoted), added }
+    }
+
+    pub(super) fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// The byte of the old text for one of the new.
+    pub(super) fn original(&self, byte: usize) -> usize {
+        byte - self.added.partition_point(|added| *added < byte)
+    }
+}
+
+/// The length of the key of a vector at the beginning of a line.
+fn vector_key(line: &str) -> Option<usize> {
+    let name = line.find(|c| !is_in_name(c)).filter(|end| *end > 0)?;
+    let open = line[name..].trim_start_matches([' ', '\t']);
+    let inside = open.strip_prefix('[')?;
+    let close = inside.find(|c: char| c == ']' || c == '"' || c == '\'' || c == '=' || c == '#')?;
+    let after = inside[close..].strip_prefix(']')?;
+    after.trim_start_matches([' ', '\t']).starts_with('=').then(|| line.len() - after.len())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_are_those_of_the_old_text() {
+        let old = "a = 1\n  x[40] = \"y\"\nb[n] = 2\n[x]\nc = [1]\n";
+        let quoted = Quoted::of(old);
+        assert_eq!(quoted.text(), "a = 1\n  \"x[40]\" = \"y\"\n\"b[n]\" = 2\n[x]\nc = [1]\n");
+        for (new, c) in quoted.text().char_indices().filter(|(new, _)| !quoted.added.contains(new)) {
+            assert!(old[quoted.original(new)..].starts_with(c), "byte {new}");
+        }
+    }
+}

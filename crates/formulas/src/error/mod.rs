@@ -1,0 +1,43 @@
+//! What can be wrong with a model file, in one line that says where and what would be right.
+
+mod fault;
+mod nearest;
+mod place;
+mod problem;
+
+use thiserror::Error;
+
+pub(crate) use fault::{Fault, Section};
+pub(crate) use nearest::nearest;
+pub use place::Place;
+pub use problem::Problem;
+
+/// Why a model file gives no model.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum FileError {
+    /// It could not be read.
+    #[error("{file}: {reason}")]
+    Read {
+        /// The path.
+        file: String,
+        /// The system's reason.
+        reason: String,
+    },
+    /// It says something that is not a model.
+    #[error("{file}{place}: {problem}")]
+    Refused {
+        /// The path.
+        file: String,
+        /// Where in the file.
+        place: Place,
+        /// What is wrong, and what would be right.
+        problem: Box<Problem>,
+    },
+}
+
+impl FileError {
+    /// Whether input or output failed: the file itself may be fine.
+    pub fn is_io(&self) -> bool {
+        matches!(self, FileError::Read { .. })
+    }
+}

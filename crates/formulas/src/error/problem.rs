@@ -1,0 +1,268 @@
+//! Everything that can be wrong with what a model file says.
+
+use thiserror::Error;
+
+/// What is wrong, and what would be right.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum Problem {
+    /// The text is not UTF-8.
+    #[error("this is no UTF-8 text; a model file must be")]
+    NotUtf8,
+    /// The text is not TOML: the parser's reason.
+    #[error("this is not TOML: {0}")]
+    NotToml(String),
+    /// A key or section that model files do not have.
+    #[error("a model file has no `{name}` here; {advice}")]
+    UnknownKey {
+        /// The key.
+        name: String,
+        /// What was meant, or what there is.
+        advice: String,
+    },
+    /// A section or key that is needed is not there.
+    #[error("there is no {name}; it is needed: {example}")]
+    Missing {
+        /// What is missing.
+        name: &'static str,
+        /// How it may look.
+        example: &'static str,
+    },
+    /// A value of the wrong kind.
+    #[error("it is {found}; it must be {expected}")]
+    Value {
+        /// What is there.
+        found: String,
+        /// What would be right.
+        expected: String,
+    },
+
+    /// A key that is no name.
+    #[error("`{0}` is no name; a name has letters, digits and _, and begins with a letter")]
+    BadName(String),
+    /// A vector of an impossible length.
+    #[error(
+        "`{length}` is no length of a vector; it must be an integer from 1 to {longest}, or a parameter that is one"
+    )]
+    BadLength {
+        /// The length.
+        length: String,
+        /// The longest vector.
+        longest: usize,
+    },
+    /// A name that has a meaning of its own.
+    #[error("`{name}` is {what}; another name is needed")]
+    Reserved {
+        /// The name.
+        name: String,
+        /// What it means.
+        what: &'static str,
+    },
+    /// A name with two meanings.
+    #[error("`{name}` stands in {other}, too; a name can mean one thing only")]
+    Twice {
+        /// The name.
+        name: String,
+        /// The section of the other meaning.
+        other: &'static str,
+    },
+    /// A coordinate that only one of two sections has.
+    #[error(
+        "`{name}` is in {present}, but not in {absent}; each coordinate of the state needs a line in both"
+    )]
+    OneSided {
+        /// The coordinate.
+        name: String,
+        /// The section that has it.
+        present: &'static str,
+        /// The section that does not.
+        absent: &'static str,
+    },
+    /// A vector with two lengths.
+    #[error("it must be {expected}, as in [initial]")]
+    OtherLength {
+        /// The name with the length of the other section.
+        expected: String,
+    },
+    /// More coordinates than can be had.
+    #[error("with it there are more than {0} coordinates; there can be at most so many")]
+    TooMany(usize),
+    /// A parameter is to be set that there is not.
+    #[error("there is no parameter `{name}` to set; {advice}")]
+    UnknownParameter {
+        /// The name.
+        name: String,
+        /// What was meant, or what there is.
+        advice: String,
+    },
+    /// A parameter is to be set to what is no number.
+    #[error("the parameter `{name}` is set to {value}; it must be a finite number")]
+    ParameterNotFinite {
+        /// The name.
+        name: String,
+        /// The value.
+        value: f64,
+    },
+
+    /// A formula without anything.
+    #[error("the formula is empty; it may look like \"normal(0, 1)\"")]
+    Empty,
+    /// A formula that is too long to be meant.
+    #[error("the formula has {length} characters; it can have at most {longest}")]
+    TooLong {
+        /// Its characters.
+        length: usize,
+        /// The most that it can have.
+        longest: usize,
+    },
+    /// Nesting without end.
+    #[error(
+        "parentheses, signs and powers are nested more than {0} deep; parts of it belong into [definitions]"
+    )]
+    TooDeep(usize),
+    /// A character that formulas do not have.
+    #[error("`{found}` has no meaning in a formula; {advice}")]
+    UnexpectedCharacter {
+        /// The character.
+        found: char,
+        /// What would be right.
+        advice: &'static str,
+    },
+    /// Something in the wrong place.
+    #[error("there is {found} where {expected} should be")]
+    Unexpected {
+        /// What is there.
+        found: String,
+        /// What would be right.
+        expected: String,
+    },
+    /// Two operands side by side.
+    #[error("an operator is missing before {0}; a product is written with *, as in 2*x")]
+    NoOperator(String),
+    /// A number that is written otherwise.
+    #[error("`{0}` is no number; numbers are written 0.5, 10, 1e-3")]
+    BadNumber(String),
+    /// A number beyond those of 64 bits.
+    #[error("`{0}` is too large; numbers are below 1.8e308")]
+    NumberTooLarge(String),
+
+    /// A name without a meaning.
+    #[error("`{name}` is not known here; {advice}")]
+    UnknownName {
+        /// The name.
+        name: String,
+        /// What was meant, or what there is.
+        advice: String,
+    },
+    /// A function with too many or too few arguments.
+    #[error("`{call}` takes {expected}, not {found}")]
+    Arity {
+        /// The function with its parameters.
+        call: String,
+        /// How many it takes, in words.
+        expected: String,
+        /// How many it was given.
+        found: usize,
+    },
+    /// A function that is not called.
+    #[error("`{name}` stands alone; it is written {call}")]
+    NotCalled {
+        /// The function.
+        name: String,
+        /// How it is called.
+        call: String,
+    },
+    /// What is no function is called.
+    #[error("`{0}` is no function; a product is written {0}*(…)")]
+    NotAFunction(String),
+    /// What is no vector has an index.
+    #[error("`{0}` is no vector; it is written without an index")]
+    NotAVector(String),
+    /// A vector has no index.
+    #[error(
+        "`{name}` is a vector of {length}; one of its coordinates is written {name}[0], or {name}[i] in the formula of a vector"
+    )]
+    NoIndex {
+        /// The vector.
+        name: String,
+        /// Its length.
+        length: usize,
+    },
+    /// An index that is no integer.
+    #[error(
+        "{0} is no part of an index; an index is made of integers, i, and parameters that are integers, by + - *"
+    )]
+    BadIndex(String),
+    /// `i` where there is no vector.
+    #[error(
+        "`i` counts the coordinates of a vector; it has a meaning only in a formula like x[40] = \"…x[i-1]…\""
+    )]
+    NoCoordinate,
+    /// A state before there is one.
+    #[error(
+        "`{0}` depends on states, and there is none before t = 0; [initial] is made of numbers and parameters"
+    )]
+    StateInInitial(String),
+    /// A measurement in a formula.
+    #[error("`{0}` is a measurement; formulas are made of states, parameters, definitions and t")]
+    MeasurementInFormula(String),
+
+    /// A distribution in a definition.
+    #[error("`{0}` is a distribution; it belongs where the definition is used")]
+    RandomInDefinition(String),
+    /// Two distributions in one formula.
+    #[error(
+        "`{0}` is a second distribution; a coordinate has one, and what is random, too, is a state of its own"
+    )]
+    TwoDistributions(String),
+    /// A distribution where only numbers can be.
+    #[error(
+        "`{family}` stands inside of {inside}; a distribution can only be shifted and scaled, as in x + 3*exponential(1)"
+    )]
+    RandomInside {
+        /// The distribution.
+        family: String,
+        /// What it stands in.
+        inside: String,
+    },
+    /// Counts that are shifted or scaled.
+    #[error(
+        "`{0}` gives counts, which cannot be shifted or scaled; its parameters can depend on states instead"
+    )]
+    CountsMoved(String),
+    /// Counts as a state.
+    #[error("`{0}` gives counts, which can be measured, but are no state; a state may have normal(mean, sd)")]
+    CountsAsState(String),
+    /// A coordinate that is a function of the others.
+    #[error("the coordinate has no noise, which is not supported yet; give it a little, as in \"{example}\"")]
+    NoNoise {
+        /// The same formula with noise.
+        example: String,
+    },
+    /// A coordinate whose noise is multiplied by 0.
+    #[error(
+        "`{0}` is multiplied by 0, so that the coordinate has no noise; the factor must be another number"
+    )]
+    NoNoiseLeft(String),
+    /// A parameter of a distribution that is out of range whatever the states are.
+    #[error("`{parameter}` of {call} is {value}; it must be {expected}")]
+    OutOfRange {
+        /// The distribution with its parameters.
+        call: String,
+        /// Which parameter.
+        parameter: &'static str,
+        /// Its value.
+        value: f64,
+        /// What would be right.
+        expected: String,
+    },
+    /// Formulas that come to too much.
+    #[error("up to here the formulas come to more than {0} operations; shorter vectors would do")]
+    TooLarge(usize),
+    /// Definitions that need each other.
+    #[error("definitions go in a circle: {0}; one of them must do without the others")]
+    Cycle(String),
+
+    /// Matrices that make no model.
+    #[error("{0}")]
+    Matrix(String),
+}

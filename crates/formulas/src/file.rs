@@ -1,0 +1,90 @@
+//! A model file, read.
+
+use std::path::Path;
+
+use motes_models::LinearGaussian;
+
+use crate::document::{self, Table};
+use crate::error::{Fault, FileError, Problem};
+use crate::model::FormulaModel;
+use crate::statement::{self, Line};
+
+/// What a model file says.
+#[derive(Debug, Clone)]
+pub struct ModelFile {
+    /// The model's name; that of the file, without its extension, where the file gives none.
+    pub name: String,
+    /// The states' names, as in headers of data: `x`, or `x[0]`, `x[1]`, … for a vector.
+    pub states: Vec<String>,
+    /// The measurements' names, likewise.
+    pub measurements: Vec<String>,
+    /// The parameters with their values.
+    pub parameters: Vec<(String, f64)>,
+    /// The model itself.
+    pub model: FileModel,
+}
+
+/// The kinds of models that files can state.
+#[derive(Debug, Clone)]
+pub enum FileModel {
+    /// One whose coordinates are independent given the past.
+    Formulas(FormulaModel),
+    /// One of matrices, with correlated noise and exact answers.
+    LinearGaussian(Box<LinearGaussian>),
+}
+
+/// Reads a model file; `overrides` replace the values of parameters.
+///
+/// # Errors
+/// [`FileError::Read`] if the file cannot be read, and as [`parse`].
+pub fn read(path: &Path, overrides: &[(String, f64)]) -> Result<ModelFile, FileError> {
+    let file = path.display().to_string();
+    let bytes = std::fs::read(path)
+        .map_err(|error| FileError::Read { file: file.clone(), reason: reason(&error) })?;
+    match std::str::from_utf8(&bytes) {
+        Ok(text) => parse(text, &file, overrides),
+        Err(error) => {
+            let valid = String::from_utf8_lossy(&bytes[..error.valid_up_to()]);
+            Err(Fault::at(valid.len(), Problem::NotUtf8).in_file(&file, &valid))
+        }
+    }
+}
+
+/// Makes a model of a text, which is called `file` in errors; `overrides` replace the values of parameters.
+///
+/// # Errors
+/// [`FileError::Refused`] if the text states no model, or an override no parameter.
+pub fn parse(text: &str, file: &str, overrides: &[(String, f64)]) -> Result<ModelFile, FileError> {
+    let model = document::read(text).and_then(|table| of_table(text, file, &table, overrides));
+    model.map_err(|fault| fault.in_file(file, text))
+}
+
+/// The system's words for why it cannot be read.
+fn reason(error: &std::io::Error) -> String {
+    match error.kind() {
+        std::io::ErrorKind::NotFound => "there is no such file".to_string(),
+        std::io::ErrorKind::IsADirectory => "this is a folder; a model is a file".to_string(),
+        std::io::ErrorKind::PermissionDenied => "the permission to read it is missing".to_string(),
+        _ => error.to_string(),
+    }
+}
+
+fn of_table(text: &str, file: &str, table: &Table, overrides: &[(String, f64)]) -> Result<ModelFile, Fault> {
+    let statement = statement::read(text, table, overrides)?;
+    let names = |lines: &[Line]| {
+        let of_line = |line: &Line| (0..line.coordinates()).map(|at| line.coordinate(at)).collect::<Vec<_>>();
+        lines.iter().flat_map(of_line).collect()
+    };
+    Ok(ModelFile {
+        name: statement.name.clone().unwrap_or_else(|| stem(file)),
+        states: names(&statement.initial),
+        measurements: names(&statement.measurement),
+        parameters: statement.parameters.clone(),
+        model: FileModel::Formulas(FormulaModel::new(statement)?),
+    })
+}
+
+/// The name of a file without its extension.
+fn stem(file: &str) -> String {
+    Path::new(file).file_stem().map_or_else(|| file.to_string(), |stem| stem.to_string_lossy().into_owned())
+}

@@ -1,0 +1,185 @@
+//! Makes the graph of a section from its formulas.
+
+use super::coordinate::Coordinate;
+use super::nodes::{Graph, Id};
+use crate::error::{Fault, Problem, Section};
+use crate::operations::{Binary, Unary};
+use crate::statement::{Line, Statement};
+use crate::syntax::{Element, Node, NodeId};
+use crate::tables::{Kind, Range, call};
+
+/// How many operations the formulas of a section may come to.
+const MOST: usize = 2_000_000;
+
+/// Beyond this not every integer is a number.
+const LARGEST_INDEX: f64 = (1_u64 << 53) as f64;
+
+/// The graph of a section, and the distributions of its coordinates.
+#[derive(Debug)]
+pub(crate) struct Built {
+    pub(crate) graph: Graph,
+    pub(crate) coordinates: Vec<Coordinate>,
+}
+
+/// Builds the graph of `lines`, which are those of `section`.
+pub(crate) fn build(statement: &Statement, section: Section, lines: &[Line]) -> Result<Built, Fault> {
+    let mut used = vec![false; statement.definitions.len()];
+    lines.iter().flat_map(|line| line.formula.definitions()).for_each(|number| used[number] = true);
+    for &number in statement.order.iter().rev() {
+        if used[number] {
+            statement.definitions[number].formula.definitions().for_each(|other| used[other] = true);
+        }
+    }
+    let mut builder =
+        Builder { graph: Graph::default(), definitions: vec![Vec::new(); used.len()], work: 0, section };
+    for &number in statement.order.iter().filter(|number| used[**number]) {
+        let line = &statement.definitions[number];
+        for coordinate in 0..line.coordinates() {
+            let (value, _) = builder.of_line(line, Section::Definitions, coordinate)?;
+            builder.definitions[number].push(value);
+        }
+    }
+    let mut coordinates = Vec::new();
+    for line in lines {
+        for coordinate in 0..line.coordinates() {
+            coordinates.extend(builder.of_line(line, section, coordinate)?.1);
+        }
+    }
+    Ok(Built { graph: builder.graph, coordinates })
+}
+
+struct Builder {
+    graph: Graph,
+    /// The coordinates of each definition that has been built.
+    definitions: Vec<Vec<Id>>,
+    work: usize,
+    section: Section,
+}
+
+impl Builder {
+    /// The value of a formula for a coordinate of a vector, and its distribution, if it has one.
+    fn of_line(
+        &mut self,
+        line: &Line,
+        section: Section,
+        coordinate: usize,
+    ) -> Result<(Id, Option<Coordinate>), Fault> {
+        let formula = &line.formula;
+        self.work += formula.nodes.len();
+        if self.work > MOST {
+            return Err(line.fault(section, 0, Problem::TooLarge(MOST)));
+        }
+        // What is random has a number in `random`; the one here is not used.
+        let nothing = self.graph.constant(f64::NAN);
+        let mut random = None;
+        let mut values: Vec<Id> = Vec::with_capacity(formula.nodes.len());
+        for (at, node) in formula.nodes.iter().enumerate() {
+            let value = match node {
+                _ if formula.is_random[at] => {
+                    self.random(node, &formula.is_random, &values, &mut random);
+                    nothing
+                }
+                Node::Number(value) | Node::Named(value) => self.graph.constant(*value),
+                Node::Time if self.section == Section::Initial => self.graph.constant(0.0),
+                Node::Time => self.graph.time(),
+                Node::Coordinate => self.graph.constant(coordinate as f64),
+                Node::State { first, length, element } => {
+                    let element = self
+                        .element(element, *length, &values)
+                        .map_err(|problem| line.fault(section, formula.spans[at].start, problem))?;
+                    self.graph.state(first + element)
+                }
+                Node::Definition { number, length, element } => {
+                    let element = self
+                        .element(element, *length, &values)
+                        .map_err(|problem| line.fault(section, formula.spans[at].start, problem))?;
+                    self.definitions[*number][element]
+                }
+                Node::OfOne(operation, a) => self.graph.of_one(*operation, values[*a]),
+                Node::OfTwo(operation, a, b) => self.graph.of_two(*operation, values[*a], values[*b]),
+                Node::Random(..) => nothing,
+            };
+            values.push(value);
+        }
+        if let Some((coordinate, at)) = &mut random {
+            let span = &formula.spans[*at];
+            let problem = self.check(coordinate).map(|problem| line.fault(section, span.start, problem));
+            if let Some(fault) = problem {
+                return Err(fault);
+            }
+            coordinate.settle(&mut self.graph);
+        }
+        Ok((values.last().copied().unwrap_or(nothing), random.map(|(coordinate, _)| coordinate)))
+    }
+
+    /// Which coordinate of a vector an index means.
+    fn element(&self, element: &Element, length: usize, values: &[Id]) -> Result<usize, Problem> {
+        let Element::At(index) = element else { return Ok(0) };
+        // Indices are made of constants.
+        let index = self.graph.value(values[*index]).unwrap_or(f64::NAN);
+        if index.abs() < LARGEST_INDEX {
+            return Ok((index as i64).rem_euclid(length as i64) as usize);
+        }
+        Err(Problem::BadIndex(format!("{index}")))
+    }
+
+    /// An operation on the distribution of the formula.
+    fn random(
+        &mut self,
+        node: &Node,
+        is_random: &[bool],
+        values: &[Id],
+        random: &mut Option<(Coordinate, NodeId)>,
+    ) {
+        let graph = &mut self.graph;
+        match (node, random) {
+            (Node::Random(family, parameters), random) => {
+                let parameters = parameters.iter().map(|parameter| values[*parameter]).collect();
+                *random = Some((Coordinate::new(family, parameters), values.len()));
+            }
+            (Node::OfOne(Unary::Negative, _), Some((random, _))) => random.negate(graph),
+            (Node::OfTwo(operation, a, b), Some((random, _))) => match (operation, is_random[*a]) {
+                (Binary::Add, true) => random.add(graph, values[*b]),
+                (Binary::Add, false) => random.add(graph, values[*a]),
+                (Binary::Subtract, true) => random.subtract(graph, values[*b]),
+                (Binary::Subtract, false) => {
+                    random.negate(graph);
+                    random.add(graph, values[*a]);
+                }
+                (Binary::Multiply, true) => random.multiply(graph, values[*b]),
+                (Binary::Multiply, false) => random.multiply(graph, values[*a]),
+                (Binary::Divide, _) => random.divide(graph, values[*b]),
+                // The parser refuses the others.
+                _ => {}
+            },
+            _ => {}
+        }
+    }
+
+    /// What is wrong with a distribution, whatever the states are.
+    fn check(&self, coordinate: &Coordinate) -> Option<Problem> {
+        let family = coordinate.family;
+        let out_of_range = |parameter, value, expected: String| {
+            let call = call(family.name, family.parameters);
+            Some(Problem::OutOfRange { call, parameter, value, expected })
+        };
+        let values: Vec<Option<f64>> = coordinate.parameters.iter().map(|id| self.graph.value(*id)).collect();
+        for ((value, range), name) in values.iter().zip(family.ranges).zip(family.parameters) {
+            if let Some(value) = value.filter(|value| !range.has(*value)) {
+                return out_of_range(name, value, range.words().to_string());
+            }
+        }
+        match (family.kind, values.as_slice()) {
+            (Kind::Uniform, [Some(low), Some(high)]) if low >= high => {
+                out_of_range("high", *high, format!("above low, which is {low}"))
+            }
+            _ => match coordinate.scale.and_then(|scale| self.graph.value(scale)) {
+                Some(0.0) => Some(Problem::NoNoiseLeft(call(family.name, family.parameters))),
+                Some(scale) if !Range::Any.has(scale) => {
+                    out_of_range("the factor", scale, Range::Any.words().to_string())
+                }
+                _ => None,
+            },
+        }
+    }
+}

@@ -1,0 +1,87 @@
+//! A coordinate's distribution, whose parameters are numbers of a graph.
+
+use super::nodes::{Graph, Id};
+use crate::operations::{Binary, Unary};
+use crate::tables::{Family, Kind};
+
+/// `shift + scale·x` of a distribution of `x`.
+#[derive(Debug, Clone)]
+pub(crate) struct Coordinate {
+    pub(crate) family: &'static Family,
+    pub(crate) parameters: Vec<Id>,
+    pub(crate) scale: Option<Id>,
+    pub(crate) shift: Option<Id>,
+}
+
+impl Coordinate {
+    pub(super) fn new(family: &'static Family, parameters: Vec<Id>) -> Self {
+        Coordinate { family, parameters, scale: None, shift: None }
+    }
+
+    /// Adds a number.
+    pub(super) fn add(&mut self, graph: &mut Graph, by: Id) {
+        self.shift = Some(match self.shift {
+            Some(shift) => graph.of_two(Binary::Add, shift, by),
+            None => by,
+        });
+    }
+
+    /// Subtracts a number.
+    pub(super) fn subtract(&mut self, graph: &mut Graph, by: Id) {
+        self.shift = Some(match self.shift {
+            Some(shift) => graph.of_two(Binary::Subtract, shift, by),
+            None => graph.of_one(Unary::Negative, by),
+        });
+    }
+
+    /// Changes the sign.
+    pub(super) fn negate(&mut self, graph: &mut Graph) {
+        self.scale = Some(match self.scale {
+            Some(scale) => graph.of_one(Unary::Negative, scale),
+            None => graph.constant(-1.0),
+        });
+        self.shift = self.shift.map(|shift| graph.of_one(Unary::Negative, shift));
+    }
+
+    /// Multiplies by a number.
+    pub(super) fn multiply(&mut self, graph: &mut Graph, by: Id) {
+        self.scale = Some(match self.scale {
+            Some(scale) => graph.of_two(Binary::Multiply, scale, by),
+            None => by,
+        });
+        self.shift = self.shift.map(|shift| graph.of_two(Binary::Multiply, shift, by));
+    }
+
+    /// Divides by a number.
+    pub(super) fn divide(&mut self, graph: &mut Graph, by: Id) {
+        let scale = self.scale.unwrap_or_else(|| graph.constant(1.0));
+        self.scale = Some(graph.of_two(Binary::Divide, scale, by));
+        self.shift = self.shift.map(|shift| graph.of_two(Binary::Divide, shift, by));
+    }
+
+    /// Takes shift and scale into the parameters, where the family has such.
+    pub(super) fn settle(&mut self, graph: &mut Graph) {
+        let location = match self.family.kind {
+            Kind::Normal | Kind::Laplace => 0,
+            Kind::StudentT => 1,
+            _ => return,
+        };
+        let [mut at, mut width] = [self.parameters[location], self.parameters[location + 1]];
+        if let Some(scale) = self.scale.take() {
+            at = graph.of_two(Binary::Multiply, at, scale);
+            let size = graph.of_one(Unary::Abs, scale);
+            width = graph.of_two(Binary::Multiply, width, size);
+        }
+        if let Some(shift) = self.shift.take() {
+            // 0 + x is x.
+            at = if graph.value(at) == Some(0.0) { shift } else { graph.of_two(Binary::Add, at, shift) };
+        }
+        self.parameters[location] = at;
+        self.parameters[location + 1] = width;
+    }
+
+    /// Its numbers, those that it has.
+    pub(crate) fn numbers(&self) -> impl Iterator<Item = Id> {
+        self.parameters.iter().copied().chain(self.scale).chain(self.shift)
+    }
+}

@@ -1,0 +1,9 @@
+//! The formulas of a section as one graph, in which what is computed twice stands once.
+
+mod build;
+mod coordinate;
+mod nodes;
+
+pub(crate) use build::{Built, build};
+pub(crate) use coordinate::Coordinate;
+pub(crate) use nodes::{Graph, Id, Operation};

@@ -1,0 +1,160 @@
+//! A graph of operations, each of them there once.
+
+use std::collections::HashMap;
+
+use motes_models::equations::Scalar;
+
+use crate::operations::{Binary, Unary, integer_exponent};
+
+/// A number that the graph computes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub(crate) struct Id(u32);
+
+impl Id {
+    /// Its place in the order of the graph.
+    pub(crate) fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// How a number is computed; operands come before it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) enum Operation {
+    /// A constant, by its bits.
+    Constant(u64),
+    Time,
+    State(u32),
+    OfOne(Unary, Id),
+    /// A power with an integer exponent.
+    Integer(Id, i32),
+    OfTwo(Binary, Id, Id),
+}
+
+/// Operations in an order in which they can be computed.
+#[derive(Debug, Default)]
+pub(crate) struct Graph {
+    operations: Vec<Operation>,
+    known: HashMap<Operation, Id>,
+    /// For each, whether it depends on states.
+    varies: Vec<bool>,
+}
+
+/// Powers up to here are products that other operations can share.
+const PRODUCTS: u32 = 16;
+
+impl Graph {
+    fn add(&mut self, operation: Operation) -> Id {
+        if let Some(id) = self.known.get(&operation) {
+            return *id;
+        }
+        let varies = match operation {
+            Operation::Constant(_) | Operation::Time => false,
+            Operation::State(_) => true,
+            Operation::OfOne(_, a) | Operation::Integer(a, _) => self.varies(a),
+            Operation::OfTwo(_, a, b) => self.varies(a) || self.varies(b),
+        };
+        let id = Id(self.operations.len() as u32);
+        self.operations.push(operation);
+        self.varies.push(varies);
+        self.known.insert(operation, id);
+        id
+    }
+
+    pub(crate) fn operation(&self, id: Id) -> Operation {
+        self.operations[id.index()]
+    }
+
+    pub(crate) fn operations(&self) -> &[Operation] {
+        &self.operations
+    }
+
+    /// Whether a number depends on states.
+    pub(crate) fn varies(&self, id: Id) -> bool {
+        self.varies[id.index()]
+    }
+
+    /// The value of what depends on nothing.
+    pub(crate) fn value(&self, id: Id) -> Option<f64> {
+        match self.operation(id) {
+            Operation::Constant(bits) => Some(f64::from_bits(bits)),
+            _ => None,
+        }
+    }
+
+    pub(crate) fn constant(&mut self, value: f64) -> Id {
+        self.add(Operation::Constant(value.to_bits()))
+    }
+
+    pub(crate) fn time(&mut self) -> Id {
+        self.add(Operation::Time)
+    }
+
+    pub(crate) fn state(&mut self, number: usize) -> Id {
+        self.add(Operation::State(number as u32))
+    }
+
+    pub(crate) fn of_one(&mut self, operation: Unary, a: Id) -> Id {
+        if let Some(value) = self.value(a) {
+            return self.constant(operation.of(value));
+        }
+        match (operation, self.operation(a)) {
+            (Unary::Negative, Operation::OfOne(Unary::Negative, inner)) => inner,
+            _ => self.add(Operation::OfOne(operation, a)),
+        }
+    }
+
+    /// Only what leaves every bit of the result as it is is simplified.
+    pub(crate) fn of_two(&mut self, operation: Binary, a: Id, b: Id) -> Id {
+        match (operation, self.value(a), self.value(b)) {
+            (Binary::Power, Some(base), Some(exponent)) => {
+                let power = integer_exponent(exponent);
+                self.constant(power.map_or_else(|| base.pow(exponent), |exponent| base.powi(exponent)))
+            }
+            (_, Some(a), Some(b)) => self.constant(operation.of(a, b)),
+            (Binary::Power, _, Some(exponent)) if integer_exponent(exponent).is_some() => {
+                self.integer_power(a, integer_exponent(exponent).unwrap_or_default())
+            }
+            (Binary::Multiply, Some(1.0), _) => b,
+            (Binary::Multiply | Binary::Divide, _, Some(1.0)) => a,
+            (Binary::Divide, _, Some(divisor)) if is_power_of_two(divisor) => {
+                let inverse = self.constant(1.0 / divisor);
+                self.of_two(Binary::Multiply, a, inverse)
+            }
+            // In one order, so that a + b is b + a.
+            (Binary::Add | Binary::Multiply, ..) => self.add(Operation::OfTwo(operation, a.max(b), a.min(b))),
+            _ => self.add(Operation::OfTwo(operation, a, b)),
+        }
+    }
+
+    /// `aⁿ`, by the products that [`Scalar::powi`] takes.
+    fn integer_power(&mut self, a: Id, n: i32) -> Id {
+        if n == 0 {
+            return self.constant(1.0);
+        }
+        if n.unsigned_abs() > PRODUCTS {
+            return self.add(Operation::Integer(a, n));
+        }
+        let (mut result, mut factor, mut left) = (None, a, n.unsigned_abs());
+        while left > 0 {
+            if left & 1 == 1 {
+                result = Some(result.map_or(factor, |result| self.of_two(Binary::Multiply, result, factor)));
+            }
+            left >>= 1;
+            if left > 0 {
+                factor = self.of_two(Binary::Multiply, factor, factor);
+            }
+        }
+        let result = result.unwrap_or(factor);
+        if n > 0 {
+            return result;
+        }
+        let one = self.constant(1.0);
+        self.of_two(Binary::Divide, one, result)
+    }
+}
+
+/// Whether dividing by it is multiplying with its inverse, to the last bit.
+fn is_power_of_two(divisor: f64) -> bool {
+    const FRACTION: u64 = (1 << 52) - 1;
+    divisor.is_normal() && (1.0 / divisor).is_normal() && divisor.to_bits() & FRACTION == 0
+}

@@ -1,0 +1,41 @@
+//! State-space models read from files of formulas.
+//!
+//! A file says how a model's coordinates are distributed; [`read`] makes a model of it that can be drawn from, weighed and differentiated.
+//!
+//! ```
+//! use motes_formulas::{FileModel, parse};
+//! use motes_models::{Seed, simulate};
+//!
+//! let text = r#"
+//!     name = "walk"
+//!     [initial]
+//!     x = "normal(0, 1)"
+//!     [transition]
+//!     x = "normal(x, 0.1)"
+//!     [measurement]
+//!     y = "student_t(4, x, 0.5)"
+//! "#;
+//! let file = parse(text, "walk.toml", &[])?;
+//! assert_eq!((file.states, file.measurements), (vec!["x".to_string()], vec!["y".to_string()]));
+//! let FileModel::Formulas(model) = file.model else { unreachable!("there are no matrices") };
+//! let data = simulate(&model, 50, &mut Seed::from_u64(1).stream())?;
+//! assert_eq!(data.measurements.len(), 50);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod document;
+mod error;
+mod file;
+mod graph;
+mod model;
+mod names;
+mod operations;
+mod program;
+mod statement;
+mod syntax;
+mod tables;
+
+pub use error::{FileError, Place, Problem};
+pub use file::{FileModel, ModelFile, parse, read};
+pub use model::FormulaModel;
+pub use tables::reference;

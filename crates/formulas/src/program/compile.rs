@@ -1,0 +1,206 @@
+//! Makes a program of a graph: coordinate by coordinate, each number as late as it is needed.
+
+use super::instruction::{Instruction, Output, Place, Program, Source, Step};
+use super::registers::Registers;
+use crate::graph::{Built, Coordinate, Graph, Id, Operation};
+use crate::operations::Binary;
+
+/// Compiles the graph of a section of a model with so many states.
+pub(crate) fn compile(built: &Built, states: usize) -> Program {
+    let graph = &built.graph;
+    let uses = count_uses(built);
+    let mut compiler = Compiler {
+        graph,
+        states: states as u32,
+        plain: vec![0; uses.len()],
+        registers: Registers::default(),
+        held: vec![None; uses.len()],
+        uses,
+        instructions: Vec::new(),
+    };
+    let (constants, steps) = compiler.plain_numbers();
+    let coordinates = built.coordinates.iter().map(|coordinate| compiler.coordinate(coordinate)).collect();
+    Program {
+        states,
+        constants,
+        steps,
+        registers: compiler.registers.count(),
+        instructions: compiler.instructions,
+        coordinates,
+    }
+}
+
+/// The operands of a number.
+fn operands(operation: Operation) -> impl Iterator<Item = Id> {
+    let [a, b] = match operation {
+        Operation::Constant(_) | Operation::Time | Operation::State(_) => [None, None],
+        Operation::OfOne(_, a) | Operation::Integer(a, _) => [Some(a), None],
+        Operation::OfTwo(_, a, b) => [Some(a), Some(b)],
+    };
+    a.into_iter().chain(b)
+}
+
+/// How often each number is an operand of what is needed, or needed itself.
+fn count_uses(built: &Built) -> Vec<u32> {
+    let mut uses = vec![0; built.graph.operations().len()];
+    for id in built.coordinates.iter().flat_map(Coordinate::numbers) {
+        uses[id.index()] += 1;
+    }
+    for (at, operation) in built.graph.operations().iter().enumerate().rev() {
+        if uses[at] > 0 {
+            operands(*operation).for_each(|operand| uses[operand.index()] += 1);
+        }
+    }
+    uses
+}
+
+struct Compiler<'a> {
+    graph: &'a Graph,
+    states: u32,
+    /// For each number that is the same for all particles, its place among those.
+    plain: Vec<u32>,
+    registers: Registers,
+    /// The register of each number that has one.
+    held: Vec<Option<u32>>,
+    /// How often each number is still needed.
+    uses: Vec<u32>,
+    instructions: Vec<Instruction>,
+}
+
+impl Compiler<'_> {
+    /// Numbers that are the same for all particles: constants, and steps for the others.
+    fn plain_numbers(&mut self) -> (Vec<f64>, Vec<Step>) {
+        let (mut constants, mut steps) = (Vec::new(), Vec::new());
+        let needed: Vec<usize> = (0..self.uses.len()).filter(|at| self.uses[*at] > 0).collect();
+        let operations = self.graph.operations();
+        for &at in &needed {
+            if let Operation::Constant(bits) = operations[at] {
+                self.plain[at] = constants.len() as u32;
+                constants.push(f64::from_bits(bits));
+            }
+        }
+        for &at in &needed {
+            let place = |id: Id| self.plain[id.index()];
+            let step = match operations[at] {
+                Operation::Time => Step::Time,
+                Operation::OfOne(operation, a) if !self.graph.varies(a) => Step::OfOne(operation, place(a)),
+                Operation::Integer(a, n) if !self.graph.varies(a) => Step::Integer(place(a), n),
+                Operation::OfTwo(operation, a, b) if !self.graph.varies(a) && !self.graph.varies(b) => {
+                    Step::OfTwo(operation, place(a), place(b))
+                }
+                _ => continue,
+            };
+            self.plain[at] = (constants.len() + steps.len()) as u32;
+            steps.push(step);
+        }
+        (constants, steps)
+    }
+
+    /// The instructions for a coordinate's numbers, and its distribution.
+    fn coordinate(&mut self, coordinate: &Coordinate) -> Output {
+        coordinate.numbers().for_each(|number| self.compute(number));
+        // What the family does not take is some other number of it.
+        let mut parameters = [self.source(coordinate.parameters[0]); 3];
+        for (source, parameter) in parameters.iter_mut().zip(&coordinate.parameters) {
+            *source = self.source(*parameter);
+        }
+        let output = Output {
+            kind: coordinate.family.kind,
+            end: self.instructions.len(),
+            parameters,
+            scale: coordinate.scale.map(|scale| self.source(scale)),
+            shift: coordinate.shift.map(|shift| self.source(shift)),
+        };
+        coordinate.numbers().for_each(|number| self.release(number));
+        output
+    }
+
+    /// Where a number of each particle is, once it is computed.
+    fn place(&self, id: Id) -> Place {
+        match self.graph.operation(id) {
+            Operation::State(number) => number,
+            _ => self.states + self.held[id.index()].unwrap_or_default(),
+        }
+    }
+
+    /// Where a number is, once it is computed.
+    fn source(&self, id: Id) -> Source {
+        if self.graph.varies(id) {
+            Source::Varied(self.place(id))
+        } else {
+            Source::Plain(self.plain[id.index()])
+        }
+    }
+
+    /// A use of a number is over.
+    fn release(&mut self, id: Id) {
+        let at = id.index();
+        self.uses[at] -= 1;
+        if let (0, Some(register)) = (self.uses[at], self.held[at]) {
+            self.registers.give_back(register);
+        }
+    }
+
+    /// Appends the instructions for a number that are not there yet.
+    fn compute(&mut self, id: Id) {
+        let is_there = |compiler: &Self, id: Id| {
+            let at = id.index();
+            let operation = compiler.graph.operation(id);
+            !compiler.graph.varies(id)
+                || matches!(operation, Operation::State(_))
+                || compiler.held[at].is_some()
+        };
+        let mut waiting = vec![id];
+        while let Some(&next) = waiting.last() {
+            if is_there(self, next) {
+                waiting.pop();
+                continue;
+            }
+            let operation = self.graph.operation(next);
+            let missing = operands(operation).find(|operand| !is_there(self, *operand));
+            if let Some(missing) = missing {
+                waiting.push(missing);
+                continue;
+            }
+            self.append(next, operation);
+            waiting.pop();
+        }
+    }
+
+    /// Appends the instruction of a number whose operands are there.
+    fn append(&mut self, id: Id, operation: Operation) {
+        // The result may take the register of an operand.
+        operands(operation).for_each(|operand| self.release(operand));
+        let out = self.registers.take();
+        self.held[id.index()] = Some(out);
+        self.instructions.extend(match operation {
+            // These have no instruction.
+            Operation::Constant(_) | Operation::Time | Operation::State(_) => None,
+            Operation::OfOne(operation, a) => Some(Instruction::OfOne(operation, out, self.place(a))),
+            Operation::Integer(a, n) => Some(Instruction::Integer(out, self.place(a), n)),
+            Operation::OfTwo(operation, a, b) => Some(of_two(operation, out, self.source(a), self.source(b))),
+        });
+    }
+}
+
+/// The instruction for an operation, where one operand at least is a number of each particle.
+fn of_two(operation: Binary, out: u32, a: Source, b: Source) -> Instruction {
+    use Source::{Plain, Varied};
+    match (operation, a, b) {
+        (Binary::Add, Varied(a), Varied(b)) => Instruction::Add(out, a, b),
+        (Binary::Add, Varied(a), Plain(b)) | (Binary::Add, Plain(b), Varied(a)) => {
+            Instruction::AddPlain(out, a, b)
+        }
+        (Binary::Subtract, Varied(a), Varied(b)) => Instruction::Subtract(out, a, b),
+        (Binary::Subtract, Varied(a), Plain(b)) => Instruction::SubtractPlain(out, a, b),
+        (Binary::Subtract, Plain(a), Varied(b)) => Instruction::SubtractFrom(out, b, a),
+        (Binary::Multiply, Varied(a), Varied(b)) => Instruction::Multiply(out, a, b),
+        (Binary::Multiply, Varied(a), Plain(b)) | (Binary::Multiply, Plain(b), Varied(a)) => {
+            Instruction::MultiplyPlain(out, a, b)
+        }
+        (Binary::Divide, Varied(a), Varied(b)) => Instruction::Divide(out, a, b),
+        (Binary::Divide, Varied(a), Plain(b)) => Instruction::DividePlain(out, a, b),
+        (Binary::Divide, Plain(a), Varied(b)) => Instruction::DivideInto(out, b, a),
+        _ => Instruction::OfTwo(operation, out, a, b),
+    }
+}

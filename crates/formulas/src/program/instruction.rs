@@ -1,0 +1,69 @@
+//! Programs: what is computed once for all particles, and what for each.
+
+use crate::operations::{Binary, Unary};
+use crate::tables::Kind;
+
+/// What a section computes.
+#[derive(Debug, Clone)]
+pub(crate) struct Program {
+    /// How many states it is given.
+    pub(super) states: usize,
+    /// The first plain numbers; the others are computed by `steps`, one each.
+    pub(super) constants: Vec<f64>,
+    pub(super) steps: Vec<Step>,
+    /// How many numbers of each particle it keeps at a time.
+    pub(super) registers: usize,
+    pub(super) instructions: Vec<Instruction>,
+    pub(super) coordinates: Vec<Output>,
+}
+
+/// How the next plain number is computed, from those before it.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Step {
+    Time,
+    OfOne(Unary, u32),
+    Integer(u32, i32),
+    OfTwo(Binary, u32, u32),
+}
+
+/// A number of each particle: that of a state, or after those of a register.
+pub(super) type Place = u32;
+
+/// Where a number is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Source {
+    /// It is the same for all particles.
+    Plain(u32),
+    Varied(Place),
+}
+
+/// An operation on numbers of each particle; the first number says to which register the result goes.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Instruction {
+    Add(u32, Place, Place),
+    AddPlain(u32, Place, u32),
+    Subtract(u32, Place, Place),
+    SubtractPlain(u32, Place, u32),
+    /// A plain number less one of each particle.
+    SubtractFrom(u32, Place, u32),
+    Multiply(u32, Place, Place),
+    MultiplyPlain(u32, Place, u32),
+    Divide(u32, Place, Place),
+    DividePlain(u32, Place, u32),
+    /// A plain number divided by one of each particle.
+    DivideInto(u32, Place, u32),
+    OfOne(Unary, u32, Place),
+    Integer(u32, Place, i32),
+    OfTwo(Binary, u32, Source, Source),
+}
+
+/// The distribution of a coordinate.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Output {
+    pub(super) kind: Kind,
+    /// The instructions up to here come before it.
+    pub(super) end: usize,
+    pub(super) parameters: [Source; 3],
+    pub(super) scale: Option<Source>,
+    pub(super) shift: Option<Source>,
+}

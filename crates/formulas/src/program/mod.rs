@@ -1,0 +1,9 @@
+//! A section's graph as a list of small operations, and what computes it.
+
+mod compile;
+mod instruction;
+mod interpret;
+mod registers;
+
+pub(crate) use compile::compile;
+pub(crate) use instruction::Program;

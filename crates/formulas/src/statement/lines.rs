@@ -1,0 +1,125 @@
+//! The formulas of a section.
+
+use std::collections::BTreeMap;
+
+use super::keys::Key;
+use crate::document::Found;
+use crate::error::{Fault, Place, Problem, Section};
+use crate::syntax::{Formula, Meaning, Node, Scope, parse};
+
+/// The formula of a coordinate, of all coordinates of a vector, or of a definition.
+#[derive(Debug, Clone)]
+pub(crate) struct Line {
+    pub(crate) name: String,
+    /// The length of a vector.
+    pub(crate) length: Option<usize>,
+    pub(crate) formula: Formula,
+    /// The line of the file, from 1.
+    pub(crate) number: usize,
+    /// The byte of the file where the formula begins; where it is not written letter by letter, that of its value.
+    pub(crate) at: usize,
+    /// Whether the formula stands at `at` letter by letter.
+    pub(crate) is_literal: bool,
+}
+
+impl Line {
+    /// How many coordinates it has.
+    pub(crate) fn coordinates(&self) -> usize {
+        self.length.unwrap_or(1)
+    }
+
+    /// The name of a coordinate: `x`, or `x[3]`.
+    pub(crate) fn coordinate(&self, number: usize) -> String {
+        match self.length {
+            Some(_) => format!("{}[{number}]", self.name),
+            None => self.name.clone(),
+        }
+    }
+
+    /// The key: `x`, or `x[40]`.
+    pub(crate) fn key(&self) -> String {
+        match self.length {
+            Some(length) => format!("{}[{length}]", self.name),
+            None => self.name.clone(),
+        }
+    }
+
+    /// A problem at a byte of the formula.
+    pub(crate) fn fault(&self, section: Section, byte: usize, problem: Problem) -> Fault {
+        let at = if self.is_literal { self.at + byte } else { self.at };
+        Fault::at(at, problem).in_section(section).of_key(&self.key())
+    }
+}
+
+/// Reads formulas with these names.
+pub(super) struct Reader<'a> {
+    pub(super) text: &'a str,
+    pub(super) names: &'a BTreeMap<String, Meaning>,
+}
+
+impl Reader<'_> {
+    /// The formulas of a section.
+    pub(super) fn lines(&self, keys: &[Key<'_>], section: Section) -> Result<Vec<Line>, Fault> {
+        keys.iter().map(|key| self.line(key, section)).collect()
+    }
+
+    fn line(&self, key: &Key<'_>, section: Section) -> Result<Line, Fault> {
+        let Found::Text { text, inner } = &key.value.found else {
+            return Err(self.no_formula(key, section));
+        };
+        let scope = Scope { names: self.names, section, is_vector: key.length.is_some() };
+        let parsed = parse(text, scope).and_then(|formula| check_noise(formula, section));
+        let formula = parsed.map_err(|fault| {
+            let at = match (inner, fault.at) {
+                (Some(inner), Some(byte)) => inner + byte,
+                _ => key.value.at,
+            };
+            Fault { at: Some(at), ..fault }.in_section(section).of_key(key.written)
+        })?;
+        let at = inner.unwrap_or(key.value.at);
+        Ok(Line {
+            name: key.name.clone(),
+            length: key.length,
+            formula,
+            number: Place::line_and_column(self.text, at)[0],
+            at,
+            is_literal: inner.is_some(),
+        })
+    }
+
+    fn no_formula(&self, key: &Key<'_>, section: Section) -> Fault {
+        let value = key.value;
+        let expected = match (&value.found, section) {
+            (Found::Number(_, written), Section::Definitions) => {
+                format!("a formula in quotes, \"{written}\"; a number can also stand in [parameters]")
+            }
+            (Found::Number(_, written), _) => {
+                format!("a distribution in quotes, as in \"normal({written}, 1)\"")
+            }
+            _ => "a formula in quotes".to_string(),
+        };
+        let problem = Problem::Value { found: value.words(), expected };
+        Fault::at(value.at, problem).in_section(section).of_key(key.written)
+    }
+}
+
+/// A coordinate has a distribution; that of a state is continuous.
+fn check_noise(formula: Formula, section: Section) -> Result<Formula, Fault> {
+    if section == Section::Definitions {
+        return Ok(formula);
+    }
+    let counts = formula.nodes.iter().zip(&formula.spans).find_map(|(node, span)| match node {
+        Node::Random(family, _) if family.is_of_counts() => Some((family.name, span.start)),
+        _ => None,
+    });
+    match counts {
+        Some((name, at)) if section != Section::Measurement => {
+            Err(Fault::at(at, Problem::CountsAsState(name.to_string())))
+        }
+        _ if formula.is_random.last() == Some(&true) => Ok(formula),
+        _ => {
+            let example = format!("normal({}, 0.01)", formula.text.trim());
+            Err(Fault::at(0, Problem::NoNoise { example }))
+        }
+    }
+}

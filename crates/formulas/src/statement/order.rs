@@ -1,0 +1,62 @@
+//! The order of definitions: each after those that it uses.
+
+use std::collections::BTreeMap;
+
+use super::lines::Line;
+use crate::error::Problem;
+use crate::syntax::{Meaning, Node};
+
+/// Whether a definition has been ordered.
+#[derive(Clone, Copy, PartialEq)]
+enum Mark {
+    New,
+    /// Those that it uses are being ordered.
+    Open,
+    Done,
+}
+
+/// The numbers of the definitions in an order in which they can be computed, or one that is in a circle.
+pub(super) fn of(definitions: &[Line]) -> Result<Vec<usize>, (usize, Problem)> {
+    let uses: Vec<Vec<usize>> = definitions.iter().map(|line| line.formula.definitions().collect()).collect();
+    let mut marks = vec![Mark::New; definitions.len()];
+    let mut order = Vec::with_capacity(definitions.len());
+    for start in 0..definitions.len() {
+        // Those that are open, each with how many of those that it uses have been looked at.
+        let mut open = if marks[start] == Mark::New { vec![(start, 0)] } else { Vec::new() };
+        while let Some((number, seen)) = open.last_mut() {
+            let number = *number;
+            marks[number] = Mark::Open;
+            let Some(&used) = uses[number].get(*seen) else {
+                marks[number] = Mark::Done;
+                order.push(number);
+                open.pop();
+                continue;
+            };
+            *seen += 1;
+            match marks[used] {
+                Mark::New => open.push((used, 0)),
+                Mark::Done => {}
+                Mark::Open => {
+                    let from = open.iter().position(|(number, _)| *number == used).unwrap_or(0);
+                    let circle = open[from..].iter().map(|(number, _)| *number).chain([used]);
+                    let names: Vec<&str> = circle.map(|number| definitions[number].name.as_str()).collect();
+                    return Err((used, Problem::Cycle(names.join(" → "))));
+                }
+            }
+        }
+    }
+    Ok(order)
+}
+
+/// Notes in `names` which definitions depend on states.
+pub(super) fn mark_states(order: &[usize], definitions: &[Line], names: &mut BTreeMap<String, Meaning>) {
+    let mut depends = vec![false; definitions.len()];
+    for &number in order {
+        let line = &definitions[number];
+        let uses_state = line.formula.nodes.iter().any(|node| matches!(node, Node::State { .. }));
+        depends[number] = uses_state || line.formula.definitions().any(|used| depends[used]);
+        if let Some(Meaning::Definition { needs_states, .. }) = names.get_mut(&line.name) {
+            *needs_states = depends[number];
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! The top level of a file of formulas.
+
+use crate::document::{Found, Table, Value};
+use crate::error::{Fault, Problem, Section, nearest};
+
+/// What a file of formulas has.
+#[derive(Debug, Default)]
+pub(super) struct Sections {
+    pub(super) name: Option<String>,
+    pub(super) parameters: Table,
+    pub(super) initial: Table,
+    pub(super) definitions: Table,
+    pub(super) transition: Table,
+    pub(super) measurement: Table,
+}
+
+/// A line that each of the needed sections may have.
+fn example(section: Section) -> &'static str {
+    match section {
+        Section::Initial => "a line for each coordinate of the state, as x = \"normal(0, 1)\"",
+        Section::Transition => "a line for each coordinate of the state, as x = \"normal(0.9*x, 1)\"",
+        _ => "a line for each measurement, as y = \"normal(x, 1)\"",
+    }
+}
+
+impl Sections {
+    /// Sorts the keys of a file.
+    pub(super) fn of(table: &Table) -> Result<Self, Fault> {
+        let mut sections = Sections::default();
+        for entry in table {
+            let fault = |problem| Fault::at(entry.key_at, problem);
+            let section = Section::ALL.into_iter().find(|section| section.name() == entry.key);
+            match (section, entry.key.as_str()) {
+                (Some(section), _) => *sections.of_mut(section) = lines(&entry.value, section)?.clone(),
+                (None, "name") => sections.name = Some(entry.value.text("name")?.to_string()),
+                (None, "kind") => {}
+                (None, key) => {
+                    let known = Section::ALL.map(Section::name).into_iter().chain(["name", "kind"]);
+                    let advice = match nearest(key, known) {
+                        Some(near) => format!("did you mean `{near}`?"),
+                        None => {
+                            let all = Section::ALL.map(Section::title).join(", ");
+                            format!("it has name, kind, {all}")
+                        }
+                    };
+                    return Err(fault(Problem::UnknownKey { name: key.to_string(), advice }));
+                }
+            }
+        }
+        for section in [Section::Initial, Section::Transition, Section::Measurement] {
+            if sections.of_mut(section).is_empty() {
+                let problem = Problem::Missing { name: section.title(), example: example(section) };
+                return Err(Fault::new(problem));
+            }
+        }
+        Ok(sections)
+    }
+
+    fn of_mut(&mut self, section: Section) -> &mut Table {
+        match section {
+            Section::Parameters => &mut self.parameters,
+            Section::Initial => &mut self.initial,
+            Section::Definitions => &mut self.definitions,
+            Section::Transition => &mut self.transition,
+            Section::Measurement => &mut self.measurement,
+        }
+    }
+}
+
+fn lines(value: &Value, section: Section) -> Result<&Table, Fault> {
+    match &value.found {
+        Found::Table(table) => Ok(table),
+        _ => {
+            let expected = format!("a section: a line {}, and lines below it", section.title());
+            let problem = Problem::Value { found: value.words(), expected };
+            Err(Fault::at(value.at, problem).of_key(section.name()))
+        }
+    }
+}

@@ -1,0 +1,282 @@
+//! Reads a formula: a Pratt parser, in which each operator binds its operands with a strength of its own.
+
+use std::ops::Range;
+
+use super::formula::{Element, Formula, Node, NodeId};
+use super::lookup::{Known, called, known};
+use super::scope::Scope;
+use super::token::{Token, next};
+use crate::error::{Fault, Problem};
+use crate::operations::{Binary, Unary};
+use crate::tables::{Family, Function, Operation, call};
+
+/// How deep parentheses, signs and powers may be nested.
+const DEEPEST: usize = 100;
+
+/// How many bytes a formula may have.
+const LONGEST: usize = 100_000;
+
+/// How strongly a sign binds what follows it: more than a product, less than a power.
+const SIGN: u8 = 5;
+
+/// An operator between two operands, with how strongly it binds its left and its right one.
+fn infix(token: Token) -> Option<(Binary, u8, u8)> {
+    match token {
+        Token::Plus => Some((Binary::Add, 1, 2)),
+        Token::Minus => Some((Binary::Subtract, 1, 2)),
+        Token::Times => Some((Binary::Multiply, 3, 4)),
+        Token::Over => Some((Binary::Divide, 3, 4)),
+        // x^y^z is x^(y^z).
+        Token::Power => Some((Binary::Power, 8, 7)),
+        _ => None,
+    }
+}
+
+/// Reads the formula of a coordinate or definition.
+pub(crate) fn parse(text: &str, scope: Scope<'_>) -> Result<Formula, Fault> {
+    if text.len() > LONGEST {
+        return Err(Fault::new(Problem::TooLong { length: text.chars().count(), longest: LONGEST }));
+    }
+    let formula =
+        Formula { text: text.to_string(), nodes: Vec::new(), spans: Vec::new(), is_random: Vec::new() };
+    let (ahead, at) = next(text, 0)?;
+    if ahead == Token::End {
+        return Err(Fault::at(0, Problem::Empty));
+    }
+    let mut parser = Parser { text, scope, formula, ahead, at, depth: 0, in_index: false };
+    parser.expression(0)?;
+    if parser.ahead != Token::End {
+        return Err(parser.unexpected("an operator or the end"));
+    }
+    Ok(parser.formula)
+}
+
+struct Parser<'a> {
+    text: &'a str,
+    scope: Scope<'a>,
+    formula: Formula,
+    /// The next word, and where it is.
+    ahead: Token,
+    at: Range<usize>,
+    depth: usize,
+    in_index: bool,
+}
+
+impl<'a> Parser<'a> {
+    fn advance(&mut self) -> Result<Range<usize>, Fault> {
+        let (ahead, at) = next(self.text, self.at.end)?;
+        self.ahead = ahead;
+        Ok(std::mem::replace(&mut self.at, at))
+    }
+
+    /// The next word in quotes.
+    fn found(&self) -> String {
+        match self.ahead {
+            Token::End => "the end".to_string(),
+            _ => format!("`{}`", &self.text[self.at.clone()]),
+        }
+    }
+
+    fn unexpected(&self, expected: &str) -> Fault {
+        let expected = expected.to_string();
+        Fault::at(self.at.start, Problem::Unexpected { found: self.found(), expected })
+    }
+
+    /// Takes a word that must be there.
+    fn expect(&mut self, token: Token, expected: &str) -> Result<Range<usize>, Fault> {
+        if self.ahead == token { self.advance() } else { Err(self.unexpected(expected)) }
+    }
+
+    fn add(&mut self, node: Node, span: Range<usize>, is_random: bool) -> NodeId {
+        self.formula.nodes.push(node);
+        self.formula.spans.push(span);
+        self.formula.is_random.push(is_random);
+        self.formula.root()
+    }
+
+    /// An expression whose operators bind at least as strongly as `floor`.
+    fn expression(&mut self, floor: u8) -> Result<NodeId, Fault> {
+        self.depth += 1;
+        if self.depth > DEEPEST {
+            return Err(Fault::at(self.at.start, Problem::TooDeep(DEEPEST)));
+        }
+        let mut left = self.operand()?;
+        loop {
+            if self.ahead.begins_operand() {
+                return Err(Fault::at(self.at.start, Problem::NoOperator(self.found())));
+            }
+            let Some((operator, strength, next)) = infix(self.ahead).filter(|(_, own, _)| *own >= floor)
+            else {
+                break;
+            };
+            if self.in_index && matches!(operator, Binary::Divide | Binary::Power) {
+                return Err(Fault::at(self.at.start, Problem::BadIndex(self.found())));
+            }
+            debug_assert!(strength >= floor);
+            self.advance()?;
+            let right = self.expression(next)?;
+            left = self.of_two(operator, left, right)?;
+        }
+        self.depth -= 1;
+        Ok(left)
+    }
+
+    fn operand(&mut self) -> Result<NodeId, Fault> {
+        match self.ahead {
+            Token::Number(value) => {
+                if self.in_index && value.fract() != 0.0 {
+                    return Err(Fault::at(self.at.start, Problem::BadIndex(self.found())));
+                }
+                let span = self.advance()?;
+                Ok(self.add(Node::Number(value), span, false))
+            }
+            Token::Plus => {
+                self.advance()?;
+                self.expression(SIGN)
+            }
+            Token::Minus => {
+                let sign = self.advance()?;
+                let operand = self.expression(SIGN)?;
+                let span = sign.start..self.formula.spans[operand].end;
+                self.refuse_moved_counts(operand, operand)?;
+                let is_random = self.formula.is_random[operand];
+                Ok(self.add(Node::OfOne(Unary::Negative, operand), span, is_random))
+            }
+            Token::Open => {
+                let open = self.advance()?;
+                let inner = self.expression(0)?;
+                let close = self.expect(Token::Close, "a closing parenthesis")?;
+                self.formula.spans[inner] = open.start..close.end;
+                Ok(inner)
+            }
+            Token::Name => self.name(),
+            _ => Err(self.unexpected("a number, a name or an opening parenthesis")),
+        }
+    }
+
+    /// A name, with its arguments or its index.
+    fn name(&mut self) -> Result<NodeId, Fault> {
+        let span = self.advance()?;
+        let name = &self.text[span.clone()];
+        let faulty = |problem| Fault::at(span.start, problem);
+        if self.ahead == Token::Open {
+            return match called(name, self.scope).map_err(faulty)? {
+                _ if self.in_index => Err(faulty(Problem::BadIndex(format!("`{name}(…)`")))),
+                Known::Function(function) => self.function(function, span.clone()),
+                Known::Family(family) => self.random(family, span.clone()),
+            };
+        }
+        let node = known(name, self.scope, self.in_index, self.ahead == Token::OpenIndex).map_err(faulty)?;
+        let (element, end) = if self.ahead == Token::OpenIndex {
+            self.advance()?;
+            self.in_index = true;
+            let index = self.expression(0)?;
+            self.in_index = false;
+            let close = self.expect(Token::CloseIndex, "a closing bracket ]")?;
+            (Element::At(index), close.end)
+        } else {
+            (Element::Whole, span.end)
+        };
+        let node = match node {
+            Node::State { first, length, .. } => Node::State { first, length, element },
+            Node::Definition { number, length, .. } => Node::Definition { number, length, element },
+            other => other,
+        };
+        Ok(self.add(node, span.start..end, false))
+    }
+
+    /// The arguments of what is called, and the end of its closing parenthesis.
+    fn arguments(&mut self) -> Result<(Vec<NodeId>, usize), Fault> {
+        self.advance()?;
+        let mut arguments = Vec::new();
+        if self.ahead != Token::Close {
+            arguments.push(self.expression(0)?);
+            while self.ahead == Token::Comma {
+                self.advance()?;
+                arguments.push(self.expression(0)?);
+            }
+        }
+        let close = self.expect(Token::Close, "a comma or a closing parenthesis")?;
+        Ok((arguments, close.end))
+    }
+
+    /// The arguments of what takes so many, none of them random.
+    fn numbers(&mut self, name: &str, parameters: &[&str], at: usize) -> Result<(Vec<NodeId>, usize), Fault> {
+        let (arguments, end) = self.arguments()?;
+        let call = call(name, parameters);
+        if arguments.len() != parameters.len() {
+            let expected = match parameters.len() {
+                1 => "one argument".to_string(),
+                count => format!("{count} arguments"),
+            };
+            return Err(Fault::at(at, Problem::Arity { call, expected, found: arguments.len() }));
+        }
+        match arguments.iter().find(|argument| self.formula.is_random[**argument]) {
+            Some(random) => Err(self.random_inside(*random, call)),
+            None => Ok((arguments, end)),
+        }
+    }
+
+    fn function(&mut self, function: &'static Function, span: Range<usize>) -> Result<NodeId, Fault> {
+        let (arguments, end) = self.numbers(function.name, function.parameters, span.start)?;
+        let node = match (function.operation, arguments.as_slice()) {
+            (Operation::OfOne(operation), [a]) => Node::OfOne(operation, *a),
+            (Operation::OfTwo(operation), [a, b]) => Node::OfTwo(operation, *a, *b),
+            // The table's parameters are those of its operations.
+            _ => Node::Number(f64::NAN),
+        };
+        Ok(self.add(node, span.start..end, false))
+    }
+
+    fn random(&mut self, family: &'static Family, span: Range<usize>) -> Result<NodeId, Fault> {
+        let (arguments, end) = self.numbers(family.name, family.parameters, span.start)?;
+        Ok(self.add(Node::Random(family, arguments), span.start..end, true))
+    }
+
+    fn of_two(&mut self, operator: Binary, left: NodeId, right: NodeId) -> Result<NodeId, Fault> {
+        let is_random = [left, right].map(|operand| self.formula.is_random[operand]);
+        let span = self.formula.spans[left].start..self.formula.spans[right].end;
+        match (operator, is_random) {
+            (_, [false, false]) => {}
+            (_, [true, true]) => {
+                let (family, at) = self.family_in(right);
+                return Err(Fault::at(at, Problem::TwoDistributions(family)));
+            }
+            (Binary::Divide, [_, true]) => return Err(self.random_inside(right, "a divisor".into())),
+            (Binary::Power, [left_is, _]) => {
+                return Err(self.random_inside(if left_is { left } else { right }, "a power".into()));
+            }
+            _ => self.refuse_moved_counts(left, right)?,
+        }
+        Ok(self.add(Node::OfTwo(operator, left, right), span, is_random.contains(&true)))
+    }
+
+    /// The name of the distribution in a node, and where it is.
+    fn family_in(&self, random: NodeId) -> (String, usize) {
+        let span = &self.formula.spans[random];
+        let inside = self.formula.nodes.iter().zip(&self.formula.spans).find_map(|(node, at)| match node {
+            Node::Random(family, _) if at.start >= span.start && at.end <= span.end => {
+                Some((family.name.to_string(), at.start))
+            }
+            _ => None,
+        });
+        inside.unwrap_or_default()
+    }
+
+    fn random_inside(&self, random: NodeId, inside: String) -> Fault {
+        let (family, at) = self.family_in(random);
+        Fault::at(at, Problem::RandomInside { family, inside })
+    }
+
+    /// Counts stand alone.
+    fn refuse_moved_counts(&self, left: NodeId, right: NodeId) -> Result<(), Fault> {
+        let random = [left, right].into_iter().find(|operand| self.formula.is_random[*operand]);
+        let Some(random) = random else { return Ok(()) };
+        match self.formula.nodes[random] {
+            Node::Random(family, _) if family.is_of_counts() => {
+                Err(Fault::at(self.formula.spans[random].start, Problem::CountsMoved(family.name.into())))
+            }
+            _ => Ok(()),
+        }
+    }
+}

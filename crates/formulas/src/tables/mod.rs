@@ -1,0 +1,26 @@
+//! What formulas know by name: the parser, its messages and the reference page are all made of these tables.
+
+mod families;
+mod functions;
+mod reference;
+
+pub(crate) use families::{FAMILIES, Family, Kind, Range, family};
+pub(crate) use functions::{FUNCTIONS, Function, Operation, function};
+pub use reference::reference;
+
+/// What a name means wherever it stands, in words.
+pub(crate) fn reserved(name: &str) -> Option<&'static str> {
+    match name {
+        "t" => Some("the time"),
+        "i" => Some("the number of a vector's coordinate"),
+        "pi" => Some("the circle constant"),
+        _ if function(name).is_some() => Some("a function"),
+        _ if family(name).is_some() => Some("a distribution"),
+        _ => None,
+    }
+}
+
+/// How something is called: `normal(mean, sd)`.
+pub(crate) fn call(name: &str, parameters: &[&str]) -> String {
+    format!("{name}({})", parameters.join(", "))
+}

@@ -1,0 +1,23 @@
+//! The reference of functions and distributions, for people.
+
+use super::call;
+use super::families::FAMILIES;
+use super::functions::FUNCTIONS;
+
+/// Two tables in Markdown of all that formulas know by name: functions, then distributions.
+pub fn reference() -> String {
+    let mut page = String::from("| function | value |\n|---|---|\n");
+    for function in &FUNCTIONS {
+        page += &format!("| `{}` | {} |\n", call(function.name, function.parameters), function.about);
+    }
+    page += "| `pi` | The circle constant, 3.14159… |\n";
+    page += "\n| distribution | what it is | for | parameters |\n|---|---|---|---|\n";
+    for family in &FAMILIES {
+        let place = if family.is_of_counts() { "measurements" } else { "states, measurements" };
+        let ranges = family.parameters.iter().zip(family.ranges);
+        let ranges: Vec<_> = ranges.map(|(name, range)| format!("{name}: {}", range.words())).collect();
+        let (call, about) = (call(family.name, family.parameters), family.about);
+        page += &format!("| `{call}` | {about} | {place} | {} |\n", ranges.join("; "));
+    }
+    page
+}

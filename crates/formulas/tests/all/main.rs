@@ -1,0 +1,3 @@
+//! Models of files, from outside.
+
+mod growth;
