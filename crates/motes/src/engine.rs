@@ -16,6 +16,8 @@ use crate::options::{FilterOptions, ProposalName};
 trait Steps: Send {
     fn step(&mut self, measurement: &[Option<f64>]) -> Result<(), FilterError>;
     fn state(&self) -> Vec<Coordinate>;
+    fn means(&self) -> &[f64];
+    fn quantiles(&self, coordinate: usize, probabilities: &[f64]) -> Vec<f64>;
     fn diagnosis(&self) -> WeightDiagnosis;
     fn effective_sample_size(&self) -> f64;
     fn log_evidence(&self) -> f64;
@@ -44,6 +46,14 @@ where
         means.iter().enumerate().map(of_coordinate).collect()
     }
 
+    fn means(&self) -> &[f64] {
+        self.mean()
+    }
+
+    fn quantiles(&self, coordinate: usize, probabilities: &[f64]) -> Vec<f64> {
+        ParticleFilter::quantiles(self, coordinate, probabilities)
+    }
+
     fn diagnosis(&self) -> WeightDiagnosis {
         ParticleFilter::diagnosis(self)
     }
@@ -67,6 +77,8 @@ pub struct Running<'m> {
     model: &'m Model,
     filter: Box<dyn Steps + 'm>,
     time: usize,
+    /// The log-evidence before the last step.
+    before: f64,
 }
 
 impl<'m> Running<'m> {
@@ -76,22 +88,30 @@ impl<'m> Running<'m> {
     /// [`MotesError::Proposal`] if the model has no such proposal, [`MotesError::Setting`] if an option is out of range.
     pub fn new(model: &'m Model, options: &FilterOptions, series: usize) -> Result<Self, MotesError> {
         let seed = Seed::from_u64(options.seed).child("filter").nth(series as u64);
-        Ok(Running { model, filter: filter_of(model, options, &seed)?, time: 0 })
+        Ok(Running { model, filter: filter_of(model, options, &seed)?, time: 0, before: 0.0 })
     }
 
     /// Takes in the measurement of the next time.
     ///
     /// # Errors
     /// [`MotesError::Filter`] if no particle explains it, or a formula leaves its domain.
-    pub fn step(&mut self, measurement: &[Option<f64>]) -> Result<Estimate, MotesError> {
-        let before = self.filter.log_evidence();
+    pub fn advance(&mut self, measurement: &[Option<f64>]) -> Result<(), MotesError> {
+        self.before = self.filter.log_evidence();
         self.filter.step(measurement).map_err(|error| self.explain(&error))?;
         self.time += 1;
-        let evidence = self.filter.log_evidence() - before;
+        Ok(())
+    }
+
+    /// Takes in the measurement of the next time, and says what is known then.
+    ///
+    /// # Errors
+    /// As [`Running::advance`].
+    pub fn step(&mut self, measurement: &[Option<f64>]) -> Result<Estimate, MotesError> {
+        self.advance(measurement)?;
         Ok(Estimate {
             state: self.filter.state(),
-            ess: Some(self.filter.effective_sample_size()),
-            log_evidence: Some(evidence),
+            ess: Some(self.effective_sample_size()),
+            log_evidence: Some(self.last_increment()),
         })
     }
 
@@ -108,6 +128,26 @@ impl<'m> Running<'m> {
     /// What the weights of the last step say about how far they can be trusted.
     pub fn diagnosis(&self) -> WeightDiagnosis {
         self.filter.diagnosis()
+    }
+
+    /// The effective sample size, in particles.
+    pub fn effective_sample_size(&self) -> f64 {
+        self.filter.effective_sample_size()
+    }
+
+    /// The estimate of `log p(y_t | y_{0:t−1})` of the last step.
+    pub fn last_increment(&self) -> f64 {
+        self.filter.log_evidence() - self.before
+    }
+
+    /// The mean of each coordinate of the state.
+    pub fn means(&self) -> &[f64] {
+        self.filter.means()
+    }
+
+    /// Quantiles of a coordinate of the state.
+    pub fn quantiles(&self, coordinate: usize, probabilities: &[f64]) -> Vec<f64> {
+        self.filter.quantiles(coordinate, probabilities)
     }
 
     /// The estimate of `log p(y_{0:t})`.

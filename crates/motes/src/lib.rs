@@ -22,6 +22,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod comparing;
 mod data;
 mod engine;
 mod error;
@@ -32,10 +33,11 @@ mod options;
 pub mod output;
 mod simulating;
 
+pub use comparing::{Card, CompareOptions, Comparison, EqualTime, Figure, Point, Sequence, compare};
 pub use data::{Columns, Data, DataError, Place, Row, Rows};
 pub use engine::Running;
 pub use error::MotesError;
-pub use estimate::Estimate;
+pub use estimate::{Coordinate, Estimate};
 pub use filtering::{Filtered, Warning, filter};
 pub use model::Model;
 pub use options::{FilterOptions, ProposalName};

@@ -28,6 +28,9 @@ pub(super) enum Command {
         after_help = "Examples:\n  motes filter nile.toml nile.csv -o states.csv --report nile.html\n  motes filter growth.toml data.csv --proposal linearised --particles 500 --set q=2\n  tail -f log.csv | motes filter walk.toml -"
     )]
     Filter(FilterArgs),
+    /// Hold proposals against each other, on simulated sequences or on data, with the same particles and at equal time
+    #[command(after_help = "Example:\n  motes compare tracking.toml --particles 300 --sequences 40")]
+    Compare(CompareArgs),
     /// Draw series of states and measurements from a model
     #[command(after_help = "Example:\n  motes simulate growth.toml --steps 100 --series 20 -o data.csv")]
     Simulate(SimulateArgs),
@@ -171,6 +174,44 @@ pub(super) struct SimulateArgs {
     /// Write the table to a file, which is replaced when the table is whole; standard output if absent
     #[arg(long, short = 'o', value_name = "FILE")]
     pub(super) output: Option<PathBuf>,
+}
+
+#[derive(Args)]
+pub(super) struct CompareArgs {
+    #[command(flatten)]
+    pub(super) model: ModelArgs,
+    /// Data whose series are filtered, instead of simulated sequences
+    pub(super) data: Option<PathBuf>,
+    /// Proposals, separated by commas: bootstrap, linearised, optimal; all that the model has if absent
+    #[arg(long, value_name = "P,P", value_delimiter = ',')]
+    pub(super) proposals: Vec<ProposalName>,
+    /// The number of particles of the card
+    #[arg(long, value_name = "K", default_value = "100", value_parser = integer(1..=1_000_000_000_usize))]
+    pub(super) particles: usize,
+    /// The numbers of particles at which error is held against time
+    #[arg(long, value_name = "K,K", value_delimiter = ',', default_value = "10,30,100,300,1000,3000,10000", value_parser = integer(1..=1_000_000_000_usize))]
+    pub(super) at: Vec<usize>,
+    /// The number of simulated sequences
+    #[arg(long, value_name = "S", default_value = "20", value_parser = integer(1..=1_000_000_usize))]
+    pub(super) sequences: usize,
+    /// The number of times in each simulated sequence
+    #[arg(long, value_name = "T", default_value = "100", value_parser = integer(1..=1_000_000_000_usize))]
+    pub(super) steps: usize,
+    /// The share of particles that are drawn from the transition whatever the proposal is
+    #[arg(long, value_name = "W", value_parser = share)]
+    pub(super) defensive: Option<f64>,
+    /// Resample where the effective sample size is below this share of the particles; 1 is at each step
+    #[arg(long, value_name = "F", default_value = "0.5", value_parser = fraction)]
+    pub(super) resample_below: f64,
+    /// How ancestors are drawn: multinomial, systematic, stratified or residual
+    #[arg(long, value_name = "SCHEME", default_value = "systematic", value_parser = resampling)]
+    pub(super) resampling: Resampling,
+    /// Write the card to a file, which is replaced when the card is whole; standard output if absent
+    #[arg(long, short = 'o', value_name = "FILE")]
+    pub(super) output: Option<PathBuf>,
+    /// Print one JSON object with all figures
+    #[arg(long)]
+    pub(super) json: bool,
 }
 
 fn parameter(text: &str) -> Result<(String, f64), String> {

@@ -1,6 +1,7 @@
 //! The command line: what can be asked, and what each answer is made of.
 
 mod args;
+mod compare;
 mod failure;
 mod filter;
 mod progress;
@@ -32,6 +33,7 @@ pub(crate) fn run() -> ExitCode {
     };
     let done = match cli.command {
         Command::Filter(args) => filter::run(&args, &interrupt),
+        Command::Compare(args) => compare::run(&args, &interrupt),
         Command::Simulate(args) => simulate::run(&args, &interrupt),
         Command::Completions { shell } => {
             let mut text = Vec::new();

@@ -1,11 +1,13 @@
 //! Results as tables, as JSON and as a report.
 
+mod card;
 mod csv;
 mod file;
 mod json;
 mod number;
 mod report;
 
+pub use card::{card_json, card_text};
 pub use csv::{EstimateTable, simulated_table};
 pub use file::Output;
 pub use json::filter_json;

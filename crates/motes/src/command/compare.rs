@@ -1,0 +1,73 @@
+//! `motes compare`.
+
+use motes::output::{Output, card_json, card_text};
+use motes::{CompareOptions, Data, FilterOptions, Model, MotesError, ProposalName, Running, compare};
+use motes_cli::Interrupt;
+
+use super::args::{CompareArgs, on_threads};
+use super::failure::Failure;
+use super::filter::{say_ignored, write};
+use super::progress::Progress;
+
+pub(super) fn run(args: &CompareArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
+    let model = args.model.read()?;
+    let output = args.output.clone().map(Output::File);
+    if let Some(output) = &output {
+        output.check().map_err(|source| MotesError::Output { file: output.name(), source })?;
+    }
+    let filter = FilterOptions {
+        particles: args.particles,
+        defensive: args.defensive.unwrap_or(0.0),
+        resample_below: args.resample_below,
+        resampling: args.resampling,
+        seed: args.model.seed,
+        ..FilterOptions::default()
+    };
+    let data = args.data.as_ref().map(|path| Data::open(path, &model)).transpose()?;
+    if let Some(data) = &data {
+        say_ignored(&data.columns, args.model.quiet);
+    }
+    let options = CompareOptions {
+        proposals: proposals(args, &model, &filter)?,
+        filter,
+        particles: args.at.clone(),
+        sequences: args.sequences,
+        steps: args.steps,
+    };
+    let mut progress = Progress::new(1000, args.model.quiet);
+    // On one thread unless others are asked for: times are those of one.
+    let compared = on_threads(args.model.threads.or(Some(1)), || {
+        compare(&model, data.as_ref(), &options, |done, total| {
+            progress.done(1000 * done / total.max(1));
+            interrupt.check()
+        })
+    });
+    progress.finish();
+    let compared = compared??;
+    let text = card_text(&compared, args.particles);
+    match (&output, args.json) {
+        (Some(output), _) => write(output, &text)?,
+        (None, false) => write(&Output::Standard, &text)?,
+        (None, true) => {}
+    }
+    if args.json {
+        write(&Output::Standard, &card_json(&compared))?;
+    }
+    Ok(0)
+}
+
+/// Those asked for, or all that the model has.
+fn proposals(
+    args: &CompareArgs,
+    model: &Model,
+    filter: &FilterOptions,
+) -> Result<Vec<ProposalName>, MotesError> {
+    let is_there = |proposal: &ProposalName| {
+        let options = FilterOptions { proposal: *proposal, particles: 1, ..filter.clone() };
+        Running::new(model, &options, 0).map(drop)
+    };
+    match args.proposals.is_empty() {
+        true => Ok(ProposalName::ALL.into_iter().filter(|proposal| is_there(proposal).is_ok()).collect()),
+        false => args.proposals.iter().try_for_each(is_there).map(|()| args.proposals.clone()),
+    }
+}

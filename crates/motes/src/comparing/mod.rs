@@ -1,0 +1,137 @@
+//! The report card of proposals side by side, on sequences whose truth is known or on data.
+
+mod card;
+mod equal_time;
+mod reference;
+mod sequence;
+
+use std::ops::ControlFlow;
+use std::time::Instant;
+
+pub use card::{Card, Figure};
+pub use equal_time::{EqualTime, Point};
+pub use sequence::Sequence;
+
+use crate::data::Data;
+use crate::engine::Running;
+use crate::error::MotesError;
+use crate::model::Model;
+use crate::options::{FilterOptions, ProposalName};
+use crate::simulating::simulate;
+use card::Steps;
+use reference::{Reference, reference};
+
+/// What is compared, and on what.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CompareOptions {
+    /// The proposals.
+    pub proposals: Vec<ProposalName>,
+    /// Filters of the card have the particles that are said here, and all that is said beside them.
+    pub filter: FilterOptions,
+    /// The numbers of particles at which error is held against time.
+    pub particles: Vec<usize>,
+    /// The number of simulated sequences; data bring their own.
+    pub sequences: usize,
+    /// The number of times in each of them.
+    pub steps: usize,
+}
+
+/// What came of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Comparison {
+    /// The card of each proposal.
+    pub cards: Vec<(ProposalName, Card)>,
+    /// Error against time of each.
+    pub equal_time: EqualTime,
+    /// What evidence and means are held against.
+    pub reference: String,
+    /// Sequences and their times together.
+    pub size: [usize; 2],
+}
+
+/// Compares proposals on simulated sequences, or on the series of `data`; `proceed` is asked after each filter, with how many of how many are done.
+///
+/// # Errors
+/// [`MotesError`] as [`crate::filter`] and [`crate::simulate`], but for filters that collapse: those have a place on the card.
+pub fn compare(
+    model: &Model,
+    data: Option<&Data>,
+    options: &CompareOptions,
+    mut proceed: impl FnMut(usize, usize) -> ControlFlow<()>,
+) -> Result<Comparison, MotesError> {
+    let sequences = match data {
+        Some(data) => sequence::of_data(data),
+        None => {
+            let seed = options.filter.seed;
+            let drawn = simulate(model, options.steps, options.sequences, seed, |_| proceed(0, 1))?;
+            sequence::of_simulations(&drawn)
+        }
+    };
+    let count = sequences.len();
+    let total = count * (1 + options.proposals.len() * (1 + options.particles.len()));
+    let mut done = 0;
+    let mut step = || {
+        done += 1;
+        match proceed(done, total) {
+            ControlFlow::Break(()) => Err(MotesError::Interrupted),
+            ControlFlow::Continue(()) => Ok(()),
+        }
+    };
+    let mut references = Vec::new();
+    for (number, sequence) in sequences.iter().enumerate() {
+        references.push(reference(model, sequence, &options.filter, number)?);
+        step()?;
+    }
+    let (mut cards, mut points) = (Vec::new(), Vec::new());
+    for &proposal in &options.proposals {
+        let mut runs = Vec::new();
+        for (number, (sequence, reference)) in sequences.iter().zip(&references).enumerate() {
+            let filter = FilterOptions { proposal, ..options.filter.clone() };
+            runs.push(run(model, sequence, reference, &filter, number, true)?);
+            step()?;
+        }
+        cards.push((proposal, Card::of(&runs, options.filter.particles)));
+        for &particles in &options.particles {
+            let mut runs = Vec::new();
+            for (number, (sequence, reference)) in sequences.iter().zip(&references).enumerate() {
+                let filter = FilterOptions { proposal, particles, ..options.filter.clone() };
+                runs.push(run(model, sequence, reference, &filter, number, false)?);
+                step()?;
+            }
+            points.push(Point::of(proposal, particles, &runs));
+        }
+    }
+    let times = sequences.iter().map(|sequence| sequence.measurements.len()).sum();
+    let reference = references.first().map(|reference| reference.name.clone()).unwrap_or_default();
+    Ok(Comparison { cards, equal_time: EqualTime { points }, reference, size: [count, times] })
+}
+
+/// One filter over one sequence; `estimates` says whether its estimates are of interest.
+fn run(
+    model: &Model,
+    sequence: &Sequence,
+    reference: &Reference,
+    options: &FilterOptions,
+    number: usize,
+    estimates: bool,
+) -> Result<Steps, MotesError> {
+    let mut running = Running::new(model, options, number)?;
+    let mut steps = Steps::new(sequence.measurements.len());
+    for (time, measurement) in sequence.measurements.iter().enumerate() {
+        let before = running.log_evidence();
+        let start = Instant::now();
+        let advanced = running.advance(measurement);
+        steps.seconds += start.elapsed().as_secs_f64();
+        match advanced {
+            Ok(()) => {}
+            Err(MotesError::Filter { .. }) => return Ok(steps.lost_at(time)),
+            Err(error) => return Err(error),
+        }
+        steps.log_evidence += running.log_evidence() - before;
+        if estimates {
+            steps.add(&running, sequence, reference, time);
+        }
+    }
+    steps.log_evidence_gap = Some(steps.log_evidence - reference.log_evidence());
+    Ok(steps)
+}

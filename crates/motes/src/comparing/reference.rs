@@ -1,0 +1,65 @@
+//! What evidence and means are held against: the exact filter where there is one, else a filter with many particles.
+
+use motes_formulas::FileModel;
+use motes_models::{PartialMeasurements, kalman};
+
+use super::sequence::Sequence;
+use crate::engine::Running;
+use crate::error::MotesError;
+use crate::model::Model;
+use crate::options::{FilterOptions, ProposalName};
+
+/// Particles of a reference filter, and the share of them that is drawn from the transition.
+const PARTICLES: usize = 20_000;
+const DEFENSIVE: f64 = 0.1;
+
+/// The answers for one sequence.
+pub(super) struct Reference {
+    pub(super) name: String,
+    /// The mean of the state at each time.
+    pub(super) means: Vec<Vec<f64>>,
+    /// `log p(y_t | y_{0:t−1})` at each time.
+    pub(super) increments: Vec<f64>,
+}
+
+impl Reference {
+    pub(super) fn log_evidence(&self) -> f64 {
+        self.increments.iter().sum()
+    }
+}
+
+/// The reference for the sequence of that number.
+pub(super) fn reference(
+    model: &Model,
+    sequence: &Sequence,
+    options: &FilterOptions,
+    number: usize,
+) -> Result<Reference, MotesError> {
+    if let FileModel::LinearGaussian(linear) = model.model() {
+        let measurements =
+            PartialMeasurements::new(model.measurements().len(), sequence.measurements.concat())?;
+        let exact = kalman::filter_partial(linear, &measurements)?;
+        return Ok(Reference {
+            name: "the Kalman filter, which is exact".into(),
+            means: exact.steps.iter().map(|step| step.filtered.mean.iter().copied().collect()).collect(),
+            increments: exact.steps.iter().map(|step| step.log_evidence_increment).collect(),
+        });
+    }
+    let filter = FilterOptions {
+        proposal: ProposalName::Linearised,
+        particles: PARTICLES,
+        defensive: DEFENSIVE,
+        seed: options.seed.wrapping_add(1),
+        ..options.clone()
+    };
+    let mut running = Running::new(model, &filter, number)?;
+    let (mut means, mut increments) = (Vec::new(), Vec::new());
+    for measurement in &sequence.measurements {
+        let before = running.log_evidence();
+        running.advance(measurement)?;
+        increments.push(running.log_evidence() - before);
+        means.push(running.means().to_vec());
+    }
+    let name = format!("linearised with {PARTICLES} particles, {DEFENSIVE} of them from the transition");
+    Ok(Reference { name, means, increments })
+}
