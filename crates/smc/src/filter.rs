@@ -81,6 +81,53 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> ParticleFilter<D
         self.bank.particles(0)
     }
 
+    /// The particles a step before (`K×N`), as [`FilterBank::previous_particles`]. Where the filter has failed, they are the `x_{t−1}` of the step that failed.
+    ///
+    /// ```
+    /// use motes_models::equations::{Coordinates, Equations, Scalar, normal};
+    /// use motes_models::Seed;
+    /// use motes_smc::{Bootstrap, FilterError, FilterSettings, ParticleFilter};
+    ///
+    /// /// A root whose argument can become negative.
+    /// struct Root;
+    ///
+    /// impl Equations for Root {
+    ///     fn dimensions(&self) -> [usize; 2] {
+    ///         [1, 1]
+    ///     }
+    ///
+    ///     fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
+    ///         state.push(normal(1.0, 0.1));
+    ///     }
+    ///
+    ///     fn transition<S: Scalar>(&self, _: usize, x: &[S], state: &mut impl Coordinates<S>) {
+    ///         state.push(normal(x[0].sqrt() - 0.5, 0.1));
+    ///     }
+    ///
+    ///     fn measurement<S: Scalar>(&self, _: usize, x: &[S], y: &mut impl Coordinates<S>) {
+    ///         y.push(normal(x[0], 1.0));
+    ///     }
+    /// }
+    ///
+    /// let stream = Seed::from_u64(1).stream();
+    /// let mut filter = ParticleFilter::new(&Root, Bootstrap, FilterSettings::new(100), stream)?;
+    /// let failure = (0..20).find_map(|_| filter.step(&[0.2]).err());
+    /// let Some(FilterError::NotANumber { step, particle, .. }) = failure else { panic!("it stays in its domain") };
+    /// let previous = filter.previous_particles().ok_or("there was no step before")?;
+    /// let at = previous[filter.ancestors()[particle]];
+    /// assert!(at < 0.0);
+    /// println!("the formula left its domain at x_{} = {at:.3}", step - 1);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn previous_particles(&self) -> Option<&[f64]> {
+        self.bank.previous_particles(0)
+    }
+
+    /// The error that this filter failed with, if it has: every later step returns it.
+    pub fn failure(&self) -> Option<&FilterError> {
+        self.bank.failure()
+    }
+
     /// Their weights.
     pub fn weights(&self) -> &LogWeights {
         self.bank.weights(0)

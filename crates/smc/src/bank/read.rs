@@ -6,6 +6,7 @@ use motes_models::StateSpaceModel;
 
 use super::filter_bank::FilterBank;
 use crate::diagnosis::{WeightDiagnosis, pareto_k};
+use crate::error::FilterError;
 use crate::proposal::Proposal;
 use crate::weights::LogWeights;
 
@@ -27,6 +28,25 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
     pub fn particles(&self, filter: usize) -> &[f64] {
         let values = self.settings.particles * self.model.state_dim();
         &self.states[filter * values..(filter + 1) * values]
+    }
+
+    /// The particles of one filter a step before, row-major `K×N`, as they were before resampling; `None` where there was no step before.
+    /// [`FilterBank::ancestors`] says which of them each of the present ones descends from.
+    ///
+    /// In a bank that has failed they are the `x_{t−1}` of the step that failed, and the ancestors are those of that step: where an error names particle
+    /// `k` of filter `b`, its `x_{t−1}` is row `ancestors[b·K + k] − b·K` here.
+    ///
+    /// # Panics
+    /// If there is no such filter.
+    pub fn previous_particles(&self, filter: usize) -> Option<&[f64]> {
+        let values = self.settings.particles * self.model.state_dim();
+        let previous = &self.previous[filter * values..(filter + 1) * values];
+        (self.time + usize::from(self.failure.is_some()) > 1).then_some(previous)
+    }
+
+    /// The error that this bank failed with, if it has: every later step returns it.
+    pub fn failure(&self) -> Option<&FilterError> {
+        self.failure.as_ref()
     }
 
     /// The weights of one filter's particles.

@@ -12,6 +12,7 @@ use crate::error::FilterError;
 use crate::memory::ParticleMemory;
 use crate::parallel;
 use crate::proposal::Proposal;
+use crate::proposal_error::ProposalError;
 use crate::proposals::Bootstrap;
 use crate::weights::WeightFault;
 
@@ -21,7 +22,7 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
     /// # Errors
     /// [`FilterError::Model`] if the measurement has the wrong width or is not finite (nothing has changed then).
     /// Otherwise the bank has failed, all of its filters together: every later step returns the same error, and particles and
-    /// weights mean nothing any more.
+    /// weights mean nothing any more. [`FilterBank::previous_particles`] are still there, to say where a formula left its domain.
     pub fn step(&mut self, measurement: &[f64]) -> Result<(), FilterError> {
         self.check_width(measurement.len())?;
         if let Some(column) = measurement.iter().position(|value| !value.is_finite()) {
@@ -29,9 +30,8 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
             return Err(ModelError::NotFinite { row: self.time, column, value }.into());
         }
         self.attempt(|bank| {
-            let (step, proposal) = (bank.time, &mut bank.proposal);
-            let prepared = proposal.prepare(&bank.model, step, measurement);
-            prepared.map_err(|source| FilterError::Proposal { step, source })?;
+            let prepared = bank.proposal.prepare(&bank.model, bank.time, measurement);
+            prepared.map_err(|source| bank.unprepared(source))?;
             let likelihood = |model: &D::Target, time: usize, states: &[f64], out: &mut [f64]| {
                 model.log_likelihoods(time, states, measurement, out);
                 Ok(())
@@ -113,9 +113,17 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
             // The first step that resamples needs more than this one.
             parallel::reserve(self.scratch());
         }
+        // Before anything can fail, so that the states before are where they belong however the step ends.
+        std::mem::swap(&mut self.states, &mut self.previous);
         advance(self).inspect_err(|failure| self.failure = Some(failure.clone()))?;
         self.time += 1;
         Ok(())
+    }
+
+    /// The error of a proposal that cannot be prepared, in which case nothing was resampled.
+    fn unprepared(&mut self, source: ProposalError) -> FilterError {
+        self.ancestors.iter_mut().enumerate().for_each(|(row, ancestor)| *ancestor = row);
+        FilterError::Proposal { step: self.time, source }
     }
 
     /// Resamples where due, draws and weighs every filter, and adds up evidence.
@@ -129,7 +137,6 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
     where
         L: Fn(&D::Target, usize, &[f64], &mut [f64]) -> Result<(), ModelError> + Sync,
     {
-        std::mem::swap(&mut self.states, &mut self.previous);
         let (model, settings, time) = (&*self.model, self.settings, self.time);
         let particles = self.ancestors.len();
         let at_states = |states: &[f64], out: &mut [f64]| likelihood(model, time, states, out);
@@ -233,9 +240,8 @@ impl<D: Deref<Target: PartialLikelihood>, P: Proposal<D::Target>> FilterBank<D, 
             return self.step_without_measurement();
         }
         self.attempt(|bank| {
-            let (step, proposal) = (bank.time, &mut bank.proposal);
-            let prepared = proposal.prepare_partial(&bank.model, step, measurement);
-            let drawn = match prepared.map_err(|source| FilterError::Proposal { step, source })? {
+            let prepared = bank.proposal.prepare_partial(&bank.model, bank.time, measurement);
+            let drawn = match prepared.map_err(|source| bank.unprepared(source))? {
                 true => Drawn::FromProposal,
                 false => Drawn::FromTransition,
             };

@@ -1,0 +1,103 @@
+//! What a bank that failed still shows: the particles that the failed step started from.
+
+use motes_models::equations::{Coordinates, Equations, Scalar, normal};
+use motes_models::{Seed, StateSpaceModel};
+use motes_smc::{
+    Bootstrap, Context, FilterBank, FilterError, FilterSettings, Proposal, ProposalError, ResampleWhen,
+    Transition,
+};
+
+/// A state that falls until the square root of it is no number.
+struct Root;
+
+impl Equations for Root {
+    fn dimensions(&self) -> [usize; 2] {
+        [1, 1]
+    }
+
+    fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
+        state.push(normal(1.0, 0.1));
+    }
+
+    fn transition<S: Scalar>(&self, _: usize, x: &[S], state: &mut impl Coordinates<S>) {
+        state.push(normal(x[0].sqrt() - 0.4, 0.1));
+    }
+
+    fn measurement<S: Scalar>(&self, _: usize, x: &[S], y: &mut impl Coordinates<S>) {
+        y.push(normal(x[0], 1.0));
+    }
+}
+
+/// Steps until a step fails: the particles that every filter had before it, and the error.
+fn fail<P: Proposal<Root>>(bank: &mut FilterBank<&Root, P>) -> (Vec<Vec<f64>>, FilterError) {
+    for _ in 0..100 {
+        let before = (0..bank.filters()).map(|filter| bank.particles(filter).to_vec()).collect();
+        if let Err(error) = bank.step(&[0.3]) {
+            return (before, error);
+        }
+    }
+    panic!("it stays in its domain");
+}
+
+#[test]
+fn the_states_that_a_failed_step_started_from_are_there() {
+    // Small filters that share a block, and one of several blocks.
+    for (filters, particles) in [(7, 30), (1, 5000)] {
+        for resample_when in [ResampleWhen::Never, ResampleWhen::Always] {
+            let settings = FilterSettings { resample_when, ..FilterSettings::new(particles) };
+            let mut bank = FilterBank::new(&Root, Bootstrap, settings, filters, &Seed::from_u64(4)).unwrap();
+            assert!(bank.previous_particles(0).is_none() && bank.failure().is_none());
+            bank.step(&[0.3]).unwrap();
+            assert!(bank.previous_particles(0).is_none());
+            let (before, error) = fail(&mut bank);
+            assert_eq!(bank.failure().map(ToString::to_string), Some(error.to_string()));
+            for (filter, before) in before.iter().enumerate() {
+                assert_eq!(bank.previous_particles(filter), Some(before.as_slice()));
+            }
+            let FilterError::NotANumber { filter, particle, .. } = error else { panic!("{error}") };
+            let row = bank.ancestors()[filter * particles + particle] - filter * particles;
+            // There the root is of a negative number. The ancestor of another particle would have one that is not: most have.
+            assert!(before[filter][row] < 0.0, "{}", before[filter][row]);
+            assert!(before[filter].iter().filter(|x| **x >= 0.0).count() > particles / 2);
+        }
+    }
+}
+
+/// The transition, until the proposal can no longer be prepared.
+struct ForTwoSteps;
+
+impl<M: StateSpaceModel> Proposal<M> for ForTwoSteps {
+    type Memory = ();
+    type Scratch = ();
+    type Conditional<'a>
+        = Transition<'a, M>
+    where
+        M: 'a;
+
+    fn initial_memory(&self, _particles: usize) {}
+
+    fn prepare(&mut self, _model: &M, time: usize, _measurement: &[f64]) -> Result<(), ProposalError> {
+        if time < 2 { Ok(()) } else { Err(ProposalError::PastHorizon { horizon: 2, time }) }
+    }
+
+    fn condition<'a>(
+        &'a self,
+        model: &'a M,
+        context: Context<'a>,
+        (): (),
+        (): &'a mut (),
+    ) -> Result<Transition<'a, M>, ProposalError> {
+        Ok(Transition::new(model, context))
+    }
+}
+
+#[test]
+fn a_proposal_that_cannot_be_prepared_leaves_them_where_they_were() {
+    let settings = FilterSettings { resample_when: ResampleWhen::Always, ..FilterSettings::new(20) };
+    let mut bank = FilterBank::new(&Root, ForTwoSteps, settings, 2, &Seed::from_u64(5)).unwrap();
+    let (before, error) = fail(&mut bank);
+    assert!(matches!(error, FilterError::Proposal { step: 2, .. }), "{error}");
+    // The states of the step before that would be found if a failed preparation left them where they are.
+    (0..2).for_each(|filter| assert_eq!(bank.previous_particles(filter), Some(before[filter].as_slice())));
+    assert!(bank.ancestors().iter().copied().eq(0..40), "nothing was resampled");
+}
