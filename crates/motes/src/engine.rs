@@ -21,8 +21,8 @@ trait Steps: Send {
     fn diagnosis(&self) -> WeightDiagnosis;
     fn effective_sample_size(&self) -> f64;
     fn log_evidence(&self) -> f64;
-    /// The state of one particle.
-    fn particle(&self, particle: usize) -> &[f64];
+    /// The state of one particle, and the one that it was drawn from, in the step that failed.
+    fn of_particle(&self, particle: usize) -> (Option<&[f64]>, &[f64]);
 }
 
 impl<M, P> Steps for ParticleFilter<&M, P>
@@ -66,9 +66,11 @@ where
         ParticleFilter::log_evidence(self)
     }
 
-    fn particle(&self, particle: usize) -> &[f64] {
+    fn of_particle(&self, particle: usize) -> (Option<&[f64]>, &[f64]) {
         let n = self.mean().len();
-        &self.particles()[particle * n..(particle + 1) * n]
+        let row = |at: usize| at * n..(at + 1) * n;
+        let previous = self.previous_particles().map(|all| &all[row(self.ancestors()[particle])]);
+        (previous, &self.particles()[row(particle)])
     }
 }
 
@@ -163,13 +165,27 @@ impl<'m> Running<'m> {
                 "no particle explains the measurement (the largest log-likelihood is {largest_log_likelihood:.4}, the effective sample \
                  size before was {ess_before:.0}); take more particles or --proposal linearised, or look at the model's noise"
             ),
-            FilterError::NotANumber { particle, .. } => {
-                let state = self.filter.particle(*particle);
-                format!("the density of a particle is not a number, at the state {state:?}")
+            FilterError::NotANumber { particle, .. } | FilterError::State { particle, .. } => {
+                self.explain_particle(*particle)
             }
             other => other.to_string(),
         };
         MotesError::Filter { place, reason }
+    }
+}
+
+impl Running<'_> {
+    /// Why the density of a particle, or its state, is not a number.
+    fn explain_particle(&self, particle: usize) -> String {
+        let (previous, state) = self.filter.of_particle(particle);
+        let explained = match self.model.model() {
+            FileModel::Formulas(formulas) => formulas.explain(self.time, previous, Some(state)),
+            FileModel::LinearGaussian(_) => None,
+        };
+        match explained {
+            Some(error) => error.to_string(),
+            None => format!("the state {state:?} of a particle, or its density, is not a finite number"),
+        }
     }
 }
 
@@ -186,8 +202,7 @@ fn filter_of<'m>(
         }
         (FileModel::Formulas(formulas), name) => {
             if name == ProposalName::Optimal
-                && let Err(reason) = Err::<(), String>(String::new())
-            /* TODO closed_form */
+                && let Err(reason) = formulas.closed_form()
             {
                 let reason = format!("{reason}; take --proposal linearised");
                 return Err(MotesError::Proposal { proposal: name.to_string(), reason });

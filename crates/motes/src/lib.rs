@@ -22,6 +22,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod checking;
 mod comparing;
 mod data;
 mod engine;
@@ -33,6 +34,7 @@ mod options;
 pub mod output;
 mod simulating;
 
+pub use checking::{Checked, check};
 pub use comparing::{Card, CompareOptions, Comparison, EqualTime, Figure, Point, Sequence, compare};
 pub use data::{Columns, Data, DataError, Place, Row, Rows};
 pub use engine::Running;

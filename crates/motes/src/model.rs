@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use motes_formulas::{FileError, FileModel, ModelFile};
+use motes_formulas::{Description, FileError, FileModel, ModelFile};
 
 /// A model of a file or a text.
 #[derive(Debug, Clone)]
@@ -45,6 +45,11 @@ impl Model {
     /// The parameters with their values.
     pub fn parameters(&self) -> &[(String, f64)] {
         &self.file.parameters
+    }
+
+    /// Its coordinates and what they are distributed as, for people.
+    pub fn describe(&self) -> Description {
+        self.file.describe()
     }
 
     /// The model itself.

@@ -28,6 +28,9 @@ pub(super) enum Command {
         after_help = "Examples:\n  motes filter nile.toml nile.csv -o states.csv --report nile.html\n  motes filter growth.toml data.csv --proposal linearised --particles 500 --set q=2\n  tail -f log.csv | motes filter walk.toml -"
     )]
     Filter(FilterArgs),
+    /// Say what a model is, whether it can be simulated and differentiated, and whether data fit it
+    #[command(after_help = "Example:\n  motes check influenza.toml influenza.csv")]
+    Check(CheckArgs),
     /// Hold proposals against each other, on simulated sequences or on data, with the same particles and at equal time
     #[command(after_help = "Example:\n  motes compare tracking.toml --particles 300 --sequences 40")]
     Compare(CompareArgs),
@@ -174,6 +177,14 @@ pub(super) struct SimulateArgs {
     /// Write the table to a file, which is replaced when the table is whole; standard output if absent
     #[arg(long, short = 'o', value_name = "FILE")]
     pub(super) output: Option<PathBuf>,
+}
+
+#[derive(Args)]
+pub(super) struct CheckArgs {
+    #[command(flatten)]
+    pub(super) model: ModelArgs,
+    /// Data that the model is for
+    pub(super) data: Option<PathBuf>,
 }
 
 #[derive(Args)]

@@ -1,6 +1,7 @@
 //! The command line: what can be asked, and what each answer is made of.
 
 mod args;
+mod check;
 mod compare;
 mod failure;
 mod filter;
@@ -33,6 +34,7 @@ pub(crate) fn run() -> ExitCode {
     };
     let done = match cli.command {
         Command::Filter(args) => filter::run(&args, &interrupt),
+        Command::Check(args) => check::run(&args, &interrupt),
         Command::Compare(args) => compare::run(&args, &interrupt),
         Command::Simulate(args) => simulate::run(&args, &interrupt),
         Command::Completions { shell } => {

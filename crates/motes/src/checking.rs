@@ -1,0 +1,108 @@
+//! What a model is, whether it can be simulated and differentiated, and whether data fit it.
+
+use std::ops::ControlFlow;
+
+use motes_formulas::FileModel;
+use motes_models::{GradientError, Seed, check_gradients};
+
+use crate::data::Data;
+use crate::engine::Running;
+use crate::error::MotesError;
+use crate::model::Model;
+use crate::options::{FilterOptions, ProposalName};
+use crate::simulating::simulate;
+
+/// What was looked at, and what is wrong.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Checked {
+    /// What is as it should be.
+    pub findings: Vec<String>,
+    /// What is not.
+    pub problems: Vec<String>,
+}
+
+/// Series that are drawn, and the times of each.
+const SERIES: usize = 20;
+const STEPS: usize = 100;
+
+/// Times at which gradients are compared.
+const TIMES: usize = 5;
+
+/// How far a gradient may be from its central difference, as a share of the largest.
+const TOLERANCE: f64 = 1e-5;
+
+/// Looks at a model, and at data if there are any.
+///
+/// # Errors
+/// [`MotesError::Interrupted`] if `proceed` said to stop.
+pub fn check(
+    model: &Model,
+    data: Option<&Data>,
+    seed: u64,
+    mut proceed: impl FnMut() -> ControlFlow<()>,
+) -> Result<Checked, MotesError> {
+    let mut checked = Checked::default();
+    match simulate(model, STEPS, SERIES, seed, |_| proceed()) {
+        Ok(_) => checked.findings.push(format!("simulations: {SERIES} series of {STEPS} times stay finite")),
+        Err(MotesError::Interrupted) => return Err(MotesError::Interrupted),
+        Err(error) => checked.problems.push(format!("simulations: {error}")),
+    }
+    let mut stream = Seed::from_u64(seed).child("check").stream();
+    let compared = match model.model() {
+        FileModel::Formulas(formulas) => check_gradients(formulas, TIMES, TOLERANCE, &mut stream),
+        FileModel::LinearGaussian(linear) => check_gradients(&**linear, TIMES, TOLERANCE, &mut stream),
+    };
+    match compared {
+        Ok(report) => checked.findings.push(format!(
+            "gradients: {} compared with central differences, the largest relative error is {:.1e}; {} have a kink or an edge",
+            report.compared, report.worst.relative_error, report.skipped
+        )),
+        Err(error @ GradientError::Wrong(_)) => checked.problems.push(format!("gradients: {error}")),
+        // Counts and bounded noise have no differences to compare with.
+        Err(error) => checked.findings.push(format!("gradients: not compared everywhere: {error}")),
+    }
+    let has = |proposal: ProposalName| {
+        let options = FilterOptions { proposal, particles: 1, ..FilterOptions::default() };
+        Running::new(model, &options, 0).map(drop)
+    };
+    match has(ProposalName::Optimal) {
+        Ok(()) => checked.findings.push("proposals: bootstrap, linearised, optimal".into()),
+        Err(error) => {
+            checked.findings.push(format!("proposals: bootstrap, linearised; no closed form ({error})"))
+        }
+    }
+    if let Some(data) = data {
+        check_data(model, data, &mut checked, seed);
+    }
+    Ok(checked)
+}
+
+/// Whether some particle can explain each measurement: values that no state can give, as a fraction for counts, have density 0 everywhere.
+fn check_data(model: &Model, data: &Data, checked: &mut Checked, seed: u64) {
+    let missing = data.rows.iter().flat_map(|row| &row.measurement).filter(|value| value.is_none()).count();
+    checked.findings.push(format!(
+        "data: {} series, {} times, {missing} of {} entries missing",
+        data.series.len(),
+        data.rows.len(),
+        data.rows.len() * model.measurements().len()
+    ));
+    if !data.columns.ignored.is_empty() {
+        checked
+            .findings
+            .push(format!("data: columns that are not used: {}", data.columns.ignored.join(", ")));
+    }
+    let options = FilterOptions { seed, ..FilterOptions::default() };
+    for (series, name) in data.series.iter().enumerate() {
+        let Ok(mut running) = Running::new(model, &options, series) else { return };
+        for row in data.of_series(series) {
+            if let Err(error) = running.advance(&row.measurement) {
+                let of = if data.columns.has_series() { format!(" of series {name}") } else { String::new() };
+                checked.problems.push(format!("data, line {}{of}: {error}", row.line));
+                break;
+            }
+        }
+    }
+    if checked.problems.is_empty() {
+        checked.findings.push("data: a bootstrap filter gets through them".into());
+    }
+}
