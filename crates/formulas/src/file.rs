@@ -6,6 +6,7 @@ use motes_models::LinearGaussian;
 
 use crate::document::{self, Table};
 use crate::error::{Fault, FileError, Problem};
+use crate::matrices::{self, Matrices};
 use crate::model::FormulaModel;
 use crate::statement::{self, Line};
 
@@ -70,6 +71,21 @@ fn reason(error: &std::io::Error) -> String {
 }
 
 fn of_table(text: &str, file: &str, table: &Table, overrides: &[(String, f64)]) -> Result<ModelFile, Fault> {
+    match table.iter().find(|entry| entry.key == "kind").map(|entry| &entry.value) {
+        None => of_formulas(text, file, table, overrides),
+        Some(kind) => match kind.text("kind")? {
+            "linear-gaussian" => of_matrices(file, table, overrides),
+            other => Err(Fault::at(kind.at, Problem::UnknownKind(other.to_string())).of_key("kind")),
+        },
+    }
+}
+
+fn of_formulas(
+    text: &str,
+    file: &str,
+    table: &Table,
+    overrides: &[(String, f64)],
+) -> Result<ModelFile, Fault> {
     let statement = statement::read(text, table, overrides)?;
     let names = |lines: &[Line]| {
         let of_line = |line: &Line| (0..line.coordinates()).map(|at| line.coordinate(at)).collect::<Vec<_>>();
@@ -80,7 +96,18 @@ fn of_table(text: &str, file: &str, table: &Table, overrides: &[(String, f64)]) 
         states: names(&statement.initial),
         measurements: names(&statement.measurement),
         parameters: statement.parameters.clone(),
-        model: FileModel::Formulas(FormulaModel::new(statement)?),
+        model: FileModel::Formulas(FormulaModel::new(statement, file)?),
+    })
+}
+
+fn of_matrices(file: &str, table: &Table, overrides: &[(String, f64)]) -> Result<ModelFile, Fault> {
+    let Matrices { name, states, measurements, model } = matrices::read(table, overrides)?;
+    Ok(ModelFile {
+        name: name.unwrap_or_else(|| stem(file)),
+        states,
+        measurements,
+        parameters: Vec::new(),
+        model: FileModel::LinearGaussian(Box::new(model)),
     })
 }
 

@@ -23,10 +23,14 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod closed_form;
+mod describe;
 mod document;
 mod error;
+mod explain;
 mod file;
 mod graph;
+mod matrices;
 mod model;
 mod names;
 mod operations;
@@ -35,7 +39,10 @@ mod statement;
 mod syntax;
 mod tables;
 
+pub use closed_form::NoClosedForm;
+pub use describe::Description;
 pub use error::{FileError, Place, Problem};
+pub use explain::DomainError;
 pub use file::{FileModel, ModelFile, parse, read};
 pub use model::FormulaModel;
 pub use tables::reference;

@@ -4,53 +4,87 @@ use std::sync::Arc;
 
 use motes_models::equations::{Coordinates, Equations, Scalar};
 
+use crate::closed_form::{self, NoClosedForm};
 use crate::error::{Fault, Section};
 use crate::graph::build;
 use crate::program::{Program, compile};
 use crate::statement::{Line, Statement};
 
-/// A state-space model whose equations were read from a file: see [`Equations`] for what follows from them.
+/// A state-space model whose equations were read from a file: see [`Equations`] for what follows from them. A clone shares them.
 #[derive(Debug, Clone)]
-pub struct FormulaModel {
-    pub(crate) statement: Arc<Statement>,
+pub struct FormulaModel(Arc<Compiled>);
+
+#[derive(Debug)]
+struct Compiled {
+    file: String,
+    statement: Statement,
     states: usize,
     measurements: usize,
     initial: Program,
     transition: Program,
     measurement: Program,
+    closed_form: Result<(), NoClosedForm>,
 }
 
 impl FormulaModel {
-    pub(crate) fn new(statement: Statement) -> Result<Self, Fault> {
+    /// Compiles the formulas of a file.
+    pub(crate) fn new(statement: Statement, file: &str) -> Result<Self, Fault> {
         let coordinates = |lines: &[Line]| lines.iter().map(Line::coordinates).sum();
         let states = coordinates(&statement.initial);
-        let program =
-            |section, lines: &[Line]| build(&statement, section, lines).map(|built| compile(&built, states));
-        Ok(FormulaModel {
+        let mut closed_form = Ok(());
+        let mut program = |section, lines: &[Line]| {
+            let built = build(&statement, section, lines)?;
+            if closed_form.is_ok() {
+                closed_form = closed_form::check(file, section, lines, &built);
+            }
+            Ok(compile(&built, states))
+        };
+        Ok(FormulaModel(Arc::new(Compiled {
             states,
             measurements: coordinates(&statement.measurement),
             initial: program(Section::Initial, &statement.initial)?,
             transition: program(Section::Transition, &statement.transition)?,
             measurement: program(Section::Measurement, &statement.measurement)?,
-            statement: Arc::new(statement),
-        })
+            closed_form,
+            file: file.to_string(),
+            statement,
+        })))
+    }
+
+    /// What the file states.
+    pub(crate) fn statement(&self) -> &Statement {
+        &self.0.statement
+    }
+
+    /// The file's name.
+    pub(crate) fn file(&self) -> &str {
+        &self.0.file
+    }
+
+    /// Whether `p(x_t | x_{t−1}, y_t)` is Gaussian: `p(x_0)` and `p(x_t | x_{t−1})` are normal, and `p(y_t | x_t)` is normal with a mean that is linear in the
+    /// states, and a standard deviation without them.
+    ///
+    /// # Errors
+    /// [`NoClosedForm`] names the first line that is otherwise.
+    pub fn closed_form(&self) -> Result<(), NoClosedForm> {
+        self.0.closed_form.clone()
     }
 }
 
 impl Equations for FormulaModel {
     fn dimensions(&self) -> [usize; 2] {
-        [self.states, self.measurements]
+        [self.0.states, self.0.measurements]
     }
 
     fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
-        self.initial.push(0, &[], state);
+        self.0.initial.push(0, &[], state);
     }
 
     fn transition<S: Scalar>(&self, time: usize, previous: &[S], state: &mut impl Coordinates<S>) {
-        self.transition.push(time, previous, state);
+        self.0.transition.push(time, previous, state);
     }
 
     fn measurement<S: Scalar>(&self, time: usize, state: &[S], measurement: &mut impl Coordinates<S>) {
-        self.measurement.push(time, state, measurement);
+        self.0.measurement.push(time, state, measurement);
     }
 }

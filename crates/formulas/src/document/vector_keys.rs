@@ -54,7 +54,7 @@ fn vector_key(line: &str) -> Option<usize> {
     let name = line.find(|c| !is_in_name(c)).filter(|end| *end > 0)?;
     let open = line[name..].trim_start_matches([' ', '\t']);
     let inside = open.strip_prefix('[')?;
-    let close = inside.find(|c: char| c == ']' || c == '"' || c == '\'' || c == '=' || c == '#')?;
+    let close = inside.find([']', '"', '\'', '=', '#'])?;
     let after = inside[close..].strip_prefix(']')?;
     after.trim_start_matches([' ', '\t']).starts_with('=').then(|| line.len() - after.len())
 }

@@ -27,6 +27,11 @@ pub enum Problem {
         /// How it may look.
         example: &'static str,
     },
+    /// A kind of model that there is not.
+    #[error(
+        "there is no kind `{0}`; it must be \"linear-gaussian\", and is left out where there are formulas"
+    )]
+    UnknownKind(String),
     /// A value of the wrong kind.
     #[error("it is {found}; it must be {expected}")]
     Value {

@@ -2,8 +2,10 @@
 
 mod build;
 mod coordinate;
+mod linear;
 mod nodes;
 
 pub(crate) use build::{Built, build};
 pub(crate) use coordinate::Coordinate;
+pub(crate) use linear::Degree;
 pub(crate) use nodes::{Graph, Id, Operation};

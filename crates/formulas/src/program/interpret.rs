@@ -14,7 +14,7 @@ impl Program {
         with_scalars::<f64, _>(self.constants.len() + self.steps.len(), |plain| {
             self.plain(time, plain);
             with_scalars::<S, _>(self.registers, |registers| {
-                let mut run = Run { states, plain, registers };
+                let mut run = Run { states, count: self.states, plain, registers };
                 let mut start = 0;
                 for output in &self.coordinates {
                     let instructions = &self.instructions[start..output.end];
@@ -45,6 +45,8 @@ impl Program {
 /// The numbers that instructions work on.
 struct Run<'a, S> {
     states: &'a [S],
+    /// How many states the model has.
+    count: usize,
     plain: &'a [f64],
     registers: &'a mut [S],
 }
@@ -53,8 +55,7 @@ impl<S: Scalar> Run<'_, S> {
     #[inline(always)]
     fn varied(&self, place: Place) -> S {
         let place = place as usize;
-        let count = self.states.len();
-        if place < count { self.states[place] } else { self.registers[place - count] }
+        if place < self.count { self.states[place] } else { self.registers[place - self.count] }
     }
 
     #[inline(always)]

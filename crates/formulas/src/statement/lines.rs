@@ -11,6 +11,8 @@ use crate::syntax::{Formula, Meaning, Node, Scope, parse};
 #[derive(Debug, Clone)]
 pub(crate) struct Line {
     pub(crate) name: String,
+    /// The key as it is written: `x`, or `x[40]`.
+    pub(crate) key: String,
     /// The length of a vector.
     pub(crate) length: Option<usize>,
     pub(crate) formula: Formula,
@@ -36,8 +38,8 @@ impl Line {
         }
     }
 
-    /// The key: `x`, or `x[40]`.
-    pub(crate) fn key(&self) -> String {
+    /// The name with the length of a vector: `x`, or `x[40]`.
+    pub(crate) fn full_name(&self) -> String {
         match self.length {
             Some(length) => format!("{}[{length}]", self.name),
             None => self.name.clone(),
@@ -47,7 +49,7 @@ impl Line {
     /// A problem at a byte of the formula.
     pub(crate) fn fault(&self, section: Section, byte: usize, problem: Problem) -> Fault {
         let at = if self.is_literal { self.at + byte } else { self.at };
-        Fault::at(at, problem).in_section(section).of_key(&self.key())
+        Fault::at(at, problem).in_section(section).of_key(&self.key)
     }
 }
 
@@ -79,6 +81,7 @@ impl Reader<'_> {
         let at = inner.unwrap_or(key.value.at);
         Ok(Line {
             name: key.name.clone(),
+            key: key.written.to_string(),
             length: key.length,
             formula,
             number: Place::line_and_column(self.text, at)[0],

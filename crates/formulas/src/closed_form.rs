@@ -1,0 +1,48 @@
+//! Whether the best proposal is known in closed form.
+
+use thiserror::Error;
+
+use crate::error::Section;
+use crate::graph::{Built, Degree};
+use crate::statement::Line;
+use crate::tables::Kind;
+
+/// The first line because of which `p(x_t | x_{t−1}, y_t)` is no Gaussian in closed form.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[error("{file}, line {line}, {section} {key}: {reason}")]
+pub struct NoClosedForm {
+    /// The model file.
+    pub file: String,
+    /// The line, from 1.
+    pub line: usize,
+    /// The section, as `[measurement]`.
+    pub section: &'static str,
+    /// The coordinate: `y`, or `y[3]`.
+    pub key: String,
+    /// What the line has, and what it would need.
+    pub reason: String,
+}
+
+/// Looks for the first coordinate of a section that stands in the way.
+pub(crate) fn check(file: &str, section: Section, lines: &[Line], built: &Built) -> Result<(), NoClosedForm> {
+    let degrees = built.graph.degrees();
+    let names = lines.iter().flat_map(|line| (0..line.coordinates()).map(move |number| (line, number)));
+    for ((line, number), coordinate) in names.zip(&built.coordinates) {
+        let degree = |parameter: usize| degrees[coordinate.parameters[parameter].index()];
+        let (name, text) = (coordinate.family.name, line.formula.text.trim());
+        let reason = if coordinate.family.kind != Kind::Normal {
+            format!("`{name}` is not normal; the closed form is for normal distributions")
+        } else if section != Section::Measurement {
+            continue;
+        } else if degree(0) == Degree::Other {
+            format!("the mean of `{text}` is not linear in the states; the closed form needs it to be")
+        } else if degree(1) != Degree::Zero {
+            format!("the standard deviation of `{text}` depends on states; in the closed form it does not")
+        } else {
+            continue;
+        };
+        let (section, key) = (section.title(), line.coordinate(number));
+        return Err(NoClosedForm { file: file.to_string(), line: line.number, section, key, reason });
+    }
+    Ok(())
+}

@@ -1,0 +1,86 @@
+//! What a model says, for people.
+
+use std::fmt;
+
+use motes_models::{LinearGaussian, StateSpaceModel};
+
+use crate::file::{FileModel, ModelFile};
+use crate::model::FormulaModel;
+use crate::statement::Line;
+
+/// A model in groups of lines, each group with its title.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Description {
+    /// Titles with their lines; no group is empty.
+    pub groups: Vec<(String, Vec<String>)>,
+}
+
+impl Description {
+    fn group(&mut self, title: &str, lines: Vec<String>) {
+        if !lines.is_empty() {
+            self.groups.push((title.to_string(), lines));
+        }
+    }
+}
+
+impl fmt::Display for Description {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (title, lines) in &self.groups {
+            writeln!(formatter, "{title}")?;
+            for line in lines {
+                writeln!(formatter, "  {line}")?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Keys and formulas, the formulas below each other.
+fn lines(lines: &[Line], sign: &str) -> Vec<String> {
+    let width = lines.iter().map(|line| line.full_name().chars().count()).max().unwrap_or(0);
+    let line = |line: &Line| {
+        let formula: Vec<&str> = line.formula.text.split_whitespace().collect();
+        format!("{:width$} {sign} {}", line.full_name(), formula.join(" "))
+    };
+    lines.iter().map(line).collect()
+}
+
+impl FormulaModel {
+    /// The distributions of the coordinates, the definitions, and the parameters with their values.
+    pub fn describe(&self) -> Description {
+        let mut description = Description::default();
+        let statement = self.statement();
+        let width = statement.parameters.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
+        let parameter = |(name, value): &(String, f64)| format!("{name:width$} = {value}");
+        description.group("p(x_0)", lines(&statement.initial, "~"));
+        description.group("p(x_t | x_{t-1})", lines(&statement.transition, "~"));
+        description.group("p(y_t | x_t)", lines(&statement.measurement, "~"));
+        description.group("definitions", lines(&statement.definitions, "="));
+        description.group("parameters", statement.parameters.iter().map(parameter).collect());
+        description
+    }
+}
+
+impl ModelFile {
+    /// The model's coordinates and what they are distributed as.
+    pub fn describe(&self) -> Description {
+        match &self.model {
+            FileModel::Formulas(model) => model.describe(),
+            FileModel::LinearGaussian(model) => of_matrices(self, model),
+        }
+    }
+}
+
+fn of_matrices(file: &ModelFile, model: &LinearGaussian) -> Description {
+    let mut description = Description::default();
+    let (n, m) = (model.state_dim(), model.measurement_dim());
+    description.group("states x", vec![file.states.join(", ")]);
+    description.group("measurements y", vec![file.measurements.join(", ")]);
+    let equations = [
+        "x_0 ~ N(m0, P0)".to_string(),
+        format!("x_t = A x_{{t-1}} + N(0, Q), A and Q {n}×{n}"),
+        format!("y_t = C x_t + N(0, R), C {m}×{n}, R {m}×{m}"),
+    ];
+    description.group("equations", equations.to_vec());
+    description
+}

@@ -1,0 +1,124 @@
+//! The value of every operation of a formula at one point.
+
+use motes_models::equations::Scalar;
+
+use crate::error::Section;
+use crate::operations::{Binary, integer_exponent};
+use crate::statement::{Line, Statement};
+use crate::syntax::{Element, Formula, Node};
+
+/// The formula of a coordinate.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Place<'a> {
+    pub(super) section: Section,
+    pub(super) line: &'a Line,
+    /// Which coordinate of a vector.
+    pub(super) number: usize,
+}
+
+/// What formulas depend on, and the values of the definitions there.
+pub(super) struct Point<'a> {
+    pub(super) statement: &'a Statement,
+    pub(super) time: usize,
+    states: Option<&'a [f64]>,
+    definitions: Vec<Vec<f64>>,
+}
+
+/// Which coordinate of a vector is meant.
+fn number_of(element: Element, length: usize, values: &[f64]) -> usize {
+    match element {
+        Element::Whole => 0,
+        Element::At(index) => (values[index] as i64).rem_euclid(length as i64) as usize,
+    }
+}
+
+impl<'a> Point<'a> {
+    /// `states` are those that the section's formulas are about, if there are any.
+    pub(super) fn new(statement: &'a Statement, time: usize, states: Option<&'a [f64]>) -> Self {
+        let definitions = vec![Vec::new(); statement.definitions.len()];
+        let mut point = Point { statement, time, states, definitions };
+        for &definition in &statement.order {
+            let line = &statement.definitions[definition];
+            let value = |number| point.values(&line.formula, number).last().copied().unwrap_or(f64::NAN);
+            point.definitions[definition] = (0..line.coordinates()).map(value).collect();
+        }
+        point
+    }
+
+    /// A state's value; NaN where there is none.
+    fn state(&self, number: usize) -> f64 {
+        self.states.and_then(|states| states.get(number)).copied().unwrap_or(f64::NAN)
+    }
+
+    /// The values of all nodes of a formula, as it is for a coordinate of a vector; NaN for what is random.
+    pub(super) fn values(&self, formula: &Formula, number: usize) -> Vec<f64> {
+        let mut values = Vec::with_capacity(formula.nodes.len());
+        for (at, node) in formula.nodes.iter().enumerate() {
+            let value = match node {
+                _ if formula.is_random[at] => f64::NAN,
+                Node::Number(value) | Node::Named(value) => *value,
+                Node::Time => self.time as f64,
+                Node::Coordinate => number as f64,
+                Node::State { first, length, element } => {
+                    self.state(first + number_of(*element, *length, &values))
+                }
+                Node::Definition { number, length, element } => {
+                    self.definitions[*number][number_of(*element, *length, &values)]
+                }
+                Node::OfOne(operation, a) => operation.of(values[*a]),
+                Node::OfTwo(Binary::Power, a, b) => {
+                    let (base, exponent): (f64, f64) = (values[*a], values[*b]);
+                    let is_constant = matches!(formula.nodes[*b], Node::Number(_) | Node::Named(_));
+                    match integer_exponent(exponent).filter(|_| is_constant) {
+                        Some(exponent) => Scalar::powi(base, exponent),
+                        None => base.pow(exponent),
+                    }
+                }
+                Node::OfTwo(operation, a, b) => operation.of(values[*a], values[*b]),
+                Node::Random(..) => f64::NAN,
+            };
+            values.push(value);
+        }
+        values
+    }
+
+    /// The definition that a node names, and which of its coordinates.
+    pub(super) fn definition(&self, node: &Node, values: &[f64]) -> Option<Place<'a>> {
+        match node {
+            Node::Definition { number, length, element } => Some(Place {
+                section: Section::Definitions,
+                line: &self.statement.definitions[*number],
+                number: number_of(*element, *length, values),
+            }),
+            _ => None,
+        }
+    }
+
+    /// The name and value of a node that is a name.
+    pub(super) fn named(&self, place: Place<'a>, node: usize, values: &[f64]) -> Option<(String, f64)> {
+        let formula = &place.line.formula;
+        let name = match &formula.nodes[node] {
+            Node::Named(_) if formula.text_of(node) == "pi" => return None,
+            Node::Named(_) | Node::Time | Node::Coordinate => formula.text_of(node).to_string(),
+            Node::State { first, length, element } => {
+                self.state_name(first + number_of(*element, *length, values))
+            }
+            definition => {
+                let place = self.definition(definition, values)?;
+                place.line.coordinate(place.number)
+            }
+        };
+        Some((name, values[node]))
+    }
+
+    fn state_name(&self, number: usize) -> String {
+        let mut before = 0;
+        for line in &self.statement.initial {
+            if number < before + line.coordinates() {
+                return line.coordinate(number - before);
+            }
+            before += line.coordinates();
+        }
+        String::new()
+    }
+}

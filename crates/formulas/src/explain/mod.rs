@@ -1,0 +1,118 @@
+//! Why a formula gives no number: which operation left its domain, and at which values.
+
+mod domain_error;
+mod evaluate;
+mod trace;
+
+pub use domain_error::DomainError;
+
+use evaluate::{Place, Point};
+use trace::Origin;
+
+use crate::error::Section;
+use crate::model::FormulaModel;
+use crate::operations::Binary;
+use crate::statement::Line;
+use crate::syntax::{Node, NodeId};
+use crate::tables::{Kind, Range};
+
+/// How a number can be out of range.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Fault {
+    /// NaN, or a number that a distribution does not take: draws and densities are NaN.
+    NotANumber,
+    /// Infinite.
+    Infinite,
+}
+
+impl Fault {
+    fn is_in(self, value: f64, range: Range) -> bool {
+        match self {
+            Fault::NotANumber => !value.is_infinite() && !range.has(value),
+            Fault::Infinite => value.is_infinite(),
+        }
+    }
+}
+
+impl FormulaModel {
+    /// Which operation of which formula left its domain, with the values that it had; none where all formulas are fine.
+    ///
+    /// Looked at are the formulas of `p(x_t | x_{t−1})` at `previous` (`N`), or of `p(x_0)` where there is none, and those of `p(y_t | x_t)` at
+    /// `state` (`N`), where it is given. What is NaN comes before what is infinite.
+    pub fn explain(
+        &self,
+        time: usize,
+        previous: Option<&[f64]>,
+        state: Option<&[f64]>,
+    ) -> Option<DomainError> {
+        let statement = self.statement();
+        let of_state = match previous {
+            None => (Section::Initial, &statement.initial, None),
+            Some(_) => (Section::Transition, &statement.transition, previous),
+        };
+        let of_measurement = state.map(|_| (Section::Measurement, &statement.measurement, state));
+        let points: Vec<_> = [of_state]
+            .into_iter()
+            .chain(of_measurement)
+            .map(|(section, lines, states)| (section, lines, Point::new(statement, time, states)))
+            .collect();
+        let faults = [Fault::NotANumber, Fault::Infinite].into_iter();
+        let mut found = faults.flat_map(|fault| {
+            points.iter().find_map(|(section, lines, point)| in_section(*section, lines, point, fault))
+        });
+        found.next().map(|error| DomainError { file: self.file().to_string(), ..error })
+    }
+}
+
+fn in_section(section: Section, lines: &[Line], point: &Point<'_>, fault: Fault) -> Option<DomainError> {
+    lines.iter().find_map(|line| {
+        let mut coordinates = 0..line.coordinates();
+        coordinates.find_map(|number| in_coordinate(section, line, number, point, fault))
+    })
+}
+
+/// What is wrong with the distribution of a coordinate.
+fn in_coordinate(
+    section: Section,
+    line: &Line,
+    number: usize,
+    point: &Point<'_>,
+    fault: Fault,
+) -> Option<DomainError> {
+    let (formula, values) = (&line.formula, point.values(&line.formula, number));
+    let place = Place { section, line, number };
+    let origin = |node: NodeId| trace::origin(place, node, &values, point);
+    let of_parameter = |node: NodeId, name: &str, expected: &str| {
+        let value = values[node];
+        if !value.is_finite() {
+            return origin(node);
+        }
+        Origin::of_parameter(place, node, value, [name.to_string(), expected.to_string()])
+    };
+    let found = formula.nodes.iter().enumerate().find_map(|(at, node)| match node {
+        Node::Random(family, arguments) => {
+            let parameters = arguments.iter().zip(family.parameters).zip(family.ranges);
+            let mut wrong = parameters.filter(|((node, _), range)| fault.is_in(values[**node], **range));
+            if let Some(((node, name), range)) = wrong.next() {
+                return Some(of_parameter(*node, name, range.words()));
+            }
+            match (family.kind, arguments.as_slice(), fault) {
+                (Kind::Uniform, [low, high], Fault::NotANumber) if values[*low] >= values[*high] => {
+                    Some(of_parameter(*high, "high", &format!("above low, which is {}", values[*low])))
+                }
+                _ => None,
+            }
+        }
+        // What the distribution is shifted or scaled by.
+        Node::OfTwo(operation, a, b) if formula.is_random[at] => {
+            let by = if formula.is_random[*a] { *b } else { *a };
+            let is_zero = *operation == Binary::Multiply && values[by] == 0.0 && fault == Fault::NotANumber;
+            if is_zero {
+                return Some(of_parameter(by, "the factor", "another number than 0"));
+            }
+            fault.is_in(values[by], Range::Any).then(|| origin(by))
+        }
+        _ => None,
+    });
+    found.map(|origin| origin.error(point))
+}
