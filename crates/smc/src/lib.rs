@@ -20,6 +20,7 @@ mod proposal;
 mod proposal_error;
 mod proposals;
 mod resampling;
+mod smoothing;
 mod streams;
 mod weights;
 
@@ -39,6 +40,7 @@ pub use proposals::{
     Transition,
 };
 pub use resampling::{ResampleWhen, Resampling};
+pub use smoothing::{FilterHistory, SmoothedPaths, SmoothingError, backward_simulation};
 pub use weights::{LogWeights, WeightFault};
 
 /// The README's code, compiled and run as a documentation test.

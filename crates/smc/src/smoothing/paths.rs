@@ -1,0 +1,78 @@
+//! Trajectories that were drawn, and what they say together.
+
+/// `B` trajectories of `T` times given all measurements, of equal weight.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SmoothedPaths {
+    /// Path after path, each `T×N`.
+    pub(super) states: Vec<f64>,
+    pub(super) times: usize,
+    pub(super) width: usize,
+}
+
+impl SmoothedPaths {
+    /// `B`.
+    pub fn len(&self) -> usize {
+        self.states.len() / (self.times * self.width)
+    }
+
+    /// Whether there is none; there is always one at least.
+    pub fn is_empty(&self) -> bool {
+        self.states.is_empty()
+    }
+
+    /// `T`.
+    pub fn times(&self) -> usize {
+        self.times
+    }
+
+    /// The states of a path, row-major `T×N`.
+    ///
+    /// # Panics
+    /// If there is no such path.
+    pub fn path(&self, path: usize) -> &[f64] {
+        let each = self.times * self.width;
+        &self.states[path * each..(path + 1) * each]
+    }
+
+    /// A coordinate at a time, path by path.
+    fn values(&self, time: usize, coordinate: usize) -> impl Iterator<Item = f64> {
+        assert!(
+            time < self.times && coordinate < self.width,
+            "there are {} times and {} coordinates",
+            self.times,
+            self.width
+        );
+        self.states.iter().skip(time * self.width + coordinate).step_by(self.times * self.width).copied()
+    }
+
+    /// The estimate of `E[x_t | y_{0:T−1}]`, one coordinate of it.
+    ///
+    /// # Panics
+    /// If there is no such time or coordinate.
+    pub fn mean(&self, time: usize, coordinate: usize) -> f64 {
+        self.values(time, coordinate).sum::<f64>() / self.len() as f64
+    }
+
+    /// The estimate of the standard deviation of a coordinate of `x_t` given all measurements.
+    ///
+    /// # Panics
+    /// As [`SmoothedPaths::mean`].
+    pub fn standard_deviation(&self, time: usize, coordinate: usize) -> f64 {
+        let mean = self.mean(time, coordinate);
+        (self.values(time, coordinate).map(|x| (x - mean) * (x - mean)).sum::<f64>() / self.len() as f64)
+            .sqrt()
+    }
+
+    /// Quantiles of a coordinate of `x_t` given all measurements: for each probability `p` the smallest value that a share of at least `p` of the paths
+    /// does not exceed.
+    ///
+    /// # Panics
+    /// As [`SmoothedPaths::mean`], and if a probability is not between 0 and 1.
+    pub fn quantiles(&self, time: usize, coordinate: usize, probabilities: &[f64]) -> Vec<f64> {
+        assert!(probabilities.iter().all(|p| (0.0..=1.0).contains(p)), "a probability is between 0 and 1");
+        let mut values: Vec<f64> = self.values(time, coordinate).collect();
+        values.sort_by(f64::total_cmp);
+        let at = |p: f64| ((p * values.len() as f64).ceil() as usize).clamp(1, values.len()) - 1;
+        probabilities.iter().map(|p| values[at(*p)]).collect()
+    }
+}
