@@ -1,12 +1,13 @@
 //! A model file as TOML: sections, keys and values, each with its place.
 
+mod syntax_error;
 mod value;
 mod vector_keys;
 
 use toml::Spanned;
 use toml::de::DeTable;
 
-use crate::error::{Fault, Problem};
+use crate::error::Fault;
 use vector_keys::Quoted;
 
 pub(crate) use value::{Entry, Found, Table, Value};
@@ -16,8 +17,7 @@ pub(crate) fn read(text: &str) -> Result<Table, Fault> {
     let quoted = Quoted::of(text);
     let parsed = DeTable::parse(quoted.text()).map_err(|error| {
         let reason = error.message().lines().collect::<Vec<_>>().join(", ");
-        let at = error.span().map(|span| quoted.original(span.start));
-        Fault { at, ..Fault::new(Problem::NotToml(reason)) }
+        syntax_error::explain(text, error.span().map(|span| quoted.original(span.start)), reason)
     })?;
     Ok(table(parsed.get_ref(), &quoted))
 }

@@ -11,6 +11,17 @@ pub enum Problem {
     /// The text is not TOML: the parser's reason.
     #[error("this is not TOML: {0}")]
     NotToml(String),
+    /// A formula without quotes.
+    #[error("a formula stands in quotes: {key} = \"{formula}\"")]
+    NoQuotes {
+        /// The key.
+        key: String,
+        /// What stands after it.
+        formula: String,
+    },
+    /// A key or section that is there twice.
+    #[error("`{0}` is there twice; it can be there only once")]
+    TwiceHere(String),
     /// A key or section that model files do not have.
     #[error("a model file has no `{name}` here; {advice}")]
     UnknownKey {
@@ -248,13 +259,11 @@ pub enum Problem {
         "`{0}` is multiplied by 0, so that the coordinate has no noise; the factor must be another number"
     )]
     NoNoiseLeft(String),
-    /// A parameter of a distribution that is out of range whatever the states are.
-    #[error("`{parameter}` of {call} is {value}; it must be {expected}")]
+    /// A number that is out of range whatever the states are.
+    #[error("{what} is {value}; it must be {expected}")]
     OutOfRange {
-        /// The distribution with its parameters.
-        call: String,
-        /// Which parameter.
-        parameter: &'static str,
+        /// Which number: a parameter of a distribution.
+        what: String,
         /// Its value.
         value: f64,
         /// What would be right.

@@ -159,9 +159,9 @@ impl Builder {
     /// What is wrong with a distribution, whatever the states are.
     fn check(&self, coordinate: &Coordinate) -> Option<Problem> {
         let family = coordinate.family;
-        let out_of_range = |parameter, value, expected: String| {
-            let call = call(family.name, family.parameters);
-            Some(Problem::OutOfRange { call, parameter, value, expected })
+        let call = call(family.name, family.parameters);
+        let out_of_range = |parameter: &str, value, expected: String| {
+            Some(Problem::OutOfRange { what: format!("the {parameter} of {call}"), value, expected })
         };
         let values: Vec<Option<f64>> = coordinate.parameters.iter().map(|id| self.graph.value(*id)).collect();
         for ((value, range), name) in values.iter().zip(family.ranges).zip(family.parameters) {
@@ -174,9 +174,9 @@ impl Builder {
                 out_of_range("high", *high, format!("above low, which is {low}"))
             }
             _ => match coordinate.scale.and_then(|scale| self.graph.value(scale)) {
-                Some(0.0) => Some(Problem::NoNoiseLeft(call(family.name, family.parameters))),
+                Some(0.0) => Some(Problem::NoNoiseLeft(call)),
                 Some(scale) if !Range::Any.has(scale) => {
-                    out_of_range("the factor", scale, Range::Any.words().to_string())
+                    out_of_range("factor", scale, Range::Any.words().to_string())
                 }
                 _ => None,
             },

@@ -3,7 +3,7 @@
 use faer::Mat;
 use motes_models::{Gaussian, LinearGaussian};
 
-use super::values::{matrix, names, vector};
+use super::values::{count, matrix, names, vector};
 use crate::document::{Table, Value};
 use crate::error::{Fault, Problem, nearest};
 
@@ -68,7 +68,7 @@ pub(crate) fn read(table: &Table, overrides: &[(String, f64)]) -> Result<Matrice
             .of_key("measurements"));
     }
     let (n, m) = (states.len(), measurements.len());
-    let why = format!("as there are {n} states and {m} measurements");
+    let why = format!("as there are {} and {}", count(n, "state"), count(m, "measurement"));
     let of = |value: Result<&Value, Fault>, key, shape| {
         matrix(value?, shape, &why).map_err(|fault| fault.of_key(key))
     };

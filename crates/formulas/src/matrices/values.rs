@@ -46,40 +46,39 @@ pub(super) fn names(value: &Value) -> Result<Vec<String>, Fault> {
     Ok(names)
 }
 
-/// `count` numbers, for what `why` says.
-pub(super) fn vector(value: &Value, count: usize, why: &str) -> Result<Vec<f64>, Fault> {
+/// So many things: `1 row`, `2 rows`.
+pub(super) fn count(number: usize, thing: &str) -> String {
+    if number == 1 { format!("1 {thing}") } else { format!("{number} {thing}s") }
+}
+
+/// `length` numbers, for the reason `why`.
+pub(super) fn vector(value: &Value, length: usize, why: &str) -> Result<Vec<f64>, Fault> {
     let Found::List(list) = &value.found else {
-        return Err(fault(value, format!("a list of {count} numbers, {why}")));
+        return Err(fault(value, format!("a list of {}, {why}", count(length, "number"))));
     };
     let number = |value: &Value| match value.found {
         Found::Number(number, _) if number.is_finite() => Ok(number),
         _ => Err(fault(value, "a finite number".to_string())),
     };
     let numbers: Vec<f64> = list.iter().map(number).collect::<Result<_, Fault>>()?;
-    if numbers.len() == count {
+    if numbers.len() == length {
         return Ok(numbers);
     }
-    let have = if numbers.len() == 1 {
-        "there is 1 number".to_string()
-    } else {
-        format!("there are {} numbers", numbers.len())
-    };
-    Err(misfit(value, format!("{have}; there must be {count}, {why}")))
+    let found = count(numbers.len(), "number");
+    Err(misfit(value, format!("it has {found}; it must have {length}, {why}")))
 }
 
 /// A matrix, row by row.
 pub(super) fn matrix(value: &Value, [rows, columns]: [usize; 2], why: &str) -> Result<Mat<f64>, Fault> {
+    let size = format!("{} of {}", count(rows, "row"), count(columns, "number"));
     let Found::List(list) = &value.found else {
-        let expected = format!("a list of {rows} rows of {columns} numbers, as in [[1.0, 0.0], [0.0, 1.0]]");
-        return Err(fault(value, expected));
+        return Err(fault(value, format!("a list of {size}, {why}; rows are lists")));
     };
     if list.len() != rows {
-        let have = if list.len() == 1 {
-            "there is 1 row".to_string()
-        } else {
-            format!("there are {} rows", list.len())
-        };
-        return Err(misfit(value, format!("{have}; there must be {rows} of {columns} numbers each, {why}")));
+        return Err(misfit(
+            value,
+            format!("it has {}; it must have {size}, {why}", count(list.len(), "row")),
+        ));
     }
     let rows: Vec<Vec<f64>> =
         list.iter().map(|row| vector(row, columns, why)).collect::<Result<_, Fault>>()?;

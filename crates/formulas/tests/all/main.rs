@@ -1,3 +1,4 @@
 //! Models of files, from outside.
 
 mod growth;
+mod refused;

@@ -1,0 +1,105 @@
+//! Distributions: catches a coordinate whose density would be another one, or none.
+
+use super::{FILE, MOVE, START, changed, measurement, refused, transition};
+
+#[test]
+fn a_coordinate_without_noise() {
+    insta::assert_snapshot!(refused(&changed(FILE, &[(START, r#"x = "normal(0, 1)"
+v = "normal(0, 1)""#), (MOVE, r#"x = "normal(x, q)"
+v = "v + 0.1*x""#)])), @r#"m.toml, line 9, column 6, [transition] v: the coordinate has no noise, which is not supported yet; give it a little, as in "normal(v + 0.1*x, 0.01)""#);
+}
+
+#[test]
+fn a_measurement_without_noise() {
+    insta::assert_snapshot!(refused(&measurement("x")), @r#"m.toml, line 9, column 6, [measurement] y: the coordinate has no noise, which is not supported yet; give it a little, as in "normal(x, 0.01)""#);
+}
+
+#[test]
+fn two_distributions() {
+    insta::assert_snapshot!(refused(&transition("x + normal(0, 1) + laplace(0, 1)")), @"m.toml, line 7, column 25, [transition] x: `laplace` is a second distribution; a coordinate has one, and what is random, too, is a state of its own");
+}
+
+#[test]
+fn a_product_of_two_distributions() {
+    insta::assert_snapshot!(refused(&transition("normal(0, 1)*normal(0, 1)")), @"m.toml, line 7, column 19, [transition] x: `normal` is a second distribution; a coordinate has one, and what is random, too, is a state of its own");
+}
+
+#[test]
+fn a_distribution_inside_of_a_function() {
+    insta::assert_snapshot!(refused(&transition("exp(normal(x, 1))")), @"m.toml, line 7, column 10, [transition] x: `normal` stands inside of exp(x); a distribution can only be shifted and scaled, as in x + 3*exponential(1)");
+}
+
+#[test]
+fn a_distribution_as_an_argument() {
+    insta::assert_snapshot!(refused(&transition("normal(normal(x, 1), 1)")), @"m.toml, line 7, column 13, [transition] x: `normal` stands inside of normal(mean, sd); a distribution can only be shifted and scaled, as in x + 3*exponential(1)");
+}
+
+#[test]
+fn a_distribution_as_a_divisor() {
+    insta::assert_snapshot!(refused(&transition("x/gamma(2, 1)")), @"m.toml, line 7, column 8, [transition] x: `gamma` stands inside of a divisor; a distribution can only be shifted and scaled, as in x + 3*exponential(1)");
+}
+
+#[test]
+fn a_distribution_in_a_power() {
+    insta::assert_snapshot!(refused(&transition("normal(x, 1)^2")), @"m.toml, line 7, column 6, [transition] x: `normal` stands inside of a power; a distribution can only be shifted and scaled, as in x + 3*exponential(1)");
+}
+
+#[test]
+fn counts_that_are_shifted() {
+    insta::assert_snapshot!(refused(&measurement("poisson(3) + 1")), @"m.toml, line 9, column 6, [measurement] y: `poisson` gives counts, which cannot be shifted or scaled; its parameters can depend on states instead");
+}
+
+#[test]
+fn counts_that_are_scaled() {
+    insta::assert_snapshot!(refused(&measurement("2*poisson(3)")), @"m.toml, line 9, column 8, [measurement] y: `poisson` gives counts, which cannot be shifted or scaled; its parameters can depend on states instead");
+}
+
+#[test]
+fn counts_with_a_sign() {
+    insta::assert_snapshot!(refused(&measurement("-binomial(3, 0.5)")), @"m.toml, line 9, column 7, [measurement] y: `binomial` gives counts, which cannot be shifted or scaled; its parameters can depend on states instead");
+}
+
+#[test]
+fn counts_as_a_state() {
+    insta::assert_snapshot!(refused(&transition("poisson(3)")), @"m.toml, line 7, column 6, [transition] x: `poisson` gives counts, which can be measured, but are no state; a state may have normal(mean, sd)");
+}
+
+#[test]
+fn a_deviation_below_zero() {
+    insta::assert_snapshot!(refused(&transition("normal(x, -1)")), @"m.toml, line 7, column 6, [transition] x: the sd of normal(mean, sd) is -1; it must be above 0");
+}
+
+#[test]
+fn a_deviation_that_is_no_number() {
+    insta::assert_snapshot!(refused(&transition("normal(x, sqrt(-q))")), @"m.toml, line 7, column 6, [transition] x: the sd of normal(mean, sd) is NaN; it must be above 0");
+}
+
+#[test]
+fn a_mean_that_is_infinite() {
+    insta::assert_snapshot!(refused(&transition("normal(1/0, 1)")), @"m.toml, line 7, column 6, [transition] x: the mean of normal(mean, sd) is inf; it must be a finite number");
+}
+
+#[test]
+fn a_probability_above_one() {
+    insta::assert_snapshot!(refused(&measurement("bernoulli(1.5)")), @"m.toml, line 9, column 6, [measurement] y: the p of bernoulli(p) is 1.5; it must be between 0 and 1");
+}
+
+#[test]
+fn trials_that_are_no_count() {
+    insta::assert_snapshot!(refused(&measurement("binomial(2.5, 0.5)")), @"m.toml, line 9, column 6, [measurement] y: the n of binomial(n, p) is 2.5; it must be an integer of at least 0");
+}
+
+#[test]
+fn ends_the_wrong_way_round() {
+    insta::assert_snapshot!(refused(&transition("uniform(1, 0)")), @"m.toml, line 7, column 6, [transition] x: the high of uniform(low, high) is 0; it must be above low, which is 1");
+}
+
+#[test]
+fn noise_that_is_multiplied_by_zero() {
+    insta::assert_snapshot!(refused(&transition("x + 0*normal(0, 1)")), @"m.toml, line 7, column 12, [transition] x: `normal(mean, sd)` is multiplied by 0, so that the coordinate has no noise; the factor must be another number");
+}
+
+#[test]
+fn noise_that_is_divided_by_zero() {
+    insta::assert_snapshot!(refused(&transition("x + exponential(1)/0")), @"m.toml, line 7, column 10, [transition] x: the factor of exponential(mean) is inf; it must be a finite number");
+}
