@@ -3,8 +3,8 @@
 use motes_formulas::FileModel;
 use motes_models::{PartialLikelihood, Seed};
 use motes_smc::{
-    Bootstrap, FilterError, FilterSettings, Linearised, MinDegeneracy, ParticleFilter, Proposal,
-    WeightDiagnosis,
+    Bootstrap, FilterError, FilterHistory, FilterSettings, Linearised, MinDegeneracy, ParticleFilter,
+    Proposal, SmoothedPaths, SmoothingError, WeightDiagnosis, backward_simulation,
 };
 
 use crate::error::MotesError;
@@ -21,56 +21,84 @@ trait Steps: Send {
     fn diagnosis(&self) -> WeightDiagnosis;
     fn effective_sample_size(&self) -> f64;
     fn log_evidence(&self) -> f64;
+    fn record(&self, history: &mut FilterHistory) -> Result<(), SmoothingError>;
+    fn backward(
+        &self,
+        history: &FilterHistory,
+        paths: usize,
+        seed: &Seed,
+    ) -> Result<SmoothedPaths, SmoothingError>;
     /// The state of one particle, and the one that it was drawn from, in the step that failed.
     fn of_particle(&self, particle: usize) -> (Option<&[f64]>, &[f64]);
 }
 
-impl<M, P> Steps for ParticleFilter<&M, P>
+/// A filter beside its model.
+struct Filter<'m, M, P: Proposal<M>> {
+    model: &'m M,
+    filter: ParticleFilter<&'m M, P>,
+}
+
+impl<M, P> Steps for Filter<'_, M, P>
 where
     M: PartialLikelihood,
     P: Proposal<M> + Send,
 {
     fn step(&mut self, measurement: &[Option<f64>]) -> Result<(), FilterError> {
-        self.step_partial(measurement)
+        self.filter.step_partial(measurement)
     }
 
     fn state(&self) -> Vec<Coordinate> {
-        let (means, particles, weights) = (self.mean(), self.particles(), self.weights().normalised());
+        let filter = &self.filter;
+        let (means, particles, weights) = (filter.mean(), filter.particles(), filter.weights().normalised());
         let n = means.len();
         let of_coordinate = |(coordinate, &mean): (usize, &f64)| {
             let values = particles.iter().skip(coordinate).step_by(n);
             let variance: f64 = values.zip(weights).map(|(x, weight)| weight * (x - mean) * (x - mean)).sum();
-            let quantiles = self.quantiles(coordinate, &PROBABILITIES);
+            let quantiles = filter.quantiles(coordinate, &PROBABILITIES);
             Coordinate { mean, sd: variance.sqrt(), quantiles: [quantiles[0], quantiles[1], quantiles[2]] }
         };
         means.iter().enumerate().map(of_coordinate).collect()
     }
 
     fn means(&self) -> &[f64] {
-        self.mean()
+        self.filter.mean()
     }
 
     fn quantiles(&self, coordinate: usize, probabilities: &[f64]) -> Vec<f64> {
-        ParticleFilter::quantiles(self, coordinate, probabilities)
+        self.filter.quantiles(coordinate, probabilities)
     }
 
     fn diagnosis(&self) -> WeightDiagnosis {
-        ParticleFilter::diagnosis(self)
+        self.filter.diagnosis()
     }
 
     fn effective_sample_size(&self) -> f64 {
-        ParticleFilter::effective_sample_size(self)
+        self.filter.effective_sample_size()
     }
 
     fn log_evidence(&self) -> f64 {
-        ParticleFilter::log_evidence(self)
+        self.filter.log_evidence()
+    }
+
+    fn record(&self, history: &mut FilterHistory) -> Result<(), SmoothingError> {
+        history.record(&self.filter)
+    }
+
+    fn backward(
+        &self,
+        history: &FilterHistory,
+        paths: usize,
+        seed: &Seed,
+    ) -> Result<SmoothedPaths, SmoothingError> {
+        backward_simulation(self.model, history, paths, seed)
     }
 
     fn of_particle(&self, particle: usize) -> (Option<&[f64]>, &[f64]) {
-        let n = self.mean().len();
+        let filter = &self.filter;
+        let n = filter.mean().len();
         let row = |at: usize| at * n..(at + 1) * n;
-        let previous = self.previous_particles().map(|all| &all[row(self.ancestors()[particle])]);
-        (previous, &self.particles()[row(particle)])
+        let previous = filter.previous_particles().map(|all| &all[row(filter.ancestors()[particle])]);
+        (previous, &filter.particles()[row(particle)])
     }
 }
 
@@ -130,6 +158,21 @@ impl<'m> Running<'m> {
     /// What the weights of the last step say about how far they can be trusted.
     pub fn diagnosis(&self) -> WeightDiagnosis {
         self.filter.diagnosis()
+    }
+
+    /// Keeps what the filter is after its last step.
+    pub(crate) fn record(&self, history: &mut FilterHistory) -> Result<(), SmoothingError> {
+        self.filter.record(history)
+    }
+
+    /// Draws trajectories backwards through what the filter was.
+    pub(crate) fn backward(
+        &self,
+        history: &FilterHistory,
+        paths: usize,
+        seed: &Seed,
+    ) -> Result<SmoothedPaths, SmoothingError> {
+        self.filter.backward(history, paths, seed)
     }
 
     /// The effective sample size, in particles.
@@ -225,5 +268,5 @@ fn boxed<'m, M: PartialLikelihood>(
     settings: FilterSettings,
     seed: &Seed,
 ) -> Result<Box<dyn Steps + 'm>, MotesError> {
-    Ok(Box::new(ParticleFilter::new(model, proposal, settings, seed.stream())?))
+    Ok(Box::new(Filter { model, filter: ParticleFilter::new(model, proposal, settings, seed.stream())? }))
 }

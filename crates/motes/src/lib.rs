@@ -33,6 +33,7 @@ mod model;
 mod options;
 pub mod output;
 mod simulating;
+mod smoothing;
 
 pub use checking::{Checked, check};
 pub use comparing::{Card, CompareOptions, Comparison, EqualTime, Figure, Point, Sequence, compare};
@@ -44,6 +45,7 @@ pub use filtering::{Filtered, Warning, filter};
 pub use model::Model;
 pub use options::{FilterOptions, ProposalName};
 pub use simulating::{Simulated, simulate};
+pub use smoothing::{Smoothed, smooth};
 
 pub use motes_formulas as formulas;
 pub use motes_models as models;

@@ -34,6 +34,9 @@ pub(super) enum Command {
     /// Hold proposals against each other, on simulated sequences or on data, with the same particles and at equal time
     #[command(after_help = "Example:\n  motes compare tracking.toml --particles 300 --sequences 40")]
     Compare(CompareArgs),
+    /// Estimate the hidden states of data given all of them, by trajectories drawn backwards
+    #[command(after_help = "Example:\n  motes smooth nile.toml nile.csv --paths 500 -o smoothed.csv")]
+    Smooth(SmoothArgs),
     /// Draw series of states and measurements from a model
     #[command(after_help = "Example:\n  motes simulate growth.toml --steps 100 --series 20 -o data.csv")]
     Simulate(SimulateArgs),
@@ -160,6 +163,21 @@ pub(super) struct FilterArgs {
     /// Predict the states of so many times after the last measurement
     #[arg(long, value_name = "H", default_value = "0", value_parser = integer(0..=1_000_000_usize))]
     pub(super) forecast: usize,
+    #[command(flatten)]
+    pub(super) output: OutputArgs,
+}
+
+#[derive(Args)]
+pub(super) struct SmoothArgs {
+    #[command(flatten)]
+    pub(super) model: ModelArgs,
+    /// The data, a CSV file with a header; - is standard input
+    pub(super) data: PathBuf,
+    #[command(flatten)]
+    pub(super) settings: FilterSettingsArgs,
+    /// The number of trajectories
+    #[arg(long, value_name = "B", default_value = "200", value_parser = integer(1..=1_000_000_000_usize))]
+    pub(super) paths: usize,
     #[command(flatten)]
     pub(super) output: OutputArgs,
 }

@@ -7,6 +7,7 @@ mod failure;
 mod filter;
 mod progress;
 mod simulate;
+mod smooth;
 mod stream;
 mod summary;
 
@@ -37,6 +38,7 @@ pub(crate) fn run() -> ExitCode {
         Command::Check(args) => check::run(&args, &interrupt),
         Command::Compare(args) => compare::run(&args, &interrupt),
         Command::Simulate(args) => simulate::run(&args, &interrupt),
+        Command::Smooth(args) => smooth::run(&args, &interrupt),
         Command::Completions { shell } => {
             let mut text = Vec::new();
             clap_complete::generate(shell, &mut Cli::command(), "motes", &mut text);

@@ -78,6 +78,12 @@ impl EstimateTable {
         table
     }
 
+    /// The whole table of a smoother: rows in the order of the data.
+    pub fn smoothed(&self, data: &Data, estimates: &[Estimate]) -> String {
+        let rows = data.rows.iter().zip(estimates).map(|(row, estimate)| self.row_of(data, row, estimate));
+        self.header() + &rows.collect::<String>()
+    }
+
     /// The row of a row of data.
     pub fn row_of(&self, data: &Data, row: &Row, estimate: &Estimate) -> String {
         self.row(&data.series[row.series], row.label.as_deref(), row.time, estimate)

@@ -1,0 +1,77 @@
+//! `motes smooth`.
+
+use std::path::Path;
+use std::time::Instant;
+
+use motes::output::{EstimateTable, Output, Report, filter_json, report};
+use motes::{Data, FilterOptions, Model, MotesError, Smoothed, smooth};
+use motes_cli::{Interrupt, status};
+
+use super::args::{SmoothArgs, on_threads};
+use super::failure::Failure;
+use super::filter::{say_ignored, warn, write};
+use super::progress::Progress;
+use super::summary::{command_line, filter_settings, filter_summary};
+
+pub(super) fn run(args: &SmoothArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
+    let model = args.model.read()?;
+    args.output.check()?;
+    let options = args.settings.options(args.model.seed, 0);
+    let data = match args.data == Path::new("-") {
+        true => Data::read(std::io::stdin(), "standard input", &model)?,
+        false => Data::open(&args.data, &model)?,
+    };
+    say_ignored(&data.columns, args.model.quiet);
+    let start = Instant::now();
+    let mut progress = Progress::new(data.rows.len(), args.model.quiet);
+    let smoothed = on_threads(args.model.threads, || {
+        smooth(&model, &data, &options, args.paths, |done| {
+            progress.done(done);
+            interrupt.check()
+        })
+    });
+    progress.finish();
+    let smoothed = smoothed??;
+    let seconds = start.elapsed().as_secs_f64();
+    if let Some(output) = args.output.table() {
+        let table = EstimateTable::new(&model, &data.columns, false);
+        write(&output, &table.smoothed(&data, &smoothed.estimates))?;
+    }
+    if let Some(path) = &args.output.report {
+        write(&Output::File(path.clone()), &page(args, &model, &data, &options, &smoothed)?)?;
+    }
+    if args.output.json {
+        write(&Output::Standard, &filter_json(&smoothed.filtered, &options, seconds))?;
+    }
+    if !args.model.quiet {
+        let parts = filter_summary(&data, &smoothed.filtered, &options).into_iter();
+        let parts: Vec<String> = parts.map(|(name, value)| format!("{name} {value}")).collect();
+        status(&format!("motes: {} paths, of a filter with {}", args.paths, parts.join(", ")));
+    }
+    Ok(warn(&smoothed.filtered.warnings, args.model.quiet, args.output.strict))
+}
+
+/// The report of a smoother.
+fn page(
+    args: &SmoothArgs,
+    model: &Model,
+    data: &Data,
+    options: &FilterOptions,
+    smoothed: &Smoothed,
+) -> Result<String, MotesError> {
+    let warnings: Vec<String> = smoothed.filtered.warnings.iter().map(ToString::to_string).collect();
+    let mut settings = filter_settings(&args.model, options);
+    settings.push(("paths".into(), args.paths.to_string()));
+    report(&Report {
+        title: "Smoother",
+        model,
+        data,
+        estimates: &smoothed.estimates,
+        forecasts: &[],
+        summary: &filter_summary(data, &smoothed.filtered, options),
+        settings: &settings,
+        warnings: &warnings,
+        command: &command_line(),
+    })
+    .map_err(|error| MotesError::Report(error.to_string()))
+}

@@ -1,0 +1,98 @@
+//! Smoothing all series of some data by backward simulation.
+
+use std::ops::ControlFlow;
+
+use motes_models::Seed;
+use motes_smc::{FilterHistory, SmoothedPaths, SmoothingError, WeightReport};
+
+use crate::data::{Data, Row};
+use crate::engine::Running;
+use crate::error::MotesError;
+use crate::estimate::{Coordinate, Estimate, PROBABILITIES};
+use crate::filtering::{Filtered, Warning, of_series};
+use crate::model::Model;
+use crate::options::FilterOptions;
+
+/// What smoothers made of data.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Smoothed {
+    /// The estimate of each row of the data given all rows of its series, in their order.
+    pub estimates: Vec<Estimate>,
+    /// The trajectories of each series.
+    pub paths: Vec<SmoothedPaths>,
+    /// What the filters said on the way, without their estimates.
+    pub filtered: Filtered,
+}
+
+/// Filters each series of `data` and draws `paths` trajectories of it backwards; `proceed` is asked after each row.
+///
+/// # Errors
+/// As [`crate::filter`]; [`MotesError::Setting`] if what filters were cannot be kept.
+pub fn smooth(
+    model: &Model,
+    data: &Data,
+    options: &FilterOptions,
+    paths: usize,
+    mut proceed: impl FnMut(usize) -> ControlFlow<()>,
+) -> Result<Smoothed, MotesError> {
+    let mut estimates: Vec<Option<Estimate>> = vec![None; data.rows.len()];
+    let (mut drawn, mut log_evidence_per_series, mut warnings) = (vec![], vec![], vec![]);
+    let (mut weights, mut least_ess, mut done) = (WeightReport::default(), f64::INFINITY, 0);
+    for (series, name) in data.series.iter().enumerate() {
+        let name = data.columns.has_series().then(|| name.clone());
+        let mut running = Running::new(model, options, series)?;
+        let (mut report, mut history) = (WeightReport::default(), FilterHistory::new());
+        let rows: Vec<(usize, &Row)> =
+            data.rows.iter().enumerate().filter(|(_, row)| row.series == series).collect();
+        for (_, row) in &rows {
+            running.advance(&row.measurement).map_err(|error| of_series(name.as_deref(), error))?;
+            running.record(&mut history)?;
+            report.add(&running.diagnosis());
+            weights.add(&running.diagnosis());
+            least_ess = least_ess.min(running.effective_sample_size());
+            done += 1;
+            if proceed(done).is_break() {
+                return Err(MotesError::Interrupted);
+            }
+        }
+        let seed = Seed::from_u64(options.seed).child("smooth").nth(series as u64);
+        let found = running.backward(&history, paths, &seed)?;
+        for (time, (at, _)) in rows.iter().enumerate() {
+            estimates[*at] = Some(estimate(&found, time, model.states().len()));
+        }
+        log_evidence_per_series.push(running.log_evidence());
+        warnings.extend(
+            report.warnings().map(|warning| Warning { series: name.clone(), text: warning.to_string() }),
+        );
+        drawn.push(found);
+    }
+    let estimates = estimates.into_iter().flatten().collect();
+    let filtered = Filtered {
+        estimates: vec![],
+        forecasts: vec![],
+        log_evidence_per_series,
+        weights,
+        least_ess,
+        warnings,
+    };
+    Ok(Smoothed { estimates, paths: drawn, filtered })
+}
+
+/// What trajectories say of one time.
+fn estimate(paths: &SmoothedPaths, time: usize, n: usize) -> Estimate {
+    let of_coordinate = |coordinate| {
+        let quantiles = paths.quantiles(time, coordinate, &PROBABILITIES);
+        Coordinate {
+            mean: paths.mean(time, coordinate),
+            sd: paths.standard_deviation(time, coordinate),
+            quantiles: [quantiles[0], quantiles[1], quantiles[2]],
+        }
+    };
+    Estimate { state: (0..n).map(of_coordinate).collect(), ess: None, log_evidence: None }
+}
+
+impl From<SmoothingError> for MotesError {
+    fn from(error: SmoothingError) -> Self {
+        MotesError::Setting(error.to_string())
+    }
+}
