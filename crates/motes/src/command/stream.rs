@@ -35,6 +35,9 @@ pub(super) fn run(args: &FilterArgs, model: &Model, options: &FilterOptions) -> 
         last = last.max(row.series + 1);
         is_read = say(&mut lines, &table.row(name, row.label.as_deref(), row.time, &estimate))?;
     }
+    if !is_read {
+        return Ok(0);
+    }
     if last == 0 {
         return Err(motes::DataError::Empty { file: "standard input".into() }.into());
     }

@@ -43,7 +43,7 @@ impl Columns {
             place(wanted).ok_or_else(|| {
                 let is_one_column = names.len() == 1 && names[0].contains([';', '\t']);
                 let nearest = names.iter().min_by_key(|name| distance(name, wanted));
-                let near = nearest.filter(|name| distance(name, wanted) <= 1 + wanted.len() / 4);
+                let near = nearest.filter(|name| distance(name, wanted) <= wanted.len() / 4);
                 let hint = match (is_one_column, near) {
                     (true, _) => "; columns are separated by commas".to_string(),
                     (false, Some(near)) => format!("; is it {near}?"),

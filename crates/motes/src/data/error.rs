@@ -59,7 +59,7 @@ pub enum DataError {
         column: String,
     },
     /// A row has more or fewer cells than the header.
-    #[error("{file}, line {line}: there are {found} cells, and {expected} columns in the header{hint}")]
+    #[error("{file}, line {line}: the row has {found} cells, the header {expected}{hint}")]
     Ragged {
         /// The file.
         file: String,
@@ -71,6 +71,14 @@ pub enum DataError {
         expected: usize,
         /// What may be the matter.
         hint: String,
+    },
+    /// A blank line in a file of one column, where it could be a missing measurement or none.
+    #[error("{file}, line {line}: the line is blank; write NA where a measurement is missing")]
+    Blank {
+        /// The file.
+        file: String,
+        /// The line.
+        line: u64,
     },
     /// A cell is no number.
     #[error("{place}: {value} {problem}")]

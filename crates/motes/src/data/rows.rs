@@ -47,11 +47,16 @@ impl<R: Read> Rows<R> {
         }
         let text = |cell: &[u8]| match std::str::from_utf8(cell) {
             Ok(text) => Ok(text.to_string()),
-            Err(_) => Err(DataError::NotUtf8 { file: file.into(), line: 1 }),
+            Err(_) => Err(DataError::NotUtf8 { file: file.into() }),
         };
         let names: Vec<String> = header.iter().map(text).collect::<Result<_, _>>()?;
         let columns = Columns::of(&names, file, model.states(), model.measurements())?;
-        Ok(Rows { reader, record: ByteRecord::new(), file: file.into(), columns, series: Vec::new() })
+        Ok(Rows {
+            reader,
+            record: ByteRecord::new(),
+            file: file.into(),
+            columns,
+            series: Vec::new() })
     }
 
     /// What the columns are for.
@@ -75,6 +80,7 @@ impl<R: Read> Rows<R> {
         }
         let line = self.record.position().map_or(0, csv::Position::line);
         self.check_width(line)?;
+        self.check_blank(line)?;
         let series = match self.columns.series {
             None => self.number_of_series(""),
             Some(at) => {
@@ -99,6 +105,14 @@ impl<R: Read> Rows<R> {
         }
         self.series[series].1 += 1;
         Ok(Some(Row { line, series, time, label, measurement }))
+    }
+
+    /// A reader of CSV passes over blank lines, which in a file of one column would be times that get lost.
+    fn check_blank(&self, line: u64) -> Result<(), DataError> {
+        match self.columns.names.len() == 1 && self.reader.position().line() > line + 1 {
+            true => Err(DataError::Blank { file: self.file.clone(), line }),
+            false => Ok(()),
+        }
     }
 
     fn check_width(&self, line: u64) -> Result<(), DataError> {

@@ -90,7 +90,7 @@ fn figure(
             .margin_right(14)
             .x_label_area_size(36)
             .y_label_area_size(62)
-            .build_cartesian_2d(-0.5..length as f64 - 0.5, low - margin..high + margin)?;
+            .build_cartesian_2d(-0.5..length.max(1) as f64 - 0.5, low - margin..high + margin)?;
         chart
             .configure_mesh()
             .x_desc("t")
@@ -109,6 +109,9 @@ fn figure(
     Ok(svg)
 }
 
+/// What axes reach to.
+const LARGEST: f64 = 1e100;
+
 /// Smallest and largest finite value, a little apart at least.
 fn extent(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let finite = values.filter(|value| value.is_finite());
@@ -116,8 +119,8 @@ fn extent(values: impl Iterator<Item = f64>) -> (f64, f64) {
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
     match low <= high {
         false => (0.0, 1.0),
-        // Numbers as large as there are have no larger ones to draw margins to.
-        true if high - low > 1e300 => (-1e300, 1e300),
+        // Axes have no labels for larger numbers.
+        true if high - low > LARGEST || low.abs().max(high.abs()) > LARGEST => (-LARGEST, LARGEST),
         true => {
             let least = 1e-6 * (1.0 + low.abs().max(high.abs()));
             if high - low < least { (low - least, high + least) } else { (low, high) }
