@@ -81,7 +81,10 @@ impl Estimator {
             timings.iter().find(|timing| timing.name == name).map_or(0.0, |timing| timing.value)
         };
         let evaluator = &self.evaluator;
-        let seconds = match threads::on(threads, || guarded(|| evaluator.evaluate(&unit, interrupt))) {
+        // A thread belongs to the first pool that it joins for good: each trial has its own.
+        let trial = || threads::on(threads, || guarded(|| evaluator.evaluate(&unit, interrupt)));
+        let found = std::thread::scope(|scope| scope.spawn(trial).join());
+        let seconds = match found.unwrap_or_else(|panic| std::panic::resume_unwind(panic)) {
             Ok(found) => {
                 let of = |name| of(&found.timings, name);
                 time_scale * (of("train_seconds") * train_scale + of("filter_seconds") * filter_scale)

@@ -56,6 +56,18 @@ fn one_thread_two_threads_and_killed_runs_give_the_same_bytes() {
 }
 
 #[test]
+fn a_run_says_what_it_will_take_and_complains_of_nothing() {
+    let place = Workplace::new(TINY);
+    for jobs in ["1", "2"] {
+        let output = place.run(&["tiny", "--jobs", jobs, "--out", jobs]);
+        let said = stderr(&output);
+        assert_eq!(output.status.code(), Some(0), "{said}");
+        assert!(said.contains("estimated time"), "{said}");
+        assert!(!said.contains("no threads of its own"), "{said}");
+    }
+}
+
+#[test]
 fn parts_add_up_to_the_whole() {
     let place = Workplace::new(TINY);
     assert!(place.run(&["tiny", "--out", "whole"]).status.success());

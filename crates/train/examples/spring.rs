@@ -8,10 +8,8 @@
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
-use motes_models::{
-    Measurements, ModelShape, Noise, Seed, Simulator, StateGradients, StateSpaceModel, Stream,
-    check_gradients,
-};
+use motes_models::equations::{Coordinates, Equations, Scalar, normal};
+use motes_models::{Measurements, ModelShape, Seed};
 use motes_proposals::{Backend, Family, Rnn, RnnConfig, load, save};
 use motes_smc::{Bootstrap, FilterSettings, ParticleFilter, Proposal, WeightReport};
 use motes_train::{AdamConfig, Objective, TrainConfig, train};
@@ -25,81 +23,23 @@ const FRICTION: f64 = 0.5;
 /// Standard deviations of what pushes displacement and speed, and of the measurement.
 const SIGMA: [f64; 3] = [0.2, 0.4, 0.1];
 
-fn moved(previous: &[f64]) -> [f64; 2] {
-    let (x, v) = (previous[0], previous[1]);
-    [x + STEP * v, v - STEP * (STIFFNESS * x.tanh() + FRICTION * v)]
-}
-
-impl StateSpaceModel for Spring {
-    fn state_dim(&self) -> usize {
-        2
+impl Equations for Spring {
+    fn dimensions(&self) -> [usize; 2] {
+        [2, 1]
     }
 
-    fn measurement_dim(&self) -> usize {
-        1
+    fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
+        (0..2).for_each(|_| state.push(normal(0.0, 1.0)));
     }
 
-    fn sample_initial(&self, stream: &mut Stream, state: &mut [f64]) {
-        state.fill_with(|| Noise::Gaussian.sample(1.0, stream));
+    fn transition<S: Scalar>(&self, _time: usize, previous: &[S], state: &mut impl Coordinates<S>) {
+        let (x, v) = (previous[0], previous[1]);
+        state.push(normal(x + v * STEP, SIGMA[0]));
+        state.push(normal(v - (x.tanh() * STIFFNESS + v * FRICTION) * STEP, SIGMA[1]));
     }
 
-    fn sample_transition(&self, _time: usize, previous: &[f64], stream: &mut Stream, state: &mut [f64]) {
-        let mean = moved(previous);
-        for i in 0..2 {
-            state[i] = mean[i] + Noise::Gaussian.sample(SIGMA[i], stream);
-        }
-    }
-
-    fn log_initial(&self, state: &[f64]) -> f64 {
-        state.iter().map(|value| Noise::Gaussian.log_density(1.0, *value)).sum()
-    }
-
-    fn log_transition(&self, _time: usize, previous: &[f64], state: &[f64]) -> f64 {
-        let mean = moved(previous);
-        (0..2).map(|i| Noise::Gaussian.log_density(SIGMA[i], state[i] - mean[i])).sum()
-    }
-
-    fn log_likelihood(&self, _time: usize, state: &[f64], measurement: &[f64]) -> f64 {
-        Noise::Gaussian.log_density(SIGMA[2], measurement[0] - state[0])
-    }
-}
-
-/// What training asks for beside the densities: their derivatives with respect to the states, a particle in each row.
-impl StateGradients for Spring {
-    fn initial_gradients(&self, states: &[f64], d_states: &mut [f64]) {
-        d_states.iter_mut().zip(states).for_each(|(d, value)| *d = Noise::Gaussian.gradient(1.0, *value));
-    }
-
-    fn transition_gradients(
-        &self,
-        _time: usize,
-        previous: &[f64],
-        states: &[f64],
-        d_previous: &mut [f64],
-        d_states: &mut [f64],
-    ) {
-        for row in (0..states.len()).step_by(2) {
-            let (from, mean) = (&previous[row..row + 2], moved(&previous[row..row + 2]));
-            let slope = |i: usize| Noise::Gaussian.gradient(SIGMA[i], states[row + i] - mean[i]);
-            let (of_x, of_v) = (slope(0), slope(1));
-            d_states[row..row + 2].copy_from_slice(&[of_x, of_v]);
-            d_previous[row] = -of_x + of_v * STEP * STIFFNESS / from[0].cosh().powi(2);
-            d_previous[row + 1] = -of_x * STEP - of_v * (1.0 - STEP * FRICTION);
-        }
-    }
-
-    fn likelihood_gradients(&self, _time: usize, states: &[f64], measurement: &[f64], d_states: &mut [f64]) {
-        for (state, d) in states.chunks_exact(2).zip(d_states.chunks_exact_mut(2)) {
-            let slope = Noise::Gaussian.gradient(SIGMA[2], measurement[0] - state[0]);
-            d.copy_from_slice(&[-slope, 0.0]);
-        }
-    }
-}
-
-/// What drawing measurements asks for, so that the gradients above can be checked.
-impl Simulator for Spring {
-    fn sample_measurement(&self, _time: usize, state: &[f64], stream: &mut Stream, measurement: &mut [f64]) {
-        measurement[0] = state[0] + Noise::Gaussian.sample(SIGMA[2], stream);
+    fn measurement<S: Scalar>(&self, _time: usize, state: &[S], measurement: &mut impl Coordinates<S>) {
+        measurement.push(normal(state[0], SIGMA[2]));
     }
 }
 
@@ -116,8 +56,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let logged = Measurements::new(1, values[..values.len() / 2].to_vec())?;
 
     let seed = Seed::from_u64(1);
-    // A gradient that is wrong makes no error in training, only a worse proposal.
-    check_gradients(&Spring, 20, 1e-5, &mut seed.child("gradients").stream())?;
     let config = RnnConfig { hidden: 16, ridge: 1e-3, ..RnnConfig::paper() };
     let shape = ModelShape::of(&Spring);
     let mut rnn = Rnn::create(&config, &shape, 0, Backend::Native.into(), &seed.child("weights"))?;
