@@ -3,6 +3,7 @@
 mod arithmetic;
 mod closed_form;
 mod distributions;
+mod examples;
 mod explain;
 mod fuzz;
 mod growth;
