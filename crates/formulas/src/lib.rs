@@ -46,3 +46,8 @@ pub use explain::DomainError;
 pub use file::{FileModel, ModelFile, parse, read};
 pub use model::FormulaModel;
 pub use tables::reference;
+
+/// The README's code, compiled and run as a documentation test.
+#[doc = include_str!("../README.md")]
+#[cfg(doctest)]
+pub struct Readme;

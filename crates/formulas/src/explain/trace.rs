@@ -28,8 +28,10 @@ impl<'a> Origin<'a> {
             let at = &line.formula.spans[*node];
             at.start >= span.start && at.end <= span.end
         };
+        let mut nodes: Vec<NodeId> = (0..line.formula.nodes.len()).filter(inside).collect();
+        nodes.sort_by_key(|node| line.formula.spans[*node].start);
         let mut at = Vec::new();
-        for node in (0..line.formula.nodes.len()).filter(inside) {
+        for node in nodes {
             match point.named(self.place, node, &values) {
                 Some(named) if at.iter().all(|(name, _)| *name != named.0) => at.push(named),
                 _ => {}

@@ -1,7 +1,7 @@
 //! The distributions of formulas.
 
 use motes_models::equations::{
-    self, Coordinates, Scalar, bernoulli, binomial, exponential, gamma, laplace, log_normal,
+    Coordinates, Distribution, Scalar, bernoulli, binomial, exponential, gamma, laplace, log_normal,
     negative_binomial, normal, poisson, student_t, uniform,
 };
 
@@ -147,29 +147,38 @@ impl Kind {
     #[inline(always)]
     pub(crate) fn push<S: Scalar>(
         self,
-        [a, b, c]: [S; 3],
+        parameters: [S; 3],
         scale: Option<S>,
         shift: Option<S>,
         coordinates: &mut impl Coordinates<S>,
     ) {
-        let moved = |distribution: equations::Distribution<S>| match (scale, shift) {
+        let [a, b, _] = parameters;
+        // What takes it is compiled once for the common one, which it then knows, and once for all others.
+        match self {
+            Kind::Normal => coordinates.push(normal(a, b)),
+            _ => coordinates.push(self.moved(parameters, scale, shift)),
+        }
+    }
+
+    fn moved<S: Scalar>(self, [a, b, c]: [S; 3], scale: Option<S>, shift: Option<S>) -> Distribution<S> {
+        let distribution = match self {
+            Kind::Normal => normal(a, b),
+            Kind::StudentT => student_t(a, b, c),
+            Kind::Laplace => laplace(a, b),
+            Kind::LogNormal => log_normal(a, b),
+            Kind::Exponential => exponential(a),
+            Kind::Gamma => gamma(a, b),
+            Kind::Uniform => uniform(a, b),
+            Kind::Poisson => poisson(a),
+            Kind::NegativeBinomial => negative_binomial(a, b),
+            Kind::Binomial => binomial(a, b),
+            Kind::Bernoulli => bernoulli(a),
+        };
+        match (scale, shift) {
             (None, None) => distribution,
             (Some(scale), None) => distribution.scaled(scale),
             (None, Some(shift)) => distribution.shifted(shift),
             (Some(scale), Some(shift)) => distribution.scaled(scale).shifted(shift),
-        };
-        match self {
-            Kind::Normal => coordinates.push(normal(a, b)),
-            Kind::StudentT => coordinates.push(student_t(a, b, c)),
-            Kind::Laplace => coordinates.push(laplace(a, b)),
-            Kind::LogNormal => coordinates.push(moved(log_normal(a, b))),
-            Kind::Exponential => coordinates.push(moved(exponential(a))),
-            Kind::Gamma => coordinates.push(moved(gamma(a, b))),
-            Kind::Uniform => coordinates.push(moved(uniform(a, b))),
-            Kind::Poisson => coordinates.push(poisson(a)),
-            Kind::NegativeBinomial => coordinates.push(negative_binomial(a, b)),
-            Kind::Binomial => coordinates.push(binomial(a, b)),
-            Kind::Bernoulli => coordinates.push(bernoulli(a)),
         }
     }
 }

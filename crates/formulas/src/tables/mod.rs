@@ -8,14 +8,13 @@ pub(crate) use families::{FAMILIES, Family, Kind, Range, family};
 pub(crate) use functions::{FUNCTIONS, Function, Operation, function};
 pub use reference::reference;
 
-/// What a name means wherever it stands, in words.
+/// What a name means wherever it stands, in words. Those of distributions are free: they are always called, and gamma is a common rate.
 pub(crate) fn reserved(name: &str) -> Option<&'static str> {
     match name {
         "t" => Some("the time"),
         "i" => Some("the number of a vector's coordinate"),
         "pi" => Some("the circle constant"),
         _ if function(name).is_some() => Some("a function"),
-        _ if family(name).is_some() => Some("a distribution"),
         _ => None,
     }
 }

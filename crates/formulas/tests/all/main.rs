@@ -1,4 +1,15 @@
 //! Models of files, from outside.
 
+mod arithmetic;
+mod closed_form;
+mod distributions;
+mod examples;
+mod explain;
+mod fuzz;
 mod growth;
+mod helpers;
+mod matrices;
+mod pages;
+mod random_formulas;
 mod refused;
+mod vectors;

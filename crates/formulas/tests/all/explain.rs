@@ -1,0 +1,59 @@
+//! Why a formula gives no number.
+
+use super::helpers::model;
+
+const FILE: &str = r#"
+[parameters]
+c = 2.0
+[initial]
+x = "normal(0, 1)"
+v[3] = "normal(0, exp(1))"
+[definitions]
+root = "1 + sqrt(x - c)"
+[transition]
+x = "normal(max(x, 0)/t, 1 + root)"
+v[3] = "normal(v[i], v[i+1])"
+[measurement]
+y = "(x - 1)*exponential(x) + log(v[0])"
+k = "binomial(10, x/4)"
+u = "uniform(x, 3)"
+"#;
+
+fn explained(previous: Option<&[f64]>, state: Option<&[f64]>) -> Option<String> {
+    model(FILE).explain(2, previous, state).map(|error| error.to_string())
+}
+
+/// Catches an error where all is fine, as at a measurement that was not asked for.
+#[test]
+fn what_is_fine_has_no_error() {
+    assert_eq!(explained(None, None), None);
+    assert_eq!(explained(Some(&[3.0, 1.0, 1.0, 1.0]), Some(&[2.0, 1.0, 1.0, 1.0])), None);
+    assert_eq!(explained(Some(&[3.0, 1.0, 1.0, 1.0]), None), None);
+}
+
+/// Catches a place that is only on the way, and values of another particle.
+#[test]
+fn the_operation_is_named_with_its_values() {
+    let fine = [3.0, 1.0, 1.0, 1.0];
+    insta::assert_snapshot!(explained(Some(&[1.5, 1.0, 1.0, 1.0]), None).unwrap(), @"m.toml, line 8, [definitions] root: `sqrt(x - c)` is NaN where x = 1.5, c = 2");
+    insta::assert_snapshot!(explained(Some(&[3.0, 1.0, 1.0, -0.5]), None).unwrap(), @"m.toml, line 11, [transition] v[1]: sd, `v[i+1]`, is -0.5 where v[2] = -0.5, i = 1; it must be above 0");
+    insta::assert_snapshot!(explained(Some(&fine), Some(&[2.0, -1.0, 1.0, 1.0])).unwrap(), @"m.toml, line 13, [measurement] y: `log(v[0])` is NaN where v[0] = -1");
+    insta::assert_snapshot!(explained(Some(&fine), Some(&[1.0, 1.0, 1.0, 1.0])).unwrap(), @"m.toml, line 13, [measurement] y: the factor, `(x - 1)`, is 0 where x = 1; it must be another number than 0");
+    insta::assert_snapshot!(explained(Some(&fine), Some(&[3.5, 1.0, 1.0, 1.0])).unwrap(), @"m.toml, line 15, [measurement] u: high, `3`, is 3; it must be above low, which is 3.5");
+    insta::assert_snapshot!(explained(Some(&fine), Some(&[6.0, 1.0, 1.0, 1.0])).unwrap(), @"m.toml, line 14, [measurement] k: p, `x/4`, is 1.5 where x = 6; it must be between 0 and 1");
+    insta::assert_snapshot!(explained(Some(&fine), Some(&[f64::NAN, 1.0, 1.0, 1.0])).unwrap(), @"m.toml, line 13, [measurement] y: `x` is NaN");
+}
+
+/// What is NaN is why a weight is none; what is infinite is named only where nothing is NaN.
+#[test]
+fn the_infinite_comes_last() {
+    let fine = [3.0, 1.0, 1.0, 1.0];
+    insta::assert_snapshot!(explained(Some(&fine), Some(&[2.0, 0.0, 1.0, 1.0])).unwrap(), @"m.toml, line 13, [measurement] y: `log(v[0])` is -inf where v[0] = 0");
+    insta::assert_snapshot!(explained(Some(&fine), Some(&[6.0, 0.0, 1.0, 1.0])).unwrap(), @"m.toml, line 14, [measurement] k: p, `x/4`, is 1.5 where x = 6; it must be between 0 and 1");
+}
+
+/// States of another model give an error, not a panic.
+#[test]
+fn states_that_are_too_few_are_no_panic() {
+    assert!(explained(Some(&[]), Some(&[])).is_some());
+}

@@ -1,0 +1,85 @@
+//! What people read: a model described, and the reference of functions and distributions.
+
+use motes_formulas::{parse, reference};
+
+/// Catches a line that is lost, or in the wrong section.
+#[test]
+fn a_model_is_described() {
+    let text = r#"
+name = "m"
+[parameters]
+q = 10.0
+rate = 0.5
+[initial]
+x[3] = "normal(0, sqrt(q))"
+level = "gamma(2, 1)"
+[definitions]
+mean_x = """x[0]
+    + x[1]"""
+[transition]
+level = "level*log_normal(0, 0.1)"
+x[3] = "normal(rate*x[i-1], 1)"
+[measurement]
+count = "poisson(level)"
+"#;
+    let file = parse(text, "m.toml", &[("q".into(), 0.25)]).unwrap();
+    insta::assert_snapshot!(file.describe(), @r"
+    p(x_0)
+      x[3]  ~ normal(0, sqrt(q))
+      level ~ gamma(2, 1)
+    p(x_t | x_{t-1})
+      x[3]  ~ normal(rate*x[i-1], 1)
+      level ~ level*log_normal(0, 0.1)
+    p(y_t | x_t)
+      count ~ poisson(level)
+    definitions
+      mean_x = x[0] + x[1]
+    parameters
+      q    = 0.25
+      rate = 0.5
+    ");
+}
+
+#[test]
+fn matrices_are_described() {
+    let text = "kind = 'linear-gaussian'\nstates = ['a', 'b']\nmeasurements = ['y']\nm0 = [0, 0]\nP0 = [[1, 0], [0, 1]]\n\
+                A = [[1, 0], [0, 1]]\nQ = [[1, 0], [0, 1]]\nC = [[1, 0]]\nR = [[1]]";
+    insta::assert_snapshot!(parse(text, "m.toml", &[]).unwrap().describe(), @r"
+    states x
+      a, b
+    measurements y
+      y
+    equations
+      x_0 ~ N(m0, P0)
+      x_t = A x_{t-1} + N(0, Q), A and Q 2×2
+      y_t = C x_t + N(0, R), C 1×2, R 1×1
+    ");
+}
+
+/// Catches a row that the parser does not know, and one that it knows otherwise.
+#[test]
+fn the_reference_is_what_the_parser_accepts() {
+    let page = reference();
+    let calls =
+        page.lines().filter_map(|line| line.strip_prefix("| `")?.split_once('`').map(|(call, _)| call));
+    let calls: Vec<&str> = calls.collect();
+    assert_eq!(calls.len(), 13 + 1 + 11, "{page}");
+    for call in calls {
+        let (name, parameters) = call.split_once('(').unwrap_or((call, ")"));
+        let count = parameters.trim_end_matches(')').split(',').filter(|name| !name.is_empty()).count();
+        let arguments = ["0.25", "0.5", "1"][..count].join(", ");
+        // Trials are an integer.
+        let used = format!("{name}({arguments})")
+            .replace("binomial(0.25, 0.5)", "binomial(1, 0.5)")
+            .replace("pi()", "pi");
+        let distributed = page.contains(&format!("| `{call}` |"))
+            && page.split("distribution |").nth(1).unwrap().contains(call);
+        let formula = if distributed { used } else { format!("normal({used}, 1)") };
+        let text = format!(
+            "[initial]\nx = \"normal(0, 1)\"\n[transition]\nx = \"normal(x, 1)\"\n[measurement]\ny = \"{formula}\"\n"
+        );
+        if let Err(error) = parse(&text, "m.toml", &[]) {
+            panic!("{error}");
+        }
+    }
+}

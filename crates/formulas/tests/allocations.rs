@@ -1,0 +1,45 @@
+//! A model of formulas allocates nothing after its first call.
+
+use motes_formulas::{FileModel, parse};
+use motes_models::batch::Rows;
+use motes_models::{Seed, StateGradients, StateSpaceModel};
+
+#[global_allocator]
+static COUNTING: dhat::Alloc = dhat::Alloc;
+
+const FILE: &str = r#"
+[parameters]
+c = 0.3
+[initial]
+x[6] = "normal(0, 1)"
+[definitions]
+d[6] = "sin(x[i+1] - c*t) + exp(-x[i]^2)*x[i+2]/(1 + x[i-1]^2)"
+[transition]
+x[6] = "d[i] + d[i+1] + 0.5*student_t(5, 0, 1)"
+[measurement]
+y[6] = "poisson(exp(d[i]))"
+"#;
+
+/// Catches registers that are made anew for each call, tile or particle.
+#[test]
+fn calls_allocate_nothing() {
+    let FileModel::Formulas(model) = parse(FILE, "m.toml", &[]).unwrap().model else {
+        panic!("it has formulas")
+    };
+    let mut streams = [Seed::from_u64(1).stream()];
+    let particles = 300;
+    let (mut before, mut states) = (vec![0.0; 6 * particles], vec![0.0; 6 * particles]);
+    let (mut slopes, mut weights) = (vec![0.0; 6 * particles], vec![0.0; particles]);
+    let mut step = |time| {
+        model.sample_initials(&mut streams, &mut before);
+        model.sample_transitions(time, Rows::all(&before, 6), &mut streams, &mut states);
+        model.log_transitions(time, Rows::all(&before, 6), &states, &mut weights);
+        model.log_likelihoods(time, &states, &[1.0, 0.0, 2.0, 1.0, 3.0, 0.0], &mut weights);
+        model.likelihood_gradients(time, &states, &[1.0, 0.0, 2.0, 1.0, 3.0, 0.0], &mut slopes);
+    };
+    step(1);
+    let _counting = dhat::Profiler::builder().testing().build();
+    let start = dhat::HeapStats::get().total_blocks;
+    (2..20).for_each(&mut step);
+    assert_eq!(dhat::HeapStats::get().total_blocks - start, 0);
+}
