@@ -57,8 +57,6 @@ pub struct FilterOptions {
     pub resampling: Resampling,
     /// All random numbers come from it.
     pub seed: u64,
-    /// Whether a bootstrap filter gives a second opinion, beside any other proposal.
-    pub check: bool,
     /// For how many times after the last measurement states are predicted.
     pub forecast: usize,
 }
@@ -72,7 +70,6 @@ impl Default for FilterOptions {
             resample_below: 0.5,
             resampling: Resampling::Systematic,
             seed: 1,
-            check: true,
             forecast: 0,
         }
     }

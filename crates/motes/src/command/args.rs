@@ -92,12 +92,6 @@ pub(super) struct FilterSettingsArgs {
     /// How ancestors are drawn: multinomial, systematic, stratified or residual
     #[arg(long, value_name = "SCHEME", default_value = "systematic", value_parser = resampling)]
     pub(super) resampling: Resampling,
-    /// Let a bootstrap filter give a second opinion (the default for every proposal but bootstrap)
-    #[arg(long, overrides_with = "no_check")]
-    pub(super) check: bool,
-    /// Ask for no second opinion
-    #[arg(long, overrides_with = "check")]
-    pub(super) no_check: bool,
 }
 
 impl FilterSettingsArgs {
@@ -109,7 +103,6 @@ impl FilterSettingsArgs {
             resample_below: self.resample_below,
             resampling: self.resampling,
             seed,
-            check: !self.no_check,
             forecast,
         }
     }

@@ -47,16 +47,11 @@ impl<R: Read> Rows<R> {
         }
         let text = |cell: &[u8]| match std::str::from_utf8(cell) {
             Ok(text) => Ok(text.to_string()),
-            Err(_) => Err(DataError::NotUtf8 { file: file.into() }),
+            Err(_) => Err(DataError::NotUtf8 { file: file.into(), line: 1 }),
         };
         let names: Vec<String> = header.iter().map(text).collect::<Result<_, _>>()?;
         let columns = Columns::of(&names, file, model.states(), model.measurements())?;
-        Ok(Rows {
-            reader,
-            record: ByteRecord::new(),
-            file: file.into(),
-            columns,
-            series: Vec::new() })
+        Ok(Rows { reader, record: ByteRecord::new(), file: file.into(), columns, series: Vec::new() })
     }
 
     /// What the columns are for.

@@ -58,14 +58,17 @@ pub(super) fn line_figure(title: &str, values: &[f64]) -> Drawn<String> {
 }
 
 fn at_times(values: &[f64]) -> Vec<(f64, f64)> {
-    let finite = values.iter().enumerate().filter(|(_, value)| value.is_finite());
+    let finite = values.iter().enumerate().filter(|(_, value)| is_shown(**value));
     finite.map(|(time, value)| (time as f64, *value)).collect()
 }
 
 fn draw_points(chart: &mut Chart<'_, '_>, points: &[Option<f64>]) -> Drawn<()> {
     let every = points.len().div_ceil(MOST_POINTS).max(1);
-    let there =
-        points.iter().enumerate().step_by(every).filter_map(|(time, value)| Some((time as f64, (*value)?)));
+    let there = points
+        .iter()
+        .enumerate()
+        .step_by(every)
+        .filter_map(|(time, value)| Some((time as f64, value.filter(|value| is_shown(*value))?)));
     chart.draw_series(there.map(|at| Circle::new(at, 2, RED.filled())))?;
     Ok(())
 }
@@ -109,18 +112,20 @@ fn figure(
     Ok(svg)
 }
 
-/// What axes reach to.
+/// Larger numbers are left out: axes have no room for them.
 const LARGEST: f64 = 1e100;
+
+fn is_shown(value: f64) -> bool {
+    value.abs() <= LARGEST
+}
 
 /// Smallest and largest finite value, a little apart at least.
 fn extent(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    let finite = values.filter(|value| value.is_finite());
+    let finite = values.filter(|value| is_shown(*value));
     let (low, high) = finite
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
     match low <= high {
         false => (0.0, 1.0),
-        // Axes have no labels for larger numbers.
-        true if high - low > LARGEST || low.abs().max(high.abs()) > LARGEST => (-LARGEST, LARGEST),
         true => {
             let least = 1e-6 * (1.0 + low.abs().max(high.abs()));
             if high - low < least { (low - least, high + least) } else { (low, high) }
