@@ -51,6 +51,12 @@ pub use motes_formulas as formulas;
 pub use motes_models as models;
 pub use motes_smc as smc;
 
+/// The READMEs' code, compiled and run as documentation tests.
+#[doc = include_str!("../README.md")]
+#[doc = include_str!("../../../docs/guide.md")]
+#[cfg(doctest)]
+pub struct Readme;
+
 /// What a program that filters with a model of its own needs.
 pub mod prelude {
     pub use motes_models::equations::{

@@ -22,6 +22,7 @@ fn arrows_go_one_way() {
         ("models", &[][..]),
         ("formulas", &["models"]),
         ("smc", &["models"]),
+        ("motes", &["cli", "formulas", "models", "smc"]),
         ("networks", &["models"]),
         ("proposals", &["models", "networks", "smc"]),
         ("train", &["models", "proposals", "smc"]),
@@ -63,6 +64,7 @@ fn the_light_crates_and_xtask_are_light() {
 #[test]
 fn burn_is_there_for_who_asks_for_it() {
     let has_burn = |package, more| tree(package, more).iter().any(|name| name.starts_with("burn"));
+    assert!(!has_burn("motes", &[]), "the command depends on burn");
     for package in ["motes-networks", "motes-proposals", "motes-train", "motes-bench"] {
         assert!(!has_burn(package, &[]), "{package} depends on burn");
         assert!(has_burn(package, &["--features", "burn"]), "{package} has no burn to offer");
@@ -114,7 +116,8 @@ fn nothing_draws_from_a_hidden_generator() {
         "SysRng",
         "OsRng",
         "from_os_rng",
-        "Distribution::",
+        "Tensor::random",
+        "tensor::Distribution",
         ".seed(",
     ];
     for (path, text) in texts(&["crates", "xtask/src"]) {
