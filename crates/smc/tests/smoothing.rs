@@ -45,10 +45,9 @@ fn means_and_variances_are_those_of_the_exact_smoother() {
     let runs: Vec<SmoothedPaths> =
         (0..400).map(|run| smoothed(&model, &measurements, 50, &Seed::from_u64(61).nth(run))).collect();
     let (mut largest, mut filtered_differs) = (0.0_f64, false);
-    for time in 0..TIMES {
+    for (time, belief) in exact.iter().enumerate() {
         for coordinate in 0..2 {
-            let (mean, variance) =
-                (exact[time].mean[coordinate], exact[time].covariance[(coordinate, coordinate)]);
+            let (mean, variance) = (belief.mean[coordinate], belief.covariance[(coordinate, coordinate)]);
             let means: Vec<f64> = runs.iter().map(|paths| paths.mean(time, coordinate)).collect();
             // Around the exact mean, so that the variance has no bias of its own.
             let variances: Vec<f64> = runs

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{LN_2, PI};
 
-use super::distribution::Distribution;
+use super::distribution::{Distribution, zero_or_nan};
 use super::scalar::Scalar;
 use crate::gaussian::LN_2PI;
 
@@ -63,7 +63,7 @@ impl<S: Scalar> Distribution<S> {
                 let z = (log - location) / scale;
                 let density = z * z * -0.5 - scale.ln() - log - 0.5 * LN_2PI;
                 // At its origin the density is 0, which the logarithm of 0 does not give.
-                size.where_positive(density, S::from(f64::NEG_INFINITY)) + (scale - scale)
+                size.where_positive(density, S::from(f64::NEG_INFINITY)) + zero_or_nan(scale)
             }
             Distribution::Exponential { origin, mean } => {
                 let z = (x - origin) / mean;
@@ -72,7 +72,7 @@ impl<S: Scalar> Distribution<S> {
             Distribution::Gamma { origin, shape, scale } => {
                 let z = (x - origin) / scale;
                 let density = (shape - 1.0) * z.ln() - z - shape.ln_gamma() - scale.abs().ln();
-                z.where_positive(density, S::from(f64::NEG_INFINITY)) + (shape - shape)
+                z.where_positive(density, S::from(f64::NEG_INFINITY)) + zero_or_nan(shape)
             }
             Distribution::Uniform { low, high } => {
                 let depth = (x - low).min(high - x);

@@ -92,6 +92,12 @@ fn above_zero<S: Scalar>(value: S) -> S {
     value.where_positive(value, S::from(f64::NAN))
 }
 
+/// 0, or NaN where `value` is NaN.
+#[inline(always)]
+pub(super) fn zero_or_nan<S: Scalar>(value: S) -> S {
+    value.where_positive(S::from(0.0), S::from(0.0))
+}
+
 /// `N(mean, sd²)`: `−½ ((x − mean)/sd)² − log sd − ½ log 2π`.
 #[inline(always)]
 pub fn normal<S: Scalar>(mean: impl Into<S>, sd: impl Into<S>) -> Distribution<S> {
@@ -222,16 +228,16 @@ impl<S: Scalar> Distribution<S> {
             },
             Distribution::Exponential { origin, mean } => Distribution::Exponential {
                 origin: origin * scale + shift,
-                mean: mean * scale + (size - size),
+                mean: mean * scale + zero_or_nan(size),
             },
             Distribution::Gamma { origin, shape, scale: own } => Distribution::Gamma {
                 origin: origin * scale + shift,
                 shape,
-                scale: own * scale + (size - size),
+                scale: own * scale + zero_or_nan(size),
             },
             Distribution::Uniform { low, high } => {
                 let (a, b) = (low * scale + shift, high * scale + shift);
-                Distribution::Uniform { low: a.min(b) + (size - size), high: a.max(b) }
+                Distribution::Uniform { low: a.min(b) + zero_or_nan(size), high: a.max(b) }
             }
             Distribution::Poisson { .. } => Distribution::Poisson { mean: nan },
             Distribution::NegativeBinomial { size, .. } => Distribution::NegativeBinomial { mean: nan, size },

@@ -151,7 +151,7 @@ fn overdispersed_count(mean: f64, size: f64, rng: &mut Stream) -> f64 {
 fn successes(n: f64, p: f64, rng: &mut Stream) -> f64 {
     /// From here on not every integer is a number.
     const LARGEST: f64 = (1_u64 << 53) as f64;
-    if !(n >= 0.0 && n <= LARGEST && n.fract() == 0.0) {
+    if !((0.0..=LARGEST).contains(&n) && n.fract() == 0.0) {
         return f64::NAN;
     }
     rand_distr::Binomial::new(n as u64, p).map_or(f64::NAN, |binomial| binomial.sample(rng) as f64)

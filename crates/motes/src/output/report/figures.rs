@@ -138,7 +138,7 @@ fn label(value: f64) -> String {
     let size = value.abs();
     match size {
         0.0 => "0".into(),
-        size if size >= 1e5 || size < 1e-3 => format!("{value:.1e}"),
+        size if !(1e-3..1e5).contains(&size) => format!("{value:.1e}"),
         size if size >= 100.0 => format!("{value:.0}"),
         size if size >= 1.0 => format!("{value:.1}"),
         _ => format!("{value:.3}"),
