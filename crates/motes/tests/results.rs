@@ -139,7 +139,7 @@ fn a_stream_is_answered_line_by_line() {
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     drop(child.stdout.take());
     let mut input = child.stdin.take().unwrap();
-    let _ = input.write_all("y\n0.5\n".repeat(1).as_bytes());
+    let _ = input.write_all(b"y\n0.5\n");
     for _ in 0..1000 {
         if input.write_all(b"0.5\n").is_err() {
             break;
@@ -185,10 +185,8 @@ fn a_report_needs_nothing_else() {
     {
         assert!(report.contains(part), "{part}");
     }
-    for fetched in ["http://www.w3.org/2000/svg"] {
-        // A namespace is a name.
-        assert!(!report.replace(fetched, "").contains("http"), "something is fetched");
-    }
+    // A namespace is a name; anything else would be fetched.
+    assert!(!report.replace("http://www.w3.org/2000/svg", "").contains("http"));
 }
 
 #[test]
