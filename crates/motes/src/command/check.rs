@@ -6,7 +6,7 @@ use motes_cli::Interrupt;
 
 use super::args::{CheckArgs, on_threads};
 use super::failure::Failure;
-use super::filter::write;
+use super::say::write;
 
 pub(super) fn run(args: &CheckArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
     let model = args.model.read()?;

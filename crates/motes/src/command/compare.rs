@@ -6,8 +6,8 @@ use motes_cli::Interrupt;
 
 use super::args::{CompareArgs, on_threads};
 use super::failure::Failure;
-use super::filter::{say_ignored, write};
 use super::progress::Progress;
+use super::say::{say_ignored, write};
 
 pub(super) fn run(args: &CompareArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
     let model = args.model.read()?;

@@ -4,12 +4,13 @@ use std::path::Path;
 use std::time::Instant;
 
 use motes::output::{EstimateTable, Output, Report, filter_json, report};
-use motes::{Columns, Data, FilterOptions, Filtered, Model, MotesError, Warning, filter};
+use motes::{Data, FilterOptions, Filtered, Model, MotesError, filter};
 use motes_cli::{Interrupt, status};
 
 use super::args::{FilterArgs, on_threads};
 use super::failure::Failure;
 use super::progress::Progress;
+use super::say::{say_ignored, warn, write};
 use super::stream;
 use super::summary::{command_line, filter_settings, filter_summary};
 
@@ -75,24 +76,4 @@ fn page(
         command: &command_line(),
     })
     .map_err(|error| MotesError::Report(error.to_string()))
-}
-
-/// Writes a result.
-pub(super) fn write(output: &Output, text: &str) -> Result<(), MotesError> {
-    output.write(text).map_err(|source| MotesError::Output { file: output.name(), source })
-}
-
-/// Says which columns are not used.
-pub(super) fn say_ignored(columns: &Columns, quiet: bool) {
-    if !quiet && !columns.ignored.is_empty() {
-        status(&format!("motes: columns that are not used: {}", columns.ignored.join(", ")));
-    }
-}
-
-/// Says what cannot be trusted; the exit status that follows.
-pub(super) fn warn(warnings: &[Warning], quiet: bool, strict: bool) -> u8 {
-    if !quiet {
-        warnings.iter().for_each(|warning| status(&format!("motes: warning: {warning}")));
-    }
-    u8::from(strict && !warnings.is_empty())
 }

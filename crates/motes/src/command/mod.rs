@@ -6,6 +6,7 @@ mod compare;
 mod failure;
 mod filter;
 mod progress;
+mod say;
 mod simulate;
 mod smooth;
 mod stream;

@@ -9,8 +9,8 @@ use motes_cli::{Interrupt, status};
 
 use super::args::{SmoothArgs, on_threads};
 use super::failure::Failure;
-use super::filter::{say_ignored, warn, write};
 use super::progress::Progress;
+use super::say::{say_ignored, warn, write};
 use super::summary::{command_line, filter_settings, filter_summary};
 
 pub(super) fn run(args: &SmoothArgs, interrupt: &Interrupt) -> Result<u8, Failure> {

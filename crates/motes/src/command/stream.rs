@@ -8,7 +8,7 @@ use motes::smc::WeightReport;
 use motes::{Estimate, FilterOptions, Filtered, Model, MotesError, Rows, Running, Warning};
 
 use super::args::FilterArgs;
-use super::filter::{say_ignored, warn, write};
+use super::say::{say_ignored, warn, write};
 
 /// Filters what comes on standard input until it ends; the exit status.
 pub(super) fn run(args: &FilterArgs, model: &Model, options: &FilterOptions) -> Result<u8, MotesError> {

@@ -1,0 +1,158 @@
+//! The proposal itself: prepared by a measurement, conditioned block by block.
+
+use motes_models::batch::LANES;
+use motes_models::equations::Linearise;
+use motes_models::{ModelError, Seed, Simulator, check_dimensions};
+
+use super::batch::LinearisedBatch;
+use super::scoring::{depends_on_state, score};
+use super::scratch::{LinearisedScratch, lanes};
+use crate::proposal::{Context, Proposal};
+use crate::proposal_error::ProposalError;
+
+/// `q(x_t | x_{t−1}, y_t) = N(m + Λ⁻¹ g, Λ⁻¹)`: a Gaussian by one Fisher-scoring step from the predicted state.
+///
+/// With `m` and `P` the mean and the variances of `p(x_t | x_{t−1})`, and for each entry of the measurement `J_j = ∂θ_j/∂x_t`, the slope `s_j = ∂ log p(y_j | θ_j)/∂θ_j`
+/// and the Fisher information `I_j` of its location `θ_j`, all at `m`:
+///
+/// - `Λ = P⁻¹ + Σ_j I_j J_j J_jᵀ`
+/// - `g = Σ_j s_j J_j`
+///
+/// Where noise is Gaussian this is a step of the extended Kalman filter. Where the measurement is linear in `x_t` too, with constant noise, it is the
+/// optimal proposal `p(x_t | x_{t−1}, y_t)`.
+///
+/// - It also works for counts and heavy tails, whose Fisher information is finite.
+/// - An entry that says nothing finite at a particle's `m` is left out for that particle.
+/// - Where no location depends on the state, it is the transition, and [`Linearised::sees_measurements`] says so.
+/// - A measurement with gaps is used as far as it is there.
+#[derive(Debug, Clone)]
+pub struct Linearised {
+    sees_measurements: bool,
+    /// `y_t` of the step that it was prepared for.
+    measurement: Vec<Option<f64>>,
+    prepared: Option<usize>,
+}
+
+/// States at which it is looked whether a location depends on them.
+const PROBES: usize = 4;
+
+impl Linearised {
+    /// The proposal for `model`.
+    ///
+    /// # Errors
+    /// [`ModelError::Parameter`] if the model has no states or no measurements.
+    pub fn new(model: &(impl Linearise + Simulator + ?Sized)) -> Result<Self, ModelError> {
+        check_dimensions(model)?;
+        // States that are likely, from a stream of their own: the same model gets the same answer.
+        let mut stream = Seed::from_u64(0).child("linearised").stream();
+        let (n, m) = (model.state_dim(), model.measurement_dim());
+        let (mut state, mut measurement) = (vec![0.0; n], vec![0.0; m]);
+        let mut sees_measurements = false;
+        for time in 0..PROBES {
+            let previous = state.clone();
+            match time {
+                0 => model.sample_initial(&mut stream, &mut state),
+                _ => model.sample_transition(time, &previous, &mut stream, &mut state),
+            }
+            model.sample_measurement(time, &state, &mut stream, &mut measurement);
+            sees_measurements |= depends_on_state(model, time, &state, &measurement);
+        }
+        Ok(Linearised { sees_measurements, measurement: Vec::new(), prepared: None })
+    }
+
+    /// Whether a measurement's location depends on the state. If not, this is the bootstrap proposal.
+    pub fn sees_measurements(&self) -> bool {
+        self.sees_measurements
+    }
+}
+
+impl<M: Linearise + ?Sized> Proposal<M> for Linearised {
+    type Memory = ();
+    type Scratch = LinearisedScratch;
+    type Conditional<'a>
+        = LinearisedBatch<'a, M>
+    where
+        M: 'a;
+
+    fn initial_memory(&self, _particles: usize) {}
+
+    fn prepare(&mut self, model: &M, time: usize, measurement: &[f64]) -> Result<(), ProposalError> {
+        ProposalError::unless_same(
+            "the measurement dimension M",
+            model.measurement_dim(),
+            measurement.len(),
+        )?;
+        self.measurement.clear();
+        self.measurement.extend(measurement.iter().copied().map(Some));
+        self.prepared = Some(time);
+        Ok(())
+    }
+
+    fn prepare_partial(
+        &mut self,
+        model: &M,
+        time: usize,
+        measurement: &[Option<f64>],
+    ) -> Result<bool, ProposalError> {
+        ProposalError::unless_same(
+            "the measurement dimension M",
+            model.measurement_dim(),
+            measurement.len(),
+        )?;
+        self.measurement.clear();
+        self.measurement.extend_from_slice(measurement);
+        self.prepared = Some(time);
+        Ok(measurement.iter().any(Option::is_some))
+    }
+
+    fn condition<'a>(
+        &'a self,
+        model: &'a M,
+        context: Context<'a>,
+        (): (),
+        scratch: &'a mut LinearisedScratch,
+    ) -> Result<LinearisedBatch<'a, M>, ProposalError> {
+        let time = context.time;
+        if self.prepared != Some(time) {
+            return Err(ProposalError::NotPrepared { time });
+        }
+        let sees_measurements = self.sees_measurements;
+        let (n, m) = (model.state_dim(), self.measurement.len());
+        let (tiles, triangle) = (context.particles.div_ceil(LANES), n * (n + 1) / 2);
+        if sees_measurements {
+            let LinearisedScratch { means, factors, tile, .. } = &mut *scratch;
+            means.resize(tiles * n * LANES, 0.0);
+            factors.resize(tiles * triangle * LANES, 0.0);
+            // Lanes without a particle are computed, too: with numbers that are no danger.
+            tile.clear();
+            tile.resize((2 * n + (2 + n) * m) * LANES, 0.0);
+            let (previous, rest) = tile.split_at_mut(n * LANES);
+            let (variances, rest) = rest.split_at_mut(n * LANES);
+            let (slopes, rest) = rest.split_at_mut(m * LANES);
+            let (information, jacobian) = rest.split_at_mut(m * LANES);
+            let places = means.chunks_exact_mut(n * LANES).zip(factors.chunks_exact_mut(triangle * LANES));
+            for (number, (mean, lower)) in places.enumerate() {
+                let before = context.previous.map(|rows| {
+                    rows.load(number * LANES, previous);
+                    &*previous
+                });
+                model.tile_moments(time, before, mean, variances);
+                model.tile_scores(time, mean, &self.measurement, slopes, information, jacobian);
+                pulp::Arch::new().dispatch(
+                    #[inline(always)]
+                    || {
+                        score(
+                            lanes(mean),
+                            lanes(variances),
+                            lanes(slopes),
+                            lanes(information),
+                            lanes(jacobian),
+                            lanes(lower),
+                        );
+                    },
+                );
+            }
+        }
+        Ok(LinearisedBatch { model, context, scratch, sees_measurements })
+    }
+}
