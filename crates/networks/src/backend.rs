@@ -13,7 +13,8 @@ pub enum Backend {
     /// Our own: whole layers at a time, on the host. Several times faster than the others, and held against them by tests.
     #[default]
     Native,
-    /// burn's CPU backend (feature `burn`) with burn's automatic differentiation: plain, and maintained.
+    /// burn's CPU backend (feature `burn`) with burn's automatic differentiation: plain, and maintained. As a second opinion it need not be
+    /// fast: inference converts all weights at each block of particles.
     Flex,
     /// burn's backend on top of `ndarray` (feature `burn`), deprecated upstream: kept as an independent second opinion.
     NdArray,

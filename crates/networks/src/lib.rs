@@ -40,6 +40,7 @@ mod backend;
 #[cfg(feature = "burn")]
 mod by_burn;
 mod error;
+mod fit;
 mod gradients;
 mod graph;
 mod inference;

@@ -24,7 +24,8 @@ impl<'p, F: Networks> NetworkTape<'p, F> {
     /// Starts recording `particles` particles, with the memory of a recording that is over.
     ///
     /// # Errors
-    /// [`NetworkError::NotBuilt`] if the backend of the weights is not there.
+    /// [`NetworkError::NotBuilt`] if the backend of the weights is not there, [`NetworkError::Empty`] without particles,
+    /// [`NetworkError::Workspace`] for one that was made for other weights ([`Workspace::fits`]).
     pub fn new(
         networks: &'p F,
         parameters: &'p Parameters,
@@ -33,6 +34,12 @@ impl<'p, F: Networks> NetworkTape<'p, F> {
     ) -> Result<Self, NetworkError> {
         let compute = parameters.compute();
         compute.backend.check()?;
+        if particles == 0 {
+            return Err(NetworkError::Empty { what: "the number of particles" });
+        }
+        if !workspace.fits(parameters) {
+            return Err(NetworkError::Workspace);
+        }
         Ok(NetworkTape(match (compute.backend, compute.precision) {
             (Backend::Native, Precision::F32) => {
                 By::Narrow(NativeTape::new(networks, parameters, particles, workspace.open(parameters)))
@@ -54,22 +61,26 @@ impl<'p, F: Networks> NetworkTape<'p, F> {
     /// Computes one step, each of its outputs (`R×width`) into a slice of `outputs`.
     ///
     /// # Errors
-    /// [`NetworkError::Backend`] if the backend failed.
+    /// [`NetworkError::Backend`] if the backend failed. [`NetworkError::Shape`], [`NetworkError::Empty`] or [`NetworkError::PastHorizon`] for
+    /// what does not fit the networks or the recording; nothing was recorded then.
+    ///
+    /// # Panics
+    /// Perhaps if states or the measurement are not as wide as the weights were made for. Only the networks' owner knows these widths.
     pub fn forward(&mut self, inputs: &Inputs<'_>, outputs: &mut [&mut [f64]]) -> Result<(), NetworkError> {
         match &mut self.0 {
             By::Narrow(tape) => tape.forward(inputs, outputs),
             By::Wide(tape) => tape.forward(inputs, outputs),
             #[cfg(feature = "burn")]
-            By::Burn(tape) => return tape.forward(inputs, outputs),
+            By::Burn(tape) => tape.forward(inputs, outputs),
         }
-        Ok(())
     }
 
     /// Undoes the last step that is not yet undone: takes the derivative with respect to each output, adds to the gradients of the weights, and
     /// writes the derivative with respect to `x_{t−1}` into `d_previous` (`R×N`; it means nothing at `t = 0`).
     ///
     /// # Errors
-    /// [`NetworkError::Backend`] if the backend failed.
+    /// [`NetworkError::Backend`] if the backend failed, [`NetworkError::Shape`] for derivatives that are not those of the step; it is then not
+    /// undone.
     ///
     /// # Panics
     /// If no step is left.
@@ -78,9 +89,8 @@ impl<'p, F: Networks> NetworkTape<'p, F> {
             By::Narrow(tape) => tape.backward(d_outputs, d_previous),
             By::Wide(tape) => tape.backward(d_outputs, d_previous),
             #[cfg(feature = "burn")]
-            By::Burn(tape) => return tape.backward(d_outputs, d_previous),
+            By::Burn(tape) => tape.backward(d_outputs, d_previous),
         }
-        Ok(())
     }
 
     /// Forgets what would flow into earlier steps through what the particles carry.

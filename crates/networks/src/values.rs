@@ -118,6 +118,14 @@ impl<'a> SliceMut<'a> {
         self.len() == 0
     }
 
+    /// In which precision they are.
+    pub fn precision(&self) -> Precision {
+        match self {
+            SliceMut::F32(_) => Precision::F32,
+            SliceMut::F64(_) => Precision::F64,
+        }
+    }
+
     /// The first `count` numbers, and the others.
     ///
     /// # Panics

@@ -10,6 +10,24 @@ pub(crate) fn of_networks(error: NetworkError) -> ProposalError {
         NetworkError::Weights { found, expected } => {
             ProposalError::Mismatch { what: "the number of weights", found, expected }
         }
+        // What was handed over has the sizes of the model; the networks are the proposal's.
+        NetworkError::Shape { what, found, expected } => {
+            ProposalError::Mismatch { what, found: expected, expected: found }
+        }
+        NetworkError::PastHorizon { horizon, time } => ProposalError::PastHorizon { horizon, time },
+        NetworkError::Empty { what } => {
+            ProposalError::Setting { name: what, value: "0".into(), expected: "at least 1" }
+        }
+        NetworkError::Precision { found, .. } => ProposalError::Setting {
+            name: "the precision of hidden values",
+            value: format!("{found:?}"),
+            expected: "that of the weights",
+        },
+        NetworkError::Workspace => ProposalError::Setting {
+            name: "the workspace of a recording",
+            value: "of other weights".into(),
+            expected: "one for the weights of the proposal",
+        },
         NetworkError::NotBuilt { .. } | NetworkError::Backend { .. } => {
             ProposalError::Backend { reason: error.to_string() }
         }

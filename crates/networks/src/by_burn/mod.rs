@@ -1,4 +1,6 @@
 //! Networks computed by burn, operation by operation, with its automatic differentiation: what the native backend is held against.
+//!
+//! It is written to be plain, not fast. Inference makes all weights into tensors at each block of particles; a recording does so once.
 
 mod library;
 mod operations;

@@ -5,12 +5,19 @@ use burn::tensor::Tensor;
 use super::library::{Library, to_host};
 use crate::arithmetic::{Activation, Arithmetic};
 use crate::error::NetworkError;
+use crate::fit::{HIDDEN, OUTPUTS, unless_alike};
 use crate::graph::{Graph, Shape};
 use crate::networks::{Inputs, Known, Networks};
 use crate::parameters::Parameters;
 use crate::values::{SliceMut, narrow, widen};
 
 /// Each output (`R×width`) of particles that carry `hidden`, which is advanced.
+///
+/// Inputs and hidden values have been checked; of at least one particle. All weights are made into tensors of burn's at each call, that is
+/// for each block of particles: a second opinion keeps nothing from call to call.
+///
+/// # Errors
+/// [`NetworkError::Backend`] if burn failed, [`NetworkError::Shape`] if the networks emit something else than there are places for.
 pub(crate) fn infer<F: Networks>(
     library: &Library,
     networks: &F,
@@ -33,6 +40,8 @@ pub(crate) fn infer<F: Networks>(
     let mut operations = Operations { library, weights: &weights };
     let found =
         networks.forward(&mut operations, inputs.time, Known { previous, measurement, hidden: &hidden_in });
+    unless_alike(OUTPUTS, outputs.iter().map(|output| output.len()), found.values.iter().map(count))?;
+    unless_alike(HIDDEN, hidden.iter().map(SliceMut::len), found.hidden.iter().map(count))?;
     for (tensor, output) in found.values.into_iter().zip(outputs) {
         output.copy_from_slice(&to_host(tensor)?);
     }
@@ -44,6 +53,11 @@ pub(crate) fn infer<F: Networks>(
         }
     }
     Ok(())
+}
+
+/// How many numbers a tensor has.
+pub(super) fn count(tensor: &Tensor<2>) -> usize {
+    tensor.dims().iter().product()
 }
 
 /// Computes one step.

@@ -3,8 +3,9 @@
 use burn::tensor::Tensor;
 
 use super::library::{Library, to_host};
-use super::operations::Operations;
+use super::operations::{Operations, count};
 use crate::error::NetworkError;
+use crate::fit::{D_OUTPUTS, HIDDEN, OUTPUTS, check_inputs, unless_alike, unless_same};
 use crate::gradients::Gradients;
 use crate::networks::{Inputs, Known, Networks, Outputs};
 use crate::parameters::Parameters;
@@ -16,6 +17,7 @@ pub(crate) struct BurnTape<'p, F> {
     weights: Vec<Tensor<2>>,
     gradients: Gradients,
     steps: Vec<Recorded>,
+    particles: usize,
     /// What the particles carry into the next step.
     hidden: Vec<Tensor<2>>,
     /// The derivative with respect to what they carried out of the last step not yet undone; empty if it is zero.
@@ -43,6 +45,7 @@ impl<'p, F: Networks> BurnTape<'p, F> {
             weights: library.weights(parameters),
             gradients,
             steps: Vec::new(),
+            particles,
             hidden: networks.hidden_widths().iter().map(zeros).collect(),
             d_hidden: Vec::new(),
             networks,
@@ -61,6 +64,8 @@ impl<F: Networks> BurnTape<'_, F> {
         inputs: &Inputs<'_>,
         outputs: &mut [&mut [f64]],
     ) -> Result<(), NetworkError> {
+        check_inputs(self.networks, inputs)?;
+        unless_same("the number of particles", inputs.particles, self.particles)?;
         let (previous, measurement) = self.library.known(inputs);
         let (previous, measurement) = (leaf(previous), measurement.autodiff());
         let hidden_in: Vec<Tensor<2>> = self.hidden.drain(..).map(leaf).collect();
@@ -69,6 +74,13 @@ impl<F: Networks> BurnTape<'_, F> {
         let mut operations = Operations { library: &self.library, weights: &weights };
         let Outputs { values, hidden: hidden_out } =
             self.networks.forward(&mut operations, inputs.time, known);
+        let places = outputs.iter().map(|output| output.len());
+        let fits = unless_alike(OUTPUTS, places, values.iter().map(count))
+            .and_then(|()| unless_alike(HIDDEN, hidden_out.iter().map(count), hidden_in.iter().map(count)));
+        if let Err(error) = fits {
+            self.hidden = hidden_in.into_iter().map(Tensor::inner).collect();
+            return Err(error);
+        }
         self.hidden = hidden_out.iter().map(|tensor| tensor.clone().inner()).collect();
         for (tensor, output) in values.iter().zip(outputs) {
             output.copy_from_slice(&to_host(tensor.clone().inner())?);
@@ -82,7 +94,10 @@ impl<F: Networks> BurnTape<'_, F> {
         d_outputs: &[&[f64]],
         d_previous: &mut [f64],
     ) -> Result<(), NetworkError> {
-        let Some(recorded) = self.steps.pop() else { panic!("there is no step left to pull back") };
+        let Some(last) = self.steps.last() else { panic!("there is no step left to pull back") };
+        unless_alike(D_OUTPUTS, d_outputs.iter().map(|d| d.len()), last.outputs.iter().map(count))?;
+        unless_same("the length of the derivative of x_{t−1}", d_previous.len(), count(&last.previous))?;
+        let Some(recorded) = self.steps.pop() else { return Ok(()) };
         // The scalar whose gradient is the vector–Jacobian product that is wanted.
         let weigh = |tensor: Tensor<2>, d: Tensor<2>| (tensor * d.autodiff()).sum();
         let of_outputs = recorded.outputs.into_iter().zip(d_outputs).map(|(tensor, d)| {

@@ -4,7 +4,9 @@ use super::buffers::Buffers;
 use super::deduplicate::Computed;
 use super::products::Multiply;
 use super::step::{At, Native, Step};
-use crate::networks::{Inputs, Known, Networks};
+use crate::error::NetworkError;
+use crate::fit::{HIDDEN, OUTPUTS, unless_alike};
+use crate::networks::{Inputs, Known, Networks, Outputs};
 use crate::parameters::Parameters;
 use crate::values::{SliceMut, narrow, widen};
 
@@ -34,6 +36,11 @@ impl Remembered for f64 {
 }
 
 /// Each output (`R×width`) of particles that carry `hidden`, which is advanced.
+///
+/// Inputs and hidden values have been checked; of at least one particle.
+///
+/// # Errors
+/// [`NetworkError::Shape`] if the networks emit something else than there are places for.
 pub(crate) fn infer<F: Networks, T: Remembered>(
     networks: &F,
     parameters: &Parameters,
@@ -41,7 +48,7 @@ pub(crate) fn infer<F: Networks, T: Remembered>(
     hidden: &mut [SliceMut<'_>],
     memory: &mut Memory,
     outputs: &mut [&mut [f64]],
-) {
+) -> Result<(), NetworkError> {
     let (n, particles) = (inputs.width, inputs.particles);
     let ((step, buffers), computed) = T::part(memory);
     computed.find::<T>(inputs, hidden);
@@ -65,7 +72,7 @@ pub(crate) fn infer<F: Networks, T: Remembered>(
             .map(|values| {
                 let width = values.len() / particles;
                 let mut carried = buffers.take(rows * width);
-                for (place, row) in carried.chunks_exact_mut(width).zip(block) {
+                for (place, row) in carried.chunks_exact_mut(width.max(1)).zip(block) {
                     place.copy_from_slice(&T::pick_mut(values)[row * width..][..width]);
                 }
                 step.give(rows, width, carried)
@@ -74,6 +81,10 @@ pub(crate) fn infer<F: Networks, T: Remembered>(
         let mut native = Native { weights: parameters.matrices(), step, buffers };
         let found =
             networks.forward(&mut native, inputs.time, Known { previous, measurement, hidden: &hidden_in });
+        if let Err(error) = has_places(step, &found, [rows, particles], outputs, hidden) {
+            step.release(buffers);
+            return Err(error);
+        }
         for (&at, output) in found.values.iter().zip(&mut *outputs) {
             let values = step.values(at);
             let width = values.len() / rows;
@@ -88,11 +99,25 @@ pub(crate) fn infer<F: Networks, T: Remembered>(
         first += rows;
     }
     for output in outputs {
-        let width = output.len() / particles.max(1);
+        let width = output.len() / particles;
         computed.hand_out(output, width);
     }
     for values in hidden {
-        let width = values.len() / particles.max(1);
+        let width = values.len() / particles;
         computed.hand_out(T::pick_mut(values), width);
     }
+    Ok(())
+}
+
+/// Refuses places that are not those of what was found of some rows.
+fn has_places<T: Remembered>(
+    step: &Step<T>,
+    found: &Outputs<At>,
+    [rows, particles]: [usize; 2],
+    outputs: &[&mut [f64]],
+    hidden: &[SliceMut<'_>],
+) -> Result<(), NetworkError> {
+    let of_all = |at: &At| step.values(*at).len() / rows * particles;
+    unless_alike(OUTPUTS, outputs.iter().map(|output| output.len()), found.values.iter().map(of_all))?;
+    unless_alike(HIDDEN, hidden.iter().map(SliceMut::len), found.hidden.iter().map(of_all))
 }

@@ -9,8 +9,10 @@ use super::memory::Scratch;
 use super::products::{Multiply, column_sums, transpose};
 use super::step::{At, Kind, Native, Node, Step};
 use super::{affine, cells, graph};
+use crate::error::NetworkError;
+use crate::fit::{D_OUTPUTS, HIDDEN, OUTPUTS, check_inputs, unless_alike, unless_same};
 use crate::gradients::Gradients;
-use crate::networks::{Inputs, Known, Networks};
+use crate::networks::{Inputs, Known, Networks, Outputs};
 use crate::parameters::{Matrices, Parameters};
 use crate::values::{narrow, widen};
 
@@ -22,6 +24,8 @@ pub(crate) struct NativeTape<'p, F, T> {
     gradients: Gradients,
     steps: Vec<Recorded<T>>,
     particles: usize,
+    /// The widths of what the particles carry.
+    widths: Vec<usize>,
     /// What the particles carry into the next step, `R×width` each; one row as long as all carry the same.
     hidden: Vec<Vec<T>>,
     /// The derivative with respect to what they carried out of the last step not yet undone; empty if it is zero.
@@ -53,12 +57,24 @@ impl<'p, F: Networks, T: Multiply> NativeTape<'p, F, T> {
             steps: Vec::new(),
             particles,
             hidden: widths.iter().map(|&width| vec![T::ZERO; width]).collect(),
+            widths,
             d_hidden: Vec::new(),
         }
     }
 
-    pub(crate) fn forward(&mut self, inputs: &Inputs<'_>, outputs: &mut [&mut [f64]]) {
+    /// # Errors
+    /// [`NetworkError`] for what does not fit; the recording is then what it was before.
+    pub(crate) fn forward(
+        &mut self,
+        inputs: &Inputs<'_>,
+        outputs: &mut [&mut [f64]],
+    ) -> Result<(), NetworkError> {
+        check_inputs(self.networks, inputs)?;
+        unless_same("the number of particles", inputs.particles, self.particles)?;
         let (rows, width) = (distinct(inputs), inputs.width);
+        // One row before the first state, and one for each particle after it.
+        let carried = self.widths.iter().map(|width| rows * width);
+        unless_alike(HIDDEN, self.hidden.iter().map(Vec::len), carried)?;
         let buffers = &mut self.scratch.buffers;
         let mut step = self.scratch.steps.pop().unwrap_or_default();
         let mut previous = buffers.take(rows * width);
@@ -75,6 +91,12 @@ impl<'p, F: Networks, T: Multiply> NativeTape<'p, F, T> {
         let mut native = Native { weights: self.weights, step: &mut step, buffers };
         let known = Known { previous, measurement, hidden: &hidden_in };
         let found = self.networks.forward(&mut native, inputs.time, known);
+        if let Err(error) = has_places(&step, &found, [rows, self.particles], &self.widths, outputs) {
+            self.hidden.extend(hidden_in.iter().map(|&at| step.values(at).to_vec()));
+            step.release(&mut self.scratch.buffers);
+            self.scratch.steps.push(step);
+            return Err(error);
+        }
         for (&at, output) in found.values.iter().zip(&mut *outputs) {
             widen(step.values(at), output);
         }
@@ -102,10 +124,21 @@ impl<'p, F: Networks, T: Multiply> NativeTape<'p, F, T> {
             hidden_out: found.hidden,
             outputs: found.values,
         });
+        Ok(())
     }
 
-    pub(crate) fn backward(&mut self, d_outputs: &[&[f64]], d_previous: &mut [f64]) {
-        let Some(mut recorded) = self.steps.pop() else { panic!("there is no step left to pull back") };
+    /// # Errors
+    /// [`NetworkError::Shape`] for derivatives that are not those of the last step; the recording is then what it was before.
+    pub(crate) fn backward(
+        &mut self,
+        d_outputs: &[&[f64]],
+        d_previous: &mut [f64],
+    ) -> Result<(), NetworkError> {
+        let Some(last) = self.steps.last() else { panic!("there is no step left to pull back") };
+        let of_all = |at: &At| last.step.size(*at).1 * self.particles;
+        unless_alike(D_OUTPUTS, d_outputs.iter().map(|d| d.len()), last.outputs.iter().map(of_all))?;
+        unless_same("the length of the derivative of x_{t−1}", d_previous.len(), of_all(&last.previous))?;
+        let Some(mut recorded) = self.steps.pop() else { return Ok(()) };
         let Scratch { buffers, accumulator, steps, d_nodes } = &mut self.scratch;
         let nodes = &recorded.step.nodes;
         d_nodes.clear();
@@ -160,6 +193,7 @@ impl<'p, F: Networks, T: Multiply> NativeTape<'p, F, T> {
         }
         recorded.step.release(buffers);
         steps.push(recorded.step);
+        Ok(())
     }
 
     pub(crate) fn detach(&mut self) {
@@ -173,6 +207,20 @@ impl<'p, F: Networks, T: Multiply> NativeTape<'p, F, T> {
     pub(crate) fn finish(self) -> (Gradients, Scratch<T>) {
         (self.gradients, self.scratch)
     }
+}
+
+/// Refuses places that are not those of what was found of some rows, and hidden values of other widths than were said.
+fn has_places<T: Multiply>(
+    step: &Step<T>,
+    found: &Outputs<At>,
+    [rows, particles]: [usize; 2],
+    widths: &[usize],
+    outputs: &[&mut [f64]],
+) -> Result<(), NetworkError> {
+    let width = |at: &At| step.values(*at).len() / rows;
+    let emitted = found.values.iter().map(|at| width(at) * particles);
+    unless_alike(OUTPUTS, outputs.iter().map(|output| output.len()), emitted)?;
+    unless_alike(HIDDEN, found.hidden.iter().map(width), widths.iter().copied())
 }
 
 fn pull_back<T: Multiply>(
