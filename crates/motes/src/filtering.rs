@@ -76,8 +76,9 @@ pub fn filter(
         for (at, row) in rows {
             let estimate =
                 running.step(&row.measurement).map_err(|error| of_series(name.as_deref(), error))?;
-            report.add(&running.diagnosis());
-            weights.add(&running.diagnosis());
+            let diagnosis = running.diagnosis();
+            report.add(&diagnosis);
+            weights.add(&diagnosis);
             least_ess = estimate.ess.map_or(least_ess, |ess| least_ess.min(ess));
             estimates[at] = Some(estimate);
             done += 1;

@@ -47,8 +47,9 @@ pub fn smooth(
         for (_, row) in &rows {
             running.advance(&row.measurement).map_err(|error| of_series(name.as_deref(), error))?;
             running.record(&mut history)?;
-            report.add(&running.diagnosis());
-            weights.add(&running.diagnosis());
+            let diagnosis = running.diagnosis();
+            report.add(&diagnosis);
+            weights.add(&diagnosis);
             least_ess = least_ess.min(running.effective_sample_size());
             done += 1;
             if proceed(done).is_break() {

@@ -201,7 +201,7 @@ pub(super) struct SimulateArgs {
 pub(super) struct CheckArgs {
     #[command(flatten)]
     pub(super) model: ModelArgs,
-    /// Data that the model is for
+    /// Data that the model is for, a CSV file with a header; - is standard input
     pub(super) data: Option<PathBuf>,
 }
 
@@ -209,7 +209,7 @@ pub(super) struct CheckArgs {
 pub(super) struct CompareArgs {
     #[command(flatten)]
     pub(super) model: ModelArgs,
-    /// Data whose series are filtered, instead of simulated sequences
+    /// Data whose series are filtered, instead of simulated sequences; - is standard input
     pub(super) data: Option<PathBuf>,
     /// Proposals, separated by commas: bootstrap, linearised, optimal; all that the model has if absent
     #[arg(long, value_name = "P,P", value_delimiter = ',')]

@@ -5,6 +5,7 @@ mod check;
 mod compare;
 mod failure;
 mod filter;
+mod input;
 mod progress;
 mod simulate;
 mod smooth;
@@ -50,7 +51,7 @@ pub(crate) fn run() -> ExitCode {
     match done {
         Ok(exit_status) => ExitCode::from(exit_status),
         Err(failure) if failure.is_interrupt() => {
-            status("motes: stopped; nothing was written");
+            status("motes: stopped; no file was written");
             ExitCode::from(interrupt.exit_status())
         }
         Err(failure) => refuse(&failure),
