@@ -67,7 +67,8 @@ fn value_error(error: &clap::Error) -> Option<UsageError> {
 
 fn other_error(error: &clap::Error, name: &str) -> UsageError {
     let text = error.to_string();
-    let said: Vec<&str> = text.lines().take_while(|line| !line.starts_with("Usage")).map(str::trim).collect();
+    let is_said = |line: &&str| !line.starts_with("Usage") && !line.starts_with("For more information");
+    let said: Vec<&str> = text.lines().take_while(is_said).map(str::trim).collect();
     let said = said.join(" ");
     UsageError::Other(format!("{}; see {name} --help", said.trim_start_matches("error: ").trim()))
 }
@@ -120,6 +121,15 @@ mod tests {
             let given: Vec<&str> = given.iter().map(String::as_str).collect();
             assert_eq!(parsed(&given).unwrap_err(), line);
         }
+    }
+
+    #[test]
+    fn an_option_without_its_value_points_to_the_help_once() {
+        let said = parsed(&["--count"]).unwrap_err();
+        assert_eq!(
+            said,
+            "a value is required for '--count <COUNT>' but none was supplied; see program --help"
+        );
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Drawing a trajectory of states and measurements from a model.
 
+use crate::batch::there_is_memory_for;
 use crate::{Measurements, ModelError, Seed, Sequence, Simulator, Stream, check_dimensions};
 
 /// A simulated run of a system: the hidden truth and what was measured of it.
@@ -17,7 +18,7 @@ pub struct Trajectory {
 /// same stream begins with the shorter one.
 ///
 /// # Errors
-/// [`ModelError::Parameter`] if `horizon`, `N` or `M` is 0; [`ModelError::Numerical`] with the time if the system overflowed.
+/// [`ModelError::Parameter`] if `horizon`, `N` or `M` is 0, or there is no memory for the trajectory; [`ModelError::Numerical`] with the time if the system overflowed.
 pub fn simulate(
     model: &(impl Simulator + ?Sized),
     horizon: usize,
@@ -28,6 +29,10 @@ pub fn simulate(
     }
     check_dimensions(model)?;
     let (n, m) = (model.state_dim(), model.measurement_dim());
+    if !n.checked_add(m).and_then(|width| width.checked_mul(horizon)).is_some_and(there_is_memory_for) {
+        let (value, expected) = (horizon.to_string(), "as many times as there is memory for");
+        return Err(ModelError::Parameter { name: "horizon T", value, expected });
+    }
     let (mut states, mut measurements) = (vec![0.0; horizon * n], vec![0.0; horizon * m]);
     for time in 0..horizon {
         let (past, rest) = states.split_at_mut(time * n);
@@ -93,6 +98,11 @@ mod tests {
         assert_eq!(short.states.values(), &long.states.values()[..5 * 6]);
         assert_eq!(short.measurements.values(), &long.measurements.values()[..5 * 4]);
         assert!(simulate(&system, 0, &mut seed.stream()).is_err());
+        // More than there is memory for is refused, and does not end the process.
+        for horizon in [usize::MAX, usize::MAX / 160, 1 << 50] {
+            let refused = simulate(&system, horizon, &mut seed.stream());
+            assert!(matches!(refused, Err(ModelError::Parameter { .. })), "{horizon}");
+        }
     }
 
     #[test]

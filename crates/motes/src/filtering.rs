@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 
 use motes_smc::WeightReport;
 
-use crate::data::{Data, Row};
+use crate::data::Data;
 use crate::engine::Running;
 use crate::error::MotesError;
 use crate::estimate::Estimate;
@@ -67,17 +67,17 @@ pub fn filter(
     let mut estimates: Vec<Option<Estimate>> = vec![None; data.rows.len()];
     let (mut forecasts, mut log_evidence_per_series, mut warnings) = (vec![], vec![], vec![]);
     let (mut weights, mut least_ess, mut done) = (WeightReport::default(), f64::INFINITY, 0);
-    for (series, name) in data.series.iter().enumerate() {
+    for (series, (name, places)) in data.series.iter().zip(data.by_series()).enumerate() {
         let name = data.columns.has_series().then(|| name.clone());
         let mut running = Running::new(model, options, series)?;
         let mut report = WeightReport::default();
-        let rows: Vec<(usize, &Row)> =
-            data.rows.iter().enumerate().filter(|(_, row)| row.series == series).collect();
-        for (at, row) in rows {
-            let estimate =
-                running.step(&row.measurement).map_err(|error| of_series(name.as_deref(), error))?;
-            report.add(&running.diagnosis());
-            weights.add(&running.diagnosis());
+        for at in places {
+            let estimate = running
+                .step(&data.rows[at].measurement)
+                .map_err(|error| of_series(name.as_deref(), error))?;
+            let diagnosis = running.diagnosis();
+            report.add(&diagnosis);
+            weights.add(&diagnosis);
             least_ess = estimate.ess.map_or(least_ess, |ess| least_ess.min(ess));
             estimates[at] = Some(estimate);
             done += 1;

@@ -3,6 +3,7 @@
 use std::ops::ControlFlow;
 
 use motes_formulas::FileModel;
+use motes_models::batch::there_is_memory_for;
 use motes_models::{ModelError, Seed, Simulator, Trajectory, simulate as draw};
 
 use crate::error::MotesError;
@@ -18,7 +19,8 @@ pub struct Simulated {
 /// Draws `series` series of `steps` times each. One series is the same whatever others there are.
 ///
 /// # Errors
-/// [`MotesError::Simulation`] where states overflow, with how many series do; [`MotesError::Interrupted`] if `proceed` said to stop.
+/// [`MotesError::Simulation`] where states overflow, with how many series do; [`MotesError::Setting`] if there is no memory for them;
+/// [`MotesError::Interrupted`] if `proceed` said to stop.
 pub fn simulate(
     model: &Model,
     steps: usize,
@@ -26,6 +28,14 @@ pub fn simulate(
     seed: u64,
     mut proceed: impl FnMut(usize) -> ControlFlow<()>,
 ) -> Result<Simulated, MotesError> {
+    let width = model.states().len() + model.measurements().len();
+    let numbers = steps.checked_mul(series).and_then(|times| times.checked_mul(width));
+    // Each number is text of some twenty letters later on.
+    if !numbers.and_then(|numbers| numbers.checked_mul(4)).is_some_and(there_is_memory_for) {
+        let reason =
+            format!("{series} series of {steps} times are more than there is memory for; take fewer");
+        return Err(MotesError::Setting(reason));
+    }
     let seed = Seed::from_u64(seed).child("simulate");
     let (mut drawn, mut first, mut failures) = (Vec::new(), None, 0);
     for number in 0..series {

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use motes_models::Seed;
 use motes_smc::{FilterHistory, SmoothedPaths, SmoothingError, WeightReport};
 
-use crate::data::{Data, Row};
+use crate::data::Data;
 use crate::engine::Running;
 use crate::error::MotesError;
 use crate::estimate::{Coordinate, Estimate, PROBABILITIES};
@@ -38,17 +38,16 @@ pub fn smooth(
     let mut estimates: Vec<Option<Estimate>> = vec![None; data.rows.len()];
     let (mut drawn, mut log_evidence_per_series, mut warnings) = (vec![], vec![], vec![]);
     let (mut weights, mut least_ess, mut done) = (WeightReport::default(), f64::INFINITY, 0);
-    for (series, name) in data.series.iter().enumerate() {
+    for (series, (name, places)) in data.series.iter().zip(data.by_series()).enumerate() {
         let name = data.columns.has_series().then(|| name.clone());
         let mut running = Running::new(model, options, series)?;
         let (mut report, mut history) = (WeightReport::default(), FilterHistory::new());
-        let rows: Vec<(usize, &Row)> =
-            data.rows.iter().enumerate().filter(|(_, row)| row.series == series).collect();
-        for (_, row) in &rows {
-            running.advance(&row.measurement).map_err(|error| of_series(name.as_deref(), error))?;
+        for &at in &places {
+            running.advance(&data.rows[at].measurement).map_err(|error| of_series(name.as_deref(), error))?;
             running.record(&mut history)?;
-            report.add(&running.diagnosis());
-            weights.add(&running.diagnosis());
+            let diagnosis = running.diagnosis();
+            report.add(&diagnosis);
+            weights.add(&diagnosis);
             least_ess = least_ess.min(running.effective_sample_size());
             done += 1;
             if proceed(done).is_break() {
@@ -57,8 +56,8 @@ pub fn smooth(
         }
         let seed = Seed::from_u64(options.seed).child("smooth").nth(series as u64);
         let found = running.backward(&history, paths, &seed)?;
-        for (time, (at, _)) in rows.iter().enumerate() {
-            estimates[*at] = Some(estimate(&found, time, model.states().len()));
+        for (time, at) in places.into_iter().enumerate() {
+            estimates[at] = Some(estimate(&found, time, model.states().len()));
         }
         log_evidence_per_series.push(running.log_evidence());
         warnings.extend(

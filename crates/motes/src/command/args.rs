@@ -46,7 +46,10 @@ pub(super) enum Command {
         shell: clap_complete::Shell,
     },
     /// Print the manual page
-    Man,
+    Man {
+        /// The command that it is about; all of them in short if absent
+        about: Option<String>,
+    },
 }
 
 /// The model, and what of it is changed.
@@ -58,10 +61,10 @@ pub(super) struct ModelArgs {
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = parameter)]
     pub(super) set: Vec<(String, f64)>,
     /// The seed that every random number comes from
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value = "1", allow_negative_numbers = true, value_parser = integer(0..=u64::MAX))]
     pub(super) seed: u64,
     /// Threads; as many as there are cores if absent
-    #[arg(long, value_name = "J", value_parser = integer(1..=1024_usize))]
+    #[arg(long, value_name = "J", allow_negative_numbers = true, value_parser = integer(1..=1024_usize))]
     pub(super) threads: Option<usize>,
     /// Say nothing but errors
     #[arg(long, short)]
@@ -81,13 +84,13 @@ pub(super) struct FilterSettingsArgs {
     #[arg(long, value_name = "P", default_value = "bootstrap")]
     pub(super) proposal: ProposalName,
     /// The number of particles
-    #[arg(long, value_name = "K", default_value = "1000", value_parser = integer(1..=1_000_000_000_usize))]
+    #[arg(long, value_name = "K", allow_negative_numbers = true, default_value = "1000", value_parser = integer(1..=1_000_000_000_usize))]
     pub(super) particles: usize,
     /// The share of particles that are drawn from the transition whatever the proposal is, from 0 to below 1
-    #[arg(long, value_name = "W", value_parser = share)]
+    #[arg(long, value_name = "W", allow_negative_numbers = true, value_parser = share)]
     pub(super) defensive: Option<f64>,
     /// Resample where the effective sample size is below this share of the particles, above 0 and at most 1; 1 is at each step
-    #[arg(long, value_name = "F", default_value = "0.5", value_parser = fraction)]
+    #[arg(long, value_name = "F", allow_negative_numbers = true, default_value = "0.5", value_parser = fraction)]
     pub(super) resample_below: f64,
     /// How ancestors are drawn: multinomial, systematic, stratified or residual
     #[arg(long, value_name = "SCHEME", default_value = "systematic", value_parser = resampling)]
@@ -154,7 +157,7 @@ pub(super) struct FilterArgs {
     #[command(flatten)]
     pub(super) settings: FilterSettingsArgs,
     /// Predict the states of so many times after the last measurement
-    #[arg(long, value_name = "H", default_value = "0", value_parser = integer(0..=1_000_000_usize))]
+    #[arg(long, value_name = "H", allow_negative_numbers = true, default_value = "0", value_parser = integer(0..=1_000_000_usize))]
     pub(super) forecast: usize,
     #[command(flatten)]
     pub(super) output: OutputArgs,
@@ -169,7 +172,7 @@ pub(super) struct SmoothArgs {
     #[command(flatten)]
     pub(super) settings: FilterSettingsArgs,
     /// The number of trajectories
-    #[arg(long, value_name = "B", default_value = "200", value_parser = integer(1..=1_000_000_000_usize))]
+    #[arg(long, value_name = "B", allow_negative_numbers = true, default_value = "200", value_parser = integer(1..=1_000_000_000_usize))]
     pub(super) paths: usize,
     #[command(flatten)]
     pub(super) output: OutputArgs,
@@ -180,10 +183,10 @@ pub(super) struct SimulateArgs {
     #[command(flatten)]
     pub(super) model: ModelArgs,
     /// The number of times in each series
-    #[arg(long, value_name = "T", value_parser = integer(1..=1_000_000_000_usize))]
+    #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = integer(1..=1_000_000_000_usize))]
     pub(super) steps: usize,
     /// The number of series
-    #[arg(long, value_name = "S", default_value = "1", value_parser = integer(1..=1_000_000_000_usize))]
+    #[arg(long, value_name = "S", allow_negative_numbers = true, default_value = "1", value_parser = integer(1..=1_000_000_000_usize))]
     pub(super) series: usize,
     /// Write the table to a file, which is replaced when the table is whole; standard output if absent
     #[arg(long, short = 'o', value_name = "FILE")]
@@ -194,7 +197,7 @@ pub(super) struct SimulateArgs {
 pub(super) struct CheckArgs {
     #[command(flatten)]
     pub(super) model: ModelArgs,
-    /// Data that the model is for
+    /// Data that the model is for, a CSV file with a header; - is standard input
     pub(super) data: Option<PathBuf>,
 }
 
@@ -202,28 +205,28 @@ pub(super) struct CheckArgs {
 pub(super) struct CompareArgs {
     #[command(flatten)]
     pub(super) model: ModelArgs,
-    /// Data whose series are filtered, instead of simulated sequences
+    /// Data whose series are filtered, instead of simulated sequences; - is standard input
     pub(super) data: Option<PathBuf>,
     /// Proposals, separated by commas: bootstrap, linearised, optimal; all that the model has if absent
     #[arg(long, value_name = "P,P", value_delimiter = ',')]
     pub(super) proposals: Vec<ProposalName>,
     /// The number of particles of the card
-    #[arg(long, value_name = "K", default_value = "100", value_parser = integer(1..=1_000_000_000_usize))]
+    #[arg(long, value_name = "K", allow_negative_numbers = true, default_value = "100", value_parser = integer(1..=1_000_000_000_usize))]
     pub(super) particles: usize,
     /// The numbers of particles at which error is held against time
-    #[arg(long, value_name = "K,K", value_delimiter = ',', default_value = "10,30,100,300,1000,3000,10000", value_parser = integer(1..=1_000_000_000_usize))]
+    #[arg(long, value_name = "K,K", allow_negative_numbers = true, value_delimiter = ',', default_value = "10,30,100,300,1000,3000,10000", value_parser = integer(1..=1_000_000_000_usize))]
     pub(super) at: Vec<usize>,
     /// The number of simulated sequences
-    #[arg(long, value_name = "S", default_value = "20", value_parser = integer(1..=1_000_000_usize))]
+    #[arg(long, value_name = "S", allow_negative_numbers = true, default_value = "20", value_parser = integer(1..=1_000_000_usize))]
     pub(super) sequences: usize,
     /// The number of times in each simulated sequence
-    #[arg(long, value_name = "T", default_value = "100", value_parser = integer(1..=1_000_000_000_usize))]
+    #[arg(long, value_name = "T", allow_negative_numbers = true, default_value = "100", value_parser = integer(1..=1_000_000_000_usize))]
     pub(super) steps: usize,
     /// The share of particles that are drawn from the transition whatever the proposal is
-    #[arg(long, value_name = "W", value_parser = share)]
+    #[arg(long, value_name = "W", allow_negative_numbers = true, value_parser = share)]
     pub(super) defensive: Option<f64>,
     /// Resample where the effective sample size is below this share of the particles; 1 is at each step
-    #[arg(long, value_name = "F", default_value = "0.5", value_parser = fraction)]
+    #[arg(long, value_name = "F", allow_negative_numbers = true, default_value = "0.5", value_parser = fraction)]
     pub(super) resample_below: f64,
     /// How ancestors are drawn: multinomial, systematic, stratified or residual
     #[arg(long, value_name = "SCHEME", default_value = "systematic", value_parser = resampling)]

@@ -1,16 +1,17 @@
 //! `motes check`.
 
+use motes::check;
 use motes::output::Output;
-use motes::{Data, check};
 use motes_cli::Interrupt;
 
 use super::args::{CheckArgs, on_threads};
 use super::failure::Failure;
+use super::input;
 use super::say::write;
 
 pub(super) fn run(args: &CheckArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
     let model = args.model.read()?;
-    let data = args.data.as_ref().map(|path| Data::open(path, &model)).transpose()?;
+    let data = args.data.as_ref().map(|path| input::data(path, &model, interrupt)).transpose()?;
     let checked = on_threads(args.model.threads, || {
         check(&model, data.as_ref(), args.model.seed, || interrupt.check())
     })??;

@@ -1,11 +1,12 @@
 //! `motes compare`.
 
 use motes::output::{Output, card_json, card_text};
-use motes::{CompareOptions, Data, FilterOptions, Model, MotesError, ProposalName, Running, compare};
+use motes::{CompareOptions, FilterOptions, Model, MotesError, ProposalName, Running, compare};
 use motes_cli::Interrupt;
 
 use super::args::{CompareArgs, on_threads};
 use super::failure::Failure;
+use super::input;
 use super::progress::Progress;
 use super::say::{say_ignored, write};
 
@@ -23,7 +24,7 @@ pub(super) fn run(args: &CompareArgs, interrupt: &Interrupt) -> Result<u8, Failu
         seed: args.model.seed,
         ..FilterOptions::default()
     };
-    let data = args.data.as_ref().map(|path| Data::open(path, &model)).transpose()?;
+    let data = args.data.as_ref().map(|path| input::data(path, &model, interrupt)).transpose()?;
     if let Some(data) = &data {
         say_ignored(&data.columns, args.model.quiet);
     }

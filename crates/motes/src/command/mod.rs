@@ -5,6 +5,8 @@ mod check;
 mod compare;
 mod failure;
 mod filter;
+mod filter_page;
+mod input;
 mod progress;
 mod say;
 mod simulate;
@@ -15,7 +17,7 @@ mod summary;
 use std::process::ExitCode;
 
 use clap::CommandFactory;
-use motes_cli::{Interrupt, Parsed, parse, result, status};
+use motes_cli::{Interrupt, Parsed, one_of, parse, result, status};
 
 use args::{Cli, Command};
 use failure::Failure;
@@ -46,12 +48,12 @@ pub(crate) fn run() -> ExitCode {
             result(String::from_utf8_lossy(&text).trim_end());
             Ok(0)
         }
-        Command::Man => man(),
+        Command::Man { about } => man(about.as_deref()),
     };
     match done {
         Ok(exit_status) => ExitCode::from(exit_status),
         Err(failure) if failure.is_interrupt() => {
-            status("motes: stopped; nothing was written");
+            status("motes: stopped; no file was written");
             ExitCode::from(interrupt.exit_status())
         }
         Err(failure) => refuse(&failure),
@@ -63,11 +65,22 @@ fn refuse(failure: &Failure) -> ExitCode {
     ExitCode::from(failure.exit_status())
 }
 
-/// The manual page.
-fn man() -> Result<u8, Failure> {
+/// The manual page, of one command or of all.
+fn man(about: Option<&str>) -> Result<u8, Failure> {
+    let mut all = Cli::command();
+    all.build();
+    let command = match about {
+        None => all,
+        Some(name) => match all.find_subcommand(name) {
+            Some(command) => command.clone(),
+            None => {
+                let names = all.get_subcommands().map(clap::Command::get_name);
+                return Err(Failure::new(2, format!("man {name}: {}", one_of(name, names))));
+            }
+        },
+    };
     let mut page = Vec::new();
-    let rendered = clap_mangen::Man::new(Cli::command()).render(&mut page);
-    rendered.map_err(|error| Failure::new(3, error))?;
+    clap_mangen::Man::new(command).render(&mut page).map_err(|error| Failure::new(3, error))?;
     result(String::from_utf8_lossy(&page).trim_end());
     Ok(0)
 }

@@ -1,6 +1,5 @@
 //! `motes smooth`.
 
-use std::path::Path;
 use std::time::Instant;
 
 use motes::output::{EstimateTable, Output, Report, filter_json, report};
@@ -9,18 +8,16 @@ use motes_cli::{Interrupt, status};
 
 use super::args::{SmoothArgs, on_threads};
 use super::failure::Failure;
+use super::input;
 use super::progress::Progress;
 use super::say::{say_ignored, warn, write};
-use super::summary::{command_line, filter_settings, filter_summary};
+use super::summary::{command_line, filter_settings, filter_summary, in_one_line};
 
 pub(super) fn run(args: &SmoothArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
     let model = args.model.read()?;
     args.output.check()?;
     let options = args.settings.options(args.model.seed, 0);
-    let data = match args.data == Path::new("-") {
-        true => Data::read(std::io::stdin(), "standard input", &model)?,
-        false => Data::open(&args.data, &model)?,
-    };
+    let data = input::data(&args.data, &model, interrupt)?;
     say_ignored(&data.columns, args.model.quiet);
     let start = Instant::now();
     let mut progress = Progress::new(data.rows.len(), args.model.quiet);
@@ -44,9 +41,9 @@ pub(super) fn run(args: &SmoothArgs, interrupt: &Interrupt) -> Result<u8, Failur
         write(&Output::Standard, &filter_json(&smoothed.filtered, &options, seconds))?;
     }
     if !args.model.quiet {
-        let parts = filter_summary(&data, &smoothed.filtered, &options).into_iter();
-        let parts: Vec<String> = parts.map(|(name, value)| format!("{name} {value}")).collect();
-        status(&format!("motes: {} paths, of a filter with {}", args.paths, parts.join(", ")));
+        let figures =
+            filter_summary(data.rows.len(), data.columns.has_series(), &smoothed.filtered, &options);
+        status(&format!("motes: {} paths, of a filter with {}", args.paths, in_one_line(&figures)));
     }
     Ok(warn(&smoothed.filtered.warnings, args.model.quiet, args.output.strict))
 }
@@ -68,7 +65,7 @@ fn page(
         data,
         estimates: &smoothed.estimates,
         forecasts: &[],
-        summary: &filter_summary(data, &smoothed.filtered, options),
+        summary: &filter_summary(data.rows.len(), data.columns.has_series(), &smoothed.filtered, options),
         settings: &settings,
         warnings: &warnings,
         command: &command_line(),

@@ -1,71 +1,109 @@
 //! `motes filter MODEL -`: on-line, an answer to each line as it comes.
 
-use std::fs::{File, OpenOptions};
-use std::io::{ErrorKind, Write};
+use std::time::Instant;
 
-use motes::output::{EstimateTable, Output, filter_json};
+use motes::output::{EstimateTable, Output, Sink, filter_json};
 use motes::smc::WeightReport;
-use motes::{Estimate, FilterOptions, Filtered, Model, MotesError, Rows, Running, Warning};
+use motes::{
+    Data, DataError, Estimate, FilterOptions, Filtered, Model, MotesError, Row, Rows, Running, Warning,
+};
+use motes_cli::{Interrupt, status};
 
 use super::args::FilterArgs;
+use super::filter_page::page;
+use super::input::{STANDARD, Standard, stopped};
 use super::say::{say_ignored, warn, write};
+use super::summary::{filter_summary, in_one_line};
+
+/// The filter of one series.
+struct Series<'m> {
+    name: String,
+    running: Running<'m>,
+    report: WeightReport,
+    /// The number of its rows so far.
+    length: usize,
+}
 
 /// Filters what comes on standard input until it ends; the exit status.
-pub(super) fn run(args: &FilterArgs, model: &Model, options: &FilterOptions) -> Result<u8, MotesError> {
-    let start = std::time::Instant::now();
-    let mut rows = Rows::new(std::io::stdin(), "standard input", model)?;
+pub(super) fn run(
+    args: &FilterArgs,
+    model: &Model,
+    options: &FilterOptions,
+    interrupt: &Interrupt,
+) -> Result<u8, MotesError> {
+    let start = Instant::now();
+    let of_input = |error: DataError| stopped(error.into(), interrupt);
+    let mut rows = Rows::new(Standard::new(interrupt), STANDARD, model).map_err(of_input)?;
     say_ignored(rows.columns(), args.model.quiet);
     let table = EstimateTable::new(model, rows.columns(), true);
-    let mut lines = args.output.table().map(Lines::to).transpose()?;
-    let mut is_read = say(&mut lines, &table.header())?;
-    let mut filters: Vec<(String, Running<'_>, WeightReport, usize)> = Vec::new();
-    let (mut weights, mut least_ess, mut last) = (WeightReport::default(), f64::INFINITY, 0);
-    while is_read {
-        let Some(row) = rows.next_row()? else { break };
-        if row.series == filters.len() {
+    let mut answers = Answers::to(args.output.table())?;
+    answers.say(&table.header())?;
+    let mut series: Vec<Series<'_>> = Vec::new();
+    let (mut weights, mut least_ess, mut times) = (WeightReport::default(), f64::INFINITY, 0);
+    // Only a report needs what went by.
+    let mut kept: Option<(Vec<Row>, Vec<Estimate>)> = args.output.report.as_ref().map(|_| Default::default());
+    while answers.are_read {
+        let Some(row) = rows.next_row().map_err(of_input)? else { break };
+        if row.series == series.len() {
             let name = rows.series().last().unwrap_or_default().to_string();
-            filters.push((name, Running::new(model, options, row.series)?, WeightReport::default(), 0));
+            let running = Running::new(model, options, row.series)?;
+            series.push(Series { name, running, report: WeightReport::default(), length: 0 });
         }
-        let (name, running, report, length) = &mut filters[row.series];
-        let estimate = running.step(&row.measurement).map_err(|error| at_line(row.line, error))?;
-        report.add(&running.diagnosis());
-        weights.add(&running.diagnosis());
+        let of = &mut series[row.series];
+        let estimate = of.running.step(&row.measurement).map_err(|error| at_line(row.line, error))?;
+        answers.say(&table.row(&of.name, row.label.as_deref(), row.time, &estimate))?;
+        let diagnosis = of.running.diagnosis();
+        of.report.add(&diagnosis);
+        weights.add(&diagnosis);
         least_ess = estimate.ess.map_or(least_ess, |ess| least_ess.min(ess));
-        *length = row.time + 1;
-        last = last.max(row.series + 1);
-        is_read = say(&mut lines, &table.row(name, row.label.as_deref(), row.time, &estimate))?;
+        of.length += 1;
+        times += 1;
+        if let Some((rows, estimates)) = &mut kept {
+            rows.push(row);
+            estimates.push(estimate);
+        }
+        if interrupt.check().is_break() {
+            return Err(MotesError::Interrupted);
+        }
     }
-    if !is_read {
+    if times == 0 && !answers.are_read {
+        // Nobody reads, from the first line on.
         return Ok(0);
     }
-    if last == 0 {
-        return Err(motes::DataError::Empty { file: "standard input".into() }.into());
+    if times == 0 {
+        return Err(DataError::Empty { file: STANDARD.into() }.into());
     }
-    let (mut warnings, mut evidence) = (Vec::new(), Vec::new());
     let has_series = rows.columns().has_series();
-    for (name, running, report, length) in &mut filters {
-        evidence.push(running.log_evidence());
-        let series = has_series.then(|| name.clone());
-        warnings.extend(
-            report.warnings().map(|warning| Warning { series: series.clone(), text: warning.to_string() }),
-        );
+    let (mut forecasts, mut warnings, mut log_evidence_per_series) = (Vec::new(), Vec::new(), Vec::new());
+    for Series { name, running, report, length } in &mut series {
+        log_evidence_per_series.push(running.log_evidence());
+        let named = has_series.then(|| name.clone());
+        let of_series = |warning| Warning { series: named.clone(), text: format!("{warning}") };
+        warnings.extend(report.warnings().map(of_series));
+        let mut forecast = Vec::new();
         for ahead in 0..options.forecast {
-            let estimate: Estimate = running.predict()?;
-            is_read = is_read && say(&mut lines, &table.row(name, None, *length + ahead, &estimate))?;
+            let estimate = running.predict()?;
+            answers.say(&table.row(name, None, *length + ahead, &estimate))?;
+            forecast.push(estimate);
         }
+        forecasts.push(forecast);
+    }
+    answers.finish()?;
+    let (kept_rows, estimates) = kept.unwrap_or_default();
+    let filtered = Filtered { estimates, forecasts, log_evidence_per_series, weights, least_ess, warnings };
+    if let Some(path) = &args.output.report {
+        let names = series.into_iter().map(|of| of.name).collect();
+        let data = Data { columns: rows.columns().clone(), series: names, rows: kept_rows };
+        write(&Output::File(path.clone()), &page(args, model, &data, options, &filtered)?)?;
     }
     if args.output.json {
-        let filtered = Filtered {
-            estimates: vec![],
-            forecasts: vec![],
-            log_evidence_per_series: evidence,
-            weights,
-            least_ess,
-            warnings: warnings.clone(),
-        };
         write(&Output::Standard, &filter_json(&filtered, options, start.elapsed().as_secs_f64()))?;
     }
-    Ok(warn(&warnings, args.model.quiet, args.output.strict))
+    if !args.model.quiet {
+        let figures = filter_summary(times, has_series, &filtered, options);
+        status(&format!("motes: {}", in_one_line(&figures)));
+    }
+    Ok(warn(&filtered.warnings, args.model.quiet, args.output.strict))
 }
 
 fn at_line(line: u64, error: MotesError) -> MotesError {
@@ -77,42 +115,34 @@ fn at_line(line: u64, error: MotesError) -> MotesError {
     }
 }
 
-/// Where lines go as they are made.
-enum Lines {
-    Standard,
-    File(File, String),
+/// Where answers go as they are made, if anywhere, and whether anybody still reads them.
+struct Answers {
+    to: Option<(Sink, String)>,
+    are_read: bool,
 }
 
-impl Lines {
-    fn to(output: Output) -> Result<Lines, MotesError> {
-        match output {
-            Output::Standard => Ok(Lines::Standard),
-            Output::File(path) => {
-                let name = path.display().to_string();
-                let opened = OpenOptions::new().write(true).create(true).truncate(true).open(&path);
-                match opened {
-                    Ok(file) => Ok(Lines::File(file, name)),
-                    Err(source) => Err(MotesError::Output { file: name, source }),
-                }
-            }
-        }
+impl Answers {
+    fn to(output: Option<Output>) -> Result<Self, MotesError> {
+        let opened = output.map(|output| {
+            let name = output.name();
+            let sink = output.open().map_err(|source| MotesError::Output { file: name.clone(), source })?;
+            Ok::<_, MotesError>((sink, name))
+        });
+        Ok(Answers { to: opened.transpose()?, are_read: true })
     }
-}
 
-/// Writes a line at once; whether anybody still reads.
-fn say(lines: &mut Option<Lines>, line: &str) -> Result<bool, MotesError> {
-    let (written, file) = match lines {
-        None => return Ok(true),
-        Some(Lines::Standard) => {
-            let mut standard = std::io::stdout().lock();
-            let written = standard.write_all(line.as_bytes()).and_then(|()| standard.flush());
-            (written, "standard output".to_string())
+    fn say(&mut self, line: &str) -> Result<(), MotesError> {
+        if let (Some((sink, name)), true) = (&mut self.to, self.are_read) {
+            self.are_read =
+                sink.write(line).map_err(|source| MotesError::Output { file: name.clone(), source })?;
         }
-        Some(Lines::File(file, name)) => (file.write_all(line.as_bytes()), name.clone()),
-    };
-    match written {
-        Ok(()) => Ok(true),
-        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(false),
-        Err(source) => Err(MotesError::Output { file, source }),
+        Ok(())
+    }
+
+    fn finish(self) -> Result<(), MotesError> {
+        match self.to {
+            Some((sink, file)) => sink.finish().map_err(|source| MotesError::Output { file, source }),
+            None => Ok(()),
+        }
     }
 }

@@ -1,12 +1,13 @@
 //! A run in a few figures, and what it was made with.
 
-use motes::{Data, FilterOptions, Filtered};
+use motes::{FilterOptions, Filtered};
 
 use super::args::ModelArgs;
 
-/// The figures of a filter, a name and a value each.
+/// The figures of a filter over so many times, a name and a value each; `has_series` says whether its series have names.
 pub(super) fn filter_summary(
-    data: &Data,
+    times: usize,
+    has_series: bool,
     filtered: &Filtered,
     options: &FilterOptions,
 ) -> Vec<(String, String)> {
@@ -14,16 +15,21 @@ pub(super) fn filter_summary(
     let k = options.particles;
     let mut figures = vec![
         ("log-evidence", format!("{:.3}", filtered.log_evidence())),
-        ("times", data.rows.len().to_string()),
+        ("times", times.to_string()),
         ("effective sample size", format!("{mean:.0} of {k}, {:.0} at least", filtered.least_ess)),
     ];
-    if data.columns.has_series() {
-        figures.insert(1, ("series", data.series.len().to_string()));
+    if has_series {
+        figures.insert(1, ("series", filtered.log_evidence_per_series.len().to_string()));
     }
     if let Some(index) = filtered.weights.pareto_k() {
         figures.push(("Pareto k", format!("{index:.2}")));
     }
     figures.into_iter().map(|(name, value)| (name.to_string(), value)).collect()
+}
+
+/// The figures in one line.
+pub(super) fn in_one_line(figures: &[(String, String)]) -> String {
+    figures.iter().map(|(name, value)| format!("{name} {value}")).collect::<Vec<_>>().join(", ")
 }
 
 /// What a filter was made with, a name and a value each.

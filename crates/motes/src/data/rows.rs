@@ -1,5 +1,6 @@
 //! Rows of a CSV file, one at a time: what a file and a stream have in common.
 
+use std::collections::HashMap;
 use std::io::Read;
 
 use csv::{ByteRecord, Reader, ReaderBuilder, Trim};
@@ -32,6 +33,8 @@ pub struct Rows<R> {
     columns: Columns,
     /// The names of the series so far, with the number of rows of each.
     series: Vec<(String, usize)>,
+    /// The number of each series by its name.
+    numbers: HashMap<String, usize>,
 }
 
 impl<R: Read> Rows<R> {
@@ -51,7 +54,14 @@ impl<R: Read> Rows<R> {
         };
         let names: Vec<String> = header.iter().map(text).collect::<Result<_, _>>()?;
         let columns = Columns::of(&names, file, model.states(), model.measurements())?;
-        Ok(Rows { reader, record: ByteRecord::new(), file: file.into(), columns, series: Vec::new() })
+        Ok(Rows {
+            reader,
+            record: ByteRecord::new(),
+            file: file.into(),
+            columns,
+            series: Vec::new(),
+            numbers: HashMap::new(),
+        })
     }
 
     /// What the columns are for.
@@ -131,11 +141,13 @@ impl<R: Read> Rows<R> {
     }
 
     fn number_of_series(&mut self, name: &str) -> usize {
-        let known = self.series.iter().position(|(known, _)| known == name);
-        known.unwrap_or_else(|| {
-            self.series.push((name.into(), 0));
-            self.series.len() - 1
-        })
+        if let Some(number) = self.numbers.get(name) {
+            return *number;
+        }
+        let number = self.series.len();
+        self.numbers.insert(name.into(), number);
+        self.series.push((name.into(), 0));
+        number
     }
 
     fn text(&self, at: usize, line: u64) -> Result<&str, DataError> {

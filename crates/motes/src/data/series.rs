@@ -55,7 +55,16 @@ impl Data {
         Ok(Data { columns: reader.columns().clone(), series, rows })
     }
 
-    /// The rows of one series, in order of time.
+    /// For each series, where its rows stand in [`Data::rows`], in order of time.
+    pub fn by_series(&self) -> Vec<Vec<usize>> {
+        let mut places = vec![Vec::new(); self.series.len()];
+        for (at, row) in self.rows.iter().enumerate() {
+            places[row.series].push(at);
+        }
+        places
+    }
+
+    /// The rows of one series, in order of time. Who goes through all series asks [`Data::by_series`] once.
     pub fn of_series(&self, series: usize) -> impl Iterator<Item = &Row> {
         self.rows.iter().filter(move |row| row.series == series)
     }

@@ -69,8 +69,8 @@ impl EstimateTable {
         for (row, estimate) in data.rows.iter().zip(&filtered.estimates) {
             table += &self.row_of(data, row, estimate);
         }
-        for (series, forecast) in filtered.forecasts.iter().enumerate() {
-            let length = data.of_series(series).count();
+        let lengths = data.by_series().into_iter().map(|places| places.len());
+        for (series, (forecast, length)) in filtered.forecasts.iter().zip(lengths).enumerate() {
             for (time, estimate) in (length..).zip(forecast) {
                 table += &self.row(&data.series[series], None, time, estimate);
             }

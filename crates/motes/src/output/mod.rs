@@ -9,6 +9,6 @@ mod report;
 
 pub use card::{card_json, card_text};
 pub use csv::{EstimateTable, simulated_table};
-pub use file::Output;
+pub use file::{Output, Sink};
 pub use json::filter_json;
 pub use report::{Report, report};

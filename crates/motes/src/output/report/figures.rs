@@ -57,9 +57,23 @@ pub(super) fn line_figure(title: &str, values: &[f64]) -> Drawn<String> {
     })
 }
 
+/// A line's points. Where there are more than a figure can show, the smallest and the largest of neighbours stand for all of them.
 fn at_times(values: &[f64]) -> Vec<(f64, f64)> {
     let finite = values.iter().enumerate().filter(|(_, value)| is_shown(**value));
-    finite.map(|(time, value)| (time as f64, *value)).collect()
+    let points: Vec<(f64, f64)> = finite.map(|(time, value)| (time as f64, *value)).collect();
+    if points.len() <= MOST_POINTS {
+        return points;
+    }
+    let neighbours = points.chunks((2 * points.len()).div_ceil(MOST_POINTS));
+    let ends = |chunk: &[(f64, f64)]| {
+        let by_value = |a: &&(f64, f64), b: &&(f64, f64)| a.1.total_cmp(&b.1);
+        let low = chunk.iter().min_by(by_value).copied();
+        let high = chunk.iter().max_by(by_value).copied();
+        let mut ends = [low, high];
+        ends.sort_by(|a, b| a.map(|a| a.0).partial_cmp(&b.map(|b| b.0)).unwrap_or(std::cmp::Ordering::Equal));
+        ends.into_iter().flatten()
+    };
+    neighbours.flat_map(ends).collect()
 }
 
 fn draw_points(chart: &mut Chart<'_, '_>, points: &[Option<f64>]) -> Drawn<()> {
@@ -148,6 +162,16 @@ fn label(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_long_line_keeps_its_peaks_in_order_of_time() {
+        let mut values = vec![0.0; 100_000];
+        (values[12_345], values[67_890]) = (9.0, -9.0);
+        let points = at_times(&values);
+        assert!(points.len() <= MOST_POINTS, "{}", points.len());
+        assert!(points.contains(&(12_345.0, 9.0)) && points.contains(&(67_890.0, -9.0)));
+        assert!(points.windows(2).all(|pair| pair[0].0 <= pair[1].0));
+    }
 
     #[test]
     fn anything_can_be_drawn() {

@@ -8,7 +8,7 @@ use crate::estimate::Estimate;
 use crate::model::Model;
 
 use figures::{Band, band_figure, line_figure, point_figure};
-use page::{Page, escaped};
+use page::Page;
 
 /// What a report is about.
 pub struct Report<'a> {
@@ -116,7 +116,7 @@ fn series_section(
         });
         page.note("The measurements that the model expected least:");
         let label = report.data.columns.carried().unwrap_or_default();
-        page.table(&["t", &escaped(label), "log-evidence", "effective sample size"], cells);
+        page.table(&["t", label, "log-evidence", "effective sample size"], cells);
     }
     Ok(())
 }

@@ -14,7 +14,7 @@ pub(super) struct Page {
 }
 
 /// Text as HTML shows it.
-pub(super) fn escaped(text: &str) -> String {
+fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
