@@ -5,6 +5,7 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use crate::error::NetworkError;
+use crate::precision::Precision;
 
 /// What computes the networks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -51,16 +52,6 @@ impl fmt::Display for Backend {
             Backend::NdArray => "ndarray",
         })
     }
-}
-
-/// The floating-point type of network weights and activations.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Precision {
-    /// 32 bits, for work.
-    #[default]
-    F32,
-    /// 64 bits, for tests against finite differences.
-    F64,
 }
 
 /// A backend together with a precision: all that a network needs to know of the machine.

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use crate::backend::Precision;
+use crate::precision::Precision;
 
 /// Why networks could not be computed.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]

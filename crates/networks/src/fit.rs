@@ -1,8 +1,8 @@
 //! Whether what a caller hands over fits the networks: asked before anything of it is read or written.
 
-use crate::backend::Precision;
 use crate::error::NetworkError;
 use crate::networks::{Inputs, Networks};
+use crate::precision::Precision;
 use crate::values::SliceMut;
 
 /// How errors call the number of some matrices, and the length of one of them.

@@ -1,6 +1,6 @@
 //! Networks computed forward only, as a filter does, by the backend that the weights ask for.
 
-use crate::backend::{Backend, Precision};
+use crate::backend::Backend;
 #[cfg(feature = "burn")]
 use crate::by_burn::{self, Library};
 use crate::error::NetworkError;
@@ -8,6 +8,7 @@ use crate::fit::{OUTPUTS, check_hidden, check_inputs, unless_same};
 use crate::native::{self, Memory};
 use crate::networks::{Inputs, Networks};
 use crate::parameters::Parameters;
+use crate::precision::Precision;
 use crate::values::SliceMut;
 
 /// Computes networks, with memory that is used again from call to call.

@@ -1,6 +1,6 @@
 //! Networks computed forward along a sequence with derivatives to come, by the backend that the weights ask for.
 
-use crate::backend::{Backend, Precision};
+use crate::backend::Backend;
 #[cfg(feature = "burn")]
 use crate::by_burn::{BurnTape, Library};
 use crate::error::NetworkError;
@@ -8,6 +8,7 @@ use crate::gradients::Gradients;
 use crate::native::NativeTape;
 use crate::networks::{Inputs, Networks};
 use crate::parameters::Parameters;
+use crate::precision::Precision;
 use crate::workspace::Workspace;
 
 /// A recording of one batch of particles from `t = 0` on.

@@ -2,7 +2,7 @@
 
 use std::ops::{Add, AddAssign, Mul, MulAssign, Sub};
 
-use crate::backend::Precision;
+use crate::precision::Precision;
 
 /// Many numbers of one precision, one after another.
 #[derive(Debug, Clone, PartialEq)]

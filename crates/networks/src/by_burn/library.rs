@@ -3,10 +3,11 @@
 use burn::tensor::{DType, Device, Tensor, TensorData};
 use faer::Mat;
 
-use crate::backend::{Backend, Compute, Precision};
+use crate::backend::{Backend, Compute};
 use crate::error::NetworkError;
 use crate::networks::Inputs;
 use crate::parameters::Parameters;
+use crate::precision::Precision;
 
 /// A device of burn's with a precision: all that is needed to make a tensor.
 #[derive(Clone)]
