@@ -143,6 +143,27 @@ pub fn check_dimensions(model: &(impl StateSpaceModel + ?Sized)) -> Result<(), M
 pub trait Simulator: StateSpaceModel {
     /// Draws `y_t ~ p(y_t | x_t)` into `measurement` (`M`), given `state` (`N`).
     fn sample_measurement(&self, time: usize, state: &[f64], stream: &mut Stream, measurement: &mut [f64]);
+
+    /// [`Simulator::sample_measurement`] for each of `K` rows of `states` (`K×N`) into `measurements` (`K×M`); the rows are split evenly over `streams`, in order.
+    ///
+    /// # Panics
+    /// If `K` is not a multiple of the number of streams.
+    fn sample_measurements(
+        &self,
+        time: usize,
+        states: &[f64],
+        streams: &mut [Stream],
+        measurements: &mut [f64],
+    ) {
+        let (n, m) = (self.state_dim(), self.measurement_dim());
+        let particles = states.len() / n;
+        let mut rows = states.chunks_exact(n);
+        for (stream, measurements) in particles_by_stream(streams, measurements, m, particles) {
+            for (measurement, state) in measurements.chunks_exact_mut(m).zip(&mut rows) {
+                self.sample_measurement(time, state, stream, measurement);
+            }
+        }
+    }
 }
 
 /// A model that can weigh a measurement some of whose entries are missing.

@@ -321,3 +321,13 @@ fn parameters_out_of_range_give_nan() {
     let none = poisson::<f64>(0.0);
     assert_eq!([none.log_density(0.0), none.log_density(1.0)], [0.0, f64::NEG_INFINITY]);
 }
+
+#[test]
+fn a_mean_beyond_numbers_makes_counts_unlikely_and_not_wrong() {
+    let poisson: Distribution<f64> = poisson(f64::INFINITY);
+    let overdispersed: Distribution<f64> = negative_binomial(f64::INFINITY, 2.0);
+    for count in [0.0, 3.0] {
+        assert!(poisson.log_density(count) < -1e100, "{}", poisson.log_density(count));
+        assert!(overdispersed.log_density(count) < -1e3, "{}", overdispersed.log_density(count));
+    }
+}

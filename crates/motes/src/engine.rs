@@ -239,12 +239,15 @@ fn filter_of<'m>(
     seed: &Seed,
 ) -> Result<Box<dyn Steps + 'm>, MotesError> {
     let settings = options.settings();
-    match (model.model(), options.proposal) {
+    match (model.model(), &options.proposal) {
         (FileModel::Formulas(formulas), ProposalName::Bootstrap) => {
             boxed(formulas, Bootstrap, settings, seed)
         }
+        (FileModel::Formulas(formulas), ProposalName::Learned(learned)) => {
+            boxed(formulas, learned.proposal().clone(), settings, seed)
+        }
         (FileModel::Formulas(formulas), name) => {
-            if name == ProposalName::Optimal
+            if *name == ProposalName::Optimal
                 && let Err(reason) = formulas.closed_form()
             {
                 let reason = format!("{reason}; take --proposal linearised");
@@ -256,9 +259,13 @@ fn filter_of<'m>(
         (FileModel::LinearGaussian(linear), ProposalName::Bootstrap) => {
             boxed(&**linear, Bootstrap, settings, seed)
         }
-        (FileModel::LinearGaussian(linear), _) => {
+        (FileModel::LinearGaussian(linear), ProposalName::Linearised | ProposalName::Optimal) => {
             boxed(&**linear, MinDegeneracy::new(&**linear)?, settings, seed)
         }
+        (FileModel::LinearGaussian(_), ProposalName::Learned(learned)) => Err(MotesError::Proposal {
+            proposal: learned.name().into(),
+            reason: "it was learned for a model of formulas".into(),
+        }),
     }
 }
 

@@ -2,7 +2,9 @@
 
 use motes_formulas::FileError;
 use motes_models::ModelError;
-use motes_smc::FilterError;
+use motes_proposals::SavedError;
+use motes_smc::{FilterError, ProposalError};
+use motes_train::TrainError;
 use thiserror::Error;
 
 use crate::data::DataError;
@@ -38,6 +40,9 @@ pub enum MotesError {
     /// The model draws numbers that are not finite.
     #[error("{0}")]
     Simulation(String),
+    /// A learned proposal cannot be read or written.
+    #[error(transparent)]
+    Saved(SavedError),
     /// Something could not be written.
     #[error("{file}: {source}")]
     Output {
@@ -60,6 +65,7 @@ impl MotesError {
         match self {
             MotesError::Model(error) if error.is_io() => 3,
             MotesError::Data(error) if error.is_io() => 3,
+            MotesError::Saved(SavedError::Io { .. }) => 3,
             MotesError::Output { .. } | MotesError::Report(_) => 3,
             _ => 2,
         }
@@ -74,6 +80,18 @@ impl From<ModelError> for MotesError {
 
 impl From<FilterError> for MotesError {
     fn from(error: FilterError) -> Self {
+        MotesError::Setting(error.to_string())
+    }
+}
+
+impl From<ProposalError> for MotesError {
+    fn from(error: ProposalError) -> Self {
+        MotesError::Setting(error.to_string())
+    }
+}
+
+impl From<TrainError> for MotesError {
+    fn from(error: TrainError) -> Self {
         MotesError::Setting(error.to_string())
     }
 }

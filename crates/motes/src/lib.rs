@@ -29,6 +29,7 @@ mod engine;
 mod error;
 mod estimate;
 mod filtering;
+mod learning;
 mod model;
 mod options;
 pub mod output;
@@ -42,6 +43,7 @@ pub use engine::Running;
 pub use error::MotesError;
 pub use estimate::{Coordinate, Estimate};
 pub use filtering::{Filtered, Warning, filter};
+pub use learning::{DEFENSIVE_SHARE, LearnOptions, LearnOutcome, LearnedProposal, Notes, learn};
 pub use model::Model;
 pub use options::{FilterOptions, ProposalName};
 pub use simulating::{Simulated, simulate};
@@ -49,7 +51,9 @@ pub use smoothing::{Smoothed, smooth};
 
 pub use motes_formulas as formulas;
 pub use motes_models as models;
+pub use motes_proposals as proposals;
 pub use motes_smc as smc;
+pub use motes_train as train;
 
 /// The READMEs' code, compiled and run as documentation tests.
 #[doc = include_str!("../README.md")]

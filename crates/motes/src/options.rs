@@ -3,10 +3,11 @@
 use std::fmt;
 use std::str::FromStr;
 
+use crate::learning::{DEFENSIVE_SHARE, LearnedProposal};
 use motes_smc::{FilterSettings, ResampleWhen, Resampling};
 
 /// A proposal by its name on the command line.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub enum ProposalName {
     /// The transition, blind to the measurement.
     #[default]
@@ -15,20 +16,23 @@ pub enum ProposalName {
     Linearised,
     /// `p(x_t | x_{t−1}, y_t)` itself, where it has a closed form.
     Optimal,
+    /// One that was learned for the model.
+    Learned(LearnedProposal),
 }
 
 impl ProposalName {
-    /// All of them.
-    pub const ALL: [ProposalName; 3] =
+    /// Those that are designed, and need no learning.
+    pub const DESIGNED: [ProposalName; 3] =
         [ProposalName::Bootstrap, ProposalName::Linearised, ProposalName::Optimal];
 }
 
 impl fmt::Display for ProposalName {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str(match self {
+        formatter.pad(match self {
             ProposalName::Bootstrap => "bootstrap",
             ProposalName::Linearised => "linearised",
             ProposalName::Optimal => "optimal",
+            ProposalName::Learned(learned) => learned.name(),
         })
     }
 }
@@ -37,7 +41,7 @@ impl FromStr for ProposalName {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let named = ProposalName::ALL.into_iter().find(|name| name.to_string() == text);
+        let named = ProposalName::DESIGNED.into_iter().find(|name| name.to_string() == text);
         named.ok_or_else(|| motes_cli::one_of(text, ["bootstrap", "linearised", "optimal"]))
     }
 }
@@ -49,8 +53,8 @@ pub struct FilterOptions {
     pub proposal: ProposalName,
     /// `K`, the number of particles.
     pub particles: usize,
-    /// The share of particles that are drawn from the transition whatever the proposal is; none where it is 0.
-    pub defensive: f64,
+    /// The share of particles that are drawn from the transition whatever the proposal is; 0.1 of a learned one and 0 of others if none is given.
+    pub defensive: Option<f64>,
     /// Resample where the effective sample size is below this share of `K`; at each step where it is 1.
     pub resample_below: f64,
     /// How ancestors are drawn.
@@ -66,7 +70,7 @@ impl Default for FilterOptions {
         FilterOptions {
             proposal: ProposalName::Bootstrap,
             particles: 1000,
-            defensive: 0.0,
+            defensive: None,
             resample_below: 0.5,
             resampling: Resampling::Systematic,
             seed: 1,
@@ -76,6 +80,12 @@ impl Default for FilterOptions {
 }
 
 impl FilterOptions {
+    /// The share of particles that are drawn from the transition.
+    pub fn defensive_share(&self) -> f64 {
+        let default = if matches!(self.proposal, ProposalName::Learned(_)) { DEFENSIVE_SHARE } else { 0.0 };
+        self.defensive.unwrap_or(default)
+    }
+
     /// The settings of a filter that these options ask for.
     pub(crate) fn settings(&self) -> FilterSettings {
         let resample_when = match self.resample_below {
@@ -85,7 +95,7 @@ impl FilterOptions {
         FilterSettings {
             resampling: self.resampling,
             resample_when,
-            defensive_weight: (self.defensive > 0.0).then_some(self.defensive),
+            defensive_weight: Some(self.defensive_share()).filter(|share| *share > 0.0),
             ..FilterSettings::new(self.particles)
         }
     }

@@ -65,6 +65,32 @@ pub fn simulate(
     }
 }
 
+/// Draws `series` series of `steps` times; those that run to numbers that are not finite are left out.
+///
+/// # Errors
+/// [`MotesError::Simulation`] if none is left.
+pub(crate) fn simulate_some(
+    model: &Model,
+    steps: usize,
+    series: usize,
+    seed: &Seed,
+) -> Result<Simulated, MotesError> {
+    let draw = |number: usize| {
+        let mut stream = seed.nth(number as u64).stream();
+        match model.model() {
+            FileModel::Formulas(formulas) => draw_one(formulas, steps, &mut stream),
+            FileModel::LinearGaussian(linear) => draw_one(&**linear, steps, &mut stream),
+        }
+    };
+    let drawn: Vec<Trajectory> = (0..series).filter_map(|number| draw(number).ok()).collect();
+    match drawn.is_empty() {
+        true => Err(MotesError::Simulation(format!(
+            "all of {series} series of {steps} times run to numbers that are not finite; take fewer steps, or look at the transition's noise"
+        ))),
+        false => Ok(Simulated { series: drawn }),
+    }
+}
+
 fn draw_one(
     model: &impl Simulator,
     steps: usize,

@@ -70,6 +70,17 @@ impl Parameters {
         self.layout.push(shape);
     }
 
+    /// Adds a `shape` matrix with the given values, row-major.
+    ///
+    /// # Panics
+    /// If they are not as many as the matrix has entries.
+    pub fn add(&mut self, name: String, shape: [usize; 2], values: &[f64]) {
+        assert_eq!(shape[0] * shape[1], values.len(), "the values of matrix {name}");
+        self.values.push_all(values);
+        self.names.push(name);
+        self.layout.push(shape);
+    }
+
     /// What computes with the weights, and in which precision they are kept.
     pub fn compute(&self) -> Compute {
         self.compute

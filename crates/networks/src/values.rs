@@ -71,6 +71,18 @@ impl Values {
         }
     }
 
+    /// Moves by `share` of the way towards other values of the same precision and number; others change nothing.
+    pub fn approach(&mut self, others: &Values, share: f64) {
+        fn approach<T: Real>(values: &mut [T], others: &[T], share: T) {
+            values.iter_mut().zip(others).for_each(|(value, other)| *value += share * (*other - *value));
+        }
+        match (self, others) {
+            (Values::F32(values), Values::F32(others)) => approach(values, others, share as f32),
+            (Values::F64(values), Values::F64(others)) => approach(values, others, share),
+            _ => {}
+        }
+    }
+
     pub(crate) fn push_all(&mut self, more: &[f64]) {
         match self {
             Values::F32(values) => values.extend(more.iter().map(|&value| value as f32)),

@@ -1,15 +1,31 @@
-//! What all learned families have in common beside being trained: a name, settings, and a way to make one from them.
+//! What all learned families have in common: weights, a name, settings, and a way to make one from them.
 
 use motes_models::{ModelShape, Seed};
-use motes_networks::Compute;
+use motes_networks::{Compute, Parameters};
 use motes_smc::ProposalError;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use crate::learnable::Learnable;
+/// A proposal with weights.
+pub trait Parametric {
+    /// The weights.
+    fn parameters(&self) -> &Parameters;
+
+    /// The weights, to be changed by an optimiser.
+    fn parameters_mut(&mut self) -> &mut Parameters;
+
+    /// How many times the proposal has parameters for; `None` if any number.
+    fn horizon(&self) -> Option<usize>;
+
+    /// `N`, the number of coordinates of a state.
+    fn state_dim(&self) -> usize;
+
+    /// `M`, the number of coordinates of a measurement.
+    fn measurement_dim(&self) -> usize;
+}
 
 /// A family of learned proposals, made from settings alone: what an experiment or a saved file names.
-pub trait Family: Learnable + Sized {
+pub trait Family: Parametric + Sized {
     /// Its name in configurations and saved files.
     const NAME: &'static str;
 

@@ -1,8 +1,10 @@
 //! What training asks of a proposal: draw with a tape running, then pull derivatives back along it.
 
 use motes_models::Stream;
-use motes_networks::{Inputs, Parameters, Workspace};
+use motes_networks::{Inputs, Workspace};
 use motes_smc::ProposalError;
+
+use crate::family::Parametric;
 
 /// A proposal whose weights can be learned by reparametrised samples.
 ///
@@ -10,22 +12,7 @@ use motes_smc::ProposalError;
 /// Training needs the derivative of any scalar of states and log densities with respect to `θ`; a [`Tape`] gives it
 /// in reverse mode. The scalar itself, and all derivatives of model densities, stay outside: no states ever enter here but
 /// those that the proposal drew.
-pub trait Learnable {
-    /// The weights.
-    fn parameters(&self) -> &Parameters;
-
-    /// The weights, to be changed by an optimiser.
-    fn parameters_mut(&mut self) -> &mut Parameters;
-
-    /// How many times the proposal has parameters for; `None` if any number.
-    fn horizon(&self) -> Option<usize>;
-
-    /// `N`, the number of coordinates of a state.
-    fn state_dim(&self) -> usize;
-
-    /// `M`, the number of coordinates of a measurement.
-    fn measurement_dim(&self) -> usize;
-
+pub trait Learnable: Parametric {
     /// Fills `noise` (`K×N`) with what a draw of `K` particles is reparametrised by.
     fn fill_noise(&self, stream: &mut Stream, noise: &mut [f64]);
 

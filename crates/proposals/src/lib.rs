@@ -24,6 +24,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod amortised;
 mod family;
 mod fcnn;
 mod gaussian;
@@ -36,7 +37,11 @@ mod saved;
 mod settings;
 mod standardised;
 
-pub use family::Family;
+pub use amortised::{
+    Amortised, AmortisedBatch, AmortisedConfig, AmortisedScratch, Base, Covariance, Examples, FlowHead,
+    GaussianHead, Head, HeadConfig, MixtureHead, Stage, Times,
+};
+pub use family::{Family, Parametric};
 pub use fcnn::{Fcnn, FcnnConfig, FcnnNetworks};
 pub use gaussian::{
     GaussianNetworks, GaussianProposal, GaussianScratch, Hidden, HiddenRows, KernelCovariance,
@@ -50,5 +55,5 @@ pub use motes_networks::{
 };
 pub use psi::{Psi, PsiConfig, PsiScratch};
 pub use rnn::{Rnn, RnnConfig, RnnNetworks};
-pub use saved::{SAVED_FORMAT, SavedError, load, save};
+pub use saved::{SAVED_FORMAT, SavedError, load, notes, save};
 pub use standardised::{Frame, Frames, Origin, Standardised, StandardisedConfig, StandardisedScratch};

@@ -37,7 +37,7 @@ pub use proposal::{Conditional, Context, Proposal};
 pub use proposal_error::ProposalError;
 pub use proposals::{
     Bootstrap, Corrected, GaussianBatch, Linearised, LinearisedBatch, LinearisedScratch, MinDegeneracy,
-    Transition,
+    Transition, fisher_scoring,
 };
 pub use resampling::{ResampleWhen, Resampling};
 pub use smoothing::{FilterHistory, SmoothedPaths, SmoothingError, backward_simulation};

@@ -151,6 +151,11 @@ impl Adam {
         Ok(Adam { config: *config, moments: None, steps: Vec::new() })
     }
 
+    /// Takes the next steps with another learning rate; 0 stands still.
+    pub(crate) fn set_learning_rate(&mut self, learning_rate: f64) {
+        self.config.learning_rate = learning_rate;
+    }
+
     /// Moves every weight `θ` that has a gradient `g` against it.
     ///
     /// `m ← β₁ m + (1 − β₁) g`, `v ← β₂ v + (1 − β₂) g²`, `θ ← θ − α m̂ / (√v̂ + ε)`,

@@ -32,6 +32,9 @@ pub enum TrainError {
         /// What failed.
         source: ProposalError,
     },
+    /// The proposal's networks could not be asked.
+    #[error(transparent)]
+    Networks(#[from] ProposalError),
     /// The optimiser was handed parameters, gradients or moments that are not of one proposal.
     #[error("{what} are of other parameters; a step takes weights, gradients and moments of one proposal")]
     Optimiser {

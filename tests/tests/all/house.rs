@@ -22,7 +22,7 @@ fn arrows_go_one_way() {
         ("models", &[][..]),
         ("formulas", &["models"]),
         ("smc", &["models"]),
-        ("motes", &["cli", "formulas", "models", "smc"]),
+        ("motes", &["cli", "formulas", "models", "proposals", "smc", "train"]),
         ("networks", &["models"]),
         ("proposals", &["models", "networks", "smc"]),
         ("train", &["models", "proposals", "smc"]),

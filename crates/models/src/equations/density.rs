@@ -27,6 +27,9 @@ fn at_count<S: Scalar>(count: S, density: S) -> S {
     inside(count, density)
 }
 
+/// Larger means of counts are taken for this one, which no sum overflows with.
+const MOST_EXPECTED: f64 = 1e300;
+
 impl<S: Scalar> Distribution<S> {
     /// `log p(x)`; −∞ outside the support, NaN where a parameter is out of range.
     #[inline(always)]
@@ -78,8 +81,13 @@ impl<S: Scalar> Distribution<S> {
                 let depth = (x - low).min(high - x);
                 inside(depth, -(high - low).ln())
             }
-            Distribution::Poisson { mean } => at_count(x, times_log(x, mean) - mean - log_factorial()),
+            // Where so many are expected that they are no number, any count is as unlikely as can be.
+            Distribution::Poisson { mean } => {
+                let mean = mean.min(S::from(MOST_EXPECTED));
+                at_count(x, times_log(x, mean) - mean - log_factorial())
+            }
             Distribution::NegativeBinomial { mean, size } => {
+                let mean = mean.min(S::from(MOST_EXPECTED));
                 let whole = mean + size;
                 let density = (x + size).ln_gamma() - size.ln_gamma() - log_factorial()
                     + times_log(x, mean / whole)

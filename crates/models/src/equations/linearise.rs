@@ -22,7 +22,7 @@ pub trait Linearise: StateSpaceModel {
         &self,
         time: usize,
         states: &[f64],
-        measurement: &[Option<f64>],
+        measurement: &[Option<Lanes>],
         slopes: &mut [f64],
         information: &mut [f64],
         jacobian: &mut [f64],
@@ -48,7 +48,7 @@ impl Coordinates<Lanes> for Moments<'_> {
 
 /// Keeps scores, with the derivatives of locations along some coordinates from `first` on.
 struct Scores<'a> {
-    measurement: &'a [Option<f64>],
+    measurement: &'a [Option<Lanes>],
     first: usize,
     n: usize,
     slopes: &'a mut [Lanes],
@@ -70,7 +70,7 @@ impl Coordinates<Varied> for Scores<'_> {
             jacobian.fill(zero);
             return;
         };
-        let score = distribution.score(*y);
+        let score = distribution.score(Varied::constant(*y));
         self.slopes[at] = score.slope.value();
         self.information[at] = score.information.value();
         for (place, derivative) in jacobian.iter_mut().zip(score.location.derivatives()) {
@@ -93,7 +93,7 @@ impl<E: Equations> Linearise for E {
         &self,
         time: usize,
         states: &[f64],
-        measurement: &[Option<f64>],
+        measurement: &[Option<Lanes>],
         slopes: &mut [f64],
         information: &mut [f64],
         jacobian: &mut [f64],

@@ -10,10 +10,14 @@ mod lanes;
 mod linearise;
 mod model;
 mod moments;
+mod quantile;
 mod sample;
 mod scalar;
 mod statement;
+mod tails;
 mod tiles;
+mod transport;
+pub mod triangle;
 
 pub use distribution::{
     Distribution, bernoulli, binomial, exponential, gamma, laplace, log_normal, negative_binomial, normal,
@@ -26,3 +30,4 @@ pub use moments::Score;
 pub use scalar::Scalar;
 pub use statement::{Coordinates, Equations};
 pub use tiles::with_scalars;
+pub use transport::Transport;

@@ -213,6 +213,21 @@ impl<E: Equations> Simulator for E {
             self.measurement(time, state, drawn);
         });
     }
+
+    fn sample_measurements(
+        &self,
+        time: usize,
+        states: &[f64],
+        streams: &mut [Stream],
+        measurements: &mut [f64],
+    ) {
+        let [n, m] = self.dimensions();
+        let Some(first) = states.get(..n) else { return };
+        let needs = needs_of(|counter| self.measurement(time, first, counter));
+        draw_rows(needs, m, Some(Rows::all(states, n)), n, streams, measurements, |state, drawn| {
+            self.measurement(time, state, drawn);
+        });
+    }
 }
 
 impl<E: Equations> PartialLikelihood for E {

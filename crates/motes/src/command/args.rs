@@ -1,12 +1,14 @@
 //! The arguments of each command.
 
 use std::path::PathBuf;
+use std::str::FromStr;
 
 use clap::{Args, Parser, Subcommand};
 use motes::models::ModelError;
 use motes::output::Output;
+use motes::proposals::{Base, Covariance, HeadConfig};
 use motes::smc::Resampling;
-use motes::{FilterOptions, Model, MotesError, ProposalName};
+use motes::{FilterOptions, LearnOptions, LearnedProposal, Model, MotesError, ProposalName};
 use motes_cli::{integer, one_of};
 
 /// Particle filters for state-space models: hidden states, evidence and warnings from a model file and a CSV file.
@@ -40,6 +42,11 @@ pub(super) enum Command {
     /// Draw series of states and measurements from a model
     #[command(after_help = "Example:\n  motes simulate growth.toml --steps 100 --series 20 -o data.csv")]
     Simulate(SimulateArgs),
+    /// Learn a proposal for a model from sequences that it draws for itself, and hold it against designed ones
+    #[command(
+        after_help = "Examples:\n  motes learn growth.toml -o growth-proposal\n  motes filter growth.toml data.csv --proposal growth-proposal"
+    )]
+    Learn(LearnArgs),
     /// Print what a shell needs to complete this command
     Completions {
         /// The shell
@@ -77,16 +84,49 @@ impl ModelArgs {
     }
 }
 
+/// A proposal by its name, or the folder that it was learned into.
+#[derive(Debug, Clone)]
+pub(super) enum ProposalArg {
+    Designed(ProposalName),
+    Folder(PathBuf),
+}
+
+impl FromStr for ProposalArg {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let named = ProposalName::DESIGNED.into_iter().find(|name| name.to_string() == text);
+        match named {
+            Some(name) => Ok(ProposalArg::Designed(name)),
+            None if std::path::Path::new(text).is_dir() => Ok(ProposalArg::Folder(text.into())),
+            None => Err(format!(
+                "{}, and there is no such folder",
+                one_of(text, ["bootstrap", "linearised", "optimal"])
+            )),
+        }
+    }
+}
+
+impl ProposalArg {
+    /// The proposal, read if it is in a folder.
+    pub(super) fn of(&self, model: &Model) -> Result<ProposalName, MotesError> {
+        match self {
+            ProposalArg::Designed(name) => Ok(name.clone()),
+            ProposalArg::Folder(folder) => Ok(ProposalName::Learned(LearnedProposal::load(folder, model)?)),
+        }
+    }
+}
+
 /// How to filter.
 #[derive(Args)]
 pub(super) struct FilterSettingsArgs {
-    /// What particles are drawn from: bootstrap, linearised or optimal
+    /// What particles are drawn from: bootstrap, linearised, optimal, or a folder that learn wrote
     #[arg(long, value_name = "P", default_value = "bootstrap")]
-    pub(super) proposal: ProposalName,
+    pub(super) proposal: ProposalArg,
     /// The number of particles
     #[arg(long, value_name = "K", allow_negative_numbers = true, default_value = "1000", value_parser = integer(1..=1_000_000_000_usize))]
     pub(super) particles: usize,
-    /// The share of particles that are drawn from the transition whatever the proposal is, from 0 to below 1
+    /// The share of particles that are drawn from the transition whatever the proposal is, from 0 to below 1; if absent 0.1 of a learned proposal, 0 of others
     #[arg(long, value_name = "W", allow_negative_numbers = true, value_parser = share)]
     pub(super) defensive: Option<f64>,
     /// Resample where the effective sample size is below this share of the particles, above 0 and at most 1; 1 is at each step
@@ -98,16 +138,21 @@ pub(super) struct FilterSettingsArgs {
 }
 
 impl FilterSettingsArgs {
-    pub(super) fn options(&self, seed: u64, forecast: usize) -> FilterOptions {
-        FilterOptions {
-            proposal: self.proposal,
+    pub(super) fn options(
+        &self,
+        model: &Model,
+        seed: u64,
+        forecast: usize,
+    ) -> Result<FilterOptions, MotesError> {
+        Ok(FilterOptions {
+            proposal: self.proposal.of(model)?,
             particles: self.particles,
-            defensive: self.defensive.unwrap_or(0.0),
+            defensive: self.defensive,
             resample_below: self.resample_below,
             resampling: self.resampling,
             seed,
             forecast,
-        }
+        })
     }
 }
 
@@ -179,6 +224,56 @@ pub(super) struct SmoothArgs {
 }
 
 #[derive(Args)]
+pub(super) struct LearnArgs {
+    #[command(flatten)]
+    pub(super) model: ModelArgs,
+    /// The folder that the proposal is written into; a proposal that is there is replaced
+    #[arg(long, short = 'o', value_name = "FOLDER")]
+    pub(super) output: PathBuf,
+    /// Gradient steps
+    #[arg(long, value_name = "U", allow_negative_numbers = true, default_value = "5000", value_parser = integer(1..=1_000_000_000_usize))]
+    pub(super) updates: usize,
+    /// End learning after so many seconds, whatever its updates; the result then depends on the machine
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = seconds)]
+    pub(super) budget: Option<f64>,
+    /// The number of times in each simulated sequence
+    #[arg(long, value_name = "T", allow_negative_numbers = true, default_value = "100", value_parser = integer(2..=1_000_000_usize))]
+    pub(super) steps: usize,
+    /// The designed proposal that it is built around: transition or linearised; chosen if absent
+    #[arg(long, value_name = "B", value_parser = base)]
+    pub(super) base: Option<Base>,
+    /// What its networks emit: gaussian, mixture or mixture:J of J Gaussians, flow or flow:K of splines with K pieces; chosen if absent
+    #[arg(long, value_name = "H", value_parser = head)]
+    pub(super) head: Option<HeadConfig>,
+    /// The widths of the networks' hidden layers
+    #[arg(long, value_name = "W,W", value_delimiter = ',', default_value = "64,64", value_parser = integer(1..=65536_usize))]
+    pub(super) widths: Vec<usize>,
+    /// The number of particles of the card
+    #[arg(long, value_name = "K", allow_negative_numbers = true, default_value = "100", value_parser = integer(1..=1_000_000_000_usize))]
+    pub(super) particles: usize,
+    /// The number of sequences that it is judged on; 0 writes no card
+    #[arg(long, value_name = "S", allow_negative_numbers = true, default_value = "20", value_parser = integer(0..=1_000_000_usize))]
+    pub(super) sequences: usize,
+    /// Print one JSON object with all figures
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+impl LearnArgs {
+    pub(super) fn options(&self) -> LearnOptions {
+        LearnOptions {
+            updates: self.updates,
+            seconds: self.budget,
+            steps: self.steps,
+            base: self.base,
+            head: self.head,
+            widths: self.widths.clone(),
+            seed: self.model.seed,
+        }
+    }
+}
+
+#[derive(Args)]
 pub(super) struct SimulateArgs {
     #[command(flatten)]
     pub(super) model: ModelArgs,
@@ -207,9 +302,9 @@ pub(super) struct CompareArgs {
     pub(super) model: ModelArgs,
     /// Data whose series are filtered, instead of simulated sequences; - is standard input
     pub(super) data: Option<PathBuf>,
-    /// Proposals, separated by commas: bootstrap, linearised, optimal; all that the model has if absent
+    /// Proposals, separated by commas: bootstrap, linearised, optimal, folders that learn wrote; all that are designed and the model has if absent
     #[arg(long, value_name = "P,P", value_delimiter = ',')]
-    pub(super) proposals: Vec<ProposalName>,
+    pub(super) proposals: Vec<ProposalArg>,
     /// The number of particles of the card
     #[arg(long, value_name = "K", allow_negative_numbers = true, default_value = "100", value_parser = integer(1..=1_000_000_000_usize))]
     pub(super) particles: usize,
@@ -222,7 +317,7 @@ pub(super) struct CompareArgs {
     /// The number of times in each simulated sequence
     #[arg(long, value_name = "T", allow_negative_numbers = true, default_value = "100", value_parser = integer(1..=1_000_000_000_usize))]
     pub(super) steps: usize,
-    /// The share of particles that are drawn from the transition whatever the proposal is
+    /// The share of particles that are drawn from the transition whatever the proposal is; if absent 0.1 of learned proposals, 0 of others
     #[arg(long, value_name = "W", allow_negative_numbers = true, value_parser = share)]
     pub(super) defensive: Option<f64>,
     /// Resample where the effective sample size is below this share of the particles; 1 is at each step
@@ -257,6 +352,37 @@ fn share(text: &str) -> Result<f64, String> {
 fn fraction(text: &str) -> Result<f64, String> {
     let fraction = text.parse().ok().filter(|fraction| *fraction > 0.0 && *fraction <= 1.0);
     fraction.ok_or_else(|| "it must be a number above 0 and at most 1".into())
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    let seconds = text.parse().ok().filter(|seconds: &f64| *seconds > 0.0 && seconds.is_finite());
+    seconds.ok_or_else(|| "it must be a number above 0".into())
+}
+
+fn base(text: &str) -> Result<Base, String> {
+    match text {
+        "transition" => Ok(Base::Transition),
+        "linearised" => Ok(Base::Linearised),
+        other => Err(one_of(other, ["transition", "linearised"])),
+    }
+}
+
+fn head(text: &str) -> Result<HeadConfig, String> {
+    let covariance = Covariance::Full;
+    match text.split_once(':') {
+        None if text == "gaussian" => Ok(HeadConfig::Gaussian { covariance }),
+        None if text == "mixture" => Ok(HeadConfig::Mixture { components: 5, covariance }),
+        Some(("mixture", count)) => match count.parse() {
+            Ok(components @ 1..=100) => Ok(HeadConfig::Mixture { components, covariance }),
+            _ => Err(format!("{count} is no number of components; it must be an integer from 1 to 100")),
+        },
+        None if text == "flow" => Ok(HeadConfig::Flow { pieces: 8, covariance }),
+        Some(("flow", count)) => match count.parse() {
+            Ok(pieces @ 2..=100) => Ok(HeadConfig::Flow { pieces, covariance }),
+            _ => Err(format!("{count} is no number of pieces; it must be an integer from 2 to 100")),
+        },
+        _ => Err(one_of(text, ["gaussian", "mixture", "flow"])),
+    }
 }
 
 fn resampling(text: &str) -> Result<Resampling, String> {

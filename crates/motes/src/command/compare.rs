@@ -18,7 +18,7 @@ pub(super) fn run(args: &CompareArgs, interrupt: &Interrupt) -> Result<u8, Failu
     }
     let filter = FilterOptions {
         particles: args.particles,
-        defensive: args.defensive.unwrap_or(0.0),
+        defensive: args.defensive,
         resample_below: args.resample_below,
         resampling: args.resampling,
         seed: args.model.seed,
@@ -52,7 +52,7 @@ pub(super) fn run(args: &CompareArgs, interrupt: &Interrupt) -> Result<u8, Failu
         (None, true) => {}
     }
     if args.json {
-        write(&Output::Standard, &card_json(&compared))?;
+        write(&Output::Standard, &card_json(&compared, None))?;
     }
     Ok(0)
 }
@@ -64,11 +64,22 @@ fn proposals(
     filter: &FilterOptions,
 ) -> Result<Vec<ProposalName>, MotesError> {
     let is_there = |proposal: &ProposalName| {
-        let options = FilterOptions { proposal: *proposal, particles: 1, ..filter.clone() };
+        let options = FilterOptions { proposal: proposal.clone(), particles: 1, ..filter.clone() };
         Running::new(model, &options, 0).map(drop)
     };
-    match args.proposals.is_empty() {
-        true => Ok(ProposalName::ALL.into_iter().filter(|proposal| is_there(proposal).is_ok()).collect()),
-        false => args.proposals.iter().try_for_each(is_there).map(|()| args.proposals.clone()),
+    let named = args.proposals.iter().map(|proposal| proposal.of(model));
+    let named: Vec<ProposalName> = named.collect::<Result<_, _>>()?;
+    match named.is_empty() {
+        true => Ok(there(model, filter)),
+        false => named.iter().try_for_each(is_there).map(|()| named),
     }
+}
+
+/// The designed proposals that a model has.
+pub(super) fn there(model: &Model, filter: &FilterOptions) -> Vec<ProposalName> {
+    let is_there = |proposal: &ProposalName| {
+        let options = FilterOptions { proposal: proposal.clone(), particles: 1, ..filter.clone() };
+        Running::new(model, &options, 0).is_ok()
+    };
+    ProposalName::DESIGNED.into_iter().filter(is_there).collect()
 }

@@ -18,7 +18,7 @@ use super::summary::{filter_summary, in_one_line};
 pub(super) fn run(args: &FilterArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
     let model = args.model.read()?;
     args.output.check()?;
-    let options = args.settings.options(args.model.seed, args.forecast);
+    let options = args.settings.options(&model, args.model.seed, args.forecast)?;
     if args.data == Path::new("-") {
         return Ok(on_threads(args.model.threads, || stream::run(args, &model, &options, interrupt))??);
     }

@@ -7,6 +7,7 @@ mod failure;
 mod filter;
 mod filter_page;
 mod input;
+mod learn;
 mod progress;
 mod say;
 mod simulate;
@@ -40,6 +41,7 @@ pub(crate) fn run() -> ExitCode {
         Command::Filter(args) => filter::run(&args, &interrupt),
         Command::Check(args) => check::run(&args, &interrupt),
         Command::Compare(args) => compare::run(&args, &interrupt),
+        Command::Learn(args) => learn::run(&args, &interrupt),
         Command::Simulate(args) => simulate::run(&args, &interrupt),
         Command::Smooth(args) => smooth::run(&args, &interrupt),
         Command::Completions { shell } => {

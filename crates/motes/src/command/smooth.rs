@@ -16,7 +16,7 @@ use super::summary::{command_line, filter_settings, filter_summary, in_one_line}
 pub(super) fn run(args: &SmoothArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
     let model = args.model.read()?;
     args.output.check()?;
-    let options = args.settings.options(args.model.seed, 0);
+    let options = args.settings.options(&model, args.model.seed, 0)?;
     let data = input::data(&args.data, &model, interrupt)?;
     say_ignored(&data.columns, args.model.quiet);
     let start = Instant::now();

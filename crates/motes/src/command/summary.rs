@@ -38,7 +38,7 @@ pub(super) fn filter_settings(model: &ModelArgs, options: &FilterOptions) -> Vec
         ("model".to_string(), model.model.display().to_string()),
         ("proposal".into(), options.proposal.to_string()),
         ("particles".into(), options.particles.to_string()),
-        ("defensive share".into(), options.defensive.to_string()),
+        ("defensive share".into(), options.defensive_share().to_string()),
         ("resample below".into(), options.resample_below.to_string()),
         ("resampling".into(), format!("{:?}", options.resampling).to_lowercase()),
         ("seed".into(), options.seed.to_string()),

@@ -37,11 +37,11 @@ pub struct EqualTime {
 
 impl EqualTime {
     /// The error of a proposal at a time for each step, between its points in logarithms; none where it has no points on both sides.
-    fn error_at(&self, proposal: ProposalName, ms: f64) -> Option<f64> {
+    fn error_at(&self, proposal: &ProposalName, ms: f64) -> Option<f64> {
         let mut known: Vec<(f64, f64)> = self
             .points
             .iter()
-            .filter(|point| point.proposal == proposal)
+            .filter(|point| point.proposal == *proposal)
             .filter_map(|point| Some((point.ms_per_step.ln(), point.error?.max(1e-300).ln())))
             .collect();
         known.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -58,18 +58,16 @@ impl EqualTime {
         let times = || self.points.iter().map(|point| point.ms_per_step);
         let (low, high) =
             times().fold((f64::INFINITY, 0.0_f64), |(low, high), ms| (low.min(ms), high.max(ms)));
-        let names: Vec<ProposalName> = ProposalName::ALL
-            .into_iter()
-            .filter(|name| self.points.iter().any(|point| point.proposal == *name))
-            .collect();
+        let mut names: Vec<&ProposalName> = self.points.iter().map(|point| &point.proposal).collect();
+        names.dedup();
         let mut found: Vec<(ProposalName, [f64; 2])> = Vec::new();
         for part in 0..=PARTS {
             let ms = low * (high / low).powf(part as f64 / PARTS as f64);
-            let errors = names.iter().filter_map(|name| Some((*name, self.error_at(*name, ms)?)));
+            let errors = names.iter().filter_map(|name| Some((*name, self.error_at(name, ms)?)));
             let Some((best, _)) = errors.min_by(|a, b| a.1.total_cmp(&b.1)) else { continue };
             match found.last_mut() {
-                Some((name, range)) if *name == best => range[1] = ms,
-                _ => found.push((best, [ms, ms])),
+                Some((name, range)) if name == best => range[1] = ms,
+                _ => found.push((best.clone(), [ms, ms])),
             }
         }
         found
@@ -112,14 +110,14 @@ mod tests {
         };
         let (cheap, dear) = (ProposalName::Bootstrap, ProposalName::Linearised);
         let points = vec![
-            point(cheap, 10, 0.01, 100.0),
-            point(cheap, 1000, 1.0, 1.0),
-            point(dear, 10, 0.05, 5.0),
-            point(dear, 1000, 5.0, 0.5),
+            point(cheap.clone(), 10, 0.01, 100.0),
+            point(cheap.clone(), 1000, 1.0, 1.0),
+            point(dear.clone(), 10, 0.05, 5.0),
+            point(dear.clone(), 1000, 5.0, 0.5),
         ];
         let equal = EqualTime { points };
         let names: Vec<ProposalName> = equal.best().into_iter().map(|(name, _)| name).collect();
-        assert_eq!(names, [cheap, dear, cheap, dear]);
+        assert_eq!(names, [cheap.clone(), dear.clone(), cheap, dear]);
         assert!(
             equal.to_string().starts_with(
                 "The least error of the log-evidence at equal time: bootstrap from 0.010 to 0.0"

@@ -83,22 +83,23 @@ pub fn compare(
         step()?;
     }
     let (mut cards, mut points) = (Vec::new(), Vec::new());
-    for &proposal in &options.proposals {
+    for proposal in &options.proposals {
         let mut runs = Vec::new();
         for (number, (sequence, reference)) in sequences.iter().zip(&references).enumerate() {
-            let filter = FilterOptions { proposal, ..options.filter.clone() };
+            let filter = FilterOptions { proposal: proposal.clone(), ..options.filter.clone() };
             runs.push(run(model, sequence, reference, &filter, number, true)?);
             step()?;
         }
-        cards.push((proposal, Card::of(&runs, options.filter.particles)));
+        cards.push((proposal.clone(), Card::of(&runs, options.filter.particles)));
         for &particles in &options.particles {
             let mut runs = Vec::new();
             for (number, (sequence, reference)) in sequences.iter().zip(&references).enumerate() {
-                let filter = FilterOptions { proposal, particles, ..options.filter.clone() };
+                let filter =
+                    FilterOptions { proposal: proposal.clone(), particles, ..options.filter.clone() };
                 runs.push(run(model, sequence, reference, &filter, number, false)?);
                 step()?;
             }
-            points.push(Point::of(proposal, particles, &runs));
+            points.push(Point::of(proposal.clone(), particles, &runs));
         }
     }
     let times = sequences.iter().map(|sequence| sequence.measurements.len()).sum();

@@ -48,7 +48,7 @@ pub(super) fn reference(
     let filter = FilterOptions {
         proposal: ProposalName::Linearised,
         particles: PARTICLES,
-        defensive: DEFENSIVE,
+        defensive: Some(DEFENSIVE),
         seed: options.seed.wrapping_add(1),
         ..options.clone()
     };

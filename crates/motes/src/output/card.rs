@@ -43,8 +43,8 @@ impl From<&Card> for CardObject {
     }
 }
 
-/// The object of a comparison: the figures of each method by its name, and error against time.
-pub fn card_json(comparison: &Comparison) -> String {
+/// The object of a comparison: the figures of each method by its name, error against time, and how long it took to learn.
+pub fn card_json(comparison: &Comparison, training_seconds: Option<f64>) -> String {
     let mut methods = Map::new();
     for (proposal, card) in &comparison.cards {
         methods.insert(
@@ -62,7 +62,7 @@ pub fn card_json(comparison: &Comparison) -> String {
     });
     let object = json!({
         "methods": methods,
-        "training_seconds": Value::Null,
+        "training_seconds": training_seconds,
         "reference": comparison.reference,
         "equal_time": points.collect::<Vec<_>>(),
     });

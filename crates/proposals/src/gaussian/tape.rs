@@ -7,10 +7,11 @@ use motes_smc::{GaussianBatch, ProposalError};
 use super::covariance::KernelCovariance;
 use super::networks::GaussianNetworks;
 use super::proposal::GaussianProposal;
+use crate::family::Parametric;
 use crate::learnable::{Learnable, Tape};
 use crate::settings::of_networks;
 
-impl<F: GaussianNetworks> Learnable for GaussianProposal<F> {
+impl<F: GaussianNetworks> Parametric for GaussianProposal<F> {
     fn parameters(&self) -> &Parameters {
         &self.parameters
     }
@@ -30,7 +31,9 @@ impl<F: GaussianNetworks> Learnable for GaussianProposal<F> {
     fn measurement_dim(&self) -> usize {
         self.measurement_dim
     }
+}
 
+impl<F: GaussianNetworks> Learnable for GaussianProposal<F> {
     fn fill_noise(&self, stream: &mut Stream, noise: &mut [f64]) {
         fill_standard_normal(stream, noise);
     }

@@ -8,10 +8,11 @@ use pulp::{Simd, WithSimd};
 use super::map::{Inverses, Map};
 use super::propose::fill_uniform;
 use super::transform::{FIRST, Psi};
+use crate::family::Parametric;
 use crate::lanes::{Blocks, LANES, Lane, set_times_transposed, vectorised};
 use crate::learnable::{Learnable, Tape};
 
-impl Learnable for Psi {
+impl Parametric for Psi {
     fn parameters(&self) -> &Parameters {
         &self.parameters
     }
@@ -31,7 +32,9 @@ impl Learnable for Psi {
     fn measurement_dim(&self) -> usize {
         self.measurement_dim
     }
+}
 
+impl Learnable for Psi {
     fn fill_noise(&self, stream: &mut Stream, noise: &mut [f64]) {
         fill_uniform(stream, noise);
     }

@@ -4,6 +4,8 @@ use std::path::Path;
 
 use motes_models::{ModelShape, Seed, StateSpaceModel};
 use motes_networks::Compute;
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
 
 use super::description::{DESCRIPTION, Description, SAVED_FORMAT};
 use super::error::SavedError;
@@ -69,6 +71,28 @@ pub fn load<F: Family>(
     }
     weights::place(&matrices, proposal.parameters_mut()).map_err(|reason| damaged(WEIGHTS, reason))?;
     Ok(proposal)
+}
+
+/// Reads what was written down about the training of the proposal in `folder`.
+///
+/// # Errors
+/// [`SavedError`] if the description is missing, damaged, or says something else.
+pub fn notes<Notes: DeserializeOwned>(folder: &Path) -> Result<Notes, SavedError> {
+    let path = folder.join(DESCRIPTION);
+    let text =
+        std::fs::read_to_string(&path).map_err(|source| SavedError::Io { path: path.clone(), source })?;
+    let damaged = |reason: toml::de::Error| {
+        let reason = reason.message().lines().collect::<Vec<_>>().join(" ");
+        SavedError::Damaged { path: path.clone(), reason }
+    };
+    let Training { training } = toml::from_str(&text).map_err(damaged)?;
+    training.try_into().map_err(damaged)
+}
+
+/// The part of a description about training.
+#[derive(Deserialize)]
+struct Training {
+    training: toml::Table,
 }
 
 /// Holds the saved fingerprint against that of the model given.

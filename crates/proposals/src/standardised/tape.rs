@@ -7,10 +7,10 @@ use motes_smc::ProposalError;
 
 use super::family::Standardised;
 use super::frame::Frame;
-use crate::family::Family;
+use crate::family::{Family, Parametric};
 use crate::learnable::{Learnable, Tape};
 
-impl<F: Family> Learnable for Standardised<F> {
+impl<F: Family> Parametric for Standardised<F> {
     fn parameters(&self) -> &Parameters {
         self.proposal.parameters()
     }
@@ -31,7 +31,9 @@ impl<F: Family> Learnable for Standardised<F> {
     fn measurement_dim(&self) -> usize {
         self.proposal.measurement_dim()
     }
+}
 
+impl<F: Family + Learnable> Learnable for Standardised<F> {
     fn fill_noise(&self, stream: &mut Stream, noise: &mut [f64]) {
         self.proposal.fill_noise(stream, noise);
     }

@@ -204,7 +204,11 @@ impl<M: StateSpaceModel + ?Sized, P: Proposal<M>> Step<'_, M, P> {
             for (increment, (likelihood, transition)) in
                 increments.iter_mut().zip(likelihoods.iter().zip(&*transitions))
             {
-                *increment = likelihood + transition - *increment;
+                // A state that cannot be reached weighs nothing, whatever its measurement would be.
+                *increment = match *transition == f64::NEG_INFINITY {
+                    true => f64::NEG_INFINITY,
+                    false => likelihood + transition - *increment,
+                };
             }
             Ok(())
         })

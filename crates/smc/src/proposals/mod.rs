@@ -9,5 +9,5 @@ mod min_degeneracy;
 pub use bootstrap::{Bootstrap, Transition};
 pub(crate) use defensive::Defensive;
 pub use gaussian_batch::GaussianBatch;
-pub use linearised::{Linearised, LinearisedBatch, LinearisedScratch};
+pub use linearised::{Linearised, LinearisedBatch, LinearisedScratch, fisher_scoring};
 pub use min_degeneracy::{Corrected, MinDegeneracy};

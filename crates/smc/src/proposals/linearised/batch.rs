@@ -4,10 +4,10 @@ use motes_models::batch::{LANES, load, particles_by_stream, store, with_scratch}
 use motes_models::equations::{Lanes, Linearise, Scalar};
 use motes_models::{Stream, fill_standard_normal};
 
-use super::factor::{at, solve_upper, times_upper};
 use super::scratch::{LinearisedScratch, lanes};
 use crate::proposal::{Conditional, Context};
 use crate::proposals::bootstrap::Transition;
+use motes_models::equations::triangle::{at, solve_upper, times_upper};
 
 /// The Gaussians of a block of particles, each with its own mean and precision; or their transitions.
 pub struct LinearisedBatch<'a, M: ?Sized> {

@@ -3,7 +3,7 @@
 use motes_models::batch::LANES;
 use motes_models::equations::{Lanes, Linearise};
 
-use super::factor::{at, factor, solve_lower, solve_upper};
+use motes_models::equations::triangle::{at, factor, solve_lower, solve_upper};
 
 /// Whether the location of an entry of `measurement` depends on the state near `state`.
 pub(super) fn depends_on_state(
@@ -13,7 +13,7 @@ pub(super) fn depends_on_state(
     measurement: &[f64],
 ) -> bool {
     let (n, m) = (state.len(), measurement.len());
-    let measurement: Vec<Option<f64>> = measurement.iter().copied().map(Some).collect();
+    let measurement: Vec<Option<Lanes>> = measurement.iter().map(|y| Some(Lanes::from(*y))).collect();
     let states: Vec<f64> = state.iter().flat_map(|value| [*value; LANES]).collect();
     let mut found = vec![0.0; (2 + n) * m * LANES];
     let (slopes, rest) = found.split_at_mut(m * LANES);
@@ -52,13 +52,32 @@ pub(super) fn score(
     jacobian: &mut [Lanes],
     lower: &mut [Lanes],
 ) {
-    let n = mean.len();
     lower.fill(Lanes::from(0.0));
     for (i, variance) in variances.iter().enumerate() {
         lower[at(i, i)] = Lanes::from(1.0) / *variance;
     }
-    // From here on they hold g.
-    variances.fill(Lanes::from(0.0));
+    fisher_scoring(mean, slopes, information, jacobian, lower, variances);
+}
+
+/// One step of Fisher scoring for the particles of a tile, one particle in each lane: `Λ = P⁻¹ + Σ_j I_j J_j J_jᵀ`, `g = Σ_j s_j J_j`.
+///
+/// - `mean` (`N`) holds `m` and gets `m + Λ⁻¹ g`.
+/// - `lower` (`N(N+1)/2`, see [`triangle`](motes_models::equations::triangle)) holds `P⁻¹` and gets `L`, `Λ = L Lᵀ`.
+/// - `slopes` `s` and `information` `I` (`M` each) and `jacobian` `J` (`M×N`) are what the measurement says at `m`. An entry that says nothing finite for
+///   a particle is set to 0 there.
+/// - `scratch` has `N` entries.
+#[inline(always)]
+pub fn fisher_scoring(
+    mean: &mut [Lanes],
+    slopes: &mut [Lanes],
+    information: &mut [Lanes],
+    jacobian: &mut [Lanes],
+    lower: &mut [Lanes],
+    scratch: &mut [Lanes],
+) {
+    let n = mean.len();
+    let g = scratch;
+    g.fill(Lanes::from(0.0));
     for ((slope, information), jacobian) in
         slopes.iter_mut().zip(information).zip(jacobian.chunks_exact_mut(n))
     {
@@ -69,16 +88,16 @@ pub(super) fn score(
                 continue;
             }
             let weighted = *of_row * *information;
-            variances[i] = variances[i] + *of_row * *slope;
+            g[i] = g[i] + *of_row * *slope;
             for (j, of_column) in jacobian[..=i].iter().enumerate() {
                 lower[at(i, j)] = lower[at(i, j)] + weighted * *of_column;
             }
         }
     }
     factor(n, lower);
-    solve_lower(n, lower, variances);
-    solve_upper(n, lower, variances);
-    for (mean, step) in mean.iter_mut().zip(&*variances) {
+    solve_lower(n, lower, g);
+    solve_upper(n, lower, g);
+    for (mean, step) in mean.iter_mut().zip(&*g) {
         *mean = *mean + *step;
     }
 }

@@ -1,16 +1,19 @@
-//! Small symmetric matrices of the particles of a tile: factored and solved, one particle in each lane.
+//! Small triangular matrices of the particles of a tile: factored and solved, one particle in each lane.
+//!
+//! A lower triangle of `N(N+1)/2` entries stands row after row; [`at`] says where.
 
-use motes_models::equations::{Lanes, Scalar};
+use super::lanes::Lanes;
+use super::scalar::Scalar;
 
 /// Where entry `(i, j)` of a lower triangle stands, row after row.
 #[inline(always)]
-pub(super) fn at(i: usize, j: usize) -> usize {
+pub fn at(i: usize, j: usize) -> usize {
     i * (i + 1) / 2 + j
 }
 
 /// Replaces the lower triangle of `Λ` (`N(N+1)/2`) by its Cholesky factor `L`, `Λ = L Lᵀ`; NaN where it is not positive definite.
 #[inline(always)]
-pub(super) fn factor(n: usize, lower: &mut [Lanes]) {
+pub fn factor(n: usize, lower: &mut [Lanes]) {
     for j in 0..n {
         let mut pivot = lower[at(j, j)];
         for k in 0..j {
@@ -30,7 +33,7 @@ pub(super) fn factor(n: usize, lower: &mut [Lanes]) {
 
 /// Replaces `b` by `L⁻¹ b`.
 #[inline(always)]
-pub(super) fn solve_lower(n: usize, lower: &[Lanes], b: &mut [Lanes]) {
+pub fn solve_lower(n: usize, lower: &[Lanes], b: &mut [Lanes]) {
     for i in 0..n {
         let mut sum = b[i];
         for k in 0..i {
@@ -42,7 +45,7 @@ pub(super) fn solve_lower(n: usize, lower: &[Lanes], b: &mut [Lanes]) {
 
 /// Replaces `b` by `L⁻ᵀ b`.
 #[inline(always)]
-pub(super) fn solve_upper(n: usize, lower: &[Lanes], b: &mut [Lanes]) {
+pub fn solve_upper(n: usize, lower: &[Lanes], b: &mut [Lanes]) {
     for i in (0..n).rev() {
         let mut sum = b[i];
         for k in i + 1..n {
@@ -54,7 +57,7 @@ pub(super) fn solve_upper(n: usize, lower: &[Lanes], b: &mut [Lanes]) {
 
 /// Replaces `b` by `Lᵀ b`.
 #[inline(always)]
-pub(super) fn times_upper(n: usize, lower: &[Lanes], b: &mut [Lanes]) {
+pub fn times_upper(n: usize, lower: &[Lanes], b: &mut [Lanes]) {
     for i in 0..n {
         let mut sum = lower[at(i, i)] * b[i];
         for k in i + 1..n {

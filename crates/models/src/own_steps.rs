@@ -1,0 +1,172 @@
+//! Steps that a model draws for itself, many sequences side by side: what proposals are learned from.
+
+use std::slice::from_mut;
+
+use crate::batch::{Rows, there_is_memory_for};
+use crate::equations::{Linearise, Transport};
+use crate::{ModelError, Seed, Simulator, Stream, check_dimensions};
+
+/// A model that a proposal can be learned for: it draws its own steps, its noise can be transported, and its measurements can be linearised.
+///
+/// What states its [`Equations`](crate::equations::Equations) is one.
+pub trait OwnModel: Simulator + Transport + Linearise {}
+
+impl<M: Simulator + Transport + Linearise + ?Sized> OwnModel for M {}
+
+/// Sequences that a model draws for itself, all at the same time `t`.
+///
+/// No constructor takes states from elsewhere: what learns from these steps has never seen the truth behind measurements that are to be filtered.
+pub struct OwnSteps<'m, M: ?Sized> {
+    model: &'m M,
+    stream: Stream,
+    time: usize,
+    /// `x_{t−1}` and `x_t`, `S×N`.
+    previous: Vec<f64>,
+    states: Vec<f64>,
+    /// `y_t`, `S×M`.
+    measurements: Vec<f64>,
+    lost: usize,
+}
+
+/// One time of all sequences.
+#[derive(Debug, Clone, Copy)]
+pub struct OwnStep<'a> {
+    /// `t`.
+    pub time: usize,
+    /// `x_{t−1}` of each of `S` sequences (`S×N`); none at `t = 0`.
+    pub previous: Option<&'a [f64]>,
+    /// `x_t`, `S×N`.
+    pub states: &'a [f64],
+    /// `y_t`, `S×M`.
+    pub measurements: &'a [f64],
+}
+
+impl<'m, M: Simulator + ?Sized> OwnSteps<'m, M> {
+    /// `sequences` sequences before their first step.
+    ///
+    /// # Errors
+    /// [`ModelError::Parameter`] if there are none, if the model has no states or no measurements, or if there is no memory for them.
+    pub fn new(model: &'m M, sequences: usize, seed: &Seed) -> Result<Self, ModelError> {
+        check_dimensions(model)?;
+        let (n, m) = (model.state_dim(), model.measurement_dim());
+        let numbers = sequences.checked_mul(2 * n + m);
+        if sequences == 0 || !numbers.is_some_and(there_is_memory_for) {
+            return Err(ModelError::Parameter {
+                name: "the number of simulated sequences",
+                value: sequences.to_string(),
+                expected: "at least 1, and as many as there is memory for",
+            });
+        }
+        Ok(OwnSteps {
+            model,
+            stream: seed.stream(),
+            time: 0,
+            previous: Vec::new(),
+            states: vec![0.0; sequences * n],
+            measurements: vec![0.0; sequences * m],
+            lost: 0,
+        })
+    }
+
+    /// How many sequences ended because a state or a measurement was not a finite number.
+    pub fn lost(&self) -> usize {
+        self.lost
+    }
+
+    /// Draws the next time of all sequences that go on; none if no sequence is left.
+    pub fn advance(&mut self) -> Option<OwnStep<'_>> {
+        let (n, m) = (self.model.state_dim(), self.model.measurement_dim());
+        if self.time == 0 {
+            self.model.sample_initials(from_mut(&mut self.stream), &mut self.states);
+        } else {
+            std::mem::swap(&mut self.previous, &mut self.states);
+            self.states.resize(self.previous.len(), 0.0);
+            let previous = Rows::all(&self.previous, n);
+            self.model.sample_transitions(self.time, previous, from_mut(&mut self.stream), &mut self.states);
+        }
+        let stream = from_mut(&mut self.stream);
+        self.model.sample_measurements(self.time, &self.states, stream, &mut self.measurements);
+        let mut row = 0;
+        while row * n < self.states.len() {
+            let drawn = self.states[row * n..][..n].iter().chain(&self.measurements[row * m..][..m]);
+            if drawn.copied().all(f64::is_finite) {
+                row += 1;
+                continue;
+            }
+            self.lost += 1;
+            // The last one takes its place.
+            remove_row(&mut self.states, n, row);
+            remove_row(&mut self.measurements, m, row);
+            if self.time > 0 {
+                remove_row(&mut self.previous, n, row);
+            }
+        }
+        if self.states.is_empty() {
+            return None;
+        }
+        let time = self.time;
+        self.time += 1;
+        let previous = (time > 0).then_some(self.previous.as_slice());
+        Some(OwnStep { time, previous, states: &self.states, measurements: &self.measurements })
+    }
+}
+
+/// Removes a row of `width` numbers; the last one takes its place.
+fn remove_row(rows: &mut Vec<f64>, width: usize, row: usize) {
+    let last = rows.len() - width;
+    rows.copy_within(last.., row * width);
+    rows.truncate(last);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::equations::{Coordinates, Equations, Scalar, normal};
+
+    /// A walk whose steps double: it leaves the numbers after a thousand times, at times that depend on where it began.
+    struct Runaway;
+
+    impl Equations for Runaway {
+        fn dimensions(&self) -> [usize; 2] {
+            [1, 1]
+        }
+
+        fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
+            state.push(normal(0.0, 1e300));
+        }
+
+        fn transition<S: Scalar>(&self, _: usize, x: &[S], state: &mut impl Coordinates<S>) {
+            state.push(normal(x[0] * 2.0, 1.0));
+        }
+
+        fn measurement<S: Scalar>(&self, _: usize, x: &[S], measurement: &mut impl Coordinates<S>) {
+            measurement.push(normal(x[0], 1.0));
+        }
+    }
+
+    #[test]
+    fn a_sequence_that_overflows_ends_and_the_others_go_on() {
+        let mut steps = OwnSteps::new(&Runaway, 50, &Seed::from_u64(1)).unwrap();
+        let mut counts = Vec::new();
+        while let Some(step) = steps.advance() {
+            assert!(step.states.iter().chain(step.measurements).all(|value| value.is_finite()));
+            // Each state still stands beside the one that it was drawn from.
+            if let Some(previous) = step.previous {
+                assert!(
+                    previous.iter().zip(step.states).all(|(before, now)| (now / before - 2.0).abs() < 1e-9)
+                );
+            }
+            counts.push(step.states.len());
+        }
+        assert_eq!((counts[0], steps.lost()), (50, 50));
+        assert!(
+            counts.windows(2).all(|pair| pair[1] <= pair[0])
+                && counts.iter().any(|count| (1..50).contains(count))
+        );
+    }
+
+    #[test]
+    fn no_sequences_are_refused() {
+        assert!(OwnSteps::new(&Runaway, 0, &Seed::from_u64(1)).is_err());
+    }
+}

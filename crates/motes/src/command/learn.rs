@@ -1,0 +1,88 @@
+//! `motes learn`.
+
+use motes::output::{Output, card_json, card_text};
+use motes::{CompareOptions, FilterOptions, LearnOutcome, MotesError, ProposalName, compare, learn};
+use motes_cli::{Interrupt, status};
+
+use super::args::{LearnArgs, on_threads};
+use super::compare::there;
+use super::failure::Failure;
+use super::progress::Progress;
+use super::say::write;
+
+/// The numbers of particles at which the card holds error against time.
+const PARTICLES: [usize; 4] = [30, 100, 300, 1000];
+
+pub(super) fn run(args: &LearnArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
+    let model = args.model.read()?;
+    let options = args.options();
+    let mut progress = Progress::new(1000, args.model.quiet);
+    let outcome = on_threads(args.model.threads, || {
+        learn(&model, &options, |done, total| {
+            progress.done(1000 * done / total.max(1));
+            interrupt.check()
+        })
+    });
+    progress.finish();
+    let LearnOutcome { proposal, history, training_seconds } = outcome??;
+    proposal.save(&args.output, &model)?;
+    let say = |text: String| {
+        if !args.model.quiet {
+            status(&format!("motes: {text}"));
+        }
+    };
+    say(format!("chosen: {}", proposal.notes().choice));
+    say(format!(
+        "{} updates, the best after {}; {training_seconds:.1} s; gain over the transition {:.3} nats a step",
+        history.steps,
+        history.best_step,
+        history.best_gain()
+    ));
+    if history.overflowed > 0.0 {
+        say(format!(
+            "{:.2} % of the simulated sequences ran to numbers that are not finite and were cut there; take fewer --steps, or look at the \
+             transition's noise",
+            100.0 * history.overflowed
+        ));
+    }
+    if let Some(step) = history.diverged_at {
+        say(format!("warning: learning diverged at update {step}; the best weights before are kept"));
+    }
+    if let Some(designed) = &proposal.notes().worse_than {
+        say(format!("warning: {designed} did better on validation sequences; take --proposal {designed}"));
+    }
+    if args.sequences == 0 {
+        return Ok(0);
+    }
+    let filter =
+        FilterOptions { particles: args.particles, seed: args.model.seed, ..FilterOptions::default() };
+    let mut proposals = there(&model, &filter);
+    proposals.push(ProposalName::Learned(proposal));
+    let card = CompareOptions {
+        proposals,
+        filter,
+        particles: PARTICLES.to_vec(),
+        sequences: args.sequences,
+        steps: args.steps,
+    };
+    let mut progress = Progress::new(1000, args.model.quiet);
+    // On one thread unless others are asked for: times are those of one.
+    let compared = on_threads(args.model.threads.or(Some(1)), || {
+        compare(&model, None, &card, |done, total| {
+            progress.done(1000 * done / total.max(1));
+            interrupt.check()
+        })
+    });
+    progress.finish();
+    let compared = compared.and_then(|compared| compared);
+    let compared = compared.map_err(|error| match error {
+        // The proposal is there; only its card is not.
+        MotesError::Simulation(reason) => MotesError::Simulation(format!("no card: {reason}")),
+        other => other,
+    })?;
+    match args.json {
+        true => write(&Output::Standard, &card_json(&compared, Some(training_seconds)))?,
+        false => write(&Output::Standard, &card_text(&compared, args.particles))?,
+    }
+    Ok(0)
+}

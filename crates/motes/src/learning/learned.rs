@@ -1,0 +1,108 @@
+//! A learned proposal as the command has it: in a folder, with a name, for one model.
+
+use std::fmt;
+use std::path::Path;
+use std::sync::Arc;
+
+use motes_formulas::{FileModel, FormulaModel};
+use motes_models::ModelShape;
+use motes_proposals::{Amortised, Backend, SavedError, load, save};
+use serde::{Deserialize, Serialize};
+
+use crate::error::MotesError;
+use crate::model::Model;
+
+/// A proposal that was learned for a model; copies share it.
+#[derive(Clone)]
+pub struct LearnedProposal {
+    name: String,
+    proposal: Arc<Amortised>,
+    notes: Arc<Notes>,
+}
+
+/// What the folder of a learned proposal says beside its weights.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Notes {
+    /// What it was chosen as, in a sentence.
+    pub choice: String,
+    /// Gradient steps that were taken.
+    pub updates: usize,
+    /// How long they took.
+    pub seconds: f64,
+    /// The designed proposal that did better on validation sequences, if one did.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub worse_than: Option<String>,
+}
+
+impl fmt::Debug for LearnedProposal {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.debug_struct("LearnedProposal").field("name", &self.name).finish_non_exhaustive()
+    }
+}
+
+impl PartialEq for LearnedProposal {
+    /// Whether they are the same one.
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.proposal, &other.proposal)
+    }
+}
+
+impl LearnedProposal {
+    pub(super) fn new(name: String, proposal: Amortised, notes: Notes) -> Self {
+        LearnedProposal { name, proposal: Arc::new(proposal), notes: Arc::new(notes) }
+    }
+
+    /// Reads the proposal in `folder`, which was learned for `model`.
+    ///
+    /// # Errors
+    /// [`MotesError::Saved`] if it is not there, damaged, or learned for another model.
+    pub fn load(folder: &Path, model: &Model) -> Result<Self, MotesError> {
+        let formulas = formulas_of(model)?;
+        let shape = ModelShape::of(formulas);
+        let proposal = load(folder, formulas, &shape, Backend::Native.into())?;
+        let notes = motes_proposals::notes(folder)?;
+        let name = folder.file_name().unwrap_or(folder.as_os_str()).to_string_lossy().into_owned();
+        Ok(LearnedProposal { name, proposal: Arc::new(proposal), notes: Arc::new(notes) })
+    }
+
+    /// Writes it into `folder`, replacing a proposal that is there.
+    ///
+    /// # Errors
+    /// [`MotesError::Saved`] if it cannot be written.
+    pub fn save(&self, folder: &Path, model: &Model) -> Result<(), MotesError> {
+        let formulas = formulas_of(model)?;
+        Ok(save(folder, &*self.proposal, formulas, &ModelShape::of(formulas), &*self.notes)?)
+    }
+
+    /// What it is called on a card.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// What was written down when it was learned.
+    pub fn notes(&self) -> &Notes {
+        &self.notes
+    }
+
+    /// The proposal itself, for [`motes_smc::ParticleFilter`].
+    pub fn proposal(&self) -> &Amortised {
+        &self.proposal
+    }
+}
+
+/// The formulas of a model; a linear Gaussian one by its matrices has none.
+pub(super) fn formulas_of(model: &Model) -> Result<&FormulaModel, MotesError> {
+    match model.model() {
+        FileModel::Formulas(formulas) => Ok(formulas),
+        FileModel::LinearGaussian(_) => Err(MotesError::Proposal {
+            proposal: "learned".into(),
+            reason: "nothing is left to learn for kind = \"linear-gaussian\": take --proposal optimal, which is exact".into(),
+        }),
+    }
+}
+
+impl From<SavedError> for MotesError {
+    fn from(error: SavedError) -> Self {
+        MotesError::Saved(error)
+    }
+}

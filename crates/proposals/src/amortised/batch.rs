@@ -1,0 +1,123 @@
+//! The distributions of a block of particles: draws and densities.
+
+use motes_models::batch::{LANES, load, particles_by_stream, store};
+use motes_models::equations::{Lanes, Transport};
+use motes_models::{Stream, fill_standard_normal, fill_uniform};
+use motes_smc::{Conditional, Context};
+
+use super::heads::Head;
+use super::propose::AmortisedScratch;
+use super::units::{self, Place, Units, lanes, log_standard_normal};
+
+/// What an [`Amortised`](super::Amortised) proposal conditions to: a head's density for each particle, in units of its base.
+pub struct AmortisedBatch<'a, M: ?Sized> {
+    pub(super) model: &'a M,
+    pub(super) context: Context<'a>,
+    /// None where it is the base itself.
+    pub(super) head: Option<&'a dyn Head>,
+    pub(super) is_affine: bool,
+    pub(super) n: usize,
+    pub(super) scratch: &'a mut AmortisedScratch,
+}
+
+/// What a tile of a block is computed in.
+struct Tile<'t> {
+    values: &'t mut [Lanes],
+    theta: &'t mut [Lanes],
+    uniforms: &'t mut [Lanes],
+    head: &'t mut [Lanes],
+}
+
+impl<'t> Tile<'t> {
+    /// How many rows there are.
+    fn rows(n: usize, head: Option<&dyn Head>) -> usize {
+        n + head.map_or(0, |head| head.outputs() + head.uniforms() + head.scratch())
+    }
+
+    fn of(memory: &'t mut [f64], n: usize, head: Option<&dyn Head>) -> Self {
+        let [outputs, uniforms] = head.map_or([0, 0], |head| [head.outputs(), head.uniforms()]);
+        let (values, rest) = lanes(memory).split_at_mut(n);
+        let (theta, rest) = rest.split_at_mut(outputs);
+        let (uniforms, head) = rest.split_at_mut(uniforms);
+        Tile { values, theta, uniforms, head }
+    }
+}
+
+impl<M: Transport + ?Sized> AmortisedBatch<'_, M> {
+    /// Shows each tile of particles to `work`: its number, where it is, its units, and what it is computed in, with `θ` loaded.
+    fn by_tiles(&mut self, mut work: impl FnMut(usize, &Place<'_, M>, &Units<'_>, Tile<'_>, [&[f64]; 2])) {
+        let (n, head) = (self.n, self.head);
+        let Context { time, previous, particles, .. } = self.context;
+        let AmortisedScratch { units, previous: kept, theta, tile, noise, uniforms, .. } = &mut *self.scratch;
+        tile.clear();
+        tile.resize(Tile::rows(n, head) * LANES, 0.0);
+        let outputs = head.map_or(0, |head| head.outputs());
+        let parts = units.chunks_exact_mut(units::rows(n) * LANES).zip(kept.chunks_exact(n * LANES));
+        for (number, (units, kept)) in parts.enumerate() {
+            let (first, last) = (number * LANES, ((number + 1) * LANES).min(particles));
+            let tile = Tile::of(tile, n, head);
+            if outputs > 0 {
+                load(&theta[first * outputs..last * outputs], outputs, units::flat_mut(tile.theta));
+            }
+            let place = Place {
+                model: self.model,
+                time,
+                previous: previous.map(|_| kept),
+                is_affine: self.is_affine,
+            };
+            work(number, &place, &Units::of(units, n), tile, [noise, uniforms]);
+        }
+    }
+}
+
+impl<M: Transport + ?Sized> Conditional for AmortisedBatch<'_, M> {
+    fn sample(&mut self, streams: &mut [Stream], states: &mut [f64], log_densities: &mut [f64]) {
+        let (n, head, particles) = (self.n, self.head, log_densities.len());
+        let AmortisedScratch { noise, uniforms, .. } = &mut *self.scratch;
+        noise.resize(particles * n, 0.0);
+        for (stream, noise) in particles_by_stream(streams, noise, n, particles) {
+            fill_standard_normal(stream, noise);
+        }
+        let extra = head.map_or(0, |head| head.uniforms());
+        uniforms.resize(particles * extra, 0.0);
+        if extra > 0 {
+            for (stream, uniforms) in particles_by_stream(streams, uniforms, extra, particles) {
+                fill_uniform(stream, uniforms);
+            }
+        }
+        self.by_tiles(|number, place, units, tile, [noise, uniforms]| {
+            let (first, last) = (number * LANES, ((number + 1) * LANES).min(particles));
+            let Tile { values, theta, uniforms: of_tile, head: scratch } = tile;
+            load(&noise[first * n..last * n], n, units::flat_mut(values));
+            let mut log_density = match head {
+                None => log_standard_normal(values),
+                Some(head) => {
+                    if extra > 0 {
+                        load(&uniforms[first * extra..last * extra], extra, units::flat_mut(of_tile));
+                    }
+                    head.draw(theta, of_tile, values);
+                    head.log_density(theta, values, scratch)
+                }
+            };
+            units.to_states(place, values, &mut log_density);
+            store(units::flat(values), n, &mut states[first * n..last * n]);
+            log_densities[first..last].copy_from_slice(&log_density.0[..last - first]);
+        });
+    }
+
+    fn log_density(&mut self, states: &[f64], log_densities: &mut [f64]) {
+        let (n, head, particles) = (self.n, self.head, log_densities.len());
+        self.by_tiles(|number, place, units, tile, _| {
+            let (first, last) = (number * LANES, ((number + 1) * LANES).min(particles));
+            let Tile { values, theta, head: scratch, .. } = tile;
+            load(&states[first * n..last * n], n, units::flat_mut(values));
+            let [log_determinant, _] = units.to_units(place, values);
+            let of_head = match head {
+                None => log_standard_normal(values),
+                Some(head) => head.log_density(theta, values, scratch),
+            };
+            let log_density = of_head + log_determinant;
+            log_densities[first..last].copy_from_slice(&log_density.0[..last - first]);
+        });
+    }
+}

@@ -1,0 +1,195 @@
+//! Steps that a model drew for itself, in the units and with the inputs of an amortised proposal.
+
+use motes_models::batch::{LANES, load, store};
+use motes_models::equations::Lanes;
+use motes_models::{ModelError, OwnModel, OwnStep};
+
+use super::inputs::Standards;
+use super::proposal::Amortised;
+use super::units::{self, Place, Units, lanes};
+use motes_smc::ProposalError;
+
+/// Rows of one of the two networks: what it sees, and what it should have said likely.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Stage {
+    /// How many inputs a row has, `F`.
+    pub(super) width: usize,
+    /// Inputs of the network, `R×F`.
+    pub(super) inputs: Vec<f64>,
+    /// The state in units of the base, `u`, `R×N`.
+    pub(super) units: Vec<f64>,
+    /// The log-density of the transition with respect to `u`, `R`.
+    pub(super) log_transition: Vec<f64>,
+}
+
+impl Stage {
+    /// `R`.
+    pub fn len(&self) -> usize {
+        self.log_transition.len()
+    }
+
+    /// Whether there is no row.
+    pub fn is_empty(&self) -> bool {
+        self.log_transition.is_empty()
+    }
+
+    /// Replaces the rows by those of `from` that `picked` names.
+    ///
+    /// # Panics
+    /// If there is no such row.
+    pub fn pick(&mut self, from: &Stage, picked: &[usize]) {
+        let (width, n) = (from.width, from.units.len() / from.len().max(1));
+        self.width = width;
+        self.inputs.clear();
+        self.units.clear();
+        self.log_transition.clear();
+        for &row in picked {
+            self.inputs.extend_from_slice(&from.inputs[row * width..][..width]);
+            self.units.extend_from_slice(&from.units[row * n..][..n]);
+            self.log_transition.push(from.log_transition[row]);
+        }
+    }
+}
+
+/// What an amortised proposal is learned from: steps of a model, for each of its two networks.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Examples {
+    /// Of `t = 0`.
+    pub initial: Stage,
+    /// Of all later times.
+    pub later: Stage,
+    /// States that their own transition could not have drawn, but for rounding; they are left out.
+    pub outside: usize,
+}
+
+impl Amortised {
+    /// Adds the sequences' present step, in the units of this proposal.
+    ///
+    /// # Errors
+    /// [`ModelError`] if the proposal is not for such a model.
+    pub fn encode(
+        &self,
+        model: &(impl OwnModel + ?Sized),
+        step: &OwnStep<'_>,
+        examples: &mut Examples,
+    ) -> Result<(), ModelError> {
+        self.encode_by(model, step, Some(&self.standards(step.time)), examples)
+    }
+
+    fn encode_by(
+        &self,
+        model: &(impl OwnModel + ?Sized),
+        step: &OwnStep<'_>,
+        standards: Option<&Standards>,
+        examples: &mut Examples,
+    ) -> Result<(), ModelError> {
+        let (n, m) = (self.state_dim, self.measurement_dim);
+        for (name, found, expected) in [
+            ("the proposal's state dimension N", n, model.state_dim()),
+            ("the proposal's measurement dimension M", m, model.measurement_dim()),
+        ] {
+            if found != expected {
+                let value = found.to_string();
+                return Err(ModelError::Parameter { name, value, expected: "that of the model" });
+            }
+        }
+        let &OwnStep { time, previous, states, measurements } = step;
+        let width = super::inputs::count(n, m)[usize::from(time > 0)];
+        let rows = states.len() / n;
+        let stage = if time == 0 { &mut examples.initial } else { &mut examples.later };
+        stage.width = width;
+        let mut memory = vec![0.0; (units::rows(n) + units::scratch_rows(n, m) + width + 2 * n + m) * LANES];
+        let (of_units, rest) = memory.split_at_mut(units::rows(n) * LANES);
+        let (scratch, rest) = rest.split_at_mut(units::scratch_rows(n, m) * LANES);
+        let (inputs, rest) = rest.split_at_mut(width * LANES);
+        let (before, rest) = rest.split_at_mut(n * LANES);
+        let (values, measured) = rest.split_at_mut(n * LANES);
+        let mut entries: Vec<Option<Lanes>> = Vec::with_capacity(m);
+        let (mut rows_of_inputs, mut rows_of_units) = (vec![0.0; LANES * width], vec![0.0; LANES * n]);
+        let is_affine = model.is_affine();
+        for first in (0..rows).step_by(LANES) {
+            let last = (first + LANES).min(rows);
+            if let Some(previous) = previous {
+                load(&previous[first * n..last * n], n, before);
+            }
+            load(&states[first * n..last * n], n, values);
+            load(&measurements[first * m..last * m], m, measured);
+            entries.clear();
+            entries.extend(lanes(measured).iter().copied().map(Some));
+            let place = Place { model, time, previous: previous.map(|_| &*before), is_affine };
+            let mut units = Units::of(of_units, n);
+            let inputs = lanes(inputs);
+            units.find(&place, self.config.base, &entries, inputs, scratch);
+            if let Some(standards) = standards {
+                standards.apply(inputs);
+            }
+            let [log_determinant, log_transition] = units.to_units(&place, lanes(values));
+            let count = last - first;
+            store(units::flat(inputs), width, &mut rows_of_inputs[..count * width]);
+            store(values, n, &mut rows_of_units[..count * n]);
+            for lane in 0..count {
+                let (u, log) = (&rows_of_units[lane * n..][..n], log_transition.0[lane]);
+                if !(log_determinant.0[lane].is_finite()
+                    && log.is_finite()
+                    && u.iter().all(|u| u.is_finite()))
+                {
+                    examples.outside += 1;
+                    continue;
+                }
+                stage.inputs.extend_from_slice(&rows_of_inputs[lane * width..][..width]);
+                stage.units.extend_from_slice(u);
+                stage.log_transition.push(log);
+            }
+        }
+        Ok(())
+    }
+
+    /// Brings the inputs of the networks to standard units: the median becomes 0, half the distance between the quantiles 0.16 and 0.84 becomes 1.
+    ///
+    /// `steps` are steps that the model drew, as many as it takes to know those quantiles.
+    ///
+    /// # Errors
+    /// As [`Amortised::encode`].
+    pub fn fit_inputs(
+        &mut self,
+        model: &(impl OwnModel + ?Sized),
+        mut steps: impl FnMut(&mut dyn FnMut(&OwnStep<'_>) -> Result<(), ModelError>) -> Result<(), ModelError>,
+    ) -> Result<(), ProposalError> {
+        let mut examples = Examples::default();
+        let drawn = steps(&mut |step| self.encode_by(model, step, None, &mut examples));
+        drawn.map_err(|error| ProposalError::Frames { reason: error.to_string() })?;
+        for (time, stage) in [&examples.initial, &examples.later].into_iter().enumerate() {
+            if !stage.is_empty() {
+                self.set_standards(time, &standards_of(stage))?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The median of each input and 1 over its spread; 0 where it does not vary.
+fn standards_of(stage: &Stage) -> Standards {
+    let count = stage.len();
+    let mut column = vec![0.0; count];
+    let mut standards = Standards::none(stage.width);
+    for input in 0..stage.width {
+        let values = stage.inputs.iter().skip(input).step_by(stage.width);
+        column.iter_mut().zip(values).for_each(|(place, value)| *place = *value);
+        column.sort_by(f64::total_cmp);
+        let quantile = |share: f64| column[((count - 1) as f64 * share).round() as usize];
+        let median = quantile(0.5);
+        let half_width = 0.5 * (quantile(0.84) - quantile(0.16));
+        // Most values of a rare count are the same.
+        let spread = match half_width > LEAST_SPREAD * median.abs() {
+            true => half_width,
+            false => (column.iter().map(|value| (value - median).powi(2)).sum::<f64>() / count as f64).sqrt(),
+        };
+        standards.means[input] = median;
+        let varies = spread.is_finite() && spread > LEAST_SPREAD * median.abs();
+        standards.scales[input] = if varies { 1.0 / spread } else { 0.0 };
+    }
+    standards
+}
+
+/// The least spread of an input, as a share of its size, that is more than rounding.
+const LEAST_SPREAD: f64 = 1e-9;

@@ -1,0 +1,98 @@
+//! A conditional flow: a triangular map, and a monotone spline of each coordinate.
+
+use motes_models::equations::{Lanes, with_scalars};
+use pulp::Arch;
+
+use super::normal::Normal;
+use super::spline::Spline;
+use super::{Covariance, Head};
+
+/// `z = s(A(u − m))` is standard normal, with `A` lower triangular and `s` a monotone spline of each coordinate:
+/// `log h = Σ_i log φ(z_i) + log s_i' + log A_ii`.
+///
+/// `θ` has the mean and the factor of a Gaussian, and then the parameters of the spline of each coordinate.
+#[derive(Debug, Clone, Copy)]
+pub struct FlowHead {
+    normal: Normal,
+    spline: Spline,
+}
+
+impl FlowHead {
+    /// That of `n` coordinates, whose splines have so many pieces.
+    pub fn new(n: usize, pieces: usize, covariance: Covariance) -> Self {
+        FlowHead { normal: Normal { n, covariance }, spline: Spline { pieces } }
+    }
+
+    /// The parameters of the spline of a coordinate.
+    fn of_spline(&self, coordinate: usize) -> std::ops::Range<usize> {
+        let first = self.normal.outputs() + coordinate * self.spline.outputs();
+        first..first + self.spline.outputs()
+    }
+
+    /// `log h`; `ε = A(u − m)` and then what each spline computed are left in `scratch`.
+    #[inline(always)]
+    fn evaluate(&self, theta: &[Lanes], u: &[Lanes], scratch: &mut [Lanes]) -> Lanes {
+        let (noise, splines) = scratch.split_at_mut(self.normal.n);
+        let mut sum = self.normal.log_density(theta, u, noise);
+        for (i, scratch) in splines.chunks_exact_mut(self.spline.scratch()).enumerate() {
+            let found = self.spline.evaluate(&theta[self.of_spline(i)], noise[i], scratch);
+            // The density of z in the place of that of ε.
+            sum = sum + found.log_slope + (noise[i] * noise[i] - found.value * found.value) * 0.5;
+        }
+        sum
+    }
+}
+
+impl Head for FlowHead {
+    fn outputs(&self) -> usize {
+        self.normal.outputs() + self.normal.n * self.spline.outputs()
+    }
+
+    /// The base itself.
+    fn start(&self) -> Vec<f64> {
+        vec![0.0; self.outputs()]
+    }
+
+    fn draw(&self, theta: &[Lanes], _uniforms: &[Lanes], normals: &mut [Lanes]) {
+        with_scalars::<Lanes, _>(self.spline.scratch(), |scratch| {
+            Arch::new().dispatch(
+                #[inline(always)]
+                || {
+                    for (i, normal) in normals.iter_mut().enumerate() {
+                        *normal = self.spline.invert(&theta[self.of_spline(i)], *normal, scratch);
+                    }
+                    self.normal.draw(theta, normals);
+                },
+            );
+        });
+    }
+
+    fn log_density(&self, theta: &[Lanes], u: &[Lanes], scratch: &mut [Lanes]) -> Lanes {
+        Arch::new().dispatch(
+            #[inline(always)]
+            || self.evaluate(theta, u, scratch),
+        )
+    }
+
+    fn gradient(&self, theta: &[Lanes], u: &[Lanes], d_theta: &mut [Lanes], scratch: &mut [Lanes]) -> Lanes {
+        Arch::new().dispatch(
+            #[inline(always)]
+            || {
+                let value = self.evaluate(theta, u, scratch);
+                let (noise, splines) = scratch.split_at_mut(self.normal.n);
+                for (i, scratch) in splines.chunks_exact(self.spline.scratch()).enumerate() {
+                    let place = self.of_spline(i);
+                    let d_theta = &mut d_theta[place.clone()];
+                    // A Gaussian is pulled back by ε, which is minus the derivative of its density along ε.
+                    noise[i] = -self.spline.gradient(&theta[place], noise[i], scratch, d_theta);
+                }
+                self.normal.gradient(theta, u, noise, Lanes::from(1.0), d_theta);
+                value
+            },
+        )
+    }
+
+    fn scratch(&self) -> usize {
+        self.normal.n * (1 + self.spline.scratch())
+    }
+}

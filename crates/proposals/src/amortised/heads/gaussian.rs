@@ -1,0 +1,58 @@
+//! One Gaussian.
+
+use motes_models::equations::Lanes;
+use pulp::Arch;
+
+use super::normal::Normal;
+use super::{Covariance, Head};
+
+/// `h = N(m, (AᵀA)⁻¹)` with a mean and a triangular factor of the precision from the network.
+#[derive(Debug, Clone, Copy)]
+pub struct GaussianHead(Normal);
+
+impl GaussianHead {
+    /// That of `n` coordinates.
+    pub fn new(n: usize, covariance: Covariance) -> Self {
+        GaussianHead(Normal { n, covariance })
+    }
+}
+
+impl Head for GaussianHead {
+    fn outputs(&self) -> usize {
+        self.0.outputs()
+    }
+
+    /// The base itself.
+    fn start(&self) -> Vec<f64> {
+        vec![0.0; self.outputs()]
+    }
+
+    fn draw(&self, theta: &[Lanes], _uniforms: &[Lanes], normals: &mut [Lanes]) {
+        Arch::new().dispatch(
+            #[inline(always)]
+            || self.0.draw(theta, normals),
+        );
+    }
+
+    fn log_density(&self, theta: &[Lanes], u: &[Lanes], scratch: &mut [Lanes]) -> Lanes {
+        Arch::new().dispatch(
+            #[inline(always)]
+            || self.0.log_density(theta, u, scratch),
+        )
+    }
+
+    fn gradient(&self, theta: &[Lanes], u: &[Lanes], d_theta: &mut [Lanes], scratch: &mut [Lanes]) -> Lanes {
+        Arch::new().dispatch(
+            #[inline(always)]
+            || {
+                let value = self.0.log_density(theta, u, scratch);
+                self.0.gradient(theta, u, scratch, Lanes::from(1.0), d_theta);
+                value
+            },
+        )
+    }
+
+    fn scratch(&self) -> usize {
+        self.0.n
+    }
+}

@@ -1,0 +1,22 @@
+//! Proposals that are learned once and filter any sequence of a model.
+
+mod base;
+mod batch;
+mod config;
+mod examples;
+mod heads;
+mod inclusive;
+mod inputs;
+mod networks;
+mod proposal;
+mod propose;
+mod units;
+
+pub use base::Base;
+pub use batch::AmortisedBatch;
+pub use config::AmortisedConfig;
+pub use examples::{Examples, Stage};
+pub use heads::{Covariance, FlowHead, GaussianHead, Head, HeadConfig, MixtureHead};
+pub use inclusive::Times;
+pub use proposal::Amortised;
+pub use propose::AmortisedScratch;

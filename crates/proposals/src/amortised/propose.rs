@@ -1,0 +1,129 @@
+//! An amortised proposal in a filter.
+
+use motes_models::batch::{LANES, store};
+use motes_models::equations::{Lanes, Linearise, Transport};
+use motes_networks::{Inference, Inputs};
+use motes_smc::{Context, Proposal, ProposalError};
+
+use super::batch::AmortisedBatch;
+use super::proposal::{Amortised, Prepared};
+use super::units::{self, Place, Units, lanes};
+use crate::settings::of_networks;
+
+/// What conditioning a block of particles computes in.
+#[derive(Default)]
+pub struct AmortisedScratch {
+    /// The units of each tile.
+    pub(super) units: Vec<f64>,
+    /// `x_{t−1}` of each tile, where the transport asks for it again.
+    pub(super) previous: Vec<f64>,
+    /// `θ`, `R×P`.
+    pub(super) theta: Vec<f64>,
+    /// What a tile is computed in.
+    pub(super) tile: Vec<f64>,
+    /// `R×N` normal numbers, and `R×U` uniform ones.
+    pub(super) noise: Vec<f64>,
+    pub(super) uniforms: Vec<f64>,
+    /// Inputs of the networks, `R×F`.
+    inputs: Vec<f64>,
+    inference: Inference,
+}
+
+impl<M: Linearise + Transport + ?Sized> Proposal<M> for Amortised {
+    type Memory = ();
+    type Scratch = AmortisedScratch;
+    type Conditional<'a>
+        = AmortisedBatch<'a, M>
+    where
+        M: 'a;
+
+    fn initial_memory(&self, _particles: usize) {}
+
+    fn prepare(&mut self, model: &M, time: usize, measurement: &[f64]) -> Result<(), ProposalError> {
+        let entries = measurement.iter().map(|entry| Some(Lanes::from(*entry))).collect();
+        self.prepare_for(model, time, entries)
+    }
+
+    fn prepare_partial(
+        &mut self,
+        model: &M,
+        time: usize,
+        measurement: &[Option<f64>],
+    ) -> Result<bool, ProposalError> {
+        let entries = measurement.iter().map(|entry| entry.map(Lanes::from)).collect();
+        self.prepare_for(model, time, entries)?;
+        Ok(measurement.iter().any(Option::is_some))
+    }
+
+    fn condition<'a>(
+        &'a self,
+        model: &'a M,
+        context: Context<'a>,
+        (): (),
+        scratch: &'a mut AmortisedScratch,
+    ) -> Result<AmortisedBatch<'a, M>, ProposalError> {
+        let Context { time, previous, particles, .. } = context;
+        let prepared = self.prepared.as_ref().filter(|prepared| prepared.time == time);
+        let Some(prepared) = prepared else { return Err(ProposalError::NotPrepared { time }) };
+        let Prepared { measurement, is_whole, is_affine, standards, .. } = prepared;
+        let (n, m) = (self.state_dim, measurement.len());
+        let (tiles, each, width) = (particles.div_ceil(LANES), units::rows(n) * LANES, standards.means.len());
+        let AmortisedScratch { units, previous: kept, inputs, theta, tile, inference, .. } = &mut *scratch;
+        units.resize(tiles * each, 0.0);
+        inputs.resize(particles * width, 0.0);
+        kept.clear();
+        // Lanes without a particle are computed, too: with numbers that are no danger.
+        kept.resize(tiles * n * LANES, 0.0);
+        tile.clear();
+        tile.resize((width + units::scratch_rows(n, m)) * LANES, 0.0);
+        let (of_inputs, work) = tile.split_at_mut(width * LANES);
+        let parts = units.chunks_exact_mut(each).zip(kept.chunks_exact_mut(n * LANES));
+        for (number, ((units, kept), inputs)) in parts.zip(inputs.chunks_mut(width * LANES)).enumerate() {
+            let previous = previous.map(|rows| {
+                rows.load(number * LANES, kept);
+                &*kept
+            });
+            let place = Place { model, time, previous, is_affine: *is_affine };
+            let of_inputs = lanes(of_inputs);
+            Units::of(units, n).find(&place, self.config.base, measurement, of_inputs, work);
+            standards.apply(of_inputs);
+            store(units::flat(of_inputs), width, inputs);
+        }
+        if *is_whole {
+            theta.resize(particles * self.head.outputs(), 0.0);
+            let inputs = Inputs { time, width, previous: Some(inputs), measurement: &[], particles };
+            let found = inference.run(&self.networks, &self.parameters, &inputs, &mut [], &mut [theta]);
+            found.map_err(of_networks)?;
+        }
+        Ok(AmortisedBatch {
+            model,
+            context,
+            head: is_whole.then_some(&*self.head),
+            is_affine: *is_affine,
+            n,
+            scratch,
+        })
+    }
+}
+
+impl Amortised {
+    fn prepare_for<M: Transport + ?Sized>(
+        &mut self,
+        model: &M,
+        time: usize,
+        measurement: Vec<Option<Lanes>>,
+    ) -> Result<(), ProposalError> {
+        ProposalError::unless_same("the state dimension N", self.state_dim, model.state_dim())?;
+        ProposalError::unless_same("the measurement dimension M", self.measurement_dim, measurement.len())?;
+        // Neither changes from step to step, but for t = 0.
+        let (is_affine, standards) = match self.prepared.take() {
+            Some(Prepared { time: before, is_affine, standards, .. }) if before > 0 && time > 0 => {
+                (is_affine, standards)
+            }
+            _ => (model.is_affine(), self.standards(time)),
+        };
+        let is_whole = measurement.iter().all(Option::is_some);
+        self.prepared = Some(Prepared { time, measurement, is_whole, is_affine, standards });
+        Ok(())
+    }
+}

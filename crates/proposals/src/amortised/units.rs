@@ -1,0 +1,220 @@
+//! The units in which heads speak: `x = T(x_{t−1}, b + L⁻ᵀ u)`, for the particles of a tile.
+
+use bytemuck::TransparentWrapper;
+use motes_models::batch::LANES;
+use motes_models::equations::triangle::{at, solve_upper, times_upper};
+use motes_models::equations::{Lanes, Linearise, Scalar, Transport};
+use pulp::Arch;
+
+use super::base::{Base, Said};
+use super::inputs::innovation;
+
+/// `½ log 2π`.
+const HALF_LN_TAU: f64 = 0.918_938_533_204_672_8;
+
+/// Memory of numbers lent as lanes.
+///
+/// # Panics
+/// If they are not whole rows.
+pub(super) fn lanes(numbers: &mut [f64]) -> &mut [Lanes] {
+    let (rows, rest) = numbers.as_chunks_mut::<LANES>();
+    assert!(rest.is_empty(), "a tile has whole rows");
+    Lanes::wrap_slice_mut(rows)
+}
+
+/// How many rows of a tile the units take: `T(0)` and its slopes, `b`, and the triangle of `L`.
+pub(super) fn rows(n: usize) -> usize {
+    3 * n + n * (n + 1) / 2
+}
+
+/// How many rows of scratch finding them takes.
+pub(super) fn scratch_rows(n: usize, m: usize) -> usize {
+    n + m * (n + 2)
+}
+
+/// The units of a tile, in memory of [`rows`] rows.
+pub(super) struct Units<'a> {
+    /// `T(x_{t−1}, 0)`, `N`.
+    centres: &'a mut [Lanes],
+    /// `∂T_i/∂v_i` at 0, `N`.
+    slopes: &'a mut [Lanes],
+    /// `b`, `N`.
+    shift: &'a mut [Lanes],
+    /// `L`, its lower triangle.
+    lower: &'a mut [Lanes],
+}
+
+/// What a tile's units are asked of: a model at one time, and the states before.
+pub(super) struct Place<'a, M: ?Sized> {
+    pub(super) model: &'a M,
+    pub(super) time: usize,
+    /// `x_{t−1}`, `N × LANES`; none at `t = 0`.
+    pub(super) previous: Option<&'a [f64]>,
+    /// Whether `T` is affine.
+    pub(super) is_affine: bool,
+}
+
+impl<'a> Units<'a> {
+    /// Those in `memory`.
+    pub(super) fn of(memory: &'a mut [f64], n: usize) -> Self {
+        let (centres, rest) = lanes(memory).split_at_mut(n);
+        let (slopes, rest) = rest.split_at_mut(n);
+        let (shift, lower) = rest.split_at_mut(n);
+        Units { centres, slopes, shift, lower }
+    }
+
+    /// Finds the units around which `base` places particles for `measurement` (`M`), and writes the inputs of the networks, not yet in standard units.
+    pub(super) fn find<M: Linearise + Transport + ?Sized>(
+        &mut self,
+        place: &Place<'_, M>,
+        base: Base,
+        measurement: &[Option<Lanes>],
+        inputs: &mut [Lanes],
+        scratch: &mut [f64],
+    ) {
+        let Place { model, time, previous, .. } = *place;
+        let (n, m) = (self.centres.len(), measurement.len());
+        let (centres, slopes) = (&mut *self.centres, &mut *self.slopes);
+        model.tile_centres(time, previous, flat_mut(centres), flat_mut(slopes));
+        let (pull, rest) = lanes(scratch).split_at_mut(n);
+        let (said, rest) = rest.split_at_mut(m);
+        let (information, jacobian) = rest.split_at_mut(m);
+        let jacobian = &mut jacobian[..m * n];
+        model.tile_scores(
+            time,
+            flat(centres),
+            measurement,
+            flat_mut(said),
+            flat_mut(information),
+            flat_mut(jacobian),
+        );
+        Arch::new().dispatch(
+            #[inline(always)]
+            || {
+                // Along the noise.
+                for row in jacobian.chunks_exact_mut(n) {
+                    for (entry, slope) in row.iter_mut().zip(&*slopes) {
+                        *entry = *entry * *slope;
+                    }
+                }
+                let (of_states, of_measurement) = inputs.split_at_mut(inputs.len() - 2 * m);
+                if let Some(previous) = previous {
+                    let (before, predicted) = of_states.split_at_mut(n);
+                    flat_mut(before).copy_from_slice(previous);
+                    predicted.copy_from_slice(centres);
+                }
+                let (measured, innovations) = of_measurement.split_at_mut(m);
+                for (measured, entry) in measured.iter_mut().zip(measurement) {
+                    *measured = entry.unwrap_or(Lanes::from(0.0));
+                }
+                for (j, found) in innovations.iter_mut().enumerate() {
+                    *found = innovation(said[j], information[j], &jacobian[j * n..][..n]);
+                }
+                let said = Said { slopes: said, information, jacobian };
+                base.place(said, self.shift, self.lower, pull);
+            },
+        );
+    }
+
+    /// Replaces `u` by the state that it stands for, and adds `−log |det ∂x/∂u|` to `log_density`.
+    pub(super) fn to_states<M: Transport + ?Sized>(
+        &self,
+        place: &Place<'_, M>,
+        values: &mut [Lanes],
+        log_density: &mut Lanes,
+    ) {
+        let n = self.centres.len();
+        Arch::new().dispatch(
+            #[inline(always)]
+            || {
+                solve_upper(n, self.lower, values);
+                for (value, shift) in values.iter_mut().zip(&*self.shift) {
+                    *value = *value + *shift;
+                }
+                *log_density = *log_density + self.log_determinant();
+            },
+        );
+        let mut log_slope = Lanes::from(0.0);
+        if place.is_affine {
+            for (i, value) in values.iter_mut().enumerate() {
+                log_slope = log_slope + self.slopes[i].ln();
+                *value = self.centres[i] + self.slopes[i] * *value;
+            }
+        } else {
+            let Place { model, time, previous, .. } = *place;
+            model.tile_from_normal(time, previous, flat_mut(values), &mut log_slope.0);
+        }
+        *log_density = *log_density - log_slope;
+    }
+
+    /// Replaces states by their `u`. It gives `log |det ∂u/∂x|`, and the log-density of the transition with respect to `u`.
+    ///
+    /// Outside of the transition's support the first is −∞, and `u` is 0.
+    pub(super) fn to_units<M: Transport + ?Sized>(
+        &self,
+        place: &Place<'_, M>,
+        values: &mut [Lanes],
+    ) -> [Lanes; 2] {
+        let n = self.centres.len();
+        let mut log_slope = Lanes::from(0.0);
+        if place.is_affine {
+            for (i, value) in values.iter_mut().enumerate() {
+                log_slope = log_slope + self.slopes[i].ln();
+                *value = (*value - self.centres[i]) / self.slopes[i];
+            }
+        } else {
+            let Place { model, time, previous, .. } = *place;
+            model.tile_to_normal(time, previous, flat_mut(values), &mut log_slope.0);
+            for value in values.iter_mut() {
+                for (number, log_slope) in value.0.iter_mut().zip(&mut log_slope.0) {
+                    if !number.is_finite() {
+                        (*number, *log_slope) = (0.0, f64::INFINITY);
+                    }
+                }
+            }
+        }
+        Arch::new().dispatch(
+            #[inline(always)]
+            || {
+                let mut of_transition = Lanes::from(-HALF_LN_TAU * n as f64);
+                for (value, shift) in values.iter_mut().zip(&*self.shift) {
+                    of_transition = of_transition - *value * *value * 0.5;
+                    *value = *value - *shift;
+                }
+                times_upper(n, self.lower, values);
+                let log_determinant = self.log_determinant();
+                [log_determinant - log_slope, of_transition - log_determinant]
+            },
+        )
+    }
+
+    /// `Σ_i log L_ii`.
+    #[inline(always)]
+    fn log_determinant(&self) -> Lanes {
+        let mut sum = Lanes::from(0.0);
+        for i in 0..self.centres.len() {
+            sum = sum + self.lower[at(i, i)].ln();
+        }
+        sum
+    }
+}
+
+/// Lanes as the numbers that they are.
+pub(super) fn flat(lanes: &[Lanes]) -> &[f64] {
+    bytemuck::cast_slice(lanes)
+}
+
+/// [`flat`] to be written.
+pub(super) fn flat_mut(lanes: &mut [Lanes]) -> &mut [f64] {
+    bytemuck::cast_slice_mut(lanes)
+}
+
+/// `−½ |u|² − (N/2) log 2π`: the density of the base itself.
+#[inline(always)]
+pub(super) fn log_standard_normal(u: &[Lanes]) -> Lanes {
+    let mut sum = Lanes::from(-HALF_LN_TAU * u.len() as f64);
+    for value in u {
+        sum = sum - *value * *value * 0.5;
+    }
+    sum
+}

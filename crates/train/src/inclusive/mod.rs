@@ -1,0 +1,8 @@
+//! Learning once, from a model's own simulations, by the inclusive objective.
+
+mod learn;
+mod rows;
+mod settings;
+
+pub use learn::{Learned, learn};
+pub use settings::LearnConfig;

@@ -1,0 +1,81 @@
+//! The settings of learning once.
+
+use serde::Serialize;
+
+use crate::{AdamConfig, TrainError};
+
+/// How a proposal is learned from a model's own simulations.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct LearnConfig {
+    /// Gradient steps.
+    pub steps: usize,
+    /// Rows `(x_{t−1}, x_t, y_t)` in a step.
+    pub rows: usize,
+    /// The number of times of a simulated sequence.
+    pub horizon: usize,
+    /// Sequences that are simulated side by side; their rows are shuffled before they are used, each of them once.
+    pub sequences: usize,
+    /// A share of the transition that is mixed in while learning: no row that the proposal finds impossible then outweighs all others.
+    pub floor: f64,
+    /// The optimiser; its learning rate falls to 0 along half a cosine.
+    pub adam: AdamConfig,
+    /// The largest Euclidean norm of the gradient of all weights; a longer one is scaled down to it.
+    pub clip_norm: f64,
+    /// How many steps lie between two looks at validation.
+    pub validate_every: usize,
+    /// Training ends after so many seconds, whatever its steps; the number of steps then depends on the machine.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub seconds: Option<f64>,
+}
+
+impl LearnConfig {
+    /// 3000 steps of 800 rows, from sequences of 100 times.
+    pub fn new() -> Self {
+        LearnConfig {
+            steps: 3000,
+            rows: 800,
+            horizon: 100,
+            sequences: 256,
+            floor: 0.02,
+            adam: AdamConfig { learning_rate: 3e-3, ..AdamConfig::paper() },
+            clip_norm: 5.0,
+            validate_every: 200,
+            seconds: None,
+        }
+    }
+
+    pub(super) fn check(&self) -> Result<(), TrainError> {
+        let wrong = |name, value: String, expected| Err(TrainError::Setting { name, value, expected });
+        for (name, count) in [
+            ("the number of steps", self.steps),
+            ("the number of rows in a step", self.rows),
+            ("the number of simulated sequences", self.sequences),
+            ("the number of steps between two validations", self.validate_every),
+        ] {
+            if count == 0 {
+                return wrong(name, "0".into(), "at least 1");
+            }
+        }
+        if self.horizon < 2 {
+            return wrong("the number of times of a sequence", self.horizon.to_string(), "at least 2");
+        }
+        if !(0.0..1.0).contains(&self.floor) {
+            return wrong("the floor", self.floor.to_string(), "at least 0 and below 1");
+        }
+        if !(self.clip_norm > 0.0) {
+            return wrong("the largest norm of the gradient", self.clip_norm.to_string(), "positive");
+        }
+        match self.seconds {
+            Some(seconds) if !(seconds > 0.0 && seconds.is_finite()) => {
+                wrong("the budget in seconds", seconds.to_string(), "positive and finite")
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+impl Default for LearnConfig {
+    fn default() -> Self {
+        LearnConfig::new()
+    }
+}
