@@ -55,7 +55,8 @@ fn learned_filter(criterion: &mut Criterion) {
     let graph = GraphDiffusionConfig::new(10);
     let system = GraphDiffusion::random(&graph, &mut seed.child("graph").stream()).expect("a usable system");
     let data = simulate(&system, HORIZON, &mut seed.child("data").stream()).expect("a stable system");
-    let (config, shape) = (FcnnConfig { widths: vec![64, 64], ridge: 1.0 }, ModelShape::of(&system));
+    let (config, shape) =
+        (FcnnConfig { widths: vec![64, 64], ridge: 1.0, ..FcnnConfig::paper() }, ModelShape::of(&system));
     let weights = seed.child("weights");
     let proposal = Fcnn::create(&config, &shape, HORIZON, Backend::Native.into(), &weights);
     let proposal = proposal.expect("usable settings");

@@ -236,7 +236,7 @@ fn confined(reference: &Reference, low: f64, high: f64) -> (f64, f64) {
 #[test]
 fn a_transform_alone_estimates_the_evidence_of_states_inside_its_image() {
     // x = w tanh(A u) + b takes [0, 1] to [−7, 7]: more than four standard deviations of any state here, either way.
-    let mut psi = untrained::<Psi>(&PsiConfig { layers: 1, ridge: 0.0 });
+    let mut psi = untrained::<Psi>(&PsiConfig { layers: 1, ridge: 0.0, ..PsiConfig::paper() });
     let (a, half) = (1.2_f64, 7.0);
     for time in 0..5 {
         for (name, value) in [

@@ -21,7 +21,7 @@ impl Learnable for Psi {
     }
 
     fn horizon(&self) -> Option<usize> {
-        Some(self.horizon)
+        self.horizon
     }
 
     fn state_dim(&self) -> usize {
