@@ -41,6 +41,7 @@ mod normals;
 mod sequence;
 mod shape;
 mod simulate;
+mod simulated_measurements;
 mod simulations;
 mod state_space;
 mod stream;
@@ -58,6 +59,7 @@ pub use normals::{fill_standard_exponential, fill_standard_normal, fill_uniform}
 pub use sequence::{Measurements, PartialMeasurements, Sequence};
 pub use shape::ModelShape;
 pub use simulate::{Trajectory, simulate, simulate_within};
+pub use simulated_measurements::{MeasurementSource, SimulatedMeasurements};
 pub use simulations::{LinearPredictor, Simulations, Spread};
 pub use state_space::{
     AdditiveGaussian, PartialLikelihood, Propagator, Simulator, StateGradients, StateSpaceModel,

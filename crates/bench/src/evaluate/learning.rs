@@ -86,6 +86,7 @@ pub(super) fn train_config(training: &config::Training, particles: usize, steps:
         clip_norm: training.clip_norm,
         particles,
         steps,
+        sequences_per_step: 1,
         adam: AdamConfig {
             learning_rate: training.learning_rate,
             beta_1: training.beta_1,
