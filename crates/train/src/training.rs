@@ -159,7 +159,8 @@ impl<'a> Training<'a> {
     /// Takes one step with `proposal`, the same at each step, and returns the loss before it.
     ///
     /// # Errors
-    /// [`TrainError::Diverged`] or [`TrainError::Proposal`], as [`train`]; [`TrainError::Optimiser`] for another proposal than before.
+    /// [`TrainError::Diverged`] or [`TrainError::Proposal`], as [`train`]; [`TrainError::Optimiser`] for another proposal than before,
+    /// [`TrainError::Model`] or [`TrainError::Setting`] for a new sequence that cannot be had or does not fit.
     /// A gradient that is not finite shows in the next step, and after the last step at once. A caller who stops earlier asks
     /// [`Training::check_weights`].
     pub fn step(&mut self, proposal: &mut dyn Learnable) -> Result<f64, TrainError> {
@@ -196,9 +197,13 @@ impl<'a> Training<'a> {
     ) -> Result<(f64, Workspace), TrainError> {
         let TrainConfig { objective, gradient, particles, sequences_per_step, .. } = self.config;
         let parameters = proposal.parameters();
-        let mut workspace = self.workspace.take().unwrap_or_else(|| Workspace::new(parameters));
+        let (workspace, mut sum) = (self.workspace.take(), self.sum.take());
+        let mut workspace = workspace.unwrap_or_else(|| Workspace::new(parameters));
+        if !workspace.fits(parameters) {
+            return Err(TrainError::Optimiser { what: "the gradients of earlier steps" });
+        }
         let batch = self.data.choose(sequences_per_step, self.stream);
-        let (count, mut total, mut sum) = (batch.len(), 0.0, self.sum.take());
+        let (count, mut total) = (batch.len(), 0.0);
         for at in 0..count {
             if at > 0 {
                 let none = || GradientSum::none(parameters.len(), parameters.values().len());

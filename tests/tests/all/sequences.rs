@@ -192,3 +192,25 @@ fn what_does_not_fit_is_refused_in_one_line_before_anything_changes() {
     let found = Training::new(&shared, &system, TrainingData::Fresh(&none), &config, &mut stream);
     assert!(matches!(found.err(), Some(TrainError::Setting { .. })));
 }
+
+/// Fails if memory that was made for one proposal is used for another.
+#[test]
+fn another_proposal_than_before_is_refused_and_nothing_breaks() {
+    let (system, all) = problem();
+    for (name, mut first) in families(&system) {
+        for (other_name, mut other) in families(&system).into_iter().filter(|(other, _)| *other != name) {
+            let (config, mut stream) =
+                (TrainConfig { sequences_per_step: 2, ..TrainConfig::paper(4) }, stream());
+            let mut training = Training::new(&*first, &system, &all, &config, &mut stream).unwrap();
+            training.step(&mut *first).unwrap();
+            // Once with the memory of the first, once with new memory and the moments of the first.
+            for _ in 0..2 {
+                let found = training.step(&mut *other);
+                assert!(
+                    matches!(found, Err(TrainError::Optimiser { .. })),
+                    "{name}, {other_name}: {found:?}"
+                );
+            }
+        }
+    }
+}
