@@ -4,14 +4,14 @@ use std::ops::ControlFlow;
 
 use motes_models::{GraphModel, ModelShape, Seed, Simulator, StateGradients, simulate};
 use motes_proposals::{
-    Adapter, Cell, Compute, Family, Fcnn, FcnnConfig, Gnn, GnnConfig, Learnable, Psi, PsiConfig, Rnn,
-    RnnConfig,
+    Adapter, Cell, Compute, Family, Fcnn, FcnnConfig, Gnn, GnnConfig, Learnable, OverTime, Psi, PsiConfig,
+    Rnn, RnnConfig,
 };
 use motes_train::{AdamConfig, TrainConfig, train};
 
 /// A small fully connected proposal.
 pub fn small_fcnn() -> FcnnConfig {
-    FcnnConfig { widths: vec![6, 7], ridge: 1e-3 }
+    FcnnConfig { widths: vec![6, 7], ridge: 1e-3, networks: OverTime::EachTime }
 }
 
 /// A small recurrent proposal of two layers.
@@ -21,12 +21,22 @@ pub fn small_rnn(cell: Cell) -> RnnConfig {
 
 /// A small graph proposal, with layers that grow and layers that shrink.
 pub fn small_gnn(adapter: Adapter) -> GnnConfig {
-    GnnConfig { features: vec![5, 3], order: 3, adapter, ridge: 1e-3 }
+    GnnConfig { features: vec![5, 3], order: 3, adapter, ridge: 1e-3, networks: OverTime::EachTime }
 }
 
 /// A small transform.
 pub fn small_psi() -> PsiConfig {
-    PsiConfig { layers: 4, ridge: 1e-3 }
+    PsiConfig { layers: 4, ridge: 1e-3, networks: OverTime::EachTime }
+}
+
+fn make<F: Family + Learnable + 'static>(
+    config: &F::Config,
+    shape: &ModelShape,
+    horizon: usize,
+    compute: Compute,
+    seed: &Seed,
+) -> Box<dyn Learnable> {
+    Box::new(F::create(config, shape, horizon, compute, seed).unwrap())
 }
 
 /// One of each, with initial weights for `shape` and `horizon` times; a graph proposal only where there is a graph.
@@ -36,15 +46,6 @@ pub fn small_families(
     compute: Compute,
     seed: &Seed,
 ) -> Vec<(String, Box<dyn Learnable>)> {
-    fn make<F: Family + 'static>(
-        config: &F::Config,
-        shape: &ModelShape,
-        horizon: usize,
-        compute: Compute,
-        seed: &Seed,
-    ) -> Box<dyn Learnable> {
-        Box::new(F::create(config, shape, horizon, compute, seed).unwrap())
-    }
     let mut families = vec![
         ("fcnn".to_string(), make::<Fcnn>(&small_fcnn(), shape, horizon, compute, seed)),
         ("psi".to_string(), make::<Psi>(&small_psi(), shape, horizon, compute, seed)),
@@ -62,8 +63,27 @@ pub fn small_families(
     families
 }
 
+/// Those of [`small_families`], and after them those whose networks are shared over time.
+pub fn every_small_family(
+    shape: &ModelShape,
+    horizon: usize,
+    compute: Compute,
+    seed: &Seed,
+) -> Vec<(String, Box<dyn Learnable>)> {
+    let (mut families, networks) = (small_families(shape, horizon, compute, seed), OverTime::Shared);
+    let fcnn = FcnnConfig { networks, ..small_fcnn() };
+    families.push(("shared fcnn".into(), make::<Fcnn>(&fcnn, shape, 0, compute, seed)));
+    let psi = PsiConfig { networks, ..small_psi() };
+    families.push(("shared psi".into(), make::<Psi>(&psi, shape, 0, compute, seed)));
+    if shape.graph.is_some() {
+        let gnn = GnnConfig { networks, ..small_gnn(Adapter::Learned) };
+        families.push(("shared gnn".into(), make::<Gnn>(&gnn, shape, 0, compute, seed)));
+    }
+    families
+}
+
 /// A proposal trained for 60 steps, by its own simulated measurements.
-pub fn trained_family<F: Family>(
+pub fn trained_family<F: Family + Learnable>(
     config: &F::Config,
     model: &(impl StateGradients + Simulator + GraphModel),
     horizon: usize,

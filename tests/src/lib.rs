@@ -11,7 +11,9 @@ mod replay;
 mod shifted;
 
 pub use differences::{central_differences, distance, norm, relative_distance};
-pub use families::{small_families, small_fcnn, small_gnn, small_psi, small_rnn, trained_family};
+pub use families::{
+    every_small_family, small_families, small_fcnn, small_gnn, small_psi, small_rnn, trained_family,
+};
 pub use module_graph::ModuleGraph;
 pub use offspring::{OFFSPRING_WEIGHTS, Offspring, systematic_bounds, systematic_variance};
 pub use planted::{Bug, Forgetful, Stuck, plain_filter_scores, systematic_with_a_fixed_offset};

@@ -1,6 +1,6 @@
 //! The method registry as units see it: what the result of a method depends on.
 
-use motes_proposals::{Backend, FcnnConfig, GnnConfig, Origin, PsiConfig, RnnConfig};
+use motes_proposals::{Backend, FcnnConfig, GnnConfig, Origin, OverTime, PsiConfig, RnnConfig};
 use serde::{Deserialize, Serialize};
 
 use crate::config::{Experiment, Method, Plan, Training};
@@ -67,7 +67,11 @@ impl MethodConfig {
             Method::Fcnn | Method::FcnnAnchored => MethodConfig::Fcnn(LearnedUnit::of(
                 plan,
                 method,
-                FcnnConfig { widths: sizes.fcnn.clone(), ridge: settings.fcnn.ridge },
+                FcnnConfig {
+                    widths: sizes.fcnn.clone(),
+                    ridge: settings.fcnn.ridge,
+                    networks: OverTime::EachTime,
+                },
             )),
             Method::Rnn | Method::RnnAnchored => MethodConfig::Rnn(LearnedUnit::of(
                 plan,
@@ -89,13 +93,14 @@ impl MethodConfig {
                         order: settings.order,
                         adapter: settings.adapter,
                         ridge: settings.ridge,
+                        networks: OverTime::EachTime,
                     },
                 ))
             }
             Method::Psi | Method::PsiAnchored => MethodConfig::Psi(LearnedUnit::of(
                 plan,
                 method,
-                PsiConfig { layers: sizes.psi, ridge: settings.psi.ridge },
+                PsiConfig { layers: sizes.psi, ridge: settings.psi.ridge, networks: OverTime::EachTime },
             )),
             Method::ReferenceFilter => MethodConfig::ReferenceFilter,
             Method::ReferenceSmoother => {

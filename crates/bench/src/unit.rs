@@ -207,7 +207,7 @@ pub(crate) mod tests {
             beta_2: 0.999,
             epsilon: 1e-8,
         };
-        let proposal = FcnnConfig { widths: vec![8, 8], ridge: 1e-6 };
+        let proposal = FcnnConfig { widths: vec![8, 8], ..FcnnConfig::paper() };
         let fcnn = LearnedUnit { proposal, training, steps: 5, backend: Backend::Native, frames: None };
         UnitConfig { method: MethodConfig::Fcnn(fcnn), ..unit(dimension, horizon, particles) }
     }

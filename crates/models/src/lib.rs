@@ -42,6 +42,7 @@ mod own_steps;
 mod sequence;
 mod shape;
 mod simulate;
+mod simulated_measurements;
 mod simulations;
 mod state_space;
 mod stream;
@@ -60,6 +61,7 @@ pub use own_steps::{OwnModel, OwnStep, OwnSteps};
 pub use sequence::{Measurements, PartialMeasurements, Sequence};
 pub use shape::ModelShape;
 pub use simulate::{Trajectory, simulate, simulate_within};
+pub use simulated_measurements::{MeasurementSource, SimulatedMeasurements};
 pub use simulations::{LinearPredictor, Simulations, Spread};
 pub use state_space::{
     AdditiveGaussian, PartialLikelihood, Propagator, Simulator, StateGradients, StateSpaceModel,

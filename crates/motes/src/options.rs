@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use crate::learning::{DEFENSIVE_SHARE, LearnedProposal};
+use crate::learned::LearnedProposal;
 use motes_smc::{FilterSettings, ResampleWhen, Resampling};
 
 /// A proposal by its name on the command line.
@@ -45,6 +45,9 @@ impl FromStr for ProposalName {
         named.ok_or_else(|| motes_cli::one_of(text, ["bootstrap", "linearised", "optimal"]))
     }
 }
+
+/// The defensive share of a learned proposal where nothing else is said.
+pub const DEFENSIVE_SHARE: f64 = 0.1;
 
 /// What a filter is made with. [`FilterOptions::default`] is what the command takes where nothing else is said.
 #[derive(Debug, Clone, PartialEq)]

@@ -7,7 +7,8 @@ use motes_smc::ProposalError;
 use serde::{Deserialize, Serialize};
 
 use crate::gaussian::{GaussianNetworks, GaussianProposal};
-use crate::settings::{check_horizon, check_widths, count_affine};
+use crate::over_time::{OverTime, one_at};
+use crate::settings::{check_widths, count_affine};
 
 /// The settings of a [`Gnn`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -21,6 +22,9 @@ pub struct GnnConfig {
     pub adapter: Adapter,
     /// `δ`, added to the diagonal of the covariance.
     pub ridge: f64,
+    /// Whether each time has networks of its own.
+    #[serde(default, skip_serializing_if = "OverTime::is_each_time")]
+    pub networks: OverTime,
 }
 
 /// The `N×M` matrix that brings a measurement to the nodes.
@@ -34,9 +38,15 @@ pub enum Adapter {
 }
 
 impl GnnConfig {
-    /// The paper's sizes: hidden layers of 256, 512 and 1024 features, filters of order 3, a fixed adapter; a ridge of 1e-6.
+    /// The paper's: hidden layers of 256, 512 and 1024 features, filters of order 3, a fixed adapter, a mean network for each time; a ridge of 1e-6.
     pub fn paper() -> Self {
-        GnnConfig { features: vec![256, 512, 1024], order: 3, adapter: Adapter::Fixed, ridge: 1e-6 }
+        GnnConfig {
+            features: vec![256, 512, 1024],
+            order: 3,
+            adapter: Adapter::Fixed,
+            ridge: 1e-6,
+            networks: OverTime::EachTime,
+        }
     }
 
     /// Features at the input, two of each node, to those at the output, one.
@@ -49,8 +59,9 @@ impl GnnConfig {
 ///
 /// A layer is `Z' = tanh(Σ_d S^d Z W_d + 1 bᵀ)` (the paper's equations "graphFilter" and "meanGNN"), the last without tanh,
 /// with `S` the system's graph and two features at the input; `W_0 … W_D` of a layer are stored on top of each other. Each time
-/// has a mean network of its own, so the proposal knows its horizon `T`; the covariance network is the same at all times. Its
-/// weights do not depend on `N` but for `C` and a learned adapter. Initial weights and biases are uniform on `±1/√(F(D+1))`, a learned
+/// has a mean network of its own, so the proposal knows its horizon `T`; the covariance network is the same at all times. With
+/// [`OverTime::Shared`] `t = 0` has both networks and `C` to itself, all later times share theirs, and there is no horizon. Learned adapters serve all
+/// times either way. The weights do not depend on `N` but for `C` and a learned adapter. Initial weights and biases are uniform on `±1/√(F(D+1))`, a learned
 /// adapter on `±1/√M`, `C` on `±1/N`.
 ///
 /// A particle costs `2N Σ_ℓ (D+1) F_{ℓ−1} F_ℓ` multiplications a step for its two networks (53 million at the paper's sizes and `N = 10`),
@@ -61,15 +72,17 @@ pub type Gnn = GaussianProposal<GnnNetworks>;
 #[derive(Clone)]
 pub struct GnnNetworks {
     graph: Graph,
+    over_time: OverTime,
     means: Vec<GraphNetwork>,
-    representation: GraphNetwork,
+    /// One for all times, or one for `t = 0` and one for the others.
+    representations: Vec<GraphNetwork>,
     /// The indices among the parameters of the learned adapters, of the means' and of the representation's.
     adapters: Option<[usize; 2]>,
 }
 
 impl Networks for GnnNetworks {
     fn horizon(&self) -> Option<usize> {
-        Some(self.means.len())
+        self.over_time.horizon(self.means.len())
     }
 
     fn forward<A: Arithmetic>(
@@ -89,8 +102,9 @@ impl Networks for GnnNetworks {
             let at_nodes = network.forward(arithmetic, &self.graph, inputs);
             arithmetic.by_particle(&at_nodes, self.graph.nodes())
         };
-        let means = outputs(&self.means[time], inputs);
-        Outputs { values: vec![means, outputs(&self.representation, of_representations)], hidden: Vec::new() }
+        let means = outputs(&self.means[self.over_time.at(time)], inputs);
+        let representations = outputs(one_at(&self.representations, time), of_representations);
+        Outputs { values: vec![means, representations], hidden: Vec::new() }
     }
 }
 
@@ -99,7 +113,7 @@ impl GaussianNetworks for GnnNetworks {
     type Config = GnnConfig;
 
     fn check(config: &GnnConfig, horizon: usize) -> Result<(), ProposalError> {
-        check_horizon(horizon)?;
+        config.networks.check(horizon)?;
         check_widths("the features of the hidden layers", &config.features)
     }
 
@@ -109,7 +123,8 @@ impl GaussianNetworks for GnnNetworks {
             Adapter::Fixed => 0,
             Adapter::Learned => 2 * shape.state_dim * shape.measurement_dim,
         };
-        networks.checked_mul(horizon.checked_add(1)?)?.checked_add(adapters)
+        let number = config.networks.networks(horizon).checked_add(config.networks.of_one())?;
+        networks.checked_mul(number)?.checked_add(adapters)
     }
 
     /// # Errors
@@ -132,10 +147,13 @@ impl GaussianNetworks for GnnNetworks {
             ProposalError::unless_same(what, found, expected)?;
         }
         let features = config.layers();
-        let means = (0..horizon)
-            .map(|t| GraphNetwork::draw(parameters, &format!("mean.{t}"), &features, config.order, seed))
-            .collect();
-        let representation = GraphNetwork::draw(parameters, "covariance", &features, config.order, seed);
+        let over_time = config.networks;
+        let mut draw = |names: Vec<String>| -> Vec<GraphNetwork> {
+            let mut draw = |name| GraphNetwork::draw(parameters, name, &features, config.order, seed);
+            names.iter().map(|name| draw(name)).collect()
+        };
+        let means = draw(over_time.names("mean", horizon));
+        let representations = draw(over_time.names_of_one("covariance"));
         let adapters = match config.adapter {
             Adapter::Fixed => None,
             Adapter::Learned => {
@@ -146,10 +164,14 @@ impl GaussianNetworks for GnnNetworks {
             }
         };
         let graph = Graph::new(graph.shift.clone(), graph.adapter.clone());
-        Ok(GnnNetworks { graph, means, representation, adapters })
+        Ok(GnnNetworks { graph, over_time, means, representations, adapters })
     }
 
     fn ridge(config: &GnnConfig) -> f64 {
         config.ridge
+    }
+
+    fn over_time(config: &GnnConfig) -> OverTime {
+        config.networks
     }
 }

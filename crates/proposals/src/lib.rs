@@ -31,6 +31,7 @@ mod gaussian;
 mod gnn;
 mod lanes;
 mod learnable;
+mod over_time;
 mod psi;
 mod rnn;
 mod saved;
@@ -53,6 +54,7 @@ pub use motes_networks::layers::Cell;
 pub use motes_networks::{
     Backend, Compute, GradientPart, Gradients, Parameters, Precision, Slice, Values, Workspace,
 };
+pub use over_time::OverTime;
 pub use psi::{Psi, PsiConfig, PsiScratch};
 pub use rnn::{Rnn, RnnConfig, RnnNetworks};
 pub use saved::{SAVED_FORMAT, SavedError, load, notes, save};

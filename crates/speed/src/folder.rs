@@ -5,7 +5,7 @@ use std::path::Path;
 use motes_models::{
     GraphDiffusion, GraphDiffusionConfig, ModelShape, Seed, StateSpaceModel, Trajectory, simulate,
 };
-use motes_proposals::{Backend, Family, save};
+use motes_proposals::{Backend, Family, Learnable, save};
 use motes_smc::Proposal;
 use motes_train::TrainConfig;
 use serde::Serialize;
@@ -69,7 +69,7 @@ pub(crate) fn write_problem(path: &Path, dimension: usize, horizon: usize) -> Re
 }
 
 /// Writes initial weights of a family, the problem and the noise of one training step.
-pub(crate) fn write_training<F: Family + Proposal<GraphDiffusion>>(
+pub(crate) fn write_training<F: Family + Learnable + Proposal<GraphDiffusion>>(
     folder: &Path,
     config: &F::Config,
     horizon: usize,

@@ -127,7 +127,7 @@ fn told(error: impl ToString) -> String {
     error.to_string()
 }
 
-fn loaded<F: Family>(task: &TrainTask) -> Result<F, String> {
+fn loaded<F: Family + Learnable>(task: &TrainTask) -> Result<F, String> {
     let system = system(DIMENSION).map_err(told)?;
     load(&task.folder, &system, &ModelShape::on_graph(&system), Backend::Native.into()).map_err(told)
 }

@@ -31,7 +31,7 @@ pub(crate) fn small_work(name: &str) -> Result<(), SpeedError> {
         "filter-bootstrap" => filter(&system, Bootstrap, 2000, 1),
         "bank-min-degeneracy" => filter(&system, MinDegeneracy::new(&system).map_err(prepare)?, 20, 100),
         "train-fcnn" => {
-            let config = FcnnConfig { widths: vec![64, 128], ridge: 1e-6 };
+            let config = FcnnConfig { widths: vec![64, 128], ..FcnnConfig::paper() };
             let (compute, weights) = (Backend::Native.into(), seed().child("weights"));
             learn(
                 &system,

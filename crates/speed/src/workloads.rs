@@ -166,7 +166,9 @@ fn filter(scratch: &Path, method: &str, size: Size, peers: &[&str]) -> Result<Wo
     })
 }
 
-fn train<F: motes_proposals::Family + motes_smc::Proposal<motes_models::GraphDiffusion>>(
+fn train<
+    F: motes_proposals::Family + motes_proposals::Learnable + motes_smc::Proposal<motes_models::GraphDiffusion>,
+>(
     scratch: &Path,
     config: &F::Config,
     particles: usize,

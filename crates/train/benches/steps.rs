@@ -4,7 +4,9 @@ use std::ops::ControlFlow;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use motes_models::{GraphDiffusion, GraphDiffusionConfig, ModelShape, Seed, simulate};
-use motes_proposals::{Backend, Family, Fcnn, FcnnConfig, Gnn, GnnConfig, Psi, PsiConfig, Rnn, RnnConfig};
+use motes_proposals::{
+    Backend, Family, Fcnn, FcnnConfig, Gnn, GnnConfig, Learnable, Psi, PsiConfig, Rnn, RnnConfig,
+};
 use motes_smc::{FilterBank, FilterSettings};
 use motes_train::{TrainConfig, train};
 use rayon_core::ThreadPoolBuilder;
@@ -14,7 +16,7 @@ const HORIZON: usize = 12;
 /// Ten steps at a time, so that what the first one allocates counts as little as it does in a training.
 const STEPS: usize = 10;
 
-fn steps<F: Family>(criterion: &mut Criterion, config: &F::Config) {
+fn steps<F: Family + Learnable>(criterion: &mut Criterion, config: &F::Config) {
     let seed = Seed::from_u64(1);
     let graph = GraphDiffusionConfig::new(10);
     let system = GraphDiffusion::random(&graph, &mut seed.child("graph").stream()).expect("a usable system");
@@ -55,7 +57,8 @@ fn learned_filter(criterion: &mut Criterion) {
     let graph = GraphDiffusionConfig::new(10);
     let system = GraphDiffusion::random(&graph, &mut seed.child("graph").stream()).expect("a usable system");
     let data = simulate(&system, HORIZON, &mut seed.child("data").stream()).expect("a stable system");
-    let (config, shape) = (FcnnConfig { widths: vec![64, 64], ridge: 1.0 }, ModelShape::of(&system));
+    let (config, shape) =
+        (FcnnConfig { widths: vec![64, 64], ridge: 1.0, ..FcnnConfig::paper() }, ModelShape::of(&system));
     let weights = seed.child("weights");
     let proposal = Fcnn::create(&config, &shape, HORIZON, Backend::Native.into(), &weights);
     let proposal = proposal.expect("usable settings");

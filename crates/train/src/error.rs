@@ -20,6 +20,14 @@ pub enum TrainError {
     /// The measurements do not fit the model.
     #[error(transparent)]
     Model(#[from] ModelError),
+    /// One of many sequences does not fit.
+    #[error("sequence {number}, counted from 0: {source}")]
+    Recording {
+        /// Which one.
+        number: usize,
+        /// What does not fit.
+        source: Box<TrainError>,
+    },
     /// The proposal failed.
     #[error("in training step {step}{}, at time {time}: {source}", after(*loss))]
     Proposal {

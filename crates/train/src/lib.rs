@@ -1,7 +1,7 @@
 //! Unsupervised training of proposals: from measurements and a model, never from states.
 //!
-//! [`train`] draws particles from a proposal along one sequence of measurements. The model says how likely they are. The
-//! reparametrised gradient of an [`Objective`] then moves the proposal's weights.
+//! [`train`] draws particles from a proposal along sequences of measurements. The model says how likely they are. The
+//! reparametrised gradient of an [`Objective`] then moves the proposal's weights. [`TrainingData`] says which sequences.
 //!
 //! Nothing in this crate takes or returns the states of a system. It takes [`motes_models::Measurements`] only.
 //!
@@ -26,15 +26,18 @@
 
 mod adam;
 mod checkpoint;
+mod data;
 mod error;
 mod fit;
 mod gradient_flow;
+mod gradient_sum;
 mod inclusive;
 mod objective;
 mod rollout;
 mod training;
 
 pub use adam::{Adam, AdamConfig};
+pub use data::TrainingData;
 pub use error::TrainError;
 pub use gradient_flow::GradientFlow;
 pub use inclusive::{LearnConfig, Learned, learn};

@@ -2,13 +2,15 @@
 
 use std::ops::ControlFlow;
 
-use motes_models::{Measurements, StateGradients, Stream};
+use motes_models::{StateGradients, Stream};
 use motes_proposals::{Learnable, Workspace};
 use serde::Serialize;
 
-use crate::fit::check_fit;
+use crate::data::Batch;
+use crate::fit::check_measurements;
+use crate::gradient_sum::GradientSum;
 use crate::rollout::{draw_and_differentiate, in_step};
-use crate::{Adam, AdamConfig, GradientFlow, Objective, TrainError};
+use crate::{Adam, AdamConfig, GradientFlow, Objective, TrainError, TrainingData};
 
 /// The settings of training.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -21,8 +23,10 @@ pub struct TrainConfig {
     pub clip_norm: Option<f64>,
     /// `K`, particles drawn in each step.
     pub particles: usize,
-    /// Gradient steps, each on the whole sequence.
+    /// Gradient steps, each on whole sequences.
     pub steps: usize,
+    /// How many sequences a step takes, or all if there are fewer. Its objective is the mean of theirs; particles are drawn for each.
+    pub sequences_per_step: usize,
     /// The optimiser.
     pub adam: AdamConfig,
 }
@@ -36,12 +40,17 @@ impl TrainConfig {
             clip_norm: None,
             particles,
             steps: 200,
+            sequences_per_step: 1,
             adam: AdamConfig::paper(),
         }
     }
 
     fn check(&self) -> Result<(), TrainError> {
         self.gradient.check()?;
+        if self.sequences_per_step == 0 {
+            let name = "the number of sequences in a step";
+            return Err(TrainError::Setting { name, value: "0".into(), expected: "at least 1" });
+        }
         match self.clip_norm {
             Some(largest) if !(largest > 0.0 && largest.is_finite()) => Err(TrainError::Setting {
                 name: "the largest norm of the gradient",
@@ -56,13 +65,14 @@ impl TrainConfig {
 /// The course of a training.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct History {
-    /// The loss (minus the objective) before each step.
+    /// The loss (minus the objective) before each step, on the sequences of that step.
     pub losses: Vec<f64>,
 }
 
-/// Trains `proposal` for `model` on one sequence of measurements.
+/// Trains `proposal` for `model` on `data`: one sequence of measurements, many, or new ones in each step.
 ///
-/// The noise of each step is drawn from `stream`, so the same stream gives the same weights. `observe` is called with
+/// All that is random is drawn from `stream`, so the same stream gives the same weights: which sequences a step takes, and then, for one after another,
+/// the sequence if it is new, and the noise of its particles. `observe` is called with
 /// the number and the loss of each step, and ends training early by breaking. The history then has fewer losses than
 /// `config.steps`. The last weights are kept.
 ///
@@ -70,18 +80,20 @@ pub struct History {
 /// [`Training`] is the same step by step.
 ///
 /// # Errors
-/// - [`TrainError::Setting`] or [`TrainError::Model`] for bad input, before anything is changed.
+/// - [`TrainError::Setting`], [`TrainError::Model`] or, of many sequences, [`TrainError::Recording`] for bad input, before anything is changed.
+///   New sequences are looked at in their step.
 /// - [`TrainError::Diverged`] if the loss, or the last gradient, is not finite.
 /// - [`TrainError::Proposal`] if the proposal fails.
-pub fn train(
+pub fn train<'a>(
     proposal: &mut dyn Learnable,
     model: &dyn StateGradients,
-    measurements: &Measurements,
+    data: impl Into<TrainingData<'a>>,
     config: &TrainConfig,
     stream: &mut Stream,
     mut observe: impl FnMut(usize, f64) -> ControlFlow<()>,
 ) -> Result<History, TrainError> {
-    let mut training = Training::new(proposal, model, measurements, config, stream)?;
+    let data: TrainingData<'a> = data.into();
+    let mut training = Training::new(proposal, model, data, config, stream)?;
     while !training.is_finished() {
         let step = training.history.losses.len();
         let loss = training.step(proposal)?;
@@ -98,32 +110,35 @@ pub fn train(
 /// Between two steps it gives a [checkpoint](Training::checkpoint), from which another [goes on](Training::resume).
 pub struct Training<'a> {
     model: &'a dyn StateGradients,
-    measurements: &'a Measurements,
+    data: TrainingData<'a>,
     config: TrainConfig,
     pub(crate) adam: Adam,
     /// Memory for the next step; new if the last one failed.
     workspace: Option<Workspace>,
+    /// Memory for the gradients of all sequences of a step but the last; new if it was not needed or the last step failed.
+    sum: Option<GradientSum>,
     pub(crate) stream: &'a mut Stream,
     pub(crate) history: History,
 }
 
 impl<'a> Training<'a> {
-    /// A training before its first step. It draws its noise from `stream`.
+    /// A training before its first step. It draws all that is random from `stream`.
     ///
     /// # Errors
-    /// [`TrainError::Setting`] or [`TrainError::Model`] for bad input.
-    pub fn new(
+    /// [`TrainError::Setting`], [`TrainError::Model`] or [`TrainError::Recording`] for bad input.
+    pub fn new<'d: 'a>(
         proposal: &dyn Learnable,
         model: &'a dyn StateGradients,
-        measurements: &'a Measurements,
+        data: impl Into<TrainingData<'d>>,
         config: &TrainConfig,
         stream: &'a mut Stream,
     ) -> Result<Self, TrainError> {
         let adam = Adam::new(&config.adam)?;
         config.check()?;
-        check_fit(proposal, model, measurements, config.particles)?;
+        let data = data.into();
+        data.check(proposal, model, config.particles)?;
         let history = History::default();
-        Ok(Training { model, measurements, config: *config, adam, workspace: None, stream, history })
+        Ok(Training { model, data, config: *config, adam, workspace: None, sum: None, stream, history })
     }
 
     /// The losses so far.
@@ -144,25 +159,13 @@ impl<'a> Training<'a> {
     /// Takes one step with `proposal`, the same at each step, and returns the loss before it.
     ///
     /// # Errors
-    /// [`TrainError::Diverged`] or [`TrainError::Proposal`], as [`train`]; [`TrainError::Optimiser`] for another proposal than before.
+    /// [`TrainError::Diverged`] or [`TrainError::Proposal`], as [`train`]; [`TrainError::Optimiser`] for another proposal than before,
+    /// [`TrainError::Model`] or [`TrainError::Setting`] for a new sequence that cannot be had or does not fit.
     /// A gradient that is not finite shows in the next step, and after the last step at once. A caller who stops earlier asks
     /// [`Training::check_weights`].
     pub fn step(&mut self, proposal: &mut dyn Learnable) -> Result<f64, TrainError> {
-        let TrainConfig { objective, gradient, particles, .. } = self.config;
         let step = self.history.losses.len();
-        let workspace = self.workspace.take().unwrap_or_else(|| Workspace::new(proposal.parameters()));
-        let (model, measurements, stream) = (self.model, self.measurements, &mut *self.stream);
-        let (value, mut workspace) = draw_and_differentiate(
-            proposal,
-            model,
-            measurements,
-            objective,
-            gradient,
-            particles,
-            stream,
-            workspace,
-        )
-        .map_err(in_step(step, self.history.losses.last().copied()))?;
+        let (value, mut workspace) = self.mean_over_batch(proposal, step)?;
         let loss = -value;
         if !loss.is_finite() {
             return Err(TrainError::Diverged { step, loss });
@@ -184,6 +187,53 @@ impl<'a> Training<'a> {
         self.adam.step(proposal.parameters_mut(), &mut workspace)?;
         self.workspace = Some(workspace);
         Ok(loss)
+    }
+
+    /// The mean objective of the sequences that `step` takes, with minus its gradient in the workspace.
+    fn mean_over_batch(
+        &mut self,
+        proposal: &dyn Learnable,
+        step: usize,
+    ) -> Result<(f64, Workspace), TrainError> {
+        let TrainConfig { objective, gradient, particles, sequences_per_step, .. } = self.config;
+        let parameters = proposal.parameters();
+        let (workspace, mut sum) = (self.workspace.take(), self.sum.take());
+        let mut workspace = workspace.unwrap_or_else(|| Workspace::new(parameters));
+        if !workspace.fits(parameters) {
+            return Err(TrainError::Optimiser { what: "the gradients of earlier steps" });
+        }
+        let batch = self.data.choose(sequences_per_step, self.stream);
+        let (count, mut total) = (batch.len(), 0.0);
+        for at in 0..count {
+            if at > 0 {
+                let none = || GradientSum::none(parameters.len(), parameters.values().len());
+                sum.get_or_insert_with(none).take(&mut workspace);
+            }
+            let measurements = batch.get(at, self.stream)?;
+            if matches!(batch, Batch::Fresh(..)) {
+                check_measurements(proposal, self.model, &measurements, particles)?;
+            }
+            let (value, used) = draw_and_differentiate(
+                proposal,
+                self.model,
+                &measurements,
+                objective,
+                gradient,
+                particles,
+                self.stream,
+                workspace,
+            )
+            .map_err(in_step(step, self.history.losses.last().copied()))?;
+            (total, workspace) = (total + value, used);
+            if !total.is_finite() {
+                break;
+            }
+        }
+        if let Some(sum) = &mut sum {
+            sum.mean_into(&mut workspace, count);
+        }
+        self.sum = sum;
+        Ok((total / count as f64, workspace))
     }
 
     /// Refuses weights that are not finite, which the last step may have left.

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use motes_models::{GraphDiffusion, GraphDiffusionConfig, Measurements, ModelShape, Seed, simulate};
-use motes_proposals::{Backend, Compute, Family, Fcnn, Learnable, Precision};
+use motes_proposals::{Backend, Compute, Family, Fcnn, Parametric, Precision};
 use motes_tests::small_fcnn;
 use motes_train::{Adam, AdamConfig, GradientFlow, Objective, TrainConfig, TrainError, rollout, train};
 

@@ -6,7 +6,7 @@ use motes_models::{
     GraphDiffusion, GraphDiffusionConfig, Measurements, ModelShape, Noise, Seed, StateSpaceModel,
 };
 use motes_proposals::{
-    Backend, Cell, Family, Fcnn, FcnnConfig, Gnn, GnnConfig, Psi, PsiConfig, Rnn, RnnConfig,
+    Backend, Cell, Family, Fcnn, FcnnConfig, Gnn, GnnConfig, Learnable, Psi, PsiConfig, Rnn, RnnConfig,
 };
 use motes_smc::{Bootstrap, FilterSettings, Proposal, ResampleWhen};
 use motes_tests::{
@@ -113,7 +113,7 @@ fn bootstrap() {
 }
 
 /// Alone, a Gaussian draws too often where the density is 0 for so few particles; with a share of the transition it does not.
-fn check<F: Family + Proposal<GraphDiffusion> + Clone>(
+fn check<F: Family + Learnable + Proposal<GraphDiffusion> + Clone>(
     exact: &Reference<GraphDiffusion>,
     config: &F::Config,
 ) {

@@ -7,7 +7,9 @@ use motes_models::{
     GraphDiffusion, GraphDiffusionConfig, GraphModel, LinearGaussian, Measurements, ModelShape, Seed,
     StateSpaceModel, Stream, kalman, simulate,
 };
-use motes_proposals::{Adapter, Backend, Cell, Family, Fcnn, FcnnConfig, Gnn, Psi, Rnn, RnnConfig};
+use motes_proposals::{
+    Adapter, Backend, Cell, Family, Fcnn, FcnnConfig, Gnn, Learnable, Psi, Rnn, RnnConfig,
+};
 use motes_smc::{
     Bootstrap, Context, ErrorKind, FilterBank, FilterError, FilterSettings, MinDegeneracy, ParticleFilter,
     Proposal, ProposalError, ResampleWhen, Resampling, Transition,
@@ -67,7 +69,7 @@ fn a_constant_in_every_log_likelihood_shifts_the_evidence_and_nothing_else() {
     assert_shifts("psi", &node, &made::<Psi>(&small_psi(), &node), safe);
 }
 
-fn made<F: Family>(config: &F::Config, model: &impl GraphModel) -> F {
+fn made<F: Family + Learnable>(config: &F::Config, model: &impl GraphModel) -> F {
     F::create(config, &ModelShape::on_graph(model), 5, Backend::Native.into(), &Seed::from_u64(53)).unwrap()
 }
 
@@ -295,7 +297,7 @@ fn quantiles_are_those_of_the_weighted_particles() {
 }
 
 /// Particles and evidence of learned filters on so many threads: a large one, and one of a bank.
-fn on_threads<F: Family + Proposal<GraphDiffusion> + Clone + Send>(
+fn on_threads<F: Family + Learnable + Proposal<GraphDiffusion> + Clone + Send>(
     config: &F::Config,
     threads: usize,
 ) -> Vec<(Vec<f64>, f64)> {
@@ -318,7 +320,7 @@ fn on_threads<F: Family + Proposal<GraphDiffusion> + Clone + Send>(
 
 #[test]
 fn learned_filters_give_the_same_bytes_on_any_number_of_threads() {
-    fn check<F: Family + Proposal<GraphDiffusion> + Clone + Send>(config: &F::Config) {
+    fn check<F: Family + Learnable + Proposal<GraphDiffusion> + Clone + Send>(config: &F::Config) {
         let one = on_threads::<F>(config, 1);
         assert!(one == on_threads::<F>(config, 2) && one == on_threads::<F>(config, 3), "{}", F::NAME);
     }

@@ -3,7 +3,8 @@
 use faer::mat;
 use motes_models::{GraphDiffusion, GraphDiffusionConfig, LinearGaussian, ModelShape, Seed, StateSpaceModel};
 use motes_proposals::{
-    Backend, Cell, Family, Fcnn, FcnnConfig, Gnn, GnnConfig, Learnable, Psi, PsiConfig, Rnn, RnnConfig,
+    Backend, Cell, Family, Fcnn, FcnnConfig, Gnn, GnnConfig, Learnable, Parametric, Psi, PsiConfig, Rnn,
+    RnnConfig,
 };
 use motes_smc::{Bootstrap, FilterSettings, MinDegeneracy, Proposal, ResampleWhen, Resampling};
 use motes_tests::{
@@ -97,13 +98,13 @@ fn on_a_graph() -> GraphDiffusion {
     GraphDiffusion::on_graph(&config, mat![[0.9]].as_ref()).unwrap()
 }
 
-fn untrained<F: Family>(config: &F::Config) -> F {
+fn untrained<F: Family + Learnable>(config: &F::Config) -> F {
     F::create(config, &ModelShape::on_graph(&on_a_graph()), 5, Backend::Native.into(), &Seed::from_u64(22))
         .unwrap()
 }
 
 /// In one dimension K(z) = 1, so that C = 1.2 gives the variance 1.44, whatever the networks say.
-fn wide<F: Family>(config: &F::Config) -> F {
+fn wide<F: Family + Learnable>(config: &F::Config) -> F {
     let mut proposal = untrained::<F>(config);
     let mixing = mixing_of(&proposal);
     proposal.parameters_mut().set_host(mixing, &[1.2]).unwrap();
@@ -115,7 +116,7 @@ fn mixing_of(proposal: &impl Learnable) -> usize {
     names.position(|name| name == "covariance.mixing").unwrap()
 }
 
-fn trained<F: Family>(config: &F::Config) -> F {
+fn trained<F: Family + Learnable>(config: &F::Config) -> F {
     let (reference, mut proposal) = (reference(), untrained::<F>(config));
     let config = TrainConfig { steps: 300, ..TrainConfig::paper(16) };
     let mut stream = Seed::from_u64(23).stream();
@@ -236,7 +237,7 @@ fn confined(reference: &Reference, low: f64, high: f64) -> (f64, f64) {
 #[test]
 fn a_transform_alone_estimates_the_evidence_of_states_inside_its_image() {
     // x = w tanh(A u) + b takes [0, 1] to [−7, 7]: more than four standard deviations of any state here, either way.
-    let mut psi = untrained::<Psi>(&PsiConfig { layers: 1, ridge: 0.0 });
+    let mut psi = untrained::<Psi>(&PsiConfig { layers: 1, ridge: 0.0, ..PsiConfig::paper() });
     let (a, half) = (1.2_f64, 7.0);
     for time in 0..5 {
         for (name, value) in [

@@ -6,7 +6,9 @@ use faer::Mat;
 use motes_models::{
     Gaussian, GraphDiffusion, GraphDiffusionConfig, ModelShape, Seed, StateSpaceModel, simulate,
 };
-use motes_proposals::{Backend, Compute, Family, Fcnn, FcnnConfig, Hidden, Learnable, Parameters, Precision};
+use motes_proposals::{
+    Backend, Compute, Family, Fcnn, FcnnConfig, Hidden, OverTime, Parameters, Parametric, Precision,
+};
 use motes_smc::{Conditional, Context, Proposal, ProposalError};
 use motes_train::{AdamConfig, TrainConfig, train};
 
@@ -16,7 +18,7 @@ fn system() -> GraphDiffusion {
 
 fn fcnn(precision: Precision) -> Fcnn {
     let compute = Compute { backend: Backend::Native, precision };
-    let config = FcnnConfig { widths: vec![4, 6], ridge: 1e-6 };
+    let config = FcnnConfig { widths: vec![4, 6], ..FcnnConfig::paper() };
     Fcnn::create(&config, &ModelShape::of(&system()), 3, compute, &Seed::from_u64(81)).unwrap()
 }
 
@@ -47,11 +49,25 @@ fn network(parameters: &Parameters, name: &str, input: &[f64]) -> Vec<f64> {
     values
 }
 
+/// The names of mean network, covariance network and `C` at a time.
+fn names(networks: OverTime, time: usize) -> [String; 3] {
+    match (networks, time) {
+        (OverTime::EachTime, _) => {
+            [&format!("mean.{time}"), "covariance", "covariance.mixing"].map(Into::into)
+        }
+        (OverTime::Shared, 0) => {
+            ["first.mean", "first.covariance", "first.covariance.mixing"].map(Into::into)
+        }
+        (OverTime::Shared, _) => ["mean", "covariance", "covariance.mixing"].map(Into::into),
+    }
+}
+
 /// The paper's `q(x_t | x_{t−1}, y_t)` as one dense Gaussian.
-fn by_hand(parameters: &Parameters, time: usize, input: &[f64], n: usize) -> Gaussian {
-    let mean = network(parameters, &format!("mean.{time}"), input);
-    let z = network(parameters, "covariance", input);
-    let c = named(parameters, "covariance.mixing");
+fn by_hand(parameters: &Parameters, names: [String; 3], input: &[f64], n: usize) -> Gaussian {
+    let [of_mean, of_covariance, of_mixing] = names;
+    let mean = network(parameters, &of_mean, input);
+    let z = network(parameters, &of_covariance, input);
+    let c = named(parameters, &of_mixing);
     let entry = |i: usize, j: usize| {
         let sum: f64 = (0..n)
             .flat_map(|a| (0..n).map(move |b| (a, b)))
@@ -78,21 +94,33 @@ fn log_q_of_a_trained_and_collapsed_proposal_is_that_of_the_formulas() {
     train(&mut proposal, &system, &measurements, &config, &mut stream, |_, _| ControlFlow::Continue(()))
         .unwrap();
     let input: Vec<f64> = [&[0.0; 5], measurements.row(0)].concat();
-    let trained = by_hand(proposal.parameters(), 0, &input, 5);
+    let trained = by_hand(proposal.parameters(), names(OverTime::EachTime, 0), &input, 5);
     let variance: f64 = (0..5).map(|i| trained.covariance()[(i, i)]).sum();
     println!("total variance {variance:.1e}");
     assert!(variance < 1e-2, "training did not collapse the covariance: total variance {variance}");
     check_log_q(proposal);
 }
 
+/// A wrong network, or the `C` of another time, shows at the first or at a late time.
+#[test]
+fn log_q_of_shared_networks_is_that_of_the_formulas_at_any_time() {
+    let compute = Compute { backend: Backend::Native, precision: Precision::F64 };
+    let config = FcnnConfig { widths: vec![4, 6], networks: OverTime::Shared, ..FcnnConfig::paper() };
+    let shared = Fcnn::create(&config, &ModelShape::of(&system()), 0, compute, &Seed::from_u64(81)).unwrap();
+    assert_eq!(Parametric::horizon(&shared), None);
+    assert_eq!(Fcnn::count(&config, &ModelShape::of(&system()), 0), Some(shared.parameters().values().len()));
+    check_log_q(shared);
+}
+
 /// Compares `log q` with a dense Gaussian, at samples and beside them, to 1e-9.
 fn check_log_q(mut proposal: Fcnn) {
     let system = system();
-    let parameters = proposal.parameters().clone();
+    let (parameters, networks) = (proposal.parameters().clone(), proposal.config().networks);
     let (n, particles) = (5, 4);
     let measurement = [0.4, -1.0, 2.0];
     let previous: Vec<f64> = (0..n * particles).map(|i| (i as f64 * 0.7).sin() * 2.0).collect();
-    for (time, past) in [(0, None), (2, Some(previous.as_slice()))] {
+    let later = if networks == OverTime::Shared { 1000 } else { 2 };
+    for (time, past) in [(0, None), (1, Some(previous.as_slice())), (later, Some(previous.as_slice()))] {
         let context = Context::new(time, past, &measurement, particles);
         let mut memory = initial_memory(&proposal, particles);
         let mut scratch = Default::default();
@@ -107,7 +135,7 @@ fn check_log_q(mut proposal: Fcnn) {
             let at = row * n..(row + 1) * n;
             let mut input = context.previous.map_or(vec![0.0; n], |previous| previous.row(row).to_vec());
             input.extend(measurement);
-            let dense = by_hand(&parameters, time, &input, n);
+            let dense = by_hand(&parameters, names(networks, time), &input, n);
             for (found, at) in [(along[row], &states[at.clone()]), (there[row], &elsewhere[at])] {
                 let expected = dense.log_density(at);
                 assert!((found / expected - 1.0).abs() < 1e-9, "{found} for {expected}");
@@ -119,7 +147,7 @@ fn check_log_q(mut proposal: Fcnn) {
 #[test]
 fn weights_come_from_the_seed_alone() {
     let values = |seed| {
-        let config = FcnnConfig { widths: vec![4, 6], ridge: 1e-6 };
+        let config = FcnnConfig { widths: vec![4, 6], ..FcnnConfig::paper() };
         let drawn = Fcnn::create(
             &config,
             &ModelShape::of(&system()),
@@ -155,11 +183,11 @@ fn misuse_is_a_typed_error() {
         GraphDiffusion::random(&GraphDiffusionConfig::new(6), &mut Seed::from_u64(1).stream()).unwrap();
     let context = Context::new(0, None, &[0.0; 4], 1);
     assert!(proposal.condition_batch(&other, context, &mut memory, &mut Default::default()).is_err());
-    assert_eq!((other.state_dim(), Learnable::state_dim(&proposal)), (6, 5));
+    assert_eq!((other.state_dim(), Parametric::state_dim(&proposal)), (6, 5));
 
     let new = |widths: Vec<usize>, ridge, horizon| {
         Fcnn::create(
-            &FcnnConfig { widths, ridge },
+            &FcnnConfig { widths, ridge, ..FcnnConfig::paper() },
             &ModelShape::of(&system),
             horizon,
             Backend::Native.into(),

@@ -5,7 +5,7 @@ use motes_models::{
     GraphDiffusion, GraphDiffusionConfig, GraphModel, LinearGaussian, ModelShape, Seed, StateSpaceModel,
     Stream, SystemGraph,
 };
-use motes_proposals::{Adapter, Backend, Compute, Family, Gnn, GnnConfig, Learnable, Precision};
+use motes_proposals::{Adapter, Backend, Compute, Family, Gnn, GnnConfig, Parametric, Precision};
 use motes_smc::{Conditional, Context, FilterSettings, ParticleFilter, Proposal, ProposalError};
 use motes_tests::{reference, relative_distance, small_gnn, trained_family};
 

@@ -15,7 +15,8 @@ use motes_proposals::{
 };
 use motes_smc::{Conditional, Context, GaussianBatch, Proposal};
 use motes_tests::{
-    central_differences, distance, norm, relative_distance, small_families, small_fcnn, small_psi, small_rnn,
+    central_differences, distance, every_small_family, norm, relative_distance, small_fcnn, small_psi,
+    small_rnn,
 };
 use motes_train::{AdamConfig, GradientFlow, Objective, TrainConfig, rollout, train};
 use rand::RngExt;
@@ -62,7 +63,7 @@ fn problem(drift: Drift) -> (GraphDiffusion, Measurements) {
 }
 
 fn families(system: &GraphDiffusion, compute: Compute) -> Vec<(String, Box<dyn Learnable>)> {
-    small_families(&ModelShape::on_graph(system), 3, compute, &Seed::from_u64(69))
+    every_small_family(&ModelShape::on_graph(system), 3, compute, &Seed::from_u64(69))
 }
 
 /// The value of the loss and its gradient with respect to each matrix of weights.
@@ -115,7 +116,8 @@ const F64: Compute = Compute { backend: Backend::Native, precision: Precision::F
 fn states_and_gradients_do_not_depend_on_whether_a_density_is_asked_for() {
     let (system, measurements) = problem(Drift::Abs);
     let compute = Compute { backend: Backend::Native, precision: Precision::F64 };
-    for (family, proposal) in small_families(&ModelShape::on_graph(&system), 3, compute, &Seed::from_u64(72))
+    for (family, proposal) in
+        every_small_family(&ModelShape::on_graph(&system), 3, compute, &Seed::from_u64(72))
     {
         let particles = 11;
         let drawn = |asked: bool| {
@@ -201,7 +203,7 @@ fn backends_agree_on_loss_and_gradients() {
 }
 
 /// The objective in which each window takes the states and the memory it starts with as given by `base`.
-fn objective_by_windows<F: Family + Proposal<GraphDiffusion>>(
+fn objective_by_windows<F: Family + Learnable + Proposal<GraphDiffusion>>(
     base: &mut F,
     proposal: &mut F,
     (system, measurements): (&GraphDiffusion, &Measurements),
@@ -245,7 +247,7 @@ where
     sum / particles as f64
 }
 
-fn check_truncated<F: Family + Proposal<GraphDiffusion> + Clone>(config: &F::Config)
+fn check_truncated<F: Family + Learnable + Proposal<GraphDiffusion> + Clone>(config: &F::Config)
 where
     F::Memory: Clone,
 {

@@ -1,6 +1,7 @@
 //! Tests across the crates, in one program: a program each would compile the same generic code twenty times.
 
 mod adam;
+mod amortised;
 mod asymmetric;
 mod bad_input;
 mod bank;
@@ -19,4 +20,5 @@ mod resamplers;
 mod resume;
 mod rnn;
 mod saved;
+mod sequences;
 mod standardised;

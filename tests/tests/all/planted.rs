@@ -1,7 +1,7 @@
 //! Each planted bug is caught by the statistic of the test that is there to catch it, and without a bug nothing is.
 
 use motes_models::{ModelShape, Seed};
-use motes_proposals::{Backend, Cell, Compute, Family, Learnable, Precision, Rnn, RnnConfig};
+use motes_proposals::{Backend, Cell, Compute, Family, Parametric, Precision, Rnn, RnnConfig};
 use motes_smc::{FilterSettings, ResampleWhen};
 use motes_tests::{
     Bug, Forgetful, NEVER_HALF_ALWAYS, OFFSPRING_WEIGHTS, Offspring, PARTICLES, REFUSED, RUNS,

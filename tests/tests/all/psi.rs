@@ -4,7 +4,7 @@ use faer::{Mat, MatRef};
 use motes_models::{GraphDiffusion, GraphDiffusionConfig, ModelShape, Seed};
 use motes_proposals::networks::Inputs;
 use motes_proposals::{
-    Backend, Compute, Family, Learnable, Precision, Psi, PsiConfig, PsiScratch, Workspace,
+    Backend, Compute, Family, Learnable, Parametric, Precision, Psi, PsiConfig, PsiScratch, Workspace,
 };
 use motes_smc::{Conditional, Context, Proposal, ProposalError};
 use motes_tests::trained_family;
@@ -23,8 +23,14 @@ fn system(n: usize) -> GraphDiffusion {
 }
 
 fn psi(n: usize, layers: usize) -> Psi {
-    Psi::create(&PsiConfig { layers, ridge: 0.0 }, &ModelShape::of(&system(n)), 2, F64, &Seed::from_u64(90))
-        .unwrap()
+    Psi::create(
+        &PsiConfig { layers, ridge: 0.0, ..PsiConfig::paper() },
+        &ModelShape::of(&system(n)),
+        2,
+        F64,
+        &Seed::from_u64(90),
+    )
+    .unwrap()
 }
 
 fn uniform(count: usize, seed: u64) -> Vec<f64> {
@@ -164,7 +170,7 @@ fn log_q_is_that_of_the_dense_jacobian() {
 
 #[test]
 fn log_q_of_a_trained_transform_is_that_of_the_dense_jacobian() {
-    let config = PsiConfig { layers: 3, ridge: 1e-3 };
+    let config = PsiConfig { layers: 3, ..PsiConfig::paper() };
     let psi = trained_family::<Psi>(&config, &system(4), 2, F64);
     check_log_q(&psi, 4, 3, 1e-3, 1e-9);
 }
@@ -243,7 +249,7 @@ fn badly_conditioned_transforms_come_back_as_well_as_their_condition_allows_or_n
     let n = 6;
     let mut told = 0;
     for seed in 0..20 {
-        let config = PsiConfig { layers: 9, ridge: 1e-3 };
+        let config = PsiConfig::paper();
         let psi =
             Psi::create(&config, &ModelShape::of(&system(n)), 2, F64, &Seed::from_u64(900 + seed)).unwrap();
         let (previous, measurement) = (uniform(n, 92), uniform(n.div_ceil(2), 93));
@@ -269,7 +275,7 @@ fn badly_conditioned_transforms_come_back_as_well_as_their_condition_allows_or_n
 fn settings_that_cannot_be_are_refused() {
     let new = |layers, ridge, horizon| {
         Psi::create(
-            &PsiConfig { layers, ridge },
+            &PsiConfig { layers, ridge, ..PsiConfig::paper() },
             &ModelShape::of(&system(3)),
             horizon,
             F64,

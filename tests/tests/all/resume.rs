@@ -2,7 +2,7 @@
 
 use motes_models::{GraphDiffusion, GraphDiffusionConfig, Measurements, ModelShape, Seed, Stream, simulate};
 use motes_proposals::{Backend, Compute, Learnable, Precision};
-use motes_tests::small_families;
+use motes_tests::every_small_family;
 use motes_train::{TrainConfig, TrainError, Training};
 
 const STEPS: usize = 6;
@@ -32,7 +32,7 @@ fn every_family_goes_on_to_the_last_bit() {
     let of_both = |backend| [Precision::F32, Precision::F64].map(|precision| (backend, precision));
     for (backend, precision) in Backend::built().flat_map(of_both) {
         let compute = Compute { backend, precision };
-        let fresh = || small_families(&ModelShape::on_graph(&system), 3, compute, &Seed::from_u64(153));
+        let fresh = || every_small_family(&ModelShape::on_graph(&system), 3, compute, &Seed::from_u64(153));
         for at in 0..fresh().len() {
             let run = |checkpoint_after: Option<usize>| {
                 let (name, mut proposal) = fresh().swap_remove(at);
@@ -70,7 +70,7 @@ fn every_family_goes_on_to_the_last_bit() {
 fn what_does_not_fit_is_refused_and_changes_nothing() {
     let (system, measurements) = problem();
     let compute = Compute { backend: Backend::Native, precision: Precision::F32 };
-    let all = |compute| small_families(&ModelShape::on_graph(&system), 3, compute, &Seed::from_u64(153));
+    let all = |compute| every_small_family(&ModelShape::on_graph(&system), 3, compute, &Seed::from_u64(153));
     let checkpoint = |at: usize, compute: Compute, steps: usize| {
         let (_, mut proposal) = all(compute).swap_remove(at);
         let (config, mut stream) = (config(), stream());

@@ -1,7 +1,7 @@
 //! The recurrent proposal: memory that belongs to its particle, and sequences of any length.
 
 use motes_models::{GraphDiffusion, ModelShape, Seed, StateSpaceModel, simulate};
-use motes_proposals::{Backend, Cell, Compute, Family, Fcnn, Learnable, Precision, Rnn, RnnConfig};
+use motes_proposals::{Backend, Cell, Compute, Family, Fcnn, Parametric, Precision, Rnn, RnnConfig};
 use motes_smc::{Context, FilterBank, FilterError, FilterSettings, ParticleMemory, Proposal, ProposalError};
 use motes_tests::{replay, replayed_system, small_fcnn, small_rnn, trained_family};
 

@@ -5,7 +5,8 @@ use std::path::Path;
 use faer::{Mat, mat};
 use motes_models::{Gaussian, GraphDiffusion, GraphDiffusionConfig, LinearGaussian, ModelShape, Noise, Seed};
 use motes_proposals::{
-    Adapter, Backend, Cell, Compute, Family, Fcnn, Gnn, Learnable, Psi, Rnn, SavedError, load, save,
+    Adapter, Backend, Cell, Compute, Family, Fcnn, FcnnConfig, Gnn, GnnConfig, Learnable, OverTime,
+    Parametric, Psi, PsiConfig, Rnn, SavedError, load, save,
 };
 use motes_tests::{reference, small_fcnn, small_gnn, small_psi, small_rnn, trained_family};
 use motes_train::TrainConfig;
@@ -22,7 +23,7 @@ fn weights(proposal: &dyn Learnable) -> Vec<Vec<f64>> {
     (0..proposal.parameters().len()).map(|at| proposal.parameters().host(at)).collect()
 }
 
-fn back_and_forth<F: Family>(folder: &Path, config: &F::Config) {
+fn back_and_forth<F: Family + Learnable>(folder: &Path, config: &F::Config) {
     let (system, folder) = (system(), folder.join(F::NAME));
     let trained: F = trained_family(config, &system, 3, compute());
     // Twice: the second replaces the first.
@@ -51,6 +52,30 @@ fn every_family_comes_back_as_it_was_saved() {
     back_and_forth::<Rnn>(folder.path(), &small_rnn(Cell::Gru));
     back_and_forth::<Gnn>(folder.path(), &small_gnn(Adapter::Learned));
     back_and_forth::<Psi>(folder.path(), &small_psi());
+}
+
+#[test]
+fn so_does_one_whose_networks_are_shared_over_time() {
+    let (folder, networks) = (tempfile::tempdir().unwrap(), OverTime::Shared);
+    back_and_forth::<Fcnn>(folder.path(), &FcnnConfig { networks, ..small_fcnn() });
+    back_and_forth::<Gnn>(folder.path(), &GnnConfig { networks, ..small_gnn(Adapter::Learned) });
+    back_and_forth::<Psi>(folder.path(), &PsiConfig { networks, ..small_psi() });
+    for family in ["fcnn", "gnn", "psi"] {
+        let text = std::fs::read_to_string(folder.path().join(family).join("proposal.toml")).unwrap();
+        assert!(text.contains("networks = \"shared\"") && !text.contains("horizon"), "{text}");
+    }
+}
+
+/// Files of before the setting have no word of it, and go on meaning the same.
+#[test]
+fn a_network_for_each_time_is_saved_as_ever() {
+    let (folder, system) = (tempfile::tempdir().unwrap(), system());
+    back_and_forth::<Fcnn>(folder.path(), &small_fcnn());
+    let folder = folder.path().join("fcnn");
+    let text = std::fs::read_to_string(folder.join("proposal.toml")).unwrap();
+    assert!(!text.contains("networks"), "{text}");
+    let loaded: Fcnn = load(&folder, &system, &ModelShape::on_graph(&system), compute()).unwrap();
+    assert_eq!(loaded.config().networks, OverTime::EachTime);
 }
 
 #[test]

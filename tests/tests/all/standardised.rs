@@ -5,8 +5,8 @@ use motes_models::{
     simulate_within,
 };
 use motes_proposals::{
-    Backend, Cell, Compute, Family, Fcnn, Frame, Frames, Learnable, Origin, Precision, Psi, Rnn, SavedError,
-    Standardised, StandardisedConfig, load, save,
+    Backend, Cell, Compute, Family, Fcnn, Frame, Frames, Learnable, Origin, Parametric, Precision, Psi, Rnn,
+    SavedError, Standardised, StandardisedConfig, load, save,
 };
 use motes_smc::{Conditional, Context, Proposal};
 use motes_tests::{central_differences, distance, norm, small_fcnn, small_psi, small_rnn};
@@ -32,7 +32,7 @@ fn measurements() -> Measurements {
     simulate_within(&system(), HORIZON, 2000.0, &Seed::from_u64(141)).unwrap().0.measurements
 }
 
-fn make<F: Family>(family: F::Config, origin: Origin, compute: Compute) -> Standardised<F> {
+fn make<F: Family + Learnable>(family: F::Config, origin: Origin, compute: Compute) -> Standardised<F> {
     let config = StandardisedConfig { family, frames: frames(origin) };
     Standardised::create(&config, &ModelShape::of(&system()), HORIZON, compute, &Seed::from_u64(142)).unwrap()
 }
@@ -74,7 +74,7 @@ fn the_whole_objective_with_respect_to_every_weight() {
 /// The density along a sample is that at its point, and a filter draws what training draws.
 fn check_densities<F>(label: &str, mut proposal: Standardised<F>)
 where
-    F: Family + for<'a> Proposal<Epidemic, Memory: 'a>,
+    F: Family + Learnable + for<'a> Proposal<Epidemic, Memory: 'a>,
 {
     let (model, particles) = (system(), 5);
     let measurement = measurements().row(1).to_vec();

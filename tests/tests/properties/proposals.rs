@@ -1,7 +1,7 @@
 //! Proposals of every family with any weights and any particles: numbers, or a typed error.
 
 use motes_models::{GraphDiffusion, GraphDiffusionConfig, ModelShape, Seed, fill_standard_normal};
-use motes_proposals::{Adapter, Backend, Cell, Family, Fcnn, Gnn, Psi, Rnn};
+use motes_proposals::{Adapter, Backend, Cell, Family, Fcnn, Gnn, Learnable, Psi, Rnn};
 use motes_smc::{FilterBank, FilterSettings, Proposal};
 use motes_tests::{small_fcnn, small_gnn, small_psi, small_rnn};
 use proptest::prelude::*;
@@ -13,7 +13,7 @@ fn system() -> GraphDiffusion {
 }
 
 /// Filters three measurements with weights of the given size: evidence is a number, or the error names what failed.
-fn filter<F: Family + Proposal<GraphDiffusion>>(
+fn filter<F: Family + Learnable + Proposal<GraphDiffusion>>(
     config: &F::Config,
     size: f64,
     measured: f64,

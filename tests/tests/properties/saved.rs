@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use motes_models::{GraphDiffusion, GraphDiffusionConfig, ModelShape, Seed};
-use motes_proposals::{Adapter, Backend, Cell, Family, Fcnn, Gnn, Psi, Rnn, load, save};
+use motes_proposals::{Adapter, Backend, Cell, Family, Fcnn, Gnn, Learnable, Psi, Rnn, load, save};
 use motes_tests::{small_fcnn, small_gnn, small_psi, small_rnn};
 use motes_train::TrainConfig;
 use proptest::collection::vec;
@@ -17,7 +17,7 @@ fn system() -> GraphDiffusion {
 }
 
 /// The two files of a saved proposal.
-fn files<F: Family>(config: &F::Config) -> [Vec<u8>; 2] {
+fn files<F: Family + Learnable>(config: &F::Config) -> [Vec<u8>; 2] {
     let (folder, system) = (tempfile::tempdir().unwrap(), system());
     let proposal =
         F::create(config, &ModelShape::on_graph(&system), 3, Backend::Native.into(), &Seed::from_u64(132))
@@ -88,7 +88,7 @@ fn changes() -> impl Strategy<Value = Change> {
     ]
 }
 
-fn check<F: Family>(
+fn check<F: Family + Learnable>(
     [description, weights]: &[Vec<u8>; 2],
     changes: &[(bool, Change)],
     sealed: bool,

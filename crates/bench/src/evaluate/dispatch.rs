@@ -1,6 +1,8 @@
 //! From a method's settings to its proposal, whose type a visitor is told.
 
-use motes_proposals::{Backend, Family, Fcnn, Frames, Gnn, Psi, Rnn, Standardised, StandardisedConfig};
+use motes_proposals::{
+    Backend, Family, Fcnn, Frames, Gnn, Learnable, Psi, Rnn, Standardised, StandardisedConfig,
+};
 use motes_smc::{Bootstrap, MinDegeneracy, Proposal};
 
 use crate::config::Training;
@@ -16,7 +18,7 @@ pub(super) trait Visitor {
     fn designed(self, proposal: impl Proposal<Model>) -> Result<Self::Output, UnitError>;
 
     /// A family that is to be trained first, with its settings.
-    fn learned<F: Family + Proposal<Model>>(
+    fn learned<F: Family + Learnable + Proposal<Model>>(
         self,
         family: &F::Config,
         training: &Training,
@@ -49,7 +51,7 @@ pub(super) fn visit<V: Visitor>(
     }
 }
 
-fn learned<F: Family<Config: Clone> + Proposal<Model>, V: Visitor>(
+fn learned<F: Family<Config: Clone> + Learnable + Proposal<Model>, V: Visitor>(
     unit: &LearnedUnit<F::Config>,
     visitor: V,
 ) -> Result<V::Output, UnitError> {

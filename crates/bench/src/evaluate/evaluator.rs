@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use motes_cli::Interrupt;
 use motes_models::Simulations;
-use motes_proposals::{Backend, Family, Frames, save};
+use motes_proposals::{Backend, Family, Frames, Learnable, save};
 use motes_smc::{Bootstrap, Proposal};
 
 use super::dispatch::{Visitor, visit};
@@ -66,7 +66,7 @@ impl Visitor for Run<'_> {
         self.run_filters(&*self.problem.model, proposal)
     }
 
-    fn learned<F: Family + Proposal<Model>>(
+    fn learned<F: Family + Learnable + Proposal<Model>>(
         self,
         family: &F::Config,
         training: &Training,
@@ -116,7 +116,7 @@ mod tests {
     use crate::reference::References;
     use crate::unit::tests::{fcnn_unit, on_graph};
     use motes_models::{Noise, Seed, Sequence};
-    use motes_proposals::{Backend, Fcnn, Learnable};
+    use motes_proposals::{Fcnn, Parametric};
     use motes_train::Training;
     use rand::RngExt;
 

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use motes_cli::status;
-use motes_proposals::{Backend, Family};
+use motes_proposals::{Backend, Family, Learnable};
 use motes_train::{AdamConfig, GradientFlow, History, TrainConfig, TrainError, Training};
 
 use super::run::Run;
@@ -14,7 +14,7 @@ use crate::unit_error::{UnitError, failed};
 
 impl Run<'_> {
     /// Draws initial weights and trains them on the problem's measurements.
-    pub(super) fn train<F: Family>(
+    pub(super) fn train<F: Family + Learnable>(
         self,
         family: &F::Config,
         config: &TrainConfig,
@@ -86,6 +86,7 @@ pub(super) fn train_config(training: &config::Training, particles: usize, steps:
         clip_norm: training.clip_norm,
         particles,
         steps,
+        sequences_per_step: 1,
         adam: AdamConfig {
             learning_rate: training.learning_rate,
             beta_1: training.beta_1,

@@ -91,7 +91,7 @@ impl Distribution<f64> {
             }
             Distribution::Gamma { origin, shape, scale } => {
                 let g = (x - origin) / scale;
-                if !(shape > 0.0) || g.is_nan() {
+                if shape.is_nan() || shape <= 0.0 || g.is_nan() {
                     return f64::NAN;
                 }
                 let v = match g > 0.0 {
@@ -105,7 +105,7 @@ impl Distribution<f64> {
             }
             Distribution::StudentT { df, location, scale } => {
                 let z = (x - location) / scale;
-                if !(df > 0.0) || z.is_nan() {
+                if df.is_nan() || df <= 0.0 || z.is_nan() {
                     return f64::NAN;
                 }
                 let a = normal_from_tail(student_tail(df, z.abs()));

@@ -8,7 +8,7 @@ use motes_proposals::{Amortised, AmortisedConfig, Backend, Base, Covariance, Fam
 use motes_smc::Linearised;
 use motes_train::{LearnConfig, learn};
 
-use super::LearnOptions;
+use super::options::LearnOptions;
 use crate::error::MotesError;
 
 /// States of more coordinates have no full covariance of their own: the base has one.

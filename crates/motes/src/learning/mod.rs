@@ -1,58 +1,22 @@
 //! Learning a proposal for a model, once.
 
 mod choice;
-mod learned;
+mod options;
 mod worth;
 
 use std::ops::ControlFlow;
 
 use motes_models::{ModelShape, Seed};
-use motes_proposals::{Amortised, Backend, Base, Family, HeadConfig};
+use motes_proposals::{Amortised, Backend, Family};
 use motes_train::{LearnConfig, Learned, learn as train};
 
-pub use learned::{LearnedProposal, Notes};
+pub use options::LearnOptions;
 
 use crate::error::MotesError;
+use crate::learned::{LearnedProposal, Notes, formulas_of};
 use crate::model::Model;
 use choice::{Choice, choose};
-use learned::formulas_of;
 use worth::worse_than;
-
-/// How a proposal is learned. [`LearnOptions::default`] is what the command takes where nothing else is said.
-#[derive(Debug, Clone, PartialEq)]
-pub struct LearnOptions {
-    /// Gradient steps.
-    pub updates: usize,
-    /// Learning ends after so many seconds; its results then depend on the machine.
-    pub seconds: Option<f64>,
-    /// The number of times of a simulated sequence.
-    pub steps: usize,
-    /// The designed proposal that it is built around; chosen if none is given.
-    pub base: Option<Base>,
-    /// What its networks emit; chosen if none is given.
-    pub head: Option<HeadConfig>,
-    /// The widths of its networks' hidden layers.
-    pub widths: Vec<usize>,
-    /// All random numbers come from it.
-    pub seed: u64,
-}
-
-/// The defensive share of a learned proposal where nothing else is said.
-pub const DEFENSIVE_SHARE: f64 = 0.1;
-
-impl Default for LearnOptions {
-    fn default() -> Self {
-        LearnOptions {
-            updates: 5000,
-            seconds: None,
-            steps: 100,
-            base: None,
-            head: None,
-            widths: vec![64, 64],
-            seed: 1,
-        }
-    }
-}
 
 /// What came of learning.
 #[derive(Debug, Clone)]

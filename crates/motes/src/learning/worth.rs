@@ -2,11 +2,12 @@
 
 use motes_models::Seed;
 
-use super::{DEFENSIVE_SHARE, LearnOptions, LearnedProposal};
+use super::options::LearnOptions;
 use crate::engine::Running;
 use crate::error::MotesError;
+use crate::learned::LearnedProposal;
 use crate::model::Model;
-use crate::options::{FilterOptions, ProposalName};
+use crate::options::{DEFENSIVE_SHARE, FilterOptions, ProposalName};
 use crate::simulating::simulate_some;
 
 /// Validation sequences, and the particles of the filters on them.

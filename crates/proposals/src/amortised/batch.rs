@@ -6,7 +6,7 @@ use motes_models::{Stream, fill_standard_normal, fill_uniform};
 use motes_smc::{Conditional, Context};
 
 use super::heads::Head;
-use super::propose::AmortisedScratch;
+use super::scratch::AmortisedScratch;
 use super::units::{self, Place, Units, lanes, log_standard_normal};
 
 /// What an [`Amortised`](super::Amortised) proposal conditions to: a head's density for each particle, in units of its base.

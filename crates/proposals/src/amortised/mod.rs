@@ -10,6 +10,7 @@ mod inputs;
 mod networks;
 mod proposal;
 mod propose;
+mod scratch;
 mod units;
 
 pub use base::Base;
@@ -19,4 +20,4 @@ pub use examples::{Examples, Stage};
 pub use heads::{Covariance, FlowHead, GaussianHead, Head, HeadConfig, MixtureHead};
 pub use inclusive::Times;
 pub use proposal::Amortised;
-pub use propose::AmortisedScratch;
+pub use scratch::AmortisedScratch;

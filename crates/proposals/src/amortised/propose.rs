@@ -2,32 +2,14 @@
 
 use motes_models::batch::{LANES, store};
 use motes_models::equations::{Lanes, Linearise, Transport};
-use motes_networks::{Inference, Inputs};
+use motes_networks::Inputs;
 use motes_smc::{Context, Proposal, ProposalError};
 
 use super::batch::AmortisedBatch;
 use super::proposal::{Amortised, Prepared};
+use super::scratch::AmortisedScratch;
 use super::units::{self, Place, Units, lanes};
 use crate::settings::of_networks;
-
-/// What conditioning a block of particles computes in.
-#[derive(Default)]
-pub struct AmortisedScratch {
-    /// The units of each tile.
-    pub(super) units: Vec<f64>,
-    /// `x_{t−1}` of each tile, where the transport asks for it again.
-    pub(super) previous: Vec<f64>,
-    /// `θ`, `R×P`.
-    pub(super) theta: Vec<f64>,
-    /// What a tile is computed in.
-    pub(super) tile: Vec<f64>,
-    /// `R×N` normal numbers, and `R×U` uniform ones.
-    pub(super) noise: Vec<f64>,
-    pub(super) uniforms: Vec<f64>,
-    /// Inputs of the networks, `R×F`.
-    inputs: Vec<f64>,
-    inference: Inference,
-}
 
 impl<M: Linearise + Transport + ?Sized> Proposal<M> for Amortised {
     type Memory = ();

@@ -6,6 +6,8 @@ use motes_smc::ProposalError;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+use crate::over_time::OverTime;
+
 /// The networks of one Gaussian family: from what a particle knows to a mean and a representation.
 ///
 /// They have two outputs of width `N`: first `μ_t`, then `z_t`. This is all that tells the families apart; covariance, sampling, densities and
@@ -40,4 +42,9 @@ pub trait GaussianNetworks: Networks {
 
     /// `δ`, which is added to the diagonal of the covariance.
     fn ridge(config: &Self::Config) -> f64;
+
+    /// Which networks serve which times; where they are [`OverTime::Shared`], `t = 0` has a `C` of its own.
+    fn over_time(_config: &Self::Config) -> OverTime {
+        OverTime::EachTime
+    }
 }

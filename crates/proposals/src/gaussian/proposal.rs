@@ -7,6 +7,7 @@ use motes_smc::ProposalError;
 use super::covariance::KernelCovariance;
 use super::networks::GaussianNetworks;
 use crate::family::Family;
+use crate::over_time::one_at;
 use crate::settings::{check_compute, check_ridge, check_shape, check_weights};
 
 /// `q(x_t | past) = N(μ_t, C K(z_t) Cᵀ + δI)` with `μ_t` and `z_t` from the networks of a family.
@@ -19,8 +20,8 @@ pub struct GaussianProposal<F: GaussianNetworks> {
     pub(super) state_dim: usize,
     pub(super) measurement_dim: usize,
     pub(super) parameters: Parameters,
-    /// Index of `C` among the parameters.
-    pub(super) mixing: usize,
+    /// Indices of `C` among the parameters: one for all times, or one for `t = 0` and one for the others.
+    mixings: Vec<usize>,
     /// `y_t` and the covariance for the present weights, of the step that a filter prepared.
     pub(super) prepared: Option<Prepared>,
 }
@@ -45,10 +46,15 @@ impl<F: GaussianNetworks> GaussianProposal<F> {
         ProposalError::unless_same("the measurement dimension M", found, expected)
     }
 
-    /// The covariance for the current `C`.
-    pub(super) fn covariance(&self) -> Result<KernelCovariance, ProposalError> {
+    /// The index among the parameters of the `C` of a time.
+    pub(super) fn mixing(&self, time: usize) -> usize {
+        *one_at(&self.mixings, time)
+    }
+
+    /// The covariance at a time, for the current `C`.
+    pub(super) fn covariance(&self, time: usize) -> Result<KernelCovariance, ProposalError> {
         let ridge = F::ridge(&self.config);
-        KernelCovariance::new(self.state_dim, &self.parameters.host(self.mixing), ridge)
+        KernelCovariance::new(self.state_dim, &self.parameters.host(self.mixing(time)), ridge)
     }
 }
 
@@ -56,7 +62,7 @@ impl<F: GaussianNetworks> Family for GaussianProposal<F> {
     const NAME: &'static str = F::NAME;
     type Config = F::Config;
 
-    /// Draws the networks' weights, then `C`, uniform on `±1/N`.
+    /// Draws the networks' weights, then `C`, uniform on `±1/N`; two of them where `t = 0` has one of its own.
     fn create(
         config: &F::Config,
         shape: &ModelShape,
@@ -72,22 +78,27 @@ impl<F: GaussianNetworks> Family for GaussianProposal<F> {
         let &ModelShape { state_dim, measurement_dim, .. } = shape;
         let mut parameters = Parameters::new(compute);
         let networks = F::draw(config, shape, horizon, &mut parameters, seed)?;
-        let mixing = parameters.len();
         let bound = 1.0 / state_dim as f64;
-        parameters.draw("covariance.mixing".into(), [state_dim, state_dim], bound, seed);
+        let mut mixings = Vec::new();
+        for name in F::over_time(config).names_of_one("covariance.mixing") {
+            mixings.push(parameters.len());
+            parameters.draw(name, [state_dim, state_dim], bound, seed);
+        }
         Ok(GaussianProposal {
             networks,
             config: config.clone(),
             state_dim,
             measurement_dim,
             parameters,
-            mixing,
+            mixings,
             prepared: None,
         })
     }
 
     fn count(config: &F::Config, shape: &ModelShape, horizon: usize) -> Option<usize> {
-        F::count(config, shape, horizon)?.checked_add(shape.state_dim.checked_mul(shape.state_dim)?)
+        let mixings = F::over_time(config).of_one();
+        let entries = shape.state_dim.checked_mul(shape.state_dim)?.checked_mul(mixings)?;
+        F::count(config, shape, horizon)?.checked_add(entries)
     }
 
     fn config(&self) -> &F::Config {

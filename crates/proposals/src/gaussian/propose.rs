@@ -41,7 +41,7 @@ impl<M: StateSpaceModel + ?Sized, F: GaussianNetworks> Proposal<M> for GaussianP
         ProposalError::unless_same("the state dimension N", self.state_dim, model.state_dim())?;
         self.prepared = None;
         self.check(time, measurement)?;
-        let covariance = self.covariance()?;
+        let covariance = self.covariance(time)?;
         self.prepared = Some(Prepared { time, measurement: measurement.to_vec(), covariance });
         Ok(())
     }

@@ -41,7 +41,7 @@ impl<F: GaussianNetworks> Learnable for GaussianProposal<F> {
     fn tape(&self, particles: usize, workspace: Workspace) -> Result<Box<dyn Tape + '_>, ProposalError> {
         let networks = NetworkTape::new(&self.networks, &self.parameters, particles, workspace);
         let networks = networks.map_err(of_networks)?;
-        Ok(Box::new(GaussianTape { proposal: self, networks, covariance: None, draws: Vec::new() }))
+        Ok(Box::new(GaussianTape { proposal: self, networks, covariances: Vec::new(), draws: Vec::new() }))
     }
 }
 
@@ -49,14 +49,16 @@ impl<F: GaussianNetworks> Learnable for GaussianProposal<F> {
 struct GaussianTape<'p, F: GaussianNetworks> {
     proposal: &'p GaussianProposal<F>,
     networks: NetworkTape<'p, F>,
-    /// The same at all times; formed at the first draw, which can report an error.
-    covariance: Option<KernelCovariance>,
+    /// By the index of their `C`; formed at the first draw with it, which can report an error.
+    covariances: Vec<(usize, KernelCovariance)>,
     draws: Vec<Draw>,
 }
 
 /// What is probabilistic of one step.
 struct Draw {
     time: usize,
+    /// Which of the covariances.
+    covariance: usize,
     representations: Vec<f64>,
     lowers: Vec<f64>,
     noise: Vec<f64>,
@@ -72,10 +74,15 @@ impl<F: GaussianNetworks> Tape for GaussianTape<'_, F> {
     ) -> Result<(), ProposalError> {
         let proposal = self.proposal;
         proposal.check(inputs.time, inputs.measurement)?;
-        let covariance = match self.covariance.take() {
-            Some(covariance) => covariance,
-            None => proposal.covariance()?,
+        let mixing = proposal.mixing(inputs.time);
+        let at = match self.covariances.iter().position(|(index, _)| *index == mixing) {
+            Some(at) => at,
+            None => {
+                self.covariances.push((mixing, proposal.covariance(inputs.time)?));
+                self.covariances.len() - 1
+            }
         };
+        let (_, covariance) = &self.covariances[at];
         let n = proposal.state_dim;
         let mut representations = vec![0.0; inputs.particles * n];
         let mut batch = GaussianBatch::default();
@@ -87,9 +94,8 @@ impl<F: GaussianNetworks> Tape for GaussianTape<'_, F> {
         if let Some(log_density) = log_density {
             batch.log_density_of_noise(noise, log_density);
         }
-        self.covariance = Some(covariance);
         let (time, lowers, noise) = (inputs.time, batch.into_lowers(), noise.to_vec());
-        self.draws.push(Draw { time, representations, lowers, noise });
+        self.draws.push(Draw { time, covariance: at, representations, lowers, noise });
         Ok(())
     }
 
@@ -99,13 +105,11 @@ impl<F: GaussianNetworks> Tape for GaussianTape<'_, F> {
         d_log_density: Option<&[f64]>,
         d_previous: &mut [f64],
     ) -> Result<(), ProposalError> {
-        let (draw, covariance) = match (self.draws.pop(), &self.covariance) {
-            (Some(draw), Some(covariance)) => (draw, covariance),
-            _ => panic!("there is no draw left to pull back"),
-        };
+        let Some(draw) = self.draws.pop() else { panic!("there is no draw left to pull back") };
+        let (mixing, covariance) = &self.covariances[draw.covariance];
         let (d_representations, d_mixing) =
             covariance.pull_back(&draw.representations, &draw.lowers, &draw.noise, d_states, d_log_density);
-        self.networks.gradients().add_wide(self.proposal.mixing, &d_mixing);
+        self.networks.gradients().add_wide(*mixing, &d_mixing);
         self.networks.backward(&[d_states, &d_representations], d_previous).map_err(of_networks)?;
         if draw.time == 0 {
             d_previous.fill(0.0);

@@ -22,7 +22,7 @@ impl Parametric for Psi {
     }
 
     fn horizon(&self) -> Option<usize> {
-        Some(self.horizon)
+        self.horizon
     }
 
     fn state_dim(&self) -> usize {

@@ -10,7 +10,8 @@ use serde::{Deserialize, Serialize};
 use super::inverse::Factored;
 use super::map::{Inverses, Map};
 use crate::family::Family;
-use crate::settings::{check_compute, check_count, check_horizon, check_ridge, check_shape, check_weights};
+use crate::over_time::OverTime;
+use crate::settings::{check_compute, check_count, check_ridge, check_shape, check_weights};
 
 /// The settings of a [`Psi`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -20,12 +21,15 @@ pub struct PsiConfig {
     pub layers: usize,
     /// Added to the diagonal of each matrix that is to be inverted.
     pub ridge: f64,
+    /// Whether each time has a transform of its own.
+    #[serde(default, skip_serializing_if = "OverTime::is_each_time")]
+    pub networks: OverTime,
 }
 
 impl PsiConfig {
-    /// The paper's: 9 layers; a ridge of 1e-3.
+    /// The paper's: 9 layers, a transform for each time; a ridge of 1e-3.
     pub fn paper() -> Self {
-        PsiConfig { layers: 9, ridge: 1e-3 }
+        PsiConfig { layers: 9, ridge: 1e-3, networks: OverTime::EachTime }
     }
 }
 
@@ -35,14 +39,16 @@ impl PsiConfig {
 /// Samples are rows, so that each matrix multiplies from the right (`u A`), and the ridge is part of `A` and of each `W_ℓ`.
 /// `NN_t` has `L` layers with square matrices, tanh after each but the last. With `ρ = tanh` and the values `a_ℓ` that it is
 /// applied to, `log q(x_t) = −(log|det A| + Σ_ℓ log|det W_ℓ| + Σ_ℓ Σᵢ log ρ′(a_ℓᵢ))`. The image of the cube is bounded: outside
-/// it the density is 0. Each time has a transform of its own, so the proposal knows its horizon `T`. The ridge makes a
+/// it the density is 0. Each time has a transform of its own, so the proposal knows its horizon `T`; with [`OverTime::Shared`] `t = 0` has one and
+/// all later times have another, and there is no horizon. The ridge makes a
 /// singular matrix unlikely, not impossible: [`ProposalError::Singular`], where a density is asked for.
 #[derive(Clone)]
 pub struct Psi {
     pub(super) config: PsiConfig,
     pub(super) state_dim: usize,
     pub(super) measurement_dim: usize,
-    pub(super) horizon: usize,
+    /// How many times it has transforms for; `None` if any number.
+    pub(super) horizon: Option<usize>,
     pub(super) parameters: Parameters,
     /// What a filter prepared for its step.
     pub(super) prepared: Option<Prepared>,
@@ -66,13 +72,15 @@ pub(super) const FIRST: usize = 3;
 impl Psi {
     /// Where the matrices of time `t` begin.
     pub(super) fn first(&self, time: usize) -> usize {
-        time * (FIRST + 2 * self.config.layers)
+        self.config.networks.at(time) * (FIRST + 2 * self.config.layers)
     }
 
     /// The transform of time `t`, for the current weights.
     pub(super) fn map(&self, time: usize) -> Result<Map, ProposalError> {
-        let (n, horizon) = (self.state_dim, self.horizon);
-        if time >= horizon {
+        let n = self.state_dim;
+        if let Some(horizon) = self.horizon
+            && time >= horizon
+        {
             return Err(ProposalError::PastHorizon { horizon, time });
         }
         let first = self.first(time);
@@ -162,7 +170,7 @@ impl Family for Psi {
         seed: &Seed,
     ) -> Result<Self, ProposalError> {
         check_compute(compute)?;
-        check_horizon(horizon)?;
+        config.networks.check(horizon)?;
         check_count("the number of layers of the transform", config.layers)?;
         check_ridge("the ridge of the transform", config.ridge)?;
         check_shape(shape)?;
@@ -170,23 +178,23 @@ impl Family for Psi {
         let &ModelShape { state_dim: n, measurement_dim: m, .. } = shape;
         let mut parameters = Parameters::new(compute);
         let (of_states, of_measurements) = (fan_in_bound(n), fan_in_bound(m));
-        for t in 0..horizon {
-            parameters.draw(format!("psi.{t}.noise"), [n, n], of_states, seed);
-            parameters.draw(format!("psi.{t}.previous"), [n, n], of_states, seed);
-            parameters.draw(format!("psi.{t}.measurement"), [m, n], of_measurements, seed);
+        for name in config.networks.names("psi", horizon) {
+            parameters.draw(format!("{name}.noise"), [n, n], of_states, seed);
+            parameters.draw(format!("{name}.previous"), [n, n], of_states, seed);
+            parameters.draw(format!("{name}.measurement"), [m, n], of_measurements, seed);
             for layer in 0..config.layers {
-                parameters.draw(format!("psi.{t}.{layer}.weight"), [n, n], of_states, seed);
-                parameters.draw(format!("psi.{t}.{layer}.bias"), [1, n], of_states, seed);
+                parameters.draw(format!("{name}.{layer}.weight"), [n, n], of_states, seed);
+                parameters.draw(format!("{name}.{layer}.bias"), [1, n], of_states, seed);
             }
         }
-        let config = config.clone();
+        let (config, horizon) = (config.clone(), config.networks.horizon(horizon));
         Ok(Psi { config, state_dim: n, measurement_dim: m, horizon, parameters, prepared: None })
     }
 
     fn count(config: &PsiConfig, shape: &ModelShape, horizon: usize) -> Option<usize> {
         let &ModelShape { state_dim: n, measurement_dim: m, .. } = shape;
         let layers = config.layers.checked_mul(n * n + n)?;
-        layers.checked_add(2 * n * n + m * n)?.checked_mul(horizon)
+        layers.checked_add(2 * n * n + m * n)?.checked_mul(config.networks.networks(horizon))
     }
 
     fn config(&self) -> &PsiConfig {

@@ -35,7 +35,7 @@ pub struct StandardisedConfig<Config> {
 /// let epidemic = Epidemic::new(&EpidemicConfig::paper())?;
 /// let simulations = Simulations::draw(&epidemic, horizon, 200, 2000.0, &seed.child("frames"))?;
 /// let frames = Frames::of(&simulations, Origin::Prediction)?;
-/// let config = StandardisedConfig { family: FcnnConfig { widths: vec![16], ridge: 1e-6 }, frames };
+/// let config = StandardisedConfig { family: FcnnConfig { widths: vec![16], ..FcnnConfig::paper() }, frames };
 /// let weights = seed.child("weights");
 /// let proposal: Standardised<Fcnn> =
 ///     Standardised::create(&config, &ModelShape::of(&epidemic), horizon, Backend::Native.into(), &weights)?;

@@ -7,7 +7,7 @@ use std::time::Instant;
 use motes_models::{ModelError, OwnModel, OwnSteps, Seed};
 use motes_proposals::{Amortised, Parametric, Stage, Times, Values, Workspace};
 
-use super::rows::{Deck, Supply, simulated};
+use super::rows::{Deck, Supply, drawn};
 use super::settings::LearnConfig;
 use crate::{Adam, TrainError};
 
@@ -77,10 +77,10 @@ pub fn learn(
     let mut adam = Adam::new(&config.adam)?;
     let started = Instant::now();
     standardise(proposal, model, config, &seed.child("inputs"))?;
-    let validation = simulated(proposal, model, &validation_of(config), &seed.child("validation"))?;
+    let validation = drawn(proposal, model, &validation_of(config), &seed.child("validation"))?;
     let check = |supply: &Supply| match supply.examples.later.is_empty() {
         true => Err(TrainError::Setting {
-            name: "the number of simulated sequences that reach a second time",
+            name: "the number of drawn sequences that reach a second time",
             value: "0".into(),
             expected: "at least 1: the model's simulation overflows, look at its transition and noise",
         }),
@@ -114,7 +114,7 @@ pub fn learn(
         let simulations = training.child("simulations");
         scope.spawn(move || {
             (0_u64..)
-                .take_while(|&n| sender.send(simulated(&encoder, model, config, &simulations.nth(n))).is_ok())
+                .take_while(|&n| sender.send(drawn(&encoder, model, config, &simulations.nth(n))).is_ok())
                 .count()
         });
         let mut order = training.child("order").stream();
@@ -159,7 +159,7 @@ pub fn learn(
             }
             let share = (AVERAGING + 1.0) / (learned.steps as f64 + AVERAGING);
             averaged.parameters_mut().values_mut().approach(proposal.parameters().values(), share);
-            if learned.steps % config.validate_every == 0 {
+            if learned.steps.is_multiple_of(config.validate_every) {
                 learned.look(gain_of(&averaged)?, &averaged, &mut best);
             }
             let last = learned.validation.last().map_or(f64::NAN, |(_, gain)| *gain);

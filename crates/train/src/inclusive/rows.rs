@@ -18,7 +18,7 @@ pub(super) struct Supply {
 }
 
 /// Simulates `config.sequences` whole sequences, and the beginnings of more.
-pub(super) fn simulated(
+pub(super) fn drawn(
     proposal: &Amortised,
     model: &(impl OwnModel + ?Sized),
     config: &LearnConfig,

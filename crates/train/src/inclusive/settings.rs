@@ -49,7 +49,7 @@ impl LearnConfig {
         for (name, count) in [
             ("the number of steps", self.steps),
             ("the number of rows in a step", self.rows),
-            ("the number of simulated sequences", self.sequences),
+            ("the number of drawn sequences", self.sequences),
             ("the number of steps between two validations", self.validate_every),
         ] {
             if count == 0 {
@@ -62,7 +62,7 @@ impl LearnConfig {
         if !(0.0..1.0).contains(&self.floor) {
             return wrong("the floor", self.floor.to_string(), "at least 0 and below 1");
         }
-        if !(self.clip_norm > 0.0) {
+        if self.clip_norm.is_nan() || self.clip_norm <= 0.0 {
             return wrong("the largest norm of the gradient", self.clip_norm.to_string(), "positive");
         }
         match self.seconds {

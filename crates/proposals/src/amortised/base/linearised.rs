@@ -4,7 +4,7 @@ use motes_models::equations::Lanes;
 use motes_models::equations::triangle::at;
 use motes_smc::fisher_scoring;
 
-use super::Said;
+use super::said::Said;
 
 /// `L Lᵀ = I + Σ_j I_j J_j J_jᵀ` and `b = (L Lᵀ)⁻¹ Σ_j s_j J_j`: [`motes_smc::Linearised`] with the noise in the place of the state.
 #[inline(always)]

@@ -3,9 +3,11 @@
 //! A base is one file with one function, and one line in [`Base`].
 
 mod linearised;
+mod said;
 mod transition;
 
 use motes_models::equations::Lanes;
+pub(super) use said::Said;
 use serde::{Deserialize, Serialize};
 
 /// The designed proposal around which a learned one is built: `x = T(x_{t−1}, v)`, `v = b + L⁻ᵀ u`.
@@ -19,16 +21,6 @@ pub enum Base {
     Transition,
     /// One Fisher-scoring step from the predicted state, in units of the noise.
     Linearised,
-}
-
-/// What a measurement says of the noise `v`, at `v = 0`, for the particles of a tile.
-pub(super) struct Said<'a> {
-    /// `∂ log p(y_j | θ_j) / ∂θ_j` for each entry of the measurement.
-    pub(super) slopes: &'a mut [Lanes],
-    /// Its Fisher information.
-    pub(super) information: &'a mut [Lanes],
-    /// `∂θ_j / ∂v_i`, `M×N`.
-    pub(super) jacobian: &'a mut [Lanes],
 }
 
 impl Base {

@@ -3,9 +3,10 @@
 use motes_models::equations::{Lanes, with_scalars};
 use pulp::Arch;
 
+use super::covariance::Covariance;
+use super::head::Head;
 use super::normal::Normal;
 use super::spline::Spline;
-use super::{Covariance, Head};
 
 /// `z = s(A(u − m))` is standard normal, with `A` lower triangular and `s` a monotone spline of each coordinate:
 /// `log h = Σ_i log φ(z_i) + log s_i' + log A_ii`.

@@ -3,8 +3,9 @@
 use motes_models::equations::Lanes;
 use pulp::Arch;
 
+use super::covariance::Covariance;
+use super::head::Head;
 use super::normal::Normal;
-use super::{Covariance, Head};
 
 /// `h = N(m, (AᵀA)⁻¹)` with a mean and a triangular factor of the precision from the network.
 #[derive(Debug, Clone, Copy)]

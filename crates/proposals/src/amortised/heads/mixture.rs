@@ -7,8 +7,9 @@ use pulp::Arch;
 use rand::RngExt;
 use rand_distr::StandardNormal;
 
+use super::covariance::Covariance;
+use super::head::Head;
 use super::normal::Normal;
-use super::{Covariance, Head};
 
 /// `h = Σ_j π_j N(m_j, (A_jᵀA_j)⁻¹)` with `π = softmax(λ)`.
 ///

@@ -3,7 +3,7 @@
 use motes_models::equations::triangle::at;
 use motes_models::equations::{Lanes, Scalar};
 
-use super::Covariance;
+use super::covariance::Covariance;
 
 /// `½ log 2π`.
 const HALF_LN_TAU: f64 = 0.918_938_533_204_672_8;
@@ -81,11 +81,11 @@ impl Normal {
             d_theta[i] = pull;
         }
         if self.covariance == Covariance::Full {
-            for i in 1..n {
+            for (i, noise) in noise.iter().enumerate().skip(1) {
                 for j in 0..i {
                     let entry = self.below(i, j);
-                    d_theta[entry] = -(weight * noise[i] * (u[j] - theta[j]));
-                    d_theta[j] = d_theta[j] + theta[entry] * noise[i];
+                    d_theta[entry] = -(weight * *noise * (u[j] - theta[j]));
+                    d_theta[j] = d_theta[j] + theta[entry] * *noise;
                 }
             }
         }

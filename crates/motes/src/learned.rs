@@ -48,7 +48,7 @@ impl PartialEq for LearnedProposal {
 }
 
 impl LearnedProposal {
-    pub(super) fn new(name: String, proposal: Amortised, notes: Notes) -> Self {
+    pub(crate) fn new(name: String, proposal: Amortised, notes: Notes) -> Self {
         LearnedProposal { name, proposal: Arc::new(proposal), notes: Arc::new(notes) }
     }
 
@@ -91,7 +91,7 @@ impl LearnedProposal {
 }
 
 /// The formulas of a model; a linear Gaussian one by its matrices has none.
-pub(super) fn formulas_of(model: &Model) -> Result<&FormulaModel, MotesError> {
+pub(crate) fn formulas_of(model: &Model) -> Result<&FormulaModel, MotesError> {
     match model.model() {
         FileModel::Formulas(formulas) => Ok(formulas),
         FileModel::LinearGaussian(_) => Err(MotesError::Proposal {
