@@ -1,10 +1,10 @@
 //! One running filter, whatever its model and its proposal are.
 
 use motes_formulas::FileModel;
-use motes_models::{PartialLikelihood, Seed};
+use motes_models::{PartialLikelihood, Seed, StateSpaceModel};
 use motes_smc::{
     Bootstrap, FilterError, FilterHistory, FilterSettings, Linearised, MinDegeneracy, ParticleFilter,
-    Proposal, SmoothedPaths, SmoothingError, WeightDiagnosis, backward_simulation,
+    Proposal, SecondOpinion, SmoothedPaths, SmoothingError, Verdict, WeightDiagnosis, backward_simulation,
 };
 
 use crate::error::MotesError;
@@ -15,6 +15,8 @@ use crate::options::{FilterOptions, ProposalName};
 /// A filter with the types of its model and proposal put aside.
 trait Steps: Send {
     fn step(&mut self, measurement: &[Option<f64>]) -> Result<(), FilterError>;
+    /// What a bootstrap filter beside it says so far, if there is one.
+    fn verdict(&self) -> Option<Verdict>;
     fn state(&self) -> Vec<Coordinate>;
     fn means(&self) -> &[f64];
     fn quantiles(&self, coordinate: usize, probabilities: &[f64]) -> Vec<f64>;
@@ -32,10 +34,17 @@ trait Steps: Send {
     fn of_particle(&self, particle: usize) -> (Option<&[f64]>, &[f64]);
 }
 
-/// A filter beside its model.
-struct Filter<'m, M, P: Proposal<M>> {
+/// A filter beside its model, and perhaps a second opinion beside the filter.
+struct Filter<'m, M: StateSpaceModel, P: Proposal<M>> {
     model: &'m M,
     filter: ParticleFilter<&'m M, P>,
+    second: Option<Second<'m, M>>,
+}
+
+/// A bootstrap filter, and what it says of another.
+struct Second<'m, M: StateSpaceModel> {
+    bootstrap: ParticleFilter<&'m M, Bootstrap>,
+    opinion: SecondOpinion,
 }
 
 impl<M, P> Steps for Filter<'_, M, P>
@@ -44,7 +53,17 @@ where
     P: Proposal<M> + Send,
 {
     fn step(&mut self, measurement: &[Option<f64>]) -> Result<(), FilterError> {
-        self.filter.step_partial(measurement)
+        let Filter { filter, second, .. } = self;
+        let Some(Second { bootstrap, opinion }) = second else { return filter.step_partial(measurement) };
+        // On the second thread, where there is one; a bootstrap filter that fails has no opinion.
+        let (done, _) =
+            rayon_core::join(|| filter.step_partial(measurement), || bootstrap.step_partial(measurement));
+        done?;
+        opinion.step(filter, bootstrap)
+    }
+
+    fn verdict(&self) -> Option<Verdict> {
+        self.second.as_ref().map(|second| second.opinion.verdict())
     }
 
     fn state(&self) -> Vec<Coordinate> {
@@ -155,6 +174,11 @@ impl<'m> Running<'m> {
         Ok(Estimate { ess: None, log_evidence: None, ..estimate })
     }
 
+    /// What a bootstrap filter beside it says of all steps so far, if there is one ([`FilterOptions::check`]).
+    pub fn verdict(&self) -> Option<Verdict> {
+        self.filter.verdict()
+    }
+
     /// What the weights of the last step say about how far they can be trusted.
     pub fn diagnosis(&self) -> WeightDiagnosis {
         self.filter.diagnosis()
@@ -238,13 +262,10 @@ fn filter_of<'m>(
     options: &FilterOptions,
     seed: &Seed,
 ) -> Result<Box<dyn Steps + 'm>, MotesError> {
-    let settings = options.settings();
     match (model.model(), &options.proposal) {
-        (FileModel::Formulas(formulas), ProposalName::Bootstrap) => {
-            boxed(formulas, Bootstrap, settings, seed)
-        }
+        (FileModel::Formulas(formulas), ProposalName::Bootstrap) => boxed(formulas, Bootstrap, options, seed),
         (FileModel::Formulas(formulas), ProposalName::Learned(learned)) => {
-            boxed(formulas, learned.proposal().clone(), settings, seed)
+            boxed(formulas, learned.proposal().clone(), options, seed)
         }
         (FileModel::Formulas(formulas), name) => {
             if *name == ProposalName::Optimal
@@ -254,13 +275,13 @@ fn filter_of<'m>(
                 return Err(MotesError::Proposal { proposal: name.to_string(), reason });
             }
             // Where there is a closed form, linearising gives it.
-            boxed(formulas, Linearised::new(formulas)?, settings, seed)
+            boxed(formulas, Linearised::new(formulas)?, options, seed)
         }
         (FileModel::LinearGaussian(linear), ProposalName::Bootstrap) => {
-            boxed(&**linear, Bootstrap, settings, seed)
+            boxed(&**linear, Bootstrap, options, seed)
         }
         (FileModel::LinearGaussian(linear), ProposalName::Linearised | ProposalName::Optimal) => {
-            boxed(&**linear, MinDegeneracy::new(&**linear)?, settings, seed)
+            boxed(&**linear, MinDegeneracy::new(&**linear)?, options, seed)
         }
         (FileModel::LinearGaussian(_), ProposalName::Learned(learned)) => Err(MotesError::Proposal {
             proposal: learned.name().into(),
@@ -272,8 +293,20 @@ fn filter_of<'m>(
 fn boxed<'m, M: PartialLikelihood>(
     model: &'m M,
     proposal: impl Proposal<M> + Send + 'm,
-    settings: FilterSettings,
+    options: &FilterOptions,
     seed: &Seed,
 ) -> Result<Box<dyn Steps + 'm>, MotesError> {
-    Ok(Box::new(Filter { model, filter: ParticleFilter::new(model, proposal, settings, seed.stream())? }))
+    let settings = options.settings();
+    let filter = ParticleFilter::new(model, proposal, settings, seed.stream())?;
+    let second = match options.check && options.proposal != ProposalName::Bootstrap {
+        true => {
+            // Random numbers of its own: nothing else changes.
+            let stream = seed.child("second opinion").stream();
+            let settings = FilterSettings { defensive_weight: None, ..settings };
+            let bootstrap = ParticleFilter::new(model, Bootstrap, settings, stream)?;
+            Some(Second { bootstrap, opinion: SecondOpinion::new() })
+        }
+        false => None,
+    };
+    Ok(Box::new(Filter { model, filter, second }))
 }

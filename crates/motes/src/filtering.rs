@@ -3,14 +3,14 @@
 use std::fmt;
 use std::ops::ControlFlow;
 
-use motes_smc::WeightReport;
+use motes_smc::{Verdict, WeightReport};
 
 use crate::data::Data;
 use crate::engine::Running;
 use crate::error::MotesError;
 use crate::estimate::Estimate;
 use crate::model::Model;
-use crate::options::FilterOptions;
+use crate::options::{FilterOptions, ProposalName};
 
 /// A reason not to trust a result.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,6 +45,8 @@ pub struct Filtered {
     pub least_ess: f64,
     /// Reasons not to trust the estimates.
     pub warnings: Vec<Warning>,
+    /// What a bootstrap filter beside that of each series says; none where none ran.
+    pub opinions: Vec<Option<Verdict>>,
 }
 
 impl Filtered {
@@ -65,13 +67,14 @@ pub fn filter(
     mut proceed: impl FnMut(usize) -> ControlFlow<()>,
 ) -> Result<Filtered, MotesError> {
     let mut estimates: Vec<Option<Estimate>> = vec![None; data.rows.len()];
-    let (mut forecasts, mut log_evidence_per_series, mut warnings) = (vec![], vec![], vec![]);
+    let (mut forecasts, mut log_evidence_per_series, mut opinions) = (vec![], vec![], vec![]);
+    let mut warnings: Vec<Warning> = of_proposal(options).into_iter().collect();
     let (mut weights, mut least_ess, mut done) = (WeightReport::default(), f64::INFINITY, 0);
     for (series, (name, places)) in data.series.iter().zip(data.by_series()).enumerate() {
         let name = data.columns.has_series().then(|| name.clone());
         let mut running = Running::new(model, options, series)?;
         let mut report = WeightReport::default();
-        for at in places {
+        for &at in &places {
             let estimate = running
                 .step(&data.rows[at].measurement)
                 .map_err(|error| of_series(name.as_deref(), error))?;
@@ -89,12 +92,42 @@ pub fn filter(
         warnings.extend(
             report.warnings().map(|warning| Warning { series: name.clone(), text: warning.to_string() }),
         );
+        let verdict = running.verdict();
+        let label = |time: usize| places.get(time).and_then(|at| data.rows[*at].label.as_deref());
+        warnings.extend(of_opinion(name.as_deref(), verdict, label));
+        opinions.push(verdict);
         let forecast = (0..options.forecast).map(|_| running.predict());
         let forecast: Result<Vec<Estimate>, MotesError> = forecast.collect();
         forecasts.push(forecast.map_err(|error| of_series(name.as_deref(), error))?);
     }
     let estimates = estimates.into_iter().flatten().collect();
-    Ok(Filtered { estimates, forecasts, log_evidence_per_series, weights, least_ess, warnings })
+    Ok(Filtered { estimates, forecasts, log_evidence_per_series, weights, least_ess, warnings, opinions })
+}
+
+/// What is to be said of the proposal itself, whatever the data are.
+pub fn of_proposal(options: &FilterOptions) -> Option<Warning> {
+    let ProposalName::Learned(learned) = &options.proposal else { return None };
+    let designed = learned.notes().worse_than.as_ref()?;
+    let text = format!(
+        "--proposal {} did worse than {designed} on sequences of its own model when it was learned; take --proposal {designed}",
+        learned.name()
+    );
+    Some(Warning { series: None, text })
+}
+
+/// What a bootstrap filter beside another says against it, if it does; `label` is what the data call a time.
+pub fn of_opinion<'a>(
+    series: Option<&str>,
+    verdict: Option<Verdict>,
+    label: impl FnOnce(usize) -> Option<&'a str>,
+) -> Option<Warning> {
+    let Some(Verdict::Warns { first_step, difference, error }) = verdict else { return None };
+    let called = label(first_step).map_or_else(String::new, |label| format!(" ({label})"));
+    let text = format!(
+        "from t = {first_step}{called} on the filter misses mass: the log-evidence of a bootstrap filter is {difference:.1} ± {error:.1} larger; \
+         take --proposal bootstrap, more particles, or a larger --defensive share"
+    );
+    Some(Warning { series: series.map(String::from), text })
 }
 
 /// Says which series an error is about.

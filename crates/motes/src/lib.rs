@@ -43,7 +43,7 @@ pub use data::{Columns, Data, DataError, Place, Row, Rows};
 pub use engine::Running;
 pub use error::MotesError;
 pub use estimate::{Coordinate, Estimate};
-pub use filtering::{Filtered, Warning, filter};
+pub use filtering::{Filtered, Warning, filter, of_opinion, of_proposal};
 pub use learned::{LearnedProposal, Notes};
 pub use learning::{LearnOptions, LearnOutcome, learn};
 pub use model::Model;

@@ -66,6 +66,8 @@ pub struct FilterOptions {
     pub seed: u64,
     /// For how many times after the last measurement states are predicted.
     pub forecast: usize,
+    /// Whether a bootstrap filter runs beside any other and says whether it misses mass. It changes no other result.
+    pub check: bool,
 }
 
 impl Default for FilterOptions {
@@ -78,6 +80,7 @@ impl Default for FilterOptions {
             resampling: Resampling::Systematic,
             seed: 1,
             forecast: 0,
+            check: true,
         }
     }
 }

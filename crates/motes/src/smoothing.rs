@@ -9,7 +9,7 @@ use crate::data::Data;
 use crate::engine::Running;
 use crate::error::MotesError;
 use crate::estimate::{Coordinate, Estimate, PROBABILITIES};
-use crate::filtering::{Filtered, Warning, of_series};
+use crate::filtering::{Filtered, Warning, of_opinion, of_proposal, of_series};
 use crate::model::Model;
 use crate::options::FilterOptions;
 
@@ -36,7 +36,8 @@ pub fn smooth(
     mut proceed: impl FnMut(usize) -> ControlFlow<()>,
 ) -> Result<Smoothed, MotesError> {
     let mut estimates: Vec<Option<Estimate>> = vec![None; data.rows.len()];
-    let (mut drawn, mut log_evidence_per_series, mut warnings) = (vec![], vec![], vec![]);
+    let (mut drawn, mut log_evidence_per_series, mut opinions) = (vec![], vec![], vec![]);
+    let mut warnings: Vec<Warning> = of_proposal(options).into_iter().collect();
     let (mut weights, mut least_ess, mut done) = (WeightReport::default(), f64::INFINITY, 0);
     for (series, (name, places)) in data.series.iter().zip(data.by_series()).enumerate() {
         let name = data.columns.has_series().then(|| name.clone());
@@ -55,6 +56,10 @@ pub fn smooth(
             }
         }
         let seed = Seed::from_u64(options.seed).child("smooth").nth(series as u64);
+        let verdict = running.verdict();
+        let label = |time: usize| places.get(time).and_then(|at| data.rows[*at].label.as_deref());
+        warnings.extend(of_opinion(name.as_deref(), verdict, label));
+        opinions.push(verdict);
         let found = running.backward(&history, paths, &seed)?;
         for (time, at) in places.into_iter().enumerate() {
             estimates[at] = Some(estimate(&found, time, model.states().len()));
@@ -73,6 +78,7 @@ pub fn smooth(
         weights,
         least_ess,
         warnings,
+        opinions,
     };
     Ok(Smoothed { estimates, paths: drawn, filtered })
 }

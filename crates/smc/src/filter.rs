@@ -157,6 +157,11 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> ParticleFilter<D
     pub fn time(&self) -> usize {
         self.bank.time()
     }
+
+    /// The bank of one filter that this is.
+    pub fn bank(&self) -> &FilterBank<D, P> {
+        &self.bank
+    }
 }
 
 impl<D: Deref + Clone, P: Proposal<D::Target, Memory: Clone> + Clone> Clone for ParticleFilter<D, P> {

@@ -20,6 +20,7 @@ mod proposal;
 mod proposal_error;
 mod proposals;
 mod resampling;
+mod second_opinion;
 mod smoothing;
 mod streams;
 mod weights;
@@ -40,6 +41,7 @@ pub use proposals::{
     Transition, fisher_scoring,
 };
 pub use resampling::{ResampleWhen, Resampling};
+pub use second_opinion::{EvidenceError, SecondOpinion, Verdict};
 pub use smoothing::{FilterHistory, SmoothedPaths, SmoothingError, backward_simulation};
 pub use weights::{LogWeights, WeightFault};
 

@@ -135,6 +135,12 @@ pub(super) struct FilterSettingsArgs {
     /// How ancestors are drawn: multinomial, systematic, stratified or residual
     #[arg(long, value_name = "SCHEME", default_value = "systematic", value_parser = resampling)]
     pub(super) resampling: Resampling,
+    /// Run a bootstrap filter beside any other proposal, and warn where it finds mass that the filter misses; this is the default, and changes no other result
+    #[arg(long, overrides_with = "no_check")]
+    check: bool,
+    /// Do without it; a cheap proposal then takes about half the time
+    #[arg(long, overrides_with = "check")]
+    no_check: bool,
 }
 
 impl FilterSettingsArgs {
@@ -152,6 +158,7 @@ impl FilterSettingsArgs {
             resampling: self.resampling,
             seed,
             forecast,
+            check: !self.no_check,
         })
     }
 }

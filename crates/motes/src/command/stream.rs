@@ -6,6 +6,7 @@ use motes::output::{EstimateTable, Output, Sink, filter_json};
 use motes::smc::WeightReport;
 use motes::{
     Data, DataError, Estimate, FilterOptions, Filtered, Model, MotesError, Row, Rows, Running, Warning,
+    of_opinion, of_proposal,
 };
 use motes_cli::{Interrupt, status};
 
@@ -74,12 +75,16 @@ pub(super) fn run(
         return Err(DataError::Empty { file: STANDARD.into() }.into());
     }
     let has_series = rows.columns().has_series();
-    let (mut forecasts, mut warnings, mut log_evidence_per_series) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut forecasts, mut opinions, mut log_evidence_per_series) = (Vec::new(), Vec::new(), Vec::new());
+    let mut warnings: Vec<Warning> = of_proposal(options).into_iter().collect();
     for Series { name, running, report, length } in &mut series {
         log_evidence_per_series.push(running.log_evidence());
         let named = has_series.then(|| name.clone());
         let of_series = |warning| Warning { series: named.clone(), text: format!("{warning}") };
         warnings.extend(report.warnings().map(of_series));
+        let verdict = running.verdict();
+        warnings.extend(of_opinion(named.as_deref(), verdict, |_| None));
+        opinions.push(verdict);
         let mut forecast = Vec::new();
         for ahead in 0..options.forecast {
             let estimate = running.predict()?;
@@ -90,7 +95,8 @@ pub(super) fn run(
     }
     answers.finish()?;
     let (kept_rows, estimates) = kept.unwrap_or_default();
-    let filtered = Filtered { estimates, forecasts, log_evidence_per_series, weights, least_ess, warnings };
+    let filtered =
+        Filtered { estimates, forecasts, log_evidence_per_series, weights, least_ess, warnings, opinions };
     if let Some(path) = &args.output.report {
         let names = series.into_iter().map(|of| of.name).collect();
         let data = Data { columns: rows.columns().clone(), series: names, rows: kept_rows };

@@ -1,5 +1,6 @@
 //! A run in a few figures, and what it was made with.
 
+use motes::smc::Verdict;
 use motes::{FilterOptions, Filtered};
 
 use super::args::ModelArgs;
@@ -24,7 +25,27 @@ pub(super) fn filter_summary(
     if let Some(index) = filtered.weights.pareto_k() {
         figures.push(("Pareto k", format!("{index:.2}")));
     }
+    if let Some(said) = opinion(&filtered.opinions) {
+        figures.push(("second opinion", said));
+    }
     figures.into_iter().map(|(name, value)| (name.to_string(), value)).collect()
+}
+
+/// What bootstrap filters beside the filters of all series say, in a few words; none where none ran.
+fn opinion(opinions: &[Option<Verdict>]) -> Option<String> {
+    let said: Vec<&Verdict> = opinions.iter().flatten().collect();
+    let count = |which: fn(&Verdict) -> bool| said.iter().filter(|verdict| which(verdict)).count();
+    let against = count(|verdict| matches!(verdict, Verdict::Warns { .. }));
+    let without = count(|verdict| matches!(verdict, Verdict::NoOpinion { .. }));
+    let of_all = |number: usize| {
+        if said.len() > 1 { format!(" for {number} of {} series", said.len()) } else { String::new() }
+    };
+    match said.len() {
+        0 => None,
+        _ if against > 0 => Some(format!("against it{}", of_all(against))),
+        _ if without > 0 => Some(format!("none{}, too hard for a bootstrap filter", of_all(without))),
+        _ => Some("agrees".into()),
+    }
 }
 
 /// The figures in one line.

@@ -86,7 +86,7 @@ pub fn compare(
     for proposal in &options.proposals {
         let mut runs = Vec::new();
         for (number, (sequence, reference)) in sequences.iter().zip(&references).enumerate() {
-            let filter = FilterOptions { proposal: proposal.clone(), ..options.filter.clone() };
+            let filter = FilterOptions { proposal: proposal.clone(), check: false, ..options.filter.clone() };
             runs.push(run(model, sequence, reference, &filter, number, true)?);
             step()?;
         }
@@ -94,8 +94,12 @@ pub fn compare(
         for &particles in &options.particles {
             let mut runs = Vec::new();
             for (number, (sequence, reference)) in sequences.iter().zip(&references).enumerate() {
-                let filter =
-                    FilterOptions { proposal: proposal.clone(), particles, ..options.filter.clone() };
+                let filter = FilterOptions {
+                    proposal: proposal.clone(),
+                    particles,
+                    check: false,
+                    ..options.filter.clone()
+                };
                 runs.push(run(model, sequence, reference, &filter, number, false)?);
                 step()?;
             }

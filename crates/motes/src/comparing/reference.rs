@@ -47,6 +47,7 @@ pub(super) fn reference(
     }
     let filter = FilterOptions {
         proposal: ProposalName::Linearised,
+        check: false,
         particles: PARTICLES,
         defensive: Some(DEFENSIVE),
         seed: options.seed.wrapping_add(1),

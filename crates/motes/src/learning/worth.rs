@@ -33,6 +33,7 @@ pub(super) fn worse_than(
         let filter = FilterOptions {
             proposal,
             particles: PARTICLES,
+            check: false,
             defensive: Some(DEFENSIVE_SHARE),
             seed: options.seed,
             ..FilterOptions::default()

@@ -63,6 +63,14 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
         &self.ancestors
     }
 
+    /// Whether a filter drew ancestors in the last step; if not, weights go on from the step before.
+    ///
+    /// # Panics
+    /// If there is no such filter.
+    pub fn resampled(&self, filter: usize) -> bool {
+        self.resampled[filter]
+    }
+
     /// What every particle of the bank carries beside its state.
     pub fn memory(&self) -> &P::Memory {
         &self.memory
