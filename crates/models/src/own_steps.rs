@@ -4,14 +4,14 @@ use std::slice::from_mut;
 
 use crate::batch::{Rows, there_is_memory_for};
 use crate::equations::{Linearise, Transport};
-use crate::{ModelError, Seed, Simulator, Stream, check_dimensions};
+use crate::{ModelError, PartialLikelihood, Seed, Simulator, Stream, check_dimensions};
 
-/// A model that a proposal can be learned for: it draws its own steps, its noise can be transported, and its measurements can be linearised.
+/// A model that a proposal can be learned for: it draws its own steps, its noise can be transported, its measurements can be linearised and have gaps.
 ///
 /// What states its [`Equations`](crate::equations::Equations) is one.
-pub trait OwnModel: Simulator + Transport + Linearise {}
+pub trait OwnModel: Simulator + Transport + Linearise + PartialLikelihood {}
 
-impl<M: Simulator + Transport + Linearise + ?Sized> OwnModel for M {}
+impl<M: Simulator + Transport + Linearise + PartialLikelihood + ?Sized> OwnModel for M {}
 
 /// Sequences that a model draws for itself, all at the same time `t`.
 ///

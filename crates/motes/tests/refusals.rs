@@ -68,10 +68,13 @@ fn options_that_cannot_be() {
     let cases: [(&[&str], &str); 13] = [
         (&["--particles", "0"], "--particles 0: it must be an integer from 1 to 1000000000"),
         (&["--particles", "ten"], "--particles ten: it must be an integer from 1 to 1000000000"),
-        (&["--proposal", "foo"], "--proposal foo: there are bootstrap, linearised, optimal"),
+        (
+            &["--proposal", "foo"],
+            "--proposal foo: there are bootstrap, linearised, optimal, and there is no such folder",
+        ),
         (
             &["--proposal", "linearized"],
-            "--proposal linearized: did you mean linearised? there are bootstrap, linearised, optimal",
+            "--proposal linearized: did you mean linearised? there are bootstrap, linearised, optimal, and there is no such folder",
         ),
         (&["--defensive", "1"], "--defensive 1: it must be a number from 0 to below 1"),
         (&["--resample-below", "0"], "--resample-below 0: it must be a number above 0 and at most 1"),

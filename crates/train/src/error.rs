@@ -43,6 +43,12 @@ pub enum TrainError {
     /// The proposal's networks could not be asked.
     #[error(transparent)]
     Networks(#[from] ProposalError),
+    /// Recorded measurements cannot be learned from.
+    #[error("the recorded measurements cannot be filtered: {reason}")]
+    Recorded {
+        /// Why not.
+        reason: String,
+    },
     /// The optimiser was handed parameters, gradients or moments that are not of one proposal.
     #[error("{what} are of other parameters; a step takes weights, gradients and moments of one proposal")]
     Optimiser {

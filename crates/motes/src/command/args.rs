@@ -44,7 +44,7 @@ pub(super) enum Command {
     Simulate(SimulateArgs),
     /// Learn a proposal for a model from sequences that it draws for itself, and hold it against designed ones
     #[command(
-        after_help = "Examples:\n  motes learn growth.toml -o growth-proposal\n  motes filter growth.toml data.csv --proposal growth-proposal"
+        after_help = "Examples:\n  motes learn growth.toml -o growth-proposal\n  motes filter growth.toml data.csv --proposal growth-proposal\n  motes learn returns.toml returns.csv -o tuned"
     )]
     Learn(LearnArgs),
     /// Print what a shell needs to complete this command
@@ -234,6 +234,8 @@ pub(super) struct SmoothArgs {
 pub(super) struct LearnArgs {
     #[command(flatten)]
     pub(super) model: ModelArgs,
+    /// Recorded data to learn from in addition, a CSV file with a header; - is standard input
+    pub(super) data: Option<PathBuf>,
     /// The folder that the proposal is written into; a proposal that is there is replaced
     #[arg(long, short = 'o', value_name = "FOLDER")]
     pub(super) output: PathBuf,

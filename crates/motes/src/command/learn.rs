@@ -7,18 +7,23 @@ use motes_cli::{Interrupt, status};
 use super::args::{LearnArgs, on_threads};
 use super::compare::there;
 use super::failure::Failure;
+use super::input;
 use super::progress::Progress;
-use super::say::write;
+use super::say::{say_ignored, write};
 
 /// The numbers of particles at which the card holds error against time.
 const PARTICLES: [usize; 4] = [30, 100, 300, 1000];
 
 pub(super) fn run(args: &LearnArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
     let model = args.model.read()?;
+    let data = args.data.as_ref().map(|path| input::data(path, &model, interrupt)).transpose()?;
+    if let Some(data) = &data {
+        say_ignored(&data.columns, args.model.quiet);
+    }
     let options = args.options();
     let mut progress = Progress::new(1000, args.model.quiet);
     let outcome = on_threads(args.model.threads, || {
-        learn(&model, &options, |done, total| {
+        learn(&model, data.as_ref(), &options, |done, total| {
             progress.done(1000 * done / total.max(1));
             interrupt.check()
         })

@@ -66,7 +66,7 @@ pub(super) fn choose(
         let shape = ModelShape::of(model);
         let mut proposal =
             Amortised::create(config, &shape, 0, Backend::Native.into(), &seed.child("weights"))?;
-        let found = learn(&mut proposal, model, &pilot, &seed.child("pilot"), |step, _| {
+        let found = learn(&mut proposal, model, &[], &pilot, &seed.child("pilot"), |step, _| {
             proceed(number * steps + step, count * steps)
         })?;
         gains.push(found.best_gain());

@@ -6,12 +6,13 @@ mod worth;
 
 use std::ops::ControlFlow;
 
-use motes_models::{ModelShape, Seed};
+use motes_models::{ModelShape, PartialMeasurements, Seed};
 use motes_proposals::{Amortised, Backend, Family};
 use motes_train::{LearnConfig, Learned, learn as train};
 
 pub use options::LearnOptions;
 
+use crate::data::Data;
 use crate::error::MotesError;
 use crate::learned::{LearnedProposal, Notes, formulas_of};
 use crate::model::Model;
@@ -29,7 +30,7 @@ pub struct LearnOutcome {
     pub training_seconds: f64,
 }
 
-/// Learns a proposal for `model` from sequences that the model draws for itself; `proceed` is asked after each update, with how many of how many are done.
+/// Learns a proposal for `model` from sequences that the model draws for itself, and in addition from the series of `data`; `proceed` is asked after each update, with how many of how many are done.
 ///
 /// ```
 /// use motes::{FilterOptions, LearnOptions, Model, ProposalName, learn};
@@ -45,7 +46,7 @@ pub struct LearnOutcome {
 /// "#;
 /// let model = Model::parse(text, "volatility", &[])?;
 /// let options = LearnOptions { updates: 100, ..LearnOptions::default() };
-/// let learned = learn(&model, &options, |_, _| ControlFlow::Continue(()))?;
+/// let learned = learn(&model, None, &options, |_, _| ControlFlow::Continue(()))?;
 /// let filter = FilterOptions { proposal: ProposalName::Learned(learned.proposal), ..FilterOptions::default() };
 /// # assert_eq!(filter.defensive_share(), 0.1);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -55,6 +56,7 @@ pub struct LearnOutcome {
 /// [`MotesError`] for an option out of range, a model that has nothing to learn, and one whose simulations all overflow.
 pub fn learn(
     model: &Model,
+    data: Option<&Data>,
     options: &LearnOptions,
     mut proceed: impl FnMut(usize, usize) -> ControlFlow<()>,
 ) -> Result<LearnOutcome, MotesError> {
@@ -67,13 +69,14 @@ pub fn learn(
         ..LearnConfig::new()
     };
     let seed = Seed::from_u64(options.seed).child("learn");
+    let recorded = data.map(|data| recorded(model, data)).transpose()?.unwrap_or_default();
     // A third of the bar is for choosing.
     let Choice { config, reason } =
         choose(formulas, options, &settings, &seed, |done, total| proceed(done, 3 * total))?;
     let shape = ModelShape::of(formulas);
     let mut proposal = Amortised::create(&config, &shape, 0, Backend::Native.into(), &seed.child("weights"))?;
     let mut is_stopped = false;
-    let history = train(&mut proposal, formulas, &settings, &seed, |done, _| {
+    let history = train(&mut proposal, formulas, &recorded, &settings, &seed, |done, _| {
         let asked = proceed(settings.steps + 2 * done, 3 * settings.steps);
         is_stopped = asked.is_break();
         asked
@@ -88,4 +91,14 @@ pub fn learn(
     let notes = Notes { worse_than, seconds: training_seconds, ..learned.notes().clone() };
     let proposal = LearnedProposal::new("learned".into(), learned.proposal().clone(), notes);
     Ok(LearnOutcome { proposal, history, training_seconds })
+}
+
+/// The measurements of each series.
+fn recorded(model: &Model, data: &Data) -> Result<Vec<PartialMeasurements>, MotesError> {
+    let width = model.measurements().len();
+    let of_series = |places: Vec<usize>| {
+        let rows = places.iter().flat_map(|at| data.rows[*at].measurement.iter().copied());
+        Ok(PartialMeasurements::new(width, rows.collect())?)
+    };
+    data.by_series().into_iter().map(of_series).collect()
 }

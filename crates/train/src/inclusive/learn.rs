@@ -4,9 +4,10 @@ use std::ops::ControlFlow;
 use std::sync::mpsc::sync_channel;
 use std::time::Instant;
 
-use motes_models::{ModelError, OwnModel, OwnSteps, Seed};
+use motes_models::{ModelError, OwnModel, OwnSteps, PartialMeasurements, Seed};
 use motes_proposals::{Amortised, Parametric, Stage, Times, Values, Workspace};
 
+use super::recorded::add_recorded;
 use super::rows::{Deck, Supply, drawn};
 use super::settings::LearnConfig;
 use crate::{Adam, TrainError};
@@ -16,6 +17,9 @@ const STEPS_FOR_ONE_INITIAL: usize = 4;
 
 /// Sequences that inputs are standardised by, and their times.
 const STANDARDISING: usize = 64;
+
+/// Of so many parts of all steps the first is learned from simulations alone.
+const FIRST_BY_SIMULATIONS: usize = 4;
 
 /// What came of learning.
 #[derive(Debug, Clone, PartialEq)]
@@ -59,6 +63,9 @@ const AVERAGING: f64 = 8.0;
 /// `p(x_t | x_{t−1}, y_t)` but for its sign and a constant. Validation sequences come from a seed of their own. The weights that were best on them
 /// are kept. A step whose loss or gradient is not finite ends it, and the best weights so far are kept.
 ///
+/// `recorded` measurements, any number of series of any lengths, add where a filter with the present weights says that the states were. Nobody's states are
+/// seen: only measurements come in.
+///
 /// `observe` is shown the step and the last gain on validation sequences, and ends learning early by breaking.
 ///
 /// The same seed gives the same weights, unless there is a budget in seconds.
@@ -69,11 +76,13 @@ const AVERAGING: f64 = 8.0;
 pub fn learn(
     proposal: &mut Amortised,
     model: &(impl OwnModel + ?Sized),
+    recorded: &[PartialMeasurements],
     config: &LearnConfig,
     seed: &Seed,
     mut observe: impl FnMut(usize, f64) -> ControlFlow<()>,
 ) -> Result<Learned, TrainError> {
     config.check()?;
+    check_recorded(recorded, model.measurement_dim())?;
     let mut adam = Adam::new(&config.adam)?;
     let started = Instant::now();
     standardise(proposal, model, config, &seed.child("inputs"))?;
@@ -118,6 +127,7 @@ pub fn learn(
                 .count()
         });
         let mut order = training.child("order").stream();
+        let mut turn = 0;
         let (mut initial, mut later) = (Deck::default(), Deck::default());
         let (mut workspace, mut batch) = (Some(Workspace::new(proposal.parameters())), Stage::default());
         for step in 0..config.steps {
@@ -140,10 +150,19 @@ pub fn learn(
                 check(&supply)?;
                 lost += supply.lost;
                 sequences += supply.sequences;
+                let mut examples = supply.examples;
+                if let Some(measurements) = recorded.get(turn % recorded.len().max(1)) {
+                    // Of simulations alone at first: what a poor filter says is no good example.
+                    if step >= config.steps / FIRST_BY_SIMULATIONS {
+                        let seed = training.child("recorded").nth(turn as u64);
+                        add_recorded(&averaged, model, measurements, &seed, &mut examples)?;
+                    }
+                    turn += 1;
+                }
                 // A supply that overflows early has few rows.
-                rows = rows.min(supply.examples.later.len());
-                later = Deck::new(supply.examples.later, &mut order);
-                initial = Deck::new(supply.examples.initial, &mut order);
+                rows = rows.min(examples.later.len());
+                later = Deck::new(examples.later, &mut order);
+                initial = Deck::new(examples.initial, &mut order);
             }
             let mut is_finite = update(proposal, &mut adam, config, Times::Later, &batch, &mut workspace)?;
             if step % STEPS_FOR_ONE_INITIAL == 0
@@ -201,6 +220,25 @@ fn update(
     }
     *workspace = Some(found);
     Ok(is_finite)
+}
+
+/// Refuses series that no step can be learned from.
+fn check_recorded(recorded: &[PartialMeasurements], width: usize) -> Result<(), TrainError> {
+    for (number, series) in recorded.iter().enumerate() {
+        if series.width() != width {
+            let reason = format!("series {number} has {} columns instead of {width}", series.width());
+            return Err(TrainError::Recorded { reason });
+        }
+        if series.len() < 2 {
+            let reason = format!("series {number} has {} times; a step takes two", series.len());
+            return Err(TrainError::Recorded { reason });
+        }
+        if series.rows().all(|row| row.iter().all(Option::is_none)) {
+            let reason = format!("all measurements of series {number} are missing");
+            return Err(TrainError::Recorded { reason });
+        }
+    }
+    Ok(())
 }
 
 /// Brings the inputs of the networks to units in which the model's own steps are of size 1.

@@ -1,6 +1,7 @@
 //! Learning once, from a model's own simulations, by the inclusive objective.
 
 mod learn;
+mod recorded;
 mod rows;
 mod settings;
 

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use motes_models::equations::{Coordinates, Equations, Scalar, normal};
-use motes_models::{ModelShape, Seed, simulate};
+use motes_models::{ModelShape, PartialMeasurements, Seed, simulate};
 use motes_proposals::{Amortised, AmortisedConfig, Backend, Base, Family, HeadConfig, Parametric};
 use motes_smc::{Bootstrap, FilterSettings, Linearised, ParticleFilter, Proposal, ResampleWhen};
 use motes_train::{LearnConfig, Learned, TrainError, learn};
@@ -23,7 +23,7 @@ pub(crate) fn learned<M: Equations>(
     let shape = ModelShape::of(model);
     let mut proposal = Amortised::create(&config, &shape, 0, Backend::Native.into(), &seed).unwrap();
     let settings = LearnConfig { steps, sequences: 64, rows: 400, validate_every: 50, ..LearnConfig::new() };
-    let found = learn(&mut proposal, model, &settings, &seed, |_, _| ControlFlow::Continue(())).unwrap();
+    let found = learn(&mut proposal, model, &[], &settings, &seed, |_, _| ControlFlow::Continue(())).unwrap();
     (proposal, found)
 }
 
@@ -107,7 +107,7 @@ fn what_cannot_be_learned_from_is_refused() {
         let shape = ModelShape::of(model);
         let config = AmortisedConfig::gaussian();
         let mut proposal = Amortised::create(&config, &shape, 0, Backend::Native.into(), &seed).unwrap();
-        learn(&mut proposal, model, &settings, &seed, |_, _| ControlFlow::Continue(()))
+        learn(&mut proposal, model, &[], &settings, &seed, |_, _| ControlFlow::Continue(()))
             .map_err(|error| error.to_string())
     };
     let few = LearnConfig { steps: 10, sequences: 8, rows: 20, ..LearnConfig::new() };
@@ -128,6 +128,32 @@ fn what_cannot_be_learned_from_is_refused() {
     let shape = ModelShape::of(&Growth);
     let mut other =
         Amortised::create(&AmortisedConfig::gaussian(), &shape, 0, Backend::Native.into(), &seed).unwrap();
-    let found = learn(&mut other, &Linear, &few, &seed, |_, _| ControlFlow::Continue(()));
+    let found = learn(&mut other, &Linear, &[], &few, &seed, |_, _| ControlFlow::Continue(()));
     assert!(matches!(found, Err(TrainError::Networks(_) | TrainError::Model(_))), "{found:?}");
+}
+
+#[test]
+fn recorded_series_are_learned_from_and_bad_ones_are_refused() {
+    let seed = Seed::from_u64(1);
+    let shape = ModelShape::of(&Growth);
+    let config = AmortisedConfig { widths: vec![16], ..AmortisedConfig::mixture(3) };
+    let settings =
+        LearnConfig { steps: 60, sequences: 16, rows: 200, validate_every: 20, ..LearnConfig::new() };
+    let with = |recorded: &[PartialMeasurements]| {
+        let mut proposal = Amortised::create(&config, &shape, 0, Backend::Native.into(), &seed).unwrap();
+        let go_on = |_, _| ControlFlow::Continue(());
+        learn(&mut proposal, &Growth, recorded, &settings, &seed, go_on).map(|found| found.best_gain())
+    };
+    let data = simulate(&Growth, 30, &mut seed.child("data").stream()).unwrap().measurements;
+    let mut entries: Vec<Option<f64>> = data.values().iter().copied().map(Some).collect();
+    entries[7] = None;
+    let series = PartialMeasurements::new(1, entries).unwrap();
+    let (without, with_one) = (with(&[]).unwrap(), with(&[series]).unwrap());
+    assert!(without != with_one && (without - with_one).abs() < 0.2, "{without}, {with_one}");
+    for (entries, expected) in [(vec![Some(1.0)], "has 1 times"), (vec![None; 5], "are missing")] {
+        let error = with(&[PartialMeasurements::new(1, entries).unwrap()]).unwrap_err().to_string();
+        assert!(error.contains(expected), "{error}");
+    }
+    let error = with(&[PartialMeasurements::new(2, vec![Some(1.0); 8]).unwrap()]).unwrap_err().to_string();
+    assert!(error.contains("2 columns instead of 1"), "{error}");
 }

@@ -1,0 +1,168 @@
+//! A proposal learned once: chosen, saved, used by the other commands, and refused where it does not fit.
+
+mod common;
+
+use common::{Workplace, stderr};
+use serde_json::Value;
+
+/// The square hides the sign of the state: two modes.
+const SQUARE: &str = r#"
+[initial]
+x = "normal(0, 2)"
+[transition]
+x = "normal(0.9*x, 2)"
+[measurement]
+y = "normal(x^2/4, 1)"
+"#;
+
+const QUICK: [&str; 4] = ["--updates", "200", "--widths", "16"];
+
+fn learned(place: &Workplace) {
+    place.write("square.toml", SQUARE);
+    let command = [&["learn", "square.toml", "-o", "p", "--sequences", "0"], &QUICK[..]].concat();
+    let output = place.run(&command);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(stderr(&output).contains("chosen: a mixture of 5 around"), "{}", stderr(&output));
+}
+
+#[test]
+fn it_is_learned_once_and_filters_better_than_what_it_started_from() {
+    let place = Workplace::new();
+    learned(&place);
+    let data = place.printed(&["simulate", "square.toml", "--steps", "60", "--series", "3", "--seed", "9"]);
+    place.write("data.csv", data);
+    let ess = |proposal: &str| {
+        let command =
+            ["filter", "square.toml", "data.csv", "--particles", "200", "--proposal", proposal, "--json"];
+        let found: Value = serde_json::from_str(&place.printed(&command)).unwrap();
+        // Of designed ones the weights warn: that is what learning is for.
+        assert!(proposal != "p" || found["warnings"].as_array().unwrap().is_empty(), "{found}");
+        found["ess_mean"].as_f64().unwrap() / 200.0
+    };
+    let [of_learned, linearised, bootstrap] = ["p", "linearised", "bootstrap"].map(ess);
+    assert!(
+        of_learned > linearised + 0.05 && of_learned > bootstrap + 0.05,
+        "{of_learned}, {linearised}, {bootstrap}"
+    );
+    // The other commands take it, too.
+    let smoothed = place.printed(&["smooth", "square.toml", "data.csv", "--proposal", "p", "-q"]);
+    assert_eq!(smoothed.lines().count(), 181);
+    let compared = place.printed(&[
+        "compare",
+        "square.toml",
+        "--proposals",
+        "bootstrap,p",
+        "--json",
+        "--sequences",
+        "2",
+        "--steps",
+        "10",
+        "--at",
+        "10",
+    ]);
+    let compared: Value = serde_json::from_str(&compared).unwrap();
+    assert!(compared["methods"]["p"]["ess_fraction"].as_f64().unwrap() > 0.2, "{compared}");
+}
+
+#[test]
+fn the_same_seed_gives_the_same_weights_and_the_same_bytes_on_any_number_of_threads() {
+    let place = Workplace::new();
+    learned(&place);
+    let command =
+        [&["learn", "square.toml", "-o", "q", "--sequences", "0", "--threads", "1"], &QUICK[..]].concat();
+    place.printed(&command);
+    let weights = |folder: &str| std::fs::read(place.path(folder).join("weights.safetensors")).unwrap();
+    assert_eq!(weights("p"), weights("q"));
+    let data = place.printed(&["simulate", "square.toml", "--steps", "10"]);
+    place.write("data.csv", data);
+    let run = |folder: &str, threads: &str| {
+        let of_filter = ["--particles", "3000", "--threads", threads, "-q"];
+        place
+            .printed(&[&["filter", "square.toml", "data.csv", "--proposal", folder], &of_filter[..]].concat())
+    };
+    assert_eq!(run("p", "1"), run("q", "3"));
+}
+
+#[test]
+fn the_card_has_the_keys_that_scripts_rely_on() {
+    let place = Workplace::new();
+    place.write("square.toml", SQUARE);
+    let command =
+        [&["learn", "square.toml", "-o", "p", "--sequences", "2", "--steps", "20", "--json"], &QUICK[..]]
+            .concat();
+    let card: Value = serde_json::from_str(&place.printed(&command)).unwrap();
+    let methods: Vec<&String> = card["methods"].as_object().unwrap().keys().collect();
+    assert_eq!(methods, ["bootstrap", "learned", "linearised"]);
+    assert!(card["training_seconds"].as_f64().unwrap() > 0.0);
+    for key in
+        ["ess_fraction", "ess_fraction_q01", "log_evidence_gap", "e_l", "e_x", "coverage_50", "coverage_90"]
+    {
+        assert!(card["methods"]["learned"][key].is_number(), "{key}");
+    }
+}
+
+#[test]
+fn data_are_learned_from_in_addition() {
+    let place = Workplace::new();
+    place.write("square.toml", SQUARE);
+    place.write("data.csv", "y\n1\n2\n\n0.5\n3\n1\n".replace("\n\n", "\nNA\n"));
+    let command =
+        [&["learn", "square.toml", "data.csv", "-o", "p", "--sequences", "0", "-q"], &QUICK[..]].concat();
+    place.printed(&command);
+}
+
+#[test]
+fn what_cannot_be_learned_is_refused() {
+    let place = Workplace::new();
+    learned(&place);
+    let refused = |arguments: &[&str], line: &str| {
+        let output = place.run(arguments);
+        assert_eq!(stderr(&output), format!("motes: {line}"), "{arguments:?}");
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+    };
+    let linear = "--proposal learned: nothing is left to learn for kind = \"linear-gaussian\": take --proposal optimal, which is exact";
+    refused(&["learn", "linear.toml", "-o", "r"], linear);
+    refused(&["learn", "square.toml", "-o", "r", "--budget", "0"], "--budget 0: it must be a number above 0");
+    refused(
+        &["learn", "square.toml", "-o", "r", "--steps", "1"],
+        "--steps 1: it must be an integer from 2 to 1000000",
+    );
+    refused(
+        &["learn", "square.toml", "-o", "r", "--base", "foo"],
+        "--base foo: there are transition, linearised",
+    );
+    refused(
+        &["learn", "square.toml", "-o", "r", "--head", "round"],
+        "--head round: there are gaussian, mixture, flow",
+    );
+    refused(
+        &["learn", "square.toml", "-o", "r", "--head", "flow:1"],
+        "--head flow:1: 1 is no number of pieces; it must be an integer from 2 to 100",
+    );
+    let needed = "the following required arguments were not provided: --output <FOLDER>; see motes --help";
+    refused(&["learn", "square.toml"], needed);
+    place.write("one.csv", "y\n1\n");
+    place.write("missing.csv", "y\nNA\nNA\nNA\n");
+    refused(
+        &["learn", "square.toml", "one.csv", "-o", "r"],
+        "the recorded measurements cannot be filtered: series 0 has 1 times; a step takes two",
+    );
+    refused(
+        &["learn", "square.toml", "missing.csv", "-o", "r"],
+        "the recorded measurements cannot be filtered: all measurements of series 0 are missing",
+    );
+    let runaway = "[initial]\nx = \"normal(1e300, 1)\"\n[transition]\nx = \"normal(x*x, 1)\"\n[measurement]\ny = \"normal(x, 1)\"\n";
+    place.write("runaway.toml", runaway);
+    refused(
+        &["learn", "runaway.toml", "-o", "r"],
+        "the number of drawn sequences that reach a second time is 0; it must be at least 1: the model's simulation overflows, look at its transition and noise",
+    );
+    assert!(!place.path("r").exists());
+    // A proposal for another model, by another parameter.
+    place.write("other.toml", SQUARE.replace("0.9*x", "0.8*x"));
+    let output = place.run(&["filter", "other.toml", "d.csv", "--proposal", "p"]);
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+    assert!(stderr(&output).contains("p"), "{}", stderr(&output));
+    let output = place.run(&["filter", "linear.toml", "d.csv", "--proposal", "p"]);
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+}
