@@ -241,3 +241,25 @@ fn help_completions_and_the_manual_page_are_there() {
     assert!(place.printed(&["completions", "bash"]).contains("_motes"));
     assert!(place.printed(&["man"]).contains(".TH motes"));
 }
+
+#[test]
+fn a_second_opinion_changes_no_other_result() {
+    let place = Workplace::new();
+    let data = place.printed(&["simulate", "walk.toml", "--steps", "40", "--series", "2"]);
+    place.write("d.csv", data);
+    let run = |more: &[&str]| {
+        let command = ["filter", "walk.toml", "d.csv", "--proposal", "linearised", "-o", "out.csv"];
+        let output = place.run(&[&command, more].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        (place.read("out.csv"), stderr(&output))
+    };
+    let (with, said) = run(&[]);
+    let (without, alone) = run(&["--no-check"]);
+    assert_eq!(with, without);
+    assert!(said.contains("second opinion agrees"), "{said}");
+    assert!(!alone.contains("second opinion"), "{alone}");
+    assert_eq!(run(&["--no-check", "--check", "--threads", "1"]).1, said);
+    // A bootstrap filter needs none.
+    let output = place.run(&["filter", "walk.toml", "d.csv", "-o", "out.csv"]);
+    assert!(!stderr(&output).contains("second opinion"), "{}", stderr(&output));
+}

@@ -9,7 +9,9 @@ use motes_models::{
     StateGradients, StateSpaceModel, simulate,
 };
 use motes_proposals::{Backend, Family, Fcnn, FcnnConfig, OverTime};
-use motes_smc::{Bootstrap, FilterSettings, MinDegeneracy, ParticleFilter, Proposal, WeightReport};
+use motes_smc::{
+    Bootstrap, FilterSettings, MinDegeneracy, ParticleFilter, Proposal, SecondOpinion, Verdict, WeightReport,
+};
 use motes_tests::{REFUSED, score};
 use motes_train::{AdamConfig, GradientFlow, Objective, TrainConfig, TrainingData, train};
 
@@ -164,4 +166,37 @@ fn a_single_gaussian_collapses_on_one_of_two_modes_and_its_mean_effective_sample
         // More than a nat of every measurement, whichever sequences were drawn.
         assert!(score(&missing, times / 8.0) > REFUSED, "the evidence is wrong");
     }
+}
+
+/// A bootstrap filter beside such a filter says so, in nearly every sequence.
+#[test]
+fn a_second_opinion_catches_a_gaussian_that_collapsed_on_one_of_two_modes() {
+    let seed = Seed::from_u64(206);
+    let held_out = draw(&Growth, 60, 8, &seed.child("held out"));
+    let source = SimulatedMeasurements::new(&Growth, 20, 1e6);
+    let config = TrainConfig {
+        objective: Objective::LogLikelihood,
+        steps: 300,
+        sequences_per_step: 4,
+        adam: AdamConfig { learning_rate: 1e-2, ..AdamConfig::paper() },
+        ..TrainConfig::paper(8)
+    };
+    let learned = trained(&Growth, TrainingData::Fresh(&source), &config);
+    let settings = FilterSettings::new(1000);
+    let warned = held_out.iter().enumerate().filter(|(number, measurements)| {
+        let stream = |label: &str| seed.child(label).nth(*number as u64).stream();
+        let mut filter = ParticleFilter::new(&Growth, learned.clone(), settings, stream("filter")).unwrap();
+        let mut bootstrap = ParticleFilter::new(&Growth, Bootstrap, settings, stream("bootstrap")).unwrap();
+        let mut opinion = SecondOpinion::new();
+        for row in measurements.rows() {
+            if filter.step(row).is_err() {
+                break;
+            }
+            let _ = bootstrap.step(row);
+            opinion.step(&filter, &bootstrap).unwrap();
+        }
+        matches!(opinion.verdict(), Verdict::Warns { .. })
+    });
+    let warned = warned.count();
+    assert!(warned >= 7, "{warned} of 8 are warned of");
 }

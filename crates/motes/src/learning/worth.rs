@@ -70,3 +70,66 @@ pub(super) fn worse_than(
 
 /// The log-evidence of a filter that collapsed, for means to be taken of.
 const LOST: f64 = -1e9;
+
+#[cfg(test)]
+mod tests {
+    use std::ops::ControlFlow;
+
+    use motes_models::ModelShape;
+    use motes_proposals::{
+        Amortised, AmortisedConfig, Backend, Base, Covariance, Family, HeadConfig, Parametric,
+    };
+
+    use super::*;
+    use crate::comparing::{CompareOptions, compare};
+    use crate::learned::{Notes, formulas_of};
+
+    /// The growth model, and a Gaussian that collapsed on one of its two modes.
+    fn collapsed() -> (Model, LearnedProposal) {
+        let text = "[initial]\nx = \"normal(0, sqrt(5))\"\n[transition]\nx = \"normal(x/2 + 25*x/(1 + x^2) + 8*cos(1.2*t), sqrt(10))\"\n\
+                    [measurement]\ny = \"normal(x^2/20, 1)\"\n";
+        let model = Model::parse(text, "growth", &[]).unwrap();
+        let head = HeadConfig::Gaussian { covariance: Covariance::Full };
+        let config = AmortisedConfig { widths: vec![4], base: Base::Transition, head };
+        let shape = ModelShape::of(formulas_of(&model).unwrap());
+        let mut proposal =
+            Amortised::create(&config, &shape, 0, Backend::Native.into(), &Seed::from_u64(1)).unwrap();
+        for index in 0..proposal.parameters().len() {
+            if proposal.parameters().names()[index].ends_with("outputs.bias") {
+                // Above the predicted state, with an eighth of its deviation.
+                proposal.parameters_mut().set_host(index, &[0.8, 2.0]).unwrap();
+            }
+        }
+        let notes = Notes { choice: "planted".into(), updates: 0, seconds: 0.0, worse_than: None };
+        (model, LearnedProposal::new("learned".into(), proposal, notes))
+    }
+
+    #[test]
+    fn a_proposal_that_collapsed_is_not_handed_out_as_better() {
+        let (model, learned) = collapsed();
+        let options = LearnOptions { steps: 50, ..LearnOptions::default() };
+        let found = worse_than(&model, &learned, &options, &Seed::from_u64(2)).unwrap();
+        assert!(found.is_some(), "no designed proposal is found to be better");
+    }
+
+    #[test]
+    fn its_card_shows_how_much_evidence_it_misses() {
+        let (model, learned) = collapsed();
+        let options = CompareOptions {
+            proposals: vec![ProposalName::Bootstrap, ProposalName::Learned(learned)],
+            filter: FilterOptions { particles: 100, defensive: Some(0.0), ..FilterOptions::default() },
+            particles: vec![],
+            sequences: 4,
+            steps: 40,
+        };
+        let card = compare(&model, None, &options, |_, _| ControlFlow::Continue(())).unwrap().cards;
+        let of_learned = &card[1].1;
+        let gap = of_learned.log_evidence_gap.map(|gap| gap.mean);
+        // By more than a nat at each of 40 times, where it did not lose all weight.
+        assert!(
+            of_learned.lost > 0 || gap.is_some_and(|gap| gap < -40.0),
+            "{gap:?}, {} lost",
+            of_learned.lost
+        );
+    }
+}
