@@ -8,7 +8,7 @@ use motes_models::{ModelError, OwnModel, OwnSteps, PartialMeasurements, Seed};
 use motes_proposals::{Amortised, Parametric, Stage, Times, Values, Workspace};
 
 use super::recorded::add_recorded;
-use super::rows::{Deck, Supply, drawn};
+use super::rows::{Deck, Supply, drawn, for_training, for_validation};
 use super::settings::LearnConfig;
 use crate::{Adam, TrainError};
 
@@ -86,7 +86,7 @@ pub fn learn(
     let mut adam = Adam::new(&config.adam)?;
     let started = Instant::now();
     standardise(proposal, model, config, &seed.child("inputs"))?;
-    let validation = drawn(proposal, model, &validation_of(config), &seed.child("validation"))?;
+    let validation = drawn(proposal, model, &validation_of(config), &for_validation(seed))?;
     let check = |supply: &Supply| match supply.examples.later.is_empty() {
         true => Err(TrainError::Setting {
             name: "the number of drawn sequences that reach a second time",
@@ -120,7 +120,7 @@ pub fn learn(
     std::thread::scope(|scope| -> Result<(), TrainError> {
         // One supply is used while the next is simulated; it is over when nobody takes supplies any more.
         let (sender, supplies) = sync_channel::<Result<Supply, ModelError>>(1);
-        let simulations = training.child("simulations");
+        let simulations = for_training(seed);
         scope.spawn(move || {
             (0_u64..)
                 .take_while(|&n| sender.send(drawn(&encoder, model, config, &simulations.nth(n))).is_ok())

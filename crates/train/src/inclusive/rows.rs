@@ -17,6 +17,16 @@ pub(super) struct Supply {
     pub(super) sequences: usize,
 }
 
+/// Where the sequences come from that learning is judged by.
+pub(super) fn for_validation(seed: &Seed) -> Seed {
+    seed.child("validation")
+}
+
+/// Where those come from that are learned from.
+pub(super) fn for_training(seed: &Seed) -> Seed {
+    seed.child("training").child("simulations")
+}
+
 /// Simulates `config.sequences` whole sequences, and the beginnings of more.
 pub(super) fn drawn(
     proposal: &Amortised,
@@ -66,5 +76,68 @@ impl Deck {
         batch.pick(&self.stage, picked);
         self.used += rows;
         true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use motes_models::ModelShape;
+    use motes_models::equations::{Coordinates, Equations, Scalar, normal};
+    use motes_proposals::{AmortisedConfig, Backend, Family};
+
+    use super::*;
+
+    struct Walk;
+
+    impl Equations for Walk {
+        fn dimensions(&self) -> [usize; 2] {
+            [1, 1]
+        }
+
+        fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
+            state.push(normal(0.0, 1.0));
+        }
+
+        fn transition<S: Scalar>(&self, _: usize, x: &[S], state: &mut impl Coordinates<S>) {
+            state.push(normal(x[0] * 0.9, 1.0));
+        }
+
+        fn measurement<S: Scalar>(&self, _: usize, x: &[S], y: &mut impl Coordinates<S>) {
+            y.push(normal(x[0], 1.0));
+        }
+    }
+
+    /// Whether a row that is judged by is among those that are learned from.
+    fn leaks(validation: &Seed, training: &Seed) -> bool {
+        let shape = ModelShape::of(&Walk);
+        let config = AmortisedConfig::gaussian();
+        let proposal =
+            Amortised::create(&config, &shape, 0, Backend::Native.into(), &Seed::from_u64(1)).unwrap();
+        let few = LearnConfig { sequences: 8, horizon: 5, ..LearnConfig::new() };
+        let rows = |seed: &Seed| drawn(&proposal, &Walk, &few, seed).unwrap().examples.later;
+        let (held_out, mut one, mut other) = (rows(validation), Stage::default(), Stage::default());
+        (0..3).any(|supply| {
+            let learned = rows(&training.nth(supply));
+            (0..held_out.len()).any(|at| {
+                one.pick(&held_out, &[at]);
+                (0..learned.len()).any(|row| {
+                    other.pick(&learned, &[row]);
+                    one == other
+                })
+            })
+        })
+    }
+
+    #[test]
+    fn no_row_that_is_judged_by_is_learned_from() {
+        let seed = Seed::from_u64(7);
+        assert!(!leaks(&for_validation(&seed), &for_training(&seed)));
+    }
+
+    #[test]
+    fn validation_sequences_that_were_trained_on_are_caught() {
+        let seed = Seed::from_u64(7);
+        // The bug: validation takes a supply of training.
+        assert!(leaks(&for_training(&seed).nth(1), &for_training(&seed)));
     }
 }
