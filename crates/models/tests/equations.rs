@@ -2,7 +2,7 @@
 
 use motes_models::batch::Rows;
 use motes_models::equations::{
-    Coordinates, Equations, Linearise, Scalar, binomial, exponential, gamma, laplace, log_normal,
+    Coordinates, Equations, Lanes, Linearise, Scalar, binomial, exponential, gamma, laplace, log_normal,
     negative_binomial, normal, poisson, student_t, uniform,
 };
 use motes_models::{
@@ -217,7 +217,7 @@ fn a_linear_model_is_its_own_linearisation() {
     const LANES: usize = motes_models::batch::LANES;
     let states: Vec<f64> = (0..LANES).map(|lane| 0.2 * lane as f64 - 3.0).collect();
     let (mut slopes, mut information, mut jacobian) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
-    Stated.tile_scores(1, &states, &[Some(2.0)], &mut slopes, &mut information, &mut jacobian);
+    Stated.tile_scores(1, &states, &[Some(Lanes::from(2.0))], &mut slopes, &mut information, &mut jacobian);
     for lane in 0..LANES {
         let x = states[lane];
         assert!((jacobian[lane] - x / 10.0).abs() < 1e-15 && information[lane] == 1.0);

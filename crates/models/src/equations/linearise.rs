@@ -16,13 +16,13 @@ pub trait Linearise: StateSpaceModel {
     /// scale where the variance is infinite.
     fn tile_moments(&self, time: usize, previous: Option<&[f64]>, means: &mut [f64], variances: &mut [f64]);
 
-    /// What each entry of `measurement` (`M`) says at `states` (`N × LANES`) of its location `θ(x_t)`: `slopes` gets `∂ log p(y | θ)/∂θ`, `information` its
+    /// What each entry of `measurement` (`M`, one number for each particle) says at `states` (`N × LANES`) of its location `θ(x_t)`: `slopes` gets `∂ log p(y | θ)/∂θ`, `information` its
     /// Fisher information (`M × LANES` each), and `jacobian` gets `∂θ/∂x_t` (`M × N × LANES`). An entry that is missing says nothing: zeros.
     fn tile_scores(
         &self,
         time: usize,
         states: &[f64],
-        measurement: &[Option<f64>],
+        measurement: &[Option<Lanes>],
         slopes: &mut [f64],
         information: &mut [f64],
         jacobian: &mut [f64],
@@ -48,7 +48,7 @@ impl Coordinates<Lanes> for Moments<'_> {
 
 /// Keeps scores, with the derivatives of locations along some coordinates from `first` on.
 struct Scores<'a> {
-    measurement: &'a [Option<f64>],
+    measurement: &'a [Option<Lanes>],
     first: usize,
     n: usize,
     slopes: &'a mut [Lanes],
@@ -70,7 +70,7 @@ impl Coordinates<Varied> for Scores<'_> {
             jacobian.fill(zero);
             return;
         };
-        let score = distribution.score(*y);
+        let score = distribution.score(Varied::constant(*y));
         self.slopes[at] = score.slope.value();
         self.information[at] = score.information.value();
         for (place, derivative) in jacobian.iter_mut().zip(score.location.derivatives()) {
@@ -93,7 +93,7 @@ impl<E: Equations> Linearise for E {
         &self,
         time: usize,
         states: &[f64],
-        measurement: &[Option<f64>],
+        measurement: &[Option<Lanes>],
         slopes: &mut [f64],
         information: &mut [f64],
         jacobian: &mut [f64],

@@ -213,6 +213,18 @@ impl<E: Equations> Simulator for E {
             self.measurement(time, state, drawn);
         });
     }
+
+    fn sample_measurements(&self, time: usize, states: &[f64], streams: &mut [Stream], out: &mut [f64]) {
+        let [n, m] = self.dimensions();
+        let states = Rows::all(states, n);
+        if states.is_empty() {
+            return;
+        }
+        let needs = needs_of(|counter| self.measurement(time, states.row(0), counter));
+        draw_rows(needs, m, Some(states), n, streams, out, |state, drawn| {
+            self.measurement(time, state, drawn);
+        });
+    }
 }
 
 impl<E: Equations> PartialLikelihood for E {

@@ -46,8 +46,7 @@ impl<S: Scalar> Distribution<S> {
 
     /// What the observation `y` says of the location.
     #[inline(always)]
-    pub fn score(&self, y: f64) -> Score<S> {
-        let y = S::from(y);
+    pub fn score(&self, y: S) -> Score<S> {
         let one = S::from(1.0);
         match *self {
             Distribution::StudentT { df, location, scale } => {

@@ -1,7 +1,7 @@
 //! The proposal itself: prepared by a measurement, conditioned block by block.
 
 use motes_models::batch::LANES;
-use motes_models::equations::Linearise;
+use motes_models::equations::{Lanes, Linearise};
 use motes_models::{ModelError, Seed, Simulator, check_dimensions};
 
 use super::batch::LinearisedBatch;
@@ -28,8 +28,8 @@ use crate::proposal_error::ProposalError;
 #[derive(Debug, Clone)]
 pub struct Linearised {
     sees_measurements: bool,
-    /// `y_t` of the step that it was prepared for.
-    measurement: Vec<Option<f64>>,
+    /// `y_t` of the step that it was prepared for, the same for all particles of a tile.
+    measurement: Vec<Option<Lanes>>,
     prepared: Option<usize>,
 }
 
@@ -83,7 +83,7 @@ impl<M: Linearise + ?Sized> Proposal<M> for Linearised {
             measurement.len(),
         )?;
         self.measurement.clear();
-        self.measurement.extend(measurement.iter().copied().map(Some));
+        self.measurement.extend(measurement.iter().map(|entry| Some(Lanes::from(*entry))));
         self.prepared = Some(time);
         Ok(())
     }
@@ -100,7 +100,7 @@ impl<M: Linearise + ?Sized> Proposal<M> for Linearised {
             measurement.len(),
         )?;
         self.measurement.clear();
-        self.measurement.extend_from_slice(measurement);
+        self.measurement.extend(measurement.iter().map(|entry| entry.map(Lanes::from)));
         self.prepared = Some(time);
         Ok(measurement.iter().any(Option::is_some))
     }

@@ -13,7 +13,7 @@ pub(super) fn depends_on_state(
     measurement: &[f64],
 ) -> bool {
     let (n, m) = (state.len(), measurement.len());
-    let measurement: Vec<Option<f64>> = measurement.iter().copied().map(Some).collect();
+    let measurement: Vec<Option<Lanes>> = measurement.iter().map(|entry| Some(Lanes::from(*entry))).collect();
     let states: Vec<f64> = state.iter().flat_map(|value| [*value; LANES]).collect();
     let mut found = vec![0.0; (2 + n) * m * LANES];
     let (slopes, rest) = found.split_at_mut(m * LANES);
