@@ -187,6 +187,38 @@ impl<S> Distribution<S> {
                 | Distribution::Binomial { .. }
         )
     }
+
+    /// The same family with each parameter replaced by what `of` makes of it.
+    #[inline(always)]
+    pub(super) fn map<T>(&self, of: impl Fn(&S) -> T) -> Distribution<T> {
+        match self {
+            Distribution::Normal { mean, sd } => Distribution::Normal { mean: of(mean), sd: of(sd) },
+            Distribution::StudentT { df, location, scale } => {
+                Distribution::StudentT { df: of(df), location: of(location), scale: of(scale) }
+            }
+            Distribution::Laplace { location, scale } => {
+                Distribution::Laplace { location: of(location), scale: of(scale) }
+            }
+            Distribution::LogNormal { origin, sign, location, scale } => Distribution::LogNormal {
+                origin: of(origin),
+                sign: of(sign),
+                location: of(location),
+                scale: of(scale),
+            },
+            Distribution::Exponential { origin, mean } => {
+                Distribution::Exponential { origin: of(origin), mean: of(mean) }
+            }
+            Distribution::Gamma { origin, shape, scale } => {
+                Distribution::Gamma { origin: of(origin), shape: of(shape), scale: of(scale) }
+            }
+            Distribution::Uniform { low, high } => Distribution::Uniform { low: of(low), high: of(high) },
+            Distribution::Poisson { mean } => Distribution::Poisson { mean: of(mean) },
+            Distribution::NegativeBinomial { mean, size } => {
+                Distribution::NegativeBinomial { mean: of(mean), size: of(size) }
+            }
+            Distribution::Binomial { n, p } => Distribution::Binomial { n: of(n), p: of(p) },
+        }
+    }
 }
 
 impl<S: Scalar> Distribution<S> {

@@ -10,10 +10,12 @@ mod lanes;
 mod linearise;
 mod model;
 mod moments;
+mod quantile;
 mod sample;
 mod scalar;
 mod statement;
 mod tiles;
+mod transport;
 
 pub use distribution::{
     Distribution, bernoulli, binomial, exponential, gamma, laplace, log_normal, negative_binomial, normal,
@@ -26,3 +28,4 @@ pub use moments::Score;
 pub use scalar::Scalar;
 pub use statement::{Coordinates, Equations};
 pub use tiles::with_scalars;
+pub use transport::Transport;
