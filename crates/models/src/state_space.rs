@@ -144,22 +144,19 @@ pub trait Simulator: StateSpaceModel {
     /// Draws `y_t ~ p(y_t | x_t)` into `measurement` (`M`), given `state` (`N`).
     fn sample_measurement(&self, time: usize, state: &[f64], stream: &mut Stream, measurement: &mut [f64]);
 
-    /// [`Simulator::sample_measurement`] for each of `K` rows of `states` (`K×N`) into `measurements` (`K×M`); the rows are split evenly over `streams`, in order.
+    /// [`Simulator::sample_measurement`] for each of `K` rows of `states` (`K×N`) into `out` (`K×M`); the rows are split evenly over `streams`, in order.
+    ///
+    /// A model may take another amount of a stream here than row by row. The numbers of one stream do not depend on the other
+    /// streams in the call.
     ///
     /// # Panics
     /// If `K` is not a multiple of the number of streams.
-    fn sample_measurements(
-        &self,
-        time: usize,
-        states: &[f64],
-        streams: &mut [Stream],
-        measurements: &mut [f64],
-    ) {
+    fn sample_measurements(&self, time: usize, states: &[f64], streams: &mut [Stream], out: &mut [f64]) {
         let (n, m) = (self.state_dim(), self.measurement_dim());
         let particles = states.len() / n;
-        let mut rows = states.chunks_exact(n);
-        for (stream, measurements) in particles_by_stream(streams, measurements, m, particles) {
-            for (measurement, state) in measurements.chunks_exact_mut(m).zip(&mut rows) {
+        let mut states = states.chunks_exact(n);
+        for (stream, out) in particles_by_stream(streams, out, m, particles) {
+            for (measurement, state) in out.chunks_exact_mut(m).zip(&mut states) {
                 self.sample_measurement(time, state, stream, measurement);
             }
         }

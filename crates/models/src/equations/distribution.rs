@@ -187,13 +187,11 @@ impl<S> Distribution<S> {
                 | Distribution::Binomial { .. }
         )
     }
-}
 
-impl<S: Copy> Distribution<S> {
-    /// The same family with parameters that `of` makes of these.
+    /// The same family with each parameter replaced by what `of` makes of it.
     #[inline(always)]
-    pub(super) fn map<T>(&self, of: impl Fn(S) -> T) -> Distribution<T> {
-        match *self {
+    pub(super) fn map<T>(&self, of: impl Fn(&S) -> T) -> Distribution<T> {
+        match self {
             Distribution::Normal { mean, sd } => Distribution::Normal { mean: of(mean), sd: of(sd) },
             Distribution::StudentT { df, location, scale } => {
                 Distribution::StudentT { df: of(df), location: of(location), scale: of(scale) }

@@ -16,7 +16,7 @@ pub trait Linearise: StateSpaceModel {
     /// scale where the variance is infinite.
     fn tile_moments(&self, time: usize, previous: Option<&[f64]>, means: &mut [f64], variances: &mut [f64]);
 
-    /// What each entry of `measurement` (`M`) says at `states` (`N × LANES`) of its location `θ(x_t)`: `slopes` gets `∂ log p(y | θ)/∂θ`, `information` its
+    /// What each entry of `measurement` (`M`, one number for each particle) says at `states` (`N × LANES`) of its location `θ(x_t)`: `slopes` gets `∂ log p(y | θ)/∂θ`, `information` its
     /// Fisher information (`M × LANES` each), and `jacobian` gets `∂θ/∂x_t` (`M × N × LANES`). An entry that is missing says nothing: zeros.
     fn tile_scores(
         &self,

@@ -14,7 +14,6 @@ mod quantile;
 mod sample;
 mod scalar;
 mod statement;
-mod tails;
 mod tiles;
 mod transport;
 pub mod triangle;

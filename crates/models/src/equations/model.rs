@@ -214,17 +214,14 @@ impl<E: Equations> Simulator for E {
         });
     }
 
-    fn sample_measurements(
-        &self,
-        time: usize,
-        states: &[f64],
-        streams: &mut [Stream],
-        measurements: &mut [f64],
-    ) {
+    fn sample_measurements(&self, time: usize, states: &[f64], streams: &mut [Stream], out: &mut [f64]) {
         let [n, m] = self.dimensions();
-        let Some(first) = states.get(..n) else { return };
-        let needs = needs_of(|counter| self.measurement(time, first, counter));
-        draw_rows(needs, m, Some(Rows::all(states, n)), n, streams, measurements, |state, drawn| {
+        let states = Rows::all(states, n);
+        if states.is_empty() {
+            return;
+        }
+        let needs = needs_of(|counter| self.measurement(time, states.row(0), counter));
+        draw_rows(needs, m, Some(states), n, streams, out, |state, drawn| {
             self.measurement(time, state, drawn);
         });
     }

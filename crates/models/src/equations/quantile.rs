@@ -1,124 +1,125 @@
-//! Distributions as transports of the standard normal one.
+//! Continuous distributions as transports of a standard normal number: `x = T(v) = F⁻¹(Φ(v))`.
+
+mod gamma;
+mod normal;
+mod root;
+mod student;
+
+use std::f64::consts::LN_2;
 
 use super::distribution::Distribution;
-use super::tails::{gamma_tails, normal_from_tail, normal_tail, root, student_tail};
+use super::scalar::Scalar;
 
-/// The tail beyond it is about the smallest number.
-const LARGEST: f64 = 37.0;
-
-impl Distribution<f64> {
-    /// `T(v) = F⁻¹(Φ(v))`: what a standard normal `v` becomes to have this distribution. Both tails are as exact as the numbers beside the end
-    /// of the range are dense, but for the upper one of a gamma distribution beyond `v = 6`. Beyond 37 a tail is smaller than any number: there it is
-    /// what it is at 37, unless it is affine.
-    ///
-    /// NaN for counts, and where a parameter is out of range.
-    pub fn from_normal(&self, v: f64) -> f64 {
-        let tail = normal_tail(v.abs().min(LARGEST));
+impl<S: Scalar> Distribution<S> {
+    /// `T(v)` and `log T′(v)` of the families that are formulas of a normal number, and nothing of others.
+    #[inline(always)]
+    pub(super) fn formula(&self, v: S) -> Option<[S; 2]> {
         match *self {
-            Distribution::Normal { mean, sd } => mean + sd * v,
+            Distribution::Normal { mean, sd } => Some([mean + sd * v, sd.ln()]),
             Distribution::LogNormal { origin, sign, location, scale } => {
-                origin + sign * (location + scale * (sign * v)).exp()
+                let log = location + sign * scale * v;
+                Some([origin + sign * log.exp(), log + scale.ln()])
             }
-            Distribution::Laplace { location, scale } => {
-                let size = -(2.0 * tail).ln() * scale;
-                location + if v < 0.0 { -size } else { size }
-            }
-            Distribution::Exponential { origin, mean } => {
-                // Below its origin it is turned around.
-                let is_upper = (v > 0.0) == (mean > 0.0);
-                origin + mean * if is_upper { -tail.ln() } else { -(-tail).ln_1p() }
-            }
-            Distribution::Uniform { low, high } => {
-                let part = (high - low) * tail;
-                if v < 0.0 { low + part } else { high - part }
-            }
-            Distribution::Gamma { origin, shape, scale } => {
-                let is_upper = (v > 0.0) == (scale > 0.0);
-                if !(shape > 0.0 && scale.is_finite() && origin.is_finite()) {
-                    return f64::NAN;
-                }
-                origin
-                    + scale
-                        * root(0.0, f64::INFINITY, |x| {
-                            let [lower, upper] = gamma_tails(shape, x);
-                            if is_upper { tail - upper } else { lower - tail }
-                        })
-            }
-            Distribution::StudentT { df, location, scale } => {
-                if !(df > 0.0 && scale > 0.0 && location.is_finite()) {
-                    return f64::NAN;
-                }
-                let size = scale * root(0.0, f64::INFINITY, |z| tail - student_tail(df, z));
-                location + if v < 0.0 { -size } else { size }
-            }
-            Distribution::Poisson { .. }
-            | Distribution::NegativeBinomial { .. }
-            | Distribution::Binomial { .. } => f64::NAN,
+            _ => None,
         }
     }
 
-    /// `T⁻¹(x) = Φ⁻¹(F(x))`, the standard normal number that [`Distribution::from_normal`] makes `x` of; ±∞ at the ends of the range and beyond.
+    /// `T⁻¹(x)` of the same families.
+    #[inline(always)]
+    pub(super) fn inverse_formula(&self, x: S) -> Option<S> {
+        match *self {
+            Distribution::Normal { mean, sd } => Some((x - mean) / sd),
+            Distribution::LogNormal { origin, sign, location, scale } => {
+                let size = ((x - origin) * sign).max(S::from(0.0));
+                Some(sign * (size.ln() - location) / scale)
+            }
+            _ => None,
+        }
+    }
+}
+
+impl Distribution<f64> {
+    /// `T(v) = F⁻¹(Φ(v))`: what has this distribution where `v` is standard normal. It grows with `v`.
+    ///
+    /// NaN for counts, and where a parameter is out of range. Each tail is computed from its own end of the range, so neither loses digits.
+    ///
+    /// ```
+    /// use motes_models::equations::{Distribution, exponential, normal};
+    ///
+    /// let [position, delay]: [Distribution<f64>; 2] = [normal(1.0, 0.5), exponential(2.0)];
+    /// assert_eq!(position.from_normal(-3.0), -0.5);
+    /// // The median of the exponential distribution is log 2 of its mean.
+    /// assert!((delay.from_normal(0.0) - 2.0 * 2.0_f64.ln()).abs() < 1e-15);
+    /// ```
+    pub fn from_normal(&self, v: f64) -> f64 {
+        self.transport(v)[0]
+    }
+
+    /// `T⁻¹(x)`: the standard normal quantile of `x`; −∞ and +∞ at and beyond the ends of the range.
     ///
     /// NaN for counts, and where a parameter is out of range.
     pub fn to_normal(&self, x: f64) -> f64 {
-        // By the smaller tail, which is the exact one.
-        let by_tails = |lower: f64, upper: f64| match lower < upper {
-            true => -normal_from_tail(lower),
-            false => normal_from_tail(upper),
-        };
-        // Of a positive number, which may have been turned around.
-        let turned = |v: f64, scale: f64| if scale > 0.0 { v } else { -v };
+        if let Some(v) = self.inverse_formula(x) {
+            return v;
+        }
         match *self {
-            Distribution::Normal { mean, sd } => (x - mean) / sd,
-            Distribution::LogNormal { origin, sign, location, scale } => {
-                let above = (x - origin) * sign;
-                let z = if above > 0.0 { above.ln() } else { f64::NEG_INFINITY };
-                sign * ((z - location) / scale)
-            }
+            Distribution::StudentT { df, location, scale } => student::to_normal(df, (x - location) / scale),
             Distribution::Laplace { location, scale } => {
-                let rest = x - location;
-                let a = normal_from_tail(0.5 * (-rest.abs() / scale).exp());
-                if rest < 0.0 { -a } else { a }
+                let z = (x - location) / scale;
+                normal::from_log_upper(-z.abs() - LN_2).copysign(z)
             }
             Distribution::Exponential { origin, mean } => {
-                let e = (x - origin) / mean;
-                let v = if e > 0.0 { by_tails(-(-e).exp_m1(), (-e).exp()) } else { f64::NEG_INFINITY };
-                turned(v, mean)
-            }
-            Distribution::Uniform { low, high } => {
-                let width = high - low;
-                by_tails(((x - low) / width).max(0.0), ((high - x) / width).max(0.0))
+                let z = Scalar::max((x - origin) / mean, 0.0);
+                mean.signum() * normal::from_log_upper(-z)
             }
             Distribution::Gamma { origin, shape, scale } => {
-                let g = (x - origin) / scale;
-                if shape.is_nan() || shape <= 0.0 || g.is_nan() {
-                    return f64::NAN;
-                }
-                let v = match g > 0.0 {
-                    true => {
-                        let [lower, upper] = gamma_tails(shape, g);
-                        by_tails(lower, upper)
-                    }
-                    false => f64::NEG_INFINITY,
-                };
-                turned(v, scale)
+                scale.signum() * gamma::to_normal(shape, (x - origin) / scale)
             }
-            Distribution::StudentT { df, location, scale } => {
-                let z = (x - location) / scale;
-                if df.is_nan() || df <= 0.0 || z.is_nan() {
-                    return f64::NAN;
+            Distribution::Uniform { low, high } => {
+                let (below, above) = ((x - low) / (high - low), (high - x) / (high - low));
+                let log_upper = |share: f64| Scalar::max(share, 0.0).ln();
+                if below < above {
+                    -normal::from_log_upper(log_upper(below))
+                } else {
+                    normal::from_log_upper(log_upper(above))
                 }
-                let a = normal_from_tail(student_tail(df, z.abs()));
-                if z < 0.0 { -a } else { a }
             }
-            Distribution::Poisson { .. }
-            | Distribution::NegativeBinomial { .. }
-            | Distribution::Binomial { .. } => f64::NAN,
+            // Counts; the others are formulas.
+            _ => f64::NAN,
         }
     }
 
-    /// Whether [`Distribution::from_normal`] is affine.
-    pub(super) fn is_normal(&self) -> bool {
-        matches!(self, Distribution::Normal { .. })
+    /// `T(v)` and `log T′(v)`.
+    pub(super) fn transport(&self, v: f64) -> [f64; 2] {
+        if let Some(found) = self.formula(v) {
+            return found;
+        }
+        match *self {
+            Distribution::StudentT { df, location, scale } => {
+                let [t, log_slope] = student::from_normal(df, v);
+                [location + scale * t, log_slope + scale.ln()]
+            }
+            Distribution::Laplace { location, scale } => {
+                let depth = normal::depth(v.abs());
+                let log_slope = normal::log_density(v) + depth + LN_2 + scale.ln();
+                [location + scale * depth.copysign(v), log_slope]
+            }
+            Distribution::Exponential { origin, mean } => {
+                let v = v * mean.signum();
+                let z = -normal::log_upper(v);
+                [origin + mean * z, normal::log_density(v) + z + mean.abs().ln()]
+            }
+            Distribution::Gamma { origin, shape, scale } => {
+                let [log, log_slope] = gamma::from_normal(shape, v * scale.signum());
+                [origin + scale * log.exp(), log_slope + scale.abs().ln()]
+            }
+            Distribution::Uniform { low, high } => {
+                let share = (high - low) * normal::upper(v.abs());
+                let x = if v < 0.0 { low + share } else { high - share };
+                [x, normal::log_density(v) + (high - low).ln()]
+            }
+            // Counts; the others are formulas.
+            _ => [f64::NAN; 2],
+        }
     }
 }

@@ -6,7 +6,8 @@ use super::scalar::Scalar;
 /// A state-space model by its three equations: `p(x_0)`, `p(x_t | x_{t−1})`, `p(y_t | x_t)`. Coordinates are independent given the past.
 ///
 /// All else follows: what states a model here is a [`StateSpaceModel`](crate::StateSpaceModel), a [`Simulator`](crate::Simulator), has
-/// [`StateGradients`](crate::StateGradients), weighs measurements with gaps, and can be linearised.
+/// [`StateGradients`](crate::StateGradients), weighs measurements with gaps, can be linearised, and makes its states of standard normal noise
+/// ([`Transport`](super::Transport)).
 ///
 /// Formulas are generic over their scalar: a number, many side by side, or one that carries derivatives. Which family a coordinate has may depend on the
 /// time, never on states.

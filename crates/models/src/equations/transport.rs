@@ -1,27 +1,28 @@
-//! What a learned proposal asks of a model: its transition as a transport of standard normal noise.
+//! What a proposal made of transformed noise asks of a model: its transition as a transport of standard normal noise.
 
 use super::distribution::Distribution;
 use super::lanes::Lanes;
 use super::scalar::Scalar;
 use super::statement::{Coordinates, Equations};
-use super::tails::log_normal_density;
-use super::tiles::{rows_of, rows_of_mut, with_scalars};
-use crate::StateSpaceModel;
+use super::tiles::{rows_of, rows_of_mut};
 use crate::batch::LANES;
+use crate::gaussian::LN_2PI;
+use crate::{Seed, StateSpaceModel};
 
-/// A model whose transition is a transport of standard normal noise: `x_t = T(x_{t−1}, v_t)`, coordinate by coordinate, and `x_0 = T(v_0)`.
+/// A model whose transition is a transport of standard normal noise: `x_t = T(x_{t−1}, v_t)`, coordinate by coordinate and growing with `v_t`.
 ///
-/// `T_i = F_i⁻¹ ∘ Φ` with the distribution function `F_i` of the coordinate. It is `mean + sd·v` where that is normal, and stays inside of the
-/// range where there is one. All arguments are tiles of [`LANES`] particles, coordinates in rows.
+/// `v_t` is standard normal where `x_t` has the distribution `p(x_t | x_{t−1})`, and `p(x_0)` where there is no previous state. A density `q(v)` becomes that of `x_t`
+/// as `log q(x_t) = log q(v) − Σ_i log ∂T_i/∂v_i`.
+///
+/// All arguments are tiles of [`LANES`] particles, coordinates in rows. All is NaN where a coordinate is a count.
 pub trait Transport: StateSpaceModel {
-    /// Whether `T` is affine in `v`, at every time: each coordinate of the state is normal.
+    /// Whether `T` is affine in `v`: all coordinates are normal, of `x_0` and of the first few transitions.
     fn is_affine(&self) -> bool;
 
-    /// `T(x_{t−1}, 0)`, the median, into `centres`, and `∂T_i/∂v_i` at `v = 0` into `slopes` (`N × LANES` each); of `x_0` where there is no `previous`
-    /// (`N × LANES`).
+    /// `T(x_{t−1}, 0)`, the median, into `centres`, and `∂T_i/∂v_i` there into `slopes` (`N × LANES` each).
     fn tile_centres(&self, time: usize, previous: Option<&[f64]>, centres: &mut [f64], slopes: &mut [f64]);
 
-    /// Replaces `v` by `T(x_{t−1}, v)` in `values` (`N × LANES`), and writes `Σ_i log ∂T_i/∂v_i` there into `log_slope` (`LANES`).
+    /// Replaces `v` in `values` by `T(x_{t−1}, v)` (`N × LANES`), and writes `Σ_i log ∂T_i/∂v_i` into `log_slope` (`LANES`).
     fn tile_from_normal(
         &self,
         time: usize,
@@ -30,8 +31,9 @@ pub trait Transport: StateSpaceModel {
         log_slope: &mut [f64],
     );
 
-    /// Replaces `x` by the `v` with `T(x_{t−1}, v) = x` in `values` (`N × LANES`), and writes `Σ_i log ∂T_i/∂v_i` there into `log_slope` (`LANES`). Outside of
-    /// the range `v` is infinite, and the slope means nothing.
+    /// Replaces `x` in `values` by the `v` with `T(x_{t−1}, v) = x` (`N × LANES`), and writes `Σ_i log ∂T_i/∂v_i` there into `log_slope` (`LANES`).
+    ///
+    /// At and beyond an end of the range `v` is infinite, and the log slope means nothing.
     fn tile_to_normal(
         &self,
         time: usize,
@@ -41,12 +43,56 @@ pub trait Transport: StateSpaceModel {
     );
 }
 
-/// The distribution of one particle.
-fn of_lane(distribution: &Distribution<Lanes>, lane: usize) -> Distribution<f64> {
-    distribution.map(|parameter| parameter.0[lane])
+/// Transitions whose families are looked at: they may depend on the time, never on states.
+const PROBES: usize = 8;
+
+/// Looks whether all coordinates are normal.
+struct Families {
+    all_normal: bool,
 }
 
-/// Median and slope of each coordinate.
+impl Coordinates<f64> for Families {
+    fn push(&mut self, distribution: Distribution<f64>) {
+        self.all_normal &= matches!(distribution, Distribution::Normal { .. });
+    }
+}
+
+impl Distribution<Lanes> {
+    /// `T(v)` and `log T′(v)` of each particle.
+    #[inline(always)]
+    fn tile_transport(&self, v: Lanes) -> [Lanes; 2] {
+        match self.formula(v) {
+            Some(found) => found,
+            None => self.lane_by_lane(v, |of_lane, v| of_lane.transport(v)),
+        }
+    }
+
+    /// `T⁻¹(x)` and `log T′` there.
+    #[inline(always)]
+    fn tile_inverse(&self, x: Lanes) -> [Lanes; 2] {
+        let v = match self.inverse_formula(x) {
+            Some(v) => v,
+            None => self.lane_by_lane(x, |of_lane, x| [of_lane.to_normal(x), 0.0])[0],
+        };
+        let log_slope = match self {
+            Distribution::Normal { sd, .. } => sd.ln(),
+            // The density of what is pushed is that of v over the slope.
+            _ => v * v * -0.5 - 0.5 * LN_2PI - self.log_density(x),
+        };
+        [v, log_slope]
+    }
+
+    /// What `of` makes of each particle's distribution and number.
+    fn lane_by_lane(&self, values: Lanes, of: impl Fn(Distribution<f64>, f64) -> [f64; 2]) -> [Lanes; 2] {
+        let [mut first, mut second] = [[0.0; LANES]; 2];
+        for (lane, (first, second)) in first.iter_mut().zip(&mut second).enumerate() {
+            [*first, *second] = of(self.map(|parameter| parameter.0[lane]), values.0[lane]);
+        }
+        [Lanes(first), Lanes(second)]
+    }
+}
+
+/// Keeps the median of each coordinate and the slope there.
 struct Centres<'a> {
     centres: &'a mut [Lanes],
     slopes: &'a mut [Lanes],
@@ -56,112 +102,81 @@ struct Centres<'a> {
 impl Coordinates<Lanes> for Centres<'_> {
     #[inline(always)]
     fn push(&mut self, distribution: Distribution<Lanes>) {
-        let at = self.at;
+        if let (Some(centre), Some(slope)) = (self.centres.get_mut(self.at), self.slopes.get_mut(self.at)) {
+            [*centre, *slope] = match distribution {
+                Distribution::Normal { mean, sd } => [mean, sd],
+                _ => {
+                    let [centre, log_slope] = distribution.tile_transport(Lanes::from(0.0));
+                    [centre, log_slope.exp()]
+                }
+            };
+        }
         self.at += 1;
-        let (Some(centre), Some(slope)) = (self.centres.get_mut(at), self.slopes.get_mut(at)) else { return };
-        if let Distribution::Normal { mean, sd } = distribution {
-            (*centre, *slope) = (mean, sd);
-            return;
-        }
-        for lane in 0..LANES {
-            let one = of_lane(&distribution, lane);
-            let median = one.from_normal(0.0);
-            centre.0[lane] = median;
-            slope.0[lane] = (log_normal_density(0.0) - one.log_density(median)).exp();
-        }
     }
 }
 
-/// Which way values are transported.
-#[derive(Clone, Copy, PartialEq)]
-enum Way {
-    FromNormal,
-    ToNormal,
-}
-
-/// Transports each coordinate.
-struct Transported<'a> {
-    values: &'a mut [Lanes],
+/// Replaces each coordinate, and adds up log slopes; `of` is asked for both.
+struct Replaced<'a, F> {
+    rows: &'a mut [Lanes],
     log_slope: Lanes,
-    way: Way,
-    at: usize,
+    of: F,
 }
 
-impl Coordinates<Lanes> for Transported<'_> {
+impl<F: Fn(&Distribution<Lanes>, Lanes) -> [Lanes; 2]> Coordinates<Lanes> for Replaced<'_, F> {
     #[inline(always)]
     fn push(&mut self, distribution: Distribution<Lanes>) {
-        let at = self.at;
-        self.at += 1;
-        let Some(value) = self.values.get_mut(at) else { return };
-        if let Distribution::Normal { mean, sd } = distribution {
-            *value = match self.way {
-                Way::FromNormal => mean + sd * *value,
-                Way::ToNormal => (*value - mean) / sd,
-            };
-            self.log_slope = self.log_slope + sd.ln();
-            return;
-        }
-        for (lane, value) in value.0.iter_mut().enumerate() {
-            let one = of_lane(&distribution, lane);
-            let (v, x) = match self.way {
-                Way::FromNormal => (*value, one.from_normal(*value)),
-                Way::ToNormal => (one.to_normal(*value), *value),
-            };
-            self.log_slope.0[lane] += log_normal_density(v) - one.log_density(x);
-            *value = if self.way == Way::FromNormal { x } else { v };
+        match std::mem::take(&mut self.rows) {
+            [] => self.log_slope = Lanes::from(f64::NAN),
+            [row, rest @ ..] => {
+                let [value, log_slope] = (self.of)(&distribution, *row);
+                *row = value;
+                self.log_slope = self.log_slope + log_slope;
+                self.rows = rest;
+            }
         }
     }
 }
 
-/// Looks whether each coordinate is normal.
-struct Families {
-    are_normal: bool,
-}
-
-impl Coordinates<f64> for Families {
-    fn push(&mut self, distribution: Distribution<f64>) {
-        self.are_normal &= distribution.is_normal();
-    }
-}
-
-/// Which family a coordinate has may depend on the time: so many are looked at.
-const TIMES: usize = 4;
-
-fn transport<E: Equations>(
-    model: &E,
+/// Replaces `values` by what `of` makes of each coordinate's distribution and number; NaN where another number of coordinates is stated than there is.
+#[inline(always)]
+fn replace(
+    model: &impl Equations,
     time: usize,
     previous: Option<&[f64]>,
     values: &mut [f64],
     log_slope: &mut [f64],
-    way: Way,
+    of: impl Fn(&Distribution<Lanes>, Lanes) -> [Lanes; 2],
 ) {
-    let values = rows_of_mut(values);
-    let mut transported = Transported { values, log_slope: Lanes::from(0.0), way, at: 0 };
+    let mut replaced = Replaced { rows: rows_of_mut(values), log_slope: Lanes::from(0.0), of };
     match previous {
-        None => model.initial(&mut transported),
-        Some(previous) => model.transition(time, rows_of(previous), &mut transported),
+        None => model.initial(&mut replaced),
+        Some(previous) => model.transition(time, rows_of(previous), &mut replaced),
     }
-    log_slope.copy_from_slice(&transported.log_slope.0);
+    let is_whole = replaced.rows.is_empty();
+    replaced.rows.fill(Lanes::from(f64::NAN));
+    let sum = if is_whole { replaced.log_slope } else { Lanes::from(f64::NAN) };
+    log_slope.copy_from_slice(&sum.0[..log_slope.len()]);
 }
 
 impl<E: Equations> Transport for E {
     fn is_affine(&self) -> bool {
         let [n, _] = self.dimensions();
-        let mut families = Families { are_normal: true };
+        let mut families = Families { all_normal: true };
         self.initial(&mut families);
-        with_scalars::<f64, _>(n, |state| {
-            state.fill(0.0);
-            (1..=TIMES).for_each(|time| self.transition(time, state, &mut families));
-        });
-        families.are_normal
+        // A state that is likely, from a stream of its own.
+        let mut state = vec![0.0; n];
+        self.sample_initial(&mut Seed::from_u64(0).child("transport").stream(), &mut state);
+        (1..=PROBES).for_each(|time| self.transition(time, &state, &mut families));
+        families.all_normal
     }
 
     fn tile_centres(&self, time: usize, previous: Option<&[f64]>, centres: &mut [f64], slopes: &mut [f64]) {
         centres.fill(f64::NAN);
-        let mut found = Centres { centres: rows_of_mut(centres), slopes: rows_of_mut(slopes), at: 0 };
+        slopes.fill(f64::NAN);
+        let mut sink = Centres { centres: rows_of_mut(centres), slopes: rows_of_mut(slopes), at: 0 };
         match previous {
-            None => self.initial(&mut found),
-            Some(previous) => self.transition(time, rows_of(previous), &mut found),
+            None => self.initial(&mut sink),
+            Some(previous) => self.transition(time, rows_of(previous), &mut sink),
         }
     }
 
@@ -172,7 +187,7 @@ impl<E: Equations> Transport for E {
         values: &mut [f64],
         log_slope: &mut [f64],
     ) {
-        transport(self, time, previous, values, log_slope, Way::FromNormal);
+        replace(self, time, previous, values, log_slope, |distribution, v| distribution.tile_transport(v));
     }
 
     fn tile_to_normal(
@@ -182,6 +197,6 @@ impl<E: Equations> Transport for E {
         values: &mut [f64],
         log_slope: &mut [f64],
     ) {
-        transport(self, time, previous, values, log_slope, Way::ToNormal);
+        replace(self, time, previous, values, log_slope, |distribution, x| distribution.tile_inverse(x));
     }
 }

@@ -28,7 +28,7 @@ use crate::proposal_error::ProposalError;
 #[derive(Debug, Clone)]
 pub struct Linearised {
     sees_measurements: bool,
-    /// `y_t` of the step that it was prepared for.
+    /// `y_t` of the step that it was prepared for, the same for all particles of a tile.
     measurement: Vec<Option<Lanes>>,
     prepared: Option<usize>,
 }
@@ -83,7 +83,7 @@ impl<M: Linearise + ?Sized> Proposal<M> for Linearised {
             measurement.len(),
         )?;
         self.measurement.clear();
-        self.measurement.extend(measurement.iter().map(|y| Some(Lanes::from(*y))));
+        self.measurement.extend(measurement.iter().map(|entry| Some(Lanes::from(*entry))));
         self.prepared = Some(time);
         Ok(())
     }
@@ -100,7 +100,7 @@ impl<M: Linearise + ?Sized> Proposal<M> for Linearised {
             measurement.len(),
         )?;
         self.measurement.clear();
-        self.measurement.extend(measurement.iter().map(|y| y.map(Lanes::from)));
+        self.measurement.extend(measurement.iter().map(|entry| entry.map(Lanes::from)));
         self.prepared = Some(time);
         Ok(measurement.iter().any(Option::is_some))
     }
