@@ -10,6 +10,9 @@ use super::input;
 use super::progress::Progress;
 use super::say::{say_ignored, write};
 
+/// Particles of the reference.
+pub(super) const REFERENCE_PARTICLES: usize = 20_000;
+
 pub(super) fn run(args: &CompareArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
     let model = args.model.read()?;
     let output = args.output.clone().map(Output::File);
@@ -34,6 +37,7 @@ pub(super) fn run(args: &CompareArgs, interrupt: &Interrupt) -> Result<u8, Failu
         particles: args.at.clone(),
         sequences: args.sequences,
         steps: args.steps,
+        reference_particles: REFERENCE_PARTICLES,
     };
     let mut progress = Progress::new(1000, args.model.quiet);
     // On one thread unless others are asked for: times are those of one.

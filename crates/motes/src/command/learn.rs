@@ -5,7 +5,7 @@ use motes::{CompareOptions, FilterOptions, LearnOutcome, MotesError, ProposalNam
 use motes_cli::{Interrupt, status};
 
 use super::args::{LearnArgs, on_threads};
-use super::compare::there;
+use super::compare::{REFERENCE_PARTICLES, there};
 use super::failure::Failure;
 use super::input;
 use super::progress::Progress;
@@ -69,6 +69,8 @@ pub(super) fn run(args: &LearnArgs, interrupt: &Interrupt) -> Result<u8, Failure
         particles: PARTICLES.to_vec(),
         sequences: args.sequences,
         steps: args.steps,
+        // In the time that a person waits for: a filter of wide states takes longer.
+        reference_particles: (2 * REFERENCE_PARTICLES / model.states().len().max(2)).max(4000),
     };
     let mut progress = Progress::new(1000, args.model.quiet);
     // On one thread unless others are asked for: times are those of one.

@@ -34,6 +34,8 @@ pub struct CompareOptions {
     pub sequences: usize,
     /// The number of times in each of them.
     pub steps: usize,
+    /// The particles of the filters that all are held against, where there is no exact one.
+    pub reference_particles: usize,
 }
 
 /// What came of it.
@@ -79,7 +81,7 @@ pub fn compare(
     };
     let mut references = Vec::new();
     for (number, sequence) in sequences.iter().enumerate() {
-        references.push(reference(model, sequence, &options.filter, number)?);
+        references.push(reference(model, sequence, &options.filter, options.reference_particles, number)?);
         step()?;
     }
     let (mut cards, mut points) = (Vec::new(), Vec::new());

@@ -9,8 +9,7 @@ use crate::error::MotesError;
 use crate::model::Model;
 use crate::options::{FilterOptions, ProposalName};
 
-/// Particles of a reference filter, and the share of them that is drawn from the transition.
-const PARTICLES: usize = 20_000;
+/// The share of a reference filter's particles that is drawn from the transition.
 const DEFENSIVE: f64 = 0.1;
 
 /// The answers for one sequence.
@@ -33,6 +32,7 @@ pub(super) fn reference(
     model: &Model,
     sequence: &Sequence,
     options: &FilterOptions,
+    particles: usize,
     number: usize,
 ) -> Result<Reference, MotesError> {
     if let FileModel::LinearGaussian(linear) = model.model() {
@@ -46,10 +46,17 @@ pub(super) fn reference(
         });
     }
     // A filter that misses mass has too little evidence: of two the one with more is nearer to the truth.
-    let of_bootstrap = by_particles(model, sequence, options, number, ProposalName::Bootstrap);
-    let of_linearised = by_particles(model, sequence, options, number, ProposalName::Linearised);
+    let filter = FilterOptions {
+        check: false,
+        particles,
+        defensive: Some(DEFENSIVE),
+        seed: options.seed.wrapping_add(1),
+        ..options.clone()
+    };
+    let of_bootstrap = by_particles(model, sequence, &filter, number, ProposalName::Bootstrap);
+    let of_linearised = by_particles(model, sequence, &filter, number, ProposalName::Linearised);
     let name = format!(
-        "bootstrap or linearised with {PARTICLES} particles, whichever has more evidence ({DEFENSIVE} of the latter's are from the transition)"
+        "bootstrap or linearised with {particles} particles, whichever has more evidence ({DEFENSIVE} of the latter's are from the transition)"
     );
     let (means, increments) = match (of_bootstrap, of_linearised) {
         (Ok(a), Ok(b)) if a.1.iter().sum::<f64>() > b.1.iter().sum::<f64>() => a,
@@ -71,14 +78,7 @@ fn by_particles(
     number: usize,
     proposal: ProposalName,
 ) -> Result<Answers, MotesError> {
-    let filter = FilterOptions {
-        proposal,
-        check: false,
-        particles: PARTICLES,
-        defensive: Some(DEFENSIVE),
-        seed: options.seed.wrapping_add(1),
-        ..options.clone()
-    };
+    let filter = FilterOptions { proposal, ..options.clone() };
     let mut running = Running::new(model, &filter, number)?;
     let (mut means, mut increments) = (Vec::new(), Vec::new());
     for measurement in &sequence.measurements {

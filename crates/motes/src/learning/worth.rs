@@ -121,6 +121,7 @@ mod tests {
             particles: vec![],
             sequences: 4,
             steps: 40,
+            reference_particles: 5000,
         };
         let card = compare(&model, None, &options, |_, _| ControlFlow::Continue(())).unwrap().cards;
         let of_learned = &card[1].1;

@@ -1,7 +1,7 @@
 //! Whether another filter's evidence contradicts a filter's own.
 
 mod evidence_error;
-mod odds;
+mod misses;
 mod opinion;
 mod trust;
 mod verdict;

@@ -5,7 +5,7 @@ use std::ops::Deref;
 use motes_models::StateSpaceModel;
 
 use super::evidence_error::EvidenceError;
-use super::odds::Odds;
+use super::misses::Misses;
 use super::trust::Trust;
 use super::verdict::Verdict;
 use super::windows::{Since, Windows};
@@ -30,8 +30,8 @@ const REST: usize = 5;
 /// - An estimate of error is trusted from 20 effective particles on (2 % of all if that is more), and as long as a block of steps has a variance of at most ½.
 ///   After a step that is not trusted, 20 more are not.
 /// - A miss over steps at which both filters are trusted is warned of at once.
-/// - Sound filters of few particles miss mass by chance, too, and then have few effective ones. Such a miss alone is no warning. If there are many, it warns where the
-///   filter misses far more often than the bootstrap does (Wald's sequential test, eight times as often against as often).
+/// - Sound filters of few particles miss mass by chance, too, and then have few effective ones. Such a miss alone is no warning. There is one where the
+///   filter has missed seven times as often as the bootstrap, counting one more of the latter.
 ///   Only misses during which the bootstrap had effective particles enough count against the filter.
 /// - A bootstrap filter that fails, as by [`FilterError::Collapse`], has no opinion from there on.
 ///
@@ -73,7 +73,7 @@ pub struct SecondOpinion {
     errors: [EvidenceError; 2],
     trust: [Trust; 2],
     windows: Windows,
-    odds: Odds,
+    misses: Misses,
     /// Steps that are still not to be looked at.
     rest: usize,
     warning: Option<Warning>,
@@ -207,15 +207,15 @@ impl SecondOpinion {
             return;
         }
         match self.look() {
-            Seen::Nothing => self.odds.step(),
+            Seen::Nothing => {}
             Seen::MissOfBootstrap => {
-                self.odds.bootstrap_missed();
+                self.misses.bootstrap_missed();
                 self.rest = REST;
             }
             Seen::MissOfFilter(since, true) => self.warn(since),
             Seen::MissOfFilter(since, false) => {
                 self.rest = REST;
-                if let Some(first) = self.odds.filter_missed(since) {
+                if let Some(first) = self.misses.filter_missed(since) {
                     self.warn(first);
                 }
             }
