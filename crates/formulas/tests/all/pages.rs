@@ -83,3 +83,18 @@ fn the_reference_is_what_the_parser_accepts() {
         }
     }
 }
+
+/// The page is made of what the parser accepts: its tables are those of [`reference`], and its examples are models.
+#[test]
+fn the_page_on_model_files_is_current() {
+    let page = include_str!("../../../../docs/model-files.md");
+    let tables = reference();
+    assert!(page.ends_with(&tables), "docs/model-files.md has to end with:\n{tables}");
+    let blocks = page.split("```toml\n").skip(1).map(|block| block.split("```").next().unwrap());
+    let mut count = 0;
+    for block in blocks {
+        parse(block, "model-files.md", &[]).unwrap();
+        count += 1;
+    }
+    assert_eq!(count, 2);
+}
