@@ -70,7 +70,7 @@ impl AdamConfig {
 ///
 /// ```
 /// use motes_models::{GraphDiffusion, GraphDiffusionConfig, ModelShape, Seed, simulate};
-/// use motes_proposals::{Backend, Family, Fcnn, FcnnConfig, Learnable};
+/// use motes_proposals::{Backend, Family, Fcnn, FcnnConfig, Parametric};
 /// use motes_train::{Adam, AdamConfig, GradientFlow, Objective, rollout};
 ///
 /// let seed = Seed::from_u64(1);
