@@ -3,6 +3,7 @@
 use motes_models::batch::LANES;
 use motes_models::equations::{Dual, Lanes};
 use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
 
 use super::helpers::{bits, measurement, measuring};
 
@@ -122,7 +123,8 @@ impl Tree {
             }
             _ => 0.0,
         };
-        own.max(below).max(1.0)
+        // An infinity on the way can make the size NaN, which max() would drop.
+        if below.is_nan() { f64::INFINITY } else { own.max(below).max(1.0) }
     }
 }
 
@@ -156,7 +158,12 @@ fn mean_of(tree: &Tree) -> Option<motes_formulas::FormulaModel> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig {
+        cases: 400,
+        rng_seed: RngSeed::Fixed(1),
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
 
     /// Catches constants that are folded wrongly, common parts that are none, registers that are overwritten.
     #[test]
