@@ -11,33 +11,53 @@ use motes_models::batch::Rows;
 use motes_models::equations::{Coordinates, Equations, Scalar, normal};
 use motes_models::{Measurements, Seed, StateSpaceModel, Stream, fill_standard_normal, simulate};
 use motes_smc::{Bootstrap, FilterSettings, ParticleFilter, ResampleWhen, Resampling};
+use rand::RngExt;
+use rand_distr::StandardNormal;
 
 const GROWTH: &str = include_str!("../../../examples/growth.toml");
 
-/// Stated once.
-struct Stated;
+/// A model stated once; `$inline` before each of its formulas.
+macro_rules! stated {
+    ($(#[$doc:meta])* $name:ident $(, #[$inline:meta])?) => {
+        $(#[$doc])*
+        struct $name;
 
-impl Equations for Stated {
-    fn dimensions(&self) -> [usize; 2] {
-        [1, 1]
-    }
+        impl Equations for $name {
+            fn dimensions(&self) -> [usize; 2] {
+                [1, 1]
+            }
 
-    fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
-        state.push(normal(0.0, 5.0_f64.sqrt()));
-    }
+            $(#[$inline])?
+            fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
+                state.push(normal(0.0, 5.0_f64.sqrt()));
+            }
 
-    fn transition<S: Scalar>(&self, time: usize, x: &[S], state: &mut impl Coordinates<S>) {
-        let x = x[0];
-        let drift = x / 2.0 + x * 25.0 / (x * x + 1.0) + 8.0 * (1.2 * time as f64).cos();
-        state.push(normal(drift, 10.0_f64.sqrt()));
-    }
+            $(#[$inline])?
+            fn transition<S: Scalar>(&self, time: usize, x: &[S], state: &mut impl Coordinates<S>) {
+                let x = x[0];
+                let drift = x / 2.0 + x * 25.0 / (x * x + 1.0) + 8.0 * (1.2 * time as f64).cos();
+                state.push(normal(drift, 10.0_f64.sqrt()));
+            }
 
-    fn measurement<S: Scalar>(&self, _: usize, x: &[S], measurement: &mut impl Coordinates<S>) {
-        measurement.push(normal(x[0] * x[0] / 20.0, 1.0));
-    }
+            $(#[$inline])?
+            fn measurement<S: Scalar>(&self, _: usize, x: &[S], measurement: &mut impl Coordinates<S>) {
+                measurement.push(normal(x[0] * x[0] / 20.0, 1.0));
+            }
+        }
+    };
 }
 
-/// The same by hand: loops over rows, noise in bulk.
+stated!(
+    /// Stated once.
+    Stated
+);
+stated!(
+    /// The same, put in line: compiled for the widest vectors.
+    InLine,
+    #[inline(always)]
+);
+
+/// The same by hand, in batches: loops over all states, noise in bulk.
 struct ByHand;
 
 fn drift(time: usize, x: f64) -> f64 {
@@ -119,6 +139,39 @@ impl StateSpaceModel for ByHand {
     }
 }
 
+/// The same by hand, state by state: what a model has to give.
+struct ByRows;
+
+impl StateSpaceModel for ByRows {
+    fn state_dim(&self) -> usize {
+        1
+    }
+
+    fn measurement_dim(&self) -> usize {
+        1
+    }
+
+    fn sample_initial(&self, stream: &mut Stream, state: &mut [f64]) {
+        state[0] = 5.0_f64.sqrt() * stream.sample::<f64, _>(StandardNormal);
+    }
+
+    fn sample_transition(&self, time: usize, previous: &[f64], stream: &mut Stream, state: &mut [f64]) {
+        state[0] = drift(time, previous[0]) + 10.0_f64.sqrt() * stream.sample::<f64, _>(StandardNormal);
+    }
+
+    fn log_initial(&self, state: &[f64]) -> f64 {
+        ByHand.log_initial(state)
+    }
+
+    fn log_transition(&self, time: usize, previous: &[f64], state: &[f64]) -> f64 {
+        ByHand.log_transition(time, previous, state)
+    }
+
+    fn log_likelihood(&self, time: usize, state: &[f64], measurement: &[f64]) -> f64 {
+        ByHand.log_likelihood(time, state, measurement)
+    }
+}
+
 /// Millions of particles a second, and the log-evidence.
 fn run(model: &impl StateSpaceModel, data: &Measurements, particles: usize) -> [f64; 2] {
     let settings = FilterSettings {
@@ -158,13 +211,15 @@ fn main() {
     let data = simulate(&Stated, 200, &mut Seed::from_u64(2).stream()).expect("data").measurements;
     let pool = rayon_core::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
     for particles in [1000, 100_000] {
-        let mut speeds: [Vec<f64>; 4] = Default::default();
-        let mut evidence = [f64::NAN; 4];
+        let mut speeds: [Vec<f64>; 6] = Default::default();
+        let mut evidence = [f64::NAN; 6];
         for _ in 0..7 {
             let found = pool.install(|| {
                 [
                     run(&formulas, &data, particles),
                     run(&Stated, &data, particles),
+                    run(&InLine, &data, particles),
+                    run(&ByRows, &data, particles),
                     run(&ByHand, &data, particles),
                 ]
             });
@@ -174,12 +229,20 @@ fn main() {
                 evidence[way] = log_evidence;
             }
         }
-        for (way, name) in ["from a file", "stated in Rust", "by hand", "particles"].into_iter().enumerate() {
+        let ways = [
+            "from a file",
+            "stated in Rust",
+            "stated in line",
+            "by hand, rows",
+            "by hand, batches",
+            "particles",
+        ];
+        for (way, name) in ways.into_iter().enumerate() {
             let speeds = &mut speeds[way];
             speeds.sort_by(f64::total_cmp);
             if let Some(median) = speeds.get(speeds.len() / 2) {
                 println!(
-                    "K = {particles:<7} {name:<15} {median:8.2} million a second, log-evidence {:.2}",
+                    "K = {particles:<7} {name:<16} {median:8.2} million a second, log-evidence {:.2}",
                     evidence[way]
                 );
             }

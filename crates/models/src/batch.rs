@@ -7,6 +7,7 @@
 mod noise;
 mod rows;
 mod transpose;
+mod widest;
 
 use std::cell::RefCell;
 use std::hint::black_box;
@@ -18,6 +19,7 @@ use crate::Stream;
 
 pub use noise::with_noise;
 pub use rows::{Rows, load, store};
+pub(crate) use widest::by_widest_vectors;
 
 /// Particles in a tile.
 pub const LANES: usize = 32;

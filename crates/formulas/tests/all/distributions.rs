@@ -74,7 +74,7 @@ fn slopes_are_those_of_the_functions_in_rust() {
 #[test]
 fn lanes_are_numbers_alone() {
     let point = |lane: usize| 0.2 + 0.1 * lane as f64;
-    let lanes = Lanes(std::array::from_fn(point));
+    let lanes: Lanes = Lanes(std::array::from_fn(point));
     for (formula, _) in pairs(1.0) {
         let model = measuring(formula, "");
         let at = Lanes::from(2.0);

@@ -177,7 +177,7 @@ proptest! {
             let error = (found - expected).abs();
             prop_assert!(error <= 1e-13 * size, "{}: {found} for {expected}", tree.text());
         }
-        let lanes = |own: f64, other: f64| Lanes(std::array::from_fn(|lane| if lane % 2 == 0 { own } else { other }));
+        let lanes = |own: f64, other: f64| -> Lanes { Lanes(std::array::from_fn(|lane| if lane % 2 == 0 { own } else { other })) };
         let side = measurement(&model, t, &[lanes(x, y), lanes(y, x)])[0].moments()[0];
         for lane in (0..LANES).step_by(2) {
             // NaN of any kind is NaN.

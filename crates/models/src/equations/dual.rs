@@ -20,8 +20,8 @@ impl Plain for f64 {
     }
 }
 
-impl Plain for Lanes {
-    fn digamma(self) -> Lanes {
+impl<const W: usize> Plain for Lanes<W> {
+    fn digamma(self) -> Self {
         Lanes(self.0.map(digamma))
     }
 }
@@ -65,10 +65,28 @@ impl<S: Plain, const E: usize> Dual<S, E> {
         &self.0[1..]
     }
 
+    /// Each part by itself. (Loops: the closures of array functions are not always put in line.)
+    #[inline(always)]
+    fn each(mut self, of: impl Fn(S) -> S) -> Self {
+        for part in &mut self.0 {
+            *part = of(*part);
+        }
+        self
+    }
+
+    /// Each pair of parts by itself.
+    #[inline(always)]
+    fn each_pair(mut self, other: Self, of: impl Fn(S, S) -> S) -> Self {
+        for (part, other) in self.0.iter_mut().zip(other.0) {
+            *part = of(*part, other);
+        }
+        self
+    }
+
     /// `f(x)` by the chain rule, from `f` and `df/dx` at the value of `x`.
     #[inline(always)]
     fn chain(self, value: S, slope: S) -> Self {
-        let mut dual = Dual(self.0.map(|derivative| derivative * slope));
+        let mut dual = self.each(|derivative| derivative * slope);
         dual.0[0] = value;
         dual
     }
@@ -76,8 +94,7 @@ impl<S: Plain, const E: usize> Dual<S, E> {
     /// `f(x, y)` by the chain rule.
     #[inline(always)]
     fn chain_of_two(self, other: Self, value: S, [by_self, by_other]: [S; 2]) -> Self {
-        let derivative = |at: usize| self.0[at] * by_self + other.0[at] * by_other;
-        let mut dual = Dual(std::array::from_fn(derivative));
+        let mut dual = self.each_pair(other, |own, other| own * by_self + other * by_other);
         dual.0[0] = value;
         dual
     }
@@ -85,7 +102,7 @@ impl<S: Plain, const E: usize> Dual<S, E> {
     /// Number by number, `then` where `condition` is above 0, else `otherwise`; NaN where it is NaN.
     #[inline(always)]
     fn choose(condition: S, then: Self, otherwise: Self) -> Self {
-        Dual(std::array::from_fn(|at| condition.where_positive(then.0[at], otherwise.0[at])))
+        then.each_pair(otherwise, |then, otherwise| condition.where_positive(then, otherwise))
     }
 }
 
@@ -101,7 +118,7 @@ impl<S: Plain, const E: usize> Neg for Dual<S, E> {
 
     #[inline(always)]
     fn neg(self) -> Self {
-        Dual(self.0.map(|x| -x))
+        self.each(|x| -x)
     }
 }
 
@@ -110,7 +127,7 @@ impl<S: Plain, const E: usize> Add for Dual<S, E> {
 
     #[inline(always)]
     fn add(self, other: Self) -> Self {
-        Dual(std::array::from_fn(|at| self.0[at] + other.0[at]))
+        self.each_pair(other, |a, b| a + b)
     }
 }
 
@@ -119,7 +136,7 @@ impl<S: Plain, const E: usize> Sub for Dual<S, E> {
 
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
-        Dual(std::array::from_fn(|at| self.0[at] - other.0[at]))
+        self.each_pair(other, |a, b| a - b)
     }
 }
 
@@ -170,7 +187,7 @@ impl<S: Plain, const E: usize> Mul<f64> for Dual<S, E> {
 
     #[inline(always)]
     fn mul(self, other: f64) -> Self {
-        Dual(self.0.map(|x| x * other))
+        self.each(|x| x * other)
     }
 }
 
@@ -179,7 +196,7 @@ impl<S: Plain, const E: usize> Div<f64> for Dual<S, E> {
 
     #[inline(always)]
     fn div(self, other: f64) -> Self {
-        Dual(self.0.map(|x| x / other))
+        self.each(|x| x / other)
     }
 }
 

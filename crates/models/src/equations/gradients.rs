@@ -1,75 +1,159 @@
 //! The gradients of what a model states, by numbers that carry derivatives.
 
-use super::dual::Dual;
 use super::lanes::Lanes;
 use super::model::{OfMeasurement, OfStates};
 use super::statement::Equations;
 use super::tiles::{rows_of, rows_of_mut, with_scalars};
+use super::varied::{SIDE, Varied, put, vary};
 use crate::StateGradients;
-use crate::batch::{LANES, load, store, with_scratch};
+use crate::batch::{LANES, by_widest_vectors, load, store, with_scratch};
 
-/// Derivatives along so many directions at a time.
-pub(super) const DIRECTIONS: usize = 4;
+/// A log density that is asked for its derivatives.
+trait Density {
+    /// At `point` (`N`), for the particles of a tile from `lane` on; the density may depend on `others`, a tile, and use the numbers of `own` (`N`).
+    fn at<const E: usize>(
+        &self,
+        point: &[Varied<E>],
+        others: &[Lanes],
+        lane: usize,
+        own: &mut [Varied<E>],
+    ) -> Varied<E>;
+}
 
-/// A number with derivatives along [`DIRECTIONS`] directions, for each particle of a tile.
-pub(super) type Varied = Dual<Lanes, { DIRECTIONS + 1 }>;
+/// `p(x_0)`.
+struct Initial<'a, M>(&'a M);
 
-/// Makes `point` of `tile`, with the coordinates from `first` on as directions.
-pub(super) fn vary(tile: &[Lanes], first: usize, point: &mut [Varied]) {
-    for (coordinate, (varied, value)) in point.iter_mut().zip(tile).enumerate() {
-        let direction = coordinate.checked_sub(first).filter(|direction| *direction < DIRECTIONS);
-        *varied = match direction {
-            Some(direction) => Varied::variable(*value, direction),
-            None => Varied::constant(*value),
-        };
+impl<M: Equations> Density for Initial<'_, M> {
+    #[inline(always)]
+    fn at<const E: usize>(
+        &self,
+        point: &[Varied<E>],
+        _: &[Lanes],
+        _: usize,
+        _: &mut [Varied<E>],
+    ) -> Varied<E> {
+        let mut density = OfStates::at(point);
+        self.0.initial(&mut density);
+        density.finish()
     }
 }
 
-/// Asks `density` for its derivatives along all coordinates of `tile`, some at a time, and writes them into the rows of `slopes`.
-///
-/// `density` is asked with the point, and with as many scalars for its own use.
-fn slopes_of(tile: &[Lanes], slopes: &mut [Lanes], density: impl Fn(&mut [Varied], &mut [Varied]) -> Varied) {
-    with_scalars::<Varied, _>(2 * tile.len(), |scalars| {
-        let (point, other) = scalars.split_at_mut(tile.len());
-        for first in (0..tile.len()).step_by(DIRECTIONS) {
-            vary(tile, first, point);
-            let found = density(point, other);
-            for (slope, derivative) in slopes[first..].iter_mut().zip(found.derivatives()) {
-                *slope = *derivative;
-            }
-        }
-    });
+/// `p(x_t | x_{t−1})` at points `x_{t−1}`.
+struct OfPrevious<'a, M>(&'a M, usize);
+
+impl<M: Equations> Density for OfPrevious<'_, M> {
+    #[inline(always)]
+    fn at<const E: usize>(
+        &self,
+        point: &[Varied<E>],
+        states: &[Lanes],
+        lane: usize,
+        now: &mut [Varied<E>],
+    ) -> Varied<E> {
+        vary(states, lane, states.len(), now);
+        let mut density = OfStates::at(now);
+        self.0.transition(self.1, point, &mut density);
+        density.finish()
+    }
 }
 
-/// Fills `slopes` (`K×N`) tile by tile from `states` (`K×N`); `of_tile` is shown the first particle, the tile, and the rows to be written.
-fn by_tiles(
+/// `p(x_t | x_{t−1})` at points `x_t`.
+struct OfState<'a, M>(&'a M, usize);
+
+impl<M: Equations> Density for OfState<'_, M> {
+    #[inline(always)]
+    fn at<const E: usize>(
+        &self,
+        point: &[Varied<E>],
+        previous: &[Lanes],
+        lane: usize,
+        before: &mut [Varied<E>],
+    ) -> Varied<E> {
+        vary(previous, lane, previous.len(), before);
+        let mut density = OfStates::at(point);
+        self.0.transition(self.1, before, &mut density);
+        density.finish()
+    }
+}
+
+/// `p(y_t | x_t)`.
+struct Likelihood<'a, M> {
+    model: &'a M,
+    time: usize,
+    measurement: &'a [f64],
+}
+
+impl<M: Equations> Density for Likelihood<'_, M> {
+    #[inline(always)]
+    fn at<const E: usize>(
+        &self,
+        point: &[Varied<E>],
+        _: &[Lanes],
+        _: usize,
+        _: &mut [Varied<E>],
+    ) -> Varied<E> {
+        let mut density = OfMeasurement::at(self.measurement);
+        self.model.measurement(self.time, point, &mut density);
+        density.finish()
+    }
+}
+
+/// Fills `slopes` (`K×N`) with the derivatives of `density` at `states` (`K×N`); `others` (`K×N`, or none) are what it depends on besides.
+fn fill_slopes(n: usize, states: &[f64], others: &[f64], density: &impl Density, slopes: &mut [f64]) {
+    match n {
+        0 => {}
+        1 => along::<2>(n, states, others, density, slopes),
+        2 => along::<3>(n, states, others, density, slopes),
+        _ => along::<5>(n, states, others, density, slopes),
+    }
+}
+
+/// [`fill_slopes`] along `E − 1` coordinates at a time.
+fn along<const E: usize>(
     n: usize,
     states: &[f64],
+    others: &[f64],
+    density: &impl Density,
     slopes: &mut [f64],
-    mut of_tile: impl FnMut(usize, &[Lanes], &mut [Lanes]),
 ) {
-    with_scratch(2 * n * LANES, |tiles| {
-        let (tile, found) = tiles.split_at_mut(n * LANES);
-        tile.fill(0.0);
-        let blocks = states.chunks(n * LANES).zip(slopes.chunks_mut(n * LANES));
-        for (number, (states, slopes)) in blocks.enumerate() {
-            load(states, n, tile);
-            of_tile(number * LANES, rows_of(tile), rows_of_mut(found));
-            store(found, n, slopes);
-        }
+    with_scratch(3 * n * LANES, |tiles| {
+        // Lanes without a particle are computed, too: with numbers that are no danger.
+        tiles.fill(0.0);
+        let (tile, tiles) = tiles.split_at_mut(n * LANES);
+        let (other, found) = tiles.split_at_mut(n * LANES);
+        with_scalars::<Varied<E>, _>(2 * n, |scalars| {
+            let (point, own) = scalars.split_at_mut(n);
+            by_widest_vectors(
+                #[inline(always)]
+                || {
+                    let mut others = others.chunks(n * LANES);
+                    for (states, slopes) in states.chunks(n * LANES).zip(slopes.chunks_mut(n * LANES)) {
+                        load(states, n, tile);
+                        if let Some(others) = others.next() {
+                            load(others, n, other);
+                        }
+                        let (tile, other) = (rows_of(tile), rows_of(other));
+                        for lane in (0..states.len() / n).step_by(SIDE) {
+                            for first in (0..n).step_by(E - 1) {
+                                vary(tile, lane, first, point);
+                                let density = density.at(point, other, lane, own);
+                                let slopes = &mut rows_of_mut(found)[first..];
+                                for (slope, derivative) in slopes.iter_mut().zip(density.derivatives()) {
+                                    put(*derivative, lane, slope);
+                                }
+                            }
+                        }
+                        store(found, n, slopes);
+                    }
+                },
+            );
+        });
     });
 }
 
-impl<E: Equations> StateGradients for E {
+impl<M: Equations> StateGradients for M {
     fn initial_gradients(&self, states: &[f64], d_states: &mut [f64]) {
-        let [n, _] = self.dimensions();
-        by_tiles(n, states, d_states, |_, tile, slopes| {
-            slopes_of(tile, slopes, |point, _| {
-                let mut density = OfStates::at(point);
-                self.initial(&mut density);
-                density.finish()
-            });
-        });
+        fill_slopes(self.dimensions()[0], states, &[], &Initial(self), d_states);
     }
 
     fn transition_gradients(
@@ -81,43 +165,12 @@ impl<E: Equations> StateGradients for E {
         d_states: &mut [f64],
     ) {
         let [n, _] = self.dimensions();
-        let rows = |all: &[f64], first: usize, tile: &mut [f64]| {
-            load(&all[first * n..((first + LANES) * n).min(all.len())], n, tile);
-        };
-        with_scratch(n * LANES, |other| {
-            other.fill(0.0);
-            by_tiles(n, previous, d_previous, |first, tile, slopes| {
-                rows(states, first, other);
-                let states = rows_of(other);
-                slopes_of(tile, slopes, |point, now| {
-                    vary(states, n, now);
-                    let mut density = OfStates::at(now);
-                    self.transition(time, point, &mut density);
-                    density.finish()
-                });
-            });
-            other.fill(0.0);
-            by_tiles(n, states, d_states, |first, tile, slopes| {
-                rows(previous, first, other);
-                let previous = rows_of(other);
-                slopes_of(tile, slopes, |point, before| {
-                    vary(previous, n, before);
-                    let mut density = OfStates::at(point);
-                    self.transition(time, before, &mut density);
-                    density.finish()
-                });
-            });
-        });
+        fill_slopes(n, previous, states, &OfPrevious(self, time), d_previous);
+        fill_slopes(n, states, previous, &OfState(self, time), d_states);
     }
 
     fn likelihood_gradients(&self, time: usize, states: &[f64], measurement: &[f64], d_states: &mut [f64]) {
-        let [n, _] = self.dimensions();
-        by_tiles(n, states, d_states, |_, tile, slopes| {
-            slopes_of(tile, slopes, |point, _| {
-                let mut density = OfMeasurement::at(measurement);
-                self.measurement(time, point, &mut density);
-                density.finish()
-            });
-        });
+        let density = Likelihood { model: self, time, measurement };
+        fill_slopes(self.dimensions()[0], states, &[], &density, d_states);
     }
 }

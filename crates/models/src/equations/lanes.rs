@@ -4,41 +4,49 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use bytemuck::{Pod, TransparentWrapper, Zeroable};
 
-use super::functions::{cos_of_all, exp_of_all, ln_of_all, sin_of_all};
+use super::functions::{self, cos_of_all, exp_of_all, ln_of_all, sin_of_all};
 use super::scalar::{Scalar, power};
 use crate::batch::LANES;
 
-/// One number of each of [`LANES`] particles. Every lane is computed by itself, to the last bit as a number alone.
+/// One number of each of `W` particles, [`LANES`] if nothing else is said. Every lane is computed by itself, to the last bit as a number alone.
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable, TransparentWrapper)]
 #[repr(transparent)]
-pub struct Lanes(pub [f64; LANES]);
+pub struct Lanes<const W: usize = LANES>(pub [f64; W]);
 
-impl Lanes {
+impl<const W: usize> Lanes<W> {
     /// A function of each number.
     #[inline(always)]
-    fn map(self, function: impl Fn(f64) -> f64) -> Lanes {
-        Lanes(std::array::from_fn(|lane| function(self.0[lane])))
+    fn map(self, function: impl Fn(f64) -> f64) -> Self {
+        let mut found = [0.0; W];
+        for (found, x) in found.iter_mut().zip(self.0) {
+            *found = function(x);
+        }
+        Lanes(found)
     }
 
     /// A function of each pair of numbers.
     #[inline(always)]
-    fn zip(self, other: Lanes, function: impl Fn(f64, f64) -> f64) -> Lanes {
-        Lanes(std::array::from_fn(|lane| function(self.0[lane], other.0[lane])))
+    fn zip(self, other: Self, function: impl Fn(f64, f64) -> f64) -> Self {
+        let mut found = [0.0; W];
+        for ((found, x), y) in found.iter_mut().zip(self.0).zip(other.0) {
+            *found = function(x, y);
+        }
+        Lanes(found)
     }
 }
 
-impl From<f64> for Lanes {
+impl<const W: usize> From<f64> for Lanes<W> {
     #[inline(always)]
-    fn from(value: f64) -> Lanes {
-        Lanes([value; LANES])
+    fn from(value: f64) -> Self {
+        Lanes([value; W])
     }
 }
 
-impl Neg for Lanes {
-    type Output = Lanes;
+impl<const W: usize> Neg for Lanes<W> {
+    type Output = Self;
 
     #[inline(always)]
-    fn neg(self) -> Lanes {
+    fn neg(self) -> Self {
         self.map(|x| -x)
     }
 }
@@ -46,20 +54,20 @@ impl Neg for Lanes {
 /// An operator on two, and on one and a plain number.
 macro_rules! operator {
     ($trait:ident, $method:ident, $operator:tt) => {
-        impl $trait for Lanes {
-            type Output = Lanes;
+        impl<const W: usize> $trait for Lanes<W> {
+            type Output = Self;
 
             #[inline(always)]
-            fn $method(self, other: Lanes) -> Lanes {
+            fn $method(self, other: Self) -> Self {
                 self.zip(other, |a, b| a $operator b)
             }
         }
 
-        impl $trait<f64> for Lanes {
-            type Output = Lanes;
+        impl<const W: usize> $trait<f64> for Lanes<W> {
+            type Output = Self;
 
             #[inline(always)]
-            fn $method(self, other: f64) -> Lanes {
+            fn $method(self, other: f64) -> Self {
                 self.map(|a| a $operator other)
             }
         }
@@ -71,80 +79,87 @@ operator!(Sub, sub, -);
 operator!(Mul, mul, *);
 operator!(Div, div, /);
 
-impl Scalar for Lanes {
+impl<const W: usize> Scalar for Lanes<W> {
     #[inline(always)]
-    fn sqrt(self) -> Lanes {
+    fn sqrt(self) -> Self {
         self.map(f64::sqrt)
     }
 
-    fn exp(self) -> Lanes {
+    fn exp(self) -> Self {
         Lanes(exp_of_all(&self.0))
     }
 
-    fn ln(self) -> Lanes {
-        Lanes(ln_of_all(&self.0))
+    #[inline]
+    fn ln(self) -> Self {
+        // Most scales are the same for all particles.
+        let first = self.0[0];
+        let is_same = self.0.iter().fold(true, |same, x| same & (x.to_bits() == first.to_bits()));
+        if is_same { Lanes::from(functions::ln(first)) } else { Lanes(ln_of_all(&self.0)) }
     }
 
     #[inline(always)]
-    fn abs(self) -> Lanes {
+    fn abs(self) -> Self {
         self.map(f64::abs)
     }
 
-    fn sin(self) -> Lanes {
+    fn sin(self) -> Self {
         Lanes(sin_of_all(&self.0))
     }
 
-    fn cos(self) -> Lanes {
+    fn cos(self) -> Self {
         Lanes(cos_of_all(&self.0))
     }
 
-    fn tan(self) -> Lanes {
+    fn tan(self) -> Self {
         self.map(f64::tan)
     }
 
-    fn tanh(self) -> Lanes {
+    fn tanh(self) -> Self {
         self.map(f64::tanh)
     }
 
-    fn atan(self) -> Lanes {
+    fn atan(self) -> Self {
         self.map(f64::atan)
     }
 
-    fn atan2(self, x: Lanes) -> Lanes {
+    fn atan2(self, x: Self) -> Self {
         self.zip(x, f64::atan2)
     }
 
     #[inline(always)]
-    fn floor(self) -> Lanes {
+    fn floor(self) -> Self {
         self.map(f64::floor)
     }
 
     #[inline(always)]
-    fn powi(self, n: i32) -> Lanes {
+    fn powi(self, n: i32) -> Self {
         power(self, n, Lanes::from(1.0))
     }
 
-    fn pow(self, y: Lanes) -> Lanes {
+    fn pow(self, y: Self) -> Self {
         self.zip(y, f64::powf)
     }
 
     #[inline(always)]
-    fn min(self, other: Lanes) -> Lanes {
+    fn min(self, other: Self) -> Self {
         self.zip(other, Scalar::min)
     }
 
     #[inline(always)]
-    fn max(self, other: Lanes) -> Lanes {
+    fn max(self, other: Self) -> Self {
         self.zip(other, Scalar::max)
     }
 
     #[inline(always)]
-    fn where_positive(self, then: Lanes, otherwise: Lanes) -> Lanes {
-        let chosen = |lane: usize| self.0[lane].where_positive(then.0[lane], otherwise.0[lane]);
-        Lanes(std::array::from_fn(chosen))
+    fn where_positive(self, then: Self, otherwise: Self) -> Self {
+        let mut found = [0.0; W];
+        for (((found, x), then), otherwise) in found.iter_mut().zip(self.0).zip(then.0).zip(otherwise.0) {
+            *found = x.where_positive(then, otherwise);
+        }
+        Lanes(found)
     }
 
-    fn ln_gamma(self) -> Lanes {
+    fn ln_gamma(self) -> Self {
         self.map(Scalar::ln_gamma)
     }
 }

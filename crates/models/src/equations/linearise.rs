@@ -1,12 +1,12 @@
 //! What a linearised proposal asks of a model: moments of the transition, and what a measurement says of states near by.
 
 use super::distribution::Distribution;
-use super::gradients::{DIRECTIONS, Varied, vary};
 use super::lanes::Lanes;
 use super::statement::{Coordinates, Equations};
 use super::tiles::{rows_of, rows_of_mut, with_scalars};
+use super::varied::{SIDE, Side, Varied, put, side, vary};
 use crate::StateSpaceModel;
-use crate::batch::LANES;
+use crate::batch::{LANES, by_widest_vectors};
 
 /// A model whose transition has moments, and whose measurement can be linearised in the state: coordinates of both are independent given the past.
 ///
@@ -46,9 +46,10 @@ impl Coordinates<Lanes> for Moments<'_> {
     }
 }
 
-/// Keeps scores, with the derivatives of locations along some coordinates from `first` on.
+/// Keeps the scores of particles from `lane` on, with the derivatives of locations along some coordinates from `first` on.
 struct Scores<'a> {
     measurement: &'a [Option<Lanes>],
+    lane: usize,
     first: usize,
     n: usize,
     slopes: &'a mut [Lanes],
@@ -57,25 +58,62 @@ struct Scores<'a> {
     at: usize,
 }
 
-impl Coordinates<Varied> for Scores<'_> {
+impl<const E: usize> Coordinates<Varied<E>> for Scores<'_> {
     #[inline(always)]
-    fn push(&mut self, distribution: Distribution<Varied>) {
-        let at = self.at;
+    fn push(&mut self, distribution: Distribution<Varied<E>>) {
+        let (at, lane) = (self.at, self.lane);
         self.at += 1;
         let Some(entry) = self.measurement.get(at) else { return };
         let jacobian = &mut self.jacobian[at * self.n..][self.first..self.n];
-        let zero = Lanes([0.0; LANES]);
+        let zero = Side::from(0.0);
         let Some(y) = entry else {
-            (self.slopes[at], self.information[at]) = (zero, zero);
-            jacobian.fill(zero);
+            put(zero, lane, &mut self.slopes[at]);
+            put(zero, lane, &mut self.information[at]);
+            jacobian.iter_mut().for_each(|place| put(zero, lane, place));
             return;
         };
-        let score = distribution.score(Varied::constant(*y));
-        self.slopes[at] = score.slope.value();
-        self.information[at] = score.information.value();
+        let score = distribution.score(Varied::constant(side(y, lane)));
+        put(score.slope.value(), lane, &mut self.slopes[at]);
+        put(score.information.value(), lane, &mut self.information[at]);
         for (place, derivative) in jacobian.iter_mut().zip(score.location.derivatives()) {
-            *place = *derivative;
+            put(*derivative, lane, place);
         }
+    }
+}
+
+/// What [`Linearise::tile_scores`] asks for.
+struct Asked<'a, M> {
+    model: &'a M,
+    time: usize,
+    states: &'a [Lanes],
+    measurement: &'a [Option<Lanes>],
+    slopes: &'a mut [Lanes],
+    information: &'a mut [Lanes],
+    jacobian: &'a mut [Lanes],
+}
+
+impl<M: Equations> Asked<'_, M> {
+    /// Finds it along `E − 1` coordinates at a time.
+    fn along<const E: usize>(&mut self) {
+        let Asked { model, time, states, measurement, slopes, information, jacobian } = self;
+        let n = states.len();
+        with_scalars::<Varied<E>, _>(n, |point| {
+            by_widest_vectors(
+                #[inline(always)]
+                || {
+                    for lane in (0..LANES).step_by(SIDE) {
+                        for first in (0..n).step_by(E - 1) {
+                            vary(states, lane, first, point);
+                            let (slopes, information, jacobian) =
+                                (&mut **slopes, &mut **information, &mut **jacobian);
+                            let mut scores =
+                                Scores { measurement, lane, first, n, slopes, information, jacobian, at: 0 };
+                            model.measurement(*time, &*point, &mut scores);
+                        }
+                    }
+                },
+            );
+        });
     }
 }
 
@@ -98,16 +136,20 @@ impl<E: Equations> Linearise for E {
         information: &mut [f64],
         jacobian: &mut [f64],
     ) {
-        let [n, _] = self.dimensions();
-        let (slopes, information, jacobian) =
-            (rows_of_mut(slopes), rows_of_mut(information), rows_of_mut(jacobian));
-        with_scalars::<Varied, _>(n, |point| {
-            for first in (0..n).step_by(DIRECTIONS) {
-                vary(rows_of(states), first, point);
-                let (slopes, information, jacobian) = (&mut *slopes, &mut *information, &mut *jacobian);
-                let mut scores = Scores { measurement, first, n, slopes, information, jacobian, at: 0 };
-                self.measurement(time, point, &mut scores);
-            }
-        });
+        let mut asked = Asked {
+            model: self,
+            time,
+            states: rows_of(states),
+            measurement,
+            slopes: rows_of_mut(slopes),
+            information: rows_of_mut(information),
+            jacobian: rows_of_mut(jacobian),
+        };
+        match asked.states.len() {
+            0 => {}
+            1 => asked.along::<2>(),
+            2 => asked.along::<3>(),
+            _ => asked.along::<5>(),
+        }
     }
 }

@@ -17,6 +17,7 @@ mod statement;
 mod tiles;
 mod transport;
 pub mod triangle;
+mod varied;
 
 pub use distribution::{
     Distribution, bernoulli, binomial, exponential, gamma, laplace, log_normal, negative_binomial, normal,

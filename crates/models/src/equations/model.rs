@@ -6,7 +6,7 @@ use super::sample::{draw_rows, needs_of};
 use super::scalar::Scalar;
 use super::statement::{Coordinates, Equations};
 use super::tiles::rows_of;
-use crate::batch::{LANES, Rows, load, with_scratch};
+use crate::batch::{LANES, Rows, by_widest_vectors, load, with_scratch};
 use crate::{ModelError, PartialLikelihood, Simulator, StateSpaceModel, Stream};
 
 /// Adds up the log densities of coordinates at given values.
@@ -104,11 +104,17 @@ fn over_tiles(
     with_scratch(width * LANES, |tile| {
         // Lanes without a particle are computed, too: with numbers that are no danger.
         tile.fill(0.0);
-        for (number, out) in out.chunks_mut(LANES).enumerate() {
-            states.load(number * LANES, tile);
-            let found = of_tile(number * LANES, rows_of(tile));
-            out.copy_from_slice(&found.0[..out.len()]);
-        }
+        // All formulas by the widest vectors of the machine, as far as the compiler puts them in line. The numbers are the same by any.
+        by_widest_vectors(
+            #[inline(always)]
+            || {
+                for (number, out) in out.chunks_mut(LANES).enumerate() {
+                    states.load(number * LANES, tile);
+                    let found = of_tile(number * LANES, rows_of(tile));
+                    out.copy_from_slice(&found.0[..out.len()]);
+                }
+            },
+        );
     });
 }
 
@@ -151,7 +157,16 @@ impl<E: Equations> StateSpaceModel for E {
     fn sample_initials(&self, streams: &mut [Stream], states: &mut [f64]) {
         let [n, _] = self.dimensions();
         let needs = needs_of(|counter| self.initial(counter));
-        draw_rows(needs, n, None, 0, streams, states, |_, drawn| self.initial(drawn));
+        draw_rows(
+            needs,
+            n,
+            None,
+            0,
+            streams,
+            states,
+            #[inline(always)]
+            |_, drawn| self.initial(drawn),
+        );
     }
 
     fn sample_transitions(
@@ -166,41 +181,68 @@ impl<E: Equations> StateSpaceModel for E {
             return;
         }
         let needs = needs_of(|counter| self.transition(time, previous.row(0), counter));
-        draw_rows(needs, n, Some(previous), n, streams, states, |previous, drawn| {
-            self.transition(time, previous, drawn);
-        });
+        draw_rows(
+            needs,
+            n,
+            Some(previous),
+            n,
+            streams,
+            states,
+            #[inline(always)]
+            |previous, drawn| {
+                self.transition(time, previous, drawn);
+            },
+        );
     }
 
     fn log_initials(&self, states: &[f64], out: &mut [f64]) {
         let [n, _] = self.dimensions();
-        over_tiles(n, Rows::all(states, n), out, |_, tile| {
-            let mut density = OfStates::at(tile);
-            self.initial(&mut density);
-            density.finish()
-        });
+        over_tiles(
+            n,
+            Rows::all(states, n),
+            out,
+            #[inline(always)]
+            |_, tile| {
+                let mut density = OfStates::at(tile);
+                self.initial(&mut density);
+                density.finish()
+            },
+        );
     }
 
     fn log_transitions(&self, time: usize, previous: Rows<'_>, states: &[f64], out: &mut [f64]) {
         let [n, _] = self.dimensions();
         with_scratch(n * LANES, |now| {
             now.fill(0.0);
-            over_tiles(n, previous, out, |first, previous| {
-                let last = (first + LANES).min(states.len() / n);
-                load(&states[first * n..last * n], n, now);
-                let mut density = OfStates::at(rows_of(now));
-                self.transition(time, previous, &mut density);
-                density.finish()
-            });
+            over_tiles(
+                n,
+                previous,
+                out,
+                #[inline(always)]
+                |first, previous| {
+                    let last = (first + LANES).min(states.len() / n);
+                    load(&states[first * n..last * n], n, now);
+                    let mut density = OfStates::at(rows_of(now));
+                    self.transition(time, previous, &mut density);
+                    density.finish()
+                },
+            );
         });
     }
 
     fn log_likelihoods(&self, time: usize, states: &[f64], measurement: &[f64], out: &mut [f64]) {
         let [n, _] = self.dimensions();
-        over_tiles(n, Rows::all(states, n), out, |_, tile| {
-            let mut density = OfMeasurement::at(measurement);
-            self.measurement(time, tile, &mut density);
-            density.finish()
-        });
+        over_tiles(
+            n,
+            Rows::all(states, n),
+            out,
+            #[inline(always)]
+            |_, tile| {
+                let mut density = OfMeasurement::at(measurement);
+                self.measurement(time, tile, &mut density);
+                density.finish()
+            },
+        );
     }
 }
 
@@ -236,11 +278,17 @@ impl<E: Equations> PartialLikelihood for E {
         out: &mut [f64],
     ) -> Result<(), ModelError> {
         let [n, _] = self.dimensions();
-        over_tiles(n, Rows::all(states, n), out, |_, tile| {
-            let mut density = OfKnown(Density::at(measurement));
-            self.measurement(time, tile, &mut density);
-            density.0.finish()
-        });
+        over_tiles(
+            n,
+            Rows::all(states, n),
+            out,
+            #[inline(always)]
+            |_, tile| {
+                let mut density = OfKnown(Density::at(measurement));
+                self.measurement(time, tile, &mut density);
+                density.0.finish()
+            },
+        );
         Ok(())
     }
 }

@@ -5,7 +5,7 @@ use super::draw::{Needs, Source};
 use super::lanes::Lanes;
 use super::statement::Coordinates;
 use super::tiles::{rows_of, rows_of_mut};
-use crate::batch::{LANES, Rows, store, with_scratch};
+use crate::batch::{LANES, Rows, by_widest_vectors, store, with_scratch};
 use crate::{Stream, fill_standard_exponential, fill_standard_normal, fill_uniform};
 
 /// Particles of one stream whose noise is drawn together: few enough for it to stay in the nearest cache.
@@ -130,29 +130,36 @@ pub(super) fn draw_rows(
                     let (mut normals, mut exponentials, mut uniforms) =
                         (&*normals, &*exponentials, &*uniforms);
                     let last = first + chunk;
-                    while first < last {
-                        let particles = (last - first).min(LANES);
-                        if let Some(previous) = previous {
-                            previous.load(first, before);
-                        }
-                        let mut sink = Drawn {
-                            stream,
-                            particles,
-                            normals,
-                            exponentials,
-                            uniforms,
-                            rows: rows_of_mut(drawn),
-                            is_ragged: false,
-                        };
-                        state(rows_of(before), &mut sink);
-                        let is_whole = sink.rows.is_empty() && !sink.is_ragged;
-                        (normals, exponentials, uniforms) = (sink.normals, sink.exponentials, sink.uniforms);
-                        if !is_whole {
-                            drawn.fill(f64::NAN);
-                        }
-                        store(drawn, width, &mut out[first * width..(first + particles) * width]);
-                        first += particles;
-                    }
+                    // As for densities: by the widest vectors of the machine, and the same numbers by any.
+                    by_widest_vectors(
+                        #[inline(always)]
+                        || {
+                            while first < last {
+                                let particles = (last - first).min(LANES);
+                                if let Some(previous) = previous {
+                                    previous.load(first, before);
+                                }
+                                let mut sink = Drawn {
+                                    stream,
+                                    particles,
+                                    normals,
+                                    exponentials,
+                                    uniforms,
+                                    rows: rows_of_mut(drawn),
+                                    is_ragged: false,
+                                };
+                                state(rows_of(before), &mut sink);
+                                let is_whole = sink.rows.is_empty() && !sink.is_ragged;
+                                (normals, exponentials, uniforms) =
+                                    (sink.normals, sink.exponentials, sink.uniforms);
+                                if !is_whole {
+                                    drawn.fill(f64::NAN);
+                                }
+                                store(drawn, width, &mut out[first * width..(first + particles) * width]);
+                                first += particles;
+                            }
+                        },
+                    );
                 }
             }
         });
