@@ -11,5 +11,6 @@ mod helpers;
 mod matrices;
 mod pages;
 mod random_formulas;
+mod refusals;
 mod refused;
 mod vectors;

@@ -18,6 +18,11 @@ fn refused(path: &Path) -> FileError {
     read(path, &[]).unwrap_err()
 }
 
+/// The line of an error, in which the temporary folder has a name.
+fn line(error: &FileError, folder: &Path) -> String {
+    error.to_string().replace(&folder.display().to_string(), "models")
+}
+
 #[test]
 fn what_is_not_there() {
     let error = refused(Path::new("no/such.toml"));
@@ -30,30 +35,24 @@ fn a_folder() {
     let (folder, _path) = written(b"");
     let error = refused(folder.path());
     assert!(error.is_io());
-    assert!(error.to_string().ends_with(": this is a folder; a model is a file"), "{error}");
+    insta::assert_snapshot!(line(&error, folder.path()), @"models: this is a folder; a model is a file");
 }
 
 #[test]
 fn bytes_that_are_no_text() {
-    let (_folder, path) = written(b"name = \"m\"\nb\xff\n");
+    let (folder, path) = written(b"name = \"m\"\nb\xff\n");
     let error = refused(&path);
     assert!(!error.is_io());
-    assert!(
-        error
-            .to_string()
-            .ends_with("walk.toml, line 2, column 2: this is no UTF-8 text; a model file must be"),
-        "{error}"
-    );
+    insta::assert_snapshot!(line(&error, folder.path()), @"models/walk.toml, line 2, column 2: this is no UTF-8 text; a model file must be");
 }
 
 /// Marks at the start and line ends of another system are no errors, and move no column.
 #[test]
-fn a_file_of_another_system() {
+fn a_mistake_in_a_file_of_another_system() {
     let text = FILE.replace("name = \"m\"\n", "").replace('\n', "\r\n");
     let (_folder, path) = written(format!("\u{feff}{text}").as_bytes());
     let file = read(&path, &[]).unwrap();
     assert_eq!((file.name.as_str(), file.states), ("walk", vec!["x".to_string()]));
-    let (_folder, path) = written(format!("\u{feff}{}", text.replace("(x, q)", "(x, s)")).as_bytes());
-    let error = refused(&path).to_string();
-    assert!(error.contains("walk.toml, line 6, column 16, [transition] x: `s` is not known"), "{error}");
+    let (folder, path) = written(format!("\u{feff}{}", text.replace("(x, q)", "(x, s)")).as_bytes());
+    insta::assert_snapshot!(line(&refused(&path), folder.path()), @"models/walk.toml, line 6, column 16, [transition] x: `s` is not known here; known are q, x, t, pi");
 }
