@@ -19,7 +19,7 @@ use crate::Stream;
 
 pub use noise::with_noise;
 pub use rows::{Rows, load, store};
-pub(crate) use widest::by_widest_vectors;
+pub use widest::by_widest_vectors;
 
 /// Particles in a tile.
 pub const LANES: usize = 32;

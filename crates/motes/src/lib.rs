@@ -36,9 +36,10 @@ mod options;
 pub mod output;
 mod simulating;
 mod smoothing;
+mod threads;
 
 pub use checking::{Checked, check};
-pub use comparing::{Card, CompareOptions, Comparison, EqualTime, Figure, Point, Sequence, compare};
+pub use comparing::{Card, CompareOptions, Comparison, EqualTime, Figure, Paired, Point, Sequence, compare};
 pub use data::{Columns, Data, DataError, Place, Row, Rows};
 pub use engine::Running;
 pub use error::MotesError;
@@ -50,6 +51,7 @@ pub use model::Model;
 pub use options::{DEFENSIVE_SHARE, FilterOptions, ProposalName};
 pub use simulating::{Simulated, simulate};
 pub use smoothing::{Smoothed, smooth};
+pub use threads::on_threads;
 
 pub use motes_formulas as formulas;
 pub use motes_models as models;

@@ -24,16 +24,21 @@ impl ProposalName {
     /// Those that are designed, and need no learning.
     pub const DESIGNED: [ProposalName; 3] =
         [ProposalName::Bootstrap, ProposalName::Linearised, ProposalName::Optimal];
-}
 
-impl fmt::Display for ProposalName {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.pad(match self {
+    /// As it is written in the command; a learned one by its own name.
+    pub fn as_str(&self) -> &str {
+        match self {
             ProposalName::Bootstrap => "bootstrap",
             ProposalName::Linearised => "linearised",
             ProposalName::Optimal => "optimal",
             ProposalName::Learned(learned) => learned.name(),
-        })
+        }
+    }
+}
+
+impl fmt::Display for ProposalName {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.pad(self.as_str())
     }
 }
 

@@ -133,7 +133,7 @@ fn what_cannot_be_learned_is_refused() {
     );
     refused(
         &["learn", "square.toml", "-o", "r", "--head", "round"],
-        "--head round: there are gaussian, mixture, flow",
+        "--head round: there are gaussian, kernel, mixture, flow",
     );
     refused(
         &["learn", "square.toml", "-o", "r", "--head", "flow:1"],

@@ -23,7 +23,7 @@
 //!
 //!     fn forward<A: Arithmetic>(&self, arithmetic: &mut A, _: usize, known: Known<'_, A::Rows>) -> Outputs<A::Rows> {
 //!         let inputs = arithmetic.stacked(&known.previous, &known.measurement);
-//!         Outputs { values: vec![self.0.forward(arithmetic, inputs)], hidden: vec![] }
+//!         Outputs::new([self.0.forward(arithmetic, inputs)], [])
 //!     }
 //! }
 //!

@@ -1,5 +1,7 @@
 //! Networks that advance step by step: what they are asked, what they answer, and what each particle carries.
 
+use smallvec::SmallVec;
+
 use crate::arithmetic::Arithmetic;
 
 /// Networks of one kind, from what a particle knows to a few rows of numbers.
@@ -35,10 +37,19 @@ pub struct Known<'a, Rows> {
 
 /// What the networks say of `R` particles.
 pub struct Outputs<Rows> {
-    /// One matrix of `R` rows for each output, in the order that the owner of the networks expects.
-    pub values: Vec<Rows>,
-    /// What the particles carry on, in the order of [`Networks::hidden_widths`].
-    pub hidden: Vec<Rows>,
+    pub(crate) values: Few<Rows>,
+    pub(crate) hidden: Few<Rows>,
+}
+
+/// So few that they take no memory of their own.
+pub(crate) type Few<Rows> = SmallVec<[Rows; 2]>;
+
+impl<Rows> Outputs<Rows> {
+    /// One matrix of `R` rows for each output, in the order that the owner of the networks expects, and what the particles carry on, in the order of
+    /// [`Networks::hidden_widths`].
+    pub fn new(values: impl IntoIterator<Item = Rows>, hidden: impl IntoIterator<Item = Rows>) -> Self {
+        Outputs { values: values.into_iter().collect(), hidden: hidden.into_iter().collect() }
+    }
 }
 
 /// What networks are asked about a batch of `R` particles, on the host.

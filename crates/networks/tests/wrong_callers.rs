@@ -33,8 +33,9 @@ impl Networks for Small {
     ) -> Outputs<A::Rows> {
         let inputs = arithmetic.stacked(&known.previous, &known.measurement);
         let hidden = self.layer.forward(arithmetic, &inputs, known.hidden);
-        let values = self.heads.iter().map(|head| head.forward(arithmetic, hidden[0].clone())).collect();
-        Outputs { values, hidden: if self.forgets { Vec::new() } else { hidden } }
+        let values: Vec<A::Rows> =
+            self.heads.iter().map(|head| head.forward(arithmetic, hidden[0].clone())).collect();
+        Outputs::new(values, if self.forgets { Vec::new() } else { hidden })
     }
 }
 

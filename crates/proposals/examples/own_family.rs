@@ -40,7 +40,7 @@ impl Networks for Affine {
         let inputs = arithmetic.stacked(&known.previous, &known.measurement);
         let means = self.mean.forward(arithmetic, inputs.clone());
         let representations = self.representation.forward(arithmetic, inputs);
-        Outputs { values: vec![means, representations], hidden: vec![] }
+        Outputs::new([means, representations], [])
     }
 }
 

@@ -67,7 +67,7 @@ impl Networks for FcnnNetworks {
         let inputs = arithmetic.stacked(&known.previous, &known.measurement);
         let means = self.means[self.over_time.at(time)].forward(arithmetic, inputs.clone());
         let representations = one_at(&self.representations, time).forward(arithmetic, inputs);
-        Outputs { values: vec![means, representations], hidden: Vec::new() }
+        Outputs::new([means, representations], [])
     }
 }
 

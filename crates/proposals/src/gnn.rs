@@ -104,7 +104,7 @@ impl Networks for GnnNetworks {
         };
         let means = outputs(&self.means[self.over_time.at(time)], inputs);
         let representations = outputs(one_at(&self.representations, time), of_representations);
-        Outputs { values: vec![means, representations], hidden: Vec::new() }
+        Outputs::new([means, representations], [])
     }
 }
 

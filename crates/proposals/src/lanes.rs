@@ -1,5 +1,6 @@
 //! Small vectors and matrices of several particles side by side, so that one instruction serves them all.
 
+use motes_models::batch::by_widest_vectors;
 use pulp::{Simd, WithSimd};
 
 /// Particles side by side.
@@ -108,7 +109,7 @@ impl Blocks<'_> {
     /// The sum of each number over all particles.
     pub(crate) fn sums(self) -> Vec<f64> {
         let mut sums = vec![Lane::default(); self.width];
-        vectorised(
+        by_widest_vectors(
             #[inline(always)]
             || {
                 for block in self.lanes.chunks(self.stride) {
@@ -289,10 +290,4 @@ fn sums<S: Simd, const C: usize>(
             S::as_mut_simd_f64s(&mut out.0).0[part] = sum;
         }
     }
-}
-
-/// Runs loops with the widest vector instructions that this machine has.
-#[inline(always)]
-pub(crate) fn vectorised<R>(loops: impl FnOnce() -> R) -> R {
-    pulp::Arch::new().dispatch(loops)
 }

@@ -72,7 +72,7 @@ impl Networks for RnnNetworks {
         }
         let means = self.mean.forward(arithmetic, values.clone());
         let representations = self.representation.forward(arithmetic, values);
-        Outputs { values: vec![means, representations], hidden }
+        Outputs::new([means, representations], hidden)
     }
 }
 

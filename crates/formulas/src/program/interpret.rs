@@ -1,7 +1,7 @@
 //! Computes a program for one particle or for many side by side.
 
+use motes_models::batch::by_widest_vectors;
 use motes_models::equations::{Coordinates, Scalar, with_scalars};
-use pulp::Arch;
 
 use super::instruction::{Instruction, Output, Place, Program, Source, Step};
 
@@ -73,7 +73,7 @@ impl<S: Scalar> Run<'_, S> {
 
     /// Carries out instructions, with the widest vectors that the machine has.
     fn all(&mut self, instructions: &[Instruction]) {
-        Arch::new().dispatch(
+        by_widest_vectors(
             #[inline(always)]
             || {
                 for instruction in instructions {

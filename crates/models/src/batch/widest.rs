@@ -2,22 +2,23 @@
 
 use pulp::{Simd, WithSimd};
 
-/// Does `work`, compiled once for each width of vectors: of what it calls, all that the compiler puts in line.
+/// What `work` gives, compiled once for each width of vectors: of what it calls, all that the compiler puts in line. Mark the closure
+/// `#[inline(always)]`.
 ///
 /// Nothing is fused or reordered that is not so written, so the numbers are the same by any width.
 #[inline(always)]
-pub(crate) fn by_widest_vectors(work: impl FnMut()) {
-    pulp::Arch::new().dispatch(Work(work));
+pub fn by_widest_vectors<R>(work: impl FnMut() -> R) -> R {
+    pulp::Arch::new().dispatch(Work(work))
 }
 
-/// A closure that is called by reference: what a closure is called by value through would not be compiled for vectors.
+/// A closure that is called by reference. What one is called by value through would be a function of its own, not compiled for vectors.
 struct Work<F>(F);
 
-impl<F: FnMut()> WithSimd for Work<F> {
-    type Output = ();
+impl<R, F: FnMut() -> R> WithSimd for Work<F> {
+    type Output = R;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(mut self, _simd: S) {
-        (self.0)();
+    fn with_simd<S: Simd>(mut self, _simd: S) -> R {
+        (self.0)()
     }
 }

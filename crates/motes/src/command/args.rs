@@ -4,7 +4,6 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use clap::{Args, Parser, Subcommand};
-use motes::models::ModelError;
 use motes::output::Output;
 use motes::proposals::{Base, Covariance, HeadConfig};
 use motes::smc::Resampling;
@@ -251,7 +250,7 @@ pub(super) struct LearnArgs {
     /// The designed proposal that it is built around: transition or linearised; chosen if absent
     #[arg(long, value_name = "B", value_parser = base)]
     pub(super) base: Option<Base>,
-    /// What its networks emit: gaussian, mixture or mixture:J of J Gaussians, flow or flow:K of splines with K pieces; chosen if absent
+    /// What its networks emit: gaussian, kernel (the paper's), mixture or mixture:J of J Gaussians, flow or flow:K of splines with K pieces; chosen if absent
     #[arg(long, value_name = "H", value_parser = head)]
     pub(super) head: Option<HeadConfig>,
     /// The widths of the networks' hidden layers
@@ -266,6 +265,9 @@ pub(super) struct LearnArgs {
     /// Print one JSON object with all figures
     #[arg(long)]
     pub(super) json: bool,
+    /// Write the card as a page with a figure, an HTML file that needs nothing else
+    #[arg(long, value_name = "FILE.html")]
+    pub(super) report: Option<PathBuf>,
 }
 
 impl LearnArgs {
@@ -341,6 +343,9 @@ pub(super) struct CompareArgs {
     /// Print one JSON object with all figures
     #[arg(long)]
     pub(super) json: bool,
+    /// Write the card as a page with a figure, an HTML file that needs nothing else
+    #[arg(long, value_name = "FILE.html")]
+    pub(super) report: Option<PathBuf>,
 }
 
 fn parameter(text: &str) -> Result<(String, f64), String> {
@@ -380,6 +385,7 @@ fn head(text: &str) -> Result<HeadConfig, String> {
     let covariance = Covariance::Full;
     match text.split_once(':') {
         None if text == "gaussian" => Ok(HeadConfig::Gaussian { covariance }),
+        None if text == "kernel" => Ok(HeadConfig::Kernel),
         None if text == "mixture" => Ok(HeadConfig::Mixture { components: 5, covariance }),
         Some(("mixture", count)) => match count.parse() {
             Ok(components @ 1..=100) => Ok(HeadConfig::Mixture { components, covariance }),
@@ -390,7 +396,7 @@ fn head(text: &str) -> Result<HeadConfig, String> {
             Ok(pieces @ 2..=100) => Ok(HeadConfig::Flow { pieces, covariance }),
             _ => Err(format!("{count} is no number of pieces; it must be an integer from 2 to 100")),
         },
-        _ => Err(one_of(text, ["gaussian", "mixture", "flow"])),
+        _ => Err(one_of(text, ["gaussian", "kernel", "mixture", "flow"])),
     }
 }
 
@@ -402,19 +408,4 @@ fn resampling(text: &str) -> Result<Resampling, String> {
         "residual" => Ok(Resampling::Residual),
         other => Err(one_of(other, ["multinomial", "systematic", "stratified", "residual"])),
     }
-}
-
-/// Does the work on so many threads.
-pub(super) fn on_threads<R: Send>(
-    threads: Option<usize>,
-    work: impl FnOnce() -> R + Send,
-) -> Result<R, MotesError> {
-    let count = threads.or_else(|| std::thread::available_parallelism().ok().map(usize::from)).unwrap_or(1);
-    let pool = rayon_core::ThreadPoolBuilder::new().num_threads(count).build();
-    let refused = |error: rayon_core::ThreadPoolBuildError| {
-        let expected = "as many as the system starts";
-        let value = format!("{count} ({error})");
-        MotesError::from(ModelError::Parameter { name: "the number of threads", value, expected })
-    };
-    Ok(pool.map_err(refused)?.install(work))
 }

@@ -1,10 +1,10 @@
 //! `motes check`.
 
-use motes::check;
 use motes::output::Output;
+use motes::{check, on_threads};
 use motes_cli::Interrupt;
 
-use super::args::{CheckArgs, on_threads};
+use super::args::CheckArgs;
 use super::failure::Failure;
 use super::input;
 use super::say::write;

@@ -1,22 +1,25 @@
 //! `motes compare`.
 
-use motes::output::{Output, card_json, card_text};
-use motes::{CompareOptions, FilterOptions, Model, MotesError, ProposalName, Running, compare};
+use motes::output::{CardReport, Output, card_json, card_report, card_text};
+use motes::{
+    CompareOptions, Comparison, FilterOptions, Model, MotesError, ProposalName, Running, compare, on_threads,
+};
 use motes_cli::Interrupt;
 
-use super::args::{CompareArgs, on_threads};
+use super::args::{CompareArgs, ModelArgs};
 use super::failure::Failure;
 use super::input;
 use super::progress::Progress;
 use super::say::{say_ignored, write};
+use super::summary::command_line;
 
 /// Particles of the reference.
 pub(super) const REFERENCE_PARTICLES: usize = 20_000;
 
 pub(super) fn run(args: &CompareArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
     let model = args.model.read()?;
-    let output = args.output.clone().map(Output::File);
-    if let Some(output) = &output {
+    let [output, page] = [&args.output, &args.report].map(|path| path.clone().map(Output::File));
+    for output in output.iter().chain(&page) {
         output.check().map_err(|source| MotesError::Output { file: output.name(), source })?;
     }
     let filter = FilterOptions {
@@ -38,10 +41,11 @@ pub(super) fn run(args: &CompareArgs, interrupt: &Interrupt) -> Result<u8, Failu
         sequences: args.sequences,
         steps: args.steps,
         reference_particles: REFERENCE_PARTICLES,
+        // On one thread unless others are asked for: times are those of one.
+        timed_threads: args.model.threads.unwrap_or(1),
     };
     let mut progress = Progress::new(1000, args.model.quiet);
-    // On one thread unless others are asked for: times are those of one.
-    let compared = on_threads(args.model.threads.or(Some(1)), || {
+    let compared = on_threads(args.model.threads, || {
         compare(&model, data.as_ref(), &options, |done, total| {
             progress.done(1000 * done / total.max(1));
             interrupt.check()
@@ -49,6 +53,10 @@ pub(super) fn run(args: &CompareArgs, interrupt: &Interrupt) -> Result<u8, Failu
     });
     progress.finish();
     let compared = compared??;
+    if let Some(output) = &page {
+        let title = format!("Proposals of {}", model.name());
+        write(output, &card_page(&title, &compared, &options, &args.model, [&[], &[]])?)?;
+    }
     let text = card_text(&compared, args.particles);
     match (&output, args.json) {
         (Some(output), _) => write(output, &text)?,
@@ -59,6 +67,36 @@ pub(super) fn run(args: &CompareArgs, interrupt: &Interrupt) -> Result<u8, Failu
         write(&Output::Standard, &card_json(&compared, None))?;
     }
     Ok(0)
+}
+
+/// The card as a page, with notes and warnings above it.
+pub(super) fn card_page(
+    title: &str,
+    comparison: &Comparison,
+    options: &CompareOptions,
+    model: &ModelArgs,
+    [notes, warnings]: [&[String]; 2],
+) -> Result<String, MotesError> {
+    let filter = &options.filter;
+    let mut settings = vec![
+        ("model".to_string(), model.model.display().to_string()),
+        ("particles".into(), filter.particles.to_string()),
+        ("resample below".into(), filter.resample_below.to_string()),
+        ("resampling".into(), format!("{:?}", filter.resampling).to_lowercase()),
+        ("seed".into(), filter.seed.to_string()),
+        ("threads of the filters that are timed".into(), options.timed_threads.to_string()),
+    ];
+    settings.extend(model.set.iter().map(|(name, value)| (format!("--set {name}"), value.to_string())));
+    let report = CardReport {
+        title,
+        comparison,
+        particles: filter.particles,
+        notes,
+        warnings,
+        settings: &settings,
+        command: &command_line(),
+    };
+    card_report(&report).map_err(|error| MotesError::Report(error.to_string()))
 }
 
 /// Those asked for, or all that the model has.

@@ -4,10 +4,10 @@ use std::path::Path;
 use std::time::Instant;
 
 use motes::output::{EstimateTable, Output, filter_json};
-use motes::{Data, filter};
+use motes::{Data, filter, on_threads};
 use motes_cli::{Interrupt, status};
 
-use super::args::{FilterArgs, on_threads};
+use super::args::FilterArgs;
 use super::failure::Failure;
 use super::filter_page::page;
 use super::progress::Progress;

@@ -1,11 +1,15 @@
 //! `motes learn`.
 
 use motes::output::{Output, card_json, card_text};
-use motes::{CompareOptions, FilterOptions, LearnOutcome, MotesError, ProposalName, compare, learn};
+use motes::train::Learned;
+use motes::{
+    CompareOptions, FilterOptions, LearnOutcome, LearnedProposal, MotesError, ProposalName, compare, learn,
+    on_threads,
+};
 use motes_cli::{Interrupt, status};
 
-use super::args::{LearnArgs, on_threads};
-use super::compare::{REFERENCE_PARTICLES, there};
+use super::args::LearnArgs;
+use super::compare::{REFERENCE_PARTICLES, card_page, there};
 use super::failure::Failure;
 use super::input;
 use super::progress::Progress;
@@ -16,6 +20,10 @@ const PARTICLES: [usize; 4] = [30, 100, 300, 1000];
 
 pub(super) fn run(args: &LearnArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
     let model = args.model.read()?;
+    let page = args.report.clone().map(Output::File);
+    if let Some(page) = &page {
+        page.check().map_err(|source| MotesError::Output { file: page.name(), source })?;
+    }
     let data = args.data.as_ref().map(|path| input::data(path, &model, interrupt)).transpose()?;
     if let Some(data) = &data {
         say_ignored(&data.columns, args.model.quiet);
@@ -31,30 +39,10 @@ pub(super) fn run(args: &LearnArgs, interrupt: &Interrupt) -> Result<u8, Failure
     progress.finish();
     let LearnOutcome { proposal, history, training_seconds } = outcome??;
     proposal.save(&args.output, &model)?;
-    let say = |text: String| {
-        if !args.model.quiet {
-            status(&format!("motes: {text}"));
-        }
-    };
-    say(format!("chosen: {}", proposal.notes().choice));
-    say(format!(
-        "{} updates, the best after {}; {training_seconds:.1} s; gain over the transition {:.3} nats a step",
-        history.steps,
-        history.best_step,
-        history.best_gain()
-    ));
-    if history.overflowed > 0.0 {
-        say(format!(
-            "{:.2} % of the simulated sequences ran to numbers that are not finite and were cut there; take fewer --steps, or look at the \
-             transition's noise",
-            100.0 * history.overflowed
-        ));
-    }
-    if let Some(step) = history.diverged_at {
-        say(format!("warning: learning diverged at update {step}; the best weights before are kept"));
-    }
-    if let Some(designed) = &proposal.notes().worse_than {
-        say(format!("warning: {designed} did better on validation sequences; take --proposal {designed}"));
+    let (notes, warnings) = said(&proposal, &history, training_seconds);
+    if !args.model.quiet {
+        notes.iter().for_each(|note| status(&format!("motes: {note}")));
+        warnings.iter().for_each(|warning| status(&format!("motes: warning: {warning}")));
     }
     if args.sequences == 0 {
         return Ok(0);
@@ -71,10 +59,11 @@ pub(super) fn run(args: &LearnArgs, interrupt: &Interrupt) -> Result<u8, Failure
         steps: args.steps,
         // In the time that a person waits for: a filter of wide states takes longer.
         reference_particles: (2 * REFERENCE_PARTICLES / model.states().len().max(2)).max(4000),
+        // On one thread unless others are asked for: times are those of one.
+        timed_threads: args.model.threads.unwrap_or(1),
     };
     let mut progress = Progress::new(1000, args.model.quiet);
-    // On one thread unless others are asked for: times are those of one.
-    let compared = on_threads(args.model.threads.or(Some(1)), || {
+    let compared = on_threads(args.model.threads, || {
         compare(&model, None, &card, |done, total| {
             progress.done(1000 * done / total.max(1));
             interrupt.check()
@@ -87,9 +76,41 @@ pub(super) fn run(args: &LearnArgs, interrupt: &Interrupt) -> Result<u8, Failure
         MotesError::Simulation(reason) => MotesError::Simulation(format!("no card: {reason}")),
         other => other,
     })?;
+    if let Some(output) = &page {
+        let title = format!("A proposal learned for {}", model.name());
+        write(output, &card_page(&title, &compared, &card, &args.model, [&notes, &warnings])?)?;
+    }
     match args.json {
         true => write(&Output::Standard, &card_json(&compared, Some(training_seconds)))?,
         false => write(&Output::Standard, &card_text(&compared, args.particles))?,
     }
     Ok(0)
+}
+
+/// What there is to say of what was learned, and what there is to warn of.
+fn said(proposal: &LearnedProposal, history: &Learned, seconds: f64) -> (Vec<String>, Vec<String>) {
+    let mut notes = vec![
+        format!("chosen: {}", proposal.notes().choice),
+        format!(
+            "{} updates, the best after {}; {seconds:.1} s; gain over the transition {:.3} nats a step",
+            history.steps,
+            history.best_step,
+            history.best_gain()
+        ),
+    ];
+    if history.overflowed > 0.0 {
+        notes.push(format!(
+            "{:.2} % of the simulated sequences ran to numbers that are not finite and were cut there; take fewer --steps, or look at the \
+             transition's noise",
+            100.0 * history.overflowed
+        ));
+    }
+    let mut warnings = Vec::new();
+    if let Some(step) = history.diverged_at {
+        warnings.push(format!("learning diverged at update {step}; the best weights before are kept"));
+    }
+    if let Some(designed) = &proposal.notes().worse_than {
+        warnings.push(format!("{designed} did better on validation sequences; take --proposal {designed}"));
+    }
+    (notes, warnings)
 }

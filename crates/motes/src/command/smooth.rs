@@ -3,10 +3,10 @@
 use std::time::Instant;
 
 use motes::output::{EstimateTable, Output, Report, filter_json, report};
-use motes::{Data, FilterOptions, Model, MotesError, Smoothed, smooth};
+use motes::{Data, FilterOptions, Model, MotesError, Smoothed, on_threads, smooth};
 use motes_cli::{Interrupt, status};
 
-use super::args::{SmoothArgs, on_threads};
+use super::args::SmoothArgs;
 use super::failure::Failure;
 use super::input;
 use super::progress::Progress;

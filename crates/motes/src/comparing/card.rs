@@ -39,6 +39,11 @@ impl Steps {
         self
     }
 
+    /// The mean of `K_eff` over steps.
+    pub(super) fn mean_size(&self) -> Option<f64> {
+        (!self.sizes.is_empty()).then(|| self.sizes.iter().sum::<f64>() / self.sizes.len() as f64)
+    }
+
     /// Takes in a step.
     pub(super) fn add(
         &mut self,
@@ -76,7 +81,7 @@ pub struct Figure {
 
 impl Figure {
     /// Of one value for each sequence; none if there is no value.
-    fn of(values: impl Iterator<Item = f64>) -> Option<Figure> {
+    pub(super) fn of(values: impl Iterator<Item = f64>) -> Option<Figure> {
         let values: Vec<f64> = values.collect();
         let n = values.len() as f64;
         if values.is_empty() {

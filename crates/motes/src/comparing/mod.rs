@@ -2,6 +2,7 @@
 
 mod card;
 mod equal_time;
+mod paired;
 mod reference;
 mod sequence;
 
@@ -10,6 +11,7 @@ use std::time::Instant;
 
 pub use card::{Card, Figure};
 pub use equal_time::{EqualTime, Point};
+pub use paired::Paired;
 pub use sequence::Sequence;
 
 use crate::data::Data;
@@ -18,6 +20,7 @@ use crate::error::MotesError;
 use crate::model::Model;
 use crate::options::{FilterOptions, ProposalName};
 use crate::simulating::simulate;
+use crate::threads::pool;
 use card::Steps;
 use reference::{Reference, reference};
 
@@ -36,6 +39,8 @@ pub struct CompareOptions {
     pub steps: usize,
     /// The particles of the filters that all are held against, where there is no exact one.
     pub reference_particles: usize,
+    /// The threads of the filters that are timed; those of the reference take all that there are.
+    pub timed_threads: usize,
 }
 
 /// What came of it.
@@ -43,6 +48,8 @@ pub struct CompareOptions {
 pub struct Comparison {
     /// The card of each proposal.
     pub cards: Vec<(ProposalName, Card)>,
+    /// The proposal that the others are held against, and each of them beside it.
+    pub paired: Option<(ProposalName, Vec<Paired>)>,
     /// Error against time of each.
     pub equal_time: EqualTime,
     /// What evidence and means are held against.
@@ -84,15 +91,17 @@ pub fn compare(
         references.push(reference(model, sequence, &options.filter, options.reference_particles, number)?);
         step()?;
     }
-    let (mut cards, mut points) = (Vec::new(), Vec::new());
+    let timed = pool(Some(options.timed_threads))?;
+    let (mut cards, mut of_cards, mut points) = (Vec::new(), Vec::new(), Vec::new());
     for proposal in &options.proposals {
         let mut runs = Vec::new();
         for (number, (sequence, reference)) in sequences.iter().zip(&references).enumerate() {
             let filter = FilterOptions { proposal: proposal.clone(), check: false, ..options.filter.clone() };
-            runs.push(run(model, sequence, reference, &filter, number, true)?);
+            runs.push(timed.install(|| run(model, sequence, reference, &filter, number, true))?);
             step()?;
         }
         cards.push((proposal.clone(), Card::of(&runs, options.filter.particles)));
+        of_cards.push(runs);
         for &particles in &options.particles {
             let mut runs = Vec::new();
             for (number, (sequence, reference)) in sequences.iter().zip(&references).enumerate() {
@@ -102,15 +111,21 @@ pub fn compare(
                     check: false,
                     ..options.filter.clone()
                 };
-                runs.push(run(model, sequence, reference, &filter, number, false)?);
+                runs.push(timed.install(|| run(model, sequence, reference, &filter, number, false))?);
                 step()?;
             }
             points.push(Point::of(proposal.clone(), particles, &runs));
         }
     }
+    let particles = options.filter.particles;
+    let paired = paired::baseline(&options.proposals).map(|at| {
+        let others = options.proposals.iter().zip(&of_cards).enumerate().filter(|(other, _)| *other != at);
+        let beside = others.map(|(_, (name, runs))| Paired::of(name.clone(), runs, &of_cards[at], particles));
+        (options.proposals[at].clone(), beside.collect())
+    });
     let times = sequences.iter().map(|sequence| sequence.measurements.len()).sum();
     let reference = references.first().map(|reference| reference.name.clone()).unwrap_or_default();
-    Ok(Comparison { cards, equal_time: EqualTime { points }, reference, size: [count, times] })
+    Ok(Comparison { cards, paired, equal_time: EqualTime { points }, reference, size: [count, times] })
 }
 
 /// One filter over one sequence; `estimates` says whether its estimates are of interest.

@@ -97,6 +97,7 @@ fn name(config: &AmortisedConfig) -> String {
     };
     let head = match config.head {
         HeadConfig::Gaussian { .. } => "one Gaussian".to_string(),
+        HeadConfig::Kernel => "a kernel".to_string(),
         HeadConfig::Mixture { components, .. } => format!("a mixture of {components}"),
         HeadConfig::Flow { pieces, .. } => format!("a flow of {pieces} pieces"),
     };

@@ -85,7 +85,8 @@ impl<F: Networks> BurnTape<'_, F> {
         for (tensor, output) in values.iter().zip(outputs) {
             output.copy_from_slice(&to_host(tensor.clone().inner())?);
         }
-        self.steps.push(Recorded { weights, previous, hidden_in, hidden_out, outputs: values });
+        let (hidden_out, outputs) = (hidden_out.into_vec(), values.into_vec());
+        self.steps.push(Recorded { weights, previous, hidden_in, hidden_out, outputs });
         Ok(())
     }
 

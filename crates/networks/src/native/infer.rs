@@ -6,7 +6,7 @@ use super::products::Multiply;
 use super::step::{At, Native, Step};
 use crate::error::NetworkError;
 use crate::fit::{HIDDEN, OUTPUTS, unless_alike};
-use crate::networks::{Inputs, Known, Networks, Outputs};
+use crate::networks::{Few, Inputs, Known, Networks, Outputs};
 use crate::parameters::Parameters;
 use crate::values::{SliceMut, narrow, widen};
 
@@ -67,7 +67,7 @@ pub(crate) fn infer<F: Networks, T: Remembered>(
         narrow(inputs.measurement, &mut measurement);
         let previous = step.give(rows, n, previous);
         let measurement = step.give(1, inputs.measurement.len(), measurement);
-        let hidden_in: Vec<At> = hidden
+        let hidden_in: Few<At> = hidden
             .iter_mut()
             .map(|values| {
                 let width = values.len() / particles;

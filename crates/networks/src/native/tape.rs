@@ -12,7 +12,7 @@ use super::{affine, cells, graph};
 use crate::error::NetworkError;
 use crate::fit::{D_OUTPUTS, HIDDEN, OUTPUTS, check_inputs, unless_alike, unless_same};
 use crate::gradients::Gradients;
-use crate::networks::{Inputs, Known, Networks, Outputs};
+use crate::networks::{Few, Inputs, Known, Networks, Outputs};
 use crate::parameters::{Matrices, Parameters};
 use crate::values::{narrow, widen};
 
@@ -37,8 +37,8 @@ struct Recorded<T> {
     first: bool,
     previous: At,
     hidden_in: Vec<At>,
-    hidden_out: Vec<At>,
-    outputs: Vec<At>,
+    hidden_out: Few<At>,
+    outputs: Few<At>,
 }
 
 impl<'p, F: Networks, T: Multiply> NativeTape<'p, F, T> {

@@ -17,7 +17,7 @@ pub use base::Base;
 pub use batch::AmortisedBatch;
 pub use config::AmortisedConfig;
 pub use examples::{Examples, Stage};
-pub use heads::{Covariance, FlowHead, GaussianHead, Head, HeadConfig, MixtureHead};
+pub use heads::{Covariance, FlowHead, GaussianHead, Head, HeadConfig, KernelHead, MixtureHead};
 pub use inclusive::Times;
 pub use proposal::Amortised;
 pub use scratch::AmortisedScratch;

@@ -86,6 +86,6 @@ impl Networks for AmortisedNetworks {
         known: Known<'_, A::Rows>,
     ) -> Outputs<A::Rows> {
         let network = if time == 0 { self.initial } else { self.later };
-        Outputs { values: vec![network.forward(arithmetic, &known.previous)], hidden: Vec::new() }
+        Outputs::new([network.forward(arithmetic, &known.previous)], [])
     }
 }

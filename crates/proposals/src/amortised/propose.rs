@@ -22,8 +22,7 @@ impl<M: Linearise + Transport + ?Sized> Proposal<M> for Amortised {
     fn initial_memory(&self, _particles: usize) {}
 
     fn prepare(&mut self, model: &M, time: usize, measurement: &[f64]) -> Result<(), ProposalError> {
-        let entries = measurement.iter().map(|entry| Some(Lanes::from(*entry))).collect();
-        self.prepare_for(model, time, entries)
+        self.prepare_for(model, time, measurement.iter().map(|entry| Some(Lanes::from(*entry))))
     }
 
     fn prepare_partial(
@@ -32,8 +31,7 @@ impl<M: Linearise + Transport + ?Sized> Proposal<M> for Amortised {
         time: usize,
         measurement: &[Option<f64>],
     ) -> Result<bool, ProposalError> {
-        let entries = measurement.iter().map(|entry| entry.map(Lanes::from)).collect();
-        self.prepare_for(model, time, entries)?;
+        self.prepare_for(model, time, measurement.iter().map(|entry| entry.map(Lanes::from)))?;
         Ok(measurement.iter().any(Option::is_some))
     }
 
@@ -93,17 +91,20 @@ impl Amortised {
         &mut self,
         model: &M,
         time: usize,
-        measurement: Vec<Option<Lanes>>,
+        entries: impl ExactSizeIterator<Item = Option<Lanes>>,
     ) -> Result<(), ProposalError> {
         ProposalError::unless_same("the state dimension N", self.state_dim, model.state_dim())?;
-        ProposalError::unless_same("the measurement dimension M", self.measurement_dim, measurement.len())?;
-        // Neither changes from step to step, but for t = 0.
-        let (is_affine, standards) = match self.prepared.take() {
-            Some(Prepared { time: before, is_affine, standards, .. }) if before > 0 && time > 0 => {
-                (is_affine, standards)
+        ProposalError::unless_same("the measurement dimension M", self.measurement_dim, entries.len())?;
+        let (mut measurement, kept) = match self.prepared.take() {
+            Some(Prepared { time: before, measurement, is_affine, standards, .. }) => {
+                // Neither changes from step to step, but for t = 0.
+                (measurement, (before > 0 && time > 0).then_some((is_affine, standards)))
             }
-            _ => (model.is_affine(), self.standards(time)),
+            None => (Vec::new(), None),
         };
+        let (is_affine, standards) = kept.unwrap_or_else(|| (model.is_affine(), self.standards(time)));
+        measurement.clear();
+        measurement.extend(entries);
         let is_whole = measurement.iter().all(Option::is_some);
         self.prepared = Some(Prepared { time, measurement, is_whole, is_affine, standards });
         Ok(())

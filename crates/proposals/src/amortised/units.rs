@@ -1,10 +1,9 @@
 //! The units in which heads speak: `x = T(x_{t−1}, b + L⁻ᵀ u)`, for the particles of a tile.
 
 use bytemuck::TransparentWrapper;
-use motes_models::batch::LANES;
+use motes_models::batch::{LANES, by_widest_vectors};
 use motes_models::equations::triangle::{at, solve_upper, times_upper};
 use motes_models::equations::{Lanes, Linearise, Scalar, Transport};
-use pulp::Arch;
 
 use super::base::{Base, Said};
 use super::inputs::innovation;
@@ -88,7 +87,7 @@ impl<'a> Units<'a> {
             flat_mut(information),
             flat_mut(jacobian),
         );
-        Arch::new().dispatch(
+        by_widest_vectors(
             #[inline(always)]
             || {
                 // Along the noise.
@@ -124,7 +123,7 @@ impl<'a> Units<'a> {
         log_density: &mut Lanes,
     ) {
         let n = self.centres.len();
-        Arch::new().dispatch(
+        by_widest_vectors(
             #[inline(always)]
             || {
                 solve_upper(n, self.lower, values);
@@ -173,7 +172,7 @@ impl<'a> Units<'a> {
                 }
             }
         }
-        Arch::new().dispatch(
+        by_widest_vectors(
             #[inline(always)]
             || {
                 let mut of_transition = Lanes::from(-HALF_LN_TAU * n as f64);

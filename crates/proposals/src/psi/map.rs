@@ -1,10 +1,11 @@
 //! The transform of one time, forward: from noise to states, with the log density along the way.
 
+use motes_models::batch::by_widest_vectors;
 use std::f64::consts::LN_2;
 
 use motes_models::elementary::{exp, ln};
 
-use crate::lanes::{LANES, Lane, add_times, set_times, vectorised};
+use crate::lanes::{LANES, Lane, add_times, set_times};
 
 /// The inverse and the logarithm of the absolute determinant, by elimination with row pivots.
 fn invert(width: usize, matrix: &[f64]) -> (Vec<f64>, f64) {
@@ -96,7 +97,7 @@ impl Map {
     /// Adds `B x_{t−1}` of each particle to its shift (`R×N` each); nothing at `t = 0`.
     pub(super) fn add_previous(&self, previous: Option<&[f64]>, shifts: &mut [f64]) {
         let (n, Some(previous)) = (self.width, previous) else { return };
-        vectorised(
+        by_widest_vectors(
             #[inline(always)]
             || {
                 for (shift, state) in shifts.chunks_exact_mut(n).zip(previous.chunks_exact(n)) {
@@ -130,8 +131,8 @@ impl Map {
         let (mut values, mut uniform) = (vec![Lane::default(); n], vec![Lane::default(); n]);
         let blocks = noise.chunks(rows).zip(shifts.chunks(rows)).zip(states.chunks_mut(rows));
         for (((noise, shifts), states), kept) in blocks.zip(activations.chunks_mut(each)) {
-            let place = places.as_mut().and_then(Iterator::next);
-            vectorised(
+            let mut place = places.as_mut().and_then(Iterator::next);
+            by_widest_vectors(
                 #[inline(always)]
                 || {
                     uniform.iter_mut().enumerate().for_each(|(i, u)| *u = Lane::gather(noise, n, i));
@@ -139,14 +140,14 @@ impl Map {
                     add_times(&mut values, &uniform, &self.noise);
                     let mut log = Lane([-log_abs_det; LANES]);
                     for ((matrix, bias), kept) in self.layers.iter().zip(kept.chunks_exact_mut(n)) {
-                        match place {
+                        match &place {
                             Some(_) => bound_with_slope(&values, kept, &mut log),
                             None => bound(&values, kept, |_, _| ()),
                         }
                         set_times(&mut values, bias, kept, matrix);
                     }
                     values.iter().enumerate().for_each(|(j, value)| value.scatter(states, n, j));
-                    if let Some(place) = place {
+                    if let Some(place) = &mut place {
                         place.iter_mut().zip(&log.0).for_each(|(into, log)| *into = *log);
                     }
                 },

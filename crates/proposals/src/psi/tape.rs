@@ -1,6 +1,7 @@
 //! The transform in training.
 
 use motes_models::Stream;
+use motes_models::batch::by_widest_vectors;
 use motes_networks::{Gradients, Inputs, Parameters, Workspace};
 use motes_smc::ProposalError;
 use pulp::{Simd, WithSimd};
@@ -9,7 +10,7 @@ use super::map::{Inverses, Map};
 use super::propose::fill_uniform;
 use super::transform::{FIRST, Psi};
 use crate::family::Parametric;
-use crate::lanes::{Blocks, LANES, Lane, set_times_transposed, vectorised};
+use crate::lanes::{Blocks, LANES, Lane, set_times_transposed};
 use crate::learnable::{Learnable, Tape};
 
 impl Parametric for Psi {
@@ -126,9 +127,18 @@ impl Tape for PsiTape<'_> {
                 previous: draw.previous.as_ref().map(|previous| &previous[at.clone()]),
                 activations: &draw.activations[block * layers * n..(block + 1) * layers * n],
             };
-            vectorised(
+            by_widest_vectors(
                 #[inline(always)]
-                || block.pull_back(&draw.map, d_states, &d_log, &mut d_previous[at], given, derivatives),
+                || {
+                    block.pull_back(
+                        &draw.map,
+                        d_states,
+                        &d_log,
+                        &mut d_previous[at.clone()],
+                        given,
+                        derivatives,
+                    )
+                },
             );
         }
         let [noise, previous] =

@@ -29,10 +29,11 @@ pub(crate) fn random<M: Equations>(model: &M, base: Base, head: HeadConfig, size
 }
 
 /// Every head that there is.
-pub(crate) const HEADS: [HeadConfig; 3] = [
+pub(crate) const HEADS: [HeadConfig; 4] = [
     HeadConfig::Gaussian { covariance: Covariance::Full },
     HeadConfig::Mixture { components: 3, covariance: Covariance::Full },
     HeadConfig::Flow { pieces: 6, covariance: Covariance::Full },
+    HeadConfig::Kernel,
 ];
 
 /// Every base.

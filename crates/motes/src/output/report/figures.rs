@@ -1,13 +1,11 @@
 //! Figures over time, as SVG.
 
-use std::error::Error;
-
 use plotters::coord::Shift;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
-const FONT: &str = "sans-serif";
-const INK: RGBColor = RGBColor(40, 40, 40);
+use super::style::{Drawn, FONT, INK, label};
+
 const BLUE: RGBColor = RGBColor(31, 90, 160);
 const RED: RGBColor = RGBColor(192, 60, 40);
 const SIZE: (u32, u32) = (900, 230);
@@ -22,7 +20,6 @@ pub(super) struct Band {
     pub(super) middle: Vec<f64>,
 }
 
-type Drawn<T> = Result<T, Box<dyn Error>>;
 type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
 /// A state over `length` times with data and those predicted after them, with measurements of it if there are any.
@@ -144,18 +141,6 @@ fn extent(values: impl Iterator<Item = f64>) -> (f64, f64) {
             let least = 1e-6 * (1.0 + low.abs().max(high.abs()));
             if high - low < least { (low - least, high + least) } else { (low, high) }
         }
-    }
-}
-
-/// A number on an axis.
-fn label(value: f64) -> String {
-    let size = value.abs();
-    match size {
-        0.0 => "0".into(),
-        size if !(1e-3..1e5).contains(&size) => format!("{value:.1e}"),
-        size if size >= 100.0 => format!("{value:.0}"),
-        size if size >= 1.0 => format!("{value:.1}"),
-        _ => format!("{value:.3}"),
     }
 }
 

@@ -1,7 +1,12 @@
 //! The report: one HTML file with figures, that needs nothing else.
 
+mod card;
+mod error_figure;
 mod figures;
 mod page;
+mod style;
+
+pub use card::{CardReport, card_report};
 
 use crate::data::Data;
 use crate::estimate::Estimate;
@@ -93,7 +98,8 @@ fn series_section(
     if report.model.states().len() > SHOWN_COORDINATES {
         page.note(&format!("{SHOWN_COORDINATES} of {} states are shown.", report.model.states().len()));
     }
-    page.note("Line: mean. Band: from the 5 % to the 95 % quantile. After the dotted line: forecast.");
+    let forecast = if ahead.is_empty() { "" } else { " After the dotted line: forecast." };
+    page.note(&format!("Line: mean. Band: from the 5 % to the 95 % quantile.{forecast}"));
     for (at, name) in report.model.measurements().iter().enumerate().take(SHOWN_COORDINATES) {
         let points: Vec<Option<f64>> = rows().map(|(row, _)| row.measurement[at]).collect();
         page.figure(&point_figure(&format!("{name} (measured)"), &points)?, "");

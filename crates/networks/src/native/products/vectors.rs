@@ -29,8 +29,20 @@ pub(super) fn store_two<S: Simd>(simd: S, values: &mut [f32], vectors: [S::f32s;
     }
 }
 
-/// Runs loops with the widest vector instructions that this machine has.
+/// What loops give, run with the widest vector instructions that this machine has.
 #[inline(always)]
-pub(crate) fn vectorised<R>(loops: impl FnOnce() -> R) -> R {
-    pulp::Arch::new().dispatch(loops)
+pub(crate) fn vectorised<R>(loops: impl FnMut() -> R) -> R {
+    pulp::Arch::new().dispatch(Loops(loops))
+}
+
+/// A closure that is called by reference. What one is called by value through would be a function of its own, not compiled for vectors.
+struct Loops<F>(F);
+
+impl<R, F: FnMut() -> R> pulp::WithSimd for Loops<F> {
+    type Output = R;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(mut self, _simd: S) -> R {
+        (self.0)()
+    }
 }

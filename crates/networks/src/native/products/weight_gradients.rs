@@ -45,7 +45,7 @@ pub(super) fn each_row<T: Real>(sums: &OuterProducts<'_, T>, buffers: &mut Buffe
             vectorised(
                 #[inline(always)]
                 || {
-                    for (input, d_outputs) in rows {
+                    for (input, d_outputs) in rows.clone() {
                         product.iter_mut().zip(d_outputs).for_each(|(sum, d)| *sum += *input * *d);
                     }
                     let mut power = T::ONE;

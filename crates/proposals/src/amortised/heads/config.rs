@@ -7,6 +7,7 @@ use super::covariance::Covariance;
 use super::flow::FlowHead;
 use super::gaussian::GaussianHead;
 use super::head::Head;
+use super::kernel::KernelHead;
 use super::mixture::MixtureHead;
 use crate::settings::check_count;
 
@@ -19,6 +20,8 @@ pub enum HeadConfig {
         /// The shape of its covariance.
         covariance: Covariance,
     },
+    /// One Gaussian with the covariance of the paper: a kernel of a representation, mixed by a matrix.
+    Kernel,
     /// Several Gaussians.
     Mixture {
         /// How many.
@@ -43,6 +46,7 @@ impl HeadConfig {
     pub fn head(self, n: usize) -> Result<Box<dyn Head>, ProposalError> {
         Ok(match self {
             HeadConfig::Gaussian { covariance } => Box::new(GaussianHead::new(n, covariance)),
+            HeadConfig::Kernel => Box::new(KernelHead::new(n)),
             HeadConfig::Mixture { components, covariance } => {
                 check_count("the number of components of the mixture", components)?;
                 Box::new(MixtureHead::new(n, components, covariance))

@@ -1,7 +1,7 @@
 //! A conditional flow: a triangular map, and a monotone spline of each coordinate.
 
+use motes_models::batch::by_widest_vectors;
 use motes_models::equations::{Lanes, with_scalars};
-use pulp::Arch;
 
 use super::covariance::Covariance;
 use super::head::Head;
@@ -56,7 +56,7 @@ impl Head for FlowHead {
 
     fn draw(&self, theta: &[Lanes], _uniforms: &[Lanes], normals: &mut [Lanes]) {
         with_scalars::<Lanes, _>(self.spline.scratch(), |scratch| {
-            Arch::new().dispatch(
+            by_widest_vectors(
                 #[inline(always)]
                 || {
                     for (i, normal) in normals.iter_mut().enumerate() {
@@ -69,14 +69,14 @@ impl Head for FlowHead {
     }
 
     fn log_density(&self, theta: &[Lanes], u: &[Lanes], scratch: &mut [Lanes]) -> Lanes {
-        Arch::new().dispatch(
+        by_widest_vectors(
             #[inline(always)]
             || self.evaluate(theta, u, scratch),
         )
     }
 
     fn gradient(&self, theta: &[Lanes], u: &[Lanes], d_theta: &mut [Lanes], scratch: &mut [Lanes]) -> Lanes {
-        Arch::new().dispatch(
+        by_widest_vectors(
             #[inline(always)]
             || {
                 let value = self.evaluate(theta, u, scratch);

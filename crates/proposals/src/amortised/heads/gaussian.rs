@@ -1,7 +1,7 @@
 //! One Gaussian.
 
+use motes_models::batch::by_widest_vectors;
 use motes_models::equations::Lanes;
-use pulp::Arch;
 
 use super::covariance::Covariance;
 use super::head::Head;
@@ -29,21 +29,21 @@ impl Head for GaussianHead {
     }
 
     fn draw(&self, theta: &[Lanes], _uniforms: &[Lanes], normals: &mut [Lanes]) {
-        Arch::new().dispatch(
+        by_widest_vectors(
             #[inline(always)]
             || self.0.draw(theta, normals),
         );
     }
 
     fn log_density(&self, theta: &[Lanes], u: &[Lanes], scratch: &mut [Lanes]) -> Lanes {
-        Arch::new().dispatch(
+        by_widest_vectors(
             #[inline(always)]
             || self.0.log_density(theta, u, scratch),
         )
     }
 
     fn gradient(&self, theta: &[Lanes], u: &[Lanes], d_theta: &mut [Lanes], scratch: &mut [Lanes]) -> Lanes {
-        Arch::new().dispatch(
+        by_widest_vectors(
             #[inline(always)]
             || {
                 let value = self.0.log_density(theta, u, scratch);

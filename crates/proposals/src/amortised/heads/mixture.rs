@@ -1,9 +1,8 @@
 //! A mixture of Gaussians.
 
 use motes_models::Seed;
-use motes_models::batch::LANES;
+use motes_models::batch::{LANES, by_widest_vectors};
 use motes_models::equations::{Lanes, Scalar};
-use pulp::Arch;
 use rand::RngExt;
 use rand_distr::StandardNormal;
 
@@ -97,7 +96,7 @@ impl Head for MixtureHead {
         let each = self.each();
         // The parameters of the component that each particle draws from.
         motes_models::equations::with_scalars::<Lanes, _>(each, |chosen| {
-            Arch::new().dispatch(
+            by_widest_vectors(
                 #[inline(always)]
                 || {
                     let log_normalizer = self.log_normalizer(theta);
@@ -121,14 +120,14 @@ impl Head for MixtureHead {
     }
 
     fn log_density(&self, theta: &[Lanes], u: &[Lanes], scratch: &mut [Lanes]) -> Lanes {
-        Arch::new().dispatch(
+        by_widest_vectors(
             #[inline(always)]
             || self.evaluate(theta, u, scratch),
         )
     }
 
     fn gradient(&self, theta: &[Lanes], u: &[Lanes], d_theta: &mut [Lanes], scratch: &mut [Lanes]) -> Lanes {
-        Arch::new().dispatch(
+        by_widest_vectors(
             #[inline(always)]
             || {
                 let value = self.evaluate(theta, u, scratch);

@@ -23,7 +23,7 @@ pub(super) struct Normal {
 
 /// `a = θ / √(1 + (θ/c)²)`, and `∂a/∂θ`.
 #[inline(always)]
-fn bounded(theta: Lanes) -> [Lanes; 2] {
+pub(super) fn bounded(theta: Lanes) -> [Lanes; 2] {
     let scaled = theta / LARGEST_LOG_SCALE;
     let shrunk = Lanes::from(1.0) / (scaled * scaled + 1.0).sqrt();
     [theta * shrunk, shrunk * shrunk * shrunk]

@@ -1,7 +1,8 @@
 //! Derivatives through the kernel covariance and its Cholesky factor, in reverse mode.
 
 use super::{KernelCovariance, kernel_matrices};
-use crate::lanes::{LANES, Lane, Square, vectorised};
+use crate::lanes::{LANES, Lane, Square};
+use motes_models::batch::by_widest_vectors;
 
 impl KernelCovariance {
     /// Pulls derivatives of a scalar back through `x = μ + L ε` and `log q = −Σᵢ log Lᵢᵢ + …` to `z` and `C`.
@@ -41,7 +42,7 @@ impl KernelCovariance {
         let mut d_log_density = d_log_density.map(|d_log_density| d_log_density.chunks(LANES));
         for ((((z, lowers), noise), d_states), d_z) in blocks {
             let d_log = d_log_density.as_mut().and_then(Iterator::next);
-            vectorised(
+            by_widest_vectors(
                 #[inline(always)]
                 || {
                     work.load(n, lowers, noise, d_states, d_log);

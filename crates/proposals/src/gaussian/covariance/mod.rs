@@ -2,10 +2,11 @@
 
 mod adjoint;
 
+use motes_models::batch::by_widest_vectors;
 use motes_models::elementary::exp;
 use motes_smc::ProposalError;
 
-use crate::lanes::{LANES, Lane, Square, vectorised};
+use crate::lanes::{LANES, Lane, Square};
 use crate::settings::check_ridge;
 
 /// `Σ = C K(z) Cᵀ + δ I` with `K(z)ᵢⱼ = exp(−(zᵢ − zⱼ)²)` (the paper's equations "covMatrix" and "covKernel"; the ridge
@@ -58,7 +59,7 @@ impl KernelCovariance {
             Factoring { kernel: Square::zeros(n), mixed: Square::zeros(n), lower: Square::zeros(n) };
         let blocks = representations.chunks(LANES * n).zip(lowers.chunks_mut(LANES * n * n));
         for (block, (z, lowers)) in blocks.enumerate() {
-            let failed = vectorised(
+            let failed = by_widest_vectors(
                 #[inline(always)]
                 || self.factor_block(z, lowers, &mut work),
             );

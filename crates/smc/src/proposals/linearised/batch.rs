@@ -1,6 +1,6 @@
 //! The linearised distributions of a block of particles: draws and densities.
 
-use motes_models::batch::{LANES, load, particles_by_stream, store, with_scratch};
+use motes_models::batch::{LANES, by_widest_vectors, load, particles_by_stream, store, with_scratch};
 use motes_models::equations::{Lanes, Linearise, Scalar};
 use motes_models::{Stream, fill_standard_normal};
 
@@ -55,7 +55,7 @@ impl<M: Linearise + ?Sized> Conditional for LinearisedBatch<'_, M> {
         for ((mean, lower), ((noise, states), out)) in gaussians.zip(rows) {
             load(noise, n, tile);
             let (mean, lower, z) = (lanes(mean), lanes(lower), lanes(tile));
-            let density = pulp::Arch::new().dispatch(
+            let density = by_widest_vectors(
                 #[inline(always)]
                 || {
                     let density = log_density(n, lower, z);
@@ -85,7 +85,7 @@ impl<M: Linearise + ?Sized> Conditional for LinearisedBatch<'_, M> {
             for ((mean, lower), (states, out)) in gaussians.zip(rows) {
                 load(states, n, tile);
                 let (mean, lower, z) = (lanes(mean), lanes(lower), lanes(tile));
-                let density = pulp::Arch::new().dispatch(
+                let density = by_widest_vectors(
                     #[inline(always)]
                     || {
                         for (z, mean) in z.iter_mut().zip(&*mean) {

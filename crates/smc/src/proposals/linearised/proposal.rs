@@ -1,6 +1,6 @@
 //! The proposal itself: prepared by a measurement, conditioned block by block.
 
-use motes_models::batch::LANES;
+use motes_models::batch::{LANES, by_widest_vectors};
 use motes_models::equations::{Lanes, Linearise};
 use motes_models::{ModelError, Seed, Simulator, check_dimensions};
 
@@ -138,7 +138,7 @@ impl<M: Linearise + ?Sized> Proposal<M> for Linearised {
                 });
                 model.tile_moments(time, before, mean, variances);
                 model.tile_scores(time, mean, &self.measurement, slopes, information, jacobian);
-                pulp::Arch::new().dispatch(
+                by_widest_vectors(
                     #[inline(always)]
                     || {
                         score(

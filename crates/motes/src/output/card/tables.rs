@@ -1,0 +1,100 @@
+//! What a report card shows, cell by cell.
+
+use crate::comparing::{Comparison, Figure};
+
+/// A table: the first column names rows, the others are numbers.
+pub(in crate::output) struct Table {
+    pub(in crate::output) header: Vec<String>,
+    pub(in crate::output) rows: Vec<Vec<String>>,
+}
+
+/// What was compared, and with what.
+pub(in crate::output) fn about(comparison: &Comparison, particles: usize) -> String {
+    let [sequences, times] = comparison.size;
+    format!(
+        "{sequences} sequences, {times} times in all, K = {particles}. Reference: {}.",
+        comparison.reference
+    )
+}
+
+/// The figures of each proposal.
+pub(in crate::output) fn figures(comparison: &Comparison) -> Table {
+    let header = [
+        "",
+        "ESS/K",
+        "1 % quantile",
+        "evidence gap",
+        "e_l",
+        "e_x",
+        "Pareto k",
+        "in 50 %",
+        "in 90 %",
+        "lost",
+        "ms a step",
+    ];
+    let plain = |value: Option<f64>| value.map_or("–".to_string(), |value| format!("{value:.2}"));
+    let rows = comparison.cards.iter().map(|(proposal, card)| {
+        vec![
+            proposal.to_string(),
+            figure(card.ess_fraction),
+            format!("{:.3}", card.ess_fraction_q01),
+            figure(card.log_evidence_gap),
+            figure(card.e_l),
+            figure(card.e_x),
+            plain(card.pareto_k),
+            plain(card.coverage_50),
+            plain(card.coverage_90),
+            card.lost.to_string(),
+            format!("{:.4}", card.ms_per_step),
+        ]
+    });
+    Table { header: header.map(String::from).to_vec(), rows: rows.collect() }
+}
+
+/// Differences from the baseline, sequence by sequence, and its name; none where there is one proposal alone.
+pub(in crate::output) fn differences(comparison: &Comparison) -> Option<(String, Table)> {
+    let (baseline, paired) = comparison.paired.as_ref()?;
+    let header = ["", "ESS/K", "evidence"].map(String::from).to_vec();
+    let rows = paired.iter().map(|paired| {
+        vec![paired.proposal.to_string(), figure(paired.ess_fraction), figure(paired.log_evidence)]
+    });
+    Some((baseline.to_string(), Table { header, rows: rows.collect() }))
+}
+
+/// Error and time of each proposal at each number of particles.
+pub(in crate::output) fn errors(comparison: &Comparison) -> Table {
+    let points = &comparison.equal_time.points;
+    let mut counts: Vec<usize> = points.iter().map(|point| point.particles).collect();
+    counts.sort_unstable();
+    counts.dedup();
+    let header = std::iter::once(String::new()).chain(counts.iter().map(|k| format!("K = {k}")));
+    let rows = comparison.cards.iter().map(|(proposal, _)| {
+        let cell = |k: &usize| {
+            let point = points.iter().find(|point| point.proposal == *proposal && point.particles == *k);
+            point.map_or(String::new(), |point| {
+                let error = point.error.map_or("lost".to_string(), |error| format!("{error:.3}"));
+                format!("{error} ({:.4})", point.ms_per_step)
+            })
+        };
+        std::iter::once(proposal.to_string()).chain(counts.iter().map(cell)).collect()
+    });
+    Table { header: header.collect(), rows: rows.collect() }
+}
+
+/// What [`differences`] are, in a sentence.
+pub(in crate::output) fn about_differences(baseline: &str) -> String {
+    format!("Less {baseline}, sequence by sequence, ± half a 95 % interval:")
+}
+
+/// What [`errors`] are, in a sentence.
+pub(in crate::output) const ABOUT_ERRORS: &str =
+    "Root mean square error of the log-evidence, and in brackets milliseconds a step:";
+
+/// A mean with its interval.
+fn figure(figure: Option<Figure>) -> String {
+    match figure {
+        None => "–".into(),
+        Some(Figure { mean, half_width: None }) => format!("{mean:.3}"),
+        Some(Figure { mean, half_width: Some(width) }) => format!("{mean:.3} ± {width:.3}"),
+    }
+}
