@@ -88,7 +88,7 @@ fn the_card_has_the_keys_that_scripts_rely_on() {
     let place = Workplace::new();
     place.write("square.toml", SQUARE);
     let command =
-        [&["learn", "square.toml", "-o", "p", "--sequences", "2", "--steps", "20", "--json"], &QUICK[..]]
+        [&["learn", "square.toml", "-o", "p", "--sequences", "3", "--steps", "20", "--json"], &QUICK[..]]
             .concat();
     let card: Value = serde_json::from_str(&place.printed(&command)).unwrap();
     let methods: Vec<&String> = card["methods"].as_object().unwrap().keys().collect();
@@ -99,6 +99,36 @@ fn the_card_has_the_keys_that_scripts_rely_on() {
     {
         assert!(card["methods"]["learned"][key].is_number(), "{key}");
     }
+    for key in ["ess_fraction", "log_evidence_gap", "e_l", "e_x"] {
+        assert!(card["methods"]["learned"]["half_widths"][key].as_f64().unwrap() > 0.0, "{key}");
+    }
+}
+
+/// Catches pairs that are of different sequences: the mean of differences is the difference of means.
+#[test]
+fn proposals_are_paired_by_sequence_and_the_page_shows_all() {
+    let place = Workplace::new();
+    place.write("square.toml", SQUARE);
+    let command = ["compare", "square.toml", "--sequences", "4", "--steps", "20", "--at", "20,100", "--json"];
+    let card: Value =
+        serde_json::from_str(&place.printed(&[&command[..], &["--report", "card.html"]].concat())).unwrap();
+    assert_eq!(card["paired"]["less"], "linearised");
+    let of = |name: &str, key: &str| card["methods"][name][key].as_f64().unwrap();
+    let paired = &card["paired"]["methods"]["bootstrap"];
+    for (key, own) in [("ess_fraction", "ess_fraction"), ("log_evidence", "log_evidence_gap")] {
+        let expected = of("bootstrap", own) - of("linearised", own);
+        let found = paired[key].as_f64().unwrap();
+        assert!((found - expected).abs() < 1e-9 * (1.0 + expected.abs()), "{key}: {found} for {expected}");
+        assert!(paired["half_widths"][key].as_f64().unwrap() > 0.0);
+    }
+    let page = place.read("card.html");
+    for part in ["<svg", "Report card", "Error at equal time", "Less linearised", "bootstrap", "Made by"] {
+        assert!(page.contains(part), "{part}");
+    }
+    assert!(
+        !page.contains("http://")
+            || page.matches("http://").count() == page.matches("http://www.w3.org").count()
+    );
 }
 
 #[test]

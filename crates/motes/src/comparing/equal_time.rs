@@ -52,7 +52,7 @@ impl EqualTime {
         Some((y0 + share * (y1 - y0)).exp())
     }
 
-    /// The ranges of time for a step in which a proposal has the least error of all, in order.
+    /// The ranges of time for a step in which a proposal has the least error, in order. Where one alone was timed there is nothing to say.
     pub fn best(&self) -> Vec<(ProposalName, [f64; 2])> {
         const PARTS: usize = 200;
         let times = || self.points.iter().map(|point| point.ms_per_step);
@@ -63,11 +63,13 @@ impl EqualTime {
         let mut found: Vec<(ProposalName, [f64; 2])> = Vec::new();
         for part in 0..=PARTS {
             let ms = low * (high / low).powf(part as f64 / PARTS as f64);
-            let errors = names.iter().filter_map(|name| Some((*name, self.error_at(name, ms)?)));
-            let Some((best, _)) = errors.min_by(|a, b| a.1.total_cmp(&b.1)) else { continue };
+            let errors: Vec<(&ProposalName, f64)> =
+                names.iter().filter_map(|name| Some((*name, self.error_at(name, ms)?))).collect();
+            let best = errors.iter().min_by(|a, b| a.1.total_cmp(&b.1)).filter(|_| errors.len() > 1);
+            let Some((best, _)) = best else { continue };
             match found.last_mut() {
-                Some((name, range)) if name == best => range[1] = ms,
-                _ => found.push((best.clone(), [ms, ms])),
+                Some((name, range)) if name == *best => range[1] = ms,
+                _ => found.push(((*best).clone(), [ms, ms])),
             }
         }
         found
@@ -79,7 +81,7 @@ impl fmt::Display for EqualTime {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let best = self.best();
         if best.is_empty() {
-            return formatter.write_str("No proposal has an error at two times.");
+            return formatter.write_str("No two proposals were timed at the same time for a step.");
         }
         formatter.write_str("The least error of the log-evidence at equal time:")?;
         for (at, (name, [from, to])) in best.iter().enumerate() {
@@ -117,11 +119,12 @@ mod tests {
         ];
         let equal = EqualTime { points };
         let names: Vec<ProposalName> = equal.best().into_iter().map(|(name, _)| name).collect();
-        assert_eq!(names, [cheap.clone(), dear.clone(), cheap, dear]);
+        // Below 0.05 ms and above 1 ms there is one alone.
+        assert_eq!(names, [dear, cheap]);
         assert!(
-            equal.to_string().starts_with(
-                "The least error of the log-evidence at equal time: bootstrap from 0.010 to 0.0"
-            )
+            equal
+                .to_string()
+                .starts_with("The least error of the log-evidence at equal time: linearised from 0.05")
         );
         assert!(EqualTime { points: vec![] }.best().is_empty());
     }
