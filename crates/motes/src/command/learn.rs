@@ -49,7 +49,9 @@ pub(super) fn run(args: &LearnArgs, interrupt: &Interrupt) -> Result<u8, Failure
     }
     let filter =
         FilterOptions { particles: args.particles, seed: args.model.seed, ..FilterOptions::default() };
+    // Where there is an optimal proposal the linearised one is the same.
     let mut proposals = there(&model, &filter);
+    proposals.retain(|proposal| *proposal != ProposalName::Optimal);
     proposals.push(ProposalName::Learned(proposal));
     let card = CompareOptions {
         proposals,
