@@ -8,6 +8,7 @@ mod drive;
 mod equal;
 mod error;
 mod folder;
+mod learned;
 mod measure;
 mod operations;
 mod peak;
@@ -15,6 +16,7 @@ mod report;
 mod serve;
 mod small;
 mod task;
+mod work;
 mod worker;
 mod workloads;
 

@@ -92,7 +92,7 @@ impl Report {
         Ok(())
     }
 
-    /// Up to three tables: filters, training, growth.
+    /// Up to four tables: filters, training, filters with learned proposals, growth.
     pub(crate) fn table(&self) -> String {
         let mut text = String::new();
         let giga = |rate: f64| rate / 1e9;
@@ -110,13 +110,20 @@ impl Report {
         );
         let is_filter = |line: &Line| matches!(line.kind, Kind::Filter { .. });
         let filters = self.libraries(is_filter);
-        let training = self.libraries(|line| !is_filter(line));
+        let training = self.libraries(|line| matches!(line.kind, Kind::Train { .. }));
         let of_filters = ["filter", "million particle-steps a second", "memory, MB"];
         let of_training = ["training", "ms a step", "trainings an hour", "of the peak", "memory of both, MB"];
+        let of_learned = [
+            "filter with a learned proposal",
+            "million particle-steps a second",
+            "networks, of the peak",
+            "memory, MB",
+        ];
         let of_growth = ["filter", "sizes", "time grows with the power"];
         for (columns, libraries, rows) in [
             (of_filters.as_slice(), &filters, self.filters(&filters)),
             (of_training.as_slice(), &training, self.training(&training)),
+            (of_learned.as_slice(), &Vec::new(), self.learned()),
             (of_growth.as_slice(), &Vec::new(), self.growth()),
         ] {
             if !rows.is_empty() {
@@ -178,6 +185,26 @@ impl Report {
                     1e3 * step,
                     memory(&line.ours),
                     versus(line, libraries)
+                );
+            }
+        }
+        text
+    }
+
+    fn learned(&self) -> String {
+        let mut text = String::new();
+        for line in &self.work {
+            if let Kind::Learned { particle_steps, operations, threads } = line.kind {
+                let seconds = median(&line.ours.seconds);
+                let product = &self.peak.product;
+                let peak = if threads == 1 { product.one_thread } else { product.two_threads };
+                let _ = writeln!(
+                    text,
+                    "| {} | {:.2} | {:.0} % | {} |",
+                    line.name.trim_start_matches("learned "),
+                    particle_steps / seconds / 1e6,
+                    100.0 * operations / seconds / peak,
+                    memory(&line.ours)
                 );
             }
         }

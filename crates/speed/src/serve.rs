@@ -11,13 +11,9 @@ use motes_train::{GradientFlow, Objective, TrainConfig, rollout, train};
 use rayon_core::{ThreadPoolBuilder, current_num_threads, current_thread_index};
 
 use crate::folder::{DIMENSION, seed, system, trajectory};
-use crate::task::{Answer, FilterTask, Request, Task, TrainTask};
-
-/// Something to be done again and again.
-trait Work {
-    fn check(&mut self) -> Result<Answer, String>;
-    fn run(&mut self) -> Result<(), String>;
-}
+use crate::learned;
+use crate::task::{Answer, FilterTask, LearnedTask, Request, Task, TrainTask};
+use crate::work::{Work, of_evidences};
 
 /// Serves requests, a line each, until there are no more.
 pub(crate) fn serve() {
@@ -43,7 +39,9 @@ fn answer(request: Request, work: &mut Option<Box<dyn Work>>) -> Result<Answer, 
     match request {
         Request::Prepare(task) => {
             *work = None;
-            let (Task::Filter(FilterTask { threads, .. }) | Task::Train(TrainTask { threads, .. })) = &task;
+            let (Task::Filter(FilterTask { threads, .. })
+            | Task::Train(TrainTask { threads, .. })
+            | Task::Learned(LearnedTask { threads, .. })) = &task;
             have_threads(*threads)?;
             let mut prepared = prepare(&task)?;
             // Once unseen, as the others compile and warm up.
@@ -98,6 +96,7 @@ fn prepare(task: &Task) -> Result<Box<dyn Work>, String> {
                 other => Err(format!("there is no method {other}")),
             }
         }
+        Task::Learned(task) => learned::prepare(task),
         Task::Train(task) => {
             let learned: Box<dyn Learnable> = match task.family.as_str() {
                 Fcnn::NAME => Box::new(loaded::<Fcnn>(task)?),
@@ -166,11 +165,7 @@ impl<P: Proposal<GraphDiffusion> + Clone + Send> Work for Filtering<P> {
         for _ in 0..20 {
             found.extend(self.evidence()?);
         }
-        let count = found.len() as f64;
-        let mean = found.iter().sum::<f64>() / count;
-        let variance = found.iter().map(|log| (log - mean).powi(2)).sum::<f64>() / (count - 1.0);
-        let log_evidence_error = Some((variance / count).sqrt());
-        Ok(Answer { mean_log_evidence: Some(mean), log_evidence_error, ..Answer::default() })
+        Ok(of_evidences(&found))
     }
 
     fn run(&mut self) -> Result<(), String> {

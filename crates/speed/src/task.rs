@@ -26,6 +26,19 @@ pub(crate) enum Task {
     Filter(FilterTask),
     /// Steps of training.
     Train(TrainTask),
+    /// A filter with a proposal that is learned once.
+    Learned(LearnedTask),
+}
+
+/// A filter with a proposal that is learned once, along measurements of a model.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) struct LearnedTask {
+    /// Which one.
+    pub(crate) model: String,
+    /// `K`.
+    pub(crate) particles: usize,
+    /// How many threads may work.
+    pub(crate) threads: usize,
 }
 
 /// Filters along all measurements.

@@ -29,6 +29,7 @@ impl Worker {
         let threads = match task {
             Task::Filter(task) => task.threads,
             Task::Train(task) => task.threads,
+            Task::Learned(task) => task.threads,
         };
         let mut command = Command::new(python);
         command.arg(scripts.join("worker.py")).args(["--threads", &threads.to_string()]);

@@ -6,8 +6,8 @@ use motes_proposals::{Fcnn, FcnnConfig, Gnn, GnnConfig, Psi, PsiConfig, Rnn, Rnn
 
 use crate::error::SpeedError;
 use crate::folder::{BANK_HORIZON, DIMENSION, write_problem, write_training};
-use crate::operations;
-use crate::task::{FilterTask, Task, TrainTask};
+use crate::task::{FilterTask, LearnedTask, Task, TrainTask};
+use crate::{learned, operations};
 
 /// A piece of work, with those who do it.
 pub(crate) struct Workload {
@@ -36,6 +36,15 @@ pub(crate) enum Kind {
         /// Floating-point operations of one, by the algorithm that is used; psi's are too small to matter.
         operations: f64,
     },
+    /// This many particle-steps a run, with networks in each.
+    Learned {
+        /// `K·T`.
+        particle_steps: f64,
+        /// Floating-point operations of the networks in a run, were each particle computed; those that know the same are computed once.
+        operations: f64,
+        /// How many threads may work.
+        threads: usize,
+    },
 }
 
 impl Kind {
@@ -43,6 +52,7 @@ impl Kind {
     pub(crate) fn runs(self) -> usize {
         match self {
             Kind::Filter { particle_steps } => (PARTICLE_STEPS / particle_steps).ceil() as usize,
+            Kind::Learned { particle_steps, .. } => (LEARNED_STEPS / particle_steps).ceil() as usize,
             Kind::Train { .. } => 1,
         }
     }
@@ -51,6 +61,7 @@ impl Kind {
 const FILTER_HORIZON: usize = 50;
 /// A round of filters takes at least so many: what is done in a few milliseconds measures how a process wakes up.
 const PARTICLE_STEPS: f64 = 5e6;
+const LEARNED_STEPS: f64 = 1e6;
 const BANK: usize = 100;
 
 const METHODS: [&str; 2] = ["bootstrap", "min-degeneracy"];
@@ -77,7 +88,24 @@ pub(crate) fn all(scratch: &Path) -> Result<Vec<Workload>, SpeedError> {
         all.push(train::<Gnn>(scratch, &gnn, particles, 4, operations::gnn(&gnn, particles))?);
         all.push(train::<Psi>(scratch, &PsiConfig::paper(), particles, 500, 0.0)?);
     }
+    for model in learned::MODELS {
+        for (particles, threads) in [(100, 1), (1_000, 1), (100_000, 1), (100_000, 2)] {
+            all.push(with_learned(model, particles, threads));
+        }
+    }
     Ok(all)
+}
+
+/// A filter with a proposal that is learned once; nobody else has one.
+fn with_learned(model: &str, particles: usize, threads: usize) -> Workload {
+    let particle_steps = (particles * learned::HORIZON) as f64;
+    let operations = learned::operations(model, particles);
+    Workload {
+        name: format!("learned {model} K={particles}, threads: {threads}"),
+        kind: Kind::Learned { particle_steps, operations, threads },
+        ours: vec![Task::Learned(LearnedTask { model: model.into(), particles, threads })],
+        peers: Vec::new(),
+    }
 }
 
 /// Filters of a method that differ in one size.
