@@ -6,7 +6,7 @@ use crate::batch::{LANES, TileMatrix, load, squared_norms, store, with_noise, wi
 use crate::{CovarianceFault, ModelError, Stream, fill_standard_normal};
 
 /// `ln 2π`.
-pub(crate) const LN_2PI: f64 = 1.837_877_066_409_345_3;
+pub const LN_2PI: f64 = 1.837_877_066_409_345_3;
 
 /// `N(μ, Σ)` on ℝᴺ with `Σ = L Lᵀ`.
 ///

@@ -50,7 +50,7 @@ mod system_graph;
 
 pub use epidemic::{Epidemic, EpidemicConfig};
 pub use error::{CovarianceFault, ModelError};
-pub use gaussian::Gaussian;
+pub use gaussian::{Gaussian, LN_2PI};
 pub use gradient_check::{Comparison, Derivative, GradientError, GradientReport, check_gradients};
 pub use graph::RandomGeometricGraph;
 pub use graph_diffusion::{Drift, GraphDiffusion, GraphDiffusionConfig};

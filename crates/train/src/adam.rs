@@ -2,6 +2,7 @@
 
 use std::mem::discriminant;
 
+use motes_models::batch::by_widest_vectors;
 use motes_proposals::{GradientPart, Parameters, Slice, Values, Workspace};
 use serde::Serialize;
 
@@ -214,10 +215,10 @@ macro_rules! update {
             gradient: &[$real],
             (first, second): (&mut [$real], &mut [$real]),
         ) {
-            pulp::Arch::new().dispatch(
+            by_widest_vectors(
                 #[inline(always)]
                 || {
-                    let moments = first.iter_mut().zip(second);
+                    let moments = first.iter_mut().zip(second.iter_mut());
                     for ((weight, g), (m, v)) in weights.iter_mut().zip(gradient).zip(moments) {
                         *m = step.beta_1 * *m + step.complements[0] * g;
                         *v = step.beta_2 * *v + step.complements[1] * (g * g);

@@ -5,6 +5,7 @@
 
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
 
+use crate::batch::by_widest_vectors;
 use crate::elementary;
 
 /// Whether [`exp`] needs the standard library.
@@ -83,14 +84,16 @@ macro_rules! of_all {
         $(#[$doc])*
         pub(super) fn $name<const W: usize>(values: &[f64; W]) -> [f64; W] {
             let mut found = [0.0; W];
-            let mut is_rare = false;
-            pulp::Arch::new().dispatch(
+            let is_rare = by_widest_vectors(
                 #[inline(always)]
                 || {
+                    // Its own, not the closure's: what is written through a reference in each round keeps a loop from vectors.
+                    let mut is_rare = false;
                     for (found, &$x) in found.iter_mut().zip(values) {
                         *found = $common;
                         is_rare |= $is_rare($x);
                     }
+                    is_rare
                 },
             );
             if is_rare {

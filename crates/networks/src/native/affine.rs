@@ -1,10 +1,11 @@
 //! Affine maps with their activations, forward and backward.
 
 use faer::Accum;
+use motes_models::batch::by_widest_vectors;
 
 use super::derivatives::Derivatives;
 use super::gradient_accumulator::GradientAccumulator;
-use super::products::{Multiply, column_sums, times, times_transposed, vectorised};
+use super::products::{Multiply, column_sums, times, times_transposed};
 use super::step::{At, Kind, Native, Node};
 use crate::arithmetic::Activation;
 use crate::gradients::Gradients;
@@ -33,7 +34,7 @@ pub(super) fn forward<T: Multiply>(
 
 /// `ρ(rows + bias)` in place.
 pub(super) fn activate<T: Multiply>(rows: &mut [T], bias: Option<&[T]>, activation: Activation) {
-    vectorised(
+    by_widest_vectors(
         #[inline(always)]
         || {
             if let Some(bias) = bias {
@@ -51,7 +52,7 @@ pub(super) fn activate<T: Multiply>(rows: &mut [T], bias: Option<&[T]>, activati
 /// Turns the derivative with respect to `ρ(a)` into that with respect to `a`, given `ρ(a)`.
 pub(super) fn deactivate<T: Multiply>(d: &mut [T], outputs: &[T], activation: Activation) {
     if activation == Activation::Tanh {
-        vectorised(
+        by_widest_vectors(
             #[inline(always)]
             || d.iter_mut().zip(outputs).for_each(|(d, y)| *d *= T::ONE - *y * *y),
         );

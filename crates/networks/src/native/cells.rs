@@ -1,10 +1,10 @@
 //! Recurrent layers beyond their products, forward and backward.
 
 use faer::Accum;
+use motes_models::batch::by_widest_vectors;
 
 use super::buffers::Buffers;
 use super::derivatives::Derivatives;
-use super::products::vectorised;
 use super::step::{At, Kind, Native, Node, Step};
 use crate::gradients::Gradients;
 use crate::values::{Real, sigmoid};
@@ -16,7 +16,7 @@ pub(super) fn lstm<T: Real>(step: &mut Step<T>, buffers: &mut Buffers<T>, gates:
     // Out and back in again: three matrices of one step at a time.
     let mut activated = std::mem::take(&mut step.nodes[gates.0].values);
     let given = step.values(cells);
-    vectorised(
+    by_widest_vectors(
         #[inline(always)]
         || {
             for row in 0..rows {
@@ -66,7 +66,7 @@ pub(super) fn lstm_hidden_backward<T: Real>(
     let activated = &below[gates.0].values;
     let (mut d_gates, _) = derivatives.take(gates, activated.len());
     let (mut d_cells, accum) = derivatives.take(cells, d.len());
-    vectorised(
+    by_widest_vectors(
         #[inline(always)]
         || {
             if accum == Accum::Replace {
@@ -103,7 +103,7 @@ pub(super) fn lstm_cells_backward<T: Real>(
         // The hidden state that came of it was not used: nothing flows through the output gate.
         d_gates.fill(T::ZERO);
     }
-    vectorised(
+    by_widest_vectors(
         #[inline(always)]
         || {
             for (row, d) in d.chunks_exact(h).enumerate() {
@@ -123,7 +123,7 @@ pub(super) fn lstm_cells_backward<T: Real>(
     derivatives.put(gates, d_gates);
     if derivatives.wanted(cells) {
         let (mut d_cells, accum) = derivatives.take(cells, d.len());
-        vectorised(
+        by_widest_vectors(
             #[inline(always)]
             || {
                 if accum == Accum::Replace {
@@ -154,7 +154,7 @@ pub(super) fn gru<T: Real>(
     let (mut next, mut parts) = (native.buffers.take(rows * h), native.buffers.take(rows * 4 * h));
     let d = native.weights.get(offset);
     let [u, v, given] = [from_input, from_hidden, hidden].map(|at| native.step.values(at));
-    vectorised(
+    by_widest_vectors(
         #[inline(always)]
         || {
             for row in 0..rows {
@@ -192,7 +192,7 @@ pub(super) fn gru_backward<T: Real>(
         d_offset.fill(T::ZERO);
     }
     let mut d_hidden = derivatives.buffers.take(rows * h);
-    vectorised(
+    by_widest_vectors(
         #[inline(always)]
         || {
             for row in 0..rows {

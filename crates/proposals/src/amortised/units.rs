@@ -1,15 +1,13 @@
 //! The units in which heads speak: `x = T(x_{t−1}, b + L⁻ᵀ u)`, for the particles of a tile.
 
 use bytemuck::TransparentWrapper;
+use motes_models::LN_2PI;
 use motes_models::batch::{LANES, by_widest_vectors};
 use motes_models::equations::triangle::{at, solve_upper, times_upper};
 use motes_models::equations::{Lanes, Linearise, Scalar, Transport};
 
 use super::base::{Base, Said};
 use super::inputs::innovation;
-
-/// `½ log 2π`.
-const HALF_LN_TAU: f64 = 0.918_938_533_204_672_8;
 
 /// Memory of numbers lent as lanes.
 ///
@@ -175,7 +173,7 @@ impl<'a> Units<'a> {
         by_widest_vectors(
             #[inline(always)]
             || {
-                let mut of_transition = Lanes::from(-HALF_LN_TAU * n as f64);
+                let mut of_transition = Lanes::from(-0.5 * LN_2PI * n as f64);
                 for (value, shift) in values.iter_mut().zip(&*self.shift) {
                     of_transition = of_transition - *value * *value * 0.5;
                     *value = *value - *shift;
@@ -211,7 +209,7 @@ pub(super) fn flat_mut(lanes: &mut [Lanes]) -> &mut [f64] {
 /// `−½ |u|² − (N/2) log 2π`: the density of the base itself.
 #[inline(always)]
 pub(super) fn log_standard_normal(u: &[Lanes]) -> Lanes {
-    let mut sum = Lanes::from(-HALF_LN_TAU * u.len() as f64);
+    let mut sum = Lanes::from(-0.5 * LN_2PI * u.len() as f64);
     for value in u {
         sum = sum - *value * *value * 0.5;
     }

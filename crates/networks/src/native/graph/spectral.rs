@@ -1,12 +1,13 @@
 //! A graph filter in the basis of the eigenvectors of its symmetric matrix.
 
 use faer::Accum;
+use motes_models::batch::by_widest_vectors;
 
 use crate::gradients::Gradients;
 use crate::graph::{GraphOf, Shape};
 use crate::native::buffers::Buffers;
 use crate::native::gradient_accumulator::GradientAccumulator;
-use crate::native::products::{Columns, ColumnsMut, Multiply, Product, times, vectorised};
+use crate::native::products::{Columns, ColumnsMut, Multiply, Product, times};
 use crate::parameters::Matrices;
 
 /// A filter in this basis on its way back.
@@ -123,7 +124,7 @@ fn combine<T: Multiply>(
     eigenvalue: T,
     out: &mut [T],
 ) {
-    vectorised(
+    by_widest_vectors(
         #[inline(always)]
         || {
             for (row, out) in out.chunks_exact_mut(outputs).take(panel).enumerate() {

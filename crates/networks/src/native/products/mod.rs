@@ -17,5 +17,4 @@ mod weight_gradients;
 pub(crate) use matrix::{Columns, ColumnsMut, Product};
 pub(crate) use multiply::{Multiply, column_sums, times, times_transposed, transpose, transposed_times};
 pub(crate) use outer_products::{OuterProducts, Take, Terms};
-pub(crate) use vectors::vectorised;
 pub(crate) use weight_gradients::add_whole;

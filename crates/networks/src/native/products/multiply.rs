@@ -1,10 +1,10 @@
 //! Products of row-major matrices in one precision, and what else is done to whole matrices.
 
 use faer::Accum;
+use motes_models::batch::by_widest_vectors;
 
 use super::matrix::{Columns, ColumnsMut, Product};
 use super::outer_products::{OuterProducts, Take};
-use super::vectors::vectorised;
 use crate::native::buffers::Buffers;
 use crate::values::Real;
 
@@ -79,7 +79,7 @@ pub(crate) fn transpose<T: Copy>(values: &[T], rows: usize, columns: usize, out:
 
 /// Adds up rows into one.
 pub(crate) fn column_sums<T: Real>(out: &mut [T], accum: Accum, rows: &[T]) {
-    vectorised(
+    by_widest_vectors(
         #[inline(always)]
         || {
             if accum == Accum::Replace {

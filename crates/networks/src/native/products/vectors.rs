@@ -1,4 +1,4 @@
-//! Vector instructions: of loops, and of pairs of vectors at the edge of a matrix, where there may be too few numbers for them.
+//! Pairs of vectors at the edge of a matrix, where there may be too few numbers for them.
 
 use pulp::Simd;
 
@@ -26,23 +26,5 @@ pub(super) fn store_two<S: Simd>(simd: S, values: &mut [f32], vectors: [S::f32s;
         let (first, second) = values.split_at_mut(values.len().min(lanes));
         simd.partial_store_f32s(first, vectors[0]);
         simd.partial_store_f32s(second, vectors[1]);
-    }
-}
-
-/// What loops give, run with the widest vector instructions that this machine has.
-#[inline(always)]
-pub(crate) fn vectorised<R>(loops: impl FnMut() -> R) -> R {
-    pulp::Arch::new().dispatch(Loops(loops))
-}
-
-/// A closure that is called by reference. What one is called by value through would be a function of its own, not compiled for vectors.
-struct Loops<F>(F);
-
-impl<R, F: FnMut() -> R> pulp::WithSimd for Loops<F> {
-    type Output = R;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(mut self, _simd: S) -> R {
-        (self.0)()
     }
 }

@@ -1,12 +1,13 @@
 //! Gradients of weights: sums of outer products, formed some rows at a time and handed over while they are in a cache.
 
 use faer::Accum;
+use motes_models::batch::by_widest_vectors;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::multiply::{Multiply, transposed_times};
 use super::outer_products::{OuterProducts, Take, Terms};
 use super::tiles::{TALLEST, Tiles, WIDEST, add_products};
-use super::vectors::{load_two, vectorised};
+use super::vectors::load_two;
 use crate::graph::Shape;
 use crate::native::buffers::Buffers;
 use crate::values::Real;
@@ -42,7 +43,7 @@ pub(super) fn each_row<T: Real>(sums: &OuterProducts<'_, T>, buffers: &mut Buffe
         for term in sums.terms {
             product.fill(T::ZERO);
             let rows = term.inputs.iter().skip(row).step_by(inputs).zip(term.d_outputs.chunks_exact(outputs));
-            vectorised(
+            by_widest_vectors(
                 #[inline(always)]
                 || {
                     for (input, d_outputs) in rows.clone() {

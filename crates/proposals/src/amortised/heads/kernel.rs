@@ -1,14 +1,12 @@
 //! One Gaussian whose covariance is the paper's: a kernel of a representation, mixed by a matrix.
 
+use motes_models::LN_2PI;
 use motes_models::batch::by_widest_vectors;
 use motes_models::equations::triangle::{at, factor, solve_lower, solve_upper};
 use motes_models::equations::{Lanes, Scalar, with_scalars};
 
 use super::head::Head;
 use super::normal::bounded;
-
-/// `½ log 2π`.
-const HALF_LN_TAU: f64 = 0.918_938_533_204_672_8;
 
 /// `δ`: no direction is narrower than a hundredth of the base.
 const RIDGE: f64 = 1e-4;
@@ -26,6 +24,8 @@ pub struct KernelHead {
 
 /// What a density is computed in.
 struct Work<'a> {
+    /// `C`, bounded, `N×N`.
+    mixing: &'a mut [Lanes],
     /// `K(z)`, `N×N`.
     kernel: &'a mut [Lanes],
     /// `C K(z)`, `N×N`.
@@ -41,12 +41,13 @@ struct Work<'a> {
 
 impl<'a> Work<'a> {
     fn of(memory: &'a mut [Lanes], n: usize) -> Self {
-        let (kernel, rest) = memory.split_at_mut(n * n);
+        let (mixing, rest) = memory.split_at_mut(n * n);
+        let (kernel, rest) = rest.split_at_mut(n * n);
         let (mixed, rest) = rest.split_at_mut(n * n);
         let (lower, rest) = rest.split_at_mut(n * (n + 1) / 2);
         let (pull, rest) = rest.split_at_mut(n);
         let (slope, row) = rest.split_at_mut(n * n);
-        Work { kernel, mixed, lower, pull, slope, row }
+        Work { mixing, kernel, mixed, lower, pull, slope, row }
     }
 }
 
@@ -68,6 +69,9 @@ impl KernelHead {
     fn factor(&self, theta: &[Lanes], work: &mut Work<'_>) {
         let n = self.n;
         let [_, z, mixing] = self.parts(theta);
+        for (bound, entry) in work.mixing.iter_mut().zip(mixing) {
+            [*bound, _] = bounded(*entry);
+        }
         for i in 0..n {
             for j in 0..n {
                 let apart = z[i] - z[j];
@@ -78,7 +82,7 @@ impl KernelHead {
             for j in 0..n {
                 let mut sum = Lanes::from(0.0);
                 for k in 0..n {
-                    sum = sum + bounded(mixing[i * n + k])[0] * work.kernel[k * n + j];
+                    sum = sum + work.mixing[i * n + k] * work.kernel[k * n + j];
                 }
                 work.mixed[i * n + j] = sum;
             }
@@ -87,7 +91,7 @@ impl KernelHead {
             for j in 0..=i {
                 let mut sum = Lanes::from(if i == j { RIDGE } else { 0.0 });
                 for k in 0..n {
-                    sum = sum + work.mixed[i * n + k] * bounded(mixing[j * n + k])[0];
+                    sum = sum + work.mixed[i * n + k] * work.mixing[j * n + k];
                 }
                 work.lower[at(i, j)] = sum;
             }
@@ -104,7 +108,7 @@ impl KernelHead {
             work.pull[i] = u[i] - theta[i];
         }
         solve_lower(n, work.lower, work.pull);
-        let mut sum = Lanes::from(-HALF_LN_TAU * n as f64);
+        let mut sum = Lanes::from(-0.5 * LN_2PI * n as f64);
         for i in 0..n {
             sum = sum - work.pull[i] * work.pull[i] * 0.5 - work.lower[at(i, i)].ln();
         }
@@ -201,7 +205,7 @@ impl Head for KernelHead {
                     for j in 0..n {
                         let mut sum = Lanes::from(0.0);
                         for k in 0..n {
-                            sum = sum + work.slope[i * n + k] * bounded(mixing[k * n + j])[0];
+                            sum = sum + work.slope[i * n + k] * work.mixing[k * n + j];
                         }
                         work.mixed[i * n + j] = sum;
                     }
@@ -212,7 +216,7 @@ impl Head for KernelHead {
                     for j in 0..n {
                         let mut of_kernel = Lanes::from(0.0);
                         for k in 0..n {
-                            of_kernel = of_kernel + bounded(mixing[k * n + i])[0] * work.mixed[k * n + j];
+                            of_kernel = of_kernel + work.mixing[k * n + i] * work.mixed[k * n + j];
                         }
                         sum = sum + of_kernel * (z[i] - z[j]) * work.kernel[i * n + j];
                     }
@@ -224,6 +228,6 @@ impl Head for KernelHead {
     }
 
     fn scratch(&self) -> usize {
-        3 * self.n * self.n + self.n * (self.n + 1) / 2 + 2 * self.n
+        4 * self.n * self.n + self.n * (self.n + 1) / 2 + 2 * self.n
     }
 }

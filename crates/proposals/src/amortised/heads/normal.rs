@@ -1,12 +1,10 @@
 //! A Gaussian by its mean and the Cholesky factor of its precision: what heads are built from.
 
+use motes_models::LN_2PI;
 use motes_models::equations::triangle::at;
 use motes_models::equations::{Lanes, Scalar};
 
 use super::covariance::Covariance;
-
-/// `½ log 2π`.
-const HALF_LN_TAU: f64 = 0.918_938_533_204_672_8;
 
 /// Logarithms of scales stay within this, however far a network extrapolates.
 const LARGEST_LOG_SCALE: f64 = 6.0;
@@ -47,7 +45,7 @@ impl Normal {
     #[inline(always)]
     pub(super) fn log_density(self, theta: &[Lanes], u: &[Lanes], noise: &mut [Lanes]) -> Lanes {
         let n = self.n;
-        let mut sum = Lanes::from(-HALF_LN_TAU * n as f64);
+        let mut sum = Lanes::from(-0.5 * LN_2PI * n as f64);
         for i in 0..n {
             let [log_scale, _] = bounded(theta[n + i]);
             let mut epsilon = (u[i] - theta[i]) * log_scale.exp();

@@ -1,13 +1,13 @@
 //! The linearised distributions of a block of particles: draws and densities.
 
 use motes_models::batch::{LANES, by_widest_vectors, load, particles_by_stream, store, with_scratch};
+use motes_models::equations::triangle::{at, solve_upper, times_upper};
 use motes_models::equations::{Lanes, Linearise, Scalar};
-use motes_models::{Stream, fill_standard_normal};
+use motes_models::{LN_2PI, Stream, fill_standard_normal};
 
 use super::scratch::{LinearisedScratch, lanes};
 use crate::proposal::{Conditional, Context};
 use crate::proposals::bootstrap::Transition;
-use motes_models::equations::triangle::{at, solve_upper, times_upper};
 
 /// The Gaussians of a block of particles, each with its own mean and precision; or their transitions.
 pub struct LinearisedBatch<'a, M: ?Sized> {
@@ -17,13 +17,10 @@ pub struct LinearisedBatch<'a, M: ?Sized> {
     pub(super) sees_measurements: bool,
 }
 
-/// `½ log 2π`.
-const HALF_LN_TAU: f64 = 0.918_938_533_204_672_8;
-
 /// `Σ_i log L_ii − ½ |z|² − (N/2) log 2π`.
 #[inline(always)]
 fn log_density(n: usize, lower: &[Lanes], z: &[Lanes]) -> Lanes {
-    let mut sum = Lanes::from(-HALF_LN_TAU * n as f64);
+    let mut sum = Lanes::from(-0.5 * LN_2PI * n as f64);
     for (i, z) in z.iter().enumerate() {
         sum = sum + lower[at(i, i)].ln() - *z * *z * 0.5;
     }
