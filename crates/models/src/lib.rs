@@ -26,6 +26,7 @@
 
 pub mod batch;
 mod bulk;
+mod dependence;
 pub mod elementary;
 mod epidemic;
 pub mod equations;

@@ -1,6 +1,7 @@
 //! What a network needs to know of a model before it is made.
 
-use crate::{GraphModel, StateSpaceModel, SystemGraph};
+use crate::equations::Linearise;
+use crate::{GraphModel, Seed, Simulator, StateSpaceModel, SystemGraph};
 
 /// All that a proposal's networks are made from: the sizes of a model, and its graph where one is used.
 ///
@@ -27,6 +28,11 @@ impl ModelShape {
     pub fn of(model: &(impl StateSpaceModel + ?Sized)) -> Self {
         let (state_dim, measurement_dim) = (model.state_dim(), model.measurement_dim());
         ModelShape { state_dim, measurement_dim, graph: None }
+    }
+
+    /// The sizes of a model, and the graph of what depends on what in it ([`SystemGraph::of_dependences`]).
+    pub fn on_dependences(model: &(impl Linearise + Simulator + ?Sized), seed: &Seed) -> Self {
+        ModelShape { graph: Some(SystemGraph::of_dependences(model, seed)), ..ModelShape::of(model) }
     }
 
     /// The sizes of a model and its graph.

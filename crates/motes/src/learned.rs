@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use motes_formulas::{FileModel, FormulaModel};
-use motes_models::ModelShape;
+use motes_models::{ModelShape, Seed};
 use motes_proposals::{Amortised, Backend, SavedError, load, save};
 use serde::{Deserialize, Serialize};
 
@@ -40,6 +40,11 @@ impl fmt::Debug for LearnedProposal {
     }
 }
 
+/// What networks are made from: sizes, and the graph of what depends on what, which is the same whenever it is asked for.
+pub(crate) fn shape_of(model: &FormulaModel) -> ModelShape {
+    ModelShape::on_dependences(model, &Seed::from_u64(0).child("dependences"))
+}
+
 impl PartialEq for LearnedProposal {
     /// Whether they are the same one.
     fn eq(&self, other: &Self) -> bool {
@@ -58,7 +63,7 @@ impl LearnedProposal {
     /// [`MotesError::Saved`] if it is not there, damaged, or learned for another model.
     pub fn load(folder: &Path, model: &Model) -> Result<Self, MotesError> {
         let formulas = formulas_of(model)?;
-        let shape = ModelShape::of(formulas);
+        let shape = shape_of(formulas);
         let proposal = load(folder, formulas, &shape, Backend::Native.into())?;
         let notes = motes_proposals::notes(folder)?;
         let name = folder.file_name().unwrap_or(folder.as_os_str()).to_string_lossy().into_owned();
@@ -71,7 +76,7 @@ impl LearnedProposal {
     /// [`MotesError::Saved`] if it cannot be written.
     pub fn save(&self, folder: &Path, model: &Model) -> Result<(), MotesError> {
         let formulas = formulas_of(model)?;
-        Ok(save(folder, &*self.proposal, formulas, &ModelShape::of(formulas), &*self.notes)?)
+        Ok(save(folder, &*self.proposal, formulas, &shape_of(formulas), &*self.notes)?)
     }
 
     /// What it is called on a card.

@@ -64,6 +64,43 @@ fn it_is_learned_once_and_filters_better_than_what_it_started_from() {
     assert!(compared["methods"]["p"]["ess_fraction"].as_f64().unwrap() > 0.2, "{compared}");
 }
 
+/// Two coordinates that hear from each other.
+const PAIR: &str = r#"
+[initial]
+a = "normal(0, 1)"
+b = "normal(0, 1)"
+[transition]
+a = "normal(0.5*a + sin(b), 0.5)"
+b = "normal(0.9*b + 0.1*a, 0.5)"
+[measurement]
+y = "normal(a*b, 0.3)"
+"#;
+
+#[test]
+fn networks_along_the_graph_of_what_depends_on_what_learn_are_saved_and_filter() {
+    let place = Workplace::new();
+    place.write("pair.toml", PAIR);
+    let learning =
+        ["learn", "pair.toml", "-o", "g", "--network", "graph", "--sequences", "0", "--updates", "300"];
+    let output = place.run(&learning);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(stderr(&output).contains("by graph filters of order 2"), "{}", stderr(&output));
+    let data = place.printed(&["simulate", "pair.toml", "--steps", "60", "--series", "3", "--seed", "9"]);
+    place.write("pair.csv", data);
+    let ess = |proposal: &str| {
+        let command =
+            ["filter", "pair.toml", "pair.csv", "--particles", "200", "--proposal", proposal, "--json"];
+        let found: Value = serde_json::from_str(&place.printed(&command)).unwrap();
+        found["ess_mean"].as_f64().unwrap() / 200.0
+    };
+    let [of_learned, bootstrap] = ["g", "bootstrap"].map(ess);
+    assert!(of_learned > bootstrap + 0.05, "{of_learned}, {bootstrap}");
+    // Its graph is a part of the model that it was learned for.
+    place.write("apart.toml", PAIR.replace("0.9*b + 0.1*a", "0.9*b + 0.1"));
+    let output = place.run(&["filter", "apart.toml", "pair.csv", "--proposal", "g"]);
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+}
+
 #[test]
 fn the_same_seed_gives_the_same_weights_and_the_same_bytes_on_any_number_of_threads() {
     let place = Workplace::new();
@@ -168,6 +205,14 @@ fn what_cannot_be_learned_is_refused() {
     refused(
         &["learn", "square.toml", "-o", "r", "--head", "flow:1"],
         "--head flow:1: 1 is no number of pieces; it must be an integer from 2 to 100",
+    );
+    refused(
+        &["learn", "square.toml", "-o", "r", "--network", "mesh"],
+        "--network mesh: there are connected, graph",
+    );
+    refused(
+        &["learn", "square.toml", "-o", "r", "--network", "graph:0"],
+        "--network graph:0: 0 is no order of graph filters; it must be an integer from 1 to 100",
     );
     let needed = "the following required arguments were not provided: --output <FOLDER>; see motes --help";
     refused(&["learn", "square.toml"], needed);

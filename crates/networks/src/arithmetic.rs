@@ -43,6 +43,16 @@ pub trait Arithmetic {
         adapter: Option<usize>,
     ) -> Self::Rows;
 
+    /// Blocks of inputs at the nodes: `states` blocks of `N` numbers, one for each node, then `measurements` blocks of `M`, which the graph's adapter brings to the
+    /// nodes. `R×(states·N + measurements·M)` to `(N·R)×(states + measurements)`.
+    fn blocks_at_nodes(
+        &mut self,
+        inputs: &Self::Rows,
+        graph: &Graph,
+        states: usize,
+        measurements: usize,
+    ) -> Self::Rows;
+
     /// `ρ(Σ_d S^d X W_d + 1 bᵀ)` of each particle, `(N·R)×F_in` to `(N·R)×F_out`: matrix `taps` has the `W_d` on top of each other
     /// and the one after it is `b`.
     fn graph_filter(
@@ -54,7 +64,7 @@ pub trait Arithmetic {
         activation: Activation,
     ) -> Self::Rows;
 
-    /// One value of each node of each particle, `(N·R)×1`, as a row for each particle, `R×N`.
+    /// The values of each node of each particle, `(N·R)×F`, as a row for each particle, node after node: `R×(N·F)`.
     fn by_particle(&mut self, values: &Self::Rows, nodes: usize) -> Self::Rows;
 }
 

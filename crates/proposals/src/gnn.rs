@@ -2,13 +2,13 @@
 
 use motes_models::{ModelShape, Seed};
 use motes_networks::layers::GraphNetwork;
-use motes_networks::{Arithmetic, Graph, Known, Networks, Outputs, Parameters, fan_in_bound};
+use motes_networks::{Activation, Arithmetic, Graph, Known, Networks, Outputs, Parameters, fan_in_bound};
 use motes_smc::ProposalError;
 use serde::{Deserialize, Serialize};
 
 use crate::gaussian::{GaussianNetworks, GaussianProposal};
 use crate::over_time::{OverTime, one_at};
-use crate::settings::{check_widths, count_affine};
+use crate::settings::{check_widths, count_affine, graph_of};
 
 /// The settings of a [`Gnn`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -99,7 +99,7 @@ impl Networks for GnnNetworks {
             Some([_, index]) => arithmetic.at_nodes(previous, measurement, &self.graph, Some(index)),
         };
         let mut outputs = |network: &GraphNetwork, inputs: A::Rows| {
-            let at_nodes = network.forward(arithmetic, &self.graph, inputs);
+            let at_nodes = network.forward(arithmetic, &self.graph, inputs, Activation::Linear);
             arithmetic.by_particle(&at_nodes, self.graph.nodes())
         };
         let means = outputs(&self.means[self.over_time.at(time)], inputs);
@@ -137,15 +137,7 @@ impl GaussianNetworks for GnnNetworks {
         seed: &Seed,
     ) -> Result<Self, ProposalError> {
         let &ModelShape { state_dim: n, measurement_dim: m, .. } = shape;
-        let graph = shape.graph.as_ref().ok_or(ProposalError::NoGraph)?;
-        for (what, found, expected) in [
-            ("the rows of the graph's matrix", graph.shift.nrows(), n),
-            ("the columns of the graph's matrix", graph.shift.ncols(), n),
-            ("the rows of the graph's adapter", graph.adapter.nrows(), n),
-            ("the columns of the graph's adapter", graph.adapter.ncols(), m),
-        ] {
-            ProposalError::unless_same(what, found, expected)?;
-        }
+        let graph = graph_of(shape)?;
         let features = config.layers();
         let over_time = config.networks;
         let mut draw = |names: Vec<String>| -> Vec<GraphNetwork> {
@@ -163,7 +155,6 @@ impl GaussianNetworks for GnnNetworks {
                 Some([first, first + 1])
             }
         };
-        let graph = Graph::new(graph.shift.clone(), graph.adapter.clone());
         Ok(GnnNetworks { graph, over_time, means, representations, adapters })
     }
 

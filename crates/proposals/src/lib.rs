@@ -40,7 +40,7 @@ mod standardised;
 
 pub use amortised::{
     Amortised, AmortisedBatch, AmortisedConfig, AmortisedScratch, Base, Covariance, Examples, FlowHead,
-    GaussianHead, Head, HeadConfig, KernelHead, MixtureHead, Stage, Times,
+    GaussianHead, Head, HeadConfig, KernelHead, MixtureHead, Sees, Stage, Times,
 };
 pub use family::{Family, Parametric};
 pub use fcnn::{Fcnn, FcnnConfig, FcnnNetworks};

@@ -1,7 +1,7 @@
 //! Settings and sizes that families are made from: what is refused, and how many weights they lead to.
 
 use motes_models::ModelShape;
-use motes_networks::{Compute, NetworkError};
+use motes_networks::{Compute, Graph, NetworkError};
 use motes_smc::ProposalError;
 
 /// An error of the networks as one of the proposal.
@@ -93,4 +93,22 @@ pub(crate) fn check_ridge(name: &'static str, ridge: f64) -> Result<(), Proposal
 pub(crate) fn check_shape(shape: &ModelShape) -> Result<(), ProposalError> {
     check_count("the model's state dimension N", shape.state_dim)?;
     check_count("the model's measurement dimension M", shape.measurement_dim)
+}
+
+/// The graph of a model, of its sizes.
+///
+/// # Errors
+/// [`ProposalError::NoGraph`] if the model has none, [`ProposalError::Mismatch`] for a graph of other sizes.
+pub(crate) fn graph_of(shape: &ModelShape) -> Result<Graph, ProposalError> {
+    let &ModelShape { state_dim: n, measurement_dim: m, .. } = shape;
+    let graph = shape.graph.as_ref().ok_or(ProposalError::NoGraph)?;
+    for (what, found, expected) in [
+        ("the rows of the graph's matrix", graph.shift.nrows(), n),
+        ("the columns of the graph's matrix", graph.shift.ncols(), n),
+        ("the rows of the graph's adapter", graph.adapter.nrows(), n),
+        ("the columns of the graph's adapter", graph.adapter.ncols(), m),
+    ] {
+        ProposalError::unless_same(what, found, expected)?;
+    }
+    Ok(Graph::new(graph.shift.clone(), graph.adapter.clone()))
 }

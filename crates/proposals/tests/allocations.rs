@@ -3,7 +3,7 @@
 use motes_models::batch::reserve_scratch;
 use motes_models::equations::{Coordinates, Equations, Scalar, normal};
 use motes_models::{ModelShape, Seed, simulate};
-use motes_proposals::{Amortised, AmortisedConfig, Backend, Base, Covariance, Family, HeadConfig};
+use motes_proposals::{Amortised, AmortisedConfig, Backend, Base, Covariance, Family, HeadConfig, Sees};
 use motes_smc::{FilterBank, FilterSettings, ResampleWhen, Resampling};
 use rayon_core::{ThreadPool, ThreadPoolBuilder};
 
@@ -39,7 +39,7 @@ impl Equations for Bent {
 fn allocations(head: HeadConfig, filters: usize, particles: usize, pool: &ThreadPool) -> u64 {
     let seed = Seed::from_u64(60);
     let data = simulate(&Bent, STEPS, &mut seed.child("data").stream()).unwrap();
-    let config = AmortisedConfig { widths: vec![64, 64], base: Base::Linearised, head };
+    let config = AmortisedConfig { widths: vec![64, 64], sees: Sees::All, base: Base::Linearised, head };
     let shape = ModelShape::of(&Bent);
     let proposal = Amortised::create(&config, &shape, 0, Backend::Native.into(), &seed).unwrap();
     let settings = FilterSettings {

@@ -4,7 +4,7 @@
 
 use motes_models::equations::{Coordinates, Equations, Scalar, normal};
 use motes_models::{Measurements, ModelShape, simulate};
-use motes_proposals::{Amortised, AmortisedConfig, Backend, Base, Covariance, Family, HeadConfig};
+use motes_proposals::{Amortised, AmortisedConfig, Backend, Base, Covariance, Family, HeadConfig, Sees};
 use motes_smc::{FilterBank, FilterSettings, ResampleWhen, Resampling};
 
 use crate::folder::seed;
@@ -81,7 +81,7 @@ fn config(model: &str) -> AmortisedConfig {
         "growth" => (Base::Transition, HeadConfig::Mixture { components: 5, covariance }),
         _ => (Base::Linearised, HeadConfig::Gaussian { covariance }),
     };
-    AmortisedConfig { widths: vec![64, 64], base, head }
+    AmortisedConfig { widths: vec![64, 64], sees: Sees::All, base, head }
 }
 
 /// Floating-point operations of the networks in a filter of so many particles.

@@ -5,10 +5,11 @@ use std::str::FromStr;
 
 use clap::{Args, Parser, Subcommand};
 use motes::output::Output;
-use motes::proposals::{Base, Covariance, HeadConfig};
 use motes::smc::Resampling;
 use motes::{FilterOptions, LearnOptions, LearnedProposal, Model, MotesError, ProposalName};
 use motes_cli::{integer, one_of};
+
+use super::kind_args::KindArgs;
 
 /// Particle filters for state-space models: hidden states, evidence and warnings from a model file and a CSV file.
 #[derive(Parser)]
@@ -247,15 +248,8 @@ pub(super) struct LearnArgs {
     /// The number of times in each simulated sequence
     #[arg(long, value_name = "T", allow_negative_numbers = true, default_value = "100", value_parser = integer(2..=1_000_000_usize))]
     pub(super) steps: usize,
-    /// The designed proposal that it is built around: transition or linearised; chosen if absent
-    #[arg(long, value_name = "B", value_parser = base)]
-    pub(super) base: Option<Base>,
-    /// What its networks emit: gaussian, kernel (the paper's), mixture or mixture:J of J Gaussians, flow or flow:K of splines with K pieces; chosen if absent
-    #[arg(long, value_name = "H", value_parser = head)]
-    pub(super) head: Option<HeadConfig>,
-    /// The widths of the networks' hidden layers
-    #[arg(long, value_name = "W,W", value_delimiter = ',', default_value = "64,64", value_parser = integer(1..=65536_usize))]
-    pub(super) widths: Vec<usize>,
+    #[command(flatten)]
+    pub(super) kind: KindArgs,
     /// The number of particles of the card
     #[arg(long, value_name = "K", allow_negative_numbers = true, default_value = "100", value_parser = integer(1..=1_000_000_000_usize))]
     pub(super) particles: usize,
@@ -276,9 +270,10 @@ impl LearnArgs {
             updates: self.updates,
             seconds: self.budget,
             steps: self.steps,
-            base: self.base,
-            head: self.head,
-            widths: self.widths.clone(),
+            base: self.kind.base,
+            head: self.kind.head,
+            sees: self.kind.network,
+            widths: self.kind.widths.clone(),
             seed: self.model.seed,
         }
     }
@@ -371,33 +366,6 @@ fn fraction(text: &str) -> Result<f64, String> {
 fn seconds(text: &str) -> Result<f64, String> {
     let seconds = text.parse().ok().filter(|seconds: &f64| *seconds > 0.0 && seconds.is_finite());
     seconds.ok_or_else(|| "it must be a number above 0".into())
-}
-
-fn base(text: &str) -> Result<Base, String> {
-    match text {
-        "transition" => Ok(Base::Transition),
-        "linearised" => Ok(Base::Linearised),
-        other => Err(one_of(other, ["transition", "linearised"])),
-    }
-}
-
-fn head(text: &str) -> Result<HeadConfig, String> {
-    let covariance = Covariance::Full;
-    match text.split_once(':') {
-        None if text == "gaussian" => Ok(HeadConfig::Gaussian { covariance }),
-        None if text == "kernel" => Ok(HeadConfig::Kernel),
-        None if text == "mixture" => Ok(HeadConfig::Mixture { components: 5, covariance }),
-        Some(("mixture", count)) => match count.parse() {
-            Ok(components @ 1..=100) => Ok(HeadConfig::Mixture { components, covariance }),
-            _ => Err(format!("{count} is no number of components; it must be an integer from 1 to 100")),
-        },
-        None if text == "flow" => Ok(HeadConfig::Flow { pieces: 8, covariance }),
-        Some(("flow", count)) => match count.parse() {
-            Ok(pieces @ 2..=100) => Ok(HeadConfig::Flow { pieces, covariance }),
-            _ => Err(format!("{count} is no number of pieces; it must be an integer from 2 to 100")),
-        },
-        _ => Err(one_of(text, ["gaussian", "kernel", "mixture", "flow"])),
-    }
 }
 
 fn resampling(text: &str) -> Result<Resampling, String> {

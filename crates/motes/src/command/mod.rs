@@ -7,6 +7,7 @@ mod failure;
 mod filter;
 mod filter_page;
 mod input;
+mod kind_args;
 mod learn;
 mod progress;
 mod say;

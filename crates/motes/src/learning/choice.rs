@@ -3,13 +3,14 @@
 use std::fmt::Write;
 
 use motes_formulas::FormulaModel;
-use motes_models::{ModelShape, Seed, StateSpaceModel};
-use motes_proposals::{Amortised, AmortisedConfig, Backend, Base, Covariance, Family, HeadConfig};
+use motes_models::{Seed, StateSpaceModel};
+use motes_proposals::{Amortised, AmortisedConfig, Backend, Base, Covariance, Family, HeadConfig, Sees};
 use motes_smc::Linearised;
 use motes_train::{LearnConfig, learn};
 
 use super::options::LearnOptions;
 use crate::error::MotesError;
+use crate::learned::shape_of;
 
 /// States of more coordinates have no full covariance of their own: the base has one.
 const MOST_COORDINATES_IN_FULL: usize = 12;
@@ -31,8 +32,13 @@ fn candidates(model: &FormulaModel, options: &LearnOptions) -> Result<Vec<Amorti
         None if n <= 2 => vec![HeadConfig::Mixture { components: 5, covariance }],
         None => vec![HeadConfig::Gaussian { covariance }, HeadConfig::Mixture { components: 3, covariance }],
     };
-    let widths = options.widths.clone();
-    let with = |(base, head)| AmortisedConfig { widths: widths.clone(), base, head };
+    let sees = options.sees;
+    let widths = options.widths.clone().unwrap_or_else(|| match sees {
+        Sees::All => vec![64, 64],
+        // Each node has as many.
+        Sees::Graph { .. } => vec![16, 16],
+    });
+    let with = |(base, head)| AmortisedConfig { widths: widths.clone(), sees, base, head };
     Ok(bases.into_iter().flat_map(|base| heads.iter().map(move |head| (base, *head))).map(with).collect())
 }
 
@@ -63,7 +69,7 @@ pub(super) fn choose(
     let count = candidates.len();
     let mut gains = Vec::new();
     for (number, config) in candidates.iter().enumerate() {
-        let shape = ModelShape::of(model);
+        let shape = shape_of(model);
         let mut proposal =
             Amortised::create(config, &shape, 0, Backend::Native.into(), &seed.child("weights"))?;
         let found = learn(&mut proposal, model, &[], &pilot, &seed.child("pilot"), |step, _| {
@@ -101,5 +107,9 @@ fn name(config: &AmortisedConfig) -> String {
         HeadConfig::Mixture { components, .. } => format!("a mixture of {components}"),
         HeadConfig::Flow { pieces, .. } => format!("a flow of {pieces} pieces"),
     };
-    format!("{head} around {base}")
+    let along = match config.sees {
+        Sees::All => String::new(),
+        Sees::Graph { order } => format!(", by graph filters of order {order}"),
+    };
+    format!("{head} around {base}{along}")
 }

@@ -6,7 +6,7 @@ mod worth;
 
 use std::ops::ControlFlow;
 
-use motes_models::{ModelShape, PartialMeasurements, Seed};
+use motes_models::{PartialMeasurements, Seed};
 use motes_proposals::{Amortised, Backend, Family};
 use motes_train::{LearnConfig, Learned, learn as train};
 
@@ -14,7 +14,7 @@ pub use options::LearnOptions;
 
 use crate::data::Data;
 use crate::error::MotesError;
-use crate::learned::{LearnedProposal, Notes, formulas_of};
+use crate::learned::{LearnedProposal, Notes, formulas_of, shape_of};
 use crate::model::Model;
 use choice::{Choice, choose};
 use worth::worse_than;
@@ -73,7 +73,7 @@ pub fn learn(
     // A third of the bar is for choosing.
     let Choice { config, reason } =
         choose(formulas, options, &settings, &seed, |done, total| proceed(done, 3 * total))?;
-    let shape = ModelShape::of(formulas);
+    let shape = shape_of(formulas);
     let mut proposal = Amortised::create(&config, &shape, 0, Backend::Native.into(), &seed.child("weights"))?;
     let mut is_stopped = false;
     let history = train(&mut proposal, formulas, &recorded, &settings, &seed, |done, _| {

@@ -1,6 +1,6 @@
 //! How a proposal is learned.
 
-use motes_proposals::{Base, HeadConfig};
+use motes_proposals::{Base, HeadConfig, Sees};
 
 /// How a proposal is learned. [`LearnOptions::default`] is what the command takes where nothing else is said.
 #[derive(Debug, Clone, PartialEq)]
@@ -15,8 +15,10 @@ pub struct LearnOptions {
     pub base: Option<Base>,
     /// What its networks emit; chosen if none is given.
     pub head: Option<HeadConfig>,
-    /// The widths of its networks' hidden layers.
-    pub widths: Vec<usize>,
+    /// What a unit of its networks' hidden layers sees.
+    pub sees: Sees,
+    /// The widths of its networks' hidden layers; along a graph, the features of each node. Chosen if none is given.
+    pub widths: Option<Vec<usize>>,
     /// All random numbers come from it.
     pub seed: u64,
 }
@@ -29,7 +31,8 @@ impl Default for LearnOptions {
             steps: 100,
             base: None,
             head: None,
-            widths: vec![64, 64],
+            sees: Sees::All,
+            widths: None,
             seed: 1,
         }
     }

@@ -77,7 +77,7 @@ mod tests {
 
     use motes_models::ModelShape;
     use motes_proposals::{
-        Amortised, AmortisedConfig, Backend, Base, Covariance, Family, HeadConfig, Parametric,
+        Amortised, AmortisedConfig, Backend, Base, Covariance, Family, HeadConfig, Parametric, Sees,
     };
 
     use super::*;
@@ -90,7 +90,7 @@ mod tests {
                     [measurement]\ny = \"normal(x^2/20, 1)\"\n";
         let model = Model::parse(text, "growth", &[]).unwrap();
         let head = HeadConfig::Gaussian { covariance: Covariance::Full };
-        let config = AmortisedConfig { widths: vec![4], base: Base::Transition, head };
+        let config = AmortisedConfig { widths: vec![4], sees: Sees::All, base: Base::Transition, head };
         let shape = ModelShape::of(formulas_of(&model).unwrap());
         let mut proposal =
             Amortised::create(&config, &shape, 0, Backend::Native.into(), &Seed::from_u64(1)).unwrap();

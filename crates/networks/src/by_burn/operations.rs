@@ -156,6 +156,25 @@ impl Arithmetic for Operations<'_> {
         Tensor::cat(vec![states, column(at_nodes.repeat_dim(1, particles))], 1)
     }
 
+    fn blocks_at_nodes(
+        &mut self,
+        inputs: &Tensor<2>,
+        graph: &Graph,
+        states: usize,
+        measurements: usize,
+    ) -> Tensor<2> {
+        let particles = inputs.dims()[0];
+        let adapter = self.library.matrix(graph.adapter());
+        let [nodes, m] = adapter.dims();
+        let column = |by_node: Tensor<2>| by_node.reshape([nodes * particles, 1]);
+        let own = (0..states).map(|at| column(inputs.clone().narrow(1, at * nodes, nodes).transpose()));
+        let heard = (0..measurements).map(|at| {
+            let block = inputs.clone().narrow(1, states * nodes + at * m, m);
+            column(adapter.clone().matmul(block.transpose()))
+        });
+        Tensor::cat(own.chain(heard).collect(), 1)
+    }
+
     fn graph_filter(
         &mut self,
         graph: &Graph,
@@ -182,7 +201,9 @@ impl Arithmetic for Operations<'_> {
     }
 
     fn by_particle(&mut self, values: &Tensor<2>, nodes: usize) -> Tensor<2> {
-        let particles = values.dims()[0] / nodes;
-        values.clone().reshape([nodes, particles]).transpose()
+        let [rows, features] = values.dims();
+        let particles = rows / nodes;
+        let grouped: Tensor<3> = values.clone().reshape([nodes, particles, features]);
+        grouped.swap_dims(0, 1).reshape([particles, nodes * features])
     }
 }

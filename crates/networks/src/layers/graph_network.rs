@@ -7,7 +7,7 @@ use crate::graph::{Graph, Shape};
 use crate::initial_weights::fan_in_bound;
 use crate::parameters::Parameters;
 
-/// A cascade of graph filters with tanh between them, none after the last.
+/// A cascade of graph filters with tanh between them.
 ///
 /// It is a view of consecutive matrices: for each layer the taps `W_0 … W_D` on top of each other and an offset for each feature.
 #[derive(Clone)]
@@ -36,11 +36,16 @@ impl GraphNetwork {
         GraphNetwork { first, shapes }
     }
 
-    /// Maps `(N·R)×F_0` inputs, node by node, to `(N·R)×F_L` outputs.
-    pub fn forward<A: Arithmetic>(&self, arithmetic: &mut A, graph: &Graph, inputs: A::Rows) -> A::Rows {
+    /// Maps `(N·R)×F_0` inputs, node by node, to `(N·R)×F_L` outputs, with `last` applied to these.
+    pub fn forward<A: Arithmetic>(
+        &self,
+        arithmetic: &mut A,
+        graph: &Graph,
+        inputs: A::Rows,
+        last: Activation,
+    ) -> A::Rows {
         self.shapes.iter().enumerate().fold(inputs, |values, (layer, shape)| {
-            let last = layer + 1 == self.shapes.len();
-            let activation = if last { Activation::Linear } else { Activation::Tanh };
+            let activation = if layer + 1 == self.shapes.len() { last } else { Activation::Tanh };
             arithmetic.graph_filter(graph, &values, *shape, self.first + 2 * layer, activation)
         })
     }

@@ -1,6 +1,6 @@
 //! The operations of networks, each computed by whole layers.
 
-use super::products::{Multiply, transpose};
+use super::products::Multiply;
 use super::step::{At, Kind, Native};
 use super::{affine, cells, graph};
 use crate::arithmetic::{Activation, Arithmetic};
@@ -39,6 +39,10 @@ impl<T: Multiply> Arithmetic for Native<'_, T> {
         graph::at_nodes(self, *previous, *measurement, graph, adapter)
     }
 
+    fn blocks_at_nodes(&mut self, inputs: &At, graph: &Graph, states: usize, measurements: usize) -> At {
+        graph::blocks_at_nodes(self, *inputs, graph, [states, measurements])
+    }
+
     fn graph_filter(
         &mut self,
         graph: &Graph,
@@ -51,9 +55,10 @@ impl<T: Multiply> Arithmetic for Native<'_, T> {
     }
 
     fn by_particle(&mut self, values: &At, nodes: usize) -> At {
-        let particles = self.step.size(*values).0 / nodes;
-        let mut rows = self.buffers.take(particles * nodes);
-        transpose(self.step.values(*values), nodes, particles, &mut rows);
-        self.step.push(Kind::ByParticle(*values), particles, nodes, rows)
+        let (rows, features) = self.step.size(*values);
+        let particles = rows / nodes;
+        let mut by_particle = self.buffers.take(rows * features);
+        graph::regroup(self.step.values(*values), [nodes, particles, features], &mut by_particle);
+        self.step.push(Kind::ByParticle(*values), particles, nodes * features, by_particle)
     }
 }

@@ -12,7 +12,7 @@ use super::affine::{activate, deactivate};
 use super::buffers::Buffers;
 use super::derivatives::Derivatives;
 use super::gradient_accumulator::GradientAccumulator;
-use super::products::{Multiply, column_sums, times, times_transposed, transposed_times};
+use super::products::{Multiply, column_sums, times, times_transposed, transpose, transposed_times};
 use super::step::{At, Filtered, Kept, Kind, Native, Node};
 use crate::arithmetic::Activation;
 use crate::gradients::Gradients;
@@ -279,4 +279,78 @@ pub(super) fn at_nodes_backward<T: Multiply>(
         derivatives.add(previous, d_previous);
     }
     derivatives.buffers.put(d);
+}
+
+/// Row `i·R + k` is the entries of node `i` in the blocks of states, then what it hears of each block of measurements.
+pub(super) fn blocks_at_nodes<T: Multiply>(
+    native: &mut Native<'_, T>,
+    inputs: At,
+    graph: &Graph,
+    blocks: [usize; 2],
+) -> At {
+    let GraphOf { nodes, adapter, .. } = graph.of::<T>();
+    let (particles, width) = native.step.size(inputs);
+    let [states, measurements] = blocks;
+    let (features, m) = (states + measurements, adapter.len() / nodes);
+    let mut values = native.buffers.take(particles * nodes * features);
+    let of_particles = native.step.values(inputs);
+    for (i, rows) in values.chunks_exact_mut(particles * features).enumerate() {
+        let weights = &adapter[i * m..(i + 1) * m];
+        for (row, inputs) in rows.chunks_exact_mut(features).zip(of_particles.chunks_exact(width)) {
+            let (of_states, of_measurements) = inputs.split_at(states * nodes);
+            let (own, heard) = row.split_at_mut(states);
+            for (value, block) in own.iter_mut().zip(of_states.chunks_exact(nodes)) {
+                *value = block[i];
+            }
+            for (value, block) in heard.iter_mut().zip(of_measurements.chunks_exact(m)) {
+                *value = weights.iter().zip(block).fold(T::ZERO, |sum, (weight, y)| sum + *weight * *y);
+            }
+        }
+    }
+    let kind = Kind::BlocksAtNodes { inputs, graph: graph.clone(), blocks };
+    native.step.push(kind, particles * nodes, features, values)
+}
+
+pub(super) fn blocks_at_nodes_backward<T: Multiply>(
+    below: &[Node<T>],
+    (inputs, graph, [states, measurements]): (At, &Graph, [usize; 2]),
+    d: Vec<T>,
+    derivatives: &mut Derivatives<'_, T>,
+) {
+    if derivatives.wanted(inputs) {
+        let GraphOf { nodes, adapter, .. } = graph.of::<T>();
+        let (particles, width) = (below[inputs.0].rows, below[inputs.0].width);
+        let (features, m) = (states + measurements, adapter.len() / nodes);
+        let mut d_inputs = derivatives.buffers.take(particles * width);
+        d_inputs.fill(T::ZERO);
+        for (i, rows) in d.chunks_exact(particles * features).enumerate() {
+            let weights = &adapter[i * m..(i + 1) * m];
+            for (d_row, d_particle) in rows.chunks_exact(features).zip(d_inputs.chunks_exact_mut(width)) {
+                let (of_states, of_measurements) = d_particle.split_at_mut(states * nodes);
+                let (own, heard) = d_row.split_at(states);
+                for (d, block) in own.iter().zip(of_states.chunks_exact_mut(nodes)) {
+                    block[i] = *d;
+                }
+                for (d, block) in heard.iter().zip(of_measurements.chunks_exact_mut(m)) {
+                    for (place, weight) in block.iter_mut().zip(weights) {
+                        *place += *d * *weight;
+                    }
+                }
+            }
+        }
+        derivatives.add(inputs, d_inputs);
+    }
+    derivatives.buffers.put(d);
+}
+
+/// Rows of `features` numbers, group after group, as the members of all groups: row `g·members + k` becomes row `k·groups + g`.
+pub(super) fn regroup<T: Multiply>(values: &[T], [groups, members, features]: [usize; 3], into: &mut [T]) {
+    if features == 1 {
+        return transpose(values, groups, members, into);
+    }
+    for (g, group) in values.chunks_exact(members * features).enumerate() {
+        for (k, row) in group.chunks_exact(features).enumerate() {
+            into[(k * groups + g) * features..][..features].copy_from_slice(row);
+        }
+    }
 }

@@ -55,6 +55,12 @@ pub(super) enum Kind<T> {
         measurement: At,
         adapter: Option<usize>,
     },
+    /// Inputs of a graph network, from blocks of states and of measurements.
+    BlocksAtNodes {
+        inputs: At,
+        graph: Graph,
+        blocks: [usize; 2],
+    },
     Filter(Filtered<T>),
     ByParticle(At),
 }

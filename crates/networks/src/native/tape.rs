@@ -6,7 +6,7 @@ use super::deduplicate::{distinct, repeat_first};
 use super::derivatives::Derivatives;
 use super::gradient_accumulator::GradientAccumulator;
 use super::memory::Scratch;
-use super::products::{Multiply, column_sums, transpose};
+use super::products::{Multiply, column_sums};
 use super::step::{At, Kind, Native, Node, Step};
 use super::{affine, cells, graph};
 use crate::error::NetworkError;
@@ -260,12 +260,15 @@ fn pull_back<T: Multiply>(
         Kind::AtNodes { previous, measurement, adapter } => {
             graph::at_nodes_backward(below, (*previous, *measurement, *adapter), d, derivatives, gradients);
         }
+        Kind::BlocksAtNodes { inputs, graph, blocks } => {
+            graph::blocks_at_nodes_backward(below, (*inputs, graph, *blocks), d, derivatives);
+        }
         Kind::Filter(filtered) => {
             graph::filter_backward(weights, (below, node, filtered), d, derivatives, accumulator, gradients);
         }
         Kind::ByParticle(values) => {
-            let mut d_values = derivatives.buffers.take(d.len());
-            transpose(&d, node.rows, node.width, &mut d_values);
+            let (features, mut d_values) = (below[values.0].width, derivatives.buffers.take(d.len()));
+            graph::regroup(&d, [node.rows, node.width / features, features], &mut d_values);
             derivatives.add(*values, d_values);
             derivatives.buffers.put(d);
         }

@@ -94,7 +94,7 @@ impl Amortised {
             }
         }
         let &OwnStep { time, previous, states, measurements } = step;
-        let width = super::inputs::count(n, m)[usize::from(time > 0)];
+        let width = super::inputs::Blocks::of(n, m)[usize::from(time > 0)].count();
         let rows = states.len() / n;
         let stage = if time == 0 { &mut examples.initial } else { &mut examples.later };
         stage.width = width;

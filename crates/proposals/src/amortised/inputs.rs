@@ -5,9 +5,39 @@ use motes_models::equations::{Lanes, Scalar};
 /// Inputs stay within this many standard deviations of their mean: a network extrapolates badly.
 const LARGEST: f64 = 10.0;
 
-/// How many inputs there are at `t = 0` and later, for states of `n` coordinates and measurements of `m`.
-pub(super) fn count(n: usize, m: usize) -> [usize; 2] {
-    [2 * m, 2 * n + 2 * m]
+/// What inputs are: blocks of `N` numbers, `x_{t−1}` and the predicted state where there is a past, then two of `M`, `y_t` and the innovation.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Blocks {
+    of_states: usize,
+    n: usize,
+    m: usize,
+}
+
+impl Blocks {
+    /// Those at `t = 0` and later, for states of `n` coordinates and measurements of `m`.
+    pub(super) fn of(n: usize, m: usize) -> [Self; 2] {
+        [0, 2].map(|of_states| Blocks { of_states, n, m })
+    }
+
+    /// How many blocks of states and of measurements there are.
+    pub(super) fn numbers(self) -> [usize; 2] {
+        [self.of_states, 2]
+    }
+
+    /// How many inputs there are.
+    pub(super) fn count(self) -> usize {
+        self.of_states * self.n + 2 * self.m
+    }
+
+    /// How many there are at each node of a graph.
+    pub(super) fn features(self) -> usize {
+        self.of_states + 2
+    }
+
+    /// `N`.
+    pub(super) fn nodes(self) -> usize {
+        self.n
+    }
 }
 
 /// The means and standard deviations of inputs, by which they are brought to standard units.

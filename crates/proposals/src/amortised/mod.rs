@@ -5,6 +5,7 @@ mod batch;
 mod config;
 mod examples;
 mod heads;
+mod hidden;
 mod inclusive;
 mod inputs;
 mod networks;
@@ -15,7 +16,7 @@ mod units;
 
 pub use base::Base;
 pub use batch::AmortisedBatch;
-pub use config::AmortisedConfig;
+pub use config::{AmortisedConfig, Sees};
 pub use examples::{Examples, Stage};
 pub use heads::{Covariance, FlowHead, GaussianHead, Head, HeadConfig, KernelHead, MixtureHead};
 pub use inclusive::Times;

@@ -1,73 +1,67 @@
 //! The networks: one for `t = 0`, one for all later times, each with a linear path beside its hidden layers.
 
 use motes_models::Seed;
-use motes_networks::{Activation, Arithmetic, Known, Networks, Outputs, Parameters, fan_in_bound};
+use motes_networks::{Activation, Arithmetic, Known, Networks, Outputs, Parameters};
 
-/// `θ = z_L W + f W_f + b` with `z_ℓ = tanh(z_{ℓ−1} W_ℓ + b_ℓ)` and the inputs `z_0 = f`.
+use super::hidden::{Along, Hidden};
+use super::inputs::Blocks;
+
+/// `θ = z W + f W_f + b` with the last hidden layer `z` and the inputs `f`.
 ///
 /// What is linear in the inputs needs no hidden unit. `W` and `W_f` begin at 0: an untrained network emits `b`.
-#[derive(Debug, Clone, Copy)]
+#[derive(Clone)]
 struct Network {
-    first: usize,
-    hidden: usize,
+    hidden: Hidden,
+    outputs: usize,
 }
 
 impl Network {
-    /// Adds the weights of a network with the given widths, inputs first; `b` begins as `start`.
-    fn draw(parameters: &mut Parameters, name: &str, widths: &[usize], start: &[f64], seed: &Seed) -> Self {
-        let network = Network { first: parameters.len(), hidden: widths.len() - 1 };
-        for (layer, pair) in widths.windows(2).enumerate() {
-            let bound = fan_in_bound(pair[0]);
-            parameters.draw(format!("{name}.{layer}.weight"), [pair[0], pair[1]], bound, seed);
-            parameters.draw(format!("{name}.{layer}.bias"), [1, pair[1]], bound, seed);
-        }
-        let last = widths[widths.len() - 1];
-        parameters.draw(format!("{name}.outputs.weight"), [last, start.len()], 0.0, seed);
-        parameters.draw(format!("{name}.outputs.linear"), [widths[0], start.len()], 0.0, seed);
-        parameters.add(format!("{name}.outputs.bias"), [1, start.len()], start);
-        network
-    }
-
-    fn forward<A: Arithmetic>(self, arithmetic: &mut A, inputs: &A::Rows) -> A::Rows {
-        let mut values = inputs.clone();
-        for layer in 0..self.hidden {
-            let at = self.first + 2 * layer;
-            values = arithmetic.affine(&[(&values, at)], Some(at + 1), Activation::Tanh);
-        }
-        let at = self.first + 2 * self.hidden;
+    fn forward<A: Arithmetic>(&self, arithmetic: &mut A, inputs: &A::Rows) -> A::Rows {
+        let values = self.hidden.forward(arithmetic, inputs);
+        let at = self.outputs;
         arithmetic.affine(&[(&values, at), (inputs, at + 1)], Some(at + 2), Activation::Linear)
     }
 }
 
 /// One network for `t = 0`, where there is no past, and one for all later times.
-#[derive(Debug, Clone, Copy)]
+#[derive(Clone)]
 pub(super) struct AmortisedNetworks {
     initial: Network,
     later: Network,
 }
 
 impl AmortisedNetworks {
-    /// Adds their weights: `inputs` are the numbers of inputs at `t = 0` and later.
+    /// Adds their weights: `inputs` are those at `t = 0` and later, `b` begins as `start`.
     pub(super) fn draw(
         parameters: &mut Parameters,
-        inputs: [usize; 2],
+        inputs: [Blocks; 2],
         widths: &[usize],
+        along: Option<&Along>,
         start: &[f64],
         seed: &Seed,
     ) -> Self {
-        let [initial, later] = inputs.map(|inputs| [&[inputs], widths].concat());
-        AmortisedNetworks {
-            initial: Network::draw(parameters, "initial", &initial, start, seed),
-            later: Network::draw(parameters, "later", &later, start, seed),
-        }
+        let mut draw = |name: &str, inputs: Blocks| {
+            let hidden = Hidden::draw(parameters, name, inputs, widths, along, seed);
+            let outputs = parameters.len();
+            parameters.draw(format!("{name}.outputs.weight"), [hidden.width(widths), start.len()], 0.0, seed);
+            parameters.draw(format!("{name}.outputs.linear"), [inputs.count(), start.len()], 0.0, seed);
+            parameters.add(format!("{name}.outputs.bias"), [1, start.len()], start);
+            Network { hidden, outputs }
+        };
+        let [initial, later] = inputs;
+        AmortisedNetworks { initial: draw("initial", initial), later: draw("later", later) }
     }
 
     /// How many numbers their weights are; `None` if they cannot be counted.
-    pub(super) fn count(inputs: [usize; 2], widths: &[usize], outputs: usize) -> Option<usize> {
+    pub(super) fn count(
+        inputs: [Blocks; 2],
+        widths: &[usize],
+        order: Option<usize>,
+        outputs: usize,
+    ) -> Option<usize> {
         inputs.into_iter().try_fold(0_usize, |sum, inputs| {
-            let widths = [&[inputs], widths].concat();
-            let hidden = crate::settings::count_affine(&widths, 1)?;
-            let rows = widths.last()?.checked_add(inputs)?.checked_add(1)?;
+            let [hidden, last] = Hidden::count(inputs, widths, order)?;
+            let rows = last.checked_add(inputs.count())?.checked_add(1)?;
             sum.checked_add(hidden)?.checked_add(rows.checked_mul(outputs)?)
         })
     }
@@ -85,7 +79,7 @@ impl Networks for AmortisedNetworks {
         time: usize,
         known: Known<'_, A::Rows>,
     ) -> Outputs<A::Rows> {
-        let network = if time == 0 { self.initial } else { self.later };
+        let network = if time == 0 { &self.initial } else { &self.later };
         Outputs::new([network.forward(arithmetic, &known.previous)], [])
     }
 }

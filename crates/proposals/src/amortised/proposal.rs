@@ -7,12 +7,13 @@ use motes_models::{ModelShape, Seed};
 use motes_networks::{Compute, Parameters};
 use motes_smc::ProposalError;
 
-use super::config::AmortisedConfig;
+use super::config::{AmortisedConfig, Sees};
 use super::heads::Head;
-use super::inputs::{self, Standards};
+use super::hidden::Along;
+use super::inputs::{Blocks, Standards};
 use super::networks::AmortisedNetworks;
 use crate::family::{Family, Parametric};
-use crate::settings::{check_compute, check_shape, check_weights, check_widths};
+use crate::settings::{check_compute, check_shape, check_weights, check_widths, graph_of};
 
 /// `q(x_t | x_{t−1}, y_t)` learned once, for any sequence of a model: `x = T(x_{t−1}, b + L⁻ᵀ u)` with `u ~ h(· | θ)` and `θ` from a network.
 ///
@@ -68,6 +69,12 @@ impl Amortised {
     }
 }
 
+/// The graph that hidden layers compute along.
+fn along(sees: Sees, shape: &ModelShape) -> Result<Option<Along>, ProposalError> {
+    let Sees::Graph { order } = sees else { return Ok(None) };
+    Ok(Some((graph_of(shape)?, order)))
+}
+
 impl Parametric for Amortised {
     fn parameters(&self) -> &Parameters {
         &self.parameters
@@ -109,9 +116,17 @@ impl Family for Amortised {
         let head = config.head.head(state_dim)?;
         check_weights(Self::count(config, shape, 0))?;
         let mut parameters = Parameters::new(compute);
-        let inputs = inputs::count(state_dim, measurement_dim);
-        let networks = AmortisedNetworks::draw(&mut parameters, inputs, &config.widths, &head.start(), seed);
-        for (name, count) in ["initial", "later"].into_iter().zip(inputs) {
+        let inputs = Blocks::of(state_dim, measurement_dim);
+        let along = along(config.sees, shape)?;
+        let networks = AmortisedNetworks::draw(
+            &mut parameters,
+            inputs,
+            &config.widths,
+            along.as_ref(),
+            &head.start(),
+            seed,
+        );
+        for (name, count) in ["initial", "later"].into_iter().zip(inputs.map(Blocks::count)) {
             let standards = Standards::none(count);
             parameters.add(format!("{name}.inputs.means"), [1, count], &standards.means);
             parameters.add(format!("{name}.inputs.scales"), [1, count], &standards.scales);
@@ -128,10 +143,14 @@ impl Family for Amortised {
     }
 
     fn count(config: &AmortisedConfig, shape: &ModelShape, _horizon: usize) -> Option<usize> {
-        let inputs = inputs::count(shape.state_dim, shape.measurement_dim);
+        let inputs = Blocks::of(shape.state_dim, shape.measurement_dim);
+        let order = match config.sees {
+            Sees::All => None,
+            Sees::Graph { order } => Some(order),
+        };
         let outputs = config.head.head(shape.state_dim).ok()?.outputs();
-        let standards = inputs.iter().sum::<usize>().checked_mul(2)?;
-        AmortisedNetworks::count(inputs, &config.widths, outputs)?.checked_add(standards)
+        let standards = inputs.map(Blocks::count).iter().sum::<usize>().checked_mul(2)?;
+        AmortisedNetworks::count(inputs, &config.widths, order, outputs)?.checked_add(standards)
     }
 
     fn config(&self) -> &AmortisedConfig {

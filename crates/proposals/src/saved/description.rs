@@ -8,7 +8,7 @@ use super::fingerprint::{Entry, fingerprint};
 use crate::family::Family;
 
 /// The version of the folder's layout and of what its entries mean.
-pub const SAVED_FORMAT: u32 = 2;
+pub const SAVED_FORMAT: u32 = 3;
 
 /// The file's name.
 pub(super) const DESCRIPTION: &str = "proposal.toml";

@@ -4,6 +4,7 @@ use motes_models::equations::Equations;
 use motes_models::{ModelShape, Seed, StateSpaceModel};
 use motes_proposals::{
     Amortised, AmortisedConfig, AmortisedScratch, Backend, Base, Covariance, Family, HeadConfig, Parametric,
+    Sees,
 };
 use motes_smc::{Conditional, Context, Linearised, LinearisedScratch, Proposal};
 use rand::RngExt;
@@ -12,10 +13,14 @@ use crate::models::{Awkward, Linear, Noise};
 
 /// An amortised proposal whose weights are random: anything that learning could make of it.
 pub(crate) fn random<M: Equations>(model: &M, base: Base, head: HeadConfig, size: f64) -> Amortised {
-    let config = AmortisedConfig { widths: vec![8], base, head };
+    random_of(model, AmortisedConfig { widths: vec![8], sees: Sees::All, base, head }, size)
+}
+
+/// [`random`] with any settings.
+pub(crate) fn random_of<M: Equations>(model: &M, config: AmortisedConfig, size: f64) -> Amortised {
     let seed = Seed::from_u64(4);
-    let compute = Backend::Native.into();
-    let mut proposal = Amortised::create(&config, &ModelShape::of(model), 0, compute, &seed).unwrap();
+    let (shape, compute) = (ModelShape::on_dependences(model, &seed), Backend::Native.into());
+    let mut proposal = Amortised::create(&config, &shape, 0, compute, &seed).unwrap();
     let mut stream = seed.child("more").stream();
     for index in 0..proposal.parameters().len() {
         if proposal.parameters().names()[index].contains("inputs") {

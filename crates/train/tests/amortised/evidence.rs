@@ -5,10 +5,10 @@ use motes_models::equations::Equations;
 use motes_models::{
     Gaussian, LinearGaussian, PartialLikelihood, PartialMeasurements, Seed, StateSpaceModel, kalman, simulate,
 };
-use motes_proposals::{Amortised, Base, HeadConfig};
+use motes_proposals::{Amortised, AmortisedConfig, Base, HeadConfig, Sees};
 use motes_smc::{FilterBank, FilterSettings, ResampleWhen};
 
-use crate::conditional::{BASES, HEADS, random};
+use crate::conditional::{BASES, HEADS, random, random_of};
 use crate::learning::learned;
 use crate::models::{Awkward, Linear, Noise};
 
@@ -40,6 +40,10 @@ fn unbiased<M: Equations>(model: &M, rows: &[Vec<Option<f64>>], exact: f64) {
     let mut proposals: Vec<(String, Amortised)> = Vec::new();
     for (base, head) in pairs {
         proposals.push((format!("{base:?}, {head:?}"), random(model, base, head, 0.15)));
+    }
+    for (base, head) in BASES.into_iter().zip(HEADS) {
+        let config = AmortisedConfig { widths: vec![4, 4], sees: Sees::Graph { order: 1 }, base, head };
+        proposals.push((format!("{base:?}, {head:?}, graph"), random_of(model, config, 0.15)));
     }
     proposals.push(("learned".into(), learned(model, Base::Linearised, HEADS[1], 100).0));
     for (number, (name, proposal)) in proposals.iter().enumerate() {

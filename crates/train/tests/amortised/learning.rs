@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use motes_models::equations::{Coordinates, Equations, Scalar, normal};
 use motes_models::{ModelShape, PartialMeasurements, Seed, simulate};
-use motes_proposals::{Amortised, AmortisedConfig, Backend, Base, Family, HeadConfig, Parametric};
+use motes_proposals::{Amortised, AmortisedConfig, Backend, Base, Family, HeadConfig, Parametric, Sees};
 use motes_smc::{Bootstrap, FilterSettings, Linearised, ParticleFilter, Proposal, ResampleWhen};
 use motes_train::{LearnConfig, Learned, TrainError, learn};
 
@@ -18,7 +18,7 @@ pub(crate) fn learned<M: Equations>(
     head: HeadConfig,
     steps: usize,
 ) -> (Amortised, Learned) {
-    let config = AmortisedConfig { widths: vec![32, 32], base, head };
+    let config = AmortisedConfig { widths: vec![32, 32], sees: Sees::All, base, head };
     let seed = Seed::from_u64(1);
     let shape = ModelShape::of(model);
     let mut proposal = Amortised::create(&config, &shape, 0, Backend::Native.into(), &seed).unwrap();
