@@ -10,6 +10,7 @@ mod durable;
 mod estimate;
 mod evaluate;
 mod figure;
+mod learned_once;
 mod manifest;
 mod method_config;
 mod metric;

@@ -3,7 +3,8 @@
 use motes_proposals::{Backend, FcnnConfig, GnnConfig, Origin, OverTime, PsiConfig, RnnConfig};
 use serde::{Deserialize, Serialize};
 
-use crate::config::{Experiment, Method, Plan, Training};
+use crate::config::{Densities, Experiment, Method, Plan, Training};
+use crate::learned_once::LearnedOnce;
 
 /// A method with the settings that it depends on, and no others.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -21,6 +22,10 @@ pub enum MethodConfig {
     Gnn(LearnedUnit<GnnConfig>),
     /// The transform of uniform noise.
     Psi(LearnedUnit<PsiConfig>),
+    /// A Gaussian by one Fisher-scoring step.
+    Linearised,
+    /// A family that is learned once for a system.
+    Once(Box<LearnedOnce>),
     /// The transition, under the densities that data were drawn with.
     ReferenceFilter,
     /// The same, with as many later measurements as this.
@@ -59,11 +64,15 @@ pub struct FrameSettings {
 
 impl MethodConfig {
     /// The method of a plan's units, as the plan's files and profile set it; `None` if they do not say what it needs.
-    pub(crate) fn of(method: Method, plan: &Plan) -> Option<MethodConfig> {
+    pub(crate) fn of(method: Method, plan: &Plan, densities: Densities) -> Option<MethodConfig> {
+        if let Some(learning) = plan.experiment.learning.as_ref().filter(|_| method.is_learned()) {
+            return LearnedOnce::of(method, plan, learning, densities).map(|once| MethodConfig::Once(Box::new(once)));
+        }
         let (settings, sizes) = (&plan.experiment.proposals, &plan.profile.sizes);
         Some(match method {
             Method::MinDegeneracy => MethodConfig::MinDegeneracy,
             Method::Bootstrap => MethodConfig::Bootstrap,
+            Method::Linearised => MethodConfig::Linearised,
             Method::Fcnn | Method::FcnnAnchored => MethodConfig::Fcnn(LearnedUnit::of(
                 plan,
                 method,
@@ -114,6 +123,8 @@ impl MethodConfig {
         match self {
             MethodConfig::MinDegeneracy => Method::MinDegeneracy,
             MethodConfig::Bootstrap => Method::Bootstrap,
+            MethodConfig::Linearised => Method::Linearised,
+            MethodConfig::Once(once) => once.family.method(),
             MethodConfig::Fcnn(unit) => unit.anchored_or(Method::FcnnAnchored, Method::Fcnn),
             MethodConfig::Rnn(unit) => unit.anchored_or(Method::RnnAnchored, Method::Rnn),
             MethodConfig::Gnn(_) => Method::Gnn,
@@ -128,8 +139,10 @@ impl MethodConfig {
         match self {
             MethodConfig::MinDegeneracy
             | MethodConfig::Bootstrap
+            | MethodConfig::Linearised
             | MethodConfig::ReferenceFilter
             | MethodConfig::ReferenceSmoother { .. } => None,
+            MethodConfig::Once(once) => Some(&mut once.steps),
             MethodConfig::Fcnn(unit) => Some(&mut unit.steps),
             MethodConfig::Rnn(unit) => Some(&mut unit.steps),
             MethodConfig::Gnn(unit) => Some(&mut unit.steps),

@@ -33,6 +33,25 @@ pub(crate) fn metrics(problem: &Problem, references: &References, recorded: &Rec
     found
 }
 
+/// The metrics of filters some of which may have lost all weight: the effective sample size of those counts as 0, and all else is that of the others.
+pub(crate) fn metrics_of_survivors(
+    problem: &Problem,
+    references: &References,
+    recorded: &Recorded,
+) -> Vec<Metric> {
+    let survivors = recorded.survivors(problem.truth().width());
+    let share = survivors.filters as f64 / recorded.filters as f64;
+    let mut found = match survivors.filters {
+        0 => vec![Metric::new("ess", 0.0)],
+        _ => metrics(problem, references, &survivors),
+    };
+    for metric in found.iter_mut().filter(|metric| metric.name == "ess") {
+        metric.value *= share;
+    }
+    found.push(Metric::new("lost_runs", (recorded.filters - survivors.filters) as f64));
+    found
+}
+
 /// The error of each coordinate of an epidemic's state, over all times, and how much of it is the spread of single runs.
 fn by_state(problem: &Problem, recorded: &Recorded, redrawn: usize) -> Vec<Metric> {
     let truth = problem.truth();
@@ -100,6 +119,22 @@ impl Recorded {
             log_evidence: Vec::with_capacity(filters),
             report: WeightReport::default(),
         }
+    }
+
+    /// What the filters said that did not lose all weight: whose estimate of the evidence is not 0.
+    fn survivors(&self, width: usize) -> Recorded {
+        let survives = |filter: &usize| self.log_evidence[*filter] > f64::NEG_INFINITY;
+        let filters: Vec<usize> = (0..self.filters).filter(survives).collect();
+        let horizon = self.effective_sample_sizes.len() / self.filters;
+        let mut kept = Recorded::with_capacity(filters.len(), horizon, width);
+        for time in 0..horizon {
+            for filter in &filters {
+                kept.means.extend_from_slice(&self.at(time, width)[filter * width..][..width]);
+                kept.effective_sample_sizes.push(self.effective_sample_sizes[time * self.filters + filter]);
+            }
+        }
+        kept.log_evidence.extend(filters.iter().map(|filter| self.log_evidence[*filter]));
+        Recorded { report: self.report.clone(), ..kept }
     }
 
     /// One coordinate of each filter's estimate at one time.

@@ -2,16 +2,16 @@
 
 use motes_models::{
     AdditiveGaussian, Drift, Epidemic, EpidemicConfig, GraphDiffusion, GraphDiffusionConfig, ModelError,
-    ModelShape, Noise, Sequence, Simulator, StateGradients, Trajectory, kalman, simulate, simulate_within,
+    ModelShape, Noise, OwnModel, Sequence, StateGradients, Trajectory, kalman, simulate, simulate_within,
 };
 
 use crate::config::{self, Densities};
 use crate::unit::{UnitConfig, UnitSystem};
 
 /// All that experiments ask of a system.
-pub(crate) trait System: StateGradients + AdditiveGaussian + Simulator + Send {}
+pub(crate) trait System: StateGradients + AdditiveGaussian + OwnModel + Send {}
 
-impl<S: StateGradients + AdditiveGaussian + Simulator + Send> System for S {}
+impl<S: StateGradients + AdditiveGaussian + OwnModel + Send> System for S {}
 
 /// Any system.
 pub(crate) type Model = dyn System;
@@ -71,7 +71,7 @@ impl Problem {
         let settings =
             GraphDiffusionConfig { state_dim: dimension, measurement_dim, neighbours, snr_db, drift, noise };
         let seed = unit.system_seed();
-        let system = GraphDiffusion::random(&settings, &mut seed.child("graph").stream())?;
+        let system = GraphDiffusion::random(&settings, &mut unit.graph_seed().stream())?;
         let trajectory = simulate(&system, horizon, &mut seed.child("trajectory").stream())?;
         let gaussian = system.with_noise(Noise::Gaussian);
         let model = believed(densities, &system, &gaussian);

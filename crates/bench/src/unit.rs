@@ -3,7 +3,7 @@
 use motes_models::{Drift, Noise, Seed};
 use serde::{Deserialize, Serialize};
 
-use crate::config::{Epidemic, Filter, Method, Plan, Point, System};
+use crate::config::{Densities, Epidemic, Filter, Method, Plan, Point, System};
 use crate::method_config::MethodConfig;
 
 /// The newest version of what a unit's configuration means; each method has the one since which it means what it means.
@@ -17,7 +17,8 @@ pub(crate) const REFERENCE_RUNS: usize = 2;
 fn format_of(method: Method) -> u32 {
     match method {
         Method::MinDegeneracy | Method::Bootstrap | Method::Fcnn | Method::Rnn | Method::Psi => 4,
-        Method::Gnn
+        Method::Linearised
+        | Method::Gnn
         | Method::FcnnAnchored
         | Method::RnnAnchored
         | Method::PsiAnchored
@@ -33,8 +34,11 @@ pub struct UnitConfig {
     pub format: u32,
     /// The seed of the run.
     pub seed: u64,
-    /// The repetition: which graph, trajectory and initial weights.
+    /// The repetition: which graph, trajectory and initial weights; of proposals that are learned once, which sequence.
     pub repetition: usize,
+    /// Whether repetitions are sequences of one system, none of which was learned from.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub held_out: bool,
     /// The system, with this unit's own N and T.
     pub system: UnitSystem,
     /// The filter, with this unit's own K.
@@ -75,6 +79,14 @@ impl UnitSystem {
         }
     }
 
+    /// What its filters take the noises to be.
+    pub(crate) fn densities(&self) -> Densities {
+        match self {
+            UnitSystem::Graph(system) => system.densities,
+            UnitSystem::Epidemic(epidemic) => epidemic.densities,
+        }
+    }
+
     /// Makes it last for another T.
     pub(crate) fn set_horizon(&mut self, horizon: usize) {
         match self {
@@ -98,8 +110,16 @@ impl UnitConfig {
         let (n, t, k) = plan.sizes(&point.panel, point.x)?;
         let (experiment, profile) = (&plan.experiment, &plan.profile);
         let system = match (&experiment.system, &experiment.epidemic) {
-            (Some(system), _) => UnitSystem::Graph(System { dimension: n, horizon: t, ..system.clone() }),
-            (None, Some(epidemic)) => UnitSystem::Epidemic(epidemic.clone()),
+            (Some(system), _) => UnitSystem::Graph(System {
+                dimension: n,
+                horizon: t,
+                densities: plan.densities(&point.panel).unwrap_or(system.densities),
+                ..system.clone()
+            }),
+            (None, Some(epidemic)) => UnitSystem::Epidemic(Epidemic {
+                densities: plan.densities(&point.panel).unwrap_or(epidemic.densities),
+                ..epidemic.clone()
+            }),
             (None, None) => return None,
         };
         // What others are held against does not depend on how many particles they have.
@@ -112,10 +132,11 @@ impl UnitConfig {
             seed: plan.seed,
             repetition: point.repetition,
             reference_particles: system.has_estimated_means().then_some(profile.reference_particles),
-            system,
             filter: Filter { particles, ..experiment.filter.clone() },
             filter_runs,
-            method: MethodConfig::of(point.method, plan)?,
+            held_out: experiment.learning.is_some(),
+            method: MethodConfig::of(point.method, plan, system.densities())?,
+            system,
         })
     }
 
@@ -125,12 +146,40 @@ impl UnitConfig {
         blake3::hash(json.as_bytes()).to_hex()[..32].to_string()
     }
 
-    /// The streams of the system: the same for every method and every K, so that repetitions are paired.
+    /// The streams of the system and its trajectory: the same for every method and every K, so that repetitions are paired.
     ///
     /// T is left out too: a longer trajectory begins with the shorter one.
     pub fn system_seed(&self) -> Seed {
-        let system = Seed::from_u64(self.seed).child("system");
-        system.nth(self.system.dimension() as u64).nth(self.repetition as u64)
+        self.systems_seed().nth(self.repetition as u64)
+    }
+
+    /// Where the graph comes from: of each repetition another, or the same of all where proposals are learned once.
+    pub(crate) fn graph_seed(&self) -> Seed {
+        let seed = if self.held_out { self.systems_seed() } else { self.system_seed() };
+        seed.child("graph")
+    }
+
+    /// The streams of what has to do with systems of this size.
+    fn systems_seed(&self) -> Seed {
+        let label = if self.held_out { "held-out" } else { "system" };
+        Seed::from_u64(self.seed).child(label).nth(self.system.dimension() as u64)
+    }
+
+    /// All that a proposal depends on that is learned once, and the streams that learning draws from; none for other methods.
+    ///
+    /// Neither K nor T nor the repetition is part of it: all of these units have one proposal.
+    pub(crate) fn learned_once(&self) -> Option<(String, Seed)> {
+        let MethodConfig::Once(method) = &self.method else { return None };
+        let mut system = self.system.clone();
+        system.set_horizon(0);
+        // Under Gaussian densities what data are drawn with is of no account: the model of the filters is learned from.
+        if let (UnitSystem::Graph(system), Densities::Gaussian) = (&mut system, self.system.densities()) {
+            system.noise = Noise::Gaussian;
+        }
+        let json = serde_json::to_string(&(self.format, self.seed, &system, method))
+            .expect("a configuration has only string keys");
+        let key = blake3::hash(json.as_bytes()).to_hex()[..32].to_string();
+        Some((key, self.systems_seed().child("learned once").child(self.method.method().name())))
     }
 
     /// The streams of this unit alone: initial weights, training noise, filters.
@@ -146,7 +195,7 @@ impl UnitConfig {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::config::{Densities, Gradient, Training};
+    use crate::config::{Gradient, Training};
     use crate::method_config::LearnedUnit;
     use motes_proposals::{Backend, FcnnConfig};
     use motes_smc::Resampling;
@@ -183,6 +232,7 @@ pub(crate) mod tests {
             },
             filter_runs: 3,
             reference_particles: None,
+            held_out: false,
             method: MethodConfig::Bootstrap,
         }
     }

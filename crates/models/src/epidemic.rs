@@ -1,5 +1,7 @@
 //! The epidemic of the paper's figure 7 and table 1.
 
+mod transport;
+
 use faer::{Mat, MatRef};
 
 use crate::batch::{LANES, Rows, with_noise};

@@ -4,6 +4,7 @@ mod batches;
 mod config;
 mod model;
 mod system;
+mod transport;
 
 pub use config::{Drift, GraphDiffusionConfig};
 pub use system::GraphDiffusion;

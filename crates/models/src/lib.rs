@@ -37,6 +37,7 @@ mod graph;
 mod graph_diffusion;
 pub mod kalman;
 mod linear_gaussian;
+mod linear_measurements;
 mod noise;
 mod normals;
 mod own_steps;

@@ -5,6 +5,7 @@ use rand_distr::{Exp1, StandardNormal};
 use serde::{Deserialize, Serialize};
 
 use crate::batch::{LANES, squared_norms};
+use crate::equations::{Distribution, Scalar};
 use crate::gaussian::LN_2PI;
 use crate::{Stream, fill_standard_exponential, fill_standard_normal, fill_uniform};
 
@@ -100,6 +101,21 @@ impl Noise {
             Noise::Exponential | Noise::Uniform => values.map(|v| self.unit_log_density(v / sigma)).sum(),
         };
         sum - count * sigma.ln()
+    }
+
+    /// The distribution of `location + v` where `v` has standard deviation `sigma`.
+    #[inline(always)]
+    pub(crate) fn around<S: Scalar>(self, sigma: f64, location: S) -> Distribution<S> {
+        match self {
+            Noise::Gaussian => Distribution::Normal { mean: location, sd: S::from(sigma) },
+            Noise::Exponential => {
+                Distribution::Exponential { origin: location - sigma, mean: S::from(sigma) }
+            }
+            Noise::Uniform => {
+                let half = sigma * 3.0_f64.sqrt();
+                Distribution::Uniform { low: location - half, high: location + half }
+            }
+        }
     }
 
     /// `∂ log p / ∂v` inside the support (0 outside, where the density is flat at −∞).

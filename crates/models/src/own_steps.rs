@@ -26,6 +26,7 @@ pub struct OwnSteps<'m, M: ?Sized> {
     /// `y_t`, `S×M`.
     measurements: Vec<f64>,
     lost: usize,
+    largest_state: f64,
 }
 
 /// One time of all sequences.
@@ -65,10 +66,17 @@ impl<'m, M: Simulator + ?Sized> OwnSteps<'m, M> {
             states: vec![0.0; sequences * n],
             measurements: vec![0.0; sequences * m],
             lost: 0,
+            largest_state: f64::INFINITY,
         })
     }
 
-    /// How many sequences ended because a state or a measurement was not a finite number.
+    /// The same sequences, each of which ends where a coordinate of its state becomes larger than this, or smaller than its negative.
+    #[must_use]
+    pub fn within(self, largest_state: f64) -> Self {
+        OwnSteps { largest_state, ..self }
+    }
+
+    /// How many sequences ended because a state or a measurement was not a finite number, or a state too large.
     pub fn lost(&self) -> usize {
         self.lost
     }
@@ -88,8 +96,9 @@ impl<'m, M: Simulator + ?Sized> OwnSteps<'m, M> {
         self.model.sample_measurements(self.time, &self.states, stream, &mut self.measurements);
         let mut row = 0;
         while row * n < self.states.len() {
-            let drawn = self.states[row * n..][..n].iter().chain(&self.measurements[row * m..][..m]);
-            if drawn.copied().all(f64::is_finite) {
+            let (state, measurement) = (&self.states[row * n..][..n], &self.measurements[row * m..][..m]);
+            let is_within = state.iter().all(|x| x.is_finite() && x.abs() <= self.largest_state);
+            if is_within && measurement.iter().copied().all(f64::is_finite) {
                 row += 1;
                 continue;
             }

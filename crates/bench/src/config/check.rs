@@ -1,6 +1,7 @@
 //! The numbers of an experiment file: each in its range, or named.
 
 mod epidemic;
+mod learning;
 mod proposals;
 
 use motes_cli::one_of;
@@ -9,7 +10,7 @@ use super::args::MOST_REPETITIONS;
 use super::checks::Checks;
 use super::error::ConfigError;
 use super::method::Method;
-use super::schema::{Axis, Experiment, Gradient, Profile, System};
+use super::schema::{Axis, Densities, Experiment, Gradient, Profile, System};
 
 /// Checks every number that a run would use, for all profiles.
 pub(super) fn check(file: &str, experiment: &Experiment) -> Result<(), ConfigError> {
@@ -81,6 +82,9 @@ pub(super) fn check(file: &str, experiment: &Experiment) -> Result<(), ConfigErr
     let fine = clip_norm > 0.0 && clip_norm.is_finite();
     checks.that(fine, "training.clip_norm", clip_norm, "it must be positive and finite")?;
     proposals.check(&checks)?;
+    if let Some(learning) = &experiment.learning {
+        checks.learning(experiment, learning)?;
+    }
 
     checks.distinct("methods", methods.iter().map(|method| method.name().to_string()))?;
     for method in methods {
@@ -99,9 +103,17 @@ pub(super) fn check(file: &str, experiment: &Experiment) -> Result<(), ConfigErr
             (None, None) => {}
         }
     }
-    // Panels differ in N or not at all: units of equal configuration would be one and the same.
-    let sizes = panels.iter().map(|panel| panel.dimension.unwrap_or(dimension));
-    checks.distinct("panels.*.dimension", sizes.map(|dimension| dimension.to_string()))?;
+    // Panels differ in N or in densities: units of equal configuration would be one and the same.
+    let own = system.as_ref().map(|system| system.densities);
+    let own = own.or_else(|| epidemic.as_ref().map(|epidemic| epidemic.densities));
+    let differences = panels.iter().map(|panel| {
+        let densities = panel.densities.or(own).unwrap_or(Densities::Gaussian);
+        match densities {
+            Densities::Gaussian => panel.dimension.unwrap_or(dimension).to_string(),
+            Densities::Exact => format!("{} with exact densities", panel.dimension.unwrap_or(dimension)),
+        }
+    });
+    checks.distinct("panels.*.dimension", differences)?;
     let one_panel = *axis != Axis::Dimension || panels.len() == 1;
     checks.that(
         one_panel,

@@ -10,6 +10,8 @@ pub enum Method {
     MinDegeneracy,
     /// The transition p(x_t | x_{t−1}).
     Bootstrap,
+    /// A Gaussian by one Fisher-scoring step from the predicted state.
+    Linearised,
     /// The learned fully connected proposal.
     Fcnn,
     /// The learned recurrent proposal.
@@ -36,6 +38,7 @@ impl Method {
         match self {
             Method::MinDegeneracy => "min-degeneracy",
             Method::Bootstrap => "bootstrap",
+            Method::Linearised => "linearised",
             Method::Fcnn => "fcnn",
             Method::Rnn => "rnn",
             Method::Gnn => "gnn",
@@ -53,6 +56,7 @@ impl Method {
         match self {
             Method::MinDegeneracy => [70, 70, 70],
             Method::Bootstrap => [160, 160, 160],
+            Method::Linearised => [115, 95, 60],
             Method::Fcnn => [0, 114, 178],
             Method::Rnn => [213, 94, 0],
             Method::Gnn => [0, 158, 115],

@@ -4,6 +4,7 @@ mod args;
 mod check;
 mod checks;
 mod error;
+mod learning;
 mod load;
 mod method;
 mod plan;
@@ -12,6 +13,7 @@ mod schema;
 
 pub use args::{ReproduceArgs, VerifyArgs};
 pub use error::ConfigError;
+pub use learning::{Elbo, Learning};
 pub use method::Method;
 pub use plan::{Plan, Point, check_output, plans, whole_figure};
 pub use proposals::{Fcnn, Gnn, Proposals, Psi, Rnn, Sizes, Standardised};

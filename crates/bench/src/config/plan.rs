@@ -12,7 +12,7 @@ use super::check::check;
 use super::error::ConfigError;
 use super::load::{figures, load};
 use super::method::Method;
-use super::schema::{Axis, Experiment, Panel, Profile};
+use super::schema::{Axis, Densities, Experiment, Panel, Profile};
 
 /// One figure in one profile, restricted to what was asked for.
 #[derive(Debug, Clone)]
@@ -39,6 +39,8 @@ pub struct Plan {
     pub seed: u64,
     /// Where results go, figure and profile included.
     pub folder: PathBuf,
+    /// Where proposals are kept that are learned once; figures share them.
+    pub learned: PathBuf,
     /// Whether finished units are to be run again.
     pub fresh: bool,
     /// Whether trained proposals are kept.
@@ -92,6 +94,11 @@ impl Plan {
             }
         }
         points
+    }
+
+    /// What filters take the noises to be in the panel of that name, where it says so.
+    pub fn densities(&self, panel: &str) -> Option<Densities> {
+        self.experiment.panels.iter().find(|found| found.name == panel)?.densities
     }
 
     /// N, T and K of the units at `x` in the panel of that name; `None` if the figure has no such panel.
@@ -178,6 +185,7 @@ fn plan(figure: &str, args: &ReproduceArgs) -> Result<Plan, ConfigError> {
         backend: args.backend,
         seed: args.seed,
         folder: args.out.join(figure).join(&args.profile),
+        learned: args.out.join("learned"),
         fresh: args.fresh,
         save_models: args.save_models,
         profile,

@@ -7,6 +7,7 @@ use motes_smc::Resampling;
 use motes_train::Objective;
 use serde::{Deserialize, Serialize};
 
+use super::learning::Learning;
 use super::method::Method;
 use super::proposals::{Proposals, Sizes};
 
@@ -36,6 +37,9 @@ pub struct Experiment {
     pub reference: Option<Reference>,
     /// How proposals are trained.
     pub training: Training,
+    /// How they are learned once instead, where they are judged on sequences that they never saw.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub learning: Option<Learning>,
     /// Settings of the learned families.
     pub proposals: Proposals,
     /// The panels side by side; one named `all` where the figure has none.
@@ -225,6 +229,9 @@ pub struct Panel {
     /// N in this panel.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dimension: Option<usize>,
+    /// What the filter takes the noises to be in this panel.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub densities: Option<Densities>,
 }
 
 /// How much of the experiment a run does.

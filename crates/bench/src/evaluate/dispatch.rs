@@ -3,9 +3,10 @@
 use motes_proposals::{
     Backend, Family, Fcnn, Frames, Gnn, Learnable, Psi, Rnn, Standardised, StandardisedConfig,
 };
-use motes_smc::{Bootstrap, MinDegeneracy, Proposal};
+use motes_smc::{Bootstrap, Linearised, MinDegeneracy, Proposal};
 
 use crate::config::Training;
+use crate::learned_once::LearnedOnce;
 use crate::method_config::{FrameSettings, LearnedUnit, MethodConfig};
 use crate::problem::Model;
 use crate::unit_error::{UnitError, failed};
@@ -26,6 +27,9 @@ pub(super) trait Visitor {
         backend: Backend,
     ) -> Result<Self::Output, UnitError>;
 
+    /// A proposal that is learned once for the unit's system.
+    fn once(self, method: &LearnedOnce) -> Result<Self::Output, UnitError>;
+
     /// The units that networks work in.
     fn frames(&self, settings: &FrameSettings) -> Result<Frames, UnitError>;
 
@@ -42,6 +46,8 @@ pub(super) fn visit<V: Visitor>(
     match method {
         MethodConfig::MinDegeneracy => visitor.designed(MinDegeneracy::new(model).map_err(failed)?),
         MethodConfig::Bootstrap => visitor.designed(Bootstrap),
+        MethodConfig::Linearised => visitor.designed(Linearised::new(model).map_err(failed)?),
+        MethodConfig::Once(method) => visitor.once(method),
         MethodConfig::Fcnn(unit) => learned::<Fcnn, V>(unit, visitor),
         MethodConfig::Rnn(unit) => learned::<Rnn, V>(unit, visitor),
         MethodConfig::Gnn(unit) => learned::<Gnn, V>(unit, visitor),

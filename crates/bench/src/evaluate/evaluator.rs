@@ -4,15 +4,17 @@ use std::path::PathBuf;
 
 use motes_cli::Interrupt;
 use motes_models::Simulations;
-use motes_proposals::{Backend, Family, Frames, Learnable, save};
+use motes_proposals::{Backend, Family, Frames, Learnable, Psi, Rnn, save};
 use motes_smc::{Bootstrap, Proposal};
 
 use super::dispatch::{Visitor, visit};
 use super::evaluation::Evaluation;
 use super::learning::{Trained, train_config};
+use super::once::{Kept, Notes};
 use super::run::Run;
 use crate::checkpoint::Checkpoints;
 use crate::config::Training;
+use crate::learned_once::{LearnedOnce, OnceFamily};
 use crate::method_config::FrameSettings;
 use crate::metric::Metric;
 use crate::problem::{Model, Problem};
@@ -27,12 +29,19 @@ pub struct Evaluator {
     references: ReferenceCache,
     models: Option<PathBuf>,
     checkpoints: Option<Checkpoints>,
+    kept: Kept,
 }
 
 impl Evaluator {
     /// One that keeps the trained proposal of each unit as `folder/<key>`, if there is a folder.
     pub fn new(models: Option<PathBuf>) -> Self {
         Evaluator { models, ..Evaluator::default() }
+    }
+
+    /// Keeps proposals that are learned once in `folder`, where later runs find them.
+    #[must_use]
+    pub(crate) fn keeping(self, folder: PathBuf) -> Self {
+        Evaluator { kept: Kept::new(folder), ..self }
     }
 
     /// Checkpoints long trainings now and then, and when the run is being stopped, and resumes them.
@@ -49,7 +58,9 @@ impl Evaluator {
         let problem = Problem::draw(unit).map_err(failed)?;
         let references = self.references.of(unit, &problem, interrupt)?;
         let (models, checkpoints) = (self.models.as_deref(), self.checkpoints.as_ref());
-        let run = Run { unit, problem: &problem, references: &references, models, checkpoints, interrupt };
+        let kept = &self.kept;
+        let run =
+            Run { unit, problem: &problem, references: &references, models, checkpoints, kept, interrupt };
         let mut evaluation = visit(&unit.method, &*problem.model, run)?;
         evaluation.timings.push(Metric::new("threads", threads::here() as f64));
         match evaluation.metrics.iter().find(|metric| !metric.value.is_finite()) {
@@ -90,6 +101,20 @@ impl Visitor for Run<'_> {
         Ok(evaluation)
     }
 
+    fn once(self, method: &LearnedOnce) -> Result<Evaluation, UnitError> {
+        match &method.family {
+            OnceFamily::Fcnn(config) | OnceFamily::Gnn(config) => {
+                self.judge(self.amortised(self.kept, config, method)?)
+            }
+            OnceFamily::Rnn(config, training) => {
+                self.judge(self.by_elbo::<Rnn>(self.kept, config, training, method)?)
+            }
+            OnceFamily::Psi(config, training) => {
+                self.judge(self.by_elbo::<Psi>(self.kept, config, training, method)?)
+            }
+        }
+    }
+
     fn frames(&self, settings: &FrameSettings) -> Result<Frames, UnitError> {
         let FrameSettings { origin, trajectories, largest_state } = *settings;
         let (system, seed) = (&*self.problem.system, self.unit.system_seed().child("frames"));
@@ -104,6 +129,16 @@ impl Visitor for Run<'_> {
             0 => self.run_filters(&*self.problem.system, Bootstrap),
             _ => self.smooth(lag),
         }
+    }
+}
+
+impl Run<'_> {
+    /// Runs the filters of a proposal that was learned once.
+    fn judge<P: Proposal<Model>>(self, (proposal, notes): (P, Notes)) -> Result<Evaluation, UnitError> {
+        let mut evaluation = self.run_filters(&*self.problem.model, proposal)?;
+        evaluation.metrics.extend(notes.metrics());
+        evaluation.timings.insert(0, notes.timings());
+        Ok(evaluation)
     }
 }
 

@@ -4,6 +4,7 @@ mod dispatch;
 mod evaluation;
 mod evaluator;
 mod learning;
+mod once;
 mod run;
 mod run_filters;
 

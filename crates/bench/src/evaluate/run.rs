@@ -5,6 +5,7 @@ use std::path::Path;
 
 use motes_cli::Interrupt;
 
+use super::once::Kept;
 use crate::checkpoint::Checkpoints;
 use crate::problem::Problem;
 use crate::reference::References;
@@ -21,6 +22,8 @@ pub(super) struct Run<'a> {
     pub(super) models: Option<&'a Path>,
     /// Where trainings are checkpointed, if they are.
     pub(super) checkpoints: Option<&'a Checkpoints>,
+    /// Where proposals are kept that are learned once.
+    pub(super) kept: &'a Kept,
     pub(super) interrupt: &'a Interrupt,
 }
 

@@ -10,7 +10,7 @@ use super::evaluation::Evaluation;
 use super::run::Run;
 use crate::config::Filter;
 use crate::metric::Metric;
-use crate::metrics::{Recorded, metrics};
+use crate::metrics::{Recorded, metrics, metrics_of_survivors};
 use crate::problem::Model;
 use crate::recorded_series::series;
 use crate::unit_error::{UnitError, failed};
@@ -27,7 +27,8 @@ impl Run<'_> {
         let (filters, n) = (unit.filter_runs, unit.system.dimension());
         let seed = unit.own_seed().child("filter");
         let settings = filter_settings(&unit.filter);
-        let mut bank = FilterBank::new(model, proposal, settings, filters, &seed).map_err(failed)?;
+        let bank = FilterBank::new(model, proposal, settings, filters, &seed).map_err(failed)?;
+        let mut bank = if unit.held_out { bank.keeping_collapsed() } else { bank };
         let mut recorded = Recorded::with_capacity(filters, unit.system.horizon(), n);
         let mut mean = vec![0.0; n];
         for measurement in problem.trajectory.measurements.rows() {
@@ -77,7 +78,8 @@ impl Run<'_> {
 
     fn found(self, recorded: &Recorded, start: Instant) -> Evaluation {
         let timings = vec![Metric::new("filter_seconds", start.elapsed().as_secs_f64())];
-        let metrics = metrics(self.problem, self.references, recorded);
+        let of = if self.unit.held_out { metrics_of_survivors } else { metrics };
+        let metrics = of(self.problem, self.references, recorded);
         Evaluation { metrics, timings, series: series(self.unit, self.problem, recorded), earlier: vec![] }
     }
 }

@@ -20,7 +20,7 @@ struct Metric {
     logarithmic: bool,
 }
 
-const METRICS: [Metric; 7] = [
+const METRICS: [Metric; 8] = [
     Metric { name: "nmse_final", label: "NMSE, last time", logarithmic: true },
     Metric { name: "nmse_posterior", label: "NMSE to posterior mean", logarithmic: true },
     Metric { name: "nmse_all", label: "NMSE, all times", logarithmic: true },
@@ -28,6 +28,7 @@ const METRICS: [Metric; 7] = [
     Metric { name: "mse_I", label: "squared error of I", logarithmic: true },
     Metric { name: "mse_R", label: "squared error of R", logarithmic: true },
     Metric { name: "ess", label: "effective sample size", logarithmic: false },
+    Metric { name: "lost_runs", label: "runs that lost all weight", logarithmic: false },
 ];
 
 const PANEL: (u32, u32) = (380, 260);
@@ -58,7 +59,11 @@ pub(crate) fn figure(plan: &Plan, title: &str, rows: &[Row]) -> Result<String, B
             methods.push(row.method);
         }
     }
-    let there = |metric: &&Metric| rows.iter().any(|row| row.metric == metric.name && row.n_ok > 0);
+    // What never happened has no plot.
+    let there = |metric: &&Metric| {
+        let of = |row: &Row| row.metric == metric.name && row.n_ok > 0;
+        rows.iter().any(|row| of(row) && (metric.name != "lost_runs" || row.quartiles.1 > 0.0))
+    };
     let metrics: Vec<&Metric> = METRICS.iter().filter(there).collect();
     let size = (PANEL.0 * panels.len().max(2) as u32, HEAD + PANEL.1 * metrics.len() as u32);
     let mut svg = String::new();

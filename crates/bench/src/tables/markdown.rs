@@ -8,7 +8,7 @@ use super::summary::Row;
 use crate::config::Method;
 
 /// Metrics with a column of their own, and what its head says.
-const COLUMNS: [(&str, &str); 10] = [
+const COLUMNS: [(&str, &str); 11] = [
     ("mse_S", "MSE of S"),
     ("mse_I", "MSE of I"),
     ("mse_R", "MSE of R"),
@@ -18,6 +18,7 @@ const COLUMNS: [(&str, &str); 10] = [
     ("nmse_posterior_exact", "NMSE to posterior mean, exact densities"),
     ("nmse_all", "NMSE, all times"),
     ("ess", "ESS"),
+    ("lost_runs", "lost runs"),
     ("tail_index", "tail index"),
 ];
 

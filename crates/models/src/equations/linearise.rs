@@ -3,6 +3,7 @@
 use super::distribution::Distribution;
 use super::lanes::Lanes;
 use super::statement::{Coordinates, Equations};
+use super::tile_states::TileStates;
 use super::tiles::{rows_of, rows_of_mut, with_scalars};
 use super::varied::{SIDE, Side, Varied, put, side, vary};
 use crate::StateSpaceModel;
@@ -117,14 +118,22 @@ impl<M: Equations> Asked<'_, M> {
     }
 }
 
+/// Mean and variance of each coordinate that a model states; NaN for those that it leaves out.
+pub(crate) fn moments_of_states(
+    model: &impl TileStates,
+    time: usize,
+    previous: Option<&[f64]>,
+    means: &mut [f64],
+    variances: &mut [f64],
+) {
+    means.fill(f64::NAN);
+    let mut moments = Moments { means: rows_of_mut(means), variances: rows_of_mut(variances), at: 0 };
+    model.push_states(time, previous, &mut moments);
+}
+
 impl<E: Equations> Linearise for E {
     fn tile_moments(&self, time: usize, previous: Option<&[f64]>, means: &mut [f64], variances: &mut [f64]) {
-        means.fill(f64::NAN);
-        let mut moments = Moments { means: rows_of_mut(means), variances: rows_of_mut(variances), at: 0 };
-        match previous {
-            None => self.initial(&mut moments),
-            Some(previous) => self.transition(time, rows_of(previous), &mut moments),
-        }
+        moments_of_states(self, time, previous, means, variances);
     }
 
     fn tile_scores(

@@ -3,11 +3,12 @@
 use super::distribution::Distribution;
 use super::lanes::Lanes;
 use super::scalar::Scalar;
-use super::statement::{Coordinates, Equations};
-use super::tiles::{rows_of, rows_of_mut};
+use super::statement::Coordinates;
+use super::tile_states::TileStates;
+use super::tiles::rows_of_mut;
 use crate::batch::LANES;
 use crate::gaussian::LN_2PI;
-use crate::{Seed, StateSpaceModel};
+use crate::StateSpaceModel;
 
 /// A model whose transition is a transport of standard normal noise: `x_t = T(x_{t−1}, v_t)`, coordinate by coordinate and growing with `v_t`.
 ///
@@ -41,20 +42,6 @@ pub trait Transport: StateSpaceModel {
         values: &mut [f64],
         log_slope: &mut [f64],
     );
-}
-
-/// Transitions whose families are looked at: they may depend on the time, never on states.
-const PROBES: usize = 8;
-
-/// Looks whether all coordinates are normal.
-struct Families {
-    all_normal: bool,
-}
-
-impl Coordinates<f64> for Families {
-    fn push(&mut self, distribution: Distribution<f64>) {
-        self.all_normal &= matches!(distribution, Distribution::Normal { .. });
-    }
 }
 
 impl Distribution<Lanes> {
@@ -140,7 +127,7 @@ impl<F: Fn(&Distribution<Lanes>, Lanes) -> [Lanes; 2]> Coordinates<Lanes> for Re
 /// Replaces `values` by what `of` makes of each coordinate's distribution and number; NaN where another number of coordinates is stated than there is.
 #[inline(always)]
 fn replace(
-    model: &impl Equations,
+    model: &impl TileStates,
     time: usize,
     previous: Option<&[f64]>,
     values: &mut [f64],
@@ -148,36 +135,23 @@ fn replace(
     of: impl Fn(&Distribution<Lanes>, Lanes) -> [Lanes; 2],
 ) {
     let mut replaced = Replaced { rows: rows_of_mut(values), log_slope: Lanes::from(0.0), of };
-    match previous {
-        None => model.initial(&mut replaced),
-        Some(previous) => model.transition(time, rows_of(previous), &mut replaced),
-    }
+    model.push_states(time, previous, &mut replaced);
     let is_whole = replaced.rows.is_empty();
     replaced.rows.fill(Lanes::from(f64::NAN));
     let sum = if is_whole { replaced.log_slope } else { Lanes::from(f64::NAN) };
     log_slope.copy_from_slice(&sum.0[..log_slope.len()]);
 }
 
-impl<E: Equations> Transport for E {
+impl<M: TileStates + StateSpaceModel> Transport for M {
     fn is_affine(&self) -> bool {
-        let [n, _] = self.dimensions();
-        let mut families = Families { all_normal: true };
-        self.initial(&mut families);
-        // A state that is likely, from a stream of its own.
-        let mut state = vec![0.0; n];
-        self.sample_initial(&mut Seed::from_u64(0).child("transport").stream(), &mut state);
-        (1..=PROBES).for_each(|time| self.transition(time, &state, &mut families));
-        families.all_normal
+        TileStates::is_affine(self)
     }
 
     fn tile_centres(&self, time: usize, previous: Option<&[f64]>, centres: &mut [f64], slopes: &mut [f64]) {
         centres.fill(f64::NAN);
         slopes.fill(f64::NAN);
         let mut sink = Centres { centres: rows_of_mut(centres), slopes: rows_of_mut(slopes), at: 0 };
-        match previous {
-            None => self.initial(&mut sink),
-            Some(previous) => self.transition(time, rows_of(previous), &mut sink),
-        }
+        self.push_states(time, previous, &mut sink);
     }
 
     fn tile_from_normal(

@@ -40,6 +40,7 @@ pub struct FilterBank<D: Deref, P: Proposal<D::Target>> {
     pub(super) outcomes: Vec<Outcome>,
     pub(super) scratches: Scratches<P::Scratch>,
     pub(super) failure: Option<FilterError>,
+    pub(super) keeps_collapsed: bool,
 }
 
 impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P> {
@@ -89,7 +90,17 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
             outcomes: vec![Outcome { ess_before: 0.0, increment: Ok(0.0) }; filters],
             scratches: Scratches::default(),
             failure: None,
+            keeps_collapsed: false,
         })
+    }
+
+    /// The same bank, in which a filter all of whose weights are zero is no error: its estimate of the evidence is 0 and stays 0, so its
+    /// [`log_evidence`](FilterBank::log_evidence) is −∞, which is what tells it from others. The others go on as they would alone.
+    ///
+    /// An estimate of 0 is as unbiased as any other. Particles and weights of a collapsed filter mean nothing any more.
+    #[must_use]
+    pub fn keeping_collapsed(self) -> Self {
+        FilterBank { keeps_collapsed: true, ..self }
     }
 
     /// As many numbers as a step may need at once: points and ranks of a filter's resampling, and a block of particles, are the
@@ -117,6 +128,7 @@ impl<D: Deref + Clone, P: Proposal<D::Target, Memory: Clone> + Clone> Clone for 
             outcomes: self.outcomes.clone(),
             scratches: self.scratches.clone(),
             failure: self.failure.clone(),
+            keeps_collapsed: self.keeps_collapsed,
         }
     }
 }

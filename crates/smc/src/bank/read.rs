@@ -80,16 +80,17 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
     ///
     /// The tail index is that of `W_{t−1} p(y|x) p(x|x') / q`, of all filters together; it takes a pass over all of them.
     pub fn diagnosis(&self) -> WeightDiagnosis {
-        let weights = self.weights.iter().zip(&self.outcomes).flat_map(|(weights, outcome)| {
-            let increment = *outcome.increment.as_ref().unwrap_or(&f64::NAN);
-            weights.log().iter().map(move |log| log + increment)
+        let weights = self.weights.iter().zip(&self.outcomes).filter_map(|(weights, outcome)| {
+            // A filter that collapsed has no weights.
+            let increment = *outcome.increment.as_ref().ok()?;
+            Some(weights.log().iter().map(move |log| log + increment))
         });
         let sizes = self.weights.iter().map(LogWeights::effective_sample_size);
         WeightDiagnosis {
             time: self.time.saturating_sub(1),
             particles: self.settings.particles,
             effective_sample_size: sizes.sum::<f64>() / self.weights.len() as f64,
-            pareto_k: pareto_k(&weights.collect::<Vec<f64>>()),
+            pareto_k: pareto_k(&weights.flatten().collect::<Vec<f64>>()),
         }
     }
 

@@ -188,6 +188,17 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
                     self.log_evidence[filter] += increment;
                     continue;
                 }
+                // What becomes of a filter that has collapsed before is nobody's business.
+                Err(Fault::Weights(fault))
+                    if self.keeps_collapsed
+                        && (matches!(fault, WeightFault::AllZero)
+                            || self.log_evidence[filter] == f64::NEG_INFINITY) =>
+                {
+                    self.log_evidence[filter] = f64::NEG_INFINITY;
+                    // It goes on with weights that a step can begin from.
+                    self.weights[filter].reset();
+                    continue;
+                }
                 Err(fault) => fault.clone(),
             };
             return Err(match fault {

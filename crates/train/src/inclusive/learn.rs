@@ -248,7 +248,8 @@ fn standardise(
     config: &LearnConfig,
     seed: &Seed,
 ) -> Result<(), TrainError> {
-    let mut steps = OwnSteps::new(model, STANDARDISING, seed)?;
+    let within = config.largest_state.unwrap_or(f64::INFINITY);
+    let mut steps = OwnSteps::new(model, STANDARDISING, seed)?.within(within);
     proposal.fit_inputs(model, |add| {
         for _ in 0..config.horizon {
             match steps.advance() {

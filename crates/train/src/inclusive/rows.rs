@@ -36,14 +36,16 @@ pub(super) fn drawn(
 ) -> Result<Supply, ModelError> {
     let mut examples = Examples::default();
     let sequences = config.sequences;
-    let mut whole = OwnSteps::new(model, sequences, &seed.child("sequences"))?;
+    let within = config.largest_state.unwrap_or(f64::INFINITY);
+    let mut whole = OwnSteps::new(model, sequences, &seed.child("sequences"))?.within(within);
     for _ in 0..config.horizon {
         match whole.advance() {
             Some(step) => proposal.encode(model, &step, &mut examples)?,
             None => break,
         }
     }
-    let mut beginnings = OwnSteps::new(model, BEGINNINGS * sequences, &seed.child("beginnings"))?;
+    let mut beginnings =
+        OwnSteps::new(model, BEGINNINGS * sequences, &seed.child("beginnings"))?.within(within);
     if let Some(step) = beginnings.advance() {
         proposal.encode(model, &step, &mut examples)?;
     }

@@ -13,6 +13,9 @@ pub struct LearnConfig {
     pub rows: usize,
     /// The number of times of a simulated sequence.
     pub horizon: usize,
+    /// A sequence ends where a coordinate of its state becomes larger than this, or smaller than its negative.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub largest_state: Option<f64>,
     /// Sequences that are simulated side by side; their rows are shuffled before they are used, each of them once.
     pub sequences: usize,
     /// A share of the transition that is mixed in while learning: no row that the proposal finds impossible then outweighs all others.
@@ -35,6 +38,7 @@ impl LearnConfig {
             steps: 3000,
             rows: 800,
             horizon: 100,
+            largest_state: None,
             sequences: 256,
             floor: 0.02,
             adam: AdamConfig { learning_rate: 3e-3, ..AdamConfig::paper() },
@@ -64,6 +68,11 @@ impl LearnConfig {
         }
         if self.clip_norm.is_nan() || self.clip_norm <= 0.0 {
             return wrong("the largest norm of the gradient", self.clip_norm.to_string(), "positive");
+        }
+        if let Some(largest) = self.largest_state
+            && (largest.is_nan() || largest <= 0.0)
+        {
+            return wrong("the largest state of a sequence", largest.to_string(), "positive");
         }
         match self.seconds {
             Some(seconds) if !(seconds > 0.0 && seconds.is_finite()) => {

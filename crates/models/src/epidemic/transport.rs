@@ -1,0 +1,53 @@
+//! An epidemic as what linearised and learned proposals ask of it.
+
+use super::{Epidemic, MEASURED};
+use crate::equations::{Coordinates, Lanes, Linearise, TileStates, moments_of_states, rows_of};
+use crate::linear_measurements::tile_scores;
+use crate::Noise;
+
+impl TileStates for Epidemic {
+    fn is_affine(&self) -> bool {
+        self.config.noise == Noise::Gaussian
+    }
+
+    fn push_states(&self, _time: usize, previous: Option<&[f64]>, states: &mut impl Coordinates<Lanes>) {
+        let [of_initial, of_states, _] = self.sigmas;
+        let noise = self.config.noise;
+        match previous.map(rows_of) {
+            Some(&[s, i, r]) => {
+                let [infect, remove] = self.rates;
+                let (infected, removed) = (s * i * infect, i * remove);
+                let flow = [s - infected, i + infected - removed, r + removed];
+                flow.into_iter().for_each(|flow| states.push(noise.around(of_states, flow)));
+            }
+            // A past of another width is none of an epidemic: nothing is pushed, and all becomes NaN.
+            Some(_) => {}
+            None => self
+                .config
+                .initial_means
+                .into_iter()
+                .for_each(|mean| states.push(noise.around(of_initial, Lanes::from(mean)))),
+        }
+    }
+}
+
+impl Linearise for Epidemic {
+    fn tile_moments(&self, time: usize, previous: Option<&[f64]>, means: &mut [f64], variances: &mut [f64]) {
+        moments_of_states(self, time, previous, means, variances);
+    }
+
+    fn tile_scores(
+        &self,
+        _time: usize,
+        states: &[f64],
+        measurement: &[Option<Lanes>],
+        slopes: &mut [f64],
+        information: &mut [f64],
+        jacobian: &mut [f64],
+    ) {
+        let rows = MEASURED.map(|column| [(column, 1.0)]);
+        let rows = rows.iter().map(<[_; 1]>::as_slice);
+        let noise = (self.config.noise, self.sigmas[2]);
+        tile_scores(noise, rows, states, measurement, [slopes, information, jacobian]);
+    }
+}

@@ -1,0 +1,51 @@
+//! A graph-diffusion system as what linearised and learned proposals ask of it.
+
+use super::batches::drifted;
+use super::system::GraphDiffusion;
+use crate::batch::with_scratch;
+use crate::equations::{
+    Coordinates, Lanes, Linearise, TileStates, moments_of_states, rows_of,
+};
+use crate::linear_measurements::tile_scores;
+use crate::{Noise, StateSpaceModel};
+
+impl TileStates for GraphDiffusion {
+    fn is_affine(&self) -> bool {
+        self.noise == Noise::Gaussian
+    }
+
+    fn push_states(&self, _time: usize, previous: Option<&[f64]>, states: &mut impl Coordinates<Lanes>) {
+        let Some(previous) = previous else {
+            // Its covariance is the identity.
+            self.initial
+                .mean()
+                .iter()
+                .for_each(|mean| states.push(Noise::Gaussian.around(1.0, Lanes::from(*mean))));
+            return;
+        };
+        with_scratch(previous.len(), |flow| {
+            drifted(self, previous, flow);
+            rows_of(flow).iter().for_each(|flow| states.push(self.noise.around(self.state_sigma, *flow)));
+        });
+    }
+}
+
+impl Linearise for GraphDiffusion {
+    fn tile_moments(&self, time: usize, previous: Option<&[f64]>, means: &mut [f64], variances: &mut [f64]) {
+        moments_of_states(self, time, previous, means, variances);
+    }
+
+    fn tile_scores(
+        &self,
+        _time: usize,
+        states: &[f64],
+        measurement: &[Option<Lanes>],
+        slopes: &mut [f64],
+        information: &mut [f64],
+        jacobian: &mut [f64],
+    ) {
+        let rows = (0..self.measurement_dim()).map(|row| self.measure.row(row));
+        let noise = (self.noise, self.measurement_sigma);
+        tile_scores(noise, rows, states, measurement, [slopes, information, jacobian]);
+    }
+}
