@@ -256,6 +256,8 @@ pub(crate) mod tests {
             beta_1: 0.9,
             beta_2: 0.999,
             epsilon: 1e-8,
+            weight_penalty: None,
+            dropout: None,
         };
         let proposal = FcnnConfig { widths: vec![8, 8], ..FcnnConfig::paper() };
         let fcnn = LearnedUnit { proposal, training, steps: 5, backend: Backend::Native, frames: None };

@@ -79,6 +79,8 @@ fn keys_and_values_of_the_experiment() {
         ("gradient = \"full\"", "gradient = \"truncated\""),
         ("gradient = \"full\"", "gradient = \"full\"\ngradient_window = 3"),
         ("gradient = \"full\"", "gradient = \"full\"\nclip_norm = 0.0"),
+        ("gradient = \"full\"", "gradient = \"full\"\nweight_penalty = -1.0"),
+        ("gradient = \"full\"", "gradient = \"full\"\ndropout = 1.0"),
         ("beta_1 = 0.9", "beta_1 = 1.0"),
         ("dimension = 8", "dimension = 6"),
         ("snr_db = 5.0\n", ""),

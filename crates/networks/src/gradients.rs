@@ -77,8 +77,11 @@ impl Gradients {
         self.present.len()
     }
 
-    /// Whether there is a gradient of a matrix.
-    pub(crate) fn has(&self, index: usize) -> bool {
+    /// Whether the scalar depends on a matrix.
+    ///
+    /// # Panics
+    /// If there is no such matrix.
+    pub fn has(&self, index: usize) -> bool {
         self.present[index]
     }
 
@@ -97,6 +100,17 @@ impl Gradients {
             };
             (range, values)
         })
+    }
+
+    /// Multiplies row `r` of the gradient of a matrix by factor `r mod H`, of `H` factors; nothing where the scalar does not depend on the matrix.
+    ///
+    /// # Panics
+    /// If there is no such matrix.
+    pub fn scale_rows(&mut self, index: usize, factors: &[f64]) {
+        if self.present[index] {
+            let [_, columns] = self.layout.shape(index);
+            self.values.scale_rows(self.layout.range(index), columns, factors);
+        }
     }
 
     /// Multiplies all of them by `factor`.

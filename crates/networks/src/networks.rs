@@ -3,6 +3,7 @@
 use smallvec::SmallVec;
 
 use crate::arithmetic::Arithmetic;
+use crate::hidden_reader::HiddenReader;
 
 /// Networks of one kind, from what a particle knows to a few rows of numbers.
 ///
@@ -13,6 +14,11 @@ pub trait Networks: Clone + Send + Sync {
 
     /// The widths of what a particle carries from step to step; none for networks without memory.
     fn hidden_widths(&self) -> Vec<usize> {
+        Vec::new()
+    }
+
+    /// The matrices that read units of hidden layers; none for networks whose units cannot be left out.
+    fn hidden_readers(&self) -> Vec<HiddenReader> {
         Vec::new()
     }
 

@@ -133,6 +133,15 @@ impl Parameters {
         Ok(())
     }
 
+    /// Multiplies row `r` of matrix `index` by factor `r mod H`, of `H` factors.
+    ///
+    /// # Panics
+    /// If there is no such matrix.
+    pub fn scale_rows(&mut self, index: usize, factors: &[f64]) {
+        let [_, columns] = self.layout.shape(index);
+        self.values.scale_rows(self.layout.range(index), columns, factors);
+    }
+
     /// All weights, one matrix after another, in their own precision.
     pub fn values(&self) -> &Values {
         &self.values

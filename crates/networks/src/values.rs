@@ -83,6 +83,20 @@ impl Values {
         }
     }
 
+    /// Multiplies row `r` of a matrix that lies in `range` by factor `r mod H`.
+    pub(crate) fn scale_rows(&mut self, range: std::ops::Range<usize>, columns: usize, factors: &[f64]) {
+        fn scale<T: Real>(values: &mut [T], columns: usize, factors: &[f64]) {
+            let rows = values.chunks_exact_mut(columns.max(1));
+            for (row, factor) in rows.zip(factors.iter().cycle()) {
+                row.iter_mut().for_each(|value| *value *= T::of(*factor));
+            }
+        }
+        match self {
+            Values::F32(values) => scale(&mut values[range], columns, factors),
+            Values::F64(values) => scale(&mut values[range], columns, factors),
+        }
+    }
+
     pub(crate) fn push_all(&mut self, more: &[f64]) {
         match self {
             Values::F32(values) => values.extend(more.iter().map(|&value| value as f32)),

@@ -1,7 +1,7 @@
 //! What all learned families have in common: weights, a name, settings, and a way to make one from them.
 
 use motes_models::{ModelShape, Seed};
-use motes_networks::{Compute, Parameters};
+use motes_networks::{Compute, HiddenReader, Parameters};
 use motes_smc::ProposalError;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -13,6 +13,17 @@ pub trait Parametric {
 
     /// The weights, to be changed by an optimiser.
     fn parameters_mut(&mut self) -> &mut Parameters;
+
+    /// The matrices that read units of hidden layers, which dropout can leave out; none where a unit cannot be left out.
+    fn hidden_readers(&self) -> Vec<HiddenReader> {
+        Vec::new()
+    }
+
+    /// The indices of the matrices that a weight penalty shrinks: those of weights, neither offsets nor what scales a distribution or its inputs.
+    fn weight_matrices(&self) -> Vec<usize> {
+        let names = self.parameters().names();
+        (0..names.len()).filter(|index| !names[*index].ends_with("bias")).collect()
+    }
 
     /// How many times the proposal has parameters for; `None` if any number.
     fn horizon(&self) -> Option<usize>;

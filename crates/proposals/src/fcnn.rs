@@ -2,7 +2,7 @@
 
 use motes_models::{ModelShape, Seed};
 use motes_networks::layers::Mlp;
-use motes_networks::{Arithmetic, Known, Networks, Outputs, Parameters};
+use motes_networks::{Arithmetic, HiddenReader, Known, Networks, Outputs, Parameters};
 use motes_smc::ProposalError;
 use serde::{Deserialize, Serialize};
 
@@ -56,6 +56,10 @@ pub struct FcnnNetworks {
 impl Networks for FcnnNetworks {
     fn horizon(&self) -> Option<usize> {
         self.over_time.horizon(self.means.len())
+    }
+
+    fn hidden_readers(&self) -> Vec<HiddenReader> {
+        self.means.iter().chain(&self.representations).flat_map(|network| network.hidden_readers()).collect()
     }
 
     fn forward<A: Arithmetic>(

@@ -2,7 +2,9 @@
 
 use motes_models::{ModelShape, Seed};
 use motes_networks::layers::GraphNetwork;
-use motes_networks::{Activation, Arithmetic, Graph, Known, Networks, Outputs, Parameters, fan_in_bound};
+use motes_networks::{
+    Activation, Arithmetic, Graph, HiddenReader, Known, Networks, Outputs, Parameters, fan_in_bound,
+};
 use motes_smc::ProposalError;
 use serde::{Deserialize, Serialize};
 
@@ -83,6 +85,10 @@ pub struct GnnNetworks {
 impl Networks for GnnNetworks {
     fn horizon(&self) -> Option<usize> {
         self.over_time.horizon(self.means.len())
+    }
+
+    fn hidden_readers(&self) -> Vec<HiddenReader> {
+        self.means.iter().chain(&self.representations).flat_map(|network| network.hidden_readers()).collect()
     }
 
     fn forward<A: Arithmetic>(

@@ -39,8 +39,9 @@ mod settings;
 mod standardised;
 
 pub use amortised::{
-    Amortised, AmortisedBatch, AmortisedConfig, AmortisedScratch, Base, Covariance, Examples, FlowHead,
-    GaussianHead, Head, HeadConfig, KernelHead, MixtureHead, Sees, Stage, Times,
+    Amortised, AmortisedBatch, AmortisedConfig, AmortisedScratch, Base, Covariance, DrawnStage, Draws,
+    Examples, FlowHead, GaussianHead, Head, HeadConfig, KernelHead, MixtureHead, Reparametrised, Sees, Stage,
+    Times,
 };
 pub use family::{Family, Parametric};
 pub use fcnn::{Fcnn, FcnnConfig, FcnnNetworks};
@@ -52,10 +53,10 @@ pub use learnable::{Learnable, Tape};
 pub use motes_networks as networks;
 pub use motes_networks::layers::Cell;
 pub use motes_networks::{
-    Backend, Compute, GradientPart, Gradients, Parameters, Precision, Slice, Values, Workspace,
+    Backend, Compute, GradientPart, Gradients, HiddenReader, Parameters, Precision, Slice, Values, Workspace,
 };
 pub use over_time::OverTime;
 pub use psi::{Psi, PsiConfig, PsiScratch};
 pub use rnn::{Rnn, RnnConfig, RnnNetworks};
-pub use saved::{SAVED_FORMAT, SavedError, load, notes, save};
+pub use saved::{SAVED_FORMAT, SavedError, load, load_to_tune, notes, save};
 pub use standardised::{Frame, Frames, Origin, Standardised, StandardisedConfig, StandardisedScratch};

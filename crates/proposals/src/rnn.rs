@@ -2,7 +2,7 @@
 
 use motes_models::{ModelShape, Seed};
 use motes_networks::layers::{Cell, Mlp, RecurrentLayer};
-use motes_networks::{Arithmetic, Known, Networks, Outputs, Parameters};
+use motes_networks::{Arithmetic, HiddenReader, Known, Networks, Outputs, Parameters};
 use motes_smc::ProposalError;
 use serde::{Deserialize, Serialize};
 
@@ -53,6 +53,18 @@ impl Networks for RnnNetworks {
 
     fn hidden_widths(&self) -> Vec<usize> {
         self.layers.iter().flat_map(|layer| layer.carried_widths()).collect()
+    }
+
+    /// What reads a hidden state from outside of its layer: the layer above, and the two affine maps. What a layer remembers of itself is never left out.
+    fn hidden_readers(&self) -> Vec<HiddenReader> {
+        let above = self.layers.windows(2);
+        let mut readers: Vec<HiddenReader> =
+            above.map(|pair| HiddenReader::plain(pair[1].input_matrix(), pair[0].input_matrix())).collect();
+        if let Some(last) = self.layers.last() {
+            let maps = [self.mean, self.representation];
+            readers.extend(maps.map(|map| HiddenReader::plain(map.first_matrix(), last.input_matrix())));
+        }
+        readers
     }
 
     fn forward<A: Arithmetic>(

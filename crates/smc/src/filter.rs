@@ -158,6 +158,12 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> ParticleFilter<D
         self.bank.time()
     }
 
+    /// The proposal, to be changed between two steps: for who learns while it filters. The evidence stays unbiased, whatever it is changed to by what was
+    /// measured before.
+    pub fn proposal_mut(&mut self) -> &mut P {
+        self.bank.proposal_mut()
+    }
+
     /// The bank of one filter that this is.
     pub fn bank(&self) -> &FilterBank<D, P> {
         &self.bank

@@ -17,6 +17,14 @@ pub enum TrainError {
         /// What would be right.
         expected: &'static str,
     },
+    /// Units are to be left out, and the proposal has none that can be.
+    #[error(
+        "the share of hidden units that are left out is {share}; it must be 0 for this proposal, which has no unit that can be left out"
+    )]
+    NoHiddenUnits {
+        /// The share that was asked for.
+        share: f64,
+    },
     /// The measurements do not fit the model.
     #[error(transparent)]
     Model(#[from] ModelError),
@@ -49,6 +57,17 @@ pub enum TrainError {
         /// Why not.
         reason: String,
     },
+    /// An objective learns from recorded measurements, and there are none.
+    #[error("the objective {objective} learns from recorded measurements; there are none")]
+    NoRecorded {
+        /// The objective.
+        objective: String,
+    },
+    /// The draws of a proposal have no derivatives.
+    #[error(
+        "the objective fivo takes a head whose draws have derivatives: gaussian, kernel or flow; those of a mixture have none"
+    )]
+    Draws,
     /// The optimiser was handed parameters, gradients or moments that are not of one proposal.
     #[error("{what} are of other parameters; a step takes weights, gradients and moments of one proposal")]
     Optimiser {

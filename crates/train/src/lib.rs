@@ -27,12 +27,14 @@
 mod adam;
 mod checkpoint;
 mod data;
+mod dropout;
 mod error;
 mod fit;
 mod gradient_flow;
 mod gradient_sum;
-mod inclusive;
+mod learning;
 mod objective;
+mod penalty;
 mod rollout;
 mod training;
 
@@ -40,7 +42,7 @@ pub use adam::{Adam, AdamConfig};
 pub use data::TrainingData;
 pub use error::TrainError;
 pub use gradient_flow::GradientFlow;
-pub use inclusive::{LearnConfig, Learned, learn};
+pub use learning::{LearnConfig, LearnObjective, Learned, learn};
 pub use objective::Objective;
 pub use rollout::{Rollout, rollout};
 pub use training::{History, TrainConfig, Training, train};

@@ -7,8 +7,10 @@ use motes_proposals::{Learnable, Workspace};
 use serde::Serialize;
 
 use crate::data::Batch;
+use crate::dropout::Dropout;
 use crate::fit::check_measurements;
 use crate::gradient_sum::GradientSum;
+use crate::penalty::{add_penalty, check_penalty};
 use crate::rollout::{draw_and_differentiate, in_step};
 use crate::{Adam, AdamConfig, GradientFlow, Objective, TrainError, TrainingData};
 
@@ -29,6 +31,18 @@ pub struct TrainConfig {
     pub sequences_per_step: usize,
     /// The optimiser.
     pub adam: AdamConfig,
+    /// `λ`: a penalty of `λ/2 Σ w²` over the weights is added to the loss; the losses of a [`History`] are without it.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub weight_penalty: f64,
+    /// `p`: the probability that a step leaves out a hidden unit. Units of [`Psi`](motes_proposals::Psi) cannot be left out: it would be singular. Of a recurrent
+    /// network, what the layer above and the outputs read is left out; what a layer remembers is not.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub dropout: f64,
+}
+
+/// Whether a setting is at its default, at which it is not written.
+fn is_zero(setting: &f64) -> bool {
+    *setting == 0.0
 }
 
 impl TrainConfig {
@@ -42,11 +56,14 @@ impl TrainConfig {
             steps: 200,
             sequences_per_step: 1,
             adam: AdamConfig::paper(),
+            weight_penalty: 0.0,
+            dropout: 0.0,
         }
     }
 
     fn check(&self) -> Result<(), TrainError> {
         self.gradient.check()?;
+        check_penalty(self.weight_penalty)?;
         if self.sequences_per_step == 0 {
             let name = "the number of sequences in a step";
             return Err(TrainError::Setting { name, value: "0".into(), expected: "at least 1" });
@@ -71,7 +88,7 @@ pub struct History {
 
 /// Trains `proposal` for `model` on `data`: one sequence of measurements, many, or new ones in each step.
 ///
-/// All that is random is drawn from `stream`, so the same stream gives the same weights: which sequences a step takes, and then, for one after another,
+/// All that is random is drawn from `stream`, so the same stream gives the same weights: which units a step leaves out, which sequences it takes, and then, for one after another,
 /// the sequence if it is new, and the noise of its particles. `observe` is called with
 /// the number and the loss of each step, and ends training early by breaking. The history then has fewer losses than
 /// `config.steps`. The last weights are kept.
@@ -113,6 +130,7 @@ pub struct Training<'a> {
     data: TrainingData<'a>,
     config: TrainConfig,
     pub(crate) adam: Adam,
+    dropout: Option<Dropout>,
     /// Memory for the next step; new if the last one failed.
     workspace: Option<Workspace>,
     /// Memory for the gradients of all sequences of a step but the last; new if it was not needed or the last step failed.
@@ -125,7 +143,7 @@ impl<'a> Training<'a> {
     /// A training before its first step. It draws all that is random from `stream`.
     ///
     /// # Errors
-    /// [`TrainError::Setting`], [`TrainError::Model`] or [`TrainError::Recording`] for bad input.
+    /// [`TrainError::Setting`], [`TrainError::NoHiddenUnits`], [`TrainError::Model`] or [`TrainError::Recording`] for bad input.
     pub fn new<'d: 'a>(
         proposal: &dyn Learnable,
         model: &'a dyn StateGradients,
@@ -137,8 +155,19 @@ impl<'a> Training<'a> {
         config.check()?;
         let data = data.into();
         data.check(proposal, model, config.particles)?;
+        let dropout = Dropout::new(config.dropout, proposal)?;
         let history = History::default();
-        Ok(Training { model, data, config: *config, adam, workspace: None, sum: None, stream, history })
+        Ok(Training {
+            model,
+            data,
+            config: *config,
+            adam,
+            dropout,
+            workspace: None,
+            sum: None,
+            stream,
+            history,
+        })
     }
 
     /// The losses so far.
@@ -165,12 +194,24 @@ impl<'a> Training<'a> {
     /// [`Training::check_weights`].
     pub fn step(&mut self, proposal: &mut dyn Learnable) -> Result<f64, TrainError> {
         let step = self.history.losses.len();
-        let (value, mut workspace) = self.mean_over_batch(proposal, step)?;
+        // The mask comes from the stream of all that is random, whose position is all that a checkpoint needs; without dropout nothing is drawn for it.
+        if let Some(dropout) = &mut self.dropout {
+            dropout.leave_out(proposal.parameters_mut(), self.stream);
+        }
+        let found = self.mean_over_batch(proposal, step);
+        if let Some(dropout) = &self.dropout {
+            dropout.put_back(proposal.parameters_mut())?;
+        }
+        let (value, mut workspace) = found?;
         let loss = -value;
         if !loss.is_finite() {
             return Err(TrainError::Diverged { step, loss });
         }
         self.history.losses.push(loss);
+        if let Some(dropout) = &self.dropout {
+            dropout.pull_back(&mut workspace);
+        }
+        add_penalty(self.config.weight_penalty, proposal, &mut workspace);
         // A gradient that is not finite shows in the next step's loss; after the last there is none.
         if self.config.clip_norm.is_some() || self.is_finished() {
             let gradients = workspace.gradients();

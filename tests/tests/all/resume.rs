@@ -18,6 +18,10 @@ fn config() -> TrainConfig {
     TrainConfig { steps: STEPS, ..TrainConfig::paper(7) }
 }
 
+fn regularised() -> TrainConfig {
+    TrainConfig { dropout: 0.3, weight_penalty: 0.01, ..config() }
+}
+
 fn stream() -> Stream {
     Seed::from_u64(152).stream()
 }
@@ -28,17 +32,32 @@ fn weights(proposal: &dyn Learnable) -> Vec<Vec<f64>> {
 
 #[test]
 fn every_family_goes_on_to_the_last_bit() {
+    goes_on(&config());
+}
+
+/// Masks come from the stream whose position a checkpoint holds.
+#[test]
+fn with_dropout_and_a_penalty_too() {
+    goes_on(&regularised());
+}
+
+fn goes_on(config: &TrainConfig) {
     let (system, measurements) = problem();
     let of_both = |backend| [Precision::F32, Precision::F64].map(|precision| (backend, precision));
     for (backend, precision) in Backend::built().flat_map(of_both) {
         let compute = Compute { backend, precision };
-        let fresh = || every_small_family(&ModelShape::on_graph(&system), 3, compute, &Seed::from_u64(153));
+        let fresh = || {
+            let mut all =
+                every_small_family(&ModelShape::on_graph(&system), 3, compute, &Seed::from_u64(153));
+            all.retain(|(_, proposal)| config.dropout == 0.0 || !proposal.hidden_readers().is_empty());
+            all
+        };
         for at in 0..fresh().len() {
             let run = |checkpoint_after: Option<usize>| {
                 let (name, mut proposal) = fresh().swap_remove(at);
-                let (config, mut first) = (config(), stream());
+                let mut first = stream();
                 let mut training =
-                    Training::new(&*proposal, &system, &measurements, &config, &mut first).unwrap();
+                    Training::new(&*proposal, &system, &measurements, config, &mut first).unwrap();
                 let Some(steps) = checkpoint_after else {
                     while !training.is_finished() {
                         training.step(&mut *proposal).unwrap();
@@ -50,7 +69,7 @@ fn every_family_goes_on_to_the_last_bit() {
                 let (name, mut proposal) = fresh().swap_remove(at);
                 let mut second = stream();
                 let mut training =
-                    Training::new(&*proposal, &system, &measurements, &config, &mut second).unwrap();
+                    Training::new(&*proposal, &system, &measurements, config, &mut second).unwrap();
                 training.resume(&mut *proposal, &bytes).unwrap();
                 assert_eq!(training.history().losses.len(), steps);
                 while !training.is_finished() {

@@ -81,6 +81,18 @@ pub(super) fn check(file: &str, experiment: &Experiment) -> Result<(), ConfigErr
     let clip_norm = training.clip_norm.unwrap_or(1.0);
     let fine = clip_norm > 0.0 && clip_norm.is_finite();
     checks.that(fine, "training.clip_norm", clip_norm, "it must be positive and finite")?;
+    // What is off is left out: a file and its unit keys say one thing in one way.
+    let penalty = training.weight_penalty.unwrap_or(1.0);
+    let fine = penalty > 0.0 && penalty.is_finite();
+    checks.that(fine, "training.weight_penalty", penalty, "it must be positive and finite, or left out")?;
+    if let Some(dropout) = training.dropout {
+        let fine = dropout > 0.0 && dropout < 1.0;
+        let expected = "it must be between 0 and 1, both excluded, or left out";
+        checks.that(fine, "training.dropout", dropout, expected)?;
+        let expected = "the method psi has no units that can be left out";
+        let is_psi = |method: &Method| matches!(method, Method::Psi | Method::PsiAnchored);
+        checks.that(!methods.iter().any(is_psi), "training.dropout", dropout, expected)?;
+    }
     proposals.check(&checks)?;
     if let Some(learning) = &experiment.learning {
         checks.learning(experiment, learning)?;

@@ -208,6 +208,12 @@ pub struct Training {
     pub beta_2: f64,
     /// Adam's ε.
     pub epsilon: f64,
+    /// The weight penalty; absent for none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub weight_penalty: Option<f64>,
+    /// The share of hidden units that a step leaves out; absent for none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dropout: Option<f64>,
 }
 
 /// How far back in time a gradient reaches.

@@ -93,5 +93,7 @@ pub(super) fn train_config(training: &config::Training, particles: usize, steps:
             beta_2: training.beta_2,
             epsilon: training.epsilon,
         },
+        weight_penalty: training.weight_penalty.unwrap_or(0.0),
+        dropout: training.dropout.unwrap_or(0.0),
     }
 }

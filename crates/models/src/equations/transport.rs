@@ -42,6 +42,9 @@ pub trait Transport: StateSpaceModel {
         values: &mut [f64],
         log_slope: &mut [f64],
     );
+
+    /// Replaces `x` in `values` by `∂T_i/∂v_i` at the `v` with `T(x_{t−1}, v) = x` (`N × LANES`), coordinate by coordinate.
+    fn tile_slopes(&self, time: usize, previous: Option<&[f64]>, values: &mut [f64]);
 }
 
 impl Distribution<Lanes> {
@@ -172,5 +175,13 @@ impl<M: TileStates + StateSpaceModel> Transport for M {
         log_slope: &mut [f64],
     ) {
         replace(self, time, previous, values, log_slope, |distribution, x| distribution.tile_inverse(x));
+    }
+
+    fn tile_slopes(&self, time: usize, previous: Option<&[f64]>, values: &mut [f64]) {
+        let mut unused = [0.0; LANES];
+        replace(self, time, previous, values, &mut unused, |distribution, x| {
+            let [_, log_slope] = distribution.tile_inverse(x);
+            [log_slope.exp(), log_slope]
+        });
     }
 }

@@ -68,6 +68,11 @@ impl RecurrentLayer {
         RecurrentLayer { cell, hidden, first }
     }
 
+    /// The matrix that reads the input.
+    pub fn input_matrix(self) -> usize {
+        self.first
+    }
+
     /// The widths of what a particle carries for this layer; the first is that of `h`.
     pub fn carried_widths(self) -> Vec<usize> {
         vec![self.hidden; if self.cell == Cell::Lstm { 2 } else { 1 }]

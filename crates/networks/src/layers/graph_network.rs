@@ -4,6 +4,7 @@ use motes_models::Seed;
 
 use crate::arithmetic::{Activation, Arithmetic};
 use crate::graph::{Graph, Shape};
+use crate::hidden_reader::HiddenReader;
 use crate::initial_weights::fan_in_bound;
 use crate::parameters::Parameters;
 
@@ -34,6 +35,19 @@ impl GraphNetwork {
             parameters.draw(format!("{name}.{layer}.bias"), [1, *outputs], bound, seed);
         }
         GraphNetwork { first, shapes }
+    }
+
+    /// The matrix of the last layer's taps.
+    pub fn last_matrix(&self) -> usize {
+        self.first + 2 * self.shapes.len().saturating_sub(1)
+    }
+
+    /// The matrices that read hidden features, which all nodes share: all but the first.
+    pub fn hidden_readers(&self) -> impl Iterator<Item = HiddenReader> {
+        self.shapes.iter().enumerate().skip(1).map(|(layer, shape)| {
+            let matrix = self.first + 2 * layer;
+            HiddenReader { matrix, fed_by: matrix - 2, copies: shape.taps }
+        })
     }
 
     /// Maps `(N·R)×F_0` inputs, node by node, to `(N·R)×F_L` outputs, with `last` applied to these.

@@ -3,6 +3,7 @@
 use motes_models::Seed;
 
 use crate::arithmetic::{Activation, Arithmetic};
+use crate::hidden_reader::HiddenReader;
 use crate::initial_weights::fan_in_bound;
 use crate::parameters::Parameters;
 
@@ -26,6 +27,19 @@ impl Mlp {
             parameters.draw(format!("{name}.{layer}.bias"), [1, pair[1]], bound, seed);
         }
         mlp
+    }
+
+    /// The matrix that reads the inputs.
+    pub fn first_matrix(self) -> usize {
+        self.first
+    }
+
+    /// The matrices that read hidden units: all but the first.
+    pub fn hidden_readers(self) -> impl Iterator<Item = HiddenReader> {
+        (1..self.layers).map(move |layer| {
+            let matrix = self.first + 2 * layer;
+            HiddenReader::plain(matrix, matrix - 2)
+        })
     }
 
     /// Maps `R` rows of inputs to `R` rows of outputs.

@@ -1,12 +1,11 @@
 //! Steps that a model drew for itself, in the units and with the inputs of an amortised proposal.
 
-use motes_models::batch::{LANES, load, store};
-use motes_models::equations::Lanes;
+use motes_models::batch::{LANES, store};
 use motes_models::{ModelError, OwnModel, OwnStep};
 
 use super::inputs::Standards;
 use super::proposal::Amortised;
-use super::units::{self, Place, Units, lanes};
+use super::units;
 use motes_smc::ProposalError;
 
 /// Rows of one of the two networks: what it sees, and what it should have said likely.
@@ -84,64 +83,25 @@ impl Amortised {
         examples: &mut Examples,
     ) -> Result<(), ModelError> {
         let (n, m) = (self.state_dim, self.measurement_dim);
-        for (name, found, expected) in [
-            ("the proposal's state dimension N", n, model.state_dim()),
-            ("the proposal's measurement dimension M", m, model.measurement_dim()),
-        ] {
-            if found != expected {
-                let value = found.to_string();
-                return Err(ModelError::Parameter { name, value, expected: "that of the model" });
-            }
-        }
-        let &OwnStep { time, previous, states, measurements } = step;
-        let width = super::inputs::Blocks::of(n, m)[usize::from(time > 0)].count();
-        let rows = states.len() / n;
-        let stage = if time == 0 { &mut examples.initial } else { &mut examples.later };
+        let width = super::inputs::Blocks::of(n, m)[usize::from(step.time > 0)].count();
+        let Examples { initial, later, outside } = examples;
+        let stage = if step.time == 0 { initial } else { later };
         stage.width = width;
-        let mut memory = vec![0.0; (units::rows(n) + units::scratch_rows(n, m) + width + 2 * n + m) * LANES];
-        let (of_units, rest) = memory.split_at_mut(units::rows(n) * LANES);
-        let (scratch, rest) = rest.split_at_mut(units::scratch_rows(n, m) * LANES);
-        let (inputs, rest) = rest.split_at_mut(width * LANES);
-        let (before, rest) = rest.split_at_mut(n * LANES);
-        let (values, measured) = rest.split_at_mut(n * LANES);
-        let mut entries: Vec<Option<Lanes>> = Vec::with_capacity(m);
         let (mut rows_of_inputs, mut rows_of_units) = (vec![0.0; LANES * width], vec![0.0; LANES * n]);
-        let is_affine = model.is_affine();
-        for first in (0..rows).step_by(LANES) {
-            let last = (first + LANES).min(rows);
-            if let Some(previous) = previous {
-                load(&previous[first * n..last * n], n, before);
-            }
-            load(&states[first * n..last * n], n, values);
-            load(&measurements[first * m..last * m], m, measured);
-            entries.clear();
-            entries.extend(lanes(measured).iter().copied().map(Some));
-            let place = Place { model, time, previous: previous.map(|_| &*before), is_affine };
-            let mut units = Units::of(of_units, n);
-            let inputs = lanes(inputs);
-            units.find(&place, self.config.base, &entries, inputs, scratch);
-            if let Some(standards) = standards {
-                standards.apply(inputs);
-            }
-            let [log_determinant, log_transition] = units.to_units(&place, lanes(values));
-            let count = last - first;
-            store(units::flat(inputs), width, &mut rows_of_inputs[..count * width]);
-            store(values, n, &mut rows_of_units[..count * n]);
+        self.by_tiles(model, step, standards, |_, count, tile| {
+            store(units::flat(tile.inputs), width, &mut rows_of_inputs[..count * width]);
+            store(units::flat(tile.units), n, &mut rows_of_units[..count * n]);
             for lane in 0..count {
-                let (u, log) = (&rows_of_units[lane * n..][..n], log_transition.0[lane]);
-                if !(log_determinant.0[lane].is_finite()
-                    && log.is_finite()
-                    && u.iter().all(|u| u.is_finite()))
-                {
-                    examples.outside += 1;
+                let (u, log) = (&rows_of_units[lane * n..][..n], tile.log_transition.0[lane]);
+                if !tile.is_inside(lane) {
+                    *outside += 1;
                     continue;
                 }
                 stage.inputs.extend_from_slice(&rows_of_inputs[lane * width..][..width]);
                 stage.units.extend_from_slice(u);
                 stage.log_transition.push(log);
             }
-        }
-        Ok(())
+        })
     }
 
     /// Brings the inputs of the networks to standard units: the median becomes 0, half the distance between the quantiles 0.16 and 0.84 becomes 1.

@@ -2,7 +2,7 @@
 
 use motes_models::Seed;
 use motes_networks::layers::GraphNetwork;
-use motes_networks::{Activation, Arithmetic, Graph, Parameters, fan_in_bound};
+use motes_networks::{Activation, Arithmetic, Graph, HiddenReader, Parameters, fan_in_bound};
 
 use super::inputs::Blocks;
 
@@ -58,6 +58,22 @@ impl Hidden {
         match self {
             Hidden::FullyConnected { .. } => last,
             Hidden::OnGraph { graph, .. } => last * graph.nodes(),
+        }
+    }
+
+    /// The matrices that read hidden units; `outputs` is the one that reads the last layer. Along a graph all nodes share a feature, which is one unit.
+    pub(super) fn readers(&self, outputs: usize) -> Vec<HiddenReader> {
+        match self {
+            Hidden::FullyConnected { first, layers } => {
+                let of_layer = |layer: usize| first + 2 * layer;
+                let inner = (1..*layers).map(|at| HiddenReader::plain(of_layer(at), of_layer(at - 1)));
+                inner.chain([HiddenReader::plain(outputs, of_layer(layers - 1))]).collect()
+            }
+            Hidden::OnGraph { layers, graph, .. } => {
+                let last =
+                    HiddenReader { matrix: outputs, fed_by: layers.last_matrix(), copies: graph.nodes() };
+                layers.hidden_readers().chain([last]).collect()
+            }
         }
     }
 

@@ -3,6 +3,8 @@
 mod base;
 mod batch;
 mod config;
+mod draws;
+mod evidence;
 mod examples;
 mod heads;
 mod hidden;
@@ -12,13 +14,17 @@ mod networks;
 mod proposal;
 mod propose;
 mod scratch;
+mod tiles;
 mod units;
 
 pub use base::Base;
 pub use batch::AmortisedBatch;
 pub use config::{AmortisedConfig, Sees};
+pub use draws::{DrawnStage, Draws};
 pub use examples::{Examples, Stage};
-pub use heads::{Covariance, FlowHead, GaussianHead, Head, HeadConfig, KernelHead, MixtureHead};
+pub use heads::{
+    Covariance, FlowHead, GaussianHead, Head, HeadConfig, KernelHead, MixtureHead, Reparametrised,
+};
 pub use inclusive::Times;
 pub use proposal::Amortised;
 pub use scratch::AmortisedScratch;

@@ -1,7 +1,7 @@
 //! The networks: one for `t = 0`, one for all later times, each with a linear path beside its hidden layers.
 
 use motes_models::Seed;
-use motes_networks::{Activation, Arithmetic, Known, Networks, Outputs, Parameters};
+use motes_networks::{Activation, Arithmetic, HiddenReader, Known, Networks, Outputs, Parameters};
 
 use super::hidden::{Along, Hidden};
 use super::inputs::Blocks;
@@ -16,6 +16,10 @@ struct Network {
 }
 
 impl Network {
+    fn hidden_readers(&self) -> Vec<HiddenReader> {
+        self.hidden.readers(self.outputs)
+    }
+
     fn forward<A: Arithmetic>(&self, arithmetic: &mut A, inputs: &A::Rows) -> A::Rows {
         let values = self.hidden.forward(arithmetic, inputs);
         let at = self.outputs;
@@ -70,6 +74,11 @@ impl AmortisedNetworks {
 impl Networks for AmortisedNetworks {
     fn horizon(&self) -> Option<usize> {
         None
+    }
+
+    /// All hidden layers of both networks; the linear path reads inputs alone.
+    fn hidden_readers(&self) -> Vec<HiddenReader> {
+        [self.initial.hidden_readers(), self.later.hidden_readers()].concat()
     }
 
     /// The inputs of the particles come in the place of `x_{t−1}`; the measurement is among them.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use motes_models::equations::Lanes;
 use motes_models::{ModelShape, Seed};
-use motes_networks::{Compute, Parameters};
+use motes_networks::{Compute, HiddenReader, Networks, Parameters};
 use motes_smc::ProposalError;
 
 use super::config::{AmortisedConfig, Sees};
@@ -49,6 +49,11 @@ pub(super) struct Prepared {
 }
 
 impl Amortised {
+    /// Whether a draw is a differentiable function of what the networks emit.
+    pub fn has_differentiable_draws(&self) -> bool {
+        self.head.reparametrised().is_some()
+    }
+
     /// The means and scales of the inputs at `t = 0`, or later.
     pub(super) fn standards(&self, time: usize) -> Standards {
         let first = self.first_standards() + if time == 0 { 0 } else { 2 };
@@ -82,6 +87,16 @@ impl Parametric for Amortised {
 
     fn parameters_mut(&mut self) -> &mut Parameters {
         &mut self.parameters
+    }
+
+    fn hidden_readers(&self) -> Vec<HiddenReader> {
+        self.networks.hidden_readers()
+    }
+
+    /// Those of the networks: means and scales of inputs are none.
+    fn weight_matrices(&self) -> Vec<usize> {
+        let names = self.parameters.names();
+        (0..self.first_standards()).filter(|index| !names[*index].ends_with("bias")).collect()
     }
 
     fn horizon(&self) -> Option<usize> {

@@ -3,7 +3,7 @@
 use bytemuck::TransparentWrapper;
 use motes_models::LN_2PI;
 use motes_models::batch::{LANES, by_widest_vectors};
-use motes_models::equations::triangle::{at, solve_upper, times_upper};
+use motes_models::equations::triangle::{at, solve_lower, solve_upper, times_upper};
 use motes_models::equations::{Lanes, Linearise, Scalar, Transport};
 
 use super::base::{Base, Said};
@@ -183,6 +183,39 @@ impl<'a> Units<'a> {
                 [log_determinant - log_slope, of_transition - log_determinant]
             },
         )
+    }
+
+    /// Replaces `∂f/∂x` in `slopes` by `∂/∂u [f(x) + log N(v; 0, I)] = L⁻¹ (T′ ∘ ∂f/∂x − v)`, at `x` in `states`, which is used up, with its `u` in `units`.
+    ///
+    /// `log N(v; 0, I)` is the log-density of the transition and `Σ_i log T′_i`, so that no derivative of `T′` is needed.
+    pub(super) fn pull_to_units<M: Transport + ?Sized>(
+        &self,
+        place: &Place<'_, M>,
+        states: &mut [Lanes],
+        units: &[Lanes],
+        slopes: &mut [Lanes],
+    ) {
+        let n = self.centres.len();
+        if place.is_affine {
+            states.copy_from_slice(self.slopes);
+        } else {
+            place.model.tile_slopes(place.time, place.previous, flat_mut(states));
+        }
+        by_widest_vectors(
+            #[inline(always)]
+            || {
+                for (slope, transport) in slopes.iter_mut().zip(&*states) {
+                    *slope = *slope * *transport;
+                }
+                // v, in the place of the slopes of the transport.
+                states.copy_from_slice(units);
+                solve_upper(n, self.lower, states);
+                for ((slope, v), shift) in slopes.iter_mut().zip(&*states).zip(&*self.shift) {
+                    *slope = *slope - (*v + *shift);
+                }
+                solve_lower(n, self.lower, slopes);
+            },
+        );
     }
 
     /// `Σ_i log L_ii`.

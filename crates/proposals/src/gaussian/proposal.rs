@@ -21,7 +21,7 @@ pub struct GaussianProposal<F: GaussianNetworks> {
     pub(super) measurement_dim: usize,
     pub(super) parameters: Parameters,
     /// Indices of `C` among the parameters: one for all times, or one for `t = 0` and one for the others.
-    mixings: Vec<usize>,
+    pub(super) mixings: Vec<usize>,
     /// `y_t` and the covariance for the present weights, of the step that a filter prepared.
     pub(super) prepared: Option<Prepared>,
 }

@@ -1,7 +1,7 @@
 //! A Gaussian family in training.
 
 use motes_models::{Stream, fill_standard_normal};
-use motes_networks::{Inputs, NetworkTape, Parameters, Workspace};
+use motes_networks::{HiddenReader, Inputs, NetworkTape, Parameters, Workspace};
 use motes_smc::{GaussianBatch, ProposalError};
 
 use super::covariance::KernelCovariance;
@@ -18,6 +18,17 @@ impl<F: GaussianNetworks> Parametric for GaussianProposal<F> {
 
     fn parameters_mut(&mut self) -> &mut Parameters {
         &mut self.parameters
+    }
+
+    fn hidden_readers(&self) -> Vec<HiddenReader> {
+        self.networks.hidden_readers()
+    }
+
+    /// Those of the networks. `C` is none: a smaller one is a narrower distribution, not a simpler network.
+    fn weight_matrices(&self) -> Vec<usize> {
+        let names = self.parameters.names();
+        let is_weight = |index: &usize| !names[*index].ends_with("bias") && !self.mixings.contains(index);
+        (0..names.len()).filter(is_weight).collect()
     }
 
     fn horizon(&self) -> Option<usize> {

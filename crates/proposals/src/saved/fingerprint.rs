@@ -25,8 +25,7 @@ pub(super) fn fingerprint(model: &dyn StateSpaceModel, graph: Option<&SystemGrap
     let mut projection = |values: &[f64]| -> f64 {
         values.iter().map(|value| value * weights.sample::<f64, _>(StandardNormal)).sum()
     };
-    let mut entries =
-        vec![entry("the state dimension N", n as f64), entry("the measurement dimension M", m as f64)];
+    let mut entries = sizes(n, m);
     let (mut previous, mut state, mut measurement) = (vec![0.0; n], vec![0.0; n], vec![0.0; m]);
     model.sample_initial(&mut stream, &mut previous);
     entries.push(entry("log p(x_0) at a fixed point", model.log_initial(&previous)));
@@ -60,6 +59,14 @@ pub(super) fn fingerprint(model: &dyn StateSpaceModel, graph: Option<&SystemGrap
         }
     }
     entries
+}
+
+/// The numbers of coordinates, with which a fingerprint begins.
+pub(super) fn sizes(state_dim: usize, measurement_dim: usize) -> Vec<Entry> {
+    vec![
+        entry("the state dimension N", state_dim as f64),
+        entry("the measurement dimension M", measurement_dim as f64),
+    ]
 }
 
 fn entry(name: &str, value: f64) -> Entry {

@@ -9,7 +9,7 @@ use serde::de::DeserializeOwned;
 
 use super::description::{DESCRIPTION, Description, SAVED_FORMAT};
 use super::error::SavedError;
-use super::fingerprint::{Entry, fingerprint};
+use super::fingerprint::{Entry, fingerprint, sizes};
 use super::seal::unsealed;
 use super::weights::{self, WEIGHTS};
 use crate::family::Family;
@@ -24,6 +24,30 @@ pub fn load<F: Family>(
     model: &dyn StateSpaceModel,
     shape: &ModelShape,
     compute: Compute,
+) -> Result<F, SavedError> {
+    let given = fingerprint(model, shape.graph.as_ref());
+    read::<F>(folder, shape, compute, |saved| check_system(folder, saved, &given))
+}
+
+/// Reads a proposal of family `F` from `folder` to be trained further, perhaps for another system of the same sizes: one with other parameters.
+///
+/// As it is it may be a poor proposal for that system. Weights stay right: a filter has the density of whatever it draws from.
+///
+/// # Errors
+/// As [`load`], but that a system is another one only where its states or measurements have other numbers of coordinates.
+pub fn load_to_tune<F: Family>(folder: &Path, shape: &ModelShape, compute: Compute) -> Result<F, SavedError> {
+    let given = sizes(shape.state_dim, shape.measurement_dim);
+    // A fingerprint begins with the sizes.
+    let check = |saved: &[Entry]| check_system(folder, saved.get(..given.len()).unwrap_or(saved), &given);
+    read::<F>(folder, shape, compute, check)
+}
+
+/// Reads a proposal for a system that `check` finds to be the right one by its fingerprint.
+fn read<F: Family>(
+    folder: &Path,
+    shape: &ModelShape,
+    compute: Compute,
+    check: impl FnOnce(&[Entry]) -> Result<(), SavedError>,
 ) -> Result<F, SavedError> {
     let read = |name: &str| {
         let path = folder.join(name);
@@ -51,7 +75,7 @@ pub fn load<F: Family>(
     let saved: Description<F::Config> = Description::parse(description).map_err(|reason| {
         unfit("the proposal that its settings describe", format!("another ({reason})"), F::NAME.into())
     })?;
-    check_system(folder, &saved.system, &fingerprint(model, shape.graph.as_ref()))?;
+    check(&saved.system)?;
     let matrices = weights::decode(&bytes).map_err(|reason| damaged(WEIGHTS, reason))?;
 
     // Before anything is allocated by sizes that a file claims.

@@ -14,5 +14,5 @@ mod weights;
 
 pub use description::SAVED_FORMAT;
 pub use error::SavedError;
-pub use load::{load, notes};
+pub use load::{load, load_to_tune, notes};
 pub use save::save;

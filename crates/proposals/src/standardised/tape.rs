@@ -2,7 +2,7 @@
 
 use motes_models::Stream;
 use motes_models::batch::Rows;
-use motes_networks::{Inputs, Parameters, Workspace};
+use motes_networks::{HiddenReader, Inputs, Parameters, Workspace};
 use motes_smc::ProposalError;
 
 use super::family::Standardised;
@@ -17,6 +17,14 @@ impl<F: Family> Parametric for Standardised<F> {
 
     fn parameters_mut(&mut self) -> &mut Parameters {
         self.proposal.parameters_mut()
+    }
+
+    fn hidden_readers(&self) -> Vec<HiddenReader> {
+        self.proposal.hidden_readers()
+    }
+
+    fn weight_matrices(&self) -> Vec<usize> {
+        self.proposal.weight_matrices()
     }
 
     fn horizon(&self) -> Option<usize> {

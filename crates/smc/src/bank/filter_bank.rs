@@ -61,6 +61,11 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
         FilterBank::with_streams(model, proposal, settings, seed.streams(filters))
     }
 
+    /// The proposal, to be changed between two steps.
+    pub(crate) fn proposal_mut(&mut self) -> &mut P {
+        &mut self.proposal
+    }
+
     /// Prepares one filter for each of the given streams.
     ///
     /// # Errors

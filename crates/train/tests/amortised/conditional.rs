@@ -3,8 +3,8 @@
 use motes_models::equations::Equations;
 use motes_models::{ModelShape, Seed, StateSpaceModel};
 use motes_proposals::{
-    Amortised, AmortisedConfig, AmortisedScratch, Backend, Base, Covariance, Family, HeadConfig, Parametric,
-    Sees,
+    Amortised, AmortisedConfig, AmortisedScratch, Backend, Base, Compute, Covariance, Family, HeadConfig,
+    Parametric, Sees,
 };
 use motes_smc::{Conditional, Context, Linearised, LinearisedScratch, Proposal};
 use rand::RngExt;
@@ -18,8 +18,18 @@ pub(crate) fn random<M: Equations>(model: &M, base: Base, head: HeadConfig, size
 
 /// [`random`] with any settings.
 pub(crate) fn random_of<M: Equations>(model: &M, config: AmortisedConfig, size: f64) -> Amortised {
+    random_in(model, config, size, Backend::Native.into())
+}
+
+/// [`random_of`] in any precision.
+pub(crate) fn random_in<M: Equations>(
+    model: &M,
+    config: AmortisedConfig,
+    size: f64,
+    compute: Compute,
+) -> Amortised {
     let seed = Seed::from_u64(4);
-    let (shape, compute) = (ModelShape::on_dependences(model, &seed), Backend::Native.into());
+    let shape = ModelShape::on_dependences(model, &seed);
     let mut proposal = Amortised::create(&config, &shape, 0, compute, &seed).unwrap();
     let mut stream = seed.child("more").stream();
     for index in 0..proposal.parameters().len() {

@@ -210,6 +210,74 @@ fn gradients_are_those_of_differences() {
     }
 }
 
+/// Parameters and a draw of a head, with the noise that it was drawn from.
+fn drawn(head: &dyn Head, name: &str, n: usize, stream: &mut Stream) -> [Vec<Lanes>; 3] {
+    let size = if name.starts_with("Kernel") { 0.3 } else { 0.8 };
+    let theta = theta(head, size, true, stream);
+    let mut noise = vec![Lanes::from(0.0); n];
+    // Some of them so large that a spline is the identity.
+    noise.iter_mut().for_each(|noise| {
+        fill_standard_normal(stream, &mut noise.0);
+        noise.0.iter_mut().for_each(|value| *value *= 2.0);
+    });
+    let mut u = noise.clone();
+    head.draw(&theta, &[], &mut u);
+    [theta, noise, u]
+}
+
+#[test]
+fn slopes_along_draws_and_derivatives_of_draws_are_those_of_differences() {
+    let mut stream = Seed::from_u64(5).stream();
+    let mut seen = 0;
+    for n in [1, 3] {
+        for (name, head) in heads(n) {
+            let Some(reparametrised) = head.reparametrised() else {
+                assert!(name.starts_with("Mixture"), "{name}");
+                continue;
+            };
+            seen += 1;
+            let [theta, noise, u] = drawn(&*head, &name, n, &mut stream);
+            let mut scratch = vec![Lanes::from(0.0); head.scratch()];
+            let near = |found: f64, expected: f64, what: &str| {
+                let distance = (found - expected).abs();
+                assert!(distance < 1e-6 * (1.0 + expected.abs()), "{name}, {what}: {found} for {expected}");
+            };
+            let h = 1e-5;
+            let mut slope = vec![Lanes::from(f64::NAN); n];
+            reparametrised.slope(&theta, &u, &mut slope, &mut scratch);
+            for at in 0..n {
+                let moved = |by: f64| {
+                    let mut u = u.clone();
+                    u[at] = u[at] + Lanes::from(by);
+                    log_density(&*head, &theta, &u)
+                };
+                let (up, down) = (moved(h), moved(-h));
+                for lane in 0..LANES {
+                    near(slope[at].0[lane], (up.0[lane] - down.0[lane]) / (2.0 * h), "slope");
+                }
+            }
+            let pull: Vec<Lanes> = (0..n).map(|at| Lanes::from(1.0 - 0.7 * at as f64)).collect();
+            let mut found = vec![Lanes::from(f64::NAN); head.outputs()];
+            reparametrised.pull_back(&theta, &u, &mut pull.clone(), &mut found, &mut scratch);
+            for (at, found) in found.iter().enumerate() {
+                // The same noise by other parameters.
+                let moved = |by: f64| {
+                    let mut theta = theta.clone();
+                    theta[at] = theta[at] + Lanes::from(by);
+                    let mut u = noise.clone();
+                    head.draw(&theta, &[], &mut u);
+                    u.iter().zip(&pull).fold(Lanes::from(0.0), |sum, (u, pull)| sum + *u * *pull)
+                };
+                let (up, down) = (moved(h), moved(-h));
+                for (lane, found) in found.0.iter().enumerate() {
+                    near(*found, (up.0[lane] - down.0[lane]) / (2.0 * h), &format!("parameter {at}"));
+                }
+            }
+        }
+    }
+    assert_eq!(seen, 10);
+}
+
 #[test]
 fn a_network_that_extrapolates_gives_no_scale_beyond_bounds() {
     for (name, head) in heads(2) {

@@ -2,6 +2,8 @@
 
 mod conditional;
 mod evidence;
+mod evidence_gradient;
 mod heads;
 mod learning;
 mod models;
+mod objectives;

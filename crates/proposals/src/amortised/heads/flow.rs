@@ -4,7 +4,7 @@ use motes_models::batch::by_widest_vectors;
 use motes_models::equations::{Lanes, with_scalars};
 
 use super::covariance::Covariance;
-use super::head::Head;
+use super::head::{Head, Reparametrised};
 use super::normal::Normal;
 use super::spline::Spline;
 
@@ -95,5 +95,55 @@ impl Head for FlowHead {
 
     fn scratch(&self) -> usize {
         self.normal.n * (1 + self.spline.scratch())
+    }
+
+    fn reparametrised(&self) -> Option<&dyn Reparametrised> {
+        Some(self)
+    }
+}
+
+impl Reparametrised for FlowHead {
+    fn slope(&self, theta: &[Lanes], u: &[Lanes], d_u: &mut [Lanes], scratch: &mut [Lanes]) {
+        with_scalars::<Lanes, _>(self.spline.outputs(), |unused| {
+            by_widest_vectors(
+                #[inline(always)]
+                || {
+                    self.evaluate(theta, u, scratch);
+                    let (noise, splines) = scratch.split_at(self.normal.n);
+                    for (i, scratch) in splines.chunks_exact(self.spline.scratch()).enumerate() {
+                        d_u[i] = self.spline.gradient(&theta[self.of_spline(i)], noise[i], scratch, unused);
+                    }
+                    self.normal.along_draw(theta, d_u);
+                },
+            );
+        });
+    }
+
+    /// The noise is `z = s(r)` with `r = A(u − m)`: at a fixed `z`, `∂r = −∂s / s'`.
+    fn pull_back(
+        &self,
+        theta: &[Lanes],
+        u: &[Lanes],
+        pull: &mut [Lanes],
+        d_theta: &mut [Lanes],
+        scratch: &mut [Lanes],
+    ) {
+        by_widest_vectors(
+            #[inline(always)]
+            || {
+                self.evaluate(theta, u, scratch);
+                self.normal.pull_back(theta, u, pull, d_theta);
+                let (noise, splines) = scratch.split_at(self.normal.n);
+                for (i, scratch) in splines.chunks_exact(self.spline.scratch()).enumerate() {
+                    let place = self.of_spline(i);
+                    let d_theta = &mut d_theta[place.clone()];
+                    let slope = self.spline.value_gradient(&theta[place], noise[i], scratch, d_theta);
+                    let weight = -(pull[i] / slope);
+                    for d in d_theta {
+                        *d = *d * weight;
+                    }
+                }
+            },
+        );
     }
 }

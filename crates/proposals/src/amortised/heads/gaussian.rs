@@ -4,7 +4,7 @@ use motes_models::batch::by_widest_vectors;
 use motes_models::equations::Lanes;
 
 use super::covariance::Covariance;
-use super::head::Head;
+use super::head::{Head, Reparametrised};
 use super::normal::Normal;
 
 /// `h = N(m, (AᵀA)⁻¹)` with a mean and a triangular factor of the precision from the network.
@@ -55,5 +55,38 @@ impl Head for GaussianHead {
 
     fn scratch(&self) -> usize {
         self.0.n
+    }
+
+    fn reparametrised(&self) -> Option<&dyn Reparametrised> {
+        Some(self)
+    }
+}
+
+impl Reparametrised for GaussianHead {
+    fn slope(&self, theta: &[Lanes], u: &[Lanes], d_u: &mut [Lanes], scratch: &mut [Lanes]) {
+        by_widest_vectors(
+            #[inline(always)]
+            || {
+                self.0.log_density(theta, u, scratch);
+                for (slope, noise) in d_u.iter_mut().zip(&*scratch) {
+                    *slope = -*noise;
+                }
+                self.0.along_draw(theta, d_u);
+            },
+        );
+    }
+
+    fn pull_back(
+        &self,
+        theta: &[Lanes],
+        u: &[Lanes],
+        pull: &mut [Lanes],
+        d_theta: &mut [Lanes],
+        _scratch: &mut [Lanes],
+    ) {
+        by_widest_vectors(
+            #[inline(always)]
+            || self.0.pull_back(theta, u, pull, d_theta),
+        );
     }
 }

@@ -28,4 +28,27 @@ pub trait Head: Send + Sync {
 
     /// How many entries of scratch a density takes.
     fn scratch(&self) -> usize;
+
+    /// This head as one whose draws have derivatives, if they have: those of a mixture jump from one component to another.
+    fn reparametrised(&self) -> Option<&dyn Reparametrised> {
+        None
+    }
+}
+
+/// A head whose draw is a differentiable function `u = u(θ, ε)` of its parameters and of noise whose distribution knows nothing of them.
+///
+/// The noise need not be kept: it is a function of `θ` and `u`.
+pub trait Reparametrised: Head {
+    /// `∂ log h(u | θ) / ∂u` into `d_u` (`N`); `scratch` has [`Head::scratch`] entries.
+    fn slope(&self, theta: &[Lanes], u: &[Lanes], d_u: &mut [Lanes], scratch: &mut [Lanes]);
+
+    /// `Σ_i c_i ∂u_i/∂θ` with `ε` held fixed, into `d_theta`; `pull` has the `c` (`N`) and is used up, `scratch` has [`Head::scratch`] entries.
+    fn pull_back(
+        &self,
+        theta: &[Lanes],
+        u: &[Lanes],
+        pull: &mut [Lanes],
+        d_theta: &mut [Lanes],
+        scratch: &mut [Lanes],
+    );
 }

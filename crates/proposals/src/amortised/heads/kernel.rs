@@ -5,7 +5,7 @@ use motes_models::batch::by_widest_vectors;
 use motes_models::equations::triangle::{at, factor, solve_lower, solve_upper};
 use motes_models::equations::{Lanes, Scalar, with_scalars};
 
-use super::head::Head;
+use super::head::{Head, Reparametrised};
 use super::normal::bounded;
 
 /// `δ`: no direction is narrower than a hundredth of the base.
@@ -133,6 +133,79 @@ impl KernelHead {
     }
 }
 
+impl KernelHead {
+    /// Takes the symmetric derivative `G` along the covariance, in `work.slope`, to those along `z` and `C`; `C K` in `work.mixed` is used up.
+    #[inline(always)]
+    fn to_parameters(&self, theta: &[Lanes], work: &mut Work<'_>, d_z: &mut [Lanes], d_mixing: &mut [Lanes]) {
+        let n = self.n;
+        let [_, z, mixing] = self.parts(theta);
+        for i in 0..n {
+            for j in 0..n {
+                // ∂/∂C = 2 G C K with G = ∂/∂Σ.
+                let mut sum = Lanes::from(0.0);
+                for k in 0..n {
+                    sum = sum + work.slope[i * n + k] * work.mixed[k * n + j];
+                }
+                let [_, slope] = bounded(mixing[i * n + j]);
+                d_mixing[i * n + j] = sum * slope * 2.0;
+            }
+        }
+        // G C in place of C K, which is no longer needed.
+        for i in 0..n {
+            for j in 0..n {
+                let mut sum = Lanes::from(0.0);
+                for k in 0..n {
+                    sum = sum + work.slope[i * n + k] * work.mixing[k * n + j];
+                }
+                work.mixed[i * n + j] = sum;
+            }
+        }
+        // ∂/∂K = Cᵀ G C, and K_ij falls with the distance of z_i and z_j.
+        for i in 0..n {
+            let mut sum = Lanes::from(0.0);
+            for j in 0..n {
+                let mut of_kernel = Lanes::from(0.0);
+                for k in 0..n {
+                    of_kernel = of_kernel + work.mixing[k * n + i] * work.mixed[k * n + j];
+                }
+                sum = sum + of_kernel * (z[i] - z[j]) * work.kernel[i * n + j];
+            }
+            d_z[i] = sum * -4.0;
+        }
+    }
+
+    /// The derivative along the covariance of `Σ_i c_i u_i` with `u = m + L ε` at a fixed `ε`, which is in `work.pull`, into `work.slope`; `pull` has `c`.
+    ///
+    /// It is `L⁻ᵀ P L⁻¹` with `P_kj = ½ w_max(k,j) ε_min(k,j)` and `w = Lᵀ c`: the derivative of a Cholesky factor in reverse (Murray 2016, equation 10).
+    #[inline(always)]
+    fn slope_of_draw(&self, work: &mut Work<'_>, pull: &mut [Lanes]) {
+        let n = self.n;
+        for k in 0..n {
+            let mut sum = Lanes::from(0.0);
+            for (i, pull) in pull.iter().enumerate().skip(k) {
+                sum = sum + work.lower[at(i, k)] * *pull;
+            }
+            pull[k] = sum;
+        }
+        for k in 0..n {
+            for j in 0..n {
+                work.row[j] = pull[k.max(j)] * work.pull[k.min(j)] * 0.5;
+            }
+            solve_upper(n, work.lower, &mut work.row[..n]);
+            work.slope[k * n..(k + 1) * n].copy_from_slice(&work.row[..n]);
+        }
+        for j in 0..n {
+            for k in 0..n {
+                work.row[k] = work.slope[k * n + j];
+            }
+            solve_upper(n, work.lower, &mut work.row[..n]);
+            for k in 0..n {
+                work.slope[k * n + j] = work.row[k];
+            }
+        }
+    }
+}
+
 impl Head for KernelHead {
     fn outputs(&self) -> usize {
         2 * self.n + self.n * self.n
@@ -179,7 +252,6 @@ impl Head for KernelHead {
 
     fn gradient(&self, theta: &[Lanes], u: &[Lanes], d_theta: &mut [Lanes], scratch: &mut [Lanes]) -> Lanes {
         let n = self.n;
-        let [_, z, mixing] = self.parts(theta);
         let mut work = Work::of(scratch, n);
         by_widest_vectors(
             #[inline(always)]
@@ -189,39 +261,7 @@ impl Head for KernelHead {
                 let (d_mean, rest) = d_theta.split_at_mut(n);
                 let (d_z, d_mixing) = rest.split_at_mut(n);
                 d_mean.copy_from_slice(work.pull);
-                for i in 0..n {
-                    for j in 0..n {
-                        // ∂/∂C = 2 G C K with G = ∂/∂Σ.
-                        let mut sum = Lanes::from(0.0);
-                        for k in 0..n {
-                            sum = sum + work.slope[i * n + k] * work.mixed[k * n + j];
-                        }
-                        let [_, slope] = bounded(mixing[i * n + j]);
-                        d_mixing[i * n + j] = sum * slope * 2.0;
-                    }
-                }
-                // G C in place of C K, which is no longer needed.
-                for i in 0..n {
-                    for j in 0..n {
-                        let mut sum = Lanes::from(0.0);
-                        for k in 0..n {
-                            sum = sum + work.slope[i * n + k] * work.mixing[k * n + j];
-                        }
-                        work.mixed[i * n + j] = sum;
-                    }
-                }
-                // ∂/∂K = Cᵀ G C, and K_ij falls with the distance of z_i and z_j.
-                for i in 0..n {
-                    let mut sum = Lanes::from(0.0);
-                    for j in 0..n {
-                        let mut of_kernel = Lanes::from(0.0);
-                        for k in 0..n {
-                            of_kernel = of_kernel + work.mixing[k * n + i] * work.mixed[k * n + j];
-                        }
-                        sum = sum + of_kernel * (z[i] - z[j]) * work.kernel[i * n + j];
-                    }
-                    d_z[i] = sum * -4.0;
-                }
+                self.to_parameters(theta, &mut work, d_z, d_mixing);
                 value
             },
         )
@@ -229,5 +269,51 @@ impl Head for KernelHead {
 
     fn scratch(&self) -> usize {
         4 * self.n * self.n + self.n * (self.n + 1) / 2 + 2 * self.n
+    }
+
+    fn reparametrised(&self) -> Option<&dyn Reparametrised> {
+        Some(self)
+    }
+}
+
+impl Reparametrised for KernelHead {
+    fn slope(&self, theta: &[Lanes], u: &[Lanes], d_u: &mut [Lanes], scratch: &mut [Lanes]) {
+        let mut work = Work::of(scratch, self.n);
+        by_widest_vectors(
+            #[inline(always)]
+            || {
+                self.evaluate(theta, u, &mut work);
+                for (slope, pull) in d_u.iter_mut().zip(&*work.pull) {
+                    *slope = -*pull;
+                }
+            },
+        );
+    }
+
+    fn pull_back(
+        &self,
+        theta: &[Lanes],
+        u: &[Lanes],
+        pull: &mut [Lanes],
+        d_theta: &mut [Lanes],
+        scratch: &mut [Lanes],
+    ) {
+        let n = self.n;
+        let mut work = Work::of(scratch, n);
+        by_widest_vectors(
+            #[inline(always)]
+            || {
+                self.factor(theta, &mut work);
+                for i in 0..n {
+                    work.pull[i] = u[i] - theta[i];
+                }
+                solve_lower(n, work.lower, work.pull);
+                let (d_mean, rest) = d_theta.split_at_mut(n);
+                let (d_z, d_mixing) = rest.split_at_mut(n);
+                d_mean.copy_from_slice(pull);
+                self.slope_of_draw(&mut work, pull);
+                self.to_parameters(theta, &mut work, d_z, d_mixing);
+            },
+        );
     }
 }

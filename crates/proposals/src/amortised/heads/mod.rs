@@ -16,6 +16,6 @@ pub use config::HeadConfig;
 pub use covariance::Covariance;
 pub use flow::FlowHead;
 pub use gaussian::GaussianHead;
-pub use head::Head;
+pub use head::{Head, Reparametrised};
 pub use kernel::KernelHead;
 pub use mixture::MixtureHead;

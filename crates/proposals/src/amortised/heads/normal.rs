@@ -92,6 +92,50 @@ impl Normal {
         }
     }
 
+    /// Replaces `g` (`N`) by `Aᵀ g`: a derivative along `ε` by one along `u`.
+    #[inline(always)]
+    pub(super) fn along_draw(self, theta: &[Lanes], g: &mut [Lanes]) {
+        let n = self.n;
+        for j in 0..n {
+            let [log_scale, _] = bounded(theta[n + j]);
+            let mut sum = g[j] * log_scale.exp();
+            if self.covariance == Covariance::Full {
+                for i in j + 1..n {
+                    sum = sum + theta[self.below(i, j)] * g[i];
+                }
+            }
+            g[j] = sum;
+        }
+    }
+
+    /// `Σ_i c_i ∂u_i/∂θ` with `ε` held fixed into `d_theta`; `pull` has `c`, and then `A⁻ᵀ c`, the same along `ε`.
+    ///
+    /// From `A(u − m) = ε`: `∂u = ∂m − A⁻¹ ∂A (u − m)`.
+    #[inline(always)]
+    pub(super) fn pull_back(self, theta: &[Lanes], u: &[Lanes], pull: &mut [Lanes], d_theta: &mut [Lanes]) {
+        let n = self.n;
+        d_theta[..n].copy_from_slice(pull);
+        for i in (0..n).rev() {
+            let [log_scale, slope] = bounded(theta[n + i]);
+            let mut left = pull[i];
+            if self.covariance == Covariance::Full {
+                for k in i + 1..n {
+                    left = left - theta[self.below(k, i)] * pull[k];
+                }
+            }
+            pull[i] = left * (-log_scale).exp();
+            // The diagonal of A is the exponential of its logarithm.
+            d_theta[n + i] = -(left * (u[i] - theta[i]) * slope);
+        }
+        if self.covariance == Covariance::Full {
+            for i in 1..n {
+                for j in 0..i {
+                    d_theta[self.below(i, j)] = -(pull[i] * (u[j] - theta[j]));
+                }
+            }
+        }
+    }
+
     /// Replaces `ε` by `u = m + A⁻¹ ε`.
     #[inline(always)]
     pub(super) fn draw(self, theta: &[Lanes], noise: &mut [Lanes]) {

@@ -165,6 +165,34 @@ impl Spline {
         scratch: &[Lanes],
         d_theta: &mut [Lanes],
     ) -> Lanes {
+        // Outside it is the identity.
+        let density = |[value, log_slope]: [Varied; 2]| log_slope - value * value * 0.5;
+        self.derivatives(theta, r, scratch, d_theta, -r, density)
+    }
+
+    /// Derivatives of `z`: along `r`, which is returned, and along the parameters, into `d_theta`; from the scratch that [`Spline::evaluate`] left.
+    #[inline(always)]
+    pub(super) fn value_gradient(
+        self,
+        theta: &[Lanes],
+        r: Lanes,
+        scratch: &[Lanes],
+        d_theta: &mut [Lanes],
+    ) -> Lanes {
+        self.derivatives(theta, r, scratch, d_theta, Lanes::from(1.0), |[value, _]| value)
+    }
+
+    /// Derivatives of what `of` makes of `z` and `log z'`; `outside` is the one along `r` where the spline is the identity.
+    #[inline(always)]
+    fn derivatives(
+        self,
+        theta: &[Lanes],
+        r: Lanes,
+        scratch: &[Lanes],
+        d_theta: &mut [Lanes],
+        outside: Lanes,
+        of: impl Fn([Varied; 2]) -> Varied,
+    ) -> Lanes {
         let k = self.pieces;
         let at = self.find(r, &scratch[2 * k..]);
         let (piece, of_slopes) = self.piece(theta, scratch, &at);
@@ -176,12 +204,10 @@ impl Spline {
             height: variable(piece.height, 4),
             slopes: [variable(piece.slopes[0], 5), variable(piece.slopes[1], 6)],
         };
-        let [value, log_slope] = varied.evaluate(variable(r, 0));
-        let found = log_slope - value * value * 0.5;
+        let found = of(varied.evaluate(variable(r, 0)));
         let along = found.derivatives();
         d_theta.fill(Lanes::from(0.0));
-        // Outside it is the identity.
-        let mut d_r = -r;
+        let mut d_r = outside;
         // Of the stretched shares: a piece's own, and those before it, which move its beginning.
         let stretch = 2.0 * BOUND * (1.0 - LEAST_SHARE * k as f64);
         for (lane, at) in at.iter().enumerate() {

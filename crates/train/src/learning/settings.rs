@@ -2,11 +2,20 @@
 
 use serde::Serialize;
 
+use super::objective::LearnObjective;
+use crate::dropout::check_dropout;
+use crate::penalty::check_penalty;
 use crate::{AdamConfig, TrainError};
 
-/// How a proposal is learned from a model's own simulations.
+/// How a proposal is learned once.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LearnConfig {
+    /// What is maximised.
+    #[serde(skip_serializing_if = "LearnObjective::is_inclusive")]
+    pub objective: LearnObjective,
+    /// Whether the proposal was learned before: its inputs then keep their standards, whatever the model.
+    #[serde(skip_serializing_if = "is_false")]
+    pub continues: bool,
     /// Gradient steps.
     pub steps: usize,
     /// Rows `(x_{t−1}, x_t, y_t)` in a step.
@@ -29,12 +38,30 @@ pub struct LearnConfig {
     /// Training ends after so many seconds, whatever its steps; the number of steps then depends on the machine.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seconds: Option<f64>,
+    /// `λ`: a penalty of `λ/2 Σ w²` over the weights is added to the loss.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub weight_penalty: f64,
+    /// `p`: the probability that a step leaves out a hidden unit.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub dropout: f64,
+}
+
+/// Whether a switch is off, where it is not written.
+fn is_false(switch: &bool) -> bool {
+    !switch
+}
+
+/// Whether a setting is at its default, at which it is not written.
+fn is_zero(setting: &f64) -> bool {
+    *setting == 0.0
 }
 
 impl LearnConfig {
     /// 3000 steps of 800 rows, from sequences of 100 times.
     pub fn new() -> Self {
         LearnConfig {
+            objective: LearnObjective::Inclusive,
+            continues: false,
             steps: 3000,
             rows: 800,
             horizon: 100,
@@ -45,6 +72,8 @@ impl LearnConfig {
             clip_norm: 5.0,
             validate_every: 200,
             seconds: None,
+            weight_penalty: 0.0,
+            dropout: 0.0,
         }
     }
 
@@ -74,6 +103,8 @@ impl LearnConfig {
         {
             return wrong("the largest state of a sequence", largest.to_string(), "positive");
         }
+        check_penalty(self.weight_penalty)?;
+        check_dropout(self.dropout)?;
         match self.seconds {
             Some(seconds) if !(seconds > 0.0 && seconds.is_finite()) => {
                 wrong("the budget in seconds", seconds.to_string(), "positive and finite")

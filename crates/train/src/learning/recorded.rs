@@ -11,8 +11,14 @@ use crate::TrainError;
 const PARTICLES: usize = 200;
 const DEFENSIVE: f64 = 0.1;
 
-/// States that are drawn from the filter at each time.
-const DRAWS: usize = 4;
+/// How much is taken of a series.
+#[derive(Clone, Copy)]
+pub(super) struct Share {
+    /// States that are drawn from the filter at each time.
+    pub(super) draws: usize,
+    /// How many of its first times.
+    pub(super) times: usize,
+}
 
 /// Filters recorded measurements and adds a few of its weighted particles of each time, with the states that they were drawn from: `(x_{t−1}, x_t, y_t)`
 /// as they are likely given the measurements so far (neural adaptive sequential Monte Carlo, Gu, Ghahramani and Turner 2015).
@@ -22,6 +28,7 @@ pub(super) fn add_recorded(
     proposal: &Amortised,
     model: &(impl OwnModel + ?Sized),
     measurements: &PartialMeasurements,
+    Share { draws, times }: Share,
     seed: &Seed,
     examples: &mut Examples,
 ) -> Result<(), TrainError> {
@@ -32,7 +39,7 @@ pub(super) fn add_recorded(
     let mut filter = filter.map_err(failed)?;
     let mut stream = seed.child("draws").stream();
     let (mut previous, mut states) = (Vec::new(), Vec::new());
-    for (time, row) in measurements.rows().enumerate() {
+    for (time, row) in measurements.rows().enumerate().take(times) {
         if filter.step_partial(row).is_err() {
             break;
         }
@@ -43,8 +50,8 @@ pub(super) fn add_recorded(
         // Systematic draws of particles by their weights.
         let (mut sum, mut at) = (weights[0], 0);
         let offset: f64 = stream.random();
-        for draw in 0..DRAWS {
-            let point = (draw as f64 + offset) / DRAWS as f64;
+        for draw in 0..draws {
+            let point = (draw as f64 + offset) / draws as f64;
             while sum < point && at + 1 < PARTICLES {
                 at += 1;
                 sum += weights[at];
@@ -54,7 +61,7 @@ pub(super) fn add_recorded(
                 previous.extend_from_slice(&all[filter.ancestors()[at] * n..][..n]);
             }
         }
-        let measurements = whole.repeat(DRAWS);
+        let measurements = whole.repeat(draws);
         let before = (time > 0).then_some(previous.as_slice());
         let step = OwnStep { time, previous: before, states: &states, measurements: &measurements };
         proposal.encode(model, &step, examples)?;

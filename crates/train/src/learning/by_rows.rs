@@ -1,0 +1,65 @@
+//! The loop of objectives that learn from rows: a batch, a step, now and then a look at validation.
+
+use std::ops::ControlFlow;
+
+use motes_models::Seed;
+use motes_proposals::{Amortised, Examples, Stage, Times};
+
+use super::course::Course;
+use super::rows::Deck;
+use super::settings::LearnConfig;
+use super::step::Stepper;
+use crate::TrainError;
+
+/// How many steps of the network for later times come to one of that for `t = 0`.
+const STEPS_FOR_ONE_INITIAL: usize = 4;
+
+/// Takes the steps of `course`, with rows from `supply`, which is shown the step and the averaged weights; none ends learning.
+pub(super) fn learn_by_rows(
+    proposal: &mut Amortised,
+    course: &mut Course,
+    config: &LearnConfig,
+    training: &Seed,
+    mut supply: impl FnMut(usize, &Amortised) -> Result<Option<Examples>, TrainError>,
+    judge: impl Fn(&Amortised) -> Result<f64, TrainError>,
+    mut observe: impl FnMut(usize, f64) -> ControlFlow<()>,
+) -> Result<(), TrainError> {
+    let mut stepper = Stepper::new(config, proposal, training)?;
+    let mut order = training.child("order").stream();
+    let (mut initial, mut later) = (Deck::default(), Deck::default());
+    let mut batch = Stage::default();
+    for step in 0..config.steps {
+        let Some(progress) = course.progress(step) else { break };
+        stepper.set_progress(progress);
+        let mut rows = config.rows;
+        while !later.deal(rows, &mut batch) {
+            let Some(examples) = supply(step, course.averaged())? else { break };
+            // A supply that overflows early has few rows.
+            rows = rows.min(examples.later.len());
+            later = Deck::new(examples.later, &mut order);
+            initial = Deck::new(examples.initial, &mut order);
+        }
+        let mut update = |proposal: &mut Amortised, times: Times, batch: &Stage| {
+            stepper.begin(proposal);
+            stepper.finish(proposal, |proposal, memory| {
+                Ok(proposal.differentiate_gain(times, batch, config.floor, memory)?)
+            })
+        };
+        let mut is_finite = update(proposal, Times::Later, &batch)?;
+        if step % STEPS_FOR_ONE_INITIAL == 0
+            && initial.deal(config.rows.min(initial.left()), &mut batch)
+            && !batch.is_empty()
+        {
+            is_finite &= update(proposal, Times::Initial, &batch)?;
+        }
+        if !is_finite {
+            course.diverged(step);
+            break;
+        }
+        course.took(step, proposal, &judge)?;
+        if observe(step, course.last()).is_break() {
+            break;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,82 @@
+//! One gradient step of learning once: dropout around the gradient, the penalty, a norm that is bounded, Adam.
+
+use motes_models::{Seed, Stream};
+use motes_proposals::{Amortised, Parametric, Workspace};
+
+use super::settings::LearnConfig;
+use crate::dropout::Dropout;
+use crate::penalty::add_penalty;
+use crate::{Adam, TrainError};
+
+/// What steps are taken with.
+pub(super) struct Stepper {
+    adam: Adam,
+    dropout: Option<Dropout>,
+    /// Masks of dropout come from it, and nothing else does.
+    masks: Stream,
+    workspace: Option<Workspace>,
+    penalty: f64,
+    clip_norm: f64,
+    learning_rate: f64,
+}
+
+impl Stepper {
+    pub(super) fn new(
+        config: &LearnConfig,
+        proposal: &Amortised,
+        training: &Seed,
+    ) -> Result<Self, TrainError> {
+        Ok(Stepper {
+            adam: Adam::new(&config.adam)?,
+            dropout: Dropout::new(config.dropout, proposal)?,
+            masks: training.child("dropout").stream(),
+            workspace: Some(Workspace::new(proposal.parameters())),
+            penalty: config.weight_penalty,
+            clip_norm: config.clip_norm,
+            learning_rate: config.adam.learning_rate,
+        })
+    }
+
+    /// Sets the learning rate for a share of all progress: it falls to 0 along half a cosine.
+    pub(super) fn set_progress(&mut self, progress: f64) {
+        let share = 0.5 * (1.0 + (std::f64::consts::PI * progress).cos());
+        self.adam.set_learning_rate(self.learning_rate * share);
+    }
+
+    /// Leaves out hidden units until [`Stepper::finish`] puts them back.
+    pub(super) fn begin(&mut self, proposal: &mut Amortised) {
+        if let Some(dropout) = &mut self.dropout {
+            dropout.leave_out(proposal.parameters_mut(), &mut self.masks);
+        }
+    }
+
+    /// Differentiates a loss at the weights that [`Stepper::begin`] left, and takes the step; `false` if the loss or its gradient is not finite, and no weight
+    /// has changed then.
+    pub(super) fn finish(
+        &mut self,
+        proposal: &mut Amortised,
+        differentiate: impl FnOnce(&Amortised, Workspace) -> Result<(f64, Workspace), TrainError>,
+    ) -> Result<bool, TrainError> {
+        let memory = self.workspace.take().unwrap_or_else(|| Workspace::new(proposal.parameters()));
+        let found = differentiate(proposal, memory);
+        if let Some(dropout) = &self.dropout {
+            dropout.put_back(proposal.parameters_mut())?;
+        }
+        let (value, mut workspace) = found?;
+        if let Some(dropout) = &self.dropout {
+            dropout.pull_back(&mut workspace);
+        }
+        add_penalty(self.penalty, proposal, &mut workspace);
+        let gradients = workspace.gradients();
+        let norm = gradients.norm();
+        let is_finite = value.is_finite() && norm.is_finite();
+        if is_finite {
+            if norm > self.clip_norm {
+                gradients.scale(self.clip_norm / norm);
+            }
+            self.adam.step(proposal.parameters_mut(), &mut workspace)?;
+        }
+        self.workspace = Some(workspace);
+        Ok(is_finite)
+    }
+}
