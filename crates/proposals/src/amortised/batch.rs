@@ -7,6 +7,7 @@ use motes_smc::{Conditional, Context};
 
 use super::heads::Head;
 use super::scratch::AmortisedScratch;
+use super::theta::Theta;
 use super::units::{self, Place, Units, lanes, log_standard_normal};
 
 /// What an [`Amortised`](super::Amortised) proposal conditions to: a head's density for each particle, in units of its base.
@@ -15,6 +16,7 @@ pub struct AmortisedBatch<'a, M: ?Sized> {
     pub(super) context: Context<'a>,
     /// None where it is the base itself.
     pub(super) head: Option<&'a dyn Head>,
+    pub(super) theta: &'a Theta,
     pub(super) is_affine: bool,
     pub(super) n: usize,
     pub(super) scratch: &'a mut AmortisedScratch,
@@ -51,13 +53,14 @@ impl<M: Transport + ?Sized> AmortisedBatch<'_, M> {
         let AmortisedScratch { units, previous: kept, theta, tile, noise, uniforms, .. } = &mut *self.scratch;
         tile.clear();
         tile.resize(Tile::rows(n, head) * LANES, 0.0);
-        let outputs = head.map_or(0, |head| head.outputs());
+        let emitted = if head.is_some() { self.theta.emitted } else { 0 };
+        self.theta.place_shared(Tile::of(tile, n, head).theta);
         let parts = units.chunks_exact_mut(units::rows(n) * LANES).zip(kept.chunks_exact(n * LANES));
         for (number, (units, kept)) in parts.enumerate() {
             let (first, last) = (number * LANES, ((number + 1) * LANES).min(particles));
             let tile = Tile::of(tile, n, head);
-            if outputs > 0 {
-                load(&theta[first * outputs..last * outputs], outputs, units::flat_mut(tile.theta));
+            if emitted > 0 {
+                self.theta.load(&theta[first * emitted..last * emitted], tile.theta);
             }
             let place = Place {
                 model: self.model,

@@ -35,9 +35,11 @@ impl Amortised {
         let (n, outputs, count) = (self.state_dim, self.head.outputs(), rows.len());
         let tape = NetworkTape::new(&self.networks, &self.parameters, count, workspace);
         let mut tape = tape.map_err(of_networks)?;
-        let mut theta = vec![0.0; count * outputs];
+        let of_all = self.theta(times.time());
+        let (emitted, mut slopes) = (of_all.emitted, of_all.no_slopes());
+        let mut theta = vec![0.0; count * emitted];
         let inputs = Inputs {
-            time: usize::from(times == Times::Later),
+            time: times.time(),
             width: rows.width,
             previous: Some(&rows.inputs),
             measurement: &[],
@@ -50,11 +52,12 @@ impl Amortised {
         let (of_head, rest) = rest.split_at_mut(n);
         let (of_theta, rest) = rest.split_at_mut(outputs);
         let (d_theta, scratch) = rest.split_at_mut(outputs);
-        for (first, theta) in (0..count).step_by(LANES).zip(theta.chunks_mut(LANES * outputs)) {
+        of_all.place_shared(of_theta);
+        for (first, theta) in (0..count).step_by(LANES).zip(theta.chunks_mut(LANES * emitted)) {
             let last = (first + LANES).min(count);
             load(&rows.units[first * n..last * n], n, flat_mut(units));
             load(&rows.slopes[first * n..last * n], n, flat_mut(pull));
-            load(theta, outputs, flat_mut(of_theta));
+            of_all.load(theta, of_theta);
             head.slope(of_theta, units, of_head, scratch);
             for (pull, of_head) in pull.iter_mut().zip(&*of_head) {
                 // Minus: the derivative of the loss.
@@ -64,8 +67,10 @@ impl Amortised {
                 }
             }
             head.pull_back(of_theta, units, pull, d_theta, scratch);
-            store(flat(d_theta), outputs, theta);
+            store(flat(&d_theta[..emitted]), emitted, theta);
+            of_all.add_slopes(d_theta, last - first, &mut slopes);
         }
+        of_all.hand_over(&slopes, tape.gradients());
         let mut d_inputs = vec![0.0; rows.inputs.len()];
         tape.backward(&[&theta], &mut d_inputs).map_err(of_networks)?;
         Ok(tape.finish())

@@ -7,6 +7,7 @@ use motes_smc::ProposalError;
 
 use super::examples::Stage;
 use super::proposal::Amortised;
+use super::theta::Theta;
 use super::units::{flat, flat_mut, lanes};
 use crate::settings::of_networks;
 
@@ -19,12 +20,13 @@ impl Amortised {
     /// # Errors
     /// [`ProposalError`] if the networks cannot be asked.
     pub fn gain(&self, stage: Times, rows: &Stage, share: f64) -> Result<f64, ProposalError> {
-        let mut theta = vec![0.0; rows.len() * self.head.outputs()];
+        let mut theta = vec![0.0; rows.len() * self.emitted()];
         let inputs = inputs_of(stage, rows);
         let run =
             Inference::default().run(&self.networks, &self.parameters, &inputs, &mut [], &mut [&mut theta]);
         run.map_err(of_networks)?;
-        Ok(self.over_tiles(rows, &mut theta, share, false))
+        let of_all = self.theta(stage.time());
+        Ok(self.over_tiles(rows, &of_all, &mut theta, share, None))
     }
 
     /// [`Amortised::gain`]; the workspace then holds the derivatives of its negative with respect to the weights.
@@ -40,44 +42,58 @@ impl Amortised {
     ) -> Result<(f64, Workspace), ProposalError> {
         let mut tape =
             NetworkTape::new(&self.networks, &self.parameters, rows.len(), workspace).map_err(of_networks)?;
-        let mut theta = vec![0.0; rows.len() * self.head.outputs()];
+        let mut theta = vec![0.0; rows.len() * self.emitted()];
         tape.forward(&inputs_of(stage, rows), &mut [&mut theta]).map_err(of_networks)?;
-        let gain = self.over_tiles(rows, &mut theta, share, true);
+        let of_all = self.theta(stage.time());
+        let mut slopes = of_all.no_slopes();
+        let gain = self.over_tiles(rows, &of_all, &mut theta, share, Some(&mut slopes));
+        of_all.hand_over(&slopes, tape.gradients());
         let mut d_inputs = vec![0.0; rows.inputs.len()];
         tape.backward(&[&theta], &mut d_inputs).map_err(of_networks)?;
         Ok((gain, tape.finish()))
     }
 
-    /// The mean gain; `theta` is replaced by the derivative of its negative if that is wanted.
-    fn over_tiles(&self, rows: &Stage, theta: &mut [f64], share: f64, differentiates: bool) -> f64 {
+    /// The mean gain; `theta`, what the network emitted, is replaced by the derivative of its negative if that is wanted, and the derivative along what all
+    /// particles share is added to `slopes`.
+    fn over_tiles(
+        &self,
+        rows: &Stage,
+        of_all: &Theta,
+        theta: &mut [f64],
+        share: f64,
+        mut slopes: Option<&mut Vec<f64>>,
+    ) -> f64 {
+        let emitted = of_all.emitted;
         let (n, outputs, count) = (self.state_dim, self.head.outputs(), rows.len());
         let mut memory = vec![0.0; (n + 2 * outputs + self.head.scratch()) * LANES];
         let (units, rest) = lanes(&mut memory).split_at_mut(n);
         let (of_theta, rest) = rest.split_at_mut(outputs);
         let (d_theta, scratch) = rest.split_at_mut(outputs);
+        of_all.place_shared(of_theta);
         let (log_head, log_share) = ((-share).ln_1p(), share.ln());
         let mut sum = 0.0;
-        for (first, theta) in (0..count).step_by(LANES).zip(theta.chunks_mut(LANES * outputs)) {
+        for (first, theta) in (0..count).step_by(LANES).zip(theta.chunks_mut(LANES * emitted)) {
             let last = (first + LANES).min(count);
             load(&rows.units[first * n..last * n], n, flat_mut(units));
-            load(theta, outputs, flat_mut(of_theta));
+            of_all.load(theta, of_theta);
             let mut of_transition = Lanes::from(0.0);
             of_transition.0[..last - first].copy_from_slice(&rows.log_transition[first..last]);
-            let of_head = match differentiates {
-                true => self.head.gradient(of_theta, units, d_theta, scratch),
-                false => self.head.log_density(of_theta, units, scratch),
+            let of_head = match slopes {
+                Some(_) => self.head.gradient(of_theta, units, d_theta, scratch),
+                None => self.head.log_density(of_theta, units, scratch),
             };
             // log[(1 − α) h + α p], with the larger of both in front.
             let (a, b) = (of_head + log_head, of_transition + log_share);
             let largest = a.max(b);
             let mixture = largest + ((a - largest).exp() + (b - largest).exp()).ln();
             sum += (0..last - first).map(|lane| mixture.0[lane] - of_transition.0[lane]).sum::<f64>();
-            if differentiates {
+            if let Some(slopes) = &mut slopes {
                 let weight = (a - mixture).exp() * (-1.0 / count as f64);
                 for slope in &mut *d_theta {
                     *slope = *slope * weight;
                 }
-                store(flat(d_theta), outputs, theta);
+                store(flat(&d_theta[..emitted]), emitted, theta);
+                of_all.add_slopes(d_theta, last - first, slopes);
             }
         }
         sum / count as f64
@@ -93,9 +109,16 @@ pub enum Times {
     Later,
 }
 
+impl Times {
+    /// One of these times.
+    pub(super) fn time(self) -> usize {
+        usize::from(self == Times::Later)
+    }
+}
+
 fn inputs_of(times: Times, rows: &Stage) -> Inputs<'_> {
     Inputs {
-        time: usize::from(times == Times::Later),
+        time: times.time(),
         width: rows.width,
         previous: Some(&rows.inputs),
         measurement: &[],

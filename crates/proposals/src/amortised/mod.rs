@@ -14,6 +14,7 @@ mod networks;
 mod proposal;
 mod propose;
 mod scratch;
+mod theta;
 mod tiles;
 mod units;
 

@@ -16,6 +16,11 @@ struct Network {
 }
 
 impl Network {
+    /// The index of what all particles share, where they share something.
+    fn shared(&self) -> usize {
+        self.outputs + 3
+    }
+
     fn hidden_readers(&self) -> Vec<HiddenReader> {
         self.hidden.readers(self.outputs)
     }
@@ -35,21 +40,26 @@ pub(super) struct AmortisedNetworks {
 }
 
 impl AmortisedNetworks {
-    /// Adds their weights: `inputs` are those at `t = 0` and later, `b` begins as `start`.
+    /// Adds their weights: `inputs` are those at `t = 0` and later. `b` begins as `start`, but for the last of it, `shared` numbers that no network
+    /// emits.
     pub(super) fn draw(
         parameters: &mut Parameters,
         inputs: [Blocks; 2],
         widths: &[usize],
         along: Option<&Along>,
-        start: &[f64],
+        (start, shared): (&[f64], usize),
         seed: &Seed,
     ) -> Self {
+        let (start, of_all) = start.split_at(start.len() - shared);
         let mut draw = |name: &str, inputs: Blocks| {
             let hidden = Hidden::draw(parameters, name, inputs, widths, along, seed);
             let outputs = parameters.len();
             parameters.draw(format!("{name}.outputs.weight"), [hidden.width(widths), start.len()], 0.0, seed);
             parameters.draw(format!("{name}.outputs.linear"), [inputs.count(), start.len()], 0.0, seed);
             parameters.add(format!("{name}.outputs.bias"), [1, start.len()], start);
+            if !of_all.is_empty() {
+                parameters.add(format!("{name}.outputs.shared"), [1, of_all.len()], of_all);
+            }
             Network { hidden, outputs }
         };
         let [initial, later] = inputs;
@@ -61,13 +71,20 @@ impl AmortisedNetworks {
         inputs: [Blocks; 2],
         widths: &[usize],
         order: Option<usize>,
-        outputs: usize,
+        (outputs, shared): (usize, usize),
     ) -> Option<usize> {
         inputs.into_iter().try_fold(0_usize, |sum, inputs| {
             let [hidden, last] = Hidden::count(inputs, widths, order)?;
             let rows = last.checked_add(inputs.count())?.checked_add(1)?;
-            sum.checked_add(hidden)?.checked_add(rows.checked_mul(outputs)?)
+            sum.checked_add(hidden)?.checked_add(rows.checked_mul(outputs - shared)?)?.checked_add(shared)
         })
+    }
+}
+
+impl AmortisedNetworks {
+    /// The index of what all particles share at `t = 0`, or later.
+    pub(super) fn shared(&self, time: usize) -> usize {
+        if time == 0 { self.initial.shared() } else { self.later.shared() }
     }
 }
 

@@ -12,6 +12,7 @@ use super::heads::Head;
 use super::hidden::Along;
 use super::inputs::{Blocks, Standards};
 use super::networks::AmortisedNetworks;
+use super::theta::Theta;
 use crate::family::{Family, Parametric};
 use crate::settings::{check_compute, check_shape, check_weights, check_widths, graph_of};
 
@@ -46,6 +47,7 @@ pub(super) struct Prepared {
     pub(super) is_whole: bool,
     pub(super) is_affine: bool,
     pub(super) standards: Standards,
+    pub(super) theta: Theta,
 }
 
 impl Amortised {
@@ -138,7 +140,7 @@ impl Family for Amortised {
             inputs,
             &config.widths,
             along.as_ref(),
-            &head.start(),
+            (&head.start(), head.shared()),
             seed,
         );
         for (name, count) in ["initial", "later"].into_iter().zip(inputs.map(Blocks::count)) {
@@ -163,7 +165,8 @@ impl Family for Amortised {
             Sees::All => None,
             Sees::Graph { order } => Some(order),
         };
-        let outputs = config.head.head(shape.state_dim).ok()?.outputs();
+        let head = config.head.head(shape.state_dim).ok()?;
+        let outputs = (head.outputs(), head.shared());
         let standards = inputs.map(Blocks::count).iter().sum::<usize>().checked_mul(2)?;
         AmortisedNetworks::count(inputs, &config.widths, order, outputs)?.checked_add(standards)
     }

@@ -45,7 +45,7 @@ impl<M: Linearise + Transport + ?Sized> Proposal<M> for Amortised {
         let Context { time, previous, particles, .. } = context;
         let prepared = self.prepared.as_ref().filter(|prepared| prepared.time == time);
         let Some(prepared) = prepared else { return Err(ProposalError::NotPrepared { time }) };
-        let Prepared { measurement, is_whole, is_affine, standards, .. } = prepared;
+        let Prepared { measurement, is_whole, is_affine, standards, theta: of_all, .. } = prepared;
         let (n, m) = (self.state_dim, measurement.len());
         let (tiles, each, width) = (particles.div_ceil(LANES), units::rows(n) * LANES, standards.means.len());
         let AmortisedScratch { units, previous: kept, inputs, theta, tile, inference, .. } = &mut *scratch;
@@ -70,7 +70,7 @@ impl<M: Linearise + Transport + ?Sized> Proposal<M> for Amortised {
             store(units::flat(of_inputs), width, inputs);
         }
         if *is_whole {
-            theta.resize(particles * self.head.outputs(), 0.0);
+            theta.resize(particles * self.emitted(), 0.0);
             let inputs = Inputs { time, width, previous: Some(inputs), measurement: &[], particles };
             let found = inference.run(&self.networks, &self.parameters, &inputs, &mut [], &mut [theta]);
             found.map_err(of_networks)?;
@@ -79,6 +79,7 @@ impl<M: Linearise + Transport + ?Sized> Proposal<M> for Amortised {
             model,
             context,
             head: is_whole.then_some(&*self.head),
+            theta: of_all,
             is_affine: *is_affine,
             n,
             scratch,
@@ -96,17 +97,18 @@ impl Amortised {
         ProposalError::unless_same("the state dimension N", self.state_dim, model.state_dim())?;
         ProposalError::unless_same("the measurement dimension M", self.measurement_dim, entries.len())?;
         let (mut measurement, kept) = match self.prepared.take() {
-            Some(Prepared { time: before, measurement, is_affine, standards, .. }) => {
-                // Neither changes from step to step, but for t = 0.
-                (measurement, (before > 0 && time > 0).then_some((is_affine, standards)))
+            Some(Prepared { time: before, measurement, is_affine, standards, theta, .. }) => {
+                // None of these changes from step to step, but for t = 0.
+                (measurement, (before > 0 && time > 0).then_some((is_affine, standards, theta)))
             }
             None => (Vec::new(), None),
         };
-        let (is_affine, standards) = kept.unwrap_or_else(|| (model.is_affine(), self.standards(time)));
+        let (is_affine, standards, theta) =
+            kept.unwrap_or_else(|| (model.is_affine(), self.standards(time), self.theta(time)));
         measurement.clear();
         measurement.extend(entries);
         let is_whole = measurement.iter().all(Option::is_some);
-        self.prepared = Some(Prepared { time, measurement, is_whole, is_affine, standards });
+        self.prepared = Some(Prepared { time, measurement, is_whole, is_affine, standards, theta });
         Ok(())
     }
 }

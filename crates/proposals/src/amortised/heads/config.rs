@@ -49,6 +49,13 @@ impl HeadConfig {
             HeadConfig::Kernel => Box::new(KernelHead::new(n)),
             HeadConfig::Mixture { components, covariance } => {
                 check_count("the number of components of the mixture", components)?;
+                if covariance == Covariance::Shared {
+                    return Err(ProposalError::Setting {
+                        name: "the covariance of a mixture's components",
+                        value: "shared".into(),
+                        expected: "full or diagonal: one that all particles share is for a gaussian or a flow",
+                    });
+                }
                 Box::new(MixtureHead::new(n, components, covariance))
             }
             HeadConfig::Flow { pieces, covariance } => {

@@ -8,6 +8,11 @@ use serde::{Deserialize, Serialize};
 pub enum Covariance {
     /// Any, by its Cholesky factor: `N(N+1)/2` numbers.
     Full,
+    /// Any correlations by its Cholesky factor, the same for all particles of a time, and each particle's own scales: `N` numbers for each, and
+    /// `N(N−1)/2` for all.
+    ///
+    /// For states of many coordinates: a network that emits `N(N+1)/2` numbers has more weights than can be learned in seconds.
+    Shared,
     /// Coordinates of `u` are independent: `N` numbers.
     Diagonal,
 }

@@ -21,12 +21,15 @@ pub struct FlowHead {
 impl FlowHead {
     /// That of `n` coordinates, whose splines have so many pieces.
     pub fn new(n: usize, pieces: usize, covariance: Covariance) -> Self {
-        FlowHead { normal: Normal { n, covariance }, spline: Spline { pieces } }
+        let (normal, spline) = (Normal::new(n, covariance), Spline { pieces });
+        // What all particles share stands last.
+        let below = normal.below + if normal.shared() > 0 { n * spline.outputs() } else { 0 };
+        FlowHead { normal: Normal { below, ..normal }, spline }
     }
 
     /// The parameters of the spline of a coordinate.
     fn of_spline(&self, coordinate: usize) -> std::ops::Range<usize> {
-        let first = self.normal.outputs() + coordinate * self.spline.outputs();
+        let first = self.normal.outputs() - self.normal.shared() + coordinate * self.spline.outputs();
         first..first + self.spline.outputs()
     }
 
@@ -47,6 +50,10 @@ impl FlowHead {
 impl Head for FlowHead {
     fn outputs(&self) -> usize {
         self.normal.outputs() + self.normal.n * self.spline.outputs()
+    }
+
+    fn shared(&self) -> usize {
+        self.normal.shared()
     }
 
     /// The base itself.

@@ -14,13 +14,17 @@ pub struct GaussianHead(Normal);
 impl GaussianHead {
     /// That of `n` coordinates.
     pub fn new(n: usize, covariance: Covariance) -> Self {
-        GaussianHead(Normal { n, covariance })
+        GaussianHead(Normal::new(n, covariance))
     }
 }
 
 impl Head for GaussianHead {
     fn outputs(&self) -> usize {
         self.0.outputs()
+    }
+
+    fn shared(&self) -> usize {
+        self.0.shared()
     }
 
     /// The base itself.

@@ -9,6 +9,11 @@ pub trait Head: Send + Sync {
     /// How many numbers `θ` are.
     fn outputs(&self) -> usize;
 
+    /// How many of them, the last ones, are the same for all particles of a time: weights of their own, that no network emits.
+    fn shared(&self) -> usize {
+        0
+    }
+
     /// The `θ` that an untrained network emits (as many as [`Head::outputs`]).
     fn start(&self) -> Vec<f64>;
 

@@ -25,7 +25,7 @@ const SPREAD: f64 = 1.0;
 impl MixtureHead {
     /// That of `components` Gaussians of `n` coordinates.
     pub fn new(n: usize, components: usize, covariance: Covariance) -> Self {
-        MixtureHead { components, normal: Normal { n, covariance } }
+        MixtureHead { components, normal: Normal::new(n, covariance) }
     }
 
     /// How many numbers of `θ` one component has.

@@ -17,6 +17,8 @@ const LARGEST_LOG_SCALE: f64 = 6.0;
 pub(super) struct Normal {
     pub(super) n: usize,
     pub(super) covariance: Covariance,
+    /// Where the entries of `A` below the diagonal begin in `θ`.
+    pub(super) below: usize,
 }
 
 /// `a = θ / √(1 + (θ/c)²)`, and `∂a/∂θ`.
@@ -28,9 +30,19 @@ pub(super) fn bounded(theta: Lanes) -> [Lanes; 2] {
 }
 
 impl Normal {
+    /// That of `n` coordinates, with all of its `θ` side by side.
+    pub(super) fn new(n: usize, covariance: Covariance) -> Self {
+        Normal { n, covariance, below: 2 * n }
+    }
+
+    /// How many numbers of `θ` are the same for all particles.
+    pub(super) fn shared(self) -> usize {
+        if self.covariance == Covariance::Shared { self.n * (self.n - 1) / 2 } else { 0 }
+    }
+
     /// How many numbers `θ` are.
     pub(super) fn outputs(self) -> usize {
-        let below = if self.covariance == Covariance::Full { self.n * (self.n - 1) / 2 } else { 0 };
+        let below = if self.covariance != Covariance::Diagonal { self.n * (self.n - 1) / 2 } else { 0 };
         2 * self.n + below
     }
 
@@ -38,7 +50,7 @@ impl Normal {
     #[inline(always)]
     fn below(self, i: usize, j: usize) -> usize {
         // Without the diagonal, row i begins where row i − 1 of a whole triangle does.
-        2 * self.n + at(i - 1, j)
+        self.below + at(i - 1, j)
     }
 
     /// `ε` into `noise`, and `log N(u | θ)`.
@@ -49,7 +61,7 @@ impl Normal {
         for i in 0..n {
             let [log_scale, _] = bounded(theta[n + i]);
             let mut epsilon = (u[i] - theta[i]) * log_scale.exp();
-            if self.covariance == Covariance::Full {
+            if self.covariance != Covariance::Diagonal {
                 for j in 0..i {
                     epsilon = epsilon + theta[self.below(i, j)] * (u[j] - theta[j]);
                 }
@@ -78,7 +90,7 @@ impl Normal {
             d_theta[n + i] = weight * slope * (-(pull * (u[i] - theta[i])) + 1.0);
             d_theta[i] = pull;
         }
-        if self.covariance == Covariance::Full {
+        if self.covariance != Covariance::Diagonal {
             for (i, noise) in noise.iter().enumerate().skip(1) {
                 for j in 0..i {
                     let entry = self.below(i, j);
@@ -99,7 +111,7 @@ impl Normal {
         for j in 0..n {
             let [log_scale, _] = bounded(theta[n + j]);
             let mut sum = g[j] * log_scale.exp();
-            if self.covariance == Covariance::Full {
+            if self.covariance != Covariance::Diagonal {
                 for i in j + 1..n {
                     sum = sum + theta[self.below(i, j)] * g[i];
                 }
@@ -118,7 +130,7 @@ impl Normal {
         for i in (0..n).rev() {
             let [log_scale, slope] = bounded(theta[n + i]);
             let mut left = pull[i];
-            if self.covariance == Covariance::Full {
+            if self.covariance != Covariance::Diagonal {
                 for k in i + 1..n {
                     left = left - theta[self.below(k, i)] * pull[k];
                 }
@@ -127,7 +139,7 @@ impl Normal {
             // The diagonal of A is the exponential of its logarithm.
             d_theta[n + i] = -(left * (u[i] - theta[i]) * slope);
         }
-        if self.covariance == Covariance::Full {
+        if self.covariance != Covariance::Diagonal {
             for i in 1..n {
                 for j in 0..i {
                     d_theta[self.below(i, j)] = -(pull[i] * (u[j] - theta[j]));
@@ -142,7 +154,7 @@ impl Normal {
         let n = self.n;
         for i in 0..n {
             let mut left = noise[i];
-            if self.covariance == Covariance::Full {
+            if self.covariance != Covariance::Diagonal {
                 for j in 0..i {
                     left = left - theta[self.below(i, j)] * noise[j];
                 }
