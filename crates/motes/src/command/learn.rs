@@ -61,6 +61,7 @@ pub(super) fn run(args: &LearnArgs, interrupt: &Interrupt) -> Result<u8, Failure
         steps: args.steps,
         // In the time that a person waits for: a filter of wide states takes longer.
         reference_particles: (2 * REFERENCE_PARTICLES / model.states().len().max(2)).max(4000),
+        reference_filters: 1,
         // On one thread unless others are asked for: times are those of one.
         timed_threads: args.model.threads.unwrap_or(1),
     };

@@ -35,7 +35,83 @@ pub struct EqualTime {
     pub points: Vec<Point>,
 }
 
+/// The time for a step at which a proposal has a given error.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Reached {
+    /// Between two numbers of particles that were timed.
+    At {
+        /// Milliseconds for a step.
+        ms: f64,
+        /// `K`, between the two in logarithms.
+        particles: f64,
+    },
+    /// With the fewest particles that were timed, and perhaps with fewer.
+    AtMost {
+        /// Milliseconds for a step.
+        ms: f64,
+        /// `K`.
+        particles: usize,
+    },
+    /// With none that were timed.
+    Not,
+}
+
+impl Reached {
+    /// Milliseconds for a step, where the error was reached.
+    pub fn ms(self) -> Option<f64> {
+        match self {
+            Reached::At { ms, .. } | Reached::AtMost { ms, .. } => Some(ms),
+            Reached::Not => None,
+        }
+    }
+}
+
+impl fmt::Display for Reached {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Reached::At { ms, particles } => {
+                write!(formatter, "{} ms a step (K = {particles:.0})", short(*ms))
+            }
+            Reached::AtMost { ms, particles } => {
+                write!(formatter, "at most {} ms a step (K = {particles})", short(*ms))
+            }
+            Reached::Not => formatter.write_str("not reached"),
+        }
+    }
+}
+
 impl EqualTime {
+    /// What each proposal takes for an error of `error`, between its points in logarithms: the first number of particles from which on the error stays
+    /// below. A filter that collapsed has an infinite error.
+    pub fn reaching(&self, error: f64) -> Vec<(ProposalName, Reached)> {
+        let mut names: Vec<&ProposalName> = self.points.iter().map(|point| &point.proposal).collect();
+        names.dedup();
+        let reached = |name: &ProposalName| {
+            let mut own: Vec<&Point> = self.points.iter().filter(|point| point.proposal == *name).collect();
+            own.sort_by_key(|point| point.particles);
+            let is_below = |point: &&&Point| point.error.is_some_and(|found| found <= error);
+            let below = own.iter().rev().take_while(is_below).count();
+            let first = own.len() - below;
+            match (first.checked_sub(1).map(|at| own[at]), own.get(first)) {
+                (_, None) => Reached::Not,
+                (None, Some(point)) => Reached::AtMost { ms: point.ms_per_step, particles: point.particles },
+                (Some(before), Some(after)) => {
+                    // From one that collapsed nothing can be drawn a line from.
+                    let share = match (before.error, after.error) {
+                        (Some(a), Some(b)) if a > b => ((a / error).ln() / (a / b).ln()).clamp(0.0, 1.0),
+                        _ => 1.0,
+                    };
+                    let between = |a: f64, b: f64| (a.ln() + share * (b / a).ln()).exp();
+                    Reached::At {
+                        ms: between(before.ms_per_step, after.ms_per_step),
+                        particles: between(before.particles as f64, after.particles as f64),
+                    }
+                }
+            }
+        };
+        names.into_iter().map(|name| (name.clone(), reached(name))).collect()
+    }
+
     /// The error of a proposal at a time for each step, between its points in logarithms; none where it has no points on both sides.
     fn error_at(&self, proposal: &ProposalName, ms: f64) -> Option<f64> {
         let mut known: Vec<(f64, f64)> = self
@@ -127,5 +203,29 @@ mod tests {
                 .starts_with("The least error of the log-evidence at equal time: linearised from 0.05")
         );
         assert!(EqualTime { points: vec![] }.best().is_empty());
+    }
+
+    #[test]
+    fn an_error_is_reached_between_two_points_from_which_on_it_stays() {
+        let point = |particles, error| Point {
+            proposal: ProposalName::Bootstrap,
+            particles,
+            ms_per_step: particles as f64 / 100.0,
+            error,
+        };
+        let reached = |errors: [Option<f64>; 4]| {
+            let points = [10, 100, 1000, 10_000].into_iter().zip(errors).map(|(k, error)| point(k, error));
+            EqualTime { points: points.collect() }.reaching(1.0)[0].1
+        };
+        let Reached::At { ms, particles } = reached([Some(100.0), Some(10.0), Some(0.1), Some(0.05)]) else {
+            panic!("between the second and the third")
+        };
+        // Half way in logarithms.
+        assert!((particles / 316.2 - 1.0).abs() < 1e-3 && (ms / 3.162 - 1.0).abs() < 1e-3);
+        assert_eq!(reached([Some(0.5), Some(0.4), Some(0.3), Some(0.2)]), Reached::AtMost { ms: 0.1, particles: 10 });
+        assert_eq!(reached([Some(9.0), Some(0.9), Some(2.0), Some(1.1)]), Reached::Not);
+        // Luck with few particles is not enough, and a collapse is no error of 1.
+        let Reached::At { particles, .. } = reached([Some(0.9), None, Some(0.5), Some(0.1)]) else { panic!() };
+        assert!((particles - 1000.0).abs() < 1e-6);
     }
 }

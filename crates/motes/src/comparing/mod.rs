@@ -2,6 +2,7 @@
 
 mod card;
 mod equal_time;
+mod options;
 mod paired;
 mod reference;
 mod sequence;
@@ -10,7 +11,8 @@ use std::ops::ControlFlow;
 use std::time::Instant;
 
 pub use card::{Card, Figure};
-pub use equal_time::{EqualTime, Point};
+pub use equal_time::{EqualTime, Point, Reached};
+pub use options::CompareOptions;
 pub use paired::Paired;
 pub use sequence::Sequence;
 
@@ -24,25 +26,6 @@ use crate::threads::pool;
 use card::Steps;
 use reference::{Reference, reference};
 
-/// What is compared, and on what.
-#[derive(Debug, Clone, PartialEq)]
-pub struct CompareOptions {
-    /// The proposals.
-    pub proposals: Vec<ProposalName>,
-    /// Filters of the card have the particles that are said here, and all that is said beside them.
-    pub filter: FilterOptions,
-    /// The numbers of particles at which error is held against time.
-    pub particles: Vec<usize>,
-    /// The number of simulated sequences; data bring their own.
-    pub sequences: usize,
-    /// The number of times in each of them.
-    pub steps: usize,
-    /// The particles of the filters that all are held against, where there is no exact one.
-    pub reference_particles: usize,
-    /// The threads of the filters that are timed; those of the reference take all that there are.
-    pub timed_threads: usize,
-}
-
 /// What came of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Comparison {
@@ -54,6 +37,8 @@ pub struct Comparison {
     pub equal_time: EqualTime,
     /// What evidence and means are held against.
     pub reference: String,
+    /// The standard error of the reference's log-evidence of each sequence, where it is an estimate of several filters.
+    pub reference_errors: Vec<f64>,
     /// Sequences and their times together.
     pub size: [usize; 2],
 }
@@ -88,7 +73,7 @@ pub fn compare(
     };
     let mut references = Vec::new();
     for (number, sequence) in sequences.iter().enumerate() {
-        references.push(reference(model, sequence, &options.filter, options.reference_particles, number)?);
+        references.push(reference(model, sequence, options, number)?);
         step()?;
     }
     let timed = pool(Some(options.timed_threads))?;
@@ -125,7 +110,9 @@ pub fn compare(
     });
     let times = sequences.iter().map(|sequence| sequence.measurements.len()).sum();
     let reference = references.first().map(|reference| reference.name.clone()).unwrap_or_default();
-    Ok(Comparison { cards, paired, equal_time: EqualTime { points }, reference, size: [count, times] })
+    let reference_errors = references.iter().filter_map(|reference| reference.error).collect();
+    let (equal_time, size) = (EqualTime { points }, [count, times]);
+    Ok(Comparison { cards, paired, equal_time, reference, reference_errors, size })
 }
 
 /// One filter over one sequence; `estimates` says whether its estimates are of interest.

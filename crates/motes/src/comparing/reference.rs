@@ -3,6 +3,7 @@
 use motes_formulas::FileModel;
 use motes_models::{PartialMeasurements, kalman};
 
+use super::options::CompareOptions;
 use super::sequence::Sequence;
 use crate::engine::Running;
 use crate::error::MotesError;
@@ -19,6 +20,8 @@ pub(super) struct Reference {
     pub(super) means: Vec<Vec<f64>>,
     /// `log p(y_t | y_{0:t−1})` at each time.
     pub(super) increments: Vec<f64>,
+    /// The standard error of the log-evidence, where it is an estimate of several filters.
+    pub(super) error: Option<f64>,
 }
 
 impl Reference {
@@ -31,8 +34,7 @@ impl Reference {
 pub(super) fn reference(
     model: &Model,
     sequence: &Sequence,
-    options: &FilterOptions,
-    particles: usize,
+    options: &CompareOptions,
     number: usize,
 ) -> Result<Reference, MotesError> {
     if let FileModel::LinearGaussian(linear) = model.model() {
@@ -43,28 +45,79 @@ pub(super) fn reference(
             name: "the Kalman filter, which is exact".into(),
             means: exact.steps.iter().map(|step| step.filtered.mean.iter().copied().collect()).collect(),
             increments: exact.steps.iter().map(|step| step.log_evidence_increment).collect(),
+            error: None,
         });
     }
-    // A filter that misses mass has too little evidence: of two the one with more is nearer to the truth.
+    // A filter that misses mass has too little evidence: the one with most is nearest to the truth.
     let filter = FilterOptions {
         check: false,
-        particles,
+        particles: options.reference_particles,
         defensive: Some(DEFENSIVE),
-        seed: options.seed.wrapping_add(1),
-        ..options.clone()
+        ..options.filter.clone()
     };
-    let of_bootstrap = by_particles(model, sequence, &filter, number, ProposalName::Bootstrap);
-    let of_linearised = by_particles(model, sequence, &filter, number, ProposalName::Linearised);
+    let run = |proposal: &ProposalName, filter_number: u64| {
+        let seed = options.filter.seed.wrapping_add(1 + filter_number);
+        by_particles(model, sequence, &FilterOptions { seed, ..filter.clone() }, number, proposal.clone())
+    };
+    let mut candidates = vec![ProposalName::Linearised, ProposalName::Bootstrap];
+    if options.reference_filters > 1 {
+        let learned = options.proposals.iter().filter(|proposal| matches!(proposal, ProposalName::Learned(_)));
+        candidates.extend(learned.cloned());
+    }
+    let (mut best, mut failure) = (None::<(ProposalName, Answers, f64)>, None);
+    for candidate in candidates {
+        match run(&candidate, 0) {
+            Ok(found) => {
+                let evidence: f64 = found.1.iter().sum();
+                if best.as_ref().is_none_or(|(_, _, most)| evidence > *most) {
+                    best = Some((candidate, found, evidence));
+                }
+            }
+            Err(error) => failure = Some(error),
+        }
+    }
+    let Some((proposal, first, _)) = best else {
+        return Err(failure.unwrap_or(MotesError::Interrupted));
+    };
+    let particles = options.reference_particles;
+    let rest = format!("whichever has most evidence, with {DEFENSIVE} of their particles from the transition");
+    if options.reference_filters <= 1 {
+        let name = format!("bootstrap or linearised with {particles} particles, {rest}");
+        return Ok(Reference { name, means: first.0, increments: first.1, error: None });
+    }
+    let mut all = vec![first];
+    for filter_number in 1..options.reference_filters as u64 {
+        all.push(run(&proposal, filter_number)?);
+    }
     let name = format!(
-        "bootstrap or linearised with {particles} particles, whichever has more evidence ({DEFENSIVE} of the latter's are from the transition)"
+        "the mean of {} filters with {particles} particles: bootstrap, linearised or learned, {rest}",
+        all.len()
     );
-    let (means, increments) = match (of_bootstrap, of_linearised) {
-        (Ok(a), Ok(b)) if a.1.iter().sum::<f64>() > b.1.iter().sum::<f64>() => a,
-        (_, Ok(b)) => b,
-        (Ok(a), Err(_)) => a,
-        (Err(error), Err(_)) => return Err(error),
-    };
-    Ok(Reference { name, means, increments })
+    Ok(mean_of(&all, name))
+}
+
+/// The filters' evidence averaged, which stays unbiased; their means by their evidence so far; and the standard error of the logarithm of the average.
+fn mean_of(all: &[Answers], name: String) -> Reference {
+    let (count, times) = (all.len() as f64, all[0].1.len());
+    let mut sums = vec![0.0; all.len()];
+    let (mut means, mut increments, mut before, mut error) = (Vec::new(), Vec::new(), 0.0, 0.0);
+    for time in 0..times {
+        sums.iter_mut().zip(all).for_each(|(sum, (_, increments))| *sum += increments[time]);
+        let largest = sums.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let weights: Vec<f64> = sums.iter().map(|sum| (sum - largest).exp()).collect();
+        let total: f64 = weights.iter().sum();
+        let mut mean = vec![0.0; all[0].0[time].len()];
+        for ((of_filter, _), weight) in all.iter().zip(&weights) {
+            mean.iter_mut().zip(&of_filter[time]).for_each(|(mean, x)| *mean += weight / total * x);
+        }
+        let now = largest + (total / count).ln();
+        means.push(mean);
+        increments.push(now - before);
+        before = now;
+        let square: f64 = weights.iter().map(|weight| (weight * count / total - 1.0).powi(2)).sum();
+        error = (square / (count * (count - 1.0))).sqrt();
+    }
+    Reference { name, means, increments, error: Some(error) }
 }
 
 /// Means, and increments of the log-evidence.

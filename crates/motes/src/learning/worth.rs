@@ -122,6 +122,7 @@ mod tests {
             sequences: 4,
             steps: 40,
             reference_particles: 5000,
+            reference_filters: 1,
             timed_threads: 1,
         };
         let card = compare(&model, None, &options, |_, _| ControlFlow::Continue(())).unwrap().cards;

@@ -11,4 +11,4 @@ pub use card::{card_json, card_text};
 pub use csv::{EstimateTable, simulated_table};
 pub use file::{Output, Sink};
 pub use json::filter_json;
-pub use report::{CardReport, Report, card_report, report};
+pub use report::{CardReport, Report, card_report, error_figure, report};

@@ -99,12 +99,20 @@ pub fn card_json(comparison: &Comparison, training_seconds: Option<f64>) -> Stri
             "log_evidence_rmse": point.error,
         })
     });
+    let reached: Map<String, Value> = comparison
+        .equal_time
+        .reaching(1.0)
+        .into_iter()
+        .map(|(name, reached)| (name.to_string(), json!(reached.ms())))
+        .collect();
     let object = json!({
         "methods": methods,
         "training_seconds": training_seconds,
         "reference": comparison.reference,
+        "reference_errors": comparison.reference_errors,
         "paired": paired,
         "equal_time": points.collect::<Vec<_>>(),
+        "ms_per_step_for_error_1": reached,
     });
     object.to_string() + "\n"
 }

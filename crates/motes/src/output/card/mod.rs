@@ -4,7 +4,7 @@ mod json;
 mod tables;
 
 pub use json::card_json;
-pub(super) use tables::{ABOUT_ERRORS, Table, about, about_differences, differences, errors, figures};
+pub(super) use tables::{ABOUT_ERRORS, Table, about, about_differences, about_reaching, differences, errors, figures};
 
 use crate::comparing::Comparison;
 
@@ -16,7 +16,7 @@ pub fn card_text(comparison: &Comparison, particles: usize) -> String {
     }
     if !comparison.equal_time.points.is_empty() {
         text += &format!("\n{ABOUT_ERRORS}\n\n{}", markdown(&errors(comparison)));
-        text += &format!("\n{}\n", comparison.equal_time);
+        text += &format!("\n{}\n{}\n", comparison.equal_time, about_reaching(comparison));
     }
     text
 }

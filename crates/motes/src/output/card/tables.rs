@@ -11,8 +11,12 @@ pub(in crate::output) struct Table {
 /// What was compared, and with what.
 pub(in crate::output) fn about(comparison: &Comparison, particles: usize) -> String {
     let [sequences, times] = comparison.size;
+    let error = comparison.reference_errors.iter().copied().reduce(f64::max);
+    let error = error.map_or(String::new(), |error| {
+        format!(" The standard error of its log-evidence is at most {error:.2}.")
+    });
     format!(
-        "{sequences} sequences, {times} times in all, K = {particles}. Reference: {}.",
+        "{sequences} sequences, {times} times in all, K = {particles}. Reference: {}.{error}",
         comparison.reference
     )
 }
@@ -79,6 +83,13 @@ pub(in crate::output) fn errors(comparison: &Comparison) -> Table {
         std::iter::once(proposal.to_string()).chain(counts.iter().map(cell)).collect()
     });
     Table { header: header.collect(), rows: rows.collect() }
+}
+
+/// What an error of 1 takes, in a sentence.
+pub(in crate::output) fn about_reaching(comparison: &Comparison) -> String {
+    let reached = comparison.equal_time.reaching(1.0);
+    let parts: Vec<String> = reached.iter().map(|(name, reached)| format!("{name} {reached}")).collect();
+    format!("An error of 1 takes: {}.", parts.join("; "))
 }
 
 /// What [`differences`] are, in a sentence.

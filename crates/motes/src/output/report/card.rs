@@ -3,7 +3,7 @@
 use super::error_figure::error_figure;
 use super::page::Page;
 use crate::comparing::Comparison;
-use crate::output::card::{ABOUT_ERRORS, Table, about, about_differences, differences, errors, figures};
+use crate::output::card::{ABOUT_ERRORS, Table, about, about_differences, about_reaching, differences, errors, figures};
 
 /// What a page of a report card shows.
 pub struct CardReport<'a> {
@@ -43,6 +43,7 @@ pub fn card_report(report: &CardReport<'_>) -> Result<String, Box<dyn std::error
         page.heading("Error at equal time");
         page.figure(&error_figure(&comparison.equal_time)?, "Each point is a number of particles.");
         page.note(&comparison.equal_time.to_string());
+        page.note(&about_reaching(comparison));
         page.note(ABOUT_ERRORS);
         table(&mut page, errors(comparison));
     }

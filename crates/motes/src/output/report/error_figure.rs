@@ -18,7 +18,7 @@ const COLOURS: [RGBColor; 6] = [
 ];
 
 /// The root mean square error of the log-evidence over milliseconds a step, a line for each proposal, both in logarithms.
-pub(super) fn error_figure(equal_time: &EqualTime) -> Drawn<String> {
+pub fn error_figure(equal_time: &EqualTime) -> Drawn<String> {
     let shown = |error: f64| error.is_finite() && error > 0.0;
     let points: Vec<(&str, f64, f64)> = equal_time
         .points

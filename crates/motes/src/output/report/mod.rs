@@ -6,6 +6,7 @@ mod figures;
 mod page;
 mod style;
 
+pub use error_figure::error_figure;
 pub use card::{CardReport, card_report};
 
 use crate::data::Data;
