@@ -9,7 +9,7 @@ from jax import lax, random
 
 from once_heads import head_of, log_sum_exp
 from once_models import MODELS, log_likelihood
-from once_networks import problem_of, theta_of_columns, theta_of_rows, weights_of
+from once_networks import pairs_of, problem_of, theta_of_columns, theta_of_rows, weights_of
 
 DEFENSIVE, ENOUGH, LARGEST_INPUT = 0.1, 0.5, 10.0
 LOG_HEAD, LOG_SAFE = math.log1p(-DEFENSIVE), math.log(DEFENSIVE)
@@ -68,7 +68,7 @@ def systematic(key, weights, x):
 
 
 def build(task):
-    """A function that makes one pass and returns its log evidence."""
+    """A function that makes one pass and returns its log evidence, and one that shows the density of the proposal."""
     folder, count = task["folder"], task["particles"]
     real = jnp.float64 if task["bits"] == 64 else jnp.float32
     model = MODELS[task["model"]]()
@@ -91,6 +91,14 @@ def build(task):
 
     initial, later = network("initial"), network("later")
 
+    def log_densities(theta, shift, lower, v):
+        """Logarithms of the mixture and of the transition at noise v; the slopes of the transition are left out of both."""
+        moved = [value - shift[i] if i < len(shift) else value for i, value in enumerate(v)]
+        log_head = head.log_density(theta, times_upper(lower, moved))
+        log_head = log_head + sum(jnp.log(lower[i][i]) for i in range(len(lower)))
+        log_transition = -0.5 * sum(value * value for value in v) - 0.5 * n * math.log(2.0 * math.pi)
+        return log_sum_exp([log_head + LOG_HEAD, log_transition + LOG_SAFE]), log_transition
+
     def draw(key, y, centres, slopes, shift, lower, theta):
         """States, and log p(y|x) + log p(x|x') - log q of each.
 
@@ -105,12 +113,7 @@ def build(task):
         drawn = [value + shift[i] if i < len(shift) else value for i, value in enumerate(drawn)]
         v = [jnp.where(is_safe, safe, value) for safe, value in zip(noise, drawn)]
         states = [centre + slope * value for centre, slope, value in zip(centres, slopes, v)]
-        moved = [value - shift[i] if i < len(shift) else value for i, value in enumerate(v)]
-        log_head = head.log_density(theta, times_upper(lower, moved))
-        log_head = log_head + sum(jnp.log(lower[i][i]) for i in range(len(lower)))
-        # The slopes of the transition cancel.
-        log_transition = -0.5 * sum(value * value for value in v) - 0.5 * n * math.log(2.0 * math.pi)
-        mixture = log_sum_exp([log_head + LOG_HEAD, log_transition + LOG_SAFE])
+        mixture, log_transition = log_densities(theta, shift, lower, v)
         return jnp.stack(states), log_likelihood(model, y, states) + log_transition - mixture
 
     def weigh(log_weights):
@@ -129,6 +132,13 @@ def build(task):
         weights, log_weights, log_total = weigh(increments)
         return x, weights, log_weights, log_total - math.log(count)
 
+    def condition(t, x, y):
+        """What states are drawn with, given those before."""
+        centres = model.centres(t, x)
+        shift, lower, innovations = base(model, y, centres, model.slopes)
+        measured = [jnp.full(x.shape[1], value) for value in y]
+        return centres, shift, lower, later(list(x) + centres + measured + innovations)
+
     def step(state, known):
         x, weights, log_weights, log_evidence = state
         t, y, key = known
@@ -138,13 +148,18 @@ def build(task):
             lambda: (systematic(of_resampling, weights, x), jnp.full(count, -math.log(count), real)),
             lambda: (x, log_weights),
         )
-        centres = model.centres(t, x)
-        shift, lower, innovations = base(model, y, centres, model.slopes)
-        measured = [jnp.full(count, value) for value in y]
-        theta = later(list(x) + centres + measured + innovations)
+        centres, shift, lower, theta = condition(t, x, y)
         x, increments = draw(of_draw, y, centres, model.slopes, shift, lower, theta)
         weights, log_weights, log_total = weigh(log_weights + increments)
         return (x, weights, log_weights, log_evidence + log_total), None
+
+    def loss():
+        """Minus the mean log density, at the pairs of states in the folder, of what filters draw from."""
+        previous, states = (jnp.asarray(pairs_of(folder, name, n), real) for name in ("previous", "states"))
+        centres, shift, lower, theta = condition(jnp.asarray(1.0, real), previous, y[1])
+        v = [(state - centre) / slope for state, centre, slope in zip(states, centres, model.slopes)]
+        mixture, _ = log_densities(theta, shift, lower, v)
+        return -jnp.mean(mixture) + sum(math.log(slope) for slope in model.slopes)
 
     def once(key):
         keys = random.split(key, y.shape[0])
@@ -153,7 +168,7 @@ def build(task):
         return state[-1]
 
     passes, keys = jax.jit(once), fresh_keys(random.key(1, impl=task.get("generator")))
-    return lambda: np.asarray(passes(next(keys)))[None]
+    return lambda: np.asarray(passes(next(keys)))[None], lambda: float(jax.jit(loss)())
 
 
 def fresh_keys(key):

@@ -21,6 +21,11 @@ def problem_of(folder):
         return json.load(file)
 
 
+def pairs_of(folder, name, n):
+    """States, a row each coordinate."""
+    return np.fromfile(os.path.join(folder, f"{name}.f64"), dtype="<f8").reshape(-1, n).T
+
+
 def theta_of_rows(weights, inputs):
     """One row of inputs and of outputs a particle."""
     hidden = jnp.tanh(inputs @ weights["0.weight"] + weights["0.bias"])

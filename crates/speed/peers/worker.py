@@ -56,7 +56,11 @@ class LearnedTask(FilterTask):
 
     def build(self, task):
         set_bits(task["bits"])
-        return importlib.import_module(f"filter_{task['peer']}").build(task)
+        passes, self.loss = importlib.import_module(f"filter_{task['peer']}").build(task)
+        return passes
+
+    def check(self):
+        return super().check() | {"loss": self.loss()}
 
 
 class LearnTask:

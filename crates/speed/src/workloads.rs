@@ -107,7 +107,9 @@ pub(crate) fn all(scratch: &Path) -> Result<Vec<Workload>, SpeedError> {
         }
         // Rows are simulated by a thread of their own, which the steps wait for.
         all.push(learn(&folder, model, 2, true));
-        for (particles, threads) in [(100, 1), (1_000, 1), (10_000, 1), (10_000, 2), (100_000, 1), (100_000, 2)] {
+        for (particles, threads) in
+            [(100, 1), (1_000, 1), (10_000, 1), (10_000, 2), (100_000, 1), (100_000, 2)]
+        {
             all.push(with_learned(&folder, model, particles, threads));
         }
     }
@@ -117,7 +119,8 @@ pub(crate) fn all(scratch: &Path) -> Result<Vec<Workload>, SpeedError> {
 /// The same work in JAX, on as many threads or fewer, with densities in 32 and in 64 bits: the best of them counts.
 fn in_jax(threads: usize, task: impl Fn(u8, usize) -> Task) -> Vec<(String, Vec<Task>)> {
     let arrangements = (1..=threads).flat_map(|threads| [32, 64].map(|bits| (bits, threads)));
-    let named = |(bits, threads)| (format!("JAX, {bits} bits, threads: {threads}"), vec![task(bits, threads)]);
+    let named =
+        |(bits, threads)| (format!("JAX, {bits} bits, threads: {threads}"), vec![task(bits, threads)]);
     arrangements.map(named).collect()
 }
 

@@ -43,8 +43,7 @@ impl Amortised {
         let mut theta = vec![0.0; rows.len() * self.head.outputs()];
         tape.forward(&inputs_of(stage, rows), &mut [&mut theta]).map_err(of_networks)?;
         let gain = self.over_tiles(rows, &mut theta, share, true);
-        let mut d_inputs = vec![0.0; rows.inputs.len()];
-        tape.backward(&[&theta], &mut d_inputs).map_err(of_networks)?;
+        tape.backward_to_weights(&[&theta]).map_err(of_networks)?;
         Ok((gain, tape.finish()))
     }
 

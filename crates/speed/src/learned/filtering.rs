@@ -1,11 +1,12 @@
 //! Filters with a proposal that is learned once.
 
+use motes_models::batch::Rows;
 use motes_models::equations::Equations;
-use motes_models::{Measurements, ModelShape};
-use motes_proposals::{Amortised, Backend, load};
-use motes_smc::{FilterBank, FilterSettings, ResampleWhen, Resampling};
+use motes_models::{Measurements, ModelShape, StateSpaceModel};
+use motes_proposals::{Amortised, AmortisedScratch, Backend, load};
+use motes_smc::{Conditional, Context, FilterBank, FilterSettings, Proposal, ResampleWhen, Resampling};
 
-use super::folder::measurements;
+use super::folder::{measurements, pairs};
 use crate::folder::seed;
 use crate::task::{Answer, LearnedTask};
 use crate::work::{Work, of_evidences};
@@ -36,6 +37,29 @@ impl<M: Equations> Filtering<M> {
         })
     }
 
+    /// Minus the mean log-density, at fixed pairs of states, of what filters draw from.
+    ///
+    /// Evidence would not tell two proposals apart: any that weighs what it draws estimates it.
+    fn loss(&mut self) -> Result<f64, String> {
+        let told = |error: &dyn std::fmt::Display| error.to_string();
+        let [previous, states] = pairs(&self.model).map_err(|error| told(&error))?;
+        let (n, y) = (self.model.state_dim(), self.measurements.row(1));
+        let count = states.len() / n;
+        let (mut of_proposal, mut of_transition) = (vec![0.0; count], vec![0.0; count]);
+        let context = Context::new(1, Some(&previous), y, count);
+        let scratch = &mut AmortisedScratch::default();
+        self.proposal
+            .condition_batch(&self.model, context, &mut (), scratch)
+            .map_err(|error| told(&error))?
+            .log_density(&states, &mut of_proposal);
+        self.model.log_transitions(1, Rows::all(&previous, n), &states, &mut of_transition);
+        let log_mixture = |(q, p): (&f64, &f64)| {
+            let (a, b) = (q + (-DEFENSIVE).ln_1p(), p + DEFENSIVE.ln());
+            a.max(b) + (-(a - b).abs()).exp().ln_1p()
+        };
+        Ok(-of_proposal.iter().zip(&of_transition).map(log_mixture).sum::<f64>() / count as f64)
+    }
+
     fn evidence(&mut self) -> Result<f64, String> {
         let settings = FilterSettings {
             resampling: Resampling::Systematic,
@@ -55,7 +79,7 @@ impl<M: Equations> Filtering<M> {
 impl<M: Equations> Work for Filtering<M> {
     fn check(&mut self) -> Result<Answer, String> {
         let found: Result<Vec<f64>, String> = (0..self.passes).map(|_| self.evidence()).collect();
-        Ok(of_evidences(&found?))
+        Ok(Answer { loss: Some(self.loss()?), ..of_evidences(&found?) })
     }
 
     fn run(&mut self) -> Result<(), String> {

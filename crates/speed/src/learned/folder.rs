@@ -3,9 +3,7 @@
 use std::path::Path;
 
 use motes_models::equations::Equations;
-use motes_models::{
-    Measurements, ModelError, ModelShape, OwnSteps, fill_standard_normal, simulate,
-};
+use motes_models::{Measurements, ModelError, ModelShape, OwnSteps, fill_standard_normal, simulate};
 use motes_proposals::{Amortised, Backend, Examples, Family, Parametric, Stage, save};
 use motes_train::LearnConfig;
 use serde::Serialize;
@@ -57,6 +55,9 @@ fn write_for(folder: &Path, name: &str, model: &impl Equations) -> Result<(), Sp
     put("problem.json", serde_json::to_vec(&problem).map_err(prepare)?)?;
     let rows = rows(&proposal, model).map_err(prepare)?;
     let bytes = |values: &[f64]| values.iter().flat_map(|value| value.to_le_bytes()).collect();
+    let [previous, states] = pairs(model).map_err(prepare)?;
+    put("previous.f64", bytes(&previous))?;
+    put("states.f64", bytes(&states))?;
     put("inputs.f64", bytes(rows.inputs()))?;
     put("units.f64", bytes(rows.units()))?;
     put("log_transition.f64", bytes(rows.log_transition()))
@@ -70,8 +71,8 @@ pub(super) fn measurements(model: &impl Equations) -> Result<Measurements, Model
 /// A proposal whose weights are all drawn at random, with inputs in standard units.
 fn proposal(name: &str, model: &impl Equations) -> Result<Amortised, SpeedError> {
     let (shape, weights) = (ModelShape::of(model), seed().child("weights"));
-    let mut proposal = Amortised::create(&config(name), &shape, 0, Backend::Native.into(), &weights)
-        .map_err(prepare)?;
+    let mut proposal =
+        Amortised::create(&config(name), &shape, 0, Backend::Native.into(), &weights).map_err(prepare)?;
     let mut steps = OwnSteps::new(model, STANDARDISING, &seed().child("inputs")).map_err(prepare)?;
     let standardised = proposal.fit_inputs(model, |add| {
         for _ in 0..HORIZON {
@@ -95,6 +96,12 @@ fn proposal(name: &str, model: &impl Equations) -> Result<Amortised, SpeedError>
         }
     }
     Ok(proposal)
+}
+
+/// States at the times 0 and 1 of some sequences: what filters show the density of their proposal at.
+pub(super) fn pairs(model: &impl Equations) -> Result<[Vec<f64>; 2], ModelError> {
+    let mut steps = OwnSteps::new(model, ROWS, &seed().child("pairs"))?;
+    Ok([(); 2].map(|()| steps.advance().map_or(Vec::new(), |step| step.states.to_vec())))
 }
 
 /// Rows of all batches for the network of later times, each a step of a sequence of its own at some time.
