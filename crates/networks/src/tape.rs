@@ -87,10 +87,26 @@ impl<'p, F: Networks> NetworkTape<'p, F> {
     /// If no step is left.
     pub fn backward(&mut self, d_outputs: &[&[f64]], d_previous: &mut [f64]) -> Result<(), NetworkError> {
         match &mut self.0 {
-            By::Narrow(tape) => tape.backward(d_outputs, d_previous),
-            By::Wide(tape) => tape.backward(d_outputs, d_previous),
+            By::Narrow(tape) => tape.backward(d_outputs, Some(d_previous)),
+            By::Wide(tape) => tape.backward(d_outputs, Some(d_previous)),
             #[cfg(feature = "burn")]
             By::Burn(tape) => tape.backward(d_outputs, d_previous),
+        }
+    }
+
+    /// [`NetworkTape::backward`] where nobody asks for the derivative with respect to `x_{t−1}`.
+    ///
+    /// # Errors
+    /// As [`NetworkTape::backward`].
+    ///
+    /// # Panics
+    /// If no step is left.
+    pub fn backward_to_weights(&mut self, d_outputs: &[&[f64]]) -> Result<(), NetworkError> {
+        match &mut self.0 {
+            By::Narrow(tape) => tape.backward(d_outputs, None),
+            By::Wide(tape) => tape.backward(d_outputs, None),
+            #[cfg(feature = "burn")]
+            By::Burn(tape) => tape.backward_to_weights(d_outputs),
         }
     }
 

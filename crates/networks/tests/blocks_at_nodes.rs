@@ -117,6 +117,13 @@ fn derivatives_are_those_of_differences() {
         let mut d_inputs = vec![0.0; rows.len()];
         tape.backward(&[&d], &mut d_inputs).unwrap();
         let gradients = tape.finish().into_gradients();
+        // They do not depend on who asks for what else.
+        let mut tape =
+            NetworkTape::new(&networks, &parameters, PARTICLES, Workspace::new(&parameters)).unwrap();
+        tape.forward(&of(&rows), &mut [&mut found]).unwrap();
+        tape.backward_to_weights(&[&d]).unwrap();
+        let alone = tape.finish().into_gradients();
+        assert!((0..parameters.len()).all(|index| alone.host(index) == gradients.host(index)), "{backend}");
         let near = |found: f64, expected: f64| (found - expected).abs() < 1e-6 * (1.0 + expected.abs());
         for at in 0..rows.len() {
             let at_distance = |by: f64| {

@@ -117,6 +117,11 @@ pub trait Conditional {
     /// [`Conditional::is_transition`] holds, `log_density` may be left as it was: ask [`Conditional::log_density`] for it.
     fn sample(&mut self, streams: &mut [Stream], states: &mut [f64], log_density: &mut [f64]);
 
+    /// Draws as [`Conditional::sample`] the same numbers where nobody asks for `log q`; what is then in `unasked` (`R`) means nothing.
+    fn sample_states(&mut self, streams: &mut [Stream], states: &mut [f64], unasked: &mut [f64]) {
+        self.sample(streams, states, unasked);
+    }
+
     /// Writes `log q` at the given `states` (`R×N`) into `log_density` (`R`); −∞ outside the support, NaN where it cannot
     /// be computed (a filter then stops with the particle named).
     fn log_density(&mut self, states: &[f64], log_density: &mut [f64]);

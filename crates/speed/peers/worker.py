@@ -28,12 +28,14 @@ class FilterTask:
     """Passes of particle filters along the measurements."""
 
     def __init__(self, task):
-        from problem import Problem
-
-        self.task, self.problem = task, Problem(task["problem"])
-        self.passes = importlib.import_module(f"filter_{task['peer']}").build(self.problem, task)
+        self.task, self.passes = task, self.build(task)
         for _ in range(2):
             self.passes()
+
+    def build(self, task):
+        from problem import Problem
+
+        return importlib.import_module(f"filter_{task['peer']}").build(Problem(task["problem"]), task)
 
     def check(self):
         passes = self.task.get("check_passes", 20)
@@ -47,6 +49,46 @@ class FilterTask:
         found = self.passes()
         seconds, cpu_seconds = time.perf_counter() - start, time.process_time() - start_cpu
         return {"seconds": seconds, "cpu_seconds": cpu_seconds, "log_evidence": found[:4].tolist()}
+
+
+class LearnedTask(FilterTask):
+    """Passes of a filter with a proposal that is learned once."""
+
+    def build(self, task):
+        set_bits(task["bits"])
+        passes, self.loss = importlib.import_module(f"filter_{task['peer']}").build(task)
+        return passes
+
+    def check(self):
+        return super().check() | {"loss": self.loss()}
+
+
+class LearnTask:
+    """Gradient steps of a proposal that is learned once."""
+
+    def __init__(self, task):
+        set_bits(task["bits"])
+        from learn_jax import Learning
+
+        self.steps, self.learning = task["steps"], Learning(task)
+        for _ in range(2):
+            self.learning.run()
+
+    def check(self):
+        return self.learning.at_first
+
+    def run(self):
+        start, start_cpu = time.perf_counter(), time.process_time()
+        loss = self.learning.run()
+        seconds, cpu_seconds = time.perf_counter() - start, time.process_time() - start_cpu
+        return {"seconds": seconds, "cpu_seconds": cpu_seconds, "steps": self.steps, "loss": loss}
+
+
+def set_bits(bits):
+    """Whether JAX computes in 64 bits where it is asked to; before anything is made."""
+    import jax
+
+    jax.config.update("jax_enable_x64", bits == 64)
 
 
 class TrainTask:
@@ -93,6 +135,7 @@ class time_limit:
 PACKAGES = {
     "particles": ("particles", "numpy", "scipy", "numba"),
     "cuthbert": ("cuthbert", "cuthbertlib", "jax", "jaxlib", "numpy"),
+    "jax": ("jax", "jaxlib", "numpy", "safetensors"),
     "numpy": ("numpy",),
     None: ("torch", "numpy", "safetensors"),
 }
@@ -109,7 +152,7 @@ def answer(request, threads, current):
         task = request["prepare"]
         if task.setdefault("threads", threads) != threads:
             raise ValueError(f"this worker was started with --threads {threads}")
-        kind = {"filter": FilterTask, "train": TrainTask}[task["kind"]]
+        kind = {"filter": FilterTask, "train": TrainTask, "learn": LearnTask, "learned": LearnedTask}[task["kind"]]
         return {"ready": True, "versions": versions(task)}, kind(task)
     if current is None:
         raise ValueError("nothing is prepared")

@@ -2,7 +2,7 @@
 
 use crate::task::Answer;
 
-/// Of the same weights and noise, losses and norms of gradients differ by rounding in 32 bits, relative to them.
+/// Of the same weights and noise, losses, norms of gradients and densities differ by rounding in 32 bits, relative to them.
 const ROUNDING: f64 = 1e-5;
 
 /// The mean log-evidences of filters that do the same differ by no more of their standard errors.
@@ -18,7 +18,10 @@ pub(crate) fn difference(ours: &Answer, theirs: &Answer) -> Option<String> {
             let (difference, error) = (its - mine, error.hypot(its_error));
             // Written so that what is not a number is a difference.
             let equal = difference.abs() <= STANDARD_ERRORS * error;
-            (!equal).then(|| format!("its mean log-evidence differs from ours by {difference} ± {error}"))
+            let evidence = || {
+                (!equal).then(|| format!("its mean log-evidence differs from ours by {difference} ± {error}"))
+            };
+            density(ours.loss, theirs.loss).or_else(evidence)
         }
         (None, None) => [loss, norm].into_iter().find_map(|(name, mine, its)| match (mine, its) {
             (Some(mine), Some(its)) => {
@@ -29,6 +32,16 @@ pub(crate) fn difference(ours: &Answer, theirs: &Answer) -> Option<String> {
         }),
         _ => Some("one of us filters and the other trains".into()),
     }
+}
+
+/// What shows that filters draw from other proposals, where they say how likely these find fixed states.
+fn density(mine: Option<f64>, its: Option<f64>) -> Option<String> {
+    let equal = match (mine, its) {
+        (None, None) => true,
+        (Some(mine), Some(its)) => (its - mine).abs() <= ROUNDING * mine.abs(),
+        _ => false,
+    };
+    (!equal).then(|| format!("its proposal finds states {its:?} likely, ours {mine:?}"))
 }
 
 #[cfg(test)]
@@ -48,6 +61,15 @@ mod tests {
     fn rounding_and_chance_are_no_difference() {
         assert_eq!(difference(&filter(-50.0, 0.3), &filter(-51.0, 0.4)), None);
         assert_eq!(difference(&training(427.0, 33.0), &training(427.002, 33.0001)), None);
+    }
+
+    #[test]
+    fn filters_with_other_proposals_do_other_work() {
+        let with = |loss| Answer { loss, ..filter(-50.0, 0.3) };
+        assert_eq!(difference(&with(Some(2.0)), &with(Some(2.00001))), None);
+        for theirs in [Some(2.0001), Some(f64::NAN), None] {
+            assert!(difference(&with(Some(2.0)), &with(theirs)).is_some(), "{theirs:?}");
+        }
     }
 
     #[test]

@@ -92,7 +92,7 @@ impl Report {
         Ok(())
     }
 
-    /// Up to four tables: filters, training, filters with learned proposals, growth.
+    /// Up to five tables: filters, training, learning once, filters with what was learned once, growth.
     pub(crate) fn table(&self) -> String {
         let mut text = String::new();
         let giga = |rate: f64| rate / 1e9;
@@ -113,6 +113,9 @@ impl Report {
         let training = self.libraries(|line| matches!(line.kind, Kind::Train { .. }));
         let of_filters = ["filter", "million particle-steps a second", "memory, MB"];
         let of_training = ["training", "ms a step", "trainings an hour", "of the peak", "memory of both, MB"];
+        let learning = self.libraries(|line| matches!(line.kind, Kind::Learn { .. }));
+        let learned = self.libraries(|line| matches!(line.kind, Kind::Learned { .. }));
+        let of_learning = ["learning once", "steps a second", "networks, of the peak", "memory, MB"];
         let of_learned = [
             "filter with a learned proposal",
             "million particle-steps a second",
@@ -123,7 +126,8 @@ impl Report {
         for (columns, libraries, rows) in [
             (of_filters.as_slice(), &filters, self.filters(&filters)),
             (of_training.as_slice(), &training, self.training(&training)),
-            (of_learned.as_slice(), &Vec::new(), self.learned()),
+            (of_learning.as_slice(), &learning, self.learning(&learning)),
+            (of_learned.as_slice(), &learned, self.learned(&learned)),
             (of_growth.as_slice(), &Vec::new(), self.growth()),
         ] {
             if !rows.is_empty() {
@@ -191,20 +195,43 @@ impl Report {
         text
     }
 
-    fn learned(&self) -> String {
+    /// What the largest product reaches on so many threads.
+    fn peak(&self, threads: usize) -> f64 {
+        let product = &self.peak.product;
+        if threads == 1 { product.one_thread } else { product.two_threads }
+    }
+
+    fn learning(&self, libraries: &[String]) -> String {
+        let mut text = String::new();
+        for line in &self.work {
+            if let Kind::Learn { steps, operations, threads } = line.kind {
+                let rate = steps as f64 / median(&line.ours.seconds);
+                let _ = writeln!(
+                    text,
+                    "| {} | {rate:.0} | {:.0} % | {} |{}",
+                    line.name.trim_start_matches("learn "),
+                    100.0 * operations * rate / self.peak(threads),
+                    memory(&line.ours),
+                    versus(line, libraries)
+                );
+            }
+        }
+        text
+    }
+
+    fn learned(&self, libraries: &[String]) -> String {
         let mut text = String::new();
         for line in &self.work {
             if let Kind::Learned { particle_steps, operations, threads } = line.kind {
                 let seconds = median(&line.ours.seconds);
-                let product = &self.peak.product;
-                let peak = if threads == 1 { product.one_thread } else { product.two_threads };
                 let _ = writeln!(
                     text,
-                    "| {} | {:.2} | {:.0} % | {} |",
+                    "| {} | {:.2} | {:.0} % | {} |{}",
                     line.name.trim_start_matches("learned "),
                     particle_steps / seconds / 1e6,
-                    100.0 * operations / seconds / peak,
-                    memory(&line.ours)
+                    100.0 * operations / seconds / self.peak(threads),
+                    memory(&line.ours),
+                    versus(line, libraries)
                 );
             }
         }

@@ -12,7 +12,7 @@ use rayon_core::{ThreadPoolBuilder, current_num_threads, current_thread_index};
 
 use crate::folder::{DIMENSION, seed, system, trajectory};
 use crate::learned;
-use crate::task::{Answer, FilterTask, LearnedTask, Request, Task, TrainTask};
+use crate::task::{Answer, FilterTask, Request, Task, TrainTask};
 use crate::work::{Work, of_evidences};
 
 /// Serves requests, a line each, until there are no more.
@@ -39,10 +39,7 @@ fn answer(request: Request, work: &mut Option<Box<dyn Work>>) -> Result<Answer, 
     match request {
         Request::Prepare(task) => {
             *work = None;
-            let (Task::Filter(FilterTask { threads, .. })
-            | Task::Train(TrainTask { threads, .. })
-            | Task::Learned(LearnedTask { threads, .. })) = &task;
-            have_threads(*threads)?;
+            have_threads(task.threads())?;
             let mut prepared = prepare(&task)?;
             // Once unseen, as the others compile and warm up.
             prepared.run()?;
@@ -96,7 +93,8 @@ fn prepare(task: &Task) -> Result<Box<dyn Work>, String> {
                 other => Err(format!("there is no method {other}")),
             }
         }
-        Task::Learned(task) => learned::prepare(task),
+        Task::Learn(task) => learned::learning(task),
+        Task::Learned(task) => learned::filtering(task),
         Task::Train(task) => {
             let learned: Box<dyn Learnable> = match task.family.as_str() {
                 Fcnn::NAME => Box::new(loaded::<Fcnn>(task)?),

@@ -26,8 +26,42 @@ pub(crate) enum Task {
     Filter(FilterTask),
     /// Steps of training.
     Train(TrainTask),
+    /// Gradient steps of a proposal that is learned once.
+    Learn(LearnTask),
     /// A filter with a proposal that is learned once.
     Learned(LearnedTask),
+}
+
+impl Task {
+    /// How many threads may work.
+    pub(crate) fn threads(&self) -> usize {
+        match self {
+            Task::Filter(task) => task.threads,
+            Task::Train(task) => task.threads,
+            Task::Learn(task) => task.threads,
+            Task::Learned(task) => task.threads,
+        }
+    }
+}
+
+/// Gradient steps of a proposal that is learned once, on rows that were encoded before.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) struct LearnTask {
+    /// Of which model.
+    pub(crate) model: String,
+    /// Whose steps; nobody's if ours.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub(crate) peer: Option<String>,
+    /// Weights and rows.
+    pub(crate) folder: PathBuf,
+    /// How many steps.
+    pub(crate) steps: usize,
+    /// Whether rows are simulated on the way, and all else is done that learning takes; ours alone.
+    pub(crate) simulates: bool,
+    /// How densities are computed by others: in 64 bits, as ours, or in 32. Networks are in 32.
+    pub(crate) bits: u8,
+    /// How many threads may work.
+    pub(crate) threads: usize,
 }
 
 /// A filter with a proposal that is learned once, along measurements of a model.
@@ -35,6 +69,15 @@ pub(crate) enum Task {
 pub(crate) struct LearnedTask {
     /// Which one.
     pub(crate) model: String,
+    /// Whose filter; nobody's if ours.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub(crate) peer: Option<String>,
+    /// Weights and measurements.
+    pub(crate) folder: PathBuf,
+    /// How many filters a check runs.
+    pub(crate) check_passes: usize,
+    /// How all but the networks is computed by others: in 64 bits, as ours, or in 32. Networks are in 32.
+    pub(crate) bits: u8,
     /// `K`.
     pub(crate) particles: usize,
     /// How many threads may work.

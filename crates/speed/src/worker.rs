@@ -26,13 +26,8 @@ impl Worker {
 
     /// Another library's, with the given Python and the folder of its scripts.
     pub(crate) fn peer(name: &str, python: &Path, scripts: &Path, task: &Task) -> Result<Self, SpeedError> {
-        let threads = match task {
-            Task::Filter(task) => task.threads,
-            Task::Train(task) => task.threads,
-            Task::Learned(task) => task.threads,
-        };
         let mut command = Command::new(python);
-        command.arg(scripts.join("worker.py")).args(["--threads", &threads.to_string()]);
+        command.arg(scripts.join("worker.py")).args(["--threads", &task.threads().to_string()]);
         Worker::start(name, command)
     }
 

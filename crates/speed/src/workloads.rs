@@ -6,7 +6,7 @@ use motes_proposals::{Fcnn, FcnnConfig, Gnn, GnnConfig, Psi, PsiConfig, Rnn, Rnn
 
 use crate::error::SpeedError;
 use crate::folder::{BANK_HORIZON, DIMENSION, write_problem, write_training};
-use crate::task::{FilterTask, LearnedTask, Task, TrainTask};
+use crate::task::{FilterTask, LearnTask, LearnedTask, Task, TrainTask};
 use crate::{learned, operations};
 
 /// A piece of work, with those who do it.
@@ -36,6 +36,15 @@ pub(crate) enum Kind {
         /// Floating-point operations of one, by the algorithm that is used; psi's are too small to matter.
         operations: f64,
     },
+    /// This many gradient steps a run of a proposal that is learned once.
+    Learn {
+        /// Steps.
+        steps: usize,
+        /// Floating-point operations of the networks in one.
+        operations: f64,
+        /// How many threads may work.
+        threads: usize,
+    },
     /// This many particle-steps a run, with networks in each.
     Learned {
         /// `K·T`.
@@ -53,7 +62,7 @@ impl Kind {
         match self {
             Kind::Filter { particle_steps } => (PARTICLE_STEPS / particle_steps).ceil() as usize,
             Kind::Learned { particle_steps, .. } => (LEARNED_STEPS / particle_steps).ceil() as usize,
-            Kind::Train { .. } => 1,
+            Kind::Train { .. } | Kind::Learn { .. } => 1,
         }
     }
 }
@@ -62,6 +71,8 @@ const FILTER_HORIZON: usize = 50;
 /// A round of filters takes at least so many: what is done in a few milliseconds measures how a process wakes up.
 const PARTICLE_STEPS: f64 = 5e6;
 const LEARNED_STEPS: f64 = 1e6;
+/// Gradient steps of a run.
+const LEARN_STEPS: usize = 600;
 const BANK: usize = 100;
 
 const METHODS: [&str; 2] = ["bootstrap", "min-degeneracy"];
@@ -89,22 +100,64 @@ pub(crate) fn all(scratch: &Path) -> Result<Vec<Workload>, SpeedError> {
         all.push(train::<Psi>(scratch, &PsiConfig::paper(), particles, 500, 0.0)?);
     }
     for model in learned::MODELS {
-        for (particles, threads) in [(100, 1), (1_000, 1), (100_000, 1), (100_000, 2)] {
-            all.push(with_learned(model, particles, threads));
+        let folder = scratch.join(format!("learned-{model}"));
+        learned::write(&folder, model)?;
+        for threads in [1, 2] {
+            all.push(learn(&folder, model, threads, false));
+        }
+        // Rows are simulated by a thread of their own, which the steps wait for.
+        all.push(learn(&folder, model, 2, true));
+        for (particles, threads) in
+            [(100, 1), (1_000, 1), (10_000, 1), (10_000, 2), (100_000, 1), (100_000, 2)]
+        {
+            all.push(with_learned(&folder, model, particles, threads));
         }
     }
     Ok(all)
 }
 
-/// A filter with a proposal that is learned once; nobody else has one.
-fn with_learned(model: &str, particles: usize, threads: usize) -> Workload {
+/// The same work in JAX, on as many threads or fewer, with densities in 32 and in 64 bits: the best of them counts.
+fn in_jax(threads: usize, task: impl Fn(u8, usize) -> Task) -> Vec<(String, Vec<Task>)> {
+    let arrangements = (1..=threads).flat_map(|threads| [32, 64].map(|bits| (bits, threads)));
+    let named =
+        |(bits, threads)| (format!("JAX, {bits} bits, threads: {threads}"), vec![task(bits, threads)]);
+    arrangements.map(named).collect()
+}
+
+/// Gradient steps of a proposal that is learned once.
+fn learn(folder: &Path, model: &str, threads: usize, simulates: bool) -> Workload {
+    let task = |peer: Option<&str>, bits, threads| {
+        let (model, peer, folder) = (model.into(), peer.map(String::from), folder.into());
+        Task::Learn(LearnTask { model, peer, folder, steps: LEARN_STEPS, simulates, bits, threads })
+    };
+    let rest = if simulates { "simulated".into() } else { format!("threads: {threads}") };
+    let operations = learned::operations_of_step(model, learned::ROWS);
+    Workload {
+        name: format!("learn {model}, {rest}"),
+        kind: Kind::Learn { steps: LEARN_STEPS, operations, threads },
+        ours: vec![task(None, 64, threads)],
+        peers: match simulates {
+            true => Vec::new(),
+            false => in_jax(threads, |bits, threads| task(Some("jax"), bits, threads)),
+        },
+    }
+}
+
+/// A filter with a proposal that is learned once.
+fn with_learned(folder: &Path, model: &str, particles: usize, threads: usize) -> Workload {
     let particle_steps = (particles * learned::HORIZON) as f64;
     let operations = learned::operations(model, particles);
+    let task = |peer: Option<&str>, bits, threads| {
+        let (model, peer, folder) = (model.into(), peer.map(String::from), folder.into());
+        // Evidences of many particles differ little, and take long.
+        let check_passes = if particles < 100_000 { 20 } else { 8 };
+        Task::Learned(LearnedTask { model, peer, folder, check_passes, bits, particles, threads })
+    };
     Workload {
         name: format!("learned {model} K={particles}, threads: {threads}"),
         kind: Kind::Learned { particle_steps, operations, threads },
-        ours: vec![Task::Learned(LearnedTask { model: model.into(), particles, threads })],
-        peers: Vec::new(),
+        ours: vec![task(None, 64, threads)],
+        peers: in_jax(threads, |bits, threads| task(Some("jax"), bits, threads)),
     }
 }
 

@@ -122,6 +122,11 @@ impl<F: Networks> BurnTape<'_, F> {
         Ok(())
     }
 
+    pub(crate) fn backward_to_weights(&mut self, d_outputs: &[&[f64]]) -> Result<(), NetworkError> {
+        let width = self.steps.last().map_or(0, |last| count(&last.previous));
+        self.backward(d_outputs, &mut vec![0.0; width])
+    }
+
     pub(crate) fn detach(&mut self) {
         self.d_hidden.clear();
     }

@@ -132,18 +132,26 @@ impl<'p, F: Networks, T: Multiply> NativeTape<'p, F, T> {
     pub(crate) fn backward(
         &mut self,
         d_outputs: &[&[f64]],
-        d_previous: &mut [f64],
+        d_previous: Option<&mut [f64]>,
     ) -> Result<(), NetworkError> {
         let Some(last) = self.steps.last() else { panic!("there is no step left to pull back") };
         let of_all = |at: &At| last.step.size(*at).1 * self.particles;
         unless_alike(D_OUTPUTS, d_outputs.iter().map(|d| d.len()), last.outputs.iter().map(of_all))?;
-        unless_same("the length of the derivative of x_{t−1}", d_previous.len(), of_all(&last.previous))?;
+        if let Some(d_previous) = &d_previous {
+            let expected = of_all(&last.previous);
+            unless_same("the length of the derivative of x_{t−1}", d_previous.len(), expected)?;
+        }
         let Some(mut recorded) = self.steps.pop() else { return Ok(()) };
         let Scratch { buffers, accumulator, steps, d_nodes } = &mut self.scratch;
         let nodes = &recorded.step.nodes;
         d_nodes.clear();
         d_nodes.resize_with(nodes.len(), || None);
-        let past: Vec<At> = recorded.hidden_in.iter().copied().chain([recorded.previous]).collect();
+        let past: Vec<At> = recorded
+            .hidden_in
+            .iter()
+            .copied()
+            .chain(d_previous.is_some().then_some(recorded.previous))
+            .collect();
         let mut derivatives = Derivatives::none(d_nodes, nodes, &past, recorded.first, buffers);
         for (&at, &values) in recorded.outputs.iter().zip(d_outputs) {
             let mut d = derivatives.buffers.take(nodes[at.0].values.len());
@@ -175,9 +183,14 @@ impl<'p, F: Networks, T: Multiply> NativeTape<'p, F, T> {
             let (below, rest) = nodes.split_at(at);
             pull_back(self.weights, (below, &rest[0]), d, &mut derivatives, accumulator, &mut self.gradients);
         }
-        d_previous.fill(0.0);
-        if let Some(d) = derivatives.at[recorded.previous.0].take() {
-            widen(&d, d_previous);
+        let found = derivatives.at[recorded.previous.0].take();
+        if let Some(d_previous) = d_previous {
+            d_previous.fill(0.0);
+            if let Some(d) = &found {
+                widen(d, d_previous);
+            }
+        }
+        if let Some(d) = found {
             derivatives.buffers.put(d);
         }
         if !recorded.first {

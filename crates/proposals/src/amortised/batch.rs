@@ -73,9 +73,15 @@ impl<M: Transport + ?Sized> AmortisedBatch<'_, M> {
     }
 }
 
-impl<M: Transport + ?Sized> Conditional for AmortisedBatch<'_, M> {
-    fn sample(&mut self, streams: &mut [Stream], states: &mut [f64], log_densities: &mut [f64]) {
-        let (n, head, particles) = (self.n, self.head, log_densities.len());
+impl<M: Transport + ?Sized> AmortisedBatch<'_, M> {
+    /// Draws states, and writes their densities if they are asked for.
+    fn draw_states(
+        &mut self,
+        streams: &mut [Stream],
+        states: &mut [f64],
+        mut log_densities: Option<&mut [f64]>,
+    ) {
+        let (n, head, particles) = (self.n, self.head, self.context.particles);
         let AmortisedScratch { noise, uniforms, .. } = &mut *self.scratch;
         noise.resize(particles * n, 0.0);
         for (stream, noise) in particles_by_stream(streams, noise, n, particles) {
@@ -92,20 +98,35 @@ impl<M: Transport + ?Sized> Conditional for AmortisedBatch<'_, M> {
             let (first, last) = (number * LANES, ((number + 1) * LANES).min(particles));
             let Tile { values, theta, uniforms: of_tile, head: scratch } = tile;
             load(&noise[first * n..last * n], n, units::flat_mut(values));
-            let mut log_density = match head {
-                None => log_standard_normal(values),
-                Some(head) => {
-                    if extra > 0 {
-                        load(&uniforms[first * extra..last * extra], extra, units::flat_mut(of_tile));
-                    }
-                    head.draw(theta, of_tile, values);
-                    head.log_density(theta, values, scratch)
+            if let Some(head) = head {
+                if extra > 0 {
+                    load(&uniforms[first * extra..last * extra], extra, units::flat_mut(of_tile));
                 }
-            };
-            units.to_states(place, values, &mut log_density);
+                head.draw(theta, of_tile, values);
+            }
+            match &mut log_densities {
+                None => units.to_states(place, values, None),
+                Some(log_densities) => {
+                    let mut log_density = match head {
+                        None => log_standard_normal(values),
+                        Some(head) => head.log_density(theta, values, scratch),
+                    };
+                    units.to_states(place, values, Some(&mut log_density));
+                    log_densities[first..last].copy_from_slice(&log_density.0[..last - first]);
+                }
+            }
             store(units::flat(values), n, &mut states[first * n..last * n]);
-            log_densities[first..last].copy_from_slice(&log_density.0[..last - first]);
         });
+    }
+}
+
+impl<M: Transport + ?Sized> Conditional for AmortisedBatch<'_, M> {
+    fn sample(&mut self, streams: &mut [Stream], states: &mut [f64], log_densities: &mut [f64]) {
+        self.draw_states(streams, states, Some(log_densities));
+    }
+
+    fn sample_states(&mut self, streams: &mut [Stream], states: &mut [f64], _unasked: &mut [f64]) {
+        self.draw_states(streams, states, None);
     }
 
     fn log_density(&mut self, states: &[f64], log_densities: &mut [f64]) {

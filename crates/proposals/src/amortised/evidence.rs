@@ -71,8 +71,7 @@ impl Amortised {
             of_all.add_slopes(d_theta, last - first, &mut slopes);
         }
         of_all.hand_over(&slopes, tape.gradients());
-        let mut d_inputs = vec![0.0; rows.inputs.len()];
-        tape.backward(&[&theta], &mut d_inputs).map_err(of_networks)?;
+        tape.backward_to_weights(&[&theta]).map_err(of_networks)?;
         Ok(tape.finish())
     }
 }

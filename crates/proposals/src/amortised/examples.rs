@@ -32,6 +32,21 @@ impl Stage {
         self.log_transition.is_empty()
     }
 
+    /// What the network sees of each row, `R×F`, in standard units.
+    pub fn inputs(&self) -> &[f64] {
+        &self.inputs
+    }
+
+    /// The state of each row in units of the base, `R×N`: what should be found likely.
+    pub fn units(&self) -> &[f64] {
+        &self.units
+    }
+
+    /// The log-density of the transition with respect to `u`, `R`.
+    pub fn log_transition(&self) -> &[f64] {
+        &self.log_transition
+    }
+
     /// Replaces the rows by those of `from` that `picked` names.
     ///
     /// # Panics

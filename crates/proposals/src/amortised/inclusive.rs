@@ -48,8 +48,7 @@ impl Amortised {
         let mut slopes = of_all.no_slopes();
         let gain = self.over_tiles(rows, &of_all, &mut theta, share, Some(&mut slopes));
         of_all.hand_over(&slopes, tape.gradients());
-        let mut d_inputs = vec![0.0; rows.inputs.len()];
-        tape.backward(&[&theta], &mut d_inputs).map_err(of_networks)?;
+        tape.backward_to_weights(&[&theta]).map_err(of_networks)?;
         Ok((gain, tape.finish()))
     }
 

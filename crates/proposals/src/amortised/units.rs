@@ -113,14 +113,15 @@ impl<'a> Units<'a> {
         );
     }
 
-    /// Replaces `u` by the state that it stands for, and adds `−log |det ∂x/∂u|` to `log_density`.
+    /// Replaces `u` by the state that it stands for, and adds `−log |det ∂x/∂u|` to `log_density` if there is one.
     pub(super) fn to_states<M: Transport + ?Sized>(
         &self,
         place: &Place<'_, M>,
         values: &mut [Lanes],
-        log_density: &mut Lanes,
+        log_density: Option<&mut Lanes>,
     ) {
         let n = self.centres.len();
+        let is_asked = log_density.is_some();
         by_widest_vectors(
             #[inline(always)]
             || {
@@ -128,20 +129,27 @@ impl<'a> Units<'a> {
                 for (value, shift) in values.iter_mut().zip(&*self.shift) {
                     *value = *value + *shift;
                 }
-                *log_density = *log_density + self.log_determinant();
             },
         );
         let mut log_slope = Lanes::from(0.0);
         if place.is_affine {
             for (i, value) in values.iter_mut().enumerate() {
-                log_slope = log_slope + self.slopes[i].ln();
+                if is_asked {
+                    log_slope = log_slope + self.slopes[i].ln();
+                }
                 *value = self.centres[i] + self.slopes[i] * *value;
             }
         } else {
             let Place { model, time, previous, .. } = *place;
             model.tile_from_normal(time, previous, flat_mut(values), &mut log_slope.0);
         }
-        *log_density = *log_density - log_slope;
+        if let Some(log_density) = log_density {
+            let log_determinant = by_widest_vectors(
+                #[inline(always)]
+                || self.log_determinant(),
+            );
+            *log_density = *log_density + log_determinant - log_slope;
+        }
     }
 
     /// Replaces states by their `u`. It gives `log |det ∂u/∂x|`, and the log-density of the transition with respect to `u`.

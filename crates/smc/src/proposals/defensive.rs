@@ -28,7 +28,8 @@ impl<C: Conditional, M: StateSpaceModel + ?Sized> Defensive<'_, C, M> {
         let particles = mixture.len();
         let (width, each) = (states.len() / particles.max(1), particles / streams.len().max(1));
         // Both components draw for every particle: their streams then advance by the same amount whatever is chosen.
-        self.base.sample(streams, states, mixture);
+        // Densities come after the choice, of what was chosen.
+        self.base.sample_states(streams, states, mixture);
         with_scratch(states.len(), |safe| {
             self.transition.sample(streams, safe, transition);
             let rows = states.chunks_exact_mut(width.max(1)).zip(safe.chunks_exact(width.max(1)));
