@@ -5,6 +5,7 @@
 
 mod claims;
 mod error;
+mod held_out;
 mod judge;
 mod numbers;
 mod predicates;
