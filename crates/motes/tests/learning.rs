@@ -252,7 +252,7 @@ fn objectives_without_what_they_need_are_refused() {
     refused(&["square.toml", "--dropout", "1"], 2, "--dropout 1: it must be a number from 0 to below 1");
     refused(&["square.toml", "--penalty", "-1"], 2, "--penalty -1: it must be a number of at least 0");
     let line = "the objective fivo takes a head whose draws have derivatives: gaussian, kernel or flow; those of a mixture have none";
-    let fivo = ["square.toml", "recorded.csv", "--objective", "fivo"];
+    let fivo = ["square.toml", "recorded.csv", "-q", "--objective", "fivo"];
     refused(&[&fivo[..], &["--head", "mixture"]].concat(), 2, line);
     refused(&[&fivo[..], &["--from", "p"]].concat(), 2, line);
     place.write("short.csv", "y\n1\n2\n0.5\n");
