@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use motes_formulas::{FileModel, FormulaModel};
 use motes_models::{ModelShape, Seed};
-use motes_proposals::{Amortised, Backend, SavedError, load, save};
+use motes_proposals::{Amortised, Backend, SavedError, load, load_to_tune, save};
 use serde::{Deserialize, Serialize};
 
 use crate::error::MotesError;
@@ -65,9 +65,24 @@ impl LearnedProposal {
         let formulas = formulas_of(model)?;
         let shape = shape_of(formulas);
         let proposal = load(folder, formulas, &shape, Backend::Native.into())?;
+        LearnedProposal::named(folder, proposal)
+    }
+
+    /// Reads the proposal in `folder` to be learned further for `model`, whose parameters may be others than those it was learned for.
+    ///
+    /// # Errors
+    /// [`MotesError::Saved`] if it is not there, damaged, or learned for a model with other numbers of states or measurements.
+    pub fn load_to_tune(folder: &Path, model: &Model) -> Result<Self, MotesError> {
+        let shape = shape_of(formulas_of(model)?);
+        let proposal = load_to_tune(folder, &shape, Backend::Native.into())?;
+        LearnedProposal::named(folder, proposal)
+    }
+
+    /// What a folder is called, with what it says beside the weights.
+    fn named(folder: &Path, proposal: Amortised) -> Result<Self, MotesError> {
         let notes = motes_proposals::notes(folder)?;
         let name = folder.file_name().unwrap_or(folder.as_os_str()).to_string_lossy().into_owned();
-        Ok(LearnedProposal { name, proposal: Arc::new(proposal), notes: Arc::new(notes) })
+        Ok(LearnedProposal::new(name, proposal, notes))
     }
 
     /// Writes it into `folder`, replacing a proposal that is there.

@@ -178,6 +178,106 @@ fn data_are_learned_from_in_addition() {
     place.printed(&command);
 }
 
+/// The square with another parameter, and series of it.
+fn other(place: &Workplace) {
+    place.write("other.toml", SQUARE.replace("normal(0.9*x, 2)", "normal(0.6*x, 3)"));
+    let series = ["simulate", "other.toml", "--steps", "40", "--series", "5", "--seed", "5"];
+    let data = place.printed(&series);
+    place.write("recorded.csv", data);
+}
+
+#[test]
+fn a_proposal_for_other_parameters_is_tuned_on_data_by_the_same_bytes_each_time() {
+    let place = Workplace::new();
+    learned(&place);
+    other(&place);
+    let tune = |folder: &str, more: &[&str]| {
+        let command =
+            ["learn", "other.toml", "recorded.csv", "-o", folder, "--from", "p", "--sequences", "0"];
+        let output = place.run(&[&command, &["--objective", "wake", "--updates", "30"][..], more].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        stderr(&output)
+    };
+    let said = tune("q", &[]);
+    assert!(said.contains("chosen: p, learned further"), "{said}");
+    assert!(said.contains("log-evidence of held-out data "), "{said}");
+    // It is for the model that it was tuned for, which the one that it came from is not.
+    let filter = |folder: &str| {
+        place.run(&["filter", "other.toml", "recorded.csv", "--proposal", folder, "-q"]).status.code()
+    };
+    assert_eq!((filter("q"), filter("p")), (Some(0), Some(2)));
+    let weights = |folder: &str| std::fs::read(place.path(folder).join("weights.safetensors")).unwrap();
+    tune("r", &["--threads", "1"]);
+    assert_eq!(weights("q"), weights("r"));
+    tune("s", &["--dropout", "0.2", "--penalty", "0.001"]);
+    assert!(place.path("s").join("proposal.toml").exists());
+}
+
+#[test]
+fn the_evidence_itself_is_learned_from_data() {
+    let place = Workplace::new();
+    place.write("square.toml", SQUARE);
+    other(&place);
+    let learn = ["learn", "square.toml", "recorded.csv", "-o", "p", "--objective", "fivo"];
+    let few = ["--updates", "40", "--widths", "8", "--sequences", "0", "--base", "linearised"];
+    let output = place.run(&[&learn[..], &few, &["--head", "gaussian"]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(stderr(&output).contains("log-evidence of held-out data "), "{}", stderr(&output));
+}
+
+#[test]
+fn objectives_without_what_they_need_are_refused() {
+    let place = Workplace::new();
+    learned(&place);
+    other(&place);
+    place.write("pair.toml", PAIR);
+    let refused = |options: &[&str], status: i32, line: &str| {
+        let output = place.run(&[&["learn"], options, &["-o", "none"]].concat());
+        assert_eq!(stderr(&output), format!("motes: {line}"), "{options:?}");
+        assert_eq!(output.status.code(), Some(status), "{options:?}");
+        assert!(!place.path("none").exists());
+    };
+    for objective in ["wake", "fivo"] {
+        refused(
+            &["square.toml", "--objective", objective],
+            2,
+            &format!("--objective {objective}: it learns from data; name a file of them after the model"),
+        );
+    }
+    refused(
+        &["square.toml", "--objective", "sleep"],
+        2,
+        "--objective sleep: there are inclusive, wake, fivo",
+    );
+    refused(&["square.toml", "--dropout", "1"], 2, "--dropout 1: it must be a number from 0 to below 1");
+    refused(&["square.toml", "--penalty", "-1"], 2, "--penalty -1: it must be a number of at least 0");
+    let line = "the objective fivo takes a head whose draws have derivatives: gaussian, kernel or flow; those of a mixture have none";
+    let fivo = ["square.toml", "recorded.csv", "-q", "--objective", "fivo"];
+    refused(&[&fivo[..], &["--head", "mixture"]].concat(), 2, line);
+    refused(&[&fivo[..], &["--from", "p"]].concat(), 2, line);
+    place.write("short.csv", "y\n1\n2\n0.5\n");
+    refused(
+        &["square.toml", "short.csv", "--objective", "wake", "--from", "p"],
+        2,
+        "the recorded measurements cannot be filtered: the only series has 3 times; 8 are needed to hold some out",
+    );
+    refused(
+        &["pair.toml", "--from", "p"],
+        2,
+        "p: this proposal was trained for another system: the state dimension N is 1 there and 2 in the model given",
+    );
+    refused(
+        &["square.toml", "--from", "nowhere"],
+        3,
+        "nowhere/proposal.toml: No such file or directory (os error 2)",
+    );
+    refused(
+        &["square.toml", "--from", "p", "--head", "gaussian"],
+        2,
+        "the argument '--from <FOLDER>' cannot be used with '--head <H>'; see motes --help",
+    );
+}
+
 #[test]
 fn what_cannot_be_learned_is_refused() {
     let place = Workplace::new();

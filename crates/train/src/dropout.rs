@@ -93,9 +93,7 @@ impl Dropout {
 #[cfg(test)]
 mod tests {
     use motes_models::equations::{Coordinates, Equations, Scalar, normal};
-    use motes_models::{
-        GraphDiffusion, GraphDiffusionConfig, Measurements, ModelShape, OwnSteps, Seed, simulate,
-    };
+    use motes_models::{GraphDiffusion, GraphDiffusionConfig, Measurements, ModelShape, OwnSteps, Seed};
     use motes_proposals::networks::Inputs;
     use motes_proposals::{
         Amortised, AmortisedConfig, Backend, Cell, Compute, Examples, Family, Fcnn, FcnnConfig, Gnn,
@@ -117,7 +115,9 @@ mod tests {
         let seed = Seed::from_u64(1);
         let config = GraphDiffusionConfig::new(5);
         let system = GraphDiffusion::random(&config, &mut seed.child("graph").stream()).unwrap();
-        let measurements = simulate(&system, 2, &mut seed.child("data").stream()).unwrap().measurements;
+        let m = motes_models::StateSpaceModel::measurement_dim(&system);
+        let values = (0..2 * m).map(|at| (at as f64).sin()).collect();
+        let measurements = Measurements::new(m, values).unwrap();
         (system, measurements)
     }
 

@@ -10,6 +10,8 @@ use motes::{FilterOptions, LearnOptions, LearnedProposal, Model, MotesError, Pro
 use motes_cli::{integer, one_of};
 
 use super::kind_args::KindArgs;
+use super::objective_args::ObjectiveArgs;
+use super::share::share;
 
 /// Particle filters for state-space models: hidden states, evidence and warnings from a model file and a CSV file.
 #[derive(Parser)]
@@ -234,7 +236,7 @@ pub(super) struct SmoothArgs {
 pub(super) struct LearnArgs {
     #[command(flatten)]
     pub(super) model: ModelArgs,
-    /// Recorded data to learn from in addition, a CSV file with a header; - is standard input
+    /// Recorded data to learn from in addition, or alone by --objective wake and fivo, a CSV file with a header; - is standard input
     pub(super) data: Option<PathBuf>,
     /// The folder that the proposal is written into; a proposal that is there is replaced
     #[arg(long, short = 'o', value_name = "FOLDER")]
@@ -248,6 +250,8 @@ pub(super) struct LearnArgs {
     /// The number of times in each simulated sequence
     #[arg(long, value_name = "T", allow_negative_numbers = true, default_value = "100", value_parser = integer(2..=1_000_000_usize))]
     pub(super) steps: usize,
+    #[command(flatten)]
+    pub(super) objective: ObjectiveArgs,
     #[command(flatten)]
     pub(super) kind: KindArgs,
     /// The number of particles of the card
@@ -265,8 +269,15 @@ pub(super) struct LearnArgs {
 }
 
 impl LearnArgs {
-    pub(super) fn options(&self) -> LearnOptions {
-        LearnOptions {
+    /// The proposal to learn further is read here, for `model`.
+    pub(super) fn options(&self, model: &Model) -> Result<LearnOptions, MotesError> {
+        let ObjectiveArgs { objective, from, dropout, penalty } = &self.objective;
+        let start = from.as_ref().map(|folder| LearnedProposal::load_to_tune(folder, model)).transpose()?;
+        Ok(LearnOptions {
+            objective: *objective,
+            start,
+            dropout: *dropout,
+            weight_penalty: *penalty,
             updates: self.updates,
             seconds: self.budget,
             steps: self.steps,
@@ -275,7 +286,7 @@ impl LearnArgs {
             sees: self.kind.network,
             widths: self.kind.widths.clone(),
             seed: self.model.seed,
-        }
+        })
     }
 }
 
@@ -351,11 +362,6 @@ fn parameter(text: &str) -> Result<(String, f64), String> {
         true => Ok((name.trim().to_string(), number)),
         false => Err(format!("{value} is not finite")),
     }
-}
-
-fn share(text: &str) -> Result<f64, String> {
-    let share = text.parse().ok().filter(|share| (0.0..1.0).contains(share));
-    share.ok_or_else(|| "it must be a number from 0 to below 1".into())
 }
 
 fn fraction(text: &str) -> Result<f64, String> {

@@ -24,11 +24,17 @@ pub(super) fn run(args: &LearnArgs, interrupt: &Interrupt) -> Result<u8, Failure
     if let Some(page) = &page {
         page.check().map_err(|source| MotesError::Output { file: page.name(), source })?;
     }
+    let objective = args.objective.objective;
+    if objective.needs_recorded() && args.data.is_none() {
+        let line =
+            format!("--objective {objective}: it learns from data; name a file of them after the model");
+        return Err(Failure::new(2, line));
+    }
     let data = args.data.as_ref().map(|path| input::data(path, &model, interrupt)).transpose()?;
     if let Some(data) = &data {
         say_ignored(&data.columns, args.model.quiet);
     }
-    let options = args.options();
+    let options = args.options(&model)?;
     let mut progress = Progress::new(1000, args.model.quiet);
     let outcome = on_threads(args.model.threads, || {
         learn(&model, data.as_ref(), &options, |done, total| {
@@ -92,14 +98,17 @@ pub(super) fn run(args: &LearnArgs, interrupt: &Interrupt) -> Result<u8, Failure
 
 /// What there is to say of what was learned, and what there is to warn of.
 fn said(proposal: &LearnedProposal, history: &Learned, seconds: f64) -> (Vec<String>, Vec<String>) {
-    let mut notes = vec![
-        format!("chosen: {}", proposal.notes().choice),
-        format!(
-            "{} updates, the best after {}; {seconds:.1} s; gain over the transition {:.3} nats a step",
-            history.steps,
-            history.best_step,
+    let before = history.validation.first().map_or(f64::NAN, |(_, figure)| *figure);
+    let figure = match history.objective.needs_recorded() {
+        false => format!("gain over the transition {:.3} nats a step", history.best_gain()),
+        true => format!(
+            "log-evidence of held-out data {:.3} nats a time, {before:.3} before",
             history.best_gain()
         ),
+    };
+    let mut notes = vec![
+        format!("chosen: {}", proposal.notes().choice),
+        format!("{} updates, the best after {}; {seconds:.1} s; {figure}", history.steps, history.best_step),
     ];
     if history.overflowed > 0.0 {
         notes.push(format!(

@@ -6,7 +6,7 @@ use motes_formulas::FormulaModel;
 use motes_models::{Seed, StateSpaceModel};
 use motes_proposals::{Amortised, AmortisedConfig, Backend, Base, Covariance, Family, HeadConfig, Sees};
 use motes_smc::Linearised;
-use motes_train::{LearnConfig, learn};
+use motes_train::{LearnConfig, LearnObjective, learn};
 
 use super::options::LearnOptions;
 use crate::error::MotesError;
@@ -29,6 +29,10 @@ fn candidates(model: &FormulaModel, options: &LearnOptions) -> Result<Vec<Amorti
     let covariance = if n <= MOST_COORDINATES_IN_FULL { Covariance::Full } else { Covariance::Diagonal };
     let heads = match options.head {
         Some(head) => vec![head],
+        // A mixture's draws have no derivatives.
+        None if options.objective == LearnObjective::Fivo => {
+            vec![HeadConfig::Gaussian { covariance }, HeadConfig::Flow { pieces: 8, covariance }]
+        }
         None if n <= 2 => vec![HeadConfig::Mixture { components: 5, covariance }],
         None => vec![HeadConfig::Gaussian { covariance }, HeadConfig::Mixture { components: 3, covariance }],
     };
@@ -65,7 +69,9 @@ pub(super) fn choose(
     }
     let steps = ((settings.steps as f64 * PILOT) as usize).max(1);
     let seconds = settings.seconds.map(|seconds| seconds * PILOT);
-    let pilot = LearnConfig { steps, validate_every: steps, seconds, ..*settings };
+    // By what the model draws for itself, whatever follows: data may be few.
+    let objective = LearnObjective::Inclusive;
+    let pilot = LearnConfig { objective, steps, validate_every: steps, seconds, ..*settings };
     let count = candidates.len();
     let mut gains = Vec::new();
     for (number, config) in candidates.iter().enumerate() {

@@ -7,8 +7,8 @@ mod worth;
 use std::ops::ControlFlow;
 
 use motes_models::{PartialMeasurements, Seed};
-use motes_proposals::{Amortised, Backend, Family};
-use motes_train::{LearnConfig, Learned, learn as train};
+use motes_proposals::{Amortised, Backend, Family, HeadConfig};
+use motes_train::{LearnConfig, LearnObjective, Learned, TrainError, learn as train};
 
 pub use options::LearnOptions;
 
@@ -30,7 +30,8 @@ pub struct LearnOutcome {
     pub training_seconds: f64,
 }
 
-/// Learns a proposal for `model` from sequences that the model draws for itself, and in addition from the series of `data`; `proceed` is asked after each update, with how many of how many are done.
+/// Learns a proposal for `model`, by the objective of `options`: from sequences that the model draws for itself and in addition from the series of `data`, or from
+/// these alone. `proceed` is asked after each update, with how many of how many are done.
 ///
 /// ```
 /// use motes::{FilterOptions, LearnOptions, Model, ProposalName, learn};
@@ -53,7 +54,8 @@ pub struct LearnOutcome {
 /// ```
 ///
 /// # Errors
-/// [`MotesError`] for an option out of range, a model that has nothing to learn, and one whose simulations all overflow.
+/// [`MotesError`] for an option out of range, an objective without the data or the head that it needs, a model that has nothing to learn, and one whose
+/// simulations all overflow.
 pub fn learn(
     model: &Model,
     data: Option<&Data>,
@@ -63,6 +65,10 @@ pub fn learn(
     let formulas = formulas_of(model)?;
     let started = std::time::Instant::now();
     let settings = LearnConfig {
+        objective: options.objective,
+        continues: options.start.is_some(),
+        dropout: options.dropout,
+        weight_penalty: options.weight_penalty,
         steps: options.updates,
         horizon: options.steps,
         seconds: options.seconds,
@@ -70,11 +76,22 @@ pub fn learn(
     };
     let seed = Seed::from_u64(options.seed).child("learn");
     let recorded = data.map(|data| recorded(model, data)).transpose()?.unwrap_or_default();
-    // A third of the bar is for choosing.
-    let Choice { config, reason } =
-        choose(formulas, options, &settings, &seed, |done, total| proceed(done, 3 * total))?;
-    let shape = shape_of(formulas);
-    let mut proposal = Amortised::create(&config, &shape, 0, Backend::Native.into(), &seed.child("weights"))?;
+    if options.objective.needs_recorded() && recorded.is_empty() {
+        return Err(TrainError::NoRecorded { objective: options.objective.to_string() }.into());
+    }
+    if options.objective == LearnObjective::Fivo && matches!(options.head, Some(HeadConfig::Mixture { .. })) {
+        return Err(TrainError::Draws.into());
+    }
+    let (reason, mut proposal) = match &options.start {
+        Some(start) => (format!("{}, learned further", start.name()), start.proposal().clone()),
+        None => {
+            // A third of the bar is for choosing.
+            let Choice { config, reason } =
+                choose(formulas, options, &settings, &seed, |done, total| proceed(done, 3 * total))?;
+            let (shape, compute) = (shape_of(formulas), Backend::Native.into());
+            (reason, Amortised::create(&config, &shape, 0, compute, &seed.child("weights"))?)
+        }
+    };
     let mut is_stopped = false;
     let history = train(&mut proposal, formulas, &recorded, &settings, &seed, |done, _| {
         let asked = proceed(settings.steps + 2 * done, 3 * settings.steps);

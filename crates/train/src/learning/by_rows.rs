@@ -33,7 +33,15 @@ pub(super) fn learn_by_rows(
         stepper.set_progress(progress);
         let mut rows = config.rows;
         while !later.deal(rows, &mut batch) {
-            let Some(examples) = supply(step, course.averaged())? else { break };
+            let found = match supply(step, course.averaged()) {
+                // What filtered at first has become a proposal whose filters collapse.
+                Err(TrainError::Recorded { .. }) if step > 0 => {
+                    course.diverged(step);
+                    return Ok(());
+                }
+                found => found?,
+            };
+            let Some(examples) = found else { break };
             // A supply that overflows early has few rows.
             rows = rows.min(examples.later.len());
             later = Deck::new(examples.later, &mut order);

@@ -36,7 +36,7 @@ pub(super) fn learn<M: OwnModel + StateGradients + ?Sized>(
         // Drawn from the proposal that is differentiated, with the units that it leaves out.
         stepper.begin(proposal);
         let stretch = stretches.next(proposal, &mut draws);
-        let is_finite = stepper.finish(proposal, |proposal, mut memory| {
+        let found = stepper.finish(proposal, |proposal, mut memory| {
             let log_evidence = stretch?;
             if !draws.initial.is_empty() {
                 memory = proposal.differentiate_evidence(Times::Initial, &draws.initial, memory)?;
@@ -45,7 +45,12 @@ pub(super) fn learn<M: OwnModel + StateGradients + ?Sized>(
             memory = proposal.differentiate_evidence(Times::Later, &draws.later, memory)?;
             sum.mean_into(&mut memory, 1);
             Ok((log_evidence, memory))
-        })?;
+        });
+        let is_finite = match found {
+            // What filtered at first has become a proposal whose filters collapse.
+            Err(TrainError::Recorded { .. }) if step > 0 => false,
+            found => found?,
+        };
         if !is_finite {
             course.diverged(step);
             break;

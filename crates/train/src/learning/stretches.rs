@@ -46,8 +46,9 @@ impl<'a, M: OwnModel + StateGradients + ?Sized> Stretches<'a, M> {
     /// # Errors
     /// [`TrainError::Recorded`] if no series gives a draw of a later time.
     pub(super) fn next(&mut self, proposal: &Amortised, draws: &mut Draws) -> Result<f64, TrainError> {
-        // A filter that is under way may end without a draw, and so may one along each series.
-        for _ in 0..=self.series.len() {
+        // The rest of a series may be without a draw, and so may each whole one.
+        let begun = self.begun;
+        while self.begun - begun <= self.series.len() {
             draws.clear();
             let (log_evidence, times) = self.advance(proposal, draws)?;
             if !draws.later.is_empty() {

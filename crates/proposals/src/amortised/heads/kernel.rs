@@ -136,7 +136,13 @@ impl KernelHead {
 impl KernelHead {
     /// Takes the symmetric derivative `G` along the covariance, in `work.slope`, to those along `z` and `C`; `C K` in `work.mixed` is used up.
     #[inline(always)]
-    fn to_parameters(&self, theta: &[Lanes], work: &mut Work<'_>, d_z: &mut [Lanes], d_mixing: &mut [Lanes]) {
+    fn along_parameters(
+        &self,
+        theta: &[Lanes],
+        work: &mut Work<'_>,
+        d_z: &mut [Lanes],
+        d_mixing: &mut [Lanes],
+    ) {
         let n = self.n;
         let [_, z, mixing] = self.parts(theta);
         for i in 0..n {
@@ -261,7 +267,7 @@ impl Head for KernelHead {
                 let (d_mean, rest) = d_theta.split_at_mut(n);
                 let (d_z, d_mixing) = rest.split_at_mut(n);
                 d_mean.copy_from_slice(work.pull);
-                self.to_parameters(theta, &mut work, d_z, d_mixing);
+                self.along_parameters(theta, &mut work, d_z, d_mixing);
                 value
             },
         )
@@ -312,7 +318,7 @@ impl Reparametrised for KernelHead {
                 let (d_z, d_mixing) = rest.split_at_mut(n);
                 d_mean.copy_from_slice(pull);
                 self.slope_of_draw(&mut work, pull);
-                self.to_parameters(theta, &mut work, d_z, d_mixing);
+                self.along_parameters(theta, &mut work, d_z, d_mixing);
             },
         );
     }
