@@ -4,6 +4,7 @@
 //! thread of its own (or on several, where there are fewer units than threads), stores it as soon as it is finished, and makes
 //! tables and a figure of all units in its folder. A run that was interrupted continues where it stopped.
 
+mod benchmark;
 mod checkpoint;
 pub mod config;
 mod durable;
@@ -32,6 +33,7 @@ mod unit;
 mod unit_error;
 mod verify;
 
+pub use benchmark::{BenchmarkError, BenchmarkPlan, benchmark_plans, is_benchmark, run_benchmark};
 pub use estimate::Estimator;
 pub use evaluate::{Evaluation, Evaluator};
 pub use method_config::{FrameSettings, LearnedUnit, MethodConfig};

@@ -5,7 +5,10 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use motes_bench::config::{ConfigError, Plan, ReproduceArgs, VerifyArgs, check_output, plans};
-use motes_bench::{Estimator, Finished, RegressionError, paper_estimate, regress, reproduce, verify};
+use motes_bench::{
+    Estimator, Finished, RegressionError, benchmark_plans, is_benchmark, paper_estimate, regress, reproduce,
+    run_benchmark, verify,
+};
 use motes_cli::{Interrupt, Parsed, parse, result, status};
 
 /// Reproduces the figures and tables of the paper.
@@ -55,6 +58,7 @@ fn main() -> ExitCode {
         }
     };
     match cli.command {
+        Command::Reproduce(args) if is_benchmark(&args.figure) => run_benchmarks(&args, &interrupt),
         Command::Reproduce(args) => run_reproduce(&args, &interrupt),
         Command::Verify(args) => run_verify(&args),
         Command::Regress { figure, update, experiments, out } => {
@@ -104,6 +108,32 @@ fn run_reproduce(args: &ReproduceArgs, interrupt: &Interrupt) -> ExitCode {
     }
     for plan in tried_out {
         offer_paper_profile(plan, &estimator, interrupt);
+    }
+    ExitCode::from(exit_status)
+}
+
+fn run_benchmarks(args: &ReproduceArgs, interrupt: &Interrupt) -> ExitCode {
+    let plans = match benchmark_plans(args) {
+        Ok(plans) => plans,
+        Err(error) => return refuse(&error),
+    };
+    if args.dry_run {
+        plans.iter().for_each(|plan| result(&plan.to_string()));
+        return ExitCode::SUCCESS;
+    }
+    if let Some(error) = plans.iter().find_map(|plan| check_output(&plan.folder).err()) {
+        return refuse(&error);
+    }
+    let mut exit_status = 0;
+    for plan in &plans {
+        if let Err(error) = run_benchmark(plan, interrupt) {
+            if error.is_interrupted() {
+                status("stopped; the same command goes on with the proposals that are learned");
+                return ExitCode::from(interrupt.exit_status());
+            }
+            status(&format!("error: {error}"));
+            exit_status = exit_status.max(error.exit_status());
+        }
     }
     ExitCode::from(exit_status)
 }

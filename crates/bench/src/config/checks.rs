@@ -6,12 +6,12 @@ use super::error::ConfigError;
 const MOST: usize = 1_000_000_000;
 
 /// Checks that name the file.
-pub(super) struct Checks<'a> {
-    pub(super) file: &'a str,
+pub(crate) struct Checks<'a> {
+    pub(crate) file: &'a str,
 }
 
 impl Checks<'_> {
-    pub(super) fn that(
+    pub(crate) fn that(
         &self,
         fine: bool,
         key: &str,
@@ -30,12 +30,12 @@ impl Checks<'_> {
     }
 
     /// A number of things that are counted one by one, or have a place in memory.
-    pub(super) fn count(&self, key: &str, value: usize) -> Result<(), ConfigError> {
+    pub(crate) fn count(&self, key: &str, value: usize) -> Result<(), ConfigError> {
         self.that(value > 0, key, value, "it must be at least 1")?;
         self.that(value <= MOST, key, value, &format!("it must be at most {MOST}"))
     }
 
-    pub(super) fn within(
+    pub(crate) fn within(
         &self,
         key: &str,
         value: usize,
@@ -47,7 +47,7 @@ impl Checks<'_> {
     }
 
     /// One value or more, all different.
-    pub(super) fn distinct(
+    pub(crate) fn distinct(
         &self,
         key: &str,
         values: impl Iterator<Item = String>,

@@ -3,12 +3,13 @@
 use std::path::Path;
 
 use motes_cli::one_of;
+use serde::de::DeserializeOwned;
 
 use super::error::ConfigError;
 use super::schema::Experiment;
 
 /// The figures that have a file in `folder`, sorted.
-pub(super) fn figures(folder: &Path) -> Result<Vec<String>, ConfigError> {
+pub(crate) fn figures(folder: &Path) -> Result<Vec<String>, ConfigError> {
     let unreadable = |error: std::io::Error| ConfigError::File {
         file: folder.display().to_string(),
         reason: format!("{error}; it must be a folder with experiment files"),
@@ -26,8 +27,13 @@ pub(super) fn figures(folder: &Path) -> Result<Vec<String>, ConfigError> {
     Ok(figures)
 }
 
-/// Reads and parses one file.
+/// Reads and parses the file of an experiment.
 pub(super) fn load(file: &Path) -> Result<Experiment, ConfigError> {
+    read_toml(file)
+}
+
+/// Reads and parses one file.
+pub(crate) fn read_toml<T: DeserializeOwned>(file: &Path) -> Result<T, ConfigError> {
     let fail = |reason| ConfigError::File { file: file.display().to_string(), reason };
     let text = std::fs::read_to_string(file).map_err(|error| fail(error.to_string()))?;
     toml::from_str(&text).map_err(|error| fail(explain(&text, &error)))

@@ -12,8 +12,10 @@ mod proposals;
 mod schema;
 
 pub use args::{ReproduceArgs, VerifyArgs};
+pub(crate) use checks::Checks;
 pub use error::ConfigError;
 pub use learning::{Elbo, Learning};
+pub(crate) use load::{figures, read_toml};
 pub use method::Method;
 pub use plan::{Plan, Point, check_output, plans, whole_figure};
 pub use proposals::{Fcnn, Gnn, Proposals, Psi, Rnn, Sizes, Standardised};

@@ -115,14 +115,23 @@ impl Plan {
     }
 }
 
+/// What the names of figures begin with whose proposals are learned once; by itself, all of them. `all` is the paper's.
+const HELD_OUT: &str = "heldout";
+
 /// The plans that the arguments ask for, one for each figure. Reads experiment files and writes nothing.
 ///
 /// # Errors
 /// [`ConfigError`] for anything that could not be run.
 pub fn plans(args: &ReproduceArgs) -> Result<Vec<Plan>, ConfigError> {
     let known = figures(&args.experiments)?;
-    if args.figure == "all" {
-        return known.iter().map(|figure| plan(figure, args)).collect();
+    let group = match args.figure.as_str() {
+        "all" => Some(false),
+        HELD_OUT => Some(true),
+        _ => None,
+    };
+    if let Some(is_held_out) = group {
+        let of_group = known.iter().filter(|figure| figure.starts_with(HELD_OUT) == is_held_out);
+        return of_group.map(|figure| plan(figure, args)).collect();
     }
     if known.contains(&args.figure) {
         return Ok(vec![plan(&args.figure, args)?]);
@@ -137,7 +146,7 @@ pub fn plans(args: &ReproduceArgs) -> Result<Vec<Plan>, ConfigError> {
         }
         others.extend(also);
     }
-    let names = known.iter().chain(&others).map(String::as_str).chain(["all"]);
+    let names = known.iter().chain(&others).map(String::as_str).chain(["all", HELD_OUT]);
     Err(ConfigError::option("figure", &args.figure, one_of(&args.figure, names)))
 }
 

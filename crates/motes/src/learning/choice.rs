@@ -12,7 +12,8 @@ use super::options::LearnOptions;
 use crate::error::MotesError;
 use crate::learned::shape_of;
 
-/// States of more coordinates have no full covariance of their own: the base has one.
+/// With more coordinates particles share the correlations of one Gaussian, and components of a mixture have none beside those of the base: a network that
+/// emits so many numbers for each particle is not learned in seconds.
 const MOST_COORDINATES_IN_FULL: usize = 12;
 
 /// The share of the updates that each candidate is tried with.
@@ -26,7 +27,10 @@ fn candidates(model: &FormulaModel, options: &LearnOptions) -> Result<Vec<Amorti
         None if Linearised::new(model)?.sees_measurements() => vec![Base::Linearised, Base::Transition],
         None => vec![Base::Transition],
     };
-    let covariance = if n <= MOST_COORDINATES_IN_FULL { Covariance::Full } else { Covariance::Diagonal };
+    let [covariance, of_components] = match n <= MOST_COORDINATES_IN_FULL {
+        true => [Covariance::Full; 2],
+        false => [Covariance::Shared, Covariance::Diagonal],
+    };
     let heads = match options.head {
         Some(head) => vec![head],
         // A mixture's draws have no derivatives.
@@ -34,7 +38,10 @@ fn candidates(model: &FormulaModel, options: &LearnOptions) -> Result<Vec<Amorti
             vec![HeadConfig::Gaussian { covariance }, HeadConfig::Flow { pieces: 8, covariance }]
         }
         None if n <= 2 => vec![HeadConfig::Mixture { components: 5, covariance }],
-        None => vec![HeadConfig::Gaussian { covariance }, HeadConfig::Mixture { components: 3, covariance }],
+        None => vec![
+            HeadConfig::Gaussian { covariance },
+            HeadConfig::Mixture { components: 3, covariance: of_components },
+        ],
     };
     let sees = options.sees;
     let widths = options.widths.clone().unwrap_or_else(|| match sees {

@@ -1,0 +1,192 @@
+//! One benchmark from plan to files: proposals are learned, compared, and written down.
+
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use motes::output::{card_json, error_figure};
+use motes::{
+    CompareOptions, FilterOptions, LearnedProposal, MotesError, ProposalName, compare, on_threads,
+};
+use motes_cli::{Interrupt, result, status};
+use serde_json::{Value, json};
+use thiserror::Error;
+
+use super::plan::BenchmarkPlan;
+use super::recorded::{Parts, parts};
+use super::{learning, tables};
+use crate::durable;
+use crate::provenance::Provenance;
+
+/// The version of what a benchmark's file means: raised whenever the same file gives other numbers than before.
+const FORMAT: u32 = 1;
+
+/// The whole result.
+const CARD: &str = "card.json";
+
+/// Why a benchmark has no result.
+#[derive(Debug, Error)]
+pub enum BenchmarkError {
+    /// It cannot be run, or failed.
+    #[error("{name}: {source}")]
+    Failed {
+        /// The benchmark.
+        name: String,
+        /// What failed.
+        source: MotesError,
+    },
+    /// A file of results cannot be read or written.
+    #[error("{path}: {source}", path = path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system says.
+        source: std::io::Error,
+    },
+    /// The figure cannot be drawn.
+    #[error("{name}: the figure cannot be drawn: {reason}")]
+    Figure {
+        /// The benchmark.
+        name: String,
+        /// Why not.
+        reason: String,
+    },
+}
+
+impl BenchmarkError {
+    /// Whether it was stopped.
+    pub fn is_interrupted(&self) -> bool {
+        matches!(self, BenchmarkError::Failed { source: MotesError::Interrupted, .. })
+    }
+
+    /// 3 where input or output failed, 1 for every other failure.
+    pub fn exit_status(&self) -> u8 {
+        match self {
+            BenchmarkError::File { .. } => 3,
+            BenchmarkError::Failed { .. } | BenchmarkError::Figure { .. } => 1,
+        }
+    }
+}
+
+/// Runs a benchmark, unless the same one was finished before, and writes card.json, table.md and figure.svg.
+///
+/// Proposals are kept as they are learned: a run that is stopped goes on with those that are there.
+///
+/// # Errors
+/// [`BenchmarkError`] if it fails, is stopped or cannot be written down.
+pub fn run_benchmark(plan: &BenchmarkPlan, interrupt: &Interrupt) -> Result<(), BenchmarkError> {
+    status(&plan.to_string());
+    let card = plan.folder.join(CARD);
+    let key = key(plan);
+    let written = std::fs::read_to_string(&card).ok().and_then(|text| serde_json::from_str::<Value>(&text).ok());
+    if !plan.fresh && written.is_some_and(|written| written["key"] == key.as_str()) {
+        result(&format!("{} was run before; --fresh runs it again", card.display()));
+        return Ok(());
+    }
+    let failed = |source| BenchmarkError::Failed { name: plan.name.clone(), source };
+    let model = plan.model(&Default::default()).map_err(failed)?;
+    let recorded = parts(plan, &model).map_err(failed)?;
+    let earlier = recorded.as_ref().map(|parts| &parts.earlier);
+    let work = || -> Result<_, MotesError> {
+        let learned = learning::proposals(plan, &key, &model, earlier, interrupt)?;
+        let options = options(plan, &learned)?;
+        let later = recorded.as_ref().map(|Parts { later, .. }| later);
+        let mut progress = Lines::new(plan.name.clone());
+        let comparison = compare(&model, later, &options, |done, total| {
+            progress.done(done, total);
+            interrupt.check()
+        })?;
+        Ok((learned, comparison))
+    };
+    let done = on_threads(Some(plan.jobs), work).map_err(failed)?;
+    let (learned, comparison) = done.map_err(failed)?;
+    let training: serde_json::Map<String, Value> =
+        learned.iter().map(|one| (one.name().to_string(), json!(one.notes().seconds))).collect();
+    let Provenance { revision, processor } = Provenance::here();
+    let card_value: Value = serde_json::from_str(&card_json(&comparison, None)).unwrap_or_default();
+    let whole = json!({
+        "key": key,
+        "benchmark": plan.name,
+        "profile": plan.profile_name,
+        "configuration": plan.benchmark,
+        "seed": plan.seed,
+        "revision": revision,
+        "processor": processor,
+        "training_seconds": training,
+        "card": card_value,
+    });
+    let table = tables::table(plan, &learned, &comparison);
+    write(plan, "table.md", &table)?;
+    if !comparison.equal_time.points.is_empty() {
+        let figure = error_figure(&comparison.equal_time);
+        let figure = figure.map_err(|error| BenchmarkError::Figure { name: plan.name.clone(), reason: error.to_string() })?;
+        write(plan, "figure.svg", &figure)?;
+    }
+    // Last: what it says is finished is.
+    let text = serde_json::to_string_pretty(&whole).unwrap_or_default() + "\n";
+    write(plan, CARD, &text)?;
+    result(&table);
+    result(&format!("written to {}", plan.folder.display()));
+    Ok(())
+}
+
+/// A hash of all that the result depends on but for the machine.
+fn key(plan: &BenchmarkPlan) -> String {
+    let model = std::fs::read_to_string(plan.home.join(&plan.benchmark.model)).unwrap_or_default();
+    let data = plan.benchmark.recorded.as_ref().and_then(|recorded| recorded.data.as_ref());
+    let data = data.and_then(|file| std::fs::read_to_string(plan.home.join(file)).ok());
+    let benchmark = super::file::Benchmark { profiles: Default::default(), outside: Vec::new(), ..plan.benchmark.clone() };
+    let all = serde_json::to_string(&(FORMAT, plan.seed, &benchmark, &plan.profile, model, data)).unwrap_or_default();
+    blake3::hash(all.as_bytes()).to_hex()[..32].to_string()
+}
+
+fn options(plan: &BenchmarkPlan, learned: &[LearnedProposal]) -> Result<CompareOptions, MotesError> {
+    let (benchmark, profile) = (&plan.benchmark, &plan.profile);
+    let named = benchmark.designed.iter().map(|name| name.parse::<ProposalName>().map_err(MotesError::Setting));
+    let mut proposals: Vec<ProposalName> = named.collect::<Result<_, _>>()?;
+    proposals.extend(learned.iter().cloned().map(ProposalName::Learned));
+    Ok(CompareOptions {
+        proposals,
+        filter: FilterOptions {
+            particles: profile.particles,
+            resample_below: benchmark.resample_below,
+            defensive: benchmark.defensive,
+            seed: plan.seed,
+            ..FilterOptions::default()
+        },
+        particles: profile.equal_time.clone(),
+        sequences: profile.sequences,
+        steps: profile.times,
+        reference_particles: profile.reference_particles,
+        reference_filters: profile.reference_filters,
+        timed_threads: 1,
+    })
+}
+
+fn write(plan: &BenchmarkPlan, name: &str, text: &str) -> Result<(), BenchmarkError> {
+    let path = plan.folder.join(name);
+    durable::write(&path, &[text.as_bytes()]).map_err(|source| BenchmarkError::File { path, source })
+}
+
+/// A line now and then with how much is left.
+struct Lines {
+    name: String,
+    start: Instant,
+    last: Instant,
+}
+
+impl Lines {
+    const EVERY: Duration = Duration::from_secs(30);
+
+    fn new(name: String) -> Self {
+        Lines { name, start: Instant::now(), last: Instant::now() }
+    }
+
+    fn done(&mut self, done: usize, total: usize) {
+        if self.last.elapsed() < Lines::EVERY || done == 0 {
+            return;
+        }
+        self.last = Instant::now();
+        let seconds = self.start.elapsed().as_secs_f64();
+        status(&format!("{}: {done} of {total} filters in {seconds:.0} s", self.name));
+    }
+}
