@@ -64,7 +64,8 @@ impl Estimator {
                 let unit = UnitConfig::at(plan, point);
                 let once = unit.as_ref().and_then(UnitConfig::learned_once);
                 let is_first = once.is_some_and(|(key, _)| learned.insert(key));
-                filters + unit.filter(|_| is_first).map_or(0.0, |unit| self.learning(unit, threads, interrupt))
+                filters
+                    + unit.filter(|_| is_first).map_or(0.0, |unit| self.learning(unit, threads, interrupt))
             })
             .collect()
     }
@@ -78,9 +79,9 @@ impl Estimator {
         if let Some(&known) = self.known.borrow().get(&key) {
             return known;
         }
-        let seconds = self.evaluated(&unit, threads, interrupt).map_or(0.0, |timings| {
-            of(&timings, "train_seconds") * (steps as f64 / ONCE_STEPS as f64)
-        });
+        let seconds = self
+            .evaluated(&unit, threads, interrupt)
+            .map_or(0.0, |timings| of(&timings, "train_seconds") * (steps as f64 / ONCE_STEPS as f64));
         self.known.borrow_mut().insert(key, seconds);
         seconds
     }

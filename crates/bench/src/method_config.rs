@@ -66,7 +66,8 @@ impl MethodConfig {
     /// The method of a plan's units, as the plan's files and profile set it; `None` if they do not say what it needs.
     pub(crate) fn of(method: Method, plan: &Plan, densities: Densities) -> Option<MethodConfig> {
         if let Some(learning) = plan.experiment.learning.as_ref().filter(|_| method.is_learned()) {
-            return LearnedOnce::of(method, plan, learning, densities).map(|once| MethodConfig::Once(Box::new(once)));
+            return LearnedOnce::of(method, plan, learning, densities)
+                .map(|once| MethodConfig::Once(Box::new(once)));
         }
         let (settings, sizes) = (&plan.experiment.proposals, &plan.profile.sizes);
         Some(match method {

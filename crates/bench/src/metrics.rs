@@ -33,22 +33,22 @@ pub(crate) fn metrics(problem: &Problem, references: &References, recorded: &Rec
     found
 }
 
-/// The metrics of filters some of which may have lost all weight: the effective sample size of those counts as 0, and all else is that of the others.
+/// The metrics of `filters` filters of which only these did not lose all weight: the effective sample size of the others counts as 0.
 pub(crate) fn metrics_of_survivors(
     problem: &Problem,
     references: &References,
-    recorded: &Recorded,
+    survivors: &Recorded,
+    filters: usize,
 ) -> Vec<Metric> {
-    let survivors = recorded.survivors(problem.truth().width());
-    let share = survivors.filters as f64 / recorded.filters as f64;
+    let share = survivors.filters as f64 / filters as f64;
     let mut found = match survivors.filters {
         0 => vec![Metric::new("ess", 0.0)],
-        _ => metrics(problem, references, &survivors),
+        _ => metrics(problem, references, survivors),
     };
     for metric in found.iter_mut().filter(|metric| metric.name == "ess") {
         metric.value *= share;
     }
-    found.push(Metric::new("lost_runs", (recorded.filters - survivors.filters) as f64));
+    found.push(Metric::new("lost_runs", (filters - survivors.filters) as f64));
     found
 }
 
@@ -122,7 +122,7 @@ impl Recorded {
     }
 
     /// What the filters said that did not lose all weight: whose estimate of the evidence is not 0.
-    fn survivors(&self, width: usize) -> Recorded {
+    pub(crate) fn survivors(&self, width: usize) -> Recorded {
         let survives = |filter: &usize| self.log_evidence[*filter] > f64::NEG_INFINITY;
         let filters: Vec<usize> = (0..self.filters).filter(survives).collect();
         let horizon = self.effective_sample_sizes.len() / self.filters;

@@ -49,8 +49,9 @@ impl ReferenceCache {
         interrupt: &Interrupt,
     ) -> Result<References, UnitError> {
         let Some(particles) = unit.reference_particles else { return Ok(References::default()) };
-        let key = serde_json::to_string(&(unit.seed, unit.repetition, &unit.system, particles))
-            .expect("a configuration has only string keys");
+        let key =
+            serde_json::to_string(&(unit.seed, unit.held_out, unit.repetition, &unit.system, particles))
+                .expect("a configuration has only string keys");
         let slot =
             self.known.lock().unwrap_or_else(PoisonError::into_inner).entry(key.clone()).or_default().clone();
         let found = slot.get_or_init(|| find(unit, problem, particles, interrupt)).clone();

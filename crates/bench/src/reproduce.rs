@@ -168,9 +168,7 @@ fn run_missing(
     status(&format!("estimated time {}", duration(total / plan.jobs.min(units.len()) as f64)));
     let here = Provenance::here();
     let checkpoints = Checkpoints { folder: checkpoint::folder(store.folder()), provenance: here.clone() };
-    let evaluator = Evaluator::new(models)
-        .with_checkpoints(checkpoints)
-        .keeping(plan.learned.clone());
+    let evaluator = Evaluator::new(models).with_checkpoints(checkpoints).keeping(plan.learned.clone());
     let mut progress = Progress::start(units.len(), total);
     let name = |point: &Point| {
         format!("{} x = {} {} repetition {}", point.panel, point.x, point.method.name(), point.repetition)

@@ -39,7 +39,9 @@ mod smoothing;
 mod threads;
 
 pub use checking::{Checked, check};
-pub use comparing::{Card, CompareOptions, Comparison, EqualTime, Figure, Paired, Point, Reached, Sequence, compare};
+pub use comparing::{
+    Card, CompareOptions, Comparison, EqualTime, Figure, Paired, Point, Reached, Sequence, compare,
+};
 pub use data::{Columns, Data, DataError, Place, Row, Rows};
 pub use engine::Running;
 pub use error::MotesError;

@@ -1,7 +1,7 @@
 //! What a bank that failed still shows: the particles that the failed step started from.
 
-use motes_models::equations::{Coordinates, Equations, Scalar, normal};
-use motes_models::{Seed, StateSpaceModel};
+use motes_models::equations::{Coordinates, Equations, Scalar, normal, uniform};
+use motes_models::{Seed, StateSpaceModel, simulate};
 use motes_smc::{
     Bootstrap, Context, FilterBank, FilterError, FilterSettings, Proposal, ProposalError, ResampleWhen,
     Transition,
@@ -100,4 +100,56 @@ fn a_proposal_that_cannot_be_prepared_leaves_them_where_they_were() {
     // The states of the step before that would be found if a failed preparation left them where they are.
     (0..2).for_each(|filter| assert_eq!(bank.previous_particles(filter), Some(before[filter].as_slice())));
     assert!(bank.ancestors().iter().copied().eq(0..40), "nothing was resampled");
+}
+
+/// A state in an interval that moves, seen with noise of which no more than a bound is possible: with few particles often none explains what is measured.
+struct Bounded;
+
+impl Equations for Bounded {
+    fn dimensions(&self) -> [usize; 2] {
+        [1, 1]
+    }
+
+    fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
+        state.push(uniform(-2.0, 2.0));
+    }
+
+    fn transition<S: Scalar>(&self, _: usize, x: &[S], state: &mut impl Coordinates<S>) {
+        state.push(uniform(x[0] * 0.9 - 1.0, x[0] * 0.9 + 1.0));
+    }
+
+    fn measurement<S: Scalar>(&self, _: usize, x: &[S], y: &mut impl Coordinates<S>) {
+        y.push(uniform(x[0] - 0.3, x[0] + 0.3));
+    }
+}
+
+#[test]
+fn filters_that_collapse_have_no_evidence_and_leave_the_others_what_they_would_be_alone() {
+    let data = simulate(&Bounded, 6, &mut Seed::from_u64(2).stream()).unwrap().measurements;
+    let (seed, filters) = (Seed::from_u64(9), 60);
+    for particles in [8, 3000] {
+        let settings = FilterSettings::new(particles);
+        let filters = if particles > 1024 { 3 } else { filters };
+        let mut bank =
+            FilterBank::new(&Bounded, Bootstrap, settings, filters, &seed).unwrap().keeping_collapsed();
+        bank.run(&data, |_| ()).unwrap();
+        let mut collapsed = 0;
+        for filter in 0..filters {
+            let stream = seed.nth(filter as u64).stream();
+            let mut alone = FilterBank::with_streams(&Bounded, Bootstrap, settings, vec![stream]).unwrap();
+            match alone.run(&data, |_| ()) {
+                Ok(()) => {
+                    assert_eq!(alone.log_evidence(0).to_bits(), bank.log_evidence(filter).to_bits());
+                    assert_eq!(alone.particles(0), bank.particles(filter));
+                }
+                Err(FilterError::Collapse { .. }) => {
+                    collapsed += 1;
+                    assert_eq!(bank.log_evidence(filter), f64::NEG_INFINITY);
+                }
+                Err(error) => panic!("{error}"),
+            }
+        }
+        assert_eq!((5..55).contains(&collapsed), particles == 8, "{collapsed}");
+        assert!(bank.diagnosis().effective_sample_size > 0.0);
+    }
 }

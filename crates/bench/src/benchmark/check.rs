@@ -1,7 +1,9 @@
 //! The names and numbers of a benchmark's file: each in its range, or named.
 
 use motes::ProposalName;
+use motes::train::LearnObjective;
 use motes_cli::one_of;
+use motes_proposals::HeadConfig;
 
 use super::file::{Benchmark, BenchmarkProfile};
 use crate::config::{Checks, ConfigError};
@@ -13,7 +15,12 @@ pub(super) fn check(file: &str, benchmark: &Benchmark) -> Result<(), ConfigError
     let checks = Checks { file };
     let share = |value: f64| value > 0.0 && value <= 1.0;
     let Benchmark { resample_below, defensive, designed, learned, recorded, outside, .. } = benchmark;
-    checks.that(share(*resample_below), "resample_below", resample_below, "it must be above 0 and at most 1")?;
+    checks.that(
+        share(*resample_below),
+        "resample_below",
+        resample_below,
+        "it must be above 0 and at most 1",
+    )?;
     if let Some(defensive) = defensive {
         let fine = (0.0..1.0).contains(defensive);
         checks.that(fine, "defensive", defensive, "it must be at least 0 and below 1")?;
@@ -29,12 +36,29 @@ pub(super) fn check(file: &str, benchmark: &Benchmark) -> Result<(), ConfigError
         let key = format!("learned.{}", method.name);
         let plain = |letter: char| letter.is_ascii_alphanumeric() || letter == '-';
         let fine = !method.name.is_empty() && method.name.chars().all(plain);
-        checks.that(fine, "learned.name", &method.name, "it must be letters, digits and hyphens: a folder is called so")?;
+        checks.that(
+            fine,
+            "learned.name",
+            &method.name,
+            "it must be letters, digits and hyphens: a folder is called so",
+        )?;
         if let Some(from) = &method.from {
             let earlier = || learned[..at].iter().map(|earlier| earlier.name.as_str());
             let fine = earlier().any(|earlier| earlier == from);
             checks.that(fine, &format!("{key}.from"), from, &one_of(from, earlier()))?;
         }
+        for (what, value) in [("dropout", method.dropout), ("weight_penalty", method.weight_penalty)] {
+            let below = if what == "dropout" { 1.0 } else { f64::INFINITY };
+            let expected = "it must be at least 0, and a dropout below 1";
+            checks.that((0.0..below).contains(&value), &format!("{key}.{what}"), value, expected)?;
+        }
+        if let Some(Err(error)) = method.head.map(|head| head.head(2)) {
+            checks.that(false, &format!("{key}.head"), format!("{:?}", method.head), &error.to_string())?;
+        }
+        let is_mixture = matches!(method.head, Some(HeadConfig::Mixture { .. }));
+        let fine = method.objective != LearnObjective::Fivo || !is_mixture;
+        let expected = "draws of a mixture have no derivatives: take a gaussian, a kernel or a flow";
+        checks.that(fine, &format!("{key}.head"), "a mixture", expected)?;
         let fine = !method.objective.needs_recorded() || recorded.is_some();
         let expected = "it learns from recorded sequences: the file needs [recorded]";
         checks.that(fine, &format!("{key}.objective"), method.objective, expected)?;

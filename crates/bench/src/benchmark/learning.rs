@@ -28,9 +28,11 @@ pub(super) fn proposals(
         let own = plan.model(&method.set)?;
         if LearnedProposal::load(&folder, &own).is_err() {
             status(&format!("{}: learning {}", plan.name, method.name));
-            let start = methods.iter().zip(&all).find(|(earlier, _)| method.from.as_ref() == Some(&earlier.name));
+            let start =
+                methods.iter().zip(&all).find(|(earlier, _)| method.from.as_ref() == Some(&earlier.name));
             let data = if method.objective.needs_recorded() { recorded } else { None };
-            learned(plan, method, &own, data, start.map(|(_, proposal)| proposal), interrupt)?.save(&folder, &own)?;
+            learned(plan, method, &own, data, start.map(|(_, proposal)| proposal), interrupt)?
+                .save(&folder, &own)?;
         }
         // One that was learned with other parameters is for other filters than those that it now serves.
         all.push(match method.set.is_empty() {

@@ -18,6 +18,7 @@ pub(super) fn figure(card: &Card, key: &str) -> Option<Figure> {
 /// A table of a figure: what others report, and then each proposal of the card. Nothing where others report nothing.
 pub(super) fn table(outside: &[Outside], comparison: &Comparison) -> String {
     let mut keys: Vec<&str> = outside.iter().map(|found| found.figure.as_str()).collect();
+    keys.sort_unstable();
     keys.dedup();
     let mut text = String::new();
     for key in keys {

@@ -27,17 +27,26 @@ pub(super) fn parts(plan: &BenchmarkPlan, model: &Model) -> Result<Option<Parts>
     let drawn_from = plan.model(&recorded.set)?;
     let draw = |sequences: usize, seed: u64| {
         let seed = plan.seed.wrapping_add(seed);
-        let drawn = simulate(&drawn_from, plan.profile.times, sequences, seed, |_| ControlFlow::Continue(()))?;
+        let drawn =
+            simulate(&drawn_from, plan.profile.times, sequences, seed, |_| ControlFlow::Continue(()))?;
         // States are columns that nobody reads.
-        Ok::<Data, MotesError>(Data::read(simulated_table(&drawn_from, &drawn).as_bytes(), "simulated", model)?)
+        Ok::<Data, MotesError>(Data::read(
+            simulated_table(&drawn_from, &drawn).as_bytes(),
+            "simulated",
+            model,
+        )?)
     };
     let [earlier, later] = DRAWN;
-    Ok(Some(Parts { earlier: draw(recorded.sequences, earlier)?, later: draw(plan.profile.sequences, later)? }))
+    Ok(Some(Parts {
+        earlier: draw(recorded.sequences, earlier)?,
+        later: draw(plan.profile.sequences, later)?,
+    }))
 }
 
 /// The first and the second half of each series, each beginning anew.
 fn halves(data: &Data) -> Parts {
-    let (mut earlier, mut later) = (Data { rows: Vec::new(), ..data.clone() }, Data { rows: Vec::new(), ..data.clone() });
+    let (mut earlier, mut later) =
+        (Data { rows: Vec::new(), ..data.clone() }, Data { rows: Vec::new(), ..data.clone() });
     for series in data.by_series() {
         let half = series.len() / 2;
         for (place, at) in series.into_iter().enumerate() {

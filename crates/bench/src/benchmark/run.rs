@@ -4,13 +4,12 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use motes::output::{card_json, error_figure};
-use motes::{
-    CompareOptions, FilterOptions, LearnedProposal, MotesError, ProposalName, compare, on_threads,
-};
+use motes::{CompareOptions, FilterOptions, LearnedProposal, MotesError, ProposalName, compare, on_threads};
 use motes_cli::{Interrupt, result, status};
 use serde_json::{Value, json};
 use thiserror::Error;
 
+use super::file::{Benchmark, BenchmarkProfile};
 use super::plan::BenchmarkPlan;
 use super::recorded::{Parts, parts};
 use super::{learning, tables};
@@ -77,7 +76,8 @@ pub fn run_benchmark(plan: &BenchmarkPlan, interrupt: &Interrupt) -> Result<(), 
     status(&plan.to_string());
     let card = plan.folder.join(CARD);
     let key = key(plan);
-    let written = std::fs::read_to_string(&card).ok().and_then(|text| serde_json::from_str::<Value>(&text).ok());
+    let written =
+        std::fs::read_to_string(&card).ok().and_then(|text| serde_json::from_str::<Value>(&text).ok());
     if !plan.fresh && written.is_some_and(|written| written["key"] == key.as_str()) {
         result(&format!("{} was run before; --fresh runs it again", card.display()));
         return Ok(());
@@ -87,7 +87,7 @@ pub fn run_benchmark(plan: &BenchmarkPlan, interrupt: &Interrupt) -> Result<(), 
     let recorded = parts(plan, &model).map_err(failed)?;
     let earlier = recorded.as_ref().map(|parts| &parts.earlier);
     let work = || -> Result<_, MotesError> {
-        let learned = learning::proposals(plan, &key, &model, earlier, interrupt)?;
+        let learned = learning::proposals(plan, &learning_key(plan), &model, earlier, interrupt)?;
         let options = options(plan, &learned)?;
         let later = recorded.as_ref().map(|Parts { later, .. }| later);
         let mut progress = Lines::new(plan.name.clone());
@@ -118,7 +118,8 @@ pub fn run_benchmark(plan: &BenchmarkPlan, interrupt: &Interrupt) -> Result<(), 
     write(plan, "table.md", &table)?;
     if !comparison.equal_time.points.is_empty() {
         let figure = error_figure(&comparison.equal_time);
-        let figure = figure.map_err(|error| BenchmarkError::Figure { name: plan.name.clone(), reason: error.to_string() })?;
+        let figure = figure
+            .map_err(|error| BenchmarkError::Figure { name: plan.name.clone(), reason: error.to_string() })?;
         write(plan, "figure.svg", &figure)?;
     }
     // Last: what it says is finished is.
@@ -129,19 +130,31 @@ pub fn run_benchmark(plan: &BenchmarkPlan, interrupt: &Interrupt) -> Result<(), 
     Ok(())
 }
 
-/// A hash of all that the result depends on but for the machine.
+/// A hash of all that the result depends on but for the machine, and of what is printed with it.
 fn key(plan: &BenchmarkPlan) -> String {
-    let model = std::fs::read_to_string(plan.home.join(&plan.benchmark.model)).unwrap_or_default();
-    let data = plan.benchmark.recorded.as_ref().and_then(|recorded| recorded.data.as_ref());
-    let data = data.and_then(|file| std::fs::read_to_string(plan.home.join(file)).ok());
-    let benchmark = super::file::Benchmark { profiles: Default::default(), outside: Vec::new(), ..plan.benchmark.clone() };
-    let all = serde_json::to_string(&(FORMAT, plan.seed, &benchmark, &plan.profile, model, data)).unwrap_or_default();
-    blake3::hash(all.as_bytes()).to_hex()[..32].to_string()
+    // The file of the other profiles is no part of it.
+    let benchmark = Benchmark { profiles: std::collections::BTreeMap::new(), ..plan.benchmark.clone() };
+    hash(&(learning_key(plan), benchmark, &plan.profile))
+}
+
+/// A hash of all that learned proposals depend on.
+fn learning_key(plan: &BenchmarkPlan) -> String {
+    let Benchmark { set, learned, recorded, model, .. } = &plan.benchmark;
+    let text = |file: &std::path::Path| std::fs::read_to_string(plan.home.join(file)).unwrap_or_default();
+    let data = recorded.as_ref().and_then(|recorded| recorded.data.as_deref()).map(text);
+    let BenchmarkProfile { updates, further_updates, times, .. } = plan.profile;
+    hash(&(FORMAT, plan.seed, set, learned, recorded, text(model), data, [updates, further_updates, times]))
+}
+
+fn hash(of: &impl serde::Serialize) -> String {
+    let json = serde_json::to_string(of).expect("a configuration has only string keys");
+    blake3::hash(json.as_bytes()).to_hex()[..32].to_string()
 }
 
 fn options(plan: &BenchmarkPlan, learned: &[LearnedProposal]) -> Result<CompareOptions, MotesError> {
     let (benchmark, profile) = (&plan.benchmark, &plan.profile);
-    let named = benchmark.designed.iter().map(|name| name.parse::<ProposalName>().map_err(MotesError::Setting));
+    let named =
+        benchmark.designed.iter().map(|name| name.parse::<ProposalName>().map_err(MotesError::Setting));
     let mut proposals: Vec<ProposalName> = named.collect::<Result<_, _>>()?;
     proposals.extend(learned.iter().cloned().map(ProposalName::Learned));
     Ok(CompareOptions {

@@ -15,7 +15,13 @@ pub(super) fn table(plan: &BenchmarkPlan, learned: &[LearnedProposal], compariso
     }
     for proposal in learned {
         let notes = proposal.notes();
-        text += &format!("| {} | {} | {:.1} | {} |\n", proposal.name(), notes.updates, notes.seconds, notes.choice);
+        text += &format!(
+            "| {} | {} | {:.1} | {} |\n",
+            proposal.name(),
+            notes.updates,
+            notes.seconds,
+            notes.choice
+        );
     }
     text + &outside::table(&plan.benchmark.outside, comparison)
 }

@@ -160,13 +160,15 @@ mod tests {
         let unit = fcnn_unit(6, 4, 5);
         let MethodConfig::Fcnn(fcnn) = &unit.method else { panic!("not an fcnn") };
         let weights = |problem: &Problem| {
-            let (references, interrupt) = (References::default(), Interrupt::default());
+            let (references, interrupt, kept) =
+                (References::default(), Interrupt::default(), Kept::default());
             let run = Run {
                 unit: &unit,
                 problem,
                 references: &references,
                 models: None,
                 checkpoints: None,
+                kept: &kept,
                 interrupt: &interrupt,
             };
             let config = train_config(&fcnn.training, unit.filter.particles, fcnn.steps);

@@ -8,7 +8,8 @@ use std::time::Instant;
 
 use motes_models::{Seed, SimulatedMeasurements, Simulations};
 use motes_proposals::{
-    Amortised, Backend, Family, Frames, Learnable, Origin, Standardised, StandardisedConfig, load, notes, save,
+    Amortised, Backend, Family, Frames, Learnable, Origin, Standardised, StandardisedConfig, load, notes,
+    save,
 };
 use motes_train::{AdamConfig, LearnConfig, TrainConfig, TrainingData, learn, train};
 use serde::{Deserialize, Serialize};

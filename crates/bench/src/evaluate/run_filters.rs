@@ -78,9 +78,15 @@ impl Run<'_> {
 
     fn found(self, recorded: &Recorded, start: Instant) -> Evaluation {
         let timings = vec![Metric::new("filter_seconds", start.elapsed().as_secs_f64())];
-        let of = if self.unit.held_out { metrics_of_survivors } else { metrics };
-        let metrics = of(self.problem, self.references, recorded);
-        Evaluation { metrics, timings, series: series(self.unit, self.problem, recorded), earlier: vec![] }
+        let Run { unit, problem, references, .. } = self;
+        let (metrics, series) = if unit.held_out {
+            let survivors = recorded.survivors(unit.system.dimension());
+            let metrics = metrics_of_survivors(problem, references, &survivors, recorded.filters);
+            (metrics, if survivors.filters > 0 { series(unit, problem, &survivors) } else { None })
+        } else {
+            (metrics(problem, references, recorded), series(unit, problem, recorded))
+        };
+        Evaluation { metrics, timings, series, earlier: vec![] }
     }
 }
 

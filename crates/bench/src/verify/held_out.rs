@@ -88,9 +88,16 @@ fn judge(name: &'static str, figure: &Figure) -> Vec<Expectation> {
     panels.iter().filter_map(of).collect()
 }
 
-/// The mean over repetitions.
+/// The mean over repetitions; infinite if one of them failed.
 fn average(figure: &Figure, method: Method, place: &Place, metric: &str) -> Option<f64> {
     Some(mean(&figure.at(method, place, metric)?.values().copied().collect::<Vec<f64>>()))
+}
+
+/// The mean effective sample size over repetitions, of which one that failed has none.
+fn size(figure: &Figure, method: Method, place: &Place) -> Option<f64> {
+    let values = figure.at(method, place, "ess")?.values();
+    let sizes = values.map(|value| if value.is_finite() { *value } else { 0.0 });
+    Some(mean(&sizes.collect::<Vec<f64>>()))
 }
 
 type Judged = Option<(Verdict, String)>;
@@ -98,7 +105,7 @@ type Judged = Option<(Verdict, String)>;
 fn near_optimum(figure: &Figure, places: &[&Place]) -> Judged {
     let mut worst = (f64::INFINITY, 0);
     for place in places {
-        let share = average(figure, Fcnn, place, "ess")? / average(figure, MinDegeneracy, place, "ess")?;
+        let share = size(figure, Fcnn, place)? / size(figure, MinDegeneracy, place)?;
         if share < worst.0 {
             worst = (share, place.x);
         }
@@ -110,11 +117,14 @@ fn near_optimum(figure: &Figure, places: &[&Place]) -> Judged {
 fn above_designed(figure: &Figure, places: &[&Place]) -> Judged {
     let mut all = Vec::new();
     for place in places {
-        let size = |method| average(figure, method, place, "ess");
+        let size = |method| size(figure, method, place);
         let designed = size(MinDegeneracy)?.max(size(Bootstrap)?);
         let of_families = LEARNED.into_iter().filter_map(|method| Some((method, size(method)?)));
         let (best, most) = of_families.max_by(|a, b| a.1.total_cmp(&b.1))?;
-        all.push((most > designed, format!("x = {}: {} {most:.2}, designed {designed:.2}", place.x, best.name())));
+        all.push((
+            most > designed,
+            format!("x = {}: {} {most:.2}, designed {designed:.2}", place.x, best.name()),
+        ));
     }
     let holds = !all.is_empty() && all.iter().all(|(above, _)| *above);
     Some((Verdict::of(holds), all.into_iter().map(|(_, text)| text).collect::<Vec<_>>().join("; ")))
@@ -181,6 +191,14 @@ mod tests {
         assert_eq!(verdict("heldout-fig6", &figure("N50-exact", &["ess"], of)), Verdict::NotReproduced);
         // With the paper's densities nothing is expected.
         assert!(judge("heldout-fig6", &figure("N50", &["ess"], |_, _| 1.0)).is_empty());
+    }
+
+    #[test]
+    fn what_failed_has_no_effective_particles() {
+        // Both fail: one that no other is above, and one that would else be far above.
+        let of = |method, _| if method == Fcnn || method == Rnn { f64::INFINITY } else { 1.0 };
+        assert_eq!(verdict("heldout-fig1", &figure("N10", &["ess"], of)), Verdict::NotReproduced);
+        assert_eq!(verdict("heldout-fig6", &figure("N10-exact", &["ess"], of)), Verdict::NotReproduced);
     }
 
     #[test]

@@ -1,9 +1,9 @@
 //! An epidemic as what linearised and learned proposals ask of it.
 
 use super::{Epidemic, MEASURED};
+use crate::Noise;
 use crate::equations::{Coordinates, Lanes, Linearise, TileStates, moments_of_states, rows_of};
 use crate::linear_measurements::tile_scores;
-use crate::Noise;
 
 impl TileStates for Epidemic {
     fn is_affine(&self) -> bool {

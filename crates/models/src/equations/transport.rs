@@ -6,9 +6,9 @@ use super::scalar::Scalar;
 use super::statement::Coordinates;
 use super::tile_states::TileStates;
 use super::tiles::rows_of_mut;
+use crate::StateSpaceModel;
 use crate::batch::LANES;
 use crate::gaussian::LN_2PI;
-use crate::StateSpaceModel;
 
 /// A model whose transition is a transport of standard normal noise: `x_t = T(x_{t−1}, v_t)`, coordinate by coordinate and growing with `v_t`.
 ///

@@ -3,9 +3,7 @@
 use super::batches::drifted;
 use super::system::GraphDiffusion;
 use crate::batch::with_scratch;
-use crate::equations::{
-    Coordinates, Lanes, Linearise, TileStates, moments_of_states, rows_of,
-};
+use crate::equations::{Coordinates, Lanes, Linearise, TileStates, moments_of_states, rows_of};
 use crate::linear_measurements::tile_scores;
 use crate::{Noise, StateSpaceModel};
 

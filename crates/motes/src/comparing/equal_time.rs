@@ -96,9 +96,11 @@ impl EqualTime {
                 (_, None) => Reached::Not,
                 (None, Some(point)) => Reached::AtMost { ms: point.ms_per_step, particles: point.particles },
                 (Some(before), Some(after)) => {
-                    // From one that collapsed nothing can be drawn a line from.
+                    // No line can be drawn from a point that collapsed.
                     let share = match (before.error, after.error) {
-                        (Some(a), Some(b)) if a > b => ((a / error).ln() / (a / b).ln()).clamp(0.0, 1.0),
+                        (Some(a), Some(b)) if a > b => {
+                            ((a / error).ln() / (a / b.max(1e-300)).ln()).clamp(0.0, 1.0)
+                        }
                         _ => 1.0,
                     };
                     let between = |a: f64, b: f64| (a.ln() + share * (b / a).ln()).exp();
@@ -222,10 +224,15 @@ mod tests {
         };
         // Half way in logarithms.
         assert!((particles / 316.2 - 1.0).abs() < 1e-3 && (ms / 3.162 - 1.0).abs() < 1e-3);
-        assert_eq!(reached([Some(0.5), Some(0.4), Some(0.3), Some(0.2)]), Reached::AtMost { ms: 0.1, particles: 10 });
+        assert_eq!(
+            reached([Some(0.5), Some(0.4), Some(0.3), Some(0.2)]),
+            Reached::AtMost { ms: 0.1, particles: 10 }
+        );
         assert_eq!(reached([Some(9.0), Some(0.9), Some(2.0), Some(1.1)]), Reached::Not);
         // Luck with few particles is not enough, and a collapse is no error of 1.
-        let Reached::At { particles, .. } = reached([Some(0.9), None, Some(0.5), Some(0.1)]) else { panic!() };
+        let Reached::At { particles, .. } = reached([Some(0.9), None, Some(0.5), Some(0.1)]) else {
+            panic!()
+        };
         assert!((particles - 1000.0).abs() < 1e-6);
     }
 }

@@ -61,7 +61,8 @@ pub(super) fn reference(
     };
     let mut candidates = vec![ProposalName::Linearised, ProposalName::Bootstrap];
     if options.reference_filters > 1 {
-        let learned = options.proposals.iter().filter(|proposal| matches!(proposal, ProposalName::Learned(_)));
+        let learned =
+            options.proposals.iter().filter(|proposal| matches!(proposal, ProposalName::Learned(_)));
         candidates.extend(learned.cloned());
     }
     let (mut best, mut failure) = (None::<(ProposalName, Answers, f64)>, None);
@@ -80,14 +81,26 @@ pub(super) fn reference(
         return Err(failure.unwrap_or(MotesError::Interrupted));
     };
     let particles = options.reference_particles;
-    let rest = format!("whichever has most evidence, with {DEFENSIVE} of their particles from the transition");
+    let rest =
+        format!("whichever has most evidence, with {DEFENSIVE} of their particles from the transition");
     if options.reference_filters <= 1 {
         let name = format!("bootstrap or linearised with {particles} particles, {rest}");
         return Ok(Reference { name, means: first.0, increments: first.1, error: None });
     }
-    let mut all = vec![first];
-    for filter_number in 1..options.reference_filters as u64 {
-        all.push(run(&proposal, filter_number)?);
+    // Not the one that was chosen by: the most of several is too much.
+    let mut all = Vec::new();
+    for filter_number in 1..=options.reference_filters as u64 {
+        match run(&proposal, filter_number) {
+            Ok(found) => all.push(found),
+            // A filter that collapses has estimated an evidence of 0.
+            Err(MotesError::Filter { .. }) => {
+                all.push((first.0.clone(), vec![f64::NEG_INFINITY; first.1.len()]));
+            }
+            Err(error) => return Err(error),
+        }
+    }
+    if all.iter().all(|(_, increments)| increments.contains(&f64::NEG_INFINITY)) {
+        all.push(first);
     }
     let name = format!(
         "the mean of {} filters with {particles} particles: bootstrap, linearised or learned, {rest}",

@@ -1,11 +1,11 @@
 //! The derivative of a filter's log-evidence along the draws of an amortised proposal.
 
 use motes_models::batch::{LANES, load, store};
-use motes_networks::{Inputs, NetworkTape, Workspace};
+use motes_networks::{NetworkTape, Workspace};
 use motes_smc::ProposalError;
 
 use super::draws::DrawnStage;
-use super::inclusive::Times;
+use super::inclusive::{Times, inputs_of};
 use super::proposal::Amortised;
 use super::units::{flat, flat_mut, lanes};
 use crate::settings::of_networks;
@@ -38,13 +38,7 @@ impl Amortised {
         let of_all = self.theta(times.time());
         let (emitted, mut slopes) = (of_all.emitted, of_all.no_slopes());
         let mut theta = vec![0.0; count * emitted];
-        let inputs = Inputs {
-            time: times.time(),
-            width: rows.width,
-            previous: Some(&rows.inputs),
-            measurement: &[],
-            particles: count,
-        };
+        let inputs = inputs_of(times, rows.width, &rows.inputs);
         tape.forward(&inputs, &mut [&mut theta]).map_err(of_networks)?;
         let mut memory = vec![0.0; (3 * n + 2 * outputs + self.head.scratch()) * LANES];
         let (units, rest) = lanes(&mut memory).split_at_mut(n);

@@ -21,7 +21,7 @@ impl Amortised {
     /// [`ProposalError`] if the networks cannot be asked.
     pub fn gain(&self, stage: Times, rows: &Stage, share: f64) -> Result<f64, ProposalError> {
         let mut theta = vec![0.0; rows.len() * self.emitted()];
-        let inputs = inputs_of(stage, rows);
+        let inputs = inputs_of(stage, rows.width, &rows.inputs);
         let run =
             Inference::default().run(&self.networks, &self.parameters, &inputs, &mut [], &mut [&mut theta]);
         run.map_err(of_networks)?;
@@ -43,7 +43,7 @@ impl Amortised {
         let mut tape =
             NetworkTape::new(&self.networks, &self.parameters, rows.len(), workspace).map_err(of_networks)?;
         let mut theta = vec![0.0; rows.len() * self.emitted()];
-        tape.forward(&inputs_of(stage, rows), &mut [&mut theta]).map_err(of_networks)?;
+        tape.forward(&inputs_of(stage, rows.width, &rows.inputs), &mut [&mut theta]).map_err(of_networks)?;
         let of_all = self.theta(stage.time());
         let mut slopes = of_all.no_slopes();
         let gain = self.over_tiles(rows, &of_all, &mut theta, share, Some(&mut slopes));
@@ -115,12 +115,13 @@ impl Times {
     }
 }
 
-fn inputs_of(times: Times, rows: &Stage) -> Inputs<'_> {
+/// What the network of these times is asked: the inputs of `R` rows.
+pub(super) fn inputs_of(times: Times, width: usize, inputs: &[f64]) -> Inputs<'_> {
     Inputs {
         time: times.time(),
-        width: rows.width,
-        previous: Some(&rows.inputs),
+        width,
+        previous: Some(inputs),
         measurement: &[],
-        particles: rows.len(),
+        particles: inputs.len() / width.max(1),
     }
 }

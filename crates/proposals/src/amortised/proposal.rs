@@ -88,6 +88,8 @@ impl Parametric for Amortised {
     }
 
     fn parameters_mut(&mut self) -> &mut Parameters {
+        // What was prepared has some of them.
+        self.prepared = None;
         &mut self.parameters
     }
 
@@ -95,10 +97,12 @@ impl Parametric for Amortised {
         self.networks.hidden_readers()
     }
 
-    /// Those of the networks: means and scales of inputs are none.
+    /// Those of the networks: means and scales of inputs are none, nor are correlations that particles share.
     fn weight_matrices(&self) -> Vec<usize> {
         let names = self.parameters.names();
-        (0..self.first_standards()).filter(|index| !names[*index].ends_with("bias")).collect()
+        (0..self.first_standards())
+            .filter(|index| !["bias", "shared"].iter().any(|end| names[*index].ends_with(end)))
+            .collect()
     }
 
     fn horizon(&self) -> Option<usize> {

@@ -78,14 +78,19 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
 
     /// What the weights of the last step say about how far they can be trusted.
     ///
-    /// The tail index is that of `W_{t−1} p(y|x) p(x|x') / q`, of all filters together; it takes a pass over all of them.
+    /// The tail index is that of `W_{t−1} p(y|x) p(x|x') / q`, of all filters together; it takes a pass over all of them. Filters that collapsed have no
+    /// effective particles and no part in the index.
     pub fn diagnosis(&self) -> WeightDiagnosis {
-        let weights = self.weights.iter().zip(&self.outcomes).filter_map(|(weights, outcome)| {
-            // A filter that collapsed has no weights.
-            let increment = *outcome.increment.as_ref().ok()?;
-            Some(weights.log().iter().map(move |log| log + increment))
+        let is_there = |filter: usize| self.log_evidence[filter] > f64::NEG_INFINITY;
+        let weights =
+            self.weights.iter().zip(&self.outcomes).enumerate().filter_map(|(filter, (weights, outcome))| {
+                let increment = outcome.increment.as_ref().ok().filter(|_| is_there(filter))?;
+                Some(weights.log().iter().map(move |log| log + increment))
+            });
+        let sizes = self.weights.iter().enumerate().map(|(filter, weights)| match is_there(filter) {
+            true => weights.effective_sample_size(),
+            false => 0.0,
         });
-        let sizes = self.weights.iter().map(LogWeights::effective_sample_size);
         WeightDiagnosis {
             time: self.time.saturating_sub(1),
             particles: self.settings.particles,

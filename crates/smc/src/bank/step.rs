@@ -189,14 +189,19 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
                     continue;
                 }
                 // What becomes of a filter that has collapsed before is nobody's business.
-                Err(Fault::Weights(fault))
+                Err(fault)
                     if self.keeps_collapsed
-                        && (matches!(fault, WeightFault::AllZero)
-                            || self.log_evidence[filter] == f64::NEG_INFINITY) =>
+                        && (matches!(fault, Fault::Weights(WeightFault::AllZero))
+                            || (self.log_evidence[filter] == f64::NEG_INFINITY
+                                && matches!(fault, Fault::Weights(_) | Fault::State { .. }))) =>
                 {
                     self.log_evidence[filter] = f64::NEG_INFINITY;
-                    // It goes on with weights that a step can begin from.
+                    // It stays where it was, with equal weights: a state that runs away would end the steps of those that share its block.
                     self.weights[filter].reset();
+                    if step > 0 {
+                        let own = filter * k * n..(filter + 1) * k * n;
+                        self.states[own.clone()].copy_from_slice(&self.previous[own]);
+                    }
                     continue;
                 }
                 Err(fault) => fault.clone(),

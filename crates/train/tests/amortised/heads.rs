@@ -16,6 +16,9 @@ fn heads(n: usize) -> Vec<(String, Box<dyn Head>)> {
         configs.push(HeadConfig::Mixture { components: 3, covariance });
         configs.push(HeadConfig::Flow { pieces: 6, covariance });
     }
+    let covariance = Covariance::Shared;
+    configs.push(HeadConfig::Gaussian { covariance });
+    configs.push(HeadConfig::Flow { pieces: 6, covariance });
     configs.push(HeadConfig::Kernel);
     configs.into_iter().map(|config| (format!("{config:?}, N = {n}"), config.head(n).unwrap())).collect()
 }

@@ -40,8 +40,13 @@ impl Checks<'_> {
             Axis::Particles | Axis::Dimension => experiment.sizes().map(|(_, horizon)| horizon),
         };
         let longest = longest.unwrap_or_default();
-        let expected = format!("sequences that are filtered have up to {longest} times, and it must be as many");
+        let expected =
+            format!("sequences that are filtered have up to {longest} times, and it must be as many");
         self.that(learning.horizon >= longest, &key("horizon"), learning.horizon, &expected)?;
+        let regularised = [experiment.training.dropout, experiment.training.weight_penalty];
+        let expected = "what is learned once has neither dropout nor a penalty here";
+        let none = regularised.iter().all(Option::is_none);
+        self.that(none, "training", "there", expected)?;
         for method in experiment.methods.iter().filter(|method| method.is_anchored()) {
             let expected = "what is learned once is fcnn, rnn, gnn or psi";
             self.that(false, "methods", method.name(), expected)?;

@@ -4,7 +4,9 @@ mod json;
 mod tables;
 
 pub use json::card_json;
-pub(super) use tables::{ABOUT_ERRORS, Table, about, about_differences, about_reaching, differences, errors, figures};
+pub(super) use tables::{
+    ABOUT_ERRORS, Table, about, about_differences, about_reaching, differences, errors, figures,
+};
 
 use crate::comparing::Comparison;
 

@@ -6,8 +6,8 @@ mod figures;
 mod page;
 mod style;
 
-pub use error_figure::error_figure;
 pub use card::{CardReport, card_report};
+pub use error_figure::error_figure;
 
 use crate::data::Data;
 use crate::estimate::Estimate;

@@ -11,7 +11,8 @@ use super::spline::Spline;
 /// `z = s(A(u − m))` is standard normal, with `A` lower triangular and `s` a monotone spline of each coordinate:
 /// `log h = Σ_i log φ(z_i) + log s_i' + log A_ii`.
 ///
-/// `θ` has the mean and the factor of a Gaussian, and then the parameters of the spline of each coordinate.
+/// `θ` has the mean and the factor of a Gaussian, and then the parameters of the spline of each coordinate. Entries of the factor that all particles share
+/// stand last.
 #[derive(Debug, Clone, Copy)]
 pub struct FlowHead {
     normal: Normal,

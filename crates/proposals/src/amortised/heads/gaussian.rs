@@ -7,7 +7,7 @@ use super::covariance::Covariance;
 use super::head::{Head, Reparametrised};
 use super::normal::Normal;
 
-/// `h = N(m, (AᵀA)⁻¹)` with a mean and a triangular factor of the precision from the network.
+/// `h = N(m, (AᵀA)⁻¹)` with a mean and a triangular factor of the precision from the network, or with entries below the diagonal that all particles share.
 #[derive(Debug, Clone, Copy)]
 pub struct GaussianHead(Normal);
 

@@ -11,7 +11,7 @@ const LARGEST_LOG_SCALE: f64 = 6.0;
 
 /// `N(m, (AᵀA)⁻¹)`: `ε = A(u − m)` is standard normal, with `A` lower triangular.
 ///
-/// `θ` has the mean `m` (`N`), the logarithms of the diagonal of `A` (`N`), and where the covariance is full the entries of `A` below the diagonal,
+/// `θ` has the mean `m` (`N`), the logarithms of the diagonal of `A` (`N`), and unless the covariance is diagonal the entries of `A` below the diagonal,
 /// row after row.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Normal {
