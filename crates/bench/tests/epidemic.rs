@@ -169,5 +169,8 @@ fn files_that_cannot_be_run_are_refused() {
 #[test]
 fn an_unknown_figure_is_told_of_other_names_too() {
     let output = place(TABLE1).run(&["fig8"]);
-    assert_eq!(stderr(&output), "error: figure fig8: did you mean fig7? there are table1, fig7, all");
+    assert_eq!(
+        stderr(&output),
+        "error: figure fig8: did you mean fig7? there are table1, fig7, all, heldout"
+    );
 }

@@ -70,6 +70,18 @@ impl Amortised {
             .map_err(crate::settings::of_networks)
     }
 
+    /// How many numbers of `θ` the networks emit.
+    pub(super) fn emitted(&self) -> usize {
+        self.head.outputs() - self.head.shared()
+    }
+
+    /// The parameters of the head at `t = 0`, or later.
+    pub(super) fn theta(&self, time: usize) -> Theta {
+        let index = self.networks.shared(time);
+        let shared = if self.head.shared() > 0 { self.parameters.host(index) } else { Vec::new() };
+        Theta { emitted: self.emitted(), shared, index }
+    }
+
     /// The index of the first of the matrices that are no weights: means and scales of inputs.
     fn first_standards(&self) -> usize {
         self.parameters.len() - 4

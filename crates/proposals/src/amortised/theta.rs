@@ -4,7 +4,6 @@ use motes_models::batch::load;
 use motes_models::equations::Lanes;
 use motes_networks::Gradients;
 
-use super::proposal::Amortised;
 use super::units::flat_mut;
 
 /// `θ` of the particles of one time: first what the network emits, then what is the same for all.
@@ -12,23 +11,10 @@ use super::units::flat_mut;
 pub(super) struct Theta {
     /// How many numbers the network emits for a particle.
     pub(super) emitted: usize,
-    shared: Vec<f64>,
-    /// The index of the shared ones among the parameters.
-    index: usize,
-}
-
-impl Amortised {
-    /// How many numbers of `θ` the networks emit.
-    pub(super) fn emitted(&self) -> usize {
-        self.head.outputs() - self.head.shared()
-    }
-
-    /// The parameters at `t = 0`, or later.
-    pub(super) fn theta(&self, time: usize) -> Theta {
-        let index = self.networks.shared(time);
-        let shared = if self.head.shared() > 0 { self.parameters.host(index) } else { Vec::new() };
-        Theta { emitted: self.emitted(), shared, index }
-    }
+    /// Those that all particles share.
+    pub(super) shared: Vec<f64>,
+    /// Where these stand among the parameters.
+    pub(super) index: usize,
 }
 
 impl Theta {
