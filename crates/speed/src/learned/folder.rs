@@ -9,7 +9,7 @@ use motes_train::LearnConfig;
 use serde::Serialize;
 
 use super::models::{Growth, Tracking, config};
-use super::{HORIZON, ROWS};
+use super::sizes::{HORIZON, ROWS};
 use crate::error::{SpeedError, prepare};
 use crate::folder::seed;
 

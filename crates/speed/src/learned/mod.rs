@@ -4,9 +4,11 @@ mod filtering;
 mod folder;
 mod learning;
 mod models;
+mod sizes;
 
 pub(crate) use folder::write;
 pub(crate) use models::{MODELS, operations, operations_of_step};
+pub(crate) use sizes::{HORIZON, ROWS};
 
 use filtering::Filtering;
 use learning::Learning;
@@ -14,12 +16,6 @@ use models::{Growth, Tracking};
 
 use crate::task::{LearnTask, LearnedTask};
 use crate::work::Work;
-
-/// Times of a filter.
-pub(crate) const HORIZON: usize = 100;
-
-/// Rows of a gradient step, as `motes learn` takes them.
-pub(crate) const ROWS: usize = 800;
 
 /// Gets ready to filter.
 pub(crate) fn filtering(task: &LearnedTask) -> Result<Box<dyn Work>, String> {

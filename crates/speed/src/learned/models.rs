@@ -3,7 +3,7 @@
 use motes_models::equations::{Coordinates, Equations, Scalar, normal};
 use motes_proposals::{AmortisedConfig, Base, Covariance, HeadConfig, Sees};
 
-use super::HORIZON;
+use super::sizes::HORIZON;
 
 /// The names of the models.
 pub(crate) const MODELS: [&str; 2] = ["growth", "tracking"];
