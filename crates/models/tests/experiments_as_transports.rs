@@ -44,7 +44,7 @@ fn transports_the_transition(model: &impl Transport) {
         fill_standard_normal(&mut Seed::from_u64(8).stream(), &mut noise);
         let (mut states, mut log_slopes) = (noise.clone(), [0.0; LANES]);
         model.tile_from_normal(1, previous, &mut states, &mut log_slopes);
-        for at in 0..LANES {
+        for (at, log_slope) in log_slopes.iter().enumerate() {
             let state = lane(&states, at);
             let expected = match previous {
                 None => model.log_initial(&state),
@@ -52,7 +52,7 @@ fn transports_the_transition(model: &impl Transport) {
             };
             let normal: f64 =
                 lane(&noise, at).iter().map(|v| -0.5 * v * v - 0.5 * motes_models::LN_2PI).sum();
-            let found = normal - log_slopes[at];
+            let found = normal - log_slope;
             assert!((found - expected).abs() < 1e-9 * (1.0 + expected.abs()), "{found} for {expected}");
         }
         let mut back = states.clone();

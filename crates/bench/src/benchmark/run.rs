@@ -31,7 +31,7 @@ pub enum BenchmarkError {
         /// The benchmark.
         name: String,
         /// What failed.
-        source: MotesError,
+        source: Box<MotesError>,
     },
     /// A file of results cannot be read or written.
     #[error("{path}: {source}", path = path.display())]
@@ -54,7 +54,7 @@ pub enum BenchmarkError {
 impl BenchmarkError {
     /// Whether it was stopped.
     pub fn is_interrupted(&self) -> bool {
-        matches!(self, BenchmarkError::Failed { source: MotesError::Interrupted, .. })
+        matches!(self, BenchmarkError::Failed { source, .. } if matches!(**source, MotesError::Interrupted))
     }
 
     /// 3 where input or output failed, 1 for every other failure.
@@ -82,7 +82,7 @@ pub fn run_benchmark(plan: &BenchmarkPlan, interrupt: &Interrupt) -> Result<(), 
         result(&format!("{} was run before; --fresh runs it again", card.display()));
         return Ok(());
     }
-    let failed = |source| BenchmarkError::Failed { name: plan.name.clone(), source };
+    let failed = |source| BenchmarkError::Failed { name: plan.name.clone(), source: Box::new(source) };
     let model = plan.model(&Default::default()).map_err(failed)?;
     let recorded = parts(plan, &model).map_err(failed)?;
     let earlier = recorded.as_ref().map(|parts| &parts.earlier);
