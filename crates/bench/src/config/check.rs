@@ -8,9 +8,10 @@ use motes_cli::one_of;
 
 use super::args::MOST_REPETITIONS;
 use super::checks::Checks;
+use super::densities::Densities;
 use super::error::ConfigError;
 use super::method::Method;
-use super::schema::{Axis, Densities, Experiment, Gradient, Profile, System};
+use super::schema::{Axis, Experiment, Gradient, Profile, System};
 
 /// Checks every number that a run would use, for all profiles.
 pub(super) fn check(file: &str, experiment: &Experiment) -> Result<(), ConfigError> {

@@ -3,7 +3,7 @@
 use motes_proposals::{Base, HeadConfig};
 use serde::{Deserialize, Serialize};
 
-use super::schema::Densities;
+use super::densities::Densities;
 
 /// `[learning]`: each family is learned once for a system, from what the model of the filters draws for itself.
 ///

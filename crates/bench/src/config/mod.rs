@@ -3,6 +3,7 @@
 mod args;
 mod check;
 mod checks;
+mod densities;
 mod error;
 mod learning;
 mod load;
@@ -13,6 +14,7 @@ mod schema;
 
 pub use args::{ReproduceArgs, VerifyArgs};
 pub(crate) use checks::Checks;
+pub use densities::Densities;
 pub use error::ConfigError;
 pub use learning::{Elbo, Learning};
 pub(crate) use load::{figures, read_toml};
@@ -20,6 +22,5 @@ pub use method::Method;
 pub use plan::{Plan, Point, check_output, plans, whole_figure};
 pub use proposals::{Fcnn, Gnn, Proposals, Psi, Rnn, Sizes, Standardised};
 pub use schema::{
-    Axis, Densities, Epidemic, Experiment, Filter, Gradient, Panel, Profile, Reference, SeriesFigure, System,
-    Training,
+    Axis, Epidemic, Experiment, Filter, Gradient, Panel, Profile, Reference, SeriesFigure, System, Training,
 };

@@ -9,10 +9,11 @@ use serde::{Deserialize, Serialize};
 
 use super::args::ReproduceArgs;
 use super::check::check;
+use super::densities::Densities;
 use super::error::ConfigError;
 use super::load::{figures, load};
 use super::method::Method;
-use super::schema::{Axis, Densities, Experiment, Panel, Profile};
+use super::schema::{Axis, Experiment, Panel, Profile};
 
 /// One figure in one profile, restricted to what was asked for.
 #[derive(Debug, Clone)]

@@ -7,6 +7,7 @@ use motes_smc::Resampling;
 use motes_train::Objective;
 use serde::{Deserialize, Serialize};
 
+use super::densities::Densities;
 use super::learning::Learning;
 use super::method::Method;
 use super::proposals::{Proposals, Sizes};
@@ -159,16 +160,6 @@ pub struct SeriesFigure {
     pub state: String,
     /// The first and the last time of each plot.
     pub windows: Vec<[usize; 2]>,
-}
-
-/// The densities in weights and objective.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Densities {
-    /// Gaussian with the true mean and covariance, whatever the noise.
-    Gaussian,
-    /// Those of the noise family itself.
-    Exact,
 }
 
 /// The particle filter.

@@ -9,8 +9,8 @@ use motes_smc::{Bootstrap, Proposal};
 
 use super::dispatch::{Visitor, visit};
 use super::evaluation::Evaluation;
+use super::kept::{Kept, Notes};
 use super::learning::{Trained, train_config};
-use super::once::{Kept, Notes};
 use super::run::Run;
 use crate::checkpoint::Checkpoints;
 use crate::config::Training;

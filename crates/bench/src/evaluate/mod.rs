@@ -3,6 +3,7 @@
 mod dispatch;
 mod evaluation;
 mod evaluator;
+mod kept;
 mod learning;
 mod once;
 mod run;

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use motes_cli::Interrupt;
 
-use super::once::Kept;
+use super::kept::Kept;
 use crate::checkpoint::Checkpoints;
 use crate::problem::Problem;
 use crate::reference::References;

@@ -1,0 +1,81 @@
+//! Proposals that are learned once, on disk: the first unit that needs one has it learned, all others read it.
+
+use std::collections::HashMap;
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+use motes_models::ModelShape;
+use motes_proposals::{Backend, Family, load, notes, save};
+use serde::{Deserialize, Serialize};
+
+use crate::metric::Metric;
+use crate::problem::Model;
+use crate::unit_error::{UnitError, failed};
+
+/// Where proposals that are learned once are kept, and which of them are being learned.
+#[derive(Default)]
+pub(super) struct Kept {
+    /// Each in a folder of its own, named by its key; where there is none, each unit learns its own.
+    folder: Option<PathBuf>,
+    known: Mutex<HashMap<String, Slot>>,
+}
+
+/// Filled by the first that needs it, while others that need the same wait.
+type Slot = Arc<OnceLock<Result<(), UnitError>>>;
+
+/// What is written down of a proposal that was learned once.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Notes {
+    /// How long it took.
+    pub(super) seconds: f64,
+    /// How much likelier than the transition it finds states of validation sequences, in nats a step, where it learned that way.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) gain: Option<f64>,
+}
+
+impl Notes {
+    pub(super) fn metrics(&self) -> Option<Metric> {
+        self.gain.map(|gain| Metric::new("gain", gain))
+    }
+
+    pub(super) fn timings(&self) -> Metric {
+        Metric::new("train_seconds", self.seconds)
+    }
+}
+
+impl Kept {
+    pub(super) fn new(folder: PathBuf) -> Self {
+        Kept { folder: Some(folder), known: Mutex::default() }
+    }
+
+    /// The proposal of this key: read, or learned and then read, so that it is the same in either case.
+    pub(super) fn get<F: Family>(
+        &self,
+        (model, shape): (&Model, &ModelShape),
+        backend: Backend,
+        key: &str,
+        learn: impl FnOnce() -> Result<(F, Notes), UnitError>,
+    ) -> Result<(F, Notes), UnitError> {
+        let Some(folder) = &self.folder else { return learn() };
+        let folder = folder.join(key);
+        let read = || {
+            let proposal = load::<F>(&folder, model, shape, backend.into())?;
+            Ok::<_, motes_proposals::SavedError>((proposal, notes::<Notes>(&folder)?))
+        };
+        let slot =
+            self.known.lock().unwrap_or_else(PoisonError::into_inner).entry(key.into()).or_default().clone();
+        let found = slot.get_or_init(|| {
+            if read().is_ok() {
+                return Ok(());
+            }
+            let (proposal, notes) = learn()?;
+            save(&folder, &proposal, model, shape, &notes)
+                .map_err(|error| UnitError::NotKept(error.to_string()))
+        });
+        if matches!(found, Err(UnitError::Interrupted | UnitError::NotKept(_))) {
+            self.known.lock().unwrap_or_else(PoisonError::into_inner).remove(key);
+        }
+        found.clone()?;
+        read().map_err(failed)
+    }
+}
