@@ -6,11 +6,13 @@
 
 mod benchmark;
 mod checkpoint;
+mod computed_once;
 pub mod config;
 mod durable;
 mod estimate;
 mod evaluate;
 mod figure;
+mod key;
 mod learned_once;
 mod manifest;
 mod method_config;

@@ -1,12 +1,11 @@
 //! Posterior means to hold estimates against where no formula gives them: two independent filters with very many particles.
 
-use std::collections::HashMap;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
-
 use motes_cli::Interrupt;
 use motes_models::Seed;
 use motes_smc::{Bootstrap, FilterError, FilterSettings, MinDegeneracy, ParticleFilter, Proposal};
 
+use crate::computed_once::ComputedOnce;
+use crate::key::key_of;
 use crate::problem::{Model, Problem};
 use crate::statistics::{squared_error, squared_norm};
 use crate::unit::UnitConfig;
@@ -34,11 +33,8 @@ pub(crate) struct References {
 /// The references of each system that this process has met: all methods and numbers of particles share them.
 #[derive(Default)]
 pub(crate) struct ReferenceCache {
-    known: Mutex<HashMap<String, Slot>>,
+    known: ComputedOnce<References>,
 }
-
-/// Filled by the first that needs it, while others that need the same wait.
-type Slot = Arc<OnceLock<Result<References, UnitError>>>;
 
 impl ReferenceCache {
     /// The references of a unit's system; none where the Kalman filter gives the posterior of the system itself.
@@ -49,16 +45,8 @@ impl ReferenceCache {
         interrupt: &Interrupt,
     ) -> Result<References, UnitError> {
         let Some(particles) = unit.reference_particles else { return Ok(References::default()) };
-        let key =
-            serde_json::to_string(&(unit.seed, unit.held_out, unit.repetition, &unit.system, particles))
-                .expect("a configuration has only string keys");
-        let slot =
-            self.known.lock().unwrap_or_else(PoisonError::into_inner).entry(key.clone()).or_default().clone();
-        let found = slot.get_or_init(|| find(unit, problem, particles, interrupt)).clone();
-        if found == Err(UnitError::Interrupted) {
-            self.known.lock().unwrap_or_else(PoisonError::into_inner).remove(&key);
-        }
-        found
+        let key = key_of(&(unit.seed, unit.held_out, unit.repetition, &unit.system, particles));
+        self.known.of(&key, || find(unit, problem, particles, interrupt))
     }
 }
 

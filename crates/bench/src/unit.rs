@@ -4,6 +4,7 @@ use motes_models::{Drift, Noise, Seed};
 use serde::{Deserialize, Serialize};
 
 use crate::config::{Densities, Epidemic, Filter, Method, Plan, Point, System};
+use crate::key::key_of;
 use crate::method_config::MethodConfig;
 
 /// The newest version of what a unit's configuration means; each method has the one since which it means what it means.
@@ -142,8 +143,7 @@ impl UnitConfig {
 
     /// The unit's key: 32 hexadecimal digits of the BLAKE3 hash of this configuration as JSON.
     pub fn key(&self) -> String {
-        let json = serde_json::to_string(self).expect("a configuration has only string keys");
-        blake3::hash(json.as_bytes()).to_hex()[..32].to_string()
+        key_of(self)
     }
 
     /// The streams of the system and its trajectory: the same for every method and every K, so that repetitions are paired.
@@ -176,9 +176,7 @@ impl UnitConfig {
         if let (UnitSystem::Graph(system), Densities::Gaussian) = (&mut system, self.system.densities()) {
             system.noise = Noise::Gaussian;
         }
-        let json = serde_json::to_string(&(self.format, self.seed, &system, method))
-            .expect("a configuration has only string keys");
-        let key = blake3::hash(json.as_bytes()).to_hex()[..32].to_string();
+        let key = key_of(&(self.format, self.seed, &system, method));
         Some((key, self.systems_seed().child("learned once").child(self.method.method().name())))
     }
 

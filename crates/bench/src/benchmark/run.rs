@@ -1,7 +1,6 @@
 //! One benchmark from plan to files: proposals are learned, compared, and written down.
 
 use std::path::PathBuf;
-use std::time::{Duration, Instant};
 
 use motes::output::{card_json, error_figure};
 use motes::{CompareOptions, FilterOptions, LearnedProposal, MotesError, ProposalName, compare, on_threads};
@@ -14,6 +13,8 @@ use super::plan::BenchmarkPlan;
 use super::recorded::{Parts, parts};
 use super::{learning, tables};
 use crate::durable;
+use crate::key::key_of;
+use crate::progress::Progress;
 use crate::provenance::Provenance;
 
 /// The version of what a benchmark's file means: raised whenever the same file gives other numbers than before.
@@ -90,12 +91,17 @@ pub fn run_benchmark(plan: &BenchmarkPlan, interrupt: &Interrupt) -> Result<(), 
         let learned = learning::proposals(plan, &learning_key(plan), &model, earlier, interrupt)?;
         let options = options(plan, &learned)?;
         let later = recorded.as_ref().map(|Parts { later, .. }| later);
-        let mut progress = Lines::new(plan.name.clone());
+        let mut progress: Option<Progress> = None;
         let comparison = compare(&model, later, &options, |done, total| {
-            progress.done(done, total);
+            // Before the first filter there are simulations, of which nothing is said.
+            if done > 0 {
+                let progress = progress.get_or_insert_with(|| Progress::start(total, total as f64));
+                progress.ended("filter", 1.0, None);
+            }
             interrupt.check()
-        })?;
-        Ok((learned, comparison))
+        });
+        progress.into_iter().for_each(Progress::finish);
+        Ok((learned, comparison?))
     };
     let done = on_threads(Some(plan.jobs), work).map_err(failed)?;
     let (learned, comparison) = done.map_err(failed)?;
@@ -134,7 +140,7 @@ pub fn run_benchmark(plan: &BenchmarkPlan, interrupt: &Interrupt) -> Result<(), 
 fn key(plan: &BenchmarkPlan) -> String {
     // The file of the other profiles is no part of it.
     let benchmark = Benchmark { profiles: std::collections::BTreeMap::new(), ..plan.benchmark.clone() };
-    hash(&(learning_key(plan), benchmark, &plan.profile))
+    key_of(&(learning_key(plan), benchmark, &plan.profile))
 }
 
 /// A hash of all that learned proposals depend on.
@@ -143,12 +149,7 @@ fn learning_key(plan: &BenchmarkPlan) -> String {
     let text = |file: &std::path::Path| std::fs::read_to_string(plan.home.join(file)).unwrap_or_default();
     let data = recorded.as_ref().and_then(|recorded| recorded.data.as_deref()).map(text);
     let BenchmarkProfile { updates, further_updates, times, .. } = plan.profile;
-    hash(&(FORMAT, plan.seed, set, learned, recorded, text(model), data, [updates, further_updates, times]))
-}
-
-fn hash(of: &impl serde::Serialize) -> String {
-    let json = serde_json::to_string(of).expect("a configuration has only string keys");
-    blake3::hash(json.as_bytes()).to_hex()[..32].to_string()
+    key_of(&(FORMAT, plan.seed, set, learned, recorded, text(model), data, [updates, further_updates, times]))
 }
 
 fn options(plan: &BenchmarkPlan, learned: &[LearnedProposal]) -> Result<CompareOptions, MotesError> {
@@ -178,28 +179,4 @@ fn options(plan: &BenchmarkPlan, learned: &[LearnedProposal]) -> Result<CompareO
 fn write(plan: &BenchmarkPlan, name: &str, text: &str) -> Result<(), BenchmarkError> {
     let path = plan.folder.join(name);
     durable::write(&path, &[text.as_bytes()]).map_err(|source| BenchmarkError::File { path, source })
-}
-
-/// A line now and then with how much is left.
-struct Lines {
-    name: String,
-    start: Instant,
-    last: Instant,
-}
-
-impl Lines {
-    const EVERY: Duration = Duration::from_secs(30);
-
-    fn new(name: String) -> Self {
-        Lines { name, start: Instant::now(), last: Instant::now() }
-    }
-
-    fn done(&mut self, done: usize, total: usize) {
-        if self.last.elapsed() < Lines::EVERY || done == 0 {
-            return;
-        }
-        self.last = Instant::now();
-        let seconds = self.start.elapsed().as_secs_f64();
-        status(&format!("{}: {done} of {total} filters in {seconds:.0} s", self.name));
-    }
 }

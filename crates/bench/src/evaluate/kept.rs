@@ -1,13 +1,12 @@
 //! Proposals that are learned once, on disk: the first unit that needs one has it learned, all others read it.
 
-use std::collections::HashMap;
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use motes_models::ModelShape;
 use motes_proposals::{Backend, Family, load, notes, save};
 use serde::{Deserialize, Serialize};
 
+use crate::computed_once::ComputedOnce;
 use crate::metric::Metric;
 use crate::problem::Model;
 use crate::unit_error::{UnitError, failed};
@@ -17,11 +16,8 @@ use crate::unit_error::{UnitError, failed};
 pub(super) struct Kept {
     /// Each in a folder of its own, named by its key; where there is none, each unit learns its own.
     folder: Option<PathBuf>,
-    known: Mutex<HashMap<String, Slot>>,
+    known: ComputedOnce<()>,
 }
-
-/// Filled by the first that needs it, while others that need the same wait.
-type Slot = Arc<OnceLock<Result<(), UnitError>>>;
 
 /// What is written down of a proposal that was learned once.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -45,7 +41,7 @@ impl Notes {
 
 impl Kept {
     pub(super) fn new(folder: PathBuf) -> Self {
-        Kept { folder: Some(folder), known: Mutex::default() }
+        Kept { folder: Some(folder), known: ComputedOnce::default() }
     }
 
     /// The proposal of this key: read, or learned and then read, so that it is the same in either case.
@@ -62,20 +58,14 @@ impl Kept {
             let proposal = load::<F>(&folder, model, shape, backend.into())?;
             Ok::<_, motes_proposals::SavedError>((proposal, notes::<Notes>(&folder)?))
         };
-        let slot =
-            self.known.lock().unwrap_or_else(PoisonError::into_inner).entry(key.into()).or_default().clone();
-        let found = slot.get_or_init(|| {
+        self.known.of(key, || {
             if read().is_ok() {
                 return Ok(());
             }
             let (proposal, notes) = learn()?;
             save(&folder, &proposal, model, shape, &notes)
                 .map_err(|error| UnitError::NotKept(error.to_string()))
-        });
-        if matches!(found, Err(UnitError::Interrupted | UnitError::NotKept(_))) {
-            self.known.lock().unwrap_or_else(PoisonError::into_inner).remove(key);
-        }
-        found.clone()?;
+        })?;
         read().map_err(failed)
     }
 }
