@@ -97,7 +97,7 @@ fn check_data(model: &Model, data: &Data, checked: &mut Checked, seed: u64) {
         for row in data.of_series(series) {
             if let Err(error) = running.advance(&row.measurement) {
                 let of = if data.columns.has_series() { format!(" of series {name}") } else { String::new() };
-                checked.problems.push(format!("data, line {}{of}: {error}", row.line));
+                checked.problems.push(format!("data, {} {}{of}: {error}", data.counted, row.line));
                 break;
             }
         }

@@ -40,15 +40,16 @@ mod threads;
 
 pub use checking::{Checked, check};
 pub use comparing::{
-    Card, CompareOptions, Comparison, EqualTime, Figure, Paired, Point, Reached, Sequence, compare,
+    Card, CompareOptions, Compared, Comparison, EqualTime, Figure, MOST_REFERENCE_FILTERS, Paired, Point,
+    Reached, Sequence, compare, designed,
 };
-pub use data::{Columns, Data, DataError, Place, Row, Rows};
+pub use data::{Columns, Counted, Data, DataError, Place, Row, Rows, Table};
 pub use engine::Running;
 pub use error::MotesError;
 pub use estimate::{Coordinate, Estimate};
 pub use filtering::{Filtered, Warning, filter, of_opinion, of_proposal};
 pub use learned::{LearnedProposal, Notes};
-pub use learning::{LearnOptions, LearnOutcome, learn};
+pub use learning::{LearnOptions, LearnOutcome, base_named, head_named, learn, network_named};
 pub use model::Model;
 pub use options::{DEFENSIVE_SHARE, FilterOptions, ProposalName};
 pub use simulating::{Simulated, simulate};

@@ -89,6 +89,16 @@ pub(super) fn check(file: &str, benchmark: &Benchmark) -> Result<(), ConfigError
             checks.count(&key(what), count)?;
         }
         checks.within(&key("times"), times, 2, 1_000_000)?;
+        if let Some(error) = profile.reference_error {
+            checks.that(error > 0.0, &key("reference_error"), error, "it must be greater than 0")?;
+            let several = profile.reference_filters > 1;
+            checks.that(
+                several,
+                &key("reference_filters"),
+                1,
+                "one filter has no standard error: 2 or more",
+            )?;
+        }
         for &k in &profile.equal_time {
             checks.count(&key("equal_time"), k)?;
         }

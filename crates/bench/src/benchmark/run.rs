@@ -91,12 +91,13 @@ pub fn run_benchmark(plan: &BenchmarkPlan, interrupt: &Interrupt) -> Result<(), 
         let learned = learning::proposals(plan, &learning_key(plan), &model, earlier, interrupt)?;
         let options = options(plan, &learned)?;
         let later = recorded.as_ref().map(|Parts { later, .. }| later);
-        let mut progress: Option<Progress> = None;
-        let comparison = compare(&model, later, &options, |done, total| {
+        let (mut progress, mut share) = (None::<Progress>, 0.0);
+        let comparison = compare(&model, later, &options, |compared| {
             // Before the first filter there are simulations, of which nothing is said.
-            if done > 0 {
-                let progress = progress.get_or_insert_with(|| Progress::start(total, total as f64));
-                progress.ended("filter", 1.0, None);
+            if compared.filters > 0 {
+                let progress = progress.get_or_insert_with(|| Progress::start(compared.of, 1.0));
+                progress.ended("filter", compared.share - share, None);
+                share = compared.share;
             }
             interrupt.check()
         });
@@ -172,6 +173,7 @@ fn options(plan: &BenchmarkPlan, learned: &[LearnedProposal]) -> Result<CompareO
         steps: profile.times,
         reference_particles: profile.reference_particles,
         reference_filters: profile.reference_filters,
+        reference_error: profile.reference_error,
         timed_threads: 1,
     })
 }

@@ -2,7 +2,8 @@
 
 use motes::output::{CardReport, Output, card_json, card_report, card_text};
 use motes::{
-    CompareOptions, Comparison, FilterOptions, Model, MotesError, ProposalName, Running, compare, on_threads,
+    CompareOptions, Comparison, FilterOptions, Model, MotesError, ProposalName, Running, compare, designed,
+    on_threads,
 };
 use motes_cli::Interrupt;
 
@@ -12,9 +13,6 @@ use super::input;
 use super::progress::Progress;
 use super::say::{say_ignored, write};
 use super::summary::command_line;
-
-/// Particles of the reference.
-pub(super) const REFERENCE_PARTICLES: usize = 20_000;
 
 pub(super) fn run(args: &CompareArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
     let model = args.model.read()?;
@@ -40,15 +38,16 @@ pub(super) fn run(args: &CompareArgs, interrupt: &Interrupt) -> Result<u8, Failu
         particles: args.at.clone(),
         sequences: args.sequences,
         steps: args.steps,
-        reference_particles: REFERENCE_PARTICLES,
+        reference_particles: CompareOptions::REFERENCE_PARTICLES,
         reference_filters: 1,
+        reference_error: None,
         // On one thread unless others are asked for: times are those of one.
         timed_threads: args.model.threads.unwrap_or(1),
     };
     let mut progress = Progress::new(1000, args.model.quiet);
     let compared = on_threads(args.model.threads, || {
-        compare(&model, data.as_ref(), &options, |done, total| {
-            progress.done(1000 * done / total.max(1));
+        compare(&model, data.as_ref(), &options, |compared| {
+            progress.done((1000.0 * compared.share) as usize);
             interrupt.check()
         })
     });
@@ -113,16 +112,7 @@ fn proposals(
     let named = args.proposals.iter().map(|proposal| proposal.of(model));
     let named: Vec<ProposalName> = named.collect::<Result<_, _>>()?;
     match named.is_empty() {
-        true => Ok(there(model, filter)),
+        true => Ok(designed(model, filter)),
         false => named.iter().try_for_each(is_there).map(|()| named),
     }
-}
-
-/// The designed proposals that a model has.
-pub(super) fn there(model: &Model, filter: &FilterOptions) -> Vec<ProposalName> {
-    let is_there = |proposal: &ProposalName| {
-        let options = FilterOptions { proposal: proposal.clone(), particles: 1, ..filter.clone() };
-        Running::new(model, &options, 0).is_ok()
-    };
-    ProposalName::DESIGNED.into_iter().filter(is_there).collect()
 }

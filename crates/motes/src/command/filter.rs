@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::Instant;
 
-use motes::output::{EstimateTable, Output, filter_json};
+use motes::output::{EstimateTable, Output, filter_json, filter_summary};
 use motes::{Data, filter, on_threads};
 use motes_cli::{Interrupt, status};
 
@@ -13,7 +13,7 @@ use super::filter_page::page;
 use super::progress::Progress;
 use super::say::{say_ignored, warn, write};
 use super::stream;
-use super::summary::{filter_summary, in_one_line};
+use super::summary::in_one_line;
 
 pub(super) fn run(args: &FilterArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
     let model = args.model.read()?;

@@ -1,10 +1,10 @@
 //! The report of `motes filter`.
 
-use motes::output::{Report, report};
+use motes::output::{Report, filter_settings, filter_summary, report};
 use motes::{Data, FilterOptions, Filtered, Model, MotesError};
 
 use super::args::FilterArgs;
-use super::summary::{command_line, filter_settings, filter_summary};
+use super::summary::command_line;
 
 /// The report of a filter.
 pub(super) fn page(
@@ -16,7 +16,7 @@ pub(super) fn page(
 ) -> Result<String, MotesError> {
     let summary = filter_summary(data.rows.len(), data.columns.has_series(), filtered, options);
     let warnings: Vec<String> = filtered.warnings.iter().map(ToString::to_string).collect();
-    let settings = filter_settings(&args.model, options);
+    let settings = filter_settings(&args.model.model.display().to_string(), &args.model.set, options);
     report(&Report {
         title: "Filter",
         model,

@@ -2,21 +2,15 @@
 
 use motes::output::{Output, card_json, card_text};
 use motes::train::Learned;
-use motes::{
-    CompareOptions, FilterOptions, LearnOutcome, LearnedProposal, MotesError, ProposalName, compare, learn,
-    on_threads,
-};
+use motes::{CompareOptions, LearnOutcome, LearnedProposal, MotesError, compare, learn, on_threads};
 use motes_cli::{Interrupt, status};
 
 use super::args::LearnArgs;
-use super::compare::{REFERENCE_PARTICLES, card_page, there};
+use super::compare::card_page;
 use super::failure::Failure;
 use super::input;
 use super::progress::Progress;
 use super::say::{say_ignored, write};
-
-/// The numbers of particles at which the card holds error against time.
-const PARTICLES: [usize; 4] = [30, 100, 300, 1000];
 
 pub(super) fn run(args: &LearnArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
     let model = args.model.read()?;
@@ -53,28 +47,17 @@ pub(super) fn run(args: &LearnArgs, interrupt: &Interrupt) -> Result<u8, Failure
     if args.sequences == 0 {
         return Ok(0);
     }
-    let filter =
-        FilterOptions { particles: args.particles, seed: args.model.seed, ..FilterOptions::default() };
-    // Where there is an optimal proposal the linearised one is the same.
-    let mut proposals = there(&model, &filter);
-    proposals.retain(|proposal| *proposal != ProposalName::Optimal);
-    proposals.push(ProposalName::Learned(proposal));
     let card = CompareOptions {
-        proposals,
-        filter,
-        particles: PARTICLES.to_vec(),
         sequences: args.sequences,
         steps: args.steps,
-        // In the time that a person waits for: a filter of wide states takes longer.
-        reference_particles: (2 * REFERENCE_PARTICLES / model.states().len().max(2)).max(4000),
-        reference_filters: 1,
         // On one thread unless others are asked for: times are those of one.
         timed_threads: args.model.threads.unwrap_or(1),
+        ..CompareOptions::of_learned(&model, proposal, args.particles, args.model.seed)
     };
     let mut progress = Progress::new(1000, args.model.quiet);
     let compared = on_threads(args.model.threads, || {
-        compare(&model, None, &card, |done, total| {
-            progress.done(1000 * done / total.max(1));
+        compare(&model, None, &card, |compared| {
+            progress.done((1000.0 * compared.share) as usize);
             interrupt.check()
         })
     });

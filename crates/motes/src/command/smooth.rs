@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use motes::output::{EstimateTable, Output, Report, filter_json, report};
+use motes::output::{EstimateTable, Output, Report, filter_json, filter_settings, filter_summary, report};
 use motes::{Data, FilterOptions, Model, MotesError, Smoothed, on_threads, smooth};
 use motes_cli::{Interrupt, status};
 
@@ -11,7 +11,7 @@ use super::failure::Failure;
 use super::input;
 use super::progress::Progress;
 use super::say::{say_ignored, warn, write};
-use super::summary::{command_line, filter_settings, filter_summary, in_one_line};
+use super::summary::{command_line, in_one_line};
 
 pub(super) fn run(args: &SmoothArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
     let model = args.model.read()?;
@@ -57,7 +57,7 @@ fn page(
     smoothed: &Smoothed,
 ) -> Result<String, MotesError> {
     let warnings: Vec<String> = smoothed.filtered.warnings.iter().map(ToString::to_string).collect();
-    let mut settings = filter_settings(&args.model, options);
+    let mut settings = filter_settings(&args.model.model.display().to_string(), &args.model.set, options);
     settings.push(("paths".into(), args.paths.to_string()));
     report(&Report {
         title: "Smoother",

@@ -2,11 +2,11 @@
 
 use std::time::Instant;
 
-use motes::output::{EstimateTable, Output, Sink, filter_json};
+use motes::output::{EstimateTable, Output, Sink, filter_json, filter_summary};
 use motes::smc::WeightReport;
 use motes::{
-    Data, DataError, Estimate, FilterOptions, Filtered, Model, MotesError, Row, Rows, Running, Warning,
-    of_opinion, of_proposal,
+    Counted, Data, DataError, Estimate, FilterOptions, Filtered, Model, MotesError, Row, Rows, Running,
+    Warning, of_opinion, of_proposal,
 };
 use motes_cli::{Interrupt, status};
 
@@ -14,7 +14,7 @@ use super::args::FilterArgs;
 use super::filter_page::page;
 use super::input::{STANDARD, Standard, stopped};
 use super::say::{say_ignored, warn, write};
-use super::summary::{filter_summary, in_one_line};
+use super::summary::in_one_line;
 
 /// The filter of one series.
 struct Series<'m> {
@@ -99,7 +99,8 @@ pub(super) fn run(
         Filtered { estimates, forecasts, log_evidence_per_series, weights, least_ess, warnings, opinions };
     if let Some(path) = &args.output.report {
         let names = series.into_iter().map(|of| of.name).collect();
-        let data = Data { columns: rows.columns().clone(), series: names, rows: kept_rows };
+        let data =
+            Data { columns: rows.columns().clone(), series: names, rows: kept_rows, counted: Counted::Line };
         write(&Output::File(path.clone()), &page(args, model, &data, options, &filtered)?)?;
     }
     if args.output.json {

@@ -1,71 +1,8 @@
-//! A run in a few figures, and what it was made with.
-
-use motes::smc::Verdict;
-use motes::{FilterOptions, Filtered};
-
-use super::args::ModelArgs;
-
-/// The figures of a filter over so many times, a name and a value each; `has_series` says whether its series have names.
-pub(super) fn filter_summary(
-    times: usize,
-    has_series: bool,
-    filtered: &Filtered,
-    options: &FilterOptions,
-) -> Vec<(String, String)> {
-    let mean = filtered.weights.effective_sample_size().unwrap_or_default();
-    let k = options.particles;
-    let mut figures = vec![
-        ("log-evidence", format!("{:.3}", filtered.log_evidence())),
-        ("times", times.to_string()),
-        ("effective sample size", format!("{mean:.0} of {k}, {:.0} at least", filtered.least_ess)),
-    ];
-    if has_series {
-        figures.insert(1, ("series", filtered.log_evidence_per_series.len().to_string()));
-    }
-    if let Some(index) = filtered.weights.pareto_k() {
-        figures.push(("Pareto k", format!("{index:.2}")));
-    }
-    if let Some(said) = opinion(&filtered.opinions) {
-        figures.push(("second opinion", said));
-    }
-    figures.into_iter().map(|(name, value)| (name.to_string(), value)).collect()
-}
-
-/// What bootstrap filters beside the filters of all series say, in a few words; none where none ran.
-fn opinion(opinions: &[Option<Verdict>]) -> Option<String> {
-    let said: Vec<&Verdict> = opinions.iter().flatten().collect();
-    let count = |which: fn(&Verdict) -> bool| said.iter().filter(|verdict| which(verdict)).count();
-    let against = count(|verdict| matches!(verdict, Verdict::Warns { .. }));
-    let without = count(|verdict| matches!(verdict, Verdict::NoOpinion { .. }));
-    let of_all = |number: usize| {
-        if said.len() > 1 { format!(" for {number} of {} series", said.len()) } else { String::new() }
-    };
-    match said.len() {
-        0 => None,
-        _ if against > 0 => Some(format!("against it{}", of_all(against))),
-        _ if without > 0 => Some(format!("none{}, too hard for a bootstrap filter", of_all(without))),
-        _ => Some("agrees".into()),
-    }
-}
+//! A run in one line, and the command that made it.
 
 /// The figures in one line.
 pub(super) fn in_one_line(figures: &[(String, String)]) -> String {
     figures.iter().map(|(name, value)| format!("{name} {value}")).collect::<Vec<_>>().join(", ")
-}
-
-/// What a filter was made with, a name and a value each.
-pub(super) fn filter_settings(model: &ModelArgs, options: &FilterOptions) -> Vec<(String, String)> {
-    let mut settings = vec![
-        ("model".to_string(), model.model.display().to_string()),
-        ("proposal".into(), options.proposal.to_string()),
-        ("particles".into(), options.particles.to_string()),
-        ("defensive share".into(), options.defensive_share().to_string()),
-        ("resample below".into(), options.resample_below.to_string()),
-        ("resampling".into(), format!("{:?}", options.resampling).to_lowercase()),
-        ("seed".into(), options.seed.to_string()),
-    ];
-    settings.extend(model.set.iter().map(|(name, value)| (format!("--set {name}"), value.to_string())));
-    settings
 }
 
 /// The command as it was given.

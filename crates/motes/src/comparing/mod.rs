@@ -1,6 +1,7 @@
 //! The report card of proposals side by side, on sequences whose truth is known or on data.
 
 mod card;
+mod designed;
 mod equal_time;
 mod options;
 mod paired;
@@ -11,8 +12,9 @@ use std::ops::ControlFlow;
 use std::time::Instant;
 
 pub use card::{Card, Figure};
+pub use designed::designed;
 pub use equal_time::{EqualTime, Point, Reached};
-pub use options::CompareOptions;
+pub use options::{CompareOptions, MOST_REFERENCE_FILTERS};
 pub use paired::Paired;
 pub use sequence::Sequence;
 
@@ -43,7 +45,18 @@ pub struct Comparison {
     pub size: [usize; 2],
 }
 
-/// Compares proposals on simulated sequences, or on the series of `data`; `proceed` is asked after each filter, with how many of how many are done.
+/// How far a comparison has come.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Compared {
+    /// Filters that are done; a reference counts as one.
+    pub filters: usize,
+    /// All filters.
+    pub of: usize,
+    /// The share of all particles that these filters had: what is left takes about as long as the rest of them.
+    pub share: f64,
+}
+
+/// Compares proposals on simulated sequences, or on the series of `data`; `proceed` is asked after each filter, with how far it has come.
 ///
 /// # Errors
 /// [`MotesError`] as [`crate::filter`] and [`crate::simulate`], but for filters that collapse: those have a place on the card.
@@ -51,22 +64,27 @@ pub fn compare(
     model: &Model,
     data: Option<&Data>,
     options: &CompareOptions,
-    mut proceed: impl FnMut(usize, usize) -> ControlFlow<()>,
+    mut proceed: impl FnMut(Compared) -> ControlFlow<()>,
 ) -> Result<Comparison, MotesError> {
     let sequences = match data {
         Some(data) => sequence::of_data(data),
         None => {
             let seed = options.filter.seed;
-            let drawn = simulate(model, options.steps, options.sequences, seed, |_| proceed(0, 1))?;
+            let none = Compared { filters: 0, of: 1, share: 0.0 };
+            let drawn = simulate(model, options.steps, options.sequences, seed, |_| proceed(none))?;
             sequence::of_simulations(&drawn)
         }
     };
     let count = sequences.len();
-    let total = count * (1 + options.proposals.len() * (1 + options.particles.len()));
-    let mut done = 0;
-    let mut step = || {
-        done += 1;
-        match proceed(done, total) {
+    let of = count * (1 + options.proposals.len() * (1 + options.particles.len()));
+    let of_reference = reference::particles(model, options);
+    let of_proposal = options.filter.particles + options.particles.iter().sum::<usize>();
+    let all_particles = (count * of_reference + count * options.proposals.len() * of_proposal) as f64;
+    let (mut filters, mut particles_done) = (0, 0);
+    let mut step = |particles: usize| {
+        filters += 1;
+        particles_done += particles;
+        match proceed(Compared { filters, of, share: particles_done as f64 / all_particles }) {
             ControlFlow::Break(()) => Err(MotesError::Interrupted),
             ControlFlow::Continue(()) => Ok(()),
         }
@@ -74,7 +92,7 @@ pub fn compare(
     let mut references = Vec::new();
     for (number, sequence) in sequences.iter().enumerate() {
         references.push(reference(model, sequence, options, number)?);
-        step()?;
+        step(of_reference)?;
     }
     let timed = pool(Some(options.timed_threads))?;
     let (mut cards, mut of_cards, mut points) = (Vec::new(), Vec::new(), Vec::new());
@@ -83,7 +101,7 @@ pub fn compare(
         for (number, (sequence, reference)) in sequences.iter().zip(&references).enumerate() {
             let filter = FilterOptions { proposal: proposal.clone(), check: false, ..options.filter.clone() };
             runs.push(timed.install(|| run(model, sequence, reference, &filter, number, true))?);
-            step()?;
+            step(options.filter.particles)?;
         }
         cards.push((proposal.clone(), Card::of(&runs, options.filter.particles)));
         of_cards.push(runs);
@@ -97,7 +115,7 @@ pub fn compare(
                     ..options.filter.clone()
                 };
                 runs.push(timed.install(|| run(model, sequence, reference, &filter, number, false))?);
-                step()?;
+                step(particles)?;
             }
             points.push(Point::of(proposal.clone(), particles, &runs));
         }

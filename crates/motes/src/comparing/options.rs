@@ -1,6 +1,12 @@
 //! What is compared, and on what.
 
+use super::designed::designed;
+use crate::learned::LearnedProposal;
+use crate::model::Model;
 use crate::options::{FilterOptions, ProposalName};
+
+/// The most filters that are averaged for the reference of a sequence.
+pub const MOST_REFERENCE_FILTERS: usize = 400;
 
 /// What is compared, and on what.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,6 +26,34 @@ pub struct CompareOptions {
     /// How many such filters there are for a sequence, whose evidence is averaged. More than one tell how far it can be trusted; learned proposals are then
     /// among those that are tried.
     pub reference_filters: usize,
+    /// More of them are added for a sequence until the standard error of its log-evidence is at most this, or there are [`MOST_REFERENCE_FILTERS`]; none are if absent.
+    pub reference_error: Option<f64>,
     /// The threads of the filters that are timed; those of the reference take all that there are.
     pub timed_threads: usize,
+}
+
+impl CompareOptions {
+    /// The particles of a reference filter where nothing else is said.
+    pub const REFERENCE_PARTICLES: usize = 20_000;
+
+    /// What the command holds a proposal that it has just learned against: the designed proposals, on 20 sequences of 100 times, with so many particles.
+    pub fn of_learned(model: &Model, learned: LearnedProposal, particles: usize, seed: u64) -> Self {
+        let filter = FilterOptions { particles, seed, ..FilterOptions::default() };
+        let mut proposals = designed(model, &filter);
+        // Where there is an optimal proposal the linearised one is the same.
+        proposals.retain(|proposal| *proposal != ProposalName::Optimal);
+        proposals.push(ProposalName::Learned(learned));
+        CompareOptions {
+            proposals,
+            filter,
+            particles: vec![30, 100, 300, 1000],
+            sequences: 20,
+            steps: 100,
+            // In the time that a person waits for: a filter of wide states takes longer.
+            reference_particles: (2 * Self::REFERENCE_PARTICLES / model.states().len().max(2)).max(4000),
+            reference_filters: 1,
+            reference_error: None,
+            timed_threads: 1,
+        }
+    }
 }

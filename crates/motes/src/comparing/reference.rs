@@ -3,7 +3,7 @@
 use motes_formulas::FileModel;
 use motes_models::{PartialMeasurements, kalman};
 
-use super::options::CompareOptions;
+use super::options::{CompareOptions, MOST_REFERENCE_FILTERS};
 use super::sequence::Sequence;
 use crate::engine::Running;
 use crate::error::MotesError;
@@ -28,6 +28,26 @@ impl Reference {
     pub(super) fn log_evidence(&self) -> f64 {
         self.increments.iter().sum()
     }
+}
+
+/// What a reference filter may draw from.
+fn candidates(options: &CompareOptions) -> Vec<ProposalName> {
+    let mut candidates = vec![ProposalName::Linearised, ProposalName::Bootstrap];
+    if options.reference_filters > 1 {
+        let learned =
+            options.proposals.iter().filter(|proposal| matches!(proposal, ProposalName::Learned(_)));
+        candidates.extend(learned.cloned());
+    }
+    candidates
+}
+
+/// The particles of all filters behind a reference for one sequence; the exact filter counts as one.
+pub(super) fn particles(model: &Model, options: &CompareOptions) -> usize {
+    if let FileModel::LinearGaussian(_) = model.model() {
+        return 1;
+    }
+    let more = if options.reference_filters > 1 { options.reference_filters } else { 0 };
+    (candidates(options).len() + more) * options.reference_particles
 }
 
 /// The reference for the sequence of that number.
@@ -59,12 +79,7 @@ pub(super) fn reference(
         let seed = options.filter.seed.wrapping_add(1 + filter_number);
         by_particles(model, sequence, &FilterOptions { seed, ..filter.clone() }, number, proposal.clone())
     };
-    let mut candidates = vec![ProposalName::Linearised, ProposalName::Bootstrap];
-    if options.reference_filters > 1 {
-        let learned =
-            options.proposals.iter().filter(|proposal| matches!(proposal, ProposalName::Learned(_)));
-        candidates.extend(learned.cloned());
-    }
+    let candidates = candidates(options);
     let (mut best, mut failure) = (None::<(ProposalName, Answers, f64)>, None);
     for candidate in candidates {
         match run(&candidate, 0) {
@@ -89,8 +104,8 @@ pub(super) fn reference(
     }
     // Not the one that was chosen by: the most of several is too much.
     let mut all = Vec::new();
-    for filter_number in 1..=options.reference_filters as u64 {
-        match run(&proposal, filter_number) {
+    while all.len() < options.reference_filters || is_rough(&all, options.reference_error) {
+        match run(&proposal, 1 + all.len() as u64) {
             Ok(found) => all.push(found),
             // A filter that collapses has estimated an evidence of 0.
             Err(MotesError::Filter { .. }) => {
@@ -102,11 +117,21 @@ pub(super) fn reference(
     if all.iter().all(|(_, increments)| increments.contains(&f64::NEG_INFINITY)) {
         all.push(first);
     }
-    let name = format!(
-        "the mean of {} filters with {particles} particles: bootstrap, linearised or learned, {rest}",
-        all.len()
-    );
+    let fewest = options.reference_filters;
+    let count = match options.reference_error {
+        Some(_) => format!("{fewest} filters or more"),
+        None => format!("{fewest} filters"),
+    };
+    let name =
+        format!("the mean of {count} with {particles} particles: bootstrap, linearised or learned, {rest}");
     Ok(mean_of(&all, name))
+}
+
+/// Whether the standard error of the mean of these filters is too large, and more may be added.
+fn is_rough(all: &[Answers], wanted: Option<f64>) -> bool {
+    let error = |all| mean_of(all, String::new()).error.unwrap_or(f64::INFINITY);
+    // What is no number, of filters that all collapsed, is not small.
+    wanted.is_some_and(|wanted| all.len() < MOST_REFERENCE_FILTERS && !(error(all) <= wanted))
 }
 
 /// The filters' evidence averaged, which stays unbiased; their means by their evidence so far; and the standard error of the logarithm of the average.

@@ -20,7 +20,7 @@ pub struct Columns {
 }
 
 impl Columns {
-    /// Finds the columns `measurements` of a model with these `states` in a header.
+    /// Finds the columns `measurements` of a model with these `states` in a header, which errors call `place`.
     ///
     /// The first column beside `series` and `t` is carried to the output, unless it is a measurement or a state.
     ///
@@ -28,19 +28,19 @@ impl Columns {
     /// [`DataError::MissingColumn`] and [`DataError::ColumnTwice`].
     pub fn of(
         header: &[String],
-        file: &str,
+        place: &str,
         states: &[String],
         measurements: &[String],
     ) -> Result<Self, DataError> {
         let names: Vec<String> = header.iter().map(|name| name.trim().to_string()).collect();
         for (at, name) in names.iter().enumerate() {
             if names[..at].contains(name) {
-                return Err(DataError::ColumnTwice { file: file.into(), column: name.clone() });
+                return Err(DataError::ColumnTwice { header: place.into(), column: name.clone() });
             }
         }
-        let place = |wanted: &str| names.iter().position(|name| name == wanted);
+        let at = |wanted: &str| names.iter().position(|name| name == wanted);
         let found = measurements.iter().map(|wanted| {
-            place(wanted).ok_or_else(|| {
+            at(wanted).ok_or_else(|| {
                 let is_one_column = names.len() == 1 && names[0].contains([';', '\t']);
                 let nearest = names.iter().min_by_key(|name| distance(name, wanted));
                 let near = nearest.filter(|name| distance(name, wanted) <= wanted.len() / 4);
@@ -50,7 +50,7 @@ impl Columns {
                     (false, None) => String::new(),
                 };
                 DataError::MissingColumn {
-                    file: file.into(),
+                    header: place.into(),
                     column: wanted.clone(),
                     found: names.join(", "),
                     hint,
@@ -59,7 +59,7 @@ impl Columns {
         });
         let measured: Vec<usize> = found.collect::<Result<_, _>>()?;
         let is_measured = |name: &str| measurements.iter().any(|measured| measured == name);
-        let [series, time] = ["series", "t"].map(|name| place(name).filter(|_| !is_measured(name)));
+        let [series, time] = ["series", "t"].map(|name| at(name).filter(|_| !is_measured(name)));
         let first = (0..names.len()).find(|&at| Some(at) != series && Some(at) != time);
         let is_known = |at: usize| is_measured(&names[at]) || states.contains(&names[at]);
         let carried = first.filter(|&at| !is_known(at));
@@ -71,6 +71,16 @@ impl Columns {
     /// Whether rows say which series they belong to.
     pub fn has_series(&self) -> bool {
         self.series.is_some()
+    }
+
+    /// The place of each measurement of the model among the columns, in the model's order.
+    pub fn measurements(&self) -> &[usize] {
+        &self.measurements
+    }
+
+    /// The places of the columns `series` and `t`, and of the one that is carried to the output, where they are.
+    pub fn others(&self) -> [Option<usize>; 3] {
+        [self.series, self.time, self.carried]
     }
 
     /// The name of the column that is carried to the output.

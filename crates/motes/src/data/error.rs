@@ -4,12 +4,32 @@ use std::fmt;
 
 use thiserror::Error;
 
-/// Where in a file something stands.
+/// How the rows of data are counted, for errors.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Counted {
+    /// Lines of a file, from 1; the header's is 1.
+    Line,
+    /// Rows of a table in memory, from 0.
+    Row,
+}
+
+impl fmt::Display for Counted {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(match self {
+            Counted::Line => "line",
+            Counted::Row => "row",
+        })
+    }
+}
+
+/// Where in data something stands.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Place {
-    /// The file.
+    /// The file, or what a table in memory is called.
     pub file: String,
-    /// The line, from 1; the header's is 1.
+    /// Whether it is a line or a row.
+    pub counted: Counted,
+    /// The line, or the row.
     pub line: u64,
     /// The column's name.
     pub column: String,
@@ -17,7 +37,7 @@ pub struct Place {
 
 impl fmt::Display for Place {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(formatter, "{}, line {}, column {}", self.file, self.line, self.column)
+        write!(formatter, "{}, {} {}, column {}", self.file, self.counted, self.line, self.column)
     }
 }
 
@@ -38,11 +58,21 @@ pub enum DataError {
         /// The file.
         file: String,
     },
-    /// The header lacks a measurement.
-    #[error("{file}, line 1: there is no column {column}, which the model measures; there are {found}{hint}")]
-    MissingColumn {
-        /// The file.
+    /// A column of a table in memory is longer or shorter than the others.
+    #[error("{file}: a column has {found} values where {expected} are needed, one for each row")]
+    Lengths {
+        /// What the table is called.
         file: String,
+        /// Values that are there.
+        found: usize,
+        /// Values that are needed.
+        expected: usize,
+    },
+    /// The header lacks a measurement.
+    #[error("{header}: there is no column {column}, which the model measures; there are {found}{hint}")]
+    MissingColumn {
+        /// Where the header stands.
+        header: String,
         /// The measurement's name.
         column: String,
         /// The columns that are there.
@@ -51,10 +81,10 @@ pub enum DataError {
         hint: String,
     },
     /// The header has a name twice.
-    #[error("{file}, line 1: there are two columns {column}; names must differ")]
+    #[error("{header}: there are two columns {column}; names must differ")]
     ColumnTwice {
-        /// The file.
-        file: String,
+        /// Where the header stands.
+        header: String,
         /// The name.
         column: String,
     },

@@ -1,19 +1,19 @@
 //! Rows of a CSV file, one at a time: what a file and a stream have in common.
 
-use std::collections::HashMap;
 use std::io::Read;
 
 use csv::{ByteRecord, Reader, ReaderBuilder, Trim};
 
 use super::cell::number;
 use super::columns::Columns;
-use super::error::{DataError, Place};
+use super::error::{Counted, DataError, Place};
+use super::seen::SeenSeries;
 use crate::model::Model;
 
 /// A row of data.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row {
-    /// Its line in the file, from 1.
+    /// Its line in a file, from 1, or its row in a table, from 0.
     pub line: u64,
     /// The number of its series, in order of appearance.
     pub series: usize,
@@ -31,10 +31,7 @@ pub struct Rows<R> {
     record: ByteRecord,
     file: String,
     columns: Columns,
-    /// The names of the series so far, with the number of rows of each.
-    series: Vec<(String, usize)>,
-    /// The number of each series by its name.
-    numbers: HashMap<String, usize>,
+    series: SeenSeries,
 }
 
 impl<R: Read> Rows<R> {
@@ -53,14 +50,13 @@ impl<R: Read> Rows<R> {
             Err(_) => Err(DataError::NotUtf8 { file: file.into(), line: 1 }),
         };
         let names: Vec<String> = header.iter().map(text).collect::<Result<_, _>>()?;
-        let columns = Columns::of(&names, file, model.states(), model.measurements())?;
+        let columns = Columns::of(&names, &format!("{file}, line 1"), model.states(), model.measurements())?;
         Ok(Rows {
             reader,
             record: ByteRecord::new(),
             file: file.into(),
             columns,
-            series: Vec::new(),
-            numbers: HashMap::new(),
+            series: SeenSeries::default(),
         })
     }
 
@@ -71,7 +67,7 @@ impl<R: Read> Rows<R> {
 
     /// The names of the series so far, in order of appearance.
     pub fn series(&self) -> impl Iterator<Item = &str> {
-        self.series.iter().map(|(name, _)| name.as_str())
+        self.series.names()
     }
 
     /// The next row, or none at the end.
@@ -87,13 +83,13 @@ impl<R: Read> Rows<R> {
         self.check_width(line)?;
         self.check_blank(line)?;
         let series = match self.columns.series {
-            None => self.number_of_series(""),
+            None => self.series.number_of(""),
             Some(at) => {
                 let name = self.text(at, line)?.to_string();
-                self.number_of_series(&name)
+                self.series.number_of(&name)
             }
         };
-        let time = self.series[series].1;
+        let time = self.series.times(series);
         self.check_time(line, time)?;
         let label = match self.columns.carried {
             Some(at) => Some(self.text(at, line)?.to_string()),
@@ -108,7 +104,7 @@ impl<R: Read> Rows<R> {
                 problem,
             })?);
         }
-        self.series[series].1 += 1;
+        self.series.add(series);
         Ok(Some(Row { line, series, time, label, measurement }))
     }
 
@@ -140,23 +136,18 @@ impl<R: Read> Rows<R> {
         Err(DataError::Time { place: self.place(line, at), value: shown(text), expected })
     }
 
-    fn number_of_series(&mut self, name: &str) -> usize {
-        if let Some(number) = self.numbers.get(name) {
-            return *number;
-        }
-        let number = self.series.len();
-        self.numbers.insert(name.into(), number);
-        self.series.push((name.into(), 0));
-        number
-    }
-
     fn text(&self, at: usize, line: u64) -> Result<&str, DataError> {
         std::str::from_utf8(&self.record[at])
             .map_err(|_| DataError::NotUtf8 { file: self.file.clone(), line })
     }
 
     fn place(&self, line: u64, at: usize) -> Place {
-        Place { file: self.file.clone(), line, column: self.columns.names[at].clone() }
+        Place {
+            file: self.file.clone(),
+            counted: Counted::Line,
+            line,
+            column: self.columns.names[at].clone(),
+        }
     }
 }
 

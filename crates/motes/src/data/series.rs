@@ -5,7 +5,7 @@ use std::io::Read;
 use std::path::Path;
 
 use super::columns::Columns;
-use super::error::DataError;
+use super::error::{Counted, DataError};
 use super::rows::{Row, Rows};
 use crate::model::Model;
 
@@ -18,6 +18,8 @@ pub struct Data {
     pub series: Vec<String>,
     /// The rows, in the order of the file.
     pub rows: Vec<Row>,
+    /// How rows are counted, for errors.
+    pub counted: Counted,
 }
 
 impl Data {
@@ -52,7 +54,7 @@ impl Data {
             return Err(DataError::Empty { file: file.into() });
         }
         let series = reader.series().map(String::from).collect();
-        Ok(Data { columns: reader.columns().clone(), series, rows })
+        Ok(Data { columns: reader.columns().clone(), series, rows, counted: Counted::Line })
     }
 
     /// For each series, where its rows stand in [`Data::rows`], in order of time.

@@ -1,6 +1,7 @@
 //! Learning a proposal for a model, once.
 
 mod choice;
+mod names;
 mod options;
 mod worth;
 
@@ -10,6 +11,7 @@ use motes_models::{PartialMeasurements, Seed};
 use motes_proposals::{Amortised, Backend, Family, HeadConfig};
 use motes_train::{LearnConfig, LearnObjective, Learned, TrainError, learn as train};
 
+pub use names::{base_named, head_named, network_named};
 pub use options::LearnOptions;
 
 use crate::data::Data;

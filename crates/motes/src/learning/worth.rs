@@ -123,9 +123,10 @@ mod tests {
             steps: 40,
             reference_particles: 5000,
             reference_filters: 1,
+            reference_error: None,
             timed_threads: 1,
         };
-        let card = compare(&model, None, &options, |_, _| ControlFlow::Continue(())).unwrap().cards;
+        let card = compare(&model, None, &options, |_| ControlFlow::Continue(())).unwrap().cards;
         let of_learned = &card[1].1;
         let gap = of_learned.log_evidence_gap.map(|gap| gap.mean);
         // By more than a nat at each of 40 times, where it did not lose all weight.

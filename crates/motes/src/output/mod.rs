@@ -6,9 +6,11 @@ mod file;
 mod json;
 mod number;
 mod report;
+mod summary;
 
 pub use card::{card_json, card_text};
 pub use csv::{EstimateTable, simulated_table};
 pub use file::{Output, Sink};
 pub use json::filter_json;
 pub use report::{CardReport, Report, card_report, error_figure, report};
+pub use summary::{filter_settings, filter_summary};
