@@ -1,5 +1,6 @@
 //! A model of formulas.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use motes_models::equations::{Coordinates, Equations, Scalar};
@@ -86,5 +87,15 @@ impl Equations for FormulaModel {
 
     fn measurement<S: Scalar>(&self, time: usize, state: &[S], measurement: &mut impl Coordinates<S>) {
         self.0.measurement.push(time, state, measurement);
+    }
+
+    fn measurement_along<S: Scalar>(
+        &self,
+        time: usize,
+        state: &[S],
+        along: Range<usize>,
+        measurement: &mut impl Coordinates<S>,
+    ) {
+        self.0.measurement.push_along(time, state, along, measurement);
     }
 }

@@ -1,5 +1,7 @@
 //! Makes a program of a graph: coordinate by coordinate, each number as late as it is needed.
 
+use std::collections::BTreeSet;
+
 use super::instruction::{Instruction, Output, Place, Program, Source, Step};
 use super::registers::Registers;
 use crate::graph::{Built, Coordinate, Graph, Id, Operation};
@@ -27,7 +29,25 @@ pub(crate) fn compile(built: &Built, states: usize) -> Program {
         registers: compiler.registers.count(),
         instructions: compiler.instructions,
         coordinates,
+        depends_on: built.coordinates.iter().map(|coordinate| states_of(graph, coordinate)).collect(),
     }
+}
+
+/// The states that the distribution of a coordinate depends on, in ascending order.
+fn states_of(graph: &Graph, coordinate: &Coordinate) -> Vec<u32> {
+    let mut seen = BTreeSet::new();
+    let mut states = BTreeSet::new();
+    let mut waiting: Vec<Id> = coordinate.numbers().collect();
+    while let Some(id) = waiting.pop() {
+        if seen.insert(id.index()) {
+            let operation = graph.operation(id);
+            if let Operation::State(number) = operation {
+                states.insert(number);
+            }
+            waiting.extend(operands(operation));
+        }
+    }
+    states.into_iter().collect()
 }
 
 /// The operands of a number.

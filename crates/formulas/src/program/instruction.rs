@@ -15,6 +15,8 @@ pub(crate) struct Program {
     pub(super) registers: usize,
     pub(super) instructions: Vec<Instruction>,
     pub(super) coordinates: Vec<Output>,
+    /// The states that each coordinate depends on, in ascending order.
+    pub(super) depends_on: Vec<Vec<u32>>,
 }
 
 /// How the next plain number is computed, from those before it.

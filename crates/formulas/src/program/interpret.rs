@@ -1,5 +1,7 @@
 //! Computes a program for one particle or for many side by side.
 
+use std::ops::Range;
+
 use motes_models::batch::by_widest_vectors;
 use motes_models::equations::{Coordinates, Scalar, with_scalars};
 
@@ -11,16 +13,35 @@ impl Program {
     /// # Panics
     /// If there are fewer states than the model has.
     pub(crate) fn push<S: Scalar>(&self, time: usize, states: &[S], coordinates: &mut impl Coordinates<S>) {
+        self.push_along(time, states, 0..self.states, coordinates);
+    }
+
+    /// The same, but that coordinates that depend on none of the states in `along` are passed over, where there are any.
+    ///
+    /// # Panics
+    /// As [`Program::push`].
+    pub(crate) fn push_along<S: Scalar>(
+        &self,
+        time: usize,
+        states: &[S],
+        along: Range<usize>,
+        coordinates: &mut impl Coordinates<S>,
+    ) {
+        let is_all = along.start == 0 && along.end >= self.states;
         with_scalars::<f64, _>(self.constants.len() + self.steps.len(), |plain| {
             self.plain(time, plain);
             with_scalars::<S, _>(self.registers, |registers| {
                 let mut run = Run { states, count: self.states, plain, registers };
                 let mut start = 0;
-                for output in &self.coordinates {
+                for (output, depends_on) in self.coordinates.iter().zip(&self.depends_on) {
+                    // What one coordinate computes others may use.
                     let instructions = &self.instructions[start..output.end];
                     start = output.end;
                     run.all(instructions);
-                    run.push(output, coordinates);
+                    match is_all || depends_on.iter().any(|state| along.contains(&(*state as usize))) {
+                        true => run.push(output, coordinates),
+                        false => coordinates.pass_over(),
+                    }
                 }
             });
         });

@@ -80,6 +80,15 @@ impl<const E: usize> Coordinates<Varied<E>> for Scores<'_> {
             put(*derivative, lane, place);
         }
     }
+
+    /// Its slope and information were found along the first coordinates; along these it does not change.
+    #[inline(always)]
+    fn pass_over(&mut self) {
+        let row = self.at * self.n;
+        self.at += 1;
+        let Some(jacobian) = self.jacobian.get_mut(row + self.first..row + self.n) else { return };
+        jacobian.iter_mut().take(E - 1).for_each(|place| put(Side::from(0.0), self.lane, place));
+    }
 }
 
 /// What [`Linearise::tile_scores`] asks for.
@@ -109,7 +118,9 @@ impl<M: Equations> Asked<'_, M> {
                                 (&mut **slopes, &mut **information, &mut **jacobian);
                             let mut scores =
                                 Scores { measurement, lane, first, n, slopes, information, jacobian, at: 0 };
-                            model.measurement(*time, &*point, &mut scores);
+                            // Along the first ones all are asked for, with their slopes and information.
+                            let along = if first == 0 { 0..n } else { first..(first + E - 1).min(n) };
+                            model.measurement_along(*time, &*point, along, &mut scores);
                         }
                     }
                 },

@@ -1,5 +1,7 @@
 //! How a model is stated.
 
+use std::ops::Range;
+
 use super::distribution::Distribution;
 use super::scalar::Scalar;
 
@@ -62,10 +64,28 @@ pub trait Equations: Sync {
 
     /// Pushes the distribution of each of the `M` coordinates of `y_t` given `x_t` (`N`); `time` is `t`, at least 0.
     fn measurement<S: Scalar>(&self, time: usize, state: &[S], measurement: &mut impl Coordinates<S>);
+
+    /// [`Equations::measurement`], of which only derivatives along the states in `along` are wanted: coordinates that depend on none of these states may be
+    /// passed over ([`Coordinates::pass_over`]). A model of many states of which each coordinate sees few is linearised sooner so; all are pushed unless a
+    /// model says otherwise.
+    #[inline(always)]
+    fn measurement_along<S: Scalar>(
+        &self,
+        time: usize,
+        state: &[S],
+        _along: Range<usize>,
+        measurement: &mut impl Coordinates<S>,
+    ) {
+        self.measurement(time, state, measurement);
+    }
 }
 
 /// What takes the distributions of a vector's coordinates, one after another.
 pub trait Coordinates<S> {
     /// Takes the distribution of the next coordinate.
     fn push(&mut self, distribution: Distribution<S>);
+
+    /// Passes over the next coordinate, of which nothing is wanted.
+    #[inline(always)]
+    fn pass_over(&mut self) {}
 }
