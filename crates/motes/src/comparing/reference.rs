@@ -131,7 +131,8 @@ pub(super) fn reference(
 fn is_rough(all: &[Answers], wanted: Option<f64>) -> bool {
     let error = |all| mean_of(all, String::new()).error.unwrap_or(f64::INFINITY);
     // What is no number, of filters that all collapsed, is not small.
-    wanted.is_some_and(|wanted| all.len() < MOST_REFERENCE_FILTERS && !(error(all) <= wanted))
+    let is_known = |wanted: f64| error(all) <= wanted;
+    wanted.is_some_and(|wanted| all.len() < MOST_REFERENCE_FILTERS && !is_known(wanted))
 }
 
 /// The filters' evidence averaged, which stays unbiased; their means by their evidence so far; and the standard error of the logarithm of the average.

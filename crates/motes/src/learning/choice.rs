@@ -78,7 +78,7 @@ pub(super) fn choose(
     let seconds = settings.seconds.map(|seconds| seconds * PILOT);
     // By what the model draws for itself, whatever follows: data may be few.
     let objective = LearnObjective::Inclusive;
-    let pilot = LearnConfig { objective, steps, validate_every: steps, seconds, ..*settings };
+    let pilot = LearnConfig { objective, steps, validate_every: steps, patience: None, seconds, ..*settings };
     let count = candidates.len();
     let mut gains = Vec::new();
     for (number, config) in candidates.iter().enumerate() {

@@ -21,6 +21,9 @@ use crate::model::Model;
 use choice::{Choice, choose};
 use worth::worse_than;
 
+/// Learning ends where such a share of its updates brought no better weights.
+const PATIENCE: f64 = 0.3;
+
 /// What came of learning.
 #[derive(Debug, Clone)]
 pub struct LearnOutcome {
@@ -74,6 +77,9 @@ pub fn learn(
         steps: options.updates,
         horizon: options.steps,
         seconds: options.seconds,
+        // Where the base is the optimum there is nothing to wait for. Figures of recorded data are too noisy to tell.
+        patience: (options.objective == LearnObjective::Inclusive)
+            .then(|| (PATIENCE * options.updates as f64).ceil() as usize),
         ..LearnConfig::new()
     };
     let seed = Seed::from_u64(options.seed).child("learn");

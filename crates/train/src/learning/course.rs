@@ -68,6 +68,10 @@ impl Course {
 
     /// The share of learning that is done before `step`; none at its end.
     pub(super) fn progress(&self, step: usize) -> Option<f64> {
+        let without_gain = self.learned.steps - self.learned.best_step;
+        if self.config.patience.is_some_and(|patience| without_gain >= patience) {
+            return None;
+        }
         let by_steps = step as f64 / self.config.steps as f64;
         let progress = match self.config.seconds {
             Some(seconds) => by_steps.max(self.started.elapsed().as_secs_f64() / seconds),

@@ -35,6 +35,9 @@ pub struct LearnConfig {
     pub clip_norm: f64,
     /// How many steps lie between two looks at validation.
     pub validate_every: usize,
+    /// Training ends where so many steps brought no better weights; it does not if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub patience: Option<usize>,
     /// Training ends after so many seconds, whatever its steps; the number of steps then depends on the machine.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seconds: Option<f64>,
@@ -71,6 +74,7 @@ impl LearnConfig {
             adam: AdamConfig { learning_rate: 3e-3, ..AdamConfig::paper() },
             clip_norm: 5.0,
             validate_every: 200,
+            patience: None,
             seconds: None,
             weight_penalty: 0.0,
             dropout: 0.0,
@@ -88,6 +92,9 @@ impl LearnConfig {
             if count == 0 {
                 return wrong(name, "0".into(), "at least 1");
             }
+        }
+        if self.patience == Some(0) {
+            return wrong("the patience", "0".into(), "at least 1 step");
         }
         if self.horizon < 2 {
             return wrong("the number of times of a sequence", self.horizon.to_string(), "at least 2");

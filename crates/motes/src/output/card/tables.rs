@@ -76,7 +76,7 @@ pub(in crate::output) fn errors(comparison: &Comparison) -> Table {
         let cell = |k: &usize| {
             let point = points.iter().find(|point| point.proposal == *proposal && point.particles == *k);
             point.map_or(String::new(), |point| {
-                let error = point.error.map_or("lost".to_string(), |error| format!("{error:.3}"));
+                let error = point.error.map_or("lost".to_string(), decimal);
                 format!("{error} ({:.4})", point.ms_per_step)
             })
         };
@@ -105,7 +105,12 @@ pub(in crate::output) const ABOUT_ERRORS: &str =
 fn figure(figure: Option<Figure>) -> String {
     match figure {
         None => "–".into(),
-        Some(Figure { mean, half_width: None }) => format!("{mean:.3}"),
-        Some(Figure { mean, half_width: Some(width) }) => format!("{mean:.3} ± {width:.3}"),
+        Some(Figure { mean, half_width: None }) => decimal(mean),
+        Some(Figure { mean, half_width: Some(width) }) => format!("{} ± {}", decimal(mean), decimal(width)),
     }
+}
+
+/// Three decimals, or powers of ten where nobody could read so many digits.
+fn decimal(value: f64) -> String {
+    if value.abs() < 1e6 { format!("{value:.3}") } else { format!("{value:.1e}") }
 }
