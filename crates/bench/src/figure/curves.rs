@@ -9,14 +9,15 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::counts;
+use super::dots::dots;
 use super::style::{Area, Drawn, FONT, INK, colour, extent};
 use crate::config::{Axis, Method, Plan};
 use crate::tables::Row;
 
 /// A row of plots: which metric, what its axis says, and whether the axis is logarithmic.
-struct Metric {
-    name: &'static str,
-    label: &'static str,
+pub(super) struct Metric {
+    pub(super) name: &'static str,
+    pub(super) label: &'static str,
     logarithmic: bool,
 }
 
@@ -65,6 +66,10 @@ pub(crate) fn figure(plan: &Plan, title: &str, rows: &[Row]) -> Result<String, B
         rows.iter().any(|row| of(row) && (metric.name != "lost_runs" || row.quartiles.1 > 0.0))
     };
     let metrics: Vec<&Metric> = METRICS.iter().filter(there).collect();
+    let xs: BTreeSet<usize> = rows.iter().map(|row| row.x).collect();
+    if xs.len() == 1 {
+        return dots(title, rows, &panels, &methods, &metrics);
+    }
     let size = (PANEL.0 * panels.len().max(2) as u32, HEAD + PANEL.1 * metrics.len() as u32);
     let mut svg = String::new();
     {
@@ -237,7 +242,7 @@ fn ticks(rows: &[&Row]) -> Vec<f64> {
 }
 
 /// Filled for learned proposals, hollow for designed ones.
-fn marker<C>(method: Method, at: C) -> Circle<C, i32> {
+pub(super) fn marker<C>(method: Method, at: C) -> Circle<C, i32> {
     let colour = colour(method);
     Circle::new(at, 4, if method.is_learned() { colour.filled() } else { colour.stroke_width(2) })
 }

@@ -1,7 +1,8 @@
-//! figure.svg: curves over the x axis, or estimates over time.
+//! figure.svg: curves over the x axis, dots where it has one value, or estimates over time.
 
 mod counts;
 mod curves;
+mod dots;
 mod series;
 mod style;
 

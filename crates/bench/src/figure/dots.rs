@@ -1,0 +1,118 @@
+//! figure.svg where the x axis has one value: methods below each other, a column of plots for each metric.
+
+use std::error::Error;
+use std::ops::Range;
+
+use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+use super::curves::{Metric, marker};
+use super::style::{Area, Drawn, FONT, INK, colour, extent};
+use crate::config::Method;
+use crate::tables::Row;
+
+const HEAD: u32 = 62;
+/// For the names of methods.
+const NAMES: u32 = 130;
+const PLOT: u32 = 215;
+/// The height of a method's line, and of what is above and below all lines of a panel.
+const LINE: u32 = 24;
+const ABOVE: u32 = 34;
+const BELOW: u32 = 44;
+/// A metric whose largest value is more than so many times its least has a logarithmic axis.
+const WIDE: f64 = 30.0;
+
+/// Draws medians as dots with bars over the middle half of the repetitions: a row of plots for each panel.
+///
+/// # Errors
+/// What the drawing library says.
+pub(super) fn dots(
+    title: &str,
+    rows: &[Row],
+    panels: &[&str],
+    methods: &[Method],
+    metrics: &[&Metric],
+) -> Result<String, Box<dyn Error>> {
+    let height = ABOVE + LINE * methods.len() as u32 + BELOW;
+    let size = (NAMES + PLOT * metrics.len() as u32, HEAD + height * panels.len() as u32);
+    let mut svg = String::new();
+    {
+        let root = SVGBackend::with_string(&mut svg, size).into_drawing_area();
+        root.fill(&WHITE)?;
+        let (head, body) = root.split_vertically(HEAD);
+        head.draw(&Text::new(title.to_string(), (12, 10), (FONT, 17).into_font().color(&INK)))?;
+        let note = "medians; bars span the middle half of the repetitions";
+        head.draw(&Text::new(note, (12, 36), (FONT, 13).into_font().color(&INK.mix(0.7))))?;
+        for (area, panel) in body.split_evenly((panels.len(), 1)).iter().zip(panels) {
+            let (names, plots) = area.split_horizontally(NAMES);
+            draw_names(&names, panel, methods)?;
+            for (cell, metric) in plots.split_evenly((1, metrics.len())).iter().zip(metrics) {
+                let of_metric = |row: &&Row| row.metric == metric.name && row.n_ok > 0 && is_comparable(row);
+                let all: Vec<&Row> = rows.iter().filter(of_metric).collect();
+                let here: Vec<&Row> = all.iter().filter(|row| row.panel == *panel).copied().collect();
+                draw_plot(cell, metric, methods, &all, &here)?;
+            }
+        }
+        root.present()?;
+    }
+    Ok(svg)
+}
+
+/// A reference has far more particles: what counts those is not comparable.
+fn is_comparable(row: &Row) -> bool {
+    !row.method.is_reference() || !["ess", "lost_runs"].contains(&row.metric.as_str())
+}
+
+fn draw_names(area: &Area<'_>, panel: &str, methods: &[Method]) -> Drawn {
+    area.draw(&Text::new(panel.to_string(), (12, 12), (FONT, 14).into_font().color(&INK)))?;
+    for (at, method) in methods.iter().enumerate() {
+        let y = (ABOVE + LINE * at as u32 + LINE / 2) as i32;
+        let style = (FONT, 14).into_font().color(&colour(*method)).pos(Pos::new(HPos::Right, VPos::Center));
+        area.draw(&Text::new(method.name(), (NAMES as i32 - 6, y), style))?;
+    }
+    Ok(())
+}
+
+fn draw_plot(cell: &Area<'_>, metric: &Metric, methods: &[Method], all: &[&Row], here: &[&Row]) -> Drawn {
+    let (low, _) = extent(all.iter().map(|row| row.quartiles.0));
+    let (_, high) = extent(all.iter().map(|row| row.quartiles.1));
+    match low > 0.0 && high > WIDE * low {
+        true => draw_chart(cell, metric, methods, here, (low / 1.5..high * 1.5).log_scale()),
+        false => draw_chart(cell, metric, methods, here, 0.0..high.max(f64::MIN_POSITIVE) * 1.1),
+    }
+}
+
+fn draw_chart<X>(cell: &Area<'_>, metric: &Metric, methods: &[Method], here: &[&Row], x: X) -> Drawn
+where
+    X: AsRangedCoord<Value = f64>,
+    X::CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>,
+{
+    let lines: Range<f64> = 0.0..methods.len() as f64;
+    let mut chart = ChartBuilder::on(cell)
+        .margin_right(16)
+        .margin_left(4)
+        .margin_top(ABOVE as i32)
+        .x_label_area_size(BELOW)
+        .build_cartesian_2d(x, lines)?;
+    chart
+        .configure_mesh()
+        .x_desc(metric.label)
+        .x_labels(4)
+        .y_labels(0)
+        .disable_y_mesh()
+        .light_line_style(TRANSPARENT)
+        .bold_line_style(INK.mix(0.12))
+        .axis_style(INK.mix(0.6))
+        .label_style((FONT, 12).into_font().color(&INK))
+        .draw()?;
+    for (at, method) in methods.iter().enumerate() {
+        // From the top downwards.
+        let y = methods.len() as f64 - at as f64 - 0.5;
+        let Some(row) = here.iter().find(|row| row.method == *method) else { continue };
+        let bar = [(row.quartiles.0, y), (row.quartiles.1, y)];
+        chart.draw_series([PathElement::new(bar, colour(*method).mix(0.45).stroke_width(3))])?;
+        chart.draw_series([marker(*method, (row.median, y))])?;
+    }
+    Ok(())
+}
