@@ -5,6 +5,7 @@ use std::process::{Command, ExitCode};
 use std::time::Instant;
 
 use crate::process::{built, cargo, run};
+use crate::python;
 
 /// burn's backends, which tests hold ours against.
 const WITH_BURN: [&str; 2] = ["--features", "burn"];
@@ -36,6 +37,7 @@ fn usual(root: &Path, update_expectations: bool) -> Result<(), ExitCode> {
         }
         run(&mut command)
     })?;
+    step("Python package", || python::check(root))?;
     step("instruction counts", || {
         let mut command = Command::new(built("debug", "motes-speed"));
         command.current_dir(root).arg("instructions");

@@ -2,6 +2,7 @@
 
 mod ci;
 mod process;
+mod python;
 mod runner;
 
 use std::ffi::OsString;
@@ -30,6 +31,8 @@ enum Command {
     /// Time filters and training, alone or in turns with other libraries, and write the tables
     #[command(disable_help_flag = true)]
     Bench(Handed),
+    /// Build the Python package into a virtual environment and test it, or build its wheel
+    Python(python::PythonArgs),
     /// Everything that has to hold before a change lands: format, lints, tests, docs, regression run
     Ci {
         /// Then also the tests that take long, properties with many more inputs, and each crate built from its package
@@ -65,6 +68,7 @@ fn main() -> ExitCode {
         Command::Reproduce(handed) => runner::reproduce(&root, &handed.arguments),
         Command::Verify(handed) => runner::verify(&root, &handed.arguments),
         Command::Bench(handed) => runner::measure(&root, &handed.arguments),
+        Command::Python(args) => python::python(&root, &args),
         Command::Ci { thorough, update_expectations } => ci::check(&root, thorough, update_expectations),
     }
 }

@@ -1,0 +1,40 @@
+"""Particle filters for state-space models, with proposals that are learned once.
+
+A model is a file, a text, a dict or matrices. Data are arrays, data frames or CSV files. A filter estimates hidden
+states and the evidence, and warns when neither can be trusted.
+
+>>> import motes
+>>> model = motes.Model.parse('''
+... [initial]
+... level = "normal(1000, 1000)"
+... [transition]
+... level = "normal(level, 38)"
+... [measurement]
+... flow = "normal(level, 123)"
+... ''')
+>>> filtered = model.filter([1120, 1160, None, 1210], seed=1)
+>>> filtered.mean.shape
+(4, 1)
+"""
+
+from ._errors import MotesWarning
+from ._motes import __version__
+from .card import Card
+from .linear import linear_gaussian
+from .model import Learned, Model, OnlineFilter, Proposal, Simulated
+from .results import Filtered, Forecast, Smoothed
+
+__all__ = [
+    "Card",
+    "Filtered",
+    "Forecast",
+    "Learned",
+    "Model",
+    "MotesWarning",
+    "OnlineFilter",
+    "Proposal",
+    "Simulated",
+    "Smoothed",
+    "__version__",
+    "linear_gaussian",
+]

@@ -1,0 +1,143 @@
+"""Data of any form as rows of measurements."""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+import numpy as np
+
+from ._errors import warn
+from . import _motes
+
+
+def data_of(model: _motes.Model, data: Any) -> tuple[_motes.Data, Any]:
+    """The rows of `data`, and the index of its rows where it is a frame of pandas."""
+    if isinstance(data, _motes.Data):
+        return data, None
+    if isinstance(data, (str, os.PathLike)):
+        found, index = model.open(os.fspath(data)), None
+    elif _is_frame(data):
+        found, index = _of_frame(model, data), getattr(data, "index", None)
+    elif isinstance(data, (list, tuple)) and len(data) > 0 and all(_is_sequence(one) for one in data):
+        found, index = _of_sequences(model, data), None
+    else:
+        found, index = _of_array(model, data), _index_of_series(data)
+    if found.ignored:
+        warn(f"data: columns that are not used: {', '.join(found.ignored)}")
+    return found, index
+
+
+def _is_frame(data: Any) -> bool:
+    """Whether it has columns by name: a frame of pandas or polars, or a dict of columns."""
+    return isinstance(data, dict) or (hasattr(data, "columns") and hasattr(data, "__getitem__"))
+
+
+def _is_sequence(data: Any) -> bool:
+    """Whether it is a sequence among others, and no number or row: an array or a frame of its own."""
+    return _is_frame(data) or (getattr(data, "ndim", 0) >= 1)
+
+
+def _index_of_series(data: Any) -> Any:
+    """The index of a series of pandas."""
+    return data.index if hasattr(data, "index") and hasattr(data, "to_numpy") else None
+
+
+def _of_frame(model: _motes.Model, frame: Any) -> _motes.Data:
+    names = [str(name) for name in (frame if isinstance(frame, dict) else frame.columns)]
+    keys = list(frame if isinstance(frame, dict) else frame.columns)
+    measured, series, time, carried, _ = model.columns(names)
+    columns = [_numbers(frame[keys[at]], names[at]) for at in measured]
+    lengths = {len(column) for column in columns}
+    if len(lengths) > 1:
+        raise ValueError(f"data: columns have different lengths: {', '.join(map(str, sorted(lengths)))}")
+    values = np.stack(columns, axis=1) if columns else np.empty((0, 0))
+    times = None if time is None else _numbers(frame[keys[time]], names[time]).tolist()
+    texts = [None if at is None else [_text(value) for value in frame[keys[at]]] for at in (series, carried)]
+    return model.data(names, values.reshape(-1), texts[0], times, texts[1])
+
+
+def _of_array(model: _motes.Model, data: Any) -> _motes.Data:
+    names, width = model.measurements, len(model.measurements)
+    values = _numbers(data, names[0] if width == 1 else None)
+    if values.ndim == 1 and width == 1:
+        values = values[:, None]
+    if values.ndim == 3 and values.shape[2] == width:
+        return _of_sequences(model, list(values))
+    if values.ndim != 2 or values.shape[1] != width:
+        expected = f"(T, {width})" + (" or (T,)" if width == 1 else "") + f" or (S, T, {width})"
+        raise ValueError(
+            f"data: an array of shape {values.shape}; it must be {expected}, a column for each of {', '.join(names)}"
+        )
+    return model.data(names, np.ascontiguousarray(values).reshape(-1), None, None, None)
+
+
+def _of_sequences(model: _motes.Model, sequences: list[Any]) -> _motes.Data:
+    names, width = model.measurements, len(model.measurements)
+    values, series = [], []
+    for number, sequence in enumerate(sequences):
+        try:
+            one = _one_sequence(model, sequence, names, width)
+        except ValueError as error:
+            raise ValueError(f"data, sequence {number}{str(error).removeprefix('data')}") from None
+        if len(one) == 0:
+            raise ValueError(f"data, sequence {number}: there are no rows")
+        values.append(one)
+        series.extend([str(number)] * len(one))
+    return model.data(["series", *names], np.concatenate(values).reshape(-1), series, None, None)
+
+
+def _one_sequence(model: _motes.Model, sequence: Any, names: list[str], width: int) -> np.ndarray:
+    if _is_frame(sequence):
+        return _of_frame(model, sequence).measurements.reshape(-1, width)
+    one = _numbers(sequence, names[0] if width == 1 else None)
+    if one.ndim == 1 and width == 1:
+        one = one[:, None]
+    if one.ndim != 2 or one.shape[1] != width:
+        raise ValueError(f"data: an array of shape {one.shape}; it must be (T, {width})")
+    return one
+
+
+def _numbers(values: Any, column: str | None) -> np.ndarray:
+    """An array of 64-bit numbers, NaN where one is missing; errors name row and column."""
+    if hasattr(values, "to_numpy"):
+        values = values.to_numpy()
+    try:
+        array = np.asarray(values)
+    except ValueError:
+        raise ValueError("data: rows of different lengths; give sequences of unequal length as a list of arrays") from None
+    if array.dtype.kind in "fiub":
+        return array.astype(np.float64)
+    if array.dtype.kind != "O":
+        if array.size == 0:
+            return array.astype(np.float64)
+        at = tuple(0 for _ in array.shape)
+        raise ValueError(f"{_place(at, column)}: {array[at]!r} is no number; a measurement that is missing is NaN or None")
+    found = np.empty(array.shape)
+    for at in np.ndindex(array.shape):
+        found[at] = _number(array[at], at, column)
+    return found
+
+
+def _number(value: Any, at: tuple[int, ...], column: str | None) -> float:
+    if value is None or type(value).__name__ in ("NAType", "NaTType"):
+        return np.nan
+    if isinstance(value, (str, bytes)) or not hasattr(value, "__float__"):
+        raise ValueError(f"{_place(at, column)}: {value!r} is no number; a measurement that is missing is NaN or None")
+    try:
+        return float(value)
+    except (OverflowError, TypeError, ValueError) as error:
+        raise ValueError(f"{_place(at, column)}: {value!r}: {error}") from None
+
+
+def _place(at: tuple[int, ...], column: str | None) -> str:
+    row = f"data, row {at[0]}" if at else "data"
+    if column is not None:
+        return f"{row}, column {column}"
+    return row + (f", column {at[-1]}" if len(at) > 1 else "")
+
+
+def _text(value: Any) -> str:
+    """A label as the command would read it: dates without a time that is midnight."""
+    text = str(value)
+    return text.removesuffix(" 00:00:00") if hasattr(value, "isoformat") else text

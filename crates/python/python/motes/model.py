@@ -1,0 +1,437 @@
+"""Models, and what is done with them."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from . import _motes
+from ._errors import warn
+from ._table import _numbers, data_of
+from ._toml import text_of
+from .card import Card
+from .results import Filtered, Forecast, Smoothed
+
+
+class Proposal:
+    """A proposal that was learned for a model, and can be used for any sequence of it."""
+
+    def __init__(self, found: _motes.Proposal, model: "Model"):
+        self._found, self._model = found, model
+
+    @staticmethod
+    def load(folder: str | os.PathLike[str], model: "Model") -> "Proposal":
+        """Reads the proposal that was saved in `folder`; it must have been learned for `model`."""
+        return Proposal(_motes.Proposal.load(os.fspath(folder), model._model), model)
+
+    def save(self, folder: str | os.PathLike[str]) -> None:
+        """Writes it into `folder`, replacing a proposal that is there. The command reads it by `--proposal folder`."""
+        self._found.save(os.fspath(folder), self._model._model)
+
+    @property
+    def name(self) -> str:
+        """What it is called on a card."""
+        return self._found.name
+
+    @property
+    def choice(self) -> str:
+        """What it was chosen as, in a sentence."""
+        return self._found.choice
+
+    def __repr__(self) -> str:
+        return f"Proposal {self.name}: {self.choice}, {self._found.updates} updates in {self._found.seconds:.1f} s"
+
+
+class Learned:
+    """What came of learning."""
+
+    def __init__(self, proposal: Proposal, validation: list[tuple[int, float]], seconds: float, card: Card | None):
+        #: The proposal, with the best weights on validation sequences.
+        self.proposal = proposal
+        #: What validation said after so many updates, in nats a step: `(checks, 2)`.
+        self.validation = np.array(validation)
+        #: How long learning took.
+        self.training_seconds = seconds
+        #: The proposal beside designed ones; none where none was asked for.
+        self.card = card
+
+    def __repr__(self) -> str:
+        return repr(self.proposal) + ("" if self.card is None else f"\n{self.card!r}")
+
+    def _repr_html_(self) -> str:
+        return f"<p>{self.proposal!r}</p>" + ("" if self.card is None else self.card._repr_html_())
+
+
+class Simulated:
+    """Series that a model drew."""
+
+    def __init__(self, states: np.ndarray, measurements: np.ndarray, names: tuple[list[str], list[str]]):
+        #: States, `(S, T, N)`.
+        self.states = states
+        #: Measurements, `(S, T, M)`: data for `Model.filter`.
+        self.measurements = measurements
+        self._names = names
+
+    def to_pandas(self) -> Any:
+        """A data frame of pandas with the columns series, t, the states and the measurements."""
+        from .results import _module
+
+        pandas = _module("pandas", "to_pandas")
+        count, steps, _ = self.states.shape
+        columns: dict[str, Any] = {"series": np.repeat(np.arange(count), steps), "t": np.tile(np.arange(steps), count)}
+        for names, values in zip(self._names, (self.states, self.measurements), strict=True):
+            columns.update({name: values[:, :, at].reshape(-1) for at, name in enumerate(names)})
+        return pandas.DataFrame(columns)
+
+    def __repr__(self) -> str:
+        return f"Simulated: {self.states.shape[0]} series of {self.states.shape[1]} times"
+
+
+class OnlineFilter:
+    """A filter that takes in measurements as they come."""
+
+    def __init__(self, model: "Model", options: _motes.FilterOptions):
+        self._running = _motes.Online(model._model, options, 0)
+        self._width = len(model.measurements)
+        #: The names of the `N` coordinates of a state.
+        self.states = model.states
+        #: What is known of the state: means and standard deviations, `(N,)`, and quantiles at 5, 50 and 95 %, `(N, 3)`.
+        self.mean = self.sd = self.quantiles = None
+        #: The effective sample size of the last step, in particles.
+        self.ess: float | None = None
+        #: The estimate of `log p(y_t | y_0 … y_{t−1})` of the last step.
+        self.log_evidence_increment: float | None = None
+
+    def step(self, measurement: Any) -> "OnlineFilter":
+        """Takes in the measurement of the next time, `(M,)`, NaN or None where one is missing; gives itself."""
+        values = np.atleast_1d(_numbers(measurement, None))
+        if values.shape != (self._width,):
+            raise ValueError(f"measurement: an array of shape {values.shape}; it must be ({self._width},)")
+        if np.isinf(values).any():
+            raise ValueError(f"measurement: {values}; it must be finite, and NaN where one is missing")
+        return self._known(self._running.step(np.ascontiguousarray(values)))
+
+    def predict(self) -> "OnlineFilter":
+        """Goes on by a time at which nothing is measured; gives itself."""
+        return self._known(self._running.predict())
+
+    @property
+    def log_evidence(self) -> float:
+        """The estimate of `log p(y)` of all measurements so far."""
+        return self._running.log_evidence
+
+    @property
+    def pareto_k(self) -> float | None:
+        """The Pareto k of the last step's weights."""
+        return self._running.pareto_k
+
+    def _known(self, known: tuple[Any, ...]) -> "OnlineFilter":
+        self.mean, self.sd, quantiles, self.ess, self.log_evidence_increment = known
+        self.quantiles = quantiles.reshape(-1, 3)
+        return self
+
+
+class Model:
+    """A state-space model.
+
+    `source` is a model file, or a dict with its sections. `set` gives parameters other values.
+
+    >>> import motes
+    >>> model = motes.Model({
+    ...     "parameters": {"q": 1.0},
+    ...     "initial": {"x": "normal(0, 1)"},
+    ...     "transition": {"x": "normal(0.9*x, sqrt(q))"},
+    ...     "measurement": {"y": "normal(0, exp(x/2))"},
+    ... }, set={"q": 0.5})
+    >>> model.parameters
+    {'q': 0.5}
+    """
+
+    def __init__(self, source: str | os.PathLike[str] | Mapping[str, Any], *, set: Mapping[str, float] | None = None):
+        pairs = _parameters(set)
+        if isinstance(source, Mapping):
+            self._model = _motes.Model.parse(text_of(dict(source)), "model", pairs)
+        elif isinstance(source, (str, os.PathLike)):
+            self._model = _motes.Model.read(os.fspath(source), pairs)
+        else:
+            raise TypeError(f"source: {type(source).__name__}; it must be a path or a dict")
+
+    @classmethod
+    def parse(cls, text: str, *, name: str = "model", set: Mapping[str, float] | None = None) -> "Model":
+        """The model of the text of a model file."""
+        model = cls.__new__(cls)
+        model._model = _motes.Model.parse(text, name, _parameters(set))
+        return model
+
+    @property
+    def name(self) -> str:
+        """What it calls itself."""
+        return self._model.name
+
+    @property
+    def states(self) -> list[str]:
+        """The names of the `N` coordinates of a state."""
+        return self._model.states
+
+    @property
+    def measurements(self) -> list[str]:
+        """The names of the `M` coordinates of a measurement, which are the columns of data."""
+        return self._model.measurements
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """The parameters with their values."""
+        return dict(self._model.parameters)
+
+    @property
+    def proposals(self) -> list[str]:
+        """The designed proposals that it has."""
+        return self._model.proposals
+
+    def __repr__(self) -> str:
+        return f"{self.name}\n\n{self._model.describe()}".rstrip()
+
+    def _repr_html_(self) -> str:
+        from .results import _escaped
+
+        return f"<pre>{_escaped(repr(self))}</pre>"
+
+    def simulate(self, steps: int, series: int = 1, *, seed: int = 1) -> Simulated:
+        """Draws `series` series of `steps` times.
+
+        >>> import motes
+        >>> walk = {"initial": {"x": "normal(0, 1)"}, "transition": {"x": "normal(x, 1)"}, "measurement": {"y": "normal(x, 1)"}}
+        >>> motes.Model(walk).simulate(50, series=3).measurements.shape
+        (3, 50, 1)
+        """
+        states, measurements = self._model.simulate(steps, series, seed)
+        names = (self.states, self.measurements)
+        return Simulated(
+            states.reshape(series, steps, len(names[0])), measurements.reshape(series, steps, len(names[1])), names
+        )
+
+    def check(self, data: Any = None, *, seed: int = 1) -> tuple[list[str], list[str]]:
+        """Looks at the model, and at data if there are any: what is as it should be, and what is not.
+
+        Simulations must stay finite, gradients must equal differences, and a filter must get through the data.
+        """
+        return self._model.check(None if data is None else data_of(self._model, data)[0], seed)
+
+    def filter(
+        self,
+        data: Any,
+        *,
+        proposal: str | Proposal = "bootstrap",
+        particles: int = 1000,
+        defensive: float | None = None,
+        resample_below: float = 0.5,
+        resampling: str = "systematic",
+        seed: int = 1,
+        check: bool = True,
+        threads: int | None = None,
+    ) -> Filtered:
+        """Estimates the states of `data`, time by time, with the evidence of each measurement.
+
+        `data` is an array of shape `(T, M)` or `(S, T, M)`, or `(T,)` where `M` is 1; a list of arrays of unequal length;
+        a data frame of pandas or polars, or a dict of columns, read as the command reads CSV: columns by the names of the
+        measurements, `series`, `t`, and a first column of another name that is carried along; or the path of a CSV file.
+        NaN and None are missing.
+
+        `proposal` is `bootstrap`, `linearised`, `optimal` or a `Proposal`. `defensive` is the share of particles drawn
+        from the transition, 0.1 of a learned proposal if None. The filter resamples where the effective sample size is
+        below `resample_below` times `particles`. `check` runs a bootstrap filter beside any other proposal and warns.
+        The same seed gives the same bytes on any number of `threads`, and in the command `motes filter`.
+
+        Warns with `MotesWarning` where the result cannot be trusted. Raises `ValueError` for bad input.
+
+        >>> import motes
+        >>> walk = {"initial": {"x": "normal(0, 1)"}, "transition": {"x": "normal(x, 1)"}, "measurement": {"y": "normal(x, 1)"}}
+        >>> filtered = motes.Model(walk).filter([0.1, None, 0.4], proposal="optimal")
+        >>> filtered.sd.shape, len(filtered.log_evidence_increments)
+        ((3, 1), 3)
+        """
+        options = _options(proposal, particles, defensive, resample_below, resampling, seed, check, threads, 0)
+        return self._filtered(data, options)
+
+    def forecast(
+        self,
+        data: Any,
+        steps: int,
+        *,
+        proposal: str | Proposal = "bootstrap",
+        particles: int = 1000,
+        defensive: float | None = None,
+        resample_below: float = 0.5,
+        resampling: str = "systematic",
+        seed: int = 1,
+        check: bool = True,
+        threads: int | None = None,
+    ) -> Forecast:
+        """Predicts the states of `steps` times after the last measurement of each series; arguments are those of `filter`."""
+        options = _options(proposal, particles, defensive, resample_below, resampling, seed, check, threads, steps)
+        return Forecast(self._filtered(data, options), steps)
+
+    def smooth(
+        self,
+        data: Any,
+        *,
+        paths: int = 200,
+        proposal: str | Proposal = "bootstrap",
+        particles: int = 1000,
+        defensive: float | None = None,
+        resample_below: float = 0.5,
+        resampling: str = "systematic",
+        seed: int = 1,
+        check: bool = True,
+        threads: int | None = None,
+    ) -> Smoothed:
+        """Estimates the states given all measurements, by `paths` trajectories drawn backwards; other arguments are those of `filter`."""
+        options = _options(proposal, particles, defensive, resample_below, resampling, seed, check, threads, 0)
+        rows, index = data_of(self._model, data)
+        found = self._model.smooth(rows, options, paths)
+        for text in found.warnings:
+            warn(text)
+        return Smoothed(found, rows, self.states, self.measurements, index)
+
+    def online(
+        self,
+        *,
+        proposal: str | Proposal = "bootstrap",
+        particles: int = 1000,
+        defensive: float | None = None,
+        resample_below: float = 0.5,
+        resampling: str = "systematic",
+        seed: int = 1,
+    ) -> OnlineFilter:
+        """A filter that takes in measurements as they come, by `step(y)`.
+
+        >>> import motes
+        >>> walk = {"initial": {"x": "normal(0, 1)"}, "transition": {"x": "normal(x, 1)"}, "measurement": {"y": "normal(x, 1)"}}
+        >>> online = motes.Model(walk).online(proposal="optimal")
+        >>> online.step(0.3).mean.shape
+        (1,)
+        """
+        options = _options(proposal, particles, defensive, resample_below, resampling, seed, False, 1, 0)
+        return OnlineFilter(self, options)
+
+    def learn(
+        self,
+        data: Any = None,
+        *,
+        updates: int = 5000,
+        steps: int = 100,
+        objective: str = "inclusive",
+        start: Proposal | None = None,
+        base: str | None = None,
+        head: str | None = None,
+        network: str = "connected",
+        widths: Sequence[int] | None = None,
+        dropout: float = 0.0,
+        penalty: float = 0.0,
+        budget: float | None = None,
+        particles: int = 100,
+        sequences: int = 20,
+        seed: int = 1,
+        threads: int | None = None,
+    ) -> Learned:
+        """Learns a proposal from sequences that the model draws for itself, and holds it against designed ones.
+
+        `data` are recorded sequences to learn from in addition, or alone by the objectives `wake` and `fivo`. `start` is a
+        proposal to learn further. `base`, `head`, `network` and `widths` are chosen if None, and are named as in
+        `motes learn`. Learning ends after `budget` seconds if one is given. `particles` and `sequences` are those of the
+        card; with 0 sequences there is none.
+        """
+        rows = None if data is None else data_of(self._model, data)[0]
+        arguments = {
+            "objective": objective,
+            "start": None if start is None else _proposal(start, "start"),
+            "dropout": dropout,
+            "penalty": penalty,
+            "updates": updates,
+            "budget": budget,
+            "steps": steps,
+            "base": base,
+            "head": head,
+            "network": network,
+            "widths": None if widths is None else list(widths),
+            "seed": seed,
+        }
+        found, validation, seconds = self._model.learn(rows, arguments, threads)
+        if found.worse_than is not None:
+            warn(f"it did worse than {found.worse_than} on sequences of the model; take proposal={found.worse_than!r}")
+        card = None
+        if sequences != 0:
+            card = Card(self._model.card(found, particles, sequences, steps, seed, threads, seconds))
+        return Learned(Proposal(found, self), validation, seconds, card)
+
+    def compare(
+        self,
+        data: Any = None,
+        *,
+        proposals: Sequence[str | Proposal] = (),
+        particles: int = 100,
+        at: Sequence[int] = (10, 30, 100, 300, 1000, 3000, 10000),
+        sequences: int = 20,
+        steps: int = 100,
+        defensive: float | None = None,
+        resample_below: float = 0.5,
+        resampling: str = "systematic",
+        seed: int = 1,
+        threads: int | None = None,
+    ) -> Card:
+        """The report card of proposals side by side, on simulated sequences or on `data`; all designed ones if none is named."""
+        rows = None if data is None else data_of(self._model, data)[0]
+        named = [_proposal(proposal, "proposals") for proposal in proposals]
+        options = _options("bootstrap", particles, defensive, resample_below, resampling, seed, False, threads, 0)
+        return Card(self._model.compare(rows, named, options, list(at), sequences, steps))
+
+    def _filtered(self, data: Any, options: _motes.FilterOptions) -> Filtered:
+        rows, index = data_of(self._model, data)
+        found = self._model.filter(rows, options)
+        for text in found.warnings:
+            warn(text)
+        return Filtered(found, rows, self.states, self.measurements, index)
+
+
+def _parameters(set: Mapping[str, float] | None) -> list[tuple[str, float]]:
+    pairs = []
+    for name, value in (set or {}).items():
+        if isinstance(value, (bool, str)) or not hasattr(value, "__float__") or not np.isfinite(float(value)):
+            raise ValueError(f"set: {name}: {value!r}; it must be a finite number")
+        pairs.append((str(name), float(value)))
+    return pairs
+
+
+def _proposal(proposal: str | Proposal, argument: str) -> Any:
+    if isinstance(proposal, Proposal):
+        return proposal._found
+    if isinstance(proposal, str):
+        return proposal
+    raise TypeError(f"{argument}: {type(proposal).__name__}; it must be a name or a Proposal")
+
+
+def _options(
+    proposal: str | Proposal,
+    particles: int,
+    defensive: float | None,
+    resample_below: float,
+    resampling: str,
+    seed: int,
+    check: bool,
+    threads: int | None,
+    forecast: int,
+) -> _motes.FilterOptions:
+    return _motes.FilterOptions(
+        proposal=_proposal(proposal, "proposal"),
+        particles=particles,
+        defensive=defensive,
+        resample_below=resample_below,
+        resampling=resampling,
+        seed=seed,
+        check=check,
+        threads=threads,
+        forecast=forecast,
+    )

@@ -1,0 +1,42 @@
+//! The compiled part of the Python package `motes`: models, filters and learning by the crate `motes`, on arrays.
+//!
+//! The package's own Python code makes tables of data frames and lists, and gives results their shape; see `python/motes`.
+
+mod card;
+mod data;
+mod errors;
+mod estimates;
+mod filtered;
+mod learned;
+mod model;
+mod online;
+mod options;
+mod work;
+
+use pyo3::prelude::*;
+
+/// The functions and classes that the Python code of the package is made on.
+#[pymodule]
+mod _motes {
+    #[pymodule_export]
+    use crate::card::Card;
+    #[pymodule_export]
+    use crate::data::Data;
+    #[pymodule_export]
+    use crate::filtered::Filtered;
+    #[pymodule_export]
+    use crate::learned::Proposal;
+    #[pymodule_export]
+    use crate::model::Model;
+    #[pymodule_export]
+    use crate::online::Online;
+    #[pymodule_export]
+    use crate::options::FilterOptions;
+
+    use pyo3::prelude::*;
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
+    }
+}

@@ -1,0 +1,306 @@
+//! State-space models, and what is done with them.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Instant;
+
+use motes::{
+    Columns, CompareOptions, Comparison, LearnOutcome, MotesError, ProposalName, Table, check, compare,
+    designed, filter, learn, simulate, smooth,
+};
+use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+
+use crate::card::Card;
+use crate::data::Data;
+use crate::errors::to_python;
+use crate::filtered::Filtered;
+use crate::learned::{LearnArguments, Proposal};
+use crate::options::{FilterOptions, ProposalArgument, integer, seed_of, threads_of};
+use crate::work::without_lock;
+
+/// A state-space model.
+#[pyclass(frozen, module = "motes._motes")]
+pub(crate) struct Model {
+    pub(crate) model: Arc<motes::Model>,
+    /// Parameters that were given other values.
+    set: Vec<(String, f64)>,
+}
+
+/// Which columns measurements are, which ones `series`, `t` and the carried one are, and which ones are not used.
+type Places = (Vec<usize>, Option<usize>, Option<usize>, Option<usize>, Vec<String>);
+
+/// States and measurements of simulated series, flat.
+type Simulated<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
+
+/// A proposal that was learned, what validation said after so many updates, and how many seconds it took.
+type Learned = (Proposal, Vec<(usize, f64)>, f64);
+
+#[pymethods]
+impl Model {
+    /// The model of a file.
+    #[staticmethod]
+    fn read(path: PathBuf, set: Vec<(String, f64)>) -> PyResult<Self> {
+        let model = motes::Model::read(&path, &set).map_err(to_python)?;
+        Ok(Model { model: Arc::new(model), set })
+    }
+
+    /// The model of a text, which errors call `name`.
+    #[staticmethod]
+    fn parse(text: &str, name: &str, set: Vec<(String, f64)>) -> PyResult<Self> {
+        let model = motes::Model::parse(text, name, &set).map_err(to_python)?;
+        Ok(Model { model: Arc::new(model), set })
+    }
+
+    #[getter]
+    fn name(&self) -> &str {
+        self.model.name()
+    }
+
+    #[getter]
+    fn states(&self) -> Vec<String> {
+        self.model.states().to_vec()
+    }
+
+    #[getter]
+    fn measurements(&self) -> Vec<String> {
+        self.model.measurements().to_vec()
+    }
+
+    #[getter]
+    fn parameters(&self) -> Vec<(String, f64)> {
+        self.model.parameters().to_vec()
+    }
+
+    /// Its coordinates and what they are distributed as, for people.
+    fn describe(&self) -> String {
+        self.model.describe().to_string()
+    }
+
+    /// The designed proposals that it has.
+    #[getter]
+    fn proposals(&self) -> Vec<String> {
+        let there = designed(&self.model, &motes::FilterOptions::default());
+        there.iter().map(ToString::to_string).collect()
+    }
+
+    /// What the columns of a table are for.
+    fn columns(&self, header: Vec<String>) -> PyResult<Places> {
+        let columns = Columns::of(&header, "data", self.model.states(), self.model.measurements());
+        let columns = columns.map_err(to_python)?;
+        let [series, time, carried] = columns.others();
+        Ok((columns.measurements().to_vec(), series, time, carried, columns.ignored.clone()))
+    }
+
+    /// Data of a table: its header, the measurements row by row, and the columns `series`, `t` and the carried one.
+    fn data(
+        &self,
+        header: Vec<String>,
+        measurements: PyReadonlyArray1<'_, f64>,
+        series: Option<Vec<String>>,
+        times: Option<Vec<f64>>,
+        carried: Option<Vec<String>>,
+    ) -> PyResult<Data> {
+        let table = Table {
+            name: "data",
+            header: &header,
+            measurements: measurements.as_slice()?,
+            series: series.as_deref(),
+            times: times.as_deref(),
+            carried: carried.as_deref(),
+        };
+        motes::Data::of_table(&table, &self.model).map(Data).map_err(to_python)
+    }
+
+    /// Data of a CSV file.
+    fn open(&self, path: PathBuf) -> PyResult<Data> {
+        motes::Data::open(&path, &self.model).map(Data).map_err(to_python)
+    }
+
+    /// States and measurements of simulated series, flat.
+    fn simulate<'py>(
+        &self,
+        py: Python<'py>,
+        steps: i64,
+        series: i64,
+        seed: i128,
+    ) -> PyResult<Simulated<'py>> {
+        let steps = integer("steps", steps, 1, 1_000_000_000)?;
+        let series = integer("series", series, 1, 1_000_000_000)?;
+        let seed = seed_of(seed)?;
+        let model = &*self.model;
+        let drawn = without_lock(py, Some(1), |stop| simulate(model, steps, series, seed, |_| stop.asked()))?;
+        let drawn = drawn.map_err(to_python)?.series;
+        let states: Vec<f64> = drawn.iter().flat_map(|one| one.states.values().iter().copied()).collect();
+        let measurements: Vec<f64> =
+            drawn.iter().flat_map(|one| one.measurements.values().iter().copied()).collect();
+        Ok((states.into_pyarray(py), measurements.into_pyarray(py)))
+    }
+
+    /// What is as it should be, and what is not.
+    fn check(
+        &self,
+        py: Python<'_>,
+        data: Option<&Bound<'_, Data>>,
+        seed: i128,
+    ) -> PyResult<(Vec<String>, Vec<String>)> {
+        let seed = seed_of(seed)?;
+        let (model, data) = (&*self.model, data.map(|data| &data.get().0));
+        let checked = without_lock(py, None, |stop| check(model, data, seed, || stop.asked()))?;
+        let checked = checked.map_err(to_python)?;
+        Ok((checked.findings, checked.problems))
+    }
+
+    /// Filters each series.
+    fn filter(
+        &self,
+        py: Python<'_>,
+        data: Py<Data>,
+        options: &Bound<'_, FilterOptions>,
+    ) -> PyResult<Filtered> {
+        let FilterOptions { options, threads } = options.get();
+        let (model, rows) = (&*self.model, &data.get().0);
+        let start = Instant::now();
+        let filtered = without_lock(py, *threads, |stop| filter(model, rows, options, |_| stop.asked()))?;
+        let filtered = filtered.map_err(to_python)?;
+        let seconds = start.elapsed().as_secs_f64();
+        Ok(Filtered {
+            model: Arc::clone(&self.model),
+            set: self.set.clone(),
+            data,
+            options: options.clone(),
+            filtered,
+            smoothed: None,
+            seconds,
+        })
+    }
+
+    /// Filters each series and draws trajectories backwards.
+    fn smooth(
+        &self,
+        py: Python<'_>,
+        data: Py<Data>,
+        options: &Bound<'_, FilterOptions>,
+        paths: i64,
+    ) -> PyResult<Filtered> {
+        let FilterOptions { options, threads } = options.get();
+        let paths = integer("paths", paths, 1, 1_000_000_000)?;
+        let (model, rows) = (&*self.model, &data.get().0);
+        let start = Instant::now();
+        let smoothed =
+            without_lock(py, *threads, |stop| smooth(model, rows, options, paths, |_| stop.asked()))?;
+        let smoothed = smoothed.map_err(to_python)?;
+        let seconds = start.elapsed().as_secs_f64();
+        Ok(Filtered {
+            model: Arc::clone(&self.model),
+            set: self.set.clone(),
+            data,
+            options: options.clone(),
+            filtered: smoothed.filtered,
+            smoothed: Some((smoothed.estimates, smoothed.paths)),
+            seconds,
+        })
+    }
+
+    /// Learns a proposal; `arguments` are those of the Python function. With it comes what validation said, step by step.
+    fn learn(
+        &self,
+        py: Python<'_>,
+        data: Option<&Bound<'_, Data>>,
+        arguments: LearnArguments<'_>,
+        threads: Option<i64>,
+    ) -> PyResult<Learned> {
+        let options = arguments.options()?;
+        let (model, data) = (&*self.model, data.map(|data| &data.get().0));
+        let learned =
+            without_lock(py, threads_of(threads)?, |stop| learn(model, data, &options, |_, _| stop.asked()))?;
+        let LearnOutcome { proposal, history, training_seconds } = learned.map_err(to_python)?;
+        Ok((Proposal(proposal), history.validation, training_seconds))
+    }
+
+    /// Holds a proposal that was learned against the designed ones.
+    #[expect(clippy::too_many_arguments, reason = "each is an argument of the Python function with its name")]
+    fn card(
+        &self,
+        py: Python<'_>,
+        proposal: &Bound<'_, Proposal>,
+        particles: i64,
+        sequences: i64,
+        steps: i64,
+        seed: i128,
+        threads: Option<i64>,
+        training_seconds: f64,
+    ) -> PyResult<Card> {
+        let particles = integer("particles", particles, 1, 1_000_000_000)?;
+        let learned = proposal.get().0.clone();
+        let threads = threads_of(threads)?;
+        let options = CompareOptions {
+            sequences: integer("sequences", sequences, 1, 1_000_000)?,
+            steps: integer("steps", steps, 2, 1_000_000)?,
+            timed_threads: threads.unwrap_or(1),
+            ..CompareOptions::of_learned(&self.model, learned, particles, seed_of(seed)?)
+        };
+        self.carded(py, None, options, threads, Some(training_seconds))
+    }
+
+    /// Holds proposals against each other; all designed ones that the model has if none is named.
+    #[expect(clippy::too_many_arguments, reason = "each is an argument of the Python function with its name")]
+    fn compare(
+        &self,
+        py: Python<'_>,
+        data: Option<&Bound<'_, Data>>,
+        proposals: Vec<ProposalArgument<'_>>,
+        filter: &Bound<'_, FilterOptions>,
+        at: Vec<i64>,
+        sequences: i64,
+        steps: i64,
+    ) -> PyResult<Card> {
+        let FilterOptions { options: filter, threads } = filter.get();
+        let named: Vec<ProposalName> =
+            proposals.iter().map(ProposalArgument::name).collect::<PyResult<_>>()?;
+        let proposals = if named.is_empty() { designed(&self.model, filter) } else { named };
+        let at = at.iter().map(|count| integer("at", *count, 1, 1_000_000_000));
+        let options = CompareOptions {
+            proposals,
+            filter: filter.clone(),
+            particles: at.collect::<PyResult<_>>()?,
+            sequences: integer("sequences", sequences, 1, 1_000_000)?,
+            steps: integer("steps", steps, 2, 1_000_000_000)?,
+            reference_particles: CompareOptions::REFERENCE_PARTICLES,
+            reference_filters: 1,
+            reference_error: None,
+            timed_threads: threads.unwrap_or(1),
+        };
+        self.carded(py, data.map(|data| &data.get().0), options, *threads, None)
+    }
+}
+
+impl Model {
+    fn carded(
+        &self,
+        py: Python<'_>,
+        data: Option<&motes::Data>,
+        options: CompareOptions,
+        threads: Option<usize>,
+        training_seconds: Option<f64>,
+    ) -> PyResult<Card> {
+        let mut names: Vec<&str> = options.proposals.iter().map(ProposalName::as_str).collect();
+        names.sort_unstable();
+        if let Some(twice) = names.windows(2).find(|pair| pair[0] == pair[1]) {
+            return Err(PyValueError::new_err(format!(
+                "proposals: {}: there are two of that name",
+                twice[0]
+            )));
+        }
+        let model = &*self.model;
+        let compared: Result<Comparison, MotesError> =
+            without_lock(py, threads, |stop| compare(model, data, &options, |_| stop.asked()))?;
+        Ok(Card {
+            model: model.name().to_string(),
+            comparison: compared.map_err(to_python)?,
+            options: options.filter,
+            training_seconds,
+        })
+    }
+}

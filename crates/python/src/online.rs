@@ -1,0 +1,92 @@
+//! A filter that takes in measurements as they come.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use motes::{MotesError, Running};
+use numpy::{PyArray1, PyReadonlyArray1};
+use pyo3::prelude::*;
+use self_cell::self_cell;
+
+use crate::errors::to_python;
+use crate::model::Model;
+use crate::options::FilterOptions;
+
+self_cell!(
+    /// A filter beside the model that it borrows.
+    struct OwnRunning {
+        owner: Arc<motes::Model>,
+
+        #[not_covariant]
+        dependent: Running,
+    }
+);
+
+/// A filter that runs on: one measurement at a time.
+#[pyclass(frozen, module = "motes._motes")]
+pub(crate) struct Online {
+    running: Mutex<OwnRunning>,
+}
+
+/// What is known after a step: means, standard deviations, quantiles, the effective sample size and the log-evidence of the measurement.
+type Known<'py> = (
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<f64>>,
+    Option<f64>,
+    Option<f64>,
+);
+
+#[pymethods]
+impl Online {
+    #[new]
+    fn new(model: &Bound<'_, Model>, options: &Bound<'_, FilterOptions>, series: usize) -> PyResult<Self> {
+        let options = &options.get().options;
+        let model = Arc::clone(&model.get().model);
+        let running =
+            OwnRunning::try_new(model, |model| Running::new(model, options, series)).map_err(to_python)?;
+        Ok(Online { running: Mutex::new(running) })
+    }
+
+    /// Takes in the next measurement; NaN is missing.
+    fn step<'py>(&self, py: Python<'py>, measurement: PyReadonlyArray1<'py, f64>) -> PyResult<Known<'py>> {
+        let values = measurement.as_slice()?.iter();
+        let row: Vec<Option<f64>> = values.map(|value| (!value.is_nan()).then_some(*value)).collect();
+        self.advance(py, move |running| running.step(&row))
+    }
+
+    /// Predicts the next time, at which nothing is measured.
+    fn predict<'py>(&self, py: Python<'py>) -> PyResult<Known<'py>> {
+        self.advance(py, |running| running.predict())
+    }
+
+    /// The log-evidence of all measurements so far.
+    #[getter]
+    fn log_evidence(&self) -> f64 {
+        let running = self.running.lock().unwrap_or_else(PoisonError::into_inner);
+        running.with_dependent(|_, running| running.log_evidence())
+    }
+
+    /// The Pareto k of the last step's weights.
+    #[getter]
+    fn pareto_k(&self) -> Option<f64> {
+        let running = self.running.lock().unwrap_or_else(PoisonError::into_inner);
+        running.with_dependent(|_, running| running.diagnosis().pareto_k)
+    }
+}
+
+impl Online {
+    fn advance<'py>(
+        &self,
+        py: Python<'py>,
+        step: impl FnOnce(&mut Running<'_>) -> Result<motes::Estimate, MotesError> + Send,
+    ) -> PyResult<Known<'py>> {
+        // A step is short: no thread is woken for it. Another thread of Python's may run meanwhile.
+        let estimate = py.detach(|| {
+            let mut running = self.running.lock().unwrap_or_else(PoisonError::into_inner);
+            running.with_dependent_mut(|_, running| step(running))
+        });
+        let estimate = estimate.map_err(to_python)?;
+        let (means, sds, quantiles) = crate::estimates::states(py, std::slice::from_ref(&estimate));
+        Ok((means, sds, quantiles, estimate.ess, estimate.log_evidence))
+    }
+}

@@ -1,0 +1,27 @@
+from pathlib import Path
+
+import pytest
+
+import motes
+
+EXAMPLES = Path(__file__).resolve().parents[3] / "examples"
+
+
+@pytest.fixture
+def growth():
+    return motes.Model(EXAMPLES / "growth.toml")
+
+
+@pytest.fixture
+def nile():
+    return motes.Model(EXAMPLES / "nile.toml")
+
+
+@pytest.fixture
+def tracking():
+    return motes.Model(EXAMPLES / "tracking.toml")
+
+
+@pytest.fixture
+def examples():
+    return EXAMPLES

@@ -1,0 +1,101 @@
+"""Data of any form, and what is refused of them."""
+
+import numpy as np
+import pytest
+
+import motes
+
+TWO = {
+    "initial": {"x": "normal(0, 1)"},
+    "transition": {"x": "normal(x, 1)"},
+    "measurement": {"y": "normal(x, 1)", "z": "normal(2*x, 1)"},
+}
+
+
+@pytest.fixture
+def two():
+    return motes.Model(TWO)
+
+
+def test_every_form_of_the_same_data_gives_the_same(nile):
+    flows = [1120.0, 1160.0, float("nan"), 1210.0]
+    forms = [
+        flows,
+        [1120, 1160, None, 1210],
+        np.array(flows),
+        np.array(flows)[:, None],
+        np.array(flows)[None, :, None],
+        np.repeat(np.array(flows), 2)[::2],
+        np.asfortranarray(np.array(flows)[:, None]),
+        {"flow": flows},
+        {"year": ["a", "b", "c", "d"], "flow": flows},
+    ]
+    read_only = np.array(flows)
+    read_only.flags.writeable = False
+    found = [nile.filter(form).mean.tolist() for form in [*forms, read_only]]
+    assert all(one == found[0] for one in found)
+
+
+def test_whole_numbers_and_single_precision(nile):
+    expected = nile.filter([1120.0, 1160.0]).mean.tolist()
+    for dtype in ["int32", "int64", "uint16", "float32"]:
+        assert nile.filter(np.array([1120, 1160], dtype=dtype)).mean.tolist() == expected
+
+
+def test_sequences_of_unequal_length(nile):
+    found = nile.filter([np.array([1120.0, 1160.0, 1000.0]), np.array([900.0])])
+    assert found.series.tolist() == [0, 0, 0, 1] and found.time.tolist() == [0, 1, 2, 0]
+    assert found.log_evidence_per_series.shape == (2,)
+    assert found.log_evidence == pytest.approx(found.log_evidence_per_series.sum())
+    assert nile.filter([[1120.0, 1160.0, 1000.0]][0]).mean.tolist() == found.mean[:3].tolist()
+
+
+def test_frames_of_pandas(nile, two):
+    pandas = pytest.importorskip("pandas")
+    index = pandas.date_range("1871-01-01", periods=3, freq="YS")
+    frame = pandas.DataFrame({"flow": [1120.0, None, 1000.0]}, index=index)
+    found = nile.filter(frame)
+    assert (found.to_pandas().index == index).all()
+    assert found.to_pandas()["level_mean"].tolist() == found.mean[:, 0].tolist()
+    assert nile.filter(frame["flow"]).mean.tolist() == found.mean.tolist()
+    dated = pandas.DataFrame({"date": index, "flow": [1120.0, pandas.NA, 1000.0]})
+    assert "1871-01-01,0," in nile.filter(dated).to_csv()
+    rows = pandas.DataFrame({"series": ["b", "a", "b"], "y": [1.0, 2.0, 3.0], "z": [0.0, 1.0, 2.0], "note": ["", "", ""]})
+    with pytest.warns(motes.MotesWarning, match="not used: note"):
+        found = two.filter(rows)
+    assert found.series_names == ["b", "a"] and found.series.tolist() == [0, 1, 0]
+
+
+def test_frames_of_polars(nile):
+    polars = pytest.importorskip("polars")
+    frame = polars.DataFrame({"year": [1871, 1872], "flow": [1120.0, None]})
+    found = nile.filter(frame)
+    assert found.to_polars()["year"].to_list() == ["1871", "1872"]
+    assert found.mean.tolist() == nile.filter([1120.0, None]).mean.tolist()
+
+
+@pytest.mark.parametrize(
+    ("data", "line"),
+    [
+        (np.zeros((3, 1)), r"data: an array of shape \(3, 1\); it must be \(T, 2\) or \(S, T, 2\), a column for each of y, z"),
+        (np.zeros(3), r"data: an array of shape \(3,\)"),
+        (np.zeros((0, 2)), "data: there are no rows"),
+        (np.array([[1.0, 2.0], [np.inf, 0.0]]), "data, row 1, column y: inf is not finite"),
+        ({"y": [1.0]}, "data: there is no column z, which the model measures; there are y"),
+        ({"y": [1.0], "z": []}, "data: columns have different lengths: 0, 1"),
+        ({"y": [], "z": []}, "data: there are no rows"),
+        ({"y": [1.0, "x"], "z": [1.0, 2.0]}, "data, row 0, column y: .* is no number"),
+        ({"y": np.array([1.0, "x"], dtype=object), "z": [1.0, 2.0]}, "data, row 1, column y: 'x' is no number"),
+        ({"y": [1j], "z": [1.0]}, "data, row 0, column y: .* is no number"),
+        ({"t": [0, 2], "y": [1.0, 2.0], "z": [1.0, 2.0]}, "data, row 1, column t: 2, where 1 is next"),
+        ([np.zeros((2, 2)), np.zeros((2, 3))], r"data, sequence 1: an array of shape \(2, 3\); it must be \(T, 2\)"),
+        ([np.zeros((2, 2)), np.zeros((0, 2))], "data, sequence 1: there are no rows"),
+        ([[1.0, 2.0], [1.0]], "data: rows of different lengths"),
+        ([], "data: an array of shape"),
+        ("nowhere.csv", "nowhere.csv: there is no such file"),
+    ],
+)
+def test_what_is_no_data_is_refused_in_a_line(two, data, line):
+    with pytest.raises((ValueError, OSError), match=line) as refused:
+        two.filter(data)
+    assert "\n" not in str(refused.value)

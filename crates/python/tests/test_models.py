@@ -1,0 +1,177 @@
+"""Models, what is found by them, and what is refused."""
+
+import os
+import signal
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import motes
+
+
+def test_a_model_of_matrices_is_exact():
+    matrices = {"A": [[0.9]], "C": [[1.0]], "Q": [[1.0]], "R": [[0.5]], "m0": [0.0], "P0": [[2.0]]}
+    model = motes.linear_gaussian(**matrices)
+    y = model.simulate(60, seed=3).measurements[0]
+    mean, variance, evidence = 0.0, 2.0, 0.0
+    for time_, value in enumerate(y[:, 0]):
+        if time_ > 0:
+            mean, variance = 0.9 * mean, 0.81 * variance + 1.0
+        total = variance + 0.5
+        evidence -= 0.5 * (np.log(2 * np.pi * total) + (value - mean) ** 2 / total)
+        mean, variance = mean + variance / total * (value - mean), variance * 0.5 / total
+    found = model.filter(y, proposal="optimal", particles=20_000)
+    assert found.log_evidence == pytest.approx(evidence, abs=0.2)
+    assert found.mean[-1, 0] == pytest.approx(mean, abs=0.02)
+
+
+def test_results_have_shapes(tracking):
+    drawn = tracking.simulate(20, 3)
+    assert drawn.states.shape == (3, 20, 4) and drawn.measurements.shape == (3, 20, 2)
+    found = tracking.filter(drawn.measurements, proposal="linearised", particles=200)
+    assert found.mean.shape == found.sd.shape == (60, 4) and found.quantiles.shape == (60, 4, 3)
+    assert (np.diff(found.quantiles, axis=2) >= 0).all() and found.ess.max() <= 200
+    assert tracking.smooth(drawn.measurements, paths=7, particles=100).paths(1).shape == (7, 20, 4)
+    forecast = tracking.forecast(drawn.measurements, 5, particles=200)
+    assert forecast.mean.shape == (3, 5, 4) and (forecast.sd > 0).all()
+
+
+def test_online_equals_the_filter_of_one_sequence(growth):
+    y = growth.simulate(30, seed=2).measurements[0]
+    online, whole = growth.online(particles=500), growth.filter(y, particles=500)
+    for at, row in enumerate(y):
+        online.step(row)
+        assert online.mean.tolist() == whole.mean[at].tolist()
+        assert online.log_evidence_increment == whole.log_evidence_increments[at]
+    assert online.log_evidence == whole.log_evidence
+    assert online.predict().ess is None
+    for wrong in ([1.0, 2.0], "x", np.inf):
+        with pytest.raises(ValueError):
+            online.step(wrong)
+
+
+def test_learning_and_its_card(growth, tmp_path):
+    learned = growth.learn(updates=200, sequences=3)
+    assert {"bootstrap", "linearised", "learned"} <= set(learned.card.methods)
+    assert learned.validation[-1, 1] > learned.validation[0, 1]
+    learned.proposal.save(tmp_path / "p")
+    found = growth.compare(proposals=["bootstrap", motes.Proposal.load(tmp_path / "p", growth)], at=[10], sequences=2)
+    assert list(found.methods) == ["bootstrap", "p"]
+    tuned = growth.learn(growth.simulate(50, 2).measurements, objective="wake", start=learned.proposal, updates=3, sequences=0)
+    assert tuned.card is None and "learned further" in tuned.proposal.choice
+
+
+def test_warnings_are_pythons(examples):
+    # Too sure of itself: the filter loses its particles.
+    model = motes.Model(examples / "growth.toml", set={"q": 0.001})
+    y = motes.Model(examples / "growth.toml").simulate(40, seed=1).measurements[0]
+    with pytest.warns(motes.MotesWarning) as warned:
+        found = model.filter(y, particles=200)
+    assert found.warnings and warned[0].filename == __file__
+
+
+@pytest.mark.parametrize(
+    ("arguments", "line"),
+    [
+        ({"particles": 0}, "particles: 0; it must be an integer from 1 to"),
+        ({"proposal": "best"}, "proposal: best; it must be bootstrap, linearised, optimal"),
+        ({"proposal": "optimal"}, "proposal optimal: "),
+        ({"defensive": 1.0}, "defensive: 1; it must be from 0 to below 1"),
+        ({"resample_below": 0.0}, "resample_below: 0; it must be above 0"),
+        ({"resampling": "best"}, "resampling: best; it must be multinomial"),
+        ({"seed": -1}, "seed: -1; it must be an integer from 0"),
+        ({"threads": 0}, "threads: 0; it must be an integer from 1"),
+    ],
+)
+def test_arguments_out_of_range_are_refused_in_a_line(growth, arguments, line):
+    with pytest.raises(ValueError, match=line) as refused:
+        growth.filter([1.0, 2.0], **arguments)
+    assert "\n" not in str(refused.value)
+
+
+def test_models_that_are_none_are_refused_in_a_line(tmp_path):
+    walk = {"initial": {"x": "normal(0, 1)"}, "transition": {"x": "normal(x, 1)"}, "measurement": {"y": "normal(x, 1)"}}
+    cases = [
+        ({**walk, "transition": {"x": "normal(z, 1)"}}, "z"),
+        ({**walk, "transition": {"x": object()}}, "transition.x"),
+        ({**walk, "parameters": {"q": float("inf")}}, "q"),
+    ]
+    for source, names in cases:
+        with pytest.raises(ValueError, match=names) as refused:
+            motes.Model(source)
+        assert "\n" not in str(refused.value)
+    with pytest.raises(OSError, match="nowhere.toml"):
+        motes.Model(tmp_path / "nowhere.toml")
+    with pytest.raises(ValueError, match="set: q: nan"):
+        motes.Model(walk, set={"q": float("nan")})
+    with pytest.raises(ValueError, match="Q: an array of shape"):
+        motes.linear_gaussian(A=[[1.0]], C=[[1.0]], Q=[1.0], R=[[1.0]], m0=[0.0], P0=[[1.0]])
+
+
+def test_a_failed_filter_says_where(examples):
+    counts = motes.Model(examples / "ricker.toml")
+    with pytest.raises(ValueError, match="t = 1: no particle explains the measurement"):
+        counts.filter([1, -1])
+
+
+def test_other_threads_of_python_run_meanwhile(growth):
+    y = growth.simulate(200).measurements[0]
+    counted = [0]
+    done = threading.Event()
+
+    def count():
+        while not done.is_set():
+            counted[0] += 1
+            time.sleep(0.001)
+
+    thread = threading.Thread(target=count)
+    thread.start()
+    growth.filter(y, particles=100_000, threads=1)
+    done.set()
+    thread.join()
+    assert counted[0] > 20
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
+def test_ctrl_c_ends_a_long_call(growth):
+    threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+    started = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        growth.learn(updates=10_000_000)
+    assert time.monotonic() - started < 5.0
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="forks of POSIX")
+def test_a_forked_process_has_threads_of_its_own(growth):
+    y = growth.simulate(20).measurements[0]
+    here = growth.filter(y, threads=2).log_evidence
+    child = os.fork()
+    if child == 0:
+        os._exit(0 if growth.filter(y, threads=2).log_evidence == here else 1)
+    for _ in range(100):
+        ended, status = os.waitpid(child, os.WNOHANG)
+        if ended:
+            break
+        time.sleep(0.1)
+    else:
+        os.kill(child, signal.SIGKILL)
+        pytest.fail("the child waits for threads that it does not have")
+    assert status == 0
+
+
+def test_pages_and_notebooks(nile, examples, tmp_path):
+    found = nile.filter(examples / "nile.csv")
+    found.to_html(tmp_path / "nile.html")
+    assert "<html" in (tmp_path / "nile.html").read_text()[:200].lower()
+    assert "log-evidence" in found._repr_html_() and "log-evidence" in repr(found)
+    assert found.to_json()["particles"] == 1000
+    assert "level" in repr(nile) and "<pre>" in nile._repr_html_()
+
+
+def test_plots(nile, examples):
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("Agg")
+    axes = nile.filter(examples / "nile.csv").plot()
+    assert len(axes) == 1 and axes[0].get_ylabel() == "level"

@@ -1,0 +1,107 @@
+//! The Python package: built into a virtual environment of its own and tested there, and its wheel.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode};
+
+use clap::Args;
+use motes_cli::status;
+
+use crate::process::{build, built, run};
+
+/// What the package is built and tested with.
+const PACKAGES: [&str; 6] = ["maturin>=1.9,<2", "numpy", "pandas", "polars", "matplotlib", "pytest>=8"];
+
+/// Interpreters that are looked for, in this order.
+const INTERPRETERS: [&str; 6] =
+    ["python3", "python3.14", "python3.13", "python3.12", "python3.11", "python3.10"];
+
+#[derive(Args)]
+pub(crate) struct PythonArgs {
+    /// The interpreter, of Python 3.10 or later; the first that is there if absent
+    #[arg(long, value_name = "PROGRAM")]
+    python: Option<PathBuf>,
+    /// Build a wheel for this machine's platform instead, into target/wheels
+    #[arg(long)]
+    wheel: bool,
+}
+
+/// Builds and tests the package, or builds its wheel.
+pub(crate) fn python(root: &Path, args: &PythonArgs) -> ExitCode {
+    let Some(interpreter) = args.python.clone().or_else(|| interpreter(root)) else {
+        status("error: there is no Python 3.10 or later; name one with --python");
+        return ExitCode::from(3);
+    };
+    let done = environment(root, &interpreter).and_then(|environment| match args.wheel {
+        true => wheel(root, &environment),
+        false => build(root, "motes", &[], "; the package is tested beside it")
+            .and_then(|()| tested(root, &environment, "release", "release")),
+    });
+    done.map_or_else(|status| status, |()| ExitCode::SUCCESS)
+}
+
+/// As the check of every change, beside the command that the regression run built.
+///
+/// It is left out, and says so, where there is no Python, or no network for its packages.
+pub(crate) fn check(root: &Path) -> Result<(), ExitCode> {
+    let Some(interpreter) = interpreter(root) else {
+        println!("ci: the Python package is left out: there is no Python 3.10 or later");
+        return Ok(());
+    };
+    let Ok(environment) = environment(root, &interpreter) else {
+        println!(
+            "ci: the Python package is left out: its virtual environment could not be made, or has no network"
+        );
+        return Ok(());
+    };
+    tested(root, &environment, "dev", "debug")
+}
+
+/// The first interpreter that is new enough and can make virtual environments.
+fn interpreter(root: &Path) -> Option<PathBuf> {
+    let is_fit = |program: &str| {
+        let asked = "import sys, venv, ensurepip; sys.exit(sys.version_info < (3, 10))";
+        let mut command = Command::new(program);
+        command.current_dir(root).args(["-c", asked]).stderr(std::process::Stdio::null());
+        command.status().is_ok_and(|status| status.success())
+    };
+    INTERPRETERS.into_iter().find(|program| is_fit(program)).map(PathBuf::from)
+}
+
+/// A virtual environment with what is needed, made if it is not there.
+fn environment(root: &Path, interpreter: &Path) -> Result<PathBuf, ExitCode> {
+    let folder = root.join("target/python");
+    let program = folder.join("bin/python");
+    if !program.exists() {
+        run(Command::new(interpreter).args(["-m", "venv", "--clear"]).arg(&folder))?;
+    }
+    run(Command::new(&program)
+        .args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check"])
+        .args(PACKAGES))?;
+    Ok(folder)
+}
+
+/// maturin of the environment, in the package's folder.
+fn maturin(root: &Path, environment: &Path, arguments: &[&str]) -> Result<(), ExitCode> {
+    let mut command = Command::new(environment.join("bin/maturin"));
+    command.current_dir(root.join("crates/python")).env("VIRTUAL_ENV", environment).args(arguments);
+    run(&mut command)
+}
+
+/// Builds the package into the environment and runs its tests beside the command of that profile's folder.
+fn tested(root: &Path, environment: &Path, profile: &str, folder: &str) -> Result<(), ExitCode> {
+    maturin(root, environment, &["develop", "--locked", "--quiet", "--profile", profile])?;
+    let mut tests = Command::new(environment.join("bin/python"));
+    tests.current_dir(root.join("crates/python")).args([
+        "-m",
+        "pytest",
+        "--quiet",
+        "-W",
+        "ignore::motes.MotesWarning",
+    ]);
+    run(tests.env("MOTES_COMMAND", built(folder, "motes")))
+}
+
+/// One wheel for Python 3.10 and all later ones.
+fn wheel(root: &Path, environment: &Path) -> Result<(), ExitCode> {
+    maturin(root, environment, &["build", "--release", "--locked", "--out", "../../target/wheels"])
+}
