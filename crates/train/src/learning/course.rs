@@ -47,6 +47,8 @@ pub(super) struct Course {
     /// What is judged and kept: weights averaged over the last steps, which have less of the noise of single ones.
     averaged: Amortised,
     best: (f64, Values),
+    /// Whether the patience was over when validation was last asked.
+    has_stalled: bool,
     learned: Learned,
 }
 
@@ -63,13 +65,12 @@ impl Course {
             seconds: 0.0,
         };
         let best = (figure, proposal.parameters().values().clone());
-        Course { config: *config, started, averaged: proposal.clone(), best, learned }
+        Course { config: *config, started, averaged: proposal.clone(), best, has_stalled: false, learned }
     }
 
     /// The share of learning that is done before `step`; none at its end.
     pub(super) fn progress(&self, step: usize) -> Option<f64> {
-        let without_gain = self.learned.steps - self.learned.best_step;
-        if self.config.patience.is_some_and(|patience| without_gain >= patience) {
+        if self.has_stalled {
             return None;
         }
         let by_steps = step as f64 / self.config.steps as f64;
@@ -119,6 +120,8 @@ impl Course {
             self.best = (figure, self.averaged.parameters().values().clone());
             self.learned.best_step = self.learned.steps;
         }
+        let without_gain = self.learned.steps - self.learned.best_step;
+        self.has_stalled = self.config.patience.is_some_and(|patience| without_gain >= patience);
         Ok(())
     }
 

@@ -79,6 +79,37 @@ fn the_best_weights_on_validation_are_kept() {
     }
 }
 
+#[test]
+fn it_ends_where_nothing_becomes_better_and_changes_nothing_else() {
+    let with = |model_is_linear: bool, patience: Option<usize>| {
+        let base = if model_is_linear { Base::Linearised } else { Base::Transition };
+        let config = AmortisedConfig { widths: vec![16], sees: Sees::All, base, head: HEADS[0] };
+        let seed = Seed::from_u64(1);
+        let settings = LearnConfig {
+            steps: 300,
+            sequences: 64,
+            rows: 200,
+            validate_every: 50,
+            patience,
+            ..LearnConfig::new()
+        };
+        let go_on = |_, _| ControlFlow::Continue(());
+        let shape = if model_is_linear { ModelShape::of(&Linear) } else { ModelShape::of(&Growth) };
+        let mut proposal = Amortised::create(&config, &shape, 0, Backend::Native.into(), &seed).unwrap();
+        match model_is_linear {
+            true => learn(&mut proposal, &Linear, &[], &settings, &seed, go_on).unwrap(),
+            false => learn(&mut proposal, &Growth, &[], &settings, &seed, go_on).unwrap(),
+        }
+    };
+    // The base is the optimum: the weights that came in stay the best.
+    let stopped = with(true, Some(80));
+    assert_eq!((stopped.steps, stopped.best_step), (100, 0), "{:?}", stopped.validation);
+    assert_eq!(with(true, None).steps, 300);
+    // From the transition there is something to learn to the end.
+    let [patient, other] = [Some(150), None].map(|patience| with(false, patience));
+    assert_eq!((patient.steps, &patient.validation), (300, &other.validation));
+}
+
 /// A state that doubles: after some hundred times it is not a finite number.
 struct Runaway(f64);
 
