@@ -18,7 +18,7 @@ use crate::tables::Row;
 pub(super) struct Metric {
     pub(super) name: &'static str,
     pub(super) label: &'static str,
-    logarithmic: bool,
+    pub(super) logarithmic: bool,
 }
 
 const METRICS: [Metric; 8] = [

@@ -3,7 +3,6 @@
 use std::error::Error;
 use std::ops::Range;
 
-use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
@@ -20,8 +19,8 @@ const PLOT: u32 = 215;
 const LINE: u32 = 24;
 const ABOVE: u32 = 34;
 const BELOW: u32 = 44;
-/// A metric whose largest value is more than so many times its least has a logarithmic axis.
-const WIDE: f64 = 30.0;
+/// What is more than so many times the median of all methods is off the axis, and written beside its end.
+const FAR: f64 = 20.0;
 
 /// Draws medians as dots with bars over the middle half of the repetitions: a row of plots for each panel.
 ///
@@ -75,31 +74,26 @@ fn draw_names(area: &Area<'_>, panel: &str, methods: &[Method]) -> Drawn {
 }
 
 fn draw_plot(cell: &Area<'_>, metric: &Metric, methods: &[Method], all: &[&Row], here: &[&Row]) -> Drawn {
-    let (low, _) = extent(all.iter().map(|row| row.quartiles.0));
-    let (_, high) = extent(all.iter().map(|row| row.quartiles.1));
-    match low > 0.0 && high > WIDE * low {
-        true => draw_chart(cell, metric, methods, here, (low / 1.5..high * 1.5).log_scale()),
-        false => draw_chart(cell, metric, methods, here, 0.0..high.max(f64::MIN_POSITIVE) * 1.1),
-    }
-}
-
-fn draw_chart<X>(cell: &Area<'_>, metric: &Metric, methods: &[Method], here: &[&Row], x: X) -> Drawn
-where
-    X: AsRangedCoord<Value = f64>,
-    X::CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>,
-{
+    let mut medians: Vec<f64> = all.iter().map(|row| row.median).collect();
+    medians.sort_by(f64::total_cmp);
+    let typical = medians.get(medians.len() / 2).copied().unwrap_or(0.0);
+    let is_far = |row: &Row| metric.logarithmic && row.median > FAR * typical;
+    let near = all.iter().filter(|row| !is_far(row));
+    let (_, high) = extent(near.map(|row| row.quartiles.1).filter(|value| value.is_finite()));
+    let end = 1.1 * high.max(f64::MIN_POSITIVE);
     let lines: Range<f64> = 0.0..methods.len() as f64;
     let mut chart = ChartBuilder::on(cell)
         .margin_right(16)
         .margin_left(4)
         .margin_top(ABOVE as i32)
         .x_label_area_size(BELOW)
-        .build_cartesian_2d(x, lines)?;
+        .build_cartesian_2d(0.0..end, lines)?;
     chart
         .configure_mesh()
         .x_desc(metric.label)
         .x_labels(4)
         .y_labels(0)
+        .x_label_formatter(&|value| if end > 10.0 { format!("{value:.0}") } else { format!("{value:.2}") })
         .disable_y_mesh()
         .light_line_style(TRANSPARENT)
         .bold_line_style(INK.mix(0.12))
@@ -110,6 +104,12 @@ where
         // From the top downwards.
         let y = methods.len() as f64 - at as f64 - 0.5;
         let Some(row) = here.iter().find(|row| row.method == *method) else { continue };
+        if is_far(row) {
+            let style =
+                (FONT, 12).into_font().color(&colour(*method)).pos(Pos::new(HPos::Right, VPos::Center));
+            chart.draw_series([Text::new(format!("{:.0e} →", row.median), (end, y), style)])?;
+            continue;
+        }
         let bar = [(row.quartiles.0, y), (row.quartiles.1, y)];
         chart.draw_series([PathElement::new(bar, colour(*method).mix(0.45).stroke_width(3))])?;
         chart.draw_series([marker(*method, (row.median, y))])?;
