@@ -1,14 +1,11 @@
 //! Proposals that were learned.
 
-use std::path::PathBuf;
-
 use motes::train::LearnObjective;
 use motes::{LearnOptions, LearnedProposal, base_named, head_named, network_named};
 use pyo3::prelude::*;
 
-use crate::errors::{refused, to_python};
-use crate::model::Model;
-use crate::options::{integer, seed_of, share_of};
+use crate::arguments::{integer, seed_of, share_of};
+use crate::errors::refused;
 
 /// A proposal that was learned for a model.
 #[pyclass(frozen, module = "motes._motes")]
@@ -16,23 +13,6 @@ pub(crate) struct Proposal(pub(crate) LearnedProposal);
 
 #[pymethods]
 impl Proposal {
-    /// Reads the proposal in a folder.
-    #[staticmethod]
-    fn load(folder: PathBuf, model: &Bound<'_, Model>) -> PyResult<Self> {
-        LearnedProposal::load(&folder, &model.get().model).map(Proposal).map_err(to_python)
-    }
-
-    /// Reads it to be learned further, for a model whose parameters may be others.
-    #[staticmethod]
-    fn load_to_tune(folder: PathBuf, model: &Bound<'_, Model>) -> PyResult<Self> {
-        LearnedProposal::load_to_tune(&folder, &model.get().model).map(Proposal).map_err(to_python)
-    }
-
-    /// Writes it into a folder.
-    fn save(&self, folder: PathBuf, model: &Bound<'_, Model>) -> PyResult<()> {
-        self.0.save(&folder, &model.get().model).map_err(to_python)
-    }
-
     #[getter]
     fn name(&self) -> &str {
         self.0.name()

@@ -5,19 +5,20 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use motes::{
-    Columns, CompareOptions, Comparison, LearnOutcome, MotesError, ProposalName, Table, check, compare,
-    designed, filter, learn, simulate, smooth,
+    Columns, CompareOptions, Comparison, LearnOutcome, LearnedProposal, MotesError, ProposalName, Table,
+    check, compare, designed, filter, learn, simulate, smooth,
 };
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
+use crate::arguments::{integer, seed_of, threads_of};
 use crate::card::Card;
 use crate::data::Data;
 use crate::errors::to_python;
 use crate::filtered::Filtered;
 use crate::learned::{LearnArguments, Proposal};
-use crate::options::{FilterOptions, ProposalArgument, integer, seed_of, threads_of};
+use crate::options::{FilterOptions, ProposalArgument};
 use crate::work::without_lock;
 
 /// A state-space model.
@@ -201,6 +202,17 @@ impl Model {
             smoothed: Some((smoothed.estimates, smoothed.paths)),
             seconds,
         })
+    }
+
+    /// Reads the proposal in a folder, which was learned for this model; `to_tune` one whose model may have had other parameters.
+    fn load_proposal(&self, folder: PathBuf, to_tune: bool) -> PyResult<Proposal> {
+        let read = if to_tune { LearnedProposal::load_to_tune } else { LearnedProposal::load };
+        read(&folder, &self.model).map(Proposal).map_err(to_python)
+    }
+
+    /// Writes a proposal that was learned for this model into a folder.
+    fn save_proposal(&self, proposal: &Bound<'_, Proposal>, folder: PathBuf) -> PyResult<()> {
+        proposal.get().0.save(&folder, &self.model).map_err(to_python)
     }
 
     /// Learns a proposal; `arguments` are those of the Python function. With it comes what validation said, step by step.

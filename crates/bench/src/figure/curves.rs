@@ -10,27 +10,10 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::counts;
 use super::dots::dots;
-use super::style::{Area, Drawn, FONT, INK, colour, extent};
+use super::metrics::{METRICS, Metric};
+use super::style::{Area, Drawn, FONT, INK, colour, extent, marker};
 use crate::config::{Axis, Method, Plan};
 use crate::tables::Row;
-
-/// A row of plots: which metric, what its axis says, and whether the axis is logarithmic.
-pub(super) struct Metric {
-    pub(super) name: &'static str,
-    pub(super) label: &'static str,
-    pub(super) logarithmic: bool,
-}
-
-const METRICS: [Metric; 8] = [
-    Metric { name: "nmse_final", label: "NMSE, last time", logarithmic: true },
-    Metric { name: "nmse_posterior", label: "NMSE to posterior mean", logarithmic: true },
-    Metric { name: "nmse_all", label: "NMSE, all times", logarithmic: true },
-    Metric { name: "mse_S", label: "squared error of S", logarithmic: true },
-    Metric { name: "mse_I", label: "squared error of I", logarithmic: true },
-    Metric { name: "mse_R", label: "squared error of R", logarithmic: true },
-    Metric { name: "ess", label: "effective sample size", logarithmic: false },
-    Metric { name: "lost_runs", label: "runs that lost all weight", logarithmic: false },
-];
 
 const PANEL: (u32, u32) = (380, 260);
 const HEAD: u32 = 84;
@@ -239,10 +222,4 @@ fn ticks(rows: &[&Row]) -> Vec<f64> {
     let xs: BTreeSet<usize> = rows.iter().map(|row| row.x).collect();
     let every = xs.len().div_ceil(MOST_TICKS).max(1);
     xs.into_iter().step_by(every).map(|x| x as f64).collect()
-}
-
-/// Filled for learned proposals, hollow for designed ones.
-pub(super) fn marker<C>(method: Method, at: C) -> Circle<C, i32> {
-    let colour = colour(method);
-    Circle::new(at, 4, if method.is_learned() { colour.filled() } else { colour.stroke_width(2) })
 }

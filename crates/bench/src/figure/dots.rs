@@ -6,8 +6,8 @@ use std::ops::Range;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use super::curves::{Metric, marker};
-use super::style::{Area, Drawn, FONT, INK, colour, extent};
+use super::metrics::Metric;
+use super::style::{Area, Drawn, FONT, INK, colour, extent, marker};
 use crate::config::Method;
 use crate::tables::Row;
 

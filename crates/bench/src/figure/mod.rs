@@ -3,6 +3,7 @@
 mod counts;
 mod curves;
 mod dots;
+mod metrics;
 mod series;
 mod style;
 

@@ -2,7 +2,7 @@
 
 use std::error::Error;
 
-use plotters::prelude::{DrawingArea, RGBColor, SVGBackend};
+use plotters::prelude::{Circle, Color, DrawingArea, RGBColor, SVGBackend};
 
 use crate::config::Method;
 
@@ -27,6 +27,12 @@ pub(super) fn extent(values: impl Iterator<Item = f64>) -> (f64, f64) {
 pub(super) fn colour(method: Method) -> RGBColor {
     let [red, green, blue] = method.colour();
     RGBColor(red, green, blue)
+}
+
+/// Filled for learned proposals, hollow for designed ones.
+pub(super) fn marker<C>(method: Method, at: C) -> Circle<C, i32> {
+    let colour = colour(method);
+    Circle::new(at, 4, if method.is_learned() { colour.filled() } else { colour.stroke_width(2) })
 }
 
 #[cfg(test)]

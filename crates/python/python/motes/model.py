@@ -23,13 +23,16 @@ class Proposal:
         self._found, self._model = found, model
 
     @staticmethod
-    def load(folder: str | os.PathLike[str], model: "Model") -> "Proposal":
-        """Reads the proposal that was saved in `folder`; it must have been learned for `model`."""
-        return Proposal(_motes.Proposal.load(os.fspath(folder), model._model), model)
+    def load(folder: str | os.PathLike[str], model: "Model", *, to_tune: bool = False) -> "Proposal":
+        """Reads the proposal that was saved in `folder`; it must have been learned for `model`.
+
+        With `to_tune` the model's parameters may be others: it is then a `start` for `Model.learn`.
+        """
+        return Proposal(model._model.load_proposal(os.fspath(folder), to_tune), model)
 
     def save(self, folder: str | os.PathLike[str]) -> None:
         """Writes it into `folder`, replacing a proposal that is there. The command reads it by `--proposal folder`."""
-        self._found.save(os.fspath(folder), self._model._model)
+        self._model._model.save_proposal(self._found, os.fspath(folder))
 
     @property
     def name(self) -> str:
