@@ -54,7 +54,7 @@ pub use model::Model;
 pub use options::{DEFENSIVE_SHARE, FilterOptions, ProposalName};
 pub use simulating::{Simulated, simulate};
 pub use smoothing::{Smoothed, smooth};
-pub use threads::on_threads;
+pub use threads::{on_threads, thread_pool};
 
 pub use motes_formulas as formulas;
 pub use motes_models as models;

@@ -1,7 +1,5 @@
 //! The report card of proposals.
 
-use std::path::PathBuf;
-
 use motes::output::{CardReport, card_json, card_report, card_text};
 use motes::{Comparison, MotesError};
 use pyo3::prelude::*;
@@ -46,12 +44,5 @@ impl Card {
             command: call,
         });
         page.map_err(|error| to_python(MotesError::Report(error.to_string())))
-    }
-
-    /// Writes a text into a file, which is replaced when it is whole.
-    #[staticmethod]
-    fn write(path: PathBuf, text: &str) -> PyResult<()> {
-        let output = motes::output::Output::File(path);
-        output.write(text).map_err(|source| to_python(MotesError::Output { file: output.name(), source }))
     }
 }

@@ -9,10 +9,6 @@ pub(crate) struct Data(pub(crate) motes::Data);
 
 #[pymethods]
 impl Data {
-    fn __len__(&self) -> usize {
-        self.0.rows.len()
-    }
-
     /// The names of the series, in order of appearance; none where the data have one series without a name.
     #[getter]
     fn series_names(&self) -> Option<Vec<String>> {

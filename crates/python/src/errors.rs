@@ -7,13 +7,18 @@ use pyo3::exceptions::{PyKeyboardInterrupt, PyOSError, PyValueError};
 /// `ValueError` for bad input, `OSError` where a file cannot be read or written.
 pub(crate) fn to_python(error: impl Into<MotesError>) -> PyErr {
     let error = error.into();
-    // Options of the command are arguments here.
-    let line = error.to_string().replace("--", "");
+    let line = in_python(&error.to_string());
     match error {
         MotesError::Interrupted => PyKeyboardInterrupt::new_err(()),
         error if error.exit_status() == 3 => PyOSError::new_err(line),
         _ => PyValueError::new_err(line),
     }
+}
+
+/// A line of the command with its options as arguments: `--proposal optimal` is `proposal optimal`.
+pub(crate) fn in_python(line: &str) -> String {
+    let line = line.strip_prefix("--").unwrap_or(line);
+    line.replace(" --", " ")
 }
 
 /// `argument: value; what would be right`.

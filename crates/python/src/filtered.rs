@@ -10,7 +10,7 @@ use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 
 use crate::data::Data;
-use crate::errors::to_python;
+use crate::errors::{in_python, to_python};
 use crate::estimates::{States, states};
 
 /// The result of a filter, or of a smoother.
@@ -82,7 +82,7 @@ impl Filtered {
     /// Reasons not to trust the estimates.
     #[getter]
     fn warnings(&self) -> Vec<String> {
-        self.filtered.warnings.iter().map(|warning| warning.to_string().replace("--", "")).collect()
+        self.filtered.warnings.iter().map(|warning| in_python(&warning.to_string())).collect()
     }
 
     /// The trajectories of a series that a smoother drew, flat: `B × T × N` numbers, with the number of them.

@@ -7,6 +7,7 @@ mod card;
 mod data;
 mod errors;
 mod estimates;
+mod file;
 mod filtered;
 mod learned;
 mod model;
@@ -23,6 +24,8 @@ mod _motes {
     use crate::card::Card;
     #[pymodule_export]
     use crate::data::Data;
+    #[pymodule_export]
+    use crate::file::write;
     #[pymodule_export]
     use crate::filtered::Filtered;
     #[pymodule_export]

@@ -4,9 +4,10 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
+use motes::smc::SmoothedPaths;
 use motes::{
-    Columns, CompareOptions, Comparison, LearnOutcome, LearnedProposal, MotesError, ProposalName, Table,
-    check, compare, designed, filter, learn, simulate, smooth,
+    Columns, CompareOptions, Comparison, LearnOutcome, LearnedProposal, MotesError, ProposalName, Smoothed,
+    Table, check, compare, designed, filter, learn, simulate, smooth,
 };
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyValueError;
@@ -164,17 +165,7 @@ impl Model {
         let (model, rows) = (&*self.model, &data.get().0);
         let start = Instant::now();
         let filtered = without_lock(py, *threads, |stop| filter(model, rows, options, |_| stop.asked()))?;
-        let filtered = filtered.map_err(to_python)?;
-        let seconds = start.elapsed().as_secs_f64();
-        Ok(Filtered {
-            model: Arc::clone(&self.model),
-            set: self.set.clone(),
-            data,
-            options: options.clone(),
-            filtered,
-            smoothed: None,
-            seconds,
-        })
+        Ok(self.found(data, options, start, filtered.map_err(to_python)?, None))
     }
 
     /// Filters each series and draws trajectories backwards.
@@ -191,17 +182,8 @@ impl Model {
         let start = Instant::now();
         let smoothed =
             without_lock(py, *threads, |stop| smooth(model, rows, options, paths, |_| stop.asked()))?;
-        let smoothed = smoothed.map_err(to_python)?;
-        let seconds = start.elapsed().as_secs_f64();
-        Ok(Filtered {
-            model: Arc::clone(&self.model),
-            set: self.set.clone(),
-            data,
-            options: options.clone(),
-            filtered: smoothed.filtered,
-            smoothed: Some((smoothed.estimates, smoothed.paths)),
-            seconds,
-        })
+        let Smoothed { estimates, paths, filtered } = smoothed.map_err(to_python)?;
+        Ok(self.found(data, options, start, filtered, Some((estimates, paths))))
     }
 
     /// Reads the proposal in a folder, which was learned for this model; `to_tune` one whose model may have had other parameters.
@@ -289,6 +271,20 @@ impl Model {
 }
 
 impl Model {
+    /// What was found, by work that began at `start`, with what there is to say of it.
+    fn found(
+        &self,
+        data: Py<Data>,
+        options: &motes::FilterOptions,
+        start: Instant,
+        filtered: motes::Filtered,
+        smoothed: Option<(Vec<motes::Estimate>, Vec<SmoothedPaths>)>,
+    ) -> Filtered {
+        let (model, set) = (Arc::clone(&self.model), self.set.clone());
+        let seconds = start.elapsed().as_secs_f64();
+        Filtered { model, set, data, options: options.clone(), filtered, smoothed, seconds }
+    }
+
     fn carded(
         &self,
         py: Python<'_>,

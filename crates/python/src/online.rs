@@ -10,6 +10,7 @@ use self_cell::self_cell;
 use crate::errors::to_python;
 use crate::model::Model;
 use crate::options::FilterOptions;
+use crate::work::without_lock;
 
 self_cell!(
     /// A filter beside the model that it borrows.
@@ -25,6 +26,7 @@ self_cell!(
 #[pyclass(frozen, module = "motes._motes")]
 pub(crate) struct Online {
     running: Mutex<OwnRunning>,
+    threads: Option<usize>,
 }
 
 /// What is known after a step: means, standard deviations, quantiles, the effective sample size and the log-evidence of the measurement.
@@ -40,11 +42,11 @@ type Known<'py> = (
 impl Online {
     #[new]
     fn new(model: &Bound<'_, Model>, options: &Bound<'_, FilterOptions>, series: usize) -> PyResult<Self> {
-        let options = &options.get().options;
+        let FilterOptions { options, threads } = options.get();
         let model = Arc::clone(&model.get().model);
         let running =
             OwnRunning::try_new(model, |model| Running::new(model, options, series)).map_err(to_python)?;
-        Ok(Online { running: Mutex::new(running) })
+        Ok(Online { running: Mutex::new(running), threads: *threads })
     }
 
     /// Takes in the next measurement; NaN is missing.
@@ -80,11 +82,10 @@ impl Online {
         py: Python<'py>,
         step: impl FnOnce(&mut Running<'_>) -> Result<motes::Estimate, MotesError> + Send,
     ) -> PyResult<Known<'py>> {
-        // A step is short: no thread is woken for it. Another thread of Python's may run meanwhile.
-        let estimate = py.detach(|| {
+        let estimate = without_lock(py, self.threads, |_| {
             let mut running = self.running.lock().unwrap_or_else(PoisonError::into_inner);
             running.with_dependent_mut(|_, running| step(running))
-        });
+        })?;
         let estimate = estimate.map_err(to_python)?;
         let (means, sds, quantiles) = crate::estimates::states(py, std::slice::from_ref(&estimate));
         Ok((means, sds, quantiles, estimate.ess, estimate.log_evidence))

@@ -1,7 +1,7 @@
 //! What a filter is made with.
 
+use motes::ProposalName;
 use motes::smc::Resampling;
-use motes::{DEFENSIVE_SHARE, ProposalName};
 use pyo3::prelude::*;
 
 use crate::arguments::{integer, seed_of, share_of, threads_of};
@@ -35,29 +35,37 @@ impl ProposalArgument<'_> {
 
 #[pymethods]
 impl FilterOptions {
+    /// What is not given is as in the command.
     #[new]
-    #[pyo3(signature = (*, proposal, particles, defensive, resample_below, resampling, seed, check, threads, forecast=0))]
+    #[pyo3(signature = (*, proposal=None, particles=None, defensive=None, resample_below=None, resampling=None, seed=None, check=None, threads=None, forecast=None))]
     #[expect(clippy::too_many_arguments, reason = "each is an argument of the Python function with its name")]
     fn new(
-        proposal: ProposalArgument<'_>,
-        particles: i64,
+        proposal: Option<ProposalArgument<'_>>,
+        particles: Option<i64>,
         defensive: Option<f64>,
-        resample_below: f64,
-        resampling: &str,
-        seed: i128,
-        check: bool,
+        resample_below: Option<f64>,
+        resampling: Option<String>,
+        seed: Option<i128>,
+        check: Option<bool>,
         threads: Option<i64>,
-        forecast: i64,
+        forecast: Option<i64>,
     ) -> PyResult<Self> {
-        let options = motes::FilterOptions {
-            proposal: proposal.name()?,
-            particles: integer("particles", particles, 1, 1_000_000_000)?,
-            defensive: defensive.map(|share| share_of("defensive", share)).transpose()?,
-            resample_below: match resample_below > 0.0 && resample_below <= 1.0 {
-                true => resample_below,
-                false => return Err(refused("resample_below", resample_below, "above 0 and at most 1")),
-            },
-            resampling: match resampling {
+        let mut options = motes::FilterOptions::default();
+        if let Some(proposal) = proposal {
+            options.proposal = proposal.name()?;
+        }
+        if let Some(count) = particles {
+            options.particles = integer("particles", count, 1, 1_000_000_000)?;
+        }
+        options.defensive = defensive.map(|share| share_of("defensive", share)).transpose()?;
+        if let Some(share) = resample_below {
+            if !(share > 0.0 && share <= 1.0) {
+                return Err(refused("resample_below", share, "above 0 and at most 1"));
+            }
+            options.resample_below = share;
+        }
+        if let Some(scheme) = resampling {
+            options.resampling = match scheme.as_str() {
                 "multinomial" => Resampling::Multinomial,
                 "systematic" => Resampling::Systematic,
                 "stratified" => Resampling::Stratified,
@@ -69,21 +77,15 @@ impl FilterOptions {
                         "multinomial, systematic, stratified or residual",
                     ));
                 }
-            },
-            seed: seed_of(seed)?,
-            forecast: integer("forecast", forecast, 0, 1_000_000)?,
-            check,
-        };
+            };
+        }
+        if let Some(seed) = seed {
+            options.seed = seed_of(seed)?;
+        }
+        options.check = check.unwrap_or(options.check);
+        if let Some(times) = forecast {
+            options.forecast = integer("forecast", times, 0, 1_000_000)?;
+        }
         Ok(FilterOptions { options, threads: threads_of(threads)? })
     }
-
-    /// The share of the particles that is drawn from the transition.
-    #[getter]
-    fn defensive(&self) -> f64 {
-        self.options.defensive_share()
-    }
-
-    /// That share of a learned proposal where nothing else is said.
-    #[classattr]
-    const DEFENSIVE_OF_LEARNED: f64 = DEFENSIVE_SHARE;
 }

@@ -9,9 +9,12 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-use pyo3::exceptions::{PyOSError, PyRuntimeError};
+use motes::thread_pool;
+use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
-use rayon_core::{ThreadPool, ThreadPoolBuilder};
+use rayon_core::ThreadPool;
+
+use crate::errors::to_python;
 
 /// How often signals are looked for.
 const LOOK_EVERY: Duration = Duration::from_millis(50);
@@ -82,13 +85,12 @@ fn said(panic: &(dyn Any + Send)) -> &str {
 }
 
 /// Pools by their number of threads, and the process that has those threads.
-type Pools = (u32, HashMap<usize, Arc<ThreadPool>>);
+type Pools = (u32, HashMap<Option<usize>, Arc<ThreadPool>>);
 
 static POOLS: Mutex<Option<Pools>> = Mutex::new(None);
 
-/// Pools are kept: to start threads takes longer than a short filter.
+/// A pool of so many threads, kept for later calls.
 fn pool(threads: Option<usize>) -> PyResult<Arc<ThreadPool>> {
-    let count = threads.or_else(|| std::thread::available_parallelism().ok().map(usize::from)).unwrap_or(1);
     let mut pools = POOLS.lock().unwrap_or_else(PoisonError::into_inner);
     // A process that was forked has none of its parent's threads.
     let process = std::process::id();
@@ -100,12 +102,10 @@ fn pool(threads: Option<usize>) -> PyResult<Arc<ThreadPool>> {
             &mut other.insert((process, HashMap::new())).1
         }
     };
-    if let Some(pool) = of_process.get(&count) {
+    if let Some(pool) = of_process.get(&threads) {
         return Ok(Arc::clone(pool));
     }
-    let pool = ThreadPoolBuilder::new().num_threads(count).build();
-    let pool = pool.map_err(|error| PyOSError::new_err(format!("threads: {count}: {error}")))?;
-    let pool = Arc::new(pool);
-    of_process.insert(count, Arc::clone(&pool));
+    let pool = Arc::new(thread_pool(threads).map_err(to_python)?);
+    of_process.insert(threads, Arc::clone(&pool));
     Ok(pool)
 }

@@ -57,6 +57,7 @@ def test_frames_of_pandas(nile, two):
     found = nile.filter(frame)
     assert (found.to_pandas().index == index).all()
     assert found.to_pandas()["level_mean"].tolist() == found.mean[:, 0].tolist()
+    assert list(found.to_pandas().columns) == found.to_csv().splitlines()[0].split(",")
     assert nile.filter(frame["flow"]).mean.tolist() == found.mean.tolist()
     dated = pandas.DataFrame({"date": index, "flow": [1120.0, pandas.NA, 1000.0]})
     assert "1871-01-01,0," in nile.filter(dated).to_csv()

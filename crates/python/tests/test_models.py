@@ -91,6 +91,18 @@ def test_arguments_out_of_range_are_refused_in_a_line(growth, arguments, line):
     assert "\n" not in str(refused.value)
 
 
+def test_arguments_that_do_not_exist_are_refused(growth):
+    for call in (growth.filter, growth.smooth):
+        with pytest.raises(TypeError, match="partikels: there is no such argument; there are proposal, particles"):
+            call([1.0, 2.0], partikels=10)
+    with pytest.raises(TypeError, match="check: there is no such argument"):
+        growth.online(check=True)
+    with pytest.raises(TypeError, match="proposal: there is no such argument"):
+        growth.compare(proposal="linearised")
+    with pytest.raises(ValueError, match="particles: 0"):
+        growth.online(particles=0)
+
+
 def test_models_that_are_none_are_refused_in_a_line(tmp_path):
     walk = {"initial": {"x": "normal(0, 1)"}, "transition": {"x": "normal(x, 1)"}, "measurement": {"y": "normal(x, 1)"}}
     cases = [

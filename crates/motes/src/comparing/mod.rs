@@ -24,7 +24,7 @@ use crate::error::MotesError;
 use crate::model::Model;
 use crate::options::{FilterOptions, ProposalName};
 use crate::simulating::simulate;
-use crate::threads::pool;
+use crate::threads::thread_pool;
 use card::Steps;
 use reference::{Reference, reference};
 
@@ -94,7 +94,7 @@ pub fn compare(
         references.push(reference(model, sequence, options, number)?);
         step(of_reference)?;
     }
-    let timed = pool(Some(options.timed_threads))?;
+    let timed = thread_pool(Some(options.timed_threads))?;
     let (mut cards, mut of_cards, mut points) = (Vec::new(), Vec::new(), Vec::new());
     for proposal in &options.proposals {
         let mut runs = Vec::new();

@@ -129,34 +129,46 @@ pub(super) fn reference(
 
 /// Whether the standard error of the mean of these filters is too large, and more may be added.
 fn is_rough(all: &[Answers], wanted: Option<f64>) -> bool {
-    let error = |all| mean_of(all, String::new()).error.unwrap_or(f64::INFINITY);
     // What is no number, of filters that all collapsed, is not small.
-    let is_known = |wanted: f64| error(all) <= wanted;
+    let is_known = |wanted: f64| standard_error(all) <= wanted;
     wanted.is_some_and(|wanted| all.len() < MOST_REFERENCE_FILTERS && !is_known(wanted))
+}
+
+/// The standard error of the logarithm of the filters' average evidence.
+fn standard_error(all: &[Answers]) -> f64 {
+    let count = all.len() as f64;
+    let evidence: Vec<f64> = all.iter().map(|(_, increments)| increments.iter().sum()).collect();
+    let (_, shares) = average(&evidence);
+    let square: f64 = shares.iter().map(|share| (share * count - 1.0).powi(2)).sum();
+    (square / (count * (count - 1.0))).sqrt()
+}
+
+/// The logarithm of the average of these, given by their logarithms, and the share that each has of their sum.
+fn average(logarithms: &[f64]) -> (f64, Vec<f64>) {
+    let largest = logarithms.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let weights: Vec<f64> = logarithms.iter().map(|logarithm| (logarithm - largest).exp()).collect();
+    let total: f64 = weights.iter().sum();
+    let shares = weights.iter().map(|weight| weight / total).collect();
+    (largest + (total / logarithms.len() as f64).ln(), shares)
 }
 
 /// The filters' evidence averaged, which stays unbiased; their means by their evidence so far; and the standard error of the logarithm of the average.
 fn mean_of(all: &[Answers], name: String) -> Reference {
-    let (count, times) = (all.len() as f64, all[0].1.len());
+    let times = all[0].1.len();
     let mut sums = vec![0.0; all.len()];
-    let (mut means, mut increments, mut before, mut error) = (Vec::new(), Vec::new(), 0.0, 0.0);
+    let (mut means, mut increments, mut before) = (Vec::new(), Vec::new(), 0.0);
     for time in 0..times {
         sums.iter_mut().zip(all).for_each(|(sum, (_, increments))| *sum += increments[time]);
-        let largest = sums.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let weights: Vec<f64> = sums.iter().map(|sum| (sum - largest).exp()).collect();
-        let total: f64 = weights.iter().sum();
+        let (now, shares) = average(&sums);
         let mut mean = vec![0.0; all[0].0[time].len()];
-        for ((of_filter, _), weight) in all.iter().zip(&weights) {
-            mean.iter_mut().zip(&of_filter[time]).for_each(|(mean, x)| *mean += weight / total * x);
+        for ((of_filter, _), share) in all.iter().zip(&shares) {
+            mean.iter_mut().zip(&of_filter[time]).for_each(|(mean, x)| *mean += share * x);
         }
-        let now = largest + (total / count).ln();
         means.push(mean);
         increments.push(now - before);
         before = now;
-        let square: f64 = weights.iter().map(|weight| (weight * count / total - 1.0).powi(2)).sum();
-        error = (square / (count * (count - 1.0))).sqrt();
     }
-    Reference { name, means, increments, error: Some(error) }
+    Reference { name, means, increments, error: Some(standard_error(all)) }
 }
 
 /// Means, and increments of the log-evidence.

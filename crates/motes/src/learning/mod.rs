@@ -21,7 +21,7 @@ use crate::model::Model;
 use choice::{Choice, choose};
 use worth::worse_than;
 
-/// Learning ends where such a share of its updates brought no better weights.
+/// Learning ends where after such a share of its updates nothing was better than the base.
 const PATIENCE: f64 = 0.3;
 
 /// What came of learning.

@@ -21,11 +21,12 @@ from ._errors import MotesWarning
 from ._motes import __version__
 from .card import Card
 from .linear import linear_gaussian
-from .model import Learned, Model, OnlineFilter, Proposal, Simulated
+from .model import FilterSettings, Learned, Model, OnlineFilter, Proposal, Simulated
 from .results import Filtered, Forecast, Smoothed
 
 __all__ = [
     "Card",
+    "FilterSettings",
     "Filtered",
     "Forecast",
     "Learned",

@@ -10,7 +10,6 @@ __version__: str
 _Floats = NDArray[np.float64]
 
 class Data:
-    def __len__(self) -> int: ...
     @property
     def series_names(self) -> list[str] | None: ...
     @property
@@ -25,22 +24,21 @@ class Data:
     def ignored(self) -> list[str]: ...
 
 class FilterOptions:
-    DEFENSIVE_OF_LEARNED: float
     def __init__(
         self,
         *,
-        proposal: str | Proposal,
-        particles: int,
-        defensive: float | None,
-        resample_below: float,
-        resampling: str,
-        seed: int,
-        check: bool,
-        threads: int | None,
-        forecast: int = 0,
+        proposal: str | Proposal = ...,
+        particles: int = ...,
+        defensive: float | None = ...,
+        resample_below: float = ...,
+        resampling: str = ...,
+        seed: int = ...,
+        check: bool = ...,
+        threads: int | None = ...,
+        forecast: int = ...,
     ) -> None: ...
-    @property
-    def defensive(self) -> float: ...
+
+def write(path: Any, text: str) -> None: ...
 
 class Filtered:
     def states(self) -> tuple[_Floats, _Floats, _Floats]: ...
@@ -68,8 +66,6 @@ class Card:
     def text(self) -> str: ...
     def json(self) -> str: ...
     def html(self, call: str) -> str: ...
-    @staticmethod
-    def write(path: Any, text: str) -> None: ...
 
 class Proposal:
     @property

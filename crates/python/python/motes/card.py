@@ -37,7 +37,7 @@ class Card:
         """The card with its figure, one HTML page that needs nothing else; written to `path` if there is one."""
         page = self._found.html("Card.to_html()")
         if path is not None:
-            _motes.Card.write(path, page)
+            _motes.write(path, page)
         return page
 
     def __repr__(self) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypedDict, TypeVar
 
 import numpy as np
 
@@ -14,6 +14,12 @@ from ._table import _numbers, data_of
 from ._toml import text_of
 from .card import Card
 from .results import Filtered, Forecast, Smoothed
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+#: A result of a filter or of a smoother.
+Found = TypeVar("Found", Filtered, Smoothed)
 
 
 class Proposal:
@@ -46,6 +52,27 @@ class Proposal:
 
     def __repr__(self) -> str:
         return f"Proposal {self.name}: {self.choice}, {self._found.updates} updates in {self._found.seconds:.1f} s"
+
+
+class FilterSettings(TypedDict, total=False):
+    """The settings of a filter; what is not given is as in the command."""
+
+    #: `bootstrap`, `linearised`, `optimal` or a `Proposal`.
+    proposal: str | Proposal
+    #: `K`.
+    particles: int
+    #: The share of particles that is drawn from the transition; 0.1 of a learned proposal and 0 of others if None.
+    defensive: float | None
+    #: Resample where the effective sample size is below this share of `particles`; at each step where it is 1.
+    resample_below: float
+    #: `multinomial`, `systematic`, `stratified` or `residual`.
+    resampling: str
+    #: All random numbers come from it.
+    seed: int
+    #: Whether a bootstrap filter runs beside any other proposal and warns where it finds mass that the filter misses.
+    check: bool
+    #: All that the machine has if None.
+    threads: int | None
 
 
 class Learned:
@@ -223,19 +250,7 @@ class Model:
         """
         return self._model.check(None if data is None else data_of(self._model, data)[0], seed)
 
-    def filter(
-        self,
-        data: Any,
-        *,
-        proposal: str | Proposal = "bootstrap",
-        particles: int = 1000,
-        defensive: float | None = None,
-        resample_below: float = 0.5,
-        resampling: str = "systematic",
-        seed: int = 1,
-        check: bool = True,
-        threads: int | None = None,
-    ) -> Filtered:
+    def filter(self, data: Any, **settings: Unpack[FilterSettings]) -> Filtered:
         """Estimates the states of `data`, time by time, with the evidence of each measurement.
 
         `data` is an array of shape `(T, M)` or `(S, T, M)`, or `(T,)` where `M` is 1; a list of arrays of unequal length;
@@ -243,10 +258,9 @@ class Model:
         measurements, `series`, `t`, and a first column of another name that is carried along; or the path of a CSV file.
         NaN and None are missing.
 
-        `proposal` is `bootstrap`, `linearised`, `optimal` or a `Proposal`. `defensive` is the share of particles drawn
-        from the transition, 0.1 of a learned proposal if None. The filter resamples where the effective sample size is
-        below `resample_below` times `particles`. `check` runs a bootstrap filter beside any other proposal and warns.
-        The same seed gives the same bytes on any number of `threads`, and in the command `motes filter`.
+        `settings` are `proposal`, `particles`, `defensive`, `resample_below`, `resampling`, `seed`, `check` and `threads`;
+        `FilterSettings` says what they are. What is not given is as in the command `motes filter`. The same seed gives
+        the same bytes there, and on any number of threads.
 
         Warns with `MotesWarning` where the result cannot be trusted. Raises `ValueError` for bad input.
 
@@ -256,60 +270,22 @@ class Model:
         >>> filtered.sd.shape, len(filtered.log_evidence_increments)
         ((3, 1), 3)
         """
-        options = _options(proposal, particles, defensive, resample_below, resampling, seed, check, threads, 0)
-        return self._filtered(data, options)
+        return self._filtered(data, _options(settings))
 
-    def forecast(
-        self,
-        data: Any,
-        steps: int,
-        *,
-        proposal: str | Proposal = "bootstrap",
-        particles: int = 1000,
-        defensive: float | None = None,
-        resample_below: float = 0.5,
-        resampling: str = "systematic",
-        seed: int = 1,
-        check: bool = True,
-        threads: int | None = None,
-    ) -> Forecast:
-        """Predicts the states of `steps` times after the last measurement of each series; arguments are those of `filter`."""
-        options = _options(proposal, particles, defensive, resample_below, resampling, seed, check, threads, steps)
-        return Forecast(self._filtered(data, options), steps)
+    def forecast(self, data: Any, steps: int, **settings: Unpack[FilterSettings]) -> Forecast:
+        """Predicts the states of `steps` times after the last measurement of each series; settings are those of `filter`."""
+        return Forecast(self._filtered(data, _options(settings, forecast=steps)), steps)
 
-    def smooth(
-        self,
-        data: Any,
-        *,
-        paths: int = 200,
-        proposal: str | Proposal = "bootstrap",
-        particles: int = 1000,
-        defensive: float | None = None,
-        resample_below: float = 0.5,
-        resampling: str = "systematic",
-        seed: int = 1,
-        check: bool = True,
-        threads: int | None = None,
-    ) -> Smoothed:
-        """Estimates the states given all measurements, by `paths` trajectories drawn backwards; other arguments are those of `filter`."""
-        options = _options(proposal, particles, defensive, resample_below, resampling, seed, check, threads, 0)
+    def smooth(self, data: Any, *, paths: int = 200, **settings: Unpack[FilterSettings]) -> Smoothed:
+        """Estimates the states given all measurements, by `paths` trajectories drawn backwards; settings are those of `filter`."""
         rows, index = data_of(self._model, data)
-        found = self._model.smooth(rows, options, paths)
-        for text in found.warnings:
-            warn(text)
-        return Smoothed(found, rows, self.states, self.measurements, index)
+        found = self._model.smooth(rows, _options(settings), paths)
+        return _warned(Smoothed(found, rows, self.states, self.measurements, index))
 
-    def online(
-        self,
-        *,
-        proposal: str | Proposal = "bootstrap",
-        particles: int = 1000,
-        defensive: float | None = None,
-        resample_below: float = 0.5,
-        resampling: str = "systematic",
-        seed: int = 1,
-    ) -> OnlineFilter:
-        """A filter that takes in measurements as they come, by `step(y)`.
+    def online(self, **settings: Unpack[FilterSettings]) -> OnlineFilter:
+        """A filter that takes in measurements as they come, by `step(y)`; settings are those of `filter`, without `check`.
+
+        It has one thread unless others are asked for.
 
         >>> import motes
         >>> walk = {"initial": {"x": "normal(0, 1)"}, "transition": {"x": "normal(x, 1)"}, "measurement": {"y": "normal(x, 1)"}}
@@ -317,8 +293,7 @@ class Model:
         >>> online.step(0.3).mean.shape
         (1,)
         """
-        options = _options(proposal, particles, defensive, resample_below, resampling, seed, False, 1, 0)
-        return OnlineFilter(self, options)
+        return OnlineFilter(self, _options({"threads": 1, **settings}, check=False))
 
     def learn(
         self,
@@ -375,28 +350,25 @@ class Model:
         data: Any = None,
         *,
         proposals: Sequence[str | Proposal] = (),
-        particles: int = 100,
         at: Sequence[int] = (10, 30, 100, 300, 1000, 3000, 10000),
         sequences: int = 20,
         steps: int = 100,
-        defensive: float | None = None,
-        resample_below: float = 0.5,
-        resampling: str = "systematic",
-        seed: int = 1,
-        threads: int | None = None,
+        **settings: Unpack[FilterSettings],
     ) -> Card:
-        """The report card of proposals side by side, on simulated sequences or on `data`; all designed ones if none is named."""
+        """The report card of proposals side by side, on simulated sequences or on `data`; all designed ones if none is named.
+
+        `at` are the numbers of particles at which error is held against time. `settings` are those of `filter`, but for
+        `proposal` and `check`.
+        """
         rows = None if data is None else data_of(self._model, data)[0]
         named = [_proposal(proposal, "proposals") for proposal in proposals]
-        options = _options("bootstrap", particles, defensive, resample_below, resampling, seed, False, threads, 0)
+        options = _options({"particles": 100, **settings}, proposal="bootstrap")
         return Card(self._model.compare(rows, named, options, list(at), sequences, steps))
 
     def _filtered(self, data: Any, options: _motes.FilterOptions) -> Filtered:
         rows, index = data_of(self._model, data)
         found = self._model.filter(rows, options)
-        for text in found.warnings:
-            warn(text)
-        return Filtered(found, rows, self.states, self.measurements, index)
+        return _warned(Filtered(found, rows, self.states, self.measurements, index))
 
 
 def _parameters(set: Mapping[str, float] | None) -> list[tuple[str, float]]:
@@ -416,25 +388,20 @@ def _proposal(proposal: str | Proposal, argument: str) -> Any:
     raise TypeError(f"{argument}: {type(proposal).__name__}; it must be a name or a Proposal")
 
 
-def _options(
-    proposal: str | Proposal,
-    particles: int,
-    defensive: float | None,
-    resample_below: float,
-    resampling: str,
-    seed: int,
-    check: bool,
-    threads: int | None,
-    forecast: int,
-) -> _motes.FilterOptions:
-    return _motes.FilterOptions(
-        proposal=_proposal(proposal, "proposal"),
-        particles=particles,
-        defensive=defensive,
-        resample_below=resample_below,
-        resampling=resampling,
-        seed=seed,
-        check=check,
-        threads=threads,
-        forecast=forecast,
-    )
+def _options(settings: FilterSettings, **more: Any) -> _motes.FilterOptions:
+    """The options of a filter; what is not given is as in the command. What `more` says cannot be set."""
+    known = [name for name in FilterSettings.__annotations__ if name not in more]
+    for name in settings:
+        if name not in known:
+            raise TypeError(f"{name}: there is no such argument; there are {', '.join(known)}")
+    given = {**settings, **more}
+    if "proposal" in given:
+        given["proposal"] = _proposal(given["proposal"], "proposal")
+    return _motes.FilterOptions(**given)
+
+
+def _warned(found: Found) -> Found:
+    """Warns of what there is to warn of in a result."""
+    for text in found.warnings:
+        warn(text)
+    return found

@@ -128,7 +128,7 @@ class _Estimates:
         """The report, one HTML page that needs nothing else; written to `path` if there is one."""
         page = self._found.html(f"{type(self).__name__}.to_html()")
         if path is not None:
-            _motes.Card.write(path, page)
+            _motes.write(path, page)
         return page
 
     def plot(self, states: list[str] | None = None, *, series: int = 0, axes: Any = None) -> Any:

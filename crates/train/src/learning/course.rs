@@ -47,8 +47,6 @@ pub(super) struct Course {
     /// What is judged and kept: weights averaged over the last steps, which have less of the noise of single ones.
     averaged: Amortised,
     best: (f64, Values),
-    /// Whether the patience was over when validation was last asked.
-    has_stalled: bool,
     learned: Learned,
 }
 
@@ -65,12 +63,12 @@ impl Course {
             seconds: 0.0,
         };
         let best = (figure, proposal.parameters().values().clone());
-        Course { config: *config, started, averaged: proposal.clone(), best, has_stalled: false, learned }
+        Course { config: *config, started, averaged: proposal.clone(), best, learned }
     }
 
     /// The share of learning that is done before `step`; none at its end.
     pub(super) fn progress(&self, step: usize) -> Option<f64> {
-        if self.has_stalled {
+        if self.is_without_gain() {
             return None;
         }
         let by_steps = step as f64 / self.config.steps as f64;
@@ -79,6 +77,12 @@ impl Course {
             None => by_steps,
         };
         (progress < 1.0).then_some(progress)
+    }
+
+    /// Whether so many steps were judged as the patience is long, and none beat the proposal that came in.
+    fn is_without_gain(&self) -> bool {
+        let judged = self.learned.validation.last().map_or(0, |(step, _)| *step);
+        self.learned.best_step == 0 && self.config.patience.is_some_and(|patience| judged >= patience)
     }
 
     /// The averaged weights.
@@ -120,8 +124,6 @@ impl Course {
             self.best = (figure, self.averaged.parameters().values().clone());
             self.learned.best_step = self.learned.steps;
         }
-        let without_gain = self.learned.steps - self.learned.best_step;
-        self.has_stalled = self.config.patience.is_some_and(|patience| without_gain >= patience);
         Ok(())
     }
 

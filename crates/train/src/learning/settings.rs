@@ -35,7 +35,7 @@ pub struct LearnConfig {
     pub clip_norm: f64,
     /// How many steps lie between two looks at validation.
     pub validate_every: usize,
-    /// Training ends at a look at validation where so many steps brought no better weights; it does not if absent.
+    /// Training ends where after so many steps nothing was better than the proposal that came in; it does not if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub patience: Option<usize>,
     /// Training ends after so many seconds, whatever its steps; the number of steps then depends on the machine.
