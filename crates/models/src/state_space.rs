@@ -74,6 +74,10 @@ pub trait StateSpaceModel: Sync {
         }
     }
 
+    /// Says that these particles (`K×N`) will be asked for next, a tile at a time: a model whose answers cost less together may find them now. No answer is
+    /// another for it.
+    fn foresee(&self, _time: usize, _previous: Rows<'_>) {}
+
     /// This model as one that draws and weighs in one pass, if it has such a form.
     fn propagator(&self) -> Option<&dyn Propagator> {
         None
@@ -184,6 +188,11 @@ pub trait PartialLikelihood: StateSpaceModel {
 ///
 /// All slices are batches of `K` rows; outputs are overwritten.
 pub trait StateGradients: StateSpaceModel {
+    /// Whether there are any; all are NaN if not.
+    fn has_gradients(&self) -> bool {
+        true
+    }
+
     /// `∂ log p(x_0) / ∂x_0` for each row of `states` (`K×N`).
     fn initial_gradients(&self, states: &[f64], d_states: &mut [f64]);
 

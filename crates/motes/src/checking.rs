@@ -2,13 +2,12 @@
 
 use std::ops::ControlFlow;
 
-use motes_formulas::FileModel;
 use motes_models::{GradientError, Seed, check_gradients};
 
 use crate::data::Data;
 use crate::engine::Running;
 use crate::error::MotesError;
-use crate::model::Model;
+use crate::model::{Kind, Model};
 use crate::options::{FilterOptions, ProposalName};
 use crate::simulating::simulate;
 
@@ -48,27 +47,31 @@ pub fn check(
         Err(error) => checked.problems.push(format!("simulations: {error}")),
     }
     let mut stream = Seed::from_u64(seed).child("check").stream();
-    let compared = match model.model() {
-        FileModel::Formulas(formulas) => check_gradients(formulas, TIMES, TOLERANCE, &mut stream),
-        FileModel::LinearGaussian(linear) => check_gradients(&**linear, TIMES, TOLERANCE, &mut stream),
+    let compared = match model.kind() {
+        Kind::Learnable(learnable) => {
+            learnable.has_gradients().then(|| check_gradients(learnable, TIMES, TOLERANCE, &mut stream))
+        }
+        Kind::LinearGaussian(linear) => Some(check_gradients(linear, TIMES, TOLERANCE, &mut stream)),
     };
     match compared {
-        Ok(report) => checked.findings.push(format!(
+        None => checked.findings.push("gradients: the model has none".into()),
+        Some(Ok(report)) => checked.findings.push(format!(
             "gradients: {} compared with central differences, the largest relative error is {:.1e}; {} have a kink or an edge",
             report.compared, report.worst.relative_error, report.skipped
         )),
-        Err(error @ GradientError::Wrong(_)) => checked.problems.push(format!("gradients: {error}")),
+        Some(Err(error @ GradientError::Wrong(_))) => checked.problems.push(format!("gradients: {error}")),
         // Counts and bounded noise have no differences to compare with.
-        Err(error) => checked.findings.push(format!("gradients: not compared everywhere: {error}")),
+        Some(Err(error)) => checked.findings.push(format!("gradients: not compared everywhere: {error}")),
     }
     let has = |proposal: ProposalName| {
         let options = FilterOptions { proposal, particles: 1, ..FilterOptions::default() };
         Running::new(model, &options, 0).map(drop)
     };
+    let linearised = if has(ProposalName::Linearised).is_ok() { ", linearised" } else { "" };
     match has(ProposalName::Optimal) {
-        Ok(()) => checked.findings.push("proposals: bootstrap, linearised, optimal".into()),
+        Ok(()) => checked.findings.push(format!("proposals: bootstrap{linearised}, optimal")),
         Err(error) => {
-            checked.findings.push(format!("proposals: bootstrap, linearised; no closed form ({error})"))
+            checked.findings.push(format!("proposals: bootstrap{linearised}; no closed form ({error})"))
         }
     }
     if let Some(data) = data {

@@ -1,6 +1,7 @@
 //! One running filter, whatever its model and its proposal are.
 
-use motes_formulas::FileModel;
+use std::ops::Range;
+
 use motes_models::{PartialLikelihood, Seed, StateSpaceModel};
 use motes_smc::{
     Bootstrap, FilterError, FilterHistory, FilterSettings, Linearised, MinDegeneracy, ParticleFilter,
@@ -9,15 +10,17 @@ use motes_smc::{
 
 use crate::error::MotesError;
 use crate::estimate::{Coordinate, Estimate, PROBABILITIES};
-use crate::model::Model;
+use crate::model::{Kind, Model};
 use crate::options::{FilterOptions, ProposalName};
 
 /// A filter with the types of its model and proposal put aside.
-trait Steps: Send {
+trait Steps: Send + Sync {
     fn step(&mut self, measurement: &[Option<f64>]) -> Result<(), FilterError>;
     /// What a bootstrap filter beside it says so far, if there is one.
     fn verdict(&self) -> Option<Verdict>;
     fn state(&self) -> Vec<Coordinate>;
+    /// Whether there is much to look at after a step.
+    fn is_large(&self) -> bool;
     fn means(&self) -> &[f64];
     fn quantiles(&self, coordinate: usize, probabilities: &[f64]) -> Vec<f64>;
     fn diagnosis(&self) -> WeightDiagnosis;
@@ -35,21 +38,54 @@ trait Steps: Send {
 }
 
 /// A filter beside its model, and perhaps a second opinion beside the filter.
-struct Filter<'m, M: StateSpaceModel, P: Proposal<M>> {
+struct Filter<'m, M: StateSpaceModel + ?Sized, P: Proposal<M>> {
     model: &'m M,
     filter: ParticleFilter<&'m M, P>,
     second: Option<Second<'m, M>>,
 }
 
 /// A bootstrap filter, and what it says of another.
-struct Second<'m, M: StateSpaceModel> {
+struct Second<'m, M: StateSpaceModel + ?Sized> {
     bootstrap: ParticleFilter<&'m M, Bootstrap>,
     opinion: SecondOpinion,
 }
 
+/// Numbers of particles from which on it pays to look at them on two threads.
+const LARGE: usize = 16_384;
+
+/// What `of` says of each coordinate, on all threads if there is much to look at.
+fn of_all(
+    coordinates: Range<usize>,
+    is_large: bool,
+    of: &(dyn Fn(usize) -> Coordinate + Sync),
+) -> Vec<Coordinate> {
+    if !is_large || coordinates.len() < 2 {
+        return coordinates.map(of).collect();
+    }
+    let half = coordinates.start + coordinates.len() / 2;
+    let (mut first, rest) = rayon_core::join(
+        || of_all(coordinates.start..half, is_large, of),
+        || of_all(half..coordinates.end, is_large, of),
+    );
+    first.extend(rest);
+    first
+}
+
+impl<M: StateSpaceModel + ?Sized, P: Proposal<M>> Filter<'_, M, P> {
+    fn coordinate(&self, coordinate: usize) -> Coordinate {
+        let filter = &self.filter;
+        let (means, particles, weights) = (filter.mean(), filter.particles(), filter.weights().normalised());
+        let (n, mean) = (means.len(), means[coordinate]);
+        let values = particles.iter().skip(coordinate).step_by(n);
+        let variance: f64 = values.zip(weights).map(|(x, weight)| weight * (x - mean) * (x - mean)).sum();
+        let quantiles = filter.quantiles(coordinate, &PROBABILITIES);
+        Coordinate { mean, sd: variance.sqrt(), quantiles: [quantiles[0], quantiles[1], quantiles[2]] }
+    }
+}
+
 impl<M, P> Steps for Filter<'_, M, P>
 where
-    M: PartialLikelihood,
+    M: PartialLikelihood + ?Sized,
     P: Proposal<M> + Send,
 {
     fn step(&mut self, measurement: &[Option<f64>]) -> Result<(), FilterError> {
@@ -67,16 +103,12 @@ where
     }
 
     fn state(&self) -> Vec<Coordinate> {
-        let filter = &self.filter;
-        let (means, particles, weights) = (filter.mean(), filter.particles(), filter.weights().normalised());
-        let n = means.len();
-        let of_coordinate = |(coordinate, &mean): (usize, &f64)| {
-            let values = particles.iter().skip(coordinate).step_by(n);
-            let variance: f64 = values.zip(weights).map(|(x, weight)| weight * (x - mean) * (x - mean)).sum();
-            let quantiles = filter.quantiles(coordinate, &PROBABILITIES);
-            Coordinate { mean, sd: variance.sqrt(), quantiles: [quantiles[0], quantiles[1], quantiles[2]] }
-        };
-        means.iter().enumerate().map(of_coordinate).collect()
+        let n = self.filter.mean().len();
+        of_all(0..n, self.is_large(), &|coordinate| self.coordinate(coordinate))
+    }
+
+    fn is_large(&self) -> bool {
+        self.filter.particles().len() >= LARGE
     }
 
     fn means(&self) -> &[f64] {
@@ -157,11 +189,31 @@ impl<'m> Running<'m> {
     /// As [`Running::advance`].
     pub fn step(&mut self, measurement: &[Option<f64>]) -> Result<Estimate, MotesError> {
         self.advance(measurement)?;
-        Ok(Estimate {
+        Ok(self.estimate())
+    }
+
+    /// [`Running::step`], and what its weights say about how far they can be trusted: at once, where there are many particles.
+    ///
+    /// # Errors
+    /// As [`Running::advance`].
+    pub fn step_and_diagnose(
+        &mut self,
+        measurement: &[Option<f64>],
+    ) -> Result<(Estimate, WeightDiagnosis), MotesError> {
+        self.advance(measurement)?;
+        Ok(match self.filter.is_large() {
+            true => rayon_core::join(|| self.estimate(), || self.diagnosis()),
+            false => (self.estimate(), self.diagnosis()),
+        })
+    }
+
+    /// What is known after the last step.
+    fn estimate(&self) -> Estimate {
+        Estimate {
             state: self.filter.state(),
             ess: Some(self.effective_sample_size()),
             log_evidence: Some(self.last_increment()),
-        })
+        }
     }
 
     /// Predicts the next time, at which nothing is measured.
@@ -245,10 +297,8 @@ impl Running<'_> {
     /// Why the density of a particle, or its state, is not a number.
     fn explain_particle(&self, particle: usize) -> String {
         let (previous, state) = self.filter.of_particle(particle);
-        let explained = match self.model.model() {
-            FileModel::Formulas(formulas) => formulas.explain(self.time, previous, Some(state)),
-            FileModel::LinearGaussian(_) => None,
-        };
+        let explained =
+            self.model.formulas().and_then(|formulas| formulas.explain(self.time, previous, Some(state)));
         match explained {
             Some(error) => error.to_string(),
             None => format!("the state {state:?} of a particle, or its density, is not a finite number"),
@@ -262,35 +312,46 @@ fn filter_of<'m>(
     options: &FilterOptions,
     seed: &Seed,
 ) -> Result<Box<dyn Steps + 'm>, MotesError> {
-    match (model.model(), &options.proposal) {
-        (FileModel::Formulas(formulas), ProposalName::Bootstrap) => boxed(formulas, Bootstrap, options, seed),
-        (FileModel::Formulas(formulas), ProposalName::Learned(learned)) => {
-            boxed(formulas, learned.proposal().clone(), options, seed)
+    let refused =
+        |proposal: &str, reason: String| Err(MotesError::Proposal { proposal: proposal.to_string(), reason });
+    match (model.kind(), &options.proposal) {
+        (Kind::Learnable(learnable), ProposalName::Bootstrap) => boxed(learnable, Bootstrap, options, seed),
+        (Kind::Learnable(learnable), ProposalName::Learned(learned)) => {
+            boxed(learnable, learned.proposal().clone(), options, seed)
         }
-        (FileModel::Formulas(formulas), name) => {
-            if *name == ProposalName::Optimal
-                && let Err(reason) = formulas.closed_form()
-            {
-                let reason = format!("{reason}; take --proposal linearised");
-                return Err(MotesError::Proposal { proposal: name.to_string(), reason });
+        (Kind::Learnable(learnable), name) => {
+            if *name == ProposalName::Optimal {
+                let closed_form = model.formulas().map(|formulas| formulas.closed_form());
+                match closed_form {
+                    Some(Ok(())) => {}
+                    Some(Err(reason)) => {
+                        return refused(name.as_str(), format!("{reason}; take --proposal linearised"));
+                    }
+                    None => {
+                        let reason = "nobody knows whether functions have one; take --proposal linearised";
+                        return refused(name.as_str(), reason.into());
+                    }
+                }
+            }
+            if !learnable.has_gradients() {
+                let reason =
+                    "the model has no derivatives; take --proposal bootstrap, or one that is learned";
+                return refused(name.as_str(), reason.into());
             }
             // Where there is a closed form, linearising gives it.
-            boxed(formulas, Linearised::new(formulas)?, options, seed)
+            boxed(learnable, Linearised::new(learnable)?, options, seed)
         }
-        (FileModel::LinearGaussian(linear), ProposalName::Bootstrap) => {
-            boxed(&**linear, Bootstrap, options, seed)
+        (Kind::LinearGaussian(linear), ProposalName::Bootstrap) => boxed(linear, Bootstrap, options, seed),
+        (Kind::LinearGaussian(linear), ProposalName::Linearised | ProposalName::Optimal) => {
+            boxed(linear, MinDegeneracy::new(linear)?, options, seed)
         }
-        (FileModel::LinearGaussian(linear), ProposalName::Linearised | ProposalName::Optimal) => {
-            boxed(&**linear, MinDegeneracy::new(&**linear)?, options, seed)
+        (Kind::LinearGaussian(_), ProposalName::Learned(learned)) => {
+            refused(learned.name(), "it was learned for a model of formulas".into())
         }
-        (FileModel::LinearGaussian(_), ProposalName::Learned(learned)) => Err(MotesError::Proposal {
-            proposal: learned.name().into(),
-            reason: "it was learned for a model of formulas".into(),
-        }),
     }
 }
 
-fn boxed<'m, M: PartialLikelihood>(
+fn boxed<'m, M: PartialLikelihood + ?Sized>(
     model: &'m M,
     proposal: impl Proposal<M> + Send + 'm,
     options: &FilterOptions,

@@ -75,10 +75,9 @@ pub fn filter(
         let mut running = Running::new(model, options, series)?;
         let mut report = WeightReport::default();
         for &at in &places {
-            let estimate = running
-                .step(&data.rows[at].measurement)
+            let (estimate, diagnosis) = running
+                .step_and_diagnose(&data.rows[at].measurement)
                 .map_err(|error| of_series(name.as_deref(), error))?;
-            let diagnosis = running.diagnosis();
             report.add(&diagnosis);
             weights.add(&diagnosis);
             least_ess = estimate.ess.map_or(least_ess, |ess| least_ess.min(ess));

@@ -4,13 +4,12 @@ use std::fmt;
 use std::path::Path;
 use std::sync::Arc;
 
-use motes_formulas::{FileModel, FormulaModel};
 use motes_models::{ModelShape, Seed};
 use motes_proposals::{Amortised, Backend, SavedError, load, load_to_tune, save};
 use serde::{Deserialize, Serialize};
 
 use crate::error::MotesError;
-use crate::model::Model;
+use crate::model::{Kind, LearnableModel, Model};
 
 /// A proposal that was learned for a model; copies share it.
 #[derive(Clone)]
@@ -41,7 +40,7 @@ impl fmt::Debug for LearnedProposal {
 }
 
 /// What networks are made from: sizes, and the graph of what depends on what, which is the same whenever it is asked for.
-pub(crate) fn shape_of(model: &FormulaModel) -> ModelShape {
+pub(crate) fn shape_of(model: &dyn LearnableModel) -> ModelShape {
     ModelShape::on_dependences(model, &Seed::from_u64(0).child("dependences"))
 }
 
@@ -62,9 +61,9 @@ impl LearnedProposal {
     /// # Errors
     /// [`MotesError::Saved`] if it is not there, damaged, or learned for another model.
     pub fn load(folder: &Path, model: &Model) -> Result<Self, MotesError> {
-        let formulas = formulas_of(model)?;
-        let shape = shape_of(formulas);
-        let proposal = load(folder, formulas, &shape, Backend::Native.into())?;
+        let learnable = learnable(model)?;
+        let shape = shape_of(learnable);
+        let proposal = load(folder, learnable, &shape, Backend::Native.into())?;
         LearnedProposal::named(folder, proposal)
     }
 
@@ -73,7 +72,7 @@ impl LearnedProposal {
     /// # Errors
     /// [`MotesError::Saved`] if it is not there, damaged, or learned for a model with other numbers of states or measurements.
     pub fn load_to_tune(folder: &Path, model: &Model) -> Result<Self, MotesError> {
-        let shape = shape_of(formulas_of(model)?);
+        let shape = shape_of(learnable(model)?);
         let proposal = load_to_tune(folder, &shape, Backend::Native.into())?;
         LearnedProposal::named(folder, proposal)
     }
@@ -90,8 +89,8 @@ impl LearnedProposal {
     /// # Errors
     /// [`MotesError::Saved`] if it cannot be written.
     pub fn save(&self, folder: &Path, model: &Model) -> Result<(), MotesError> {
-        let formulas = formulas_of(model)?;
-        Ok(save(folder, &*self.proposal, formulas, &shape_of(formulas), &*self.notes)?)
+        let learnable = learnable(model)?;
+        Ok(save(folder, &*self.proposal, learnable, &shape_of(learnable), &*self.notes)?)
     }
 
     /// What it is called on a card.
@@ -110,11 +109,11 @@ impl LearnedProposal {
     }
 }
 
-/// The formulas of a model; a linear Gaussian one by its matrices has none.
-pub(crate) fn formulas_of(model: &Model) -> Result<&FormulaModel, MotesError> {
-    match model.model() {
-        FileModel::Formulas(formulas) => Ok(formulas),
-        FileModel::LinearGaussian(_) => Err(MotesError::Proposal {
+/// What a proposal is learned for; a linear Gaussian model by its matrices is none.
+pub(crate) fn learnable(model: &Model) -> Result<&dyn LearnableModel, MotesError> {
+    match model.kind() {
+        Kind::Learnable(learnable) => Ok(learnable),
+        Kind::LinearGaussian(_) => Err(MotesError::Proposal {
             proposal: "learned".into(),
             reason: "nothing is left to learn for kind = \"linear-gaussian\": take --proposal optimal, which is exact".into(),
         }),

@@ -50,7 +50,7 @@ pub use estimate::{Coordinate, Estimate};
 pub use filtering::{Filtered, Warning, filter, of_opinion, of_proposal};
 pub use learned::{LearnedProposal, Notes};
 pub use learning::{LearnOptions, LearnOutcome, base_named, head_named, learn, network_named};
-pub use model::Model;
+pub use model::{LearnableModel, Model};
 pub use options::{DEFENSIVE_SHARE, FilterOptions, ProposalName};
 pub use simulating::{Simulated, simulate};
 pub use smoothing::{Smoothed, smooth};

@@ -1,13 +1,52 @@
-//! A model as the command has it: from a file, with names for its coordinates.
+//! A model as the command has it: of a file, or one of a program's own, with names for its coordinates.
 
+use std::fmt;
 use std::path::Path;
+use std::sync::Arc;
 
-use motes_formulas::{Description, FileError, FileModel, ModelFile};
+use motes_formulas::{Description, FileError, FileModel, FormulaModel, ModelFile};
+use motes_models::{LinearGaussian, OwnModel, StateGradients};
 
-/// A model of a file or a text.
-#[derive(Debug, Clone)]
-pub struct Model {
-    file: ModelFile,
+use crate::error::MotesError;
+
+/// A model that proposals can be learned for: it simulates itself, its noise can be transported, its measurements linearised. What states its
+/// [`Equations`](motes_models::equations::Equations) is one.
+pub trait LearnableModel: OwnModel + StateGradients + Send {}
+
+impl<M: OwnModel + StateGradients + Send> LearnableModel for M {}
+
+/// A model of a file, of a text, or of a program.
+#[derive(Clone)]
+pub struct Model(Source);
+
+#[derive(Clone)]
+enum Source {
+    File(ModelFile),
+    Own(Own),
+}
+
+/// A model that a program states itself.
+#[derive(Clone)]
+struct Own {
+    name: String,
+    states: Vec<String>,
+    measurements: Vec<String>,
+    model: Arc<dyn LearnableModel>,
+}
+
+/// What kind a model is of.
+#[derive(Clone, Copy)]
+pub(crate) enum Kind<'a> {
+    /// One with equations of any form.
+    Learnable(&'a dyn LearnableModel),
+    /// A linear Gaussian one by its matrices.
+    LinearGaussian(&'a LinearGaussian),
+}
+
+impl fmt::Debug for Model {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.debug_struct("Model").field("name", &self.name()).finish_non_exhaustive()
+    }
 }
 
 impl Model {
@@ -16,7 +55,7 @@ impl Model {
     /// # Errors
     /// [`FileError`] as [`motes_formulas::read`].
     pub fn read(path: &Path, overrides: &[(String, f64)]) -> Result<Self, FileError> {
-        Ok(Model { file: motes_formulas::read(path, overrides)? })
+        Ok(Model(Source::File(motes_formulas::read(path, overrides)?)))
     }
 
     /// Makes a model of a text, which errors call `name`.
@@ -24,36 +63,133 @@ impl Model {
     /// # Errors
     /// [`FileError`] as [`motes_formulas::parse`].
     pub fn parse(text: &str, name: &str, overrides: &[(String, f64)]) -> Result<Self, FileError> {
-        Ok(Model { file: motes_formulas::parse(text, name, overrides)? })
+        Ok(Model(Source::File(motes_formulas::parse(text, name, overrides)?)))
+    }
+
+    /// A model of one's own, with names for the coordinates of its states and of its measurements.
+    ///
+    /// ```
+    /// use motes::prelude::*;
+    /// use motes::{Data, FilterOptions, Model, filter};
+    ///
+    /// /// A random walk.
+    /// struct Walk;
+    ///
+    /// impl Equations for Walk {
+    ///     fn dimensions(&self) -> [usize; 2] {
+    ///         [1, 1]
+    ///     }
+    ///
+    ///     fn initial<S: Scalar>(&self, x: &mut impl Coordinates<S>) {
+    ///         x.push(normal(0.0, 1.0));
+    ///     }
+    ///
+    ///     fn transition<S: Scalar>(&self, _: usize, before: &[S], x: &mut impl Coordinates<S>) {
+    ///         x.push(normal(before[0], 1.0));
+    ///     }
+    ///
+    ///     fn measurement<S: Scalar>(&self, _: usize, x: &[S], y: &mut impl Coordinates<S>) {
+    ///         y.push(normal(x[0], 0.5));
+    ///     }
+    /// }
+    ///
+    /// let model = Model::own("walk", &["x"], &["y"], Walk)?;
+    /// let data = Data::read("y\n0.3\n\n0.7\n".as_bytes(), "walk.csv", &model)?;
+    /// let filtered = filter(&model, &data, &FilterOptions::default(), |_| std::ops::ControlFlow::Continue(()))?;
+    /// assert!(filtered.log_evidence().is_finite());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`MotesError::Setting`] if there is not one name for each coordinate, or two are the same.
+    pub fn own(
+        name: &str,
+        states: &[impl AsRef<str>],
+        measurements: &[impl AsRef<str>],
+        model: impl LearnableModel + 'static,
+    ) -> Result<Self, MotesError> {
+        let names = |names: &[&str], what: &str, expected: usize| {
+            if names.len() != expected || expected == 0 {
+                let reason = format!("{what}: {} names; the model has {expected} coordinates", names.len());
+                return Err(MotesError::Setting(reason));
+            }
+            Ok(names.iter().map(ToString::to_string).collect::<Vec<String>>())
+        };
+        let all: [Vec<&str>; 2] =
+            [states.iter().map(AsRef::as_ref).collect(), measurements.iter().map(AsRef::as_ref).collect()];
+        let both = all.concat();
+        if let Some(twice) = both.iter().enumerate().find(|(at, name)| both[..*at].contains(name)) {
+            return Err(MotesError::Setting(format!("{}: there are two coordinates of that name", twice.1)));
+        }
+        Ok(Model(Source::Own(Own {
+            name: name.to_string(),
+            states: names(&all[0], "states", model.state_dim())?,
+            measurements: names(&all[1], "measurements", model.measurement_dim())?,
+            model: Arc::new(model),
+        })))
     }
 
     /// What it calls itself.
     pub fn name(&self) -> &str {
-        &self.file.name
+        match &self.0 {
+            Source::File(file) => &file.name,
+            Source::Own(own) => &own.name,
+        }
     }
 
     /// The names of the `N` coordinates of a state.
     pub fn states(&self) -> &[String] {
-        &self.file.states
+        match &self.0 {
+            Source::File(file) => &file.states,
+            Source::Own(own) => &own.states,
+        }
     }
 
     /// The names of the `M` coordinates of a measurement, which are the columns of data.
     pub fn measurements(&self) -> &[String] {
-        &self.file.measurements
+        match &self.0 {
+            Source::File(file) => &file.measurements,
+            Source::Own(own) => &own.measurements,
+        }
     }
 
-    /// The parameters with their values.
+    /// The parameters with their values; those of a model of one's own are its own affair.
     pub fn parameters(&self) -> &[(String, f64)] {
-        &self.file.parameters
+        match &self.0 {
+            Source::File(file) => &file.parameters,
+            Source::Own(_) => &[],
+        }
     }
 
     /// Its coordinates and what they are distributed as, for people.
     pub fn describe(&self) -> Description {
-        self.file.describe()
+        match &self.0 {
+            Source::File(file) => file.describe(),
+            Source::Own(own) => Description {
+                groups: vec![
+                    ("states".into(), vec![own.states.join(", ")]),
+                    ("measurements".into(), vec![own.measurements.join(", ")]),
+                ],
+            },
+        }
     }
 
-    /// The model itself.
-    pub fn model(&self) -> &FileModel {
-        &self.file.model
+    /// The model itself, by its kind.
+    pub(crate) fn kind(&self) -> Kind<'_> {
+        match &self.0 {
+            Source::File(ModelFile { model: FileModel::Formulas(formulas), .. }) => Kind::Learnable(formulas),
+            Source::File(ModelFile { model: FileModel::LinearGaussian(linear), .. }) => {
+                Kind::LinearGaussian(linear)
+            }
+            Source::Own(own) => Kind::Learnable(&*own.model),
+        }
+    }
+
+    /// Its formulas, if it is a file of them.
+    pub(crate) fn formulas(&self) -> Option<&FormulaModel> {
+        match &self.0 {
+            Source::File(ModelFile { model: FileModel::Formulas(formulas), .. }) => Some(formulas),
+            _ => None,
+        }
     }
 }

@@ -2,12 +2,11 @@
 
 use std::ops::ControlFlow;
 
-use motes_formulas::FileModel;
 use motes_models::batch::there_is_memory_for;
-use motes_models::{ModelError, Seed, Simulator, Trajectory, simulate as draw};
+use motes_models::{ModelError, Seed, Stream, Trajectory, simulate as draw};
 
 use crate::error::MotesError;
-use crate::model::Model;
+use crate::model::{Kind, Model};
 
 /// Series of states and measurements that a model drew.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,10 +39,7 @@ pub fn simulate(
     let (mut drawn, mut first, mut failures) = (Vec::new(), None, 0);
     for number in 0..series {
         let mut stream = seed.nth(number as u64).stream();
-        let found = match model.model() {
-            FileModel::Formulas(formulas) => draw_one(formulas, steps, &mut stream),
-            FileModel::LinearGaussian(linear) => draw_one(&**linear, steps, &mut stream),
-        };
+        let found = draw_one(model, steps, &mut stream);
         match found {
             Ok(trajectory) => drawn.push(trajectory),
             Err(ModelError::Numerical { time, .. }) => {
@@ -77,10 +73,7 @@ pub(crate) fn simulate_some(
 ) -> Result<Simulated, MotesError> {
     let draw = |number: usize| {
         let mut stream = seed.nth(number as u64).stream();
-        match model.model() {
-            FileModel::Formulas(formulas) => draw_one(formulas, steps, &mut stream),
-            FileModel::LinearGaussian(linear) => draw_one(&**linear, steps, &mut stream),
-        }
+        draw_one(model, steps, &mut stream)
     };
     let drawn: Vec<Trajectory> = (0..series).filter_map(|number| draw(number).ok()).collect();
     match drawn.is_empty() {
@@ -91,10 +84,9 @@ pub(crate) fn simulate_some(
     }
 }
 
-fn draw_one(
-    model: &impl Simulator,
-    steps: usize,
-    stream: &mut motes_models::Stream,
-) -> Result<Trajectory, ModelError> {
-    draw(model, steps, stream)
+fn draw_one(model: &Model, steps: usize, stream: &mut Stream) -> Result<Trajectory, ModelError> {
+    match model.kind() {
+        Kind::Learnable(learnable) => draw(learnable, steps, stream),
+        Kind::LinearGaussian(linear) => draw(linear, steps, stream),
+    }
 }

@@ -1,7 +1,7 @@
 //! What particles carry beside their state, how it follows them through resampling, and how blocks of it are lent.
 
 /// Per-particle values that are resampled together with the particle that owns them.
-pub trait ParticleMemory: Send {
+pub trait ParticleMemory: Send + Sync {
     /// The memory of consecutive particles, to be advanced.
     type Rows<'a>: MemoryRows
     where
@@ -36,7 +36,7 @@ impl MemoryRows for () {
 }
 
 /// One value for each particle.
-impl<T: Clone + Send> ParticleMemory for Vec<T> {
+impl<T: Clone + Send + Sync> ParticleMemory for Vec<T> {
     type Rows<'a>
         = &'a mut [T]
     where

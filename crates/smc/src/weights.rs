@@ -1,5 +1,6 @@
 //! Log-weights: one value that knows its normalised weights, effective sample size and log-sum.
 
+mod quantiles;
 mod sums;
 
 use thiserror::Error;
@@ -139,22 +140,12 @@ impl LogWeights {
     /// # Panics
     /// If a probability is not between 0 and 1, or there is not one value for each particle.
     pub fn quantiles(&self, values: impl Iterator<Item = f64>, probabilities: &[f64]) -> Vec<f64> {
-        let mut pairs: Vec<(f64, f64)> = values.zip(self.normalised.iter().copied()).collect();
-        assert_eq!(pairs.len(), self.len(), "one value for each particle");
-        pairs.retain(|(_, weight)| *weight > 0.0);
-        pairs.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
-        let mut sum = 0.0;
-        for (_, weight) in &mut pairs {
-            sum += *weight;
-            *weight = sum;
-        }
-        let quantile = |probability: &f64| {
+        let values: Vec<f64> = values.collect();
+        assert_eq!(values.len(), self.len(), "one value for each particle");
+        for probability in probabilities {
             assert!((0.0..=1.0).contains(probability), "{probability} is no probability");
-            // Relative to the whole sum, which rounding leaves a hair beside 1.
-            let at = pairs.partition_point(|(_, cumulative)| *cumulative < probability * sum);
-            pairs.get(at.min(pairs.len().saturating_sub(1))).map_or(f64::NAN, |(value, _)| *value)
-        };
-        probabilities.iter().map(quantile).collect()
+        }
+        quantiles::quantiles(&values, &self.normalised, probabilities)
     }
 
     /// `log W_k`.

@@ -236,9 +236,32 @@ impl<S: Scalar> Distribution<S> {
         self.affine(S::from(0.0), by.into())
     }
 
+    /// The same with parameters that are NaN where they are out of range: for what was not made by the functions of this module.
+    #[inline(always)]
+    pub(super) fn guarded(self) -> Self {
+        match self {
+            Distribution::Normal { mean, sd } => normal(mean, sd),
+            Distribution::StudentT { df, location, scale } => student_t(df, location, scale),
+            Distribution::Laplace { location, scale } => laplace(location, scale),
+            Distribution::LogNormal { origin, sign, location, scale } => {
+                Distribution::LogNormal { origin, sign, location, scale: above_zero(scale) }
+            }
+            Distribution::Exponential { origin, mean } => {
+                Distribution::Exponential { origin, mean: above_zero(mean) }
+            }
+            Distribution::Gamma { origin, shape, scale } => {
+                Distribution::Gamma { origin, shape: above_zero(shape), scale: above_zero(scale) }
+            }
+            Distribution::Uniform { low, high } => uniform(low, high),
+            Distribution::Poisson { mean } => poisson(mean),
+            Distribution::NegativeBinomial { mean, size } => negative_binomial(mean, size),
+            Distribution::Binomial { n, p } => binomial(n, p),
+        }
+    }
+
     /// That of `shift + scale·x`.
     #[inline(always)]
-    fn affine(self, shift: S, scale: S) -> Self {
+    pub(super) fn affine(self, shift: S, scale: S) -> Self {
         let nan = S::from(f64::NAN);
         // NaN for a scale of 0.
         let size = above_zero(scale.abs());

@@ -53,6 +53,14 @@ impl<S: Plain, const E: usize> Dual<S, E> {
         dual
     }
 
+    /// A number with a derivative along the first direction alone.
+    #[inline(always)]
+    pub(super) fn along_first(value: S, derivative: S) -> Self {
+        let mut dual = Dual::constant(value);
+        dual.0[1] = derivative;
+        dual
+    }
+
     /// The number itself.
     #[inline(always)]
     pub fn value(self) -> S {

@@ -1,5 +1,6 @@
 //! Models stated once: three formulas, from which draws, densities, gradients and marginals follow.
 
+mod batched;
 mod density;
 mod distribution;
 mod draw;
@@ -20,6 +21,7 @@ mod transport;
 pub mod triangle;
 mod varied;
 
+pub use batched::{BatchDistribution, BatchEquations, Batched, Column};
 pub use distribution::{
     Distribution, bernoulli, binomial, exponential, gamma, laplace, log_normal, negative_binomial, normal,
     poisson, student_t, uniform,

@@ -83,7 +83,17 @@ impl<S: Scalar> Coordinates<S> for OfMeasurement<'_, S> {
 }
 
 /// At the entries of a measurement that are there: coordinates are independent, so the others integrate to 1.
-struct OfKnown<'a, S>(Density<'a, S, Option<f64>>);
+pub(super) struct OfKnown<'a, S>(Density<'a, S, Option<f64>>);
+
+impl<'a, S: Scalar> OfKnown<'a, S> {
+    pub(super) fn at(values: &'a [Option<f64>]) -> Self {
+        OfKnown(Density::at(values))
+    }
+
+    pub(super) fn finish(self) -> S {
+        self.0.finish()
+    }
+}
 
 impl<S: Scalar> Coordinates<S> for OfKnown<'_, S> {
     #[inline(always)]
@@ -165,7 +175,7 @@ impl<E: Equations> StateSpaceModel for E {
             streams,
             states,
             #[inline(always)]
-            |_, drawn| self.initial(drawn),
+            |_, _, drawn| self.initial(drawn),
         );
     }
 
@@ -189,7 +199,7 @@ impl<E: Equations> StateSpaceModel for E {
             streams,
             states,
             #[inline(always)]
-            |previous, drawn| {
+            |_, previous, drawn| {
                 self.transition(time, previous, drawn);
             },
         );
@@ -251,7 +261,7 @@ impl<E: Equations> Simulator for E {
         let [n, m] = self.dimensions();
         let needs = needs_of(|counter| self.measurement(time, state, counter));
         let streams = std::slice::from_mut(stream);
-        draw_rows(needs, m, Some(Rows::all(state, n)), n, streams, measurement, |state, drawn| {
+        draw_rows(needs, m, Some(Rows::all(state, n)), n, streams, measurement, |_, state, drawn| {
             self.measurement(time, state, drawn);
         });
     }
@@ -263,7 +273,7 @@ impl<E: Equations> Simulator for E {
             return;
         }
         let needs = needs_of(|counter| self.measurement(time, states.row(0), counter));
-        draw_rows(needs, m, Some(states), n, streams, out, |state, drawn| {
+        draw_rows(needs, m, Some(states), n, streams, out, |_, state, drawn| {
             self.measurement(time, state, drawn);
         });
     }
@@ -284,9 +294,9 @@ impl<E: Equations> PartialLikelihood for E {
             out,
             #[inline(always)]
             |_, tile| {
-                let mut density = OfKnown(Density::at(measurement));
+                let mut density = OfKnown::at(measurement);
                 self.measurement(time, tile, &mut density);
-                density.0.finish()
+                density.finish()
             },
         );
         Ok(())

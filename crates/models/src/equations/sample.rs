@@ -94,7 +94,8 @@ impl Coordinates<Lanes> for Drawn<'_, '_> {
 
 /// Draws `width` coordinates for each of `particles` particles into `out` (`K×width`); the particles are split evenly over `streams`, in order.
 ///
-/// Their distributions are what `state` pushes, given a tile of what they depend on: rows of `previous_width` numbers, none at `t = 0`.
+/// Their distributions are what `state` pushes, given the number of a tile's first particle and what they depend on: rows of `previous_width` numbers, none
+/// at `t = 0`.
 ///
 /// # Panics
 /// If `particles` is not a multiple of the number of streams.
@@ -105,7 +106,7 @@ pub(super) fn draw_rows(
     previous_width: usize,
     streams: &mut [Stream],
     out: &mut [f64],
-    state: impl Fn(&[Lanes], &mut Drawn<'_, '_>),
+    state: impl Fn(usize, &[Lanes], &mut Drawn<'_, '_>),
 ) {
     let particles = out.len() / width.max(1);
     let each = particles / streams.len().max(1);
@@ -148,7 +149,7 @@ pub(super) fn draw_rows(
                                     rows: rows_of_mut(drawn),
                                     is_ragged: false,
                                 };
-                                state(rows_of(before), &mut sink);
+                                state(first, rows_of(before), &mut sink);
                                 let is_whole = sink.rows.is_empty() && !sink.is_ragged;
                                 (normals, exponentials, uniforms) =
                                     (sink.normals, sink.exponentials, sink.uniforms);

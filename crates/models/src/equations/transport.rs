@@ -83,7 +83,7 @@ impl Distribution<Lanes> {
 }
 
 /// Keeps the median of each coordinate and the slope there.
-struct Centres<'a> {
+pub(super) struct Centres<'a> {
     centres: &'a mut [Lanes],
     slopes: &'a mut [Lanes],
     at: usize,
@@ -103,6 +103,13 @@ impl Coordinates<Lanes> for Centres<'_> {
         }
         self.at += 1;
     }
+}
+
+/// The median of each coordinate that `push` states, and the slope there; NaN for those that it leaves out.
+pub(super) fn centres_of(push: impl FnOnce(&mut Centres<'_>), centres: &mut [f64], slopes: &mut [f64]) {
+    centres.fill(f64::NAN);
+    slopes.fill(f64::NAN);
+    push(&mut Centres { centres: rows_of_mut(centres), slopes: rows_of_mut(slopes), at: 0 });
 }
 
 /// Replaces each coordinate, and adds up log slopes; `of` is asked for both.
@@ -151,10 +158,7 @@ impl<M: TileStates + StateSpaceModel> Transport for M {
     }
 
     fn tile_centres(&self, time: usize, previous: Option<&[f64]>, centres: &mut [f64], slopes: &mut [f64]) {
-        centres.fill(f64::NAN);
-        slopes.fill(f64::NAN);
-        let mut sink = Centres { centres: rows_of_mut(centres), slopes: rows_of_mut(slopes), at: 0 };
-        self.push_states(time, previous, &mut sink);
+        centres_of(|sink| self.push_states(time, previous, sink), centres, slopes);
     }
 
     fn tile_from_normal(

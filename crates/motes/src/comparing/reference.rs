@@ -1,13 +1,12 @@
 //! What evidence and means are held against: the exact filter where there is one, else a filter with many particles.
 
-use motes_formulas::FileModel;
 use motes_models::{PartialMeasurements, kalman};
 
 use super::options::{CompareOptions, MOST_REFERENCE_FILTERS};
 use super::sequence::Sequence;
 use crate::engine::Running;
 use crate::error::MotesError;
-use crate::model::Model;
+use crate::model::{Kind, Model};
 use crate::options::{FilterOptions, ProposalName};
 
 /// The share of a reference filter's particles that is drawn from the transition.
@@ -43,7 +42,7 @@ fn candidates(options: &CompareOptions) -> Vec<ProposalName> {
 
 /// The particles of all filters behind a reference for one sequence; the exact filter counts as one.
 pub(super) fn particles(model: &Model, options: &CompareOptions) -> usize {
-    if let FileModel::LinearGaussian(_) = model.model() {
+    if let Kind::LinearGaussian(_) = model.kind() {
         return 1;
     }
     let more = if options.reference_filters > 1 { options.reference_filters } else { 0 };
@@ -57,7 +56,7 @@ pub(super) fn reference(
     options: &CompareOptions,
     number: usize,
 ) -> Result<Reference, MotesError> {
-    if let FileModel::LinearGaussian(linear) = model.model() {
+    if let Kind::LinearGaussian(linear) = model.kind() {
         let measurements =
             PartialMeasurements::new(model.measurements().len(), sequence.measurements.concat())?;
         let exact = kalman::filter_partial(linear, &measurements)?;

@@ -2,8 +2,7 @@
 
 use std::fmt::Write;
 
-use motes_formulas::FormulaModel;
-use motes_models::{Seed, StateSpaceModel};
+use motes_models::Seed;
 use motes_proposals::{Amortised, AmortisedConfig, Backend, Base, Covariance, Family, HeadConfig, Sees};
 use motes_smc::Linearised;
 use motes_train::{LearnConfig, LearnObjective, learn};
@@ -11,6 +10,7 @@ use motes_train::{LearnConfig, LearnObjective, learn};
 use super::options::LearnOptions;
 use crate::error::MotesError;
 use crate::learned::shape_of;
+use crate::model::LearnableModel;
 
 /// With more coordinates particles share the correlations of one Gaussian, and components of a mixture have none beside those of the base: a network that
 /// emits so many numbers for each particle is not learned in seconds.
@@ -20,7 +20,10 @@ const MOST_COORDINATES_IN_FULL: usize = 12;
 const PILOT: f64 = 0.1;
 
 /// What there is to choose from.
-fn candidates(model: &FormulaModel, options: &LearnOptions) -> Result<Vec<AmortisedConfig>, MotesError> {
+fn candidates(
+    model: &dyn LearnableModel,
+    options: &LearnOptions,
+) -> Result<Vec<AmortisedConfig>, MotesError> {
     let n = model.state_dim();
     let bases = match options.base {
         Some(base) => vec![base],
@@ -62,7 +65,7 @@ pub(super) struct Choice {
 
 /// Chooses by the gain on validation sequences after a short training of each candidate.
 pub(super) fn choose(
-    model: &FormulaModel,
+    model: &dyn LearnableModel,
     options: &LearnOptions,
     settings: &LearnConfig,
     seed: &Seed,

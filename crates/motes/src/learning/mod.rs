@@ -8,7 +8,7 @@ mod worth;
 use std::ops::ControlFlow;
 
 use motes_models::{PartialMeasurements, Seed};
-use motes_proposals::{Amortised, Backend, Family, HeadConfig};
+use motes_proposals::{Amortised, Backend, Base, Family, HeadConfig};
 use motes_train::{LearnConfig, LearnObjective, Learned, TrainError, learn as train};
 
 pub use names::{base_named, head_named, network_named};
@@ -16,7 +16,7 @@ pub use options::LearnOptions;
 
 use crate::data::Data;
 use crate::error::MotesError;
-use crate::learned::{LearnedProposal, Notes, formulas_of, shape_of};
+use crate::learned::{LearnedProposal, Notes, learnable, shape_of};
 use crate::model::Model;
 use choice::{Choice, choose};
 use worth::worse_than;
@@ -67,7 +67,7 @@ pub fn learn(
     options: &LearnOptions,
     mut proceed: impl FnMut(usize, usize) -> ControlFlow<()>,
 ) -> Result<LearnOutcome, MotesError> {
-    let formulas = formulas_of(model)?;
+    let learnable = learnable(model)?;
     let started = std::time::Instant::now();
     let settings = LearnConfig {
         objective: options.objective,
@@ -84,6 +84,16 @@ pub fn learn(
     };
     let seed = Seed::from_u64(options.seed).child("learn");
     let recorded = data.map(|data| recorded(model, data)).transpose()?.unwrap_or_default();
+    if !learnable.has_gradients() {
+        let asked = match (options.base, options.objective) {
+            (Some(Base::Linearised), _) => Some("base linearised"),
+            (_, LearnObjective::Fivo) => Some("objective fivo"),
+            _ => None,
+        };
+        if let Some(asked) = asked {
+            return Err(MotesError::Setting(format!("{asked}: the model has no derivatives")));
+        }
+    }
     if options.objective.needs_recorded() && recorded.is_empty() {
         return Err(TrainError::NoRecorded { objective: options.objective.to_string() }.into());
     }
@@ -95,13 +105,13 @@ pub fn learn(
         None => {
             // A third of the bar is for choosing.
             let Choice { config, reason } =
-                choose(formulas, options, &settings, &seed, |done, total| proceed(done, 3 * total))?;
-            let (shape, compute) = (shape_of(formulas), Backend::Native.into());
+                choose(learnable, options, &settings, &seed, |done, total| proceed(done, 3 * total))?;
+            let (shape, compute) = (shape_of(learnable), Backend::Native.into());
             (reason, Amortised::create(&config, &shape, 0, compute, &seed.child("weights"))?)
         }
     };
     let mut is_stopped = false;
-    let history = train(&mut proposal, formulas, &recorded, &settings, &seed, |done, _| {
+    let history = train(&mut proposal, learnable, &recorded, &settings, &seed, |done, _| {
         let asked = proceed(settings.steps + 2 * done, 3 * settings.steps);
         is_stopped = asked.is_break();
         asked

@@ -3,6 +3,7 @@
 use motes_models::Seed;
 
 use super::options::LearnOptions;
+use crate::comparing::designed;
 use crate::engine::Running;
 use crate::error::MotesError;
 use crate::learned::LearnedProposal;
@@ -54,7 +55,8 @@ pub(super) fn worse_than(
     };
     let of_learned = evidence(ProposalName::Learned(learned.clone()))?;
     let mut worst: Option<(f64, String)> = None;
-    for designed in [ProposalName::Bootstrap, ProposalName::Linearised] {
+    let there = designed(model, &FilterOptions::default());
+    for designed in there.into_iter().filter(|name| *name != ProposalName::Optimal) {
         let name = designed.to_string();
         let ahead: Vec<f64> = evidence(designed)?.iter().zip(&of_learned).map(|(a, b)| a - b).collect();
         let n = ahead.len() as f64;
@@ -82,7 +84,7 @@ mod tests {
 
     use super::*;
     use crate::comparing::{CompareOptions, compare};
-    use crate::learned::{Notes, formulas_of};
+    use crate::learned::{Notes, learnable};
 
     /// The growth model, and a Gaussian that collapsed on one of its two modes.
     fn collapsed() -> (Model, LearnedProposal) {
@@ -91,7 +93,7 @@ mod tests {
         let model = Model::parse(text, "growth", &[]).unwrap();
         let head = HeadConfig::Gaussian { covariance: Covariance::Full };
         let config = AmortisedConfig { widths: vec![4], sees: Sees::All, base: Base::Transition, head };
-        let shape = ModelShape::of(formulas_of(&model).unwrap());
+        let shape = ModelShape::of(learnable(&model).unwrap());
         let mut proposal =
             Amortised::create(&config, &shape, 0, Backend::Native.into(), &Seed::from_u64(1)).unwrap();
         for index in 0..proposal.parameters().len() {

@@ -57,6 +57,9 @@ impl<M: Linearise + Transport + ?Sized> Proposal<M> for Amortised {
         tile.clear();
         tile.resize((width + units::scratch_rows(n, m)) * LANES, 0.0);
         let (of_inputs, work) = tile.split_at_mut(width * LANES);
+        if let Some(previous) = previous {
+            model.foresee(time, previous);
+        }
         let parts = units.chunks_exact_mut(each).zip(kept.chunks_exact_mut(n * LANES));
         for (number, ((units, kept), inputs)) in parts.zip(inputs.chunks_mut(width * LANES)).enumerate() {
             let previous = previous.map(|rows| {

@@ -1,6 +1,6 @@
 //! A model's steps, tile by tile, in the units of a proposal.
 
-use motes_models::batch::{LANES, load};
+use motes_models::batch::{LANES, Rows, load};
 use motes_models::equations::Lanes;
 use motes_models::{ModelError, OwnModel, OwnStep};
 
@@ -64,6 +64,9 @@ impl Amortised {
         let (values, measured) = rest.split_at_mut(n * LANES);
         let mut entries: Vec<Option<Lanes>> = Vec::with_capacity(m);
         let is_affine = model.is_affine();
+        if let Some(previous) = previous {
+            model.foresee(time, Rows::all(previous, n));
+        }
         for first in (0..rows).step_by(LANES) {
             let last = (first + LANES).min(rows);
             if let Some(previous) = previous {

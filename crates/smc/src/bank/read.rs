@@ -5,7 +5,7 @@ use std::ops::Deref;
 use motes_models::StateSpaceModel;
 
 use super::filter_bank::FilterBank;
-use crate::diagnosis::{WeightDiagnosis, pareto_k};
+use crate::diagnosis::{WeightDiagnosis, pareto_k_within};
 use crate::error::FilterError;
 use crate::proposal::Proposal;
 use crate::weights::LogWeights;
@@ -82,11 +82,12 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
     /// effective particles and no part in the index.
     pub fn diagnosis(&self) -> WeightDiagnosis {
         let is_there = |filter: usize| self.log_evidence[filter] > f64::NEG_INFINITY;
-        let weights =
-            self.weights.iter().zip(&self.outcomes).enumerate().filter_map(|(filter, (weights, outcome))| {
-                let increment = outcome.increment.as_ref().ok().filter(|_| is_there(filter))?;
-                Some(weights.log().iter().map(move |log| log + increment))
-            });
+        let mut logs = Vec::with_capacity(self.ancestors.len());
+        for (filter, (weights, outcome)) in self.weights.iter().zip(&self.outcomes).enumerate() {
+            if let Some(increment) = outcome.increment.as_ref().ok().filter(|_| is_there(filter)) {
+                logs.extend(weights.log().iter().map(|log| log + increment));
+            }
+        }
         let sizes = self.weights.iter().enumerate().map(|(filter, weights)| match is_there(filter) {
             true => weights.effective_sample_size(),
             false => 0.0,
@@ -95,7 +96,7 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
             time: self.time.saturating_sub(1),
             particles: self.settings.particles,
             effective_sample_size: sizes.sum::<f64>() / self.weights.len() as f64,
-            pareto_k: pareto_k(&weights.flatten().collect::<Vec<f64>>()),
+            pareto_k: pareto_k_within(&mut logs),
         }
     }
 

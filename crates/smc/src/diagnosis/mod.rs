@@ -3,5 +3,6 @@
 mod pareto;
 mod report;
 
+pub(crate) use pareto::pareto_k_within;
 pub use pareto::{PARETO_K_LIMIT, pareto_k};
 pub use report::{LEAST_EFFECTIVE_PARTICLES, WeightDiagnosis, WeightReport, WeightWarning};

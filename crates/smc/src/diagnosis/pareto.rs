@@ -31,20 +31,23 @@ const LEAST_TAIL: usize = 5;
 /// assert_eq!(pareto_k(&[0.0; 100]), None);
 /// ```
 pub fn pareto_k(log_weights: &[f64]) -> Option<f64> {
-    let count = (log_weights.len() as f64 / 5.0).min(3.0 * (log_weights.len() as f64).sqrt()) as usize;
+    pareto_k_within(&mut log_weights.to_vec())
+}
+
+/// [`pareto_k`], which leaves the weights in another order.
+pub(crate) fn pareto_k_within(log: &mut [f64]) -> Option<f64> {
+    let count = (log.len() as f64 / 5.0).min(3.0 * (log.len() as f64).sqrt()) as usize;
     if count < LEAST_TAIL {
         return None;
     }
-    let mut log = log_weights.to_vec();
     // The weight that the largest `count` are held against, and behind it these.
-    let (_, &mut threshold, tail) = log.select_nth_unstable_by(log_weights.len() - count - 1, f64::total_cmp);
+    let (_, &mut threshold, tail) = log.select_nth_unstable_by(log.len() - count - 1, f64::total_cmp);
     if tail.iter().filter(|log| **log > threshold).count() < LEAST_TAIL {
         return None;
     }
     let largest = tail.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let beside_largest = |log: f64| (log - largest).exp();
-    let mut exceedances: Vec<f64> =
-        tail.iter().map(|log| beside_largest(*log) - beside_largest(threshold)).collect();
+    let least = (threshold - largest).exp();
+    let mut exceedances: Vec<f64> = tail.iter().map(|log| (log - largest).exp() - least).collect();
     exceedances.retain(|excess| *excess > 0.0);
     exceedances.sort_unstable_by(f64::total_cmp);
     let fitted = if exceedances.len() < LEAST_TAIL { None } else { pareto_index(&exceedances) };
@@ -68,7 +71,7 @@ fn hill(tail: &[f64], threshold: f64) -> f64 {
 /// With `θ = −k/σ` the likelihood has `k(θ) = mean log(1 − θ x)` as its best index; `θ` is averaged over a grid by its profile likelihood.
 fn pareto_index(x: &[f64]) -> Option<f64> {
     let n = x.len() as f64;
-    let index = |theta: f64| x.iter().map(|x| (-theta * x).ln_1p()).sum::<f64>() / n;
+    let index = |theta: f64| sum_of_logs(x, theta) / n;
     let (quartile, largest) = (x[(n / 4.0 + 0.5) as usize - 1], x[x.len() - 1]);
     let points = 30 + n.sqrt() as usize;
     let grid: Vec<(f64, f64)> = (1..=points)
@@ -84,6 +87,31 @@ fn pareto_index(x: &[f64]) -> Option<f64> {
     let theta = grid.iter().map(|(theta, log)| theta * (log - best).exp()).sum::<f64>() / whole;
     let k = (n * index(theta) + 10.0 * 0.5) / (n + 10.0);
     k.is_finite().then_some(k)
+}
+
+/// Numbers that are multiplied before a logarithm is taken: as many as do not overflow, side by side.
+const SIDE: usize = 8;
+const ROWS: usize = 16;
+
+/// The largest factor, and one over the least, of which as many as [`ROWS`] can be multiplied.
+const LARGEST_FACTOR: f64 = (1_u64 << 60) as f64;
+
+/// `Σ ln(1 − θ x)` over sorted, positive values.
+fn sum_of_logs(x: &[f64], theta: f64) -> f64 {
+    let factor = |x: f64| 1.0 - theta * x;
+    let is_moderate =
+        |x: Option<&f64>| x.is_some_and(|x| (1.0 / LARGEST_FACTOR..LARGEST_FACTOR).contains(&factor(*x)));
+    if !(is_moderate(x.first()) && is_moderate(x.last())) {
+        return x.iter().map(|x| (-theta * x).ln_1p()).sum();
+    }
+    let of_rows = |x: &[f64]| {
+        let mut products = [1.0; SIDE];
+        for row in x.chunks(SIDE) {
+            products.iter_mut().zip(row).for_each(|(product, x)| *product *= factor(*x));
+        }
+        products.iter().map(|product| product.ln()).sum::<f64>()
+    };
+    x.chunks(SIDE * ROWS).map(of_rows).sum()
 }
 
 #[cfg(test)]
@@ -130,6 +158,19 @@ mod tests {
         assert_eq!(pareto_k(&[3.0; 100]), None);
         assert_eq!(pareto_k(&[f64::NEG_INFINITY; 100]), None);
         assert_eq!(pareto_k(&[f64::NAN; 100]), None);
+    }
+
+    #[test]
+    fn logarithms_of_products_are_those_of_factors() {
+        for count in [1, 7, 8, 127, 128, 129, 1000] {
+            let x: Vec<f64> = (1..=count).map(|i| f64::from(i) / f64::from(count)).collect();
+            for theta in [0.9, 0.1, 1e-5, -0.3, -40.0, -1e30, 1.0 - 1e-15, 1.0] {
+                let expected: f64 = x.iter().map(|x| (-theta * x).ln_1p()).sum();
+                let found = sum_of_logs(&x, theta);
+                let is_near = (found - expected).abs() <= 1e-10 * (1.0 + expected.abs());
+                assert!(found == expected || is_near, "{found} for {expected}, θ = {theta}");
+            }
+        }
     }
 
     #[test]

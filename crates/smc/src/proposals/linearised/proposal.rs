@@ -130,6 +130,9 @@ impl<M: Linearise + ?Sized> Proposal<M> for Linearised {
             let (variances, rest) = rest.split_at_mut(n * LANES);
             let (slopes, rest) = rest.split_at_mut(m * LANES);
             let (information, jacobian) = rest.split_at_mut(m * LANES);
+            if let Some(previous) = context.previous {
+                model.foresee(time, previous);
+            }
             let places = means.chunks_exact_mut(n * LANES).zip(factors.chunks_exact_mut(triangle * LANES));
             for (number, (mean, lower)) in places.enumerate() {
                 let before = context.previous.map(|rows| {

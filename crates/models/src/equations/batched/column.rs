@@ -1,0 +1,118 @@
+//! Parameters of many particles.
+
+use super::super::distribution::Distribution;
+use super::super::lanes::Lanes;
+use super::super::scalar::Scalar;
+use super::super::statement::Coordinates;
+use super::super::varied::{SIDE, Side, Varied};
+use crate::batch::LANES;
+
+/// A parameter: one number for all particles, or one for each, perhaps with derivatives.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Column {
+    values: Vec<f64>,
+    /// `∂/∂x_j` of each particle's number, `N×K`; none where it does not change with a state.
+    slopes: Vec<f64>,
+}
+
+impl Column {
+    /// The same number for all particles.
+    pub fn same(value: f64) -> Self {
+        Column::each(vec![value])
+    }
+
+    /// A number for each particle (`K`).
+    pub fn each(values: Vec<f64>) -> Self {
+        Column { values, slopes: Vec::new() }
+    }
+
+    /// A number for each particle (`K`), with its derivative along each coordinate of the particle's row (`N×K`: all particles' along the first, then along the
+    /// next).
+    pub fn with_slopes(values: Vec<f64>, slopes: Vec<f64>) -> Self {
+        Column { values, slopes }
+    }
+
+    /// The numbers: one, or as many as there are particles.
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    /// Those of `W` particles from `first` on; 0 where there is no particle.
+    fn at<const W: usize>(&self, values: &[f64], first: usize) -> Lanes<W> {
+        if let [value] = values
+            && self.values.len() == 1
+        {
+            return Lanes::from(*value);
+        }
+        let mut lanes = [0.0; W];
+        let there = values.get(first..).unwrap_or_default();
+        lanes.iter_mut().zip(there).for_each(|(lane, value)| *lane = *value);
+        Lanes(lanes)
+    }
+
+    /// Those of a tile.
+    fn tile(&self, first: usize) -> Lanes {
+        self.at::<LANES>(&self.values, first)
+    }
+
+    /// Those of a few particles, with derivatives along a coordinate of their rows, if one is given.
+    fn side(&self, first: usize, along: Option<usize>) -> Varied<2> {
+        let count = self.values.len();
+        let slopes = along.and_then(|along| self.slopes.get(along * count..(along + 1) * count));
+        let slopes = slopes.map_or(Side::from(0.0), |slopes| self.at::<SIDE>(slopes, first));
+        Varied::along_first(self.at::<SIDE>(&self.values, first), slopes)
+    }
+}
+
+/// The distribution of a coordinate of many particles: `shift + scale·z` for `z` of a family.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BatchDistribution {
+    family: Distribution<Column>,
+    scale: Option<Column>,
+    shift: Option<Column>,
+}
+
+impl BatchDistribution {
+    /// The distribution itself. Where a parameter is out of range for a particle, its draws and densities are NaN.
+    pub fn new(family: Distribution<Column>) -> Self {
+        BatchDistribution { family, scale: None, shift: None }
+    }
+
+    /// The distribution of `shift + scale·z`, for what is given of these. Counts can be neither scaled nor shifted.
+    #[must_use]
+    pub fn affine(self, scale: Option<Column>, shift: Option<Column>) -> Self {
+        BatchDistribution { family: self.family, scale, shift }
+    }
+
+    /// With parameters of any kind of number.
+    #[inline(always)]
+    fn of<S: Scalar>(&self, of: impl Fn(&Column) -> S + Copy) -> Distribution<S> {
+        let family = self.family.map(of).guarded();
+        match (&self.scale, &self.shift) {
+            (None, None) => family,
+            (None, Some(shift)) => family.shifted(of(shift)),
+            (Some(scale), None) => family.scaled(of(scale)),
+            (Some(scale), Some(shift)) => family.affine(of(shift), of(scale)),
+        }
+    }
+
+    /// That of the particles of a tile.
+    pub(super) fn tile(&self, first: usize) -> Distribution<Lanes> {
+        self.of(|column| column.tile(first))
+    }
+
+    /// That of a few particles, with derivatives along a coordinate of their rows, if one is given.
+    pub(super) fn side(&self, first: usize, along: Option<usize>) -> Distribution<Varied<2>> {
+        self.of(|column| column.side(first, along))
+    }
+
+    /// That of the first particle.
+    pub(super) fn first(&self) -> Distribution<f64> {
+        self.of(|column| column.values.first().copied().unwrap_or(f64::NAN))
+    }
+}
+
+/// Pushes the distribution of each coordinate of the particles of a tile.
+pub(super) fn push_tile(stated: &[BatchDistribution], first: usize, sink: &mut impl Coordinates<Lanes>) {
+    stated.iter().for_each(|distribution| sink.push(distribution.tile(first)));
+}

@@ -1,0 +1,57 @@
+//! Batched equations linearised: moments, and what a measurement says of states near by.
+
+use super::super::lanes::Lanes;
+use super::super::linearise::{Linearise, moments_of_states};
+use super::super::tiles::rows_of_mut;
+use super::super::varied::{SIDE, Varied, put, side};
+use super::memo::Asked;
+use super::{BatchEquations, Batched};
+use crate::StateSpaceModel;
+use crate::batch::LANES;
+
+impl<B: BatchEquations> Linearise for Batched<B> {
+    fn tile_moments(&self, time: usize, previous: Option<&[f64]>, means: &mut [f64], variances: &mut [f64]) {
+        moments_of_states(self, time, previous, means, variances);
+    }
+
+    fn tile_scores(
+        &self,
+        time: usize,
+        states: &[f64],
+        measurement: &[Option<Lanes>],
+        slopes: &mut [f64],
+        information: &mut [f64],
+        jacobian: &mut [f64],
+    ) {
+        let n = self.state_dim();
+        slopes.fill(0.0);
+        information.fill(0.0);
+        jacobian.fill(0.0);
+        let (slopes, information, jacobian) =
+            (rows_of_mut(slopes), rows_of_mut(information), rows_of_mut(jacobian));
+        let is_known = |at: usize| measurement.get(at).copied().flatten();
+        if !self.equations.has_slopes() {
+            let (stated, first) = self.of_tile(Asked::Measurement, time, states);
+            let stated = stated.as_ref().map(|stated| stated.as_slice()).unwrap_or_default();
+            for (at, one) in stated.iter().enumerate() {
+                let Some(y) = is_known(at) else { continue };
+                let score = one.tile(first).score(y);
+                (slopes[at], information[at]) = (score.slope, score.information);
+            }
+            return;
+        }
+        let (stated, first) = self.of_tile(Asked::Slopes, time, states);
+        let stated = stated.as_ref().map(|stated| stated.as_slice()).unwrap_or_default();
+        for (at, one) in stated.iter().enumerate() {
+            let Some(y) = is_known(at) else { continue };
+            for lane in (0..LANES).step_by(SIDE) {
+                for along in 0..n {
+                    let score = one.side(first + lane, Some(along)).score(Varied::constant(side(&y, lane)));
+                    put(score.location.derivatives()[0], lane, &mut jacobian[at * n + along]);
+                    put(score.slope.value(), lane, &mut slopes[at]);
+                    put(score.information.value(), lane, &mut information[at]);
+                }
+            }
+        }
+    }
+}
