@@ -45,7 +45,7 @@ pub use error::{FileError, Place, Problem};
 pub use explain::DomainError;
 pub use file::{FileModel, ModelFile, parse, read};
 pub use model::FormulaModel;
-pub use tables::reference;
+pub use tables::{Family, Range, family, reference};
 
 /// The README's code, compiled and run as a documentation test.
 #[doc = include_str!("../README.md")]

@@ -120,8 +120,8 @@ fn what_a_program_states_is_what_a_file_states_to_the_last_bit() {
 fn a_model_without_derivatives_is_filtered_and_learned() {
     let (file, model) = (of_file(), in_columns());
     let data = data(&file);
-    let [expected, found] = [&file, &model]
-        .map(|model| filter(model, &data, &options(ProposalName::Bootstrap), go_on).unwrap());
+    let [expected, found] =
+        [&file, &model].map(|model| filter(model, &data, &options(ProposalName::Bootstrap), go_on).unwrap());
     assert_eq!(expected, found);
     assert_eq!(designed(&model, &FilterOptions::default()), [ProposalName::Bootstrap]);
     let refused = filter(&model, &data, &options(ProposalName::Linearised), go_on).unwrap_err();

@@ -9,6 +9,7 @@ mod errors;
 mod estimates;
 mod file;
 mod filtered;
+mod functions;
 mod learned;
 mod model;
 mod online;

@@ -18,6 +18,7 @@ use crate::card::Card;
 use crate::data::Data;
 use crate::errors::to_python;
 use crate::filtered::Filtered;
+use crate::functions::{Failure, Functions};
 use crate::learned::{LearnArguments, Proposal};
 use crate::options::{FilterOptions, ProposalArgument};
 use crate::work::without_lock;
@@ -25,9 +26,17 @@ use crate::work::without_lock;
 /// A state-space model.
 #[pyclass(frozen, module = "motes._motes")]
 pub(crate) struct Model {
-    pub(crate) model: Arc<motes::Model>,
+    model: Arc<motes::Model>,
     /// Parameters that were given other values.
     set: Vec<(String, f64)>,
+    /// What it is made of, if it is made of functions.
+    functions: Option<Arc<Functions>>,
+}
+
+/// A model for one call, and what its functions raise meanwhile.
+pub(crate) struct ForCall {
+    pub(crate) model: Arc<motes::Model>,
+    pub(crate) failure: Failure,
 }
 
 /// Which columns measurements are, which ones `series`, `t` and the carried one are, and which ones are not used.
@@ -45,14 +54,29 @@ impl Model {
     #[staticmethod]
     fn read(path: PathBuf, set: Vec<(String, f64)>) -> PyResult<Self> {
         let model = motes::Model::read(&path, &set).map_err(to_python)?;
-        Ok(Model { model: Arc::new(model), set })
+        Ok(Model { model: Arc::new(model), set, functions: None })
     }
 
     /// The model of a text, which errors call `name`.
     #[staticmethod]
     fn parse(text: &str, name: &str, set: Vec<(String, f64)>) -> PyResult<Self> {
         let model = motes::Model::parse(text, name, &set).map_err(to_python)?;
-        Ok(Model { model: Arc::new(model), set })
+        Ok(Model { model: Arc::new(model), set, functions: None })
+    }
+
+    /// The model of functions. `initial` are distributions; `slopes` are the other two with derivatives.
+    #[staticmethod]
+    fn of_functions(
+        py: Python<'_>,
+        name: String,
+        names: [Vec<String>; 2],
+        initial: &Bound<'_, PyAny>,
+        functions: [Py<PyAny>; 2],
+        slopes: Option<[Py<PyAny>; 2]>,
+    ) -> PyResult<Self> {
+        let functions = Arc::new(Functions::new(py, name, names, initial, functions, slopes)?);
+        let model = Arc::new(functions.model(&Failure::default()).map_err(to_python)?);
+        Ok(Model { model, set: Vec::new(), functions: Some(functions) })
     }
 
     #[getter]
@@ -82,9 +106,10 @@ impl Model {
 
     /// The designed proposals that it has.
     #[getter]
-    fn proposals(&self) -> Vec<String> {
-        let there = designed(&self.model, &motes::FilterOptions::default());
-        there.iter().map(ToString::to_string).collect()
+    fn proposals(&self) -> PyResult<Vec<String>> {
+        let call = self.for_call()?;
+        let there = designed(&call.model, &motes::FilterOptions::default());
+        call.failure.or(Ok(there.iter().map(ToString::to_string).collect()))
     }
 
     /// What the columns of a table are for.
@@ -131,9 +156,10 @@ impl Model {
         let steps = integer("steps", steps, 1, 1_000_000_000)?;
         let series = integer("series", series, 1, 1_000_000_000)?;
         let seed = seed_of(seed)?;
-        let model = &*self.model;
-        let drawn = without_lock(py, Some(1), |stop| simulate(model, steps, series, seed, |_| stop.asked()))?;
-        let drawn = drawn.map_err(to_python)?.series;
+        let ForCall { model, failure } = self.for_call()?;
+        let drawn =
+            without_lock(py, Some(1), |stop| simulate(&model, steps, series, seed, |_| failure.asked(stop)))?;
+        let drawn = failure.or(drawn)?.series;
         let states: Vec<f64> = drawn.iter().flat_map(|one| one.states.values().iter().copied()).collect();
         let measurements: Vec<f64> =
             drawn.iter().flat_map(|one| one.measurements.values().iter().copied()).collect();
@@ -148,9 +174,9 @@ impl Model {
         seed: i128,
     ) -> PyResult<(Vec<String>, Vec<String>)> {
         let seed = seed_of(seed)?;
-        let (model, data) = (&*self.model, data.map(|data| &data.get().0));
-        let checked = without_lock(py, None, |stop| check(model, data, seed, || stop.asked()))?;
-        let checked = checked.map_err(to_python)?;
+        let (ForCall { model, failure }, data) = (self.for_call()?, data.map(|data| &data.get().0));
+        let checked = without_lock(py, None, |stop| check(&model, data, seed, || failure.asked(stop)))?;
+        let checked = failure.or(checked)?;
         Ok((checked.findings, checked.problems))
     }
 
@@ -162,10 +188,11 @@ impl Model {
         options: &Bound<'_, FilterOptions>,
     ) -> PyResult<Filtered> {
         let FilterOptions { options, threads } = options.get();
-        let (model, rows) = (&*self.model, &data.get().0);
+        let (ForCall { model, failure }, rows) = (self.for_call()?, &data.get().0);
         let start = Instant::now();
-        let filtered = without_lock(py, *threads, |stop| filter(model, rows, options, |_| stop.asked()))?;
-        Ok(self.found(data, options, start, filtered.map_err(to_python)?, None))
+        let filtered =
+            without_lock(py, *threads, |stop| filter(&model, rows, options, |_| failure.asked(stop)))?;
+        Ok(self.found(data, options, start, failure.or(filtered)?, None))
     }
 
     /// Filters each series and draws trajectories backwards.
@@ -178,23 +205,25 @@ impl Model {
     ) -> PyResult<Filtered> {
         let FilterOptions { options, threads } = options.get();
         let paths = integer("paths", paths, 1, 1_000_000_000)?;
-        let (model, rows) = (&*self.model, &data.get().0);
+        let (ForCall { model, failure }, rows) = (self.for_call()?, &data.get().0);
         let start = Instant::now();
         let smoothed =
-            without_lock(py, *threads, |stop| smooth(model, rows, options, paths, |_| stop.asked()))?;
-        let Smoothed { estimates, paths, filtered } = smoothed.map_err(to_python)?;
+            without_lock(py, *threads, |stop| smooth(&model, rows, options, paths, |_| failure.asked(stop)))?;
+        let Smoothed { estimates, paths, filtered } = failure.or(smoothed)?;
         Ok(self.found(data, options, start, filtered, Some((estimates, paths))))
     }
 
     /// Reads the proposal in a folder, which was learned for this model; `to_tune` one whose model may have had other parameters.
     fn load_proposal(&self, folder: PathBuf, to_tune: bool) -> PyResult<Proposal> {
         let read = if to_tune { LearnedProposal::load_to_tune } else { LearnedProposal::load };
-        read(&folder, &self.model).map(Proposal).map_err(to_python)
+        let call = self.for_call()?;
+        call.failure.or(read(&folder, &call.model).map(Proposal))
     }
 
     /// Writes a proposal that was learned for this model into a folder.
     fn save_proposal(&self, proposal: &Bound<'_, Proposal>, folder: PathBuf) -> PyResult<()> {
-        proposal.get().0.save(&folder, &self.model).map_err(to_python)
+        let call = self.for_call()?;
+        call.failure.or(proposal.get().0.save(&folder, &call.model))
     }
 
     /// Learns a proposal; `arguments` are those of the Python function. With it comes what validation said, step by step.
@@ -206,10 +235,11 @@ impl Model {
         threads: Option<i64>,
     ) -> PyResult<Learned> {
         let options = arguments.options()?;
-        let (model, data) = (&*self.model, data.map(|data| &data.get().0));
-        let learned =
-            without_lock(py, threads_of(threads)?, |stop| learn(model, data, &options, |_, _| stop.asked()))?;
-        let LearnOutcome { proposal, history, training_seconds } = learned.map_err(to_python)?;
+        let (ForCall { model, failure }, data) = (self.for_call()?, data.map(|data| &data.get().0));
+        let learned = without_lock(py, threads_of(threads)?, |stop| {
+            learn(&model, data, &options, |_, _| failure.asked(stop))
+        })?;
+        let LearnOutcome { proposal, history, training_seconds } = failure.or(learned)?;
         Ok((Proposal(proposal), history.validation, training_seconds))
     }
 
@@ -233,7 +263,7 @@ impl Model {
             sequences: integer("sequences", sequences, 1, 1_000_000)?,
             steps: integer("steps", steps, 2, 1_000_000)?,
             timed_threads: threads.unwrap_or(1),
-            ..CompareOptions::of_learned(&self.model, learned, particles, seed_of(seed)?)
+            ..CompareOptions::of_learned(&self.for_call()?.model, learned, particles, seed_of(seed)?)
         };
         self.carded(py, None, options, threads, Some(training_seconds))
     }
@@ -253,7 +283,9 @@ impl Model {
         let FilterOptions { options: filter, threads } = filter.get();
         let named: Vec<ProposalName> =
             proposals.iter().map(ProposalArgument::name).collect::<PyResult<_>>()?;
-        let proposals = if named.is_empty() { designed(&self.model, filter) } else { named };
+        let call = self.for_call()?;
+        let proposals = if named.is_empty() { designed(&call.model, filter) } else { named };
+        call.failure.or(Ok(()))?;
         let at = at.iter().map(|count| integer("at", *count, 1, 1_000_000_000));
         let options = CompareOptions {
             proposals,
@@ -271,6 +303,16 @@ impl Model {
 }
 
 impl Model {
+    /// This model for one call: what functions raise in one is no other's affair.
+    pub(crate) fn for_call(&self) -> PyResult<ForCall> {
+        let failure = Failure::default();
+        let model = match &self.functions {
+            None => Arc::clone(&self.model),
+            Some(functions) => Arc::new(functions.model(&failure).map_err(to_python)?),
+        };
+        Ok(ForCall { model, failure })
+    }
+
     /// What was found, by work that began at `start`, with what there is to say of it.
     fn found(
         &self,
@@ -301,12 +343,12 @@ impl Model {
                 twice[0]
             )));
         }
-        let model = &*self.model;
+        let ForCall { model, failure } = self.for_call()?;
         let compared: Result<Comparison, MotesError> =
-            without_lock(py, threads, |stop| compare(model, data, &options, |_| stop.asked()))?;
+            without_lock(py, threads, |stop| compare(&model, data, &options, |_| failure.asked(stop)))?;
         Ok(Card {
             model: model.name().to_string(),
-            comparison: compared.map_err(to_python)?,
+            comparison: failure.or(compared)?,
             options: options.filter,
             training_seconds,
         })

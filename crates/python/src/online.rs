@@ -7,8 +7,8 @@ use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use self_cell::self_cell;
 
-use crate::errors::to_python;
-use crate::model::Model;
+use crate::functions::Failure;
+use crate::model::{ForCall, Model};
 use crate::options::FilterOptions;
 use crate::work::without_lock;
 
@@ -26,6 +26,7 @@ self_cell!(
 #[pyclass(frozen, module = "motes._motes")]
 pub(crate) struct Online {
     running: Mutex<OwnRunning>,
+    failure: Failure,
     threads: Option<usize>,
 }
 
@@ -43,10 +44,9 @@ impl Online {
     #[new]
     fn new(model: &Bound<'_, Model>, options: &Bound<'_, FilterOptions>, series: usize) -> PyResult<Self> {
         let FilterOptions { options, threads } = options.get();
-        let model = Arc::clone(&model.get().model);
-        let running =
-            OwnRunning::try_new(model, |model| Running::new(model, options, series)).map_err(to_python)?;
-        Ok(Online { running: Mutex::new(running), threads: *threads })
+        let ForCall { model, failure } = model.get().for_call()?;
+        let running = OwnRunning::try_new(model, |model| Running::new(model, options, series));
+        Ok(Online { running: Mutex::new(failure.or(running)?), failure, threads: *threads })
     }
 
     /// Takes in the next measurement; NaN is missing.
@@ -86,7 +86,7 @@ impl Online {
             let mut running = self.running.lock().unwrap_or_else(PoisonError::into_inner);
             running.with_dependent_mut(|_, running| step(running))
         })?;
-        let estimate = estimate.map_err(to_python)?;
+        let estimate = self.failure.or(estimate)?;
         let (means, sds, quantiles) = crate::estimates::states(py, std::slice::from_ref(&estimate));
         Ok((means, sds, quantiles, estimate.ess, estimate.log_evidence))
     }

@@ -23,17 +23,22 @@ pub(crate) enum Kind {
 
 /// What a parameter of a distribution may be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Range {
+pub enum Range {
+    /// A finite number.
     Any,
+    /// Above 0.
     AboveZero,
+    /// At least 0.
     FromZero,
+    /// Between 0 and 1.
     Probability,
+    /// An integer of at least 0.
     Count,
 }
 
 impl Range {
     /// Whether a number is in it; infinite ones are in none.
-    pub(crate) fn has(self, value: f64) -> bool {
+    pub fn has(self, value: f64) -> bool {
         value.is_finite()
             && match self {
                 Range::Any => true,
@@ -45,7 +50,7 @@ impl Range {
     }
 
     /// The range in words.
-    pub(crate) fn words(self) -> &'static str {
+    pub fn words(self) -> &'static str {
         match self {
             Range::Any => "a finite number",
             Range::AboveZero => "above 0",
@@ -58,17 +63,21 @@ impl Range {
 
 /// A distribution: its name, the names and ranges of its parameters, and a line about it.
 #[derive(Debug, PartialEq)]
-pub(crate) struct Family {
-    pub(crate) name: &'static str,
-    pub(crate) parameters: &'static [&'static str],
-    pub(crate) ranges: &'static [Range],
-    pub(crate) about: &'static str,
+pub struct Family {
+    /// Its name, by which it is called.
+    pub name: &'static str,
+    /// The names of its parameters.
+    pub parameters: &'static [&'static str],
+    /// What each of them may be.
+    pub ranges: &'static [Range],
+    /// What it is, in a sentence.
+    pub about: &'static str,
     pub(crate) kind: Kind,
 }
 
 impl Family {
     /// Whether it is one of counts, which belong to measurements and can be neither shifted nor scaled.
-    pub(crate) fn is_of_counts(&self) -> bool {
+    pub fn is_of_counts(&self) -> bool {
         matches!(self.kind, Kind::Poisson | Kind::NegativeBinomial | Kind::Binomial | Kind::Bernoulli)
     }
 }
@@ -138,7 +147,7 @@ pub(crate) static FAMILIES: [Family; 11] = [
 ];
 
 /// The distribution of that name.
-pub(crate) fn family(name: &str) -> Option<&'static Family> {
+pub fn family(name: &str) -> Option<&'static Family> {
     FAMILIES.iter().find(|family| family.name == name)
 }
 

@@ -4,7 +4,8 @@ mod families;
 mod functions;
 mod reference;
 
-pub(crate) use families::{FAMILIES, Family, Kind, Range, family};
+pub(crate) use families::{FAMILIES, Kind};
+pub use families::{Family, Range, family};
 pub(crate) use functions::{FUNCTIONS, Function, Operation, function};
 pub use reference::reference;
 

@@ -261,7 +261,7 @@ impl<S: Scalar> Distribution<S> {
 
     /// That of `shift + scale·x`.
     #[inline(always)]
-    pub(super) fn affine(self, shift: S, scale: S) -> Self {
+    fn affine(self, shift: S, scale: S) -> Self {
         let nan = S::from(f64::NAN);
         // NaN for a scale of 0.
         let size = above_zero(scale.abs());

@@ -1,6 +1,6 @@
 """Particle filters for state-space models, with proposals that are learned once.
 
-A model is a file, a text, a dict or matrices. Data are arrays, data frames or CSV files. A filter estimates hidden
+A model is a file, a text, a dict, matrices or functions. Data are arrays, data frames or CSV files. A filter estimates hidden
 states and the evidence, and warns when neither can be trusted.
 
 >>> import motes
@@ -20,12 +20,28 @@ states and the evidence, and warns when neither can be trusted.
 from ._errors import MotesWarning
 from ._motes import __version__
 from .card import Card
+from .distributions import (
+    Distribution,
+    bernoulli,
+    binomial,
+    exponential,
+    gamma,
+    laplace,
+    log_normal,
+    negative_binomial,
+    normal,
+    poisson,
+    student_t,
+    uniform,
+)
+from .functions import of_functions
 from .linear import linear_gaussian
 from .model import FilterSettings, Learned, Model, OnlineFilter, Proposal, Simulated
 from .results import Filtered, Forecast, Smoothed
 
 __all__ = [
     "Card",
+    "Distribution",
     "FilterSettings",
     "Filtered",
     "Forecast",
@@ -37,5 +53,17 @@ __all__ = [
     "Simulated",
     "Smoothed",
     "__version__",
+    "bernoulli",
+    "binomial",
+    "exponential",
+    "gamma",
+    "laplace",
     "linear_gaussian",
+    "log_normal",
+    "negative_binomial",
+    "normal",
+    "of_functions",
+    "poisson",
+    "student_t",
+    "uniform",
 ]

@@ -1,5 +1,6 @@
 """The compiled part: models, filters and learning on flat arrays. Use the package `motes` instead."""
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -84,6 +85,14 @@ class Model:
     def read(path: str, set: list[tuple[str, float]]) -> Model: ...
     @staticmethod
     def parse(text: str, name: str, set: list[tuple[str, float]]) -> Model: ...
+    @staticmethod
+    def of_functions(
+        name: str,
+        names: tuple[list[str], list[str]],
+        initial: Any,
+        functions: tuple[Callable[..., Any], Callable[..., Any]],
+        slopes: tuple[Callable[..., Any], Callable[..., Any]] | None,
+    ) -> Model: ...
     @property
     def name(self) -> str: ...
     @property

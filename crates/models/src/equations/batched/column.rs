@@ -92,7 +92,7 @@ impl BatchDistribution {
             (None, None) => family,
             (None, Some(shift)) => family.shifted(of(shift)),
             (Some(scale), None) => family.scaled(of(scale)),
-            (Some(scale), Some(shift)) => family.affine(of(shift), of(scale)),
+            (Some(scale), Some(shift)) => family.scaled(of(scale)).shifted(of(shift)),
         }
     }
 

@@ -1,0 +1,76 @@
+"""Functions of JAX: compiled, and with the derivatives of what they return."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import jax
+import jax.experimental
+import jax.numpy as jnp
+import numpy as np
+
+from .distributions import Distribution
+
+jax.tree_util.register_pytree_node(
+    Distribution,
+    lambda one: ((one.parameters, one.scale, one.shift), one.family),
+    lambda family, parts: Distribution(family, *parts),
+)
+
+Compiled = Callable[[int, np.ndarray], Any]
+
+
+def compiled(function: Callable[[Any, Any], Any], count: int) -> tuple[Compiled, Compiled]:
+    """The function of as many rows as there are, and the same with derivatives along a row's coordinates.
+
+    It returns distributions of `count` coordinates.
+    """
+
+    def stated(t: Any, x: Any) -> list[Distribution]:
+        return _coordinates(function(t, x), x.shape[0], count)
+
+    def sloped(t: Any, x: Any) -> tuple[list[Distribution], list[Distribution]]:
+        along = jnp.broadcast_to(jnp.eye(x.shape[1], dtype=x.dtype)[:, None, :], (x.shape[1], *x.shape))
+        return jax.vmap(lambda by: jax.jvp(lambda x: stated(t, x), (x,), (by,)), out_axes=(None, 0))(along)
+
+    return _of_any_length(jax.jit(stated), 0), _of_any_length(jax.jit(sloped), 1)
+
+
+def _coordinates(found: Any, particles: int, count: int) -> list[Distribution]:
+    """A distribution for each coordinate, with a parameter for each particle."""
+
+    def column(value: Any, at: int) -> Any:
+        value = jnp.asarray(value, dtype=float)
+        if isinstance(found, Distribution) and count > 1:
+            return jnp.broadcast_to(value, (particles, count))[:, at]
+        return jnp.broadcast_to(value[:, 0] if value.ndim == 2 and value.shape[1] == 1 else value, (particles,))
+
+    listed = [found] * count if isinstance(found, Distribution) else list(found)
+    return [jax.tree_util.tree_map(lambda value: column(value, at), one) for at, one in enumerate(listed)]
+
+
+def _of_any_length(function: Callable[[Any, Any], Any], axis: int) -> Compiled:
+    """Compiled for lengths that are powers of two: each length is compiled by itself, and there would be many."""
+
+    def called(t: int, x: np.ndarray) -> Any:
+        particles = x.shape[0]
+        length = max(32, 1 << (particles - 1).bit_length())
+        padded = np.concatenate([x, np.repeat(x[-1:], length - particles, axis=0)])
+        with _double_precision():
+            found = function(np.float64(t), padded)
+        tree = jax.tree_util.tree_map(np.asarray, found)
+        if axis == 0:
+            return jax.tree_util.tree_map(lambda value: value[:particles], tree)
+        values, slopes = tree
+        return (
+            jax.tree_util.tree_map(lambda value: value[:particles], values),
+            jax.tree_util.tree_map(lambda value: np.ascontiguousarray(value[:, :particles]), slopes),
+        )
+
+    return called
+
+
+def _double_precision() -> Any:
+    """Double precision within, by the name that this version of JAX has for it."""
+    return jax.enable_x64(True) if hasattr(jax, "enable_x64") else jax.experimental.enable_x64()

@@ -1,0 +1,69 @@
+"""Models in functions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, Union
+
+from . import _motes
+from .distributions import Distribution
+from .model import Model
+
+#: A distribution for each coordinate, or one whose parameters can be broadcast to `(K, N)`.
+Stated = Union[Distribution, Sequence[Distribution]]
+
+
+def of_functions(
+    initial: Stated | Callable[[], Stated],
+    transition: Callable[[int, Any], Stated],
+    measurement: Callable[[int, Any], Stated],
+    *,
+    states: Sequence[str],
+    measurements: Sequence[str],
+    name: str = "functions",
+    jax: bool = False,
+) -> Model:
+    """The model of functions of many particles at a time.
+
+    `transition(t, x)` has the states `x_{t−1}` of `K` particles, an array of shape `(K, N)`, and returns the distributions of
+    `x_t`. `measurement(t, x)` has `x_t` and returns those of `y_t`. `initial` are the distributions of `x_0`, or a function
+    without arguments that returns them. A list has a distribution for each coordinate, whose parameters are numbers or
+    arrays of shape `(K,)`. A single distribution has parameters that can be broadcast to `(K, N)`. Coordinates are
+    independent given `x`.
+
+    Functions of NumPy have no derivatives: such a model has the proposal `bootstrap`, and proposals that are learned by the
+    objectives `inclusive` and `wake`. With `jax` the two functions are JAX's, in double precision, and are compiled: the
+    model is linearised and differentiated, too.
+
+    What a function raises is raised. One that returns what is no number, or the wrong shape, is a `ValueError` which names
+    the function and the time.
+
+    >>> import motes
+    >>> model = motes.of_functions(
+    ...     [motes.normal(0.0, 1.0)],
+    ...     lambda t, x: [motes.normal(0.9 * x[:, 0], 0.5)],
+    ...     lambda t, x: [motes.student_t(4.0, x[:, 0], 0.2)],
+    ...     states=["x"],
+    ...     measurements=["y"],
+    ... )
+    >>> model.filter([0.3, None, 0.7]).mean.shape
+    (3, 1)
+    """
+    for argument, function in (("transition", transition), ("measurement", measurement)):
+        if not callable(function):
+            raise TypeError(f"{argument}: {type(function).__name__}; it must be a function")
+    names = []
+    for argument, given in (("states", states), ("measurements", measurements)):
+        if isinstance(given, str) or not all(isinstance(name, str) for name in given):
+            raise TypeError(f"{argument}: {given!r}; it must be a list of names")
+        names.append(list(given))
+    functions, slopes = (transition, measurement), None
+    if jax:
+        from ._jax import compiled
+
+        pairs = [compiled(function, len(of)) for function, of in zip(functions, names, strict=True)]
+        functions, slopes = tuple(zip(*pairs, strict=True))
+    first = initial() if callable(initial) else initial
+    model = Model.__new__(Model)
+    model._model = _motes.Model.of_functions(name, tuple(names), first, functions, slopes)
+    return model
