@@ -77,6 +77,11 @@ fn environment(root: &Path, interpreter: &Path) -> Result<PathBuf, ExitCode> {
     run(Command::new(&program)
         .args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check"])
         .args(PACKAGES))?;
+    // Not there for every platform: its tests are skipped then, and say so.
+    let mut jax = Command::new(&program);
+    if run(jax.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "jax"])).is_err() {
+        println!("python: without JAX: tests of its functions are skipped");
+    }
     Ok(folder)
 }
 

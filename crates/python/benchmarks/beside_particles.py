@@ -1,8 +1,8 @@
 """Bootstrap filters of the growth model, beside `particles` 0.4: `python benchmarks/beside_particles.py`
 
-The model is a file of formulas here and numpy functions there, those of crates/formulas/benches/growth_particles.py. Both
-resample systematically below K/2. They take turns, and medians are compared. The last line is what the way through Python
-costs.
+The model is numpy functions there, those of crates/formulas/benches/growth_particles.py. Here it is a file of formulas, and
+the same functions. Both resample systematically below K/2. They take turns, and medians are compared. The last line is what
+the way through Python costs.
 """
 
 from __future__ import annotations
@@ -36,17 +36,31 @@ def ours(model: motes.Model, y: np.ndarray, count: int, threads: int) -> float:
     return count * len(y) / (time.perf_counter() - start) / 1e6
 
 
+def in_functions() -> motes.Model:
+    """The functions of growth_particles.py."""
+    return motes.of_functions(
+        [motes.normal(0.0, np.sqrt(5))],
+        lambda t, x: [motes.normal(x[:, 0] / 2 + 25 * x[:, 0] / (1 + x[:, 0] ** 2) + 8 * np.cos(1.2 * t), np.sqrt(10))],
+        lambda t, x: [motes.normal(x[:, 0] ** 2 / 20, 1.0)],
+        states=["x"],
+        measurements=["y"],
+    )
+
+
 def main() -> None:
-    model = motes.Model(ROOT / "examples/growth.toml")
+    model, functions = motes.Model(ROOT / "examples/growth.toml"), in_functions()
     y = model.simulate(TIMES, seed=1).measurements[0]
     for count in (1_000, 100_000):
         # The first call does not count.
         ours(model, y, count, 2)
-        turns = [(of_particles(y, count), ours(model, y, count, 1), ours(model, y, count, 2)) for _ in range(ROUNDS)]
-        theirs, one, two = (statistics.median(column) for column in zip(*turns, strict=True))
+        runs = [(model, 1), (model, 2), (functions, 1), (functions, 2)]
+        turns = [(of_particles(y, count), *(ours(which, y, count, threads) for which, threads in runs)) for _ in range(ROUNDS)]
+        theirs, *medians = (statistics.median(column) for column in zip(*turns, strict=True))
         print(f"K = {count}: millions of particle-steps a second, and times particles")
         print(f"  particles {theirs:.1f}")
-        print(f"  motes, 1 thread {one:.1f} ({one / theirs:.1f}), 2 threads {two:.1f} ({two / theirs:.1f})")
+        for at, name in ((0, "a file"), (2, "functions")):
+            one, two = medians[at : at + 2]
+            print(f"  {name}, 1 thread {one:.1f} ({one / theirs:.1f}), 2 threads {two:.1f} ({two / theirs:.1f})")
     bridge(model, y)
 
 

@@ -37,6 +37,15 @@ pub(crate) struct Model {
 pub(crate) struct ForCall {
     pub(crate) model: Arc<motes::Model>,
     pub(crate) failure: Failure,
+    /// Whether only one thread at a time can ask it, the one with Python's lock.
+    asks_python: bool,
+}
+
+impl ForCall {
+    /// The threads of a filter, where nobody asked for a number: more than one would wait for each other where Python is asked.
+    pub(crate) fn threads(&self, asked: Option<usize>) -> Option<usize> {
+        asked.or(self.asks_python.then_some(1))
+    }
 }
 
 /// Which columns measurements are, which ones `series`, `t` and the carried one are, and which ones are not used.
@@ -156,7 +165,7 @@ impl Model {
         let steps = integer("steps", steps, 1, 1_000_000_000)?;
         let series = integer("series", series, 1, 1_000_000_000)?;
         let seed = seed_of(seed)?;
-        let ForCall { model, failure } = self.for_call()?;
+        let ForCall { model, failure, .. } = self.for_call()?;
         let drawn =
             without_lock(py, Some(1), |stop| simulate(&model, steps, series, seed, |_| failure.asked(stop)))?;
         let drawn = failure.or(drawn)?.series;
@@ -174,8 +183,10 @@ impl Model {
         seed: i128,
     ) -> PyResult<(Vec<String>, Vec<String>)> {
         let seed = seed_of(seed)?;
-        let (ForCall { model, failure }, data) = (self.for_call()?, data.map(|data| &data.get().0));
-        let checked = without_lock(py, None, |stop| check(&model, data, seed, || failure.asked(stop)))?;
+        let (call, data) = (self.for_call()?, data.map(|data| &data.get().0));
+        let ForCall { model, failure, .. } = &call;
+        let checked =
+            without_lock(py, call.threads(None), |stop| check(model, data, seed, || failure.asked(stop)))?;
         let checked = failure.or(checked)?;
         Ok((checked.findings, checked.problems))
     }
@@ -188,10 +199,11 @@ impl Model {
         options: &Bound<'_, FilterOptions>,
     ) -> PyResult<Filtered> {
         let FilterOptions { options, threads } = options.get();
-        let (ForCall { model, failure }, rows) = (self.for_call()?, &data.get().0);
+        let (call, rows) = (self.for_call()?, &data.get().0);
+        let (ForCall { model, failure, .. }, threads) = (&call, call.threads(*threads));
         let start = Instant::now();
         let filtered =
-            without_lock(py, *threads, |stop| filter(&model, rows, options, |_| failure.asked(stop)))?;
+            without_lock(py, threads, |stop| filter(model, rows, options, |_| failure.asked(stop)))?;
         Ok(self.found(data, options, start, failure.or(filtered)?, None))
     }
 
@@ -205,10 +217,11 @@ impl Model {
     ) -> PyResult<Filtered> {
         let FilterOptions { options, threads } = options.get();
         let paths = integer("paths", paths, 1, 1_000_000_000)?;
-        let (ForCall { model, failure }, rows) = (self.for_call()?, &data.get().0);
+        let (call, rows) = (self.for_call()?, &data.get().0);
+        let (ForCall { model, failure, .. }, threads) = (&call, call.threads(*threads));
         let start = Instant::now();
         let smoothed =
-            without_lock(py, *threads, |stop| smooth(&model, rows, options, paths, |_| failure.asked(stop)))?;
+            without_lock(py, threads, |stop| smooth(model, rows, options, paths, |_| failure.asked(stop)))?;
         let Smoothed { estimates, paths, filtered } = failure.or(smoothed)?;
         Ok(self.found(data, options, start, filtered, Some((estimates, paths))))
     }
@@ -235,7 +248,7 @@ impl Model {
         threads: Option<i64>,
     ) -> PyResult<Learned> {
         let options = arguments.options()?;
-        let (ForCall { model, failure }, data) = (self.for_call()?, data.map(|data| &data.get().0));
+        let (ForCall { model, failure, .. }, data) = (self.for_call()?, data.map(|data| &data.get().0));
         let learned = without_lock(py, threads_of(threads)?, |stop| {
             learn(&model, data, &options, |_, _| failure.asked(stop))
         })?;
@@ -310,7 +323,7 @@ impl Model {
             None => Arc::clone(&self.model),
             Some(functions) => Arc::new(functions.model(&failure).map_err(to_python)?),
         };
-        Ok(ForCall { model, failure })
+        Ok(ForCall { model, failure, asks_python: self.functions.is_some() })
     }
 
     /// What was found, by work that began at `start`, with what there is to say of it.
@@ -343,9 +356,10 @@ impl Model {
                 twice[0]
             )));
         }
-        let ForCall { model, failure } = self.for_call()?;
+        let call = self.for_call()?;
+        let (ForCall { model, failure, .. }, threads) = (&call, call.threads(threads));
         let compared: Result<Comparison, MotesError> =
-            without_lock(py, threads, |stop| compare(&model, data, &options, |_| failure.asked(stop)))?;
+            without_lock(py, threads, |stop| compare(model, data, &options, |_| failure.asked(stop)))?;
         Ok(Card {
             model: model.name().to_string(),
             comparison: failure.or(compared)?,

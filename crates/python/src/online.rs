@@ -44,7 +44,7 @@ impl Online {
     #[new]
     fn new(model: &Bound<'_, Model>, options: &Bound<'_, FilterOptions>, series: usize) -> PyResult<Self> {
         let FilterOptions { options, threads } = options.get();
-        let ForCall { model, failure } = model.get().for_call()?;
+        let ForCall { model, failure, .. } = model.get().for_call()?;
         let running = OwnRunning::try_new(model, |model| Running::new(model, options, series));
         Ok(Online { running: Mutex::new(failure.or(running)?), failure, threads: *threads })
     }

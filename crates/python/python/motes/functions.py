@@ -35,6 +35,8 @@ def of_functions(
     objectives `inclusive` and `wake`. With `jax` the two functions are JAX's, in double precision, and are compiled: the
     model is linearised and differentiated, too.
 
+    A filter of such a model has one thread where none are asked for: only one at a time can call a function.
+
     What a function raises is raised. One that returns what is no number, or the wrong shape, is a `ValueError` which names
     the function and the time.
 

@@ -6,7 +6,7 @@ use numpy::{PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethod
 use pyo3::exceptions::PyValueError;
 use pyo3::intern;
 use pyo3::prelude::*;
-use pyo3::types::{PyFloat, PyList, PyTuple};
+use pyo3::types::{IntoPyDict, PyFloat, PyList, PyTuple};
 
 /// What was asked of a function.
 pub(super) struct Asked<'a> {
@@ -231,16 +231,19 @@ impl Numbers {
             return Ok(Numbers::of_array(&array.readonly()));
         }
         let numpy = py.import(intern!(py, "numpy"))?;
-        let float = numpy.getattr(intern!(py, "float64"))?;
-        let array = numpy.call_method1(intern!(py, "asarray"), (value, float))?;
+        let array = numpy.call_method1(intern!(py, "asarray"), (value,))?;
+        // Integers and shorter numbers are fine; complex numbers, texts and objects are none.
+        let casting = [("casting", "same_kind")].into_py_dict(py)?;
+        let array = array.call_method(intern!(py, "astype"), ("float64",), Some(&casting))?;
         Ok(Numbers::of_array(&array.cast::<PyArrayDyn<f64>>()?.readonly()))
     }
 
     fn of_array(array: &PyReadonlyArrayDyn<'_, f64>) -> Self {
         let shape = array.shape().to_vec();
         let values = match array.as_slice() {
-            Ok(values) => values.to_vec(),
-            Err(_) => array.as_array().iter().copied().collect(),
+            // A slice may be in the order of columns.
+            Ok(values) if array.is_c_contiguous() => values.to_vec(),
+            _ => array.as_array().iter().copied().collect(),
         };
         match values[..] {
             [value] if shape.is_empty() => Numbers::Same(value),

@@ -18,10 +18,8 @@ impl Failure {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).is_some()
     }
 
-    /// Keeps the first exception, with a note of where it was.
-    pub(super) fn keep(&self, py: Python<'_>, error: PyErr, function: &str, time: usize) {
-        // Python 3.10 has no notes.
-        let _ = error.value(py).call_method1("add_note", (format!("in {function}, t = {time}"),));
+    /// Keeps the first exception.
+    pub(super) fn keep(&self, error: PyErr) {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
     }
 

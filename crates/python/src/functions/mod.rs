@@ -92,24 +92,25 @@ impl Called {
         Python::attach(|py| {
             let call = || {
                 let array = PyArray1::from_slice(py, rows).reshape([particles, states.len()])?;
-                match slopes.as_ref().filter(|_| with_slopes) {
-                    None => {
-                        let found = [transition, measurement][at].bind(py).call1((time, array))?;
-                        columns(py, &asked, &found, None)
-                    }
-                    Some(slopes) => {
-                        let found = slopes[at].bind(py).call1((time, array))?;
-                        let (values, slopes): (Bound<'_, PyAny>, Bound<'_, PyAny>) = found.extract()?;
-                        columns(py, &asked, &values, Some(&slopes))
-                    }
+                let sloped = slopes.as_ref().filter(|_| with_slopes);
+                let called = sloped.map_or([transition, measurement][at], |sloped| &sloped[at]);
+                let found = called.bind(py).call1((time, array)).inspect_err(|error| {
+                    // Python 3.10 has no notes.
+                    let note = format!("in {}, t = {time}", asked.function);
+                    let _ = error.value(py).call_method1("add_note", (note,));
+                })?;
+                if sloped.is_none() {
+                    return columns(py, &asked, &found, None);
                 }
+                let (values, slopes): (Bound<'_, PyAny>, Bound<'_, PyAny>) = found.extract()?;
+                columns(py, &asked, &values, Some(&slopes))
             };
             match call() {
                 Ok(columns) => Some(columns),
                 // Rows that are no particles' may be anywhere: nobody is to hear of what became of them.
                 Err(_) if is_padded => None,
                 Err(error) => {
-                    self.failure.keep(py, error, asked.function, time);
+                    self.failure.keep(error);
                     None
                 }
             }
