@@ -125,7 +125,7 @@ impl BatchEquations for InColumns {
     }
 }
 
-fn batched(has_slopes: bool) -> Batched<InColumns> {
+fn batched(has_slopes: bool) -> Batched {
     Batched::new(InColumns { has_slopes })
 }
 

@@ -5,7 +5,7 @@ use super::super::lanes::Lanes;
 use super::super::tiles::rows_of_mut;
 use super::super::varied::{SIDE, Side, Varied, put};
 use super::column::BatchDistribution;
-use super::{BatchEquations, Batched};
+use super::Batched;
 use crate::batch::{LANES, store, with_scratch};
 use crate::{StateGradients, StateSpaceModel};
 
@@ -57,7 +57,7 @@ fn along_values(stated: Option<&[BatchDistribution]>, n: usize, states: &[f64], 
     });
 }
 
-impl<B: BatchEquations> StateGradients for Batched<B> {
+impl StateGradients for Batched {
     fn has_gradients(&self) -> bool {
         self.equations.has_slopes()
     }

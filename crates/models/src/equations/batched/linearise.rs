@@ -5,11 +5,11 @@ use super::super::linearise::{Linearise, moments_of_states};
 use super::super::tiles::rows_of_mut;
 use super::super::varied::{SIDE, Varied, put, side};
 use super::memo::Asked;
-use super::{BatchEquations, Batched};
+use super::Batched;
 use crate::StateSpaceModel;
 use crate::batch::LANES;
 
-impl<B: BatchEquations> Linearise for Batched<B> {
+impl Linearise for Batched {
     fn tile_moments(&self, time: usize, previous: Option<&[f64]>, means: &mut [f64], variances: &mut [f64]) {
         moments_of_states(self, time, previous, means, variances);
     }

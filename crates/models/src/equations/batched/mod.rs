@@ -84,22 +84,17 @@ pub trait BatchEquations: Sync {
 }
 
 /// What [`BatchEquations`] are as a model.
-#[derive(Debug)]
-pub struct Batched<B> {
-    equations: B,
+pub struct Batched {
+    // Called by blocks of particles: all above is compiled once, whosever equations they are.
+    equations: Box<dyn BatchEquations + Send>,
     owner: Owner,
     /// Whether all coordinates of states are normal, once that was looked at.
     is_affine: OnceLock<bool>,
 }
 
-impl<B: BatchEquations> Batched<B> {
+impl Batched {
     /// The model of these equations.
-    pub fn new(equations: B) -> Self {
-        Batched { equations, owner: Owner::new(), is_affine: OnceLock::new() }
-    }
-
-    /// The equations themselves.
-    pub fn equations(&self) -> &B {
-        &self.equations
+    pub fn new(equations: impl BatchEquations + Send + 'static) -> Self {
+        Batched { equations: Box::new(equations), owner: Owner::new(), is_affine: OnceLock::new() }
     }
 }

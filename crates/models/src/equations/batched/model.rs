@@ -13,14 +13,14 @@ use super::super::tiles::rows_of;
 use super::super::transport::centres_of;
 use super::column::{BatchDistribution, push_tile};
 use super::memo::{self, Answer, Asked};
-use super::{BatchEquations, Batched};
+use super::Batched;
 use crate::batch::{LANES, Rows, load, store, with_scratch};
 use crate::{ModelError, PartialLikelihood, Seed, Simulator, StateSpaceModel, Stream};
 
 /// Transitions whose families are looked at, as for [`Equations`](super::super::Equations).
 const PROBES: usize = 8;
 
-impl<B: BatchEquations> Batched<B> {
+impl Batched {
     /// The transition of each row.
     fn transition(&self, time: usize, previous: &[f64]) -> Answer {
         let ask = || self.equations.transition(time, previous, false);
@@ -84,7 +84,7 @@ fn weigh_states(stated: Option<&[BatchDistribution]>, n: usize, states: &[f64], 
     });
 }
 
-impl<B: BatchEquations> StateSpaceModel for Batched<B> {
+impl StateSpaceModel for Batched {
     fn state_dim(&self) -> usize {
         self.equations.dimensions()[0]
     }
@@ -187,7 +187,7 @@ impl<B: BatchEquations> StateSpaceModel for Batched<B> {
     }
 }
 
-impl<B: BatchEquations> Simulator for Batched<B> {
+impl Simulator for Batched {
     fn sample_measurement(&self, time: usize, state: &[f64], stream: &mut Stream, measurement: &mut [f64]) {
         self.sample_measurements(time, state, from_mut(stream), measurement);
     }
@@ -201,7 +201,7 @@ impl<B: BatchEquations> Simulator for Batched<B> {
     }
 }
 
-impl<B: BatchEquations> PartialLikelihood for Batched<B> {
+impl PartialLikelihood for Batched {
     fn partial_log_likelihoods(
         &self,
         time: usize,
@@ -222,7 +222,7 @@ impl<B: BatchEquations> PartialLikelihood for Batched<B> {
     }
 }
 
-impl<B: BatchEquations> TileStates for Batched<B> {
+impl TileStates for Batched {
     fn is_affine(&self) -> bool {
         *self.is_affine.get_or_init(|| {
             let are_normal = |stated: &[BatchDistribution]| {
