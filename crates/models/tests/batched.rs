@@ -231,6 +231,40 @@ fn tiles_are_the_same_whether_they_were_foreseen_or_not() {
     }
 }
 
+#[test]
+fn an_answer_for_some_particles_is_none_for_others() {
+    let [previous, states, _] = step(64);
+    for has_slopes in [true, false] {
+        let model = batched(has_slopes);
+        // The first tile of the other block begins with the last particle of this one.
+        let last = previous.len() - 3;
+        model.foresee(1, Rows::all(&previous[..33 * 3], 3));
+        let mut out = [0.0];
+        model.log_likelihoods(1, &states[last..], &[2.0, 0.4], &mut out);
+        let mut other = previous[96..].to_vec();
+        let mut others = states.clone();
+        others[..3].copy_from_slice(&states[last..]);
+        other[..3].copy_from_slice(&previous[96..99]);
+        let expected = of_tiles(&Mixed, &other, &others[..96], false);
+        let found = of_tiles(&model, &other, &others[..96], true);
+        assert_eq!(bits(&found[0]), bits(&expected[0]), "{has_slopes}");
+    }
+    // At t = 0 nothing is foreseen: one state was weighed before a tile that begins with it.
+    let model = batched(false);
+    let mut tile = vec![0.0; 3 * LANES];
+    Rows::all(&states, 3).load(0, &mut tile);
+    let scores = |model: &dyn AllOfIt| {
+        let (mut slopes, mut information, mut jacobian) =
+            (vec![0.0; 2 * LANES], vec![0.0; 2 * LANES], vec![0.0; 6 * LANES]);
+        let measurement = [Some(Lanes::from(2.0)), None];
+        model.tile_scores(0, &tile, &measurement, &mut slopes, &mut information, &mut jacobian);
+        [slopes, information].concat()
+    };
+    model.log_likelihood(0, &states[..3], &[2.0, 0.4]);
+    assert_eq!(bits(&scores(&model)), bits(&scores(&Mixed)));
+    assert_eq!(bits(&scores(&model)), bits(&scores(&Mixed)), "asked again");
+}
+
 fn near(found: &[f64], expected: &[f64]) {
     assert_eq!(found.len(), expected.len());
     for (found, expected) in found.iter().zip(expected) {

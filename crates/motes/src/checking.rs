@@ -40,6 +40,16 @@ pub fn check(
     seed: u64,
     mut proceed: impl FnMut() -> ControlFlow<()>,
 ) -> Result<Checked, MotesError> {
+    check_until(model, data, seed, &mut proceed)
+}
+
+/// [`check`], compiled once whatever asks.
+fn check_until(
+    model: &Model,
+    data: Option<&Data>,
+    seed: u64,
+    proceed: &mut dyn FnMut() -> ControlFlow<()>,
+) -> Result<Checked, MotesError> {
     let mut checked = Checked::default();
     match simulate(model, STEPS, SERIES, seed, |_| proceed()) {
         Ok(_) => checked.findings.push(format!("simulations: {SERIES} series of {STEPS} times stay finite")),

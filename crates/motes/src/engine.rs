@@ -320,23 +320,20 @@ fn filter_of<'m>(
             boxed(learnable, learned.proposal().clone(), options, seed)
         }
         (Kind::Learnable(learnable), name) => {
-            if *name == ProposalName::Optimal {
-                let closed_form = model.formulas().map(|formulas| formulas.closed_form());
-                match closed_form {
-                    Some(Ok(())) => {}
-                    Some(Err(reason)) => {
-                        return refused(name.as_str(), format!("{reason}; take --proposal linearised"));
-                    }
-                    None => {
-                        let reason = "nobody knows whether functions have one; take --proposal linearised";
-                        return refused(name.as_str(), reason.into());
-                    }
-                }
-            }
             if !learnable.has_gradients() {
                 let reason =
                     "the model has no derivatives; take --proposal bootstrap, or one that is learned";
                 return refused(name.as_str(), reason.into());
+            }
+            if *name == ProposalName::Optimal {
+                let reason = match model.formulas().map(|formulas| formulas.closed_form()) {
+                    Some(Ok(())) => None,
+                    Some(Err(reason)) => Some(reason.to_string()),
+                    None => Some("nobody knows whether functions have one".into()),
+                };
+                if let Some(reason) = reason {
+                    return refused(name.as_str(), format!("{reason}; take --proposal linearised"));
+                }
             }
             // Where there is a closed form, linearising gives it.
             boxed(learnable, Linearised::new(learnable)?, options, seed)

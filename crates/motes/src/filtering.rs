@@ -66,6 +66,16 @@ pub fn filter(
     options: &FilterOptions,
     mut proceed: impl FnMut(usize) -> ControlFlow<()>,
 ) -> Result<Filtered, MotesError> {
+    filter_until(model, data, options, &mut proceed)
+}
+
+/// [`filter`], compiled once whatever asks.
+fn filter_until(
+    model: &Model,
+    data: &Data,
+    options: &FilterOptions,
+    proceed: &mut dyn FnMut(usize) -> ControlFlow<()>,
+) -> Result<Filtered, MotesError> {
     let mut estimates: Vec<Option<Estimate>> = vec![None; data.rows.len()];
     let (mut forecasts, mut log_evidence_per_series, mut opinions) = (vec![], vec![], vec![]);
     let mut warnings: Vec<Warning> = of_proposal(options).into_iter().collect();

@@ -118,6 +118,14 @@ impl Model {
         let all: [Vec<&str>; 2] =
             [states.iter().map(AsRef::as_ref).collect(), measurements.iter().map(AsRef::as_ref).collect()];
         let both = all.concat();
+        let is_name =
+            |name: &str| !name.trim().is_empty() && name.trim() == name && !name.contains(char::is_control);
+        if let Some(name) = both.iter().find(|name| !is_name(name) || ["t", "series"].contains(name)) {
+            let reason = format!(
+                "{name:?} names a coordinate; it must be a word, and none of t and series, which data have"
+            );
+            return Err(MotesError::Setting(reason));
+        }
         if let Some(twice) = both.iter().enumerate().find(|(at, name)| both[..*at].contains(name)) {
             return Err(MotesError::Setting(format!("{}: there are two coordinates of that name", twice.1)));
         }

@@ -27,6 +27,17 @@ pub fn simulate(
     seed: u64,
     mut proceed: impl FnMut(usize) -> ControlFlow<()>,
 ) -> Result<Simulated, MotesError> {
+    simulate_until(model, steps, series, seed, &mut proceed)
+}
+
+/// [`simulate`], compiled once whatever asks.
+fn simulate_until(
+    model: &Model,
+    steps: usize,
+    series: usize,
+    seed: u64,
+    proceed: &mut dyn FnMut(usize) -> ControlFlow<()>,
+) -> Result<Simulated, MotesError> {
     let width = model.states().len() + model.measurements().len();
     let numbers = steps.checked_mul(series).and_then(|times| times.checked_mul(width));
     // Each number is text of some twenty letters later on.

@@ -35,6 +35,17 @@ pub fn smooth(
     paths: usize,
     mut proceed: impl FnMut(usize) -> ControlFlow<()>,
 ) -> Result<Smoothed, MotesError> {
+    smooth_until(model, data, options, paths, &mut proceed)
+}
+
+/// [`smooth`], compiled once whatever asks.
+fn smooth_until(
+    model: &Model,
+    data: &Data,
+    options: &FilterOptions,
+    paths: usize,
+    proceed: &mut dyn FnMut(usize) -> ControlFlow<()>,
+) -> Result<Smoothed, MotesError> {
     let mut estimates: Vec<Option<Estimate>> = vec![None; data.rows.len()];
     let (mut drawn, mut log_evidence_per_series, mut opinions) = (vec![], vec![], vec![]);
     let mut warnings: Vec<Warning> = of_proposal(options).into_iter().collect();

@@ -146,7 +146,14 @@ fn a_model_without_derivatives_is_filtered_and_learned() {
 
 #[test]
 fn names_must_fit() {
-    for (states, measurements) in [(vec!["x", "z"], vec!["y"]), (vec!["x"], vec![]), (vec!["x"], vec!["x"])] {
+    for (states, measurements) in [
+        (vec!["x", "z"], vec!["y"]),
+        (vec!["x"], vec![]),
+        (vec!["x"], vec!["x"]),
+        (vec!["t"], vec!["y"]),
+        (vec!["x"], vec![" "]),
+        (vec!["x"], vec!["y\n"]),
+    ] {
         let refused = Model::own("squared", &states, &measurements, Squared).unwrap_err();
         assert!(matches!(refused, MotesError::Setting(_)), "{refused}");
     }

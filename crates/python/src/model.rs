@@ -16,7 +16,7 @@ use pyo3::prelude::*;
 use crate::arguments::{integer, seed_of, threads_of};
 use crate::card::Card;
 use crate::data::Data;
-use crate::errors::to_python;
+use crate::errors::{in_python, to_python};
 use crate::filtered::Filtered;
 use crate::functions::{Failure, Functions};
 use crate::learned::{LearnArguments, Proposal};
@@ -84,7 +84,7 @@ impl Model {
         slopes: Option<[Py<PyAny>; 2]>,
     ) -> PyResult<Self> {
         let functions = Arc::new(Functions::new(py, name, names, initial, functions, slopes)?);
-        let model = Arc::new(functions.model(&Failure::default()).map_err(to_python)?);
+        let model = Arc::new(functions.model(&Failure::default(), false).map_err(to_python)?);
         Ok(Model { model, set: Vec::new(), functions: Some(functions) })
     }
 
@@ -165,9 +165,10 @@ impl Model {
         let steps = integer("steps", steps, 1, 1_000_000_000)?;
         let series = integer("series", series, 1, 1_000_000_000)?;
         let seed = seed_of(seed)?;
-        let ForCall { model, failure, .. } = self.for_call()?;
-        let drawn =
-            without_lock(py, Some(1), |stop| simulate(&model, steps, series, seed, |_| failure.asked(stop)))?;
+        let ForCall { model, failure, .. } = self.for_simulations()?;
+        let drawn = without_lock(py, Some(1), &failure.stop, || {
+            simulate(&model, steps, series, seed, |_| failure.asked())
+        })?;
         let drawn = failure.or(drawn)?.series;
         let states: Vec<f64> = drawn.iter().flat_map(|one| one.states.values().iter().copied()).collect();
         let measurements: Vec<f64> =
@@ -183,12 +184,14 @@ impl Model {
         seed: i128,
     ) -> PyResult<(Vec<String>, Vec<String>)> {
         let seed = seed_of(seed)?;
-        let (call, data) = (self.for_call()?, data.map(|data| &data.get().0));
+        let (call, data) = (self.for_simulations()?, data.map(|data| &data.get().0));
         let ForCall { model, failure, .. } = &call;
-        let checked =
-            without_lock(py, call.threads(None), |stop| check(model, data, seed, || failure.asked(stop)))?;
+        let checked = without_lock(py, call.threads(None), &failure.stop, || {
+            check(model, data, seed, || failure.asked())
+        })?;
         let checked = failure.or(checked)?;
-        Ok((checked.findings, checked.problems))
+        let in_python = |lines: Vec<String>| lines.iter().map(|line| in_python(line)).collect();
+        Ok((in_python(checked.findings), in_python(checked.problems)))
     }
 
     /// Filters each series.
@@ -203,7 +206,7 @@ impl Model {
         let (ForCall { model, failure, .. }, threads) = (&call, call.threads(*threads));
         let start = Instant::now();
         let filtered =
-            without_lock(py, threads, |stop| filter(model, rows, options, |_| failure.asked(stop)))?;
+            without_lock(py, threads, &failure.stop, || filter(model, rows, options, |_| failure.asked()))?;
         Ok(self.found(data, options, start, failure.or(filtered)?, None))
     }
 
@@ -220,8 +223,9 @@ impl Model {
         let (call, rows) = (self.for_call()?, &data.get().0);
         let (ForCall { model, failure, .. }, threads) = (&call, call.threads(*threads));
         let start = Instant::now();
-        let smoothed =
-            without_lock(py, threads, |stop| smooth(model, rows, options, paths, |_| failure.asked(stop)))?;
+        let smoothed = without_lock(py, threads, &failure.stop, || {
+            smooth(model, rows, options, paths, |_| failure.asked())
+        })?;
         let Smoothed { estimates, paths, filtered } = failure.or(smoothed)?;
         Ok(self.found(data, options, start, filtered, Some((estimates, paths))))
     }
@@ -248,9 +252,10 @@ impl Model {
         threads: Option<i64>,
     ) -> PyResult<Learned> {
         let options = arguments.options()?;
-        let (ForCall { model, failure, .. }, data) = (self.for_call()?, data.map(|data| &data.get().0));
-        let learned = without_lock(py, threads_of(threads)?, |stop| {
-            learn(&model, data, &options, |_, _| failure.asked(stop))
+        let (ForCall { model, failure, .. }, data) =
+            (self.for_simulations()?, data.map(|data| &data.get().0));
+        let learned = without_lock(py, threads_of(threads)?, &failure.stop, || {
+            learn(&model, data, &options, |_, _| failure.asked())
         })?;
         let LearnOutcome { proposal, history, training_seconds } = failure.or(learned)?;
         Ok((Proposal(proposal), history.validation, training_seconds))
@@ -318,10 +323,19 @@ impl Model {
 impl Model {
     /// This model for one call: what functions raise in one is no other's affair.
     pub(crate) fn for_call(&self) -> PyResult<ForCall> {
+        self.for_work(false)
+    }
+
+    /// This model for one call that simulates series, which may overflow.
+    fn for_simulations(&self) -> PyResult<ForCall> {
+        self.for_work(true)
+    }
+
+    fn for_work(&self, simulates: bool) -> PyResult<ForCall> {
         let failure = Failure::default();
         let model = match &self.functions {
             None => Arc::clone(&self.model),
-            Some(functions) => Arc::new(functions.model(&failure).map_err(to_python)?),
+            Some(functions) => Arc::new(functions.model(&failure, simulates).map_err(to_python)?),
         };
         Ok(ForCall { model, failure, asks_python: self.functions.is_some() })
     }
@@ -359,7 +373,7 @@ impl Model {
         let call = self.for_call()?;
         let (ForCall { model, failure, .. }, threads) = (&call, call.threads(threads));
         let compared: Result<Comparison, MotesError> =
-            without_lock(py, threads, |stop| compare(model, data, &options, |_| failure.asked(stop)))?;
+            without_lock(py, threads, &failure.stop, || compare(model, data, &options, |_| failure.asked()))?;
         Ok(Card {
             model: model.name().to_string(),
             comparison: failure.or(compared)?,

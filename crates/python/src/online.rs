@@ -1,9 +1,11 @@
 //! A filter that takes in measurements as they come.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
 
 use motes::{MotesError, Running};
 use numpy::{PyArray1, PyReadonlyArray1};
+use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use self_cell::self_cell;
 
@@ -27,6 +29,7 @@ self_cell!(
 pub(crate) struct Online {
     running: Mutex<OwnRunning>,
     failure: Failure,
+    has_failed: AtomicBool,
     threads: Option<usize>,
 }
 
@@ -45,8 +48,14 @@ impl Online {
     fn new(model: &Bound<'_, Model>, options: &Bound<'_, FilterOptions>, series: usize) -> PyResult<Self> {
         let FilterOptions { options, threads } = options.get();
         let ForCall { model, failure, .. } = model.get().for_call()?;
+        let call_threads = *threads;
         let running = OwnRunning::try_new(model, |model| Running::new(model, options, series));
-        Ok(Online { running: Mutex::new(failure.or(running)?), failure, threads: *threads })
+        Ok(Online {
+            running: Mutex::new(failure.or(running)?),
+            failure,
+            has_failed: AtomicBool::new(false),
+            threads: call_threads,
+        })
     }
 
     /// Takes in the next measurement; NaN is missing.
@@ -63,30 +72,42 @@ impl Online {
 
     /// The log-evidence of all measurements so far.
     #[getter]
-    fn log_evidence(&self) -> f64 {
-        let running = self.running.lock().unwrap_or_else(PoisonError::into_inner);
-        running.with_dependent(|_, running| running.log_evidence())
+    fn log_evidence(&self) -> PyResult<f64> {
+        Ok(self.running()?.with_dependent(|_, running| running.log_evidence()))
     }
 
     /// The Pareto k of the last step's weights.
     #[getter]
-    fn pareto_k(&self) -> Option<f64> {
-        let running = self.running.lock().unwrap_or_else(PoisonError::into_inner);
-        running.with_dependent(|_, running| running.diagnosis().pareto_k)
+    fn pareto_k(&self) -> PyResult<Option<f64>> {
+        Ok(self.running()?.with_dependent(|_, running| running.diagnosis().pareto_k))
     }
 }
 
 impl Online {
+    /// The filter, which only one thread at a time can have: who waits for it may be who it waits for.
+    fn running(&self) -> PyResult<MutexGuard<'_, OwnRunning>> {
+        match self.running.try_lock() {
+            Ok(running) => Ok(running),
+            Err(TryLockError::Poisoned(running)) => Ok(running.into_inner()),
+            Err(TryLockError::WouldBlock) => Err(PyRuntimeError::new_err("the filter is in a step")),
+        }
+    }
+
     fn advance<'py>(
         &self,
         py: Python<'py>,
         step: impl FnOnce(&mut Running<'_>) -> Result<motes::Estimate, MotesError> + Send,
     ) -> PyResult<Known<'py>> {
-        let estimate = without_lock(py, self.threads, |_| {
-            let mut running = self.running.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut running = self.running()?;
+        if self.has_failed.load(Ordering::Relaxed) {
+            return Err(PyValueError::new_err("the filter failed in an earlier step; begin with a new one"));
+        }
+        let running = &mut *running;
+        let estimate = without_lock(py, self.threads, &self.failure.stop, move || {
             running.with_dependent_mut(|_, running| step(running))
-        })?;
-        let estimate = self.failure.or(estimate)?;
+        });
+        let estimate = estimate.and_then(|estimate| self.failure.or(estimate));
+        let estimate = estimate.inspect_err(|_| self.has_failed.store(true, Ordering::Relaxed))?;
         let (means, sds, quantiles) = crate::estimates::states(py, std::slice::from_ref(&estimate));
         Ok((means, sds, quantiles, estimate.ess, estimate.log_evidence))
     }

@@ -12,44 +12,55 @@ use std::time::Duration;
 use motes::thread_pool;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
-use rayon_core::ThreadPool;
+use rayon_core::{ThreadPool, current_thread_index};
 
 use crate::errors::to_python;
 
 /// How often signals are looked for.
 const LOOK_EVERY: Duration = Duration::from_millis(50);
 
-/// Whether work was asked to stop.
-pub(crate) struct Stop(AtomicBool);
+/// Whether work was asked to stop. Clones say the same.
+#[derive(Clone, Default)]
+pub(crate) struct Stop(Arc<AtomicBool>);
 
 impl Stop {
     /// What a function of `motes` is told when it asks whether to go on.
     pub(crate) fn asked(&self) -> ControlFlow<()> {
-        match self.0.load(Ordering::Relaxed) {
+        match self.is_asked() {
             true => ControlFlow::Break(()),
             false => ControlFlow::Continue(()),
         }
     }
 }
 
-/// Does `work` on so many threads, all that there are if `None`.
+impl Stop {
+    pub(crate) fn is_asked(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+}
+
+/// Does `work` on so many threads, all that there are if `None`, and sets `stop` when somebody presses Ctrl-C.
+///
+/// Within other such work, which a function of a model can do, it is done where it is: a pool whose threads wait for each other would wait for ever.
 ///
 /// # Errors
 /// What a signal handler raised, as `KeyboardInterrupt`; `RuntimeError` where the work panicked, which is a defect of ours.
 pub(crate) fn without_lock<R: Send>(
     py: Python<'_>,
     threads: Option<usize>,
-    work: impl FnOnce(&Stop) -> R + Send,
+    stop: &Stop,
+    work: impl FnOnce() -> R + Send,
 ) -> PyResult<R> {
+    if current_thread_index().is_some() {
+        return py.detach(|| catch_unwind(AssertUnwindSafe(work))).map_err(|panic| defect(&*panic));
+    }
     let pool = pool(threads)?;
-    let stop = Stop(AtomicBool::new(false));
     let (done, raised) = py.detach(|| {
         let (sender, receiver) = channel();
-        let stop = &stop;
         pool.in_place_scope(|scope| {
             scope.spawn(move |_| {
                 // Nobody listens any more only if this scope is gone.
-                let _ = sender.send(catch_unwind(AssertUnwindSafe(|| work(stop))));
+                let _ = sender.send(catch_unwind(AssertUnwindSafe(work)));
             });
             let mut raised = None;
             loop {
@@ -71,17 +82,16 @@ pub(crate) fn without_lock<R: Send>(
     match (raised, done) {
         (Some(error), _) => Err(error),
         (None, Some(Ok(result))) => Ok(result),
-        (None, Some(Err(panic))) => {
-            Err(PyRuntimeError::new_err(format!("a defect of motes: {}", said(&*panic))))
-        }
+        (None, Some(Err(panic))) => Err(defect(&*panic)),
         (None, None) => Err(PyRuntimeError::new_err("a defect of motes: the work ended without a result")),
     }
 }
 
-/// The words of a panic.
-fn said(panic: &(dyn Any + Send)) -> &str {
+/// A panic, with its words.
+fn defect(panic: &(dyn Any + Send)) -> PyErr {
     let text = panic.downcast_ref::<&str>().copied();
-    text.or_else(|| panic.downcast_ref::<String>().map(String::as_str)).unwrap_or("a panic without words")
+    let text = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
+    PyRuntimeError::new_err(format!("a defect of motes: {}", text.unwrap_or("a panic without words")))
 }
 
 /// Pools by their number of threads, and the process that has those threads.

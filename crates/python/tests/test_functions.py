@@ -1,5 +1,8 @@
 """Models in functions."""
 
+import signal
+import threading
+import time
 import traceback
 
 import numpy as np
@@ -209,6 +212,9 @@ def test_what_is_wrong_at_first():
         of(measurements=["x"])
     with pytest.raises(ValueError, match="measurements: 0 names"):
         of(measurements=[])
+    for name in ("t", "series", " ", "y\n", ""):
+        with pytest.raises(ValueError, match="names a coordinate; it must be a word"):
+            of(measurements=[name])
 
 
 def test_counts_can_be_neither_shifted_nor_scaled():
@@ -278,3 +284,135 @@ class TestJax:
     def test_what_a_function_raises_is_raised(self):
         with pytest.raises(KeyError, match="nothing"):
             of(measurement=lambda t, x: {}["nothing"], jax=True).filter([0.0])
+
+    @pytest.mark.parametrize(
+        ("what", "message"),
+        [
+            (lambda x: [motes.normal(x[:7, 0], 1.0)], r"a parameter of x: an array of shape \(7,\); it must be a number or \(K,\)"),
+            (lambda x: [motes.normal(x[:, 0] + 1j, 1.0)], "a complex parameter of x; it must be real"),
+            (lambda x: [motes.normal(x[:, 0], 1.0)] * 2, "2 distributions; it must be one for each of 1 coordinates"),
+            (lambda x: x, ".*; it must be distributions"),
+            (lambda x: None, "NoneType; it must be distributions"),
+        ],
+    )
+    def test_what_is_wrong_is_said(self, what, message):
+        with pytest.raises(ValueError, match=f"^transition: {message}"):
+            of(transition=lambda t, x: what(x), jax=True).filter(np.zeros(5), particles=20)
+
+    def test_a_function_without_derivatives_is_not_taken_for_a_flat_one(self, jnp):
+        import jax
+
+        def opaque(t, x):
+            return [motes.normal(jax.pure_callback(np.asarray, jax.ShapeDtypeStruct(x.shape[:1], x.dtype), x[:, 0]), 1.0)]
+
+        model = of(transition=lambda t, x: [motes.normal(x[:, 0], 1.0)], measurement=opaque, jax=True)
+        assert np.isfinite(model.filter([0.3, 0.1], particles=20).log_evidence)
+        with pytest.raises(ValueError, match="JVP"):
+            model.filter([0.3, 0.1], particles=20, proposal="linearised")
+
+
+def within(inner):
+    """A model whose measurement calls motes."""
+
+    def nested(t, x):
+        inner()
+        return [motes.normal(x[:, 0], 1.0)]
+
+    return of(measurement=nested)
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_a_function_may_call_motes(functions, threads):
+    inner = lambda: (functions.filter([0.1], particles=10, threads=1), functions.simulate(3))  # noqa: E731
+    assert np.isfinite(within(inner).filter([0.1, 0.2], particles=30, threads=threads).log_evidence)
+
+
+def test_a_filter_on_line_is_one_callers_at_a_time():
+    said = []
+    online = within(lambda: said.append(asked())).online(particles=10)
+
+    def asked():
+        with pytest.raises(RuntimeError, match="the filter is in a step") as caught:
+            _ = online.log_evidence
+        return str(caught.value)
+
+    online.step(0.0)
+    assert said and np.isfinite(online.log_evidence)
+
+
+def test_a_filter_on_line_that_failed_says_so():
+    online = of(transition=raising).online(particles=10)
+    with pytest.raises(KeyError):
+        for _ in range(10):
+            online.step(0.0)
+    with pytest.raises(ValueError, match="the filter failed in an earlier step"):
+        online.step(0.0)
+
+
+@pytest.mark.parametrize(
+    "asked",
+    [
+        lambda model: model.simulate(1000),
+        lambda model: model.filter(np.zeros(500), particles=10),
+        lambda model: model.forecast(np.zeros(3), 1000, particles=10),
+        lambda model: model.compare(np.zeros(500), at=[10], particles=10),
+        lambda model: model.learn(),
+    ],
+)
+def test_a_call_of_slow_functions_can_be_ended(asked):
+    def slow(t, x):
+        time.sleep(0.02)
+        return [motes.normal(x[:, 0], 1.0)]
+
+    timer = threading.Timer(0.5, signal.raise_signal, [signal.SIGINT])
+    timer.start()
+    start = time.perf_counter()
+    with pytest.raises(KeyboardInterrupt):
+        asked(of(transition=slow))
+    assert time.perf_counter() - start < 3.0
+
+
+def test_simulations_that_overflow_are_left_out_as_a_files_are():
+    file = motes.Model({"initial": {"x": "normal(0, 1)"}, "transition": {"x": "normal(x + 0.01*x^3, 1)"}, "measurement": {"y": "normal(x, 1)"}})
+    functions = of(
+        [motes.normal(0.0, 1.0)],
+        lambda t, x: [motes.normal(x[:, 0] + 0.01 * x[:, 0] ** 3, 1.0)],
+        lambda t, x: [motes.normal(x[:, 0], 1.0)],
+    )
+    with np.errstate(all="ignore"):
+        assert functions.check()[1] == file.check()[1]
+        assert functions.learn(updates=20, steps=50, sequences=0).proposal.choice == file.learn(updates=20, steps=50, sequences=0).proposal.choice
+
+
+def test_functions_that_end_with_the_data():
+    inputs = np.linspace(0.0, 1.0, 6)
+    model = of(
+        [motes.normal(0.0, 1.0)],
+        lambda t, x: [motes.normal(0.9 * x[:, 0] + inputs[t], 1.0)],
+        lambda t, x: [motes.normal(x[:, 0], 0.5)],
+    )
+    learned = model.learn(updates=30, steps=6, sequences=0)
+    assert np.isfinite(model.filter(np.zeros(6), particles=50, proposal=learned.proposal).log_evidence)
+
+
+def test_noise_that_vanishes_where_no_particle_is():
+    model = of([motes.normal(0.0, 1.0)], lambda t, x: [motes.normal(0.0 * x[:, 0], 1.0)], lambda t, x: [motes.normal(0.0, np.abs(x[:, 0]))])
+    assert model.learn(updates=30, steps=10, sequences=0).proposal is not None
+
+
+def test_particles_that_are_not_aligned_and_known_starts():
+    def unaligned(values):
+        moved = np.zeros(8 * len(values) + 1, dtype="u1")[1:].view("f8")
+        moved[:] = values
+        return moved
+
+    one = of(transition=lambda t, x: [motes.normal(unaligned(0.5 * x[:, 0]), 1.0)])
+    two = of(transition=lambda t, x: [motes.normal(0.5 * x[:, 0], 1.0)])
+    assert one.filter([0.1, 0.2], particles=40).log_evidence == two.filter([0.1, 0.2], particles=40).log_evidence
+
+
+def test_a_known_start_is_the_same_on_any_number_of_threads():
+    model = of([motes.normal(1.0, 1e-20)])
+    proposal = model.learn(updates=20, steps=10, sequences=0).proposal
+    found = {model.filter([0.5, 0.2], particles=8202, proposal=proposal, threads=threads).log_evidence for threads in [1] + [2] * 8}
+    assert len(found) == 1

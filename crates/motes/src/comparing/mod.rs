@@ -66,6 +66,16 @@ pub fn compare(
     options: &CompareOptions,
     mut proceed: impl FnMut(Compared) -> ControlFlow<()>,
 ) -> Result<Comparison, MotesError> {
+    compare_until(model, data, options, &mut proceed)
+}
+
+/// [`compare`], compiled once whatever asks.
+fn compare_until(
+    model: &Model,
+    data: Option<&Data>,
+    options: &CompareOptions,
+    proceed: &mut dyn FnMut(Compared) -> ControlFlow<()>,
+) -> Result<Comparison, MotesError> {
     let sequences = match data {
         Some(data) => sequence::of_data(data),
         None => {

@@ -67,6 +67,16 @@ pub fn learn(
     options: &LearnOptions,
     mut proceed: impl FnMut(usize, usize) -> ControlFlow<()>,
 ) -> Result<LearnOutcome, MotesError> {
+    learn_until(model, data, options, &mut proceed)
+}
+
+/// [`learn`], compiled once whatever asks.
+fn learn_until(
+    model: &Model,
+    data: Option<&Data>,
+    options: &LearnOptions,
+    proceed: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
+) -> Result<LearnOutcome, MotesError> {
     let learnable = learnable(model)?;
     let started = std::time::Instant::now();
     let settings = LearnConfig {

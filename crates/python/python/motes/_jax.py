@@ -21,14 +21,14 @@ jax.tree_util.register_pytree_node(
 Compiled = Callable[[int, np.ndarray], Any]
 
 
-def compiled(function: Callable[[Any, Any], Any], count: int) -> tuple[Compiled, Compiled]:
+def compiled(function: Callable[[Any, Any], Any], called: str, names: list[str]) -> tuple[Compiled, Compiled]:
     """The function of as many rows as there are, and the same with derivatives along a row's coordinates.
 
-    It returns distributions of `count` coordinates.
+    It is called that in messages, and returns distributions of the coordinates of these names.
     """
 
     def stated(t: Any, x: Any) -> list[Distribution]:
-        return _coordinates(function(t, x), x.shape[0], count)
+        return _coordinates(function(t, x), x.shape[0], called, names)
 
     def sloped(t: Any, x: Any) -> tuple[list[Distribution], list[Distribution]]:
         along = jnp.broadcast_to(jnp.eye(x.shape[1], dtype=x.dtype)[:, None, :], (x.shape[1], *x.shape))
@@ -37,17 +37,32 @@ def compiled(function: Callable[[Any, Any], Any], count: int) -> tuple[Compiled,
     return _of_any_length(jax.jit(stated), 0), _of_any_length(jax.jit(sloped), 1)
 
 
-def _coordinates(found: Any, particles: int, count: int) -> list[Distribution]:
+def _coordinates(found: Any, particles: int, called: str, names: list[str]) -> list[Distribution]:
     """A distribution for each coordinate, with a parameter for each particle."""
+    count, is_single = len(names), isinstance(found, Distribution)
+    listed = [found] * count if is_single else found
+    if not isinstance(listed, (list, tuple)) or not all(isinstance(one, Distribution) for one in listed):
+        raise ValueError(f"{called}: {type(found).__name__}; it must be distributions, as [motes.normal(mean, sd)]")
+    if len(listed) != count:
+        raise ValueError(f"{called}: {len(listed)} distributions; it must be one for each of {count} coordinates")
 
     def column(value: Any, at: int) -> Any:
-        value = jnp.asarray(value, dtype=float)
-        if isinstance(found, Distribution) and count > 1:
-            return jnp.broadcast_to(value, (particles, count))[:, at]
-        return jnp.broadcast_to(value[:, 0] if value.ndim == 2 and value.shape[1] == 1 else value, (particles,))
+        value = jnp.asarray(value)
+        if jnp.iscomplexobj(value):
+            raise ValueError(f"{called}: a complex parameter of {names[at]}; it must be real")
+        value = value.astype(float)
+        try:
+            if is_single and count > 1:
+                return jnp.broadcast_to(value, (particles, count))[:, at]
+            return jnp.broadcast_to(value[:, 0] if value.ndim == 2 and value.shape[1] == 1 else value, (particles,))
+        except ValueError:
+            wanted = "(K,)" if count == 1 or not is_single else f"(K, {count})"
+            shape = tuple("K" if size == particles else size for size in value.shape)
+            raise ValueError(
+                f"{called}: a parameter of {names[at]}: an array of shape {shape}; it must be a number or {wanted}"
+            ) from None
 
-    listed = [found] * count if isinstance(found, Distribution) else list(found)
-    return [jax.tree_util.tree_map(lambda value: column(value, at), one) for at, one in enumerate(listed)]
+    return [jax.tree_util.tree_map(lambda value, at=at: column(value, at), one) for at, one in enumerate(listed)]
 
 
 def _of_any_length(function: Callable[[Any, Any], Any], axis: int) -> Compiled:

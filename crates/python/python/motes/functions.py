@@ -26,14 +26,17 @@ def of_functions(
     """The model of functions of many particles at a time.
 
     `transition(t, x)` has the states `x_{t−1}` of `K` particles, an array of shape `(K, N)`, and returns the distributions of
-    `x_t`. `measurement(t, x)` has `x_t` and returns those of `y_t`. `initial` are the distributions of `x_0`, or a function
+    `x_t`. These are some of a filter's particles, 1024 at most: what it returns for a row must depend on that row alone. `measurement(t, x)` has `x_t` and returns those of `y_t`. `initial` are the distributions of `x_0`, or a function
     without arguments that returns them. A list has a distribution for each coordinate, whose parameters are numbers or
     arrays of shape `(K,)`. A single distribution has parameters that can be broadcast to `(K, N)`. Coordinates are
     independent given `x`.
 
     Functions of NumPy have no derivatives: such a model has the proposal `bootstrap`, and proposals that are learned by the
-    objectives `inclusive` and `wake`. With `jax` the two functions are JAX's, in double precision, and are compiled: the
-    model is linearised and differentiated, too.
+    objectives `inclusive` and `wake`. With `jax` the two functions are JAX's and are compiled: the model is linearised and
+    differentiated, too. `x` is in double precision and `t` is a traced number. What a function finds outside of itself is
+    read when it is compiled.
+
+    `check` simulates 100 times, `learn` as many as its `steps`: a function that knows fewer times raises.
 
     A filter of such a model has one thread where none are asked for: only one at a time can call a function.
 
@@ -56,14 +59,16 @@ def of_functions(
             raise TypeError(f"{argument}: {type(function).__name__}; it must be a function")
     names = []
     for argument, given in (("states", states), ("measurements", measurements)):
-        if isinstance(given, str) or not all(isinstance(name, str) for name in given):
+        listed = given if isinstance(given, str) else list(given)
+        if isinstance(listed, str) or not all(isinstance(name, str) for name in listed):
             raise TypeError(f"{argument}: {given!r}; it must be a list of names")
-        names.append(list(given))
+        names.append(listed)
     functions, slopes = (transition, measurement), None
     if jax:
         from ._jax import compiled
 
-        pairs = [compiled(function, len(of)) for function, of in zip(functions, names, strict=True)]
+        called = ("transition", "measurement")
+        pairs = [compiled(*each) for each in zip(functions, called, names, strict=True)]
         functions, slopes = tuple(zip(*pairs, strict=True))
     first = initial() if callable(initial) else initial
     model = Model.__new__(Model)

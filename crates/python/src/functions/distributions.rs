@@ -18,10 +18,23 @@ pub(super) struct Asked<'a> {
     pub(super) particles: usize,
     /// Whether some rows are no particles'.
     pub(super) is_padded: bool,
+    /// The rows, where a number may be infinite or follow from one that is too large.
+    pub(super) may_overflow: Option<&'a [f64]>,
     pub(super) of_states: bool,
 }
 
+/// States that are larger are about to overflow.
+const LARGEST: f64 = 1e100;
+
 impl Asked<'_> {
+    /// Whether a number that is out of range comes of a state that ran away in a simulation.
+    fn overflows(&self, row: usize, value: f64) -> bool {
+        let Some(rows) = self.may_overflow else { return false };
+        let width = rows.len() / self.particles.max(1);
+        let state = rows.get(row * width..(row + 1) * width).unwrap_or_default();
+        value.is_infinite() || state.iter().any(|x| x.abs() > LARGEST)
+    }
+
     /// An error that says which function and when.
     fn refused(&self, what: &str) -> PyErr {
         let at = self.time.map_or_else(String::new, |time| format!(", t = {time}"));
@@ -182,7 +195,8 @@ impl Stated {
         is_right: impl Fn(f64) -> bool,
         words: &str,
     ) -> PyResult<()> {
-        let Some(row) = column.values().iter().position(|value| !is_right(*value)) else { return Ok(()) };
+        let is_wrong = |(row, value): (usize, &f64)| !is_right(*value) && !asked.overflows(row, *value);
+        let Some(row) = column.values().iter().enumerate().position(is_wrong) else { return Ok(()) };
         let value = column.values()[row];
         let at = if column.values().len() > 1 { format!(" in row {row}") } else { String::new() };
         Err(asked.refused(&format!("{what} of {}: {value}{at}; it must be {words}", self.name)))
@@ -227,7 +241,9 @@ impl Numbers {
         if let Ok(number) = value.cast::<PyFloat>() {
             return Ok(Numbers::Same(number.value()));
         }
-        if let Ok(array) = value.cast::<PyArrayDyn<f64>>() {
+        if let Ok(array) = value.cast::<PyArrayDyn<f64>>()
+            && array.data().is_aligned()
+        {
             return Ok(Numbers::of_array(&array.readonly()));
         }
         let numpy = py.import(intern!(py, "numpy"))?;

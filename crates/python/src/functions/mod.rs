@@ -41,15 +41,20 @@ impl Functions {
             names: &states,
             particles: 1,
             is_padded: false,
+            may_overflow: None,
             of_states: true,
         };
         let initial = columns(py, &asked, initial, None)?;
         Ok(Functions { name, states, measurements, initial, transition, measurement, slopes })
     }
 
-    /// The model of these functions, which keeps what one of them raises in `failure`.
-    pub(crate) fn model(self: &Arc<Self>, failure: &Failure) -> Result<motes::Model, motes::MotesError> {
-        let called = Called { functions: Arc::clone(self), failure: failure.clone() };
+    /// The model of these functions, which keeps what one of them raises in `failure`. Where it simulates, series may overflow.
+    pub(crate) fn model(
+        self: &Arc<Self>,
+        failure: &Failure,
+        may_overflow: bool,
+    ) -> Result<motes::Model, motes::MotesError> {
+        let called = Called { functions: Arc::clone(self), failure: failure.clone(), may_overflow };
         motes::Model::own(&self.name, &self.states, &self.measurements, Batched::new(called))
     }
 }
@@ -58,6 +63,8 @@ impl Functions {
 struct Called {
     functions: Arc<Functions>,
     failure: Failure,
+    /// Whether states may overflow: simulated series then end there.
+    may_overflow: bool,
 }
 
 /// Which function is called.
@@ -76,7 +83,7 @@ impl Called {
         is_padded: bool,
         with_slopes: bool,
     ) -> Option<Vec<BatchDistribution>> {
-        if self.failure.is_there() {
+        if self.failure.ends_calls() {
             return None;
         }
         let Functions { states, measurements, transition, measurement, slopes, .. } = &*self.functions;
@@ -87,6 +94,7 @@ impl Called {
             names: [states, measurements][at],
             particles,
             is_padded,
+            may_overflow: self.may_overflow.then_some(rows),
             of_states: matches!(function, Function::Transition),
         };
         Python::attach(|py| {
@@ -107,8 +115,8 @@ impl Called {
             };
             match call() {
                 Ok(columns) => Some(columns),
-                // Rows that are no particles' may be anywhere: nobody is to hear of what became of them.
-                Err(_) if is_padded => None,
+                // Rows that are no particles' may be anywhere: nobody is to hear of what became of them. What JAX compiles fails whatever rows hold.
+                Err(_) if is_padded && slopes.is_none() => None,
                 Err(error) => {
                     self.failure.keep(error);
                     None
@@ -139,11 +147,21 @@ impl BatchEquations for Called {
         self.functions.slopes.is_some()
     }
 
-    fn transition_slopes(&self, time: usize, previous: &[f64]) -> Option<Vec<BatchDistribution>> {
-        self.call(Function::Transition, time, previous, true, true)
+    fn transition_slopes(
+        &self,
+        time: usize,
+        previous: &[f64],
+        is_padded: bool,
+    ) -> Option<Vec<BatchDistribution>> {
+        self.call(Function::Transition, time, previous, is_padded, true)
     }
 
-    fn measurement_slopes(&self, time: usize, states: &[f64]) -> Option<Vec<BatchDistribution>> {
-        self.call(Function::Measurement, time, states, true, true)
+    fn measurement_slopes(
+        &self,
+        time: usize,
+        states: &[f64],
+        is_padded: bool,
+    ) -> Option<Vec<BatchDistribution>> {
+        self.call(Function::Measurement, time, states, is_padded, true)
     }
 }

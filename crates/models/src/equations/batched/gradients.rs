@@ -4,8 +4,8 @@ use super::super::distribution::Distribution;
 use super::super::lanes::Lanes;
 use super::super::tiles::rows_of_mut;
 use super::super::varied::{SIDE, Side, Varied, put};
-use super::column::BatchDistribution;
 use super::Batched;
+use super::column::BatchDistribution;
 use crate::batch::{LANES, store, with_scratch};
 use crate::{StateGradients, StateSpaceModel};
 
@@ -75,7 +75,8 @@ impl StateGradients for Batched {
         d_states: &mut [f64],
     ) {
         let n = self.state_dim();
-        let stated = self.equations.has_slopes().then(|| self.equations.transition_slopes(time, previous));
+        let stated =
+            self.equations.has_slopes().then(|| self.equations.transition_slopes(time, previous, false));
         let stated = stated.flatten();
         along_values(stated.as_deref(), n, states, d_states);
         let Some(stated) = stated.filter(|stated| stated.len() == n) else {
@@ -89,7 +90,8 @@ impl StateGradients for Batched {
 
     fn likelihood_gradients(&self, time: usize, states: &[f64], measurement: &[f64], d_states: &mut [f64]) {
         let n = self.state_dim();
-        let stated = self.equations.has_slopes().then(|| self.equations.measurement_slopes(time, states));
+        let stated =
+            self.equations.has_slopes().then(|| self.equations.measurement_slopes(time, states, false));
         let Some(stated) = stated.flatten().filter(|stated| stated.len() == measurement.len()) else {
             return d_states.fill(f64::NAN);
         };

@@ -4,8 +4,8 @@ use super::super::lanes::Lanes;
 use super::super::linearise::{Linearise, moments_of_states};
 use super::super::tiles::rows_of_mut;
 use super::super::varied::{SIDE, Varied, put, side};
-use super::memo::Asked;
 use super::Batched;
+use super::memo::Asked;
 use crate::StateSpaceModel;
 use crate::batch::LANES;
 

@@ -73,13 +73,23 @@ pub trait BatchEquations: Sync {
     }
 
     /// [`BatchEquations::transition`] with derivatives.
-    fn transition_slopes(&self, time: usize, previous: &[f64]) -> Option<Vec<BatchDistribution>> {
-        self.transition(time, previous, true)
+    fn transition_slopes(
+        &self,
+        time: usize,
+        previous: &[f64],
+        is_padded: bool,
+    ) -> Option<Vec<BatchDistribution>> {
+        self.transition(time, previous, is_padded)
     }
 
     /// [`BatchEquations::measurement`] with derivatives.
-    fn measurement_slopes(&self, time: usize, states: &[f64]) -> Option<Vec<BatchDistribution>> {
-        self.measurement(time, states, true)
+    fn measurement_slopes(
+        &self,
+        time: usize,
+        states: &[f64],
+        is_padded: bool,
+    ) -> Option<Vec<BatchDistribution>> {
+        self.measurement(time, states, is_padded)
     }
 }
 

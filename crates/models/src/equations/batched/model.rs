@@ -1,6 +1,5 @@
 //! Batched equations are a state-space model.
 
-use std::rc::Rc;
 use std::slice::from_mut;
 
 use super::super::distribution::Distribution;
@@ -11,9 +10,9 @@ use super::super::statement::Coordinates;
 use super::super::tile_states::TileStates;
 use super::super::tiles::rows_of;
 use super::super::transport::centres_of;
+use super::Batched;
 use super::column::{BatchDistribution, push_tile};
 use super::memo::{self, Answer, Asked};
-use super::Batched;
 use crate::batch::{LANES, Rows, load, store, with_scratch};
 use crate::{ModelError, PartialLikelihood, Seed, Simulator, StateSpaceModel, Stream};
 
@@ -24,29 +23,22 @@ impl Batched {
     /// The transition of each row.
     fn transition(&self, time: usize, previous: &[f64]) -> Answer {
         let ask = || self.equations.transition(time, previous, false);
-        memo::of_rows(&self.owner, Asked::Transition, time, previous, ask)
+        memo::of_rows(&self.owner, Asked::Transition, time, previous, false, ask)
     }
 
     /// The measurement of each row.
     fn measurement(&self, time: usize, states: &[f64]) -> Answer {
         let ask = || self.equations.measurement(time, states, false);
-        memo::of_rows(&self.owner, Asked::Measurement, time, states, ask)
+        memo::of_rows(&self.owner, Asked::Measurement, time, states, false, ask)
     }
 
     /// What is stated for the particles of a tile, and the number of the first of them.
     pub(super) fn of_tile(&self, asked: Asked, time: usize, tile: &[f64]) -> (Answer, usize) {
-        memo::of_tile(&self.owner, asked, time, tile).unwrap_or_else(|| {
-            // Nobody said that this tile would come.
-            let n = self.state_dim();
-            let stated = with_scratch(n * LANES, |rows| {
-                store(tile, n, rows);
-                match asked {
-                    Asked::Transition => self.equations.transition(time, rows, true),
-                    Asked::Measurement => self.equations.measurement(time, rows, true),
-                    Asked::Slopes => self.equations.measurement_slopes(time, rows),
-                }
-            });
-            (stated.map(Rc::new), 0)
+        // Nobody said that this tile would come, or how many of its lanes have a particle.
+        memo::of_tile(&self.owner, asked, time, tile, |rows| match asked {
+            Asked::Transition => self.equations.transition(time, rows, true),
+            Asked::Measurement => self.equations.measurement(time, rows, true),
+            Asked::Slopes => self.equations.measurement_slopes(time, rows, true),
         })
     }
 }
@@ -163,9 +155,12 @@ impl StateSpaceModel for Batched {
 
     fn foresee(&self, time: usize, previous: Rows<'_>) {
         let n = self.state_dim();
-        let Some(stated) = previous.with_contiguous(|previous| self.transition(time, previous)) else {
-            return;
-        };
+        let (owner, equations) = (&self.owner, &self.equations);
+        let stated = previous.with_contiguous(|previous| {
+            let ask = || equations.transition(time, previous, false);
+            memo::of_rows(owner, Asked::Transition, time, previous, true, ask)
+        });
+        let Some(stated) = stated else { return };
         // Where the measurement will be looked at first.
         let particles = previous.len();
         with_scratch(particles * n, |centres| {
@@ -176,13 +171,12 @@ impl StateSpaceModel for Batched {
                     store(tile, n, centres);
                 }
             });
-            match self.equations.has_slopes() {
-                false => drop(self.measurement(time, centres)),
-                true => {
-                    let ask = || self.equations.measurement_slopes(time, centres);
-                    memo::of_rows(&self.owner, Asked::Slopes, time, centres, ask);
-                }
-            }
+            // No particle is there.
+            let asked = if equations.has_slopes() { Asked::Slopes } else { Asked::Measurement };
+            memo::of_rows(owner, asked, time, centres, true, || match asked {
+                Asked::Slopes => equations.measurement_slopes(time, centres, true),
+                _ => equations.measurement(time, centres, true),
+            });
         });
     }
 }
@@ -231,9 +225,11 @@ impl TileStates for Batched {
             // A state that is likely, from a stream of its own.
             let mut state = vec![0.0; self.state_dim()];
             self.sample_initial(&mut Seed::from_u64(0).child("transport").stream(), &mut state);
-            let mut transitions = (1..=PROBES).map(|time| self.equations.transition(time, &state, false));
+            // Some functions end with the data: what they do not say is not looked at.
+            let mut transitions =
+                (1..=PROBES).filter_map(|time| self.equations.transition(time, &state, true));
             self.equations.initial().is_some_and(|stated| are_normal(&stated))
-                && transitions.all(|stated| stated.is_some_and(|stated| are_normal(&stated)))
+                && transitions.all(|stated| are_normal(&stated))
         })
     }
 
