@@ -3,7 +3,7 @@
 use thiserror::Error;
 
 use crate::error::Section;
-use crate::graph::{Built, Degree};
+use crate::graph::{Built, Coordinate, Degree, Operation};
 use crate::statement::Line;
 use crate::tables::Kind;
 
@@ -45,4 +45,19 @@ pub(crate) fn check(file: &str, section: Section, lines: &[Line], built: &Built)
         return Err(NoClosedForm { file: file.to_string(), line: line.number, section, key, reason });
     }
     Ok(())
+}
+
+/// Whether a section is linear with constant Gaussian noise: normal coordinates with means that are linear in the states, standard deviations without them, and
+/// no time.
+pub(crate) fn is_linear(built: &Built) -> bool {
+    let degrees = built.graph.degrees();
+    let degree =
+        |coordinate: &Coordinate, parameter: usize| degrees[coordinate.parameters[parameter].index()];
+    let is_constant = !built.graph.operations().iter().any(|operation| matches!(operation, Operation::Time));
+    is_constant
+        && built.coordinates.iter().all(|coordinate| {
+            coordinate.family.kind == Kind::Normal
+                && degree(coordinate, 0) <= Degree::One
+                && degree(coordinate, 1) == Degree::Zero
+        })
 }

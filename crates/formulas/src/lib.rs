@@ -27,6 +27,7 @@ mod closed_form;
 mod describe;
 mod document;
 mod error;
+mod exact;
 mod explain;
 mod file;
 mod graph;

@@ -25,6 +25,7 @@ struct Compiled {
     transition: Program,
     measurement: Program,
     closed_form: Result<(), NoClosedForm>,
+    is_linear: bool,
 }
 
 impl FormulaModel {
@@ -32,12 +33,13 @@ impl FormulaModel {
     pub(crate) fn new(statement: Statement, file: &str) -> Result<Self, Fault> {
         let coordinates = |lines: &[Line]| lines.iter().map(Line::coordinates).sum();
         let states = coordinates(&statement.initial);
-        let mut closed_form = Ok(());
+        let (mut closed_form, mut is_linear) = (Ok(()), true);
         let mut program = |section, lines: &[Line]| {
             let built = build(&statement, section, lines)?;
             if closed_form.is_ok() {
                 closed_form = closed_form::check(file, section, lines, &built);
             }
+            is_linear &= closed_form::is_linear(&built);
             Ok(compile(&built, states))
         };
         Ok(FormulaModel(Arc::new(Compiled {
@@ -47,6 +49,7 @@ impl FormulaModel {
             transition: program(Section::Transition, &statement.transition)?,
             measurement: program(Section::Measurement, &statement.measurement)?,
             closed_form,
+            is_linear,
             file: file.to_string(),
             statement,
         })))
@@ -60,6 +63,11 @@ impl FormulaModel {
     /// The file's name.
     pub(crate) fn file(&self) -> &str {
         &self.0.file
+    }
+
+    /// Whether all of it is linear with constant Gaussian noise.
+    pub(crate) fn is_linear(&self) -> bool {
+        self.0.is_linear
     }
 
     /// Whether `p(x_t | x_{t−1}, y_t)` is Gaussian: `p(x_0)` and `p(x_t | x_{t−1})` are normal, and `p(y_t | x_t)` is normal with a mean that is linear in the

@@ -1,6 +1,8 @@
 //! What evidence and means are held against: the exact filter where there is one, else a filter with many particles.
 
-use motes_models::{PartialMeasurements, kalman};
+use std::borrow::Cow;
+
+use motes_models::{LinearGaussian, PartialMeasurements, kalman};
 
 use super::options::{CompareOptions, MOST_REFERENCE_FILTERS};
 use super::sequence::Sequence;
@@ -40,9 +42,17 @@ fn candidates(options: &CompareOptions) -> Vec<ProposalName> {
     candidates
 }
 
+/// The model as one of matrices, if it is linear and Gaussian: it has exact answers.
+fn linear_gaussian(model: &Model) -> Option<Cow<'_, LinearGaussian>> {
+    match model.kind() {
+        Kind::LinearGaussian(linear) => Some(Cow::Borrowed(linear)),
+        Kind::Learnable(_) => model.formulas()?.linear_gaussian().map(Cow::Owned),
+    }
+}
+
 /// The particles of all filters behind a reference for one sequence; the exact filter counts as one.
 pub(super) fn particles(model: &Model, options: &CompareOptions) -> usize {
-    if let Kind::LinearGaussian(_) = model.kind() {
+    if linear_gaussian(model).is_some() {
         return 1;
     }
     let more = if options.reference_filters > 1 { options.reference_filters } else { 0 };
@@ -56,10 +66,10 @@ pub(super) fn reference(
     options: &CompareOptions,
     number: usize,
 ) -> Result<Reference, MotesError> {
-    if let Kind::LinearGaussian(linear) = model.kind() {
+    if let Some(linear) = linear_gaussian(model) {
         let measurements =
             PartialMeasurements::new(model.measurements().len(), sequence.measurements.concat())?;
-        let exact = kalman::filter_partial(linear, &measurements)?;
+        let exact = kalman::filter_partial(&linear, &measurements)?;
         return Ok(Reference {
             name: "the Kalman filter, which is exact".into(),
             means: exact.steps.iter().map(|step| step.filtered.mean.iter().copied().collect()).collect(),

@@ -97,7 +97,8 @@ impl Called {
             may_overflow: self.may_overflow.then_some(rows),
             of_states: matches!(function, Function::Transition),
         };
-        Python::attach(|py| {
+        // None where the interpreter ends.
+        Python::try_attach(|py| {
             let call = || {
                 let array = PyArray1::from_slice(py, rows).reshape([particles, states.len()])?;
                 let sloped = slopes.as_ref().filter(|_| with_slopes);
@@ -122,7 +123,7 @@ impl Called {
                     None
                 }
             }
-        })
+        })?
     }
 }
 
