@@ -8,7 +8,7 @@ use crate::key::key_of;
 use crate::method_config::MethodConfig;
 
 /// The newest version of what a unit's configuration means; each method has the one since which it means what it means.
-pub const UNIT_FORMAT: u32 = 6;
+pub const UNIT_FORMAT: u32 = 5;
 
 /// Independent runs of a reference filter, which tell how precise it is.
 pub(crate) const REFERENCE_RUNS: usize = 2;
@@ -17,19 +17,14 @@ pub(crate) const REFERENCE_RUNS: usize = 2;
 /// configuration gives other numbers than before, so that old units are never taken for new ones; not for what no unit was ever stored of.
 fn format_of(method: Method) -> u32 {
     match method {
-        // Tail indices are fitted by products of weights, and differ in their last digits.
-        Method::MinDegeneracy
-        | Method::Bootstrap
-        | Method::Linearised
-        | Method::Fcnn
-        | Method::Rnn
+        Method::MinDegeneracy | Method::Bootstrap | Method::Fcnn | Method::Rnn | Method::Psi => 4,
+        Method::Linearised
         | Method::Gnn
-        | Method::Psi
         | Method::FcnnAnchored
         | Method::RnnAnchored
         | Method::PsiAnchored
         | Method::ReferenceFilter
-        | Method::ReferenceSmoother => 6,
+        | Method::ReferenceSmoother => 5,
     }
 }
 
