@@ -48,13 +48,12 @@ impl Online {
     fn new(model: &Bound<'_, Model>, options: &Bound<'_, FilterOptions>, series: usize) -> PyResult<Self> {
         let FilterOptions { options, threads } = options.get();
         let ForCall { model, failure, .. } = model.get().for_call()?;
-        let call_threads = *threads;
         let running = OwnRunning::try_new(model, |model| Running::new(model, options, series));
         Ok(Online {
             running: Mutex::new(failure.or(running)?),
             failure,
             has_failed: AtomicBool::new(false),
-            threads: call_threads,
+            threads: *threads,
         })
     }
 

@@ -385,6 +385,16 @@ def test_simulations_that_overflow_are_left_out_as_a_files_are():
     assert ours.proposal.choice == theirs.proposal.choice
 
 
+def test_bounds_that_overflow_end_a_simulation():
+    def runs_away(t, x):
+        ahead = x[:, 0] + x[:, 0] ** 3
+        return [motes.uniform(ahead - 1.0, ahead + 1.0)]
+
+    with np.errstate(all="ignore"):
+        problems = of([motes.normal(9.0, 1.0)], runs_away, lambda t, x: [motes.normal(x[:, 0], 1.0)]).check()[1]
+    assert any("series run to numbers that are not finite" in problem for problem in problems)
+
+
 def test_functions_that_end_with_the_data():
     inputs = np.linspace(0.0, 1.0, 6)
     model = of(

@@ -34,7 +34,7 @@ def compiled(function: Callable[[Any, Any], Any], called: str, names: list[str])
         along = jnp.broadcast_to(jnp.eye(x.shape[1], dtype=x.dtype)[:, None, :], (x.shape[1], *x.shape))
         return jax.vmap(lambda by: jax.jvp(lambda x: stated(t, x), (x,), (by,)), out_axes=(None, 0))(along)
 
-    return _of_any_length(jax.jit(stated), 0), _of_any_length(jax.jit(sloped), 1)
+    return _of_any_length(jax.jit(stated)), _of_any_length(jax.jit(sloped))
 
 
 def _coordinates(found: Any, particles: int, called: str, names: list[str]) -> list[Distribution]:
@@ -65,7 +65,7 @@ def _coordinates(found: Any, particles: int, called: str, names: list[str]) -> l
     return [jax.tree_util.tree_map(lambda value, at=at: column(value, at), one) for at, one in enumerate(listed)]
 
 
-def _of_any_length(function: Callable[[Any, Any], Any], axis: int) -> Compiled:
+def _of_any_length(function: Callable[[Any, Any], Any]) -> Compiled:
     """Compiled for lengths that are powers of two: each length is compiled by itself, and there would be many."""
 
     def called(t: int, x: np.ndarray) -> Any:
@@ -74,14 +74,8 @@ def _of_any_length(function: Callable[[Any, Any], Any], axis: int) -> Compiled:
         padded = np.concatenate([x, np.repeat(x[-1:], length - particles, axis=0)])
         with _double_precision():
             found = function(np.float64(t), padded)
-        tree = jax.tree_util.tree_map(np.asarray, found)
-        if axis == 0:
-            return jax.tree_util.tree_map(lambda value: value[:particles], tree)
-        values, slopes = tree
-        return (
-            jax.tree_util.tree_map(lambda value: value[:particles], values),
-            jax.tree_util.tree_map(lambda value: np.ascontiguousarray(value[:, :particles]), slopes),
-        )
+        # Particles are along the last axis, of parameters as of their derivatives.
+        return jax.tree_util.tree_map(lambda value: np.ascontiguousarray(np.asarray(value)[..., :particles]), found)
 
     return called
 

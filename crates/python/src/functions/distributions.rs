@@ -23,8 +23,8 @@ pub(super) struct Asked<'a> {
     pub(super) of_states: bool,
 }
 
-/// States that are larger are about to overflow.
-const LARGEST: f64 = 1e100;
+/// States that are larger have run away: to add 1 to them changes nothing.
+const LARGEST: f64 = (1_u64 << 53) as f64;
 
 impl Asked<'_> {
     /// Whether a number that is out of range comes of a state that ran away in a simulation.
@@ -206,7 +206,11 @@ impl Stated {
         let [low, high] = parameters else { return Ok(()) };
         let of = |column: &Column, row: usize| *column.values().get(row).unwrap_or(&column.values()[0]);
         let rows = low.values().len().max(high.values().len());
-        let Some(row) = (0..rows).find(|row| of(low, *row) >= of(high, *row)) else { return Ok(()) };
+        let is_wrong = |row: &usize| {
+            let (low, high) = (of(low, *row), of(high, *row));
+            low >= high && !asked.overflows(*row, high)
+        };
+        let Some(row) = (0..rows).find(is_wrong) else { return Ok(()) };
         let (low, high) = (of(low, row), of(high, row));
         Err(asked.refused(&format!(
             "high of {}: {high} in row {row}; it must be above low, which is {low}",

@@ -30,26 +30,19 @@ impl Linearise for Batched {
         let (slopes, information, jacobian) =
             (rows_of_mut(slopes), rows_of_mut(information), rows_of_mut(jacobian));
         let is_known = |at: usize| measurement.get(at).copied().flatten();
-        if !self.equations.has_slopes() {
-            let (stated, first) = self.of_tile(Asked::Measurement, time, states);
-            let stated = stated.as_ref().map(|stated| stated.as_slice()).unwrap_or_default();
-            for (at, one) in stated.iter().enumerate() {
-                let Some(y) = is_known(at) else { continue };
-                let score = one.tile(first).score(y);
-                (slopes[at], information[at]) = (score.slope, score.information);
-            }
-            return;
-        }
-        let (stated, first) = self.of_tile(Asked::Slopes, time, states);
-        let stated = stated.as_ref().map(|stated| stated.as_slice()).unwrap_or_default();
-        for (at, one) in stated.iter().enumerate() {
+        let asked = self.scored_by();
+        let (stated, first) = self.of_tile(asked, time, states);
+        for (at, one) in stated.iter().flat_map(|stated| stated.iter()).enumerate() {
             let Some(y) = is_known(at) else { continue };
+            let score = one.tile(first).score(y);
+            (slopes[at], information[at]) = (score.slope, score.information);
+            if asked != Asked::Slopes {
+                continue;
+            }
             for lane in (0..LANES).step_by(SIDE) {
                 for along in 0..n {
                     let score = one.side(first + lane, Some(along)).score(Varied::constant(side(&y, lane)));
                     put(score.location.derivatives()[0], lane, &mut jacobian[at * n + along]);
-                    put(score.slope.value(), lane, &mut slopes[at]);
-                    put(score.information.value(), lane, &mut information[at]);
                 }
             }
         }

@@ -20,26 +20,35 @@ use crate::{ModelError, PartialLikelihood, Seed, Simulator, StateSpaceModel, Str
 const PROBES: usize = 8;
 
 impl Batched {
-    /// The transition of each row.
-    fn transition(&self, time: usize, previous: &[f64]) -> Answer {
-        let ask = || self.equations.transition(time, previous, false);
-        memo::of_rows(&self.owner, Asked::Transition, time, previous, false, ask)
+    /// Asks a function.
+    fn ask(
+        &self,
+        asked: Asked,
+        time: usize,
+        rows: &[f64],
+        is_padded: bool,
+    ) -> Option<Vec<BatchDistribution>> {
+        match asked {
+            Asked::Transition => self.equations.transition(time, rows, is_padded),
+            Asked::Measurement => self.equations.measurement(time, rows, is_padded),
+            Asked::Slopes => self.equations.measurement_slopes(time, rows, is_padded),
+        }
     }
 
-    /// The measurement of each row.
-    fn measurement(&self, time: usize, states: &[f64]) -> Answer {
-        let ask = || self.equations.measurement(time, states, false);
-        memo::of_rows(&self.owner, Asked::Measurement, time, states, false, ask)
+    /// What is stated for each row of particles.
+    fn of_rows(&self, asked: Asked, time: usize, rows: &[f64]) -> Answer {
+        memo::of_rows(&self.owner, asked, time, rows, false, || self.ask(asked, time, rows, false))
     }
 
     /// What is stated for the particles of a tile, and the number of the first of them.
     pub(super) fn of_tile(&self, asked: Asked, time: usize, tile: &[f64]) -> (Answer, usize) {
         // Nobody said that this tile would come, or how many of its lanes have a particle.
-        memo::of_tile(&self.owner, asked, time, tile, |rows| match asked {
-            Asked::Transition => self.equations.transition(time, rows, true),
-            Asked::Measurement => self.equations.measurement(time, rows, true),
-            Asked::Slopes => self.equations.measurement_slopes(time, rows, true),
-        })
+        memo::of_tile(&self.owner, asked, time, tile, |rows| self.ask(asked, time, rows, true))
+    }
+
+    /// What a measurement is scored by.
+    pub(super) fn scored_by(&self) -> Asked {
+        if self.equations.has_slopes() { Asked::Slopes } else { Asked::Measurement }
     }
 }
 
@@ -125,7 +134,7 @@ impl StateSpaceModel for Batched {
         if previous.is_empty() {
             return;
         }
-        let stated = previous.with_contiguous(|previous| self.transition(time, previous));
+        let stated = previous.with_contiguous(|previous| self.of_rows(Asked::Transition, time, previous));
         draw(stated.as_ref().map(|stated| &stated[..]), self.state_dim(), streams, states);
     }
 
@@ -137,7 +146,7 @@ impl StateSpaceModel for Batched {
         if out.is_empty() {
             return;
         }
-        let stated = previous.with_contiguous(|previous| self.transition(time, previous));
+        let stated = previous.with_contiguous(|previous| self.of_rows(Asked::Transition, time, previous));
         weigh_states(stated.as_ref().map(|stated| &stated[..]), self.state_dim(), states, out);
     }
 
@@ -145,7 +154,7 @@ impl StateSpaceModel for Batched {
         if out.is_empty() {
             return;
         }
-        let stated = self.measurement(time, states);
+        let stated = self.of_rows(Asked::Measurement, time, states);
         weigh(stated.as_ref().map(|stated| &stated[..]), out, |stated, first| {
             let mut density = OfMeasurement::at(measurement);
             push_tile(stated, first, &mut density);
@@ -155,10 +164,9 @@ impl StateSpaceModel for Batched {
 
     fn foresee(&self, time: usize, previous: Rows<'_>) {
         let n = self.state_dim();
-        let (owner, equations) = (&self.owner, &self.equations);
-        let stated = previous.with_contiguous(|previous| {
-            let ask = || equations.transition(time, previous, false);
-            memo::of_rows(owner, Asked::Transition, time, previous, true, ask)
+        let stated = previous.with_contiguous(|rows| {
+            let ask = || self.ask(Asked::Transition, time, rows, false);
+            memo::of_rows(&self.owner, Asked::Transition, time, rows, true, ask)
         });
         let Some(stated) = stated else { return };
         // Where the measurement will be looked at first.
@@ -172,11 +180,8 @@ impl StateSpaceModel for Batched {
                 }
             });
             // No particle is there.
-            let asked = if equations.has_slopes() { Asked::Slopes } else { Asked::Measurement };
-            memo::of_rows(owner, asked, time, centres, true, || match asked {
-                Asked::Slopes => equations.measurement_slopes(time, centres, true),
-                _ => equations.measurement(time, centres, true),
-            });
+            let asked = self.scored_by();
+            memo::of_rows(&self.owner, asked, time, centres, true, || self.ask(asked, time, centres, true));
         });
     }
 }
@@ -190,7 +195,7 @@ impl Simulator for Batched {
         if out.is_empty() {
             return;
         }
-        let stated = self.measurement(time, states);
+        let stated = self.of_rows(Asked::Measurement, time, states);
         draw(stated.as_ref().map(|stated| &stated[..]), self.measurement_dim(), streams, out);
     }
 }
@@ -206,7 +211,7 @@ impl PartialLikelihood for Batched {
         if out.is_empty() {
             return Ok(());
         }
-        let stated = self.measurement(time, states);
+        let stated = self.of_rows(Asked::Measurement, time, states);
         weigh(stated.as_ref().map(|stated| &stated[..]), out, |stated, first| {
             let mut density = OfKnown::at(measurement);
             push_tile(stated, first, &mut density);
