@@ -23,7 +23,7 @@ pub(super) struct Asked<'a> {
     pub(super) of_states: bool,
 }
 
-/// States that are larger have run away: to add 1 to them changes nothing.
+/// Numbers that are larger have run away: to add 1 to them changes nothing.
 const LARGEST: f64 = (1_u64 << 53) as f64;
 
 impl Asked<'_> {
@@ -32,7 +32,7 @@ impl Asked<'_> {
         let Some(rows) = self.may_overflow else { return false };
         let width = rows.len() / self.particles.max(1);
         let state = rows.get(row * width..(row + 1) * width).unwrap_or_default();
-        value.is_infinite() || state.iter().any(|x| x.abs() > LARGEST)
+        value.abs() > LARGEST || state.iter().any(|x| x.is_nan() || x.abs() > LARGEST)
     }
 
     /// An error that says which function and when.
