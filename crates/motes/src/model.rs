@@ -94,7 +94,7 @@ impl Model {
     /// }
     ///
     /// let model = Model::own("walk", &["x"], &["y"], Walk)?;
-    /// let data = Data::read("y\n0.3\n\n0.7\n".as_bytes(), "walk.csv", &model)?;
+    /// let data = Data::read("t,y\n0,0.3\n1,\n2,0.7\n".as_bytes(), "walk.csv", &model)?;
     /// let filtered = filter(&model, &data, &FilterOptions::default(), |_| std::ops::ControlFlow::Continue(()))?;
     /// assert!(filtered.log_evidence().is_finite());
     /// # Ok::<(), Box<dyn std::error::Error>>(())
