@@ -4,6 +4,7 @@ mod ci;
 mod process;
 mod python;
 mod runner;
+mod slurm;
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -33,6 +34,8 @@ enum Command {
     Bench(Handed),
     /// Build the Python package into a virtual environment and test it, or build its wheel
     Python(python::PythonArgs),
+    /// Run a sweep on a real Slurm of this machine, with faults, and hold its tables against those of a local run
+    SlurmTest(slurm::SlurmArgs),
     /// Everything that has to hold before a change lands: format, lints, tests, docs, regression run
     Ci {
         /// Then also the tests that take long, properties with many more inputs, and each crate built from its package
@@ -69,6 +72,7 @@ fn main() -> ExitCode {
         Command::Verify(handed) => runner::verify(&root, &handed.arguments),
         Command::Bench(handed) => runner::measure(&root, &handed.arguments),
         Command::Python(args) => python::python(&root, &args),
+        Command::SlurmTest(args) => slurm::test(&root, &args),
         Command::Ci { thorough, update_expectations } => ci::check(&root, thorough, update_expectations),
     }
 }

@@ -7,8 +7,7 @@ use std::process::{Command, ExitCode, Stdio};
 use crate::process::{become_program, build, built, run};
 
 const RUNNER: &str = "motes-bench";
-const WITH_BURN: [&str; 2] = ["--features", "burn"];
-const PURPOSE: &str = "; --backend flex and ndarray need it";
+const PURPOSE: &str = "; the backend needs it";
 const DRY_RUN: &str = "--dry-run";
 
 /// Runs a figure. With a backend of burn, arguments and experiment file are checked before burn is built.
@@ -18,13 +17,15 @@ pub(crate) fn reproduce(root: &Path, arguments: &[OsString]) -> ExitCode {
     if let Err(exit_status) = build(root, RUNNER, &[], "") {
         return exit_status;
     }
-    if asks_for_burn(&arguments) && !arguments.iter().any(|argument| argument == DRY_RUN) {
+    if let Some(feature) = feature(&arguments)
+        && !arguments.iter().any(|argument| argument == DRY_RUN)
+    {
         let mut check = Command::new(built("release", RUNNER));
         check.arg(&arguments[0]).arg(DRY_RUN).args(&arguments[1..]).stdout(Stdio::null());
         if let Err(exit_status) = run(&mut check) {
             return exit_status;
         }
-        if let Err(exit_status) = build(root, RUNNER, &WITH_BURN, PURPOSE) {
+        if let Err(exit_status) = build(root, RUNNER, &["--features", feature], PURPOSE) {
             return exit_status;
         }
     }
@@ -70,11 +71,17 @@ fn value_of<'a>(option: &str, argument: &'a OsStr) -> Option<&'a str> {
     if rest.is_empty() { Some(rest) } else { rest.strip_prefix('=') }
 }
 
-/// Whether the backend is another than our own; which names there are is the runner's business.
-fn asks_for_burn(arguments: &[OsString]) -> bool {
-    arguments.iter().enumerate().any(|(at, argument)| match value_of("--backend", argument) {
-        Some("") => arguments.get(at + 1).is_some_and(|name| name != "native"),
-        Some(name) => name != "native",
-        None => false,
-    })
+/// The cargo feature that the backend needs, if it is another than our own; which names there are is the runner's business.
+fn feature(arguments: &[OsString]) -> Option<&'static str> {
+    let mut given =
+        arguments.iter().enumerate().filter_map(|(at, argument)| match value_of("--backend", argument)? {
+            "" => arguments.get(at + 1)?.to_str(),
+            name => Some(name),
+        });
+    match given.next()? {
+        "native" => None,
+        "wgpu" => Some("wgpu"),
+        "cuda" => Some("cuda"),
+        _ => Some("burn"),
+    }
 }

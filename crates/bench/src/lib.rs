@@ -6,6 +6,7 @@
 
 mod benchmark;
 mod checkpoint;
+pub mod cluster;
 mod computed_once;
 pub mod config;
 mod durable;
@@ -18,15 +19,18 @@ mod manifest;
 mod method_config;
 mod metric;
 mod metrics;
+mod outputs;
 mod problem;
 mod progress;
 mod provenance;
+mod record_units;
 mod recorded_series;
 mod reference;
 mod regression;
 mod reproduce;
 mod runner;
 mod series;
+mod standing;
 mod statistics;
 mod store;
 mod tables;

@@ -4,7 +4,8 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use motes_bench::config::{ConfigError, Plan, ReproduceArgs, VerifyArgs, check_output, plans};
+use motes_bench::cluster::{self, ClusterError, Submitted};
+use motes_bench::config::{ConfigError, Engine, Plan, ReproduceArgs, VerifyArgs, check_output, plans};
 use motes_bench::{
     Estimator, Finished, RegressionError, benchmark_plans, is_benchmark, paper_estimate, regress, reproduce,
     run_benchmark, verify,
@@ -39,6 +40,26 @@ enum Command {
         #[arg(long, default_value = "runs/regression")]
         out: PathBuf,
     },
+    /// Do the share of a task of a job array
+    #[command(hide = true)]
+    Work {
+        /// The folder of the submission
+        submission: PathBuf,
+        /// The number of the task
+        task: usize,
+    },
+    /// Make tables, figures and verdicts after a job array
+    #[command(hide = true)]
+    Finish {
+        /// The folder of the submission
+        submission: PathBuf,
+    },
+    /// Leave a file, which tells that this program runs on a node and sees the folder
+    #[command(hide = true)]
+    Probed {
+        /// The file
+        file: PathBuf,
+    },
 }
 
 fn main() -> ExitCode {
@@ -59,11 +80,64 @@ fn main() -> ExitCode {
     };
     match cli.command {
         Command::Reproduce(args) if is_benchmark(&args.figure) => run_benchmarks(&args, &interrupt),
+        Command::Reproduce(args) if args.cluster.runs_nothing() || args.cluster.engine == Engine::Slurm => {
+            run_on_cluster(&args, &interrupt)
+        }
         Command::Reproduce(args) => run_reproduce(&args, &interrupt),
         Command::Verify(args) => run_verify(&args),
         Command::Regress { figure, update, experiments, out } => {
             run_regress(figure, update, experiments, out, &interrupt)
         }
+        Command::Work { submission, task } => match cluster::work(&submission, task, &interrupt) {
+            Ok(()) if interrupt.check().is_break() => ExitCode::from(interrupt.exit_status()),
+            done => ended(done.map(|()| true)),
+        },
+        Command::Finish { submission } => ended(cluster::finish(&submission)),
+        Command::Probed { file } => match std::fs::write(&file, "") {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(error) => {
+                status(&format!("error: {}: {error}", file.display()));
+                ExitCode::from(3)
+            }
+        },
+    }
+}
+
+/// Success, if all is well.
+fn ended(done: Result<bool, ClusterError>) -> ExitCode {
+    match done {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(error) => {
+            status(&format!("error: {error}"));
+            ExitCode::from(error.exit_status())
+        }
+    }
+}
+
+/// Hands what is missing to Slurm, prints its scripts, or says how far it has come or how long it would take.
+fn run_on_cluster(args: &ReproduceArgs, interrupt: &Interrupt) -> ExitCode {
+    let plans = match args.cluster.check().and_then(|()| plans(args)) {
+        Ok(plans) => plans,
+        Err(error) => return refuse(&error),
+    };
+    if args.cluster.status {
+        return ended(cluster::show_status(&plans, &args.out).map(|()| true));
+    }
+    if !args.cluster.project.is_empty() {
+        return ended(cluster::project(&plans, args, &Estimator::default(), interrupt).map(|()| true));
+    }
+    if args.dry_run {
+        return ended(cluster::dry_run(&plans, args).map(|()| true));
+    }
+    if let Some(error) = plans.iter().find_map(|plan| check_output(&plan.folder).err()) {
+        return refuse(&error);
+    }
+    match cluster::submit(&plans, args, &Estimator::default(), interrupt) {
+        Ok(Submitted::Units | Submitted::Queued) => ExitCode::SUCCESS,
+        // Their tables are made here and now.
+        Ok(Submitted::Complete) => run_reproduce(args, interrupt),
+        Err(error) => ended(Err(error)),
     }
 }
 
@@ -73,12 +147,12 @@ fn refuse(error: &ConfigError) -> ExitCode {
 }
 
 fn run_reproduce(args: &ReproduceArgs, interrupt: &Interrupt) -> ExitCode {
-    let plans = match plans(args) {
+    let plans = match args.cluster.check().and_then(|()| plans(args)) {
         Ok(plans) => plans,
         Err(error) => return refuse(&error),
     };
     if !args.dry_run
-        && let Err(error) = args.backend.check()
+        && let Err(error) = args.backend.open()
     {
         status(&format!("error: --backend {}: {error}", args.backend));
         return ExitCode::from(2);

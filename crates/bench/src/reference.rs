@@ -5,7 +5,6 @@ use motes_models::Seed;
 use motes_smc::{Bootstrap, FilterError, FilterSettings, MinDegeneracy, ParticleFilter, Proposal};
 
 use crate::computed_once::ComputedOnce;
-use crate::key::key_of;
 use crate::problem::{Model, Problem};
 use crate::statistics::{squared_error, squared_norm};
 use crate::unit::UnitConfig;
@@ -44,8 +43,9 @@ impl ReferenceCache {
         problem: &Problem,
         interrupt: &Interrupt,
     ) -> Result<References, UnitError> {
-        let Some(particles) = unit.reference_particles else { return Ok(References::default()) };
-        let key = key_of(&(unit.seed, unit.held_out, unit.repetition, &unit.system, particles));
+        let Some((particles, key)) = unit.reference_particles.zip(unit.reference_key()) else {
+            return Ok(References::default());
+        };
         self.known.of(&key, || find(unit, problem, particles, interrupt))
     }
 }

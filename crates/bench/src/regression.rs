@@ -61,8 +61,8 @@ const BACKEND_FACTOR: f64 = 10.0;
 /// panel, method, x, repetition and metric of a value.
 type Place = [String; 5];
 
-/// One line of the expectation: the value on each of [`Backend::ALL`].
-type Expected = [f64; Backend::ALL.len()];
+/// One line of the expectation: the value on each of [`Backend::HOST`].
+type Expected = [f64; Backend::HOST.len()];
 
 /// What a run found.
 type Found = BTreeMap<Place, f64>;
@@ -81,8 +81,8 @@ pub fn regress(
     interrupt: &Interrupt,
 ) -> Result<(), RegressionError> {
     let mut found = Vec::new();
-    Backend::ALL.into_iter().try_for_each(Backend::check)?;
-    for backend in Backend::ALL {
+    Backend::HOST.into_iter().try_for_each(Backend::check)?;
+    for backend in Backend::HOST {
         found.push(run(plan, backend, scratch, interrupt)?);
     }
     if update {
@@ -90,7 +90,7 @@ pub fn regress(
     }
     let expected = read_expected(expectation)?;
     let mut wrong = 0;
-    for (at, (backend, found)) in Backend::ALL.into_iter().zip(&found).enumerate() {
+    for (at, (backend, found)) in Backend::HOST.into_iter().zip(&found).enumerate() {
         for line in compare(found, &expected, at) {
             status(&format!("{backend}: {line}"));
             wrong += 1;
@@ -102,7 +102,7 @@ pub fn regress(
     result(&format!(
         "regression: {} values on each of {} backends are as expected",
         expected.len(),
-        Backend::ALL.len()
+        Backend::HOST.len()
     ));
     Ok(())
 }
@@ -148,7 +148,7 @@ fn write(path: &Path, found: &[Found]) -> Result<(), RegressionError> {
     let mut writer = csv::Writer::from_path(path).map_err(fail)?;
     let header = ["panel", "method", "x", "repetition", "metric"].map(String::from);
     writer
-        .write_record(header.into_iter().chain(Backend::ALL.map(|backend| backend.to_string())))
+        .write_record(header.into_iter().chain(Backend::HOST.map(|backend| backend.to_string())))
         .map_err(fail)?;
     for place in found[0].keys() {
         // A unit that ran on one backend ran on the others.

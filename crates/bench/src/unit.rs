@@ -180,6 +180,12 @@ impl UnitConfig {
         Some((key, self.systems_seed().child("learned once").child(self.method.method().name())))
     }
 
+    /// What the posterior means depend on that estimates are held against, where they have to be estimated.
+    pub(crate) fn reference_key(&self) -> Option<String> {
+        let particles = self.reference_particles?;
+        Some(key_of(&(self.seed, self.held_out, self.repetition, &self.system, particles)))
+    }
+
     /// The streams of this unit alone: initial weights, training noise, filters.
     pub fn own_seed(&self) -> Seed {
         let UnitConfig { system, filter, .. } = self;

@@ -22,13 +22,14 @@ fn told(experiment: &str, arguments: &[&str]) -> String {
 
 #[test]
 fn arguments() {
-    let cases: [&[&str]; 16] = [
+    let cases: [&[&str]; 25] = [
         &["tni"],
         &["tiny", "--profile", "papr"],
         &["tiny", "--methods", "fcn"],
         &["tiny", "--methods", "fcnn,bootstrap,fcnn"],
         &["tiny", "--methods", ""],
         &["tiny", "--panels", "N5"],
+        &["tiny", "--backend", "gpu"],
         &["tiny", "--backend", "cuda"],
         &["tiny", "--repetitions", "0"],
         &["tiny", "--repetitions=-1"],
@@ -38,6 +39,14 @@ fn arguments() {
         &["tiny", "--seed", "18446744073709551616"],
         &["tiny", "--sed", "1"],
         &["tiny", "--experiments", "no/such/folder"],
+        &["tiny", "--engine", "slrm"],
+        &["tiny", "--tasks", "4"],
+        &["tiny", "--engine", "slurm", "--tasks", "0"],
+        &["tiny", "--engine", "slurm", "--partition", "a b"],
+        &["tiny", "--engine", "slurm", "--time", "soon"],
+        &["tiny", "--engine", "slurm", "--sbatch", "--mem=4G\nrm -r x"],
+        &["learned-growth", "--engine", "slurm"],
+        &["learned-growth", "--status"],
         &[],
     ];
     let said = cases.map(|arguments| format!("{}\n    {}", arguments.join(" "), told(TINY, arguments)));

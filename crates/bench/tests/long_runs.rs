@@ -128,29 +128,6 @@ fn a_damaged_unit_is_set_aside_and_computed_again() {
 }
 
 #[test]
-fn a_folder_in_the_old_layout_is_taken_over() {
-    let place = Workplace::new(TINY);
-    assert!(place.run(&["tiny"]).status.success());
-    let expected = place.tables("runs");
-    let folder = place.path("runs/tiny/quick");
-    let merged = std::fs::read_to_string(folder.join("units.jsonl")).unwrap();
-    std::fs::create_dir(folder.join("units")).unwrap();
-    for line in merged.lines() {
-        let parsed: serde_json::Value = serde_json::from_str(line).unwrap();
-        let body = line.split_once("\"unit\":").unwrap().1.strip_suffix('}').unwrap();
-        let (length, hash) = (body.len(), blake3::hash(body.as_bytes()).to_hex());
-        let text = format!("{{\"length\":{length},\"blake3\":\"{hash}\",\"unit\":{body}}}\n");
-        std::fs::write(folder.join(format!("units/{}.json", parsed["key"].as_str().unwrap())), text).unwrap();
-    }
-    std::fs::remove_file(folder.join("units.jsonl")).unwrap();
-    let said = stderr(&place.run(&["tiny"]));
-    assert!(said.contains("48 units are there, 0 to run"), "{said}");
-    assert_eq!(std::fs::read_to_string(folder.join("units.jsonl")).unwrap(), merged);
-    assert!(!folder.join("units").exists());
-    assert_eq!(place.tables("runs"), expected);
-}
-
-#[test]
 fn units_of_another_configuration_or_seed_are_not_mixed_in() {
     let place = Workplace::new(TINY);
     assert!(place.run(&["tiny", "--methods", "bootstrap"]).status.success());

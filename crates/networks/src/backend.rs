@@ -19,28 +19,70 @@ pub enum Backend {
     Flex,
     /// burn's backend on top of `ndarray` (feature `burn`), deprecated upstream: kept as an independent second opinion.
     NdArray,
+    /// burn's backend on Vulkan, Metal or DirectX (feature `wgpu`): graphics processors of any maker, or software that stands for one.
+    Wgpu,
+    /// burn's backend on CUDA (feature `cuda`).
+    Cuda,
 }
 
 impl Backend {
     /// All of them; the first is the default.
-    pub const ALL: [Backend; 3] = [Backend::Native, Backend::Flex, Backend::NdArray];
+    pub const ALL: [Backend; 5] =
+        [Backend::Native, Backend::Flex, Backend::NdArray, Backend::Wgpu, Backend::Cuda];
 
-    /// Those that this build has: the native one, and burn's with the feature `burn`.
-    pub fn built() -> impl Iterator<Item = Backend> {
-        Backend::ALL.into_iter().filter(|backend| backend.check().is_ok())
+    /// Those that compute on the host, and on every machine.
+    pub const HOST: [Backend; 3] = [Backend::Native, Backend::Flex, Backend::NdArray];
+
+    /// Those that this build has and that compute in a precision: the native one, and burn's with their features.
+    pub fn built(precision: Precision) -> impl Iterator<Item = Backend> {
+        Backend::ALL.into_iter().filter(move |backend| backend.check().is_ok() && backend.has(precision))
+    }
+
+    /// Whether it computes in a precision: few graphics processors know 64 bits.
+    pub fn has(self, precision: Precision) -> bool {
+        Backend::HOST.contains(&self) || precision == Precision::F32
+    }
+
+    /// The cargo feature of `motes-networks` that it needs.
+    pub fn feature(self) -> Option<&'static str> {
+        match self {
+            Backend::Native => None,
+            Backend::Flex | Backend::NdArray => Some("burn"),
+            Backend::Wgpu => Some("wgpu"),
+            Backend::Cuda => Some("cuda"),
+        }
     }
 
     /// Refuses a backend that was not compiled.
     ///
     /// # Errors
-    /// [`NetworkError::NotBuilt`] for one of burn's in a build without the feature `burn`.
+    /// [`NetworkError::NotBuilt`] for one of burn's in a build without its feature.
     pub fn check(self) -> Result<(), NetworkError> {
-        match self {
-            Backend::Flex | Backend::NdArray if !cfg!(feature = "burn") => {
-                Err(NetworkError::NotBuilt { backend: self.to_string() })
-            }
+        let is_built = match self {
+            Backend::Native => true,
+            Backend::Flex | Backend::NdArray => cfg!(feature = "burn"),
+            Backend::Wgpu => cfg!(feature = "wgpu"),
+            Backend::Cuda => cfg!(feature = "cuda"),
+        };
+        match self.feature() {
+            Some(feature) if !is_built => Err(NetworkError::NotBuilt { backend: self.to_string(), feature }),
             _ => Ok(()),
         }
+    }
+}
+
+impl Backend {
+    /// Opens the device that it computes on, so that a run need not begin where there is none.
+    ///
+    /// # Errors
+    /// As [`Backend::check`]; [`NetworkError::Backend`] where there is no graphics processor that answers.
+    pub fn open(self) -> Result<(), NetworkError> {
+        self.check()?;
+        #[cfg(feature = "burn")]
+        if self != Backend::Native {
+            crate::by_burn::Library::of(self.into())?;
+        }
+        Ok(())
     }
 }
 
@@ -50,6 +92,8 @@ impl fmt::Display for Backend {
             Backend::Native => "native",
             Backend::Flex => "flex",
             Backend::NdArray => "ndarray",
+            Backend::Wgpu => "wgpu",
+            Backend::Cuda => "cuda",
         })
     }
 }

@@ -9,11 +9,13 @@ use crate::precision::Precision;
 pub enum NetworkError {
     /// The backend was not compiled.
     #[error(
-        "the backend {backend} is not in this build; it needs the cargo feature `burn` of motes-networks"
+        "the backend {backend} is not in this build; it needs the cargo feature `{feature}` of motes-networks"
     )]
     NotBuilt {
         /// The one that was asked for.
         backend: String,
+        /// What it needs.
+        feature: &'static str,
     },
     /// The backend failed.
     #[error("{reason}")]

@@ -58,11 +58,10 @@ impl Inference {
                 native::infer::<F, f64>(networks, parameters, inputs, hidden, &mut self.memory, outputs)
             }
             #[cfg(feature = "burn")]
-            (Backend::Flex | Backend::NdArray, _) => {
-                by_burn::infer(&Library::of(compute)?, networks, parameters, inputs, hidden, outputs)
-            }
+            (_, _) => by_burn::infer(&Library::of(compute)?, networks, parameters, inputs, hidden, outputs),
+            // Refused by the check above.
             #[cfg(not(feature = "burn"))]
-            (backend, _) => Err(NetworkError::NotBuilt { backend: backend.to_string() }),
+            (backend, _) => Err(NetworkError::Backend { reason: format!("{backend} is not in this build") }),
         }
     }
 }

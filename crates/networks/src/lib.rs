@@ -5,7 +5,7 @@
 //! training does. Nothing here knows of probability.
 //!
 //! The native backend is this crate's own. The feature `burn` adds two of burn's, [`Backend::Flex`] and [`Backend::NdArray`], which tests hold it
-//! against.
+//! against; `wgpu` and `cuda` add burn on graphics processors, [`Backend::Wgpu`] and [`Backend::Cuda`].
 //!
 //! ```
 //! use motes_models::Seed;

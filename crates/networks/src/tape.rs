@@ -49,13 +49,16 @@ impl<'p, F: Networks> NetworkTape<'p, F> {
                 By::Wide(NativeTape::new(networks, parameters, particles, workspace.open(parameters)))
             }
             #[cfg(feature = "burn")]
-            (Backend::Flex | Backend::NdArray, _) => {
+            (_, _) => {
                 let gradients = workspace.into_cleared_gradients();
                 let library = Library::of(compute)?;
                 By::Burn(Box::new(BurnTape::new(library, networks, parameters, particles, gradients)))
             }
+            // Refused by the check above.
             #[cfg(not(feature = "burn"))]
-            (backend, _) => return Err(NetworkError::NotBuilt { backend: backend.to_string() }),
+            (backend, _) => {
+                return Err(NetworkError::Backend { reason: format!("{backend} is not in this build") });
+            }
         }))
     }
 

@@ -90,7 +90,7 @@ fn by_loops(parameters: &Parameters, rows: &[f64]) -> Vec<f64> {
 
 #[test]
 fn what_nodes_hear_is_what_loops_over_edges_find() {
-    for backend in Backend::built() {
+    for backend in Backend::built(Precision::F64) {
         let (networks, parameters) = built(backend);
         let expected = by_loops(&parameters, &inputs());
         for (found, expected) in outputs(&networks, &parameters, &inputs()).iter().zip(&expected) {
@@ -102,7 +102,7 @@ fn what_nodes_hear_is_what_loops_over_edges_find() {
 #[test]
 fn derivatives_are_those_of_differences() {
     let step = 1e-6;
-    for backend in Backend::built() {
+    for backend in Backend::built(Precision::F64) {
         let (networks, mut parameters) = built(backend);
         let rows = inputs();
         let weight = |at: usize| 1.0 + 0.1 * at as f64;

@@ -48,7 +48,7 @@ fn made(backend: Backend, precision: Precision) -> (Small, Parameters) {
 
 /// Each backend that was built, in 64 bits.
 fn each(check: impl Fn(Small, Parameters)) {
-    Backend::built().for_each(|backend| {
+    Backend::built(Precision::F64).for_each(|backend| {
         let (networks, weights) = made(backend, Precision::F64);
         check(networks, weights);
     });
@@ -144,7 +144,7 @@ fn networks_that_forget_what_they_should_carry_are_refused() {
 
 #[test]
 fn hidden_values_in_another_precision_are_refused() {
-    for backend in Backend::built() {
+    for backend in Backend::built(Precision::F32) {
         let (networks, weights) = made(backend, Precision::F32);
         let (mut hidden, mut wide, mut narrow) = ([0.0; 12], [0.0; 8], [0.0; 4]);
         let found = Inference::default().run(

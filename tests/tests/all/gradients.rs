@@ -188,7 +188,7 @@ fn backends_agree_on_loss_and_gradients() {
                 })
             };
             let native: Vec<_> = of(Backend::Native).collect();
-            for backend in Backend::built() {
+            for backend in Backend::built(precision) {
                 for ((name, native), (_, other)) in native.iter().zip(of(backend)) {
                     assert!((native.0 / other.0 - 1.0).abs() < tolerance, "{name} on {backend}");
                     let distance = relative_distance(&native.1.concat(), &other.1.concat());

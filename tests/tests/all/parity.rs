@@ -103,7 +103,7 @@ fn check_family(label: &str, family: &str, proposal: &dyn Learnable, steps: &[St
 fn two_steps_of_every_family_are_those_of_numpy() {
     let numbers = numbers();
     let system = system(&numbers.adjacency);
-    for backend in Backend::built() {
+    for backend in Backend::built(Precision::F64) {
         let compute = Compute { backend, precision: Precision::F64 };
         let families = small_families(&ModelShape::on_graph(&system), HORIZON, compute, &Seed::from_u64(110));
         let mut names: Vec<&str> = families.iter().map(|(family, _)| family.as_str()).collect();

@@ -43,8 +43,8 @@ fn with_dropout_and_a_penalty_too() {
 
 fn goes_on(config: &TrainConfig) {
     let (system, measurements) = problem();
-    let of_both = |backend| [Precision::F32, Precision::F64].map(|precision| (backend, precision));
-    for (backend, precision) in Backend::built().flat_map(of_both) {
+    let built = |precision| Backend::built(precision).map(move |backend| (backend, precision));
+    for (backend, precision) in [Precision::F32, Precision::F64].into_iter().flat_map(built) {
         let compute = Compute { backend, precision };
         let fresh = || {
             let mut all =

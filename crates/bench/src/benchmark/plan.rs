@@ -8,7 +8,7 @@ use motes_cli::one_of;
 
 use super::check::check;
 use super::file::{Benchmark, BenchmarkProfile};
-use crate::config::{ConfigError, ReproduceArgs, figures, read_toml};
+use crate::config::{ClusterArgs, ConfigError, Engine, ReproduceArgs, figures, read_toml};
 
 /// What the names of all benchmarks begin with; by itself, all of them.
 const PREFIX: &str = "learned";
@@ -85,6 +85,16 @@ pub fn benchmark_plans(args: &ReproduceArgs) -> Result<Vec<BenchmarkPlan>, Confi
             let expected = "a benchmark has none to choose from; its file says what is compared".into();
             return Err(ConfigError::option(option, &given, expected));
         }
+    }
+    args.cluster.check()?;
+    if args.cluster.engine == Engine::Slurm || args.cluster.runs_nothing() {
+        let expected = "a benchmark times its methods side by side: it is run on one machine".into();
+        let (option, value) = match args.cluster {
+            ClusterArgs { status: true, .. } => ("--status", args.figure.as_str()),
+            ClusterArgs { engine: Engine::Slurm, .. } => ("--engine", "slurm"),
+            _ => ("--project", args.figure.as_str()),
+        };
+        return Err(ConfigError::option(option, value, expected));
     }
     let home = args.experiments.join(PREFIX);
     let known = figures(&home)?;

@@ -6,6 +6,7 @@ use clap::Args;
 use motes_cli::{integer, one_of};
 use motes_proposals::Backend;
 
+use super::cluster::ClusterArgs;
 use super::error::ConfigError;
 
 /// As many repetitions as a run may have.
@@ -31,7 +32,7 @@ pub struct ReproduceArgs {
     /// Threads for units side by side, which share those that are left over; as many as there are cores if absent
     #[arg(long, value_parser = integer(1..=1024_usize))]
     pub jobs: Option<usize>,
-    /// What computes the networks: native, flex or ndarray
+    /// What computes the networks: native, flex or ndarray on the host, wgpu or cuda on a graphics processor
     #[arg(long, default_value_t = Backend::Native, value_parser = backend)]
     pub backend: Backend,
     /// The seed that every random number of the run comes from
@@ -52,6 +53,9 @@ pub struct ReproduceArgs {
     /// The folder with the experiment files
     #[arg(long, default_value = "experiments")]
     pub experiments: PathBuf,
+    /// Where units are run
+    #[command(flatten)]
+    pub cluster: ClusterArgs,
 }
 
 impl ReproduceArgs {
@@ -71,6 +75,7 @@ impl ReproduceArgs {
             save_models: false,
             dry_run: false,
             experiments: "experiments".into(),
+            cluster: ClusterArgs::default(),
         }
     }
 }

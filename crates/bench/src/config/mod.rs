@@ -3,6 +3,7 @@
 mod args;
 mod check;
 mod checks;
+mod cluster;
 mod densities;
 mod error;
 mod learning;
@@ -11,9 +12,11 @@ mod method;
 mod plan;
 mod proposals;
 mod schema;
+mod time_limit;
 
 pub use args::{ReproduceArgs, VerifyArgs};
 pub(crate) use checks::Checks;
+pub use cluster::{ClusterArgs, Engine};
 pub use densities::Densities;
 pub use error::ConfigError;
 pub use learning::{Elbo, Learning};
@@ -24,3 +27,4 @@ pub use proposals::{Fcnn, Gnn, Proposals, Psi, Rnn, Sizes, Standardised};
 pub use schema::{
     Axis, Epidemic, Experiment, Filter, Gradient, Panel, Profile, Reference, SeriesFigure, System, Training,
 };
+pub use time_limit::TimeLimit;

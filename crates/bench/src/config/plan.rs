@@ -16,7 +16,7 @@ use super::method::Method;
 use super::schema::{Axis, Experiment, Panel, Profile};
 
 /// One figure in one profile, restricted to what was asked for.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Plan {
     /// The figure's name.
     pub figure: String,
@@ -95,6 +95,11 @@ impl Plan {
             }
         }
         points
+    }
+
+    /// Where the trained proposals of units are kept, if they are.
+    pub(crate) fn models(&self) -> Option<PathBuf> {
+        self.save_models.then(|| self.folder.join("models"))
     }
 
     /// What filters take the noises to be in the panel of that name, where it says so.

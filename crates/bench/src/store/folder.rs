@@ -8,9 +8,9 @@ use std::time::Duration;
 
 use super::error::{StoreError, at};
 use super::line::encode;
-use super::lines::{Contents, Lines, MERGED};
-use super::old_layout;
-use super::part::Part;
+use super::lines::{Contents, Lines};
+use super::merged::{MERGED, replace};
+use super::part::{Part, has_no_locks};
 use super::record::Record;
 use crate::unit::UnitConfig;
 use crate::{checkpoint, durable};
@@ -34,13 +34,8 @@ impl Store {
         let lock = lock(folder)?;
         let checkpoints = checkpoint::folder(folder);
         // What a killed run was writing when it died.
-        for folder in [folder, &checkpoints, &old_layout::folder(folder)] {
+        for folder in [folder, &checkpoints] {
             durable::clear(folder).map_err(at(folder))?;
-        }
-        for path in old_layout::files(folder, checkpoint::EXTENSION)? {
-            std::fs::create_dir_all(&checkpoints).map_err(at(&checkpoints))?;
-            let to = checkpoints.join(path.file_name().unwrap_or_default());
-            std::fs::rename(&path, to).map_err(at(&path))?;
         }
         Ok(Store { folder: folder.to_path_buf(), part: None, _lock: lock })
     }
@@ -52,7 +47,7 @@ impl Store {
 
     /// Where units that are not whole are set aside.
     pub(crate) fn damaged(&self) -> PathBuf {
-        self.folder.join("units.damaged")
+        damaged(&self.folder)
     }
 
     /// Reads every unit, and merges the parts of processes that have ended into `units.jsonl`. What is truncated or changed is set aside.
@@ -73,7 +68,7 @@ impl Store {
             none => none.insert(Part::create(&self.folder).map_err(at(&self.folder))?),
         };
         part.append(&encode(record)).map_err(at(part.path()))?;
-        self.forget_training(&record.config.key())
+        forget_training(&self.folder, &record.config.key())
     }
 
     /// Removes units, those of them that are there, and their checkpoints.
@@ -82,7 +77,7 @@ impl Store {
     /// [`StoreError::Io`] if a file cannot be replaced or removed.
     pub fn remove<'a>(&mut self, units: impl IntoIterator<Item = &'a UnitConfig>) -> Result<(), StoreError> {
         let keys: BTreeSet<String> = units.into_iter().map(UnitConfig::key).collect();
-        keys.iter().try_for_each(|key| self.forget_training(key))?;
+        keys.iter().try_for_each(|key| forget_training(&self.folder, key))?;
         self.merge(&keys).map(drop)
     }
 
@@ -95,34 +90,42 @@ impl Store {
         durable::write(&path, &[contents.as_bytes()]).map_err(at(&path))
     }
 
-    fn forget_training(&self, key: &str) -> Result<(), StoreError> {
-        let path = checkpoint::path(&checkpoint::folder(&self.folder), key);
-        durable::remove(&path).map_err(at(&path))
-    }
-
-    /// Brings `units.jsonl` up to date, without the units of some keys. At every moment each finished unit is in some file.
     fn merge(&mut self, without: &BTreeSet<String>) -> Result<Lines, StoreError> {
         // Closed, it can be merged like any other.
         self.part = None;
-        let mut lines = Lines::read(&self.folder)?;
-        lines.remove(without);
-        let set_aside = lines.set_aside();
-        if !set_aside.is_empty() {
-            let path = self.damaged();
-            let file = OpenOptions::new().append(true).create(true).open(&path);
-            let append = |mut file: File| file.write_all(&set_aside).and_then(|()| file.sync_all());
-            file.and_then(append).map_err(at(&path))?;
-        }
-        if let Some(text) = lines.to_write() {
-            self.write_file(MERGED, &text)?;
-        }
-        for path in &lines.superfluous {
-            durable::remove(path).map_err(at(path))?;
-        }
-        // Other files of that folder keep it.
-        let _ = std::fs::remove_dir(old_layout::folder(&self.folder));
-        Ok(lines)
+        merge(&self.folder, without)
     }
+}
+
+/// Brings `units.jsonl` up to date, without the units of some keys. At every moment each finished unit is in some file.
+pub(super) fn merge(folder: &Path, without: &BTreeSet<String>) -> Result<Lines, StoreError> {
+    let mut lines = Lines::read(folder)?;
+    lines.remove(without);
+    let set_aside = lines.set_aside();
+    if !set_aside.is_empty() {
+        let path = damaged(folder);
+        let file = OpenOptions::new().append(true).create(true).open(&path);
+        let append = |mut file: File| file.write_all(&set_aside).and_then(|()| file.sync_all());
+        file.and_then(append).map_err(at(&path))?;
+    }
+    if let Some(text) = lines.to_write() {
+        replace(folder, lines.merged(), text.as_bytes()).map_err(at(&folder.join(MERGED)))?;
+    }
+    for path in &lines.superfluous {
+        durable::remove(path).map_err(at(path))?;
+    }
+    Ok(lines)
+}
+
+/// Where units that are not whole are set aside.
+fn damaged(folder: &Path) -> PathBuf {
+    folder.join("units.damaged")
+}
+
+/// Removes the checkpoint of the unit with this key: the unit is finished, or unwanted.
+pub(super) fn forget_training(folder: &Path, key: &str) -> Result<(), StoreError> {
+    let path = checkpoint::path(&checkpoint::folder(folder), key);
+    durable::remove(&path).map_err(at(&path))
 }
 
 fn lock(folder: &Path) -> Result<File, StoreError> {
@@ -149,6 +152,8 @@ fn lock(folder: &Path) -> Result<File, StoreError> {
             lock.read_to_string(&mut holder).map_err(at(&path))?;
             return Err(StoreError::Locked { folder: folder.into(), holder: holder.trim().into() });
         }
+        // Merging harms nobody where a file system has no locks.
+        Err(TryLockError::Error(error)) if has_no_locks(&error) => {}
         Err(TryLockError::Error(source)) => return Err(StoreError::Io { path, source }),
     }
     lock.set_len(0).and_then(|()| lock.rewind()).map_err(at(&path))?;
@@ -317,37 +322,19 @@ mod tests {
     fn what_a_killed_run_left_half_written_is_cleared_away() {
         let folder = tempfile::tempdir().unwrap();
         drop(Store::open(folder.path()).unwrap());
-        let (partial, written) = (folder.path().join("0123.partial"), folder.path().join("0124.partial"));
+        let named = |name: &str| folder.path().join(durable::prefix() + name);
+        let (partial, written) = (named("0123.partial"), named("0124.partial"));
+        let elsewhere = folder.path().join(".another-machine-0125.partial");
         std::fs::write(&partial, "half").unwrap();
+        std::fs::write(&elsewhere, "half").unwrap();
         // Another process is at it.
         let other = File::create(&written).unwrap();
         other.lock().unwrap();
         drop(Store::open(folder.path()).unwrap());
-        assert!(!partial.exists() && written.exists());
-    }
-
-    #[test]
-    fn a_folder_in_the_old_layout_is_merged() {
-        let folder = tempfile::tempdir().unwrap();
-        let units = folder.path().join("units");
-        std::fs::create_dir(&units).unwrap();
-        let old = |record: &Record| {
-            let body = serde_json::to_string(record).unwrap();
-            let hash = blake3::hash(body.as_bytes()).to_hex();
-            format!("{{\"length\":{},\"blake3\":\"{hash}\",\"unit\":{body}}}\n", body.len())
-        };
-        let path = |record: &Record| units.join(format!("{}.json", record.config.key()));
-        for repetition in 0..3 {
-            std::fs::write(path(&nth(repetition)), old(&nth(repetition))).unwrap();
-        }
-        let flipped = old(&nth(3)).replacen("bootstrap", "bootstrop", 1);
-        std::fs::write(path(&nth(3)), flipped).unwrap();
-        std::fs::write(units.join("00.checkpoint"), "a training").unwrap();
-        let mut store = Store::open(folder.path()).unwrap();
-        let contents = store.read().unwrap();
-        assert_eq!(contents.records, sorted((0..3).map(nth).collect()));
-        assert_eq!((contents.damaged, contents.foreign), (1, 0));
-        assert!(!units.exists() && folder.path().join("checkpoints/00.checkpoint").exists());
-        assert_eq!(store.read().unwrap().records.len(), 3);
+        assert!(!partial.exists() && written.exists() && elsewhere.exists());
+        let two_days = std::time::SystemTime::now() - Duration::from_secs(2 * 86_400);
+        File::options().append(true).open(&elsewhere).unwrap().set_modified(two_days).unwrap();
+        drop(Store::open(folder.path()).unwrap());
+        assert!(!elsewhere.exists());
     }
 }

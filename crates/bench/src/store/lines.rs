@@ -2,16 +2,17 @@
 
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::Read;
+use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
 use super::error::{StoreError, at};
 use super::line::Line;
+use super::merged::MERGED;
+use super::part;
 use super::record::Record;
-use super::{old_layout, part};
 
-/// The file of merged units.
-pub(super) const MERGED: &str = "units.jsonl";
+/// How often a folder is read again until no file came or went meanwhile.
+const CALM_ATTEMPTS: usize = 20;
 
 /// What the folder of units holds.
 #[derive(Debug, Default)]
@@ -29,8 +30,8 @@ pub struct Contents {
 /// Every unit of a folder as text, and the files that a merge makes superfluous.
 #[derive(Debug, Default)]
 pub(super) struct Lines {
-    /// `units.jsonl` as it is.
-    merged: Vec<u8>,
+    /// `units.jsonl` as it is, if it is there.
+    merged: Option<Vec<u8>>,
     /// By key. The newest line of a unit counts.
     units: BTreeMap<String, String>,
     /// What is not whole, with its newlines.
@@ -43,31 +44,44 @@ pub(super) struct Lines {
 
 impl Lines {
     /// Reads all files of a folder. Parts that are still being written to are read as far as they are whole, and stay.
+    ///
+    /// Another process may merge meanwhile: then files that were listed are gone, and their units lie in one that was not.
     pub(super) fn read(folder: &Path) -> Result<Lines, StoreError> {
-        let mut lines = Lines::default();
-        for (path, key, bytes) in old_layout::read(folder)? {
-            match old_layout::body(&bytes) {
-                Some(body) => lines.keep(Line { key: &key, body }),
-                None => lines.damaged.push(bytes),
+        for attempt in 1_usize.. {
+            let before = files(folder)?;
+            let lines = match Lines::read_files(folder, &before) {
+                Err(StoreError::Io { source, .. }) if source.kind() == ErrorKind::NotFound => continue,
+                lines => lines?,
+            };
+            let after = files(folder)?;
+            let nothing_left = || before.iter().all(|path| after.contains(path));
+            // Where new parts appear all the time it is enough that none went.
+            if before == after || (attempt > CALM_ATTEMPTS && nothing_left()) {
+                return Ok(lines);
             }
-            lines.superfluous.push(path);
         }
-        let path = folder.join(MERGED);
-        if path.exists() {
-            lines.merged = std::fs::read(&path).map_err(at(&path))?;
-            let torn = lines.add(&lines.merged.clone());
-            lines.damaged.extend(torn);
-        }
-        for path in part::parts(folder).map_err(at(folder))? {
-            let mut file = File::open(&path).map_err(at(&path))?;
+        Ok(Lines::default())
+    }
+
+    fn read_files(folder: &Path, paths: &[PathBuf]) -> Result<Lines, StoreError> {
+        let (mut lines, merged) = (Lines::default(), folder.join(MERGED));
+        for path in paths {
+            if *path == merged {
+                let bytes = std::fs::read(path).map_err(at(path))?;
+                let torn = lines.add(&bytes);
+                lines.damaged.extend(torn);
+                lines.merged = Some(bytes);
+                continue;
+            }
+            let mut file = File::open(path).map_err(at(path))?;
             // Asked first: what it writes later is not read either.
-            let is_open = part::is_open(&file).map_err(at(&path))?;
+            let is_open = part::is_open(&file).map_err(at(path))?;
             let mut bytes = Vec::new();
-            file.read_to_end(&mut bytes).map_err(at(&path))?;
+            file.read_to_end(&mut bytes).map_err(at(path))?;
             let torn = lines.add(&bytes);
             if !is_open {
                 lines.torn.extend(torn);
-                lines.superfluous.push(path);
+                lines.superfluous.push(path.clone());
             }
         }
         Ok(lines)
@@ -101,7 +115,13 @@ impl Lines {
     /// What `units.jsonl` ought to be, if it is not.
     pub(super) fn to_write(&self) -> Option<String> {
         let text: String = self.units.values().map(String::as_str).collect();
-        (text.as_bytes() != self.merged).then_some(text)
+        let found = self.merged.as_deref().unwrap_or_default();
+        (text.as_bytes() != found).then_some(text)
+    }
+
+    /// `units.jsonl` as it was read, if it was there.
+    pub(super) fn merged(&self) -> Option<&[u8]> {
+        self.merged.as_deref()
     }
 
     /// All that is not whole, each in a line of its own.
@@ -124,4 +144,12 @@ impl Lines {
             torn: self.torn.len(),
         }
     }
+}
+
+/// The files with units of a folder: the merged one first, so that newer lines count, then the parts by name.
+fn files(folder: &Path) -> Result<Vec<PathBuf>, StoreError> {
+    let merged = folder.join(MERGED);
+    let there = merged.try_exists().map_err(at(&merged))?.then_some(merged);
+    let parts = part::parts(folder).map_err(at(folder))?;
+    Ok(there.into_iter().chain(parts).collect())
 }

@@ -3,6 +3,9 @@
 use std::fs::{File, OpenOptions};
 use std::io::{ErrorKind, Result, Write};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use crate::durable;
 
 /// What ends the names of part files.
 pub(super) const EXTENSION: &str = "part.jsonl";
@@ -17,14 +20,16 @@ pub(super) struct Part {
 }
 
 impl Part {
-    /// Creates a new part in a folder, named after this process, or with a number where a process of another machine took that name.
+    /// Creates a new part in a folder.
     pub(super) fn create(folder: &Path) -> Result<Part> {
-        let process = std::process::id();
-        for number in 1_u32.. {
-            let path = folder.join(format!("units-{process}-{number}.{EXTENSION}"));
+        loop {
+            let path = free_path(folder);
             match OpenOptions::new().append(true).create_new(true).open(&path) {
                 Ok(file) => {
-                    file.lock()?;
+                    match file.lock() {
+                        Err(error) if !has_no_locks(&error) => return Err(error),
+                        _ => {}
+                    }
                     File::open(folder)?.sync_all()?;
                     return Ok(Part { path, file, length: 0 });
                 }
@@ -32,7 +37,6 @@ impl Part {
                 Err(error) => return Err(error),
             }
         }
-        Err(ErrorKind::AlreadyExists.into())
     }
 
     pub(super) fn path(&self) -> &Path {
@@ -55,6 +59,25 @@ impl Part {
     }
 }
 
+/// A part that nobody else writes: named after this machine and process, with a number.
+pub(super) fn free_path(folder: &Path) -> PathBuf {
+    static NUMBER: AtomicUsize = AtomicUsize::new(1);
+    let (machine, process) = (durable::machine(), std::process::id());
+    loop {
+        let number = NUMBER.fetch_add(1, Ordering::Relaxed);
+        let path = folder.join(format!("units-{machine}-{process}-{number}.{EXTENSION}"));
+        // An earlier process may have had the number of this one.
+        if !path.exists() {
+            return path;
+        }
+    }
+}
+
+/// The part of one unit.
+pub(super) fn of_unit(folder: &Path, key: &str) -> PathBuf {
+    folder.join(format!("units-{key}.{EXTENSION}"))
+}
+
 /// The part files of a folder, sorted by name.
 pub(super) fn parts(folder: &Path) -> Result<Vec<PathBuf>> {
     let mut paths = Vec::new();
@@ -73,6 +96,15 @@ pub(super) fn is_open(part: &File) -> Result<bool> {
     match part.try_lock() {
         Ok(()) => Ok(false),
         Err(std::fs::TryLockError::WouldBlock) => Ok(true),
+        // It cannot be told: what is left in place is read all the same.
+        Err(std::fs::TryLockError::Error(error)) if has_no_locks(&error) => Ok(true),
         Err(std::fs::TryLockError::Error(error)) => Err(error),
     }
+}
+
+/// Whether that is what a file system says that has no locks, as some on networks have none.
+pub(super) fn has_no_locks(error: &std::io::Error) -> bool {
+    /// "No locks available".
+    const ENOLCK: i32 = 37;
+    error.kind() == ErrorKind::Unsupported || error.raw_os_error() == Some(ENOLCK)
 }

@@ -13,4 +13,5 @@ mod report;
 mod verdict;
 
 pub use error::VerifyError;
+pub(crate) use verdict::judges;
 pub use verdict::verify;

@@ -36,6 +36,11 @@ pub fn verify(from: &Path, experiments: &Path) -> Result<String, VerifyError> {
     Ok(format!("{text}\n{learned_once}"))
 }
 
+/// Whether the paper makes claims on a figure.
+pub(crate) fn judges(figure: &str) -> bool {
+    FIGURES.contains(&figure)
+}
+
 /// The runs of a figure, and all points that it has.
 fn read(from: &Path, experiments: &Path, name: &str, profile: &str) -> Result<Figure, VerifyError> {
     let places = whole_figure(experiments, name)?.into_iter().map(|(panel, x)| Place { panel, x }).collect();

@@ -20,17 +20,25 @@ impl Library {
     /// The one that was asked for. Nothing depends on burn's idea of a default device.
     ///
     /// # Errors
-    /// [`NetworkError::Backend`] for the native backend, which is not burn's.
-    pub(crate) fn of(compute: Compute) -> Result<Self, NetworkError> {
-        let device = match compute.backend {
-            Backend::Native => {
-                return Err(NetworkError::Backend { reason: "the native backend is not burn's".into() });
-            }
+    /// [`NetworkError::Backend`] for the native backend, which is not burn's, for a graphics processor that is not there, and for 64 bits on
+    /// one; [`NetworkError::NotBuilt`] for what was not compiled.
+    pub(crate) fn of(Compute { backend, precision }: Compute) -> Result<Self, NetworkError> {
+        let fail = |reason: &str| Err(NetworkError::Backend { reason: reason.into() });
+        if !backend.has(precision) {
+            return fail("graphics processors compute networks in 32 bits; give Precision::F32");
+        }
+        backend.check()?;
+        let device = match backend {
             Backend::Flex => Device::flex(),
             #[allow(deprecated, reason = "kept on purpose, see `Backend::NdArray`")]
             Backend::NdArray => Device::ndarray(),
+            #[cfg(feature = "wgpu")]
+            Backend::Wgpu => super::graphics::device("wgpu", || Device::wgpu(Default::default()))?,
+            #[cfg(feature = "cuda")]
+            Backend::Cuda => super::graphics::device("cuda", || Device::cuda(0_usize))?,
+            _ => return fail("the native backend is not burn's"),
         };
-        Ok(Library { device, precision: compute.precision })
+        Ok(Library { device, precision })
     }
 
     /// A constant `rows×columns` tensor from row-major values.

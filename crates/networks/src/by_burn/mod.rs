@@ -2,6 +2,8 @@
 //!
 //! It is written to be plain, not fast. Inference makes all weights into tensors at each block of particles; a recording does so once.
 
+#[cfg(any(feature = "wgpu", feature = "cuda"))]
+mod graphics;
 mod library;
 mod operations;
 mod tape;

@@ -1,0 +1,204 @@
+//! Handing a sweep to Slurm.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use motes_cli::{Interrupt, result, status};
+
+use super::deal::deal;
+use super::error::{ClusterError, at};
+use super::probe::{Probed, probe};
+use super::scripts::Scripts;
+use super::slurm;
+use super::submission::{Dealt, Jobs, Place, Submission};
+use crate::config::{Plan, ReproduceArgs};
+use crate::estimate::Estimator;
+use crate::progress::duration;
+use crate::standing::{missing, read, wanted};
+use crate::store::Store;
+use crate::unit::UnitConfig;
+
+/// Tasks of an array where nothing is said.
+const TASKS: usize = 100;
+
+/// Prints the scripts that these plans would be submitted with, were no unit there yet.
+///
+/// # Errors
+/// [`ClusterError::File`] if a folder has no absolute path.
+pub fn dry_run(plans: &[Plan], args: &ReproduceArgs) -> Result<(), ClusterError> {
+    let (plans, out, _) = absolute(plans, args)?;
+    let place = Place::next(&out);
+    let units: usize = plans.iter().map(|plan| wanted(plan).len()).sum();
+    let tasks = args.cluster.tasks.unwrap_or(TASKS).min(units.max(1));
+    let scripts = scripts(&place, args, tasks);
+    for (name, text) in [("probe", scripts.probe()), ("array", scripts.array()), ("finish", scripts.finish())]
+    {
+        result(&format!("==> {} <==\n{text}", place.script(name).display()));
+    }
+    Ok(())
+}
+
+fn scripts<'a>(place: &'a Place, args: &'a ReproduceArgs, tasks: usize) -> Scripts<'a> {
+    Scripts { place, name: args.figure.clone(), args: &args.cluster, tasks, jobs: args.jobs.unwrap_or(1) }
+}
+
+/// What there was to submit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Submitted {
+    /// Units, which are now in the queue.
+    Units,
+    /// None: all that are missing are in the queue already.
+    Queued,
+    /// None: all are there.
+    Complete,
+}
+
+/// Submits what these plans lack: a probe, the array, and the job after it.
+///
+/// # Errors
+/// [`ClusterError`]; nothing is left in the queue then.
+pub fn submit(
+    plans: &[Plan],
+    args: &ReproduceArgs,
+    estimator: &Estimator,
+    interrupt: &Interrupt,
+) -> Result<Submitted, ClusterError> {
+    slurm::check()?;
+    let (plans, out, experiments) = absolute(plans, args)?;
+    let mut dealt = units(&plans)?;
+    if dealt.is_empty() {
+        return Ok(Submitted::Complete);
+    }
+    leave_out_queued(&out, &mut dealt)?;
+    if dealt.is_empty() {
+        return Ok(Submitted::Queued);
+    }
+    for (number, plan) in plans.iter().enumerate() {
+        let of_plan: Vec<usize> = (0..dealt.len()).filter(|at| dealt[*at].plan == number).collect();
+        let points: Vec<_> = of_plan.iter().map(|at| dealt[*at].point.clone()).collect();
+        let seconds = estimator.seconds(plan, &points, interrupt);
+        of_plan.into_iter().zip(seconds).for_each(|(at, seconds)| dealt[at].seconds = seconds);
+    }
+    let (configs, seconds): (Vec<&UnitConfig>, Vec<f64>) =
+        dealt.iter().map(|dealt| (&dealt.config, dealt.seconds)).unzip();
+    let shares = deal(&configs, &seconds, args.cluster.tasks.unwrap_or(TASKS));
+    let shares: Vec<Vec<Dealt>> =
+        shares.iter().map(|share| share.iter().map(|at| dealt[*at].clone()).collect()).collect();
+    warn_of_limit(args, &dealt);
+
+    let place = Place::create(&out)?;
+    let submission = Submission::of(&plans, &out, &experiments, (args.jobs.unwrap_or(1), shares.len()));
+    let scripts = scripts(&place, args, shares.len());
+    let jobs = place
+        .write(&submission, &shares)
+        .and_then(|()| place.put(&place.script("probe"), &scripts.probe()))
+        .and_then(|()| place.put(&place.script("array"), &scripts.array()))
+        .and_then(|()| place.put(&place.script("finish"), &scripts.finish()))
+        .and_then(|()| hand_over(&place, interrupt))
+        .inspect_err(|_| place.remove())?;
+    let lengths = shares.iter().map(|share| share.iter().map(|dealt| dealt.seconds).sum::<f64>());
+    let longest = duration(lengths.fold(0.0, f64::max));
+    let (array, finish) = (jobs.array.unwrap_or_default(), jobs.finish.unwrap_or_default());
+    result(&format!(
+        "job {array}: {} units in {} tasks, the longest of which takes about {longest} by trials on this machine",
+        dealt.len(),
+        shares.len()
+    ));
+    result(&format!("job {finish}: tables, figures and verdicts, when job {array} has ended"));
+    result(&format!(
+        "watch them with the same command and --status, or squeue --jobs {array},{finish}; logs are in {}",
+        place.folder().display()
+    ));
+    Ok(Submitted::Units)
+}
+
+/// The plans on paths that hold on every node, and the folders of results and experiments. Threads are those of a task.
+fn absolute(plans: &[Plan], args: &ReproduceArgs) -> Result<(Vec<Plan>, PathBuf, PathBuf), ClusterError> {
+    let absolute = |path: &Path| std::path::absolute(path).map_err(at(path));
+    let plan = |plan: &Plan| {
+        let (folder, learned) = (absolute(&plan.folder)?, absolute(&plan.learned)?);
+        Ok(Plan { folder, learned, jobs: args.jobs.unwrap_or(1), ..plan.clone() })
+    };
+    let plans = plans.iter().map(plan).collect::<Result<_, ClusterError>>()?;
+    Ok((plans, absolute(&args.out)?, absolute(&args.experiments)?))
+}
+
+/// What the plans lack.
+fn units(plans: &[Plan]) -> Result<Vec<Dealt>, ClusterError> {
+    let mut units = Vec::new();
+    for (number, plan) in plans.iter().enumerate() {
+        let (mut store, wanted) = (Store::open(&plan.folder)?, wanted(plan));
+        if plan.fresh {
+            store.remove(wanted.iter().map(|(_, unit)| unit))?;
+        }
+        let (records, remarks) = read(plan, &mut store)?;
+        remarks.iter().for_each(|remark| status(remark));
+        let missing = missing(plan, &wanted, &records);
+        status(&plan.to_string());
+        status(&format!("{} units are there, {} to run", wanted.len() - missing.len(), missing.len()));
+        units.extend(missing.into_iter().cloned().map(|(point, config)| Dealt {
+            plan: number,
+            point,
+            config,
+            seconds: 0.0,
+        }));
+    }
+    Ok(units)
+}
+
+/// Leaves out the shares of tasks that still wait or run as far as Slurm says. Should they come to nothing, the same command submits their
+/// units another time.
+fn leave_out_queued(out: &Path, dealt: &mut Vec<Dealt>) -> Result<(), ClusterError> {
+    for place in Place::all(out)? {
+        let Some(array) = place.jobs().array else { continue };
+        let mut keys = BTreeSet::new();
+        for task in slurm::queued(&array).unwrap_or_default() {
+            keys.extend(place.share(task)?.iter().map(|dealt| dealt.config.key()));
+        }
+        let before = dealt.len();
+        dealt.retain(|dealt| !keys.contains(&dealt.config.key()));
+        if dealt.len() < before {
+            let count = before - dealt.len();
+            status(&format!(
+                "{count} units are left to job {array}, which waits or runs; scancel {array} takes it back"
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// A unit that needs longer than a task may run ends no task's time well.
+fn warn_of_limit(args: &ReproduceArgs, dealt: &[Dealt]) {
+    let Some(limit) = args.cluster.time.as_ref() else { return };
+    let Some(seconds) = limit.seconds() else { return };
+    let longest = dealt.iter().map(|dealt| dealt.seconds).fold(0.0, f64::max);
+    if longest > seconds as f64 {
+        status(&format!(
+            "warning: --time {limit} is less than the {} that the longest unit takes by a trial on this machine; its training goes on from a \
+             checkpoint where the same command is given again",
+            duration(longest)
+        ));
+    }
+}
+
+/// Submits probe, array and the job after it; what was submitted is taken back if the rest is refused.
+fn hand_over(place: &Place, interrupt: &Interrupt) -> Result<Jobs, ClusterError> {
+    let (probe_job, behind) = match probe(place, interrupt)? {
+        Probed::Fine => (None, vec![]),
+        Probed::Waits(job) => {
+            let behind = vec![format!("--dependency=afterok:{job}"), "--kill-on-invalid-dep=yes".into()];
+            (Some(job), behind)
+        }
+    };
+    let mut submitted: Vec<String> = probe_job.into_iter().collect();
+    let mut after = |script: &str, options: &[String]| {
+        slurm::submit(&place.script(script), options)
+            .inspect(|job| submitted.push(job.clone()))
+            .inspect_err(|_| submitted.iter().for_each(|job| slurm::cancel(job)))
+    };
+    let array = after("array", &behind)?;
+    let finish = after("finish", &[format!("--dependency=afterany:{array}")])?;
+    let jobs = Jobs { array: Some(array), finish: Some(finish) };
+    place.write_jobs(&jobs)?;
+    Ok(jobs)
+}

@@ -1,0 +1,56 @@
+//! A task of an array: does its share of the units, as far as nobody has done it.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use motes_cli::{Interrupt, status};
+
+use super::error::ClusterError;
+use super::sign::Life;
+use super::submission::Place;
+use crate::record_units::{Keeper, Places, record_units};
+use crate::standing::Wanted;
+use crate::store::{Contributor, Record, StoreError};
+
+/// One of many that fill a folder.
+struct Task<'a> {
+    contributor: Contributor,
+    life: &'a Life,
+}
+
+impl Keeper for Task<'_> {
+    fn started(&mut self, name: &str) {
+        self.life.began(name);
+    }
+
+    fn keep(&mut self, record: &Record) -> Result<(), StoreError> {
+        self.contributor.write(record)
+    }
+}
+
+/// Does the share of a task of the submission in `folder`. A task that is run again, or twice at once, leaves the same units.
+///
+/// # Errors
+/// [`ClusterError`] if the submission cannot be read, or a result not written.
+pub fn work(folder: &Path, task: usize, interrupt: &Interrupt) -> Result<(), ClusterError> {
+    let place = Place::at(folder);
+    let submission = place.read()?;
+    let share = place.share(task)?;
+    let (life, here) = (Life::of(&place, task), submission.provenance());
+    for (number, plan) in submission.plans.iter().enumerate() {
+        let dealt: Vec<_> = share.iter().filter(|dealt| dealt.plan == number).collect();
+        if dealt.is_empty() || interrupt.check().is_break() {
+            continue;
+        }
+        let contributor = Contributor::join(&plan.folder)?;
+        let there: BTreeSet<String> =
+            contributor.read()?.records.iter().map(|record| record.config.key()).collect();
+        let left = dealt.iter().filter(|dealt| !there.contains(&dealt.config.key()));
+        let (units, seconds): (Vec<Wanted>, Vec<f64>) =
+            left.map(|dealt| ((dealt.point.clone(), dealt.config.clone()), dealt.seconds)).unzip();
+        status(&format!("{}: {} of {} units of task {task} are left", plan.figure, units.len(), dealt.len()));
+        let with = (submission.jobs, &Places::of(plan), &here);
+        record_units(&units, &seconds, with, interrupt, &mut Task { contributor, life: &life })?;
+    }
+    Ok(())
+}
