@@ -5,7 +5,7 @@ use std::process::{Command, ExitCode};
 use std::time::Instant;
 
 use crate::process::{built, cargo, run};
-use crate::python;
+use crate::{python, slurm};
 
 /// burn's backends, which tests hold ours against.
 const WITH_BURN: [&str; 2] = ["--features", "burn"];
@@ -58,7 +58,21 @@ fn thorough(root: &Path) -> Result<(), ExitCode> {
     step("properties of many inputs", || {
         cargo(root, &[&properties[..], &WITH_BURN].concat(), &[("PROPTEST_CASES", MANY_CASES)])
     })?;
-    step("crates built from their packages", || package(root, &[]))
+    step("crates built from their packages", || package(root, &[]))?;
+    step("graphics processors", || graphics(root))?;
+    step("sweeps on a real Slurm", || slurm::check(root))
+}
+
+/// burn's backend on Vulkan beside ours: loss, gradients, and trainings that go on.
+fn graphics(root: &Path) -> Result<(), ExitCode> {
+    // Debian's mesa-vulkan-drivers has one that computes on the host.
+    let drivers = ["/usr/share/vulkan/icd.d", "/etc/vulkan/icd.d"];
+    if !drivers.iter().any(|folder| std::fs::read_dir(folder).is_ok_and(|mut files| files.next().is_some())) {
+        println!("ci: parity on wgpu is left out: there is no Vulkan driver");
+        return Ok(());
+    }
+    let tests = ["test", "--locked", "--package", "motes-tests", "--features", "wgpu", "--test", "all"];
+    cargo(root, &[&tests[..], &["--", "gradients::backends", "resume::"]].concat(), &[])
 }
 
 /// Packs the crates as they would be published: all files there, descriptions whole.

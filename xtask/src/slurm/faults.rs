@@ -1,5 +1,7 @@
 //! What happens on clusters.
 
+use std::time::Duration;
+
 use super::cluster::{NODES, children, kill, wait_until};
 use super::sweep::Sweep;
 
@@ -24,9 +26,14 @@ fn watcher(sweep: &Sweep) -> Result<(), String> {
     kill(first_step(sweep, NODES[0])?)
 }
 
-/// Jobs go on. What it had not written down yet it has forgotten: it runs these tasks once more.
+/// How long a controller may take to write down what it started. What it had not, it has forgotten after a crash: it sets nodes aside then,
+/// and somebody has to look after them.
+const WRITTEN_DOWN: Duration = Duration::from_secs(8);
+
+/// Jobs do not notice.
 fn controller(sweep: &Sweep) -> Result<(), String> {
     sweep.wait_for_units()?;
+    std::thread::sleep(WRITTEN_DOWN);
     sweep.cluster.kill_controller()?;
     sweep.cluster.start_controller()?;
     sweep.wait_for_an_answer()
@@ -39,8 +46,15 @@ fn node(sweep: &Sweep) -> Result<(), String> {
     sweep.cluster.start_node(NODES[1])
 }
 
-/// The process that watches the first task of a node, once there is one.
+/// The process that watches the first task of a node, or of the other where this one has none: once there is one.
 fn first_step(sweep: &Sweep, node: &str) -> Result<u32, String> {
-    wait_until("a task", || Ok(!sweep.cluster.steps_of(node)?.is_empty()))?;
-    sweep.cluster.steps_of(node)?.first().copied().ok_or_else(|| format!("no task is left on {node}"))
+    let steps = || {
+        let mut steps = sweep.cluster.steps_of(node)?;
+        for other in NODES {
+            steps.extend(sweep.cluster.steps_of(other)?);
+        }
+        Ok::<_, String>(steps)
+    };
+    wait_until("a task", || Ok(!steps()?.is_empty()))?;
+    steps()?.first().copied().ok_or_else(|| format!("no task is left on {node}"))
 }
