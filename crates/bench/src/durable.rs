@@ -48,7 +48,7 @@ pub(crate) fn machine() -> String {
 
 /// What the names of files begin with that this machine is writing.
 pub(crate) fn prefix() -> String {
-    format!(".{}-", machine())
+    format!(".{}.", machine())
 }
 
 /// A file of these parts under another name, flushed to the disk.
@@ -87,7 +87,8 @@ pub(crate) fn clear(folder: &Path) -> Result<()> {
 
 /// Whether nobody writes to a file any more. It may vanish any time, when its writer is done.
 fn is_dead(path: &Path, is_of_this_machine: bool) -> Result<bool> {
-    let file = match File::open(path) {
+    // A lock on a network's file system needs a file that may be written.
+    let file = match File::options().read(true).write(true).open(path) {
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(false),
         file => file?,
     };

@@ -117,7 +117,7 @@ fn ended(done: Result<bool, ClusterError>) -> ExitCode {
 
 /// Hands what is missing to Slurm, prints its scripts, or says how far it has come or how long it would take.
 fn run_on_cluster(args: &ReproduceArgs, interrupt: &Interrupt) -> ExitCode {
-    let plans = match args.cluster.check().and_then(|()| plans(args)) {
+    let plans = match args.cluster.check(args.fresh).and_then(|()| plans(args)) {
         Ok(plans) => plans,
         Err(error) => return refuse(&error),
     };
@@ -137,6 +137,10 @@ fn run_on_cluster(args: &ReproduceArgs, interrupt: &Interrupt) -> ExitCode {
         Ok(Submitted::Units | Submitted::Queued) => ExitCode::SUCCESS,
         // Their tables are made here and now.
         Ok(Submitted::Complete) => run_reproduce(args, interrupt),
+        Err(ClusterError::Interrupted) => {
+            status(&format!("error: {}", ClusterError::Interrupted));
+            ExitCode::from(interrupt.exit_status())
+        }
         Err(error) => ended(Err(error)),
     }
 }
@@ -147,7 +151,7 @@ fn refuse(error: &ConfigError) -> ExitCode {
 }
 
 fn run_reproduce(args: &ReproduceArgs, interrupt: &Interrupt) -> ExitCode {
-    let plans = match args.cluster.check().and_then(|()| plans(args)) {
+    let plans = match args.cluster.check(args.fresh).and_then(|()| plans(args)) {
         Ok(plans) => plans,
         Err(error) => return refuse(&error),
     };

@@ -22,7 +22,7 @@ fn told(experiment: &str, arguments: &[&str]) -> String {
 
 #[test]
 fn arguments() {
-    let cases: [&[&str]; 25] = [
+    let cases: [&[&str]; 26] = [
         &["tni"],
         &["tiny", "--profile", "papr"],
         &["tiny", "--methods", "fcn"],
@@ -41,6 +41,7 @@ fn arguments() {
         &["tiny", "--experiments", "no/such/folder"],
         &["tiny", "--engine", "slrm"],
         &["tiny", "--tasks", "4"],
+        &["tiny", "--engine", "slurm", "--fresh"],
         &["tiny", "--engine", "slurm", "--tasks", "0"],
         &["tiny", "--engine", "slurm", "--partition", "a b"],
         &["tiny", "--engine", "slurm", "--time", "soon"],

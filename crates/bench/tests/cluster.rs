@@ -59,6 +59,7 @@ impl Cluster {
     }
 
     fn write(&self, name: &str, text: &str) {
+        // The mode of a program stays.
         std::fs::write(self.place.path("bin").join(name), text).unwrap();
     }
 
@@ -174,12 +175,55 @@ fn a_folder_that_nodes_do_not_see_is_found_out_before_the_array_is_submitted() {
     let output = cluster.run(&[]);
     let said = stderr(&output);
     assert!(
-        said.lines().last().unwrap_or_default().contains("must lie in a folder that all nodes share"),
+        said.lines().last().unwrap_or_default().contains("--out must be a folder that all nodes share"),
         "{said}"
     );
     assert_eq!(output.status.code(), Some(3));
     let submitted = std::fs::read_to_string(cluster.place.path("bin/submitted")).unwrap();
     assert_eq!(submitted.lines().count(), 1, "{submitted}");
+}
+
+#[test]
+fn paths_that_would_spoil_a_script_are_refused() {
+    let cluster = Cluster::new();
+    for out in ["a\"b", "a\\b", "a\nb"] {
+        let output = cluster.run(&["--dry-run", "--out", out]);
+        let said = stderr(&output);
+        assert!(said.contains("scripts of Slurm cannot name it") && said.lines().count() == 1, "{said}");
+        assert_eq!(output.status.code(), Some(2));
+    }
+}
+
+#[test]
+fn a_damaged_submission_stands_in_nobodys_way() {
+    let cluster = Cluster::new();
+    cluster.write("kill", "1");
+    assert!(cluster.run(&["--tasks", "3"]).status.success());
+    let folder = cluster.place.path("runs/slurm/0001");
+    std::fs::write(folder.join("share-0.jsonl"), "{").unwrap();
+    let output = cluster.run(&["--status"]);
+    assert!(output.status.success() && stderr(&output).starts_with("left out: "), "{}", stderr(&output));
+    cluster.write("queue", "0\nN/A\n99\n");
+    std::fs::write(folder.join("submission.json"), "{").unwrap();
+    assert!(cluster.run(&["--status"]).status.success());
+    cluster.remove("kill");
+    assert!(cluster.run(&["--tasks", "3"]).status.success());
+    cluster.remove("queue");
+    assert!(cluster.run(&["--tasks", "3"]).status.success());
+    assert_eq!(cluster.place.tables("runs"), cluster.expected());
+}
+
+#[test]
+fn what_is_no_number_of_a_job_is_taken_for_none() {
+    let cluster = Cluster::new();
+    let sbatch = SBATCH.replace("echo 7", "echo Welcome; echo 7");
+    cluster.write("sbatch", &sbatch);
+    assert!(stdout(&cluster.run(&["--tasks", "2"])).starts_with("job 7: 48 units"));
+    let cluster = Cluster::new();
+    cluster.write("sbatch", &SBATCH.replace("echo 7", "echo Welcome"));
+    let output = cluster.run(&["--tasks", "2"]);
+    assert!(stderr(&output).contains("where a job's number was expected"), "{}", stderr(&output));
+    assert_eq!(output.status.code(), Some(3));
 }
 
 #[test]
@@ -201,7 +245,7 @@ fn a_time_limit_below_one_units_estimate_is_warned_of() {
     std::fs::write(cluster.place.path("experiments/tiny.toml"), slow).unwrap();
     cluster.write("kill", "1000");
     let said = stderr(&cluster.run(&["--methods", "fcnn", "--time", "1"]));
-    assert!(said.contains("warning: --time 1 is less than the "), "{said}");
+    assert!(said.contains("warning: --time 1 leaves less than the "), "{said}");
 }
 
 #[test]

@@ -20,7 +20,7 @@ const TASKS: usize = 4;
 
 #[derive(Args)]
 pub(crate) struct SlurmArgs {
-    /// The folder of the cluster and of the results, emptied first; a temporary one, which goes afterwards, if absent
+    /// The folder of the cluster and of the results, new or left by an earlier test; a temporary one, which goes afterwards, if absent
     #[arg(long, value_name = "FOLDER")]
     folder: Option<PathBuf>,
 }
@@ -36,6 +36,12 @@ pub(crate) fn test(root: &Path, args: &SlurmArgs) -> ExitCode {
     }
     let temporary = std::env::temp_dir().join(format!("motes-slurm-{}", std::process::id()));
     let folder = args.folder.clone().unwrap_or_else(|| temporary.clone());
+    let is_ours = folder.join("cluster/slurm.conf").exists();
+    let is_taken = std::fs::read_dir(&folder).is_ok_and(|mut entries| entries.next().is_some());
+    if is_taken && !is_ours {
+        status(&format!("error: --folder {}: it has other files; give an empty one", folder.display()));
+        return ExitCode::from(2);
+    }
     let _ = std::fs::remove_dir_all(&folder);
     let tested = run(root, &folder);
     if tested.is_ok() && args.folder.is_none() {

@@ -86,7 +86,7 @@ pub fn benchmark_plans(args: &ReproduceArgs) -> Result<Vec<BenchmarkPlan>, Confi
             return Err(ConfigError::option(option, &given, expected));
         }
     }
-    args.cluster.check()?;
+    args.cluster.check(args.fresh)?;
     if args.cluster.engine == Engine::Slurm || args.cluster.runs_nothing() {
         let expected = "a benchmark times its methods side by side: it is run on one machine".into();
         let (option, value) = match args.cluster {

@@ -7,16 +7,17 @@ use crate::unit::UnitConfig;
 
 /// The numbers of the units of each task, for at most `tasks` tasks, none of which is empty.
 ///
-/// Units with the same proposal that is learned once, or the same reference, go to one task as long as they are no more than its share. The
-/// longest pieces are dealt first, each to the task that has least: no task is then longer than 4/3 of what is best (Graham 1969).
+/// Units with the same proposal that is learned once go to one task: it is not learned twice. Units with the same reference do as long as they are
+/// no more than its share. The longest pieces are dealt first, each to the task that has least: no task is then longer than 4/3 of what is best (Graham 1969).
 pub(super) fn deal(units: &[&UnitConfig], seconds: &[f64], tasks: usize) -> Vec<Vec<usize>> {
-    let mut groups: BTreeMap<String, Vec<usize>> = BTreeMap::new();
+    let mut groups: BTreeMap<(bool, String), Vec<usize>> = BTreeMap::new();
     for (number, unit) in units.iter().enumerate() {
         groups.entry(in_common(unit)).or_default().push(number);
     }
     let share = seconds.iter().sum::<f64>() / tasks as f64;
     let mut pieces: Vec<(f64, Vec<usize>)> = Vec::new();
-    for group in groups.into_values() {
+    for ((is_learned_once, _), group) in groups {
+        let share = if is_learned_once { f64::INFINITY } else { share };
         let (mut length, mut piece) = (0.0, Vec::new());
         for number in group {
             if !piece.is_empty() && length + seconds[number] > share {
@@ -42,12 +43,12 @@ pub(super) fn deal(units: &[&UnitConfig], seconds: &[f64], tasks: usize) -> Vec<
     dealt.into_iter().map(|(_, numbers)| numbers).collect()
 }
 
-/// The key of what a unit shares with others.
-fn in_common(unit: &UnitConfig) -> String {
+/// The key of what a unit shares with others, and whether that is a proposal.
+fn in_common(unit: &UnitConfig) -> (bool, String) {
     match (unit.learned_once(), unit.reference_key()) {
-        (Some((key, _)), _) => key,
-        (None, Some(key)) => key,
-        (None, None) => unit.key(),
+        (Some((key, _)), _) => (true, key),
+        (None, Some(key)) => (false, key),
+        (None, None) => (false, unit.key()),
     }
 }
 

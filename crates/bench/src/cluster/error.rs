@@ -4,6 +4,8 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
+use motes_proposals::networks::NetworkError;
+
 use crate::config::ConfigError;
 use crate::store::StoreError;
 use crate::verify::VerifyError;
@@ -23,14 +25,14 @@ pub enum ClusterError {
         words: String,
     },
     /// Nodes do not see what they have to.
-    #[error("job {job} ran on a node that cannot run {program} or does not see {folder}; --out and the project must lie in a folder that all nodes share", program = program.display(), folder = folder.display())]
+    #[error("job {job} ran on a node that cannot run this program, or does not see {out} ({said}); --out must be a folder that all nodes share", out = out.display())]
     NotShared {
         /// The job that tried.
         job: String,
-        /// The program.
-        program: PathBuf,
-        /// The folder of the submission.
-        folder: PathBuf,
+        /// The folder of results.
+        out: PathBuf,
+        /// The last that it said, as far as that is seen here.
+        said: String,
     },
     /// A file of a submission is damaged.
     #[error("{path}: {reason}; the command that submitted it submits again what is missing", path = path.display())]
@@ -48,6 +50,12 @@ pub enum ClusterError {
         /// What the system says.
         source: std::io::Error,
     },
+    /// What computes the networks is not there.
+    #[error("--backend: {0}")]
+    Backend(#[from] NetworkError),
+    /// It was stopped; nothing was submitted.
+    #[error("stopped; nothing was submitted")]
+    Interrupted,
     /// The results folder cannot be used.
     #[error(transparent)]
     Store(#[from] StoreError),
@@ -65,6 +73,7 @@ impl ClusterError {
         match self {
             ClusterError::Config(error) => error.exit_status(),
             ClusterError::Verify(error) => error.exit_status(),
+            ClusterError::Backend(NetworkError::NotBuilt { .. }) => 2,
             _ => 3,
         }
     }

@@ -31,13 +31,16 @@ pub(super) fn probe(place: &Place, interrupt: &Interrupt) -> Result<Probed, Clus
             return Ok(Probed::Fine);
         }
         if ended.is_some_and(|ended| ended.elapsed() > DELAY) {
-            let (program, folder) = (place.program(), place.folder().to_path_buf());
-            return Err(ClusterError::NotShared { job, program, folder });
+            return Err(ClusterError::NotShared { job, out: place.out(), said: last_words(place) });
         }
-        if ended.is_none() && slurm::queued(&job).is_some_and(|tasks| tasks.is_empty()) {
+        if ended.is_none() && slurm::queued(&job).is_some_and(|jobs| jobs.is_empty()) {
             ended = Some(Instant::now());
         }
-        if (ended.is_none() && start.elapsed() > PATIENCE) || interrupt.check().is_break() {
+        if interrupt.check().is_break() {
+            slurm::cancel(&job);
+            return Err(ClusterError::Interrupted);
+        }
+        if ended.is_none() && start.elapsed() > PATIENCE {
             status(&format!("job {job}, which looks whether nodes see the folder, waits in the queue"));
             return Ok(Probed::Waits(job));
         }
@@ -45,9 +48,18 @@ pub(super) fn probe(place: &Place, interrupt: &Interrupt) -> Result<Probed, Clus
     }
 }
 
-/// Whether its file is there. The folder is listed: a name that was looked up in vain is remembered by some file systems.
+/// The last line of the probe's log.
+fn last_words(place: &Place) -> String {
+    let log = std::fs::read_to_string(place.folder().join("probe.log")).unwrap_or_default();
+    log.lines().last().unwrap_or("it left no word here").trim().to_string()
+}
+
+/// Whether its file is there. A name that was looked up in vain is remembered by network file systems, and so is a list of names: the folder is
+/// changed, then listed.
 fn has_probed(place: &Place) -> bool {
     let wanted = place.probed();
+    let touched = place.folder().join("looked");
+    let _ = std::fs::write(&touched, "").and_then(|()| std::fs::remove_file(&touched));
     let entries = std::fs::read_dir(place.folder()).into_iter().flatten();
     entries.flatten().any(|entry| entry.path() == wanted)
 }

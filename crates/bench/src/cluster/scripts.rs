@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use super::submission::Place;
-use crate::config::ClusterArgs;
+use crate::config::{ClusterArgs, TimeLimit};
 
 /// Seconds before the time limit at which a task is told, so that long trainings leave a checkpoint.
-const WARNING: usize = 120;
+const WARNING: u64 = 120;
 
 /// The jobs of a submission.
 pub(super) struct Scripts<'a> {
@@ -27,14 +27,17 @@ impl Scripts<'_> {
         options.push(format!("--array=0-{last}"));
         options.push(format!("--cpus-per-task={}", self.jobs));
         options.push("--requeue".into());
-        options.push(format!("--signal=B:TERM@{WARNING}"));
-        options.extend(self.args.time.as_ref().map(|time| format!("--time={time}")));
+        let limit = self.args.time.as_ref().and_then(TimeLimit::seconds);
+        let warning = limit.map_or(WARNING, |seconds| WARNING.min(seconds / 10));
+        options.push(format!("--signal=B:TERM@{warning}"));
+        options.extend(self.time());
         self.script(&options, &format!("work {} \"$SLURM_ARRAY_TASK_ID\"", self.folder()))
     }
 
     /// The job after the array.
     pub(super) fn finish(&self) -> String {
-        let options = self.options("-tables", "tables.log");
+        let mut options = self.options("-tables", "tables.log");
+        options.extend(self.time());
         self.script(&options, &format!("finish {}", self.folder()))
     }
 
@@ -44,6 +47,10 @@ impl Scripts<'_> {
         options.push("--time=5".into());
         let probed = quoted(&self.place.probed());
         self.script(&options, &format!("probed {probed}"))
+    }
+
+    fn time(&self) -> Option<String> {
+        self.args.time.as_ref().map(|time| format!("--time={time}"))
     }
 
     fn folder(&self) -> String {

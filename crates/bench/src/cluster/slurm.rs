@@ -1,6 +1,5 @@
 //! Slurm's own commands.
 
-use std::collections::BTreeSet;
 use std::io::ErrorKind;
 use std::path::Path;
 use std::process::{Command, Output};
@@ -15,9 +14,19 @@ pub(super) fn check() -> Result<(), ClusterError> {
 /// Submits a script and gives the number of its job.
 pub(super) fn submit(script: &Path, more: &[String]) -> Result<String, ClusterError> {
     let output = run(Command::new("sbatch").arg("--parsable").args(more).arg(script))?;
-    // `NUMBER`, or `NUMBER;CLUSTER`.
-    let line = String::from_utf8_lossy(&output.stdout);
-    Ok(line.trim().split(';').next().unwrap_or_default().to_string())
+    // The last line is `NUMBER` or `NUMBER;CLUSTER`; some sites say more before it.
+    let text = String::from_utf8_lossy(&output.stdout);
+    let last = text.lines().rfind(|line| !line.trim().is_empty()).unwrap_or_default();
+    let number = last.trim().split(';').next().unwrap_or_default();
+    match !number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit()) {
+        true => Ok(number.to_string()),
+        false => Err(ClusterError::Refused {
+            command: "sbatch".into(),
+            words: format!(
+                "it said {last:?} where a job's number was expected; squeue --me shows whether it took the job"
+            ),
+        }),
+    }
 }
 
 /// Takes back a job.
@@ -26,18 +35,17 @@ pub(super) fn cancel(job: &str) {
     let _ = run(Command::new("scancel").arg(job));
 }
 
-/// The tasks of an array that wait or run as far as Slurm says (0 for a job without tasks); none where it says nothing. Only a hint: it saves
-/// work that would be done twice.
-pub(super) fn queued(job: &str) -> Option<BTreeSet<usize>> {
-    let output =
-        Command::new("squeue").args(["--noheader", "--array", "--format=%K", "--jobs", job]).output();
-    let output = output.ok()?;
+/// What of a user's job waits or runs as far as Slurm says, tasks by their numbers; none where it says nothing. Only a hint: it saves work that
+/// would be done twice.
+pub(super) fn queued(job: &str) -> Option<Vec<Option<usize>>> {
+    let arguments = ["--me", "--noheader", "--array", "--format=%K", "--jobs", job];
+    let output = Command::new("squeue").args(arguments).output().ok()?;
     if !output.status.success() {
         // A job that it has forgotten is not queued.
-        return words(&output).contains("Invalid job id").then(BTreeSet::new);
+        return words(&output).contains("Invalid job id").then(Vec::new);
     }
     let text = String::from_utf8_lossy(&output.stdout);
-    Some(text.lines().map(|line| line.trim().parse().unwrap_or(0)).collect())
+    Some(text.lines().map(|line| line.trim().parse().ok()).collect())
 }
 
 fn run(command: &mut Command) -> Result<Output, ClusterError> {

@@ -3,63 +3,79 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use motes_cli::result;
+use motes_cli::{result, status};
 
 use super::error::{ClusterError, at};
 use super::sign::{SILENCE, Sign};
-use super::submission::{Place, now};
+use super::submission::{Place, Submission, now};
 use crate::config::Plan;
 use crate::progress::duration;
 use crate::standing::{Count, belonging, wanted};
-use crate::store::{Contributor, Outcome, Record};
+use crate::store::{Contents, Contributor, Outcome, Record};
 
 /// Prints how many units of each plan are done, failed and left, and of each submission of these plans the same by task.
 ///
 /// # Errors
 /// [`ClusterError`] if results or submissions cannot be read. Nothing is written.
 pub fn show_status(plans: &[Plan], out: &Path) -> Result<(), ClusterError> {
-    // By their keys, whether they failed.
-    let mut there: BTreeMap<String, bool> = BTreeMap::new();
     for plan in plans {
-        let records = records(plan)?;
-        result(&format!("{} {}: {}", plan.figure, plan.profile_name, Count::of(&wanted(plan), &records)));
-        let failed = |record: &Record| matches!(record.outcome, Outcome::Failed(_));
-        there.extend(records.iter().map(|record| (record.config.key(), failed(record))));
+        let count = Count::of(&wanted(plan), &belonging(plan, contents(&plan.folder)?, "").0);
+        result(&format!("{} {}: {count}", plan.figure, plan.profile_name));
     }
     let absolute = |plan: &Plan| std::path::absolute(&plan.folder).map_err(at(&plan.folder));
     let ours: BTreeSet<PathBuf> = plans.iter().map(absolute).collect::<Result<_, _>>()?;
     for place in Place::all(out)? {
-        let submission = place.read()?;
-        if !submission.plans.iter().any(|plan| ours.contains(&plan.folder)) {
-            continue;
-        }
-        let job = place.jobs().array.unwrap_or_else(|| "none".into());
-        let age = duration(now().saturating_sub(submission.when) as f64);
-        result(&format!("\narray {job}, submitted {age} ago, {}\n", place.folder().display()));
-        result("| task | done | failed | left | now |\n|---:|---:|---:|---:|---|");
-        for task in 0..submission.tasks {
-            let share = place.share(task)?;
-            let found = share.iter().map(|dealt| there.get(&dealt.config.key()));
-            let (mut done, mut failed) = (0, 0);
-            for is_failed in found.flatten() {
-                done += usize::from(!is_failed);
-                failed += usize::from(*is_failed);
+        match place.read() {
+            Ok(submission) if submission.plans.iter().any(|plan| ours.contains(&plan.folder)) => {
+                show_tasks(&place, &submission)?;
             }
-            let left = share.len() - done - failed;
-            let doing = doing(Sign::read(&place, task), left);
-            result(&format!("| {task} | {done} | {failed} | {left} | {doing} |"));
+            Ok(_) => {}
+            Err(error) => status(&format!("left out: {error}")),
         }
     }
     Ok(())
 }
 
-/// The units of a plan that are there. A folder that nobody has written to has none, and is not created.
-fn records(plan: &Plan) -> Result<Vec<Record>, ClusterError> {
-    if !plan.folder.is_dir() {
-        return Ok(Vec::new());
+/// Prints what each task of a submission has done, of all of its figures.
+fn show_tasks(place: &Place, submission: &Submission) -> Result<(), ClusterError> {
+    // By their keys, whether they failed.
+    let mut there: BTreeMap<String, bool> = BTreeMap::new();
+    for plan in &submission.plans {
+        let failed = |record: &Record| matches!(record.outcome, Outcome::Failed(_));
+        let records = contents(&plan.folder)?.records;
+        there.extend(records.iter().map(|record| (record.config.key(), failed(record))));
     }
-    let contents = Contributor::join(&plan.folder)?.read()?;
-    Ok(belonging(plan, contents, "").0)
+    let job = place.jobs().array.unwrap_or_else(|| "none".into());
+    let age = duration(now().saturating_sub(submission.when) as f64);
+    result(&format!("\narray {job}, submitted {age} ago, {}\n", place.folder().display()));
+    result("| task | done | failed | left | now |\n|---:|---:|---:|---:|---|");
+    for task in 0..submission.tasks {
+        let share = match place.share(task) {
+            Ok(share) => share,
+            Err(error) => {
+                status(&format!("left out: {error}"));
+                continue;
+            }
+        };
+        let found = share.iter().map(|dealt| there.get(&dealt.config.key()));
+        let (mut done, mut failed) = (0, 0);
+        for is_failed in found.flatten() {
+            done += usize::from(!is_failed);
+            failed += usize::from(*is_failed);
+        }
+        let left = share.len() - done - failed;
+        let doing = doing(Sign::read(place, task), left);
+        result(&format!("| {task} | {done} | {failed} | {left} | {doing} |"));
+    }
+    Ok(())
+}
+
+/// The units of a folder. One that nobody has written to has none, and is not created.
+fn contents(folder: &Path) -> Result<Contents, ClusterError> {
+    match folder.is_dir() {
+        true => Ok(Contributor::join(folder)?.read()?),
+        false => Ok(Contents::default()),
+    }
 }
 
 /// What a task does, by its last sign.

@@ -111,6 +111,11 @@ impl Place {
         &self.folder
     }
 
+    /// The folder of results that it lies in.
+    pub(super) fn out(&self) -> PathBuf {
+        self.folder.parent().and_then(Path::parent).unwrap_or(&self.folder).to_path_buf()
+    }
+
     pub(super) fn program(&self) -> PathBuf {
         self.folder.join(PROGRAM)
     }

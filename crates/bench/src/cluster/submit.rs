@@ -11,7 +11,7 @@ use super::probe::{Probed, probe};
 use super::scripts::Scripts;
 use super::slurm;
 use super::submission::{Dealt, Jobs, Place, Submission};
-use crate::config::{Plan, ReproduceArgs};
+use crate::config::{ConfigError, Plan, ReproduceArgs};
 use crate::estimate::Estimator;
 use crate::progress::duration;
 use crate::standing::{missing, read, wanted};
@@ -64,6 +64,7 @@ pub fn submit(
     interrupt: &Interrupt,
 ) -> Result<Submitted, ClusterError> {
     slurm::check()?;
+    args.backend.check()?;
     let (plans, out, experiments) = absolute(plans, args)?;
     let mut dealt = units(&plans)?;
     if dealt.is_empty() {
@@ -78,6 +79,9 @@ pub fn submit(
         let points: Vec<_> = of_plan.iter().map(|at| dealt[*at].point.clone()).collect();
         let seconds = estimator.seconds(plan, &points, interrupt);
         of_plan.into_iter().zip(seconds).for_each(|(at, seconds)| dealt[at].seconds = seconds);
+    }
+    if interrupt.check().is_break() {
+        return Err(ClusterError::Interrupted);
     }
     let (configs, seconds): (Vec<&UnitConfig>, Vec<f64>) =
         dealt.iter().map(|dealt| (&dealt.config, dealt.seconds)).unzip();
@@ -96,7 +100,9 @@ pub fn submit(
         .and_then(|()| place.put(&place.script("finish"), &scripts.finish()))
         .and_then(|()| hand_over(&place, interrupt))
         .inspect_err(|_| place.remove())?;
-    let lengths = shares.iter().map(|share| share.iter().map(|dealt| dealt.seconds).sum::<f64>());
+    let threads = |share: &[Dealt]| args.jobs.unwrap_or(1).min(share.len()).max(1) as f64;
+    let lengths =
+        shares.iter().map(|share| share.iter().map(|dealt| dealt.seconds).sum::<f64>() / threads(share));
     let longest = duration(lengths.fold(0.0, f64::max));
     let (array, finish) = (jobs.array.unwrap_or_default(), jobs.finish.unwrap_or_default());
     result(&format!(
@@ -114,7 +120,17 @@ pub fn submit(
 
 /// The plans on paths that hold on every node, and the folders of results and experiments. Threads are those of a task.
 fn absolute(plans: &[Plan], args: &ReproduceArgs) -> Result<(Vec<Plan>, PathBuf, PathBuf), ClusterError> {
-    let absolute = |path: &Path| std::path::absolute(path).map_err(at(path));
+    let absolute = |path: &Path| -> Result<PathBuf, ClusterError> {
+        let path = std::path::absolute(path).map_err(at(path))?;
+        let spoils = |letter: char| letter.is_control() || "\"\\".contains(letter);
+        if path.to_str().is_none_or(|text| text.contains(spoils)) {
+            let expected =
+                "scripts of Slurm cannot name it: without quotes, backslashes and line breaks, in UTF-8";
+            let value = format!("{:?}", path.display().to_string());
+            return Err(ConfigError::option("--out or --experiments", &value, expected.into()).into());
+        }
+        Ok(path)
+    };
     let plan = |plan: &Plan| {
         let (folder, learned) = (absolute(&plan.folder)?, absolute(&plan.learned)?);
         Ok(Plan { folder, learned, jobs: args.jobs.unwrap_or(1), ..plan.clone() })
@@ -128,9 +144,6 @@ fn units(plans: &[Plan]) -> Result<Vec<Dealt>, ClusterError> {
     let mut units = Vec::new();
     for (number, plan) in plans.iter().enumerate() {
         let (mut store, wanted) = (Store::open(&plan.folder)?, wanted(plan));
-        if plan.fresh {
-            store.remove(wanted.iter().map(|(_, unit)| unit))?;
-        }
         let (records, remarks) = read(plan, &mut store)?;
         remarks.iter().for_each(|remark| status(remark));
         let missing = missing(plan, &wanted, &records);
@@ -152,8 +165,11 @@ fn leave_out_queued(out: &Path, dealt: &mut Vec<Dealt>) -> Result<(), ClusterErr
     for place in Place::all(out)? {
         let Some(array) = place.jobs().array else { continue };
         let mut keys = BTreeSet::new();
-        for task in slurm::queued(&array).unwrap_or_default() {
-            keys.extend(place.share(task)?.iter().map(|dealt| dealt.config.key()));
+        for task in slurm::queued(&array).unwrap_or_default().into_iter().flatten() {
+            match place.share(task) {
+                Ok(share) => keys.extend(share.iter().map(|dealt| dealt.config.key())),
+                Err(error) => status(&format!("job {array} is not waited for: {error}")),
+            }
         }
         let before = dealt.len();
         dealt.retain(|dealt| !keys.contains(&dealt.config.key()));
@@ -172,9 +188,10 @@ fn warn_of_limit(args: &ReproduceArgs, dealt: &[Dealt]) {
     let Some(limit) = args.cluster.time.as_ref() else { return };
     let Some(seconds) = limit.seconds() else { return };
     let longest = dealt.iter().map(|dealt| dealt.seconds).fold(0.0, f64::max);
-    if longest > seconds as f64 {
+    // Tasks are told before the end of their time, and Slurm may tell them a minute earlier.
+    if longest + 180.0 > seconds as f64 {
         status(&format!(
-            "warning: --time {limit} is less than the {} that the longest unit takes by a trial on this machine; its training goes on from a \
+            "warning: --time {limit} leaves less than the {} that the longest unit takes by a trial on this machine; its training goes on from a \
              checkpoint where the same command is given again",
             duration(longest)
         ));
@@ -199,6 +216,7 @@ fn hand_over(place: &Place, interrupt: &Interrupt) -> Result<Jobs, ClusterError>
     let array = after("array", &behind)?;
     let finish = after("finish", &[format!("--dependency=afterany:{array}")])?;
     let jobs = Jobs { array: Some(array), finish: Some(finish) };
-    place.write_jobs(&jobs)?;
+    let taken = [&jobs.array, &jobs.finish].into_iter().flatten();
+    place.write_jobs(&jobs).inspect_err(|_| taken.for_each(|job| slurm::cancel(job)))?;
     Ok(jobs)
 }

@@ -1,6 +1,5 @@
 //! A task of an array: does its share of the units, as far as nobody has done it.
 
-use std::collections::BTreeSet;
 use std::path::Path;
 
 use motes_cli::{Interrupt, status};
@@ -9,7 +8,7 @@ use super::error::ClusterError;
 use super::sign::Life;
 use super::submission::Place;
 use crate::record_units::{Keeper, Places, record_units};
-use crate::standing::Wanted;
+use crate::standing::{Wanted, belonging, missing};
 use crate::store::{Contributor, Record, StoreError};
 
 /// One of many that fill a folder.
@@ -43,14 +42,24 @@ pub fn work(folder: &Path, task: usize, interrupt: &Interrupt) -> Result<(), Clu
             continue;
         }
         let contributor = Contributor::join(&plan.folder)?;
-        let there: BTreeSet<String> =
-            contributor.read()?.records.iter().map(|record| record.config.key()).collect();
-        let left = dealt.iter().filter(|dealt| !there.contains(&dealt.config.key()));
-        let (units, seconds): (Vec<Wanted>, Vec<f64>) =
-            left.map(|dealt| ((dealt.point.clone(), dealt.config.clone()), dealt.seconds)).unzip();
+        let (records, _) = belonging(plan, contributor.read()?, "");
+        let wanted: Vec<Wanted> =
+            dealt.iter().map(|dealt| (dealt.point.clone(), dealt.config.clone())).collect();
+        let units: Vec<Wanted> = missing(plan, &wanted, &records).into_iter().cloned().collect();
+        let estimate = |unit: &Wanted| dealt.iter().find(|dealt| dealt.config == unit.1);
+        let seconds: Vec<f64> =
+            units.iter().map(|unit| estimate(unit).map_or(0.0, |dealt| dealt.seconds)).collect();
+        if !units.is_empty() {
+            plan.backend.open()?;
+        }
         status(&format!("{}: {} of {} units of task {task} are left", plan.figure, units.len(), dealt.len()));
         let with = (submission.jobs, &Places::of(plan), &here);
         record_units(&units, &seconds, with, interrupt, &mut Task { contributor, life: &life })?;
+    }
+    if interrupt.check().is_break() {
+        status(&format!(
+            "task {task} was told to stop; the command that submitted it submits again what is left"
+        ));
     }
     Ok(())
 }

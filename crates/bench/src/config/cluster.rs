@@ -55,7 +55,12 @@ impl ClusterArgs {
     ///
     /// # Errors
     /// [`ConfigError::Usage`] naming the option.
-    pub fn check(&self) -> Result<(), ConfigError> {
+    pub fn check(&self, fresh: bool) -> Result<(), ConfigError> {
+        if fresh && self.engine == Engine::Slurm {
+            let expected =
+                "finished units would be gone before Slurm took the job; give another --out".into();
+            return Err(ConfigError::option("--fresh", "with --engine slurm", expected));
+        }
         let given = [
             ("--tasks", self.tasks.map(|tasks| tasks.to_string())),
             ("--partition", self.partition.clone()),

@@ -1,6 +1,7 @@
 //! Proposals that are learned once, on disk: the first unit that needs one has it learned, all others read it.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use motes_models::ModelShape;
 use motes_proposals::{Backend, Family, load, notes, save};
@@ -9,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use crate::computed_once::ComputedOnce;
 use crate::metric::Metric;
 use crate::problem::Model;
-use crate::unit_error::{UnitError, failed};
+use crate::unit_error::UnitError;
 
 /// Where proposals that are learned once are kept, and which of them are being learned.
 #[derive(Default)]
@@ -18,6 +19,11 @@ pub(super) struct Kept {
     folder: Option<PathBuf>,
     known: ComputedOnce<()>,
 }
+
+/// How often a proposal is read that ought to be there, ...
+const ATTEMPTS: usize = 20;
+/// ... and how long after the last time.
+const PAUSE: Duration = Duration::from_millis(100);
 
 /// What is written down of a proposal that was learned once.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -63,9 +69,22 @@ impl Kept {
                 return Ok(());
             }
             let (proposal, notes) = learn()?;
-            save(&folder, &proposal, model, shape, &notes)
-                .map_err(|error| UnitError::NotKept(error.to_string()))
+            // A task on another machine may have learned the same meanwhile: one of the two is kept, and is read by both.
+            if read().is_ok() {
+                return Ok(());
+            }
+            match save(&folder, &proposal, model, shape, &notes) {
+                Err(error) if read().is_err() => Err(UnitError::NotKept(error.to_string())),
+                _ => Ok(()),
+            }
         })?;
-        read().map_err(failed)
+        // A network's file system may show it a moment later than who wrote it.
+        for _ in 0..ATTEMPTS {
+            if let Ok(found) = read() {
+                return Ok(found);
+            }
+            std::thread::sleep(PAUSE);
+        }
+        read().map_err(|error| UnitError::NotKept(error.to_string()))
     }
 }

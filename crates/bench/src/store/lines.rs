@@ -1,9 +1,9 @@
 //! All lines of a results folder, whatever file they are in, and what of them counts.
 
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::{ErrorKind, Read};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use super::error::{StoreError, at};
 use super::line::Line;
@@ -13,6 +13,15 @@ use super::record::Record;
 
 /// How often a folder is read again until no file came or went meanwhile.
 const CALM_ATTEMPTS: usize = 20;
+/// How often while files vanish before they are read, ...
+const MOST_ATTEMPTS: usize = 1000;
+/// ... and how long after the last time.
+const PAUSE: Duration = Duration::from_millis(10);
+
+/// Whether a file is gone, or was replaced by another machine while it was read: "stale file handle".
+fn has_gone(error: &std::io::Error) -> bool {
+    matches!(error.kind(), ErrorKind::NotFound | ErrorKind::StaleNetworkFileHandle)
+}
 
 /// What the folder of units holds.
 #[derive(Debug, Default)]
@@ -47,10 +56,15 @@ impl Lines {
     ///
     /// Another process may merge meanwhile: then files that were listed are gone, and their units lie in one that was not.
     pub(super) fn read(folder: &Path) -> Result<Lines, StoreError> {
-        for attempt in 1_usize.. {
+        let mut attempt = 0;
+        loop {
+            attempt += 1;
             let before = files(folder)?;
             let lines = match Lines::read_files(folder, &before) {
-                Err(StoreError::Io { source, .. }) if source.kind() == ErrorKind::NotFound => continue,
+                Err(StoreError::Io { source, .. }) if has_gone(&source) && attempt < MOST_ATTEMPTS => {
+                    std::thread::sleep(PAUSE);
+                    continue;
+                }
                 lines => lines?,
             };
             let after = files(folder)?;
@@ -60,7 +74,6 @@ impl Lines {
                 return Ok(lines);
             }
         }
-        Ok(Lines::default())
     }
 
     fn read_files(folder: &Path, paths: &[PathBuf]) -> Result<Lines, StoreError> {
@@ -73,11 +86,9 @@ impl Lines {
                 lines.merged = Some(bytes);
                 continue;
             }
-            let mut file = File::open(path).map_err(at(path))?;
             // Asked first: what it writes later is not read either.
-            let is_open = part::is_open(&file).map_err(at(path))?;
-            let mut bytes = Vec::new();
-            file.read_to_end(&mut bytes).map_err(at(path))?;
+            let is_open = part::is_open(path);
+            let bytes = std::fs::read(path).map_err(at(path))?;
             let torn = lines.add(&bytes);
             if !is_open {
                 lines.torn.extend(torn);
@@ -103,8 +114,13 @@ impl Lines {
         None
     }
 
+    /// Of two lines of a unit the newer counts; but what one machine could not do is no reason to forget what another did.
     fn keep(&mut self, line: Line<'_>) {
-        self.units.insert(line.key.to_string(), line.text());
+        let is_failure = |text: &str| text.contains(r#""outcome":{"failed":"#);
+        let known = self.units.get(line.key);
+        if known.is_none_or(|known| is_failure(known) || !is_failure(line.body)) {
+            self.units.insert(line.key.to_string(), line.text());
+        }
     }
 
     /// Forgets the units with these keys.

@@ -4,6 +4,7 @@ use std::fs::{File, OpenOptions};
 use std::io::{ErrorKind, Result, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::{SystemTime, UNIX_EPOCH};
 
 use crate::durable;
 
@@ -63,10 +64,11 @@ impl Part {
 pub(super) fn free_path(folder: &Path) -> PathBuf {
     static NUMBER: AtomicUsize = AtomicUsize::new(1);
     let (machine, process) = (durable::machine(), std::process::id());
+    // Machines may share a name, and containers the numbers of processes.
+    let moment = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.subsec_nanos());
     loop {
         let number = NUMBER.fetch_add(1, Ordering::Relaxed);
-        let path = folder.join(format!("units-{machine}-{process}-{number}.{EXTENSION}"));
-        // An earlier process may have had the number of this one.
+        let path = folder.join(format!("units-{machine}-{process}-{moment:x}-{number}.{EXTENSION}"));
         if !path.exists() {
             return path;
         }
@@ -91,15 +93,21 @@ pub(super) fn parts(folder: &Path) -> Result<Vec<PathBuf>> {
     Ok(paths)
 }
 
-/// Whether a process of this machine still writes to the part.
-pub(super) fn is_open(part: &File) -> Result<bool> {
-    match part.try_lock() {
-        Ok(()) => Ok(false),
-        Err(std::fs::TryLockError::WouldBlock) => Ok(true),
-        // It cannot be told: what is left in place is read all the same.
-        Err(std::fs::TryLockError::Error(error)) if has_no_locks(&error) => Ok(true),
-        Err(std::fs::TryLockError::Error(error)) => Err(error),
+/// Whether a process may still write to the part. One of a unit appeared whole. Of another only a lock says that nobody does, and a lock of a
+/// network's file system needs a file that may be written. Where it cannot be told, the part is left in place, and read all the same.
+pub(super) fn is_open(path: &Path) -> bool {
+    if is_of_unit(path) {
+        return false;
     }
+    let part = OpenOptions::new().read(true).write(true).open(path);
+    !part.is_ok_and(|part| part.try_lock().is_ok())
+}
+
+/// Whether a part's name is that of a unit: a key, which is hexadecimal.
+fn is_of_unit(path: &Path) -> bool {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let key = name.strip_prefix("units-").and_then(|rest| rest.strip_suffix(&format!(".{EXTENSION}")));
+    key.is_some_and(|key| key.len() == 32 && key.bytes().all(|byte| byte.is_ascii_hexdigit()))
 }
 
 /// Whether that is what a file system says that has no locks, as some on networks have none.
