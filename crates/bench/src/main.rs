@@ -11,6 +11,7 @@ use motes_bench::{
     run_benchmark, verify,
 };
 use motes_cli::{Interrupt, Parsed, parse, result, status};
+use motes_proposals::networks::open_device;
 
 /// Reproduces the figures and tables of the paper.
 #[derive(Parser)]
@@ -156,7 +157,7 @@ fn run_reproduce(args: &ReproduceArgs, interrupt: &Interrupt) -> ExitCode {
         Err(error) => return refuse(&error),
     };
     if !args.dry_run
-        && let Err(error) = args.backend.open()
+        && let Err(error) = open_device(args.backend)
     {
         status(&format!("error: --backend {}: {error}", args.backend));
         return ExitCode::from(2);

@@ -71,21 +71,6 @@ impl Backend {
     }
 }
 
-impl Backend {
-    /// Opens the device that it computes on, so that a run need not begin where there is none.
-    ///
-    /// # Errors
-    /// As [`Backend::check`]; [`NetworkError::Backend`] where there is no graphics processor that answers.
-    pub fn open(self) -> Result<(), NetworkError> {
-        self.check()?;
-        #[cfg(feature = "burn")]
-        if self != Backend::Native {
-            crate::by_burn::Library::of(self.into())?;
-        }
-        Ok(())
-    }
-}
-
 impl fmt::Display for Backend {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {

@@ -39,6 +39,7 @@ mod arithmetic;
 mod backend;
 #[cfg(feature = "burn")]
 mod by_burn;
+mod device;
 mod error;
 mod fit;
 mod gradients;
@@ -60,6 +61,7 @@ pub const BURN_VERSION: &str = "0.22.1";
 
 pub use arithmetic::{Activation, Arithmetic};
 pub use backend::{Backend, Compute};
+pub use device::open_device;
 pub use error::NetworkError;
 pub use gradients::Gradients;
 pub use graph::{Graph, Shape};

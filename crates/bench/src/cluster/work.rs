@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use motes_cli::{Interrupt, status};
+use motes_proposals::networks::open_device;
 
 use super::error::ClusterError;
 use super::sign::Life;
@@ -50,7 +51,7 @@ pub fn work(folder: &Path, task: usize, interrupt: &Interrupt) -> Result<(), Clu
         let seconds: Vec<f64> =
             units.iter().map(|unit| estimate(unit).map_or(0.0, |dealt| dealt.seconds)).collect();
         if !units.is_empty() {
-            plan.backend.open()?;
+            open_device(plan.backend)?;
         }
         status(&format!("{}: {} of {} units of task {task} are left", plan.figure, units.len(), dealt.len()));
         let with = (submission.jobs, &Places::of(plan), &here);
