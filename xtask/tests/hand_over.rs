@@ -114,7 +114,7 @@ fn a_build_that_fails_is_said_in_one_line() {
     let output = place.run(&["reproduce", "fig1", "--backend", "flex"]);
     assert_eq!(
         said(&output),
-        "error: cargo build --release --package motes-bench --features burn failed; --backend flex and ndarray need it"
+        "error: cargo build --release --package motes-bench --features burn failed; the backend needs it"
     );
     assert_eq!(output.status.code(), Some(1));
     let place = Place::new("exit 0", "exit 101");
