@@ -91,9 +91,9 @@ fn main() -> ExitCode {
         }
         Command::Work { submission, task } => match cluster::work(&submission, task, &interrupt) {
             Ok(()) if interrupt.check().is_break() => ExitCode::from(interrupt.exit_status()),
-            done => ended(done.map(|()| true)),
+            done => ended(done.map(|()| true), &interrupt),
         },
-        Command::Finish { submission } => ended(cluster::finish(&submission)),
+        Command::Finish { submission } => ended(cluster::finish(&submission), &interrupt),
         Command::Probed { file } => match std::fs::write(&file, "") {
             Ok(()) => ExitCode::SUCCESS,
             Err(error) => {
@@ -104,46 +104,44 @@ fn main() -> ExitCode {
     }
 }
 
-/// Success, if all is well.
-fn ended(done: Result<bool, ClusterError>) -> ExitCode {
+/// How a command for a cluster ends: with success, if all is well.
+fn ended(done: Result<bool, ClusterError>, interrupt: &Interrupt) -> ExitCode {
     match done {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::FAILURE,
         Err(error) => {
             status(&format!("error: {error}"));
-            ExitCode::from(error.exit_status())
+            ExitCode::from(match error {
+                ClusterError::Interrupted => interrupt.exit_status(),
+                error => error.exit_status(),
+            })
         }
     }
 }
 
 /// Hands what is missing to Slurm, prints its scripts, or says how far it has come or how long it would take.
 fn run_on_cluster(args: &ReproduceArgs, interrupt: &Interrupt) -> ExitCode {
-    let plans = match args.cluster.check(args.fresh).and_then(|()| plans(args)) {
-        Ok(plans) => plans,
-        Err(error) => return refuse(&error),
-    };
-    if args.cluster.status {
-        return ended(cluster::show_status(&plans, &args.out).map(|()| true));
-    }
-    if !args.cluster.project.is_empty() {
-        return ended(cluster::project(&plans, args, &Estimator::default(), interrupt).map(|()| true));
-    }
-    if args.dry_run {
-        return ended(cluster::dry_run(&plans, args).map(|()| true));
-    }
-    if let Some(error) = plans.iter().find_map(|plan| check_output(&plan.folder).err()) {
-        return refuse(&error);
-    }
-    match cluster::submit(&plans, args, &Estimator::default(), interrupt) {
-        Ok(Submitted::Units | Submitted::Queued) => ExitCode::SUCCESS,
+    match on_cluster(args, interrupt) {
         // Their tables are made here and now.
-        Ok(Submitted::Complete) => run_reproduce(args, interrupt),
-        Err(ClusterError::Interrupted) => {
-            status(&format!("error: {}", ClusterError::Interrupted));
-            ExitCode::from(interrupt.exit_status())
-        }
-        Err(error) => ended(Err(error)),
+        Ok(Some(Submitted::Complete)) => run_reproduce(args, interrupt),
+        done => ended(done.map(|_| true), interrupt),
     }
+}
+
+fn on_cluster(args: &ReproduceArgs, interrupt: &Interrupt) -> Result<Option<Submitted>, ClusterError> {
+    args.cluster.check(args.fresh)?;
+    let plans = plans(args)?;
+    if args.cluster.status {
+        cluster::show_status(&plans, &args.out)?;
+    } else if !args.cluster.project.is_empty() {
+        cluster::project(&plans, args, &Estimator::default(), interrupt)?;
+    } else if args.dry_run {
+        cluster::dry_run(&plans, args)?;
+    } else {
+        plans.iter().try_for_each(|plan| check_output(&plan.folder))?;
+        return cluster::submit(&plans, args, &Estimator::default(), interrupt).map(Some);
+    }
+    Ok(None)
 }
 
 fn refuse(error: &ConfigError) -> ExitCode {

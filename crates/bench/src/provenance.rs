@@ -16,7 +16,12 @@ pub(crate) struct Provenance {
 impl Provenance {
     /// What this process computes with, started in the folder of the sources.
     pub(crate) fn here() -> Self {
-        Provenance { revision: revision(), processor: processor() }
+        Provenance::of(revision())
+    }
+
+    /// What this machine computes with by a program of that revision.
+    pub(crate) fn of(revision: String) -> Self {
+        Provenance { revision, processor: processor() }
     }
 
     /// That of what was begun with `earlier` ones, one after the other, and ended with this: `… then …` where they differ.

@@ -10,7 +10,6 @@ use crate::standing::Wanted;
 use crate::store::{Outcome, Record, StoreError};
 use crate::unit_error::UnitError;
 use motes_cli::Interrupt;
-use std::path::PathBuf;
 
 /// Who is told of units as they begin, and keeps their records as they end.
 pub(crate) trait Keeper {
@@ -21,46 +20,28 @@ pub(crate) trait Keeper {
     fn keep(&mut self, record: &Record) -> Result<(), StoreError>;
 }
 
-/// Where what units leave behind lies, besides their records.
-#[derive(Debug, Clone)]
-pub(crate) struct Places {
-    /// The results folder: checkpoints lie in it.
-    pub(crate) results: PathBuf,
-    /// Trained proposals of units, where they are kept.
-    pub(crate) models: Option<PathBuf>,
-    /// Proposals that are learned once.
-    pub(crate) learned: PathBuf,
-}
-
-impl Places {
-    pub(crate) fn of(plan: &Plan) -> Places {
-        Places { results: plan.folder.clone(), models: plan.models(), learned: plan.learned.clone() }
-    }
-}
-
 /// What a person calls a unit.
 pub(crate) fn name(point: &Point) -> String {
     format!("{} x = {} {} repetition {}", point.panel, point.x, point.method.name(), point.repetition)
 }
 
-/// Evaluates units on `jobs` threads; `estimates` are the seconds of each. Ends early if the interrupt is raised.
+/// Evaluates units of a plan on its threads; `estimates` are the seconds of each. Ends early if the interrupt is raised.
 ///
 /// # Errors
 /// What the keeper says, or a trained proposal that could not be kept.
 pub(crate) fn record_units(
     wanted: &[Wanted],
     estimates: &[f64],
-    (jobs, places, here): (usize, &Places, &Provenance),
+    (plan, here): (&Plan, &Provenance),
     interrupt: &Interrupt,
     keeper: &mut dyn Keeper,
 ) -> Result<(), StoreError> {
-    let checkpoints = Checkpoints { folder: checkpoint::folder(&places.results), provenance: here.clone() };
-    let evaluator =
-        Evaluator::new(places.models.clone()).with_checkpoints(checkpoints).keeping(places.learned.clone());
+    let checkpoints = Checkpoints { folder: checkpoint::folder(&plan.folder), provenance: here.clone() };
+    let evaluator = Evaluator::new(plan.models()).with_checkpoints(checkpoints).keeping(plan.learned.clone());
     let units: Vec<_> = wanted.iter().map(|(_, unit)| unit.clone()).collect();
     let mut progress = Progress::start(units.len(), estimates.iter().sum());
     let evaluate = |unit: &_, interrupt: &Interrupt| evaluator.evaluate(unit, interrupt);
-    run(&units, jobs, interrupt, &evaluate, |event| {
+    run(&units, plan.jobs, interrupt, &evaluate, |event| {
         match event {
             Event::Started(index) => {
                 let name = name(&wanted[index].0);

@@ -5,8 +5,8 @@ use crate::estimate::Estimator;
 use crate::outputs::write_outputs;
 use crate::progress::duration;
 use crate::provenance::Provenance;
-use crate::record_units::{Keeper, Places, record_units};
-use crate::standing::{Count, Wanted, missing, read, wanted};
+use crate::record_units::{Keeper, record_units};
+use crate::standing::{Count, Wanted, is_missing, read, wanted};
 use crate::store::{Record, Store, StoreError};
 use motes_cli::{Interrupt, status};
 
@@ -36,7 +36,7 @@ pub fn reproduce(plan: &Plan, estimator: &Estimator, interrupt: &Interrupt) -> R
     }
     let (there, remarks) = read(plan, &mut store)?;
     remarks.iter().for_each(|remark| status(remark));
-    let missing: Vec<Wanted> = missing(plan, &wanted, &there).into_iter().cloned().collect();
+    let missing: Vec<Wanted> = wanted.iter().filter(|unit| is_missing(plan, &there, unit)).cloned().collect();
     announce(plan, wanted.len(), missing.len());
     if !missing.is_empty() {
         run_missing(plan, &mut store, &missing, estimator, interrupt)?;
@@ -89,8 +89,7 @@ fn run_missing(
     let estimates = estimator.seconds(plan, &points, interrupt);
     let total: f64 = estimates.iter().sum();
     status(&format!("estimated time {}", duration(total / plan.jobs.min(missing.len()) as f64)));
-    let with = (plan.jobs, &Places::of(plan), &Provenance::here());
-    record_units(missing, &estimates, with, interrupt, store)
+    record_units(missing, &estimates, (plan, &Provenance::here()), interrupt, store)
 }
 
 /// How long the paper profile of the whole figure would take on this machine with as many threads, as a person says it;

@@ -17,17 +17,14 @@ pub(crate) fn wanted(plan: &Plan) -> Vec<Wanted> {
     points.filter_map(|point| UnitConfig::at(plan, &point).map(|unit| (point, unit))).collect()
 }
 
-/// Those of the units that have no record, or lack the model that is to be kept.
-pub(crate) fn missing<'a>(plan: &Plan, wanted: &'a [Wanted], records: &[Record]) -> Vec<&'a Wanted> {
-    let models = plan.models();
-    let is_there = |(point, unit): &Wanted| {
-        let has_model = models
-            .as_ref()
-            .is_none_or(|models| !unit.method.method().is_learned() || models.join(unit.key()).exists());
-        recorded(records, (point, unit))
-            .is_some_and(|record| has_model || matches!(record.outcome, Outcome::Failed(_)))
+/// Whether a unit has no record, or lacks the model that is to be kept.
+pub(crate) fn is_missing(plan: &Plan, records: &[Record], (point, unit): &Wanted) -> bool {
+    let has_model = || {
+        let models = plan.models().filter(|_| unit.method.method().is_learned());
+        models.is_none_or(|models| models.join(unit.key()).exists())
     };
-    wanted.iter().filter(|wanted| !is_there(wanted)).collect()
+    let record = recorded(records, (point, unit));
+    !record.is_some_and(|record| matches!(record.outcome, Outcome::Failed(_)) || has_model())
 }
 
 /// How many units of a plan are there, and how many of these failed.

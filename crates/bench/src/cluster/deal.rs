@@ -1,6 +1,5 @@
 //! Units dealt to tasks: shares of about the same length, and what units have in common computed by few.
 
-use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
 use crate::unit::UnitConfig;
@@ -8,7 +7,8 @@ use crate::unit::UnitConfig;
 /// The numbers of the units of each task, for at most `tasks` tasks, none of which is empty.
 ///
 /// Units with the same proposal that is learned once go to one task: it is not learned twice. Units with the same reference do as long as they are
-/// no more than its share. The longest pieces are dealt first, each to the task that has least: no task is then longer than 4/3 of what is best (Graham 1969).
+/// no more than its share. The longest pieces are dealt first, each to the task that has least: no task is then longer
+/// than 4/3 of the best that these pieces allow (Graham 1969).
 pub(super) fn deal(units: &[&UnitConfig], seconds: &[f64], tasks: usize) -> Vec<Vec<usize>> {
     let mut groups: BTreeMap<(bool, String), Vec<usize>> = BTreeMap::new();
     for (number, unit) in units.iter().enumerate() {
@@ -39,7 +39,7 @@ pub(super) fn deal(units: &[&UnitConfig], seconds: &[f64], tasks: usize) -> Vec<
         *sum += length;
         numbers.extend(piece);
     }
-    dealt.sort_by_key(|(sum, _)| Reverse(sum.to_bits()));
+    dealt.sort_by(|(one, _), (other, _)| other.total_cmp(one));
     dealt.into_iter().map(|(_, numbers)| numbers).collect()
 }
 
@@ -55,7 +55,20 @@ fn in_common(unit: &UnitConfig) -> (bool, String) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::Learning;
+    use crate::learned_once::{LearnedOnce, OnceFamily};
+    use crate::method_config::MethodConfig;
     use crate::unit::tests::unit;
+    use motes_proposals::{AmortisedConfig, Backend, Sees};
+
+    const LEARNING: &str = r#"
+        horizon = 12
+        learning_rate = 0.001
+        rows = 64
+        base = "transition"
+        head = { kind = "gaussian", covariance = "shared" }
+        elbo = { particles = 8, sequences = 1, steps_for_one = 1, trajectories = 8 }
+    "#;
 
     fn units(count: usize) -> Vec<UnitConfig> {
         (0..count).map(|repetition| UnitConfig { repetition, ..unit(10, 12, 10) }).collect()
@@ -87,6 +100,19 @@ mod tests {
         let longest = lengths.fold(0.0, f64::max);
         let best = seconds.iter().sum::<f64>() / 6.0;
         assert!(longest <= 4.0 / 3.0 * best, "{longest} where {best} is best");
+    }
+
+    #[test]
+    fn a_proposal_that_is_learned_once_is_learned_by_one_task() {
+        let learning: Learning = toml::from_str(LEARNING).unwrap();
+        let (base, head) = (learning.base, learning.head);
+        let family = OnceFamily::Fcnn(AmortisedConfig { widths: vec![4], sees: Sees::All, base, head });
+        let once = LearnedOnce { family, learning, steps: 5, backend: Backend::Native };
+        let once = UnitConfig { method: MethodConfig::Once(Box::new(once)), ..unit(10, 12, 10) };
+        let units: Vec<UnitConfig> =
+            (0..8).map(|repetition| UnitConfig { repetition, ..once.clone() }).collect();
+        let units: Vec<&UnitConfig> = units.iter().collect();
+        assert_eq!(deal(&units, &[1.0; 8], 4).len(), 1);
     }
 
     #[test]

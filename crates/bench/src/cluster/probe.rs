@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 use motes_cli::{Interrupt, status};
 
 use super::error::ClusterError;
+use super::scripts::PROBE;
 use super::slurm;
 use super::submission::Place;
 
@@ -24,7 +25,7 @@ pub(super) enum Probed {
 
 /// Submits the probe and waits for it, for a while.
 pub(super) fn probe(place: &Place, interrupt: &Interrupt) -> Result<Probed, ClusterError> {
-    let job = slurm::submit(&place.script("probe"), &[])?;
+    let job = slurm::submit(&place.script(PROBE), &[])?;
     let (start, mut ended) = (Instant::now(), None::<Instant>);
     loop {
         if has_probed(place) {

@@ -12,8 +12,11 @@ use super::error::ClusterError;
 use crate::config::{Plan, ReproduceArgs};
 use crate::estimate::Estimator;
 use crate::progress::duration;
+use crate::record_units::name;
 use crate::standing::wanted;
+use crate::statistics::{median, quantiles};
 use crate::unit::UnitConfig;
+use crate::verify::VerifyError;
 
 /// A unit that took so many times the median of its kind was stopped in between: runs in the background are, while something is timed.
 const STOPPED: f64 = 3.0;
@@ -33,11 +36,11 @@ pub fn project(
     estimator: &Estimator,
     interrupt: &Interrupt,
 ) -> Result<(), ClusterError> {
-    let (mut units, mut seconds, mut ratios) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut units, mut names, mut seconds, mut ratios) = (vec![], vec![], vec![], vec![]);
     for plan in plans {
-        let plan = Plan { jobs: args.jobs.unwrap_or(1), ..plan.clone() };
-        let (points, configs): (Vec<_>, Vec<UnitConfig>) = wanted(&plan).into_iter().unzip();
-        seconds.extend(estimator.seconds(&plan, &points, interrupt));
+        let (points, configs): (Vec<_>, Vec<UnitConfig>) = wanted(plan).into_iter().unzip();
+        seconds.extend(estimator.seconds(plan, &points, interrupt));
+        names.extend(points.iter().map(|point| format!("{} {}", plan.figure, name(point))));
         units.extend(configs);
         let measured = args.experiments.join("reference").join(&plan.figure).join(&plan.profile_name);
         ratios.extend(spread(&measured.join("timings.csv"))?);
@@ -49,16 +52,15 @@ pub fn project(
         ratios.push(1.0);
     }
     let (units, total): (Vec<&UnitConfig>, f64) = (units.iter().collect(), seconds.iter().sum());
-    let longest = seconds.iter().copied().fold(0.0, f64::max);
-    let cell = |share: f64| quantile(&ratios, share);
+    let longest = seconds.iter().zip(&names).max_by(|(one, _), (other, _)| one.total_cmp(other));
+    let longest =
+        longest.map_or(String::new(), |(second, name)| format!("{name}, takes {}", duration(*second)));
+    let [low, high] = quantiles(&ratios, [0.05, 0.95]);
     result(&format!(
-        "{} units, {} of one core by trials on this machine; the longest takes {}; measured times are {:.2} to {:.2} times their median ({} \
-         units, 5 % and 95 %, without {stopped} that were stopped in between)\n",
+        "{} units, {} of one core by trials on this machine, without the reference filters that they share; the longest, {longest}; measured \
+         times are {low:.2} to {high:.2} times their median ({} units, 5 % and 95 %, without {stopped} that were stopped in between)\n",
         units.len(),
         duration(total),
-        duration(longest),
-        cell(0.05),
-        cell(0.95),
         ratios.len()
     ));
     result("| cores | time, median | 95 % | share of the cores' time that is work |\n|---:|---:|---:|---:|");
@@ -74,9 +76,9 @@ pub fn project(
             busy.push(drawn.iter().sum::<f64>() / (time * cores as f64));
             times.push(time);
         }
-        let (median, most) = (quantile(&times, 0.5), quantile(&times, 0.95));
-        let share = 100.0 * quantile(&busy, 0.5);
-        result(&format!("| {cores} | {} | {} | {share:.0} % |", duration(median), duration(most)));
+        let [middle, most] = quantiles(&times, [0.5, 0.95]);
+        let share = 100.0 * median(busy);
+        result(&format!("| {cores} | {} | {} | {share:.0} % |", duration(middle), duration(most)));
     }
     Ok(())
 }
@@ -86,8 +88,7 @@ fn spread(path: &Path) -> Result<Vec<f64>, ClusterError> {
     if !path.exists() {
         return Ok(Vec::new());
     }
-    let damaged =
-        |error: csv::Error| ClusterError::Submission { path: path.to_path_buf(), reason: error.to_string() };
+    let damaged = |source| VerifyError::Table { path: path.to_path_buf(), source };
     let mut reader = csv::Reader::from_path(path).map_err(damaged)?;
     // By panel, method and x: by repetition, seconds of training and of filters.
     let mut kinds: BTreeMap<[String; 3], BTreeMap<String, f64>> = BTreeMap::new();
@@ -107,17 +108,10 @@ fn spread(path: &Path) -> Result<Vec<f64>, ClusterError> {
     }
     let of_kind = |seconds: BTreeMap<String, f64>| {
         let seconds: Vec<f64> = seconds.into_values().collect();
-        let median = quantile(&seconds, 0.5);
+        let median = median(seconds.clone());
         // One alone says nothing of a spread, and moments are those of the clock.
         let counts = seconds.len() > 2 && median > 1.0;
         seconds.into_iter().filter(move |_| counts).map(move |second| second / median)
     };
     Ok(kinds.into_values().flat_map(of_kind).collect())
-}
-
-/// The value below which a share of the values lies.
-fn quantile(values: &[f64], share: f64) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted[((sorted.len() - 1) as f64 * share).round() as usize]
 }

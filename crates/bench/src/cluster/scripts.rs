@@ -8,6 +8,11 @@ use crate::config::{ClusterArgs, TimeLimit};
 /// Seconds before the time limit at which a task is told, so that long trainings leave a checkpoint.
 const WARNING: u64 = 120;
 
+/// The names of the scripts.
+pub(super) const PROBE: &str = "probe";
+pub(super) const ARRAY: &str = "array";
+pub(super) const FINISH: &str = "finish";
+
 /// The jobs of a submission.
 pub(super) struct Scripts<'a> {
     pub(super) place: &'a Place,
@@ -20,10 +25,15 @@ pub(super) struct Scripts<'a> {
 }
 
 impl Scripts<'_> {
+    /// All of them by their names.
+    pub(super) fn all(&self) -> [(&'static str, String); 3] {
+        [(PROBE, self.probe()), (ARRAY, self.array()), (FINISH, self.finish())]
+    }
+
     /// The array, each task of which does its share. The shell becomes the program: signals and the exit status are its own.
-    pub(super) fn array(&self) -> String {
+    fn array(&self) -> String {
         let last = self.tasks - 1;
-        let mut options = self.options("", &format!("task-{}.log", "%a"));
+        let mut options = self.options("", "task-%a.log");
         options.push(format!("--array=0-{last}"));
         options.push(format!("--cpus-per-task={}", self.jobs));
         options.push("--requeue".into());
@@ -35,14 +45,14 @@ impl Scripts<'_> {
     }
 
     /// The job after the array.
-    pub(super) fn finish(&self) -> String {
+    fn finish(&self) -> String {
         let mut options = self.options("-tables", "tables.log");
         options.extend(self.time());
         self.script(&options, &format!("finish {}", self.folder()))
     }
 
     /// The job before the array: runs the program on a node and leaves a file.
-    pub(super) fn probe(&self) -> String {
+    fn probe(&self) -> String {
         let mut options = self.options("-probe", "probe.log");
         options.push("--time=5".into());
         let probed = quoted(&self.place.probed());

@@ -57,7 +57,7 @@ fn show_tasks(place: &Place, submission: &Submission) -> Result<(), ClusterError
                 continue;
             }
         };
-        let found = share.iter().map(|dealt| there.get(&dealt.config.key()));
+        let found = share.iter().map(|dealt| there.get(&dealt.unit.1.key()));
         let (mut done, mut failed) = (0, 0);
         for is_failed in found.flatten() {
             done += usize::from(!is_failed);

@@ -8,10 +8,10 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use serde::{Deserialize, Serialize};
 
 use super::error::{ClusterError, at};
-use crate::config::{Plan, Point};
+use crate::config::Plan;
 use crate::durable;
 use crate::provenance::Provenance;
-use crate::unit::UnitConfig;
+use crate::standing::Wanted;
 
 /// Where submissions lie in a folder of results, each in a folder of its own.
 const FOLDER: &str = "slurm";
@@ -29,8 +29,6 @@ pub(super) struct Submission {
     pub(super) out: PathBuf,
     /// Where the experiment files lie.
     pub(super) experiments: PathBuf,
-    /// Threads of a task.
-    pub(super) jobs: usize,
     /// Tasks of the array.
     pub(super) tasks: usize,
     /// What was built.
@@ -51,8 +49,7 @@ pub(super) struct Jobs {
 pub(super) struct Dealt {
     /// The number of its figure among the submission's plans.
     pub(super) plan: usize,
-    pub(super) point: Point,
-    pub(super) config: UnitConfig,
+    pub(super) unit: Wanted,
     /// How long it was estimated to take.
     pub(super) seconds: f64,
 }
@@ -159,23 +156,27 @@ impl Place {
         file.lines().map(line).collect()
     }
 
-    /// Writes the submission and the share of each task.
-    pub(super) fn write(&self, submission: &Submission, shares: &[Vec<Dealt>]) -> Result<(), ClusterError> {
+    /// Writes the submission, the share of each task, and the scripts by their names.
+    pub(super) fn write(
+        &self,
+        submission: &Submission,
+        shares: &[Vec<Dealt>],
+        scripts: &[(&str, String)],
+    ) -> Result<(), ClusterError> {
+        for (name, text) in scripts {
+            put(&self.script(name), text)?;
+        }
         for (task, share) in shares.iter().enumerate() {
             let text: String = share.iter().map(|dealt| json(dealt) + "\n").collect();
-            self.put(&self.share_file(task), &text)?;
+            put(&self.share_file(task), &text)?;
         }
         let (program, here) = (self.program(), std::env::current_exe().map_err(at(&self.folder))?);
         std::fs::copy(&here, &program).map_err(at(&program))?;
-        self.put(&self.submission_file(), &json(submission))
+        put(&self.submission_file(), &json(submission))
     }
 
     pub(super) fn write_jobs(&self, jobs: &Jobs) -> Result<(), ClusterError> {
-        self.put(&self.folder.join(JOBS), &json(jobs))
-    }
-
-    pub(super) fn put(&self, path: &Path, text: &str) -> Result<(), ClusterError> {
-        durable::write(path, &[text.as_bytes()]).map_err(at(path))
+        put(&self.folder.join(JOBS), &json(jobs))
     }
 
     /// Takes back a submission that Slurm refused.
@@ -187,12 +188,11 @@ impl Place {
 
 impl Submission {
     /// One of these plans, made by this program now.
-    pub(super) fn of(plans: &[Plan], out: &Path, experiments: &Path, (jobs, tasks): (usize, usize)) -> Self {
+    pub(super) fn of(plans: &[Plan], out: &Path, experiments: &Path, tasks: usize) -> Self {
         Submission {
             plans: plans.to_vec(),
             out: out.to_path_buf(),
             experiments: experiments.to_path_buf(),
-            jobs,
             tasks,
             revision: Provenance::here().revision,
             when: now(),
@@ -201,7 +201,7 @@ impl Submission {
 
     /// What a task computes with: the revision of the submission, on the processor of the node.
     pub(super) fn provenance(&self) -> Provenance {
-        Provenance { revision: self.revision.clone(), ..Provenance::here() }
+        Provenance::of(self.revision.clone())
     }
 }
 
@@ -210,8 +210,12 @@ pub(super) fn now() -> u64 {
     SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs())
 }
 
+fn put(path: &Path, text: &str) -> Result<(), ClusterError> {
+    durable::write(path, &[text.as_bytes()]).map_err(at(path))
+}
+
 fn json(value: &impl Serialize) -> String {
-    serde_json::to_string(value).expect("a submission has only string keys")
+    serde_json::to_string(value).expect("a submission has only string keys, and paths in UTF-8")
 }
 
 fn read_json<T: for<'a> Deserialize<'a>>(path: &Path) -> Result<T, ClusterError> {

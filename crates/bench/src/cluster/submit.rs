@@ -8,13 +8,13 @@ use motes_cli::{Interrupt, result, status};
 use super::deal::deal;
 use super::error::{ClusterError, at};
 use super::probe::{Probed, probe};
-use super::scripts::Scripts;
+use super::scripts::{ARRAY, FINISH, Scripts};
 use super::slurm;
 use super::submission::{Dealt, Jobs, Place, Submission};
 use crate::config::{ConfigError, Plan, ReproduceArgs};
 use crate::estimate::Estimator;
 use crate::progress::duration;
-use crate::standing::{missing, read, wanted};
+use crate::standing::{is_missing, read, wanted};
 use crate::store::Store;
 use crate::unit::UnitConfig;
 
@@ -30,16 +30,19 @@ pub fn dry_run(plans: &[Plan], args: &ReproduceArgs) -> Result<(), ClusterError>
     let place = Place::next(&out);
     let units: usize = plans.iter().map(|plan| wanted(plan).len()).sum();
     let tasks = args.cluster.tasks.unwrap_or(TASKS).min(units.max(1));
-    let scripts = scripts(&place, args, tasks);
-    for (name, text) in [("probe", scripts.probe()), ("array", scripts.array()), ("finish", scripts.finish())]
-    {
+    for (name, text) in scripts(&place, args, &plans, tasks).all() {
         result(&format!("==> {} <==\n{text}", place.script(name).display()));
     }
     Ok(())
 }
 
-fn scripts<'a>(place: &'a Place, args: &'a ReproduceArgs, tasks: usize) -> Scripts<'a> {
-    Scripts { place, name: args.figure.clone(), args: &args.cluster, tasks, jobs: args.jobs.unwrap_or(1) }
+fn scripts<'a>(place: &'a Place, args: &'a ReproduceArgs, plans: &[Plan], tasks: usize) -> Scripts<'a> {
+    Scripts { place, name: args.figure.clone(), args: &args.cluster, tasks, jobs: threads(plans) }
+}
+
+/// Threads of a task: the same for all plans.
+fn threads(plans: &[Plan]) -> usize {
+    plans.first().map_or(1, |plan| plan.jobs)
 }
 
 /// What there was to submit.
@@ -76,7 +79,7 @@ pub fn submit(
     }
     for (number, plan) in plans.iter().enumerate() {
         let of_plan: Vec<usize> = (0..dealt.len()).filter(|at| dealt[*at].plan == number).collect();
-        let points: Vec<_> = of_plan.iter().map(|at| dealt[*at].point.clone()).collect();
+        let points: Vec<_> = of_plan.iter().map(|at| dealt[*at].unit.0.clone()).collect();
         let seconds = estimator.seconds(plan, &points, interrupt);
         of_plan.into_iter().zip(seconds).for_each(|(at, seconds)| dealt[at].seconds = seconds);
     }
@@ -84,25 +87,21 @@ pub fn submit(
         return Err(ClusterError::Interrupted);
     }
     let (configs, seconds): (Vec<&UnitConfig>, Vec<f64>) =
-        dealt.iter().map(|dealt| (&dealt.config, dealt.seconds)).unzip();
+        dealt.iter().map(|dealt| (&dealt.unit.1, dealt.seconds)).unzip();
     let shares = deal(&configs, &seconds, args.cluster.tasks.unwrap_or(TASKS));
     let shares: Vec<Vec<Dealt>> =
         shares.iter().map(|share| share.iter().map(|at| dealt[*at].clone()).collect()).collect();
     warn_of_limit(args, &dealt);
 
     let place = Place::create(&out)?;
-    let submission = Submission::of(&plans, &out, &experiments, (args.jobs.unwrap_or(1), shares.len()));
-    let scripts = scripts(&place, args, shares.len());
+    let submission = Submission::of(&plans, &out, &experiments, shares.len());
     let jobs = place
-        .write(&submission, &shares)
-        .and_then(|()| place.put(&place.script("probe"), &scripts.probe()))
-        .and_then(|()| place.put(&place.script("array"), &scripts.array()))
-        .and_then(|()| place.put(&place.script("finish"), &scripts.finish()))
+        .write(&submission, &shares, &scripts(&place, args, &plans, shares.len()).all())
         .and_then(|()| hand_over(&place, interrupt))
         .inspect_err(|_| place.remove())?;
-    let threads = |share: &[Dealt]| args.jobs.unwrap_or(1).min(share.len()).max(1) as f64;
+    let workers = |share: &[Dealt]| threads(&plans).min(share.len()).max(1) as f64;
     let lengths =
-        shares.iter().map(|share| share.iter().map(|dealt| dealt.seconds).sum::<f64>() / threads(share));
+        shares.iter().map(|share| share.iter().map(|dealt| dealt.seconds).sum::<f64>() / workers(share));
     let longest = duration(lengths.fold(0.0, f64::max));
     let (array, finish) = (jobs.array.unwrap_or_default(), jobs.finish.unwrap_or_default());
     result(&format!(
@@ -118,7 +117,7 @@ pub fn submit(
     Ok(Submitted::Units)
 }
 
-/// The plans on paths that hold on every node, and the folders of results and experiments. Threads are those of a task.
+/// The plans on paths that hold on every node, and the folders of results and experiments.
 fn absolute(plans: &[Plan], args: &ReproduceArgs) -> Result<(Vec<Plan>, PathBuf, PathBuf), ClusterError> {
     let absolute = |path: &Path| -> Result<PathBuf, ClusterError> {
         let path = std::path::absolute(path).map_err(at(path))?;
@@ -133,7 +132,7 @@ fn absolute(plans: &[Plan], args: &ReproduceArgs) -> Result<(Vec<Plan>, PathBuf,
     };
     let plan = |plan: &Plan| {
         let (folder, learned) = (absolute(&plan.folder)?, absolute(&plan.learned)?);
-        Ok(Plan { folder, learned, jobs: args.jobs.unwrap_or(1), ..plan.clone() })
+        Ok(Plan { folder, learned, ..plan.clone() })
     };
     let plans = plans.iter().map(plan).collect::<Result<_, ClusterError>>()?;
     Ok((plans, absolute(&args.out)?, absolute(&args.experiments)?))
@@ -146,15 +145,12 @@ fn units(plans: &[Plan]) -> Result<Vec<Dealt>, ClusterError> {
         let (mut store, wanted) = (Store::open(&plan.folder)?, wanted(plan));
         let (records, remarks) = read(plan, &mut store)?;
         remarks.iter().for_each(|remark| status(remark));
-        let missing = missing(plan, &wanted, &records);
+        let (all, before) = (wanted.len(), units.len());
+        let missing = wanted.into_iter().filter(|unit| is_missing(plan, &records, unit));
+        units.extend(missing.map(|unit| Dealt { plan: number, unit, seconds: 0.0 }));
+        let missing = units.len() - before;
         status(&plan.to_string());
-        status(&format!("{} units are there, {} to run", wanted.len() - missing.len(), missing.len()));
-        units.extend(missing.into_iter().cloned().map(|(point, config)| Dealt {
-            plan: number,
-            point,
-            config,
-            seconds: 0.0,
-        }));
+        status(&format!("{} units are there, {missing} to run", all - missing));
     }
     Ok(units)
 }
@@ -167,12 +163,12 @@ fn leave_out_queued(out: &Path, dealt: &mut Vec<Dealt>) -> Result<(), ClusterErr
         let mut keys = BTreeSet::new();
         for task in slurm::queued(&array).unwrap_or_default().into_iter().flatten() {
             match place.share(task) {
-                Ok(share) => keys.extend(share.iter().map(|dealt| dealt.config.key())),
+                Ok(share) => keys.extend(share.iter().map(|dealt| dealt.unit.1.key())),
                 Err(error) => status(&format!("job {array} is not waited for: {error}")),
             }
         }
         let before = dealt.len();
-        dealt.retain(|dealt| !keys.contains(&dealt.config.key()));
+        dealt.retain(|dealt| !keys.contains(&dealt.unit.1.key()));
         if dealt.len() < before {
             let count = before - dealt.len();
             status(&format!(
@@ -198,25 +194,24 @@ fn warn_of_limit(args: &ReproduceArgs, dealt: &[Dealt]) {
     }
 }
 
-/// Submits probe, array and the job after it; what was submitted is taken back if the rest is refused.
+/// Submits probe, array and the job after it; what was submitted is taken back if anything after it fails.
 fn hand_over(place: &Place, interrupt: &Interrupt) -> Result<Jobs, ClusterError> {
-    let (probe_job, behind) = match probe(place, interrupt)? {
-        Probed::Fine => (None, vec![]),
-        Probed::Waits(job) => {
-            let behind = vec![format!("--dependency=afterok:{job}"), "--kill-on-invalid-dep=yes".into()];
-            (Some(job), behind)
-        }
+    let (mut submitted, mut behind) = (Vec::new(), Vec::new());
+    if let Probed::Waits(job) = probe(place, interrupt)? {
+        behind = vec![format!("--dependency=afterok:{job}"), "--kill-on-invalid-dep=yes".into()];
+        submitted.push(job);
+    }
+    let mut all = || {
+        let array = slurm::submit(&place.script(ARRAY), &behind)?;
+        submitted.push(array.clone());
+        let finish = slurm::submit(&place.script(FINISH), &[format!("--dependency=afterany:{array}")])?;
+        submitted.push(finish.clone());
+        let jobs = Jobs { array: Some(array), finish: Some(finish) };
+        place.write_jobs(&jobs).map(|()| jobs)
     };
-    let mut submitted: Vec<String> = probe_job.into_iter().collect();
-    let mut after = |script: &str, options: &[String]| {
-        slurm::submit(&place.script(script), options)
-            .inspect(|job| submitted.push(job.clone()))
-            .inspect_err(|_| submitted.iter().for_each(|job| slurm::cancel(job)))
-    };
-    let array = after("array", &behind)?;
-    let finish = after("finish", &[format!("--dependency=afterany:{array}")])?;
-    let jobs = Jobs { array: Some(array), finish: Some(finish) };
-    let taken = [&jobs.array, &jobs.finish].into_iter().flatten();
-    place.write_jobs(&jobs).inspect_err(|_| taken.for_each(|job| slurm::cancel(job)))?;
-    Ok(jobs)
+    let done = all();
+    if done.is_err() {
+        submitted.iter().for_each(|job| slurm::cancel(job));
+    }
+    done
 }

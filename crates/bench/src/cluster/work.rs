@@ -8,8 +8,8 @@ use motes_proposals::networks::open_device;
 use super::error::ClusterError;
 use super::sign::Life;
 use super::submission::Place;
-use crate::record_units::{Keeper, Places, record_units};
-use crate::standing::{Wanted, belonging, missing};
+use crate::record_units::{Keeper, record_units};
+use crate::standing::{Wanted, belonging, is_missing};
 use crate::store::{Contributor, Record, StoreError};
 
 /// One of many that fill a folder.
@@ -44,18 +44,14 @@ pub fn work(folder: &Path, task: usize, interrupt: &Interrupt) -> Result<(), Clu
         }
         let contributor = Contributor::join(&plan.folder)?;
         let (records, _) = belonging(plan, contributor.read()?, "");
-        let wanted: Vec<Wanted> =
-            dealt.iter().map(|dealt| (dealt.point.clone(), dealt.config.clone())).collect();
-        let units: Vec<Wanted> = missing(plan, &wanted, &records).into_iter().cloned().collect();
-        let estimate = |unit: &Wanted| dealt.iter().find(|dealt| dealt.config == unit.1);
-        let seconds: Vec<f64> =
-            units.iter().map(|unit| estimate(unit).map_or(0.0, |dealt| dealt.seconds)).collect();
+        let left = dealt.iter().filter(|dealt| is_missing(plan, &records, &dealt.unit));
+        let (units, seconds): (Vec<Wanted>, Vec<f64>) =
+            left.map(|dealt| (dealt.unit.clone(), dealt.seconds)).unzip();
         if !units.is_empty() {
             open_device(plan.backend)?;
         }
         status(&format!("{}: {} of {} units of task {task} are left", plan.figure, units.len(), dealt.len()));
-        let with = (submission.jobs, &Places::of(plan), &here);
-        record_units(&units, &seconds, with, interrupt, &mut Task { contributor, life: &life })?;
+        record_units(&units, &seconds, (plan, &here), interrupt, &mut Task { contributor, life: &life })?;
     }
     if interrupt.check().is_break() {
         status(&format!(

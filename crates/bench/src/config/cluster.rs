@@ -51,6 +51,14 @@ impl ClusterArgs {
         self.status || !self.project.is_empty()
     }
 
+    /// Threads of a process where nothing is said: all that there are, or one for a task, of which there are many.
+    pub fn threads(&self) -> usize {
+        match self.engine == Engine::Slurm || !self.project.is_empty() {
+            true => 1,
+            false => std::thread::available_parallelism().map_or(1, usize::from),
+        }
+    }
+
     /// Refuses what would not be looked at, and what would spoil a script.
     ///
     /// # Errors

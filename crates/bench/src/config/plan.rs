@@ -189,14 +189,13 @@ fn plan(figure: &str, args: &ReproduceArgs) -> Result<Plan, ConfigError> {
         .collect();
     let panels = select(figure, ("--panels", &args.panels), &of_profile, |panel| &panel.name)?;
     let methods = select(figure, ("--methods", &args.methods), &experiment.methods, |method| method.name())?;
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
     Ok(Plan {
         figure: figure.to_string(),
         profile_name: args.profile.clone(),
         panels: panels.into_iter().cloned().collect(),
         methods,
         repetitions: args.repetitions.unwrap_or(profile.repetitions),
-        jobs: args.jobs.unwrap_or(cores),
+        jobs: args.jobs.unwrap_or_else(|| args.cluster.threads()),
         backend: args.backend,
         seed: args.seed,
         folder: args.out.join(figure).join(&args.profile),
