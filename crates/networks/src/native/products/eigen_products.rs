@@ -141,3 +141,62 @@ mod tests {
         check::<f32>(eigen_panels::times_without_vectors, 1e-6);
     }
 }
+
+#[cfg(test)]
+mod timing {
+    use super::*;
+    #[test]
+    #[ignore]
+    fn timing() {
+        let mut buffers = Buffers::default();
+        for (copies, label) in [(1, "warm"), (12, "cold")] {
+            for rows in [10, 50] {
+                for transposed in [false, true] {
+                    let shape = Shape { inputs: 512, outputs: 1024, taps: 4 };
+                    let weights: Vec<Vec<f32>> = (0..copies)
+                        .map(|c| (0..4 * 512 * 1024).map(|k| ((k * 7 + c) % 13) as f32 * 0.01).collect())
+                        .collect();
+                    let eigenvalues: Vec<f32> = (0..10).map(|i| 0.9 - 0.1 * i as f32).collect();
+                    let inner = if transposed { 1024 } else { 512 };
+                    let columns = 1536 - inner;
+                    let a: Vec<f32> = (0..10 * rows * inner).map(|k| (k % 17) as f32 * 0.1).collect();
+                    let mut out = vec![0.0f32; 10 * rows * columns];
+                    for (name, way) in [
+                        ("one_by_one", one_by_one as fn(EigenProducts<'_, f32>, &mut Buffers<f32>)),
+                        ("panels", super::super::eigen_panels::times),
+                    ] {
+                        if let Ok(only) = std::env::var("ONLY")
+                            && !format!("{label} {rows} {transposed} {name}").contains(&only)
+                        {
+                            continue;
+                        }
+                        let mut best = f64::INFINITY;
+                        for _ in 0..std::env::var("REPS").map_or(6, |r| r.parse().unwrap()) {
+                            let t = std::time::Instant::now();
+                            for w in 0..12 {
+                                way(
+                                    EigenProducts {
+                                        taps: &weights[w % copies],
+                                        shape,
+                                        transposed,
+                                        eigenvalues: &eigenvalues,
+                                        a: &a,
+                                        out: &mut out,
+                                    },
+                                    &mut buffers,
+                                );
+                            }
+                            best = best.min(t.elapsed().as_secs_f64() / 12.0);
+                        }
+                        let flop = 2.0 * 10.0 * rows as f64 * 512.0 * 1024.0;
+                        println!(
+                            "{label} rows {rows} transposed {transposed} {name}: {:.3} ms, {:.1} GFLOP/s",
+                            best * 1e3,
+                            flop / best / 1e9
+                        );
+                    }
+                }
+            }
+        }
+    }
+}
