@@ -2,15 +2,11 @@
 
 use faer::Accum;
 
-use super::eigen_products::EigenProducts;
 use super::matrix::{Columns, ColumnsMut, Factor, Product, Task};
 use super::multiply::Multiply;
 use super::outer_products::{OuterProducts, Take};
 use super::threads::{Kernel, share};
-use super::{
-    by_faer, eigen_panels, eigen_products, few_rows, large_weights, some_rows, some_rows_transposed,
-    weight_gradients,
-};
+use super::{by_faer, few_rows, large_weights, some_rows, some_rows_transposed, weight_gradients};
 use crate::native::buffers::Buffers;
 
 /// Up to so many rows, the large factor is best read where it lies, ...
@@ -19,10 +15,6 @@ const FEW: usize = 12;
 const MANY: usize = 256;
 /// A factor narrower than this is not large.
 const WIDE: usize = 64;
-/// Sums of so few terms for hundreds of columns, or so few sums of many terms: copies take longer than the product, ...
-const SHORTEST: usize = 16;
-/// ... where the result, or what is added up, is as long as this.
-const LONG: usize = 4 * WIDE;
 /// A matrix of so many numbers, 32 MB, is too large for a core's own cache and a share of the last one; a gradient already of half as many.
 const LARGE: usize = 8 << 20;
 
@@ -42,10 +34,6 @@ impl Multiply for f64 {
         by_faer::transposed_times(product);
     }
 
-    fn by_eigenvalue(products: EigenProducts<'_, f64>, buffers: &mut Buffers<f64>) {
-        eigen_products::one_by_one(products, buffers);
-    }
-
     fn outer(sums: &OuterProducts<'_, f64>, buffers: &mut Buffers<f64>, take: Take<'_, f64>) {
         match sums.affine() {
             Some(_) => weight_gradients::whole(sums, buffers, take),
@@ -59,8 +47,6 @@ impl Multiply for f32 {
         let [rows, inner, columns] = product.sizes;
         if rows > MANY && inner * columns >= LARGE {
             by_kernel(product, [false, false], large_weights::times, buffers);
-        } else if columns >= LONG && inner <= SHORTEST {
-            few_rows::times(product);
         } else if columns < WIDE || rows > MANY {
             by_faer::times(product);
         } else if rows <= FEW {
@@ -74,8 +60,6 @@ impl Multiply for f32 {
         let [rows, inner, columns] = product.sizes;
         if rows > MANY && inner * columns >= LARGE {
             by_kernel(product, [false, true], large_weights::times, buffers);
-        } else if columns <= SHORTEST && inner >= LONG {
-            few_rows::times_transposed(product);
         } else if inner < WIDE || columns < WIDE || rows > MANY {
             by_faer::times_transposed(product);
         } else if rows <= FEW {
@@ -91,19 +75,8 @@ impl Multiply for f32 {
             by_kernel(product, [true, false], large_weights::times, buffers);
         } else if inner > MANY && rows * columns >= LARGE / 2 {
             in_short_sums(product, buffers);
-        } else if rows <= FEW && columns >= LONG {
-            turned(product, buffers);
         } else {
             by_faer::transposed_times(product);
-        }
-    }
-
-    fn by_eigenvalue(products: EigenProducts<'_, f32>, buffers: &mut Buffers<f32>) {
-        let [rows, ..] = products.sizes();
-        if rows > MANY {
-            eigen_products::one_by_one(products, buffers);
-        } else {
-            eigen_panels::times(products, buffers);
         }
     }
 
@@ -141,20 +114,6 @@ fn in_short_sums(product: Product<'_, f32>, buffers: &mut Buffers<f32>) {
         by_kernel(part, [true, false], large_weights::times, buffers);
         accum = Accum::Add;
     }
-}
-
-/// `aᵀ b` with few columns of `a`, which become rows.
-fn turned(product: Product<'_, f32>, buffers: &mut Buffers<f32>) {
-    let Product { out, accum, a, b, sizes: [rows, inner, columns] } = product;
-    let mut transposed = buffers.take(rows * inner);
-    for (term, from) in a.values.chunks(a.stride.max(1)).take(inner).enumerate() {
-        for (row, value) in from[..rows].iter().enumerate() {
-            transposed[row * inner + term] = *value;
-        }
-    }
-    let a = Columns { values: &transposed, stride: inner };
-    few_rows::times(Product { out, accum, a, b, sizes: [rows, inner, columns] });
-    buffers.put(transposed);
 }
 
 #[cfg(test)]
