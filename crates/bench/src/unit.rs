@@ -8,7 +8,7 @@ use crate::key::key_of;
 use crate::method_config::MethodConfig;
 
 /// The newest version of what a unit's configuration means; each method has the one since which it means what it means.
-pub const UNIT_FORMAT: u32 = 5;
+pub const UNIT_FORMAT: u32 = 6;
 
 /// Independent runs of a reference filter, which tell how precise it is.
 pub(crate) const REFERENCE_RUNS: usize = 2;
@@ -19,12 +19,13 @@ fn format_of(method: Method) -> u32 {
     match method {
         Method::MinDegeneracy | Method::Bootstrap | Method::Fcnn | Method::Rnn | Method::Psi => 4,
         Method::Linearised
-        | Method::Gnn
         | Method::FcnnAnchored
         | Method::RnnAnchored
         | Method::PsiAnchored
         | Method::ReferenceFilter
         | Method::ReferenceSmoother => 5,
+        // Sums of graph filters in another order.
+        Method::Gnn => 6,
     }
 }
 

@@ -52,11 +52,18 @@ pub(super) fn filter<T: Multiply>(
         times(&mut out, Accum::Replace, &stacked, matrix, [rows, count * inputs, outputs], buffers);
         Kept::Stacked(stacked)
     } else {
-        let beside = beside(matrix, shape, buffers);
+        let across = across(matrix, shape, buffers);
         let mut products = buffers.take(rows * count * outputs);
-        times(&mut products, Accum::Replace, values, &beside, [rows, inputs, count * outputs], buffers);
+        times_transposed(
+            &mut products,
+            Accum::Replace,
+            values,
+            &across,
+            [rows, inputs, count * outputs],
+            buffers,
+        );
         sum_shifted(of.shift, of.nodes, &products, shape, &mut out, buffers);
-        buffers.put(beside);
+        buffers.put(across);
         buffers.put(products);
         Kept::Products
     };
@@ -83,13 +90,8 @@ pub(super) fn filter_backward<T: Multiply>(
     match kept {
         Kept::Spectral(in_basis) => {
             let way = Eigen { of, shape, taps, rows };
-            let d_input = spectral::backward(
-                &way,
-                weights,
-                in_basis,
-                &d,
-                (derivatives.buffers, accumulator, gradients),
-            );
+            let sums = (accumulator, gradients);
+            let d_input = spectral::backward(&way, weights, in_basis, &d, sums, derivatives.buffers);
             derivatives.add(*input, d_input);
         }
         Kept::Stacked(stacked) => {
@@ -115,29 +117,29 @@ pub(super) fn filter_backward<T: Multiply>(
             let d_products =
                 stack_by(transposed, &d, Shape { inputs: outputs, ..shape }, derivatives.buffers);
             let values = &below[input.0].values;
-            let mut d_beside = derivatives.buffers.take(inputs * count * outputs);
-            let sizes = [inputs, rows, count * outputs];
+            let mut d_across = derivatives.buffers.take(count * outputs * inputs);
+            let sizes = [count * outputs, rows, inputs];
             let buffers = &mut *derivatives.buffers;
-            transposed_times(&mut d_beside, Accum::Replace, values, &d_products, sizes, buffers);
+            transposed_times(&mut d_across, Accum::Replace, &d_products, values, sizes, buffers);
             let (place, accum) = gradients.place::<T>(taps);
-            for (i, row) in d_beside.chunks_exact(count * outputs).enumerate() {
-                for (tap, from) in row.chunks_exact(outputs).enumerate() {
-                    let at = (tap * inputs + i) * outputs;
-                    let into = &mut place[at..at + outputs];
-                    match accum {
-                        Accum::Replace => into.copy_from_slice(from),
-                        Accum::Add => into.iter_mut().zip(from).for_each(|(sum, term)| *sum += *term),
+            let of_taps =
+                place.chunks_exact_mut(inputs * outputs).zip(d_across.chunks_exact(inputs * outputs));
+            for (place, d_across) in of_taps {
+                for (i, row) in place.chunks_exact_mut(outputs).enumerate() {
+                    for (o, place) in row.iter_mut().enumerate() {
+                        let term = d_across[o * inputs + i];
+                        *place = if accum == Accum::Add { *place + term } else { term };
                     }
                 }
             }
-            derivatives.buffers.put(d_beside);
+            derivatives.buffers.put(d_across);
             if wanted {
-                let beside = beside(weights.get(taps), shape, derivatives.buffers);
+                let across = across(weights.get(taps), shape, derivatives.buffers);
                 let sizes = [rows, count * outputs, inputs];
                 let (mut place, accum) = derivatives.take(*input, rows * inputs);
-                times_transposed(&mut place, accum, &d_products, &beside, sizes, derivatives.buffers);
+                times(&mut place, accum, &d_products, &across, sizes, derivatives.buffers);
                 derivatives.put(*input, place);
-                derivatives.buffers.put(beside);
+                derivatives.buffers.put(across);
             }
             derivatives.buffers.put(d_products);
         }
@@ -209,20 +211,16 @@ fn sum_shifted<T: Multiply>(
     buffers.put(inner);
 }
 
-/// The taps beside each other instead of on top of each other: `F_in×((D+1)·F_out)`.
-fn beside<T: Multiply>(
+/// The transposes of the taps on top of each other: `((D+1)·F_out)×F_in`. With one feature going out they are the taps as they lie.
+fn across<T: Multiply>(
     matrix: &[T],
-    Shape { inputs, outputs, taps }: Shape,
+    Shape { inputs, outputs, .. }: Shape,
     buffers: &mut Buffers<T>,
 ) -> Vec<T> {
-    let mut beside = buffers.take(matrix.len());
-    for (i, row) in beside.chunks_exact_mut(taps * outputs).enumerate() {
-        for (tap, into) in row.chunks_exact_mut(outputs).enumerate() {
-            let at = (tap * inputs + i) * outputs;
-            into.copy_from_slice(&matrix[at..at + outputs]);
-        }
-    }
-    beside
+    let mut across = buffers.take(matrix.len());
+    let of_taps = matrix.chunks_exact(inputs * outputs).zip(across.chunks_exact_mut(inputs * outputs));
+    of_taps.for_each(|(tap, across)| transpose(tap, inputs, outputs, across));
+    across
 }
 
 /// Row `i·R + k` is `[x_{k,i}, (A_y y)_i]`.

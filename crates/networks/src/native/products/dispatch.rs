@@ -2,11 +2,15 @@
 
 use faer::Accum;
 
+use super::eigen_products::EigenProducts;
 use super::matrix::{Columns, ColumnsMut, Factor, Product, Task};
 use super::multiply::Multiply;
 use super::outer_products::{OuterProducts, Take};
 use super::threads::{Kernel, share};
-use super::{by_faer, few_rows, large_weights, some_rows, some_rows_transposed, weight_gradients};
+use super::{
+    by_faer, eigen_panels, eigen_products, few_rows, large_weights, some_rows, some_rows_transposed,
+    weight_gradients,
+};
 use crate::native::buffers::Buffers;
 
 /// Up to so many rows, the large factor is best read where it lies, ...
@@ -32,6 +36,10 @@ impl Multiply for f64 {
 
     fn transposed_times(product: Product<'_, f64>, _: &mut Buffers<f64>) {
         by_faer::transposed_times(product);
+    }
+
+    fn by_eigenvalue(products: EigenProducts<'_, f64>, buffers: &mut Buffers<f64>) {
+        eigen_products::one_by_one(products, buffers);
     }
 
     fn outer(sums: &OuterProducts<'_, f64>, buffers: &mut Buffers<f64>, take: Take<'_, f64>) {
@@ -77,6 +85,15 @@ impl Multiply for f32 {
             in_short_sums(product, buffers);
         } else {
             by_faer::transposed_times(product);
+        }
+    }
+
+    fn by_eigenvalue(products: EigenProducts<'_, f32>, buffers: &mut Buffers<f32>) {
+        let [rows, ..] = products.sizes();
+        if rows > MANY {
+            eigen_products::one_by_one(products, buffers);
+        } else {
+            eigen_panels::times(products, buffers);
         }
     }
 

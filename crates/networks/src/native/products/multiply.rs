@@ -3,6 +3,7 @@
 use faer::Accum;
 use motes_models::batch::by_widest_vectors;
 
+use super::eigen_products::EigenProducts;
 use super::matrix::{Columns, ColumnsMut, Product};
 use super::outer_products::{OuterProducts, Take};
 use crate::native::buffers::Buffers;
@@ -18,6 +19,9 @@ pub(crate) trait Multiply: Real {
 
     /// `aᵀ b`, where the rows of `a` lie one after another too.
     fn transposed_times(product: Product<'_, Self>, buffers: &mut Buffers<Self>);
+
+    /// Products with a matrix for each eigenvalue.
+    fn by_eigenvalue(products: EigenProducts<'_, Self>, buffers: &mut Buffers<Self>);
 
     /// Sums of outer products, in parts.
     fn outer(sums: &OuterProducts<'_, Self>, buffers: &mut Buffers<Self>, take: Take<'_, Self>);

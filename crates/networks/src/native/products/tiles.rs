@@ -27,6 +27,11 @@ impl Tiles {
     }
 
     #[inline(always)]
+    pub(super) fn rows(self) -> usize {
+        self.rows
+    }
+
+    #[inline(always)]
     pub(super) fn count(self) -> usize {
         self.count
     }
@@ -97,15 +102,14 @@ pub(super) fn tile<S: Simd>(simd: S, rows: usize, add: bool, sums: &mut [f32], a
 fn sized<S: Simd, const R: usize>(simd: S, add: bool, out: &mut [f32], a: &[f32], b: &[f32]) {
     let (out, _) = S::as_mut_simd_f32s(out);
     let (out, _) = out.as_chunks_mut::<2>();
-    let mut sums = [[simd.splat_f32s(0.0); 2]; R];
-    if add {
-        sums.iter_mut().zip(&*out).for_each(|(sums, out)| *sums = *out);
-    }
+    // An array, because a loop over a slice, whose length the compiler does not know, would keep the sums in memory.
+    let Some(out) = out.first_chunk_mut::<R>() else { return };
+    let mut sums = if add { *out } else { [[simd.splat_f32s(0.0); 2]; R] };
     let (a, _) = a.as_chunks::<R>();
     let (b, _) = S::as_simd_f32s(b);
     let (b, _) = b.as_chunks::<2>();
     add_products::<S, R>(simd, &mut sums, a, b);
-    out.iter_mut().zip(sums).for_each(|(out, sums)| *out = sums);
+    *out = sums;
 }
 
 /// `sums += a b`: rows of the one in columns, two vectors of columns of the other in rows.

@@ -220,12 +220,15 @@ fn sized<S: Simd, const R: usize>(simd: S, factors: Factors<'_>, into: SumsOfTap
             for (row, sums) in sums.iter().enumerate() {
                 let at = (tap * R + row) * into.stride;
                 let (places, _) = S::as_mut_simd_f32s(&mut into.values[at..at + 2 * S::F32_LANES]);
-                for (place, sum) in places.iter_mut().zip(sums) {
-                    *place = match number {
-                        0 => simd.mul_f32s(by, *sum),
-                        _ => simd.mul_add_e_f32s(by, *sum, *place),
-                    };
-                }
+                // An array, because a loop over a slice, whose length the compiler does not know, would keep the sums in memory.
+                let Some(places) = places.first_chunk_mut::<2>() else { return };
+                *places = match number {
+                    0 => [simd.mul_f32s(by, sums[0]), simd.mul_f32s(by, sums[1])],
+                    _ => [
+                        simd.mul_add_e_f32s(by, sums[0], places[0]),
+                        simd.mul_add_e_f32s(by, sums[1], places[1]),
+                    ],
+                };
             }
             power *= term.eigenvalue;
         }
