@@ -1,6 +1,6 @@
 //! Elementary functions without branches, so that a loop over them becomes vector instructions.
 //!
-//! They are Taylor series after a reduction to a short interval. The first term left out is below rounding.
+//! They are series after a reduction to a short interval, Taylor's but for [`ln_1p`]. What is left out is below rounding.
 //!
 //! Every multiplication that is followed by an addition is fused, in hardware or not. The results are therefore the same
 //! numbers on every machine.
@@ -68,6 +68,72 @@ pub fn ln(x: f64) -> f64 {
     e.mul_add(LN_2, (2.0 * s * square).mul_add(series, 2.0 * s))
 }
 
+/// `ln(1 + x)`, within 1 unit in the last place. It is −∞ at −1, and NaN below and at NaN.
+///
+/// The approximation is FDLIBM's, which most C libraries have; its sums are those of glibc on processors with fused multiplication,
+/// bit by bit. With `1 + x = 2ᵏ (1 + f)` and `1 + f` between `√½`
+/// and `√2`, `ln(1 + x) = k ln 2 + c + f − f²/2 + s (f²/2 + R(s²))` for `s = f/(2 + f)`, a polynomial `R`, and `c`, what rounding took from
+/// `1 + x`, over `1 + x`.
+#[inline(always)]
+pub fn ln_1p(x: f64) -> f64 {
+    const MANTISSA: u64 = (1 << 52) - 1;
+    const ONE: u64 = 1.0_f64.to_bits();
+    const HALF: u64 = 0.5_f64.to_bits();
+    const INTEGER: f64 = (1_u64 << 52) as f64;
+    // Limits that FDLIBM compares the upper halves of numbers with.
+    const UNREDUCED: (f64, f64) =
+        (-f64::from_bits(0x3fd2_bec4_0000_0000), f64::from_bits(0x3fda_827a_0000_0000));
+    const ROOT: u64 = 0x6_a09e << 32;
+    const ABOVE_POWER: u64 = 1 << 32;
+    const BELOW_POWER: u64 = 0xf_fffd << 32;
+    const SMALL: f64 = 1.0 / (1_u64 << 29) as f64;
+    const TINY: f64 = 1.0 / (1_u64 << 54) as f64;
+    // ln 2 in two parts, the first with zeros at its end, so that multiples of it are exact.
+    const LN_2_HIGH: f64 = f64::from_bits(0x3fe6_2e42_fee0_0000);
+    const LN_2_LOW: f64 = f64::from_bits(0x3dea_39ef_3579_3c76);
+    // Of (ln(1 + s) − ln(1 − s) − 2s)/s in s², the best to 2⁻⁵⁸.
+    const R: [f64; 7] = [
+        f64::from_bits(0x3fe5_5555_5555_5593),
+        f64::from_bits(0x3fd9_9999_9997_fa04),
+        f64::from_bits(0x3fd2_4924_9422_9359),
+        f64::from_bits(0x3fcc_71c5_1d8e_78af),
+        f64::from_bits(0x3fc7_4664_96cb_03de),
+        f64::from_bits(0x3fc3_9a09_d078_c69f),
+        f64::from_bits(0x3fc2_f112_df3e_5244),
+    ];
+    let is_reduced = !(x > UNREDUCED.0 && x < UNREDUCED.1);
+    let u = if x < 2.0 * INTEGER { 1.0 + x } else { x };
+    let bits = u.to_bits();
+    let (exponent, mantissa) = (bits >> 52, bits & MANTISSA);
+    let is_upper = mantissa >= ROOT;
+    let exponent = f64::from_bits(exponent | INTEGER.to_bits()) - (INTEGER + 1023.0);
+    let lost = if exponent > 0.0 { 1.0 - (u - x) } else { x - (u - 1.0) };
+    let k = exponent + if is_upper { 1.0 } else { 0.0 };
+    let k = if is_reduced { k } else { 0.0 };
+    let c = if k == 0.0 || x >= 2.0 * INTEGER { 0.0 } else { lost / u };
+    let reduced = f64::from_bits(mantissa | if is_upper { HALF } else { ONE }) - 1.0;
+    let f = if is_reduced { reduced } else { x };
+    // Beside a power of two a polynomial of low degree is enough.
+    let is_near = is_reduced & if is_upper { mantissa >= BELOW_POWER } else { mantissa < ABOVE_POWER };
+    let half = 0.5 * f * f;
+    let s = f / (2.0 + f);
+    let z = s * s;
+    let square = z * z;
+    let fourth = square * square;
+    let series = z.mul_add(R[0], square * z.mul_add(R[2], R[1]));
+    let series = fourth.mul_add(z.mul_add(R[4], R[3]), series);
+    let series = (square * fourth).mul_add(z.mul_add(R[6], R[5]), series);
+    let first = if is_near { half * f.mul_add(-2.0 / 3.0, 1.0) } else { half };
+    let second = if is_near { 0.0 } else { s * (half + series) };
+    let found = k.mul_add(LN_2_HIGH, f - (first - (second + k.mul_add(LN_2_LOW, c))));
+    let magnitude = x.abs();
+    let found = if magnitude < SMALL { x - x * x * 0.5 } else { found };
+    let found = if magnitude < TINY { x } else { found };
+    let found = if x > -1.0 { found } else { f64::NAN };
+    let found = if x == -1.0 { f64::NEG_INFINITY } else { found };
+    if x == f64::INFINITY { x } else { found }
+}
+
 /// `(sin x, cos x)` for `|x| ≤ π/4`, within 2 units in the last place.
 #[inline(always)]
 pub(crate) fn sin_cos(x: f64) -> (f64, f64) {
@@ -119,6 +185,42 @@ mod tests {
         }
         assert_eq!(ln(1.0), 0.0);
         assert!((ln(1.0 - f64::EPSILON / 2.0) / (-f64::EPSILON / 2.0) - 1.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn logarithms_of_one_and_more_are_those_of_the_standard_library() {
+        let check = |x: f64| {
+            let (found, expected) = (ln_1p(x), x.ln_1p());
+            let is_close = (found - expected).abs() <= 2.0 * f64::EPSILON * expected.abs();
+            assert!(found == expected || is_close, "ln(1 + {x:e}) is {found:e} for {expected:e}");
+        };
+        let mut x = 1e-300;
+        while x < 1e300 {
+            check(x);
+            check(-x / (1.0 + x));
+            x *= 1.003;
+        }
+        for x in [1.0, 3.0, -0.5, -0.25, f64::from_bits(0x3fda_827a_0000_0000)] {
+            for near in -3..=3 {
+                check(x + f64::from(near) * 1e-16);
+                check(x + f64::from(near) * 1e-7);
+            }
+        }
+        assert_eq!([0.0, -1.0, f64::INFINITY].map(ln_1p), [0.0, f64::NEG_INFINITY, f64::INFINITY]);
+        assert!(ln_1p(-1.1).is_nan() && ln_1p(f64::NEG_INFINITY).is_nan() && ln_1p(f64::NAN).is_nan());
+    }
+
+    #[test]
+    fn logarithms_of_one_and_more_have_these_bits_on_every_machine() {
+        let mut all = 0_u64;
+        for i in 1..=1_000_000 {
+            let y = f64::from(i) / 1_000_001.0;
+            for x in [-y, y, 8.0 * y, 1.0 / (y * y * y)] {
+                all = all.rotate_left(1) ^ ln_1p(x).to_bits();
+            }
+        }
+        // What glibc 2.36 finds on a processor with fused multiplication.
+        assert_eq!(all, 14_118_653_068_930_221_345);
     }
 
     #[test]

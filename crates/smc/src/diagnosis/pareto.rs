@@ -1,5 +1,8 @@
 //! The tail index of importance weights.
 
+use motes_models::elementary::ln_1p;
+use pulp::{Simd, WithSimd};
+
 /// The tail index from which on averages by weights are not to be trusted: the number of particles that they need then grows beyond any
 /// use (Vehtari, Simpson, Gelman, Yao and Gabry 2024, whose limit of `S` weights is `min(1 − 1/log₁₀ S, 0.7)`).
 pub const PARETO_K_LIMIT: f64 = 0.7;
@@ -71,22 +74,62 @@ fn hill(tail: &[f64], threshold: f64) -> f64 {
 /// With `θ = −k/σ` the likelihood has `k(θ) = mean log(1 − θ x)` as its best index; `θ` is averaged over a grid by its profile likelihood.
 fn pareto_index(x: &[f64]) -> Option<f64> {
     let n = x.len() as f64;
-    let index = |theta: f64| x.iter().map(|x| (-theta * x).ln_1p()).sum::<f64>() / n;
     let (quartile, largest) = (x[(n / 4.0 + 0.5) as usize - 1], x[x.len() - 1]);
     let points = 30 + n.sqrt() as usize;
-    let grid: Vec<(f64, f64)> = (1..=points)
-        .map(|j| {
-            let theta = 1.0 / largest + (1.0 - (points as f64 / (j as f64 - 0.5)).sqrt()) / (3.0 * quartile);
-            let k = index(theta);
-            (theta, n * ((-theta / k).ln() - k - 1.0))
+    let thetas: Vec<f64> = (1..=points)
+        .map(|j| 1.0 / largest + (1.0 - (points as f64 / (j as f64 - 0.5)).sqrt()) / (3.0 * quartile))
+        .collect();
+    let grid: Vec<(f64, f64)> = thetas
+        .iter()
+        .zip(sums_of_logs(&thetas, x))
+        .map(|(theta, sum)| {
+            let k = sum / n;
+            (*theta, n * ((-theta / k).ln() - k - 1.0))
         })
         .filter(|(theta, log_likelihood)| *theta != 0.0 && log_likelihood.is_finite())
         .collect();
     let best = grid.iter().map(|(_, log)| *log).fold(f64::NEG_INFINITY, f64::max);
     let whole: f64 = grid.iter().map(|(_, log)| (log - best).exp()).sum();
     let theta = grid.iter().map(|(theta, log)| theta * (log - best).exp()).sum::<f64>() / whole;
-    let k = (n * index(theta) + 10.0 * 0.5) / (n + 10.0);
+    let index = sums_of_logs(&[theta], x)[0] / n;
+    let k = (n * index + 10.0 * 0.5) / (n + 10.0);
     k.is_finite().then_some(k)
+}
+
+/// For each `θ` the sum of `log(1 − θ x)`, in the order of `x`.
+fn sums_of_logs(thetas: &[f64], x: &[f64]) -> Vec<f64> {
+    let mut sums = vec![0.0; thetas.len()];
+    pulp::Arch::new().dispatch(SumsOfLogs { thetas, x, sums: &mut sums });
+    sums
+}
+
+struct SumsOfLogs<'a> {
+    thetas: &'a [f64],
+    x: &'a [f64],
+    sums: &'a mut [f64],
+}
+
+/// Values of `θ` side by side.
+const LANES: usize = 8;
+
+impl WithSimd for SumsOfLogs<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) {
+        for (thetas, sums) in self.thetas.chunks(LANES).zip(self.sums.chunks_mut(LANES)) {
+            let (mut negative, mut all) = ([0.0; LANES], [0.0; LANES]);
+            for (negative, theta) in negative.iter_mut().zip(thetas) {
+                *negative = -theta;
+            }
+            for x in self.x {
+                for i in 0..LANES {
+                    all[i] += ln_1p(negative[i] * x);
+                }
+            }
+            sums.copy_from_slice(&all[..sums.len()]);
+        }
+    }
 }
 
 #[cfg(test)]
