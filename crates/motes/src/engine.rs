@@ -1,11 +1,11 @@
 //! One running filter, whatever its model and its proposal are.
 
-use std::ops::Range;
+use std::ops::{ControlFlow, Range};
 
 use motes_models::{PartialLikelihood, Seed, StateSpaceModel};
 use motes_smc::{
     Bootstrap, FilterError, FilterHistory, FilterSettings, Linearised, MinDegeneracy, ParticleFilter,
-    Proposal, SecondOpinion, SmoothedPaths, SmoothingError, Verdict, WeightDiagnosis, backward_simulation,
+    Proposal, SecondOpinion, SmoothedPaths, SmoothingError, Verdict, WeightDiagnosis, backward_simulation_while,
 };
 
 use crate::error::MotesError;
@@ -32,6 +32,7 @@ trait Steps: Send + Sync {
         history: &FilterHistory,
         paths: usize,
         seed: &Seed,
+        proceed: &mut dyn FnMut() -> ControlFlow<()>,
     ) -> Result<SmoothedPaths, SmoothingError>;
     /// The state of one particle, and the one that it was drawn from, in the step that failed.
     fn of_particle(&self, particle: usize) -> (Option<&[f64]>, &[f64]);
@@ -140,8 +141,9 @@ where
         history: &FilterHistory,
         paths: usize,
         seed: &Seed,
+        proceed: &mut dyn FnMut() -> ControlFlow<()>,
     ) -> Result<SmoothedPaths, SmoothingError> {
-        backward_simulation(self.model, history, paths, seed)
+        backward_simulation_while(self.model, history, paths, seed, |_| proceed())
     }
 
     fn of_particle(&self, particle: usize) -> (Option<&[f64]>, &[f64]) {
@@ -241,14 +243,15 @@ impl<'m> Running<'m> {
         self.filter.record(history)
     }
 
-    /// Draws trajectories backwards through what the filter was.
+    /// Draws trajectories backwards through what the filter was, as long as `proceed` says so.
     pub(crate) fn backward(
         &self,
         history: &FilterHistory,
         paths: usize,
         seed: &Seed,
+        proceed: &mut dyn FnMut() -> ControlFlow<()>,
     ) -> Result<SmoothedPaths, SmoothingError> {
-        self.filter.backward(history, paths, seed)
+        self.filter.backward(history, paths, seed, proceed)
     }
 
     /// The effective sample size, in particles.

@@ -56,7 +56,7 @@ impl Filtered {
     }
 }
 
-/// Filters each series of `data`; `proceed` is asked after each row, with how many are done.
+/// Filters each series of `data`; `proceed` is asked after each row, and after each time of a forecast, with how many rows are done.
 ///
 /// # Errors
 /// [`MotesError`] if an option is out of range, a filter failed, or `proceed` said to stop.
@@ -105,9 +105,14 @@ fn filter_until(
         let label = |time: usize| places.get(time).and_then(|at| data.rows[*at].label.as_deref());
         warnings.extend(of_opinion(name.as_deref(), verdict, label));
         opinions.push(verdict);
-        let forecast = (0..options.forecast).map(|_| running.predict());
-        let forecast: Result<Vec<Estimate>, MotesError> = forecast.collect();
-        forecasts.push(forecast.map_err(|error| of_series(name.as_deref(), error))?);
+        let mut forecast = Vec::new();
+        for _ in 0..options.forecast {
+            forecast.push(running.predict().map_err(|error| of_series(name.as_deref(), error))?);
+            if proceed(done).is_break() {
+                return Err(MotesError::Interrupted);
+            }
+        }
+        forecasts.push(forecast);
     }
     let estimates = estimates.into_iter().flatten().collect();
     Ok(Filtered { estimates, forecasts, log_evidence_per_series, weights, least_ess, warnings, opinions })

@@ -24,7 +24,8 @@ pub struct Smoothed {
     pub filtered: Filtered,
 }
 
-/// Filters each series of `data` and draws `paths` trajectories of it backwards; `proceed` is asked after each row.
+/// Filters each series of `data` and draws `paths` trajectories of it backwards; `proceed` is asked after each row, and now and then while they
+/// are drawn, with how many rows are done.
 ///
 /// # Errors
 /// As [`crate::filter`]; [`MotesError::Setting`] if what filters were cannot be kept.
@@ -71,7 +72,7 @@ fn smooth_until(
         let label = |time: usize| places.get(time).and_then(|at| data.rows[*at].label.as_deref());
         warnings.extend(of_opinion(name.as_deref(), verdict, label));
         opinions.push(verdict);
-        let found = running.backward(&history, paths, &seed)?;
+        let found = running.backward(&history, paths, &seed, &mut || proceed(done))?;
         for (time, at) in places.into_iter().enumerate() {
             estimates[at] = Some(estimate(&found, time, model.states().len()));
         }
@@ -109,6 +110,9 @@ fn estimate(paths: &SmoothedPaths, time: usize, n: usize) -> Estimate {
 
 impl From<SmoothingError> for MotesError {
     fn from(error: SmoothingError) -> Self {
-        MotesError::Setting(error.to_string())
+        match error {
+            SmoothingError::Interrupted => MotesError::Interrupted,
+            error => MotesError::Setting(error.to_string()),
+        }
     }
 }

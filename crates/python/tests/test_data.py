@@ -29,6 +29,8 @@ def test_every_form_of_the_same_data_gives_the_same(nile):
         np.asfortranarray(np.array(flows)[:, None]),
         {"flow": flows},
         {"year": ["a", "b", "c", "d"], "flow": flows},
+        np.ma.masked_equal(np.array([1120.0, 1160.0, -1.0, 1210.0]), -1.0),
+        np.ma.masked_equal(np.array([1120, 1160, -1, 1210]), -1),
     ]
     read_only = np.array(flows)
     read_only.flags.writeable = False
@@ -73,6 +75,13 @@ def test_frames_of_polars(nile):
     found = nile.filter(frame)
     assert found.to_polars()["year"].to_list() == ["1871", "1872"]
     assert found.mean.tolist() == nile.filter([1120.0, None]).mean.tolist()
+    several = nile.filter([frame["flow"], polars.Series([900.0, 910.0, 920.0])])
+    assert several.series.tolist() == [0, 0, 1, 1, 1] and several.mean[:2].tolist() == found.mean.tolist()
+
+
+def test_a_forecast_of_no_time_is_empty(nile):
+    found = nile.forecast([np.array([1120.0]), np.array([900.0, 910.0])], 0)
+    assert found.mean.shape == (2, 0, 1) and found.quantiles.shape == (2, 0, 1, 3)
 
 
 @pytest.mark.parametrize(
@@ -85,6 +94,9 @@ def test_frames_of_polars(nile):
         ({"y": [1.0]}, "data: there is no column z, which the model measures; there are y"),
         ({"y": [1.0], "z": []}, "data: columns have different lengths: 0, 1"),
         ({"y": [], "z": []}, "data: there are no rows"),
+        (np.zeros((0, 5, 2)), "data: there are no sequences"),
+        ({"series": ["a", None], "y": [1.0, 2.0], "z": [1.0, 2.0]}, "data, row 1, column series: it is missing"),
+        ({"series": [1.0, float("nan")], "y": [1.0, 2.0], "z": [1.0, 2.0]}, "data, row 1, column series: it is missing"),
         ({"y": [1.0, "x"], "z": [1.0, 2.0]}, "data, row 0, column y: .* is no number"),
         ({"y": np.array([1.0, "x"], dtype=object), "z": [1.0, 2.0]}, "data, row 1, column y: 'x' is no number"),
         ({"y": [1j], "z": [1.0]}, "data, row 0, column y: .* is no number"),

@@ -59,6 +59,7 @@ def test_learning_and_its_card(growth, tmp_path):
     learned.proposal.save(tmp_path / "p")
     found = growth.compare(proposals=["bootstrap", motes.Proposal.load(tmp_path / "p", growth)], at=[10], sequences=2)
     assert list(found.methods) == ["bootstrap", "p"]
+    assert list(growth.compare(proposals="bootstrap", at=[10], sequences=2).methods) == ["bootstrap"]
     tuned = growth.learn(growth.simulate(50, 2).measurements, objective="wake", start=learned.proposal, updates=3, sequences=0)
     assert tuned.card is None and "learned further" in tuned.proposal.choice
 
@@ -147,11 +148,22 @@ def test_other_threads_of_python_run_meanwhile(growth):
 
 
 @pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
-def test_ctrl_c_ends_a_long_call(growth):
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda model: model.learn(updates=10_000_000),
+        lambda model: model.filter(np.zeros(1_000_000), particles=10_000),
+        lambda model: model.forecast([1.0], 1_000_000, particles=10_000),
+        lambda model: model.smooth(np.zeros(100), paths=1_000_000, particles=10_000),
+        lambda model: model.compare(sequences=1000, steps=10_000),
+    ],
+    ids=["learn", "filter", "forecast", "smooth", "compare"],
+)
+def test_ctrl_c_ends_a_long_call(growth, call):
     threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
     started = time.monotonic()
     with pytest.raises(KeyboardInterrupt):
-        growth.learn(updates=10_000_000)
+        call(growth)
     assert time.monotonic() - started < 5.0
 
 

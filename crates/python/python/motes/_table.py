@@ -35,7 +35,8 @@ def _is_frame(data: Any) -> bool:
 
 def _is_sequence(data: Any) -> bool:
     """Whether it is a sequence among others, and no number or row: an array or a frame of its own."""
-    return _is_frame(data) or (getattr(data, "ndim", 0) >= 1)
+    # Series of polars have no `ndim`.
+    return _is_frame(data) or hasattr(data, "to_numpy") or getattr(data, "ndim", 0) >= 1
 
 
 def _index_of_series(data: Any) -> Any:
@@ -53,8 +54,17 @@ def _of_frame(model: _motes.Model, frame: Any) -> _motes.Data:
         raise ValueError(f"data: columns have different lengths: {', '.join(map(str, sorted(lengths)))}")
     values = np.stack(columns, axis=1) if columns else np.empty((0, 0))
     times = None if time is None else _numbers(frame[keys[time]], names[time]).tolist()
-    texts = [None if at is None else [_text(value) for value in frame[keys[at]]] for at in (series, carried)]
-    return model.data(names, values.reshape(-1), texts[0], times, texts[1])
+    labels = None if series is None else _labels(frame[keys[series]], names[series])
+    texts = None if carried is None else [_text(value) for value in frame[keys[carried]]]
+    return model.data(names, values.reshape(-1), labels, times, texts)
+
+
+def _labels(values: Any, column: str) -> list[str]:
+    """The series of each row, which none may lack."""
+    for row, value in enumerate(values):
+        if _is_missing(value):
+            raise ValueError(f"data, row {row}, column {column}: it is missing; each row must say which series it belongs to")
+    return [_text(value) for value in values]
 
 
 def _of_array(model: _motes.Model, data: Any) -> _motes.Data:
@@ -74,6 +84,8 @@ def _of_array(model: _motes.Model, data: Any) -> _motes.Data:
 
 def _of_sequences(model: _motes.Model, sequences: list[Any]) -> _motes.Data:
     names, width = model.measurements, len(model.measurements)
+    if not sequences:
+        raise ValueError("data: there are no sequences")
     values, series = [], []
     for number, sequence in enumerate(sequences):
         try:
@@ -102,6 +114,8 @@ def _numbers(values: Any, column: str | None) -> np.ndarray:
     """An array of 64-bit numbers, NaN where one is missing; errors name row and column."""
     if hasattr(values, "to_numpy"):
         values = values.to_numpy()
+    if isinstance(values, np.ma.MaskedArray):
+        values = values.astype(np.float64 if values.dtype.kind in "fiub" else object).filled(np.nan)
     try:
         array = np.asarray(values)
     except ValueError:
@@ -120,7 +134,7 @@ def _numbers(values: Any, column: str | None) -> np.ndarray:
 
 
 def _number(value: Any, at: tuple[int, ...], column: str | None) -> float:
-    if value is None or type(value).__name__ in ("NAType", "NaTType"):
+    if _is_missing(value):
         return np.nan
     if isinstance(value, (str, bytes)) or not hasattr(value, "__float__"):
         raise ValueError(f"{_place(at, column)}: {value!r} is no number; a measurement that is missing is NaN or None")
@@ -128,6 +142,11 @@ def _number(value: Any, at: tuple[int, ...], column: str | None) -> float:
         return float(value)
     except (OverflowError, TypeError, ValueError) as error:
         raise ValueError(f"{_place(at, column)}: {value!r}: {error}") from None
+
+
+def _is_missing(value: Any) -> bool:
+    """Whether it stands for nothing: None, NaN, or what pandas has for them."""
+    return value is None or type(value).__name__ in ("NAType", "NaTType") or (isinstance(value, float) and value != value)
 
 
 def _place(at: tuple[int, ...], column: str | None) -> str:

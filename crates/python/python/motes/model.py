@@ -349,7 +349,7 @@ class Model:
         self,
         data: Any = None,
         *,
-        proposals: Sequence[str | Proposal] = (),
+        proposals: str | Proposal | Sequence[str | Proposal] = (),
         at: Sequence[int] = (10, 30, 100, 300, 1000, 3000, 10000),
         sequences: int = 20,
         steps: int = 100,
@@ -361,7 +361,8 @@ class Model:
         `proposal` and `check`.
         """
         rows = None if data is None else data_of(self._model, data)[0]
-        named = [_proposal(proposal, "proposals") for proposal in proposals]
+        asked = [proposals] if isinstance(proposals, (str, Proposal)) else proposals
+        named = [_proposal(proposal, "proposals") for proposal in asked]
         options = _options({"particles": 100, **settings}, proposal="bootstrap")
         return Card(self._model.compare(rows, named, options, list(at), sequences, steps))
 

@@ -197,16 +197,17 @@ class Forecast:
 
     def __init__(self, filtered: Filtered, steps: int):
         n, (mean, sd, quantiles) = len(filtered.states), filtered._found.forecasts()
+        series = len(filtered.log_evidence_per_series)
         #: The filter up to the last measurement.
         self.filtered = filtered
         #: The names of the `N` coordinates of a state.
         self.states = filtered.states
         #: Means, `(S, steps, N)`.
-        self.mean = mean.reshape(-1, steps, n)
+        self.mean = mean.reshape(series, steps, n)
         #: Standard deviations, `(S, steps, N)`.
-        self.sd = sd.reshape(-1, steps, n)
+        self.sd = sd.reshape(series, steps, n)
         #: Quantiles at 5, 50 and 95 %, `(S, steps, N, 3)`.
-        self.quantiles = quantiles.reshape(-1, steps, n, 3)
+        self.quantiles = quantiles.reshape(series, steps, n, 3)
 
     def __repr__(self) -> str:
         return f"Forecast of {self.mean.shape[1]} times for {self.mean.shape[0]} series"

@@ -1,15 +1,20 @@
 //! Backward simulation: Godsill, Doucet and West, Monte Carlo smoothing for nonlinear time series (2004).
 
+use std::ops::ControlFlow;
 use std::sync::Mutex;
 
 use motes_models::batch::{Rows, there_is_memory_for, with_scratch};
 use motes_models::{Seed, StateSpaceModel};
 use rand::RngExt;
+use rayon_core::current_num_threads;
 
 use super::error::SmoothingError;
 use super::history::{FilterHistory, Generation};
 use super::paths::SmoothedPaths;
 use crate::parallel::{self, Pieces};
+
+/// As many densities as are looked at before somebody may say to stop, unless threads had nothing to do then: half a second's work.
+const DENSITIES_AT_ONCE: usize = 1 << 26;
 
 /// Draws `paths` trajectories `x_{0:T−1}` given all measurements.
 ///
@@ -27,6 +32,20 @@ pub fn backward_simulation(
     paths: usize,
     seed: &Seed,
 ) -> Result<SmoothedPaths, SmoothingError> {
+    backward_simulation_while(model, history, paths, seed, |_| ControlFlow::Continue(()))
+}
+
+/// [`backward_simulation`], which asks `proceed` now and then, with how many paths are drawn.
+///
+/// # Errors
+/// As there, and [`SmoothingError::Interrupted`] if `proceed` said to stop.
+pub fn backward_simulation_while(
+    model: &(impl StateSpaceModel + ?Sized),
+    history: &FilterHistory,
+    paths: usize,
+    seed: &Seed,
+    mut proceed: impl FnMut(usize) -> ControlFlow<()>,
+) -> Result<SmoothedPaths, SmoothingError> {
     let (times, width) = (history.len(), model.state_dim());
     for (name, count) in
         [("the number of paths", paths), ("the number of times", times), ("the state dimension N", width)]
@@ -41,7 +60,6 @@ pub fn backward_simulation(
     }
     let mut states = vec![0.0; numbers];
     let fault = Mutex::new(None);
-    let all = Paths { first: 0, each: times * width, states: &mut states };
     let draw = |some: Paths<'_>| {
         for (number, path) in (some.first..).zip(some.states.chunks_exact_mut(some.each)) {
             if let Err(error) = draw_path(model, &history.generations, &seed.nth(number as u64), path) {
@@ -50,7 +68,15 @@ pub fn backward_simulation(
         }
     };
     let particles = history.generations[0].log_weights.len();
-    parallel::step(paths.saturating_mul(particles), |threads| threads.share(all, 1, &draw));
+    let at_once = (DENSITIES_AT_ONCE / (times * particles)).max(current_num_threads()).min(paths);
+    for (number, some) in states.chunks_mut(at_once * times * width).enumerate() {
+        let some = Paths { first: number * at_once, each: times * width, states: some };
+        let after = some.first + some.count();
+        parallel::step(at_once.saturating_mul(particles), |threads| threads.share(some, 1, &draw));
+        if proceed(after).is_break() {
+            return Err(SmoothingError::Interrupted);
+        }
+    }
     match fault.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner()) {
         None => Ok(SmoothedPaths { states, times, width }),
         Some(error) => Err(error),

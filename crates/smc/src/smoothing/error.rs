@@ -27,4 +27,7 @@ pub enum SmoothingError {
         /// The time `t` of the particles.
         time: usize,
     },
+    /// Who asked for them said to stop.
+    #[error("interrupted before all trajectories were drawn")]
+    Interrupted,
 }

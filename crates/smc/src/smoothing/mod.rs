@@ -5,7 +5,7 @@ mod error;
 mod history;
 mod paths;
 
-pub use backward::backward_simulation;
+pub use backward::{backward_simulation, backward_simulation_while};
 pub use error::SmoothingError;
 pub use history::FilterHistory;
 pub use paths::SmoothedPaths;
