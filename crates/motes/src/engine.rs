@@ -5,7 +5,8 @@ use std::ops::{ControlFlow, Range};
 use motes_models::{PartialLikelihood, Seed, StateSpaceModel};
 use motes_smc::{
     Bootstrap, FilterError, FilterHistory, FilterSettings, Linearised, MinDegeneracy, ParticleFilter,
-    Proposal, SecondOpinion, SmoothedPaths, SmoothingError, Verdict, WeightDiagnosis, backward_simulation_while,
+    Proposal, SecondOpinion, SmoothedPaths, SmoothingError, Verdict, WeightDiagnosis,
+    backward_simulation_while,
 };
 
 use crate::error::MotesError;

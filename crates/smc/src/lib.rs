@@ -42,7 +42,9 @@ pub use proposals::{
 };
 pub use resampling::{ResampleWhen, Resampling};
 pub use second_opinion::{EvidenceError, SecondOpinion, Verdict};
-pub use smoothing::{FilterHistory, SmoothedPaths, SmoothingError, backward_simulation, backward_simulation_while};
+pub use smoothing::{
+    FilterHistory, SmoothedPaths, SmoothingError, backward_simulation, backward_simulation_while,
+};
 pub use weights::{LogWeights, WeightFault};
 
 /// The README's code, compiled and run as a documentation test.

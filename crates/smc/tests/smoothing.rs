@@ -1,10 +1,12 @@
 //! Backward simulation against the exact smoother.
 
+use std::ops::ControlFlow;
+
 use faer::mat;
 use motes_models::{Gaussian, LinearGaussian, Measurements, Seed, kalman, simulate};
 use motes_smc::{
     Bootstrap, FilterHistory, FilterSettings, ParticleFilter, SmoothedPaths, SmoothingError,
-    backward_simulation,
+    backward_simulation, backward_simulation_while,
 };
 
 const TIMES: usize = 12;
@@ -107,4 +109,34 @@ fn nothing_to_draw_is_refused() {
     assert_eq!(none.unwrap_err(), SmoothingError::Nothing { name: "the number of paths" });
     let many = backward_simulation(&model, &history, usize::MAX / 2, &Seed::from_u64(1));
     assert!(matches!(many.unwrap_err(), SmoothingError::Memory { .. }));
+}
+
+#[test]
+fn paths_are_drawn_in_portions_between_which_somebody_may_say_to_stop() {
+    let (model, measurements) = problem();
+    // 32 paths of two times and so many particles are a portion, or as many as there are threads.
+    let settings = FilterSettings::new(1 << 20);
+    let mut filter = ParticleFilter::new(&model, Bootstrap, settings, Seed::from_u64(3).stream()).unwrap();
+    let mut history = FilterHistory::new();
+    for time in 0..2 {
+        filter.step(measurements.row(time)).unwrap();
+        history.record(&filter).unwrap();
+    }
+    let on = |threads: usize, most: usize| {
+        let pool = rayon_core::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let mut asked = Vec::new();
+        let drawn = pool.install(|| {
+            backward_simulation_while(&model, &history, 40, &Seed::from_u64(4), |drawn| {
+                asked.push(drawn);
+                if drawn < most { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+            })
+        });
+        (drawn, asked)
+    };
+    let (portions, asked) = on(1, usize::MAX);
+    assert_eq!(asked, [32, 40]);
+    let (whole, asked) = on(64, usize::MAX);
+    assert_eq!(asked, [40]);
+    assert_eq!(portions, whole);
+    assert_eq!(on(1, 32), (Err(SmoothingError::Interrupted), vec![32]));
 }
