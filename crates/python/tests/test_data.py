@@ -63,17 +63,22 @@ def test_frames_of_pandas(nile, two):
     assert nile.filter(frame["flow"]).mean.tolist() == found.mean.tolist()
     dated = pandas.DataFrame({"date": index, "flow": [1120.0, pandas.NA, 1000.0]})
     assert "1871-01-01,0," in nile.filter(dated).to_csv()
+    assert (nile.filter(dated).to_pandas()["date"] == index).all()
     rows = pandas.DataFrame({"series": ["b", "a", "b"], "y": [1.0, 2.0, 3.0], "z": [0.0, 1.0, 2.0], "note": ["", "", ""]})
     with pytest.warns(motes.MotesWarning, match="not used: note"):
         found = two.filter(rows)
     assert found.series_names == ["b", "a"] and found.series.tolist() == [0, 1, 0]
+    assert found.to_pandas()["series"].tolist() == ["b", "a", "b"]
+    forecast = nile.forecast({"series": [7, 7, 3], "flow": [1120.0, 1160.0, 900.0]}, 2).to_pandas()
+    assert forecast["series"].tolist() == [7, 7, 3, 3] and forecast["t"].tolist() == [2, 3, 1, 2]
+    assert {"level_mean", "level_q95"} <= set(forecast.columns)
 
 
 def test_frames_of_polars(nile):
     polars = pytest.importorskip("polars")
     frame = polars.DataFrame({"year": [1871, 1872], "flow": [1120.0, None]})
     found = nile.filter(frame)
-    assert found.to_polars()["year"].to_list() == ["1871", "1872"]
+    assert found.to_polars()["year"].to_list() == found.to_pandas()["year"].tolist() == [1871, 1872]
     assert found.mean.tolist() == nile.filter([1120.0, None]).mean.tolist()
     several = nile.filter([frame["flow"], polars.Series([900.0, 910.0, 920.0])])
     assert several.series.tolist() == [0, 0, 1, 1, 1] and several.mean[:2].tolist() == found.mean.tolist()

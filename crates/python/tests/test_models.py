@@ -110,6 +110,7 @@ def test_models_that_are_none_are_refused_in_a_line(tmp_path):
         ({**walk, "transition": {"x": "normal(z, 1)"}}, "z"),
         ({**walk, "transition": {"x": object()}}, "transition.x"),
         ({**walk, "parameters": {"q": float("inf")}}, "q"),
+        ("[initial]\nx = 1", "Model.parse reads a text"),
     ]
     for source, names in cases:
         with pytest.raises(ValueError, match=names) as refused:
@@ -119,6 +120,10 @@ def test_models_that_are_none_are_refused_in_a_line(tmp_path):
         motes.Model(tmp_path / "nowhere.toml")
     with pytest.raises(ValueError, match="set: q: nan"):
         motes.Model(walk, set={"q": float("nan")})
+    with pytest.raises(ValueError, match="^model, Q: it has the smallest eigenvalue -1"):
+        motes.linear_gaussian(A=[[1.0]], C=[[1.0]], Q=[[-1.0]], R=[[1.0]], m0=[0.0], P0=[[1.0]])
+    with pytest.raises(ValueError, match="A: it has complex numbers"):
+        motes.linear_gaussian(A=np.array([[1j]]), C=[[1.0]], Q=[[1.0]], R=[[1.0]], m0=[0.0], P0=[[1.0]])
     with pytest.raises(ValueError, match="Q: an array of shape"):
         motes.linear_gaussian(A=[[1.0]], C=[[1.0]], Q=[1.0], R=[[1.0]], m0=[0.0], P0=[[1.0]])
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -11,26 +12,42 @@ from ._errors import warn
 from . import _motes
 
 
-def data_of(model: _motes.Model, data: Any) -> tuple[_motes.Data, Any]:
-    """The rows of `data`, and the index of its rows where it is a frame of pandas."""
-    if isinstance(data, _motes.Data):
-        return data, None
+@dataclass
+class Rows:
+    """Rows of measurements, and what else their owner gave with them."""
+
+    found: _motes.Data
+    #: The index of the rows, of a frame of pandas.
+    index: Any = None
+    #: What columns that results repeat said before they became text, by their names.
+    labels: dict[str, Any] = field(default_factory=dict)
+
+
+def data_of(model: _motes.Model, data: Any) -> Rows:
+    """The rows of `data`."""
     if isinstance(data, (str, os.PathLike)):
-        found, index = model.open(os.fspath(data)), None
+        rows = Rows(model.open(os.fspath(data)))
     elif _is_frame(data):
-        found, index = _of_frame(model, data), getattr(data, "index", None)
+        rows = Rows(_of_frame(model, data), getattr(data, "index", None))
+        repeated = ["series"] + ([rows.found.carried[0]] if rows.found.carried else [])
+        # Without the index of a series of pandas, which need not be without repetition.
+        rows.labels = {name: getattr(data[name], "array", data[name]) for name in repeated if name in _columns(data)}
     elif isinstance(data, (list, tuple)) and len(data) > 0 and all(_is_sequence(one) for one in data):
-        found, index = _of_sequences(model, data), None
+        rows = Rows(_of_sequences(model, list(data)))
     else:
-        found, index = _of_array(model, data), _index_of_series(data)
-    if found.ignored:
-        warn(f"data: columns that are not used: {', '.join(found.ignored)}")
-    return found, index
+        rows = Rows(_of_array(model, data), _index_of_series(data))
+    if rows.found.ignored:
+        warn(f"data: columns that are not used: {', '.join(rows.found.ignored)}")
+    return rows
 
 
 def _is_frame(data: Any) -> bool:
     """Whether it has columns by name: a frame of pandas or polars, or a dict of columns."""
     return isinstance(data, dict) or (hasattr(data, "columns") and hasattr(data, "__getitem__"))
+
+
+def _columns(frame: Any) -> list[Any]:
+    return list(frame if isinstance(frame, dict) else frame.columns)
 
 
 def _is_sequence(data: Any) -> bool:
@@ -45,8 +62,8 @@ def _index_of_series(data: Any) -> Any:
 
 
 def _of_frame(model: _motes.Model, frame: Any) -> _motes.Data:
-    names = [str(name) for name in (frame if isinstance(frame, dict) else frame.columns)]
-    keys = list(frame if isinstance(frame, dict) else frame.columns)
+    keys = _columns(frame)
+    names = [str(name) for name in keys]
     measured, series, time, carried, _ = model.columns(names)
     columns = [_numbers(frame[keys[at]], names[at]) for at in measured]
     lengths = {len(column) for column in columns}
@@ -115,7 +132,7 @@ def _numbers(values: Any, column: str | None) -> np.ndarray:
     if hasattr(values, "to_numpy"):
         values = values.to_numpy()
     if isinstance(values, np.ma.MaskedArray):
-        values = values.astype(np.float64 if values.dtype.kind in "fiub" else object).filled(np.nan)
+        values = np.ma.filled(values.astype(np.float64 if values.dtype.kind in "fiub" else object), np.nan)
     try:
         array = np.asarray(values)
     except ValueError:

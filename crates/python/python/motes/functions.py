@@ -57,7 +57,7 @@ def of_functions(
     for argument, function in (("transition", transition), ("measurement", measurement)):
         if not callable(function):
             raise TypeError(f"{argument}: {type(function).__name__}; it must be a function")
-    names = []
+    names: list[list[str]] = []
     for argument, given in (("states", states), ("measurements", measurements)):
         listed = given if isinstance(given, str) else list(given)
         if isinstance(listed, str) or not all(isinstance(name, str) for name in listed):
@@ -72,5 +72,5 @@ def of_functions(
         functions, slopes = tuple(zip(*pairs, strict=True))
     first = initial() if callable(initial) else initial
     model = Model.__new__(Model)
-    model._model = _motes.Model.of_functions(name, tuple(names), first, functions, slopes)
+    model._model = _motes.Model.of_functions(name, (names[0], names[1]), first, functions, slopes)
     return model

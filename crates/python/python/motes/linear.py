@@ -35,6 +35,8 @@ def linear_gaussian(
     arrays = {}
     for key, value in given.items():
         try:
+            if np.iscomplexobj(value):
+                raise TypeError("it has complex numbers")
             arrays[key] = np.asarray(value, dtype=np.float64)
         except (TypeError, ValueError) as error:
             raise ValueError(f"{key}: {error}; it must be an array of numbers") from None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypedDict, TypeVar
 
@@ -128,8 +129,12 @@ class OnlineFilter:
         self._width = len(model.measurements)
         #: The names of the `N` coordinates of a state.
         self.states = model.states
-        #: What is known of the state: means and standard deviations, `(N,)`, and quantiles at 5, 50 and 95 %, `(N, 3)`.
-        self.mean = self.sd = self.quantiles = None
+        #: The mean of the state, `(N,)`; NaN before the first step.
+        self.mean = np.full(len(self.states), np.nan)
+        #: Its standard deviation, `(N,)`.
+        self.sd = self.mean.copy()
+        #: Its quantiles at 5, 50 and 95 %, `(N, 3)`.
+        self.quantiles = np.full((len(self.states), 3), np.nan)
         #: The effective sample size of the last step, in particles.
         self.ess: float | None = None
         #: The estimate of `log p(y_t | y_0 … y_{t−1})` of the last step.
@@ -183,7 +188,13 @@ class Model:
     def __init__(self, source: str | os.PathLike[str] | Mapping[str, Any], *, set: Mapping[str, float] | None = None):
         pairs = _parameters(set)
         if isinstance(source, Mapping):
-            self._model = _motes.Model.parse(text_of(dict(source)), "model", pairs)
+            try:
+                self._model = _motes.Model.parse(text_of(dict(source)), "model", pairs)
+            except ValueError as error:
+                # The text is nobody's: where in it something stands helps nobody.
+                raise ValueError(re.sub(r"^model, line \d+, column \d+, ", "model, ", str(error))) from None
+        elif isinstance(source, str) and "\n" in source:
+            raise ValueError("source: a text of several lines; it must be a path or a dict; Model.parse reads a text")
         elif isinstance(source, (str, os.PathLike)):
             self._model = _motes.Model.read(os.fspath(source), pairs)
         else:
@@ -248,7 +259,7 @@ class Model:
 
         Simulations must stay finite, gradients must equal differences, and a filter must get through the data.
         """
-        return self._model.check(None if data is None else data_of(self._model, data)[0], seed)
+        return self._model.check(None if data is None else data_of(self._model, data).found, seed)
 
     def filter(self, data: Any, **settings: Unpack[FilterSettings]) -> Filtered:
         """Estimates the states of `data`, time by time, with the evidence of each measurement.
@@ -278,9 +289,9 @@ class Model:
 
     def smooth(self, data: Any, *, paths: int = 200, **settings: Unpack[FilterSettings]) -> Smoothed:
         """Estimates the states given all measurements, by `paths` trajectories drawn backwards; settings are those of `filter`."""
-        rows, index = data_of(self._model, data)
-        found = self._model.smooth(rows, _options(settings), paths)
-        return _warned(Smoothed(found, rows, self.states, self.measurements, index))
+        rows = data_of(self._model, data)
+        found = self._model.smooth(rows.found, _options(settings), paths)
+        return _warned(Smoothed(found, rows, self.states, self.measurements))
 
     def online(self, **settings: Unpack[FilterSettings]) -> OnlineFilter:
         """A filter that takes in measurements as they come, by `step(y)`; settings are those of `filter`, without `check`.
@@ -322,7 +333,7 @@ class Model:
         `motes learn`. Learning ends after `budget` seconds if one is given. `particles` and `sequences` are those of the
         card; with 0 sequences there is none.
         """
-        rows = None if data is None else data_of(self._model, data)[0]
+        rows = None if data is None else data_of(self._model, data).found
         arguments = {
             "objective": objective,
             "start": None if start is None else _proposal(start, "start"),
@@ -360,16 +371,16 @@ class Model:
         `at` are the numbers of particles at which error is held against time. `settings` are those of `filter`, but for
         `proposal` and `check`.
         """
-        rows = None if data is None else data_of(self._model, data)[0]
+        rows = None if data is None else data_of(self._model, data).found
         asked = [proposals] if isinstance(proposals, (str, Proposal)) else proposals
         named = [_proposal(proposal, "proposals") for proposal in asked]
         options = _options({"particles": 100, **settings}, proposal="bootstrap")
         return Card(self._model.compare(rows, named, options, list(at), sequences, steps))
 
     def _filtered(self, data: Any, options: _motes.FilterOptions) -> Filtered:
-        rows, index = data_of(self._model, data)
-        found = self._model.filter(rows, options)
-        return _warned(Filtered(found, rows, self.states, self.measurements, index))
+        rows = data_of(self._model, data)
+        found = self._model.filter(rows.found, options)
+        return _warned(Filtered(found, rows, self.states, self.measurements))
 
 
 def _parameters(set: Mapping[str, float] | None) -> list[tuple[str, float]]:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from . import _motes
+from ._table import Rows
 
 #: The probabilities of the quantiles.
 PROBABILITIES = (0.05, 0.5, 0.95)
@@ -17,8 +18,8 @@ PROBABILITIES = (0.05, 0.5, 0.95)
 class _Estimates:
     """Estimates of the states, row by row in the order of the data."""
 
-    def __init__(self, found: _motes.Filtered, data: _motes.Data, states: list[str], measured: list[str], index: Any):
-        self._found, self._data, self._index = found, data, index
+    def __init__(self, found: _motes.Filtered, rows: Rows, states: list[str], measured: list[str]):
+        self._found, self._data, self._index, self._labels = found, rows.found, rows.index, rows.labels
         #: The names of the `N` coordinates of a state.
         self.states = states
         self._measured = measured
@@ -101,14 +102,22 @@ class _Estimates:
         """The object that the command prints with `--json`."""
         return json.loads(self._found.json())
 
+    def _series_labels(self) -> list[Any]:
+        """What each series is called where it comes from."""
+        labels = self._labels.get("series", None)
+        if labels is None:
+            return self.series_names or []
+        return [labels[at] for at in np.unique(self.series, return_index=True)[1].tolist()]
+
     def _columns(self) -> dict[str, Any]:
         """The columns of the command's table, but for forecasts."""
         columns: dict[str, Any] = {}
         if self.series_names is not None:
-            columns["series"] = [self.series_names[number] for number in self.series]
+            names = self._series_labels()
+            columns["series"] = self._labels.get("series", [names[number] for number in self.series])
         if self._data.carried is not None:
-            name, labels = self._data.carried
-            columns[name] = labels
+            name, texts = self._data.carried
+            columns[name] = self._labels.get(name, texts)
         columns["t"] = self.time
         for at, state in enumerate(self.states):
             columns[f"{state}_mean"], columns[f"{state}_sd"] = self.mean[:, at], self.sd[:, at]
@@ -208,6 +217,20 @@ class Forecast:
         self.sd = sd.reshape(series, steps, n)
         #: Quantiles at 5, 50 and 95 %, `(S, steps, N, 3)`.
         self.quantiles = quantiles.reshape(series, steps, n, 3)
+
+    def to_pandas(self) -> Any:
+        """A data frame of pandas with a row for each time: `t` goes on from the last measurement."""
+        series, steps, _ = self.mean.shape
+        lengths = np.bincount(self.filtered.series, minlength=series)
+        columns: dict[str, Any] = {}
+        if self.filtered.series_names is not None:
+            columns["series"] = [label for label in self.filtered._series_labels() for _ in range(steps)]
+        columns["t"] = (lengths[:, None] + np.arange(steps)).reshape(-1)
+        for at, state in enumerate(self.states):
+            columns[f"{state}_mean"], columns[f"{state}_sd"] = self.mean[:, :, at].reshape(-1), self.sd[:, :, at].reshape(-1)
+            for quantile, name in enumerate(("q05", "q50", "q95")):
+                columns[f"{state}_{name}"] = self.quantiles[:, :, at, quantile].reshape(-1)
+        return _module("pandas", "to_pandas").DataFrame(columns)
 
     def __repr__(self) -> str:
         return f"Forecast of {self.mean.shape[1]} times for {self.mean.shape[0]} series"
