@@ -22,6 +22,14 @@ fn many() -> String {
     )
 }
 
+/// How often a run set lines aside that a killed one had begun to write; nothing else may ever be set aside.
+fn lines_begun(said: &str) -> usize {
+    let aside: Vec<&str> = said.lines().filter(|line| line.contains("set aside")).collect();
+    let is_torn = |line: &&str| line.starts_with("lines that a killed run had begun set aside in ");
+    assert!(aside.iter().all(is_torn), "a partial unit counted as done: {said}");
+    aside.len()
+}
+
 #[test]
 fn killed_a_hundred_times_at_random() {
     let kills = 100;
@@ -44,17 +52,14 @@ fn killed_a_hundred_times_at_random() {
             // It was faster than the kill, and is as good as any.
             let output = run.wait_with_output().unwrap();
             assert!(output.status.success(), "{}", stderr(&output));
+            lines_begun(&stderr(&output));
             assert_eq!(place.tables("killed"), place.tables("whole"));
             std::fs::remove_dir_all(place.path("killed")).unwrap();
             (stored, ended) = (0, ended + 1);
             continue;
         }
         run.kill().unwrap();
-        let said = stderr(&run.wait_with_output().unwrap());
-        // A kill may come amid the write of a line: its beginning is set aside, and nothing else ever is.
-        let aside: Vec<&str> = said.lines().filter(|line| line.contains("set aside")).collect();
-        let is_torn = |line: &&str| line.starts_with("lines that a killed run had begun set aside in ");
-        assert!(aside.iter().all(is_torn), "a partial unit counted as done: {said}");
+        torn += lines_begun(&stderr(&run.wait_with_output().unwrap()));
         let now = place.units("killed");
         assert!(now >= stored, "units were lost: {now} after {stored}");
         // A machine that has become slower needs more time to get anywhere.
@@ -64,7 +69,6 @@ fn killed_a_hundred_times_at_random() {
         }
         (killed, stored) = (killed + 1, now);
         midway += usize::from((1..MANY).contains(&now));
-        torn += aside.len();
     }
     println!(
         "{kills} kills, {midway} of them with some units stored and others not; \
@@ -73,6 +77,7 @@ fn killed_a_hundred_times_at_random() {
     assert!(midway >= 10);
     let output = place.run(&["tiny", "--out", "killed"]);
     assert!(output.status.success(), "{}", stderr(&output));
+    lines_begun(&stderr(&output));
     assert_eq!(place.tables("killed"), place.tables("whole"));
     for left in ["partial", "part.jsonl"] {
         let left = place.files("killed/tiny/quick", left);

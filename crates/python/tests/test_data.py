@@ -84,6 +84,30 @@ def test_frames_of_polars(nile):
     assert several.series.tolist() == [0, 0, 1, 1, 1] and several.mean[:2].tolist() == found.mean.tolist()
 
 
+def test_results_repeat_what_columns_said(nile):
+    pandas, polars = pytest.importorskip("pandas"), pytest.importorskip("polars")
+    flows = [1120.0, 1160.0, 1000.0]
+    dates = pandas.date_range("1871-01-01", periods=3, freq="YS")
+    columns = {
+        "numbers": pandas.Series([3, 1, 2]),
+        "dates": pandas.Series(dates),
+        "zones": pandas.Series(dates.tz_localize("UTC")),
+        "kinds": pandas.Series(["b", "a", "b"], dtype="category"),
+        "periods": pandas.Series(dates.to_period("Y")),
+    }
+    for name, column in columns.items():
+        found = nile.filter(pandas.DataFrame({name: column, "flow": flows}).set_axis([5, 5, 6]))
+        assert found.to_pandas()[name].tolist() == column.tolist()
+        assert found.to_polars().height == 3
+    assert nile.filter(pandas.DataFrame({0: dates, "flow": flows})).to_pandas()["0"].tolist() == list(dates)
+    years = [1871, 1872, 1873]
+    found = nile.filter({"year": years, "flow": flows})
+    years[0] = 0
+    assert found.to_pandas()["year"].tolist() == found.to_polars()["year"].to_list() == [1871, 1872, 1873]
+    once = nile.filter({"series": (name for name in "aab"), "year": {1: 0, 2: 0, 3: 0}.keys(), "flow": flows})
+    assert once.to_pandas()[["series", "year"]].values.tolist() == [["a", 1], ["a", 2], ["b", 3]]
+
+
 def test_a_forecast_of_no_time_is_empty(nile):
     found = nile.forecast([np.array([1120.0]), np.array([900.0, 910.0])], 0)
     assert found.mean.shape == (2, 0, 1) and found.quantiles.shape == (2, 0, 1, 3)
@@ -102,6 +126,12 @@ def test_a_forecast_of_no_time_is_empty(nile):
         (np.zeros((0, 5, 2)), "data: there are no sequences"),
         ({"series": ["a", None], "y": [1.0, 2.0], "z": [1.0, 2.0]}, "data, row 1, column series: it is missing"),
         ({"series": [1.0, float("nan")], "y": [1.0, 2.0], "z": [1.0, 2.0]}, "data, row 1, column series: it is missing"),
+        ({"series": np.array([1, np.nan], np.float32), "y": [1.0, 2.0], "z": [1.0, 2.0]}, "data, row 1, column series: it is missing"),
+        ({"series": np.array(["2020", "NaT"], "M8[D]"), "y": [1.0, 2.0], "z": [1.0, 2.0]}, "data, row 1, column series: it is missing"),
+        ({"series": np.ma.masked_equal([1, 2], 2), "y": [1.0, 2.0], "z": [1.0, 2.0]}, "data, row 1, column series: it is missing"),
+        ({"series": "ab", "y": [1.0, 2.0], "z": [1.0, 2.0]}, "data, column series: 'ab' is no column"),
+        ({"y": 1.0, "z": 2.0}, "data, column y: 1.0 is no column"),
+        ({"x_mean": [1, 2], "y": [1.0, 2.0], "z": [1.0, 2.0]}, "data, column x_mean: results have a column of that name"),
         ({"y": [1.0, "x"], "z": [1.0, 2.0]}, "data, row 0, column y: .* is no number"),
         ({"y": np.array([1.0, "x"], dtype=object), "z": [1.0, 2.0]}, "data, row 1, column y: 'x' is no number"),
         ({"y": [1j], "z": [1.0]}, "data, row 0, column y: .* is no number"),

@@ -225,6 +225,8 @@ def test_counts_can_be_neither_shifted_nor_scaled():
     for both in (lambda: one * one, lambda: one + one, lambda: one - one, lambda: one / one):
         with pytest.raises(TypeError, match="normal and normal: a distribution is shifted and scaled by numbers"):
             both()
+    with pytest.raises(TypeError, match="normal and None"):
+        one + None
     counted = of(measurement=lambda t, x: motes.negative_binomial(np.exp(0.01 * x), 3.0))
     assert counted.filter([1, 0, 4], particles=50).log_evidence < 0
 

@@ -111,6 +111,7 @@ def test_models_that_are_none_are_refused_in_a_line(tmp_path):
         ({**walk, "transition": {"x": object()}}, "transition.x"),
         ({**walk, "parameters": {"q": float("inf")}}, "q"),
         ("[initial]\nx = 1", "Model.parse reads a text"),
+        ({**walk, "foo": {"x": 1}}, "^model: a model file has no `foo` here"),
     ]
     for source, names in cases:
         with pytest.raises(ValueError, match=names) as refused:
@@ -124,6 +125,9 @@ def test_models_that_are_none_are_refused_in_a_line(tmp_path):
         motes.linear_gaussian(A=[[1.0]], C=[[1.0]], Q=[[-1.0]], R=[[1.0]], m0=[0.0], P0=[[1.0]])
     with pytest.raises(ValueError, match="A: it has complex numbers"):
         motes.linear_gaussian(A=np.array([[1j]]), C=[[1.0]], Q=[[1.0]], R=[[1.0]], m0=[0.0], P0=[[1.0]])
+    with pytest.raises(ValueError, match="A: it has masked entries"):
+        masked = np.ma.masked_array([[3.0]], [[True]])
+        motes.linear_gaussian(A=masked, C=[[1.0]], Q=[[1.0]], R=[[1.0]], m0=[0.0], P0=[[1.0]])
     with pytest.raises(ValueError, match="Q: an array of shape"):
         motes.linear_gaussian(A=[[1.0]], C=[[1.0]], Q=[1.0], R=[[1.0]], m0=[0.0], P0=[[1.0]])
 
@@ -159,7 +163,7 @@ def test_other_threads_of_python_run_meanwhile(growth):
         lambda model: model.learn(updates=10_000_000),
         lambda model: model.filter(np.zeros(1_000_000), particles=10_000),
         lambda model: model.forecast([1.0], 1_000_000, particles=10_000),
-        lambda model: model.smooth(np.zeros(100), paths=1_000_000, particles=10_000),
+        lambda model: model.smooth(np.zeros(100), paths=100_000, particles=10_000),
         lambda model: model.compare(sequences=1000, steps=10_000),
     ],
     ids=["learn", "filter", "forecast", "smooth", "compare"],

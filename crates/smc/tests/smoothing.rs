@@ -115,7 +115,7 @@ fn nothing_to_draw_is_refused() {
 fn paths_are_drawn_in_portions_between_which_somebody_may_say_to_stop() {
     let (model, measurements) = problem();
     // 32 paths of two times and so many particles are a portion, or as many as there are threads.
-    let settings = FilterSettings::new(1 << 20);
+    let settings = FilterSettings::new(1 << 18);
     let mut filter = ParticleFilter::new(&model, Bootstrap, settings, Seed::from_u64(3).stream()).unwrap();
     let mut history = FilterHistory::new();
     for time in 0..2 {

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass, field
+from decimal import Decimal
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,7 @@ class Rows:
     #: The index of the rows, of a frame of pandas.
     index: Any = None
     #: What columns that results repeat said before they became text, by their names.
-    labels: dict[str, Any] = field(default_factory=dict)
+    labels: dict[str, list[Any]] = field(default_factory=dict)
 
 
 def data_of(model: _motes.Model, data: Any) -> Rows:
@@ -28,26 +29,28 @@ def data_of(model: _motes.Model, data: Any) -> Rows:
     if isinstance(data, (str, os.PathLike)):
         rows = Rows(model.open(os.fspath(data)))
     elif _is_frame(data):
-        rows = Rows(_of_frame(model, data), getattr(data, "index", None))
-        repeated = ["series"] + ([rows.found.carried[0]] if rows.found.carried else [])
-        # Without the index of a series of pandas, which need not be without repetition.
-        rows.labels = {name: getattr(data[name], "array", data[name]) for name in repeated if name in _columns(data)}
+        found, labels = _of_frame(model, data)
+        rows = Rows(found, getattr(data, "index", None), labels)
     elif isinstance(data, (list, tuple)) and len(data) > 0 and all(_is_sequence(one) for one in data):
         rows = Rows(_of_sequences(model, list(data)))
     else:
         rows = Rows(_of_array(model, data), _index_of_series(data))
+    if rows.found.carried is not None and rows.found.carried[0] in results_of(model.states):
+        raise ValueError(f"data, column {rows.found.carried[0]}: results have a column of that name; give it another")
     if rows.found.ignored:
         warn(f"data: columns that are not used: {', '.join(rows.found.ignored)}")
     return rows
 
 
+def results_of(states: list[str]) -> list[str]:
+    """The columns of the command's table that filters and smoothers find."""
+    of_states = [f"{state}_{what}" for state in states for what in ("mean", "sd", "q05", "q50", "q95")]
+    return [*of_states, "ess", "log_evidence"]
+
+
 def _is_frame(data: Any) -> bool:
     """Whether it has columns by name: a frame of pandas or polars, or a dict of columns."""
     return isinstance(data, dict) or (hasattr(data, "columns") and hasattr(data, "__getitem__"))
-
-
-def _columns(frame: Any) -> list[Any]:
-    return list(frame if isinstance(frame, dict) else frame.columns)
 
 
 def _is_sequence(data: Any) -> bool:
@@ -61,27 +64,31 @@ def _index_of_series(data: Any) -> Any:
     return data.index if hasattr(data, "index") and hasattr(data, "to_numpy") else None
 
 
-def _of_frame(model: _motes.Model, frame: Any) -> _motes.Data:
-    keys = _columns(frame)
-    names = [str(name) for name in keys]
+def _of_frame(model: _motes.Model, frame: Any) -> tuple[_motes.Data, dict[str, list[Any]]]:
+    """Its rows, and what columns that results repeat said before they became text."""
+    keys = list(frame if isinstance(frame, dict) else frame.columns)
+    names = [str(key) for key in keys]
     measured, series, time, carried, _ = model.columns(names)
-    columns = [_numbers(frame[keys[at]], names[at]) for at in measured]
+    used = {at: _column(frame[keys[at]], names[at]) for at in [*measured, series, time, carried] if at is not None}
+    columns = [_numbers(used[at], names[at]) for at in measured]
     lengths = {len(column) for column in columns}
     if len(lengths) > 1:
         raise ValueError(f"data: columns have different lengths: {', '.join(map(str, sorted(lengths)))}")
     values = np.stack(columns, axis=1) if columns else np.empty((0, 0))
-    times = None if time is None else _numbers(frame[keys[time]], names[time]).tolist()
-    labels = None if series is None else _labels(frame[keys[series]], names[series])
-    texts = None if carried is None else [_text(value) for value in frame[keys[carried]]]
-    return model.data(names, values.reshape(-1), labels, times, texts)
-
-
-def _labels(values: Any, column: str) -> list[str]:
-    """The series of each row, which none may lack."""
-    for row, value in enumerate(values):
+    times = None if time is None else _numbers(used[time], names[time]).tolist()
+    labels = {names[at]: list(used[at]) for at in (series, carried) if at is not None}
+    for row, value in enumerate(labels.get("series", [])):
         if _is_missing(value):
-            raise ValueError(f"data, row {row}, column {column}: it is missing; each row must say which series it belongs to")
-    return [_text(value) for value in values]
+            raise ValueError(f"data, row {row}, column series: it is missing; each row must say which series it belongs to")
+    texts = [None if at is None else [_text(value) for value in labels[names[at]]] for at in (series, carried)]
+    return model.data(names, values.reshape(-1), texts[0], times, texts[1]), labels
+
+
+def _column(values: Any, name: str) -> Any:
+    """A column of a frame; what can be gone through only once becomes a list."""
+    if isinstance(values, (str, bytes)) or not hasattr(values, "__iter__") or getattr(values, "ndim", 1) == 0:
+        raise ValueError(f"data, column {name}: {values!r} is no column; it must be an array or a list")
+    return values if hasattr(values, "__len__") and hasattr(values, "__getitem__") else list(values)
 
 
 def _of_array(model: _motes.Model, data: Any) -> _motes.Data:
@@ -118,7 +125,7 @@ def _of_sequences(model: _motes.Model, sequences: list[Any]) -> _motes.Data:
 
 def _one_sequence(model: _motes.Model, sequence: Any, names: list[str], width: int) -> np.ndarray:
     if _is_frame(sequence):
-        return _of_frame(model, sequence).measurements.reshape(-1, width)
+        return _of_frame(model, sequence)[0].measurements.reshape(-1, width)
     one = _numbers(sequence, names[0] if width == 1 else None)
     if one.ndim == 1 and width == 1:
         one = one[:, None]
@@ -161,9 +168,15 @@ def _number(value: Any, at: tuple[int, ...], column: str | None) -> float:
         raise ValueError(f"{_place(at, column)}: {value!r}: {error}") from None
 
 
+#: What may say that it is no number or no time by being unequal to itself.
+_UNEQUAL = (float, np.floating, np.datetime64, np.timedelta64, Decimal)
+
+
 def _is_missing(value: Any) -> bool:
-    """Whether it stands for nothing: None, NaN, or what pandas has for them."""
-    return value is None or type(value).__name__ in ("NAType", "NaTType") or (isinstance(value, float) and value != value)
+    """Whether it stands for nothing: None, NaN, what is masked, or what pandas has for them."""
+    if value is None or value is np.ma.masked or type(value).__name__ in ("NAType", "NaTType"):
+        return True
+    return isinstance(value, _UNEQUAL) and bool(value != value)
 
 
 def _place(at: tuple[int, ...], column: str | None) -> str:

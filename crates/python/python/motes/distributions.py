@@ -24,7 +24,7 @@ class Distribution:
     __array_ufunc__ = None
 
     def __add__(self, by: Any) -> "Distribution":
-        self._must_be_continuous(by)
+        self._check(by)
         return replace(self, shift=by if self.shift is None else self.shift + by)
 
     __radd__ = __add__
@@ -36,23 +36,25 @@ class Distribution:
         return -self + by
 
     def __mul__(self, by: Any) -> "Distribution":
-        self._must_be_continuous(by)
+        self._check(by)
         scale = by if self.scale is None else self.scale * by
         return replace(self, scale=scale, shift=None if self.shift is None else self.shift * by)
 
     __rmul__ = __mul__
 
     def __truediv__(self, by: Any) -> "Distribution":
-        if isinstance(by, Distribution):
-            self._must_be_continuous(by)
+        self._check(by)
         return self * (1.0 / by)
 
     def __neg__(self) -> "Distribution":
         return self * -1.0
 
-    def _must_be_continuous(self, by: Any) -> None:
+    def _check(self, by: Any) -> None:
+        """Refuses what cannot be shifted or scaled, and what it cannot be shifted or scaled by."""
         if isinstance(by, Distribution):
             raise TypeError(f"{self.family} and {by.family}: a distribution is shifted and scaled by numbers, not by another")
+        if by is None:
+            raise TypeError(f"{self.family} and None: a distribution is shifted and scaled by numbers")
         if self.family in ("poisson", "negative_binomial", "binomial", "bernoulli"):
             raise TypeError(f"{self.family}: counts can be neither shifted nor scaled")
 

@@ -37,6 +37,8 @@ def linear_gaussian(
         try:
             if np.iscomplexobj(value):
                 raise TypeError("it has complex numbers")
+            if np.ma.is_masked(value):
+                raise TypeError("it has masked entries")
             arrays[key] = np.asarray(value, dtype=np.float64)
         except (TypeError, ValueError) as error:
             raise ValueError(f"{key}: {error}; it must be an array of numbers") from None

@@ -192,8 +192,8 @@ class Model:
                 self._model = _motes.Model.parse(text_of(dict(source)), "model", pairs)
             except ValueError as error:
                 # The text is nobody's: where in it something stands helps nobody.
-                raise ValueError(re.sub(r"^model, line \d+, column \d+, ", "model, ", str(error))) from None
-        elif isinstance(source, str) and "\n" in source:
+                raise ValueError(re.sub(r"^model, line \d+, column \d+(?=[,:])", "model", str(error))) from None
+        elif isinstance(source, str) and "\n" in source and not os.path.exists(source):
             raise ValueError("source: a text of several lines; it must be a path or a dict; Model.parse reads a text")
         elif isinstance(source, (str, os.PathLike)):
             self._model = _motes.Model.read(os.fspath(source), pairs)

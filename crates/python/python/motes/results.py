@@ -109,15 +109,15 @@ class _Estimates:
             return self.series_names or []
         return [labels[at] for at in np.unique(self.series, return_index=True)[1].tolist()]
 
-    def _columns(self) -> dict[str, Any]:
-        """The columns of the command's table, but for forecasts."""
+    def _columns(self, labels: dict[str, list[Any]]) -> dict[str, Any]:
+        """The columns of the command's table, but for forecasts; with `labels` for what was text there."""
         columns: dict[str, Any] = {}
         if self.series_names is not None:
-            names = self._series_labels()
-            columns["series"] = self._labels.get("series", [names[number] for number in self.series])
+            names = self.series_names
+            columns["series"] = labels.get("series", [names[number] for number in self.series])
         if self._data.carried is not None:
             name, texts = self._data.carried
-            columns[name] = self._labels.get(name, texts)
+            columns[name] = labels.get(name, texts)
         columns["t"] = self.time
         for at, state in enumerate(self.states):
             columns[f"{state}_mean"], columns[f"{state}_sd"] = self.mean[:, at], self.sd[:, at]
@@ -127,11 +127,16 @@ class _Estimates:
 
     def to_pandas(self) -> Any:
         """A data frame of pandas with a row for each row of the data, and its index where it had one."""
-        return _module("pandas", "to_pandas").DataFrame(self._columns(), index=self._index)
+        return _module("pandas", "to_pandas").DataFrame(self._columns(self._labels), index=self._index)
 
     def to_polars(self) -> Any:
         """A data frame of polars with a row for each row of the data."""
-        return _module("polars", "to_polars").DataFrame(self._columns())
+        polars = _module("polars", "to_polars")
+        try:
+            return polars.DataFrame(self._columns(self._labels))
+        except TypeError:
+            # Labels of a kind that only pandas has: as the command's table has them.
+            return polars.DataFrame(self._columns({}))
 
     def to_html(self, path: Any = None) -> str:
         """The report, one HTML page that needs nothing else; written to `path` if there is one."""
@@ -153,7 +158,9 @@ class _Estimates:
         if axes is None:
             _, axes = pyplot.subplots(len(shown), 1, sharex=True, squeeze=False, figsize=(8, 2.4 * len(shown)))
         axes = np.ravel(axes)
-        across = self.time[rows] if self._index is None else self._index[rows]
+        # Levels of an index have no place on one axis.
+        has_index = self._index is not None and getattr(self._index, "nlevels", 1) == 1
+        across = self._index[rows] if has_index else self.time[rows]
         for axis, name in zip(axes, shown, strict=True):
             at = self.states.index(name)
             low, high = self.quantiles[rows, at, 0], self.quantiles[rows, at, 2]
@@ -161,7 +168,7 @@ class _Estimates:
             axis.plot(across, self.mean[rows, at], label="mean")
             axis.set_ylabel(name)
         axes[0].legend(loc="best", frameon=False)
-        axes[-1].set_xlabel("t" if self._index is None else "")
+        axes[-1].set_xlabel("" if has_index else "t")
         return axes
 
     def __repr__(self) -> str:
@@ -185,8 +192,8 @@ class Filtered(_Estimates):
         """The estimate of `log p(y_t | y_0 … y_{t−1})` of each row, `(rows,)`; 0 where all is missing."""
         return self._found.log_evidence_increments()
 
-    def _columns(self) -> dict[str, Any]:
-        return {**super()._columns(), "ess": self.ess, "log_evidence": self.log_evidence_increments}
+    def _columns(self, labels: dict[str, list[Any]]) -> dict[str, Any]:
+        return {**super()._columns(labels), "ess": self.ess, "log_evidence": self.log_evidence_increments}
 
 
 class Smoothed(_Estimates):

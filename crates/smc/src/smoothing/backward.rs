@@ -13,8 +13,8 @@ use super::history::{FilterHistory, Generation};
 use super::paths::SmoothedPaths;
 use crate::parallel::{self, Pieces};
 
-/// As many densities as are looked at before somebody may say to stop, unless threads had nothing to do then: half a second's work.
-const DENSITIES_AT_ONCE: usize = 1 << 26;
+/// As many densities as are looked at before somebody may say to stop, some tenth of a second's work; but each thread draws a path.
+const DENSITIES_AT_ONCE: usize = 1 << 24;
 
 /// Draws `paths` trajectories `x_{0:T−1}` given all measurements.
 ///
@@ -68,12 +68,17 @@ pub fn backward_simulation_while(
         }
     };
     let particles = history.generations[0].log_weights.len();
-    let at_once = (DENSITIES_AT_ONCE / (times * particles)).max(current_num_threads()).min(paths);
+    let threads = current_num_threads();
+    let at_once = (DENSITIES_AT_ONCE / (times * particles)).max(1).next_multiple_of(threads).min(paths);
     for (number, some) in states.chunks_mut(at_once * times * width).enumerate() {
         let some = Paths { first: number * at_once, each: times * width, states: some };
-        let after = some.first + some.count();
-        parallel::step(at_once.saturating_mul(particles), |threads| threads.share(some, 1, &draw));
-        if proceed(after).is_break() {
+        let drawn = some.first + some.count();
+        parallel::step(paths.saturating_mul(particles), |threads| threads.share(some, 1, &draw));
+        let is_over = fault.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).is_some();
+        if is_over {
+            break;
+        }
+        if proceed(drawn).is_break() {
             return Err(SmoothingError::Interrupted);
         }
     }
