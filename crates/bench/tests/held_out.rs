@@ -143,10 +143,22 @@ fn every_benchmark_runs_and_a_finished_one_is_not_run_again() {
     assert!(String::from_utf8_lossy(&again.stdout).contains("was run before"));
     // Proposals that are there are not learned again; the card is the same but for times.
     std::fs::remove_file(place.path("runs/learned-growth/smoke/card.json")).unwrap();
+    // Neither are references made again: one that is altered is believed.
+    let folder = place.path("runs/learned-growth/smoke/references");
+    let folder = std::fs::read_dir(folder).unwrap().next().unwrap().unwrap().path();
+    let kept = folder.join("0.json");
+    let text = std::fs::read_to_string(&kept).unwrap();
     let again = place.run(&["learned-growth", "--profile", "smoke"]);
     assert!(!stderr(&again).contains("learning"), "{}", stderr(&again));
     let evidence = |card: &serde_json::Value| card["card"]["methods"]["learned"]["log_evidence_gap"].clone();
     assert_eq!(evidence(&card("learned-growth")), evidence(&growth));
+    let mut altered: serde_json::Value = serde_json::from_str(&text).unwrap();
+    altered["increments"][0] = (altered["increments"][0].as_f64().unwrap() - 1000.0).into();
+    std::fs::write(&kept, altered.to_string()).unwrap();
+    std::fs::remove_file(place.path("runs/learned-growth/smoke/card.json")).unwrap();
+    assert!(place.run(&["learned-growth", "--profile", "smoke"]).status.success());
+    let gap = |card: &serde_json::Value| evidence(card).as_f64().unwrap();
+    assert!((gap(&card("learned-growth")) - gap(&growth) - 500.0).abs() < 1e-6);
 }
 
 #[test]

@@ -314,6 +314,7 @@ impl Model {
             reference_particles: CompareOptions::REFERENCE_PARTICLES,
             reference_filters: 1,
             reference_error: None,
+            references: None,
             timed_threads: threads.unwrap_or(1),
         };
         self.carded(py, data.map(|data| &data.get().0), options, *threads, None)

@@ -69,7 +69,7 @@ impl BenchmarkError {
 
 /// Runs a benchmark, unless the same one was finished before, and writes card.json, table.md and figure.svg.
 ///
-/// Proposals are kept as they are learned: a run that is stopped goes on with those that are there.
+/// Proposals and references are kept as they are made: a run that is stopped goes on with those that are there.
 ///
 /// # Errors
 /// [`BenchmarkError`] if it fails, is stopped or cannot be written down.
@@ -153,6 +153,13 @@ fn learning_key(plan: &BenchmarkPlan) -> String {
     key_of(&(FORMAT, plan.seed, set, learned, recorded, text(model), data, [updates, further_updates, times]))
 }
 
+/// A hash of all that references depend on: learned proposals are among those that they are made with.
+fn reference_key(plan: &BenchmarkPlan) -> String {
+    let BenchmarkProfile { reference_particles, reference_filters, reference_error, .. } = plan.profile;
+    let settings = (reference_particles, reference_filters, reference_error);
+    key_of(&(learning_key(plan), settings, plan.benchmark.resample_below))
+}
+
 fn options(plan: &BenchmarkPlan, learned: &[LearnedProposal]) -> Result<CompareOptions, MotesError> {
     let (benchmark, profile) = (&plan.benchmark, &plan.profile);
     let named =
@@ -174,6 +181,7 @@ fn options(plan: &BenchmarkPlan, learned: &[LearnedProposal]) -> Result<CompareO
         reference_particles: profile.reference_particles,
         reference_filters: profile.reference_filters,
         reference_error: profile.reference_error,
+        references: Some(plan.folder.join("references").join(reference_key(plan))),
         timed_threads: 1,
     })
 }

@@ -3,6 +3,7 @@
 mod card;
 mod designed;
 mod equal_time;
+mod kept;
 mod options;
 mod paired;
 mod reference;

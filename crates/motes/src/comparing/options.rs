@@ -1,5 +1,7 @@
 //! What is compared, and on what.
 
+use std::path::PathBuf;
+
 use super::designed::designed;
 use crate::learned::LearnedProposal;
 use crate::model::Model;
@@ -28,6 +30,8 @@ pub struct CompareOptions {
     pub reference_filters: usize,
     /// More of them are added for a sequence until the standard error of its log-evidence is at most this, or there are [`MOST_REFERENCE_FILTERS`]; none are if absent.
     pub reference_error: Option<f64>,
+    /// Where references are kept and found again; nowhere if absent. Everything that they depend on must be the same whenever a folder is given.
+    pub references: Option<PathBuf>,
     /// The threads of the filters that are timed; those of the reference take all that there are.
     pub timed_threads: usize,
 }
@@ -53,6 +57,7 @@ impl CompareOptions {
             reference_particles: (2 * Self::REFERENCE_PARTICLES / model.states().len().max(2)).max(4000),
             reference_filters: 1,
             reference_error: None,
+            references: None,
             timed_threads: 1,
         }
     }

@@ -3,7 +3,9 @@
 use std::borrow::Cow;
 
 use motes_models::{LinearGaussian, PartialMeasurements, kalman};
+use serde::{Deserialize, Serialize};
 
+use super::kept;
 use super::options::{CompareOptions, MOST_REFERENCE_FILTERS};
 use super::sequence::Sequence;
 use crate::engine::Running;
@@ -15,6 +17,7 @@ use crate::options::{FilterOptions, ProposalName};
 const DEFENSIVE: f64 = 0.1;
 
 /// The answers for one sequence.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Reference {
     pub(super) name: String,
     /// The mean of the state at each time.
@@ -59,8 +62,26 @@ pub(super) fn particles(model: &Model, options: &CompareOptions) -> usize {
     (candidates(options).len() + more) * options.reference_particles
 }
 
-/// The reference for the sequence of that number.
+/// The reference for the sequence of that number: the one that is kept, if there is one.
 pub(super) fn reference(
+    model: &Model,
+    sequence: &Sequence,
+    options: &CompareOptions,
+    number: usize,
+) -> Result<Reference, MotesError> {
+    let Some(folder) = &options.references else { return computed(model, sequence, options, number) };
+    if let Some(found) = kept::read(folder, number, sequence.measurements.len())? {
+        return Ok(found);
+    }
+    let found = computed(model, sequence, options, number)?;
+    // A file has numbers only; where all filters collapsed there are others.
+    if found.log_evidence().is_finite() {
+        kept::write(folder, number, &found)?;
+    }
+    Ok(found)
+}
+
+fn computed(
     model: &Model,
     sequence: &Sequence,
     options: &CompareOptions,

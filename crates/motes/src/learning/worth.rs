@@ -126,6 +126,7 @@ mod tests {
             reference_particles: 5000,
             reference_filters: 1,
             reference_error: None,
+            references: None,
             timed_threads: 1,
         };
         let card = compare(&model, None, &options, |_| ControlFlow::Continue(())).unwrap().cards;
