@@ -41,6 +41,7 @@ pub(super) fn run(args: &CompareArgs, interrupt: &Interrupt) -> Result<u8, Failu
         reference_particles: CompareOptions::REFERENCE_PARTICLES,
         reference_filters: 1,
         reference_error: None,
+        references: None,
         // On one thread unless others are asked for: times are those of one.
         timed_threads: args.model.threads.unwrap_or(1),
     };
