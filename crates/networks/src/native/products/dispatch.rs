@@ -8,7 +8,7 @@ use super::multiply::Multiply;
 use super::outer_products::{OuterProducts, Take};
 use super::threads::{Kernel, share};
 use super::{
-    by_faer, eigen_panels, eigen_products, few_rows, large_weights, some_rows, some_rows_transposed,
+    by_faer, eigen_matrices, eigen_panels, few_rows, large_weights, some_rows, some_rows_transposed,
     weight_gradients,
 };
 use crate::native::buffers::Buffers;
@@ -39,7 +39,7 @@ impl Multiply for f64 {
     }
 
     fn by_eigenvalue(products: EigenProducts<'_, f64>, buffers: &mut Buffers<f64>) {
-        eigen_products::one_by_one(products, buffers);
+        eigen_matrices::one_by_one(products, buffers);
     }
 
     fn outer(sums: &OuterProducts<'_, f64>, buffers: &mut Buffers<f64>, take: Take<'_, f64>) {
@@ -91,7 +91,7 @@ impl Multiply for f32 {
     fn by_eigenvalue(products: EigenProducts<'_, f32>, buffers: &mut Buffers<f32>) {
         let [rows, ..] = products.sizes();
         if rows > MANY {
-            eigen_products::one_by_one(products, buffers);
+            eigen_matrices::one_by_one(products, buffers);
         } else {
             eigen_panels::times(products, buffers);
         }

@@ -2,6 +2,7 @@
 
 mod by_faer;
 mod dispatch;
+mod eigen_matrices;
 mod eigen_panels;
 mod eigen_products;
 mod few_rows;
