@@ -7,6 +7,7 @@ mod kept;
 mod options;
 mod paired;
 mod reference;
+mod reference_filters;
 mod sequence;
 
 use std::ops::ControlFlow;
@@ -27,7 +28,8 @@ use crate::options::{FilterOptions, ProposalName};
 use crate::simulating::simulate;
 use crate::threads::thread_pool;
 use card::Steps;
-use reference::{Reference, reference};
+use reference::Reference;
+use reference_filters::{particles as reference_particles, reference};
 
 /// What came of it.
 #[derive(Debug, Clone, PartialEq)]
@@ -88,7 +90,7 @@ fn compare_until(
     };
     let count = sequences.len();
     let of = count * (1 + options.proposals.len() * (1 + options.particles.len()));
-    let of_reference = reference::particles(model, options);
+    let of_reference = reference_particles(model, options);
     let of_proposal = options.filter.particles + options.particles.iter().sum::<usize>();
     let all_particles = (count * of_reference + count * options.proposals.len() * of_proposal) as f64;
     let (mut filters, mut particles_done) = (0, 0);

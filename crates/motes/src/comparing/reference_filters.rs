@@ -1,0 +1,207 @@
+//! How references are made: by the exact filter where there is one, else by filters with many particles.
+
+use std::borrow::Cow;
+
+use motes_models::{LinearGaussian, PartialMeasurements, kalman};
+
+use super::kept;
+use super::options::{CompareOptions, MOST_REFERENCE_FILTERS};
+use super::reference::Reference;
+use super::sequence::Sequence;
+use crate::engine::Running;
+use crate::error::MotesError;
+use crate::model::{Kind, Model};
+use crate::options::{FilterOptions, ProposalName};
+
+/// The share of a reference filter's particles that is drawn from the transition.
+const DEFENSIVE: f64 = 0.1;
+
+/// What a reference filter may draw from.
+fn candidates(options: &CompareOptions) -> Vec<ProposalName> {
+    let mut candidates = vec![ProposalName::Linearised, ProposalName::Bootstrap];
+    if options.reference_filters > 1 {
+        let learned =
+            options.proposals.iter().filter(|proposal| matches!(proposal, ProposalName::Learned(_)));
+        candidates.extend(learned.cloned());
+    }
+    candidates
+}
+
+/// The model as one of matrices, if it is linear and Gaussian: it has exact answers.
+fn linear_gaussian(model: &Model) -> Option<Cow<'_, LinearGaussian>> {
+    match model.kind() {
+        Kind::LinearGaussian(linear) => Some(Cow::Borrowed(linear)),
+        Kind::Learnable(_) => model.formulas()?.linear_gaussian().map(Cow::Owned),
+    }
+}
+
+/// The particles of all filters behind a reference for one sequence; the exact filter counts as one.
+pub(super) fn particles(model: &Model, options: &CompareOptions) -> usize {
+    if linear_gaussian(model).is_some() {
+        return 1;
+    }
+    let more = if options.reference_filters > 1 { options.reference_filters } else { 0 };
+    (candidates(options).len() + more) * options.reference_particles
+}
+
+/// The reference for the sequence of that number: the one that is kept, if there is one.
+pub(super) fn reference(
+    model: &Model,
+    sequence: &Sequence,
+    options: &CompareOptions,
+    number: usize,
+) -> Result<Reference, MotesError> {
+    let Some(folder) = &options.references else { return computed(model, sequence, options, number) };
+    if let Some(found) = kept::read(folder, number, sequence.measurements.len())? {
+        return Ok(found);
+    }
+    let found = computed(model, sequence, options, number)?;
+    // A file has numbers only; where all filters collapsed there are others.
+    if found.log_evidence().is_finite() {
+        kept::write(folder, number, &found)?;
+    }
+    Ok(found)
+}
+
+fn computed(
+    model: &Model,
+    sequence: &Sequence,
+    options: &CompareOptions,
+    number: usize,
+) -> Result<Reference, MotesError> {
+    if let Some(linear) = linear_gaussian(model) {
+        let measurements =
+            PartialMeasurements::new(model.measurements().len(), sequence.measurements.concat())?;
+        let exact = kalman::filter_partial(&linear, &measurements)?;
+        return Ok(Reference {
+            name: "the Kalman filter, which is exact".into(),
+            means: exact.steps.iter().map(|step| step.filtered.mean.iter().copied().collect()).collect(),
+            increments: exact.steps.iter().map(|step| step.log_evidence_increment).collect(),
+            error: None,
+        });
+    }
+    // A filter that misses mass has too little evidence: the one with most is nearest to the truth.
+    let filter = FilterOptions {
+        check: false,
+        particles: options.reference_particles,
+        defensive: Some(DEFENSIVE),
+        ..options.filter.clone()
+    };
+    let run = |proposal: &ProposalName, filter_number: u64| {
+        let seed = options.filter.seed.wrapping_add(1 + filter_number);
+        by_particles(model, sequence, &FilterOptions { seed, ..filter.clone() }, number, proposal.clone())
+    };
+    let candidates = candidates(options);
+    let (mut best, mut failure) = (None::<(ProposalName, Answers, f64)>, None);
+    for candidate in candidates {
+        match run(&candidate, 0) {
+            Ok(found) => {
+                let evidence: f64 = found.1.iter().sum();
+                if best.as_ref().is_none_or(|(_, _, most)| evidence > *most) {
+                    best = Some((candidate, found, evidence));
+                }
+            }
+            Err(error) => failure = Some(error),
+        }
+    }
+    let Some((proposal, first, _)) = best else {
+        return Err(failure.unwrap_or(MotesError::Interrupted));
+    };
+    let particles = options.reference_particles;
+    let rest =
+        format!("whichever has most evidence, with {DEFENSIVE} of their particles from the transition");
+    if options.reference_filters <= 1 {
+        let name = format!("bootstrap or linearised with {particles} particles, {rest}");
+        return Ok(Reference { name, means: first.0, increments: first.1, error: None });
+    }
+    // Not the one that was chosen by: the most of several is too much.
+    let mut all = Vec::new();
+    while all.len() < options.reference_filters || is_rough(&all, options.reference_error) {
+        match run(&proposal, 1 + all.len() as u64) {
+            Ok(found) => all.push(found),
+            // A filter that collapses has estimated an evidence of 0.
+            Err(MotesError::Filter { .. }) => {
+                all.push((first.0.clone(), vec![f64::NEG_INFINITY; first.1.len()]));
+            }
+            Err(error) => return Err(error),
+        }
+    }
+    if all.iter().all(|(_, increments)| increments.contains(&f64::NEG_INFINITY)) {
+        all.push(first);
+    }
+    let fewest = options.reference_filters;
+    let count = match options.reference_error {
+        Some(_) => format!("{fewest} filters or more"),
+        None => format!("{fewest} filters"),
+    };
+    let name =
+        format!("the mean of {count} with {particles} particles: bootstrap, linearised or learned, {rest}");
+    Ok(mean_of(&all, name))
+}
+
+/// Whether the standard error of the mean of these filters is too large, and more may be added.
+fn is_rough(all: &[Answers], wanted: Option<f64>) -> bool {
+    // What is no number, of filters that all collapsed, is not small.
+    let is_known = |wanted: f64| standard_error(all) <= wanted;
+    wanted.is_some_and(|wanted| all.len() < MOST_REFERENCE_FILTERS && !is_known(wanted))
+}
+
+/// The standard error of the logarithm of the filters' average evidence.
+fn standard_error(all: &[Answers]) -> f64 {
+    let count = all.len() as f64;
+    let evidence: Vec<f64> = all.iter().map(|(_, increments)| increments.iter().sum()).collect();
+    let (_, shares) = average(&evidence);
+    let square: f64 = shares.iter().map(|share| (share * count - 1.0).powi(2)).sum();
+    (square / (count * (count - 1.0))).sqrt()
+}
+
+/// The logarithm of the average of these, given by their logarithms, and the share that each has of their sum.
+fn average(logarithms: &[f64]) -> (f64, Vec<f64>) {
+    let largest = logarithms.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let weights: Vec<f64> = logarithms.iter().map(|logarithm| (logarithm - largest).exp()).collect();
+    let total: f64 = weights.iter().sum();
+    let shares = weights.iter().map(|weight| weight / total).collect();
+    (largest + (total / logarithms.len() as f64).ln(), shares)
+}
+
+/// The filters' evidence averaged, which stays unbiased; their means by their evidence so far; and the standard error of the logarithm of the average.
+fn mean_of(all: &[Answers], name: String) -> Reference {
+    let times = all[0].1.len();
+    let mut sums = vec![0.0; all.len()];
+    let (mut means, mut increments, mut before) = (Vec::new(), Vec::new(), 0.0);
+    for time in 0..times {
+        sums.iter_mut().zip(all).for_each(|(sum, (_, increments))| *sum += increments[time]);
+        let (now, shares) = average(&sums);
+        let mut mean = vec![0.0; all[0].0[time].len()];
+        for ((of_filter, _), share) in all.iter().zip(&shares) {
+            mean.iter_mut().zip(&of_filter[time]).for_each(|(mean, x)| *mean += share * x);
+        }
+        means.push(mean);
+        increments.push(now - before);
+        before = now;
+    }
+    Reference { name, means, increments, error: Some(standard_error(all)) }
+}
+
+/// Means, and increments of the log-evidence.
+type Answers = (Vec<Vec<f64>>, Vec<f64>);
+
+/// Those of a filter with many particles.
+fn by_particles(
+    model: &Model,
+    sequence: &Sequence,
+    options: &FilterOptions,
+    number: usize,
+    proposal: ProposalName,
+) -> Result<Answers, MotesError> {
+    let filter = FilterOptions { proposal, ..options.clone() };
+    let mut running = Running::new(model, &filter, number)?;
+    let (mut means, mut increments) = (Vec::new(), Vec::new());
+    for measurement in &sequence.measurements {
+        let before = running.log_evidence();
+        running.advance(measurement)?;
+        increments.push(running.log_evidence() - before);
+        means.push(running.means().to_vec());
+    }
+    Ok((means, increments))
+}
