@@ -3,7 +3,7 @@
 use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 
 /// The nodes; each has one core.
 pub(super) const NODES: [&str; 2] = ["n1", "n2"];
@@ -65,6 +65,28 @@ impl Cluster {
     /// Kills the controller, as a machine that loses its power does.
     pub(super) fn kill_controller(&self) -> Result<(), String> {
         kill(self.process("controller")?)
+    }
+
+    /// Waits until the controller has written down which jobs run. One that is killed before forgets them: it sets their nodes aside, and
+    /// somebody has to look after these.
+    pub(super) fn write_down(&self) -> Result<(), String> {
+        let since = SystemTime::now();
+        let mut squeue = self.command("squeue");
+        let running = capture(squeue.args(["--noheader", "--states=running", "--format=%A"]))?;
+        for job in running.lines() {
+            // It writes after changes, some seconds later.
+            let mut scontrol = self.command("scontrol");
+            // One that has just ended cannot be changed, and that is a change itself.
+            let _ = scontrol
+                .args(["update", &format!("JobId={job}"), "Comment=runs"])
+                .stderr(Stdio::null())
+                .status();
+        }
+        let jobs = self.folder.join("state/job_state");
+        wait_until("what the controller writes down", || {
+            let written = std::fs::metadata(&jobs).and_then(|file| file.modified());
+            Ok(written.is_ok_and(|written| written > since))
+        })
     }
 
     /// Kills a node with all that runs on it.

@@ -1,7 +1,5 @@
 //! What happens on clusters.
 
-use std::time::Duration;
-
 use super::cluster::{NODES, children, kill, wait_until};
 use super::sweep::Sweep;
 
@@ -26,14 +24,10 @@ fn watcher(sweep: &Sweep) -> Result<(), String> {
     kill(first_step(sweep, NODES[0])?)
 }
 
-/// How long a controller may take to write down what it started. What it had not, it has forgotten after a crash: it sets nodes aside then,
-/// and somebody has to look after them.
-const WRITTEN_DOWN: Duration = Duration::from_secs(8);
-
 /// Jobs do not notice.
 fn controller(sweep: &Sweep) -> Result<(), String> {
     sweep.wait_for_units()?;
-    std::thread::sleep(WRITTEN_DOWN);
+    sweep.cluster.write_down()?;
     sweep.cluster.kill_controller()?;
     sweep.cluster.start_controller()?;
     sweep.wait_for_an_answer()
