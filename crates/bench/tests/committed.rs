@@ -86,3 +86,28 @@ fn experiments_on_the_epidemic_differ_from_table_1_in_what_they_say() {
         assert_eq!(found["proposals"].as_table(), Some(&expected), "{name}");
     }
 }
+
+#[test]
+fn experiments_on_gnn_differ_from_figure_1_in_what_they_say() {
+    let read =
+        |path: PathBuf| -> toml::Table { toml::from_str(&std::fs::read_to_string(path).unwrap()).unwrap() };
+    let fig1 = read(experiments().join("fig1.toml"));
+    for (name, training) in [
+        ("rate-3e-4", "learning_rate = 3e-4"),
+        ("rate-1e-4", "learning_rate = 1e-4"),
+        ("rate-3e-5", "learning_rate = 3e-5"),
+        ("clipped", "clip_norm = 1.0"),
+    ] {
+        let found = read(experiments().join(format!("why/gnn-{name}.toml")));
+        for table in ["system", "filter", "proposals"] {
+            assert_eq!(found[table], fig1[table], "{name}: {table}");
+        }
+        let mut expected = fig1["training"].as_table().unwrap().clone();
+        expected.extend(toml::from_str::<toml::Table>(training).unwrap());
+        assert_eq!(found["training"].as_table(), Some(&expected), "{name}");
+        let (found, paper) = (&found["profiles"]["paper-size"], &fig1["profiles"]["paper"]);
+        for key in ["training_steps", "filter_runs", "sizes"] {
+            assert_eq!(found[key], paper[key], "{name}: {key}");
+        }
+    }
+}
