@@ -58,10 +58,12 @@ fn the_paper_profile_plans_the_committed_units() {
     }
 }
 
+fn read(path: PathBuf) -> toml::Table {
+    toml::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
+}
+
 #[test]
 fn experiments_on_the_epidemic_differ_from_table_1_in_what_they_say() {
-    let read =
-        |path: PathBuf| -> toml::Table { toml::from_str(&std::fs::read_to_string(path).unwrap()).unwrap() };
     let table1 = read(experiments().join("table1.toml"));
     for (name, training, origin) in [
         ("plain", "", None),
@@ -89,8 +91,6 @@ fn experiments_on_the_epidemic_differ_from_table_1_in_what_they_say() {
 
 #[test]
 fn experiments_on_gnn_differ_from_figure_1_in_what_they_say() {
-    let read =
-        |path: PathBuf| -> toml::Table { toml::from_str(&std::fs::read_to_string(path).unwrap()).unwrap() };
     let fig1 = read(experiments().join("fig1.toml"));
     for (name, training) in [
         ("rate-3e-4", "learning_rate = 3e-4"),

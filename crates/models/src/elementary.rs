@@ -68,12 +68,11 @@ pub fn ln(x: f64) -> f64 {
     e.mul_add(LN_2, (2.0 * s * square).mul_add(series, 2.0 * s))
 }
 
-/// `ln(1 + x)`, within 1 unit in the last place. It is −∞ at −1, and NaN below and at NaN.
+/// `ln(1 + x)`, within 1 unit in the last place as FDLIBM states it. It is −∞ at −1, and NaN below and at NaN.
 ///
-/// The approximation is FDLIBM's, which most C libraries have; its sums are those of glibc on processors with fused multiplication,
-/// bit by bit. With `1 + x = 2ᵏ (1 + f)` and `1 + f` between `√½`
-/// and `√2`, `ln(1 + x) = k ln 2 + c + f − f²/2 + s (f²/2 + R(s²))` for `s = f/(2 + f)`, a polynomial `R`, and `c`, what rounding took from
-/// `1 + x`, over `1 + x`.
+/// The approximation is FDLIBM's, which most C libraries have; its sums are those of glibc on processors with fused multiplication, bit by
+/// bit. With `1 + x = 2ᵏ (1 + f)` and `1 + f` between `√½` and `√2`, `ln(1 + x) = k ln 2 + c + f − (f²/2 − s (f²/2 + R(s²)))` for
+/// `s = f/(2 + f)`, a polynomial `R`, and `c`, what rounding took from `1 + x`, over `1 + x`.
 #[inline(always)]
 pub fn ln_1p(x: f64) -> f64 {
     const MANTISSA: u64 = (1 << 52) - 1;

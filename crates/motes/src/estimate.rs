@@ -3,6 +3,12 @@
 /// The probabilities of the quantiles that are given of each coordinate.
 pub const PROBABILITIES: [f64; 3] = [0.05, 0.5, 0.95];
 
+/// What tables call the figures of a coordinate, behind its name and `_`.
+pub(crate) const OF_COORDINATE: [&str; 5] = ["mean", "sd", "q05", "q50", "q95"];
+
+/// What they call the figures of a filter's weights.
+pub(crate) const OF_WEIGHTS: [&str; 2] = ["ess", "log_evidence"];
+
 /// A coordinate of the state at one time, given measurements.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coordinate {

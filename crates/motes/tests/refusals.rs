@@ -17,7 +17,7 @@ fn refused(place: &Workplace, arguments: &[&str], status: i32, line: &str) {
 #[test]
 fn data_that_are_no_data() {
     let place = Workplace::new();
-    let cases: [(&[u8], &str); 17] = [
+    let cases: [(&[u8], &str); 18] = [
         (
             b"y\n1\nNaN\n",
             "d.csv, line 3, column y: NaN is no measurement; leave the cell empty where one is missing",
@@ -39,6 +39,7 @@ fn data_that_are_no_data() {
             "d.csv, line 1: there is no column y, which the model measures; there are a;y; columns are separated by commas",
         ),
         (b"y,y\n1,2\n", "d.csv, line 1: there are two columns y; names must differ"),
+        (b"ess,y\n1,2\n", "d.csv, line 1, column ess: results have a column of that name; give it another"),
         (b"", "d.csv: there are no rows; a header and a row for each time are needed"),
         (b"y\n", "d.csv: there are no rows; a header and a row for each time are needed"),
         (

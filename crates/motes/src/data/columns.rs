@@ -1,6 +1,7 @@
 //! What the columns of a file are for.
 
 use super::error::DataError;
+use crate::estimate::{OF_COORDINATE, OF_WEIGHTS};
 
 /// The place of each column that is used.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -25,7 +26,7 @@ impl Columns {
     /// The first column beside `series` and `t` is carried to the output, unless it is a measurement or a state.
     ///
     /// # Errors
-    /// [`DataError::MissingColumn`] and [`DataError::ColumnTwice`].
+    /// [`DataError::MissingColumn`], [`DataError::ColumnTwice`], and [`DataError::ColumnOfResults`] where the carried column has the name of a result.
     pub fn of(
         header: &[String],
         place: &str,
@@ -63,6 +64,9 @@ impl Columns {
         let first = (0..names.len()).find(|&at| Some(at) != series && Some(at) != time);
         let is_known = |at: usize| is_measured(&names[at]) || states.contains(&names[at]);
         let carried = first.filter(|&at| !is_known(at));
+        if let Some(column) = carried.map(|at| &names[at]).filter(|name| is_result(name, states)) {
+            return Err(DataError::ColumnOfResults { header: place.into(), column: column.clone() });
+        }
         let used = |at: usize| measured.contains(&at) || [series, time, carried].contains(&Some(at));
         let ignored = (0..names.len()).filter(|&at| !used(at)).map(|at| names[at].clone()).collect();
         Ok(Columns { measurements: measured, series, time, carried, ignored, names })
@@ -87,6 +91,15 @@ impl Columns {
     pub fn carried(&self) -> Option<&str> {
         self.carried.map(|at| self.names[at].as_str())
     }
+}
+
+/// Whether tables of results have a column of this name beside the carried one.
+fn is_result(name: &str, states: &[String]) -> bool {
+    let of_state = |state: &String| {
+        let figure = name.strip_prefix(state.as_str()).and_then(|rest| rest.strip_prefix('_'));
+        figure.is_some_and(|figure| OF_COORDINATE.contains(&figure))
+    };
+    OF_WEIGHTS.contains(&name) || states.iter().any(of_state)
 }
 
 /// In how many places two names differ, capitals aside.

@@ -80,6 +80,14 @@ pub enum DataError {
         /// What may be the matter.
         hint: String,
     },
+    /// The column that is carried to results has the name of one of theirs.
+    #[error("{header}, column {column}: results have a column of that name; give it another")]
+    ColumnOfResults {
+        /// Where the header stands.
+        header: String,
+        /// The name.
+        column: String,
+    },
     /// The header has a name twice.
     #[error("{header}: there are two columns {column}; names must differ")]
     ColumnTwice {

@@ -2,7 +2,7 @@
 
 use super::number::text;
 use crate::data::{Columns, Data, Row};
-use crate::estimate::{Coordinate, Estimate};
+use crate::estimate::{Coordinate, Estimate, OF_COORDINATE, OF_WEIGHTS};
 use crate::filtering::Filtered;
 use crate::model::Model;
 use crate::simulating::Simulated;
@@ -34,10 +34,10 @@ impl EstimateTable {
         let mut cells: Vec<String> =
             series.into_iter().chain(self.carried.clone()).chain(["t".to_string()]).collect();
         for state in &self.states {
-            cells.extend(["mean", "sd", "q05", "q50", "q95"].map(|figure| format!("{state}_{figure}")));
+            cells.extend(OF_COORDINATE.map(|figure| format!("{state}_{figure}")));
         }
         if self.has_weights {
-            cells.extend(["ess", "log_evidence"].map(String::from));
+            cells.extend(OF_WEIGHTS.map(String::from));
         }
         line(&cells)
     }

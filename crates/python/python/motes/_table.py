@@ -35,17 +35,9 @@ def data_of(model: _motes.Model, data: Any) -> Rows:
         rows = Rows(_of_sequences(model, list(data)))
     else:
         rows = Rows(_of_array(model, data), _index_of_series(data))
-    if rows.found.carried is not None and rows.found.carried[0] in results_of(model.states):
-        raise ValueError(f"data, column {rows.found.carried[0]}: results have a column of that name; give it another")
     if rows.found.ignored:
         warn(f"data: columns that are not used: {', '.join(rows.found.ignored)}")
     return rows
-
-
-def results_of(states: list[str]) -> list[str]:
-    """The columns of the command's table that filters and smoothers find."""
-    of_states = [f"{state}_{what}" for state in states for what in ("mean", "sd", "q05", "q50", "q95")]
-    return [*of_states, "ess", "log_evidence"]
 
 
 def _is_frame(data: Any) -> bool:

@@ -119,11 +119,7 @@ class _Estimates:
             name, texts = self._data.carried
             columns[name] = labels.get(name, texts)
         columns["t"] = self.time
-        for at, state in enumerate(self.states):
-            columns[f"{state}_mean"], columns[f"{state}_sd"] = self.mean[:, at], self.sd[:, at]
-            for quantile, name in enumerate(("q05", "q50", "q95")):
-                columns[f"{state}_{name}"] = self.quantiles[:, at, quantile]
-        return columns
+        return {**columns, **_of_states(self.states, self.mean, self.sd, self.quantiles)}
 
     def to_pandas(self) -> Any:
         """A data frame of pandas with a row for each row of the data, and its index where it had one."""
@@ -233,14 +229,22 @@ class Forecast:
         if self.filtered.series_names is not None:
             columns["series"] = [label for label in self.filtered._series_labels() for _ in range(steps)]
         columns["t"] = (lengths[:, None] + np.arange(steps)).reshape(-1)
-        for at, state in enumerate(self.states):
-            columns[f"{state}_mean"], columns[f"{state}_sd"] = self.mean[:, :, at].reshape(-1), self.sd[:, :, at].reshape(-1)
-            for quantile, name in enumerate(("q05", "q50", "q95")):
-                columns[f"{state}_{name}"] = self.quantiles[:, :, at, quantile].reshape(-1)
+        n = len(self.states)
+        columns |= _of_states(self.states, self.mean.reshape(-1, n), self.sd.reshape(-1, n), self.quantiles.reshape(-1, n, 3))
         return _module("pandas", "to_pandas").DataFrame(columns)
 
     def __repr__(self) -> str:
         return f"Forecast of {self.mean.shape[1]} times for {self.mean.shape[0]} series"
+
+
+def _of_states(states: list[str], mean: np.ndarray, sd: np.ndarray, quantiles: np.ndarray) -> dict[str, np.ndarray]:
+    """The columns of the states, from `(rows, N)`, `(rows, N)` and `(rows, N, 3)`."""
+    columns = {}
+    for at, state in enumerate(states):
+        columns[f"{state}_mean"], columns[f"{state}_sd"] = mean[:, at], sd[:, at]
+        for quantile, name in enumerate(("q05", "q50", "q95")):
+            columns[f"{state}_{name}"] = quantiles[:, at, quantile]
+    return columns
 
 
 def _module(name: str, wanted_by: str) -> Any:

@@ -68,8 +68,8 @@ pub fn backward_simulation_while(
         }
     };
     let particles = history.generations[0].log_weights.len();
-    let threads = current_num_threads();
-    let at_once = (DENSITIES_AT_ONCE / (times * particles)).max(1).next_multiple_of(threads).min(paths);
+    let at_once = (DENSITIES_AT_ONCE / (times * particles)).max(1);
+    let at_once = at_once.next_multiple_of(current_num_threads()).min(paths);
     for (number, some) in states.chunks_mut(at_once * times * width).enumerate() {
         let some = Paths { first: number * at_once, each: times * width, states: some };
         let drawn = some.first + some.count();
