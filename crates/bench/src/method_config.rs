@@ -3,7 +3,7 @@
 use motes_proposals::{Backend, FcnnConfig, GnnConfig, Origin, OverTime, PsiConfig, RnnConfig};
 use serde::{Deserialize, Serialize};
 
-use crate::config::{Densities, Experiment, Method, Plan, Training};
+use crate::config::{Densities, Experiment, Method, Plan, ShortSteps, Training};
 use crate::learned_once::LearnedOnce;
 
 /// A method with the settings that it depends on, and no others.
@@ -20,6 +20,8 @@ pub enum MethodConfig {
     Rnn(LearnedUnit<RnnConfig>),
     /// The graph proposal.
     Gnn(LearnedUnit<GnnConfig>),
+    /// The graph proposal, trained in shorter steps.
+    GnnShortSteps(LearnedUnit<GnnConfig>),
     /// The transform of uniform noise.
     Psi(LearnedUnit<PsiConfig>),
     /// A Gaussian by one Fisher-scoring step.
@@ -93,19 +95,12 @@ impl MethodConfig {
                     ridge: settings.rnn.ridge,
                 },
             )),
-            Method::Gnn => {
-                let (settings, features) = (settings.gnn.as_ref()?, sizes.gnn.clone()?);
-                MethodConfig::Gnn(LearnedUnit::of(
-                    plan,
-                    method,
-                    GnnConfig {
-                        features,
-                        order: settings.order,
-                        adapter: settings.adapter,
-                        ridge: settings.ridge,
-                        networks: OverTime::EachTime,
-                    },
-                ))
+            Method::Gnn => MethodConfig::Gnn(LearnedUnit::of(plan, method, graph_proposal(plan)?)),
+            Method::GnnShortSteps => {
+                let ShortSteps { learning_rate } = *settings.gnn_short_steps.as_ref()?;
+                let gnn = LearnedUnit::of(plan, method, graph_proposal(plan)?);
+                let training = Training { learning_rate, ..gnn.training };
+                MethodConfig::GnnShortSteps(LearnedUnit { training, ..gnn })
             }
             Method::Psi | Method::PsiAnchored => MethodConfig::Psi(LearnedUnit::of(
                 plan,
@@ -129,6 +124,7 @@ impl MethodConfig {
             MethodConfig::Fcnn(unit) => unit.anchored_or(Method::FcnnAnchored, Method::Fcnn),
             MethodConfig::Rnn(unit) => unit.anchored_or(Method::RnnAnchored, Method::Rnn),
             MethodConfig::Gnn(_) => Method::Gnn,
+            MethodConfig::GnnShortSteps(_) => Method::GnnShortSteps,
             MethodConfig::Psi(unit) => unit.anchored_or(Method::PsiAnchored, Method::Psi),
             MethodConfig::ReferenceFilter => Method::ReferenceFilter,
             MethodConfig::ReferenceSmoother { .. } => Method::ReferenceSmoother,
@@ -146,10 +142,22 @@ impl MethodConfig {
             MethodConfig::Once(once) => Some(&mut once.steps),
             MethodConfig::Fcnn(unit) => Some(&mut unit.steps),
             MethodConfig::Rnn(unit) => Some(&mut unit.steps),
-            MethodConfig::Gnn(unit) => Some(&mut unit.steps),
+            MethodConfig::Gnn(unit) | MethodConfig::GnnShortSteps(unit) => Some(&mut unit.steps),
             MethodConfig::Psi(unit) => Some(&mut unit.steps),
         }
     }
+}
+
+/// The graph proposal that a plan sets; `None` if it sets none.
+fn graph_proposal(plan: &Plan) -> Option<GnnConfig> {
+    let settings = plan.experiment.proposals.gnn.as_ref()?;
+    Some(GnnConfig {
+        features: plan.profile.sizes.gnn.clone()?,
+        order: settings.order,
+        adapter: settings.adapter,
+        ridge: settings.ridge,
+        networks: OverTime::EachTime,
+    })
 }
 
 impl<Config: Clone> LearnedUnit<Config> {

@@ -25,7 +25,7 @@ fn format_of(method: Method) -> u32 {
         | Method::ReferenceFilter
         | Method::ReferenceSmoother => 5,
         // Sums of graph filters in another order.
-        Method::Gnn => 6,
+        Method::Gnn | Method::GnnShortSteps => 6,
     }
 }
 
@@ -258,6 +258,7 @@ pub(crate) mod tests {
             gradient_window: None,
             clip_norm: None,
             learning_rate: 1e-3,
+            schedule: None,
             beta_1: 0.9,
             beta_2: 0.999,
             epsilon: 1e-8,

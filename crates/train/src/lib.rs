@@ -36,6 +36,7 @@ mod learning;
 mod objective;
 mod penalty;
 mod rollout;
+mod schedule;
 mod training;
 
 pub use adam::{Adam, AdamConfig};
@@ -45,4 +46,5 @@ pub use gradient_flow::GradientFlow;
 pub use learning::{LearnConfig, LearnObjective, Learned, learn};
 pub use objective::Objective;
 pub use rollout::{Rollout, rollout};
+pub use schedule::Schedule;
 pub use training::{History, TrainConfig, Training, train};

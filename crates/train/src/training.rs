@@ -12,7 +12,7 @@ use crate::fit::check_measurements;
 use crate::gradient_sum::GradientSum;
 use crate::penalty::{add_penalty, check_penalty};
 use crate::rollout::{draw_and_differentiate, in_step};
-use crate::{Adam, AdamConfig, GradientFlow, Objective, TrainError, TrainingData};
+use crate::{Adam, AdamConfig, GradientFlow, Objective, Schedule, TrainError, TrainingData};
 
 /// The settings of training.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -31,6 +31,9 @@ pub struct TrainConfig {
     pub sequences_per_step: usize,
     /// The optimiser.
     pub adam: AdamConfig,
+    /// How its learning rate changes from step to step.
+    #[serde(skip_serializing_if = "Schedule::is_constant")]
+    pub schedule: Schedule,
     /// `λ`: a penalty of `λ/2 Σ w²` over the weights is added to the loss; the losses of a [`History`] are without it.
     #[serde(skip_serializing_if = "is_zero")]
     pub weight_penalty: f64,
@@ -56,6 +59,7 @@ impl TrainConfig {
             steps: 200,
             sequences_per_step: 1,
             adam: AdamConfig::paper(),
+            schedule: Schedule::Constant,
             weight_penalty: 0.0,
             dropout: 0.0,
         }
@@ -225,6 +229,8 @@ impl<'a> Training<'a> {
                 gradients.scale(largest / norm);
             }
         }
+        let progress = step as f64 / self.config.steps as f64;
+        self.adam.set_learning_rate(self.config.adam.learning_rate * self.config.schedule.share(progress));
         self.adam.step(proposal.parameters_mut(), &mut workspace)?;
         self.workspace = Some(workspace);
         Ok(loss)

@@ -18,7 +18,7 @@ use motes_tests::{
     central_differences, distance, every_small_family, norm, relative_distance, small_fcnn, small_psi,
     small_rnn,
 };
-use motes_train::{AdamConfig, GradientFlow, Objective, TrainConfig, rollout, train};
+use motes_train::{AdamConfig, GradientFlow, Objective, Schedule, TrainConfig, rollout, train};
 use rand::RngExt;
 
 fn random(count: usize, seed: u64) -> Vec<f64> {
@@ -312,6 +312,30 @@ fn a_clipped_gradient_is_shorter_and_points_the_same_way() {
     assert_eq!(free, loose);
     let quarter: Vec<f64> = free.iter().map(|step| 0.25 * step).collect();
     assert!(relative_distance(&clipped, &quarter) < 0.05);
+}
+
+#[test]
+fn halfway_along_a_cosine_a_step_has_half_its_length() {
+    let (system, measurements) = problem(Drift::Identity);
+    let after = |steps_taken: usize, schedule| {
+        let mut proposal =
+            Fcnn::create(&small_fcnn(), &ModelShape::on_graph(&system), 3, F64, &Seed::from_u64(69)).unwrap();
+        let config = TrainConfig { steps: 2, schedule, ..TrainConfig::paper(4) };
+        let mut stream = Seed::from_u64(70).stream();
+        let stop = |step, _| {
+            if step + 1 == steps_taken { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        };
+        train(&mut proposal, &system, &measurements, &config, &mut stream, stop).unwrap();
+        weights(&proposal)
+    };
+    let first = after(1, Schedule::Constant);
+    assert_eq!(first, after(1, Schedule::Cosine));
+    let from_first = |schedule| {
+        after(2, schedule).iter().zip(&first).map(|(after, before)| after - before).collect::<Vec<f64>>()
+    };
+    let half: Vec<f64> = from_first(Schedule::Constant).iter().map(|step| 0.5 * step).collect();
+    assert!(norm(&half) > 0.0);
+    assert!(relative_distance(&from_first(Schedule::Cosine), &half) < 1e-9);
 }
 
 fn weights(proposal: &dyn Learnable) -> Vec<f64> {

@@ -3,7 +3,7 @@
 use motes_models::{GraphDiffusion, GraphDiffusionConfig, Measurements, ModelShape, Seed, Stream, simulate};
 use motes_proposals::{Backend, Compute, Learnable, Precision};
 use motes_tests::every_small_family;
-use motes_train::{TrainConfig, TrainError, Training};
+use motes_train::{Schedule, TrainConfig, TrainError, Training};
 
 const STEPS: usize = 6;
 
@@ -19,7 +19,7 @@ fn config() -> TrainConfig {
 }
 
 fn regularised() -> TrainConfig {
-    TrainConfig { dropout: 0.3, weight_penalty: 0.01, ..config() }
+    TrainConfig { dropout: 0.3, weight_penalty: 0.01, schedule: Schedule::Cosine, ..config() }
 }
 
 fn stream() -> Stream {
@@ -35,9 +35,9 @@ fn every_family_goes_on_to_the_last_bit() {
     goes_on(&config());
 }
 
-/// Masks come from the stream whose position a checkpoint holds.
+/// Masks come from the stream whose position a checkpoint holds, and the learning rate from the number of its losses.
 #[test]
-fn with_dropout_and_a_penalty_too() {
+fn with_dropout_a_penalty_and_a_falling_learning_rate_too() {
     goes_on(&regularised());
 }
 

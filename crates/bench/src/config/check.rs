@@ -5,6 +5,7 @@ mod learning;
 mod proposals;
 
 use motes_cli::one_of;
+use motes_train::Schedule;
 
 use super::args::MOST_REPETITIONS;
 use super::checks::Checks;
@@ -52,12 +53,11 @@ pub(super) fn check(file: &str, experiment: &Experiment) -> Result<(), ConfigErr
         let expected = "it must be between 0 and 1, both excluded";
         checks.that(fine, "filter.defensive_weight", weight, expected)?;
     }
-    for (key, value) in [("learning_rate", training.learning_rate), ("epsilon", training.epsilon)] {
-        // The optimiser computes in 32 bits.
-        let fine = value as f32 > 0.0 && (value as f32).is_finite();
-        let value = format!("{value:?}");
-        checks.that(fine, &format!("training.{key}"), value, "it must be positive and finite in 32 bits")?;
-    }
+    checks.positive_in_32_bits("training.learning_rate", training.learning_rate)?;
+    checks.positive_in_32_bits("training.epsilon", training.epsilon)?;
+    let changes = training.schedule != Some(Schedule::Constant);
+    let expected = "a learning rate that does not change has no schedule: leave it out";
+    checks.that(changes, "training.schedule", "constant", expected)?;
     for (key, value) in [("beta_1", training.beta_1), ("beta_2", training.beta_2)] {
         let fine = (0.0..1.0).contains(&(value as f32));
         checks.that(fine, &format!("training.{key}"), value, "it must be at least 0 and below 1")?;
@@ -149,8 +149,11 @@ pub(super) fn check(file: &str, experiment: &Experiment) -> Result<(), ConfigErr
         checks.count(&key("training_steps"), profile.training_steps)?;
         checks.count(&key("reference_particles"), profile.reference_particles)?;
         profile.sizes.check(name, &checks)?;
-        let is_graph_sized = profile.sizes.gnn.is_some() || !methods.contains(&Method::Gnn);
-        checks.that(is_graph_sized, &key("sizes.gnn"), "absent", "the method gnn needs it")?;
+        let on_graph = methods.iter().find(|method| method.is_on_graph());
+        if let (Some(method), None) = (on_graph, &profile.sizes.gnn) {
+            let expected = format!("the method {} needs it", method.name());
+            checks.that(false, &key("sizes.gnn"), "absent", &expected)?;
+        }
         if let Some(chosen) = &profile.panels {
             checks.distinct(&key("panels"), chosen.iter().cloned())?;
             for panel in chosen {
@@ -194,6 +197,12 @@ impl Checks<'_> {
         self.that(numbers <= MOST_NUMBERS, key, x, &expected)
     }
 
+    /// The optimiser computes in 32 bits.
+    pub(super) fn positive_in_32_bits(&self, key: &str, value: f64) -> Result<(), ConfigError> {
+        let fine = value as f32 > 0.0 && (value as f32).is_finite();
+        self.that(fine, key, format!("{value:?}"), "it must be positive and finite in 32 bits")
+    }
+
     fn system(&self, system: &System) -> Result<(), ConfigError> {
         self.count("system.neighbours", system.neighbours)?;
         self.count("system.dimension", system.dimension)?;
@@ -206,10 +215,13 @@ impl Checks<'_> {
     fn method(&self, experiment: &Experiment, method: Method) -> Result<(), ConfigError> {
         let Experiment { epidemic, proposals, reference, .. } = experiment;
         let name = method.name();
-        if method == Method::Gnn {
-            let expected = "an epidemic has no graph, which gnn needs";
-            self.that(epidemic.is_none(), "methods", name, expected)?;
-            self.that(proposals.gnn.is_some(), "proposals.gnn", "absent", "the method gnn needs it")?;
+        if method.is_on_graph() {
+            let expected = format!("an epidemic has no graph, which {name} needs");
+            self.that(epidemic.is_none(), "methods", name, &expected)?;
+            let expected = format!("the method {name} needs it");
+            self.that(proposals.gnn.is_some(), "proposals.gnn", "absent", &expected)?;
+            let is_set = method == Method::Gnn || proposals.gnn_short_steps.is_some();
+            self.that(is_set, "proposals.gnn-short-steps", "absent", &expected)?;
         }
         if method.is_anchored() {
             let there = proposals.standardised.is_some();

@@ -18,6 +18,8 @@ pub enum Method {
     Rnn,
     /// The learned graph proposal.
     Gnn,
+    /// The learned graph proposal, trained in shorter steps.
+    GnnShortSteps,
     /// The learned transform of uniform noise.
     Psi,
     /// The fully connected proposal around a linear prediction.
@@ -42,6 +44,7 @@ impl Method {
             Method::Fcnn => "fcnn",
             Method::Rnn => "rnn",
             Method::Gnn => "gnn",
+            Method::GnnShortSteps => "gnn-short-steps",
             Method::Psi => "psi",
             Method::FcnnAnchored => "fcnn-anchored",
             Method::RnnAnchored => "rnn-anchored",
@@ -62,6 +65,7 @@ impl Method {
             Method::Gnn => [0, 158, 115],
             Method::Psi => [204, 121, 167],
             // Darker than the families that they are of.
+            Method::GnnShortSteps => [0, 86, 62],
             Method::FcnnAnchored => [0, 62, 110],
             Method::RnnAnchored => [140, 52, 0],
             Method::PsiAnchored => [122, 52, 98],
@@ -72,8 +76,13 @@ impl Method {
 
     /// Whether it is trained.
     pub fn is_learned(self) -> bool {
-        use Method::{Fcnn, FcnnAnchored, Gnn, Psi, PsiAnchored, Rnn, RnnAnchored};
-        matches!(self, Fcnn | Rnn | Gnn | Psi | FcnnAnchored | RnnAnchored | PsiAnchored)
+        use Method::{Fcnn, FcnnAnchored, Gnn, GnnShortSteps, Psi, PsiAnchored, Rnn, RnnAnchored};
+        matches!(self, Fcnn | Rnn | Gnn | GnnShortSteps | Psi | FcnnAnchored | RnnAnchored | PsiAnchored)
+    }
+
+    /// Whether it needs a graph.
+    pub(crate) fn is_on_graph(self) -> bool {
+        matches!(self, Method::Gnn | Method::GnnShortSteps)
     }
 
     /// Whether it is a family around a linear prediction.

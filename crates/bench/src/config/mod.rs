@@ -23,7 +23,7 @@ pub use learning::{Elbo, Learning};
 pub(crate) use load::{figures, read_toml};
 pub use method::Method;
 pub use plan::{Plan, Point, check_output, plans, whole_figure};
-pub use proposals::{Fcnn, Gnn, Proposals, Psi, Rnn, Sizes, Standardised};
+pub use proposals::{Fcnn, Gnn, Proposals, Psi, Rnn, ShortSteps, Sizes, Standardised};
 pub use schema::{
     Axis, Epidemic, Experiment, Filter, Gradient, Panel, Profile, Reference, SeriesFigure, System, Training,
 };

@@ -14,6 +14,9 @@ pub struct Proposals {
     /// The graph proposal, where there is a graph.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gnn: Option<Gnn>,
+    /// What the method `gnn-short-steps` has of its own; the rest is that of `gnn`.
+    #[serde(default, rename = "gnn-short-steps", skip_serializing_if = "Option::is_none")]
+    pub gnn_short_steps: Option<ShortSteps>,
     /// The transform of uniform noise.
     pub psi: Psi,
     /// In which units networks work; in those of the system if absent.
@@ -61,6 +64,14 @@ pub struct Gnn {
     pub adapter: Adapter,
     /// Added to the diagonal of the covariance.
     pub ridge: f64,
+}
+
+/// A length of steps that replaces that of `[training]`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ShortSteps {
+    /// Adam's step size.
+    pub learning_rate: f64,
 }
 
 /// Settings of the transform of uniform noise.

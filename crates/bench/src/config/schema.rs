@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use motes_models::{Drift, Noise};
 use motes_smc::Resampling;
-use motes_train::Objective;
+use motes_train::{Objective, Schedule};
 use serde::{Deserialize, Serialize};
 
 use super::densities::Densities;
@@ -193,6 +193,9 @@ pub struct Training {
     pub clip_norm: Option<f64>,
     /// Adam's step size.
     pub learning_rate: f64,
+    /// How it changes in the course of the training; absent where it does not.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub schedule: Option<Schedule>,
     /// Adam's first forgetting factor.
     pub beta_1: f64,
     /// Adam's second forgetting factor.

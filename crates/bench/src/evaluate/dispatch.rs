@@ -50,7 +50,7 @@ pub(super) fn visit<V: Visitor>(
         MethodConfig::Once(method) => visitor.once(method),
         MethodConfig::Fcnn(unit) => learned::<Fcnn, V>(unit, visitor),
         MethodConfig::Rnn(unit) => learned::<Rnn, V>(unit, visitor),
-        MethodConfig::Gnn(unit) => learned::<Gnn, V>(unit, visitor),
+        MethodConfig::Gnn(unit) | MethodConfig::GnnShortSteps(unit) => learned::<Gnn, V>(unit, visitor),
         MethodConfig::Psi(unit) => learned::<Psi, V>(unit, visitor),
         MethodConfig::ReferenceFilter => visitor.reference(0),
         MethodConfig::ReferenceSmoother { lag } => visitor.reference(*lag),

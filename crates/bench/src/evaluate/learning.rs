@@ -93,6 +93,7 @@ pub(super) fn train_config(training: &config::Training, particles: usize, steps:
             beta_2: training.beta_2,
             epsilon: training.epsilon,
         },
+        schedule: training.schedule.unwrap_or_default(),
         weight_penalty: training.weight_penalty.unwrap_or(0.0),
         dropout: training.dropout.unwrap_or(0.0),
     }

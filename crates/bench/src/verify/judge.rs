@@ -40,6 +40,7 @@ fn gaps(run: &[&Place], all: usize) -> String {
 
 /// `method` is below minimum degeneracy at every point: one finding for each panel.
 pub(super) fn below_at_every_point(figure: &Figure, method: Method, metric: &str) -> Vec<Finding> {
+    let figure = &figure.comparing(&[method, Method::MinDegeneracy]);
     let of_panel = |panel: &&str| {
         let subject = named(panel, method.name());
         let places: Vec<&Place> = figure.of_panel(panel).collect();
@@ -85,6 +86,7 @@ pub(super) fn in_general_below(figure: &Figure, method: Method, metric: &str) ->
 
 /// The median log-ratio of `method` to minimum degeneracy at each point that was run.
 fn median_log_ratios(figure: &Figure, method: Method, metric: &str) -> Vec<f64> {
+    let figure = figure.comparing(&[method, Method::MinDegeneracy]);
     let at = |place| figure.log_ratios(method, Method::MinDegeneracy, place, metric).map(median);
     figure.places.iter().filter_map(at).collect()
 }
@@ -110,56 +112,62 @@ pub(super) fn smaller_ratio(figure: &Figure, other: &Figure, method: Method, met
 
 /// The medians of all `methods` are within a factor 1.5 of each other at every point: one finding for each panel.
 pub(super) fn no_difference(figure: &Figure, methods: &[Method], metric: &str) -> Vec<Finding> {
+    let figure = &figure.comparing(methods);
     let judge = |medians: &[f64]| {
         let factor = unsteadiness(medians);
         (factor <= CLOSE, factor, format!("medians differ by a factor of up to {}", short(factor)))
     };
     let median = |method, place: &Place| figure.median(method, place, metric);
-    let of_panel = |panel: &&str| at_every_point(figure, panel, (*panel).into(), methods, median, judge);
+    let of_panel =
+        |panel: &&str| at_every_point(figure, panel, metric, (*panel).into(), methods, median, judge);
     figure.panels().iter().map(of_panel).collect()
 }
 
 /// The first of `methods` has the largest median at every point: one finding for each panel.
 pub(super) fn worst(figure: &Figure, methods: &[Method], metric: &str) -> Vec<Finding> {
+    let figure = &figure.comparing(methods);
     let median = |method, place: &Place| figure.median(method, place, metric);
     let judge = |medians: &[f64]| {
         let others = medians[1..].iter().copied().fold(0.0, f64::max);
         let factor = 1.0 / ratio(others, medians[0]);
         (factor > 1.0, -factor, format!("at least {} times the next worst", short(factor)))
     };
-    first_in_each_panel(figure, methods, median, judge)
+    first_in_each_panel(figure, metric, methods, median, judge)
 }
 
 /// The first of `methods` has the smallest median at every point: one finding for each panel.
 pub(super) fn best(figure: &Figure, methods: &[Method], metric: &str) -> Vec<Finding> {
+    let figure = &figure.comparing(methods);
     let median = |method, place: &Place| figure.median(method, place, metric);
     let judge = |medians: &[f64]| {
         let least = medians[1..].iter().copied().fold(f64::INFINITY, f64::min);
         let factor = ratio(medians[0], least);
         (factor < 1.0, factor, format!("at most {} times the best other", short(factor)))
     };
-    first_in_each_panel(figure, methods, median, judge)
+    first_in_each_panel(figure, metric, methods, median, judge)
 }
 
 /// The standard deviation of the first of `methods` is the largest at every point of a panel.
 pub(super) fn most_spread(figure: &Figure, panel: &str, methods: &[Method], metric: &str) -> Vec<Finding> {
+    let figure = &figure.comparing(methods);
     let deviation = |method, place: &Place| figure.deviation(method, place, metric);
     let judge = |deviations: &[f64]| {
         let factor = 1.0 / ratio(deviations[1..].iter().copied().fold(0.0, f64::max), deviations[0]);
         (factor > 1.0, -factor, format!("at least {} times the next largest deviation", short(factor)))
     };
     let subject = named(panel, methods[0].name());
-    vec![about_the_first(figure, panel, subject, methods, deviation, judge)]
+    vec![about_the_first(figure, panel, metric, subject, methods, deviation, judge)]
 }
 
 fn first_in_each_panel(
     figure: &Figure,
+    metric: &str,
     methods: &[Method],
     value: impl Fn(Method, &Place) -> Option<f64>,
     judge: impl Fn(&[f64]) -> (bool, f64, String),
 ) -> Vec<Finding> {
     let of_panel = |panel: &&str| {
-        about_the_first(figure, panel, named(panel, methods[0].name()), methods, &value, &judge)
+        about_the_first(figure, panel, metric, named(panel, methods[0].name()), methods, &value, &judge)
     };
     figure.panels().iter().map(of_panel).collect()
 }
@@ -168,13 +176,14 @@ fn first_in_each_panel(
 fn about_the_first(
     figure: &Figure,
     panel: &str,
+    metric: &str,
     subject: String,
     methods: &[Method],
     value: impl Fn(Method, &Place) -> Option<f64>,
     judge: impl Fn(&[f64]) -> (bool, f64, String),
 ) -> Finding {
     let if_first = |method, place: &Place| value(methods[0], place).and_then(|_| value(method, place));
-    at_every_point(figure, panel, subject, methods, if_first, judge)
+    at_every_point(figure, panel, metric, subject, methods, if_first, judge)
 }
 
 /// Judges the values of `methods` at every point of a panel where two of them or more were run; the point with the largest severity
@@ -182,6 +191,7 @@ fn about_the_first(
 fn at_every_point(
     figure: &Figure,
     panel: &str,
+    metric: &str,
     subject: String,
     methods: &[Method],
     value: impl Fn(Method, &Place) -> Option<f64>,
@@ -219,7 +229,7 @@ fn at_every_point(
     Finding::new(
         subject,
         Verdict::all(verdicts.into_iter().chain(missing)),
-        format!("{numbers}{}", gaps(&run, places.len())),
+        format!("{numbers}, n = {}{}", figure.compared(panel, metric), gaps(&run, places.len())),
     )
 }
 
@@ -260,6 +270,7 @@ fn unsteadiness_of(figure: &Figure, panel: &str, method: Method, metric: &str) -
 
 /// Every one of `steady` is steadier than every one of `others`: one finding for each panel.
 pub(super) fn steadier(figure: &Figure, steady: &[Method], others: &[Method], metric: &str) -> Vec<Finding> {
+    let figure = &figure.comparing(&[steady, others].concat());
     let of_panel = |panel: &&str| {
         let of = |methods: &[Method]| -> Vec<(Method, f64)> {
             let of = |method: &Method| Some((*method, unsteadiness_of(figure, panel, *method, metric)?));
@@ -277,7 +288,8 @@ pub(super) fn steadier(figure: &Figure, steady: &[Method], others: &[Method], me
             .chain(&others)
             .map(|(method, ratio)| format!("{} {}", method.name(), short(*ratio)))
             .collect();
-        let numbers = format!("largest over smallest median: {}", all.join(", "));
+        let n = figure.compared(panel, metric);
+        let numbers = format!("largest over smallest median: {}, n = {n}", all.join(", "));
         let verdict = match (worst < best, steady.len() + others.len() == complete) {
             (true, false) => Verdict::NotRun,
             (holds, _) => Verdict::of(holds),
@@ -296,7 +308,7 @@ pub(super) fn steadier_than_in(
 ) -> Vec<Finding> {
     let of_panel = |panel: &&str| {
         let subject = named(panel, method.name());
-        let of = |figure| unsteadiness_of(figure, panel, method, metric);
+        let of = |figure: &Figure| unsteadiness_of(&figure.comparing(&[method]), panel, method, metric);
         let (Some(here), Some(there)) = (of(figure), of(other)) else { return Finding::not_run(subject) };
         let numbers = format!("largest over smallest median: {} here, {} there", short(here), short(there));
         Finding::new(subject, Verdict::of(here < there), numbers)
@@ -313,6 +325,7 @@ pub(super) fn relatively_better(
     metric: &str,
 ) -> Vec<Finding> {
     let relative = |figure: &Figure| {
+        let figure = figure.comparing(&[others, &[method]].concat());
         let at = |place: &Place| {
             let peers: Option<Vec<f64>> =
                 others.iter().map(|other| figure.median(*other, place, metric)).collect();

@@ -29,9 +29,12 @@ pub(super) struct Figure {
     pub(super) was_run: bool,
     /// By method, panel, x and metric: the value of each repetition.
     pub(super) values: Values,
-    /// As many repetitions as the most complete point has.
-    pub(super) repetitions: usize,
+    /// A point with fewer repetitions was not run: all that the most complete point has, or [`ENOUGH`] in a comparison.
+    pub(super) needed: usize,
 }
+
+/// The fewest repetitions of which a sign test can tell anything at 5%: ½⁵ < 0.05.
+pub(super) const ENOUGH: usize = 5;
 
 fn units_file(folder: &Path, figure: &str, profile: &str) -> PathBuf {
     folder.join(figure).join(profile).join("units.csv")
@@ -65,14 +68,40 @@ impl Figure {
 
     /// A figure of which these values are known.
     pub(super) fn of(places: Vec<Place>, values: Values) -> Figure {
-        let repetitions = values.values().map(BTreeMap::len).max().unwrap_or(0);
-        Figure { places, was_run: true, values, repetitions }
+        let needed = values.values().map(BTreeMap::len).max().unwrap_or(0);
+        Figure { places, was_run: true, values, needed }
     }
 
-    /// The value of each repetition; none if fewer were run here than elsewhere in the figure.
+    /// `methods` alone, each with the repetitions that all of them have at all points of a panel where they were run: what is compared is paired.
+    pub(super) fn comparing(&self, methods: &[Method]) -> Figure {
+        let needed = self.needed.min(ENOUGH);
+        let mut values = self.values.clone();
+        values.retain(|(name, ..), repetitions| {
+            methods.iter().any(|method| method.name() == name) && repetitions.len() >= needed
+        });
+        let mut common: BTreeMap<(String, String), BTreeSet<usize>> = BTreeMap::new();
+        for ((_, place, metric), repetitions) in &values {
+            let of_panel = common.entry((place.panel.clone(), metric.clone()));
+            let of_panel = of_panel.or_insert_with(|| repetitions.keys().copied().collect());
+            of_panel.retain(|repetition| repetitions.contains_key(repetition));
+        }
+        for ((_, place, metric), repetitions) in &mut values {
+            let of_panel = &common[&(place.panel.clone(), metric.clone())];
+            repetitions.retain(|repetition, _| of_panel.contains(repetition));
+        }
+        Figure { values, needed, ..self.clone() }
+    }
+
+    /// How many repetitions a panel has of what is compared.
+    pub(super) fn compared(&self, panel: &str, metric: &str) -> usize {
+        let of_panel = self.values.iter().filter(|((_, place, of), _)| place.panel == panel && of == metric);
+        of_panel.map(|(_, repetitions)| repetitions.len()).max().unwrap_or(0)
+    }
+
+    /// The value of each repetition; none if fewer were run here than are needed.
     pub(super) fn at(&self, method: Method, place: &Place, metric: &str) -> Option<&BTreeMap<usize, f64>> {
         let values = self.values.get(&(method.name().to_string(), place.clone(), metric.to_string()))?;
-        (values.len() == self.repetitions).then_some(values)
+        (values.len() >= self.needed).then_some(values)
     }
 
     /// The median over repetitions.
@@ -180,6 +209,24 @@ mod tests {
         assert_eq!(figure.median(Method::Psi, &place, "nmse_final"), Some(f64::INFINITY));
         assert_eq!(figure.median(Method::Bootstrap, &place, "nmse_final"), Some(1.5));
         assert_eq!(figure.median(Method::Fcnn, &place, "nmse_final"), None);
+    }
+
+    #[test]
+    fn comparisons_are_over_the_repetitions_that_all_have() {
+        let place = Place { panel: "N10".into(), x: 10 };
+        let key = |method: &str| (method.to_string(), place.clone(), "nmse_final".to_string());
+        let of = |values: std::ops::Range<usize>| -> BTreeMap<usize, f64> {
+            values.map(|repetition| (repetition, repetition as f64)).collect()
+        };
+        let values = [(key("fcnn"), of(0..20)), (key("gnn"), of(2..8)), (key("rnn"), of(0..4))];
+        let figure = Figure::of(vec![place.clone()], values.into());
+        let median = |figure: &Figure, method| figure.median(method, &place, "nmse_final");
+        assert_eq!([Method::Fcnn, Method::Gnn].map(|method| median(&figure, method)), [Some(9.5), None]);
+        let both = figure.comparing(&[Method::Fcnn, Method::Gnn, Method::Rnn]);
+        assert_eq!([Method::Fcnn, Method::Gnn].map(|method| median(&both, method)), [Some(4.5); 2]);
+        assert_eq!(both.compared("N10", "nmse_final"), 6);
+        assert_eq!(median(&both, Method::Rnn), None, "four repetitions cannot tell");
+        assert_eq!(median(&figure.comparing(&[Method::Fcnn]), Method::Fcnn), Some(9.5));
     }
 
     #[test]

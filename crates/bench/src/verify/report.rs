@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::claims::{Claim, Judgement};
-use super::numbers::{Figure, METRICS};
+use super::numbers::{ENOUGH, Figure, METRICS};
 use super::predicates::{CLOSE, IN_GENERAL, Verdict};
 
 /// In the place of a verdict that there is none of.
@@ -29,6 +29,7 @@ pub(super) fn report(profile: &str, figures: &BTreeMap<&str, Figure>, claims: &[
          ratio to the median of the other learned ones' medians, the median over points, is smaller;\n\
          - *at some K no better*: a median log-ratio of 0 or more at one point; no test, so that a method that is level is no better;\n\
          - *close*, *no significant difference*: medians within a factor {CLOSE};\n\
+         - a comparison is over the repetitions that all its methods have in a panel, at least {ENOUGH} or all that the profile has;\n\
          - one point that contradicts a claim, or one method that does, is enough for *not reproduced*; otherwise one that is \
          missing, or has too few repetitions for the test, makes it *not run*. A unit that failed counts as an infinite error.\n\n",
         (100.0 * IN_GENERAL).round()

@@ -6,7 +6,7 @@ use motes_proposals::{Amortised, Parametric, Workspace};
 use super::settings::LearnConfig;
 use crate::dropout::Dropout;
 use crate::penalty::add_penalty;
-use crate::{Adam, TrainError};
+use crate::{Adam, Schedule, TrainError};
 
 /// What steps are taken with.
 pub(super) struct Stepper {
@@ -39,8 +39,7 @@ impl Stepper {
 
     /// Sets the learning rate for a share of all progress: it falls to 0 along half a cosine.
     pub(super) fn set_progress(&mut self, progress: f64) {
-        let share = 0.5 * (1.0 + (std::f64::consts::PI * progress).cos());
-        self.adam.set_learning_rate(self.learning_rate * share);
+        self.adam.set_learning_rate(self.learning_rate * Schedule::Cosine.share(progress));
     }
 
     /// Leaves out hidden units until [`Stepper::finish`] puts them back.

@@ -3,6 +3,7 @@
 use super::super::checks::Checks;
 use super::super::error::ConfigError;
 use super::super::learning::Learning;
+use super::super::method::Method;
 use super::super::schema::{Axis, Experiment};
 
 impl Checks<'_> {
@@ -47,10 +48,15 @@ impl Checks<'_> {
         let expected = "what is learned once has neither dropout nor a penalty here";
         let none = regularised.iter().all(Option::is_none);
         self.that(none, "training", "there", expected)?;
-        for method in experiment.methods.iter().filter(|method| method.is_anchored()) {
+        for method in experiment.methods.iter().filter(|method| !can_be_learned_once(method)) {
             let expected = "what is learned once is fcnn, rnn, gnn or psi";
             self.that(false, "methods", method.name(), expected)?;
         }
         Ok(())
     }
+}
+
+/// Whether it is a family as it is, or not learned.
+fn can_be_learned_once(method: &Method) -> bool {
+    !method.is_anchored() && *method != Method::GnnShortSteps
 }

@@ -11,7 +11,7 @@ const LARGEST: usize = 65_536;
 
 impl Proposals {
     pub(in crate::config) fn check(&self, checks: &Checks<'_>) -> Result<(), ConfigError> {
-        let Proposals { fcnn, rnn, gnn, psi, standardised } = self;
+        let Proposals { fcnn, rnn, gnn, gnn_short_steps, psi, standardised } = self;
         let ridges = [("fcnn", fcnn.ridge), ("rnn", rnn.ridge), ("psi", psi.ridge)];
         for (family, ridge) in ridges.into_iter().chain(gnn.iter().map(|gnn| ("gnn", gnn.ridge))) {
             let fine = ridge >= 0.0 && ridge.is_finite();
@@ -21,6 +21,9 @@ impl Proposals {
         checks.within("proposals.rnn.depth", rnn.depth, 1, 64)?;
         if let Some(gnn) = gnn {
             checks.within("proposals.gnn.order", gnn.order, 0, 64)?;
+        }
+        if let Some(steps) = gnn_short_steps {
+            checks.positive_in_32_bits("proposals.gnn-short-steps.learning_rate", steps.learning_rate)?;
         }
         if let Some(standardised) = standardised {
             let key = "proposals.standardised.trajectories";
