@@ -2,7 +2,8 @@
 #![cfg(unix)]
 
 use std::path::PathBuf;
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use tempfile::TempDir;
 
@@ -15,6 +16,7 @@ impl Place {
     /// `runner` and `cargo` are what the shell does in their place.
     fn new(runner: &str, cargo: &str) -> Self {
         let place = Place { folder: tempfile::tempdir().unwrap() };
+        let _alone = alone();
         std::fs::create_dir(place.path("release")).unwrap();
         std::fs::copy(env!("CARGO_BIN_EXE_xtask"), place.path("release/xtask")).unwrap();
         for program in ["motes-bench", "motes-speed"] {
@@ -38,7 +40,13 @@ impl Place {
     fn run(&self, arguments: &[&str]) -> Output {
         let mut command = Command::new(self.path("release/xtask"));
         command.args(arguments).env("CARGO", self.path("cargo"));
-        command.env("CARGO_MANIFEST_DIR", "/work/xtask").output().unwrap()
+        command.env("CARGO_MANIFEST_DIR", "/work/xtask");
+        command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let started = {
+            let _alone = alone();
+            command.spawn().unwrap()
+        };
+        started.wait_with_output().unwrap()
     }
 
     /// What was started, in order.
@@ -46,6 +54,13 @@ impl Place {
         let text = std::fs::read_to_string(self.path(LOG)).unwrap_or_default();
         text.lines().map(String::from).collect()
     }
+}
+
+/// Writes programs or starts one, and no other test does meanwhile: a program cannot be started while a process that another
+/// test has just forked still has it open for writing.
+fn alone() -> MutexGuard<'static, ()> {
+    static ALONE: Mutex<()> = Mutex::new(());
+    ALONE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 const LOG: &str = "log";

@@ -91,11 +91,14 @@ fn experiments_on_the_epidemic_differ_from_table_1_in_what_they_say() {
 
 #[test]
 fn experiments_on_gnn_differ_from_figure_1_in_what_they_say() {
-    let fig1 = read(experiments().join("fig1.toml"));
+    let mut fig1 = read(experiments().join("fig1.toml"));
+    assert!(fig1["proposals"].as_table_mut().unwrap().remove("gnn-short-steps").is_some());
     for (name, training) in [
         ("rate-3e-4", "learning_rate = 3e-4"),
         ("rate-1e-4", "learning_rate = 1e-4"),
         ("rate-3e-5", "learning_rate = 3e-5"),
+        ("falls-1e-3", "schedule = \"cosine\""),
+        ("falls-3e-4", "learning_rate = 3e-4\nschedule = \"cosine\""),
         ("clipped", "clip_norm = 1.0"),
     ] {
         let found = read(experiments().join(format!("why/gnn-{name}.toml")));
