@@ -263,6 +263,25 @@ mod tests {
     }
 
     #[test]
+    fn a_method_with_few_repetitions_takes_none_from_the_others() {
+        // With K the error of psi grows, that of fcnn falls in late repetitions only.
+        let steadiest = |gnn: f64| {
+            let mut fig5 = figure("N10", &[10, 20], |method, x, repetition| match (method, x) {
+                (Gnn, 20) => gnn,
+                (Psi, 20) => 3.0,
+                (Fcnn, 20) if repetition >= 5 => 0.5,
+                _ => 1.0,
+            });
+            for ((method, ..), values) in &mut fig5.values {
+                values.retain(|repetition, _| method != "gnn" || *repetition < 5);
+            }
+            verdicts([("fig5", fig5)].into(), "fig5")[4]
+        };
+        assert_eq!(steadiest(1.1), Verdict::Reproduced);
+        assert_eq!(steadiest(1.0), Verdict::NotReproduced, "level is not steadier");
+    }
+
+    #[test]
     fn a_method_that_was_not_run_leaves_a_comparison_open_unless_the_others_contradict_it() {
         let without_rnn = |gnn: f64, psi: fn(usize) -> f64| {
             let mut fig1 = figure("N50", &[10, 20], |method, _, repetition| match method {

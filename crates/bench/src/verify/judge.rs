@@ -268,32 +268,28 @@ fn unsteadiness_of(figure: &Figure, panel: &str, method: Method, metric: &str) -
     medians.filter(|medians| !medians.is_empty()).map(|medians| unsteadiness(&medians))
 }
 
-/// Every one of `steady` is steadier than every one of `others`: one finding for each panel.
+/// Every one of `steady` is steadier than every one of `others`, two at a time: one finding for each panel. The pair is reported
+/// in which the ratio of the two is largest.
 pub(super) fn steadier(figure: &Figure, steady: &[Method], others: &[Method], metric: &str) -> Vec<Finding> {
-    let figure = &figure.comparing(&[steady, others].concat());
+    let pairs: Vec<(Method, Method)> =
+        steady.iter().flat_map(|one| others.iter().map(move |other| (*one, *other))).collect();
     let of_panel = |panel: &&str| {
-        let of = |methods: &[Method]| -> Vec<(Method, f64)> {
-            let of = |method: &Method| Some((*method, unsteadiness_of(figure, panel, *method, metric)?));
-            methods.iter().filter_map(of).collect()
+        let compare = |(one, other): &(Method, Method)| {
+            let figure = figure.comparing(&[*one, *other]);
+            let of = |method| unsteadiness_of(&figure, panel, method, metric);
+            let (first, second) = (of(*one)?, of(*other)?);
+            let n = figure.compared(panel, metric);
+            let (one, other, factors) = (one.name(), other.name(), [first, second].map(short));
+            let numbers = format!("{one} {} beside {other} {}, n = {n}", factors[0], factors[1]);
+            Some((first < second, ratio(first, second), numbers))
         };
-        let complete = steady.len() + others.len();
-        let (steady, others) = (of(steady), of(others));
-        if steady.is_empty() || others.is_empty() {
+        let compared: Vec<(bool, f64, String)> = pairs.iter().filter_map(compare).collect();
+        let Some((_, _, numbers)) = compared.iter().max_by(|a, b| a.1.total_cmp(&b.1)) else {
             return Finding::not_run((*panel).to_string());
-        }
-        let worst = steady.iter().map(|(_, ratio)| *ratio).fold(0.0, f64::max);
-        let best = others.iter().map(|(_, ratio)| *ratio).fold(f64::INFINITY, f64::min);
-        let all: Vec<String> = steady
-            .iter()
-            .chain(&others)
-            .map(|(method, ratio)| format!("{} {}", method.name(), short(*ratio)))
-            .collect();
-        let n = figure.compared(panel, metric);
-        let numbers = format!("largest over smallest median: {}, n = {n}", all.join(", "));
-        let verdict = match (worst < best, steady.len() + others.len() == complete) {
-            (true, false) => Verdict::NotRun,
-            (holds, _) => Verdict::of(holds),
         };
+        let missing = (compared.len() < pairs.len()).then_some(Verdict::NotRun);
+        let verdict = Verdict::all(compared.iter().map(|(holds, ..)| Verdict::of(*holds)).chain(missing));
+        let numbers = format!("largest over smallest median: {numbers}");
         Finding::new((*panel).to_string(), verdict, numbers)
     };
     figure.panels().iter().map(of_panel).collect()

@@ -24,7 +24,7 @@ pub(super) fn report(profile: &str, figures: &BTreeMap<&str, Figure>, claims: &[
          - *independent of x*: the slope of log error on log x, the mean over repetitions, is less than 2 standard errors from 0; \
          *improves*: it is more than 2 below 0;\n\
          - *by a smaller ratio*: the gain, minus the median log-ratio to minimum degeneracy, the median over points, is smaller than in figure 1;\n\
-         - *steadier*: a smaller ratio of the largest to the smallest median over K, for each of the one sort than for each of the other;\n\
+         - *steadier*: a smaller ratio of the largest to the smallest median over K, for each of the one sort than for each of the other, two at a time;\n\
          - *best*, *worst*, *largest standard deviation*: of medians or standard deviations, at every point; *relatively better*: the \
          ratio to the median of the other learned ones' medians, the median over points, is smaller;\n\
          - *at some K no better*: a median log-ratio of 0 or more at one point; no test, so that a method that is level is no better;\n\
