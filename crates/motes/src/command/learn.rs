@@ -100,6 +100,11 @@ fn said(proposal: &LearnedProposal, history: &Learned, seconds: f64) -> (Vec<Str
             100.0 * history.overflowed
         ));
     }
+    if let [first, ..] = history.new_beginnings[..] {
+        notes.push(format!(
+            "learning lost its way by update {first}; it went on from the best weights before, with steps a quarter as long"
+        ));
+    }
     let mut warnings = Vec::new();
     if let Some(step) = history.diverged_at {
         warnings.push(format!("learning diverged at update {step}; the best weights before are kept"));

@@ -14,6 +14,9 @@ use crate::TrainError;
 /// How many steps of the network for later times come to one of that for `t = 0`.
 const STEPS_FOR_ONE_INITIAL: usize = 4;
 
+/// A batch is lost whose mean gain is below so much of that of a row at the floor.
+const LOST: f64 = 0.5;
+
 /// Takes the steps of `course`, with rows from `supply`, which is shown the step and the averaged weights; none ends learning.
 pub(super) fn learn_by_rows(
     proposal: &mut Amortised,
@@ -53,21 +56,33 @@ pub(super) fn learn_by_rows(
                 Ok(proposal.differentiate_gain(times, batch, config.floor, memory)?)
             })
         };
-        let mut is_finite = update(proposal, Times::Later, &batch)?;
+        let gain = update(proposal, Times::Later, &batch)?;
+        let mut is_finite = gain.is_some();
         if step % STEPS_FOR_ONE_INITIAL == 0
             && initial.deal(config.rows.min(initial.left()), &mut batch)
             && !batch.is_empty()
         {
-            is_finite &= update(proposal, Times::Initial, &batch)?;
+            is_finite &= update(proposal, Times::Initial, &batch)?.is_some();
         }
         if !is_finite {
             course.diverged(step);
             break;
         }
-        course.took(step, proposal, &judge)?;
+        let is_judged = course.took(step, proposal, &judge)?;
+        if is_judged && gain.is_some_and(|gain| is_lost(gain, config.floor)) {
+            course.go_back(proposal);
+            stepper.begin_again()?;
+        }
         if observe(step, course.last()).is_break() {
             break;
         }
     }
     Ok(())
+}
+
+/// Whether most rows of a batch lie so far from the proposal that the floor is all of what the objective sees of them. It has no slope there.
+///
+/// Steps that are too long lead there, at once where there are many coordinates: each of their densities has its part in the loss of a row.
+fn is_lost(gain: f64, floor: f64) -> bool {
+    gain < LOST * floor.ln()
 }

@@ -27,6 +27,9 @@ pub struct Learned {
     pub best_step: usize,
     /// The share of simulated sequences that overflowed before their end.
     pub overflowed: f64,
+    /// After which steps it went back to the best weights so far, to go on with steps a quarter as long: the proposal had gone where its objective has no
+    /// slope.
+    pub new_beginnings: Vec<usize>,
     /// Why it ended before its last step, where it diverged.
     pub diverged_at: Option<usize>,
     /// How long it took.
@@ -59,6 +62,7 @@ impl Course {
             validation: vec![(0, figure)],
             best_step: 0,
             overflowed: 0.0,
+            new_beginnings: Vec::new(),
             diverged_at: None,
             seconds: 0.0,
         };
@@ -95,20 +99,29 @@ impl Course {
         self.learned.validation.last().map_or(f64::NAN, |(_, figure)| *figure)
     }
 
-    /// Takes note of a step that was taken, and now and then asks `judge` for what validation says.
+    /// Takes note of a step that was taken, and now and then asks `judge` for what validation says; whether it was asked comes back.
     pub(super) fn took(
         &mut self,
         step: usize,
         proposal: &Amortised,
         judge: impl FnOnce(&Amortised) -> Result<f64, TrainError>,
-    ) -> Result<(), TrainError> {
+    ) -> Result<bool, TrainError> {
         self.learned.steps = step + 1;
         let share = (AVERAGING + 1.0) / (self.learned.steps as f64 + AVERAGING);
         self.averaged.parameters_mut().values_mut().approach(proposal.parameters().values(), share);
-        match self.learned.steps.is_multiple_of(self.config.validate_every) {
-            true => self.look(judge),
-            false => Ok(()),
+        let is_due = self.learned.steps.is_multiple_of(self.config.validate_every);
+        if is_due {
+            self.look(judge)?;
         }
+        Ok(is_due)
+    }
+
+    /// Gives the proposal the best weights so far, from which it goes on.
+    pub(super) fn go_back(&mut self, proposal: &mut Amortised) {
+        for proposal in [proposal, &mut self.averaged] {
+            *proposal.parameters_mut().values_mut() = self.best.1.clone();
+        }
+        self.learned.new_beginnings.push(self.learned.steps);
     }
 
     /// Takes note of a step whose loss or gradient was not finite.

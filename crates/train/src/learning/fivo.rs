@@ -46,12 +46,12 @@ pub(super) fn learn<M: OwnModel + StateGradients + ?Sized>(
             sum.mean_into(&mut memory, 1);
             Ok((log_evidence, memory))
         });
-        let is_finite = match found {
+        let value = match found {
             // What filtered at first has become a proposal whose filters collapse.
-            Err(TrainError::Recorded { .. }) if step > 0 => false,
+            Err(TrainError::Recorded { .. }) if step > 0 => None,
             found => found?,
         };
-        if !is_finite {
+        if value.is_none() {
             course.diverged(step);
             break;
         }

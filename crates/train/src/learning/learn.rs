@@ -43,6 +43,8 @@ const STANDARDISING: usize = 64;
 /// The weights with the best figure are kept; the weights that came in are among the candidates. A step whose loss or gradient is not finite ends learning,
 /// and the best weights so far are kept. Nobody's states are seen: only measurements come in.
 ///
+/// Where a look at validation finds most rows at the floor, which has no slope, learning goes back to the best weights so far, with steps a quarter as long.
+///
 /// `observe` is shown the step and the last figure of validation, and ends learning early by breaking.
 ///
 /// The same seed gives the same weights, unless there is a budget in seconds.

@@ -6,7 +6,10 @@ use motes_proposals::{Amortised, Parametric, Workspace};
 use super::settings::LearnConfig;
 use crate::dropout::Dropout;
 use crate::penalty::add_penalty;
-use crate::{Adam, Schedule, TrainError};
+use crate::{Adam, AdamConfig, Schedule, TrainError};
+
+/// The learning rate after a new beginning, as a share of that before.
+const SHORTER: f64 = 0.25;
 
 /// What steps are taken with.
 pub(super) struct Stepper {
@@ -17,7 +20,7 @@ pub(super) struct Stepper {
     workspace: Option<Workspace>,
     penalty: f64,
     clip_norm: f64,
-    learning_rate: f64,
+    adam_config: AdamConfig,
 }
 
 impl Stepper {
@@ -33,13 +36,20 @@ impl Stepper {
             workspace: Some(Workspace::new(proposal.parameters())),
             penalty: config.weight_penalty,
             clip_norm: config.clip_norm,
-            learning_rate: config.adam.learning_rate,
+            adam_config: config.adam,
         })
     }
 
     /// Sets the learning rate for a share of all progress: it falls to 0 along half a cosine.
     pub(super) fn set_progress(&mut self, progress: f64) {
-        self.adam.set_learning_rate(self.learning_rate * Schedule::Cosine.share(progress));
+        self.adam.set_learning_rate(self.adam_config.learning_rate * Schedule::Cosine.share(progress));
+    }
+
+    /// Forgets the moments of all steps so far; the next ones are a quarter as long.
+    pub(super) fn begin_again(&mut self) -> Result<(), TrainError> {
+        self.adam_config.learning_rate *= SHORTER;
+        self.adam = Adam::new(&self.adam_config)?;
+        Ok(())
     }
 
     /// Leaves out hidden units until [`Stepper::finish`] puts them back.
@@ -49,13 +59,13 @@ impl Stepper {
         }
     }
 
-    /// Differentiates a loss at the weights that [`Stepper::begin`] left, and takes the step; `false` if the loss or its gradient is not finite, and no weight
-    /// has changed then.
+    /// Differentiates a loss at the weights that [`Stepper::begin`] left, and takes the step. The value of the loss comes back; nothing if
+    /// it or its gradient is not finite, and no weight has changed then.
     pub(super) fn finish(
         &mut self,
         proposal: &mut Amortised,
         differentiate: impl FnOnce(&Amortised, Workspace) -> Result<(f64, Workspace), TrainError>,
-    ) -> Result<bool, TrainError> {
+    ) -> Result<Option<f64>, TrainError> {
         let memory = self.workspace.take().unwrap_or_else(|| Workspace::new(proposal.parameters()));
         let found = differentiate(proposal, memory);
         if let Some(dropout) = &self.dropout {
@@ -76,6 +86,6 @@ impl Stepper {
             self.adam.step(proposal.parameters_mut(), &mut workspace)?;
         }
         self.workspace = Some(workspace);
-        Ok(is_finite)
+        Ok(is_finite.then_some(value))
     }
 }

@@ -6,7 +6,7 @@ use motes_models::equations::{Coordinates, Equations, Scalar, normal};
 use motes_models::{ModelShape, PartialMeasurements, Seed, simulate};
 use motes_proposals::{Amortised, AmortisedConfig, Backend, Base, Family, HeadConfig, Parametric, Sees};
 use motes_smc::{Bootstrap, FilterSettings, Linearised, ParticleFilter, Proposal, ResampleWhen};
-use motes_train::{LearnConfig, Learned, TrainError, learn};
+use motes_train::{AdamConfig, LearnConfig, Learned, TrainError, learn};
 
 use crate::conditional::HEADS;
 use crate::models::{Growth, Linear};
@@ -77,6 +77,29 @@ fn the_best_weights_on_validation_are_kept() {
     for index in 0..proposal.parameters().len() {
         assert_eq!(proposal.parameters().host(index), again.parameters().host(index));
     }
+}
+
+/// Long steps lead to where the objective has no slope; without a way back all steps are lost.
+#[test]
+fn it_comes_back_from_steps_that_are_too_long() {
+    let seed = Seed::from_u64(1);
+    let config =
+        AmortisedConfig { widths: vec![32, 32], sees: Sees::All, base: Base::Transition, head: HEADS[0] };
+    let settings = LearnConfig {
+        steps: 400,
+        sequences: 64,
+        rows: 400,
+        validate_every: 25,
+        adam: AdamConfig { learning_rate: 4.0, ..AdamConfig::paper() },
+        ..LearnConfig::new()
+    };
+    let shape = ModelShape::of(&Linear);
+    let mut proposal = Amortised::create(&config, &shape, 0, Backend::Native.into(), &seed).unwrap();
+    let found = learn(&mut proposal, &Linear, &[], &settings, &seed, |_, _| ControlFlow::Continue(())).unwrap();
+    println!("{found:?}");
+    assert!(found.new_beginnings.len() > 1 && found.new_beginnings[0] == 25, "{:?}", found.new_beginnings);
+    // Before learning it is the transition, whose gain is 0.
+    assert!(found.best_gain() > 0.1, "{:?}", found.validation);
 }
 
 #[test]
