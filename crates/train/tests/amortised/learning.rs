@@ -95,8 +95,8 @@ fn it_comes_back_from_steps_that_are_too_long() {
     };
     let shape = ModelShape::of(&Linear);
     let mut proposal = Amortised::create(&config, &shape, 0, Backend::Native.into(), &seed).unwrap();
-    let found = learn(&mut proposal, &Linear, &[], &settings, &seed, |_, _| ControlFlow::Continue(())).unwrap();
-    println!("{found:?}");
+    let found =
+        learn(&mut proposal, &Linear, &[], &settings, &seed, |_, _| ControlFlow::Continue(())).unwrap();
     assert!(found.new_beginnings.len() > 1 && found.new_beginnings[0] == 25, "{:?}", found.new_beginnings);
     // Before learning it is the transition, whose gain is 0.
     assert!(found.best_gain() > 0.1, "{:?}", found.validation);
