@@ -22,3 +22,4 @@ mod rnn;
 mod saved;
 mod sequences;
 mod standardised;
+mod uniform_optimum;
