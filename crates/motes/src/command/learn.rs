@@ -100,9 +100,9 @@ fn said(proposal: &LearnedProposal, history: &Learned, seconds: f64) -> (Vec<Str
             100.0 * history.overflowed
         ));
     }
-    if let [first, ..] = history.new_beginnings[..] {
+    for update in &history.new_beginnings {
         notes.push(format!(
-            "learning lost its way by update {first}; it went on from the best weights before, with steps a quarter as long"
+            "learning lost its way by update {update}; it went on from the best weights before, with steps a quarter as long"
         ));
     }
     let mut warnings = Vec::new();

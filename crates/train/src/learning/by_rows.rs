@@ -31,6 +31,8 @@ pub(super) fn learn_by_rows(
     let mut order = training.child("order").stream();
     let (mut initial, mut later) = (Deck::default(), Deck::default());
     let mut batch = Stage::default();
+    // Of the last batch of the network for `t = 0`, which not every step has.
+    let mut gain_of_initial = 0.0;
     for step in 0..config.steps {
         let Some(progress) = course.progress(step) else { break };
         stepper.set_progress(progress);
@@ -56,22 +58,24 @@ pub(super) fn learn_by_rows(
                 Ok(proposal.differentiate_gain(times, batch, config.floor, memory)?)
             })
         };
-        let gain = update(proposal, Times::Later, &batch)?;
-        let mut is_finite = gain.is_some();
+        let of_later = update(proposal, Times::Later, &batch)?;
+        let mut of_initial = Some(gain_of_initial);
         if step % STEPS_FOR_ONE_INITIAL == 0
             && initial.deal(config.rows.min(initial.left()), &mut batch)
             && !batch.is_empty()
         {
-            is_finite &= update(proposal, Times::Initial, &batch)?.is_some();
+            of_initial = update(proposal, Times::Initial, &batch)?;
         }
-        if !is_finite {
+        let (Some(gain_of_later), Some(gain)) = (of_later, of_initial) else {
             course.diverged(step);
             break;
-        }
+        };
+        gain_of_initial = gain;
         let is_judged = course.took(step, proposal, &judge)?;
-        if is_judged && gain.is_some_and(|gain| is_lost(gain, config.floor)) {
+        if is_judged && is_lost(gain_of_later.min(gain_of_initial), config.floor) {
             course.go_back(proposal);
             stepper.begin_again()?;
+            gain_of_initial = 0.0;
         }
         if observe(step, course.last()).is_break() {
             break;

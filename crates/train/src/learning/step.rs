@@ -59,8 +59,8 @@ impl Stepper {
         }
     }
 
-    /// Differentiates a loss at the weights that [`Stepper::begin`] left, and takes the step. The value of the loss comes back; nothing if
-    /// it or its gradient is not finite, and no weight has changed then.
+    /// Differentiates a loss at the weights that [`Stepper::begin`] left, and takes the step. What was maximised comes back; nothing if
+    /// it or the gradient is not finite, and no weight has changed then.
     pub(super) fn finish(
         &mut self,
         proposal: &mut Amortised,
