@@ -153,7 +153,7 @@ fn every_benchmark_runs_and_a_finished_one_is_not_run_again() {
     let evidence = |card: &serde_json::Value| card["card"]["methods"]["learned"]["log_evidence_gap"].clone();
     assert_eq!(evidence(&card("learned-growth")), evidence(&growth));
     let mut altered: serde_json::Value = serde_json::from_str(&text).unwrap();
-    altered["increments"][0] = (altered["increments"][0].as_f64().unwrap() - 1000.0).into();
+    altered["log_evidence"] = (altered["log_evidence"].as_f64().unwrap() - 1000.0).into();
     std::fs::write(&kept, altered.to_string()).unwrap();
     std::fs::remove_file(place.path("runs/learned-growth/smoke/card.json")).unwrap();
     assert!(place.run(&["learned-growth", "--profile", "smoke"]).status.success());

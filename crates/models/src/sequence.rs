@@ -148,7 +148,7 @@ impl PartialMeasurements {
     }
 
     /// All rows in order of time.
-    pub fn rows(&self) -> impl ExactSizeIterator<Item = &[Option<f64>]> {
+    pub fn rows(&self) -> impl DoubleEndedIterator<Item = &[Option<f64>]> + ExactSizeIterator {
         self.values.chunks_exact(self.width)
     }
 }

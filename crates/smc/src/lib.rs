@@ -23,6 +23,7 @@ mod resampling;
 mod second_opinion;
 mod smoothing;
 mod streams;
+mod twisted;
 mod weights;
 
 pub use bank::{FilterBank, FilterSettings};
@@ -45,6 +46,7 @@ pub use second_opinion::{EvidenceError, SecondOpinion, Verdict};
 pub use smoothing::{
     FilterHistory, SmoothedPaths, SmoothingError, backward_simulation, backward_simulation_while,
 };
+pub use twisted::{Twisting, TwistingError};
 pub use weights::{LogWeights, WeightFault};
 
 /// The README's code, compiled and run as a documentation test.

@@ -119,7 +119,7 @@ pub struct BenchmarkProfile {
     pub reference_particles: usize,
     /// Reference filters for each sequence, whose evidence is averaged.
     pub reference_filters: usize,
-    /// More of them are added for a sequence until the standard error of its log-evidence is at most this; none are if absent.
+    /// The standard error that a sequence's log-evidence may have: by twisted filters, or by more of these filters. Nothing is asked of it if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reference_error: Option<f64>,
 }

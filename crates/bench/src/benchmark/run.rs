@@ -20,6 +20,9 @@ use crate::provenance::Provenance;
 /// The version of what a benchmark's file means: raised whenever the same file gives other numbers than before.
 const FORMAT: u32 = 1;
 
+/// The version of how references are made, raised as the other.
+const REFERENCES: u32 = 2;
+
 /// The whole result.
 const CARD: &str = "card.json";
 
@@ -141,7 +144,7 @@ pub fn run_benchmark(plan: &BenchmarkPlan, interrupt: &Interrupt) -> Result<(), 
 fn key(plan: &BenchmarkPlan) -> String {
     // The file of the other profiles is no part of it.
     let benchmark = Benchmark { profiles: std::collections::BTreeMap::new(), ..plan.benchmark.clone() };
-    key_of(&(learning_key(plan), benchmark, &plan.profile))
+    key_of(&(reference_key(plan), benchmark, &plan.profile))
 }
 
 /// A hash of all that learned proposals depend on.
@@ -157,7 +160,7 @@ fn learning_key(plan: &BenchmarkPlan) -> String {
 fn reference_key(plan: &BenchmarkPlan) -> String {
     let BenchmarkProfile { reference_particles, reference_filters, reference_error, .. } = plan.profile;
     let settings = (reference_particles, reference_filters, reference_error);
-    key_of(&(learning_key(plan), settings, plan.benchmark.resample_below))
+    key_of(&(REFERENCES, learning_key(plan), settings, plan.benchmark.resample_below))
 }
 
 fn options(plan: &BenchmarkPlan, learned: &[LearnedProposal]) -> Result<CompareOptions, MotesError> {

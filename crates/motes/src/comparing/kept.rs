@@ -54,6 +54,7 @@ mod tests {
             name: "a filter".into(),
             means: vec![vec![1.0 / 3.0, -2e-300], vec![0.1 + 0.2, 7.0]],
             increments: vec![-1.234_567_890_123_456_7, f64::MIN_POSITIVE],
+            log_evidence: -1.3,
             error: Some(0.1),
         };
         assert_eq!(read(folder.path(), 3, 2).unwrap(), None);

@@ -1,5 +1,6 @@
 //! The report card of proposals side by side, on sequences whose truth is known or on data.
 
+mod averages;
 mod card;
 mod designed;
 mod equal_time;
@@ -9,6 +10,7 @@ mod paired;
 mod reference;
 mod reference_filters;
 mod sequence;
+mod twisted;
 
 use std::ops::ControlFlow;
 use std::time::Instant;
@@ -172,6 +174,6 @@ fn run(
             steps.add(&running, sequence, reference, time);
         }
     }
-    steps.log_evidence_gap = Some(steps.log_evidence - reference.log_evidence());
+    steps.log_evidence_gap = Some(steps.log_evidence - reference.log_evidence);
     Ok(steps)
 }

@@ -10,12 +10,8 @@ pub(super) struct Reference {
     pub(super) means: Vec<Vec<f64>>,
     /// `log p(y_t | y_{0:t−1})` at each time.
     pub(super) increments: Vec<f64>,
+    /// `log p(y_{0:T−1})`: the sum of the increments, where nothing knows it better than they.
+    pub(super) log_evidence: f64,
     /// The standard error of the log-evidence, where it is an estimate of several filters.
     pub(super) error: Option<f64>,
-}
-
-impl Reference {
-    pub(super) fn log_evidence(&self) -> f64 {
-        self.increments.iter().sum()
-    }
 }

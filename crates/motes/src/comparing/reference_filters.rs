@@ -2,12 +2,14 @@
 
 use std::borrow::Cow;
 
-use motes_models::{LinearGaussian, PartialMeasurements, kalman};
+use motes_models::{LinearGaussian, PartialMeasurements, Seed, kalman};
 
+use super::averages::{average, standard_error};
 use super::kept;
 use super::options::{CompareOptions, MOST_REFERENCE_FILTERS};
 use super::reference::Reference;
 use super::sequence::Sequence;
+use super::twisted::{Estimated, TWISTED_PARTICLES, by_twisted_filters};
 use crate::engine::Running;
 use crate::error::MotesError;
 use crate::model::{Kind, Model};
@@ -57,7 +59,7 @@ pub(super) fn reference(
     }
     let found = computed(model, sequence, options, number)?;
     // A file has numbers only; where all filters collapsed there are others.
-    if found.log_evidence().is_finite() {
+    if found.log_evidence.is_finite() {
         kept::write(folder, number, &found)?;
     }
     Ok(found)
@@ -73,10 +75,12 @@ fn computed(
         let measurements =
             PartialMeasurements::new(model.measurements().len(), sequence.measurements.concat())?;
         let exact = kalman::filter_partial(&linear, &measurements)?;
+        let increments: Vec<f64> = exact.steps.iter().map(|step| step.log_evidence_increment).collect();
         return Ok(Reference {
             name: "the Kalman filter, which is exact".into(),
             means: exact.steps.iter().map(|step| step.filtered.mean.iter().copied().collect()).collect(),
-            increments: exact.steps.iter().map(|step| step.log_evidence_increment).collect(),
+            log_evidence: increments.iter().sum(),
+            increments,
             error: None,
         });
     }
@@ -112,11 +116,23 @@ fn computed(
         format!("whichever has most evidence, with {DEFENSIVE} of their particles from the transition");
     if options.reference_filters <= 1 {
         let name = format!("bootstrap or linearised with {particles} particles, {rest}");
-        return Ok(Reference { name, means: first.0, increments: first.1, error: None });
+        let (means, increments) = first;
+        let log_evidence = increments.iter().sum();
+        return Ok(Reference { name, means, increments, log_evidence, error: None });
     }
     // Not the one that was chosen by: the most of several is too much.
     let mut all = Vec::new();
-    while all.len() < options.reference_filters || is_rough(&all, options.reference_error) {
+    let (wanted, mut twisted) = (options.reference_error, None);
+    while all.len() < options.reference_filters || is_rough(&all, wanted) {
+        // Filters that look ahead may know what it would take very many of these to know.
+        if all.len() == options.reference_filters {
+            let seed = Seed::from_u64(options.filter.seed).child("twisted reference").nth(number as u64);
+            twisted = by_twisted_filters(model, sequence, options, &seed)
+                .filter(|twisted| twisted.is_better_than(&Estimated::of(&evidence_of(&all))));
+            if twisted.is_some() {
+                break;
+            }
+        }
         match run(&proposal, 1 + all.len() as u64) {
             Ok(found) => all.push(found),
             // A filter that collapses has estimated an evidence of 0.
@@ -130,38 +146,35 @@ fn computed(
         all.push(first);
     }
     let fewest = options.reference_filters;
-    let count = match options.reference_error {
-        Some(_) => format!("{fewest} filters or more"),
-        None => format!("{fewest} filters"),
+    let (count, then) = match wanted {
+        Some(wanted) => (
+            format!("{fewest} filters or more"),
+            format!(
+                "; log-evidence whose standard error would be above {wanted} is that of twisted filters with {TWISTED_PARTICLES} where they know it better"
+            ),
+        ),
+        None => (format!("{fewest} filters"), String::new()),
     };
-    let name =
-        format!("the mean of {count} with {particles} particles: bootstrap, linearised or learned, {rest}");
-    Ok(mean_of(&all, name))
+    let name = format!(
+        "the mean of {count} with {particles} particles: bootstrap, linearised or learned, {rest}{then}"
+    );
+    let mean = mean_of(&all, name);
+    Ok(match twisted {
+        Some(Estimated { log_evidence, error }) => Reference { log_evidence, error: Some(error), ..mean },
+        None => mean,
+    })
 }
 
 /// Whether the standard error of the mean of these filters is too large, and more may be added.
 fn is_rough(all: &[Answers], wanted: Option<f64>) -> bool {
     // What is no number, of filters that all collapsed, is not small.
-    let is_known = |wanted: f64| standard_error(all) <= wanted;
+    let is_known = |wanted: f64| standard_error(&evidence_of(all)) <= wanted;
     wanted.is_some_and(|wanted| all.len() < MOST_REFERENCE_FILTERS && !is_known(wanted))
 }
 
-/// The standard error of the logarithm of the filters' average evidence.
-fn standard_error(all: &[Answers]) -> f64 {
-    let count = all.len() as f64;
-    let evidence: Vec<f64> = all.iter().map(|(_, increments)| increments.iter().sum()).collect();
-    let (_, shares) = average(&evidence);
-    let square: f64 = shares.iter().map(|share| (share * count - 1.0).powi(2)).sum();
-    (square / (count * (count - 1.0))).sqrt()
-}
-
-/// The logarithm of the average of these, given by their logarithms, and the share that each has of their sum.
-fn average(logarithms: &[f64]) -> (f64, Vec<f64>) {
-    let largest = logarithms.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let weights: Vec<f64> = logarithms.iter().map(|logarithm| (logarithm - largest).exp()).collect();
-    let total: f64 = weights.iter().sum();
-    let shares = weights.iter().map(|weight| weight / total).collect();
-    (largest + (total / logarithms.len() as f64).ln(), shares)
+/// The log-evidence of each filter.
+fn evidence_of(all: &[Answers]) -> Vec<f64> {
+    all.iter().map(|(_, increments)| increments.iter().sum()).collect()
 }
 
 /// The filters' evidence averaged, which stays unbiased; their means by their evidence so far; and the standard error of the logarithm of the average.
@@ -180,7 +193,8 @@ fn mean_of(all: &[Answers], name: String) -> Reference {
         increments.push(now - before);
         before = now;
     }
-    Reference { name, means, increments, error: Some(standard_error(all)) }
+    let error = Some(standard_error(&evidence_of(all)));
+    Reference { name, means, increments, log_evidence: before, error }
 }
 
 /// Means, and increments of the log-evidence.

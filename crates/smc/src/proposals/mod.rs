@@ -10,4 +10,5 @@ pub use bootstrap::{Bootstrap, Transition};
 pub(crate) use defensive::Defensive;
 pub use gaussian_batch::GaussianBatch;
 pub use linearised::{Linearised, LinearisedBatch, LinearisedScratch, fisher_scoring};
+pub(crate) use linearised::{PrecisionBatch, lanes};
 pub use min_degeneracy::{Corrected, MinDegeneracy};

@@ -12,16 +12,16 @@ use crate::proposal::Proposal;
 /// The particles and weights of a filter at each time from `t = 0` on, recorded after each step. It takes `T·K·(N + 1)` numbers.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct FilterHistory {
-    pub(super) generations: Vec<Generation>,
+    pub(crate) generations: Vec<Generation>,
 }
 
 /// The particles of one time.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Generation {
+pub(crate) struct Generation {
     /// `K×N`.
-    pub(super) states: Vec<f64>,
+    pub(crate) states: Vec<f64>,
     /// Logarithms of the normalised weights, `K`.
-    pub(super) log_weights: Vec<f64>,
+    pub(crate) log_weights: Vec<f64>,
 }
 
 impl FilterHistory {
@@ -45,6 +45,38 @@ impl FilterHistory {
             return Err(SmoothingError::Memory { numbers });
         }
         self.generations.push(Generation { states: states.to_vec(), log_weights: log_weights.to_vec() });
+        Ok(())
+    }
+
+    /// Keeps `count` of the particles, with equal weights, if there are more of them: each as often as its weight says, to the next whole number.
+    ///
+    /// # Errors
+    /// As [`FilterHistory::record`].
+    pub(crate) fn record_some<D, P>(
+        &mut self,
+        filter: &ParticleFilter<D, P>,
+        count: usize,
+    ) -> Result<(), SmoothingError>
+    where
+        D: Deref<Target: StateSpaceModel>,
+        P: Proposal<D::Target>,
+    {
+        let (states, weights) = (filter.particles(), filter.weights().normalised());
+        if weights.len() <= count {
+            return self.record(filter);
+        }
+        let n = states.len() / weights.len();
+        let (mut kept, mut particle, mut below) = (Vec::with_capacity(count * n), 0, weights[0]);
+        for number in 0..count {
+            let level = (number as f64 + 0.5) / count as f64;
+            while below < level && particle + 1 < weights.len() {
+                particle += 1;
+                below += weights[particle];
+            }
+            kept.extend_from_slice(&states[particle * n..(particle + 1) * n]);
+        }
+        let log_weights = vec![-(count as f64).ln(); count];
+        self.generations.push(Generation { states: kept, log_weights });
         Ok(())
     }
 

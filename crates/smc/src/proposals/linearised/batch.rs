@@ -1,11 +1,10 @@
 //! The linearised distributions of a block of particles: draws and densities.
 
-use motes_models::batch::{LANES, by_widest_vectors, load, particles_by_stream, store, with_scratch};
-use motes_models::equations::triangle::{at, solve_upper, times_upper};
-use motes_models::equations::{Lanes, Linearise, Scalar};
-use motes_models::{LN_2PI, Stream, fill_standard_normal};
+use motes_models::Stream;
+use motes_models::equations::Linearise;
 
-use super::scratch::{LinearisedScratch, lanes};
+use super::precision_batch::PrecisionBatch;
+use super::scratch::LinearisedScratch;
 use crate::proposal::{Conditional, Context};
 use crate::proposals::bootstrap::Transition;
 
@@ -17,84 +16,29 @@ pub struct LinearisedBatch<'a, M: ?Sized> {
     pub(super) sees_measurements: bool,
 }
 
-/// `Σ_i log L_ii − ½ |z|² − (N/2) log 2π`.
-#[inline(always)]
-fn log_density(n: usize, lower: &[Lanes], z: &[Lanes]) -> Lanes {
-    let mut sum = Lanes::from(-0.5 * LN_2PI * n as f64);
-    for (i, z) in z.iter().enumerate() {
-        sum = sum + lower[at(i, i)].ln() - *z * *z * 0.5;
-    }
-    sum
-}
-
 impl<M: Linearise + ?Sized> LinearisedBatch<'_, M> {
-    fn width(&self) -> usize {
-        self.model.state_dim()
+    fn gaussians(&mut self) -> PrecisionBatch<'_> {
+        PrecisionBatch { width: self.model.state_dim(), gaussians: self.scratch }
+    }
+
+    fn transition(&self) -> Transition<'_, M> {
+        Transition::new(self.model, self.context)
     }
 }
 
 impl<M: Linearise + ?Sized> Conditional for LinearisedBatch<'_, M> {
     fn sample(&mut self, streams: &mut [Stream], states: &mut [f64], log_densities: &mut [f64]) {
-        if !self.sees_measurements {
-            return Transition::new(self.model, self.context).sample(streams, states, log_densities);
-        }
-        let n = self.width();
-        let LinearisedScratch { means, factors, tile, noise } = &mut *self.scratch;
-        noise.resize(states.len(), 0.0);
-        for (stream, noise) in particles_by_stream(streams, noise, n, log_densities.len()) {
-            fill_standard_normal(stream, noise);
-        }
-        let tile = &mut tile[..n * LANES];
-        let gaussians =
-            means.chunks_exact_mut(n * LANES).zip(factors.chunks_exact_mut(n * (n + 1) / 2 * LANES));
-        let rows =
-            noise.chunks(n * LANES).zip(states.chunks_mut(n * LANES)).zip(log_densities.chunks_mut(LANES));
-        for ((mean, lower), ((noise, states), out)) in gaussians.zip(rows) {
-            load(noise, n, tile);
-            let (mean, lower, z) = (lanes(mean), lanes(lower), lanes(tile));
-            let density = by_widest_vectors(
-                #[inline(always)]
-                || {
-                    let density = log_density(n, lower, z);
-                    solve_upper(n, lower, z);
-                    for (z, mean) in z.iter_mut().zip(&*mean) {
-                        *z = *z + *mean;
-                    }
-                    density
-                },
-            );
-            out.copy_from_slice(&density.0[..out.len()]);
-            store(tile, n, states);
+        match self.sees_measurements {
+            true => self.gaussians().sample(streams, states, log_densities),
+            false => self.transition().sample(streams, states, log_densities),
         }
     }
 
     fn log_density(&mut self, states: &[f64], log_densities: &mut [f64]) {
-        if !self.sees_measurements {
-            return Transition::new(self.model, self.context).log_density(states, log_densities);
+        match self.sees_measurements {
+            true => self.gaussians().log_density(states, log_densities),
+            false => self.transition().log_density(states, log_densities),
         }
-        let n = self.width();
-        let LinearisedScratch { means, factors, .. } = &mut *self.scratch;
-        let gaussians =
-            means.chunks_exact_mut(n * LANES).zip(factors.chunks_exact_mut(n * (n + 1) / 2 * LANES));
-        let rows = states.chunks(n * LANES).zip(log_densities.chunks_mut(LANES));
-        with_scratch(n * LANES, |tile| {
-            tile.fill(0.0);
-            for ((mean, lower), (states, out)) in gaussians.zip(rows) {
-                load(states, n, tile);
-                let (mean, lower, z) = (lanes(mean), lanes(lower), lanes(tile));
-                let density = by_widest_vectors(
-                    #[inline(always)]
-                    || {
-                        for (z, mean) in z.iter_mut().zip(&*mean) {
-                            *z = *z - *mean;
-                        }
-                        times_upper(n, lower, z);
-                        log_density(n, lower, z)
-                    },
-                );
-                out.copy_from_slice(&density.0[..out.len()]);
-            }
-        });
     }
 
     fn is_transition(&self) -> bool {

@@ -8,17 +8,17 @@ use motes_models::equations::Lanes;
 #[derive(Debug, Clone, Default)]
 pub struct LinearisedScratch {
     /// `m + Λ⁻¹ g`, `N × LANES` of each tile.
-    pub(super) means: Vec<f64>,
+    pub(crate) means: Vec<f64>,
     /// The lower triangle of `L`, `Λ = L Lᵀ`, `N(N+1)/2 × LANES` of each tile.
-    pub(super) factors: Vec<f64>,
+    pub(crate) factors: Vec<f64>,
     /// What one tile is computed in.
-    pub(super) tile: Vec<f64>,
+    pub(crate) tile: Vec<f64>,
     /// `R×N`.
-    pub(super) noise: Vec<f64>,
+    pub(crate) noise: Vec<f64>,
 }
 
 /// Memory of numbers lent as lanes.
-pub(super) fn lanes(numbers: &mut [f64]) -> &mut [Lanes] {
+pub(crate) fn lanes(numbers: &mut [f64]) -> &mut [Lanes] {
     let (rows, _) = numbers.as_chunks_mut::<LANES>();
     Lanes::wrap_slice_mut(rows)
 }

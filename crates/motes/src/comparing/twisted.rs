@@ -1,0 +1,84 @@
+//! The log-evidence of a sequence by twisted filters, which look ahead.
+
+use motes_models::{PartialMeasurements, Seed};
+use motes_smc::Twisting;
+
+use super::averages::{average, standard_error};
+use super::options::{CompareOptions, MOST_REFERENCE_FILTERS};
+use super::sequence::Sequence;
+use crate::model::{Kind, Model};
+
+/// Particles of a twisted filter, and of those that it is learned from.
+pub(super) const TWISTED_PARTICLES: usize = 5000;
+
+/// The fewest of them that are averaged.
+const FEWEST_FILTERS: usize = 8;
+
+/// An estimate, and its standard error.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Estimated {
+    pub(super) log_evidence: f64,
+    pub(super) error: f64,
+}
+
+impl Estimated {
+    /// That of the average evidence of some filters.
+    pub(super) fn of(logarithms: &[f64]) -> Self {
+        Estimated { log_evidence: average(logarithms).0, error: standard_error(logarithms) }
+    }
+
+    /// Whether this one is to be believed rather than `other`: it is surer, and no mass is missing in it that the other has found.
+    ///
+    /// Filters that miss mass agree with each other. They have too little evidence, never too much.
+    pub(super) fn is_better_than(&self, other: &Estimated) -> bool {
+        let lead = other.log_evidence - self.log_evidence;
+        // Of filters that all collapsed nothing is known.
+        let knows_nothing = other.error.is_nan() && self.error.is_finite();
+        knows_nothing || (self.error < other.error && lead <= 3.0 * self.error.hypot(other.error))
+    }
+}
+
+/// The estimate of so many filters as it takes for the standard error that is wanted; `None` where the model has no such filters, or one of them fails.
+pub(super) fn by_twisted_filters(
+    model: &Model,
+    sequence: &Sequence,
+    options: &CompareOptions,
+    seed: &Seed,
+) -> Option<Estimated> {
+    let Kind::Learnable(learnable) = model.kind() else { return None };
+    if !learnable.has_gradients() {
+        return None;
+    }
+    let rows = sequence.measurements.concat();
+    let measurements = PartialMeasurements::new(model.measurements().len(), rows).ok()?;
+    let (first, seed_of_learning) = (options.reference_particles, seed.child("learn"));
+    let twisting =
+        Twisting::learn(learnable, &measurements, first, TWISTED_PARTICLES, &seed_of_learning).ok()?;
+    let mut found = Vec::new();
+    // What is no number is not small enough.
+    let is_known =
+        |found: &[f64]| options.reference_error.is_none_or(|wanted| standard_error(found) <= wanted);
+    while found.len() < FEWEST_FILTERS || (found.len() < MOST_REFERENCE_FILTERS && !is_known(&found)) {
+        let stream = seed.nth(found.len() as u64).stream();
+        found.push(twisting.log_evidence(learnable, TWISTED_PARTICLES, stream).ok()?);
+    }
+    Some(Estimated::of(&found))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_surer_estimate_is_believed_unless_it_misses_mass() {
+        let plain = Estimated { log_evidence: -10.0, error: 0.4 };
+        let is_better = |log_evidence, error| Estimated { log_evidence, error }.is_better_than(&plain);
+        assert!(is_better(-10.5, 0.1));
+        assert!(is_better(3.0, 0.1));
+        assert!(!is_better(-11.5, 0.1));
+        assert!(!is_better(-10.0, 0.5));
+        assert!(!is_better(-10.0, f64::NAN));
+        let none = Estimated { log_evidence: f64::NEG_INFINITY, error: f64::NAN };
+        assert!(Estimated { log_evidence: -10.0, error: 0.1 }.is_better_than(&none));
+    }
+}
