@@ -127,8 +127,8 @@ fn computed(
         // Filters that look ahead may know what it would take very many of these to know.
         if all.len() == options.reference_filters {
             let seed = Seed::from_u64(options.filter.seed).child("twisted reference").nth(number as u64);
-            twisted = by_twisted_filters(model, sequence, options, &seed)
-                .filter(|twisted| twisted.is_better_than(&Estimated::of(&evidence_of(&all))));
+            let plain = Estimated::of(&evidence_of(&all));
+            twisted = by_twisted_filters(model, sequence, options, &plain, &seed);
             if twisted.is_some() {
                 break;
             }

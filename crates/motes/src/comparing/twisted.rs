@@ -38,11 +38,13 @@ impl Estimated {
     }
 }
 
-/// The estimate of so many filters as it takes for the standard error that is wanted; `None` where the model has no such filters, or one of them fails.
+/// The estimate of so many filters as it takes for the standard error that is wanted; `None` where the model has no such filters, one of them fails, or the first
+/// of them do not know it better than `plain`.
 pub(super) fn by_twisted_filters(
     model: &Model,
     sequence: &Sequence,
     options: &CompareOptions,
+    plain: &Estimated,
     seed: &Seed,
 ) -> Option<Estimated> {
     let Kind::Learnable(learnable) = model.kind() else { return None };
@@ -54,15 +56,20 @@ pub(super) fn by_twisted_filters(
     let (first, seed_of_learning) = (options.reference_particles, seed.child("learn"));
     let twisting =
         Twisting::learn(learnable, &measurements, first, TWISTED_PARTICLES, &seed_of_learning).ok()?;
-    let mut found = Vec::new();
+    let filter = |number: usize| {
+        twisting.log_evidence(learnable, TWISTED_PARTICLES, seed.nth(number as u64).stream()).ok()
+    };
+    let mut found = (0..FEWEST_FILTERS).map(filter).collect::<Option<Vec<f64>>>()?;
+    if !Estimated::of(&found).is_better_than(plain) {
+        return None;
+    }
     // What is no number is not small enough.
     let is_known =
         |found: &[f64]| options.reference_error.is_none_or(|wanted| standard_error(found) <= wanted);
-    while found.len() < FEWEST_FILTERS || (found.len() < MOST_REFERENCE_FILTERS && !is_known(&found)) {
-        let stream = seed.nth(found.len() as u64).stream();
-        found.push(twisting.log_evidence(learnable, TWISTED_PARTICLES, stream).ok()?);
+    while found.len() < MOST_REFERENCE_FILTERS && !is_known(&found) {
+        found.push(filter(found.len())?);
     }
-    Some(Estimated::of(&found))
+    Some(Estimated::of(&found)).filter(|twisted| twisted.is_better_than(plain))
 }
 
 #[cfg(test)]
