@@ -2,7 +2,7 @@
 
 use faer::mat;
 use motes_models::equations::{Coordinates, Equations, Scalar, normal, student_t};
-use motes_models::{Gaussian, LinearGaussian, PartialMeasurements, Seed, kalman, simulate};
+use motes_models::{Gaussian, LinearGaussian, PartialMeasurements, Seed, Simulator, kalman, simulate};
 use motes_smc::{
     FilterBank, FilterError, FilterSettings, Linearised, ResampleWhen, Resampling, Twisting, TwistingError,
 };
@@ -81,7 +81,28 @@ impl Equations for Ring {
     }
 }
 
-fn measured(model: &(impl motes_models::Simulator + ?Sized), times: usize, seed: u64) -> PartialMeasurements {
+/// One coordinate, which is measured.
+struct Walk;
+
+impl Equations for Walk {
+    fn dimensions(&self) -> [usize; 2] {
+        [1, 1]
+    }
+
+    fn initial<S: Scalar>(&self, x: &mut impl Coordinates<S>) {
+        x.push(normal(0.0, 1.0));
+    }
+
+    fn transition<S: Scalar>(&self, _: usize, x: &[S], now: &mut impl Coordinates<S>) {
+        now.push(normal(x[0], 1.0));
+    }
+
+    fn measurement<S: Scalar>(&self, _: usize, x: &[S], y: &mut impl Coordinates<S>) {
+        y.push(normal(x[0], 1.0));
+    }
+}
+
+fn measured(model: &impl Simulator, times: usize, seed: u64) -> PartialMeasurements {
     let data = simulate(model, times, &mut Seed::from_u64(seed).stream()).unwrap();
     PartialMeasurements::from(&data.measurements)
 }
@@ -174,6 +195,8 @@ fn what_cannot_be_is_refused() {
     let said = Twisting::learn(&Linear, &measurements, 100, 23, &seed).unwrap_err();
     assert!(matches!(said, TwistingError::Setting { .. }), "{said}");
     assert!(said.to_string().contains("is 23 for 2 coordinates"), "{said}");
+    let said = Twisting::learn(&Linear, &measurements, 23, 100, &seed).unwrap_err();
+    assert!(said.to_string().contains("is 23 for 2 coordinates"), "{said}");
     let other = PartialMeasurements::new(2, vec![Some(1.0); 20]).unwrap();
     let said = Twisting::learn(&Linear, &other, 100, 100, &seed).unwrap_err();
     assert!(matches!(said, TwistingError::Filter(_)), "{said}");
@@ -186,4 +209,9 @@ fn what_cannot_be_is_refused() {
     let twisting = Twisting::learn(&Linear, &measurements, 100, 100, &seed).unwrap();
     let said = twisting.log_evidence(&Ring { is_heavy: false }, 100, seed.stream()).unwrap_err();
     assert!(matches!(said, FilterError::Model(_)), "{said}");
+    let said = twisting.log_evidence(&Walk, 100, seed.stream()).unwrap_err();
+    assert!(
+        said.to_string().contains("the state dimension N is 2 in the proposal and 1 in the model"),
+        "{said}"
+    );
 }

@@ -9,7 +9,7 @@ pub(super) fn average(logarithms: &[f64]) -> (f64, Vec<f64>) {
     (largest + (total / logarithms.len() as f64).ln(), shares)
 }
 
-/// The standard error of the logarithm of the average.
+/// The standard error of the logarithm of the average: at most 1, which is where one has all of the evidence.
 pub(super) fn standard_error(logarithms: &[f64]) -> f64 {
     let count = logarithms.len() as f64;
     let (_, shares) = average(logarithms);

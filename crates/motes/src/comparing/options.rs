@@ -28,7 +28,7 @@ pub struct CompareOptions {
     /// How many such filters there are for a sequence, whose evidence is averaged. More than one tell how far it can be trusted; learned proposals are then
     /// among those that are tried.
     pub reference_filters: usize,
-    /// Where the standard error of a sequence's log-evidence is above this, it is estimated by twisted filters ([`motes_smc::Twisting`]) if those know it better. If
+    /// Where the standard error of a sequence's log-evidence is above this, it is estimated by twisted filters ([`motes_smc::Twisting`]), for up to 48 coordinates, if those know it better. If
     /// not, more filters are added until it is at most this, or there are [`MOST_REFERENCE_FILTERS`]. Neither is done if absent.
     pub reference_error: Option<f64>,
     /// Where references are kept and found again; nowhere if absent. Everything that they depend on must be the same whenever a folder is given.

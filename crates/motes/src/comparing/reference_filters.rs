@@ -125,10 +125,10 @@ fn computed(
     let (wanted, mut twisted) = (options.reference_error, None);
     while all.len() < options.reference_filters || is_rough(&all, wanted) {
         // Filters that look ahead may know what it would take very many of these to know.
-        if all.len() == options.reference_filters {
+        if let Some(wanted) = wanted.filter(|_| all.len() == options.reference_filters) {
             let seed = Seed::from_u64(options.filter.seed).child("twisted reference").nth(number as u64);
             let plain = Estimated::of(&evidence_of(&all));
-            twisted = by_twisted_filters(model, sequence, options, &plain, &seed);
+            twisted = by_twisted_filters(model, sequence, options, wanted, &plain, &seed);
             if twisted.is_some() {
                 break;
             }
@@ -150,7 +150,8 @@ fn computed(
         Some(wanted) => (
             format!("{fewest} filters or more"),
             format!(
-                "; log-evidence whose standard error would be above {wanted} is that of twisted filters with {TWISTED_PARTICLES} where they know it better"
+                "; where its standard error would be above {wanted}, the log-evidence of the whole sequence is that of twisted filters with \
+                 {TWISTED_PARTICLES} if those know it better"
             ),
         ),
         None => (format!("{fewest} filters"), String::new()),

@@ -1,18 +1,21 @@
 //! The log-evidence of a sequence by twisted filters, which look ahead.
 
 use motes_models::{PartialMeasurements, Seed};
-use motes_smc::Twisting;
+use motes_smc::{FilterError, Twisting};
 
 use super::averages::{average, standard_error};
 use super::options::{CompareOptions, MOST_REFERENCE_FILTERS};
 use super::sequence::Sequence;
 use crate::model::{Kind, Model};
 
-/// Particles of a twisted filter, and of those that it is learned from.
+/// Particles of a twisted filter. They are enough to learn quadratics of up to 48 coordinates.
 pub(super) const TWISTED_PARTICLES: usize = 5000;
 
-/// The fewest of them that are averaged.
+/// The fewest twisted filters that are averaged.
 const FEWEST_FILTERS: usize = 8;
+
+/// The most nats by which other filters may have more evidence, however unsure they are: evidence that is unbiased is rarely far too large.
+const MOST_LEAD: f64 = 1.0;
 
 /// An estimate, and its standard error.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -29,21 +32,20 @@ impl Estimated {
 
     /// Whether this one is to be believed rather than `other`: it is surer, and no mass is missing in it that the other has found.
     ///
-    /// Filters that miss mass agree with each other. They have too little evidence, never too much.
+    /// Filters that miss mass agree with each other, so that their standard error says nothing.
     pub(super) fn is_better_than(&self, other: &Estimated) -> bool {
         let lead = other.log_evidence - self.log_evidence;
-        // Of filters that all collapsed nothing is known.
-        let knows_nothing = other.error.is_nan() && self.error.is_finite();
-        knows_nothing || (self.error < other.error && lead <= 3.0 * self.error.hypot(other.error))
+        self.error < other.error && lead <= (2.0 * self.error.hypot(other.error)).min(MOST_LEAD)
     }
 }
 
-/// The estimate of so many filters as it takes for the standard error that is wanted; `None` where the model has no such filters, one of them fails, or the first
+/// The estimate of so many filters as it takes for the standard error that is `wanted`; `None` where the model has no such filters, they are not as sure, or the first
 /// of them do not know it better than `plain`.
 pub(super) fn by_twisted_filters(
     model: &Model,
     sequence: &Sequence,
     options: &CompareOptions,
+    wanted: f64,
     plain: &Estimated,
     seed: &Seed,
 ) -> Option<Estimated> {
@@ -57,19 +59,25 @@ pub(super) fn by_twisted_filters(
     let twisting =
         Twisting::learn(learnable, &measurements, first, TWISTED_PARTICLES, &seed_of_learning).ok()?;
     let filter = |number: usize| {
-        twisting.log_evidence(learnable, TWISTED_PARTICLES, seed.nth(number as u64).stream()).ok()
+        match twisting.log_evidence(learnable, TWISTED_PARTICLES, seed.nth(number as u64).stream()) {
+            Ok(found) => Some(found),
+            // It has estimated an evidence of 0.
+            Err(FilterError::Collapse { .. }) => Some(f64::NEG_INFINITY),
+            Err(_) => None,
+        }
     };
     let mut found = (0..FEWEST_FILTERS).map(filter).collect::<Option<Vec<f64>>>()?;
-    if !Estimated::of(&found).is_better_than(plain) {
-        return None;
-    }
-    // What is no number is not small enough.
-    let is_known =
-        |found: &[f64]| options.reference_error.is_none_or(|wanted| standard_error(found) <= wanted);
-    while found.len() < MOST_REFERENCE_FILTERS && !is_known(&found) {
+    while Estimated::of(&found).is_better_than(plain) {
+        let twisted = Estimated::of(&found);
+        if twisted.error <= wanted {
+            return Some(twisted);
+        }
+        if found.len() == MOST_REFERENCE_FILTERS {
+            return None;
+        }
         found.push(filter(found.len())?);
     }
-    Some(Estimated::of(&found)).filter(|twisted| twisted.is_better_than(plain))
+    None
 }
 
 #[cfg(test)]
@@ -85,7 +93,10 @@ mod tests {
         assert!(!is_better(-11.5, 0.1));
         assert!(!is_better(-10.0, 0.5));
         assert!(!is_better(-10.0, f64::NAN));
+        // Of filters that all collapsed nothing is known.
         let none = Estimated { log_evidence: f64::NEG_INFINITY, error: f64::NAN };
-        assert!(Estimated { log_evidence: -10.0, error: 0.1 }.is_better_than(&none));
+        assert!(!Estimated { log_evidence: -10.0, error: 0.1 }.is_better_than(&none));
+        let unsure = Estimated { log_evidence: -10.0, error: 0.99 };
+        assert!(!Estimated { log_evidence: -11.2, error: 0.1 }.is_better_than(&unsure));
     }
 }

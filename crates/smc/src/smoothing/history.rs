@@ -66,6 +66,10 @@ impl FilterHistory {
             return self.record(filter);
         }
         let n = states.len() / weights.len();
+        let numbers = count * (n + 1);
+        if !there_is_memory_for(numbers) {
+            return Err(SmoothingError::Memory { numbers });
+        }
         let (mut kept, mut particle, mut below) = (Vec::with_capacity(count * n), 0, weights[0]);
         for number in 0..count {
             let level = (number as f64 + 0.5) / count as f64;

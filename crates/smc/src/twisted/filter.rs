@@ -16,6 +16,7 @@ pub(super) fn settings(particles: usize) -> FilterSettings {
         particles,
         resampling: Resampling::Systematic,
         resample_when: ResampleWhen::EssBelow(0.5),
+        // The transition density of a twisted model is not that of its draws.
         defensive_weight: None,
     }
 }

@@ -16,7 +16,7 @@ use crate::smoothing::FilterHistory;
 /// Particles for each coefficient of a quadratic, at the least.
 const PARTICLES_PER_COEFFICIENT: usize = 4;
 
-/// How often it is learned again, from the particles of the filter that it made last.
+/// How often it is learned: first from a linearised filter's particles, then from those of the filter that it made last.
 const PASSES: usize = 3;
 
 /// What is measured from each time on, as a quadratic in the state of that time: for the log-evidence of one sequence.
@@ -85,10 +85,10 @@ impl Twisting {
         seed: &Seed,
     ) -> Result<Self, TwistingError> {
         let fewest = coefficients(model.state_dim()).saturating_mul(PARTICLES_PER_COEFFICIENT);
-        if particles < fewest {
+        if particles.min(first) < fewest {
             return Err(TwistingError::Setting {
                 name: "the number of particles that a twisting is learned from",
-                value: format!("{particles} for {} coordinates", model.state_dim()),
+                value: format!("{} for {} coordinates", particles.min(first), model.state_dim()),
                 expected: "at least 4 for each coefficient of a quadratic, of which there are 1 + N + N(N + 1)/2",
             });
         }
@@ -135,7 +135,7 @@ impl Twisting {
         Ok(Twisting { measurements: measurements.clone(), functions })
     }
 
-    /// An estimate of `log p(y_{0:T−1})` by a filter of `particles` particles; its exponential is unbiased.
+    /// An estimate of `log p(y_{0:T−1})` by a filter of `particles` particles; its exponential is unbiased if `stream` had no part in learning.
     ///
     /// # Errors
     /// [`FilterError`] if the filter fails, or the model is another.

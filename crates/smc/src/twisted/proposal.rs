@@ -1,8 +1,8 @@
 //! What a twisted filter draws from.
 
-use motes_models::PartialLikelihood;
 use motes_models::batch::LANES;
 use motes_models::equations::Linearise;
+use motes_models::{PartialLikelihood, StateSpaceModel};
 
 use super::model::TwistedModel;
 use crate::proposal::{Context, Proposal};
@@ -28,10 +28,9 @@ impl<'m, M: Linearise + PartialLikelihood + ?Sized> Proposal<TwistedModel<'m, M>
         time: usize,
         _measurement: &[f64],
     ) -> Result<(), ProposalError> {
-        match model.functions.len() {
-            horizon if time >= horizon => Err(ProposalError::PastHorizon { horizon, time }),
-            _ => Ok(()),
-        }
+        let horizon = model.functions.len();
+        let function = model.functions.get(time).ok_or(ProposalError::PastHorizon { horizon, time })?;
+        ProposalError::unless_same("the state dimension N", function.centre.len(), model.state_dim())
     }
 
     fn condition<'a>(

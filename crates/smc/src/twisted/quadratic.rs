@@ -64,7 +64,7 @@ impl Quadratic {
         )
     }
 
-    /// `log ∫ p(x_t | x_{t−1}) φ(x_t) dx_t` for each of the rows `x_{t−1}` (`K×N`), into `out` (`K`), as far as `time` `t` has a Gaussian transition.
+    /// `log ∫ p(x_t | x_{t−1}) φ(x_t) dx_t` for each of the rows `x_{t−1}` (`K×N`), into `out` (`K`), as if the transition were a Gaussian with its moments; `time` is `t`.
     pub(super) fn log_expectations<M: Linearise + ?Sized>(
         &self,
         model: &M,

@@ -7,11 +7,11 @@ use motes_models::equations::Lanes;
 /// What conditioning a block of particles computes in, tile after tile.
 #[derive(Debug, Clone, Default)]
 pub struct LinearisedScratch {
-    /// `m + Λ⁻¹ g`, `N × LANES` of each tile.
+    /// The mean, `m + Λ⁻¹ g` of a linearised proposal: `N × LANES` of each tile.
     pub(crate) means: Vec<f64>,
     /// The lower triangle of `L`, `Λ = L Lᵀ`, `N(N+1)/2 × LANES` of each tile.
     pub(crate) factors: Vec<f64>,
-    /// What one tile is computed in.
+    /// What one tile is computed in, at least `N × LANES`.
     pub(crate) tile: Vec<f64>,
     /// `R×N`.
     pub(crate) noise: Vec<f64>,
