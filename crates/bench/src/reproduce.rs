@@ -99,6 +99,7 @@ pub fn paper_estimate(plan: &Plan, estimator: &Estimator, interrupt: &Interrupt)
     let chosen = |panel: &&Panel| profile.panels.as_ref().is_none_or(|names| names.contains(&panel.name));
     let paper = Plan {
         panels: plan.experiment.panels.iter().filter(chosen).cloned().collect(),
+        xs: profile.x.clone(),
         methods: plan.experiment.methods.clone(),
         repetitions: profile.repetitions,
         profile,

@@ -22,13 +22,15 @@ fn told(experiment: &str, arguments: &[&str]) -> String {
 
 #[test]
 fn arguments() {
-    let cases: [&[&str]; 26] = [
+    let cases: [&[&str]; 28] = [
         &["tni"],
         &["tiny", "--profile", "papr"],
         &["tiny", "--methods", "fcn"],
         &["tiny", "--methods", "fcnn,bootstrap,fcnn"],
         &["tiny", "--methods", ""],
         &["tiny", "--panels", "N5"],
+        &["tiny", "--x", "5"],
+        &["tiny", "--x", "4,8,4"],
         &["tiny", "--backend", "gpu"],
         &["tiny", "--backend", "cuda"],
         &["tiny", "--repetitions", "0"],

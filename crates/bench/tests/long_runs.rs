@@ -74,6 +74,7 @@ fn parts_add_up_to_the_whole() {
     for part in [
         &["tiny", "--out", "parts", "--methods", "fcnn", "--panels", "N8"][..],
         &["tiny", "--out", "parts", "--methods", "min-degeneracy,bootstrap", "--repetitions", "2"],
+        &["tiny", "--out", "parts", "--x", "8"],
         &["tiny", "--out", "parts"],
     ] {
         assert!(place.run(part).status.success());

@@ -79,6 +79,7 @@ pub fn benchmark_plans(args: &ReproduceArgs) -> Result<Vec<BenchmarkPlan>, Confi
     for (option, given) in [
         ("--methods", args.methods.join(",")),
         ("--panels", args.panels.join(",")),
+        ("--x", args.x.join(",")),
         ("--repetitions", args.repetitions.map_or(String::new(), |count| count.to_string())),
     ] {
         if !given.is_empty() {

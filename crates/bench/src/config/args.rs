@@ -26,6 +26,9 @@ pub struct ReproduceArgs {
     /// Only these panels, separated by commas
     #[arg(long, value_delimiter = ',')]
     pub panels: Vec<String>,
+    /// Only these values on the x axis, separated by commas
+    #[arg(long, value_delimiter = ',')]
+    pub x: Vec<String>,
     /// Repetitions, instead of the profile's number
     #[arg(long, value_parser = integer(1..=MOST_REPETITIONS))]
     pub repetitions: Option<usize>,
@@ -66,6 +69,7 @@ impl ReproduceArgs {
             profile: "quick".into(),
             methods: Vec::new(),
             panels: Vec::new(),
+            x: Vec::new(),
             repetitions: None,
             jobs: None,
             backend: Backend::Native,

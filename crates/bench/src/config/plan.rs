@@ -28,6 +28,8 @@ pub struct Plan {
     pub profile: Profile,
     /// The chosen panels, in the file's order.
     pub panels: Vec<Panel>,
+    /// The chosen values on the x axis, in the file's order.
+    pub xs: Vec<usize>,
     /// The chosen methods, in the file's order.
     pub methods: Vec<Method>,
     /// Repetitions to run.
@@ -72,7 +74,7 @@ impl fmt::Display for Plan {
             self.figure,
             self.profile_name,
             panels.join(" "),
-            self.profile.x,
+            self.xs,
             methods.join(" "),
             self.repetitions,
             self.seed,
@@ -86,7 +88,7 @@ impl Plan {
     pub fn points(&self) -> Vec<Point> {
         let mut points = Vec::new();
         for panel in &self.panels {
-            for &x in &self.profile.x {
+            for &x in &self.xs {
                 for &method in &self.methods {
                     for repetition in 0..self.repetitions {
                         points.push(Point { panel: panel.name.clone(), x, method, repetition });
@@ -188,11 +190,14 @@ fn plan(figure: &str, args: &ReproduceArgs) -> Result<Plan, ConfigError> {
         .filter(|panel| profile.panels.as_ref().is_none_or(|names| names.contains(&panel.name)))
         .collect();
     let panels = select(figure, ("--panels", &args.panels), &of_profile, |panel| &panel.name)?;
+    let of_profile: Vec<(usize, String)> = profile.x.iter().map(|&x| (x, x.to_string())).collect();
+    let xs = select(figure, ("--x", &args.x), &of_profile, |(_, x)| x)?;
     let methods = select(figure, ("--methods", &args.methods), &experiment.methods, |method| method.name())?;
     Ok(Plan {
         figure: figure.to_string(),
         profile_name: args.profile.clone(),
         panels: panels.into_iter().cloned().collect(),
+        xs: xs.into_iter().map(|(x, _)| x).collect(),
         methods,
         repetitions: args.repetitions.unwrap_or(profile.repetitions),
         jobs: args.jobs.unwrap_or_else(|| args.cluster.threads()),

@@ -3,11 +3,11 @@
 use std::collections::BTreeSet;
 use std::error::Error;
 
-use plotters::coord::ranged1d::{AsRangedCoord, DefaultFormatting, KeyPointHint, ValueFormatter};
-use plotters::coord::types::RangedCoordf64;
+use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
+use super::across::{Across, Scale};
 use super::counts;
 use super::dots::dots;
 use super::metrics::{METRICS, Metric};
@@ -17,11 +17,10 @@ use crate::tables::Row;
 
 const PANEL: (u32, u32) = (380, 260);
 const HEAD: u32 = 84;
-/// Labels that a panel has room for below it.
-const MOST_TICKS: usize = 10;
 /// What all charts of a figure have in common.
 struct Common<'a> {
     axis: Axis,
+    scale: Scale,
     methods: &'a [Method],
     /// The most repetitions that any point has: those with fewer say how many.
     repetitions: usize,
@@ -60,7 +59,8 @@ pub(crate) fn figure(plan: &Plan, title: &str, rows: &[Row]) -> Result<String, B
         root.fill(&WHITE)?;
         let (head, body) = root.split_vertically(HEAD);
         let repetitions = rows.iter().map(|row| row.n_ok).max().unwrap_or(0);
-        let common = Common { axis: plan.experiment.axis, methods: &methods, repetitions };
+        let scale = Scale::of(&xs);
+        let common = Common { axis: plan.experiment.axis, scale, methods: &methods, repetitions };
         let is_shown = |row: &&Row| metrics.iter().any(|metric| metric.name == row.metric);
         let uneven = rows.iter().filter(is_shown).any(|row| (1..repetitions).contains(&row.n_ok));
         draw_head(&head, title, &methods, uneven)?;
@@ -96,9 +96,7 @@ fn draw_head(head: &Area<'_>, title: &str, methods: &[Method], uneven: bool) -> 
 }
 
 fn draw_cell(cell: &Area<'_>, common: &Common<'_>, metric: &Metric, panel: &str, rows: &[&Row]) -> Drawn {
-    let (low_x, high_x) = extent(rows.iter().map(|row| row.x as f64));
-    let margin = 0.06 * (high_x - low_x).max(1.0);
-    let x = Across { range: (low_x - margin..high_x + margin).into(), ticks: ticks(rows) };
+    let x = Across::new(common.scale, rows.iter().map(|row| row.x).collect());
     let here: Vec<&Row> = rows.iter().filter(|row| row.panel == panel).copied().collect();
     // One scale for all panels of a metric, so that they can be compared.
     if metric.logarithmic {
@@ -148,7 +146,7 @@ where
         .configure_mesh()
         .x_desc(common.axis.symbol())
         .y_labels(5)
-        .x_label_formatter(&|x| format!("{x:.0}"))
+        .x_label_formatter(&|&position| common.scale.label(position))
         .y_label_formatter(&label)
         .light_line_style(TRANSPARENT)
         .bold_line_style(INK.mix(0.12))
@@ -156,12 +154,13 @@ where
         .label_style((FONT, 12).into_font().color(&INK))
         .draw()?;
     let shared = counts::shared(rows.iter().map(|row| (row.x, row.n_ok)), common.repetitions);
+    let at_x = |x: usize| common.scale.position(x);
     for (at, &method) in common.methods.iter().enumerate() {
         let colour = colour(method);
         // Bars of different methods stand beside each other.
         let shift = spread * 0.008 * (at as f64 - 0.5 * (common.methods.len() as f64 - 1.0));
         let mut points: Vec<(f64, &Row)> =
-            rows.iter().filter(|row| row.method == method).map(|row| (row.x as f64 + shift, *row)).collect();
+            rows.iter().filter(|row| row.method == method).map(|row| (at_x(row.x) + shift, *row)).collect();
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
         for (x, row) in &points {
             let ends = [(*x, row.quartiles.0), (*x, row.quartiles.1)];
@@ -179,7 +178,7 @@ where
     }
     let floor = chart.y_range().start;
     chart.draw_series(shared.iter().map(|(&x, &repetitions)| {
-        EmptyElement::at((x as f64, floor)) + count(repetitions, (0, -14), HPos::Center, &INK)
+        EmptyElement::at((at_x(x), floor)) + count(repetitions, (0, -14), HPos::Center, &INK)
     }))?;
     Ok(())
 }
@@ -192,34 +191,4 @@ fn count(
 ) -> Text<'static, (i32, i32), String> {
     let style = (FONT, 11).into_font().color(colour).pos(Pos::new(side, VPos::Top));
     Text::new(format!("n = {repetitions}"), offset, style)
-}
-
-/// The horizontal axis: the library's own ticks are at round numbers, where nothing may have been measured.
-struct Across {
-    range: RangedCoordf64,
-    ticks: Vec<f64>,
-}
-
-impl Ranged for Across {
-    type FormatOption = DefaultFormatting;
-    type ValueType = f64;
-
-    fn map(&self, value: &f64, limit: (i32, i32)) -> i32 {
-        self.range.map(value, limit)
-    }
-
-    fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
-        if hint.weight().allow_light_points() { Vec::new() } else { self.ticks.clone() }
-    }
-
-    fn range(&self) -> std::ops::Range<f64> {
-        self.range.range()
-    }
-}
-
-/// Where something was measured, or only some of it, if there is no room for so many labels.
-fn ticks(rows: &[&Row]) -> Vec<f64> {
-    let xs: BTreeSet<usize> = rows.iter().map(|row| row.x).collect();
-    let every = xs.len().div_ceil(MOST_TICKS).max(1);
-    xs.into_iter().step_by(every).map(|x| x as f64).collect()
 }

@@ -1,5 +1,6 @@
 //! figure.svg: curves over the x axis, dots where it has one value, or estimates over time.
 
+mod across;
 mod counts;
 mod curves;
 mod dots;
