@@ -17,6 +17,7 @@ use crate::tables::Row;
 
 const PANEL: (u32, u32) = (380, 260);
 const HEAD: u32 = 84;
+
 /// What all charts of a figure have in common.
 struct Common<'a> {
     axis: Axis,
