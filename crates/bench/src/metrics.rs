@@ -29,7 +29,7 @@ pub(crate) fn metrics(problem: &Problem, references: &References, recorded: &Rec
         Judged::WholeState => normalised(problem, references, recorded),
         Judged::EachState { redrawn } => by_state(problem, recorded, redrawn),
     };
-    found.extend(recorded.report.pareto_k().map(|index| Metric::new("tail_index", index)));
+    found.extend(recorded.report.mean_pareto_k().map(|index| Metric::new("tail_index", index)));
     found
 }
 

@@ -2,11 +2,11 @@
 
 use std::ops::{ControlFlow, Range};
 
-use motes_models::{PartialLikelihood, Seed, StateSpaceModel};
+use motes_models::{PartialLikelihood, Seed, Simulator, StateSpaceModel};
 use motes_smc::{
-    Bootstrap, FilterError, FilterHistory, FilterSettings, Linearised, MinDegeneracy, ParticleFilter,
-    Proposal, SecondOpinion, SmoothedPaths, SmoothingError, Verdict, WeightDiagnosis,
-    backward_simulation_while,
+    Bootstrap, EvidenceCheck, EvidenceWarning, FilterError, FilterHistory, FilterSettings, Linearised,
+    MinDegeneracy, ParticleFilter, Proposal, SecondOpinion, SmoothedPaths, SmoothingError, Verdict,
+    WeightDiagnosis, backward_simulation_while,
 };
 
 use crate::error::MotesError;
@@ -19,6 +19,10 @@ trait Steps: Send + Sync {
     fn step(&mut self, measurement: &[Option<f64>]) -> Result<(), FilterError>;
     /// What a bootstrap filter beside it says so far, if there is one.
     fn verdict(&self) -> Option<Verdict>;
+    /// The standard error of the log-evidence, if there are small filters beside it and particles enough.
+    fn standard_error(&self) -> Option<f64>;
+    /// What the small filters beside it warn of.
+    fn evidence_warnings(&self) -> Vec<EvidenceWarning>;
     fn state(&self) -> Vec<Coordinate>;
     /// Whether there is much to look at after a step.
     fn is_large(&self) -> bool;
@@ -39,10 +43,11 @@ trait Steps: Send + Sync {
     fn of_particle(&self, particle: usize) -> (Option<&[f64]>, &[f64]);
 }
 
-/// A filter beside its model, and perhaps a second opinion beside the filter.
+/// A filter beside its model, and perhaps small filters and a second opinion beside the filter.
 struct Filter<'m, M: StateSpaceModel + ?Sized, P: Proposal<M>> {
     model: &'m M,
     filter: ParticleFilter<&'m M, P>,
+    check: Option<EvidenceCheck<&'m M, P>>,
     second: Option<Second<'m, M>>,
 }
 
@@ -87,17 +92,37 @@ impl<M: StateSpaceModel + ?Sized, P: Proposal<M>> Filter<'_, M, P> {
 
 impl<M, P> Steps for Filter<'_, M, P>
 where
-    M: PartialLikelihood + ?Sized,
+    M: PartialLikelihood + Simulator + ?Sized,
     P: Proposal<M> + Send,
 {
     fn step(&mut self, measurement: &[Option<f64>]) -> Result<(), FilterError> {
-        let Filter { filter, second, .. } = self;
-        let Some(Second { bootstrap, opinion }) = second else { return filter.step_partial(measurement) };
-        // On the second thread, where there is one; a bootstrap filter that fails has no opinion.
-        let (done, _) =
-            rayon_core::join(|| filter.step_partial(measurement), || bootstrap.step_partial(measurement));
+        let Filter { filter, check, second, .. } = self;
+        let Some(check) = check else { return filter.step_partial(measurement) };
+        // On the second thread, where there is one.
+        let (done, ()) = rayon_core::join(
+            || filter.step_partial(measurement),
+            || {
+                check.advance(measurement);
+                if let Some(Second { bootstrap, .. }) = second {
+                    // One that fails has no opinion.
+                    let _ = bootstrap.step_partial(measurement);
+                }
+            },
+        );
         done?;
-        opinion.step(filter, bootstrap)
+        check.take_in(filter, measurement);
+        match second {
+            Some(Second { bootstrap, opinion }) => opinion.step(filter, bootstrap),
+            None => Ok(()),
+        }
+    }
+
+    fn standard_error(&self) -> Option<f64> {
+        self.check.as_ref().and_then(EvidenceCheck::standard_error)
+    }
+
+    fn evidence_warnings(&self) -> Vec<EvidenceWarning> {
+        self.check.as_ref().map(EvidenceCheck::warnings).unwrap_or_default()
     }
 
     fn verdict(&self) -> Option<Verdict> {
@@ -229,6 +254,16 @@ impl<'m> Running<'m> {
         Ok(Estimate { ess: None, log_evidence: None, ..estimate })
     }
 
+    /// The standard error of the log-evidence of all steps so far; none without [`FilterOptions::check`], or of too few particles to tell.
+    pub fn standard_error(&self) -> Option<f64> {
+        self.filter.standard_error()
+    }
+
+    /// What small filters beside it warn of after all steps so far ([`FilterOptions::check`]).
+    pub fn evidence_warnings(&self) -> Vec<EvidenceWarning> {
+        self.filter.evidence_warnings()
+    }
+
     /// What a bootstrap filter beside it says of all steps so far, if there is one ([`FilterOptions::check`]).
     pub fn verdict(&self) -> Option<Verdict> {
         self.filter.verdict()
@@ -352,17 +387,21 @@ fn filter_of<'m>(
     }
 }
 
-fn boxed<'m, M: PartialLikelihood + ?Sized>(
+fn boxed<'m, M: PartialLikelihood + Simulator + ?Sized>(
     model: &'m M,
-    proposal: impl Proposal<M> + Send + 'm,
+    proposal: impl Proposal<M> + Clone + Send + 'm,
     options: &FilterOptions,
     seed: &Seed,
 ) -> Result<Box<dyn Steps + 'm>, MotesError> {
     let settings = options.settings();
+    // Random numbers of their own: whatever is checked, nothing else changes.
+    let check = match options.check {
+        true => Some(EvidenceCheck::new(model, proposal.clone(), settings, &seed.child("check"))?),
+        false => None,
+    };
     let filter = ParticleFilter::new(model, proposal, settings, seed.stream())?;
     let second = match options.check && options.proposal != ProposalName::Bootstrap {
         true => {
-            // Random numbers of its own: nothing else changes.
             let stream = seed.child("second opinion").stream();
             let settings = FilterSettings { defensive_weight: None, ..settings };
             let bootstrap = ParticleFilter::new(model, Bootstrap, settings, stream)?;
@@ -370,5 +409,5 @@ fn boxed<'m, M: PartialLikelihood + ?Sized>(
         }
         false => None,
     };
-    Ok(Box::new(Filter { model, filter, second }))
+    Ok(Box::new(Filter { model, filter, check, second }))
 }

@@ -12,6 +12,7 @@
 mod bank;
 mod diagnosis;
 mod error;
+mod evidence;
 mod filter;
 mod fixed_lag;
 mod memory;
@@ -31,6 +32,7 @@ pub use diagnosis::{
     LEAST_EFFECTIVE_PARTICLES, PARETO_K_LIMIT, WeightDiagnosis, WeightReport, WeightWarning, pareto_k,
 };
 pub use error::{ErrorKind, FilterError};
+pub use evidence::{AncestryVariance, EvidenceCheck, EvidenceWarning};
 pub use filter::ParticleFilter;
 pub use fixed_lag::FixedLagSmoother;
 pub use memory::{MemoryRows, ParticleMemory};
@@ -42,7 +44,7 @@ pub use proposals::{
     Transition, fisher_scoring,
 };
 pub use resampling::{ResampleWhen, Resampling};
-pub use second_opinion::{EvidenceError, SecondOpinion, Verdict};
+pub use second_opinion::{SecondOpinion, Verdict};
 pub use smoothing::{
     FilterHistory, SmoothedPaths, SmoothingError, backward_simulation, backward_simulation_while,
 };

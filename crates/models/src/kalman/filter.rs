@@ -1,5 +1,7 @@
 //! The Kalman filter, for measurements with and without gaps.
 
+use std::ops::Deref;
+
 use faer::{Col, Mat, MatRef};
 
 use super::belief::{Belief, symmetric};
@@ -33,22 +35,60 @@ impl Filtered {
     }
 }
 
-/// Runs the Kalman filter over all measurements.
+/// The Kalman filter on a stream of measurements: it takes in one at a time.
 ///
 /// With `m⁻, P⁻` the prediction, `S = C P⁻ Cᵀ + R` and `G = P⁻ Cᵀ S⁻¹`:
 ///
 /// - `m = m⁻ + G (y − C m⁻)`
 /// - `P = (I − G C) P⁻ (I − G C)ᵀ + G R Gᵀ`, Joseph's form, which stays symmetric and positive.
+#[derive(Debug, Clone)]
+pub struct KalmanFilter<M> {
+    model: M,
+    time: usize,
+    belief: Option<Belief>,
+}
+
+impl<M: Deref<Target = LinearGaussian>> KalmanFilter<M> {
+    /// Before the first measurement.
+    pub fn new(model: M) -> Self {
+        KalmanFilter { model, time: 0, belief: None }
+    }
+
+    /// Takes in the measurement of the next time (`M` entries, some of which may be missing). Only the entries that are there correct the prediction, with
+    /// their rows of `C` and `R`; where none is there, the prediction stands.
+    ///
+    /// # Errors
+    /// [`ModelError::MeasurementWidth`] if the measurement does not fit the model. [`ModelError::Numerical`] with the time if an innovation covariance cannot
+    /// be factored, or if a belief or a log-density is not finite. Nothing is taken in then.
+    pub fn step(&mut self, measurement: &[Option<f64>]) -> Result<Step, ModelError> {
+        let (model, time, width) = (&*self.model, self.time, measurement.len());
+        let expected = model.measurement_dim();
+        if width != expected {
+            return Err(ModelError::MeasurementWidth { width, expected });
+        }
+        let predicted = match &self.belief {
+            None => Belief {
+                mean: Col::from_fn(model.state_dim(), |i| model.initial().mean()[i]),
+                covariance: model.initial().covariance().to_owned(),
+            },
+            Some(belief) => predict(model, belief).check("predicting a belief", time)?,
+        };
+        let (filtered, log_evidence_increment) = update(model, &predicted, measurement, time)?;
+        self.belief = Some(filtered.clone());
+        self.time += 1;
+        Ok(Step { predicted, filtered, log_evidence_increment })
+    }
+}
+
+/// Runs a [`KalmanFilter`] over all measurements.
 ///
 /// # Errors
-/// [`ModelError::MeasurementWidth`] if the measurements do not fit the model. [`ModelError::Numerical`] with the time if an
-/// innovation covariance cannot be factored, or if a belief or a log-density is not finite.
+/// As [`KalmanFilter::step`].
 pub fn filter(model: &LinearGaussian, measurements: &Measurements) -> Result<Filtered, ModelError> {
     filter_partial(model, &measurements.into())
 }
 
-/// [`filter`] with gaps. Only the entries that are there correct the prediction, with their rows of `C` and `R`. Where none is
-/// there, the prediction stands.
+/// [`filter`] with gaps.
 ///
 /// # Errors
 /// As [`filter`].
@@ -56,22 +96,8 @@ pub fn filter_partial(
     model: &LinearGaussian,
     measurements: &PartialMeasurements,
 ) -> Result<Filtered, ModelError> {
-    let (width, expected) = (measurements.width(), model.measurement_dim());
-    if width != expected {
-        return Err(ModelError::MeasurementWidth { width, expected });
-    }
-    let mut steps: Vec<Step> = Vec::with_capacity(measurements.len());
-    for (time, measurement) in measurements.rows().enumerate() {
-        let predicted = match steps.last() {
-            None => Belief {
-                mean: Col::from_fn(model.state_dim(), |i| model.initial().mean()[i]),
-                covariance: model.initial().covariance().to_owned(),
-            },
-            Some(step) => predict(model, &step.filtered).check("predicting a belief", time)?,
-        };
-        let (filtered, log_evidence_increment) = update(model, &predicted, measurement, time)?;
-        steps.push(Step { predicted, filtered, log_evidence_increment });
-    }
+    let mut filter = KalmanFilter::new(model);
+    let steps = measurements.rows().map(|measurement| filter.step(measurement)).collect::<Result<_, _>>()?;
     Ok(Filtered { steps })
 }
 

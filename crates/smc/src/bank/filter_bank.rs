@@ -25,7 +25,7 @@ use crate::weights::{BLOCK, LogWeights};
 /// A clone goes its own way from where the bank is: it steps without measurements to forecast, say, and the bank goes on. Both draw the same
 /// numbers from there on.
 pub struct FilterBank<D: Deref, P: Proposal<D::Target>> {
-    pub(super) model: D,
+    pub(crate) model: D,
     pub(super) proposal: P,
     pub(super) settings: FilterSettings,
     pub(super) streams: Vec<Stream>,

@@ -2,7 +2,9 @@
 
 mod pareto;
 mod report;
+mod upper_end;
 
-pub(crate) use pareto::pareto_k_within;
+pub(crate) use pareto::tail_within;
 pub use pareto::{PARETO_K_LIMIT, pareto_k};
 pub use report::{LEAST_EFFECTIVE_PARTICLES, WeightDiagnosis, WeightReport, WeightWarning};
+pub(crate) use upper_end::{has_upper_end, upper_end_index};

@@ -22,7 +22,7 @@ const LEAST_TAIL: usize = 5;
 ///
 /// Where weights are so far apart that all but a few of the largest vanish beside the first, Hill's estimate stands in, the mean of their
 /// logarithms above those of the others, which is large then. `None` of fewer than 25 weights, and where fewer than five of the largest exceed
-/// the others: there is no tail.
+/// the others: there is no tail. Copies of a particle that was resampled have the same weight, and count as one.
 ///
 /// ```
 /// use motes_smc::pareto_k;
@@ -34,27 +34,45 @@ const LEAST_TAIL: usize = 5;
 /// assert_eq!(pareto_k(&[0.0; 100]), None);
 /// ```
 pub fn pareto_k(log_weights: &[f64]) -> Option<f64> {
-    pareto_k_within(&mut log_weights.to_vec())
+    tail_within(&mut log_weights.to_vec()).map(|tail| tail.index)
+}
+
+/// The index of a tail, and how many distinct weights it rests on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Tail {
+    pub(crate) index: f64,
+    pub(crate) weights: usize,
+}
+
+impl Tail {
+    /// The standard error of the index, `(1 + k)/√n` of `n` weights, drawn towards ½ as the index is.
+    pub(super) fn error(&self) -> f64 {
+        let n = self.weights as f64;
+        (1.0 + self.index) / n.sqrt() * n / (n + 10.0)
+    }
 }
 
 /// [`pareto_k`], which leaves the weights in another order.
-pub(crate) fn pareto_k_within(log: &mut [f64]) -> Option<f64> {
+pub(crate) fn tail_within(log: &mut [f64]) -> Option<Tail> {
     let count = (log.len() as f64 / 5.0).min(3.0 * (log.len() as f64).sqrt()) as usize;
     if count < LEAST_TAIL {
         return None;
     }
     // The weight that the largest `count` are held against, and behind it these.
     let (_, &mut threshold, tail) = log.select_nth_unstable_by(log.len() - count - 1, f64::total_cmp);
-    if tail.iter().filter(|log| **log > threshold).count() < LEAST_TAIL {
+    tail.sort_unstable_by(f64::total_cmp);
+    let mut distinct: Vec<f64> = tail.iter().copied().filter(|log| *log > threshold).collect();
+    distinct.dedup();
+    if distinct.len() < LEAST_TAIL {
         return None;
     }
-    let largest = tail.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let largest = distinct[distinct.len() - 1];
     let least = (threshold - largest).exp();
-    let mut exceedances: Vec<f64> = tail.iter().map(|log| (log - largest).exp() - least).collect();
+    let mut exceedances: Vec<f64> = distinct.iter().map(|log| (log - largest).exp() - least).collect();
     exceedances.retain(|excess| *excess > 0.0);
-    exceedances.sort_unstable_by(f64::total_cmp);
     let fitted = if exceedances.len() < LEAST_TAIL { None } else { pareto_index(&exceedances) };
-    fitted.or_else(|| Some(hill(tail, threshold)).filter(|index| index.is_finite()))
+    let index = fitted.or_else(|| Some(hill(&distinct, threshold)).filter(|index| index.is_finite()))?;
+    Some(Tail { index, weights: distinct.len() })
 }
 
 /// Hill's estimate: the mean of logarithms above a threshold, or above the least of them that is of no zero where the threshold is.

@@ -3,9 +3,20 @@
 use std::fmt;
 
 use super::PARETO_K_LIMIT;
+use super::pareto::Tail;
+use super::upper_end::UPPER_END;
 
 /// Fewer effective particles than this, and one of them has more than half of the weight: `max W_k ≥ Σ W_k² = 1/K_eff`.
 pub const LEAST_EFFECTIVE_PARTICLES: f64 = 2.0;
+
+/// Effective particles, as a multiple of `√K`, below which a step is poor, unless the largest log-weights have an upper end.
+const POOR: f64 = 0.2;
+
+/// Distinct weights in a tail, below which its index says too little.
+const LEAST_TAIL_WEIGHTS: usize = 15;
+
+/// Standard errors by which steps are compared; a run of some hundred steps is held against as many.
+const USUAL_ERRORS: f64 = 4.0;
 
 /// The weights of one step, as figures that tell whether they can be trusted.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,6 +29,32 @@ pub struct WeightDiagnosis {
     pub effective_sample_size: f64,
     /// `k̂` of all weights of the bank, if there are enough ([`pareto_k`](crate::pareto_k)).
     pub pareto_k: Option<f64>,
+    /// How many distinct weights `k̂` rests on.
+    pub tail_weights: usize,
+    /// The tail index `ξ` of the largest *log*-weights, if there are enough: about 0 where the measurement lies beyond all particles, and
+    /// `−2/d` where they have reached the peak of its likelihood in `d` dimensions. Few effective particles are a matter of variance then, which the standard
+    /// error of the evidence has, and no sign that anything was missed.
+    pub upper_end: Option<f64>,
+}
+
+impl WeightDiagnosis {
+    /// Whether the largest log-weights have an upper end in sight, so that particles have reached what the measurement asks for.
+    fn has_upper_end(&self) -> bool {
+        self.upper_end.is_some_and(|index| index < UPPER_END)
+    }
+
+    /// `k̂` less so many of its standard errors.
+    fn tail_bound(&self, errors: f64) -> Option<f64> {
+        let index = self.pareto_k?;
+        Some(index - errors * Tail { index, weights: self.tail_weights.max(1) }.error())
+    }
+
+    /// Whether the step has too few effective particles: fewer than two, or fewer than `0.2 √K` without an upper end of the log-weights.
+    fn is_poor(&self) -> bool {
+        let size = self.effective_sample_size;
+        size < LEAST_EFFECTIVE_PARTICLES
+            || (size < POOR * (self.particles as f64).sqrt() && !self.has_upper_end())
+    }
 }
 
 /// What the weights of a run say about how far it can be trusted, step by step added up.
@@ -45,32 +82,40 @@ pub struct WeightDiagnosis {
 pub struct WeightReport {
     steps: usize,
     sum_of_sizes: f64,
-    least: Option<WeightDiagnosis>,
-    few: usize,
+    poor: usize,
+    poorest: Option<WeightDiagnosis>,
     fitted: usize,
     sum_of_indices: f64,
-    heaviest: Option<(usize, f64)>,
+    /// The step with the largest index, of those whose log-weights have no upper end.
+    heaviest: Option<WeightDiagnosis>,
 }
 
-/// A reason not to trust the weights of a run.
+/// A reason not to trust the weights of a run, with the step at which they are worst.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum WeightWarning {
-    /// One particle has more than half of the weight.
+    /// Too few effective particles: one has more than half of the weight, or all lie in a tail of what the measurement asks for.
     FewParticles {
         /// At how many steps.
         steps: usize,
         /// The worst of them.
         worst: WeightDiagnosis,
     },
-    /// Weights have a tail index above [`PARETO_K_LIMIT`] in the mean over steps; that of a single step of few particles says little.
+    /// Weights of a step have a tail index above [`PARETO_K_LIMIT`], by more than the sampling error of the largest of so many steps.
     HeavyTail {
-        /// The mean.
-        mean: f64,
         /// The step of the largest.
-        time: usize,
-        /// The largest.
-        largest: f64,
+        worst: WeightDiagnosis,
+        /// The index of that step, less its sampling error.
+        pareto_k: f64,
     },
+}
+
+impl WeightWarning {
+    /// The step at which it is worst.
+    pub fn step(&self) -> usize {
+        match self {
+            WeightWarning::FewParticles { worst, .. } | WeightWarning::HeavyTail { worst, .. } => worst.time,
+        }
+    }
 }
 
 impl WeightReport {
@@ -78,16 +123,20 @@ impl WeightReport {
     pub fn add(&mut self, step: &WeightDiagnosis) {
         self.steps += 1;
         self.sum_of_sizes += step.effective_sample_size;
-        self.few += usize::from(step.effective_sample_size < LEAST_EFFECTIVE_PARTICLES);
-        if self.least.is_none_or(|least| step.effective_sample_size < least.effective_sample_size) {
-            self.least = Some(*step);
-        }
-        if let Some(index) = step.pareto_k {
-            self.fitted += 1;
-            self.sum_of_indices += index;
-            if self.heaviest.is_none_or(|(_, largest)| index > largest) {
-                self.heaviest = Some((step.time, index));
+        if step.is_poor() {
+            self.poor += 1;
+            if self.poorest.is_none_or(|poorest| step.effective_sample_size < poorest.effective_sample_size) {
+                self.poorest = Some(*step);
             }
+        }
+        let Some(index) = step.pareto_k else { return };
+        self.fitted += 1;
+        self.sum_of_indices += index;
+        let bound = |step: &WeightDiagnosis| step.tail_bound(USUAL_ERRORS);
+        let largest = self.heaviest.as_ref().and_then(bound);
+        let is_sure = step.tail_weights >= LEAST_TAIL_WEIGHTS && !step.has_upper_end();
+        if is_sure && largest.is_none_or(|largest| bound(step) > Some(largest)) {
+            self.heaviest = Some(*step);
         }
     }
 
@@ -102,17 +151,23 @@ impl WeightReport {
     }
 
     /// The mean of `k̂` over the steps that have one.
-    pub fn pareto_k(&self) -> Option<f64> {
+    pub fn mean_pareto_k(&self) -> Option<f64> {
         (self.fitted > 0).then(|| self.sum_of_indices / self.fitted as f64)
+    }
+
+    /// The largest `k̂` of a step, less its sampling error: the bound that the largest of as many sound steps exceeds in one run of a hundred, about.
+    ///
+    /// `k̂` has a standard error of about `(1 + k)/√n`, where `n` distinct weights make the tail, and the largest of `T` normal errors is at most `√(2 log 50T)`
+    /// standard errors in 99 of 100 runs. Steps whose largest log-weights have an upper end have no part in it.
+    pub fn pareto_k(&self) -> Option<f64> {
+        self.heaviest?.tail_bound((2.0 * (50.0 * self.steps as f64).ln()).sqrt())
     }
 
     /// All that is not to be trusted.
     pub fn warnings(&self) -> impl Iterator<Item = WeightWarning> {
-        let few = self.least.filter(|_| self.few > 0);
-        let few = few.map(|worst| WeightWarning::FewParticles { steps: self.few, worst });
-        let mean = self.pareto_k().filter(|mean| *mean > PARETO_K_LIMIT);
-        let heavy = mean.zip(self.heaviest);
-        let heavy = heavy.map(|(mean, (time, largest))| WeightWarning::HeavyTail { mean, time, largest });
+        let few = self.poorest.map(|worst| WeightWarning::FewParticles { steps: self.poor, worst });
+        let heavy = self.heaviest.zip(self.pareto_k()).filter(|(_, index)| *index > PARETO_K_LIMIT);
+        let heavy = heavy.map(|(worst, pareto_k)| WeightWarning::HeavyTail { worst, pareto_k });
         few.into_iter().chain(heavy)
     }
 }
@@ -124,8 +179,8 @@ impl fmt::Display for WeightReport {
         if let Some(size) = self.effective_sample_size() {
             write!(f, ", {size:.1} effective particles")?;
         }
-        if let Some(index) = self.pareto_k() {
-            write!(f, ", tail index {index:.2}")?;
+        if let Some(index) = self.heaviest.and_then(|heaviest| heaviest.pareto_k) {
+            write!(f, ", tail index at most {index:.2} in a step")?;
         }
         self.warnings().try_for_each(|warning| write!(f, "\nwarning: {warning}"))
     }
@@ -134,15 +189,24 @@ impl fmt::Display for WeightReport {
 impl fmt::Display for WeightWarning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            WeightWarning::FewParticles { steps, worst } => write!(
+            WeightWarning::FewParticles { steps, worst } => {
+                let (size, k, step) = (worst.effective_sample_size, worst.particles, worst.time);
+                let at = if *steps > 1 { format!(", at {steps} steps in all") } else { String::new() };
+                match size < LEAST_EFFECTIVE_PARTICLES {
+                    true => {
+                        write!(f, "at step {step} one particle of {k} has more than half of the weight{at}")
+                    }
+                    false => write!(
+                        f,
+                        "at step {step} the measurement lies beyond nearly all particles: {size:.1} of {k} are effective{at}"
+                    ),
+                }
+            }
+            WeightWarning::HeavyTail { worst, pareto_k } => write!(
                 f,
-                "at {steps} steps one particle has more than half of the weight ({:.1} effective ones of {} at step {})",
-                worst.effective_sample_size, worst.particles, worst.time
-            ),
-            WeightWarning::HeavyTail { mean, time, largest } => write!(
-                f,
-                "the weights have a tail index of {mean:.2}, above {PARETO_K_LIMIT} (largest {largest:.2} at step {time}): averages by them \
-                 need far more particles; where the proposal is too narrow, a defensive weight bounds them"
+                "at step {} the weights have a tail index (Pareto k) of at least {pareto_k:.2}, above {PARETO_K_LIMIT}: averages by them need far \
+                 more particles; where the proposal is too narrow, a defensive share bounds them",
+                worst.time
             ),
         }
     }
@@ -152,27 +216,61 @@ impl fmt::Display for WeightWarning {
 mod tests {
     use super::*;
 
+    fn step(
+        time: usize,
+        particles: usize,
+        size: f64,
+        pareto_k: Option<f64>,
+        upper_end: Option<f64>,
+    ) -> WeightDiagnosis {
+        let (effective_sample_size, tail_weights) = (size, (3.0 * (particles as f64).sqrt()) as usize);
+        WeightDiagnosis { time, particles, effective_sample_size, pareto_k, tail_weights, upper_end }
+    }
+
     #[test]
     fn a_report_has_a_line_for_each_warning() {
         let mut report = WeightReport::default();
         assert_eq!((report.to_string().as_str(), report.warnings().count()), ("0 steps", 0));
-        let step = |time, effective_sample_size, pareto_k| WeightDiagnosis {
-            time,
-            particles: 10,
-            effective_sample_size,
-            pareto_k,
-        };
-        report.add(&step(0, 8.0, Some(0.3)));
-        report.add(&step(1, 3.0, None));
-        assert_eq!(report.to_string(), "2 steps, 5.5 effective particles, tail index 0.30");
-        report.add(&step(2, 1.5, Some(1.4)));
-        report.add(&step(3, 1.2, Some(0.9)));
+        report.add(&step(0, 1000, 800.0, Some(0.3), Some(-0.2)));
+        report.add(&step(1, 1000, 300.0, None, None));
         assert_eq!(
             report.to_string(),
-            "4 steps, 3.4 effective particles, tail index 0.87\n\
-             warning: at 2 steps one particle has more than half of the weight (1.2 effective ones of 10 at step 3)\n\
-             warning: the weights have a tail index of 0.87, above 0.7 (largest 1.40 at step 2): averages by them need far more \
-             particles; where the proposal is too narrow, a defensive weight bounds them"
+            "2 steps, 550.0 effective particles, tail index at most 0.30 in a step"
         );
+        report.add(&step(2, 1000, 5.0, Some(2.9), Some(-0.1)));
+        report.add(&step(3, 1000, 6.0, Some(0.9), Some(0.1)));
+        assert_eq!(
+            report.to_string(),
+            "4 steps, 277.8 effective particles, tail index at most 2.90 in a step\n\
+             warning: at step 2 the measurement lies beyond nearly all particles: 5.0 of 1000 are effective, at 2 steps in all\n\
+             warning: at step 2 the weights have a tail index (Pareto k) of at least 1.72, above 0.7: averages by them need far more \
+             particles; where the proposal is too narrow, a defensive share bounds them"
+        );
+        report.add(&step(4, 1000, 1.5, None, Some(-2.0)));
+        let first = report.warnings().next().map(|warning| (warning.step(), warning.to_string()));
+        let expected =
+            "at step 4 one particle of 1000 has more than half of the weight, at 3 steps in all".to_string();
+        assert_eq!(first, Some((4, expected)));
+    }
+
+    #[test]
+    fn few_particles_at_a_peak_that_was_reached_are_no_reason_for_a_warning() {
+        let mut report = WeightReport::default();
+        report.add(&step(0, 1000, 6.0, Some(19.0), Some(-1.2)));
+        assert_eq!((report.warnings().count(), report.pareto_k()), (0, None));
+        assert_eq!(report.mean_pareto_k(), Some(19.0));
+    }
+
+    #[test]
+    fn the_largest_of_many_steps_is_held_against_how_many_there_were() {
+        let of = |steps: usize| {
+            let mut report = WeightReport::default();
+            (0..steps).for_each(|time| report.add(&step(time, 1000, 500.0, Some(1.3), None)));
+            report.warnings().count()
+        };
+        assert_eq!([of(1), of(100_000)], [1, 0]);
+        let mut few_weights = WeightReport::default();
+        few_weights.add(&step(0, 100, 50.0, Some(1.3), None));
+        assert_eq!(few_weights.warnings().count(), 0);
     }
 }

@@ -36,11 +36,11 @@ mod tests {
     use rand::RngExt;
 
     use super::*;
-    use crate::second_opinion::evidence_error::EvidenceError;
+    use crate::evidence::AncestryVariance;
     use crate::second_opinion::windows::Windows;
 
     fn miss_at(step: usize) -> Since {
-        let errors = [EvidenceError::default(), EvidenceError::default()];
+        let errors = [AncestryVariance::default(), AncestryVariance::default()];
         let mut windows = Windows::default();
         windows.step(step, 0.0, &errors);
         windows.ending_now().next().unwrap().1

@@ -4,13 +4,13 @@ use std::ops::Deref;
 
 use motes_models::StateSpaceModel;
 
-use super::evidence_error::EvidenceError;
 use super::misses::Misses;
 use super::trust::Trust;
 use super::verdict::Verdict;
 use super::windows::{Since, Windows};
 use crate::bank::FilterBank;
 use crate::error::FilterError;
+use crate::evidence::AncestryVariance;
 use crate::filter::ParticleFilter;
 use crate::proposal::Proposal;
 
@@ -26,7 +26,7 @@ const REST: usize = 5;
 ///
 /// # How it judges
 /// - A *miss* is a window of the last 1, 2, 4, … 1024 steps over which the bootstrap's log-evidence is larger by at least 5 nats, by at least 6 standard
-///   errors of both ([`EvidenceError`]), and by the filter's bias. Short windows see a local miss in a long sequence, long ones a slow drift.
+///   errors of both ([`AncestryVariance`]), and by the filter's bias. Short windows see a local miss in a long sequence, long ones a slow drift.
 /// - An estimate of error is trusted from 20 effective particles on (2 % of all if that is more), and as long as a block of steps has a variance of at most ½.
 ///   After a step that is not trusted, 20 more are not.
 /// - A miss over steps at which both filters are trusted is warned of at once.
@@ -70,7 +70,7 @@ pub struct SecondOpinion {
     has_failed: bool,
     /// Of the filter and of the bootstrap, as all pairs are.
     log_evidence: [f64; 2],
-    errors: [EvidenceError; 2],
+    errors: [AncestryVariance; 2],
     trust: [Trust; 2],
     windows: Windows,
     misses: Misses,

@@ -1,6 +1,6 @@
 //! Over how many steps a filter's estimate of its own error can be trusted.
 
-use super::evidence_error::EvidenceError;
+use crate::evidence::AncestryVariance;
 use crate::weights::LogWeights;
 
 /// Effective particles from which on an estimate of error is trusted.
@@ -25,7 +25,7 @@ pub(super) struct Trust {
 
 impl Trust {
     /// Takes in a step, after which the filter has these weights and this error.
-    pub(super) fn step(&mut self, weights: &LogWeights, error: &EvidenceError) {
+    pub(super) fn step(&mut self, weights: &LogWeights, error: &AncestryVariance) {
         let least = LEAST_EFFECTIVE.max(LEAST_FRACTION * weights.len() as f64);
         if weights.effective_sample_size() >= least && error.variance_of_block() <= MOST_VARIANCE {
             self.steps += 1;

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use super::evidence_error::EvidenceError;
+use crate::evidence::AncestryVariance;
 
 /// The longest window, in steps.
 const LONGEST: usize = 1024;
@@ -71,7 +71,7 @@ impl Windows {
     }
 
     /// Takes in a step, after which the errors of the filter and of the bootstrap are these.
-    pub(super) fn step(&mut self, step: usize, difference: f64, errors: &[EvidenceError; 2]) {
+    pub(super) fn step(&mut self, step: usize, difference: f64, errors: &[AncestryVariance; 2]) {
         if self.begins.len() == LONGEST {
             self.begins.pop_front();
         }
@@ -93,7 +93,7 @@ impl Windows {
     }
 
     /// What the steps since then add up to. Errors are those of whole blocks of steps, no smaller than those of the window.
-    pub(super) fn since(&self, since: &Since, errors: &[EvidenceError; 2]) -> Excess {
+    pub(super) fn since(&self, since: &Since, errors: &[AncestryVariance; 2]) -> Excess {
         let variances = [0, 1].map(|of| errors[of].variance() - since.variances[of]);
         Excess { difference: self.difference - since.difference, variances }
     }
@@ -121,7 +121,7 @@ mod tests {
     #[test]
     fn windows_are_sums_of_the_last_steps() {
         let (mut windows, errors) =
-            (Windows::default(), [EvidenceError::default(), EvidenceError::default()]);
+            (Windows::default(), [AncestryVariance::default(), AncestryVariance::default()]);
         windows.skip(100.0);
         (1..=3000).for_each(|step| windows.step(step, step as f64, &errors));
         let sum = |first: usize| (first..=3000).sum::<usize>() as f64;

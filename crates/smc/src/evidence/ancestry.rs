@@ -1,4 +1,4 @@
-//! The Monte Carlo error of a filter's log-evidence, by the ancestry of its particles.
+//! The variance of a filter's log-evidence by the ancestry of its particles.
 
 use std::ops::Deref;
 
@@ -11,7 +11,7 @@ use crate::proposal::Proposal;
 /// Steps that a block has at least: errors of a step show in the evidence of about so many later ones.
 const BLOCK_STEPS: usize = 16;
 
-/// An estimate of the variance of a filter's log-evidence, from one run of it.
+/// An estimate of the variance of a filter's log-evidence from the ancestry of its particles, in one run.
 ///
 /// Steps are taken in blocks. A block begins with `K` particles of equal weight, at the start or just after resampling, and ends with the first resampling
 /// after 16 steps. With `G_i` the weight of all that descend from particle `i` of its beginning, its part of the variance is
@@ -21,27 +21,28 @@ const BLOCK_STEPS: usize = 16;
 ///   in later weights too. For a state with an autocorrelation of 0.99 the standard error would be a third of what it is.
 /// - Over a whole sequence all particles come to descend from one, and their ancestry says nothing any more. This is why there are blocks.
 /// - It needs particles wherever the target is. A mode without any, or with one by chance, is in no estimate.
-/// - It is too small where few particles have all weight. Below some 20 effective ones it is not to be trusted.
+/// - It is too small where few particles have all weight. Below some 20 effective ones it is not to be trusted; [`EvidenceCheck`](crate::EvidenceCheck) has
+///   small filters beside it for that.
 ///
 /// ```
 /// use faer::mat;
 /// use motes_models::{Gaussian, LinearGaussian, Seed};
-/// use motes_smc::{Bootstrap, EvidenceError, FilterSettings, ParticleFilter};
+/// use motes_smc::{AncestryVariance, Bootstrap, FilterSettings, ParticleFilter};
 ///
 /// let initial = Gaussian::new("P_0", vec![0.0], mat![[1.0]])?;
 /// let model = LinearGaussian::new(initial, mat![[0.9]], mat![[1.0]], mat![[1.0]], mat![[1.0]])?;
 /// let stream = Seed::from_u64(7).stream();
 /// let mut filter = ParticleFilter::new(&model, Bootstrap, FilterSettings::new(1000), stream)?;
-/// let mut error = EvidenceError::default();
+/// let mut ancestry = AncestryVariance::default();
 /// for measurement in [[0.3], [1.2], [0.7]] {
 ///     filter.step(&measurement)?;
-///     error.step(&filter);
+///     ancestry.step(&filter);
 /// }
-/// println!("log-evidence {:.2} ± {:.2}", filter.log_evidence(), error.standard_error());
+/// println!("log-evidence {:.2} ± {:.2}", filter.log_evidence(), ancestry.variance().sqrt());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, Default)]
-pub struct EvidenceError {
+pub struct AncestryVariance {
     /// Steps of the present block.
     steps: usize,
     /// The variance of all blocks before it.
@@ -56,7 +57,7 @@ pub struct EvidenceError {
     descendants: Vec<f64>,
 }
 
-impl EvidenceError {
+impl AncestryVariance {
     /// Takes in the step that `filter` has just taken; every step is to be taken in.
     pub fn step<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>>(
         &mut self,
@@ -104,18 +105,13 @@ impl EvidenceError {
         self.before + self.present
     }
 
-    /// Its square root, the standard error of the log-evidence (nats).
-    pub fn standard_error(&self) -> f64 {
-        self.variance().sqrt()
-    }
-
     /// The variance before the block that the last step belongs to.
-    pub(super) fn variance_before_block(&self) -> f64 {
+    pub(crate) fn variance_before_block(&self) -> f64 {
         self.before
     }
 
     /// That of the block that the last step belongs to, up to this step.
-    pub(super) fn variance_of_block(&self) -> f64 {
+    pub(crate) fn variance_of_block(&self) -> f64 {
         self.present
     }
 }

@@ -1,0 +1,209 @@
+//! A filter's log-evidence with its standard error, and warnings where neither can be trusted.
+
+use std::ops::Deref;
+
+use motes_models::{PartialLikelihood, Seed, Simulator, StateSpaceModel, Stream};
+
+use super::ancestry::AncestryVariance;
+use super::blocks::Blocks;
+use super::coordinates::Coordinates;
+use super::surprise::{Surprise, Surprises};
+use super::warning::EvidenceWarning;
+use crate::bank::{FilterBank, FilterSettings};
+use crate::diagnosis::has_upper_end;
+use crate::error::FilterError;
+use crate::filter::ParticleFilter;
+use crate::proposal::Proposal;
+
+/// Small filters beside a large one, at most.
+const MOST_FILTERS: usize = 4;
+
+/// Particles for each small filter, about, before there is another.
+const FOR_ANOTHER: usize = 200;
+
+/// The standard error above which a logarithm is far from Gaussian, and its bias no longer half its variance (nats).
+const LARGEST_ERROR: f64 = 2.5;
+
+/// The share of particles that are effective from which on a measurement is no surprise.
+const SUSPICIOUS: f64 = 0.25;
+
+/// Standard errors of an excess above which it is none by chance.
+const LEAST_SCORE: f64 = 3.0;
+
+/// An excess below which evidence is not called too low, whatever its error (nats).
+const LEAST_EXCESS: f64 = 5.0;
+
+/// Small filters of the same model and proposal that run beside a filter, and tell how far its log-evidence may be off.
+///
+/// A filter of `K` particles gets `R` small ones with `K/4` particles in all: one of `K/4` below 400 particles, two of `K/8` below 800, and four of `K/16`
+/// from there on. They cost a quarter of its time, and change nothing in it.
+///
+/// # The standard error
+/// The larger of two estimates of the variance of `log Ẑ`: by ancestry ([`AncestryVariance`]), and by the small filters, block by block. Ancestry is
+/// precise, but too small where errors last for long; small filters see all that varies, with few degrees of freedom. `log Ẑ` is too low by half its
+/// variance in the mean.
+///
+/// # What it warns of
+/// - [`EvidenceWarning::Surprise`]: a measurement that the model hardly ever makes from where the particles are, as after a jump that it does not know. States that
+///   lead there are rare from some steps before on, and no particle has been on such a path.
+/// - [`EvidenceWarning::LargeError`]: a standard error above 2.5 nats.
+/// - [`EvidenceWarning::GrowsWithParticles`]: small filters are lower by more than their size explains. This is what a run of selected tails looks like, in which
+///   each step is tolerable and all err in one direction.
+/// - [`EvidenceWarning::FewAncestors`]: a coordinate that hardly moves, as a constant does, has no values left.
+///
+/// A single step with too few effective particles is seen in its weights: [`WeightReport`](crate::WeightReport). No figure of a filter can see a mode that no
+/// particle reached.
+///
+/// ```
+/// use faer::mat;
+/// use motes_models::{Gaussian, LinearGaussian, Seed};
+/// use motes_smc::{Bootstrap, EvidenceCheck, FilterSettings, ParticleFilter};
+///
+/// let initial = Gaussian::new("P_0", vec![0.0], mat![[1.0]])?;
+/// let model = LinearGaussian::new(initial, mat![[0.9]], mat![[1.0]], mat![[1.0]], mat![[1.0]])?;
+/// let (seed, settings) = (Seed::from_u64(7), FilterSettings::new(1000));
+/// let mut filter = ParticleFilter::new(&model, Bootstrap, settings, seed.child("filter").stream())?;
+/// let mut check = EvidenceCheck::new(&model, Bootstrap, settings, &seed.child("check"))?;
+/// for measurement in [[Some(0.3)], [Some(1.2)], [None]] {
+///     filter.step_partial(&measurement)?;
+///     check.advance(&measurement);
+///     check.take_in(&filter, &measurement);
+/// }
+/// let error = check.standard_error().ok_or("too few particles")?;
+/// println!("log-evidence {:.2} ± {error:.2}", filter.log_evidence());
+/// assert!(check.warnings().is_empty());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct EvidenceCheck<D: Deref, P: Proposal<D::Target>> {
+    /// None where there are too few particles, or where a small filter failed.
+    small: Option<FilterBank<D, P>>,
+    particles: usize,
+    small_particles: usize,
+    ancestry: AncestryVariance,
+    blocks: Blocks,
+    coordinates: Coordinates,
+    surprises: Surprises,
+    stream: Stream,
+    log_evidence: f64,
+    small_evidence: Vec<f64>,
+    /// Room for log-weights.
+    logs: Vec<f64>,
+}
+
+/// Particles below which no error is estimated.
+const LEAST_PARTICLES: usize = 16;
+
+impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> EvidenceCheck<D, P> {
+    /// For a filter with these settings; random numbers of the small filters come from `seed`, which the filter must not use.
+    ///
+    /// # Errors
+    /// As [`FilterBank::new`].
+    pub fn new(model: D, proposal: P, settings: FilterSettings, seed: &Seed) -> Result<Self, FilterError> {
+        let particles = settings.particles;
+        let filters = (particles / FOR_ANOTHER).clamp(1, MOST_FILTERS);
+        let small_particles = particles / (4 * filters);
+        let is_estimable = particles >= LEAST_PARTICLES;
+        let small = match is_estimable {
+            true => {
+                let settings = FilterSettings { particles: small_particles, ..settings };
+                Some(FilterBank::new(model, proposal, settings, filters, seed)?.keeping_collapsed())
+            }
+            false => None,
+        };
+        let ratio = particles as f64 / small_particles.max(1) as f64;
+        Ok(EvidenceCheck {
+            small,
+            particles,
+            small_particles,
+            ancestry: AncestryVariance::default(),
+            blocks: Blocks::new(ratio, if is_estimable { filters } else { 0 }),
+            coordinates: Coordinates::default(),
+            surprises: Surprises::default(),
+            stream: seed.child("measurements").stream(),
+            log_evidence: 0.0,
+            small_evidence: vec![0.0; filters],
+            logs: Vec::new(),
+        })
+    }
+
+    /// The standard error of the log-evidence (nats); none where there are too few particles to tell.
+    pub fn standard_error(&self) -> Option<f64> {
+        let variance = self.ancestry.variance().max(self.blocks.variance());
+        (self.particles >= LEAST_PARTICLES).then(|| variance.sqrt())
+    }
+
+    /// All that is not to be trusted after the steps so far.
+    pub fn warnings(&self) -> Vec<EvidenceWarning> {
+        let mut warnings = Vec::new();
+        if let Some(Surprise { step, best, usual }) = self.surprises.worst {
+            warnings.push(EvidenceWarning::Surprise {
+                steps: self.surprises.count,
+                worst: step,
+                best,
+                usual,
+            });
+        }
+        if let Some(standard_error) = self.standard_error().filter(|error| *error > LARGEST_ERROR) {
+            warnings.push(EvidenceWarning::LargeError { standard_error });
+        }
+        let (excess, error) = self.blocks.excess(self.ancestry.variance());
+        if excess > LEAST_EXCESS.max(LEAST_SCORE * error) {
+            let particles = self.small_particles;
+            warnings.push(EvidenceWarning::GrowsWithParticles { particles, excess, error });
+        }
+        let found = self.coordinates.found().map(|found| EvidenceWarning::FewAncestors {
+            coordinate: found.coordinate,
+            step: found.step,
+            since: found.since,
+            ancestors: found.ancestors,
+        });
+        warnings.extend(found);
+        warnings
+    }
+
+    /// How many steps the small filters could judge: where the filter has too few effective particles, theirs run out.
+    pub fn judged_steps(&self) -> usize {
+        self.blocks.judged_steps()
+    }
+}
+
+impl<D: Deref<Target: PartialLikelihood + Simulator>, P: Proposal<D::Target>> EvidenceCheck<D, P> {
+    /// Takes in the step that `filter` has just taken with this measurement, and the small filters, too.
+    ///
+    /// Every step is to be taken in, of one and the same filter.
+    pub fn take_in(&mut self, filter: &ParticleFilter<D, P>, measurement: &[Option<f64>]) {
+        self.ancestry.step(filter);
+        let ancestors = filter.bank().resampled(0).then(|| filter.ancestors());
+        let step = filter.time().saturating_sub(1);
+        self.coordinates.step(step, filter.particles(), filter.weights(), ancestors);
+        let effective = filter.effective_sample_size();
+        if effective < SUSPICIOUS * self.particles as f64 {
+            let of_filter = (filter.particles(), filter.weights());
+            let model = &*filter.bank().model;
+            // What has no density with gaps has been refused by the filter.
+            let _ = self.surprises.step(model, step, of_filter, measurement, &mut self.stream);
+        }
+        let increment = filter.log_evidence() - self.log_evidence;
+        self.log_evidence = filter.log_evidence();
+        let now = self.small_evidence.len();
+        let small: Vec<f64> = match &self.small {
+            Some(bank) => (0..now).map(|number| bank.log_evidence(number)).collect(),
+            None => vec![f64::NAN; now],
+        };
+        let grown = small.iter().zip(&self.small_evidence).map(|(now, before)| now - before);
+        let misses_peak = self.blocks.would_miss(effective) && {
+            self.logs.clear();
+            self.logs.extend_from_slice(filter.weights().log());
+            has_upper_end(&mut self.logs)
+        };
+        self.blocks.step(increment, grown, misses_peak, self.ancestry.variance());
+        self.small_evidence = small;
+    }
+
+    /// Advances the small filters by a measurement, some of whose entries may be missing. One that fails says nothing from there on.
+    pub fn advance(&mut self, measurement: &[Option<f64>]) {
+        if self.small.as_mut().is_some_and(|bank| bank.step_partial(measurement).is_err()) {
+            self.small = None;
+        }
+    }
+}

@@ -1,0 +1,12 @@
+//! How far a filter's log-evidence may be off, and whether it can be trusted at all.
+
+mod ancestry;
+mod blocks;
+mod check;
+mod coordinates;
+mod surprise;
+mod warning;
+
+pub use ancestry::AncestryVariance;
+pub use check::EvidenceCheck;
+pub use warning::EvidenceWarning;

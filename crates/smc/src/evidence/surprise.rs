@@ -1,0 +1,79 @@
+//! Whether a measurement is one that the model could have made from where the particles are.
+
+use motes_models::{ModelError, PartialLikelihood, Simulator, Stream};
+use rand::RngExt;
+
+use crate::weights::LogWeights;
+
+/// Measurements that are drawn to see what is usual.
+const DRAWS: usize = 100;
+
+/// A measurement is a surprise where its log-density at the best particle is below the usual one by 4 nats and 4 standard deviations.
+const BELOW: f64 = 4.0;
+
+/// A measurement that lies beyond all particles.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Surprise {
+    pub(super) step: usize,
+    /// The largest `log p(y_t | x_t)` of a particle.
+    pub(super) best: f64,
+    /// The mean of `log p(y' | x_t)` over `y'` that the model draws from the particles.
+    pub(super) usual: f64,
+}
+
+/// The measurements so far that no particle explains, and the worst of them.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Surprises {
+    pub(super) count: usize,
+    pub(super) worst: Option<Surprise>,
+    log_likelihoods: Vec<f64>,
+}
+
+impl Surprises {
+    /// Looks at a measurement (`M` entries, some of which may be missing) from particles (`K×N`) with these weights.
+    ///
+    /// # Errors
+    /// [`ModelError`] if densities of measurements with gaps cannot be had.
+    pub(super) fn step(
+        &mut self,
+        model: &(impl PartialLikelihood + Simulator + ?Sized),
+        step: usize,
+        (particles, weights): (&[f64], &LogWeights),
+        measurement: &[Option<f64>],
+        stream: &mut Stream,
+    ) -> Result<(), ModelError> {
+        if measurement.iter().all(Option::is_none) {
+            return Ok(());
+        }
+        self.log_likelihoods.resize(weights.len(), 0.0);
+        model.partial_log_likelihoods(step, particles, measurement, &mut self.log_likelihoods)?;
+        let best = self.log_likelihoods.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let (width, mut drawn) = (model.state_dim(), vec![0.0; measurement.len()]);
+        let (mut of_draws, mut density) = ([0.0; DRAWS], [0.0]);
+        let (mut particle, mut reached) = (0, weights.normalised()[0]);
+        let offset: f64 = stream.random();
+        for (number, of_draw) in of_draws.iter_mut().enumerate() {
+            let point = (number as f64 + offset) / DRAWS as f64;
+            while reached < point && particle + 1 < weights.len() {
+                particle += 1;
+                reached += weights.normalised()[particle];
+            }
+            let state = &particles[particle * width..(particle + 1) * width];
+            model.sample_measurement(step, state, stream, &mut drawn);
+            let there = measurement.iter().zip(&drawn).map(|(there, drawn)| there.map(|_| *drawn));
+            let there: Vec<Option<f64>> = there.collect();
+            model.partial_log_likelihoods(step, state, &there, &mut density)?;
+            *of_draw = density[0];
+        }
+        let usual = of_draws.iter().sum::<f64>() / DRAWS as f64;
+        let variance = of_draws.iter().map(|log| (log - usual).powi(2)).sum::<f64>() / (DRAWS - 1) as f64;
+        if best < usual - BELOW * (1.0 + variance.sqrt()) {
+            self.count += 1;
+            let depth = usual - best;
+            if self.worst.is_none_or(|worst| depth > worst.usual - worst.best) {
+                self.worst = Some(Surprise { step, best, usual });
+            }
+        }
+        Ok(())
+    }
+}
