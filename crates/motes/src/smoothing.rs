@@ -101,7 +101,7 @@ fn smooth_until(
     Ok(Smoothed { estimates, paths: drawn, filtered })
 }
 
-/// How far a smoother is. A filter does as much for a particle as drawing backwards does for a few densities: their time is what a bar foretells.
+/// How far a smoother is, in units of a particle's step: the proposal of an ancestor takes about as long. Time left is foretold by it.
 struct Work {
     rows: usize,
     filtered: usize,
@@ -112,9 +112,7 @@ struct Work {
 
 impl Work {
     fn of(rows: usize, particles: usize, paths: usize) -> Self {
-        /// Densities that take as long as filtering a particle.
-        const DENSITIES: f64 = 3.0;
-        let costs = [DENSITIES * particles as f64, paths as f64 * DENSITIES_PER_MOVE as f64];
+        let costs = [particles as f64, paths as f64 * DENSITIES_PER_MOVE as f64];
         Work { rows, filtered: 0, drawn: 0, costs }
     }
 

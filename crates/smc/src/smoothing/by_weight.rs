@@ -45,7 +45,7 @@ mod tests {
         let mut log_weights = weights.map(|weight: f64| weight.ln() - 900.0);
         let by_weight = ByWeight::new(&mut log_weights).unwrap();
         let mut drawn = [0.0; 6];
-        (0..8000).for_each(|at| drawn[by_weight.draw(f64::from(at) / 8000.0)] += 1.0 / 8000.0);
+        (0..8000).for_each(|at| drawn[by_weight.draw((f64::from(at) + 0.5) / 8000.0)] += 1.0 / 8000.0);
         assert!(drawn.iter().zip(weights).all(|(share, weight)| (share - weight).abs() < 1e-9), "{drawn:?}");
         assert_eq!(by_weight.draw(1.0), 4);
     }
