@@ -49,7 +49,7 @@ pub(crate) fn of_paths<'a>(
     let remedy = if (paths.len() as f64) < 2.0 * FEW { "more particles or paths" } else { "more particles" };
     let text = format!(
         "{place} all {} paths pass through fewer than {fewest} particles ({least} at t = {worst}): means there rest on them, standard deviations are too \
-         small{missing}; take {remedy}",
+         small, later ones too of states that hardly change{missing}; take {remedy}",
         paths.len()
     );
     Some(Warning { series: series.map(String::from), text })

@@ -5,7 +5,7 @@ mod common;
 use std::ops::ControlFlow;
 
 use common::{Workplace, stderr};
-use motes::{Data, FilterOptions, Model, Smoothed, smooth};
+use motes::{Data, FilterOptions, Model, MotesError, Smoothed, smooth};
 use serde_json::Value;
 
 /// A level that wanders, and a cycle of 12 times that hardly changes: only its own ancestor leads to a state.
@@ -104,7 +104,7 @@ fn nothing_is_said_of_sound_trajectories() {
                   z = \"normal(0, 1e-9)\"\n[measurement]\ny = \"normal(x, 1)\"\n";
     place.write("narrow.toml", narrow);
     for (particles, paths) in
-        [(1000, 200), (1000, 20), (1000, 10), (1000, 3), (1000, 1), (15, 200), (200, 30)]
+        [(1000, 200), (1000, 20), (1000, 10), (1000, 3), (1000, 1), (500, 200), (500, 30)]
     {
         for model in ["walk.toml", "narrow.toml"] {
             let smoothed = found(&place, model, "w.csv", particles, paths);
@@ -113,5 +113,30 @@ fn nothing_is_said_of_sound_trajectories() {
             let sds = smoothed.estimates.iter().flat_map(|estimate| &estimate.state).map(|state| state.sd);
             assert!(sds.into_iter().all(|sd| if paths == 1 { sd.is_nan() } else { sd > 0.0 }));
         }
+    }
+}
+
+#[test]
+fn both_passes_are_told_and_either_can_be_stopped() {
+    let place = Workplace::new();
+    place.write("s.csv", "series,y\na,1\na,2\na,0\nb,1\nb,2\n");
+    let model = Model::read(&place.path("walk.toml"), &[]).unwrap();
+    let data = Data::open(&place.path("s.csv"), &model).unwrap();
+    let until = |most: usize| {
+        let mut shares = vec![];
+        let smoothed = smooth(&model, &data, &FilterOptions::default(), 50, |share| {
+            shares.push(share);
+            if shares.len() < most { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+        });
+        (smoothed, shares)
+    };
+    let (smoothed, shares) = until(usize::MAX);
+    assert!(smoothed.is_ok() && shares.is_sorted_by(|a, b| a < b), "{shares:?}");
+    // A row of the data is heard of when it is filtered, and when trajectories are drawn at it.
+    assert_eq!(shares.len(), 2 * data.rows.len());
+    assert!(shares[0] > 0.0 && (shares[9] - 1.0).abs() < 1e-12, "{shares:?}");
+    for most in [1, 4, 10] {
+        let (stopped, shares) = until(most);
+        assert!(matches!(stopped, Err(MotesError::Interrupted)) && shares.len() == most);
     }
 }
