@@ -37,7 +37,7 @@ trait Steps: Send + Sync {
         history: &FilterHistory,
         paths: usize,
         seed: &Seed,
-        proceed: &mut dyn FnMut() -> ControlFlow<()>,
+        proceed: &mut dyn FnMut(usize) -> ControlFlow<()>,
     ) -> Result<SmoothedPaths, SmoothingError>;
     /// The state of one particle, and the one that it was drawn from, in the step that failed.
     fn of_particle(&self, particle: usize) -> (Option<&[f64]>, &[f64]);
@@ -167,9 +167,9 @@ where
         history: &FilterHistory,
         paths: usize,
         seed: &Seed,
-        proceed: &mut dyn FnMut() -> ControlFlow<()>,
+        proceed: &mut dyn FnMut(usize) -> ControlFlow<()>,
     ) -> Result<SmoothedPaths, SmoothingError> {
-        backward_simulation_while(self.model, history, paths, seed, |_| proceed())
+        backward_simulation_while(self.model, history, paths, seed, proceed)
     }
 
     fn of_particle(&self, particle: usize) -> (Option<&[f64]>, &[f64]) {
@@ -279,13 +279,13 @@ impl<'m> Running<'m> {
         self.filter.record(history)
     }
 
-    /// Draws trajectories backwards through what the filter was, as long as `proceed` says so.
+    /// Draws trajectories backwards through what the filter was, as long as `proceed` says so; it hears at how many times they are drawn.
     pub(crate) fn backward(
         &self,
         history: &FilterHistory,
         paths: usize,
         seed: &Seed,
-        proceed: &mut dyn FnMut() -> ControlFlow<()>,
+        proceed: &mut dyn FnMut(usize) -> ControlFlow<()>,
     ) -> Result<SmoothedPaths, SmoothingError> {
         self.filter.backward(history, paths, seed, proceed)
     }

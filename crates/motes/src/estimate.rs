@@ -14,9 +14,9 @@ pub(crate) const OF_WEIGHTS: [&str; 2] = ["ess", "log_evidence"];
 pub struct Coordinate {
     /// Its mean.
     pub mean: f64,
-    /// Its standard deviation.
+    /// Its standard deviation; NaN where it cannot be told from one particle.
     pub sd: f64,
-    /// Its quantiles at 5, 50 and 95 %.
+    /// Its quantiles at 5, 50 and 95 %; NaN where they cannot be told from one particle.
     pub quantiles: [f64; 3],
 }
 

@@ -28,6 +28,7 @@ mod data;
 mod engine;
 mod error;
 mod estimate;
+mod few_ancestors;
 mod filtering;
 mod learned;
 mod learning;

@@ -3,12 +3,13 @@
 use std::ops::ControlFlow;
 
 use motes_models::Seed;
-use motes_smc::{FilterHistory, SmoothedPaths, SmoothingError, WeightReport};
+use motes_smc::{DENSITIES_PER_MOVE, FilterHistory, SmoothedPaths, SmoothingError, WeightReport};
 
 use crate::data::Data;
 use crate::engine::Running;
 use crate::error::MotesError;
 use crate::estimate::{Coordinate, Estimate, PROBABILITIES};
+use crate::few_ancestors::of_paths;
 use crate::filtering::{Filtered, Warning, of_opinion, of_proposal, of_series};
 use crate::model::Model;
 use crate::options::FilterOptions;
@@ -16,16 +17,18 @@ use crate::options::FilterOptions;
 /// What smoothers made of data.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Smoothed {
-    /// The estimate of each row of the data given all rows of its series, in their order.
+    /// The estimate of each row of the data given all rows of its series, in their order. Where all trajectories of a series pass through one particle,
+    /// standard deviations and quantiles are NaN ([`SmoothedPaths::standard_deviation`]).
     pub estimates: Vec<Estimate>,
     /// The trajectories of each series.
     pub paths: Vec<SmoothedPaths>,
-    /// What the filters said on the way, without their estimates.
+    /// What the filters said on the way, without their estimates; and a warning where trajectories pass through a few particles
+    /// ([`SmoothedPaths::distinct_particles`]).
     pub filtered: Filtered,
 }
 
-/// Filters each series of `data` and draws `paths` trajectories of it backwards; `proceed` is asked after each row, and now and then while they
-/// are drawn, with how many rows are done.
+/// Filters each series of `data` and draws `paths` trajectories of it backwards ([`motes_smc::backward_simulation`]). `proceed` is asked after each row of
+/// either pass, and now and then, with the share of the whole work that is done, from 0 to 1.
 ///
 /// # Errors
 /// As [`crate::filter`]; [`MotesError::Setting`] if what filters were cannot be kept.
@@ -34,7 +37,7 @@ pub fn smooth(
     data: &Data,
     options: &FilterOptions,
     paths: usize,
-    mut proceed: impl FnMut(usize) -> ControlFlow<()>,
+    mut proceed: impl FnMut(f64) -> ControlFlow<()>,
 ) -> Result<Smoothed, MotesError> {
     smooth_until(model, data, options, paths, &mut proceed)
 }
@@ -45,12 +48,13 @@ fn smooth_until(
     data: &Data,
     options: &FilterOptions,
     paths: usize,
-    proceed: &mut dyn FnMut(usize) -> ControlFlow<()>,
+    proceed: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Result<Smoothed, MotesError> {
     let mut estimates: Vec<Option<Estimate>> = vec![None; data.rows.len()];
     let (mut drawn, mut log_evidence_per_series, mut opinions) = (vec![], vec![], vec![]);
     let mut warnings: Vec<Warning> = of_proposal(options).into_iter().collect();
-    let (mut weights, mut least_ess, mut done) = (WeightReport::default(), f64::INFINITY, 0);
+    let (mut weights, mut least_ess) = (WeightReport::default(), f64::INFINITY);
+    let mut work = Work::of(data.rows.len(), options.particles, paths);
     for (series, (name, places)) in data.series.iter().zip(data.by_series()).enumerate() {
         let name = data.columns.has_series().then(|| name.clone());
         let mut running = Running::new(model, options, series)?;
@@ -62,8 +66,8 @@ fn smooth_until(
             report.add(&diagnosis);
             weights.add(&diagnosis);
             least_ess = least_ess.min(running.effective_sample_size());
-            done += 1;
-            if proceed(done).is_break() {
+            work.filtered += 1;
+            if proceed(work.share(0)).is_break() {
                 return Err(MotesError::Interrupted);
             }
         }
@@ -72,7 +76,9 @@ fn smooth_until(
         let label = |time: usize| places.get(time).and_then(|at| data.rows[*at].label.as_deref());
         warnings.extend(of_opinion(name.as_deref(), verdict, label));
         opinions.push(verdict);
-        let found = running.backward(&history, paths, &seed, &mut || proceed(done))?;
+        let found = running.backward(&history, paths, &seed, &mut |times| proceed(work.share(times)))?;
+        work.drawn += places.len();
+        warnings.extend(of_paths(name.as_deref(), &found, options.particles, label));
         for (time, at) in places.into_iter().enumerate() {
             estimates[at] = Some(estimate(&found, time, model.states().len()));
         }
@@ -93,6 +99,29 @@ fn smooth_until(
         opinions,
     };
     Ok(Smoothed { estimates, paths: drawn, filtered })
+}
+
+/// How far a smoother is, in units of a particle's step: the proposal of an ancestor takes about as long. Time left is foretold by it.
+struct Work {
+    rows: usize,
+    filtered: usize,
+    drawn: usize,
+    /// What a row of the data costs in either pass.
+    costs: [f64; 2],
+}
+
+impl Work {
+    fn of(rows: usize, particles: usize, paths: usize) -> Self {
+        let costs = [particles as f64, paths as f64 * DENSITIES_PER_MOVE as f64];
+        Work { rows, filtered: 0, drawn: 0, costs }
+    }
+
+    /// The share of the work that is done when `more` rows are drawn besides those of whole series.
+    fn share(&self, more: usize) -> f64 {
+        let [filter, draw] = self.costs;
+        let done = filter * self.filtered as f64 + draw * (self.drawn + more) as f64;
+        done / ((filter + draw) * self.rows as f64)
+    }
 }
 
 /// What trajectories say of one time.

@@ -111,7 +111,7 @@ fn what_a_program_states_is_what_a_file_states_to_the_last_bit() {
     });
     assert_eq!(of_file, of_program);
     let smoothed = [&file, &program]
-        .map(|model| smooth(model, &data, &options(ProposalName::Bootstrap), 50, go_on).unwrap());
+        .map(|model| smooth(model, &data, &options(ProposalName::Bootstrap), 50, |_| go_on(0)).unwrap());
     assert_eq!(smoothed[0], smoothed[1]);
     assert!(check(&program, Some(&data), 1, || ControlFlow::Continue(())).unwrap().problems.is_empty());
 }

@@ -46,7 +46,8 @@ pub use proposals::{
 pub use resampling::{ResampleWhen, Resampling};
 pub use second_opinion::{SecondOpinion, Verdict};
 pub use smoothing::{
-    FilterHistory, SmoothedPaths, SmoothingError, backward_simulation, backward_simulation_while,
+    DENSITIES_PER_MOVE, FilterHistory, SmoothedPaths, SmoothingError, backward_simulation,
+    backward_simulation_while,
 };
 pub use twisted::{Twisting, TwistingError};
 pub use weights::{LogWeights, WeightFault};

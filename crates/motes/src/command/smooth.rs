@@ -13,6 +13,9 @@ use super::progress::Progress;
 use super::say::{say_ignored, warn, write};
 use super::summary::{command_line, in_one_line};
 
+/// Parts that the work of both passes is told in: a row of the data is more or less of it in the first than in the second.
+const PARTS: usize = 10_000;
+
 pub(super) fn run(args: &SmoothArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
     let model = args.model.read()?;
     args.output.check()?;
@@ -20,10 +23,10 @@ pub(super) fn run(args: &SmoothArgs, interrupt: &Interrupt) -> Result<u8, Failur
     let data = input::data(&args.data, &model, interrupt)?;
     say_ignored(&data.columns, args.model.quiet);
     let start = Instant::now();
-    let mut progress = Progress::new(data.rows.len(), args.model.quiet);
+    let mut progress = Progress::new(PARTS, args.model.quiet);
     let smoothed = on_threads(args.model.threads, || {
-        smooth(&model, &data, &options, args.paths, |done| {
-            progress.done(done);
+        smooth(&model, &data, &options, args.paths, |share| {
+            progress.done((share * PARTS as f64) as usize);
             interrupt.check()
         })
     });

@@ -53,7 +53,8 @@ impl EstimateTable {
         }
         cells.push(time.to_string());
         for Coordinate { mean, sd, quantiles: [low, middle, high] } in &estimate.state {
-            cells.extend([mean, sd, low, middle, high].map(|value| text(*value)));
+            cells.push(text(*mean));
+            cells.extend([sd, low, middle, high].map(|value| text_or_nothing(*value)));
         }
         if self.has_weights {
             cells.extend(
@@ -106,6 +107,11 @@ pub fn simulated_table(model: &Model, simulated: &Simulated) -> String {
         }
     }
     table
+}
+
+/// A number, or an empty cell where there is none.
+fn text_or_nothing(value: f64) -> String {
+    if value.is_nan() { String::new() } else { text(value) }
 }
 
 /// Cells separated by commas, in quotes where they have to be.

@@ -1,31 +1,46 @@
-//! Backward simulation: Godsill, Doucet and West, Monte Carlo smoothing for nonlinear time series (2004).
+//! Backward simulation (Godsill, Doucet and West, Monte Carlo smoothing for nonlinear time series, 2004) by Markov moves of ancestors.
 
 use std::ops::ControlFlow;
 use std::sync::Mutex;
 
-use motes_models::batch::{Rows, there_is_memory_for, with_scratch};
-use motes_models::{Seed, StateSpaceModel};
+use motes_models::batch::there_is_memory_for;
+use motes_models::{Seed, StateSpaceModel, Stream};
 use rand::RngExt;
-use rayon_core::current_num_threads;
 
+use super::by_weight::ByWeight;
+use super::distinct::Distinct;
 use super::error::SmoothingError;
-use super::history::{FilterHistory, Generation};
+use super::history::FilterHistory;
+use super::moves::{DENSITIES_PER_MOVE, Moves, PATHS_TOGETHER};
 use super::paths::SmoothedPaths;
 use crate::parallel::{self, Pieces};
 
-/// As many densities as are looked at before somebody may say to stop, some tenth of a second's work; but each thread draws a path.
-const DENSITIES_AT_ONCE: usize = 1 << 24;
+/// Blocks of paths that are moved before somebody may say to stop, some tenth of a second's work.
+const BLOCKS_AT_ONCE: usize = 1 << 10;
 
-/// Draws `paths` trajectories `x_{0:T−1}` given all measurements.
+/// Draws `B = paths` trajectories `x_{0:T−1}` given all measurements.
 ///
-/// The last state of each is a particle of the last time, drawn by the weights. Backwards from there, the state at `t` is particle `k` with a probability in
-/// proportion to `W_t^k p(x_{t+1} | x_t^k)`. Paths are independent given the filter; a path has a stream of its own, so that any number of threads draws
-/// the same.
+/// The last state of each is a particle of the last time, drawn by the weights `W_{T−1}`. Backwards from there, let a path be at particle `j` at `t + 1`. The
+/// particle `k` of `t` that it comes from has the distribution
 ///
-/// It takes time in proportion to `B·T·K`.
+/// `π(k) ∝ W_t^k p(x_{t+1}^j | x_t^k)`.
+///
+/// To draw from it exactly takes `K` densities. Instead, [`DENSITIES_PER_MOVE`] − 1 steps of a Markov chain are taken that has `π` as its stationary
+/// distribution. The chain starts at the particle that the filter drew `x_{t+1}^j` from. A step proposes `k' ~ W_t` and accepts it with probability
+/// `min{1, p(x_{t+1}^j | x_t^{k'}) / p(x_{t+1}^j | x_t^k)}` (independent Metropolis). The filter's ancestor is a draw of `π` itself, for `K → ∞` and
+/// whatever the proposal, so there is nothing to burn in: the steps only make paths that have met part again. Bunch and Godsill, Improved particle
+/// approximations to the joint smoothing distribution using Markov chain Monte Carlo (2013), have the method. Dau and Chopin, On backward smoothing
+/// algorithms (2023), prove that its error stays bounded over time with one step.
+///
+/// Where the ancestor itself cannot lead to `x_{t+1}^j`, by the rounding of a density or because draws and densities of a model disagree, the particle is
+/// drawn from `π` exactly.
+///
+/// Given the filter, paths are independent. Consecutive ones of a fixed number share a stream, so that any number of threads draws the same. It takes
+/// `B·T` times [`DENSITIES_PER_MOVE`] densities and `B·T·N` numbers.
 ///
 /// # Errors
-/// [`SmoothingError`] if there is nothing to draw, no memory, or no particle from which a path's next state can come.
+/// [`SmoothingError`] if there is nothing to draw, no memory, the history is that of another model, or there is no particle from which a path's next state
+/// can come.
 pub fn backward_simulation(
     model: &(impl StateSpaceModel + ?Sized),
     history: &FilterHistory,
@@ -35,7 +50,7 @@ pub fn backward_simulation(
     backward_simulation_while(model, history, paths, seed, |_| ControlFlow::Continue(()))
 }
 
-/// [`backward_simulation`], which asks `proceed` now and then, with how many paths are drawn.
+/// [`backward_simulation`], which asks `proceed` now and then, with at how many of the `T` times all paths are drawn.
 ///
 /// # Errors
 /// As there, and [`SmoothingError::Interrupted`] if `proceed` said to stop.
@@ -54,107 +69,111 @@ pub fn backward_simulation_while(
             return Err(SmoothingError::Nothing { name });
         }
     }
-    let numbers = paths.saturating_mul(times).saturating_mul(width);
+    history.check(width)?;
+    // Besides its states, a path has the number of a particle and its share of a stream.
+    let numbers = paths.saturating_mul(times.saturating_mul(width).saturating_add(4));
     if !there_is_memory_for(numbers) {
         return Err(SmoothingError::Memory { numbers });
     }
-    let mut states = vec![0.0; numbers];
-    let fault = Mutex::new(None);
-    let draw = |some: Paths<'_>| {
-        for (number, path) in (some.first..).zip(some.states.chunks_exact_mut(some.each)) {
-            if let Err(error) = draw_path(model, &history.generations, &seed.nth(number as u64), path) {
-                fault.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).get_or_insert(error);
-            }
-        }
-    };
-    let particles = history.generations[0].log_weights.len();
-    let at_once = (DENSITIES_AT_ONCE / (times * particles)).max(1);
-    let at_once = at_once.next_multiple_of(current_num_threads()).min(paths);
-    for (number, some) in states.chunks_mut(at_once * times * width).enumerate() {
-        let some = Paths { first: number * at_once, each: times * width, states: some };
-        let drawn = some.first + some.count();
-        parallel::step(paths.saturating_mul(particles), |threads| threads.share(some, 1, &draw));
-        let is_over = fault.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).is_some();
-        if is_over {
-            break;
-        }
-        if proceed(drawn).is_break() {
-            return Err(SmoothingError::Interrupted);
-        }
-    }
-    match fault.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner()) {
-        None => Ok(SmoothedPaths { states, times, width }),
-        Some(error) => Err(error),
-    }
-}
-
-/// Draws one path, the last state first.
-fn draw_path(
-    model: &(impl StateSpaceModel + ?Sized),
-    generations: &[Generation],
-    seed: &Seed,
-    path: &mut [f64],
-) -> Result<(), SmoothingError> {
-    let (mut stream, width) = (seed.stream(), model.state_dim());
-    let particles = generations[0].log_weights.len();
-    with_scratch(particles * (1 + width), |scratch| {
-        let (log_weights, next) = scratch.split_at_mut(particles);
-        for (time, generation) in generations.iter().enumerate().rev() {
-            if time + 1 == generations.len() {
-                log_weights.copy_from_slice(&generation.log_weights);
-            } else {
-                let state = &path[(time + 1) * width..(time + 2) * width];
-                next.chunks_exact_mut(width).for_each(|row| row.copy_from_slice(state));
-                let from = Rows::all(&generation.states, width);
-                model.log_transitions(time + 1, from, next, log_weights);
-                for (log_weight, own) in log_weights.iter_mut().zip(&generation.log_weights) {
-                    // A particle without weight is none, whatever its density.
-                    *log_weight = if *own == f64::NEG_INFINITY { *own } else { *log_weight + own };
+    let mut states = vec![0.0; paths * times * width];
+    let mut particles = vec![0; paths];
+    let mut streams = seed.streams(paths.div_ceil(PATHS_TOGETHER));
+    let (mut weights, mut distinct, mut distinct_particles) = (vec![], Distinct::default(), vec![0; times]);
+    for (time, generation) in history.generations.iter().enumerate().rev() {
+        weights.clear();
+        weights.extend_from_slice(&generation.log_weights);
+        let by_weight = ByWeight::new(&mut weights).ok_or(SmoothingError::NoAncestor { time })?;
+        let next = history.generations.get(time + 1);
+        let moves = next.map(|next| Moves { model, time, generation, by_weight, next });
+        let fault = Mutex::new(None);
+        let work = |blocks: Blocks<'_>| {
+            blocks.each(|stream, particles, paths| {
+                match &moves {
+                    None => particles.iter_mut().for_each(|at| *at = by_weight.draw(stream.random())),
+                    Some(moves) => {
+                        if let Err(error) = moves.take(particles, stream) {
+                            fault
+                                .lock()
+                                .unwrap_or_else(|poisoned| poisoned.into_inner())
+                                .get_or_insert(error);
+                        }
+                    }
                 }
+                for (particle, path) in particles.iter().zip(paths.chunks_exact_mut(times * width)) {
+                    path[time * width..][..width].copy_from_slice(generation.state(*particle, width));
+                }
+            });
+        };
+        let mut rest = Blocks {
+            each: times * width,
+            streams: &mut streams,
+            particles: &mut particles,
+            states: &mut states,
+        };
+        while rest.count() > 0 {
+            let (some, later) = rest.split_at(BLOCKS_AT_ONCE);
+            parallel::step(some.densities(), |threads| threads.share(some, 1, &work));
+            rest = later;
+            let is_last = rest.count() == 0;
+            if proceed(times - time - usize::from(!is_last)).is_break() {
+                return Err(SmoothingError::Interrupted);
             }
-            let chosen = choose(log_weights, stream.random()).ok_or(SmoothingError::NoAncestor { time })?;
-            path[time * width..(time + 1) * width]
-                .copy_from_slice(&generation.states[chosen * width..(chosen + 1) * width]);
         }
-        Ok(())
-    })
+        if let Some(error) = fault.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner()) {
+            return Err(error);
+        }
+        distinct_particles[time] = distinct.count(&particles, generation.log_weights.len());
+    }
+    Ok(SmoothedPaths { states, times, width, distinct_particles })
 }
 
-/// The particle that a uniform number in `[0, 1)` falls on; none if all weights are 0 or one is not a number. The weights become their exponentials.
-fn choose(log_weights: &mut [f64], uniform: f64) -> Option<usize> {
-    let largest = log_weights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    if largest == f64::NEG_INFINITY || log_weights.iter().any(|weight| weight.is_nan()) {
-        return None;
-    }
-    let mut total = 0.0;
-    for weight in &mut *log_weights {
-        *weight = motes_models::elementary::exp(*weight - largest);
-        total += *weight;
-    }
-    let mut left = uniform * total;
-    let chosen = log_weights.iter().position(|weight| {
-        left -= weight;
-        left < 0.0
-    });
-    // Rounding may leave a little.
-    chosen.or_else(|| log_weights.iter().rposition(|weight| *weight > 0.0))
-}
-
-/// Consecutive paths.
-struct Paths<'a> {
-    first: usize,
+/// Consecutive blocks of paths, each of [`PATHS_TOGETHER`] but perhaps the last.
+struct Blocks<'a> {
+    /// The numbers of a path, `T·N`.
     each: usize,
+    /// One for each block.
+    streams: &'a mut [Stream],
+    /// The particle that each path was last drawn to.
+    particles: &'a mut [usize],
     states: &'a mut [f64],
 }
 
-impl Pieces for Paths<'_> {
-    fn count(&self) -> usize {
-        self.states.len() / self.each
+impl Blocks<'_> {
+    /// The first `blocks`, if there are so many, and the others.
+    fn split_at(self, blocks: usize) -> (Self, Self) {
+        let blocks = blocks.min(self.count());
+        self.split(blocks)
     }
 
-    fn split(self, paths: usize) -> (Self, Self) {
-        let Paths { first, each, states } = self;
-        let (states, later) = states.split_at_mut(paths * each);
-        (Paths { first, each, states }, Paths { first: first + paths, each, states: later })
+    /// About as many densities as all of them ask for.
+    fn densities(&self) -> usize {
+        self.particles.len().saturating_mul(DENSITIES_PER_MOVE)
+    }
+
+    /// Shows each block's stream, particles and states to `work`.
+    fn each(self, mut work: impl FnMut(&mut Stream, &mut [usize], &mut [f64])) {
+        let particles = self.particles.chunks_mut(PATHS_TOGETHER);
+        let states = self.states.chunks_mut(PATHS_TOGETHER * self.each);
+        for ((stream, particles), states) in self.streams.iter_mut().zip(particles).zip(states) {
+            work(stream, particles, states);
+        }
+    }
+}
+
+impl Pieces for Blocks<'_> {
+    fn count(&self) -> usize {
+        self.streams.len()
+    }
+
+    fn split(self, blocks: usize) -> (Self, Self) {
+        let Blocks { each, streams, particles, states } = self;
+        let paths = (blocks * PATHS_TOGETHER).min(particles.len());
+        let (streams, later_streams) = streams.split_at_mut(blocks);
+        let (particles, later_particles) = particles.split_at_mut(paths);
+        let (states, later_states) = states.split_at_mut(paths * each);
+        (
+            Blocks { each, streams, particles, states },
+            Blocks { each, streams: later_streams, particles: later_particles, states: later_states },
+        )
     }
 }

@@ -9,7 +9,7 @@ use super::error::SmoothingError;
 use crate::filter::ParticleFilter;
 use crate::proposal::Proposal;
 
-/// The particles and weights of a filter at each time from `t = 0` on, recorded after each step. It takes `T·K·(N + 1)` numbers.
+/// The particles, weights and ancestors of a filter at each time from `t = 0` on, recorded after each step. It takes `T·K·(N + 2)` numbers.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct FilterHistory {
     pub(crate) generations: Vec<Generation>,
@@ -22,6 +22,15 @@ pub(crate) struct Generation {
     pub(crate) states: Vec<f64>,
     /// Logarithms of the normalised weights, `K`.
     pub(crate) log_weights: Vec<f64>,
+    /// The particle of the time before that each was drawn from, `K`; nothing where no trajectories are to be drawn.
+    pub(crate) ancestors: Vec<usize>,
+}
+
+impl Generation {
+    /// The state (`N`) of a particle.
+    pub(crate) fn state(&self, particle: usize, width: usize) -> &[f64] {
+        &self.states[particle * width..][..width]
+    }
 }
 
 impl FilterHistory {
@@ -33,22 +42,29 @@ impl FilterHistory {
     /// Keeps what the filter is after its last step.
     ///
     /// # Errors
-    /// [`SmoothingError::Memory`] if there is none for it; nothing was kept then.
+    /// [`SmoothingError::Skipped`] if the filter has not taken one step more than are kept, and [`SmoothingError::Memory`] if there is none for it; nothing was
+    /// kept then.
     pub fn record<D, P>(&mut self, filter: &ParticleFilter<D, P>) -> Result<(), SmoothingError>
     where
         D: Deref<Target: StateSpaceModel>,
         P: Proposal<D::Target>,
     {
+        self.check_next(filter.time())?;
         let (states, log_weights) = (filter.particles(), filter.weights().log());
-        let numbers = states.len() + log_weights.len();
+        let numbers = states.len() + 2 * log_weights.len();
         if !there_is_memory_for(numbers) {
             return Err(SmoothingError::Memory { numbers });
         }
-        self.generations.push(Generation { states: states.to_vec(), log_weights: log_weights.to_vec() });
+        self.generations.push(Generation {
+            states: states.to_vec(),
+            log_weights: log_weights.to_vec(),
+            ancestors: filter.ancestors().to_vec(),
+        });
         Ok(())
     }
 
-    /// Keeps `count` of the particles, with equal weights, if there are more of them: each as often as its weight says, to the next whole number.
+    /// Keeps `count` of the particles, with equal weights, if there are more of them: each as often as its weight says, to the next whole number. They have
+    /// no ancestors then.
     ///
     /// # Errors
     /// As [`FilterHistory::record`].
@@ -65,6 +81,7 @@ impl FilterHistory {
         if weights.len() <= count {
             return self.record(filter);
         }
+        self.check_next(filter.time())?;
         let n = states.len() / weights.len();
         let numbers = count * (n + 1);
         if !there_is_memory_for(numbers) {
@@ -80,7 +97,32 @@ impl FilterHistory {
             kept.extend_from_slice(&states[particle * n..(particle + 1) * n]);
         }
         let log_weights = vec![-(count as f64).ln(); count];
-        self.generations.push(Generation { states: kept, log_weights });
+        self.generations.push(Generation { states: kept, log_weights, ancestors: vec![] });
+        Ok(())
+    }
+
+    /// Whether a filter of so many steps is the next to be kept.
+    fn check_next(&self, steps: usize) -> Result<(), SmoothingError> {
+        match steps == self.len() + 1 {
+            true => Ok(()),
+            false => Err(SmoothingError::Skipped { steps, kept: self.len() }),
+        }
+    }
+
+    /// Whether trajectories of `width` coordinates can be drawn.
+    pub(super) fn check(&self, width: usize) -> Result<(), SmoothingError> {
+        let mut before = None;
+        for (time, Generation { states, log_weights, ancestors }) in self.generations.iter().enumerate() {
+            let particles = log_weights.len();
+            let have_states = particles.checked_mul(width) == Some(states.len());
+            let have_ancestors = before.is_none_or(|before| {
+                ancestors.len() == particles && ancestors.iter().all(|ancestor| *ancestor < before)
+            });
+            if !have_states || !have_ancestors {
+                return Err(SmoothingError::OtherFilter { time });
+            }
+            before = Some(particles);
+        }
         Ok(())
     }
 

@@ -7,6 +7,8 @@ pub struct SmoothedPaths {
     pub(super) states: Vec<f64>,
     pub(super) times: usize,
     pub(super) width: usize,
+    /// Of each time.
+    pub(super) distinct_particles: Vec<usize>,
 }
 
 impl SmoothedPaths {
@@ -34,6 +36,17 @@ impl SmoothedPaths {
         &self.states[path * each..(path + 1) * each]
     }
 
+    /// How many different particles of the filter's at time `t` the `B` trajectories pass through, between 1 and `min(B, K)`.
+    ///
+    /// Where a transition is so precise that only its own ancestor leads to a state, trajectories that meet once stay together, and at early times all of them
+    /// rest on a few particles (path degeneracy). Means of these times are those of so few draws then, and standard deviations are too small.
+    ///
+    /// # Panics
+    /// If there is no such time.
+    pub fn distinct_particles(&self, time: usize) -> usize {
+        self.distinct_particles[time]
+    }
+
     /// A coordinate at a time, path by path.
     fn values(&self, time: usize, coordinate: usize) -> impl Iterator<Item = f64> {
         assert!(
@@ -53,24 +66,31 @@ impl SmoothedPaths {
         self.values(time, coordinate).sum::<f64>() / self.len() as f64
     }
 
-    /// The estimate of the standard deviation of a coordinate of `x_t` given all measurements.
+    /// The estimate of the standard deviation of a coordinate of `x_t` given all measurements: `√(1/B Σ_b (x_t^b − mean)²)`. It is NaN where all trajectories
+    /// pass through one particle ([`SmoothedPaths::distinct_particles`]), for one draw says nothing of a spread.
     ///
     /// # Panics
     /// As [`SmoothedPaths::mean`].
     pub fn standard_deviation(&self, time: usize, coordinate: usize) -> f64 {
         let mean = self.mean(time, coordinate);
+        if self.distinct_particles[time] < 2 {
+            return f64::NAN;
+        }
         (self.values(time, coordinate).map(|x| (x - mean) * (x - mean)).sum::<f64>() / self.len() as f64)
             .sqrt()
     }
 
     /// Quantiles of a coordinate of `x_t` given all measurements: for each probability `p` the smallest value that a share of at least `p` of the paths
-    /// does not exceed.
+    /// does not exceed. They are NaN where all trajectories pass through one particle, as [`SmoothedPaths::standard_deviation`].
     ///
     /// # Panics
     /// As [`SmoothedPaths::mean`], and if a probability is not between 0 and 1.
     pub fn quantiles(&self, time: usize, coordinate: usize, probabilities: &[f64]) -> Vec<f64> {
         assert!(probabilities.iter().all(|p| (0.0..=1.0).contains(p)), "a probability is between 0 and 1");
         let mut values: Vec<f64> = self.values(time, coordinate).collect();
+        if self.distinct_particles[time] < 2 {
+            return vec![f64::NAN; probabilities.len()];
+        }
         values.sort_by(f64::total_cmp);
         let at = |p: f64| ((p * values.len() as f64).ceil() as usize).clamp(1, values.len()) - 1;
         probabilities.iter().map(|p| values[at(*p)]).collect()

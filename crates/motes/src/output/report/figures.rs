@@ -1,5 +1,7 @@
 //! Figures over time, as SVG.
 
+use std::ops::Range;
+
 use plotters::coord::Shift;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
@@ -13,24 +15,37 @@ const SIZE: (u32, u32) = (900, 230);
 /// Points that are drawn one by one; more of them would only be a blot.
 const MOST_POINTS: usize = 5000;
 
-/// A mean with a band around it.
+/// A mean with a band around it, which has gaps where its limits are NaN.
 pub(super) struct Band {
     pub(super) low: Vec<f64>,
     pub(super) high: Vec<f64>,
     pub(super) middle: Vec<f64>,
 }
 
+impl Band {
+    /// The times between its gaps.
+    fn parts(&self) -> Vec<Range<usize>> {
+        let is_gap = |time: &usize| self.low[*time].is_nan() || self.high[*time].is_nan();
+        let gaps = (0..self.low.len()).filter(is_gap).chain([self.low.len()]);
+        let mut start = 0;
+        gaps.map(|gap| std::mem::replace(&mut start, gap + 1)..gap).filter(|part| !part.is_empty()).collect()
+    }
+}
+
 type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
 /// A state over `length` times with data and those predicted after them, with measurements of it if there are any.
 pub(super) fn band_figure(title: &str, band: &Band, length: usize, points: &[Option<f64>]) -> Drawn<String> {
-    let all = band.low.iter().chain(&band.high).copied().chain(points.iter().flatten().copied());
+    let lines = [&band.low, &band.high, &band.middle].into_iter().flatten();
+    let all = lines.copied().chain(points.iter().flatten().copied());
     figure(title, band.middle.len(), all, |chart| {
-        let times = |values: &[f64]| -> Vec<(f64, f64)> { at_times(values) };
-        let outline: Vec<_> =
-            times(&band.low).into_iter().chain(times(&band.high).into_iter().rev()).collect();
-        chart.draw_series([Polygon::new(outline, BLUE.mix(0.18))])?;
-        chart.draw_series(LineSeries::new(times(&band.middle), BLUE.stroke_width(2)))?;
+        for part in band.parts() {
+            let limit = |values: &[f64]| at_times(&values[part.clone()], part.start);
+            let outline: Vec<_> =
+                limit(&band.low).into_iter().chain(limit(&band.high).into_iter().rev()).collect();
+            chart.draw_series([Polygon::new(outline, BLUE.mix(0.18))])?;
+        }
+        chart.draw_series(LineSeries::new(at_times(&band.middle, 0), BLUE.stroke_width(2)))?;
         draw_points(chart, points)?;
         if length < band.middle.len() {
             let x = length as f64 - 0.5;
@@ -49,15 +64,15 @@ pub(super) fn point_figure(title: &str, points: &[Option<f64>]) -> Drawn<String>
 /// A figure of a filter over time.
 pub(super) fn line_figure(title: &str, values: &[f64]) -> Drawn<String> {
     figure(title, values.len(), values.iter().copied(), |chart| {
-        chart.draw_series(LineSeries::new(at_times(values), INK.stroke_width(1)))?;
+        chart.draw_series(LineSeries::new(at_times(values, 0), INK.stroke_width(1)))?;
         Ok(())
     })
 }
 
-/// A line's points. Where there are more than a figure can show, the smallest and the largest of neighbours stand for all of them.
-fn at_times(values: &[f64]) -> Vec<(f64, f64)> {
+/// A line's points from the time `first` on. Where there are more than a figure can show, the smallest and the largest of neighbours stand for all of them.
+fn at_times(values: &[f64], first: usize) -> Vec<(f64, f64)> {
     let finite = values.iter().enumerate().filter(|(_, value)| is_shown(**value));
-    let points: Vec<(f64, f64)> = finite.map(|(time, value)| (time as f64, *value)).collect();
+    let points: Vec<(f64, f64)> = finite.map(|(time, value)| ((first + time) as f64, *value)).collect();
     if points.len() <= MOST_POINTS {
         return points;
     }
@@ -152,10 +167,22 @@ mod tests {
     fn a_long_line_keeps_its_peaks_in_order_of_time() {
         let mut values = vec![0.0; 100_000];
         (values[12_345], values[67_890]) = (9.0, -9.0);
-        let points = at_times(&values);
+        let points = at_times(&values, 0);
         assert!(points.len() <= MOST_POINTS, "{}", points.len());
         assert!(points.contains(&(12_345.0, 9.0)) && points.contains(&(67_890.0, -9.0)));
         assert!(points.windows(2).all(|pair| pair[0].0 <= pair[1].0));
+    }
+
+    #[test]
+    fn a_band_is_not_drawn_across_its_gaps() {
+        let low = vec![f64::NAN, f64::NAN, 1.0, 1.0, f64::NAN, 1.0];
+        let high = vec![f64::NAN, f64::NAN, 2.0, 2.0, f64::NAN, 2.0];
+        let band = Band { low, high, middle: vec![1.5; 6] };
+        assert_eq!(band.parts(), [2..4, 5..6]);
+        let gap = Band { low: vec![f64::NAN; 3], high: vec![f64::NAN; 3], middle: vec![7.0, 8.0, 9.0] };
+        assert_eq!(gap.parts(), []);
+        // The mean alone says how far the axis goes.
+        assert!(band_figure("state", &gap, 3, &[]).unwrap().contains(">8"));
     }
 
     #[test]
