@@ -69,7 +69,7 @@ pub use state_space::{
     AdditiveGaussian, PartialLikelihood, Propagator, Simulator, StateGradients, StateSpaceModel,
     check_dimensions,
 };
-pub use stream::{Seed, Stream, duplicate};
+pub use stream::{Seed, Stream, StreamPosition, duplicate};
 pub use system_graph::{GraphModel, SystemGraph};
 
 /// The README's code, compiled and run as a documentation test.

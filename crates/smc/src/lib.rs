@@ -13,6 +13,7 @@ mod bank;
 mod diagnosis;
 mod error;
 mod filter;
+mod filter_snapshot;
 mod fixed_lag;
 mod memory;
 mod parallel;
@@ -26,12 +27,13 @@ mod streams;
 mod twisted;
 mod weights;
 
-pub use bank::{FilterBank, FilterSettings};
+pub use bank::{BankSnapshot, FilterBank, FilterSettings};
 pub use diagnosis::{
     LEAST_EFFECTIVE_PARTICLES, PARETO_K_LIMIT, WeightDiagnosis, WeightReport, WeightWarning, pareto_k,
 };
 pub use error::{ErrorKind, FilterError};
 pub use filter::ParticleFilter;
+pub use filter_snapshot::FilterSnapshot;
 pub use fixed_lag::FixedLagSmoother;
 pub use memory::{MemoryRows, ParticleMemory};
 pub use motes_models::batch::{Rows, particles_by_stream};

@@ -1,11 +1,14 @@
 //! Log-weights: one value that knows its normalised weights, effective sample size and log-sum.
 
 mod quantiles;
+mod stored;
 mod sums;
 
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::parallel::{Pieces, Threads};
+use stored::StoredWeights;
 pub(crate) use sums::{LANES, combined};
 use sums::{Mean, Shift, Sums, Together, Update};
 
@@ -29,7 +32,8 @@ pub enum WeightFault {
 pub(crate) const BLOCK: usize = 1024;
 
 /// The log-weights of `K` particles, normalised: `Σ_k exp(log W_k) = 1`.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(into = "StoredWeights", try_from = "StoredWeights")]
 pub struct LogWeights {
     log: Vec<f64>,
     normalised: Vec<f64>,

@@ -2,9 +2,11 @@
 
 use motes_networks::{Precision, SliceMut, Values};
 use motes_smc::{MemoryRows, ParticleMemory};
+use serde::{Deserialize, Serialize};
 
 /// The hidden state of each particle, a row in each of a few matrices; empty for a family without memory.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(into = "StoredHidden", from = "StoredHidden")]
 pub struct Hidden {
     widths: Vec<usize>,
     /// `R×width` each.
@@ -33,6 +35,26 @@ impl Hidden {
     /// Each matrix (`R×width`, row-major) in 64 bits.
     pub fn host(&self) -> Vec<Vec<f64>> {
         self.values.iter().map(|values| values.host(0..values.len())).collect()
+    }
+}
+
+/// Hidden states as they are written down.
+#[derive(Serialize, Deserialize)]
+struct StoredHidden {
+    widths: Vec<usize>,
+    values: Vec<Values>,
+}
+
+impl From<Hidden> for StoredHidden {
+    fn from(hidden: Hidden) -> Self {
+        StoredHidden { widths: hidden.widths, values: hidden.values }
+    }
+}
+
+impl From<StoredHidden> for Hidden {
+    fn from(stored: StoredHidden) -> Self {
+        let StoredHidden { widths, values } = stored;
+        Hidden { widths, spare: values.clone(), values }
     }
 }
 
@@ -77,6 +99,15 @@ impl ParticleMemory for Hidden {
             }
             std::mem::swap(values, spare);
         }
+    }
+
+    fn is_laid_out_as(&self, other: &Hidden) -> bool {
+        let is_same = |(mine, other): (&Values, &Values)| {
+            mine.len() == other.len() && std::mem::discriminant(mine) == std::mem::discriminant(other)
+        };
+        self.widths == other.widths
+            && self.values.len() == other.values.len()
+            && self.values.iter().zip(&other.values).all(is_same)
     }
 }
 

@@ -3,6 +3,7 @@
 use std::ops::Deref;
 
 use motes_models::StateSpaceModel;
+use serde::{Deserialize, Serialize};
 
 use crate::bank::FilterBank;
 use crate::filter::ParticleFilter;
@@ -40,7 +41,7 @@ const BLOCK_STEPS: usize = 16;
 /// println!("log-evidence {:.2} ± {:.2}", filter.log_evidence(), error.standard_error());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct EvidenceError {
     /// Steps of the present block.
     steps: usize,
