@@ -9,6 +9,7 @@ use crate::error::{Fault, FileError, Problem};
 use crate::matrices::{self, Matrices};
 use crate::model::FormulaModel;
 use crate::statement::{self, Line};
+use crate::text::Text;
 
 /// What a model file says.
 #[derive(Debug, Clone)]
@@ -21,6 +22,8 @@ pub struct ModelFile {
     pub measurements: Vec<String>,
     /// The parameters with their values.
     pub parameters: Vec<(String, f64)>,
+    /// The text that says all this.
+    pub text: String,
     /// The model itself.
     pub model: FileModel,
 }
@@ -40,8 +43,7 @@ pub enum FileModel {
 /// [`FileError::Read`] if the file cannot be read, and as [`parse`].
 pub fn read(path: &Path, overrides: &[(String, f64)]) -> Result<ModelFile, FileError> {
     let file = path.display().to_string();
-    let bytes = std::fs::read(path)
-        .map_err(|error| FileError::Read {
+    let bytes = std::fs::read(path).map_err(|error| FileError::Read {
         file: file.clone(),
         kind: error.kind(),
         reason: reason(&error),
@@ -71,15 +73,6 @@ pub fn parse_generated(text: &str, name: &str, overrides: &[(String, f64)]) -> R
     model_of(text, Text { file: name, has_lines: false }, overrides)
 }
 
-/// What errors say of a text.
-#[derive(Clone, Copy)]
-pub(crate) struct Text<'a> {
-    /// What it is called.
-    pub(crate) file: &'a str,
-    /// Whether its lines are of interest to somebody.
-    pub(crate) has_lines: bool,
-}
-
 fn model_of(text: &str, of: Text<'_>, overrides: &[(String, f64)]) -> Result<ModelFile, FileError> {
     let model = document::read(text).and_then(|table| of_table(text, of, &table, overrides));
     model.map_err(|fault| Fault { at: fault.at.filter(|_| of.has_lines), ..fault }.in_file(of.file, text))
@@ -104,7 +97,7 @@ fn of_table(
     match table.iter().find(|entry| entry.key == "kind").map(|entry| &entry.value) {
         None => of_formulas(text, of, table, overrides),
         Some(kind) => match kind.text("kind")? {
-            "linear-gaussian" => of_matrices(of.file, table, overrides),
+            "linear-gaussian" => of_matrices(text, of.file, table, overrides),
             other => Err(Fault::at(kind.at, Problem::UnknownKind(other.to_string())).of_key("kind")),
         },
     }
@@ -126,17 +119,24 @@ fn of_formulas(
         states: names(&statement.initial),
         measurements: names(&statement.measurement),
         parameters: statement.parameters.clone(),
+        text: text.to_string(),
         model: FileModel::Formulas(FormulaModel::new(statement, of)?),
     })
 }
 
-fn of_matrices(file: &str, table: &Table, overrides: &[(String, f64)]) -> Result<ModelFile, Fault> {
+fn of_matrices(
+    text: &str,
+    file: &str,
+    table: &Table,
+    overrides: &[(String, f64)],
+) -> Result<ModelFile, Fault> {
     let Matrices { name, states, measurements, model } = matrices::read(table, overrides)?;
     Ok(ModelFile {
         name: name.unwrap_or_else(|| stem(file)),
         states,
         measurements,
         parameters: Vec::new(),
+        text: text.to_string(),
         model: FileModel::LinearGaussian(Box::new(model)),
     })
 }

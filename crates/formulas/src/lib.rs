@@ -39,6 +39,7 @@ mod program;
 mod statement;
 mod syntax;
 mod tables;
+mod text;
 
 pub use closed_form::NoClosedForm;
 pub use describe::Description;

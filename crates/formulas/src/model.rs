@@ -7,10 +7,10 @@ use motes_models::equations::{Coordinates, Equations, Scalar};
 
 use crate::closed_form::{self, NoClosedForm};
 use crate::error::{Fault, Section};
-use crate::file::Text;
 use crate::graph::build;
 use crate::program::{Program, compile};
 use crate::statement::{Line, Statement};
+use crate::text::Text;
 
 /// A state-space model whose equations were read from a file: see [`Equations`] for what follows from them. A clone shares them.
 #[derive(Debug, Clone)]

@@ -62,7 +62,7 @@ pub use normals::{fill_standard_exponential, fill_standard_normal, fill_uniform}
 pub use own_steps::{OwnModel, OwnStep, OwnSteps};
 pub use sequence::{Measurements, PartialMeasurements, Sequence};
 pub use shape::ModelShape;
-pub use simulate::{Trajectory, simulate, simulate_within};
+pub use simulate::{Trajectory, simulate, simulate_while, simulate_within};
 pub use simulated_measurements::{MeasurementSource, SimulatedMeasurements};
 pub use simulations::{LinearPredictor, Simulations, Spread};
 pub use state_space::{

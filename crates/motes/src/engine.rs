@@ -4,10 +4,11 @@ use std::ops::{ControlFlow, Range};
 
 use motes_models::{PartialLikelihood, Seed, StateSpaceModel};
 use motes_smc::{
-    Bootstrap, FilterError, FilterHistory, FilterSettings, Linearised, MinDegeneracy, ParticleFilter,
-    Proposal, SecondOpinion, SmoothedPaths, SmoothingError, Verdict, WeightDiagnosis,
+    Bootstrap, FilterError, FilterHistory, FilterSettings, FilterSnapshot, Linearised, MinDegeneracy,
+    ParticleFilter, Proposal, SecondOpinion, SmoothedPaths, SmoothingError, Verdict, WeightDiagnosis,
     backward_simulation_while,
 };
+use serde::{Deserialize, Serialize};
 
 use crate::error::MotesError;
 use crate::estimate::{Coordinate, Estimate, PROBABILITIES};
@@ -35,6 +36,10 @@ trait Steps: Send + Sync {
         seed: &Seed,
         proceed: &mut dyn FnMut() -> ControlFlow<()>,
     ) -> Result<SmoothedPaths, SmoothingError>;
+    /// Why it failed, if it has.
+    fn failure(&self) -> Option<&FilterError>;
+    /// All that later steps depend on.
+    fn snapshot(&self) -> FilterState;
     /// The state of one particle, and the one that it was drawn from, in the step that failed.
     fn of_particle(&self, particle: usize) -> (Option<&[f64]>, &[f64]);
 }
@@ -50,6 +55,53 @@ struct Filter<'m, M: StateSpaceModel + ?Sized, P: Proposal<M>> {
 struct Second<'m, M: StateSpaceModel + ?Sized> {
     bootstrap: ParticleFilter<&'m M, Bootstrap>,
     opinion: SecondOpinion,
+}
+
+/// What a filter is between two steps, and what runs beside it.
+#[derive(Serialize, Deserialize)]
+struct FilterState {
+    filter: FilterSnapshot<()>,
+    second: Option<SecondState>,
+}
+
+/// The same of a bootstrap filter beside another.
+#[derive(Serialize, Deserialize)]
+struct SecondState {
+    bootstrap: FilterSnapshot<()>,
+    opinion: SecondOpinion,
+}
+
+/// What a [`Running`] is between two steps, but for its model and its proposal.
+#[derive(Serialize, Deserialize)]
+pub(crate) struct RunningState {
+    filter: FilterState,
+    time: usize,
+    before: f64,
+}
+
+impl RunningState {
+    /// The settings of its filter.
+    pub(crate) fn settings(&self) -> &FilterSettings {
+        self.filter.filter.settings()
+    }
+
+    /// Whether a bootstrap filter runs beside it.
+    pub(crate) fn has_second(&self) -> bool {
+        self.filter.second.is_some()
+    }
+
+    /// Whether the numbers of steps in it agree.
+    pub(crate) fn is_of_one_time(&self) -> bool {
+        self.time == self.filter.filter.time()
+    }
+}
+
+/// What a filter begins with.
+enum Start {
+    /// The seed of its random numbers.
+    Seed(Seed),
+    /// What it was before.
+    State(Box<FilterState>),
 }
 
 /// Numbers of particles from which on it pays to look at them on two threads.
@@ -88,7 +140,7 @@ impl<M: StateSpaceModel + ?Sized, P: Proposal<M>> Filter<'_, M, P> {
 impl<M, P> Steps for Filter<'_, M, P>
 where
     M: PartialLikelihood + ?Sized,
-    P: Proposal<M> + Send,
+    P: Proposal<M, Memory = ()> + Send,
 {
     fn step(&mut self, measurement: &[Option<f64>]) -> Result<(), FilterError> {
         let Filter { filter, second, .. } = self;
@@ -147,6 +199,18 @@ where
         backward_simulation_while(self.model, history, paths, seed, |_| proceed())
     }
 
+    fn failure(&self) -> Option<&FilterError> {
+        self.filter.failure()
+    }
+
+    fn snapshot(&self) -> FilterState {
+        let second = |second: &Second<'_, M>| SecondState {
+            bootstrap: second.bootstrap.snapshot(),
+            opinion: second.opinion.clone(),
+        };
+        FilterState { filter: self.filter.snapshot(), second: self.second.as_ref().map(second) }
+    }
+
     fn of_particle(&self, particle: usize) -> (Option<&[f64]>, &[f64]) {
         let filter = &self.filter;
         let n = filter.mean().len();
@@ -160,6 +224,8 @@ where
 pub struct Running<'m> {
     model: &'m Model,
     filter: Box<dyn Steps + 'm>,
+    /// The kind of its proposal.
+    kind: &'static str,
     time: usize,
     /// The log-evidence before the last step.
     before: f64,
@@ -172,7 +238,24 @@ impl<'m> Running<'m> {
     /// [`MotesError::Proposal`] if the model has no such proposal, [`MotesError::Setting`] if an option is out of range.
     pub fn new(model: &'m Model, options: &FilterOptions, series: usize) -> Result<Self, MotesError> {
         let seed = Seed::from_u64(options.seed).child("filter").nth(series as u64);
-        Ok(Running { model, filter: filter_of(model, options, &seed)?, time: 0, before: 0.0 })
+        let filter = filter_of(model, options, Start::Seed(seed))?;
+        Ok(Running { model, filter, kind: options.proposal.kind(), time: 0, before: 0.0 })
+    }
+
+    /// What it is now.
+    pub(crate) fn state(&self) -> RunningState {
+        RunningState { filter: self.filter.snapshot(), time: self.time, before: self.before }
+    }
+
+    /// The filter that was in that state, with the model and the options that it had.
+    pub(crate) fn of_state(
+        model: &'m Model,
+        options: &FilterOptions,
+        state: RunningState,
+    ) -> Result<Self, MotesError> {
+        let RunningState { filter, time, before } = state;
+        let filter = filter_of(model, options, Start::State(Box::new(filter)))?;
+        Ok(Running { model, filter, kind: options.proposal.kind(), time, before })
     }
 
     /// Takes in the measurement of the next time.
@@ -280,6 +363,21 @@ impl<'m> Running<'m> {
         self.filter.log_evidence()
     }
 
+    /// The kind of its proposal.
+    pub(crate) fn kind(&self) -> &'static str {
+        self.kind
+    }
+
+    /// The model.
+    pub(crate) fn model(&self) -> &'m Model {
+        self.model
+    }
+
+    /// Whether it failed because no particle explains the measurement.
+    pub(crate) fn has_collapsed(&self) -> bool {
+        matches!(self.filter.failure(), Some(FilterError::Collapse { .. }))
+    }
+
     /// What a failure means for who wrote the model and the data.
     fn explain(&self, error: &FilterError) -> MotesError {
         let place = format!("t = {}", self.time);
@@ -314,14 +412,15 @@ impl Running<'_> {
 fn filter_of<'m>(
     model: &'m Model,
     options: &FilterOptions,
-    seed: &Seed,
+    start: Start,
 ) -> Result<Box<dyn Steps + 'm>, MotesError> {
     let refused =
         |proposal: &str, reason: String| Err(MotesError::Proposal { proposal: proposal.to_string(), reason });
     match (model.kind(), &options.proposal) {
-        (Kind::Learnable(learnable), ProposalName::Bootstrap) => boxed(learnable, Bootstrap, options, seed),
+        (Kind::Learnable(learnable), ProposalName::Bootstrap) => boxed(learnable, Bootstrap, options, start),
         (Kind::Learnable(learnable), ProposalName::Learned(learned)) => {
-            boxed(learnable, learned.proposal().clone(), options, seed)
+            learned.check(learnable).map_err(|error| learned.refused(&error))?;
+            boxed(learnable, learned.proposal().clone(), options, start)
         }
         (Kind::Learnable(learnable), name) => {
             if !learnable.has_gradients() {
@@ -340,11 +439,11 @@ fn filter_of<'m>(
                 }
             }
             // Where there is a closed form, linearising gives it.
-            boxed(learnable, Linearised::new(learnable)?, options, seed)
+            boxed(learnable, Linearised::new(learnable)?, options, start)
         }
-        (Kind::LinearGaussian(linear), ProposalName::Bootstrap) => boxed(linear, Bootstrap, options, seed),
+        (Kind::LinearGaussian(linear), ProposalName::Bootstrap) => boxed(linear, Bootstrap, options, start),
         (Kind::LinearGaussian(linear), ProposalName::Linearised | ProposalName::Optimal) => {
-            boxed(linear, MinDegeneracy::new(linear)?, options, seed)
+            boxed(linear, MinDegeneracy::new(linear)?, options, start)
         }
         (Kind::LinearGaussian(_), ProposalName::Learned(learned)) => {
             refused(learned.name(), "it was learned for a model of formulas".into())
@@ -354,10 +453,25 @@ fn filter_of<'m>(
 
 fn boxed<'m, M: PartialLikelihood + ?Sized>(
     model: &'m M,
-    proposal: impl Proposal<M> + Send + 'm,
+    proposal: impl Proposal<M, Memory = ()> + Send + 'm,
     options: &FilterOptions,
-    seed: &Seed,
+    start: Start,
 ) -> Result<Box<dyn Steps + 'm>, MotesError> {
+    let seed = match start {
+        Start::Seed(seed) => seed,
+        Start::State(state) => {
+            let FilterState { filter, second } = *state;
+            let restored = |SecondState { bootstrap, opinion }| {
+                ParticleFilter::restore(model, Bootstrap, bootstrap)
+                    .map(|bootstrap| Second { bootstrap, opinion })
+            };
+            return Ok(Box::new(Filter {
+                model,
+                filter: ParticleFilter::restore(model, proposal, filter)?,
+                second: second.map(restored).transpose()?,
+            }));
+        }
+    };
     let settings = options.settings();
     let filter = ParticleFilter::new(model, proposal, settings, seed.stream())?;
     let second = match options.check && options.proposal != ProposalName::Bootstrap {

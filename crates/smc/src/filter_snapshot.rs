@@ -62,15 +62,16 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> ParticleFilter<D
     ///
     /// # Errors
     /// As [`FilterBank::restore`]; [`FilterError::Setting`] for the snapshot of a bank of several filters.
-    pub fn restore(
-        model: D,
-        proposal: P,
-        snapshot: FilterSnapshot<P::Memory>,
-    ) -> Result<Self, FilterError> {
+    pub fn restore(model: D, proposal: P, snapshot: FilterSnapshot<P::Memory>) -> Result<Self, FilterError> {
         let FilterSnapshot { bank, mean } = snapshot;
-        let refused = |name, value: usize, expected| FilterError::Setting { name, value: value.to_string(), expected };
+        let refused =
+            |name, value: usize, expected| FilterError::Setting { name, value: value.to_string(), expected };
         if mean.len() != model.state_dim() {
-            return Err(refused("the number of means in a snapshot", mean.len(), "the model's state dimension"));
+            return Err(refused(
+                "the number of means in a snapshot",
+                mean.len(),
+                "the model's state dimension",
+            ));
         }
         let bank = FilterBank::restore(model, proposal, bank)?;
         match bank.filters() {

@@ -71,6 +71,10 @@ fn end_of_number(text: &str) -> usize {
             end = digits(end + 1 + sign);
         }
     }
+    // A second point belongs to it, too: what stands there is refused as a whole.
+    while end > 0 && bytes.get(end) == Some(&b'.') {
+        end = digits(end + 1);
+    }
     end
 }
 

@@ -130,4 +130,30 @@ mod tests {
             assert_eq!(bytes, 3 * 8 * Hidden::per_particle(precision, &[2, 6]));
         }
     }
+
+    #[test]
+    fn what_is_read_is_what_was_written_and_can_be_moved() {
+        for precision in [Precision::F32, Precision::F64] {
+            let mut hidden = Hidden::zeros(precision, 3, &[2, 1]);
+            for values in &mut hidden.values {
+                match values {
+                    Values::F32(values) => {
+                        values.iter_mut().zip(1u8..).for_each(|(value, at)| *value = f32::from(at) / 3.0)
+                    }
+                    Values::F64(values) => {
+                        values.iter_mut().zip(1u8..).for_each(|(value, at)| *value = f64::from(at) / 3.0)
+                    }
+                }
+            }
+            let mut bytes = Vec::new();
+            ciborium::into_writer(&hidden, &mut bytes).unwrap();
+            let mut again: Hidden = ciborium::from_reader(&bytes[..]).unwrap();
+            assert!(again.is_laid_out_as(&hidden) && again.host() == hidden.host());
+            hidden.resample(&[2, 2, 0]);
+            again.resample(&[2, 2, 0]);
+            assert_eq!(again.host(), hidden.host());
+            assert!(!again.is_laid_out_as(&Hidden::zeros(precision, 4, &[2, 1])));
+            assert!(!again.is_laid_out_as(&Hidden::zeros(precision, 3, &[2, 2])));
+        }
+    }
 }

@@ -79,11 +79,7 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
     /// # Errors
     /// [`FilterError::Setting`] for a snapshot that is none of such a bank: its parts do not have the sizes that its settings and the model ask for, or
     /// hold what no filter can go on from.
-    pub fn restore(
-        model: D,
-        proposal: P,
-        snapshot: BankSnapshot<P::Memory>,
-    ) -> Result<Self, FilterError> {
+    pub fn restore(model: D, proposal: P, snapshot: BankSnapshot<P::Memory>) -> Result<Self, FilterError> {
         check_dimensions(&*model)?;
         let settings = snapshot.settings;
         let (filters, per_particle) = (snapshot.streams.len(), proposal.memory_per_particle());

@@ -2,13 +2,15 @@
 
 use std::fmt;
 
+use serde::{Deserialize, Serialize};
+
 use super::PARETO_K_LIMIT;
 
 /// Fewer effective particles than this, and one of them has more than half of the weight: `max W_k ≥ Σ W_k² = 1/K_eff`.
 pub const LEAST_EFFECTIVE_PARTICLES: f64 = 2.0;
 
 /// The weights of one step, as figures that tell whether they can be trusted.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct WeightDiagnosis {
     /// The step, `t`.
     pub time: usize,
@@ -41,7 +43,7 @@ pub struct WeightDiagnosis {
 /// println!("{report}");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct WeightReport {
     steps: usize,
     sum_of_sizes: f64,
