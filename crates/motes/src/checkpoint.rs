@@ -4,11 +4,12 @@ use motes_models::StateSpaceModel;
 use motes_proposals::{Fingerprint, OtherSystem};
 use serde::{Deserialize, Serialize};
 
-use crate::engine::{Running, RunningState};
+use crate::engine::{Running, Start, filter_of};
 use crate::error::MotesError;
 use crate::model::{Kind, Model};
 use crate::options::{FilterOptions, ProposalName};
 use crate::packed::{pack, unpack};
+use crate::running_state::RunningState;
 
 /// What errors call it.
 const CHECKPOINT: &str = "a checkpoint of a filter";
@@ -56,9 +57,9 @@ impl<'m> Running<'m> {
     /// [`MotesError::Packed`] if it has no form as bytes.
     pub fn checkpoint(&self) -> Result<Vec<u8>, MotesError> {
         let of_options = Checkpoint {
-            fingerprint: fingerprint(self.model()),
-            proposal: self.kind().to_string(),
-            state: self.state(),
+            fingerprint: fingerprint(self.model),
+            proposal: self.kind.to_string(),
+            state: RunningState { filter: self.filter.snapshot(), time: self.time, before: self.before },
         };
         pack(CHECKPOINT, VERSION, &of_options)
     }
@@ -97,7 +98,9 @@ impl<'m> Running<'m> {
         if !state.is_of_one_time() {
             return refused("its parts are of different times".into());
         }
-        Running::of_state(model, options, state)
+        let RunningState { filter, time, before } = state;
+        let filter = filter_of(model, options, Start::State(Box::new(filter)))?;
+        Ok(Running { model, filter, kind: options.proposal.kind(), time, before })
     }
 }
 

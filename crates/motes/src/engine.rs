@@ -4,19 +4,19 @@ use std::ops::{ControlFlow, Range};
 
 use motes_models::{PartialLikelihood, Seed, StateSpaceModel};
 use motes_smc::{
-    Bootstrap, FilterError, FilterHistory, FilterSettings, FilterSnapshot, Linearised, MinDegeneracy,
-    ParticleFilter, Proposal, SecondOpinion, SmoothedPaths, SmoothingError, Verdict, WeightDiagnosis,
+    Bootstrap, FilterError, FilterHistory, FilterSettings, Linearised, MinDegeneracy, ParticleFilter,
+    Proposal, SecondOpinion, SmoothedPaths, SmoothingError, Verdict, WeightDiagnosis,
     backward_simulation_while,
 };
-use serde::{Deserialize, Serialize};
 
 use crate::error::MotesError;
 use crate::estimate::{Coordinate, Estimate, PROBABILITIES};
 use crate::model::{Kind, Model};
 use crate::options::{FilterOptions, ProposalName};
+use crate::running_state::{FilterState, SecondState};
 
 /// A filter with the types of its model and proposal put aside.
-trait Steps: Send + Sync {
+pub(crate) trait Steps: Send + Sync {
     fn step(&mut self, measurement: &[Option<f64>]) -> Result<(), FilterError>;
     /// What a bootstrap filter beside it says so far, if there is one.
     fn verdict(&self) -> Option<Verdict>;
@@ -57,47 +57,8 @@ struct Second<'m, M: StateSpaceModel + ?Sized> {
     opinion: SecondOpinion,
 }
 
-/// What a filter is between two steps, and what runs beside it.
-#[derive(Serialize, Deserialize)]
-struct FilterState {
-    filter: FilterSnapshot<()>,
-    second: Option<SecondState>,
-}
-
-/// The same of a bootstrap filter beside another.
-#[derive(Serialize, Deserialize)]
-struct SecondState {
-    bootstrap: FilterSnapshot<()>,
-    opinion: SecondOpinion,
-}
-
-/// What a [`Running`] is between two steps, but for its model and its proposal.
-#[derive(Serialize, Deserialize)]
-pub(crate) struct RunningState {
-    filter: FilterState,
-    time: usize,
-    before: f64,
-}
-
-impl RunningState {
-    /// The settings of its filter.
-    pub(crate) fn settings(&self) -> &FilterSettings {
-        self.filter.filter.settings()
-    }
-
-    /// Whether a bootstrap filter runs beside it.
-    pub(crate) fn has_second(&self) -> bool {
-        self.filter.second.is_some()
-    }
-
-    /// Whether the numbers of steps in it agree.
-    pub(crate) fn is_of_one_time(&self) -> bool {
-        self.time == self.filter.filter.time()
-    }
-}
-
 /// What a filter begins with.
-enum Start {
+pub(crate) enum Start {
     /// The seed of its random numbers.
     Seed(Seed),
     /// What it was before.
@@ -222,13 +183,13 @@ where
 
 /// A filter of one series, step by step.
 pub struct Running<'m> {
-    model: &'m Model,
-    filter: Box<dyn Steps + 'm>,
+    pub(crate) model: &'m Model,
+    pub(crate) filter: Box<dyn Steps + 'm>,
     /// The kind of its proposal.
-    kind: &'static str,
-    time: usize,
+    pub(crate) kind: &'static str,
+    pub(crate) time: usize,
     /// The log-evidence before the last step.
-    before: f64,
+    pub(crate) before: f64,
 }
 
 impl<'m> Running<'m> {
@@ -240,22 +201,6 @@ impl<'m> Running<'m> {
         let seed = Seed::from_u64(options.seed).child("filter").nth(series as u64);
         let filter = filter_of(model, options, Start::Seed(seed))?;
         Ok(Running { model, filter, kind: options.proposal.kind(), time: 0, before: 0.0 })
-    }
-
-    /// What it is now.
-    pub(crate) fn state(&self) -> RunningState {
-        RunningState { filter: self.filter.snapshot(), time: self.time, before: self.before }
-    }
-
-    /// The filter that was in that state, with the model and the options that it had.
-    pub(crate) fn of_state(
-        model: &'m Model,
-        options: &FilterOptions,
-        state: RunningState,
-    ) -> Result<Self, MotesError> {
-        let RunningState { filter, time, before } = state;
-        let filter = filter_of(model, options, Start::State(Box::new(filter)))?;
-        Ok(Running { model, filter, kind: options.proposal.kind(), time, before })
     }
 
     /// Takes in the measurement of the next time.
@@ -363,21 +308,6 @@ impl<'m> Running<'m> {
         self.filter.log_evidence()
     }
 
-    /// The kind of its proposal.
-    pub(crate) fn kind(&self) -> &'static str {
-        self.kind
-    }
-
-    /// The model.
-    pub(crate) fn model(&self) -> &'m Model {
-        self.model
-    }
-
-    /// Whether it failed because no particle explains the measurement.
-    pub(crate) fn has_collapsed(&self) -> bool {
-        matches!(self.filter.failure(), Some(FilterError::Collapse { .. }))
-    }
-
     /// What a failure means for who wrote the model and the data.
     fn explain(&self, error: &FilterError) -> MotesError {
         let place = format!("t = {}", self.time);
@@ -409,7 +339,7 @@ impl Running<'_> {
 }
 
 /// The filter that the options ask for.
-fn filter_of<'m>(
+pub(crate) fn filter_of<'m>(
     model: &'m Model,
     options: &FilterOptions,
     start: Start,

@@ -2,6 +2,8 @@
 
 use std::ops::ControlFlow;
 
+use motes_smc::FilterError;
+
 use crate::data::Data;
 use crate::engine::Running;
 use crate::error::MotesError;
@@ -65,7 +67,7 @@ fn log_evidence_until(
         for &at in &places {
             let row = &data.rows[at];
             if let Err(error) = running.advance(&row.measurement) {
-                if !running.has_collapsed() {
+                if !matches!(running.filter.failure(), Some(FilterError::Collapse { .. })) {
                     return Err(of_series(name.map(String::as_str), error));
                 }
                 let text = format!(

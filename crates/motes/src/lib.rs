@@ -38,6 +38,7 @@ mod names;
 mod options;
 pub mod output;
 mod packed;
+mod running_state;
 mod simulating;
 mod smoothing;
 mod threads;

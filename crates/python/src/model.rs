@@ -15,6 +15,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 use crate::arguments::{integer, seed_of, threads_of};
+use crate::call::{ForCall, Made};
 use crate::card::{Card, Compared};
 use crate::data::Data;
 use crate::errors::{in_python, to_python};
@@ -31,31 +32,6 @@ pub(crate) struct Model {
     /// Parameters that were given other values.
     set: Vec<(String, f64)>,
     made: Made,
-}
-
-/// What a model is made of.
-enum Made {
-    /// A text that errors call so; whether a program wrote it.
-    Text {
-        called: String,
-        is_generated: bool,
-    },
-    Functions(Arc<Functions>),
-}
-
-/// A model for one call, and what its functions raise meanwhile.
-pub(crate) struct ForCall {
-    pub(crate) model: Arc<motes::Model>,
-    pub(crate) failure: Failure,
-    /// Whether only one thread at a time can ask it, the one with Python's lock.
-    asks_python: bool,
-}
-
-impl ForCall {
-    /// The threads of a filter, where nobody asked for a number: more than one would wait for each other where Python is asked.
-    pub(crate) fn threads(&self, asked: Option<usize>) -> Option<usize> {
-        asked.or(self.asks_python.then_some(1))
-    }
 }
 
 /// Which columns measurements are, which ones `series`, `t` and the carried one are, and which ones are not used.
@@ -379,25 +355,14 @@ impl Model {
 }
 
 impl Model {
-    /// This model for one call: what functions raise in one is no other's affair.
+    /// This model for one call.
     pub(crate) fn for_call(&self) -> PyResult<ForCall> {
-        self.for_work(false)
+        ForCall::new(&self.model, &self.made, false)
     }
 
     /// This model for one call that simulates series, which may overflow.
     fn for_simulations(&self) -> PyResult<ForCall> {
-        self.for_work(true)
-    }
-
-    fn for_work(&self, simulates: bool) -> PyResult<ForCall> {
-        let failure = Failure::default();
-        let (model, asks_python) = match &self.made {
-            Made::Text { .. } => (Arc::clone(&self.model), false),
-            Made::Functions(functions) => {
-                (Arc::new(functions.model(&failure, simulates).map_err(to_python)?), true)
-            }
-        };
-        Ok(ForCall { model, failure, asks_python })
+        ForCall::new(&self.model, &self.made, true)
     }
 
     /// What was found, by work that began at `start`, with what there is to say of it.

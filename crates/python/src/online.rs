@@ -10,8 +10,9 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use self_cell::self_cell;
 
+use crate::call::ForCall;
 use crate::functions::Failure;
-use crate::model::{ForCall, Model};
+use crate::model::Model;
 use crate::options::FilterOptions;
 use crate::work::without_lock;
 

@@ -8,7 +8,6 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::parallel::{Pieces, Threads};
-use stored::StoredWeights;
 pub(crate) use sums::{LANES, combined};
 use sums::{Mean, Shift, Sums, Together, Update};
 
@@ -33,7 +32,7 @@ pub(crate) const BLOCK: usize = 1024;
 
 /// The log-weights of `K` particles, normalised: `Σ_k exp(log W_k) = 1`.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-#[serde(into = "StoredWeights", try_from = "StoredWeights")]
+#[serde(into = "stored::StoredWeights", try_from = "stored::StoredWeights")]
 pub struct LogWeights {
     log: Vec<f64>,
     normalised: Vec<f64>,
