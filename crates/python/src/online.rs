@@ -144,7 +144,11 @@ impl Online {
             running.with_dependent_mut(|_, running| step(running))
         });
         let estimate = estimate.and_then(|estimate| self.failure.or(estimate));
-        let estimate = estimate.inspect_err(|_| self.has_failed.store(true, Ordering::Relaxed))?;
+        let estimate = estimate.inspect_err(|_| {
+            self.has_failed.store(true, Ordering::Relaxed);
+            // The model can be asked again: a checkpoint is one of a filter that failed, too.
+            self.failure.stop.withdraw();
+        })?;
         let (means, sds, quantiles) = crate::estimates::states(py, std::slice::from_ref(&estimate));
         Ok((means, sds, quantiles, estimate.ess, estimate.log_evidence))
     }

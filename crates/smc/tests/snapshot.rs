@@ -170,7 +170,7 @@ fn the_words_of_other_failures_are_kept() {
     let foreign = MinDegeneracy::new(&wide).unwrap();
     let stream = Seed::from_u64(1).stream();
     let mut filter = ParticleFilter::new(&model, foreign.clone(), FilterSettings::new(10), stream).unwrap();
-    let Err(failure) = filter.step(&[0.2]) else { return };
+    let failure = filter.step(&[0.2]).unwrap_err();
     let mut again = ParticleFilter::restore(&model, foreign, written(&filter.snapshot())).unwrap();
     let restored = again.step(&[0.2]).unwrap_err();
     assert_eq!((restored.to_string(), restored.kind()), (failure.to_string(), failure.kind()));

@@ -355,7 +355,8 @@ class Model:
     def online(self, **settings: Unpack[FilterSettings]) -> OnlineFilter:
         """A filter that takes in measurements as they come, by `step(y)`; settings are those of `filter`, without `check`.
 
-        It has one thread unless others are asked for. A pickle or a copy of it, at any time, goes on as it would itself, to the last bit.
+        It has one thread unless others are asked for. A pickle or a copy of it, made at any time, goes on as it would itself, to
+        the last bit.
 
         >>> import motes
         >>> walk = {"initial": {"x": "normal(0, 1)"}, "transition": {"x": "normal(x, 1)"}, "measurement": {"y": "normal(x, 1)"}}

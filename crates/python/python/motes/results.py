@@ -26,6 +26,11 @@ class _Estimates:
         self.states = states
         self._measured = measured
 
+    def __getstate__(self) -> dict[str, Any]:
+        # What was computed of the rest is computed again.
+        of_rest = [name for name in self.__dict__ if isinstance(getattr(type(self), name, None), cached_property)]
+        return {name: value for name, value in self.__dict__.items() if name not in of_rest}
+
     @cached_property
     def _arrays(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         n, (mean, sd, quantiles) = len(self.states), self._found.states()
