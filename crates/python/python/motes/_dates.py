@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import datetime
 import re
+import warnings
 from typing import Any
 
 import numpy as np
@@ -71,7 +72,10 @@ def _after_index(index: Any, steps: int) -> Any:
         return None
     frequency = index.freq
     if frequency is None and len(index) >= 3:
-        frequency = pandas.infer_freq(index)
+        with warnings.catch_warnings():
+            # Of what later versions return; both are understood.
+            warnings.simplefilter("ignore")
+            frequency = pandas.infer_freq(index)
     if frequency is None:
         return None
     found = pandas.date_range(index[-1], periods=steps + 1, freq=frequency)[1:]
