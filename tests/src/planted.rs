@@ -104,6 +104,10 @@ impl ParticleMemory for Stuck {
     }
 
     fn resample(&mut self, _ancestors: &[usize]) {}
+
+    fn is_laid_out_as(&self, other: &Stuck) -> bool {
+        self.0.is_laid_out_as(&other.0)
+    }
 }
 
 impl<M: StateSpaceModel + ?Sized> Proposal<M> for Forgetful {

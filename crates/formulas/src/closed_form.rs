@@ -2,19 +2,19 @@
 
 use thiserror::Error;
 
-use crate::error::Section;
+use crate::error::{Section, in_line};
 use crate::graph::{Built, Coordinate, Degree, Operation};
 use crate::statement::Line;
 use crate::tables::Kind;
 
 /// The first line because of which `p(x_t | x_{t−1}, y_t)` is no Gaussian in closed form.
 #[derive(Debug, Clone, PartialEq, Error)]
-#[error("{file}, line {line}, {section} {key}: {reason}")]
+#[error("{file}{}, {section} {key}: {reason}", in_line(*line))]
 pub struct NoClosedForm {
     /// The model file.
     pub file: String,
-    /// The line, from 1.
-    pub line: usize,
+    /// The line, from 1; none of a text that a program wrote.
+    pub line: Option<usize>,
     /// The section, as `[measurement]`.
     pub section: &'static str,
     /// The coordinate: `y`, or `y[3]`.
@@ -42,7 +42,7 @@ pub(crate) fn check(file: &str, section: Section, lines: &[Line], built: &Built)
             continue;
         };
         let (section, key) = (section.title(), line.coordinate(number));
-        return Err(NoClosedForm { file: file.to_string(), line: line.number, section, key, reason });
+        return Err(NoClosedForm { file: file.to_string(), line: Some(line.number), section, key, reason });
     }
     Ok(())
 }

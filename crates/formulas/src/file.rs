@@ -9,6 +9,7 @@ use crate::error::{Fault, FileError, Problem};
 use crate::matrices::{self, Matrices};
 use crate::model::FormulaModel;
 use crate::statement::{self, Line};
+use crate::text::Text;
 
 /// What a model file says.
 #[derive(Debug, Clone)]
@@ -21,6 +22,8 @@ pub struct ModelFile {
     pub measurements: Vec<String>,
     /// The parameters with their values.
     pub parameters: Vec<(String, f64)>,
+    /// The text that says all this.
+    pub text: String,
     /// The model itself.
     pub model: FileModel,
 }
@@ -40,8 +43,11 @@ pub enum FileModel {
 /// [`FileError::Read`] if the file cannot be read, and as [`parse`].
 pub fn read(path: &Path, overrides: &[(String, f64)]) -> Result<ModelFile, FileError> {
     let file = path.display().to_string();
-    let bytes = std::fs::read(path)
-        .map_err(|error| FileError::Read { file: file.clone(), reason: reason(&error) })?;
+    let bytes = std::fs::read(path).map_err(|error| FileError::Read {
+        file: file.clone(),
+        kind: error.kind(),
+        reason: reason(&error),
+    })?;
     match std::str::from_utf8(&bytes) {
         Ok(text) => parse(text, &file, overrides),
         Err(error) => {
@@ -56,8 +62,20 @@ pub fn read(path: &Path, overrides: &[(String, f64)]) -> Result<ModelFile, FileE
 /// # Errors
 /// [`FileError::Refused`] if the text states no model, or an override no parameter.
 pub fn parse(text: &str, file: &str, overrides: &[(String, f64)]) -> Result<ModelFile, FileError> {
-    let model = document::read(text).and_then(|table| of_table(text, file, &table, overrides));
-    model.map_err(|fault| fault.in_file(file, text))
+    model_of(text, Text { file, has_lines: true }, overrides)
+}
+
+/// [`parse`] of a text that a program wrote: errors, those at run time too, name sections and keys, and no lines of a text that nobody sees.
+///
+/// # Errors
+/// As [`parse`].
+pub fn parse_generated(text: &str, name: &str, overrides: &[(String, f64)]) -> Result<ModelFile, FileError> {
+    model_of(text, Text { file: name, has_lines: false }, overrides)
+}
+
+fn model_of(text: &str, of: Text<'_>, overrides: &[(String, f64)]) -> Result<ModelFile, FileError> {
+    let model = document::read(text).and_then(|table| of_table(text, of, &table, overrides));
+    model.map_err(|fault| Fault { at: fault.at.filter(|_| of.has_lines), ..fault }.in_file(of.file, text))
 }
 
 /// The system's words for why it cannot be read.
@@ -70,11 +88,16 @@ fn reason(error: &std::io::Error) -> String {
     }
 }
 
-fn of_table(text: &str, file: &str, table: &Table, overrides: &[(String, f64)]) -> Result<ModelFile, Fault> {
+fn of_table(
+    text: &str,
+    of: Text<'_>,
+    table: &Table,
+    overrides: &[(String, f64)],
+) -> Result<ModelFile, Fault> {
     match table.iter().find(|entry| entry.key == "kind").map(|entry| &entry.value) {
-        None => of_formulas(text, file, table, overrides),
+        None => of_formulas(text, of, table, overrides),
         Some(kind) => match kind.text("kind")? {
-            "linear-gaussian" => of_matrices(file, table, overrides),
+            "linear-gaussian" => of_matrices(text, of.file, table, overrides),
             other => Err(Fault::at(kind.at, Problem::UnknownKind(other.to_string())).of_key("kind")),
         },
     }
@@ -82,7 +105,7 @@ fn of_table(text: &str, file: &str, table: &Table, overrides: &[(String, f64)]) 
 
 fn of_formulas(
     text: &str,
-    file: &str,
+    of: Text<'_>,
     table: &Table,
     overrides: &[(String, f64)],
 ) -> Result<ModelFile, Fault> {
@@ -92,21 +115,28 @@ fn of_formulas(
         lines.iter().flat_map(of_line).collect()
     };
     Ok(ModelFile {
-        name: statement.name.clone().unwrap_or_else(|| stem(file)),
+        name: statement.name.clone().unwrap_or_else(|| stem(of.file)),
         states: names(&statement.initial),
         measurements: names(&statement.measurement),
         parameters: statement.parameters.clone(),
-        model: FileModel::Formulas(FormulaModel::new(statement, file)?),
+        text: text.to_string(),
+        model: FileModel::Formulas(FormulaModel::new(statement, of)?),
     })
 }
 
-fn of_matrices(file: &str, table: &Table, overrides: &[(String, f64)]) -> Result<ModelFile, Fault> {
+fn of_matrices(
+    text: &str,
+    file: &str,
+    table: &Table,
+    overrides: &[(String, f64)],
+) -> Result<ModelFile, Fault> {
     let Matrices { name, states, measurements, model } = matrices::read(table, overrides)?;
     Ok(ModelFile {
         name: name.unwrap_or_else(|| stem(file)),
         states,
         measurements,
         parameters: Vec::new(),
+        text: text.to_string(),
         model: FileModel::LinearGaussian(Box::new(model)),
     })
 }

@@ -39,12 +39,13 @@ mod program;
 mod statement;
 mod syntax;
 mod tables;
+mod text;
 
 pub use closed_form::NoClosedForm;
 pub use describe::Description;
 pub use error::{FileError, Place, Problem};
 pub use explain::DomainError;
-pub use file::{FileModel, ModelFile, parse, read};
+pub use file::{FileModel, ModelFile, parse, parse_generated, read};
 pub use model::FormulaModel;
 pub use tables::{Family, Range, family, reference};
 

@@ -10,6 +10,7 @@ use crate::error::{Fault, Section};
 use crate::graph::build;
 use crate::program::{Program, compile};
 use crate::statement::{Line, Statement};
+use crate::text::Text;
 
 /// A state-space model whose equations were read from a file: see [`Equations`] for what follows from them. A clone shares them.
 #[derive(Debug, Clone)]
@@ -18,6 +19,7 @@ pub struct FormulaModel(Arc<Compiled>);
 #[derive(Debug)]
 struct Compiled {
     file: String,
+    has_lines: bool,
     statement: Statement,
     states: usize,
     measurements: usize,
@@ -30,7 +32,7 @@ struct Compiled {
 
 impl FormulaModel {
     /// Compiles the formulas of a file.
-    pub(crate) fn new(statement: Statement, file: &str) -> Result<Self, Fault> {
+    pub(crate) fn new(statement: Statement, Text { file, has_lines }: Text<'_>) -> Result<Self, Fault> {
         let coordinates = |lines: &[Line]| lines.iter().map(Line::coordinates).sum();
         let states = coordinates(&statement.initial);
         let (mut closed_form, mut is_linear) = (Ok(()), true);
@@ -51,6 +53,7 @@ impl FormulaModel {
             closed_form,
             is_linear,
             file: file.to_string(),
+            has_lines,
             statement,
         })))
     }
@@ -65,6 +68,11 @@ impl FormulaModel {
         &self.0.file
     }
 
+    /// Whether errors say in which line something stands.
+    pub(crate) fn has_lines(&self) -> bool {
+        self.0.has_lines
+    }
+
     /// Whether all of it is linear with constant Gaussian noise.
     pub(crate) fn is_linear(&self) -> bool {
         self.0.is_linear
@@ -76,7 +84,11 @@ impl FormulaModel {
     /// # Errors
     /// [`NoClosedForm`] names the first line that is otherwise.
     pub fn closed_form(&self) -> Result<(), NoClosedForm> {
-        self.0.closed_form.clone()
+        let without_line = |error: &NoClosedForm| NoClosedForm {
+            line: error.line.filter(|_| self.0.has_lines),
+            ..error.clone()
+        };
+        self.0.closed_form.as_ref().copied().map_err(without_line)
     }
 }
 

@@ -62,14 +62,14 @@ pub use normals::{fill_standard_exponential, fill_standard_normal, fill_uniform}
 pub use own_steps::{OwnModel, OwnStep, OwnSteps};
 pub use sequence::{Measurements, PartialMeasurements, Sequence};
 pub use shape::ModelShape;
-pub use simulate::{Trajectory, simulate, simulate_within};
+pub use simulate::{Trajectory, simulate, simulate_while, simulate_within};
 pub use simulated_measurements::{MeasurementSource, SimulatedMeasurements};
 pub use simulations::{LinearPredictor, Simulations, Spread};
 pub use state_space::{
     AdditiveGaussian, PartialLikelihood, Propagator, Simulator, StateGradients, StateSpaceModel,
     check_dimensions,
 };
-pub use stream::{Seed, Stream, duplicate};
+pub use stream::{Seed, Stream, StreamPosition, duplicate};
 pub use system_graph::{GraphModel, SystemGraph};
 
 /// The README's code, compiled and run as a documentation test.

@@ -1,5 +1,7 @@
 //! Drawing a trajectory of states and measurements from a model.
 
+use std::ops::ControlFlow;
+
 use crate::batch::there_is_memory_for;
 use crate::{Measurements, ModelError, Seed, Sequence, Simulator, Stream, check_dimensions};
 
@@ -24,6 +26,23 @@ pub fn simulate(
     horizon: usize,
     stream: &mut Stream,
 ) -> Result<Trajectory, ModelError> {
+    let whole = simulate_while(model, horizon, stream, || ControlFlow::Continue(()))?;
+    Ok(whole.expect("nobody said to stop"))
+}
+
+/// Times between two of which it is asked whether to go on.
+const ASKS_EVERY: usize = 1024;
+
+/// [`simulate`] as long as `proceed`, which is asked now and then, says to go on; none where it said to stop.
+///
+/// # Errors
+/// As [`simulate`].
+pub fn simulate_while(
+    model: &(impl Simulator + ?Sized),
+    horizon: usize,
+    stream: &mut Stream,
+    mut proceed: impl FnMut() -> ControlFlow<()>,
+) -> Result<Option<Trajectory>, ModelError> {
     if horizon == 0 {
         return Err(ModelError::Parameter { name: "horizon T", value: "0".into(), expected: "at least 1" });
     }
@@ -35,6 +54,9 @@ pub fn simulate(
     }
     let (mut states, mut measurements) = (vec![0.0; horizon * n], vec![0.0; horizon * m]);
     for time in 0..horizon {
+        if time % ASKS_EVERY == ASKS_EVERY - 1 && proceed().is_break() {
+            return Ok(None);
+        }
         let (past, rest) = states.split_at_mut(time * n);
         let state = &mut rest[..n];
         match time {
@@ -48,7 +70,8 @@ pub fn simulate(
             return Err(ModelError::Numerical { computation: "simulating the system", time, reason });
         }
     }
-    Ok(Trajectory { states: Sequence::new(n, states)?, measurements: Measurements::new(m, measurements)? })
+    let (states, measurements) = (Sequence::new(n, states)?, Measurements::new(m, measurements)?);
+    Ok(Some(Trajectory { states, measurements }))
 }
 
 /// How many trajectories [`simulate_within`] draws before it gives up.

@@ -2,6 +2,7 @@
 
 use rand::rngs::{ChaCha8Rng, ChaCha12Rng};
 use rand::{Rng, SeedableRng};
+use serde::{Deserialize, Serialize};
 
 /// The generator that everything draws from.
 ///
@@ -10,10 +11,42 @@ pub type Stream = ChaCha8Rng;
 
 /// A stream that goes on as the given one does from where it is. (Generators have no `Clone`, so that none is doubled by accident.)
 pub fn duplicate(stream: &Stream) -> Stream {
-    let mut same = Stream::from_seed(stream.get_seed());
-    same.set_stream(stream.get_stream());
-    same.set_word_pos(stream.get_word_pos());
-    same
+    StreamPosition::of(stream).stream()
+}
+
+/// Where a [`Stream`] is, to be written down: all that its later numbers depend on.
+///
+/// ```
+/// use motes_models::{Seed, StreamPosition};
+/// use rand::Rng;
+///
+/// let mut stream = Seed::from_u64(1).stream();
+/// stream.next_u64();
+/// let position = StreamPosition::of(&stream);
+/// assert_eq!(position.stream().next_u64(), stream.next_u64());
+/// ```
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct StreamPosition {
+    key: [u8; 32],
+    /// Which of the key's streams it is.
+    number: u64,
+    /// How many words of 32 bits were drawn.
+    words: u128,
+}
+
+impl StreamPosition {
+    /// That of a stream.
+    pub fn of(stream: &Stream) -> Self {
+        StreamPosition { key: stream.get_seed(), number: stream.get_stream(), words: stream.get_word_pos() }
+    }
+
+    /// A stream that goes on from there.
+    pub fn stream(&self) -> Stream {
+        let mut stream = Stream::from_seed(self.key);
+        stream.set_stream(self.number);
+        stream.set_word_pos(self.words);
+        stream
+    }
 }
 
 /// A node in a tree of random streams.

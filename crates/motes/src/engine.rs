@@ -13,9 +13,10 @@ use crate::error::MotesError;
 use crate::estimate::{Coordinate, Estimate, PROBABILITIES};
 use crate::model::{Kind, Model};
 use crate::options::{FilterOptions, ProposalName};
+use crate::running_state::{FilterState, SecondState};
 
 /// A filter with the types of its model and proposal put aside.
-trait Steps: Send + Sync {
+pub(crate) trait Steps: Send + Sync {
     fn step(&mut self, measurement: &[Option<f64>]) -> Result<(), FilterError>;
     /// What a bootstrap filter beside it says so far, if there is one.
     fn verdict(&self) -> Option<Verdict>;
@@ -39,6 +40,10 @@ trait Steps: Send + Sync {
         seed: &Seed,
         proceed: &mut dyn FnMut(usize) -> ControlFlow<()>,
     ) -> Result<SmoothedPaths, SmoothingError>;
+    /// Why it failed, if it has.
+    fn failure(&self) -> Option<&FilterError>;
+    /// All that later steps depend on.
+    fn snapshot(&self) -> FilterState;
     /// The state of one particle, and the one that it was drawn from, in the step that failed.
     fn of_particle(&self, particle: usize) -> (Option<&[f64]>, &[f64]);
 }
@@ -55,6 +60,14 @@ struct Filter<'m, M: StateSpaceModel + ?Sized, P: Proposal<M>> {
 struct Second<'m, M: StateSpaceModel + ?Sized> {
     bootstrap: ParticleFilter<&'m M, Bootstrap>,
     opinion: SecondOpinion,
+}
+
+/// What a filter begins with.
+pub(crate) enum Start {
+    /// The seed of its random numbers.
+    Seed(Seed),
+    /// What it was before.
+    State(Box<FilterState>),
 }
 
 /// Numbers of particles from which on it pays to look at them on two threads.
@@ -93,7 +106,7 @@ impl<M: StateSpaceModel + ?Sized, P: Proposal<M>> Filter<'_, M, P> {
 impl<M, P> Steps for Filter<'_, M, P>
 where
     M: PartialLikelihood + Simulator + ?Sized,
-    P: Proposal<M> + Send,
+    P: Proposal<M, Memory = ()> + Send,
 {
     fn step(&mut self, measurement: &[Option<f64>]) -> Result<(), FilterError> {
         let Filter { filter, check, second, .. } = self;
@@ -172,6 +185,22 @@ where
         backward_simulation_while(self.model, history, paths, seed, proceed)
     }
 
+    fn failure(&self) -> Option<&FilterError> {
+        self.filter.failure()
+    }
+
+    fn snapshot(&self) -> FilterState {
+        let second = |second: &Second<'_, M>| SecondState {
+            bootstrap: second.bootstrap.snapshot(),
+            opinion: second.opinion.clone(),
+        };
+        FilterState {
+            filter: self.filter.snapshot(),
+            check: self.check.as_ref().map(EvidenceCheck::snapshot),
+            second: self.second.as_ref().map(second),
+        }
+    }
+
     fn of_particle(&self, particle: usize) -> (Option<&[f64]>, &[f64]) {
         let filter = &self.filter;
         let n = filter.mean().len();
@@ -183,11 +212,13 @@ where
 
 /// A filter of one series, step by step.
 pub struct Running<'m> {
-    model: &'m Model,
-    filter: Box<dyn Steps + 'm>,
-    time: usize,
+    pub(crate) model: &'m Model,
+    pub(crate) filter: Box<dyn Steps + 'm>,
+    /// The kind of its proposal.
+    pub(crate) kind: &'static str,
+    pub(crate) time: usize,
     /// The log-evidence before the last step.
-    before: f64,
+    pub(crate) before: f64,
 }
 
 impl<'m> Running<'m> {
@@ -197,7 +228,8 @@ impl<'m> Running<'m> {
     /// [`MotesError::Proposal`] if the model has no such proposal, [`MotesError::Setting`] if an option is out of range.
     pub fn new(model: &'m Model, options: &FilterOptions, series: usize) -> Result<Self, MotesError> {
         let seed = Seed::from_u64(options.seed).child("filter").nth(series as u64);
-        Ok(Running { model, filter: filter_of(model, options, &seed)?, time: 0, before: 0.0 })
+        let filter = filter_of(model, options, Start::Seed(seed))?;
+        Ok(Running { model, filter, kind: options.proposal.kind(), time: 0, before: 0.0 })
     }
 
     /// Takes in the measurement of the next time.
@@ -346,17 +378,18 @@ impl Running<'_> {
 }
 
 /// The filter that the options ask for.
-fn filter_of<'m>(
+pub(crate) fn filter_of<'m>(
     model: &'m Model,
     options: &FilterOptions,
-    seed: &Seed,
+    start: Start,
 ) -> Result<Box<dyn Steps + 'm>, MotesError> {
     let refused =
         |proposal: &str, reason: String| Err(MotesError::Proposal { proposal: proposal.to_string(), reason });
     match (model.kind(), &options.proposal) {
-        (Kind::Learnable(learnable), ProposalName::Bootstrap) => boxed(learnable, Bootstrap, options, seed),
+        (Kind::Learnable(learnable), ProposalName::Bootstrap) => boxed(learnable, Bootstrap, options, start),
         (Kind::Learnable(learnable), ProposalName::Learned(learned)) => {
-            boxed(learnable, learned.proposal().clone(), options, seed)
+            learned.check(learnable).map_err(|error| learned.refused(&error))?;
+            boxed(learnable, learned.proposal().clone(), options, start)
         }
         (Kind::Learnable(learnable), name) => {
             if !learnable.has_gradients() {
@@ -375,11 +408,11 @@ fn filter_of<'m>(
                 }
             }
             // Where there is a closed form, linearising gives it.
-            boxed(learnable, Linearised::new(learnable)?, options, seed)
+            boxed(learnable, Linearised::new(learnable)?, options, start)
         }
-        (Kind::LinearGaussian(linear), ProposalName::Bootstrap) => boxed(linear, Bootstrap, options, seed),
+        (Kind::LinearGaussian(linear), ProposalName::Bootstrap) => boxed(linear, Bootstrap, options, start),
         (Kind::LinearGaussian(linear), ProposalName::Linearised | ProposalName::Optimal) => {
-            boxed(linear, MinDegeneracy::new(linear)?, options, seed)
+            boxed(linear, MinDegeneracy::new(linear)?, options, start)
         }
         (Kind::LinearGaussian(_), ProposalName::Learned(learned)) => {
             refused(learned.name(), "it was learned for a model of formulas".into())
@@ -389,10 +422,28 @@ fn filter_of<'m>(
 
 fn boxed<'m, M: PartialLikelihood + Simulator + ?Sized>(
     model: &'m M,
-    proposal: impl Proposal<M> + Clone + Send + 'm,
+    proposal: impl Proposal<M, Memory = ()> + Clone + Send + 'm,
     options: &FilterOptions,
-    seed: &Seed,
+    start: Start,
 ) -> Result<Box<dyn Steps + 'm>, MotesError> {
+    let seed = match start {
+        Start::Seed(seed) => seed,
+        Start::State(state) => {
+            let FilterState { filter, check, second } = *state;
+            let restored = |SecondState { bootstrap, opinion }| {
+                ParticleFilter::restore(model, Bootstrap, bootstrap)
+                    .map(|bootstrap| Second { bootstrap, opinion })
+            };
+            return Ok(Box::new(Filter {
+                model,
+                check: check
+                    .map(|check| EvidenceCheck::restore(model, proposal.clone(), check))
+                    .transpose()?,
+                filter: ParticleFilter::restore(model, proposal, filter)?,
+                second: second.map(restored).transpose()?,
+            }));
+        }
+    };
     let settings = options.settings();
     // Random numbers of their own: whatever is checked, nothing else changes.
     let check = match options.check {

@@ -43,6 +43,14 @@ pub enum MotesError {
     /// A learned proposal cannot be read or written.
     #[error(transparent)]
     Saved(SavedError),
+    /// Bytes that hold a value cannot be read, or the value cannot be written as bytes.
+    #[error("{what}: {reason}")]
+    Packed {
+        /// What the value is.
+        what: String,
+        /// What is the matter.
+        reason: String,
+    },
     /// Something could not be written.
     #[error("{file}: {source}")]
     Output {
@@ -68,6 +76,19 @@ impl MotesError {
             MotesError::Saved(SavedError::Io { .. }) => 3,
             MotesError::Output { .. } | MotesError::Report(_) => 3,
             _ => 2,
+        }
+    }
+}
+
+impl MotesError {
+    /// Where input or output failed by the system: the file, and what kind of failure it is.
+    pub fn io(&self) -> Option<(&str, std::io::ErrorKind)> {
+        match self {
+            MotesError::Model(FileError::Read { file, kind, .. })
+            | MotesError::Data(DataError::Read { file, kind: Some(kind), .. }) => Some((file, *kind)),
+            MotesError::Saved(SavedError::Io { path, source }) => Some((path.to_str()?, source.kind())),
+            MotesError::Output { file, source } => Some((file, source.kind())),
+            _ => None,
         }
     }
 }

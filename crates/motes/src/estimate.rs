@@ -1,5 +1,7 @@
 //! What a filter says of the state at one time.
 
+use serde::{Deserialize, Serialize};
+
 /// The probabilities of the quantiles that are given of each coordinate.
 pub const PROBABILITIES: [f64; 3] = [0.05, 0.5, 0.95];
 
@@ -10,7 +12,7 @@ pub(crate) const OF_COORDINATE: [&str; 5] = ["mean", "sd", "q05", "q50", "q95"];
 pub(crate) const OF_WEIGHTS: [&str; 2] = ["ess", "log_evidence"];
 
 /// A coordinate of the state at one time, given measurements.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Coordinate {
     /// Its mean.
     pub mean: f64,
@@ -21,7 +23,7 @@ pub struct Coordinate {
 }
 
 /// The state at one time given the measurements up to it, and what its measurement said.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Estimate {
     /// Each of the `N` coordinates of the state.
     pub state: Vec<Coordinate>,

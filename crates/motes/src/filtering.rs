@@ -4,6 +4,7 @@ use std::fmt;
 use std::ops::ControlFlow;
 
 use motes_smc::{Verdict, WeightReport};
+use serde::{Deserialize, Serialize};
 
 use crate::data::Data;
 use crate::engine::Running;
@@ -13,7 +14,7 @@ use crate::model::Model;
 use crate::options::{FilterOptions, ProposalName};
 
 /// A reason not to trust a result.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Warning {
     /// The series that it is about; none where there is one without a name.
     pub series: Option<String>,
@@ -31,7 +32,7 @@ impl fmt::Display for Warning {
 }
 
 /// What filters made of data.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Filtered {
     /// The estimate of each row of the data, in their order.
     pub estimates: Vec<Estimate>,

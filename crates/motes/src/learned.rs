@@ -5,11 +5,14 @@ use std::path::Path;
 use std::sync::Arc;
 
 use motes_models::{ModelShape, Seed};
-use motes_proposals::{Amortised, Backend, SavedError, load, load_to_tune, save};
+use motes_proposals::{
+    Amortised, Backend, Fingerprint, OtherSystem, SavedError, SavedFiles, load, load_to_tune, save,
+};
 use serde::{Deserialize, Serialize};
 
 use crate::error::MotesError;
 use crate::model::{Kind, LearnableModel, Model};
+use crate::packed::{pack, unpack};
 
 /// A proposal that was learned for a model; copies share it.
 #[derive(Clone)]
@@ -17,6 +20,8 @@ pub struct LearnedProposal {
     name: String,
     proposal: Arc<Amortised>,
     notes: Arc<Notes>,
+    /// Of the model that it was learned or loaded for.
+    fingerprint: Arc<Fingerprint>,
 }
 
 /// What the folder of a learned proposal says beside its weights.
@@ -31,6 +36,19 @@ pub struct Notes {
     /// The designed proposal that did better on validation sequences, if one did.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub worse_than: Option<String>,
+}
+
+/// What errors call a proposal that is bytes.
+const IN_BYTES: &str = "a learned proposal";
+
+/// The version of what the bytes hold, beside that of the files in them.
+const BYTES_VERSION: u32 = 1;
+
+/// What the bytes of a proposal hold.
+#[derive(Serialize, Deserialize)]
+struct NamedFiles {
+    name: String,
+    files: SavedFiles,
 }
 
 impl fmt::Debug for LearnedProposal {
@@ -52,8 +70,34 @@ impl PartialEq for LearnedProposal {
 }
 
 impl LearnedProposal {
-    pub(crate) fn new(name: String, proposal: Amortised, notes: Notes) -> Self {
-        LearnedProposal { name, proposal: Arc::new(proposal), notes: Arc::new(notes) }
+    pub(crate) fn new(name: String, proposal: Amortised, notes: Notes, model: &dyn LearnableModel) -> Self {
+        let fingerprint = Arc::new(Fingerprint::of(model, None));
+        LearnedProposal { name, proposal: Arc::new(proposal), notes: Arc::new(notes), fingerprint }
+    }
+
+    /// The same with other notes.
+    pub(crate) fn with_notes(self, notes: Notes) -> Self {
+        LearnedProposal { notes: Arc::new(notes), ..self }
+    }
+
+    /// Whether `model` is the one that it was learned for, or loaded for, with the same parameters: by its densities, as where a folder is read.
+    ///
+    /// Filters, comparisons and further learning ask this themselves.
+    ///
+    /// # Errors
+    /// [`MotesError::Proposal`] with what differs, if it is another one; as [`learn`](crate::learn) for a model that nothing is learned for.
+    pub fn check_model(&self, model: &Model) -> Result<(), MotesError> {
+        self.check(learnable(model)?).map_err(|error| self.refused(&error))
+    }
+
+    /// The same of what kind it is.
+    pub(crate) fn check(&self, model: &dyn LearnableModel) -> Result<(), OtherSystem> {
+        self.fingerprint.check(&Fingerprint::of(model, None))
+    }
+
+    /// The error of a model that it was not learned for.
+    pub(crate) fn refused(&self, error: &OtherSystem) -> MotesError {
+        MotesError::Proposal { proposal: self.name.clone(), reason: error.to_string() }
     }
 
     /// Reads the proposal in `folder`, which was learned for `model`.
@@ -64,7 +108,7 @@ impl LearnedProposal {
         let learnable = learnable(model)?;
         let shape = shape_of(learnable);
         let proposal = load(folder, learnable, &shape, Backend::Native.into())?;
-        LearnedProposal::named(folder, proposal)
+        LearnedProposal::named(folder, proposal, learnable)
     }
 
     /// Reads the proposal in `folder` to be learned further for `model`, whose parameters may be others than those it was learned for.
@@ -72,25 +116,50 @@ impl LearnedProposal {
     /// # Errors
     /// [`MotesError::Saved`] if it is not there, damaged, or learned for a model with other numbers of states or measurements.
     pub fn load_to_tune(folder: &Path, model: &Model) -> Result<Self, MotesError> {
-        let shape = shape_of(learnable(model)?);
-        let proposal = load_to_tune(folder, &shape, Backend::Native.into())?;
-        LearnedProposal::named(folder, proposal)
+        let learnable = learnable(model)?;
+        let proposal = load_to_tune(folder, &shape_of(learnable), Backend::Native.into())?;
+        LearnedProposal::named(folder, proposal, learnable)
     }
 
     /// What a folder is called, with what it says beside the weights.
-    fn named(folder: &Path, proposal: Amortised) -> Result<Self, MotesError> {
+    fn named(folder: &Path, proposal: Amortised, model: &dyn LearnableModel) -> Result<Self, MotesError> {
         let notes = motes_proposals::notes(folder)?;
         let name = folder.file_name().unwrap_or(folder.as_os_str()).to_string_lossy().into_owned();
-        Ok(LearnedProposal::new(name, proposal, notes))
+        Ok(LearnedProposal::new(name, proposal, notes, model))
     }
 
     /// Writes it into `folder`, replacing a proposal that is there.
     ///
     /// # Errors
-    /// [`MotesError::Saved`] if it cannot be written.
+    /// [`MotesError::Saved`] if it cannot be written; [`MotesError::Proposal`] if `model` is another one than it was learned for.
     pub fn save(&self, folder: &Path, model: &Model) -> Result<(), MotesError> {
+        self.check_model(model)?;
         let learnable = learnable(model)?;
         Ok(save(folder, &*self.proposal, learnable, &shape_of(learnable), &*self.notes)?)
+    }
+
+    /// It as bytes, for who keeps it elsewhere than in a folder; `model` is the one that it was learned for.
+    ///
+    /// # Errors
+    /// As [`LearnedProposal::save`].
+    pub fn to_bytes(&self, model: &Model) -> Result<Vec<u8>, MotesError> {
+        self.check_model(model)?;
+        let learnable = learnable(model)?;
+        let shape = shape_of(learnable);
+        let files = SavedFiles::of(&*self.proposal, learnable, &shape, &*self.notes, Path::new(IN_BYTES))?;
+        pack(IN_BYTES, BYTES_VERSION, &NamedFiles { name: self.name.clone(), files })
+    }
+
+    /// The proposal of which [`LearnedProposal::to_bytes`] made `bytes`, to the last bit.
+    ///
+    /// # Errors
+    /// [`MotesError::Packed`] if they were damaged or are of another version; [`MotesError::Saved`] if it was learned for another model.
+    pub fn from_bytes(bytes: &[u8], model: &Model) -> Result<Self, MotesError> {
+        let NamedFiles { name, files } = unpack(IN_BYTES, BYTES_VERSION, bytes)?;
+        let (learnable, place) = (learnable(model)?, Path::new(IN_BYTES));
+        let shape = shape_of(learnable);
+        let proposal = files.proposal(place, learnable, &shape, Backend::Native.into())?;
+        Ok(LearnedProposal::new(name, proposal, files.notes(place)?, learnable))
     }
 
     /// What it is called on a card.

@@ -23,18 +23,23 @@
 //! ```
 
 mod checking;
+mod checkpoint;
 mod comparing;
 mod data;
 mod engine;
 mod error;
 mod estimate;
+mod evidence;
 mod few_ancestors;
 mod filtering;
 mod learned;
 mod learning;
 mod model;
+mod names;
 mod options;
 pub mod output;
+mod packed;
+mod running_state;
 mod simulating;
 mod smoothing;
 mod threads;
@@ -48,11 +53,14 @@ pub use data::{Columns, Counted, Data, DataError, Place, Row, Rows, Table};
 pub use engine::Running;
 pub use error::MotesError;
 pub use estimate::{Coordinate, Estimate};
+pub use evidence::{LogEvidence, log_evidence};
 pub use filtering::{Filtered, Warning, filter, of_opinion, of_proposal};
 pub use learned::{LearnedProposal, Notes};
 pub use learning::{LearnOptions, LearnOutcome, base_named, head_named, learn, network_named};
 pub use model::{LearnableModel, Model};
+pub use names::ModelNames;
 pub use options::{DEFENSIVE_SHARE, FilterOptions, ProposalName};
+pub use packed::{pack, unpack};
 pub use simulating::{Simulated, simulate};
 pub use smoothing::{Smoothed, smooth};
 pub use threads::{on_threads, thread_pool};

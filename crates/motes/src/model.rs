@@ -66,6 +66,14 @@ impl Model {
         Ok(Model(Source::File(motes_formulas::parse(text, name, overrides)?)))
     }
 
+    /// [`Model::parse`] of a text that a program wrote: errors, those of filters too, name sections and keys, and no lines.
+    ///
+    /// # Errors
+    /// [`FileError`] as [`motes_formulas::parse_generated`].
+    pub fn parse_generated(text: &str, name: &str, overrides: &[(String, f64)]) -> Result<Self, FileError> {
+        Ok(Model(Source::File(motes_formulas::parse_generated(text, name, overrides)?)))
+    }
+
     /// A model of one's own, with names for the coordinates of its states and of its measurements.
     ///
     /// ```
@@ -166,6 +174,14 @@ impl Model {
         match &self.0 {
             Source::File(file) => &file.parameters,
             Source::Own(_) => &[],
+        }
+    }
+
+    /// The text of the model file; none of a model of one's own.
+    pub fn text(&self) -> Option<&str> {
+        match &self.0 {
+            Source::File(file) => Some(&file.text),
+            Source::Own(_) => None,
         }
     }
 

@@ -36,6 +36,18 @@ impl ProposalName {
     }
 }
 
+impl ProposalName {
+    /// What it is; a learned one by that alone, whatever it is called.
+    pub(crate) fn kind(&self) -> &'static str {
+        match self {
+            ProposalName::Bootstrap => "bootstrap",
+            ProposalName::Linearised => "linearised",
+            ProposalName::Optimal => "optimal",
+            ProposalName::Learned(_) => "learned",
+        }
+    }
+}
+
 impl fmt::Display for ProposalName {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.pad(self.as_str())

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use motes_models::batch::there_is_memory_for;
-use motes_models::{ModelError, Seed, Stream, Trajectory, simulate as draw};
+use motes_models::{ModelError, Seed, Stream, Trajectory, simulate_while as draw};
 
 use crate::error::MotesError;
 use crate::model::{Kind, Model};
@@ -15,7 +15,8 @@ pub struct Simulated {
     pub series: Vec<Trajectory>,
 }
 
-/// Draws `series` series of `steps` times each. One series is the same whatever others there are.
+/// Draws `series` series of `steps` times each. One series is the same whatever others there are. `proceed` is asked after each series, and now and then within
+/// one, with how many are done.
 ///
 /// # Errors
 /// [`MotesError::Simulation`] where states overflow, with how many series do; [`MotesError::Setting`] if there is no memory for them;
@@ -50,9 +51,10 @@ fn simulate_until(
     let (mut drawn, mut first, mut failures) = (Vec::new(), None, 0);
     for number in 0..series {
         let mut stream = seed.nth(number as u64).stream();
-        let found = draw_one(model, steps, &mut stream);
+        let found = draw_one(model, steps, &mut stream, &mut || proceed(number));
         match found {
-            Ok(trajectory) => drawn.push(trajectory),
+            Ok(Some(trajectory)) => drawn.push(trajectory),
+            Ok(None) => return Err(MotesError::Interrupted),
             Err(ModelError::Numerical { time, .. }) => {
                 failures += 1;
                 first.get_or_insert((number, time));
@@ -84,9 +86,9 @@ pub(crate) fn simulate_some(
 ) -> Result<Simulated, MotesError> {
     let draw = |number: usize| {
         let mut stream = seed.nth(number as u64).stream();
-        draw_one(model, steps, &mut stream)
+        draw_one(model, steps, &mut stream, &mut || ControlFlow::Continue(()))
     };
-    let drawn: Vec<Trajectory> = (0..series).filter_map(|number| draw(number).ok()).collect();
+    let drawn: Vec<Trajectory> = (0..series).filter_map(|number| draw(number).ok().flatten()).collect();
     match drawn.is_empty() {
         true => Err(MotesError::Simulation(format!(
             "all of {series} series of {steps} times run to numbers that are not finite; take fewer steps, or look at the transition's noise"
@@ -95,9 +97,15 @@ pub(crate) fn simulate_some(
     }
 }
 
-fn draw_one(model: &Model, steps: usize, stream: &mut Stream) -> Result<Trajectory, ModelError> {
+/// A series, or none where `proceed` said to stop.
+fn draw_one(
+    model: &Model,
+    steps: usize,
+    stream: &mut Stream,
+    proceed: &mut dyn FnMut() -> ControlFlow<()>,
+) -> Result<Option<Trajectory>, ModelError> {
     match model.kind() {
-        Kind::Learnable(learnable) => draw(learnable, steps, stream),
-        Kind::LinearGaussian(linear) => draw(linear, steps, stream),
+        Kind::Learnable(learnable) => draw(learnable, steps, stream, proceed),
+        Kind::LinearGaussian(linear) => draw(linear, steps, stream, proceed),
     }
 }

@@ -2,10 +2,12 @@
 
 use std::ops::{Add, AddAssign, Mul, MulAssign, Sub};
 
+use serde::{Deserialize, Serialize};
+
 use crate::precision::Precision;
 
 /// Many numbers of one precision, one after another.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Values {
     /// 32 bits each.
     F32(Vec<f32>),

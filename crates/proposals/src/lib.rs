@@ -58,5 +58,7 @@ pub use motes_networks::{
 pub use over_time::OverTime;
 pub use psi::{Psi, PsiConfig, PsiScratch};
 pub use rnn::{Rnn, RnnConfig, RnnNetworks};
-pub use saved::{SAVED_FORMAT, SavedError, load, load_to_tune, notes, save};
+pub use saved::{
+    Fingerprint, OtherSystem, SAVED_FORMAT, SavedError, SavedFiles, load, load_to_tune, notes, save,
+};
 pub use standardised::{Frame, Frames, Origin, Standardised, StandardisedConfig, StandardisedScratch};

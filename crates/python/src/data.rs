@@ -1,7 +1,14 @@
 //! Data: the rows of measurements of one or several series.
 
+use motes::{pack, unpack};
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+
+use crate::errors::to_python;
+
+/// What errors call their bytes, and the version of these.
+const PACKED: (&str, u32) = ("data", 1);
 
 /// Rows of measurements that are fit for a model.
 #[pyclass(frozen, module = "motes._motes")]
@@ -9,6 +16,17 @@ pub(crate) struct Data(pub(crate) motes::Data);
 
 #[pymethods]
 impl Data {
+    /// Those of which `__getnewargs__` gives the bytes: for pickles and copies.
+    #[new]
+    fn new(bytes: &[u8]) -> PyResult<Self> {
+        unpack(PACKED.0, PACKED.1, bytes).map(Data).map_err(to_python)
+    }
+
+    fn __getnewargs__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyBytes>,)> {
+        let bytes = pack(PACKED.0, PACKED.1, &self.0).map_err(to_python)?;
+        Ok((PyBytes::new(py, &bytes),))
+    }
+
     /// The names of the series, in order of appearance; none where the data have one series without a name.
     #[getter]
     fn series_names(&self) -> Option<Vec<String>> {

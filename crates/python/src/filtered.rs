@@ -1,44 +1,83 @@
 //! What filters and smoothers made of data.
 
 use std::fmt::Write as _;
-use std::sync::Arc;
 
 use motes::output::{EstimateTable, Report, filter_json, filter_settings, filter_summary, report};
 use motes::smc::SmoothedPaths;
-use motes::{Estimate, MotesError};
+use motes::{Estimate, ModelNames, MotesError, pack, unpack};
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
 
 use crate::data::Data;
 use crate::errors::{in_python, to_python};
 use crate::estimates::{States, states};
 
+/// What errors call its bytes, and the version of these.
+const PACKED: (&str, u32) = ("a result of a filter", 1);
+
 /// The result of a filter, or of a smoother.
 #[pyclass(frozen, module = "motes._motes")]
 pub(crate) struct Filtered {
-    pub(crate) model: Arc<motes::Model>,
-    pub(crate) set: Vec<(String, f64)>,
-    pub(crate) data: Py<Data>,
-    pub(crate) options: motes::FilterOptions,
-    pub(crate) filtered: motes::Filtered,
+    names: ModelNames,
+    data: Py<Data>,
+    particles: usize,
+    /// What it was made with, a name and a value each.
+    settings: Vec<(String, String)>,
+    filtered: motes::Filtered,
     /// The estimates of a smoother, and its paths.
-    pub(crate) smoothed: Option<(Vec<Estimate>, Vec<SmoothedPaths>)>,
-    pub(crate) seconds: f64,
+    smoothed: Option<(Vec<Estimate>, Vec<SmoothedPaths>)>,
+    seconds: f64,
 }
 
 impl Filtered {
+    /// What came of a filter, or of a smoother with its estimates and paths, of this model with parameters `set` to other values.
+    pub(crate) fn new(
+        model: &motes::Model,
+        set: &[(String, f64)],
+        data: Py<Data>,
+        options: &motes::FilterOptions,
+        filtered: motes::Filtered,
+        smoothed: Option<(Vec<Estimate>, Vec<SmoothedPaths>)>,
+        seconds: f64,
+    ) -> Self {
+        let settings = filter_settings(model.name(), set, options);
+        let (names, particles) = (ModelNames::from(model), options.particles);
+        Filtered { names, data, particles, settings, filtered, smoothed, seconds }
+    }
+
+    /// As much of the options as figures need.
+    fn options(&self) -> motes::FilterOptions {
+        motes::FilterOptions { particles: self.particles, ..motes::FilterOptions::default() }
+    }
+
     fn rows(&self) -> &[Estimate] {
         self.smoothed.as_ref().map_or(&self.filtered.estimates, |(estimates, _)| estimates)
     }
 
     fn summary(&self) -> Vec<(String, String)> {
         let data = &self.data.get().0;
-        filter_summary(data.rows.len(), data.columns.has_series(), &self.filtered, &self.options)
+        filter_summary(data.rows.len(), data.columns.has_series(), &self.filtered, &self.options())
     }
 }
 
 #[pymethods]
 impl Filtered {
+    /// That of which `__getnewargs__` gives the bytes and the data: for pickles and copies.
+    #[new]
+    fn of_bytes(bytes: &[u8], data: Py<Data>) -> PyResult<Self> {
+        let (names, particles, settings, filtered, smoothed, seconds) =
+            unpack(PACKED.0, PACKED.1, bytes).map_err(to_python)?;
+        Ok(Filtered { names, data, particles, settings, filtered, smoothed, seconds })
+    }
+
+    fn __getnewargs__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyBytes>, Py<Data>)> {
+        let Filtered { names, data, particles, settings, filtered, smoothed, seconds } = self;
+        let content = (names, particles, settings, filtered, smoothed, seconds);
+        let bytes = pack(PACKED.0, PACKED.1, &content).map_err(to_python)?;
+        Ok((PyBytes::new(py, &bytes), data.clone_ref(py)))
+    }
+
     /// Means, standard deviations and quantiles of the states, row by row.
     fn states<'py>(&self, py: Python<'py>) -> States<'py> {
         states(py, self.rows())
@@ -99,35 +138,46 @@ impl Filtered {
 
     #[getter]
     fn particles(&self) -> usize {
-        self.options.particles
+        self.particles
     }
 
     /// The table that the command writes.
     fn csv(&self) -> String {
         let data = &self.data.get().0;
-        let table = EstimateTable::new(&self.model, &data.columns, self.smoothed.is_none());
+        let has_weights = self.smoothed.is_none();
+        let table = EstimateTable::of_states(&self.names.states, &data.columns, has_weights);
         match &self.smoothed {
             Some((estimates, _)) => table.smoothed(data, estimates),
             None => table.filtered(data, &self.filtered),
         }
     }
 
+    /// What is predicted after each series as a table, with the label of each row in a column of that name if there are any.
+    fn forecast_csv(&self, labels: Option<(String, Vec<String>)>) -> String {
+        let data = &self.data.get().0;
+        let (name, labels) = labels.map_or((None, Vec::new()), |(name, labels)| (Some(name), labels));
+        EstimateTable::of_forecasts(&self.names.states, &data.columns, name.as_deref()).forecasts(
+            data,
+            &self.filtered,
+            &labels,
+        )
+    }
+
     /// The object that the command prints with --json.
     fn json(&self) -> String {
-        filter_json(&self.filtered, &self.options, self.seconds)
+        filter_json(&self.filtered, &self.options(), self.seconds)
     }
 
     /// The report, an HTML page that needs nothing else; `call` is what made it.
     fn html(&self, call: &str) -> PyResult<String> {
-        let settings = filter_settings(self.model.name(), &self.set, &self.options);
         let page = report(&Report {
             title: if self.smoothed.is_some() { "Smoother" } else { "Filter" },
-            model: &self.model,
+            names: &self.names,
             data: &self.data.get().0,
             estimates: self.rows(),
             forecasts: &self.filtered.forecasts,
             summary: &self.summary(),
-            settings: &settings,
+            settings: &self.settings,
             warnings: &self.warnings(),
             command: call,
         });

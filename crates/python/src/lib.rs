@@ -3,6 +3,7 @@
 //! The package's own Python code makes tables of data frames and lists, and gives results their shape; see `python/motes`.
 
 mod arguments;
+mod call;
 mod card;
 mod data;
 mod errors;

@@ -7,14 +7,16 @@ use std::time::Instant;
 use motes::smc::SmoothedPaths;
 use motes::{
     Columns, CompareOptions, Comparison, LearnOutcome, LearnedProposal, MotesError, ProposalName, Smoothed,
-    Table, check, compare, designed, filter, learn, simulate, smooth,
+    Table, check, compare, designed, filter, learn, log_evidence, simulate, smooth,
 };
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
 
 use crate::arguments::{integer, seed_of, threads_of};
-use crate::card::Card;
+use crate::call::{ForCall, Made};
+use crate::card::{Card, Compared};
 use crate::data::Data;
 use crate::errors::{in_python, to_python};
 use crate::filtered::Filtered;
@@ -29,23 +31,7 @@ pub(crate) struct Model {
     model: Arc<motes::Model>,
     /// Parameters that were given other values.
     set: Vec<(String, f64)>,
-    /// What it is made of, if it is made of functions.
-    functions: Option<Arc<Functions>>,
-}
-
-/// A model for one call, and what its functions raise meanwhile.
-pub(crate) struct ForCall {
-    pub(crate) model: Arc<motes::Model>,
-    pub(crate) failure: Failure,
-    /// Whether only one thread at a time can ask it, the one with Python's lock.
-    asks_python: bool,
-}
-
-impl ForCall {
-    /// The threads of a filter, where nobody asked for a number: more than one would wait for each other where Python is asked.
-    pub(crate) fn threads(&self, asked: Option<usize>) -> Option<usize> {
-        asked.or(self.asks_python.then_some(1))
-    }
+    made: Made,
 }
 
 /// Which columns measurements are, which ones `series`, `t` and the carried one are, and which ones are not used.
@@ -53,6 +39,9 @@ type Places = (Vec<usize>, Option<usize>, Option<usize>, Option<usize>, Vec<Stri
 
 /// States and measurements of simulated series, flat.
 type Simulated<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
+
+/// What a model was parsed of: the text, what errors call it, parameters with other values, and whether a program wrote it.
+type Parsed = (String, String, Vec<(String, f64)>, bool);
 
 /// A proposal that was learned, what validation said after so many updates, and how many seconds it took.
 type Learned = (Proposal, Vec<(usize, f64)>, f64);
@@ -63,14 +52,24 @@ impl Model {
     #[staticmethod]
     fn read(path: PathBuf, set: Vec<(String, f64)>) -> PyResult<Self> {
         let model = motes::Model::read(&path, &set).map_err(to_python)?;
-        Ok(Model { model: Arc::new(model), set, functions: None })
+        let made = Made::Text { called: path.display().to_string(), is_generated: false };
+        Ok(Model { model: Arc::new(model), set, made })
     }
 
-    /// The model of a text, which errors call `name`.
+    /// The model of a text, which errors call `name`; they do not count its lines if a program wrote it.
     #[staticmethod]
-    fn parse(text: &str, name: &str, set: Vec<(String, f64)>) -> PyResult<Self> {
-        let model = motes::Model::parse(text, name, &set).map_err(to_python)?;
-        Ok(Model { model: Arc::new(model), set, functions: None })
+    fn parse(text: &str, name: &str, set: Vec<(String, f64)>, is_generated: bool) -> PyResult<Self> {
+        let parse = if is_generated { motes::Model::parse_generated } else { motes::Model::parse };
+        let model = parse(text, name, &set).map_err(to_python)?;
+        let made = Made::Text { called: name.to_string(), is_generated };
+        Ok(Model { model: Arc::new(model), set, made })
+    }
+
+    /// What `parse` makes it of again; none of functions.
+    #[getter]
+    fn source(&self) -> Option<Parsed> {
+        let Made::Text { called, is_generated } = &self.made else { return None };
+        Some((self.model.text()?.to_string(), called.clone(), self.set.clone(), *is_generated))
     }
 
     /// The model of functions. `initial` are distributions; `slopes` are the other two with derivatives.
@@ -85,7 +84,7 @@ impl Model {
     ) -> PyResult<Self> {
         let functions = Arc::new(Functions::new(py, name, names, initial, functions, slopes)?);
         let model = Arc::new(functions.model(&Failure::default(), false).map_err(to_python)?);
-        Ok(Model { model, set: Vec::new(), functions: Some(functions) })
+        Ok(Model { model, set: Vec::new(), made: Made::Functions(functions) })
     }
 
     #[getter]
@@ -210,6 +209,23 @@ impl Model {
         Ok(self.found(data, options, start, failure.or(filtered)?, None))
     }
 
+    /// The log-evidence of all series; with −∞ where no particle explains a measurement, and which one that is.
+    fn log_evidence(
+        &self,
+        py: Python<'_>,
+        data: &Bound<'_, Data>,
+        options: &Bound<'_, FilterOptions>,
+    ) -> PyResult<(f64, Option<String>)> {
+        let FilterOptions { options, threads } = options.get();
+        let (call, rows) = (self.for_call()?, &data.get().0);
+        let (ForCall { model, failure, .. }, threads) = (&call, call.threads(*threads));
+        let found = without_lock(py, threads, &failure.stop, || {
+            log_evidence(model, rows, options, |_| failure.asked())
+        })?;
+        let found = failure.or(found)?;
+        Ok((found.value, found.impossible.map(|warning| in_python(&warning.to_string()))))
+    }
+
     /// Filters each series and draws trajectories backwards.
     fn smooth(
         &self,
@@ -241,6 +257,23 @@ impl Model {
     fn save_proposal(&self, proposal: &Bound<'_, Proposal>, folder: PathBuf) -> PyResult<()> {
         let call = self.for_call()?;
         call.failure.or(proposal.get().0.save(&folder, &call.model))
+    }
+
+    /// A proposal that was learned for this model as bytes.
+    fn proposal_bytes<'py>(
+        &self,
+        py: Python<'py>,
+        proposal: &Bound<'_, Proposal>,
+    ) -> PyResult<Bound<'py, PyBytes>> {
+        let call = self.for_call()?;
+        let bytes = call.failure.or(proposal.get().0.to_bytes(&call.model))?;
+        Ok(PyBytes::new(py, &bytes))
+    }
+
+    /// The proposal of which `proposal_bytes` made these.
+    fn proposal_of_bytes(&self, bytes: &[u8]) -> PyResult<Proposal> {
+        let call = self.for_call()?;
+        call.failure.or(LearnedProposal::from_bytes(bytes, &call.model).map(Proposal))
     }
 
     /// Learns a proposal; `arguments` are those of the Python function. With it comes what validation said, step by step.
@@ -322,23 +355,14 @@ impl Model {
 }
 
 impl Model {
-    /// This model for one call: what functions raise in one is no other's affair.
+    /// This model for one call.
     pub(crate) fn for_call(&self) -> PyResult<ForCall> {
-        self.for_work(false)
+        ForCall::new(&self.model, &self.made, false)
     }
 
     /// This model for one call that simulates series, which may overflow.
     fn for_simulations(&self) -> PyResult<ForCall> {
-        self.for_work(true)
-    }
-
-    fn for_work(&self, simulates: bool) -> PyResult<ForCall> {
-        let failure = Failure::default();
-        let model = match &self.functions {
-            None => Arc::clone(&self.model),
-            Some(functions) => Arc::new(functions.model(&failure, simulates).map_err(to_python)?),
-        };
-        Ok(ForCall { model, failure, asks_python: self.functions.is_some() })
+        ForCall::new(&self.model, &self.made, true)
     }
 
     /// What was found, by work that began at `start`, with what there is to say of it.
@@ -350,9 +374,8 @@ impl Model {
         filtered: motes::Filtered,
         smoothed: Option<(Vec<motes::Estimate>, Vec<SmoothedPaths>)>,
     ) -> Filtered {
-        let (model, set) = (Arc::clone(&self.model), self.set.clone());
         let seconds = start.elapsed().as_secs_f64();
-        Filtered { model, set, data, options: options.clone(), filtered, smoothed, seconds }
+        Filtered::new(&self.model, &self.set, data, options, filtered, smoothed, seconds)
     }
 
     fn carded(
@@ -375,11 +398,11 @@ impl Model {
         let (ForCall { model, failure, .. }, threads) = (&call, call.threads(threads));
         let compared: Result<Comparison, MotesError> =
             without_lock(py, threads, &failure.stop, || compare(model, data, &options, |_| failure.asked()))?;
-        Ok(Card {
+        Ok(Card::of(Compared {
             model: model.name().to_string(),
             comparison: failure.or(compared)?,
             options: options.filter,
             training_seconds,
-        })
+        }))
     }
 }

@@ -7,10 +7,12 @@ use motes::{MotesError, Running};
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
 use self_cell::self_cell;
 
+use crate::call::ForCall;
 use crate::functions::Failure;
-use crate::model::{ForCall, Model};
+use crate::model::Model;
 use crate::options::FilterOptions;
 use crate::work::without_lock;
 
@@ -46,15 +48,33 @@ type Known<'py> = (
 impl Online {
     #[new]
     fn new(model: &Bound<'_, Model>, options: &Bound<'_, FilterOptions>, series: usize) -> PyResult<Self> {
-        let FilterOptions { options, threads } = options.get();
-        let ForCall { model, failure, .. } = model.get().for_call()?;
-        let running = OwnRunning::try_new(model, |model| Running::new(model, options, series));
-        Ok(Online {
-            running: Mutex::new(failure.or(running)?),
-            failure,
-            has_failed: AtomicBool::new(false),
-            threads: *threads,
+        Online::begun(model, options, false, |model, options| Running::new(model, options, series))
+    }
+
+    /// A filter that goes on from a checkpoint of one with that model and these options, which had failed or not.
+    #[staticmethod]
+    fn resume(
+        model: &Bound<'_, Model>,
+        options: &Bound<'_, FilterOptions>,
+        checkpoint: &[u8],
+        has_failed: bool,
+    ) -> PyResult<Self> {
+        Online::begun(model, options, has_failed, |model, options| {
+            Running::resume(model, options, checkpoint)
         })
+    }
+
+    /// The filter as bytes.
+    fn checkpoint<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let running = self.running()?;
+        let bytes = running.with_dependent(|_, running| running.checkpoint());
+        Ok(PyBytes::new(py, &self.failure.or(bytes)?))
+    }
+
+    /// Whether it failed in a step; no other can follow then.
+    #[getter]
+    fn has_failed(&self) -> bool {
+        self.has_failed.load(Ordering::Relaxed)
     }
 
     /// Takes in the next measurement; NaN is missing.
@@ -83,6 +103,24 @@ impl Online {
 }
 
 impl Online {
+    /// A filter that begins as `begin` says.
+    fn begun(
+        model: &Bound<'_, Model>,
+        options: &Bound<'_, FilterOptions>,
+        has_failed: bool,
+        begin: impl for<'m> FnOnce(&'m motes::Model, &motes::FilterOptions) -> Result<Running<'m>, MotesError>,
+    ) -> PyResult<Self> {
+        let FilterOptions { options, threads } = options.get();
+        let ForCall { model, failure, .. } = model.get().for_call()?;
+        let running = OwnRunning::try_new(model, |model| begin(model, options));
+        Ok(Online {
+            running: Mutex::new(failure.or(running)?),
+            failure,
+            has_failed: AtomicBool::new(has_failed),
+            threads: *threads,
+        })
+    }
+
     /// The filter, which only one thread at a time can have: who waits for it may be who it waits for.
     fn running(&self) -> PyResult<MutexGuard<'_, OwnRunning>> {
         match self.running.try_lock() {
@@ -106,7 +144,11 @@ impl Online {
             running.with_dependent_mut(|_, running| step(running))
         });
         let estimate = estimate.and_then(|estimate| self.failure.or(estimate));
-        let estimate = estimate.inspect_err(|_| self.has_failed.store(true, Ordering::Relaxed))?;
+        let estimate = estimate.inspect_err(|_| {
+            self.has_failed.store(true, Ordering::Relaxed);
+            // The model can be asked again: a checkpoint is one of a filter that failed, too.
+            self.failure.stop.withdraw();
+        })?;
         let (means, sds, quantiles) = crate::estimates::states(py, std::slice::from_ref(&estimate));
         Ok((means, sds, quantiles, estimate.ess, estimate.log_evidence))
     }

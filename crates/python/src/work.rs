@@ -27,6 +27,11 @@ impl Stop {
     pub(crate) fn is_asked(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
+
+    /// Takes it back, once work has ended.
+    pub(crate) fn withdraw(&self) {
+        self.0.store(false, Ordering::Relaxed);
+    }
 }
 
 /// Does `work` on so many threads, all that there are if `None`, and sets `stop` when somebody presses Ctrl-C.

@@ -140,7 +140,7 @@ def test_a_forecast_of_no_time_is_empty(nile):
         ([np.zeros((2, 2)), np.zeros((0, 2))], "data, sequence 1: there are no rows"),
         ([[1.0, 2.0], [1.0]], "data: rows of different lengths"),
         ([], "data: an array of shape"),
-        ("nowhere.csv", "nowhere.csv: there is no such file"),
+        ("nowhere.csv", "there is no such file: 'nowhere.csv'"),
     ],
 )
 def test_what_is_no_data_is_refused_in_a_line(two, data, line):

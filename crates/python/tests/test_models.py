@@ -1,6 +1,8 @@
 """Models, what is found by them, and what is refused."""
 
+import errno
 import os
+import re
 import signal
 import threading
 import time
@@ -117,7 +119,7 @@ def test_models_that_are_none_are_refused_in_a_line(tmp_path):
         with pytest.raises(ValueError, match=names) as refused:
             motes.Model(source)
         assert "\n" not in str(refused.value)
-    with pytest.raises(OSError, match="nowhere.toml"):
+    with pytest.raises(FileNotFoundError, match="nowhere.toml"):
         motes.Model(tmp_path / "nowhere.toml")
     with pytest.raises(ValueError, match="set: q: nan"):
         motes.Model(walk, set={"q": float("nan")})
@@ -130,6 +132,114 @@ def test_models_that_are_none_are_refused_in_a_line(tmp_path):
         motes.linear_gaussian(A=masked, C=[[1.0]], Q=[[1.0]], R=[[1.0]], m0=[0.0], P0=[[1.0]])
     with pytest.raises(ValueError, match="Q: an array of shape"):
         motes.linear_gaussian(A=[[1.0]], C=[[1.0]], Q=[1.0], R=[[1.0]], m0=[0.0], P0=[[1.0]])
+
+
+@pytest.mark.parametrize(
+    "read",
+    [lambda model, path: motes.Model(path), lambda model, path: model.filter(path), lambda model, path: motes.Proposal.load(path, model)],
+    ids=["model", "data", "proposal"],
+)
+def test_files_that_cannot_be_read_are_the_errors_that_python_has(growth, read, tmp_path):
+    with pytest.raises(FileNotFoundError) as refused:
+        read(growth, tmp_path / "nowhere")
+    assert refused.value.errno == errno.ENOENT and str(tmp_path / "nowhere") in refused.value.filename
+    assert "\n" not in str(refused.value)
+
+
+def test_folders_and_files_without_permission_are_the_errors_that_python_has(growth, tmp_path):
+    for read in (motes.Model, growth.filter):
+        with pytest.raises(IsADirectoryError) as refused:
+            read(tmp_path)
+        assert refused.value.errno == errno.EISDIR and refused.value.filename == str(tmp_path)
+    secret = tmp_path / "secret"
+    secret.write_text("y\n1\n")
+    secret.chmod(0)
+    if os.access(secret, os.R_OK):
+        pytest.skip("who may read everything has no file without permission")
+    for read in (motes.Model, growth.filter):
+        with pytest.raises(PermissionError):
+            read(secret)
+
+
+WALK = {"initial": {"x": "normal(0, 1)"}, "transition": {"x": "normal(x, x)"}, "measurement": {"y": "poisson(exp(x))"}}
+
+
+@pytest.mark.parametrize(
+    ("call", "line"),
+    [
+        (lambda model: model.filter([1, 2]), r"t = 1: model, \[transition\] x: sd, `x`, is -"),
+        (lambda model: model.filter([1, 2], proposal="optimal"), r"proposal optimal: model, \[measurement\] y: "),
+        (lambda model: motes.Model({**WALK, "transition": {"x": "normal(z, 1)"}}), r"model, \[transition\] x: `z` is not known here"),
+        (lambda model: motes.Model({**WALK, "transition": {"x": "normal(x, "}}), r"model, \[transition\] x: "),
+    ],
+)
+def test_messages_about_dicts_name_sections_and_keys_and_no_lines(call, line):
+    with pytest.raises(ValueError, match=f"^{line}") as refused:
+        call(motes.Model(WALK))
+    assert re.search(r"\bline\b", str(refused.value)) is None
+
+
+def test_numbers_may_begin_or_end_with_a_point():
+    model = motes.Model({"initial": {"x": "normal(0, .3)"}, "transition": {"x": "normal(x, 5.)"}, "measurement": {"y": "normal(x, 1)"}})
+    same = motes.Model({"initial": {"x": "normal(0, 0.3)"}, "transition": {"x": "normal(x, 5)"}, "measurement": {"y": "normal(x, 1)"}})
+    assert model.filter([1.0, 2.0]).mean.tolist() == same.filter([1.0, 2.0]).mean.tolist()
+
+
+def test_the_log_evidence_alone(growth):
+    y = growth.simulate(30, 2).measurements
+    for settings in ({}, {"proposal": "linearised", "particles": 50, "seed": 3}):
+        assert growth.log_evidence(y, **settings) == growth.filter(y, **settings).log_evidence
+    with pytest.raises(TypeError, match="check: there is no such argument"):
+        growth.log_evidence(y, check=False)
+
+
+def test_impossible_data_have_no_evidence_and_a_filter_says_so():
+    sections = {"initial": {"x": "normal(0, 1)"}, "transition": {"x": "normal(x, 1)"}, "measurement": {"y": "uniform(x - w, x + w)"}}
+    found = []
+    for w in (40.0, 0.1):
+        model = motes.Model({"parameters": {"w": 1.0}, **sections}, set={"w": w})
+        if w == 40.0:
+            found.append(model.log_evidence([0.0, 30.0]))
+            continue
+        with pytest.warns(motes.MotesWarning, match="^row 1: no particle explains the measurement; the log-evidence is −∞$") as warned:
+            found.append(model.log_evidence([0.0, 30.0]))
+        assert warned[0].filename == __file__
+        with pytest.raises(ValueError, match="t = 1: no particle explains the measurement"):
+            model.filter([0.0, 30.0])
+    assert np.isfinite(found[0]) and found[1] == -np.inf
+
+
+def test_a_proposal_of_another_model_is_refused(growth, tmp_path):
+    def of(a, measured="normal(x, 0.5)", **more):
+        initial = {"x": "normal(0, 1)", **{name: "normal(0, 1)" for name in more}}
+        return motes.Model({"initial": initial, "transition": {"x": f"normal({a}*x, 0.5)", **more}, "measurement": {"y": measured}})
+
+    own = of(0.9)
+    proposal = own.learn(updates=5, sequences=0).proposal
+    y = own.simulate(10).measurements[0]
+    assert np.isfinite(of(0.9).filter(y, proposal=proposal).log_evidence)
+    proposal.save(tmp_path / "p")
+    words = "this proposal was trained for another system: "
+    for other in (of(-0.5), of(0.9, "normal(x^2, 3)"), of(0.9, z="normal(z, 1)")):
+        with pytest.raises(ValueError, match=words) as loaded:
+            motes.Proposal.load(tmp_path / "p", other)
+        for use in (
+            lambda: other.filter(y, proposal=proposal),
+            lambda: other.log_evidence(y, proposal=proposal),
+            lambda: other.smooth(y, proposal=proposal),
+            lambda: other.forecast(y, 2, proposal=proposal),
+            lambda: other.online(proposal=proposal),
+            lambda: other.compare(proposals=[proposal], sequences=2),
+            lambda: other.learn(start=proposal, updates=5, sequences=0),
+        ):
+            with pytest.raises(ValueError, match=words) as refused:
+                use()
+            # In the words of a folder.
+            assert str(refused.value).split(words)[1] == str(loaded.value).split(words)[1]
+    start = motes.Proposal.load(tmp_path / "p", of(0.8), to_tune=True)
+    assert of(0.8).learn(start=start, updates=5, sequences=0).proposal.choice.endswith("learned further")
+    with pytest.raises(ValueError, match="proposal learned: it was learned for a model of formulas"):
+        motes.linear_gaussian(A=[[0.9]], C=[[1.0]], Q=[[1.0]], R=[[0.5]], m0=[0.0], P0=[[1.0]]).filter(y, proposal=proposal)
 
 
 def test_a_failed_filter_says_where(examples):
@@ -165,8 +275,10 @@ def test_other_threads_of_python_run_meanwhile(growth):
         lambda model: model.forecast([1.0], 1_000_000, particles=10_000),
         lambda model: model.smooth(np.zeros(100), paths=100_000, particles=10_000),
         lambda model: model.compare(sequences=1000, steps=10_000),
+        lambda model: model.log_evidence(np.zeros(1_000_000), particles=10_000),
+        lambda model: model.simulate(20_000_000),
     ],
-    ids=["learn", "filter", "forecast", "smooth", "compare"],
+    ids=["learn", "filter", "forecast", "smooth", "compare", "log_evidence", "simulate"],
 )
 def test_ctrl_c_ends_a_long_call(growth, call):
     threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT)).start()

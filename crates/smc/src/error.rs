@@ -1,6 +1,7 @@
 //! What can go wrong in a filter, by kind.
 
 use motes_models::ModelError;
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::proposal_error::ProposalError;
@@ -15,6 +16,7 @@ impl FilterError {
             FilterError::Proposal { source, .. } => source.kind(),
             FilterError::NotANumber { .. } | FilterError::State { .. } => ErrorKind::Numerical,
             FilterError::Collapse { .. } => ErrorKind::Collapse,
+            FilterError::Earlier { kind, .. } => *kind,
         }
     }
 }
@@ -38,7 +40,7 @@ impl ProposalError {
 }
 
 /// What an error calls for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ErrorKind {
     /// Mend the call: a setting, a shape or a value is not what it must be.
     BadInput,
@@ -115,5 +117,13 @@ pub enum FilterError {
         ess_before: f64,
         /// The largest `log p(y_t | x_t)` among the particles.
         largest_log_likelihood: f64,
+    },
+    /// The filter had failed before it was written down and restored, by an error whose words alone were kept.
+    #[error("{words}")]
+    Earlier {
+        /// What the error called for.
+        kind: ErrorKind,
+        /// What it said.
+        words: String,
     },
 }

@@ -29,8 +29,8 @@ use crate::weights::LogWeights;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct ParticleFilter<D: Deref, P: Proposal<D::Target>> {
-    bank: FilterBank<D, P>,
-    mean: Vec<f64>,
+    pub(crate) bank: FilterBank<D, P>,
+    pub(crate) mean: Vec<f64>,
 }
 
 impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> ParticleFilter<D, P> {

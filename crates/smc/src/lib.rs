@@ -14,6 +14,7 @@ mod diagnosis;
 mod error;
 mod evidence;
 mod filter;
+mod filter_snapshot;
 mod fixed_lag;
 mod memory;
 mod parallel;
@@ -27,13 +28,14 @@ mod streams;
 mod twisted;
 mod weights;
 
-pub use bank::{FilterBank, FilterSettings};
+pub use bank::{BankSnapshot, FilterBank, FilterSettings};
 pub use diagnosis::{
     LEAST_EFFECTIVE_PARTICLES, PARETO_K_LIMIT, WeightDiagnosis, WeightReport, WeightWarning, pareto_k,
 };
 pub use error::{ErrorKind, FilterError};
-pub use evidence::{AncestryVariance, EvidenceCheck, EvidenceWarning};
+pub use evidence::{AncestryVariance, CheckSnapshot, EvidenceCheck, EvidenceWarning};
 pub use filter::ParticleFilter;
+pub use filter_snapshot::FilterSnapshot;
 pub use fixed_lag::FixedLagSmoother;
 pub use memory::{MemoryRows, ParticleMemory};
 pub use motes_models::batch::{Rows, particles_by_stream};

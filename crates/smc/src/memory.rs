@@ -12,6 +12,10 @@ pub trait ParticleMemory: Send + Sync {
 
     /// Replaces the memory of particle `k` by that of particle `ancestors[k]`, for every `k` at once.
     fn resample(&mut self, ancestors: &[usize]);
+
+    /// Whether it is the memory of as many particles as `other` is and in the same layout, whatever the values are. A filter that is restored asks it
+    /// of the memory that was written down, beside what its proposal begins with.
+    fn is_laid_out_as(&self, other: &Self) -> bool;
 }
 
 /// The memory of consecutive particles.
@@ -27,6 +31,10 @@ impl ParticleMemory for () {
     fn rows(&mut self) {}
 
     fn resample(&mut self, _ancestors: &[usize]) {}
+
+    fn is_laid_out_as(&self, _other: &()) -> bool {
+        true
+    }
 }
 
 impl MemoryRows for () {
@@ -48,6 +56,11 @@ impl<T: Clone + Send + Sync> ParticleMemory for Vec<T> {
 
     fn resample(&mut self, ancestors: &[usize]) {
         *self = ancestors.iter().map(|&ancestor| self[ancestor].clone()).collect();
+    }
+
+    /// By their number alone.
+    fn is_laid_out_as(&self, other: &Self) -> bool {
+        self.len() == other.len()
     }
 }
 

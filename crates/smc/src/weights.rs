@@ -1,8 +1,10 @@
 //! Log-weights: one value that knows its normalised weights, effective sample size and log-sum.
 
 mod quantiles;
+mod stored;
 mod sums;
 
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::parallel::{Pieces, Threads};
@@ -29,7 +31,8 @@ pub enum WeightFault {
 pub(crate) const BLOCK: usize = 1024;
 
 /// The log-weights of `K` particles, normalised: `Σ_k exp(log W_k) = 1`.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(into = "stored::StoredWeights", try_from = "stored::StoredWeights")]
 pub struct LogWeights {
     log: Vec<f64>,
     normalised: Vec<f64>,

@@ -10,6 +10,7 @@ use thiserror::Error;
 pub(crate) use fault::{Fault, Section};
 pub(crate) use nearest::nearest;
 pub use place::Place;
+pub(crate) use place::in_line;
 pub use problem::Problem;
 
 /// Why a model file gives no model.
@@ -20,6 +21,8 @@ pub enum FileError {
     Read {
         /// The path.
         file: String,
+        /// What kind of failure it is to the system.
+        kind: std::io::ErrorKind,
         /// The system's reason.
         reason: String,
     },

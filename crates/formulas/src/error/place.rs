@@ -13,6 +13,11 @@ pub struct Place {
     pub key: Option<String>,
 }
 
+/// `, line 3`, where the line is of interest to somebody.
+pub(crate) fn in_line(line: Option<usize>) -> String {
+    line.map_or_else(String::new, |line| format!(", line {line}"))
+}
+
 impl Place {
     /// The line and column of a byte of a text.
     pub(crate) fn line_and_column(text: &str, byte: usize) -> [usize; 2] {

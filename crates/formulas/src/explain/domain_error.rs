@@ -4,13 +4,15 @@ use std::fmt;
 
 use thiserror::Error;
 
+use crate::error::in_line;
+
 /// An operation of a formula that gave no number, or a distribution's parameter that is out of range.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub struct DomainError {
     /// The model file.
     pub file: String,
-    /// The line of the formula, from 1.
-    pub line: usize,
+    /// The line of the formula, from 1; none of a text that a program wrote.
+    pub line: Option<usize>,
     /// The section, as `[transition]`.
     pub section: &'static str,
     /// The coordinate, or the definition: `x`, or `x[3]`.
@@ -28,7 +30,7 @@ pub struct DomainError {
 impl fmt::Display for DomainError {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let DomainError { file, line, section, key, text, value, .. } = self;
-        write!(formatter, "{file}, line {line}, {section} {key}: ")?;
+        write!(formatter, "{file}{}, {section} {key}: ", in_line(*line))?;
         match &self.parameter {
             None => write!(formatter, "`{text}` is {value}")?,
             Some([name, _]) => write!(formatter, "{name}, `{text}`, is {value}")?,

@@ -60,7 +60,11 @@ impl FormulaModel {
         let mut found = faults.flat_map(|fault| {
             points.iter().find_map(|(section, lines, point)| in_section(*section, lines, point, fault))
         });
-        found.next().map(|error| DomainError { file: self.file().to_string(), ..error })
+        found.next().map(|error| DomainError {
+            file: self.file().to_string(),
+            line: error.line.filter(|_| self.has_lines()),
+            ..error
+        })
     }
 }
 

@@ -39,7 +39,7 @@ impl<'a> Origin<'a> {
         }
         DomainError {
             file: String::new(),
-            line: line.number,
+            line: Some(line.number),
             section: section.title(),
             key: line.coordinate(number),
             text: line.formula.text_of(self.node).to_string(),

@@ -49,6 +49,11 @@ fn advice(found: char) -> &'static str {
     }
 }
 
+/// Whether a text begins with a number: with a digit, or with a point and a digit.
+fn begins_number(text: &str) -> bool {
+    text.strip_prefix('.').unwrap_or(text).starts_with(|first: char| first.is_ascii_digit())
+}
+
 /// The end of the number at the beginning of a text.
 fn end_of_number(text: &str) -> usize {
     let bytes = text.as_bytes();
@@ -66,17 +71,22 @@ fn end_of_number(text: &str) -> usize {
             end = digits(end + 1 + sign);
         }
     }
+    // A second point belongs to it, too: what stands there is refused as a whole.
+    while end > 0 && bytes.get(end) == Some(&b'.') {
+        end = digits(end + 1);
+    }
     end
 }
 
-/// The value of a number as TOML writes numbers.
+/// The value of a number as TOML writes numbers; `.5` and `5.` are numbers, too, as in most languages.
 fn number(written: &str) -> Result<f64, Problem> {
     let bad = || Problem::BadNumber(written.to_string());
     let bytes = written.as_bytes();
     let is_digit = |at: Option<usize>| at.and_then(|at| bytes.get(at)).is_some_and(u8::is_ascii_digit);
     for (at, byte) in bytes.iter().enumerate() {
         let between = is_digit(at.checked_sub(1)) && is_digit(Some(at + 1));
-        if matches!(byte, b'_' | b'.') && !between {
+        let beside = is_digit(at.checked_sub(1)) || is_digit(Some(at + 1));
+        if (*byte == b'_' && !between) || (*byte == b'.' && !beside) {
             return Err(bad());
         }
     }
@@ -105,7 +115,7 @@ pub(super) fn next(text: &str, from: usize) -> Result<(Token, Range<usize>), Fau
         '[' => one(Token::OpenIndex),
         ']' => one(Token::CloseIndex),
         ',' => one(Token::Comma),
-        '0'..='9' => {
+        _ if begins_number(rest) => {
             let end = end_of_number(rest);
             let value = number(&rest[..end]).map_err(|problem| Fault::at(start, problem))?;
             Ok((Token::Number(value), start..start + end))

@@ -25,6 +25,12 @@ fn operators_bind_as_in_mathematics() {
         ("x^-2", 1.0 / 9.0),
         ("x^1", 3.0),
         ("t + x", 10.0),
+        // A point needs digits on one side alone.
+        (".5*x", 1.5),
+        ("5. - x", 2.0),
+        ("x*1.", 3.0),
+        ("1.e1 + .2E1", 12.0),
+        ("(x)-.5", 2.5),
     ] {
         assert_eq!(value(formula, 7, [3.0, 0.0]), expected, "{formula}");
     }

@@ -1,5 +1,7 @@
 //! Why a formula gives no number.
 
+use motes_formulas::FileModel;
+
 use super::helpers::model;
 
 const FILE: &str = r#"
@@ -56,4 +58,17 @@ fn the_infinite_comes_last() {
 #[test]
 fn states_that_are_too_few_are_no_panic() {
     assert!(explained(Some(&[]), Some(&[])).is_some());
+}
+
+/// Lines of a text that a program wrote are nobody's: neither a text that is none, nor a formula at run time, nor the closed form speaks of them.
+#[test]
+fn a_text_of_a_program_has_no_lines() {
+    let parse = |text: &str| motes_formulas::parse_generated(text, "model", &[]);
+    let FileModel::Formulas(model) = parse(FILE).unwrap().model else { panic!("there are no matrices") };
+    let error = model.explain(2, Some(&[3.0, 1.0, 1.0, -0.5]), None).unwrap();
+    insta::assert_snapshot!(error.to_string(), @"model, [transition] v[1]: sd, `v[i+1]`, is -0.5 where v[2] = -0.5, i = 1; it must be above 0");
+    let error = model.closed_form().unwrap_err();
+    insta::assert_snapshot!(error.to_string(), @"model, [measurement] y: `exponential` is not normal; the closed form is for normal distributions");
+    let error = parse(&FILE.replace("max(x, 0)", "z")).unwrap_err();
+    assert!(error.to_string().starts_with("model, [transition] x: `z` is not known here"), "{error}");
 }

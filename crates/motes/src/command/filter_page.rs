@@ -1,7 +1,7 @@
 //! The report of `motes filter`.
 
 use motes::output::{Report, filter_settings, filter_summary, report};
-use motes::{Data, FilterOptions, Filtered, Model, MotesError};
+use motes::{Data, FilterOptions, Filtered, Model, ModelNames, MotesError};
 
 use super::args::FilterArgs;
 use super::summary::command_line;
@@ -19,7 +19,7 @@ pub(super) fn page(
     let settings = filter_settings(&args.model.model.display().to_string(), &args.model.set, options);
     report(&Report {
         title: "Filter",
-        model,
+        names: &ModelNames::from(model),
         data,
         estimates: &filtered.estimates,
         forecasts: &filtered.forecasts,

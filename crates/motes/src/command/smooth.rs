@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use motes::output::{EstimateTable, Output, Report, filter_json, filter_settings, filter_summary, report};
-use motes::{Data, FilterOptions, Model, MotesError, Smoothed, on_threads, smooth};
+use motes::{Data, FilterOptions, Model, ModelNames, MotesError, Smoothed, on_threads, smooth};
 use motes_cli::{Interrupt, status};
 
 use super::args::SmoothArgs;
@@ -64,7 +64,7 @@ fn page(
     settings.push(("paths".into(), args.paths.to_string()));
     report(&Report {
         title: "Smoother",
-        model,
+        names: &ModelNames::from(model),
         data,
         estimates: &smoothed.estimates,
         forecasts: &[],

@@ -25,7 +25,7 @@ pub use sequence::Sequence;
 use crate::data::Data;
 use crate::engine::Running;
 use crate::error::MotesError;
-use crate::model::Model;
+use crate::model::{Kind, Model};
 use crate::options::{FilterOptions, ProposalName};
 use crate::simulating::simulate;
 use crate::threads::thread_pool;
@@ -81,6 +81,12 @@ fn compare_until(
     options: &CompareOptions,
     proceed: &mut dyn FnMut(Compared) -> ControlFlow<()>,
 ) -> Result<Comparison, MotesError> {
+    for proposal in &options.proposals {
+        // Before all the work of a reference.
+        if let (ProposalName::Learned(learned), Kind::Learnable(_)) = (proposal, model.kind()) {
+            learned.check_model(model)?;
+        }
+    }
     let sequences = match data {
         Some(data) => sequence::of_data(data),
         None => {

@@ -1,10 +1,12 @@
 //! What the columns of a file are for.
 
+use serde::{Deserialize, Serialize};
+
 use super::error::DataError;
 use crate::estimate::{OF_COORDINATE, OF_WEIGHTS};
 
 /// The place of each column that is used.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Columns {
     /// Names of all columns, in order.
     pub(super) names: Vec<String>,

@@ -2,10 +2,11 @@
 
 use std::fmt;
 
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 /// How the rows of data are counted, for errors.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Counted {
     /// Lines of a file, from 1; the header's is 1.
     Line,
@@ -49,6 +50,8 @@ pub enum DataError {
     Read {
         /// The file.
         file: String,
+        /// What kind of failure it is to the system; none where the text is no CSV.
+        kind: Option<std::io::ErrorKind>,
         /// The system's reason.
         reason: String,
     },

@@ -3,6 +3,7 @@
 use std::io::Read;
 
 use csv::{ByteRecord, Reader, ReaderBuilder, Trim};
+use serde::{Deserialize, Serialize};
 
 use super::cell::number;
 use super::columns::Columns;
@@ -11,7 +12,7 @@ use super::seen::SeenSeries;
 use crate::model::Model;
 
 /// A row of data.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Row {
     /// Its line in a file, from 1, or its row in a table, from 0.
     pub line: u64,
@@ -170,5 +171,9 @@ fn read_error(file: &str, error: &csv::Error) -> DataError {
         },
         _ => error.to_string(),
     };
-    DataError::Read { file: file.into(), reason }
+    let kind = match error.kind() {
+        csv::ErrorKind::Io(error) => Some(error.kind()),
+        _ => None,
+    };
+    DataError::Read { file: file.into(), kind, reason }
 }

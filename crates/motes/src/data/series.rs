@@ -4,13 +4,15 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
+use serde::{Deserialize, Serialize};
+
 use super::columns::Columns;
 use super::error::{Counted, DataError};
 use super::rows::{Row, Rows};
 use crate::model::Model;
 
 /// Measurements at the times of one or several series, in the order of the file.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Data {
     /// What the columns of the file are for.
     pub columns: Columns,
@@ -36,7 +38,9 @@ impl Data {
         };
         match File::open(path) {
             Ok(file) => Data::read(file, &name, model),
-            Err(error) => Err(DataError::Read { file: name, reason: reason(error) }),
+            Err(error) => {
+                Err(DataError::Read { file: name, kind: Some(error.kind()), reason: reason(error) })
+            }
         }
     }
 

@@ -60,7 +60,7 @@ pub struct LearnOutcome {
 ///
 /// # Errors
 /// [`MotesError`] for an option out of range, an objective without the data or the head that it needs, a model that has nothing to learn, and one whose
-/// simulations all overflow.
+/// simulations all overflow; for a start that was learned for another model, too.
 pub fn learn(
     model: &Model,
     data: Option<&Data>,
@@ -111,7 +111,10 @@ fn learn_until(
         return Err(TrainError::Draws.into());
     }
     let (reason, mut proposal) = match &options.start {
-        Some(start) => (format!("{}, learned further", start.name()), start.proposal().clone()),
+        Some(start) => {
+            start.check(learnable).map_err(|error| MotesError::Setting(format!("start: {error}")))?;
+            (format!("{}, learned further", start.name()), start.proposal().clone())
+        }
         None => {
             // A third of the bar is for choosing.
             let Choice { config, reason } =
@@ -130,12 +133,11 @@ fn learn_until(
         return Err(MotesError::Interrupted);
     }
     let notes = Notes { choice: reason, updates: history.steps, seconds: history.seconds, worse_than: None };
-    let learned = LearnedProposal::new("learned".into(), proposal, notes);
+    let learned = LearnedProposal::new("learned".into(), proposal, notes, learnable);
     let worse_than = worse_than(model, &learned, options, &seed.child("worth"))?;
     let training_seconds = started.elapsed().as_secs_f64();
     let notes = Notes { worse_than, seconds: training_seconds, ..learned.notes().clone() };
-    let proposal = LearnedProposal::new("learned".into(), learned.proposal().clone(), notes);
-    Ok(LearnOutcome { proposal, history, training_seconds })
+    Ok(LearnOutcome { proposal: learned.with_notes(notes), history, training_seconds })
 }
 
 /// The measurements of each series.

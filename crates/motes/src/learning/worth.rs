@@ -103,7 +103,8 @@ mod tests {
             }
         }
         let notes = Notes { choice: "planted".into(), updates: 0, seconds: 0.0, worse_than: None };
-        (model, LearnedProposal::new("learned".into(), proposal, notes))
+        let learned = LearnedProposal::new("learned".into(), proposal, notes, learnable(&model).unwrap());
+        (model, learned)
     }
 
     #[test]

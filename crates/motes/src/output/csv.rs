@@ -20,11 +20,26 @@ pub struct EstimateTable {
 impl EstimateTable {
     /// That of a model's states for data with such columns; a filter's has weights, a smoother's none.
     pub fn new(model: &Model, columns: &Columns, has_weights: bool) -> Self {
+        EstimateTable::of_states(model.states(), columns, has_weights)
+    }
+
+    /// The same by the states' names.
+    pub fn of_states(states: &[String], columns: &Columns, has_weights: bool) -> Self {
         EstimateTable {
             has_series: columns.has_series(),
             carried: columns.carried().map(String::from),
-            states: model.states().to_vec(),
+            states: states.to_vec(),
             has_weights,
+        }
+    }
+
+    /// That of what is predicted after the last measurements, whose rows are labelled in a column of that name if there is one.
+    pub fn of_forecasts(states: &[String], columns: &Columns, label: Option<&str>) -> Self {
+        EstimateTable {
+            has_series: columns.has_series(),
+            carried: label.map(String::from),
+            states: states.to_vec(),
+            has_weights: false,
         }
     }
 
@@ -74,6 +89,19 @@ impl EstimateTable {
         for (series, (forecast, length)) in filtered.forecasts.iter().zip(lengths).enumerate() {
             for (time, estimate) in (length..).zip(forecast) {
                 table += &self.row(&data.series[series], None, time, estimate);
+            }
+        }
+        table
+    }
+
+    /// What is predicted after each series and nothing else, with the label of each row if there are any.
+    pub fn forecasts(&self, data: &Data, filtered: &Filtered, labels: &[String]) -> String {
+        let (mut table, mut labels) = (self.header(), labels.iter());
+        let lengths = data.by_series().into_iter().map(|places| places.len());
+        for (series, (forecast, length)) in filtered.forecasts.iter().zip(lengths).enumerate() {
+            for (time, estimate) in (length..).zip(forecast) {
+                let label = labels.next().map(String::as_str);
+                table += &self.row(&data.series[series], label, time, estimate);
             }
         }
         table

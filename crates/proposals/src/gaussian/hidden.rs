@@ -2,9 +2,11 @@
 
 use motes_networks::{Precision, SliceMut, Values};
 use motes_smc::{MemoryRows, ParticleMemory};
+use serde::{Deserialize, Serialize};
 
 /// The hidden state of each particle, a row in each of a few matrices; empty for a family without memory.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(into = "StoredHidden", from = "StoredHidden")]
 pub struct Hidden {
     widths: Vec<usize>,
     /// `R×width` each.
@@ -33,6 +35,26 @@ impl Hidden {
     /// Each matrix (`R×width`, row-major) in 64 bits.
     pub fn host(&self) -> Vec<Vec<f64>> {
         self.values.iter().map(|values| values.host(0..values.len())).collect()
+    }
+}
+
+/// Hidden states as they are written down.
+#[derive(Serialize, Deserialize)]
+struct StoredHidden {
+    widths: Vec<usize>,
+    values: Vec<Values>,
+}
+
+impl From<Hidden> for StoredHidden {
+    fn from(hidden: Hidden) -> Self {
+        StoredHidden { widths: hidden.widths, values: hidden.values }
+    }
+}
+
+impl From<StoredHidden> for Hidden {
+    fn from(stored: StoredHidden) -> Self {
+        let StoredHidden { widths, values } = stored;
+        Hidden { widths, spare: values.clone(), values }
     }
 }
 
@@ -78,6 +100,15 @@ impl ParticleMemory for Hidden {
             std::mem::swap(values, spare);
         }
     }
+
+    fn is_laid_out_as(&self, other: &Hidden) -> bool {
+        let is_same = |(mine, other): (&Values, &Values)| {
+            mine.len() == other.len() && std::mem::discriminant(mine) == std::mem::discriminant(other)
+        };
+        self.widths == other.widths
+            && self.values.len() == other.values.len()
+            && self.values.iter().zip(&other.values).all(is_same)
+    }
 }
 
 fn gather<T: Copy>(from: &[T], width: usize, ancestors: &[usize], into: &mut [T]) {
@@ -97,6 +128,32 @@ mod tests {
             let bytes: usize = hidden.values.iter().chain(&hidden.spare).map(Values::len).sum::<usize>()
                 * if precision == Precision::F32 { 4 } else { 8 };
             assert_eq!(bytes, 3 * 8 * Hidden::per_particle(precision, &[2, 6]));
+        }
+    }
+
+    #[test]
+    fn what_is_read_is_what_was_written_and_can_be_moved() {
+        for precision in [Precision::F32, Precision::F64] {
+            let mut hidden = Hidden::zeros(precision, 3, &[2, 1]);
+            for values in &mut hidden.values {
+                match values {
+                    Values::F32(values) => {
+                        values.iter_mut().zip(1u8..).for_each(|(value, at)| *value = f32::from(at) / 3.0)
+                    }
+                    Values::F64(values) => {
+                        values.iter_mut().zip(1u8..).for_each(|(value, at)| *value = f64::from(at) / 3.0)
+                    }
+                }
+            }
+            let mut bytes = Vec::new();
+            ciborium::into_writer(&hidden, &mut bytes).unwrap();
+            let mut again: Hidden = ciborium::from_reader(&bytes[..]).unwrap();
+            assert!(again.is_laid_out_as(&hidden) && again.host() == hidden.host());
+            hidden.resample(&[2, 2, 0]);
+            again.resample(&[2, 2, 0]);
+            assert_eq!(again.host(), hidden.host());
+            assert!(!again.is_laid_out_as(&Hidden::zeros(precision, 4, &[2, 1])));
+            assert!(!again.is_laid_out_as(&Hidden::zeros(precision, 3, &[2, 2])));
         }
     }
 }

@@ -4,7 +4,7 @@ use motes_models::{StateSpaceModel, SystemGraph};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use super::fingerprint::{Entry, fingerprint};
+use super::fingerprint::Fingerprint;
 use crate::family::Family;
 
 /// The version of the folder's layout and of what its entries mean.
@@ -25,7 +25,7 @@ pub(super) struct Description<Config> {
     pub(super) proposal: Config,
     /// How it was trained, for people to read.
     pub(super) training: toml::Table,
-    pub(super) system: Vec<Entry>,
+    pub(super) system: Fingerprint,
 }
 
 /// What is read first, whatever else there is.
@@ -58,7 +58,7 @@ impl Description<()> {
             horizon: proposal.horizon(),
             proposal: proposal.config().clone(),
             training,
-            system: fingerprint(model, graph),
+            system: Fingerprint::of(model, graph),
         };
         toml::to_string(&description).map_err(|error| error.to_string())
     }

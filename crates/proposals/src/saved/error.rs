@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use motes_smc::ProposalError;
 use thiserror::Error;
 
+use super::fingerprint::OtherSystem;
+
 /// Why a proposal could not be saved or loaded.
 #[derive(Debug, Error)]
 pub enum SavedError {
@@ -37,19 +39,12 @@ pub enum SavedError {
         expected: String,
     },
     /// The proposal was trained for another system.
-    #[error(
-        "{}: this proposal was trained for another system: {what} is {found} there and {expected} in the model given",
-        path.display()
-    )]
+    #[error("{}: {source}", path.display())]
     OtherSystem {
         /// The folder.
         path: PathBuf,
         /// What differs.
-        what: String,
-        /// The value of the system it was trained for.
-        found: f64,
-        /// The value of the model given.
-        expected: f64,
+        source: OtherSystem,
     },
     /// The family cannot be made from the saved settings.
     #[error("{}: {source}", path.display())]

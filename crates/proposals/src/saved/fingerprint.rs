@@ -4,21 +4,81 @@ use motes_models::{Seed, StateSpaceModel, SystemGraph};
 use rand::RngExt;
 use rand_distr::StandardNormal;
 use serde::{Deserialize, Serialize};
+use thiserror::Error;
 
 /// A named number of a system's fingerprint.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Entry {
+struct Entry {
     /// What it is.
-    pub name: String,
+    name: String,
     /// Its value.
-    pub value: f64,
+    value: f64,
 }
 
+/// What tells a system from others by its densities: two are the same system where all numbers agree.
+///
 /// Dimensions, log densities at a few points of the first three times, projections of the points, and projections of the graph: a
 /// change of a parameter changes some of them, unless it shows at later times alone. Where noise is added, the density of a state that was
 /// drawn is that of its noise, wherever it was drawn around: only the state itself tells that.
-pub(super) fn fingerprint(model: &dyn StateSpaceModel, graph: Option<&SystemGraph>) -> Vec<Entry> {
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct Fingerprint(Vec<Entry>);
+
+/// A system is another one than that with which something was made.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[error(
+    "this proposal was trained for another system: {what} is {found} there and {expected} in the model given"
+)]
+pub struct OtherSystem {
+    /// The first number that differs.
+    pub what: String,
+    /// Its value for the system that something was made with.
+    pub found: f64,
+    /// Its value for the model given.
+    pub expected: f64,
+}
+
+impl Fingerprint {
+    /// That of a model, and of the graph that networks compute along if they do.
+    pub fn of(model: &dyn StateSpaceModel, graph: Option<&SystemGraph>) -> Self {
+        Fingerprint(fingerprint(model, graph))
+    }
+
+    /// That of all models with so many coordinates: as much of a fingerprint as it begins with.
+    pub(super) fn of_sizes(state_dim: usize, measurement_dim: usize) -> Self {
+        Fingerprint(sizes(state_dim, measurement_dim))
+    }
+
+    /// How many numbers there are.
+    pub(super) fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Holds a fingerprint that was kept against that of a model that is given, as far as both go.
+    ///
+    /// # Errors
+    /// [`OtherSystem`] with the first number that differs by more than processors may round.
+    pub fn check(&self, given: &Fingerprint) -> Result<(), OtherSystem> {
+        for (Entry { name: known, value: found }, Entry { name, value: expected }) in
+            self.0.iter().zip(&given.0)
+        {
+            let scale = found.abs().max(expected.abs());
+            let is_near = scale.is_finite() && (found - expected).abs() <= TOLERANCE * scale;
+            // A density may be none: of a model that ran away it is so whenever it is asked.
+            let is_same = found == expected || is_near || (found.is_nan() && expected.is_nan());
+            if known != name || !is_same {
+                return Err(OtherSystem { what: name.clone(), found: *found, expected: *expected });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Room for the last bits, in which processors may differ.
+const TOLERANCE: f64 = 1e-9;
+
+fn fingerprint(model: &dyn StateSpaceModel, graph: Option<&SystemGraph>) -> Vec<Entry> {
     let (n, m) = (model.state_dim(), model.measurement_dim());
     let mut stream = Seed::from_u64(0).child("fingerprint").stream();
     let mut weights = Seed::from_u64(0).child("fingerprint projections").stream();
@@ -62,7 +122,7 @@ pub(super) fn fingerprint(model: &dyn StateSpaceModel, graph: Option<&SystemGrap
 }
 
 /// The numbers of coordinates, with which a fingerprint begins.
-pub(super) fn sizes(state_dim: usize, measurement_dim: usize) -> Vec<Entry> {
+fn sizes(state_dim: usize, measurement_dim: usize) -> Vec<Entry> {
     vec![
         entry("the state dimension N", state_dim as f64),
         entry("the measurement dimension M", measurement_dim as f64),

@@ -6,6 +6,7 @@
 
 mod description;
 mod error;
+mod files;
 mod fingerprint;
 mod load;
 mod save;
@@ -14,5 +15,7 @@ mod weights;
 
 pub use description::SAVED_FORMAT;
 pub use error::SavedError;
+pub use files::SavedFiles;
+pub use fingerprint::{Fingerprint, OtherSystem};
 pub use load::{load, load_to_tune, notes};
 pub use save::save;

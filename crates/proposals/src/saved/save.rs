@@ -8,10 +8,10 @@ use motes_models::{ModelShape, StateSpaceModel};
 use serde::Serialize;
 use tempfile::TempDir;
 
-use super::description::{DESCRIPTION, Description};
+use super::description::DESCRIPTION;
 use super::error::SavedError;
-use super::seal::seal;
-use super::weights::{self, WEIGHTS};
+use super::files::SavedFiles;
+use super::weights::WEIGHTS;
 use crate::family::Family;
 
 /// Writes `proposal`, made for `shape` and trained for `model` with the given settings, into `folder`, replacing a proposal that is there.
@@ -31,11 +31,8 @@ pub fn save<F: Family>(
 ) -> Result<(), SavedError> {
     // Without a trailing separator, so that names beside it can be made.
     let folder: PathBuf = folder.components().collect();
-    let weights = weights::encode(proposal.parameters())
-        .map_err(|reason| SavedError::Damaged { path: folder.join(WEIGHTS), reason })?;
-    let description = Description::of(proposal, model, shape.graph.as_ref(), training)
-        .map_err(|reason| SavedError::Damaged { path: folder.join(DESCRIPTION), reason })?;
-    let files = [(WEIGHTS, weights.as_slice()), (DESCRIPTION, &seal(&description, &weights).into_bytes())];
+    let SavedFiles { description, weights } = SavedFiles::of(proposal, model, shape, training, &folder)?;
+    let files = [(WEIGHTS, weights.as_slice()), (DESCRIPTION, description.as_bytes())];
     // Removed if it does not come to take its place.
     let new = empty_beside(&folder).map_err(|source| SavedError::Io { path: folder.clone(), source })?;
     write(new.path(), files)?;

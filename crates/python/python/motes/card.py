@@ -35,7 +35,7 @@ class Card:
 
     def to_html(self, path: Any = None) -> str:
         """The card with its figure, one HTML page that needs nothing else; written to `path` if there is one."""
-        page = self._found.html("Card.to_html()")
+        page = self._found.html()
         if path is not None:
             _motes.write(path, page)
         return page

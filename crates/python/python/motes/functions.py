@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any, Union
 
 from . import _motes
@@ -40,6 +41,8 @@ def of_functions(
 
     A filter of such a model has one thread where none are asked for: only one at a time can call a function.
 
+    It can be pickled as far as its functions can: those of a module, by their names.
+
     What a function raises is raised. One that returns what is no number, or the wrong shape, is a `ValueError` which names
     the function and the time.
 
@@ -63,14 +66,29 @@ def of_functions(
         if isinstance(listed, str) or not all(isinstance(name, str) for name in listed):
             raise TypeError(f"{argument}: {given!r}; it must be a list of names")
         names.append(listed)
-    functions, slopes = (transition, measurement), None
-    if jax:
-        from ._jax import compiled
-
-        called = ("transition", "measurement")
-        pairs = [compiled(*each) for each in zip(functions, called, names, strict=True)]
-        functions, slopes = tuple(zip(*pairs, strict=True))
     first = initial() if callable(initial) else initial
     model = Model.__new__(Model)
-    model._model = _motes.Model.of_functions(name, (names[0], names[1]), first, functions, slopes)
+    model._functions = _Functions(first, (transition, measurement), (names[0], names[1]), name, jax)
+    model._model = model._functions.model()
     return model
+
+
+@dataclass(frozen=True)
+class _Functions:
+    """What a model in functions is made of: a copy or a pickle of it is made again."""
+
+    initial: Stated
+    functions: tuple[Callable[[int, Any], Stated], Callable[[int, Any], Stated]]
+    names: tuple[list[str], list[str]]
+    name: str
+    jax: bool
+
+    def model(self) -> _motes.Model:
+        functions, slopes = self.functions, None
+        if self.jax:
+            from ._jax import compiled
+
+            called = ("transition", "measurement")
+            pairs = [compiled(*each) for each in zip(functions, called, self.names, strict=True)]
+            functions, slopes = tuple(zip(*pairs, strict=True))
+        return _motes.Model.of_functions(self.name, self.names, self.initial, functions, slopes)

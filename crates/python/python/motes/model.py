@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import copy
 import os
-import re
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypedDict, TypeVar
 
@@ -28,6 +28,13 @@ class Proposal:
 
     def __init__(self, found: _motes.Proposal, model: "Model"):
         self._found, self._model = found, model
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_found": self._model._model.proposal_bytes(self._found)}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._found = self._model._model.proposal_of_bytes(state["_found"])
 
     @staticmethod
     def load(folder: str | os.PathLike[str], model: "Model", *, to_tune: bool = False) -> "Proposal":
@@ -124,8 +131,9 @@ class Simulated:
 class OnlineFilter:
     """A filter that takes in measurements as they come."""
 
-    def __init__(self, model: "Model", options: _motes.FilterOptions):
-        self._running = _motes.Online(model._model, options, 0)
+    def __init__(self, model: "Model", settings: FilterSettings):
+        self._model, self._settings = model, settings
+        self._running = _motes.Online(model._model, _options(settings, check=False), 0)
         self._width = len(model.measurements)
         #: The names of the `N` coordinates of a state.
         self.states = model.states
@@ -163,6 +171,26 @@ class OnlineFilter:
         """The Pareto k of the last step's weights."""
         return self._running.pareto_k
 
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_running": (self._running.checkpoint(), self._running.has_failed)}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        options = _options(self._settings, check=False)
+        self._running = _motes.Online.resume(self._model._model, options, *state["_running"])
+
+    def __copy__(self) -> "OnlineFilter":
+        # One that shared anything with the original would be stepped with it.
+        return copy.deepcopy(self)
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> "OnlineFilter":
+        made = memo[id(self)] = type(self).__new__(type(self))
+        state = self.__getstate__()
+        # Model and settings never change and are shared.
+        shared = {key: state.pop(key) for key in ("_model", "_settings")}
+        made.__setstate__({**copy.deepcopy(state, memo), **shared})
+        return made
+
     def _known(self, known: tuple[Any, ...]) -> "OnlineFilter":
         self.mean, self.sd, quantiles, self.ess, self.log_evidence_increment = known
         self.quantiles = quantiles.reshape(-1, 3)
@@ -188,11 +216,8 @@ class Model:
     def __init__(self, source: str | os.PathLike[str] | Mapping[str, Any], *, set: Mapping[str, float] | None = None):
         pairs = _parameters(set)
         if isinstance(source, Mapping):
-            try:
-                self._model = _motes.Model.parse(text_of(dict(source)), "model", pairs)
-            except ValueError as error:
-                # The text is nobody's: where in it something stands helps nobody.
-                raise ValueError(re.sub(r"^model, line \d+, column \d+(?=[,:])", "model", str(error))) from None
+            # The text is nobody's: where in it something stands helps nobody.
+            self._model = _motes.Model.parse(text_of(dict(source)), "model", pairs, True)
         elif isinstance(source, str) and "\n" in source and not os.path.exists(source):
             raise ValueError("source: a text of several lines; it must be a path or a dict; Model.parse reads a text")
         elif isinstance(source, (str, os.PathLike)):
@@ -204,8 +229,19 @@ class Model:
     def parse(cls, text: str, *, name: str = "model", set: Mapping[str, float] | None = None) -> "Model":
         """The model of the text of a model file."""
         model = cls.__new__(cls)
-        model._model = _motes.Model.parse(text, name, _parameters(set))
+        model._model = _motes.Model.parse(text, name, _parameters(set), False)
         return model
+
+    def __getstate__(self) -> dict[str, Any]:
+        # A file is kept as its text: what it says now, wherever it is read again.
+        return {**self.__dict__, "_model": self._model.source}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        if state["_model"] is not None:
+            self._model = _motes.Model.parse(*state["_model"])
+        else:
+            self._model = self._functions.model()
 
     @property
     def name(self) -> str:
@@ -283,8 +319,31 @@ class Model:
         """
         return self._filtered(data, _options(settings))
 
+    def log_evidence(self, data: Any, **settings: Unpack[FilterSettings]) -> float:
+        """The estimate of `log p(y)` of all series, and nothing else: what a search over parameters and particle MCMC ask for.
+
+        It is that of `filter` with the same settings, which has no `check` here, to the last bit; what costs time beside it is
+        left out. Where no particle explains a measurement, the estimate of the evidence is 0: this gives −∞ and warns with
+        `MotesWarning`, which names the row. `filter` raises `ValueError` there.
+
+        >>> import motes
+        >>> walk = {"initial": {"x": "normal(0, 1)"}, "transition": {"x": "normal(x, 1)"}, "measurement": {"y": "normal(x, 1)"}}
+        >>> model = motes.Model(walk)
+        >>> model.log_evidence([0.1, None, 0.4]) == model.filter([0.1, None, 0.4]).log_evidence
+        True
+        """
+        rows = data_of(self._model, data)
+        found, impossible = self._model.log_evidence(rows.found, _options(settings, check=False))
+        if impossible is not None:
+            warn(impossible)
+        return found
+
     def forecast(self, data: Any, steps: int, **settings: Unpack[FilterSettings]) -> Forecast:
-        """Predicts the states of `steps` times after the last measurement of each series; settings are those of `filter`."""
+        """Predicts the states of `steps` times after the last measurement of each series; settings are those of `filter`.
+
+        Rows of data with dates in equal steps, in an index of pandas or in the column that is carried along, are followed by
+        rows with the dates after them. Where dates are there and it is not known which ones follow, it warns.
+        """
         return Forecast(self._filtered(data, _options(settings, forecast=steps)), steps)
 
     def smooth(self, data: Any, *, paths: int = 200, **settings: Unpack[FilterSettings]) -> Smoothed:
@@ -296,7 +355,8 @@ class Model:
     def online(self, **settings: Unpack[FilterSettings]) -> OnlineFilter:
         """A filter that takes in measurements as they come, by `step(y)`; settings are those of `filter`, without `check`.
 
-        It has one thread unless others are asked for.
+        It has one thread unless others are asked for. A pickle or a copy of it, made at any time, goes on as it would itself, to
+        the last bit.
 
         >>> import motes
         >>> walk = {"initial": {"x": "normal(0, 1)"}, "transition": {"x": "normal(x, 1)"}, "measurement": {"y": "normal(x, 1)"}}
@@ -304,7 +364,7 @@ class Model:
         >>> online.step(0.3).mean.shape
         (1,)
         """
-        return OnlineFilter(self, _options({"threads": 1, **settings}, check=False))
+        return OnlineFilter(self, {"threads": 1, **settings})
 
     def learn(
         self,

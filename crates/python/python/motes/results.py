@@ -9,7 +9,9 @@ from typing import Any
 import numpy as np
 
 from . import _motes
-from ._table import Rows
+from ._dates import are_dates, following
+from ._errors import warn
+from ._table import Rows, _text
 
 #: The probabilities of the quantiles.
 PROBABILITIES = (0.05, 0.5, 0.95)
@@ -23,6 +25,11 @@ class _Estimates:
         #: The names of the `N` coordinates of a state.
         self.states = states
         self._measured = measured
+
+    def __getstate__(self) -> dict[str, Any]:
+        # What was computed of the rest is computed again.
+        of_rest = [name for name in self.__dict__ if isinstance(getattr(type(self), name, None), cached_property)]
+        return {name: value for name, value in self.__dict__.items() if name not in of_rest}
 
     @cached_property
     def _arrays(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -109,6 +116,32 @@ class _Estimates:
             return self.series_names or []
         return [labels[at] for at in np.unique(self.series, return_index=True)[1].tolist()]
 
+    def _followed(self, steps: int) -> tuple[Any, list[Any] | None]:
+        """What follows the rows of each series, one series after the other: a part of an index, and of the carried column.
+
+        None where rows have no dates. Where dates do not go on with equal steps, nobody knows which ones follow: it warns.
+        """
+        rows = [np.flatnonzero(self.series == number) for number in range(len(self.log_evidence_per_series))]
+        index = None
+        dates = None if self._index is None else _dates_of(self._index)
+        if dates is not None:
+            parts = [following(dates if len(rows) == 1 else dates[at], steps) for at in rows]
+            if any(part is None for part in parts):
+                _warn_of("the index", steps)
+            else:
+                index = _index_of(self._index, rows, parts, steps)
+        carried = None
+        if self._data.carried is not None:
+            name, texts = self._data.carried
+            labels = self._labels.get(name, texts)
+            if are_dates(labels):
+                found = [following([labels[at] for at in places], steps) for places in rows]
+                if any(part is None for part in found):
+                    _warn_of(f"column {name}", steps)
+                else:
+                    carried = [one for part in found for one in part]
+        return index, carried
+
     def _columns(self, labels: dict[str, list[Any]]) -> dict[str, Any]:
         """The columns of the command's table, but for forecasts; with `labels` for what was text there."""
         columns: dict[str, Any] = {}
@@ -143,6 +176,12 @@ class _Estimates:
 
     def plot(self, states: list[str] | None = None, *, series: int = 0, axes: Any = None) -> Any:
         """Draws means with bands from 5 to 95 % of one series by matplotlib, below each other; gives the axes."""
+        # Levels of an index have no place on one axis.
+        has_index = self._index is not None and getattr(self._index, "nlevels", 1) == 1
+        return self._plotted(states, series, axes, has_index)
+
+    def _plotted(self, states: list[str] | None, series: int, axes: Any, has_index: bool) -> Any:
+        """The same, over the index of the data or over times."""
         pyplot = _module("matplotlib.pyplot", "plot")
         shown = self.states if states is None else states
         for name in shown:
@@ -154,8 +193,6 @@ class _Estimates:
         if axes is None:
             _, axes = pyplot.subplots(len(shown), 1, sharex=True, squeeze=False, figsize=(8, 2.4 * len(shown)))
         axes = np.ravel(axes)
-        # Levels of an index have no place on one axis.
-        has_index = self._index is not None and getattr(self._index, "nlevels", 1) == 1
         across = self._index[rows] if has_index else self.time[rows]
         for axis, name in zip(axes, shown, strict=True):
             at = self.states.index(name)
@@ -205,7 +242,11 @@ class Smoothed(_Estimates):
 
 
 class Forecast:
-    """What is predicted after the last measurement of each series."""
+    """What is predicted after the last measurement of each series.
+
+    Where rows of the data have dates with equal steps, as an index of pandas or in the column that is carried along, its
+    rows have those that follow.
+    """
 
     def __init__(self, filtered: Filtered, steps: int):
         n, (mean, sd, quantiles) = len(filtered.states), filtered._found.forecasts()
@@ -220,21 +261,98 @@ class Forecast:
         self.sd = sd.reshape(series, steps, n)
         #: Quantiles at 5, 50 and 95 %, `(S, steps, N, 3)`.
         self.quantiles = quantiles.reshape(series, steps, n, 3)
+        lengths = np.bincount(filtered.series, minlength=series)
+        #: The times, which go on from the last measurement, `(S, steps)`.
+        self.time = lengths[:, None] + np.arange(steps)
+        self._index, self._carried = filtered._followed(steps)
 
-    def to_pandas(self) -> Any:
-        """A data frame of pandas with a row for each time: `t` goes on from the last measurement."""
-        series, steps, _ = self.mean.shape
-        lengths = np.bincount(self.filtered.series, minlength=series)
+    def _columns(self, labels: list[Any] | None) -> dict[str, Any]:
+        """The columns of its table, with `labels` in the column that is carried along."""
+        series, steps, n = self.mean.shape
         columns: dict[str, Any] = {}
         if self.filtered.series_names is not None:
             columns["series"] = [label for label in self.filtered._series_labels() for _ in range(steps)]
-        columns["t"] = (lengths[:, None] + np.arange(steps)).reshape(-1)
-        n = len(self.states)
-        columns |= _of_states(self.states, self.mean.reshape(-1, n), self.sd.reshape(-1, n), self.quantiles.reshape(-1, n, 3))
-        return _module("pandas", "to_pandas").DataFrame(columns)
+        if labels is not None:
+            columns[self.filtered._data.carried[0]] = labels
+        columns["t"] = self.time.reshape(-1)
+        return columns | _of_states(
+            self.states, self.mean.reshape(-1, n), self.sd.reshape(-1, n), self.quantiles.reshape(-1, n, 3)
+        )
+
+    def to_pandas(self) -> Any:
+        """A data frame of pandas with a row for each time of each series, and the dates that follow those of the data."""
+        return _module("pandas", "to_pandas").DataFrame(self._columns(self._carried), index=self._index)
+
+    def to_polars(self) -> Any:
+        """A data frame of polars with a row for each time of each series, and the dates that follow those of the data."""
+        polars = _module("polars", "to_polars")
+        try:
+            return polars.DataFrame(self._columns(self._carried))
+        except TypeError:
+            # Dates of a kind that only pandas has.
+            labels = None if self._carried is None else [_text(label) for label in self._carried]
+            return polars.DataFrame(self._columns(labels))
+
+    def to_csv(self) -> str:
+        """Its table as text, with the dates that follow those of the data in the place of the column that is carried along."""
+        labels = None
+        if self._carried is not None:
+            labels = (self.filtered._data.carried[0], [_text(label) for label in self._carried])
+        elif self._index is not None:
+            # Levels beside the dates are the series, which has a column of its own.
+            dates = _dates_of(self._index)
+            labels = (str(dates.name or "date"), [_text(label) for label in dates])
+        return self.filtered._found.forecast_csv(labels)
+
+    def to_html(self, path: Any = None) -> str:
+        """The report of the filter with what is predicted, one HTML page that needs nothing else; written to `path` if there is one."""
+        page = self.filtered._found.html("Forecast.to_html()")
+        if path is not None:
+            _motes.write(path, page)
+        return page
+
+    def plot(self, states: list[str] | None = None, *, series: int = 0, axes: Any = None) -> Any:
+        """Draws the filter's means and bands of one series, and behind them those that are predicted; gives the axes."""
+        steps = self.mean.shape[1]
+        ahead = None if self._index is None else self._index[series * steps : (series + 1) * steps]
+        has_dates = ahead is not None and getattr(ahead, "nlevels", 1) == 1
+        axes = self.filtered._plotted(states, series, axes, has_dates)
+        across = ahead if has_dates else self.time[series]
+        for axis, name in zip(axes, self.states if states is None else states, strict=True):
+            at = self.states.index(name)
+            low, high = self.quantiles[series, :, at, 0], self.quantiles[series, :, at, 2]
+            axis.fill_between(across, low, high, alpha=0.25, linewidth=0, color="C1", label="forecast, 5 to 95 %")
+            axis.plot(across, self.mean[series, :, at], color="C1", label="forecast")
+        axes[0].legend(loc="best", frameon=False)
+        return axes
 
     def __repr__(self) -> str:
         return f"Forecast of {self.mean.shape[1]} times for {self.mean.shape[0]} series"
+
+
+def _warn_of(what: str, steps: int) -> None:
+    if steps > 0:
+        warn(f"data, {what}: its dates do not go on with equal steps, so that the rows of the forecast have none")
+
+
+def _dates_of(index: Any) -> Any:
+    """The dates of an index of pandas: itself, or the one level that has them; None if there are none."""
+    levels = [index.get_level_values(level) for level in range(index.nlevels)]
+    dates = [level for level in levels if are_dates(level)]
+    return dates[0] if len(dates) == 1 else None
+
+
+def _index_of(index: Any, rows: list[np.ndarray], dates: list[Any], steps: int) -> Any:
+    """An index like that of the data, with these dates of each series; other levels say what they said in its last row."""
+    whole = dates[0] if len(dates) == 1 else dates[0].append(dates[1:])
+    if index.nlevels == 1:
+        return whole
+    last = [index[places[-1]] for places in rows]
+    levels = [
+        whole if are_dates(index.get_level_values(level)) else [row[level] for row in last for _ in range(steps)]
+        for level in range(index.nlevels)
+    ]
+    return type(index).from_arrays(levels, names=index.names)
 
 
 def _of_states(states: list[str], mean: np.ndarray, sd: np.ndarray, quantiles: np.ndarray) -> dict[str, np.ndarray]:

@@ -6,7 +6,10 @@ mod filters;
 mod read;
 mod scratches;
 mod settings;
+mod snapshot;
 mod step;
+mod stored_failure;
 
 pub use filter_bank::FilterBank;
 pub use settings::FilterSettings;
+pub use snapshot::BankSnapshot;

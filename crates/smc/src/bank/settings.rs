@@ -1,12 +1,13 @@
 //! The settings of a filter.
 
 use motes_models::batch::there_is_memory_for;
+use serde::{Deserialize, Serialize};
 
 use crate::error::FilterError;
 use crate::resampling::{ResampleWhen, Resampling};
 
 /// The settings of a filter.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct FilterSettings {
     /// `K`, particles in each filter; at least 1.
     pub particles: usize,

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use serde::{Deserialize, Serialize};
+
 use super::PARETO_K_LIMIT;
 use super::pareto::Tail;
 use super::upper_end::UPPER_END;
@@ -19,7 +21,7 @@ const LEAST_TAIL_WEIGHTS: usize = 15;
 const USUAL_ERRORS: f64 = 4.0;
 
 /// The weights of one step, as figures that tell whether they can be trusted.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct WeightDiagnosis {
     /// The step, `t`.
     pub time: usize,
@@ -78,7 +80,7 @@ impl WeightDiagnosis {
 /// println!("{report}");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct WeightReport {
     steps: usize,
     sum_of_sizes: f64,

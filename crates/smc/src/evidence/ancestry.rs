@@ -3,6 +3,7 @@
 use std::ops::Deref;
 
 use motes_models::StateSpaceModel;
+use serde::{Deserialize, Serialize};
 
 use crate::bank::FilterBank;
 use crate::filter::ParticleFilter;
@@ -41,7 +42,7 @@ const BLOCK_STEPS: usize = 16;
 /// println!("log-evidence {:.2} ± {:.2}", filter.log_evidence(), ancestry.variance().sqrt());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct AncestryVariance {
     /// Steps of the present block.
     steps: usize,

@@ -1,5 +1,7 @@
 //! What small filters beside a filter say of the variance of its log-evidence, block by block of steps.
 
+use serde::{Deserialize, Serialize};
+
 /// Steps of a block: errors of a step show in the evidence of about so many later ones.
 const BLOCK_STEPS: usize = 32;
 
@@ -19,7 +21,7 @@ const LEAST_EXPECTED: f64 = 2.0;
 /// Their average by degrees of freedom is added up over blocks. Not judged is a block in which small filters must miss what the filter has reached: where it
 /// had fewer than `2ρ` effective particles at a step, and yet its largest log-weights had an upper end; or one of them collapsed. The variance by
 /// ancestry stands in there.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(super) struct Blocks {
     /// `ρ` and `R`.
     ratio: f64,
@@ -33,7 +35,7 @@ pub(super) struct Blocks {
 }
 
 /// The block that goes on.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 struct Block {
     steps: usize,
     increment: f64,

@@ -2,14 +2,15 @@
 
 use std::ops::Deref;
 
-use motes_models::{PartialLikelihood, Seed, Simulator, StateSpaceModel, Stream};
+use motes_models::{PartialLikelihood, Seed, Simulator, StateSpaceModel, Stream, StreamPosition};
+use serde::{Deserialize, Serialize};
 
 use super::ancestry::AncestryVariance;
 use super::blocks::Blocks;
 use super::coordinates::Coordinates;
 use super::surprise::{Surprise, Surprises};
 use super::warning::EvidenceWarning;
-use crate::bank::{FilterBank, FilterSettings};
+use crate::bank::{BankSnapshot, FilterBank, FilterSettings};
 use crate::diagnosis::has_upper_end;
 use crate::error::FilterError;
 use crate::filter::ParticleFilter;
@@ -77,17 +78,31 @@ const LEAST_EXCESS: f64 = 5.0;
 pub struct EvidenceCheck<D: Deref, P: Proposal<D::Target>> {
     /// None where there are too few particles, or where a small filter failed.
     small: Option<FilterBank<D, P>>,
+    stream: Stream,
+    figures: Figures,
+    /// Room for log-weights.
+    logs: Vec<f64>,
+}
+
+/// What was found of a filter so far.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+struct Figures {
     particles: usize,
     small_particles: usize,
     ancestry: AncestryVariance,
     blocks: Blocks,
     coordinates: Coordinates,
     surprises: Surprises,
-    stream: Stream,
     log_evidence: f64,
     small_evidence: Vec<f64>,
-    /// Room for log-weights.
-    logs: Vec<f64>,
+}
+
+/// What an [`EvidenceCheck`] is between two steps, but for its model and its proposal, to be written down as a [`BankSnapshot`] is.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct CheckSnapshot<Memory> {
+    small: Option<BankSnapshot<Memory>>,
+    stream: StreamPosition,
+    figures: Figures,
 }
 
 /// Particles below which no error is estimated.
@@ -111,33 +126,41 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> EvidenceCheck<D,
             false => None,
         };
         let ratio = particles as f64 / small_particles.max(1) as f64;
-        Ok(EvidenceCheck {
-            small,
+        let figures = Figures {
             particles,
             small_particles,
             ancestry: AncestryVariance::default(),
             blocks: Blocks::new(ratio, if is_estimable { filters } else { 0 }),
             coordinates: Coordinates::default(),
             surprises: Surprises::default(),
-            stream: seed.child("measurements").stream(),
             log_evidence: 0.0,
             small_evidence: vec![0.0; filters],
-            logs: Vec::new(),
-        })
+        };
+        Ok(EvidenceCheck { small, stream: seed.child("measurements").stream(), figures, logs: Vec::new() })
+    }
+
+    /// That which a snapshot was taken of, with the model and the proposal that it had.
+    ///
+    /// # Errors
+    /// As [`FilterBank::restore`].
+    pub fn restore(model: D, proposal: P, snapshot: CheckSnapshot<P::Memory>) -> Result<Self, FilterError> {
+        let CheckSnapshot { small, stream, figures } = snapshot;
+        let small = small.map(|bank| FilterBank::restore(model, proposal, bank)).transpose()?;
+        Ok(EvidenceCheck { small, stream: stream.stream(), figures, logs: Vec::new() })
     }
 
     /// The standard error of the log-evidence (nats); none where there are too few particles to tell.
     pub fn standard_error(&self) -> Option<f64> {
-        let variance = self.ancestry.variance().max(self.blocks.variance());
-        (self.particles >= LEAST_PARTICLES).then(|| variance.sqrt())
+        let variance = self.figures.ancestry.variance().max(self.figures.blocks.variance());
+        (self.figures.particles >= LEAST_PARTICLES).then(|| variance.sqrt())
     }
 
     /// All that is not to be trusted after the steps so far.
     pub fn warnings(&self) -> Vec<EvidenceWarning> {
         let mut warnings = Vec::new();
-        if let Some(Surprise { step, best, usual }) = self.surprises.worst {
+        if let Some(Surprise { step, best, usual }) = self.figures.surprises.worst {
             warnings.push(EvidenceWarning::Surprise {
-                steps: self.surprises.count,
+                steps: self.figures.surprises.count,
                 worst: step,
                 best,
                 usual,
@@ -146,12 +169,12 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> EvidenceCheck<D,
         if let Some(standard_error) = self.standard_error().filter(|error| *error > LARGEST_ERROR) {
             warnings.push(EvidenceWarning::LargeError { standard_error });
         }
-        let (excess, error) = self.blocks.excess(self.ancestry.variance());
+        let (excess, error) = self.figures.blocks.excess(self.figures.ancestry.variance());
         if excess > LEAST_EXCESS.max(LEAST_SCORE * error) {
-            let particles = self.small_particles;
+            let particles = self.figures.small_particles;
             warnings.push(EvidenceWarning::GrowsWithParticles { particles, excess, error });
         }
-        let found = self.coordinates.found().map(|found| EvidenceWarning::FewAncestors {
+        let found = self.figures.coordinates.found().map(|found| EvidenceWarning::FewAncestors {
             coordinate: found.coordinate,
             step: found.step,
             since: found.since,
@@ -163,7 +186,7 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> EvidenceCheck<D,
 
     /// How many steps the small filters could judge: where the filter has too few effective particles, theirs run out.
     pub fn judged_steps(&self) -> usize {
-        self.blocks.judged_steps()
+        self.figures.blocks.judged_steps()
     }
 }
 
@@ -172,38 +195,49 @@ impl<D: Deref<Target: PartialLikelihood + Simulator>, P: Proposal<D::Target>> Ev
     ///
     /// Every step is to be taken in, of one and the same filter.
     pub fn take_in(&mut self, filter: &ParticleFilter<D, P>, measurement: &[Option<f64>]) {
-        self.ancestry.step(filter);
+        let figures = &mut self.figures;
+        figures.ancestry.step(filter);
         let ancestors = filter.bank().resampled(0).then(|| filter.ancestors());
         let step = filter.time().saturating_sub(1);
-        self.coordinates.step(step, filter.particles(), filter.weights(), ancestors);
+        figures.coordinates.step(step, filter.particles(), filter.weights(), ancestors);
         let effective = filter.effective_sample_size();
-        if effective < SUSPICIOUS * self.particles as f64 {
+        if effective < SUSPICIOUS * figures.particles as f64 {
             let of_filter = (filter.particles(), filter.weights());
             let model = &*filter.bank().model;
             // What has no density with gaps has been refused by the filter.
-            let _ = self.surprises.step(model, step, of_filter, measurement, &mut self.stream);
+            let _ = figures.surprises.step(model, step, of_filter, measurement, &mut self.stream);
         }
-        let increment = filter.log_evidence() - self.log_evidence;
-        self.log_evidence = filter.log_evidence();
-        let now = self.small_evidence.len();
-        let small: Vec<f64> = match &self.small {
-            Some(bank) => (0..now).map(|number| bank.log_evidence(number)).collect(),
-            None => vec![f64::NAN; now],
-        };
-        let grown = small.iter().zip(&self.small_evidence).map(|(now, before)| now - before);
-        let misses_peak = self.blocks.would_miss(effective) && {
+        let misses_peak = figures.blocks.would_miss(effective) && {
             self.logs.clear();
             self.logs.extend_from_slice(filter.weights().log());
             has_upper_end(&mut self.logs)
         };
-        self.blocks.step(increment, grown, misses_peak, self.ancestry.variance());
-        self.small_evidence = small;
+        let small: Vec<f64> = match &self.small {
+            Some(bank) => (0..bank.filters()).map(|number| bank.log_evidence(number)).collect(),
+            None => vec![f64::NAN; figures.small_evidence.len()],
+        };
+        let increment = filter.log_evidence() - figures.log_evidence;
+        let grown = small.iter().zip(&figures.small_evidence).map(|(now, before)| now - before);
+        figures.blocks.step(increment, grown, misses_peak, figures.ancestry.variance());
+        figures.log_evidence = filter.log_evidence();
+        figures.small_evidence = small;
     }
 
     /// Advances the small filters by a measurement, some of whose entries may be missing. One that fails says nothing from there on.
     pub fn advance(&mut self, measurement: &[Option<f64>]) {
         if self.small.as_mut().is_some_and(|bank| bank.step_partial(measurement).is_err()) {
             self.small = None;
+        }
+    }
+}
+
+impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target, Memory: Clone>> EvidenceCheck<D, P> {
+    /// What it is now, to be written down. It changes nothing.
+    pub fn snapshot(&self) -> CheckSnapshot<P::Memory> {
+        CheckSnapshot {
+            small: self.small.as_ref().map(FilterBank::snapshot),
+            stream: StreamPosition::of(&self.stream),
+            figures: self.figures.clone(),
         }
     }
 }

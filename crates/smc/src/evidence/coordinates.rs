@@ -1,5 +1,7 @@
 //! Coordinates whose particles descend from too few ancestors to know their spread.
 
+use serde::{Deserialize, Serialize};
+
 use crate::weights::LogWeights;
 
 /// Effective ancestors from which on a standard deviation can be told to a sixth.
@@ -12,7 +14,7 @@ const LEAST_STEPS: usize = 8;
 const REMEMBERED: f64 = 0.95;
 
 /// A coordinate of the state whose standard deviation cannot be trusted.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(super) struct Impoverished {
     pub(super) coordinate: usize,
     /// The step at which it was found, and the earlier one whose particles the present ones descend from.
@@ -27,7 +29,7 @@ pub(super) struct Impoverished {
 /// Particles of an earlier step, the *marks*, found families. Once the weights `G_i` of the families leave fewer than 20 effective ones, `1/Σ G_i²`, and at
 /// least 8 steps are over, each coordinate is looked at: where more than 95 % of its variance lies between families, the coordinate hardly moved since, and
 /// all that is known of it rests on those few values. New marks are set then.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(super) struct Coordinates {
     /// Of each particle, the mark that it descends from.
     marks: Vec<usize>,

@@ -8,5 +8,5 @@ mod surprise;
 mod warning;
 
 pub use ancestry::AncestryVariance;
-pub use check::EvidenceCheck;
+pub use check::{CheckSnapshot, EvidenceCheck};
 pub use warning::EvidenceWarning;

@@ -2,6 +2,7 @@
 
 use motes_models::{ModelError, PartialLikelihood, Simulator, Stream};
 use rand::RngExt;
+use serde::{Deserialize, Serialize};
 
 use crate::weights::LogWeights;
 
@@ -12,7 +13,7 @@ const DRAWS: usize = 100;
 const BELOW: f64 = 4.0;
 
 /// A measurement that lies beyond all particles.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(super) struct Surprise {
     pub(super) step: usize,
     /// The largest `log p(y_t | x_t)` of a particle.
@@ -22,10 +23,11 @@ pub(super) struct Surprise {
 }
 
 /// The measurements so far that no particle explains, and the worst of them.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(super) struct Surprises {
     pub(super) count: usize,
     pub(super) worst: Option<Surprise>,
+    #[serde(skip)]
     log_likelihoods: Vec<f64>,
 }
 

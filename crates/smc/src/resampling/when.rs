@@ -1,9 +1,11 @@
 //! When to resample.
 
+use serde::{Deserialize, Serialize};
+
 use crate::error::FilterError;
 
 /// The rule that decides whether a filter resamples after a step.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum ResampleWhen {
     /// Never: sequential importance sampling.
     Never,

@@ -1,5 +1,7 @@
 //! Whether a filter misses mass more often than a bootstrap filter beside it.
 
+use serde::{Deserialize, Serialize};
+
 use super::windows::Since;
 
 /// How many misses of the filter there must be for each of the bootstrap and one more.
@@ -9,7 +11,7 @@ const FOR_EACH_OF_BOOTSTRAP: usize = 7;
 ///
 /// A filter that misses as often as the bootstrap is suspected with a probability of at most about `2⁻⁷`: its first seven misses would all have to come
 /// before the first one of the bootstrap, or something as unlikely later on.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(super) struct Misses {
     of_filter: usize,
     of_bootstrap: usize,

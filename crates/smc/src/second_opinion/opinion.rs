@@ -3,6 +3,7 @@
 use std::ops::Deref;
 
 use motes_models::StateSpaceModel;
+use serde::{Deserialize, Serialize};
 
 use super::misses::Misses;
 use super::trust::Trust;
@@ -62,7 +63,7 @@ const REST: usize = 5;
 /// assert_eq!(opinion.verdict(), Verdict::Agrees);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct SecondOpinion {
     steps: usize,
     unjudged: usize,
@@ -80,7 +81,7 @@ pub struct SecondOpinion {
 }
 
 /// What was found.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 struct Warning {
     since: Since,
     difference: f64,

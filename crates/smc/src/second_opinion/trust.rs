@@ -1,5 +1,7 @@
 //! Over how many steps a filter's estimate of its own error can be trusted.
 
+use serde::{Deserialize, Serialize};
+
 use crate::evidence::AncestryVariance;
 use crate::weights::LogWeights;
 
@@ -16,7 +18,7 @@ const MOST_VARIANCE: f64 = 0.5;
 const RECOVERY: usize = 20;
 
 /// Steps, up to the present one, at which a filter had weights that can be trusted.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(super) struct Trust {
     steps: usize,
     /// Whether there was a step at which it had not.

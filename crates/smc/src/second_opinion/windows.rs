@@ -2,6 +2,8 @@
 
 use std::collections::VecDeque;
 
+use serde::{Deserialize, Serialize};
+
 use crate::evidence::AncestryVariance;
 
 /// The longest window, in steps.
@@ -14,7 +16,7 @@ const LEAST_DIFFERENCE: f64 = 5.0;
 const LEAST_SCORE: f64 = 6.0;
 
 /// What was known before a step.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(super) struct Since {
     /// The step.
     pub(super) step: usize,
@@ -56,7 +58,7 @@ impl Excess {
 }
 
 /// The last steps, and the sum of all.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(super) struct Windows {
     /// Before each of the last steps that windows may begin with.
     begins: VecDeque<Since>,

@@ -1,7 +1,9 @@
 //! Trajectories that were drawn, and what they say together.
 
+use serde::{Deserialize, Serialize};
+
 /// `B` trajectories of `T` times given all measurements, of equal weight.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SmoothedPaths {
     /// Path after path, each `T×N`.
     pub(super) states: Vec<f64>,

@@ -48,13 +48,13 @@ fn a_raised_two() {
 }
 
 #[test]
-fn a_number_without_a_zero() {
-    insta::assert_snapshot!(refused(&transition("normal(.5*x, 1)")), @"m.toml, line 7, column 13, [transition] x: `.` has no meaning in a formula; numbers are written 0.5, 10, 1e-3");
+fn a_point_without_digits() {
+    insta::assert_snapshot!(refused(&transition("normal(.*x, 1)")), @"m.toml, line 7, column 13, [transition] x: `.` has no meaning in a formula; numbers are written 0.5, 10, 1e-3");
 }
 
 #[test]
-fn a_number_without_digits_after_the_point() {
-    insta::assert_snapshot!(refused(&transition("normal(2.*x, 1)")), @"m.toml, line 7, column 13, [transition] x: `2.` is no number; numbers are written 0.5, 10, 1e-3");
+fn a_number_with_two_points() {
+    insta::assert_snapshot!(refused(&transition("normal(1.2.3*x, 1)")), @"m.toml, line 7, column 13, [transition] x: `1.2.3` is no number; numbers are written 0.5, 10, 1e-3");
 }
 
 #[test]

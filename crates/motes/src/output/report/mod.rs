@@ -11,7 +11,7 @@ pub use error_figure::error_figure;
 
 use crate::data::Data;
 use crate::estimate::Estimate;
-use crate::model::Model;
+use crate::names::ModelNames;
 
 use figures::{Band, band_figure, line_figure, point_figure};
 use page::Page;
@@ -20,8 +20,8 @@ use page::Page;
 pub struct Report<'a> {
     /// What was done: `Filter` or `Smoother`.
     pub title: &'a str,
-    /// The model.
-    pub model: &'a Model,
+    /// The model and its coordinates.
+    pub names: &'a ModelNames,
     /// The data.
     pub data: &'a Data,
     /// The estimate of each row of the data.
@@ -50,7 +50,7 @@ const WORST: usize = 5;
 /// # Errors
 /// What the drawing library says.
 pub fn report(report: &Report<'_>) -> Result<String, Box<dyn std::error::Error>> {
-    let mut page = Page::new(&format!("{} of {}", report.title, report.model.name()));
+    let mut page = Page::new(&format!("{} of {}", report.title, report.names.model));
     page.table(&["", ""], report.summary.iter().map(|(name, value)| vec![name.clone(), value.clone()]));
     page.warnings(report.warnings);
     for (series, name) in report.data.series.iter().enumerate().take(SHOWN_SERIES) {
@@ -83,25 +83,25 @@ fn series_section(
     let length = rows().count();
     let ahead = report.forecasts.get(series).map_or(&[][..], Vec::as_slice);
     let estimates: Vec<&Estimate> = rows().map(|(_, estimate)| estimate).chain(ahead).collect();
-    for (coordinate, name) in report.model.states().iter().enumerate().take(SHOWN_COORDINATES) {
+    for (coordinate, name) in report.names.states.iter().enumerate().take(SHOWN_COORDINATES) {
         let of = |figure: &dyn Fn(&crate::estimate::Coordinate) -> f64| -> Vec<f64> {
             estimates.iter().map(|estimate| figure(&estimate.state[coordinate])).collect()
         };
         let band =
             Band { low: of(&|c| c.quantiles[0]), high: of(&|c| c.quantiles[2]), middle: of(&|c| c.mean) };
-        let measured = report.model.measurements().iter().position(|measured| measured == name);
+        let measured = report.names.measurements.iter().position(|measured| measured == name);
         let points: Vec<Option<f64>> = match measured {
             Some(at) => rows().map(|(row, _)| row.measurement[at]).collect(),
             None => vec![],
         };
         page.figure(&band_figure(name, &band, length, &points)?, "");
     }
-    if report.model.states().len() > SHOWN_COORDINATES {
-        page.note(&format!("{SHOWN_COORDINATES} of {} states are shown.", report.model.states().len()));
+    if report.names.states.len() > SHOWN_COORDINATES {
+        page.note(&format!("{SHOWN_COORDINATES} of {} states are shown.", report.names.states.len()));
     }
     let forecast = if ahead.is_empty() { "" } else { " After the dotted line: forecast." };
     page.note(&format!("Line: mean. Band: from the 5 % to the 95 % quantile.{forecast}"));
-    for (at, name) in report.model.measurements().iter().enumerate().take(SHOWN_COORDINATES) {
+    for (at, name) in report.names.measurements.iter().enumerate().take(SHOWN_COORDINATES) {
         let points: Vec<Option<f64>> = rows().map(|(row, _)| row.measurement[at]).collect();
         page.figure(&point_figure(&format!("{name} (measured)"), &points)?, "");
     }
