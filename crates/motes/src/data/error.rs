@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use motes_formulas::Impossible;
 use thiserror::Error;
 
 /// How the rows of data are counted, for errors.
@@ -127,6 +128,14 @@ pub enum DataError {
         value: String,
         /// What is the matter with it.
         problem: &'static str,
+    },
+    /// A measurement that no state can give.
+    #[error("{place}: {impossible}")]
+    Impossible {
+        /// Where.
+        place: Place,
+        /// What it is, and what it could be.
+        impossible: Impossible,
     },
     /// Text that is not UTF-8.
     #[error("{file}, line {line}: this is not UTF-8 text; save the file in that encoding")]
