@@ -141,7 +141,7 @@ fn a_formula_that_leaves_its_domain_is_named() {
     assert_eq!(output.status.code(), Some(2));
     let said = stderr(&output);
     assert!(
-        said.starts_with("motes: t = ")
+        said.starts_with("motes: line ")
             && said.contains(": root.toml, line 4, [transition] x: `sqrt(x)` is NaN where x = -"),
         "{said}"
     );
