@@ -135,7 +135,7 @@ pub enum DataError {
         /// Where.
         place: Place,
         /// What it is, and what it could be.
-        impossible: Impossible,
+        impossible: Box<Impossible>,
     },
     /// Text that is not UTF-8.
     #[error("{file}, line {line}: this is not UTF-8 text; save the file in that encoding")]

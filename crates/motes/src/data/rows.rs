@@ -110,7 +110,7 @@ impl<R: Read> Rows<R> {
         }
         if let Some(impossible) = self.model.impossible(time, &measurement) {
             let place = self.place(line, self.columns.measurements[impossible.coordinate]);
-            return Err(DataError::Impossible { place, impossible });
+            return Err(DataError::Impossible { place, impossible: impossible.into() });
         }
         self.series.add(series);
         Ok(Some(Row { line, series, time, label, measurement }))

@@ -101,7 +101,7 @@ impl Data {
                 values.iter().map(|value| (!value.is_nan()).then_some(*value)).collect();
             if let Some(impossible) = model.impossible(time, &measurement) {
                 let place = place(at, columns.measurements[impossible.coordinate]);
-                return Err(DataError::Impossible { place, impossible });
+                return Err(DataError::Impossible { place, impossible: impossible.into() });
             }
             seen.add(series);
             rows.push(Row {
