@@ -31,12 +31,14 @@ mod exact;
 mod explain;
 mod file;
 mod graph;
+mod impossible;
 mod matrices;
 mod model;
 mod names;
 mod operations;
 mod program;
 mod statement;
+mod support;
 mod syntax;
 mod tables;
 mod text;
@@ -46,7 +48,9 @@ pub use describe::Description;
 pub use error::{FileError, Place, Problem};
 pub use explain::DomainError;
 pub use file::{FileModel, ModelFile, parse, parse_generated, read};
+pub use impossible::Impossible;
 pub use model::FormulaModel;
+pub use support::{End, Support};
 pub use tables::{Family, Range, family, reference};
 
 /// The README's code, compiled and run as a documentation test.

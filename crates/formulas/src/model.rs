@@ -1,5 +1,6 @@
 //! A model of formulas.
 
+use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -10,6 +11,7 @@ use crate::error::{Fault, Section};
 use crate::graph::build;
 use crate::program::{Program, compile};
 use crate::statement::{Line, Statement};
+use crate::support::{Support, supports};
 use crate::text::Text;
 
 /// A state-space model whose equations were read from a file: see [`Equations`] for what follows from them. A clone shares them.
@@ -26,6 +28,8 @@ struct Compiled {
     initial: Program,
     transition: Program,
     measurement: Program,
+    /// Where measurements can lie, if it is the same at all times.
+    supports: Option<Vec<Option<Support>>>,
     closed_form: Result<(), NoClosedForm>,
     is_linear: bool,
 }
@@ -44,12 +48,16 @@ impl FormulaModel {
             is_linear &= closed_form::is_linear(&built);
             Ok(compile(&built, states))
         };
+        let initial = program(Section::Initial, &statement.initial)?;
+        let transition = program(Section::Transition, &statement.transition)?;
+        let measurement = program(Section::Measurement, &statement.measurement)?;
         Ok(FormulaModel(Arc::new(Compiled {
             states,
             measurements: coordinates(&statement.measurement),
-            initial: program(Section::Initial, &statement.initial)?,
-            transition: program(Section::Transition, &statement.transition)?,
-            measurement: program(Section::Measurement, &statement.measurement)?,
+            supports: (!measurement.depends_on_time()).then(|| supports(&measurement, 0)),
+            initial,
+            transition,
+            measurement,
             closed_form,
             is_linear,
             file: file.to_string(),
@@ -71,6 +79,14 @@ impl FormulaModel {
     /// Whether errors say in which line something stands.
     pub(crate) fn has_lines(&self) -> bool {
         self.0.has_lines
+    }
+
+    /// Where each of the `M` entries of a measurement can lie at a time, whatever the states are; none where it depends on them, or where it can be any number.
+    pub fn supports(&self, time: usize) -> Cow<'_, [Option<Support>]> {
+        match &self.0.supports {
+            Some(supports) => supports.into(),
+            None => supports(&self.0.measurement, time).into(),
+        }
     }
 
     /// Whether all of it is linear with constant Gaussian noise.

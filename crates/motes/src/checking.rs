@@ -104,6 +104,8 @@ fn check_data(model: &Model, data: &Data, checked: &mut Checked, seed: u64) {
             .findings
             .push(format!("data: columns that are not used: {}", data.columns.ignored.join(", ")));
     }
+    let warnings = data.warnings();
+    checked.findings.extend(warnings.iter().map(|warning| format!("warning: {warning}")));
     let options = FilterOptions { seed, ..FilterOptions::default() };
     for (series, name) in data.series.iter().enumerate() {
         let Ok(mut running) = Running::new(model, &options, series) else { return };

@@ -13,6 +13,7 @@ use crate::error::MotesError;
 use crate::estimate::{Coordinate, Estimate, PROBABILITIES};
 use crate::model::{Kind, Model};
 use crate::options::{FilterOptions, ProposalName};
+use crate::prediction::{MOST, beside_prediction};
 use crate::running_state::{FilterState, SecondState};
 
 /// A filter with the types of its model and proposal put aside.
@@ -25,6 +26,8 @@ pub(crate) trait Steps: Send + Sync {
     /// What the small filters beside it warn of.
     fn evidence_warnings(&self) -> Vec<EvidenceWarning>;
     fn state(&self) -> Vec<Coordinate>;
+    /// How many numbers the states of all particles are.
+    fn particles(&self) -> usize;
     /// Whether there is much to look at after a step.
     fn is_large(&self) -> bool;
     fn means(&self) -> &[f64];
@@ -147,6 +150,10 @@ where
         of_all(0..n, self.is_large(), &|coordinate| self.coordinate(coordinate))
     }
 
+    fn particles(&self) -> usize {
+        self.filter.particles().len()
+    }
+
     fn is_large(&self) -> bool {
         self.filter.particles().len() >= LARGE
     }
@@ -238,7 +245,7 @@ impl<'m> Running<'m> {
     /// [`MotesError::Filter`] if no particle explains it, or a formula leaves its domain.
     pub fn advance(&mut self, measurement: &[Option<f64>]) -> Result<(), MotesError> {
         self.before = self.filter.log_evidence();
-        self.filter.step(measurement).map_err(|error| self.explain(&error))?;
+        self.filter.step(measurement).map_err(|error| self.explain(&error, measurement))?;
         self.time += 1;
         Ok(())
     }
@@ -348,13 +355,10 @@ impl<'m> Running<'m> {
     }
 
     /// What a failure means for who wrote the model and the data.
-    fn explain(&self, error: &FilterError) -> MotesError {
+    fn explain(&self, error: &FilterError, measurement: &[Option<f64>]) -> MotesError {
         let place = format!("t = {}", self.time);
         let reason = match error {
-            FilterError::Collapse { ess_before, largest_log_likelihood, .. } => format!(
-                "no particle explains the measurement (the largest log-likelihood is {largest_log_likelihood:.4}, the effective sample \
-                 size before was {ess_before:.0}); take more particles or --proposal linearised, or look at the model's noise"
-            ),
+            FilterError::Collapse { ess_before, .. } => self.explain_collapse(*ess_before, measurement),
             FilterError::NotANumber { particle, .. } | FilterError::State { particle, .. } => {
                 self.explain_particle(*particle)
             }
@@ -365,6 +369,29 @@ impl<'m> Running<'m> {
 }
 
 impl Running<'_> {
+    /// Why no particle has a weight: what was measured, beside what is predicted.
+    fn explain_collapse(&self, ess_before: f64, measurement: &[Option<f64>]) -> String {
+        let names = self.model.measurements();
+        if let Some(impossible) = self.model.impossible(self.time, measurement) {
+            return format!("{}: {impossible}", names[impossible.coordinate]);
+        }
+        let count = (self.filter.particles() / self.model.states().len()).min(MOST);
+        let previous: Option<Vec<&[f64]>> = (0..count).map(|at| self.filter.of_particle(at).0).collect();
+        let previous = previous.map(|rows| rows.concat());
+        let beside = match self.model.kind() {
+            Kind::Learnable(model) => {
+                beside_prediction(model, self.time, previous.as_deref(), measurement, names)
+            }
+            Kind::LinearGaussian(model) => {
+                beside_prediction(model, self.time, previous.as_deref(), measurement, names)
+            }
+        };
+        format!(
+            "no particle explains the measurement: {beside} (the effective sample size before was {ess_before:.0}); correct it if it is wrong, else \
+             take more particles or --proposal linearised, or give the measurement more noise or heavier tails"
+        )
+    }
+
     /// Why the density of a particle, or its state, is not a number.
     fn explain_particle(&self, particle: usize) -> String {
         let (previous, state) = self.filter.of_particle(particle);

@@ -7,7 +7,7 @@ use motes_smc::{FilterError, ProposalError};
 use motes_train::TrainError;
 use thiserror::Error;
 
-use crate::data::DataError;
+use crate::data::{Counted, DataError};
 
 /// Why there is no result.
 #[derive(Debug, Error)]
@@ -89,6 +89,17 @@ impl MotesError {
             MotesError::Saved(SavedError::Io { path, source }) => Some((path.to_str()?, source.kind())),
             MotesError::Output { file, source } => Some((file, source.kind())),
             _ => None,
+        }
+    }
+
+    /// The same with the line or row of data at which a filter failed.
+    #[must_use]
+    pub fn at_row(self, counted: Counted, line: u64) -> Self {
+        match self {
+            MotesError::Filter { place, reason } => {
+                MotesError::Filter { place: format!("{counted} {line}, {place}"), reason }
+            }
+            other => other,
         }
     }
 }

@@ -7,9 +7,10 @@ use motes_smc::FilterError;
 use crate::data::Data;
 use crate::engine::Running;
 use crate::error::MotesError;
-use crate::filtering::{Warning, of_series};
+use crate::filtering::of_series;
 use crate::model::Model;
 use crate::options::FilterOptions;
+use crate::warning::Warning;
 
 /// What filters say of data but for states.
 #[derive(Debug, Clone, PartialEq)]

@@ -2,7 +2,7 @@
 
 use motes_smc::SmoothedPaths;
 
-use crate::filtering::Warning;
+use crate::warning::Warning;
 
 /// As few particles at a time say little of a distribution.
 const FEW: f64 = 20.0;

@@ -1,6 +1,5 @@
 //! Filtering all series of some data.
 
-use std::fmt;
 use std::ops::ControlFlow;
 
 use motes_smc::{Verdict, WeightReport};
@@ -12,24 +11,7 @@ use crate::error::MotesError;
 use crate::estimate::Estimate;
 use crate::model::Model;
 use crate::options::{FilterOptions, ProposalName};
-
-/// A reason not to trust a result.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Warning {
-    /// The series that it is about; none where there is one without a name.
-    pub series: Option<String>,
-    /// What the matter is.
-    pub text: String,
-}
-
-impl fmt::Display for Warning {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match &self.series {
-            Some(series) => write!(formatter, "series {series}: {}", self.text),
-            None => formatter.write_str(&self.text),
-        }
-    }
-}
+use crate::warning::Warning;
 
 /// What filters made of data.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -79,16 +61,17 @@ fn filter_until(
 ) -> Result<Filtered, MotesError> {
     let mut estimates: Vec<Option<Estimate>> = vec![None; data.rows.len()];
     let (mut forecasts, mut log_evidence_per_series, mut opinions) = (vec![], vec![], vec![]);
-    let mut warnings: Vec<Warning> = of_proposal(options).into_iter().collect();
+    let mut warnings: Vec<Warning> = of_proposal(options).into_iter().chain(data.warnings()).collect();
     let (mut weights, mut least_ess, mut done) = (WeightReport::default(), f64::INFINITY, 0);
     for (series, (name, places)) in data.series.iter().zip(data.by_series()).enumerate() {
         let name = data.columns.has_series().then(|| name.clone());
         let mut running = Running::new(model, options, series)?;
         let mut report = WeightReport::default();
         for &at in &places {
-            let (estimate, diagnosis) = running
-                .step_and_diagnose(&data.rows[at].measurement)
-                .map_err(|error| of_series(name.as_deref(), error))?;
+            let (estimate, diagnosis) =
+                running.step_and_diagnose(&data.rows[at].measurement).map_err(|error| {
+                    of_series(name.as_deref(), error.at_row(data.counted, data.rows[at].line))
+                })?;
             report.add(&diagnosis);
             weights.add(&diagnosis);
             least_ess = estimate.ess.map_or(least_ess, |ess| least_ess.min(ess));

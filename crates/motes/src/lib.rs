@@ -39,22 +39,24 @@ mod names;
 mod options;
 pub mod output;
 mod packed;
+mod prediction;
 mod running_state;
 mod simulating;
 mod smoothing;
 mod threads;
+mod warning;
 
 pub use checking::{Checked, check};
 pub use comparing::{
     Card, CompareOptions, Compared, Comparison, EqualTime, Figure, MOST_REFERENCE_FILTERS, Paired, Point,
     Reached, Sequence, compare, designed,
 };
-pub use data::{Columns, Counted, Data, DataError, Place, Row, Rows, Table};
+pub use data::{Columns, Counted, Data, DataError, Place, Row, RowOrder, Rows, Table};
 pub use engine::Running;
 pub use error::MotesError;
 pub use estimate::{Coordinate, Estimate};
 pub use evidence::{LogEvidence, log_evidence};
-pub use filtering::{Filtered, Warning, filter, of_opinion, of_proposal};
+pub use filtering::{Filtered, filter, of_opinion, of_proposal};
 pub use learned::{LearnedProposal, Notes};
 pub use learning::{LearnOptions, LearnOutcome, base_named, head_named, learn, network_named};
 pub use model::{LearnableModel, Model};
@@ -64,6 +66,7 @@ pub use packed::{pack, unpack};
 pub use simulating::{Simulated, simulate};
 pub use smoothing::{Smoothed, smooth};
 pub use threads::{on_threads, thread_pool};
+pub use warning::Warning;
 
 pub use motes_formulas as formulas;
 pub use motes_models as models;

@@ -4,7 +4,7 @@ use std::fmt;
 use std::path::Path;
 use std::sync::Arc;
 
-use motes_formulas::{Description, FileError, FileModel, FormulaModel, ModelFile};
+use motes_formulas::{Description, FileError, FileModel, FormulaModel, Impossible, ModelFile};
 use motes_models::{LinearGaussian, OwnModel, StateGradients};
 
 use crate::error::MotesError;
@@ -196,6 +196,12 @@ impl Model {
                 ],
             },
         }
+    }
+
+    /// The first entry of a measurement (`M`, none where one is missing) that no state can give at a time, as a fraction where counts are measured; none where there may be a
+    /// state for each. Of a model of one's own nothing is known.
+    pub fn impossible(&self, time: usize, measurement: &[Option<f64>]) -> Option<Impossible> {
+        self.formulas()?.impossible(time, measurement)
     }
 
     /// The model itself, by its kind.

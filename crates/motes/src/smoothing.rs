@@ -10,9 +10,10 @@ use crate::engine::Running;
 use crate::error::MotesError;
 use crate::estimate::{Coordinate, Estimate, PROBABILITIES};
 use crate::few_ancestors::of_paths;
-use crate::filtering::{Filtered, Warning, of_opinion, of_proposal, of_series};
+use crate::filtering::{Filtered, of_opinion, of_proposal, of_series};
 use crate::model::Model;
 use crate::options::FilterOptions;
+use crate::warning::Warning;
 
 /// What smoothers made of data.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,7 +53,7 @@ fn smooth_until(
 ) -> Result<Smoothed, MotesError> {
     let mut estimates: Vec<Option<Estimate>> = vec![None; data.rows.len()];
     let (mut drawn, mut log_evidence_per_series, mut opinions) = (vec![], vec![], vec![]);
-    let mut warnings: Vec<Warning> = of_proposal(options).into_iter().collect();
+    let mut warnings: Vec<Warning> = of_proposal(options).into_iter().chain(data.warnings()).collect();
     let (mut weights, mut least_ess) = (WeightReport::default(), f64::INFINITY);
     let mut work = Work::of(data.rows.len(), options.particles, paths);
     for (series, (name, places)) in data.series.iter().zip(data.by_series()).enumerate() {
@@ -60,7 +61,10 @@ fn smooth_until(
         let mut running = Running::new(model, options, series)?;
         let (mut report, mut history) = (WeightReport::default(), FilterHistory::new());
         for &at in &places {
-            running.advance(&data.rows[at].measurement).map_err(|error| of_series(name.as_deref(), error))?;
+            let advanced = running.advance(&data.rows[at].measurement);
+            advanced.map_err(|error| {
+                of_series(name.as_deref(), error.at_row(data.counted, data.rows[at].line))
+            })?;
             running.record(&mut history)?;
             let diagnosis = running.diagnosis();
             report.add(&diagnosis);

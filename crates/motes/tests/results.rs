@@ -218,8 +218,18 @@ fn check_says_what_a_model_is_and_whether_data_fit() {
     let output = place.run(&["check", "counts.toml", "d.csv"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(
-        String::from_utf8_lossy(&output.stdout)
-            .contains("problem: data, line 2: t = 0: no particle explains")
+        stderr(&output).contains("d.csv, line 2, column y: 0.5 is no value of poisson(exp(x)*noise)"),
+        "{}",
+        stderr(&output)
+    );
+    place.write("edges.toml", common::WALK.replace("normal(x, noise)", "uniform(x, x + noise)"));
+    place.write("d.csv", "y\n500\n");
+    let output = place.run(&["check", "edges.toml", "d.csv"]);
+    assert_eq!(output.status.code(), Some(2));
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert!(
+        said.contains("problem: data, line 2: t = 0: no particle explains the measurement: y is 500"),
+        "{said}"
     );
 }
 

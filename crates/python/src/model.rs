@@ -128,7 +128,8 @@ impl Model {
         Ok((columns.measurements().to_vec(), series, time, carried, columns.ignored.clone()))
     }
 
-    /// Data of a table: its header, the measurements row by row, and the columns `series`, `t` and the carried one.
+    /// Data of a table: its header, the measurements row by row, the columns `series`, `t` and the carried one, and an index of dates without a name.
+    #[pyo3(signature = (header, measurements, series, times, carried, index=None))]
     fn data(
         &self,
         header: Vec<String>,
@@ -136,6 +137,7 @@ impl Model {
         series: Option<Vec<String>>,
         times: Option<Vec<f64>>,
         carried: Option<Vec<String>>,
+        index: Option<Vec<String>>,
     ) -> PyResult<Data> {
         let table = Table {
             name: "data",
@@ -144,6 +146,7 @@ impl Model {
             series: series.as_deref(),
             times: times.as_deref(),
             carried: carried.as_deref(),
+            index: index.as_deref(),
         };
         motes::Data::of_table(&table, &self.model).map(Data).map_err(to_python)
     }

@@ -1,5 +1,7 @@
 """Data of any form, and what is refused of them."""
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -15,6 +17,11 @@ TWO = {
 @pytest.fixture
 def two():
     return motes.Model(TWO)
+
+
+@pytest.fixture
+def walk():
+    return motes.Model({"initial": {"x": "normal(0, 1)"}, "transition": {"x": "normal(0.9*x, 0.5)"}, "measurement": {"y": "normal(x, 0.5)"}})
 
 
 def test_every_form_of_the_same_data_gives_the_same(nile):
@@ -106,6 +113,79 @@ def test_results_repeat_what_columns_said(nile):
     assert found.to_pandas()["year"].tolist() == found.to_polars()["year"].to_list() == [1871, 1872, 1873]
     once = nile.filter({"series": (name for name in "aab"), "year": {1: 0, 2: 0, 3: 0}.keys(), "flow": flows})
     assert once.to_pandas()[["series", "year"]].values.tolist() == [["a", 1], ["a", 2], ["b", 3]]
+
+
+def test_levels_of_an_index_are_columns(walk):
+    pandas = pytest.importorskip("pandas")
+    dates = pandas.date_range("2024-01-01", periods=3)
+    frame = pandas.DataFrame({"series": list("aaabbb"), "date": [*dates, *dates], "y": [0.1, 0.2, 0.3, 5.0, 5.1, 5.2]})
+    expected = walk.filter(frame)
+    assert len(expected.log_evidence_per_series) == 2
+    for levels in (["series", "date"], ["date", "series"], ["series"], ["date"]):
+        indexed = frame.set_index(levels)
+        for data in [indexed, indexed["y"]] if len(levels) == 2 else [indexed]:
+            found = walk.filter(data)
+            assert found.log_evidence_per_series.tolist() == expected.log_evidence_per_series.tolist(), levels
+            assert found.series_names == ["a", "b"] and not found.warnings
+            assert "a,2024-01-01,0," in found.to_csv()
+            table = found.to_pandas()
+            assert (table.index == data.index).all() and not set(levels) & set(table.columns)
+            assert table.reset_index()["date"].tolist() == [*dates, *dates]
+    by_series = frame.set_index("series")["y"]
+    assert walk.filter(by_series).log_evidence_per_series.shape == (2,)
+    # A date is carried before what else is an index; one that is no series is asked about.
+    station = frame.rename(columns={"series": "station"}).set_index(["station", "date"])
+    with pytest.warns(motes.MotesWarning) as said:
+        found = walk.filter(station)
+    assert "a,0," not in found.to_csv() and "2024-01-01,0," in found.to_csv()
+    assert any("column date: it begins again at row 3 (2024-01-01)" in str(one.message) for one in said)
+
+
+def test_times_that_are_not_one_step_apart_are_warned_of(walk):
+    pandas = pytest.importorskip("pandas")
+    index = pandas.to_datetime(["2024-01-01", "2024-06-01", "2024-01-01", "2023-01-01"])
+    values = [0.1, 0.2, 0.3, 0.4]
+    line = (
+        "steps of 5, -5 and -12 months; row 2 (2024-01-01) is before row 1 and 1 more; row 2 (2024-01-01) repeats row 0: "
+        "rows are taken as consecutive time steps; sort them, and leave one row for each time"
+    )
+    forms = [
+        ("the index", pandas.Series(values, index=index)),
+        ("the index", pandas.DataFrame({"y": values}, index=index)),
+        ("column date", pandas.Series(values, index=index.rename("date"))),
+        ("column date", pandas.DataFrame({"date": index, "y": values})),
+        ("column date", {"date": [str(date)[:10] for date in index], "y": values}),
+    ]
+    for name, form in forms:
+        with pytest.warns(motes.MotesWarning):
+            found = walk.filter(form)
+        assert found.warnings == [f"{name}: {line}"]
+    for freq in ["D", "ME", "MS", "B", "h", "QE", "W", "YS"]:
+        dates = pandas.date_range("2024-01-31", periods=30, freq=freq)
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            found = walk.filter(pandas.Series(np.linspace(0, 1, 30), index=dates))
+            assert (found.to_pandas().index == dates).all()
+            if freq in ("D", "ME", "QE"):
+                walk.filter(pandas.Series(np.linspace(0, 1, 30), index=dates.to_period()))
+
+
+def test_a_count_that_is_none_is_refused_with_its_row():
+    walk = {"initial": {"x": "normal(0, 1)"}, "transition": {"x": "normal(x, 1)"}}
+    counts = motes.Model({**walk, "measurement": {"y": "poisson(exp(x))"}})
+    for value in (-2, 2.5, 0.9999999999):
+        line = f"data, row 1, column y: {value} is no value of poisson(exp(x)): a count is a whole number, 0 or more"
+        for call in (counts.filter, counts.smooth, counts.compare, counts.learn, counts.check):
+            with pytest.raises(ValueError) as refused:
+                call([1, value])
+            assert str(refused.value) == line
+
+
+def test_a_lazy_frame_is_refused_in_a_line(walk):
+    polars = pytest.importorskip("polars")
+    for data in (polars.LazyFrame({"y": [1.0, 2.0]}), [polars.LazyFrame({"y": [1.0]}), np.array([1.0])]):
+        with pytest.raises(ValueError, match=r"LazyFrame has no rows yet; call \.collect\(\) first$"):
+            walk.filter(data)
 
 
 def test_a_forecast_of_no_time_is_empty(nile):

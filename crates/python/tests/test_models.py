@@ -244,8 +244,13 @@ def test_a_proposal_of_another_model_is_refused(growth, tmp_path):
 
 def test_a_failed_filter_says_where(examples):
     counts = motes.Model(examples / "ricker.toml")
-    with pytest.raises(ValueError, match="t = 1: no particle explains the measurement"):
+    with pytest.raises(ValueError, match="^data, row 1, column .*: -1 is no value of poisson.*: a count is a whole number, 0 or more$"):
         counts.filter([1, -1])
+    edges = motes.Model({"initial": {"x": "normal(0, 1)"}, "transition": {"x": "normal(x, 1)"}, "measurement": {"y": "uniform(x - 1, x + 1)"}})
+    with pytest.raises(ValueError, match="^row 1, t = 1: no particle explains the measurement: y is 900, where the particles predict "):
+        edges.filter([0.5, 900])
+    with pytest.raises(ValueError, match="t = 0: .*: -1 is no value of poisson"):
+        counts.online().step([-1])
 
 
 def test_other_threads_of_python_run_meanwhile(growth):

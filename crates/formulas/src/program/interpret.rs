@@ -48,7 +48,7 @@ impl Program {
     }
 
     /// Computes the numbers that are the same for all particles.
-    fn plain(&self, time: usize, plain: &mut [f64]) {
+    pub(super) fn plain(&self, time: usize, plain: &mut [f64]) {
         let first = self.constants.len();
         plain[..first].copy_from_slice(&self.constants);
         for (at, step) in self.steps.iter().enumerate() {

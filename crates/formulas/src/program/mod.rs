@@ -3,7 +3,9 @@
 mod compile;
 mod instruction;
 mod interpret;
+mod known;
 mod registers;
 
 pub(crate) use compile::compile;
 pub(crate) use instruction::Program;
+pub(crate) use known::Known;

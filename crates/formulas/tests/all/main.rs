@@ -13,4 +13,5 @@ mod pages;
 mod random_formulas;
 mod refusals;
 mod refused;
+mod support;
 mod vectors;

@@ -5,8 +5,8 @@ use std::time::Instant;
 use motes::output::{EstimateTable, Output, Sink, filter_json, filter_summary};
 use motes::smc::WeightReport;
 use motes::{
-    Counted, Data, DataError, Estimate, FilterOptions, Filtered, Model, MotesError, Row, Rows, Running,
-    Warning, of_opinion, of_proposal,
+    Counted, Data, DataError, Estimate, FilterOptions, Filtered, Model, MotesError, Row, RowOrder, Rows,
+    Running, Warning, of_opinion, of_proposal,
 };
 use motes_cli::{Interrupt, status};
 
@@ -43,6 +43,7 @@ pub(super) fn run(
     let (mut weights, mut least_ess, mut times) = (WeightReport::default(), f64::INFINITY, 0);
     // Only a report needs what went by.
     let mut kept: Option<(Vec<Row>, Vec<Estimate>)> = args.output.report.as_ref().map(|_| Default::default());
+    let (mut order, mut warnings) = (RowOrder::default(), Vec::new());
     while answers.are_read {
         let Some(row) = rows.next_row().map_err(of_input)? else { break };
         if row.series == series.len() {
@@ -51,7 +52,15 @@ pub(super) fn run(
             series.push(Series { name, running, report: WeightReport::default(), length: 0 });
         }
         let of = &mut series[row.series];
-        let estimate = of.running.step(&row.measurement).map_err(|error| at_line(row.line, error))?;
+        let label = rows.columns().carried().zip(row.label.as_deref());
+        let said = label.and_then(|(column, label)| order.next(column, row.series, row.line, label));
+        if let Some(text) = said {
+            let warning = Warning { series: rows.columns().has_series().then(|| of.name.clone()), text };
+            warn(std::slice::from_ref(&warning), args.model.quiet, false);
+            warnings.push(warning);
+        }
+        let step = of.running.step(&row.measurement);
+        let estimate = step.map_err(|error| error.at_row(Counted::Line, row.line))?;
         answers.say(&table.row(&of.name, row.label.as_deref(), row.time, &estimate))?;
         let diagnosis = of.running.diagnosis();
         of.report.add(&diagnosis);
@@ -76,7 +85,9 @@ pub(super) fn run(
     }
     let has_series = rows.columns().has_series();
     let (mut forecasts, mut opinions, mut log_evidence_per_series) = (Vec::new(), Vec::new(), Vec::new());
-    let mut warnings: Vec<Warning> = of_proposal(options).into_iter().collect();
+    // Those of the order were said as their rows came.
+    let said = warnings.len();
+    warnings.extend(of_proposal(options));
     for Series { name, running, report, length } in &mut series {
         log_evidence_per_series.push(running.log_evidence());
         let named = has_series.then(|| name.clone());
@@ -99,8 +110,8 @@ pub(super) fn run(
         Filtered { estimates, forecasts, log_evidence_per_series, weights, least_ess, warnings, opinions };
     if let Some(path) = &args.output.report {
         let names = series.into_iter().map(|of| of.name).collect();
-        let data =
-            Data { columns: rows.columns().clone(), series: names, rows: kept_rows, counted: Counted::Line };
+        let columns = rows.columns().clone();
+        let data = Data { columns, series: names, rows: kept_rows, counted: Counted::Line, index: None };
         write(&Output::File(path.clone()), &page(args, model, &data, options, &filtered)?)?;
     }
     if args.output.json {
@@ -110,16 +121,8 @@ pub(super) fn run(
         let figures = filter_summary(times, has_series, &filtered, options);
         status(&format!("motes: {}", in_one_line(&figures)));
     }
-    Ok(warn(&filtered.warnings, args.model.quiet, args.output.strict))
-}
-
-fn at_line(line: u64, error: MotesError) -> MotesError {
-    match error {
-        MotesError::Filter { place, reason } => {
-            MotesError::Filter { place: format!("line {line}, {place}"), reason }
-        }
-        error => error,
-    }
+    let status = warn(&filtered.warnings[said..], args.model.quiet, args.output.strict);
+    Ok(status.max(u8::from(args.output.strict && said > 0)))
 }
 
 /// Where answers go as they are made, if anywhere, and whether anybody still reads them.

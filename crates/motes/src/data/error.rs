@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use motes_formulas::Impossible;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -130,6 +131,14 @@ pub enum DataError {
         value: String,
         /// What is the matter with it.
         problem: &'static str,
+    },
+    /// A measurement that no state can give.
+    #[error("{place}: {impossible}")]
+    Impossible {
+        /// Where.
+        place: Place,
+        /// What it is, and what it could be.
+        impossible: Box<Impossible>,
     },
     /// Text that is not UTF-8.
     #[error("{file}, line {line}: this is not UTF-8 text; save the file in that encoding")]

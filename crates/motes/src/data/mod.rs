@@ -1,15 +1,20 @@
 //! Data: rows of measurements from CSV or from memory, as one or several series.
 
+mod blocks;
 mod cell;
 mod columns;
 mod error;
 mod rows;
 mod seen;
 mod series;
+mod shown;
 mod table;
+mod times;
+mod warnings;
 
 pub use columns::Columns;
 pub use error::{Counted, DataError, Place};
 pub use rows::{Row, Rows};
 pub use series::Data;
 pub use table::Table;
+pub use times::RowOrder;

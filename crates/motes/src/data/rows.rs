@@ -9,6 +9,7 @@ use super::cell::number;
 use super::columns::Columns;
 use super::error::{Counted, DataError, Place};
 use super::seen::SeenSeries;
+use super::shown::shown;
 use crate::model::Model;
 
 /// A row of data.
@@ -33,6 +34,8 @@ pub struct Rows<R> {
     file: String,
     columns: Columns,
     series: SeenSeries,
+    /// Which measurements no state can give.
+    model: Model,
 }
 
 impl<R: Read> Rows<R> {
@@ -58,6 +61,7 @@ impl<R: Read> Rows<R> {
             file: file.into(),
             columns,
             series: SeenSeries::default(),
+            model: model.clone(),
         })
     }
 
@@ -105,6 +109,10 @@ impl<R: Read> Rows<R> {
                 problem,
             })?);
         }
+        if let Some(impossible) = self.model.impossible(time, &measurement) {
+            let place = self.place(line, self.columns.measurements[impossible.coordinate]);
+            return Err(DataError::Impossible { place, impossible: impossible.into() });
+        }
         self.series.add(series);
         Ok(Some(Row { line, series, time, label, measurement }))
     }
@@ -149,17 +157,6 @@ impl<R: Read> Rows<R> {
             line,
             column: self.columns.names[at].clone(),
         }
-    }
-}
-
-/// What stands in a cell, for a line that says what is wrong with it.
-fn shown(text: &str) -> String {
-    const LONGEST: usize = 40;
-    let text = text.trim();
-    match text.char_indices().nth(LONGEST) {
-        _ if text.is_empty() => "an empty cell".to_string(),
-        None => text.escape_debug().to_string(),
-        Some((end, _)) => format!("{}…", text[..end].escape_debug()),
     }
 }
 

@@ -22,6 +22,8 @@ pub struct Data {
     pub rows: Vec<Row>,
     /// How rows are counted, for errors.
     pub counted: Counted,
+    /// What an index beside the columns says of each row, where a table in memory has one.
+    pub index: Option<Vec<String>>,
 }
 
 impl Data {
@@ -58,7 +60,7 @@ impl Data {
             return Err(DataError::Empty { file: file.into() });
         }
         let series = reader.series().map(String::from).collect();
-        Ok(Data { columns: reader.columns().clone(), series, rows, counted: Counted::Line })
+        Ok(Data { columns: reader.columns().clone(), series, rows, counted: Counted::Line, index: None })
     }
 
     /// For each series, where its rows stand in [`Data::rows`], in order of time.

@@ -24,6 +24,8 @@ pub struct Table<'a> {
     pub times: Option<&'a [f64]>,
     /// The column that is carried to the output, if it has one.
     pub carried: Option<&'a [String]>,
+    /// What an index beside the columns says of each row, if it has one: it is looked at as the carried column is ([`Data::warnings`]).
+    pub index: Option<&'a [String]>,
 }
 
 impl Data {
@@ -42,6 +44,7 @@ impl Data {
     ///     series: None,
     ///     times: None,
     ///     carried: None,
+    ///     index: None,
     /// };
     /// let data = Data::of_table(&table, &model)?;
     /// assert_eq!(data.rows[1].measurement, [None]);
@@ -49,7 +52,8 @@ impl Data {
     /// ```
     ///
     /// # Errors
-    /// [`DataError`] if there are no rows, a column is missing or shorter than others, times do not count, or a measurement is infinite.
+    /// [`DataError`] if there are no rows, a column is missing or shorter than others, times do not count, or a measurement is infinite or one that no
+    /// state can give.
     pub fn of_table(table: &Table<'_>, model: &Model) -> Result<Self, DataError> {
         let file = || table.name.to_string();
         let columns = Columns::of(table.header, table.name, model.states(), model.measurements())?;
@@ -63,6 +67,7 @@ impl Data {
             table.series.map(|column| (column.len(), count)),
             table.times.map(|column| (column.len(), count)),
             table.carried.map(|column| (column.len(), count)),
+            table.index.map(|column| (column.len(), count)),
         ];
         if let Some((found, expected)) =
             lengths.into_iter().flatten().find(|(found, expected)| found != expected)
@@ -92,16 +97,23 @@ impl Data {
                     problem: "is not finite; a measurement that is missing is NaN",
                 });
             }
+            let measurement: Vec<Option<f64>> =
+                values.iter().map(|value| (!value.is_nan()).then_some(*value)).collect();
+            if let Some(impossible) = model.impossible(time, &measurement) {
+                let place = place(at, columns.measurements[impossible.coordinate]);
+                return Err(DataError::Impossible { place, impossible: impossible.into() });
+            }
             seen.add(series);
             rows.push(Row {
                 line: at as u64,
                 series,
                 time,
                 label: table.carried.map(|labels| labels[at].clone()),
-                measurement: values.iter().map(|value| (!value.is_nan()).then_some(*value)).collect(),
+                measurement,
             });
         }
         let series = seen.names().map(String::from).collect();
-        Ok(Data { columns, series, rows, counted: Counted::Row })
+        let index = table.index.map(<[String]>::to_vec);
+        Ok(Data { columns, series, rows, counted: Counted::Row, index })
     }
 }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from decimal import Decimal
 from typing import Any
@@ -22,6 +23,8 @@ class Rows:
     index: Any = None
     #: What columns that results repeat said before they became text, by their names.
     labels: dict[str, list[Any]] = field(default_factory=dict)
+    #: The names of those columns that are levels of the index.
+    levels: list[str] = field(default_factory=list)
 
 
 def data_of(model: _motes.Model, data: Any) -> Rows:
@@ -29,12 +32,13 @@ def data_of(model: _motes.Model, data: Any) -> Rows:
     if isinstance(data, (str, os.PathLike)):
         rows = Rows(model.open(os.fspath(data)))
     elif _is_frame(data):
-        found, labels = _of_frame(model, data)
-        rows = Rows(found, getattr(data, "index", None), labels)
+        rows = _of_frame(model, data)
+    elif _is_series_of_pandas(data) and len(model.measurements) == 1:
+        rows = _of_columns(model, [(model.measurements[0], lambda: data)], data.index)
     elif isinstance(data, (list, tuple)) and len(data) > 0 and all(_is_sequence(one) for one in data):
         rows = Rows(_of_sequences(model, list(data)))
     else:
-        rows = Rows(_of_array(model, data), _index_of_series(data))
+        rows = Rows(_of_array(model, data))
     if rows.found.ignored:
         warn(f"data: columns that are not used: {', '.join(rows.found.ignored)}")
     return rows
@@ -42,6 +46,8 @@ def data_of(model: _motes.Model, data: Any) -> Rows:
 
 def _is_frame(data: Any) -> bool:
     """Whether it has columns by name: a frame of pandas or polars, or a dict of columns."""
+    if type(data).__name__ == "LazyFrame":
+        raise ValueError("data: a LazyFrame has no rows yet; call .collect() first")
     return isinstance(data, dict) or (hasattr(data, "columns") and hasattr(data, "__getitem__"))
 
 
@@ -51,17 +57,46 @@ def _is_sequence(data: Any) -> bool:
     return _is_frame(data) or hasattr(data, "to_numpy") or getattr(data, "ndim", 0) >= 1
 
 
-def _index_of_series(data: Any) -> Any:
-    """The index of a series of pandas."""
-    return data.index if hasattr(data, "index") and hasattr(data, "to_numpy") else None
+def _is_series_of_pandas(data: Any) -> bool:
+    return hasattr(data, "to_numpy") and hasattr(getattr(data, "index", None), "get_level_values")
 
 
-def _of_frame(model: _motes.Model, frame: Any) -> tuple[_motes.Data, dict[str, list[Any]]]:
-    """Its rows, and what columns that results repeat said before they became text."""
-    keys = list(frame if isinstance(frame, dict) else frame.columns)
-    names = [str(key) for key in keys]
+def _levels(index: Any) -> tuple[dict[str, Any], Any]:
+    """The levels of an index of pandas that have names, dates first, and the dates of a level without one."""
+    if not hasattr(index, "get_level_values"):
+        return {}, None
+    levels = [(name, index.get_level_values(number)) for number, name in enumerate(index.names)]
+    named = [(str(name), values) for name, values in levels if name is not None]
+    dates = [values for name, values in levels if name is None and _is_dated(values)]
+    return dict(sorted(named, key=lambda level: not _is_dated(level[1]))), (dates[0] if dates else None)
+
+
+def _is_dated(values: Any) -> bool:
+    """Whether labels of an index are dates."""
+    kind = getattr(getattr(values, "dtype", None), "kind", None)
+    return kind == "M" or type(values).__name__ == "PeriodIndex" or (len(values) > 0 and hasattr(values[0], "isoformat"))
+
+
+def _of_frame(model: _motes.Model, frame: Any) -> Rows:
+    if isinstance(frame, dict):
+        return _of_columns(model, _taken(frame, frame), None)
+    return _of_columns(model, _taken(frame, frame.columns), getattr(frame, "index", None))
+
+
+def _taken(frame: Any, keys: Any) -> list[tuple[str, Callable[[], Any]]]:
+    """Its columns by name, taken out where they are used."""
+    return [(str(key), lambda key=key: frame[key]) for key in keys]
+
+
+def _of_columns(model: _motes.Model, columns: list[tuple[str, Callable[[], Any]]], index: Any) -> Rows:
+    """The rows of columns. Levels of an index of pandas that have names are columns, too, before the others."""
+    named, dates = _levels(index)
+    known = {name for name, _ in columns}
+    levels = {name: values for name, values in named.items() if name not in known}
+    taken = [*((name, lambda values=values: values) for name, values in levels.items()), *columns]
+    names = [name for name, _ in taken]
     measured, series, time, carried, _ = model.columns(names)
-    used = {at: _column(frame[keys[at]], names[at]) for at in [*measured, series, time, carried] if at is not None}
+    used = {at: _column(taken[at][1](), names[at]) for at in [*measured, series, time, carried] if at is not None}
     columns = [_numbers(used[at], names[at]) for at in measured]
     lengths = {len(column) for column in columns}
     if len(lengths) > 1:
@@ -73,7 +108,9 @@ def _of_frame(model: _motes.Model, frame: Any) -> tuple[_motes.Data, dict[str, l
         if _is_missing(value):
             raise ValueError(f"data, row {row}, column series: it is missing; each row must say which series it belongs to")
     texts = [None if at is None else [_text(value) for value in labels[names[at]]] for at in (series, carried)]
-    return model.data(names, values.reshape(-1), texts[0], times, texts[1]), labels
+    index_texts = None if dates is None else [_text(value) for value in dates]
+    found = model.data(names, values.reshape(-1), texts[0], times, texts[1], index_texts)
+    return Rows(found, index, labels, list(levels))
 
 
 def _column(values: Any, name: str) -> Any:
@@ -117,7 +154,7 @@ def _of_sequences(model: _motes.Model, sequences: list[Any]) -> _motes.Data:
 
 def _one_sequence(model: _motes.Model, sequence: Any, names: list[str], width: int) -> np.ndarray:
     if _is_frame(sequence):
-        return _of_frame(model, sequence)[0].measurements.reshape(-1, width)
+        return _of_frame(model, sequence).found.measurements.reshape(-1, width)
     one = _numbers(sequence, names[0] if width == 1 else None)
     if one.ndim == 1 and width == 1:
         one = one[:, None]

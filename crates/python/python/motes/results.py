@@ -22,6 +22,7 @@ class _Estimates:
 
     def __init__(self, found: _motes.Filtered, rows: Rows, states: list[str], measured: list[str]):
         self._found, self._data, self._index, self._labels = found, rows.found, rows.index, rows.labels
+        self._levels = rows.levels
         #: The names of the `N` coordinates of a state.
         self.states = states
         self._measured = measured
@@ -156,7 +157,11 @@ class _Estimates:
 
     def to_pandas(self) -> Any:
         """A data frame of pandas with a row for each row of the data, and its index where it had one."""
-        return _module("pandas", "to_pandas").DataFrame(self._columns(self._labels), index=self._index)
+        columns = self._columns(self._labels)
+        for level in self._levels:
+            # The index has it.
+            columns.pop(level, None)
+        return _module("pandas", "to_pandas").DataFrame(columns, index=self._index)
 
     def to_polars(self) -> Any:
         """A data frame of polars with a row for each row of the data."""

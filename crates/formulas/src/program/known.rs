@@ -1,0 +1,44 @@
+//! What is known of distributions before there are states.
+
+use motes_models::equations::with_scalars;
+
+use super::instruction::{Program, Source, Step};
+use crate::tables::Kind;
+
+/// The distribution of a coordinate as far as it is the same for all states: a number that depends on them is none.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Known {
+    pub(crate) kind: Kind,
+    /// What the family does not take is some other number of it.
+    pub(crate) parameters: [Option<f64>; 3],
+    /// What it is multiplied by: 1 where it is not.
+    pub(crate) scale: Option<f64>,
+    /// What is added then: 0 where nothing is.
+    pub(crate) shift: Option<f64>,
+}
+
+impl Program {
+    /// Whether any number that is the same for all states differs from time to time.
+    pub(crate) fn depends_on_time(&self) -> bool {
+        self.steps.iter().any(|step| matches!(step, Step::Time))
+    }
+
+    /// What is known of each coordinate's distribution at a time.
+    pub(crate) fn known(&self, time: usize) -> Vec<Known> {
+        with_scalars::<f64, _>(self.constants.len() + self.steps.len(), |plain| {
+            self.plain(time, plain);
+            let value = |source: Source| match source {
+                Source::Plain(place) => Some(plain[place as usize]),
+                Source::Varied(_) => None,
+            };
+            let of = |source: Option<Source>, otherwise: f64| source.map_or(Some(otherwise), value);
+            let outputs = self.coordinates.iter().map(|output| Known {
+                kind: output.kind,
+                parameters: output.parameters.map(value),
+                scale: of(output.scale, 1.0),
+                shift: of(output.shift, 0.0),
+            });
+            outputs.collect()
+        })
+    }
+}

@@ -1,0 +1,60 @@
+//! Where measurements can lie whatever the states are: what lies elsewhere has density 0 for every particle.
+
+mod interval;
+
+pub(crate) use interval::Digits;
+pub use interval::{End, Support};
+
+use crate::program::{Known, Program};
+use crate::tables::Kind;
+
+/// The support of each coordinate of a program at a time, as far as it holds for all states.
+pub(crate) fn supports(program: &Program, time: usize) -> Vec<Option<Support>> {
+    program.known(time).iter().map(of).collect()
+}
+
+/// The support of a distribution, if it is the same for all states and not the whole line.
+fn of(known: &Known) -> Option<Support> {
+    let counts = |most: Option<f64>| {
+        let most = most.filter(|most| *most >= 0.0 && most.fract() == 0.0);
+        Some(Support::Counts { most })
+    };
+    match known.kind {
+        Kind::Normal | Kind::StudentT | Kind::Laplace => None,
+        Kind::Poisson | Kind::NegativeBinomial => counts(None),
+        Kind::Binomial => counts(known.parameters[0]),
+        Kind::Bernoulli => counts(Some(1.0)),
+        Kind::Exponential => beyond(known, true),
+        // Their densities are 0 at the end itself.
+        Kind::Gamma | Kind::LogNormal => beyond(known, false),
+        Kind::Uniform => between(known),
+    }
+}
+
+/// All numbers on one side of the point where a distribution begins, with that point or without it.
+fn beyond(known: &Known, is_in: bool) -> Option<Support> {
+    let (at, scale) = (finite(known.shift)?, finite(known.scale)?);
+    let end = Some(End { at, is_in });
+    match scale {
+        0.0 => None,
+        _ if scale > 0.0 => Some(Support::Interval { low: end, high: None }),
+        _ => Some(Support::Interval { low: None, high: end }),
+    }
+}
+
+/// All numbers between two ends, one of which may depend on states.
+fn between(known: &Known) -> Option<Support> {
+    let (shift, scale) = (finite(known.shift)?, finite(known.scale)?);
+    let end = |parameter: usize| {
+        let at = finite(known.parameters[parameter])? * scale + shift;
+        at.is_finite().then_some(End { at, is_in: true })
+    };
+    let [low, high] = if scale > 0.0 { [end(0), end(1)] } else { [end(1), end(0)] };
+    let is_wrong = matches!((low, high), (Some(low), Some(high)) if low.at >= high.at);
+    let is_nothing = scale == 0.0 || (low.is_none() && high.is_none());
+    (!is_wrong && !is_nothing).then_some(Support::Interval { low, high })
+}
+
+fn finite(value: Option<f64>) -> Option<f64> {
+    value.filter(|value| value.is_finite())
+}

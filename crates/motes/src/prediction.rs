@@ -1,0 +1,126 @@
+//! What particles predict where none of them explains the measurement.
+
+use motes_models::batch::Rows;
+use motes_models::{PartialLikelihood, Seed, Simulator};
+
+/// So many particles say what the others would.
+pub(crate) const MOST: usize = 1000;
+
+/// So many entries of a measurement are named.
+const NAMED: usize = 3;
+
+/// Beyond so many, entries are not weighed one by one.
+const WEIGHED: usize = 64;
+
+/// One entry of a measurement beside what is predicted for it.
+struct Beside {
+    entry: usize,
+    value: f64,
+    /// Mean, standard deviation, smallest and largest of what was drawn.
+    drawn: [f64; 4],
+    /// Whether it has density 0 at all states that were drawn.
+    is_impossible: bool,
+}
+
+impl Beside {
+    /// How far the value is from the mean, in standard deviations.
+    fn distance(&self) -> f64 {
+        let [mean, sd, ..] = self.drawn;
+        (self.value - mean).abs() / sd.max(f64::MIN_POSITIVE)
+    }
+}
+
+/// Draws `x_t`, given states before (`K×N`) or from `p(x_0)` where there are none, and `y_t`, and says in words which entries of the measurement (`M`) are where
+/// nothing is predicted: those of density 0 at all that was drawn, or else those that are farthest off. `names` are those of the entries; it is empty where nothing is
+/// measured or drawn.
+pub(crate) fn beside_prediction<M: Simulator + PartialLikelihood + ?Sized>(
+    model: &M,
+    time: usize,
+    previous: Option<&[f64]>,
+    measurement: &[Option<f64>],
+    names: &[String],
+) -> String {
+    let (n, m) = (model.state_dim(), model.measurement_dim());
+    let particles = previous.map_or(MOST, |previous| previous.len() / n);
+    let mut streams = [Seed::from_u64(0).child("prediction").stream()];
+    let (mut states, mut drawn) = (vec![0.0; particles * n], vec![0.0; particles * m]);
+    match previous {
+        Some(previous) => {
+            model.sample_transitions(time, Rows::all(previous, n), &mut streams, &mut states);
+        }
+        None => model.sample_initials(&mut streams, &mut states),
+    }
+    model.sample_measurements(time, &states, &mut streams, &mut drawn);
+    let beside = |(entry, value): (usize, &Option<f64>)| {
+        let value = (*value)?;
+        let drawn = summary(drawn.iter().skip(entry).step_by(m).copied())?;
+        let is_impossible = m <= WEIGHED && is_impossible(model, time, &states, entry, value);
+        Some(Beside { entry, value, drawn, is_impossible })
+    };
+    let mut all: Vec<Beside> = measurement.iter().enumerate().filter_map(beside).collect();
+    all.sort_by(|a, b| {
+        (b.is_impossible, b.distance())
+            .partial_cmp(&(a.is_impossible, a.distance()))
+            .unwrap_or(std::cmp::Ordering::Equal)
+    });
+    if all.iter().any(|beside| beside.is_impossible) {
+        all.retain(|beside| beside.is_impossible);
+    }
+    let words = |beside: &Beside| {
+        let [mean, sd, low, high] = beside.drawn.map(short);
+        let name = names.get(beside.entry).map_or("y", String::as_str);
+        format!(
+            "{name} is {}, where the particles predict {mean} ± {sd}, from {low} to {high}",
+            exact(beside.value)
+        )
+    };
+    let more = if all.len() > NAMED { format!("; and {} more", all.len() - NAMED) } else { String::new() };
+    all.iter().take(NAMED).map(words).collect::<Vec<_>>().join("; ") + &more
+}
+
+/// Whether one entry of a measurement has density 0 at all states.
+fn is_impossible<M: PartialLikelihood + ?Sized>(
+    model: &M,
+    time: usize,
+    states: &[f64],
+    entry: usize,
+    value: f64,
+) -> bool {
+    let mut alone = vec![None; model.measurement_dim()];
+    alone[entry] = Some(value);
+    let mut densities = vec![f64::NAN; states.len() / model.state_dim()];
+    let weighed = model.partial_log_likelihoods(time, states, &alone, &mut densities);
+    weighed.is_ok() && densities.iter().all(|density| *density == f64::NEG_INFINITY)
+}
+
+/// Mean, standard deviation, smallest and largest of finite numbers.
+fn summary(values: impl Iterator<Item = f64>) -> Option<[f64; 4]> {
+    let values: Vec<f64> = values.filter(|value| value.is_finite()).collect();
+    let count = values.len() as f64;
+    let mean = values.iter().map(|value| value / count).sum::<f64>();
+    let variance = values.iter().map(|value| (value - mean) * (value - mean) / count).sum::<f64>();
+    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    (!values.is_empty()).then_some([mean, variance.sqrt(), low, high])
+}
+
+/// A number in three digits.
+fn short(value: f64) -> String {
+    let size = value.abs();
+    match size {
+        _ if size == 0.0 || !size.is_finite() => value.to_string(),
+        _ if (1e-3..1e6).contains(&size) => {
+            let decimals = (2 - size.log10().floor() as i32).clamp(0, 6) as usize;
+            format!("{value:.decimals$}")
+        }
+        _ => format!("{value:.2e}"),
+    }
+}
+
+/// A number with all its digits.
+fn exact(value: f64) -> String {
+    match value == 0.0 || (1e-5..1e16).contains(&value.abs()) {
+        true => value.to_string(),
+        false => format!("{value:e}"),
+    }
+}
