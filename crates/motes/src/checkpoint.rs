@@ -84,15 +84,17 @@ impl<'m> Running<'m> {
         if proposal != options.proposal.kind() {
             return refused(differs("the proposal", &proposal, &options.proposal.kind()));
         }
-        let (found, expected) = (*state.settings(), options.settings());
+        let expected = options.settings();
+        let found = state.settings().copied().unwrap_or(expected);
         if found.particles != expected.particles {
             return refused(differs("the number of particles", &found.particles, &expected.particles));
         }
         if found != expected {
             return refused(differs("how it resamples and mixes", &found, &expected));
         }
-        if state.is_checked() != options.check {
-            return refused(differs("whether it is checked", &state.is_checked(), &options.check));
+        let is_checked = state.is_checked().unwrap_or(options.check);
+        if is_checked != options.check {
+            return refused(differs("whether it is checked", &is_checked, &options.check));
         }
         if !state.is_of_one_time() {
             return refused("its parts are of different times".into());

@@ -11,16 +11,19 @@ use motes_smc::{
 
 use crate::error::MotesError;
 use crate::estimate::{Coordinate, Estimate, PROBABILITIES};
+use crate::exact::{Exact, not_linear};
 use crate::model::{Kind, Model};
 use crate::options::{FilterOptions, ProposalName};
 use crate::prediction::{MOST, beside_prediction};
-use crate::running_state::{FilterState, SecondState};
+use crate::running_state::{FilterState, ParticleState, SecondState};
 
 /// A filter with the types of its model and proposal put aside.
 pub(crate) trait Steps: Send + Sync {
     fn step(&mut self, measurement: &[Option<f64>]) -> Result<(), FilterError>;
     /// What a bootstrap filter beside it says so far, if there is one.
     fn verdict(&self) -> Option<Verdict>;
+    /// By how much that one's log-evidence is larger.
+    fn difference(&self) -> f64;
     /// The standard error of the log-evidence, if there are small filters beside it and particles enough.
     fn standard_error(&self) -> Option<f64>;
     /// What the small filters beside it warn of.
@@ -32,8 +35,9 @@ pub(crate) trait Steps: Send + Sync {
     fn is_large(&self) -> bool;
     fn means(&self) -> &[f64];
     fn quantiles(&self, coordinate: usize, probabilities: &[f64]) -> Vec<f64>;
-    fn diagnosis(&self) -> WeightDiagnosis;
-    fn effective_sample_size(&self) -> f64;
+    /// What its weights say, if it has particles.
+    fn diagnosis(&self) -> Option<WeightDiagnosis>;
+    fn effective_sample_size(&self) -> Option<f64>;
     fn log_evidence(&self) -> f64;
     fn record(&self, history: &mut FilterHistory) -> Result<(), SmoothingError>;
     fn backward(
@@ -101,6 +105,10 @@ impl<M: StateSpaceModel + ?Sized, P: Proposal<M>> Filter<'_, M, P> {
         let (n, mean) = (means.len(), means[coordinate]);
         let values = particles.iter().skip(coordinate).step_by(n);
         let variance: f64 = values.zip(weights).map(|(x, weight)| weight * (x - mean) * (x - mean)).sum();
+        // One particle with all weight says nothing of a spread.
+        if variance == 0.0 && weights.iter().filter(|weight| **weight > 0.0).count() == 1 {
+            return Coordinate { mean, sd: f64::NAN, quantiles: [f64::NAN; 3] };
+        }
         let quantiles = filter.quantiles(coordinate, &PROBABILITIES);
         Coordinate { mean, sd: variance.sqrt(), quantiles: [quantiles[0], quantiles[1], quantiles[2]] }
     }
@@ -131,6 +139,10 @@ where
             Some(Second { bootstrap, opinion }) => opinion.step(filter, bootstrap),
             None => Ok(()),
         }
+    }
+
+    fn difference(&self) -> f64 {
+        self.second.as_ref().map_or(0.0, |second| second.opinion.difference())
     }
 
     fn standard_error(&self) -> Option<f64> {
@@ -166,12 +178,12 @@ where
         self.filter.quantiles(coordinate, probabilities)
     }
 
-    fn diagnosis(&self) -> WeightDiagnosis {
-        self.filter.diagnosis()
+    fn diagnosis(&self) -> Option<WeightDiagnosis> {
+        Some(self.filter.diagnosis())
     }
 
-    fn effective_sample_size(&self) -> f64 {
-        self.filter.effective_sample_size()
+    fn effective_sample_size(&self) -> Option<f64> {
+        Some(self.filter.effective_sample_size())
     }
 
     fn log_evidence(&self) -> f64 {
@@ -201,11 +213,11 @@ where
             bootstrap: second.bootstrap.snapshot(),
             opinion: second.opinion.clone(),
         };
-        FilterState {
+        FilterState::Particles(Box::new(ParticleState {
             filter: self.filter.snapshot(),
             check: self.check.as_ref().map(EvidenceCheck::snapshot),
             second: self.second.as_ref().map(second),
-        }
+        }))
     }
 
     fn of_particle(&self, particle: usize) -> (Option<&[f64]>, &[f64]) {
@@ -266,7 +278,7 @@ impl<'m> Running<'m> {
     pub fn step_and_diagnose(
         &mut self,
         measurement: &[Option<f64>],
-    ) -> Result<(Estimate, WeightDiagnosis), MotesError> {
+    ) -> Result<(Estimate, Option<WeightDiagnosis>), MotesError> {
         self.advance(measurement)?;
         Ok(match self.filter.is_large() {
             true => rayon_core::join(|| self.estimate(), || self.diagnosis()),
@@ -278,7 +290,7 @@ impl<'m> Running<'m> {
     fn estimate(&self) -> Estimate {
         Estimate {
             state: self.filter.state(),
-            ess: Some(self.effective_sample_size()),
+            ess: self.effective_sample_size(),
             log_evidence: Some(self.last_increment()),
         }
     }
@@ -308,8 +320,18 @@ impl<'m> Running<'m> {
         self.filter.verdict()
     }
 
-    /// What the weights of the last step say about how far they can be trusted.
-    pub fn diagnosis(&self) -> WeightDiagnosis {
+    /// By how much the log-evidence of a bootstrap filter beside it is above its own, if there is one.
+    pub fn difference(&self) -> f64 {
+        self.filter.difference()
+    }
+
+    /// The names of the coordinates of a state.
+    pub fn states(&self) -> &'m [String] {
+        self.model.states()
+    }
+
+    /// What the weights of the last step say about how far they can be trusted; none of an exact filter, which has none.
+    pub fn diagnosis(&self) -> Option<WeightDiagnosis> {
         self.filter.diagnosis()
     }
 
@@ -329,8 +351,8 @@ impl<'m> Running<'m> {
         self.filter.backward(history, paths, seed, proceed)
     }
 
-    /// The effective sample size, in particles.
-    pub fn effective_sample_size(&self) -> f64 {
+    /// The effective sample size, in particles; none of an exact filter.
+    pub fn effective_sample_size(&self) -> Option<f64> {
         self.filter.effective_sample_size()
     }
 
@@ -412,6 +434,16 @@ pub(crate) fn filter_of<'m>(
 ) -> Result<Box<dyn Steps + 'm>, MotesError> {
     let refused =
         |proposal: &str, reason: String| Err(MotesError::Proposal { proposal: proposal.to_string(), reason });
+    if options.proposal == ProposalName::Exact {
+        let exact = match start {
+            Start::Seed(_) => Exact::new(model),
+            Start::State(state) => match *state {
+                FilterState::Exact(state) => Exact::restore(model, state),
+                FilterState::Particles(_) => return Err(of_another_kind()),
+            },
+        };
+        return exact.map(|exact| Box::new(exact) as Box<dyn Steps>).ok_or_else(|| not_linear(model));
+    }
     match (model.kind(), &options.proposal) {
         (Kind::Learnable(learnable), ProposalName::Bootstrap) => boxed(learnable, Bootstrap, options, start),
         (Kind::Learnable(learnable), ProposalName::Learned(learned)) => {
@@ -444,7 +476,13 @@ pub(crate) fn filter_of<'m>(
         (Kind::LinearGaussian(_), ProposalName::Learned(learned)) => {
             refused(learned.name(), "it was learned for a model of formulas".into())
         }
+        (_, ProposalName::Exact) => Err(not_linear(model)),
     }
+}
+
+/// A checkpoint that is none of such a filter.
+fn of_another_kind() -> MotesError {
+    MotesError::Packed { what: "checkpoint".into(), reason: "it is of a filter of another kind".into() }
 }
 
 fn boxed<'m, M: PartialLikelihood + Simulator + ?Sized>(
@@ -456,7 +494,8 @@ fn boxed<'m, M: PartialLikelihood + Simulator + ?Sized>(
     let seed = match start {
         Start::Seed(seed) => seed,
         Start::State(state) => {
-            let FilterState { filter, check, second } = *state;
+            let FilterState::Particles(state) = *state else { return Err(of_another_kind()) };
+            let ParticleState { filter, check, second } = *state;
             let restored = |SecondState { bootstrap, opinion }| {
                 ParticleFilter::restore(model, Bootstrap, bootstrap)
                     .map(|bootstrap| Second { bootstrap, opinion })

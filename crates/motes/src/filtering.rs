@@ -11,6 +11,7 @@ use crate::error::MotesError;
 use crate::estimate::Estimate;
 use crate::model::Model;
 use crate::options::{FilterOptions, ProposalName};
+use crate::tally::{Measured, SeriesTally, Tally};
 use crate::warning::Warning;
 
 /// What filters made of data.
@@ -22,10 +23,14 @@ pub struct Filtered {
     pub forecasts: Vec<Vec<Estimate>>,
     /// The log-evidence of each series.
     pub log_evidence_per_series: Vec<f64>,
+    /// Its standard error; none where it is not checked, or of too few particles to tell, and 0 where the log-evidence is exact.
+    pub standard_error_per_series: Vec<Option<f64>>,
+    /// The exact log-evidence of each series by the Kalman filter, where the model is linear and Gaussian and filters are checked.
+    pub exact_log_evidence_per_series: Vec<Option<f64>>,
     /// What the weights of all steps say.
     pub weights: WeightReport,
-    /// The least effective sample size of all steps.
-    pub least_ess: f64,
+    /// The least effective sample size of all steps; none without particles.
+    pub least_ess: Option<f64>,
     /// Reasons not to trust the estimates.
     pub warnings: Vec<Warning>,
     /// What a bootstrap filter beside that of each series says; none where none ran.
@@ -36,6 +41,13 @@ impl Filtered {
     /// The log-evidence of all series together.
     pub fn log_evidence(&self) -> f64 {
         self.log_evidence_per_series.iter().sum()
+    }
+
+    /// Its standard error: series are independent, so their variances add up. None if a series has none.
+    pub fn standard_error(&self) -> Option<f64> {
+        let errors = self.standard_error_per_series.iter().copied();
+        let variance: Option<f64> = errors.map(|error| error.map(|error| error * error)).sum();
+        variance.map(f64::sqrt)
     }
 }
 
@@ -60,46 +72,43 @@ fn filter_until(
     proceed: &mut dyn FnMut(usize) -> ControlFlow<()>,
 ) -> Result<Filtered, MotesError> {
     let mut estimates: Vec<Option<Estimate>> = vec![None; data.rows.len()];
-    let (mut forecasts, mut log_evidence_per_series, mut opinions) = (vec![], vec![], vec![]);
-    let mut warnings: Vec<Warning> = of_proposal(options).into_iter().chain(data.warnings()).collect();
-    let (mut weights, mut least_ess, mut done) = (WeightReport::default(), f64::INFINITY, 0);
+    let mut tally = Tally::new(of_proposal(options).into_iter().chain(data.warnings()).collect());
+    let (mut forecasts, mut done) = (vec![], 0);
     for (series, (name, places)) in data.series.iter().zip(data.by_series()).enumerate() {
-        let name = data.columns.has_series().then(|| name.clone());
+        let name = data.columns.has_series().then_some(name.as_str());
         let mut running = Running::new(model, options, series)?;
-        let mut report = WeightReport::default();
+        let mut of_this = SeriesTally::new(model, options);
         for &at in &places {
-            let (estimate, diagnosis) =
-                running.step_and_diagnose(&data.rows[at].measurement).map_err(|error| {
-                    of_series(name.as_deref(), error.at_row(data.counted, data.rows[at].line))
-                })?;
-            report.add(&diagnosis);
-            weights.add(&diagnosis);
-            least_ess = estimate.ess.map_or(least_ess, |ess| least_ess.min(ess));
+            let row = &data.rows[at];
+            let (estimate, diagnosis) = running
+                .step_and_diagnose(&row.measurement)
+                .map_err(|error| of_series(name, error.at_row(data.counted, row.line)))?;
+            tally.step(&mut of_this, &row.measurement, diagnosis.as_ref());
             estimates[at] = Some(estimate);
             done += 1;
             if proceed(done).is_break() {
                 return Err(MotesError::Interrupted);
             }
         }
-        log_evidence_per_series.push(running.log_evidence());
-        warnings.extend(
-            report.warnings().map(|warning| Warning { series: name.clone(), text: warning.to_string() }),
-        );
-        let verdict = running.verdict();
-        let label = |time: usize| places.get(time).and_then(|at| data.rows[*at].label.as_deref());
-        warnings.extend(of_opinion(name.as_deref(), verdict, label));
-        opinions.push(verdict);
+        tally.end_series(name, &of_this, &running, |time| measured(model, data, places[time]));
         let mut forecast = Vec::new();
         for _ in 0..options.forecast {
-            forecast.push(running.predict().map_err(|error| of_series(name.as_deref(), error))?);
+            forecast.push(running.predict().map_err(|error| of_series(name, error))?);
             if proceed(done).is_break() {
                 return Err(MotesError::Interrupted);
             }
         }
         forecasts.push(forecast);
     }
-    let estimates = estimates.into_iter().flatten().collect();
-    Ok(Filtered { estimates, forecasts, log_evidence_per_series, weights, least_ess, warnings, opinions })
+    Ok(tally.into_filtered(estimates.into_iter().flatten().collect(), forecasts))
+}
+
+/// What was measured in a row of data.
+pub(crate) fn measured(model: &Model, data: &Data, row: usize) -> Measured {
+    let row = &data.rows[row];
+    let values = model.measurements().iter().zip(&row.measurement);
+    let values = values.filter_map(|(name, value)| value.map(|value| (name.clone(), value)));
+    Measured { label: row.label.clone(), values: values.collect() }
 }
 
 /// What is to be said of the proposal itself, whatever the data are.
@@ -113,17 +122,21 @@ pub fn of_proposal(options: &FilterOptions) -> Option<Warning> {
     Some(Warning { series: None, text })
 }
 
-/// What a bootstrap filter beside another says against it, if it does; `label` is what the data call a time.
-pub fn of_opinion<'a>(
+/// What a bootstrap filter beside another says against it, if it does; `larger` is by how much its log-evidence of all steps is larger, and `at` what the data call
+/// a time.
+pub(crate) fn of_opinion(
     series: Option<&str>,
     verdict: Option<Verdict>,
-    label: impl FnOnce(usize) -> Option<&'a str>,
+    larger: f64,
+    at: impl FnOnce(usize) -> String,
 ) -> Option<Warning> {
     let Some(Verdict::Warns { first_step, difference, error }) = verdict else { return None };
-    let called = label(first_step).map_or_else(String::new, |label| format!(" ({label})"));
+    // What has less evidence in all is no better, even if it was once.
+    let bootstrap = if larger > 0.0 { "--proposal bootstrap, " } else { "" };
     let text = format!(
-        "from t = {first_step}{called} on the filter misses mass: the log-evidence of a bootstrap filter is {difference:.1} ± {error:.1} larger; \
-         take --proposal bootstrap, more particles, or a larger --defensive share"
+        "from {} on the filter misses mass: the log-evidence of a bootstrap filter is {difference:.1} ± {error:.1} larger; take {bootstrap}more \
+         particles, or a larger --defensive share",
+        at(first_step)
     );
     Some(Warning { series: series.map(String::from), text })
 }

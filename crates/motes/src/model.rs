@@ -1,5 +1,6 @@
 //! A model as the command has it: of a file, or one of a program's own, with names for its coordinates.
 
+use std::borrow::Cow;
 use std::fmt;
 use std::path::Path;
 use std::sync::Arc;
@@ -212,6 +213,14 @@ impl Model {
                 Kind::LinearGaussian(linear)
             }
             Source::Own(own) => Kind::Learnable(&*own.model),
+        }
+    }
+
+    /// The model as one of matrices, if it is linear and Gaussian: it has exact answers.
+    pub(crate) fn linear_gaussian(&self) -> Option<Cow<'_, LinearGaussian>> {
+        match self.kind() {
+            Kind::LinearGaussian(linear) => Some(Cow::Borrowed(linear)),
+            Kind::Learnable(_) => self.formulas()?.linear_gaussian().map(Cow::Owned),
         }
     }
 

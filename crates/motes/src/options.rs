@@ -18,6 +18,8 @@ pub enum ProposalName {
     Optimal,
     /// One that was learned for the model.
     Learned(LearnedProposal),
+    /// No particles: the Kalman filter and smoother, for linear Gaussian models.
+    Exact,
 }
 
 impl ProposalName {
@@ -32,6 +34,7 @@ impl ProposalName {
             ProposalName::Linearised => "linearised",
             ProposalName::Optimal => "optimal",
             ProposalName::Learned(learned) => learned.name(),
+            ProposalName::Exact => "exact",
         }
     }
 }
@@ -44,6 +47,7 @@ impl ProposalName {
             ProposalName::Linearised => "linearised",
             ProposalName::Optimal => "optimal",
             ProposalName::Learned(_) => "learned",
+            ProposalName::Exact => "exact",
         }
     }
 }
@@ -58,8 +62,9 @@ impl FromStr for ProposalName {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let named = ProposalName::DESIGNED.into_iter().find(|name| name.to_string() == text);
-        named.ok_or_else(|| motes_cli::one_of(text, ["bootstrap", "linearised", "optimal"]))
+        let mut named = ProposalName::DESIGNED.into_iter().chain([ProposalName::Exact]);
+        let found = named.find(|name| name.as_str() == text);
+        found.ok_or_else(|| motes_cli::one_of(text, ["bootstrap", "linearised", "optimal", "exact"]))
     }
 }
 

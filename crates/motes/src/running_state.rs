@@ -3,9 +3,27 @@
 use motes_smc::{CheckSnapshot, FilterSettings, FilterSnapshot, SecondOpinion};
 use serde::{Deserialize, Serialize};
 
-/// What a filter is between two steps, and what runs beside it.
+/// What a filter is between two steps.
 #[derive(Serialize, Deserialize)]
-pub(crate) struct FilterState {
+pub(crate) enum FilterState {
+    /// One of particles.
+    Particles(Box<ParticleState>),
+    /// A Kalman filter.
+    Exact(ExactState),
+}
+
+/// A Kalman filter between two steps.
+#[derive(Serialize, Deserialize)]
+pub(crate) struct ExactState {
+    pub(crate) time: usize,
+    pub(crate) log_evidence: f64,
+    /// The mean (`N`) and the covariance (`N×N`), from the first step on.
+    pub(crate) belief: Option<(Vec<f64>, Vec<f64>)>,
+}
+
+/// A filter of particles between two steps, and what runs beside it.
+#[derive(Serialize, Deserialize)]
+pub(crate) struct ParticleState {
     pub(crate) filter: FilterSnapshot<()>,
     pub(crate) check: Option<CheckSnapshot<()>>,
     pub(crate) second: Option<SecondState>,
@@ -27,18 +45,28 @@ pub(crate) struct RunningState {
 }
 
 impl RunningState {
-    /// The settings of its filter.
-    pub(crate) fn settings(&self) -> &FilterSettings {
-        self.filter.filter.settings()
+    /// The settings of its filter, if it has particles.
+    pub(crate) fn settings(&self) -> Option<&FilterSettings> {
+        match &self.filter {
+            FilterState::Particles(state) => Some(state.filter.settings()),
+            FilterState::Exact(_) => None,
+        }
     }
 
-    /// Whether small filters run beside it.
-    pub(crate) fn is_checked(&self) -> bool {
-        self.filter.check.is_some()
+    /// Whether small filters run beside it, if it has particles.
+    pub(crate) fn is_checked(&self) -> Option<bool> {
+        match &self.filter {
+            FilterState::Particles(state) => Some(state.check.is_some()),
+            FilterState::Exact(_) => None,
+        }
     }
 
     /// Whether the numbers of steps in it agree.
     pub(crate) fn is_of_one_time(&self) -> bool {
-        self.time == self.filter.filter.time()
+        self.time
+            == match &self.filter {
+                FilterState::Particles(state) => state.filter.time(),
+                FilterState::Exact(state) => state.time,
+            }
     }
 }

@@ -3,17 +3,18 @@
 use std::ops::ControlFlow;
 
 use motes_models::Seed;
-use motes_smc::{DENSITIES_PER_MOVE, FilterHistory, SmoothedPaths, SmoothingError, WeightReport};
+use motes_smc::{DENSITIES_PER_MOVE, FilterHistory, SmoothedPaths, SmoothingError};
 
 use crate::data::Data;
 use crate::engine::Running;
 use crate::error::MotesError;
 use crate::estimate::{Coordinate, Estimate, PROBABILITIES};
+use crate::exact::smooth_exactly;
 use crate::few_ancestors::of_paths;
-use crate::filtering::{Filtered, of_opinion, of_proposal, of_series};
+use crate::filtering::{Filtered, measured, of_proposal, of_series};
 use crate::model::Model;
-use crate::options::FilterOptions;
-use crate::warning::Warning;
+use crate::options::{FilterOptions, ProposalName};
+use crate::tally::{SeriesTally, Tally};
 
 /// What smoothers made of data.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,57 +53,44 @@ fn smooth_until(
     proceed: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Result<Smoothed, MotesError> {
     let mut estimates: Vec<Option<Estimate>> = vec![None; data.rows.len()];
-    let (mut drawn, mut log_evidence_per_series, mut opinions) = (vec![], vec![], vec![]);
-    let mut warnings: Vec<Warning> = of_proposal(options).into_iter().chain(data.warnings()).collect();
-    let (mut weights, mut least_ess) = (WeightReport::default(), f64::INFINITY);
+    let mut tally = Tally::new(of_proposal(options).into_iter().chain(data.warnings()).collect());
+    let mut drawn = vec![];
     let mut work = Work::of(data.rows.len(), options.particles, paths);
     for (series, (name, places)) in data.series.iter().zip(data.by_series()).enumerate() {
-        let name = data.columns.has_series().then(|| name.clone());
+        let name = data.columns.has_series().then_some(name.as_str());
         let mut running = Running::new(model, options, series)?;
-        let (mut report, mut history) = (WeightReport::default(), FilterHistory::new());
+        let (mut of_this, mut history) = (SeriesTally::new(model, options), FilterHistory::new());
         for &at in &places {
-            let advanced = running.advance(&data.rows[at].measurement);
-            advanced.map_err(|error| {
-                of_series(name.as_deref(), error.at_row(data.counted, data.rows[at].line))
-            })?;
+            let row = &data.rows[at];
+            let advanced = running.advance(&row.measurement);
+            advanced.map_err(|error| of_series(name, error.at_row(data.counted, row.line)))?;
             running.record(&mut history)?;
-            let diagnosis = running.diagnosis();
-            report.add(&diagnosis);
-            weights.add(&diagnosis);
-            least_ess = least_ess.min(running.effective_sample_size());
+            tally.step(&mut of_this, &row.measurement, running.diagnosis().as_ref());
             work.filtered += 1;
             if proceed(work.share(0)).is_break() {
                 return Err(MotesError::Interrupted);
             }
         }
+        let measured = |time: usize| measured(model, data, places[time]);
+        tally.end_series(name, &of_this, &running, measured);
         let seed = Seed::from_u64(options.seed).child("smooth").nth(series as u64);
-        let verdict = running.verdict();
-        let label = |time: usize| places.get(time).and_then(|at| data.rows[*at].label.as_deref());
-        warnings.extend(of_opinion(name.as_deref(), verdict, label));
-        opinions.push(verdict);
-        let found = running.backward(&history, paths, &seed, &mut |times| proceed(work.share(times)))?;
+        let (of_times, found) = if options.proposal == ProposalName::Exact {
+            let rows: Vec<&[Option<f64>]> =
+                places.iter().map(|at| data.rows[*at].measurement.as_slice()).collect();
+            smooth_exactly(model, &rows, paths, &seed, &mut || proceed(work.share(0)))?
+        } else {
+            let found = running.backward(&history, paths, &seed, &mut |times| proceed(work.share(times)))?;
+            let label = |time: usize| places.get(time).and_then(|at| data.rows[*at].label.as_deref());
+            tally.warn(of_paths(name, &found, options.particles, label));
+            let n = model.states().len();
+            ((0..places.len()).map(|time| estimate(&found, time, n)).collect(), found)
+        };
         work.drawn += places.len();
-        warnings.extend(of_paths(name.as_deref(), &found, options.particles, label));
-        for (time, at) in places.into_iter().enumerate() {
-            estimates[at] = Some(estimate(&found, time, model.states().len()));
-        }
-        log_evidence_per_series.push(running.log_evidence());
-        warnings.extend(
-            report.warnings().map(|warning| Warning { series: name.clone(), text: warning.to_string() }),
-        );
+        places.into_iter().zip(of_times).for_each(|(at, estimate)| estimates[at] = Some(estimate));
         drawn.push(found);
     }
-    let estimates = estimates.into_iter().flatten().collect();
-    let filtered = Filtered {
-        estimates: vec![],
-        forecasts: vec![],
-        log_evidence_per_series,
-        weights,
-        least_ess,
-        warnings,
-        opinions,
-    };
-    Ok(Smoothed { estimates, paths: drawn, filtered })
+    let filtered = tally.into_filtered(vec![], vec![]);
+    Ok(Smoothed { estimates: estimates.into_iter().flatten().collect(), paths: drawn, filtered })
 }
 
 /// How far a smoother is, in units of a particle's step: the proposal of an ancestor takes about as long. Time left is foretold by it.

@@ -26,7 +26,11 @@ impl ProposalArgument<'_> {
     pub(crate) fn name(&self) -> PyResult<ProposalName> {
         match self {
             ProposalArgument::Name(name) => name.parse().map_err(|_| {
-                refused("proposal", name, "bootstrap, linearised, optimal, or a Proposal that was learned")
+                refused(
+                    "proposal",
+                    name,
+                    "bootstrap, linearised, optimal, exact, or a Proposal that was learned",
+                )
             }),
             ProposalArgument::Learned(proposal) => Ok(ProposalName::Learned(proposal.get().0.clone())),
         }

@@ -54,6 +54,21 @@ impl<M: Deref<Target = LinearGaussian>> KalmanFilter<M> {
         KalmanFilter { model, time: 0, belief: None }
     }
 
+    /// That which had taken in so many measurements and had this belief then; none before the first.
+    pub fn resume(model: M, time: usize, belief: Option<Belief>) -> Self {
+        KalmanFilter { model, time, belief }
+    }
+
+    /// `p(x_t | y_{0:t})` after the last measurement; none before the first.
+    pub fn belief(&self) -> Option<&Belief> {
+        self.belief.as_ref()
+    }
+
+    /// How many measurements were taken in.
+    pub fn time(&self) -> usize {
+        self.time
+    }
+
     /// Takes in the measurement of the next time (`M` entries, some of which may be missing). Only the entries that are there correct the prediction, with
     /// their rows of `C` and `R`; where none is there, the prediction stands.
     ///

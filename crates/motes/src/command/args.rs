@@ -97,14 +97,10 @@ impl FromStr for ProposalArg {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let named = ProposalName::DESIGNED.into_iter().find(|name| name.to_string() == text);
-        match named {
-            Some(name) => Ok(ProposalArg::Designed(name)),
-            None if std::path::Path::new(text).is_dir() => Ok(ProposalArg::Folder(text.into())),
-            None => Err(format!(
-                "{}, and there is no such folder",
-                one_of(text, ["bootstrap", "linearised", "optimal"])
-            )),
+        match text.parse() {
+            Ok(name) => Ok(ProposalArg::Designed(name)),
+            Err(_) if std::path::Path::new(text).is_dir() => Ok(ProposalArg::Folder(text.into())),
+            Err(reason) => Err(format!("{reason}, and there is no such folder")),
         }
     }
 }
@@ -122,7 +118,7 @@ impl ProposalArg {
 /// How to filter.
 #[derive(Args)]
 pub(super) struct FilterSettingsArgs {
-    /// What particles are drawn from: bootstrap, linearised, optimal, or a folder that learn wrote
+    /// What particles are drawn from: bootstrap, linearised, optimal, or a folder that learn wrote; exact takes the Kalman filter in their place, for linear Gaussian models
     #[arg(long, value_name = "P", default_value = "bootstrap")]
     pub(super) proposal: ProposalArg,
     /// The number of particles

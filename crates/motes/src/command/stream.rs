@@ -3,10 +3,9 @@
 use std::time::Instant;
 
 use motes::output::{EstimateTable, Output, Sink, filter_json, filter_summary};
-use motes::smc::WeightReport;
 use motes::{
-    Counted, Data, DataError, Estimate, FilterOptions, Filtered, Model, MotesError, Row, RowOrder, Rows,
-    Running, Warning, of_opinion, of_proposal,
+    Counted, Data, DataError, Estimate, FilterOptions, Measured, Model, MotesError, Row, RowOrder, Rows,
+    Running, SeriesTally, Tally, Warning, of_proposal,
 };
 use motes_cli::{Interrupt, status};
 
@@ -20,7 +19,7 @@ use super::summary::in_one_line;
 struct Series<'m> {
     name: String,
     running: Running<'m>,
-    report: WeightReport,
+    tally: SeriesTally<'m>,
     /// The number of its rows so far.
     length: usize,
 }
@@ -40,7 +39,7 @@ pub(super) fn run(
     let mut answers = Answers::to(args.output.table())?;
     answers.say(&table.header())?;
     let mut series: Vec<Series<'_>> = Vec::new();
-    let (mut weights, mut least_ess, mut times) = (WeightReport::default(), f64::INFINITY, 0);
+    let (mut tally, mut times) = (Tally::new(vec![]), 0);
     // Only a report needs what went by.
     let mut kept: Option<(Vec<Row>, Vec<Estimate>)> = args.output.report.as_ref().map(|_| Default::default());
     let (mut order, mut warnings) = (RowOrder::default(), Vec::new());
@@ -49,7 +48,8 @@ pub(super) fn run(
         if row.series == series.len() {
             let name = rows.series().last().unwrap_or_default().to_string();
             let running = Running::new(model, options, row.series)?;
-            series.push(Series { name, running, report: WeightReport::default(), length: 0 });
+            let tally = SeriesTally::new(model, options);
+            series.push(Series { name, running, tally, length: 0 });
         }
         let of = &mut series[row.series];
         let label = rows.columns().carried().zip(row.label.as_deref());
@@ -62,10 +62,7 @@ pub(super) fn run(
         let step = of.running.step(&row.measurement);
         let estimate = step.map_err(|error| error.at_row(Counted::Line, row.line))?;
         answers.say(&table.row(&of.name, row.label.as_deref(), row.time, &estimate))?;
-        let diagnosis = of.running.diagnosis();
-        of.report.add(&diagnosis);
-        weights.add(&diagnosis);
-        least_ess = estimate.ess.map_or(least_ess, |ess| least_ess.min(ess));
+        tally.step(&mut of.tally, &row.measurement, of.running.diagnosis().as_ref());
         of.length += 1;
         times += 1;
         if let Some((rows, estimates)) = &mut kept {
@@ -84,18 +81,15 @@ pub(super) fn run(
         return Err(DataError::Empty { file: STANDARD.into() }.into());
     }
     let has_series = rows.columns().has_series();
-    let (mut forecasts, mut opinions, mut log_evidence_per_series) = (Vec::new(), Vec::new(), Vec::new());
+    let mut forecasts = Vec::new();
     // Those of the order were said as their rows came.
     let said = warnings.len();
     warnings.extend(of_proposal(options));
-    for Series { name, running, report, length } in &mut series {
-        log_evidence_per_series.push(running.log_evidence());
-        let named = has_series.then(|| name.clone());
-        let of_series = |warning| Warning { series: named.clone(), text: format!("{warning}") };
-        warnings.extend(report.warnings().map(of_series));
-        let verdict = running.verdict();
-        warnings.extend(of_opinion(named.as_deref(), verdict, |_| None));
-        opinions.push(verdict);
+    tally.warn(warnings);
+    for Series { name, running, tally: of_this, length } in &mut series {
+        // Rows went by: only their times are known.
+        let named = has_series.then_some(name.as_str());
+        tally.end_series(named, of_this, running, |_| Measured::default());
         let mut forecast = Vec::new();
         for ahead in 0..options.forecast {
             let estimate = running.predict()?;
@@ -106,8 +100,7 @@ pub(super) fn run(
     }
     answers.finish()?;
     let (kept_rows, estimates) = kept.unwrap_or_default();
-    let filtered =
-        Filtered { estimates, forecasts, log_evidence_per_series, weights, least_ess, warnings, opinions };
+    let filtered = tally.into_filtered(estimates, forecasts);
     if let Some(path) = &args.output.report {
         let names = series.into_iter().map(|of| of.name).collect();
         let columns = rows.columns().clone();

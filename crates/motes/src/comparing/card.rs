@@ -52,13 +52,13 @@ impl Steps {
         reference: &Reference,
         time: usize,
     ) {
-        self.sizes.push(running.effective_sample_size());
+        self.sizes.extend(running.effective_sample_size());
         let increment = running.last_increment();
         self.evidence_errors.push((1.0 - (increment - reference.increments[time]).exp()).abs());
         let squares =
             running.means().iter().zip(&reference.means[time]).map(|(found, exact)| (found - exact).powi(2));
         self.state_errors.push(squares.sum());
-        self.tail_indices.extend(running.diagnosis().pareto_k);
+        self.tail_indices.extend(running.diagnosis().and_then(|diagnosis| diagnosis.pareto_k));
         let Some(truth) = &sequence.truth else { return };
         for (coordinate, truth) in truth[time].iter().enumerate() {
             let quantiles = running.quantiles(coordinate, INTERVALS.as_flattened());

@@ -82,6 +82,10 @@ fn compare_until(
     proceed: &mut dyn FnMut(Compared) -> ControlFlow<()>,
 ) -> Result<Comparison, MotesError> {
     for proposal in &options.proposals {
+        if *proposal == ProposalName::Exact {
+            let reason = "proposals are held against it unasked, where the model has it".into();
+            return Err(MotesError::Proposal { proposal: "exact".into(), reason });
+        }
         // Before all the work of a reference.
         if let (ProposalName::Learned(learned), Kind::Learnable(_)) = (proposal, model.kind()) {
             learned.check_model(model)?;

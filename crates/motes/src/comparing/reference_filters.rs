@@ -1,8 +1,6 @@
 //! How references are made: by the exact filter where there is one, else by filters with many particles.
 
-use std::borrow::Cow;
-
-use motes_models::{LinearGaussian, PartialMeasurements, Seed, kalman};
+use motes_models::{PartialMeasurements, Seed, kalman};
 
 use super::averages::{average, standard_error};
 use super::kept;
@@ -12,7 +10,7 @@ use super::sequence::Sequence;
 use super::twisted::{Estimated, TWISTED_PARTICLES, by_twisted_filters};
 use crate::engine::Running;
 use crate::error::MotesError;
-use crate::model::{Kind, Model};
+use crate::model::Model;
 use crate::options::{FilterOptions, ProposalName};
 
 /// The share of a reference filter's particles that is drawn from the transition.
@@ -29,17 +27,9 @@ fn candidates(options: &CompareOptions) -> Vec<ProposalName> {
     candidates
 }
 
-/// The model as one of matrices, if it is linear and Gaussian: it has exact answers.
-fn linear_gaussian(model: &Model) -> Option<Cow<'_, LinearGaussian>> {
-    match model.kind() {
-        Kind::LinearGaussian(linear) => Some(Cow::Borrowed(linear)),
-        Kind::Learnable(_) => model.formulas()?.linear_gaussian().map(Cow::Owned),
-    }
-}
-
 /// The particles of all filters behind a reference for one sequence; the exact filter counts as one.
 pub(super) fn particles(model: &Model, options: &CompareOptions) -> usize {
-    if linear_gaussian(model).is_some() {
+    if model.linear_gaussian().is_some() {
         return 1;
     }
     let more = if options.reference_filters > 1 { options.reference_filters } else { 0 };
@@ -71,7 +61,7 @@ fn computed(
     options: &CompareOptions,
     number: usize,
 ) -> Result<Reference, MotesError> {
-    if let Some(linear) = linear_gaussian(model) {
+    if let Some(linear) = model.linear_gaussian() {
         let measurements =
             PartialMeasurements::new(model.measurements().len(), sequence.measurements.concat())?;
         let exact = kalman::filter_partial(&linear, &measurements)?;

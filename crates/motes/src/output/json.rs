@@ -9,8 +9,11 @@ use crate::options::FilterOptions;
 struct FilterObject<'a> {
     log_evidence: f64,
     log_evidence_per_series: &'a [f64],
+    standard_error: Option<f64>,
+    standard_error_per_series: &'a [Option<f64>],
+    exact_log_evidence_per_series: &'a [Option<f64>],
     ess_mean: Option<f64>,
-    ess_min: f64,
+    ess_min: Option<f64>,
     pareto_k: Option<f64>,
     warnings: Vec<String>,
     particles: usize,
@@ -22,6 +25,9 @@ pub fn filter_json(filtered: &Filtered, options: &FilterOptions, seconds: f64) -
     let object = FilterObject {
         log_evidence: filtered.log_evidence(),
         log_evidence_per_series: &filtered.log_evidence_per_series,
+        standard_error: filtered.standard_error(),
+        standard_error_per_series: &filtered.standard_error_per_series,
+        exact_log_evidence_per_series: &filtered.exact_log_evidence_per_series,
         ess_mean: filtered.weights.effective_sample_size(),
         ess_min: filtered.least_ess,
         pareto_k: filtered.weights.pareto_k(),

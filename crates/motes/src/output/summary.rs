@@ -3,7 +3,7 @@
 use motes_smc::Verdict;
 
 use crate::filtering::Filtered;
-use crate::options::FilterOptions;
+use crate::options::{FilterOptions, ProposalName};
 
 /// The figures of a filter over so many times, a name and a value each; `has_series` says whether its series have names.
 pub fn filter_summary(
@@ -12,13 +12,24 @@ pub fn filter_summary(
     filtered: &Filtered,
     options: &FilterOptions,
 ) -> Vec<(String, String)> {
-    let mean = filtered.weights.effective_sample_size().unwrap_or_default();
     let k = options.particles;
+    let error = match filtered.standard_error() {
+        Some(_) if options.proposal == ProposalName::Exact => ", exact".to_string(),
+        Some(error) => format!(" ± {error:.3}"),
+        None if options.check => " (too few particles for a standard error)".to_string(),
+        None => String::new(),
+    };
     let mut figures = vec![
-        ("log-evidence", format!("{:.3}", filtered.log_evidence())),
+        ("log-evidence", format!("{:.3}{error}", filtered.log_evidence())),
         ("times", times.to_string()),
-        ("effective sample size", format!("{mean:.0} of {k}, {:.0} at least", filtered.least_ess)),
     ];
+    let exact: Option<f64> = filtered.exact_log_evidence_per_series.iter().copied().sum();
+    if let Some(exact) = exact {
+        figures.insert(1, ("exact", format!("{exact:.3}")));
+    }
+    if let Some((mean, least)) = filtered.weights.effective_sample_size().zip(filtered.least_ess) {
+        figures.push(("effective sample size", format!("{mean:.0} of {k}, {least:.0} at least")));
+    }
     if has_series {
         figures.insert(1, ("series", filtered.log_evidence_per_series.len().to_string()));
     }
@@ -37,13 +48,20 @@ fn opinion(opinions: &[Option<Verdict>]) -> Option<String> {
     let count = |which: fn(&Verdict) -> bool| said.iter().filter(|verdict| which(verdict)).count();
     let against = count(|verdict| matches!(verdict, Verdict::Warns { .. }));
     let without = count(|verdict| matches!(verdict, Verdict::NoOpinion { .. }));
+    let (unjudged, steps) = said.iter().fold((0, 0), |(unjudged, steps), verdict| match verdict {
+        Verdict::NoOpinion { unjudged: of_this, steps: all, .. } => (unjudged + of_this, steps + all),
+        _ => (unjudged, steps),
+    });
     let of_all = |number: usize| {
         if said.len() > 1 { format!(" for {number} of {} series", said.len()) } else { String::new() }
     };
     match said.len() {
         0 => None,
         _ if against > 0 => Some(format!("against it{}", of_all(against))),
-        _ if without > 0 => Some(format!("none{}, too hard for a bootstrap filter", of_all(without))),
+        _ if without > 0 => Some(format!(
+            "none{}: {unjudged} of {steps} times are too hard for a bootstrap filter",
+            of_all(without)
+        )),
         _ => Some("agrees".into()),
     }
 }

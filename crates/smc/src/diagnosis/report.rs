@@ -188,29 +188,32 @@ impl fmt::Display for WeightReport {
     }
 }
 
-impl fmt::Display for WeightWarning {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+impl WeightWarning {
+    /// The warning in words, where `at` is what a step is called.
+    pub fn describe(&self, at: &dyn Fn(usize) -> String) -> String {
         match self {
             WeightWarning::FewParticles { steps, worst } => {
-                let (size, k, step) = (worst.effective_sample_size, worst.particles, worst.time);
-                let at = if *steps > 1 { format!(", at {steps} steps in all") } else { String::new() };
+                let (size, k, step) = (worst.effective_sample_size, worst.particles, at(worst.time));
+                let more = if *steps > 1 { format!(", at {steps} steps in all") } else { String::new() };
                 match size < LEAST_EFFECTIVE_PARTICLES {
-                    true => {
-                        write!(f, "at step {step} one particle of {k} has more than half of the weight{at}")
-                    }
-                    false => write!(
-                        f,
-                        "at step {step} the measurement lies beyond nearly all particles: {size:.1} of {k} are effective{at}"
+                    true => format!("at {step} one particle of {k} has more than half of the weight{more}"),
+                    false => format!(
+                        "at {step} the measurement lies beyond nearly all particles: {size:.1} of {k} are effective{more}"
                     ),
                 }
             }
-            WeightWarning::HeavyTail { worst, pareto_k } => write!(
-                f,
-                "at step {} the weights have a tail index (Pareto k) of at least {pareto_k:.2}, above {PARETO_K_LIMIT}: averages by them need far \
+            WeightWarning::HeavyTail { worst, pareto_k } => format!(
+                "at {} the weights have a tail index (Pareto k) of at least {pareto_k:.2}, above {PARETO_K_LIMIT}: averages by them need far \
                  more particles; where the proposal is too narrow, a defensive share bounds them",
-                worst.time
+                at(worst.time)
             ),
         }
+    }
+}
+
+impl fmt::Display for WeightWarning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.describe(&|step| format!("step {step}")))
     }
 }
 

@@ -256,9 +256,7 @@ impl SecondOpinion {
             (Some(Warning { since, difference, error }), _) => {
                 Verdict::Warns { first_step: since.step, difference, error }
             }
-            (None, Some(first_step)) if self.has_failed || 2 * unjudged > steps => {
-                Verdict::NoOpinion { first_step, unjudged, steps }
-            }
+            (None, Some(first_step)) => Verdict::NoOpinion { first_step, unjudged, steps },
             (None, None) if steps == 0 => Verdict::NoOpinion { first_step: 0, unjudged, steps },
             _ => Verdict::Agrees,
         }

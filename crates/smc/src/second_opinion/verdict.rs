@@ -7,9 +7,9 @@ use serde::{Deserialize, Serialize};
 /// What a second opinion says of all steps so far.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Verdict {
-    /// Most steps could be judged, and none of them speaks against the filter.
+    /// All steps could be judged, and none of them speaks against the filter.
     Agrees,
-    /// Too few steps could be judged. Either the bootstrap is too poor for this, or the filter itself is, which its own effective sample size says.
+    /// Some steps could not be judged, and the others do not speak against the filter. Either the bootstrap is too poor for this, or the filter itself is, which its own effective sample size says.
     NoOpinion {
         /// The first step that could not be judged.
         first_step: usize,

@@ -14,6 +14,16 @@ pub struct SmoothedPaths {
 }
 
 impl SmoothedPaths {
+    /// Trajectories (path after path, each row-major `T×N`) that were drawn independently of each other, from no particles.
+    ///
+    /// # Panics
+    /// If `T` or `N` is 0, or the states are no whole number of paths.
+    pub fn independent(states: Vec<f64>, times: usize, width: usize) -> Self {
+        assert!(states.len().is_multiple_of(times * width), "each path has T×N numbers");
+        let paths = states.len() / (times * width);
+        SmoothedPaths { states, times, width, distinct_particles: vec![paths; times] }
+    }
+
     /// `B`.
     pub fn len(&self) -> usize {
         self.states.len() / (self.times * self.width)
