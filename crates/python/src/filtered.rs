@@ -106,13 +106,25 @@ impl Filtered {
         self.filtered.log_evidence_per_series.clone().into_pyarray(py)
     }
 
+    /// Its standard error for each series; NaN where it is not checked, or of too few particles to tell.
+    fn standard_error_per_series<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        let errors = self.filtered.standard_error_per_series.iter().map(|error| error.unwrap_or(f64::NAN));
+        errors.collect::<Vec<_>>().into_pyarray(py)
+    }
+
     /// The log-evidence of all series.
     #[getter]
     fn log_evidence(&self) -> f64 {
         self.filtered.log_evidence()
     }
 
-    /// The Pareto k of the weights of all steps; none where it cannot be fitted.
+    /// Its standard error; none where a series has none.
+    #[getter]
+    fn standard_error(&self) -> Option<f64> {
+        self.filtered.standard_error()
+    }
+
+    /// The largest Pareto k of a step's weights, less its sampling error; none where it cannot be fitted.
     #[getter]
     fn pareto_k(&self) -> Option<f64> {
         self.filtered.weights.pareto_k()

@@ -95,10 +95,18 @@ impl Online {
         Ok(self.running()?.with_dependent(|_, running| running.log_evidence()))
     }
 
+    /// Its standard error; none where it is not checked, or of too few particles to tell.
+    #[getter]
+    fn standard_error(&self) -> PyResult<Option<f64>> {
+        Ok(self.running()?.with_dependent(|_, running| running.standard_error()))
+    }
+
     /// The Pareto k of the last step's weights.
     #[getter]
     fn pareto_k(&self) -> PyResult<Option<f64>> {
-        Ok(self.running()?.with_dependent(|_, running| running.diagnosis().pareto_k))
+        Ok(self
+            .running()?
+            .with_dependent(|_, running| running.diagnosis().and_then(|diagnosis| diagnosis.pareto_k)))
     }
 }
 

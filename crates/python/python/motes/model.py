@@ -65,7 +65,7 @@ class Proposal:
 class FilterSettings(TypedDict, total=False):
     """The settings of a filter; what is not given is as in the command."""
 
-    #: `bootstrap`, `linearised`, `optimal` or a `Proposal`.
+    #: `bootstrap`, `linearised`, `optimal`, a `Proposal`, or `exact`, which takes the Kalman filter in the place of particles.
     proposal: str | Proposal
     #: `K`.
     particles: int
@@ -77,7 +77,8 @@ class FilterSettings(TypedDict, total=False):
     resampling: str
     #: All random numbers come from it.
     seed: int
-    #: Whether a bootstrap filter runs beside any other proposal and warns where it finds mass that the filter misses.
+    #: Whether small filters run beside it, and a bootstrap filter beside any other proposal: they give the log-evidence its standard
+    #: error, and warn where it cannot be trusted.
     check: bool
     #: All that the machine has if None.
     threads: int | None
@@ -133,7 +134,7 @@ class OnlineFilter:
 
     def __init__(self, model: "Model", settings: FilterSettings):
         self._model, self._settings = model, settings
-        self._running = _motes.Online(model._model, _options(settings, check=False), 0)
+        self._running = _motes.Online(model._model, _options({"check": False, **settings}), 0)
         self._width = len(model.measurements)
         #: The names of the `N` coordinates of a state.
         self.states = model.states
@@ -167,6 +168,11 @@ class OnlineFilter:
         return self._running.log_evidence
 
     @property
+    def standard_error(self) -> float | None:
+        """The standard error of `log_evidence` where the filter was made with `check=True`; none of fewer than 16 particles."""
+        return self._running.standard_error
+
+    @property
     def pareto_k(self) -> float | None:
         """The Pareto k of the last step's weights."""
         return self._running.pareto_k
@@ -176,7 +182,7 @@ class OnlineFilter:
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
-        options = _options(self._settings, check=False)
+        options = _options({"check": False, **self._settings})
         self._running = _motes.Online.resume(self._model._model, options, *state["_running"])
 
     def __copy__(self) -> "OnlineFilter":
@@ -353,7 +359,8 @@ class Model:
         return _warned(Smoothed(found, rows, self.states, self.measurements))
 
     def online(self, **settings: Unpack[FilterSettings]) -> OnlineFilter:
-        """A filter that takes in measurements as they come, by `step(y)`; settings are those of `filter`, without `check`.
+        """A filter that takes in measurements as they come, by `step(y)`; settings are those of `filter`, but
+        `check` is false unless it is asked for.
 
         It has one thread unless others are asked for. A pickle or a copy of it, made at any time, goes on as it would itself, to
         the last bit.

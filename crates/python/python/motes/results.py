@@ -83,8 +83,18 @@ class _Estimates:
         return self._found.log_evidence_per_series()
 
     @property
+    def standard_error(self) -> float | None:
+        """The standard error of `log_evidence`; 0 where it is exact, none without `check` or with fewer than 16 particles."""
+        return self._found.standard_error
+
+    @cached_property
+    def standard_error_per_series(self) -> np.ndarray:
+        """That of each series, `(S,)`; NaN where there is none."""
+        return self._found.standard_error_per_series()
+
+    @property
     def pareto_k(self) -> float | None:
-        """The Pareto k of all steps' weights; above 0.7 they cannot be trusted."""
+        """The largest Pareto k of a step's weights, less its sampling error; above 0.7 they cannot be trusted."""
         return self._found.pareto_k
 
     @property
