@@ -38,6 +38,7 @@ mod threads;
 mod unit;
 mod unit_error;
 mod verify;
+mod warnings;
 
 pub use benchmark::{BenchmarkError, BenchmarkPlan, benchmark_plans, is_benchmark, run_benchmark};
 pub use estimate::Estimator;
@@ -51,3 +52,4 @@ pub use store::{Contents, Outcome, Record, Store, StoreError};
 pub use unit::{UNIT_FORMAT, UnitConfig, UnitSystem};
 pub use unit_error::UnitError;
 pub use verify::{VerifyError, verify};
+pub use warnings::{StudyError, is_study, run_study};

@@ -7,8 +7,8 @@ use clap::{Parser, Subcommand};
 use motes_bench::cluster::{self, ClusterError, Submitted};
 use motes_bench::config::{ConfigError, Engine, Plan, ReproduceArgs, VerifyArgs, check_output, plans};
 use motes_bench::{
-    Estimator, Finished, RegressionError, benchmark_plans, is_benchmark, paper_estimate, regress, reproduce,
-    run_benchmark, verify,
+    Estimator, Finished, RegressionError, StudyError, benchmark_plans, is_benchmark, is_study,
+    paper_estimate, regress, reproduce, run_benchmark, run_study, verify,
 };
 use motes_cli::{Interrupt, Parsed, parse, result, status};
 use motes_proposals::networks::open_device;
@@ -81,6 +81,17 @@ fn main() -> ExitCode {
     };
     match cli.command {
         Command::Reproduce(args) if is_benchmark(&args.figure) => run_benchmarks(&args, &interrupt),
+        Command::Reproduce(args) if is_study(&args.figure) => match run_study(&args, &interrupt) {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(StudyError::Interrupted) => {
+                status("stopped; the same command goes on with what is missing");
+                ExitCode::from(interrupt.exit_status())
+            }
+            Err(error) => {
+                status(&format!("error: {error}"));
+                ExitCode::from(error.exit_status())
+            }
+        },
         Command::Reproduce(args) if args.cluster.runs_nothing() || args.cluster.engine == Engine::Slurm => {
             run_on_cluster(&args, &interrupt)
         }

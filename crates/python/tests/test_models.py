@@ -325,3 +325,18 @@ def test_plots(nile, examples):
     matplotlib.use("Agg")
     axes = nile.filter(examples / "nile.csv").plot()
     assert len(axes) == 1 and axes[0].get_ylabel() == "level"
+
+
+def test_log_evidences_have_standard_errors():
+    walk = {"initial": {"x": "normal(0, 1)"}, "transition": {"x": "normal(0.9*x, 1)"}, "measurement": {"y": "normal(x, 1)"}}
+    model = motes.Model(walk)
+    data = [0.3, 1.2, None, 0.7]
+    found, exact = model.filter(data), model.filter(data, proposal="exact")
+    assert 0 < found.standard_error < 0.2 and found.standard_error_per_series.tolist() == [found.standard_error]
+    assert exact.standard_error == 0 and abs(found.log_evidence - exact.log_evidence) < 4 * found.standard_error
+    assert model.filter(data, check=False).standard_error is None
+    assert found.to_json()["standard_error"] == found.standard_error
+    online = model.online(check=True)
+    for measured in data:
+        online.step(measured)
+    assert online.standard_error == found.standard_error and model.online().standard_error is None

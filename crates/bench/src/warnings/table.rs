@@ -1,0 +1,167 @@
+//! Tables of what was silent and what was warned of.
+
+use super::runs::Run;
+
+/// A log-evidence that is off by more than this is wrong, and by less than the other sound (nats).
+const WRONG: f64 = 5.0;
+const SOUND: f64 = 1.0;
+
+/// Standard errors within which a wrong log-evidence is honest.
+const HONEST: f64 = 3.0;
+
+/// The ratio of a standard deviation and the exact one from which on it is wrong.
+const WRONG_DEVIATION: f64 = 1.5;
+
+impl Run {
+    fn is_wrong(&self) -> bool {
+        self.error.abs() > WRONG
+    }
+
+    fn warns(&self) -> bool {
+        !self.warnings.is_empty()
+    }
+
+    /// Within so many standard errors of the exact value.
+    fn is_within(&self, errors: f64) -> bool {
+        self.standard_error.is_some_and(|error| self.error.abs() <= errors * error)
+    }
+
+    fn is_silent(&self) -> bool {
+        self.is_wrong() && !self.warns() && !self.is_within(HONEST)
+    }
+
+    /// Whether the log-evidence is right.
+    fn is_near(&self) -> bool {
+        self.error.abs() < SOUND
+    }
+
+    /// Whether standard deviations are right, too, where they are known.
+    fn is_sound(&self) -> bool {
+        self.is_near() && self.deviation_ratio.is_none_or(|ratio| ratio < WRONG_DEVIATION)
+    }
+}
+
+/// Figures of some runs.
+struct Row {
+    wrong: usize,
+    silent: usize,
+    near: usize,
+    near_warned: usize,
+    sound: usize,
+    sound_warned: usize,
+    unwarned: usize,
+    within: [usize; 2],
+}
+
+impl Row {
+    fn of<'r>(runs: impl Iterator<Item = &'r Run> + Clone) -> Self {
+        let count = |of: &dyn Fn(&Run) -> bool| runs.clone().filter(|run| of(run)).count();
+        Row {
+            wrong: count(&Run::is_wrong),
+            silent: count(&Run::is_silent),
+            near: count(&Run::is_near),
+            near_warned: count(&|run| run.is_near() && run.warns()),
+            sound: count(&Run::is_sound),
+            sound_warned: count(&|run| run.is_sound() && run.warns()),
+            unwarned: count(&|run| !run.warns()),
+            within: [2.0, 3.0].map(|errors| count(&|run| !run.warns() && run.is_within(errors))),
+        }
+    }
+
+    fn cells(&self) -> String {
+        let share = |part: usize, whole: usize| match whole {
+            0 => "–".to_string(),
+            _ => format!("{:.1} % of {whole}", 100.0 * part as f64 / whole as f64),
+        };
+        [
+            share(self.silent, self.wrong),
+            share(self.near_warned, self.near),
+            share(self.sound_warned, self.sound),
+            share(self.within[0], self.unwarned),
+            share(self.within[1], self.unwarned),
+        ]
+        .join(" | ")
+    }
+}
+
+const HEADER: &str = "silent, of those off by > 5 | warned, of those off by < 1 | the same with right standard deviations | \
+                      within 2 errors, of those without a warning | within 3";
+
+/// Tables of all runs: by half, then by model and by particles.
+pub(super) fn table(runs: &[Run]) -> String {
+    let mut text = format!("| models | {HEADER} |\n|---|--:|--:|--:|--:|--:|\n");
+    let halves = distinct(runs.iter().map(|run| run.half.as_str()));
+    for half in &halves {
+        let row = Row::of(runs.iter().filter(|run| run.half == *half));
+        text += &format!("| {half} | {} |\n", row.cells());
+    }
+    for half in &halves {
+        text += &format!("\n## {half}\n\n| model | {HEADER} |\n|---|--:|--:|--:|--:|--:|\n");
+        let of_half = || runs.iter().filter(|run| run.half == *half);
+        for model in distinct(of_half().map(|run| run.model.as_str())) {
+            let row = Row::of(of_half().filter(|run| run.model == model));
+            text += &format!("| {model} | {} |\n", row.cells());
+        }
+        text += &format!("\n| proposal, K | {HEADER} |\n|---|--:|--:|--:|--:|--:|\n");
+        for proposal in distinct(of_half().map(|run| run.proposal.as_str())) {
+            let mut sizes: Vec<usize> = of_half().map(|run| run.particles).collect();
+            sizes.sort_unstable();
+            sizes.dedup();
+            for size in sizes {
+                let chosen = of_half().filter(|run| run.proposal == proposal && run.particles == size);
+                text += &format!("| {proposal}, {size} | {} |\n", Row::of(chosen).cells());
+            }
+        }
+    }
+    text
+}
+
+/// Each name once, in order of appearance.
+fn distinct<'r>(names: impl Iterator<Item = &'r str>) -> Vec<&'r str> {
+    let mut found: Vec<&str> = Vec::new();
+    for name in names {
+        if !found.contains(&name) {
+            found.push(name);
+        }
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn run(error: f64, standard_error: f64, warnings: &str, deviation_ratio: Option<f64>) -> Run {
+        Run {
+            half: "set".into(),
+            model: "level".into(),
+            proposal: "bootstrap".into(),
+            particles: 100,
+            run: 0,
+            error,
+            standard_error: Some(standard_error),
+            deviation_ratio,
+            warnings: warnings.into(),
+        }
+    }
+
+    #[test]
+    fn a_wrong_run_is_silent_without_a_warning_and_without_an_honest_error() {
+        let silent = |error, standard_error, warnings| run(error, standard_error, warnings, None).is_silent();
+        assert!(silent(-6.0, 1.0, "") && silent(f64::NEG_INFINITY, 1.0, ""));
+        assert!(!silent(-6.0, 2.1, "") && !silent(-6.0, 1.0, "few") && !silent(-4.9, 0.1, ""));
+    }
+
+    #[test]
+    fn shares_are_of_what_they_are_said_to_be_of() {
+        let runs = [
+            run(-6.0, 1.0, "", None),
+            run(-6.0, 1.0, "few", None),
+            run(0.1, 0.2, "", None),
+            run(0.5, 0.2, "ancestors", Some(2.0)),
+        ];
+        let found = table(&runs);
+        let first = "| set | 50.0 % of 2 | 50.0 % of 2 | 0.0 % of 1 | 50.0 % of 2 | 50.0 % of 2 |";
+        assert!(found.contains(first), "{found}");
+    }
+}
