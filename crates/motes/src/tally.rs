@@ -172,12 +172,16 @@ fn of_evidence_warning(warning: &EvidenceWarning, states: &[String], at: &dyn Fn
             format!("{warning}; take more particles, or a proposal that sees the measurement")
         }
         EvidenceWarning::GrowsWithParticles { .. } => format!("{warning}; take more particles"),
-        EvidenceWarning::FewAncestors { coordinate, step, since, ancestors } => format!(
-            "state {} hardly moves by itself, and at {} its values descend from {ancestors:.0} particles of {}: its standard deviation and \
-             quantiles are too narrow from there on; give it noise, or make it a parameter",
-            states[*coordinate],
-            at(*step),
-            at(*since)
-        ),
+        EvidenceWarning::FewAncestors { coordinate, step, since, ancestors } => {
+            let particles =
+                if *ancestors < 1.5 { "one particle".into() } else { format!("{ancestors:.0} particles") };
+            format!(
+                "state {} hardly moves by itself, and at {} its values descend from {particles} of {}: its standard deviation and quantiles are \
+                 too narrow from there on; give it noise, or make it a parameter",
+                states[*coordinate],
+                at(*step),
+                at(*since)
+            )
+        }
     }
 }

@@ -68,8 +68,7 @@ fn json_has_the_keys_that_scripts_rely_on() {
     let keys = |value: &Value| value.as_object().unwrap().keys().cloned().collect::<BTreeSet<String>>();
     let names = |all: &str| all.split(' ').map(String::from).collect::<BTreeSet<String>>();
     let filtered = json(&place, &["filter", "walk.toml", "d.csv", "--json"]);
-    let expected =
-        "log_evidence log_evidence_per_series ess_mean ess_min pareto_k warnings particles seconds";
+    let expected = "log_evidence log_evidence_per_series standard_error standard_error_per_series exact_log_evidence_per_series ess_mean ess_min pareto_k warnings particles seconds";
     assert_eq!(keys(&filtered), names(expected));
     let compared = json(
         &place,

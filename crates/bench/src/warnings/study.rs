@@ -67,9 +67,14 @@ pub fn run_study(args: &ReproduceArgs, interrupt: &Interrupt) -> Result<(), Stud
         return Err(StudyError::Setting(format!("--profile: {}", one_of(&args.profile, names))));
     };
     let count = args.repetitions.unwrap_or(profile.runs);
+    let proposals = chosen("--methods", &args.methods, &profile.proposals)?;
+    let names: Vec<String> = study.model.iter().map(|model| model.name.clone()).collect();
+    let models = chosen("--panels", &args.panels, &names)?;
+    let sizes: Vec<String> = profile.particles.iter().map(usize::to_string).collect();
+    let sizes = chosen("--x", &args.x, &sizes)?;
     if args.dry_run {
-        let filters = study.model.len() * profile.proposals.len() * profile.particles.len() * count;
-        result(&format!("{NAME} {}: {} models, {filters} filters", args.profile, study.model.len()));
+        let filters = models.len() * proposals.len() * sizes.len() * count;
+        result(&format!("{NAME} {}: {} models, {filters} filters", args.profile, models.len()));
         return Ok(());
     }
     let folder = args.out.join(NAME).join(&args.profile);
@@ -77,10 +82,10 @@ pub fn run_study(args: &ReproduceArgs, interrupt: &Interrupt) -> Result<(), Stud
     let path = folder.join("runs.csv");
     let mut all = if args.fresh { vec![] } else { read_runs(&path)? };
     // Small filters first: what takes long comes last.
-    for particles in &profile.particles {
-        for model in &study.model {
+    for particles in profile.particles.iter().filter(|size| sizes.contains(&size.to_string())) {
+        for model in study.model.iter().filter(|model| models.contains(&model.name)) {
             let prepared = Prepared::new(&home, model)?;
-            for proposal in &profile.proposals {
+            for proposal in &proposals {
                 let is_of = |run: &Run| {
                     run.model == model.name && run.proposal == *proposal && run.particles == *particles
                 };
@@ -104,6 +109,15 @@ pub fn run_study(args: &ReproduceArgs, interrupt: &Interrupt) -> Result<(), Stud
     write(&folder.join("table.md"), text.as_bytes())?;
     result(text.trim_end());
     Ok(())
+}
+
+/// Those of the names that an argument chooses; all of them where it says nothing.
+fn chosen(argument: &str, asked: &[String], names: &[String]) -> Result<Vec<String>, StudyError> {
+    if let Some(unknown) = asked.iter().find(|name| !names.contains(name)) {
+        let there = names.iter().map(String::as_str);
+        return Err(StudyError::Setting(format!("{argument}: {}", one_of(unknown, there))));
+    }
+    Ok(names.iter().filter(|name| asked.is_empty() || asked.contains(name)).cloned().collect())
 }
 
 /// A model with its data and its exact answers.

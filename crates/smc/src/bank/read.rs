@@ -5,7 +5,7 @@ use std::ops::Deref;
 use motes_models::StateSpaceModel;
 
 use super::filter_bank::FilterBank;
-use crate::diagnosis::{WeightDiagnosis, tail_within, upper_end_index};
+use crate::diagnosis::{WeightDiagnosis, tail_length, tail_within, upper_end_of_sorted};
 use crate::error::FilterError;
 use crate::proposal::Proposal;
 use crate::weights::LogWeights;
@@ -94,13 +94,14 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
         });
         let effective_sample_size = sizes.sum::<f64>() / self.weights.len() as f64;
         let tail = tail_within(&mut logs);
+        let sorted = tail_length(logs.len());
         WeightDiagnosis {
             time: self.time.saturating_sub(1),
             particles: self.settings.particles,
             effective_sample_size,
             pareto_k: tail.map(|tail| tail.index),
             tail_weights: tail.map_or(0, |tail| tail.weights),
-            upper_end: upper_end_index(&mut logs),
+            upper_end: upper_end_of_sorted(&mut logs, sorted),
         }
     }
 

@@ -4,7 +4,7 @@ mod pareto;
 mod report;
 mod upper_end;
 
-pub(crate) use pareto::tail_within;
 pub use pareto::{PARETO_K_LIMIT, pareto_k};
+pub(crate) use pareto::{tail_length, tail_within};
 pub use report::{LEAST_EFFECTIVE_PARTICLES, WeightDiagnosis, WeightReport, WeightWarning};
-pub(crate) use upper_end::{has_upper_end, upper_end_index};
+pub(crate) use upper_end::{has_upper_end, upper_end_of_sorted};

@@ -52,9 +52,14 @@ impl Tail {
     }
 }
 
-/// [`pareto_k`], which leaves the weights in another order.
+/// How many of the largest of so many weights a distribution is fitted to, `min(S/5, 3√S)`.
+pub(crate) fn tail_length(weights: usize) -> usize {
+    (weights as f64 / 5.0).min(3.0 * (weights as f64).sqrt()) as usize
+}
+
+/// [`pareto_k`], which leaves the weights in another order: the largest [`tail_length`] of them at the end, sorted, where there are five at least.
 pub(crate) fn tail_within(log: &mut [f64]) -> Option<Tail> {
-    let count = (log.len() as f64 / 5.0).min(3.0 * (log.len() as f64).sqrt()) as usize;
+    let count = tail_length(log.len());
     if count < LEAST_TAIL {
         return None;
     }
