@@ -256,6 +256,13 @@ impl<'m> Running<'m> {
     /// # Errors
     /// [`MotesError::Filter`] if no particle explains it, or a formula leaves its domain.
     pub fn advance(&mut self, measurement: &[Option<f64>]) -> Result<(), MotesError> {
+        if let Some(failure) = self.filter.failure() {
+            let place = format!("t = {}", self.time);
+            return Err(MotesError::Filter {
+                place,
+                reason: format!("the filter has failed before: {failure}"),
+            });
+        }
         self.before = self.filter.log_evidence();
         self.filter.step(measurement).map_err(|error| self.explain(&error, measurement))?;
         self.time += 1;

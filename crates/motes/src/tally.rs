@@ -11,7 +11,7 @@ use crate::options::{FilterOptions, ProposalName};
 use crate::warning::Warning;
 
 /// Standard errors by which a log-evidence may be off before it differs from the exact one, and the same in nats: at least, and where there is no error.
-const ERRORS: f64 = 3.0;
+const ERRORS: f64 = 4.0;
 const LEAST_DIFFERENCE: f64 = 1.0;
 const WITHOUT_ERROR: f64 = 5.0;
 
@@ -171,7 +171,6 @@ fn of_evidence_warning(warning: &EvidenceWarning, states: &[String], at: &dyn Fn
         EvidenceWarning::LargeError { .. } => {
             format!("{warning}; take more particles, or a proposal that sees the measurement")
         }
-        EvidenceWarning::GrowsWithParticles { .. } => format!("{warning}; take more particles"),
         EvidenceWarning::FewAncestors { coordinate, step, since, ancestors } => {
             let particles =
                 if *ancestors < 1.5 { "one particle".into() } else { format!("{ancestors:.0} particles") };

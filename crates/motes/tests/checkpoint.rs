@@ -59,7 +59,9 @@ fn a_filter_that_failed_has_failed_when_it_is_resumed() {
     let text = TEXT.replace("\"normal(x, 0.5)\"", "\"uniform(x - 0.1, x + 0.1)\"");
     let (model, options) = (model(&text), FilterOptions::default());
     let mut running = Running::new(&model, &options, 0).unwrap();
-    let error = running.step(&[Some(50.0)]).unwrap_err().to_string();
+    running.step(&[Some(50.0)]).unwrap_err();
+    let error = running.step(&[Some(0.0)]).unwrap_err().to_string();
+    assert!(error.starts_with("t = 0: the filter has failed before: "), "{error}");
     let mut resumed = Running::resume(&model, &options, &running.checkpoint().unwrap()).unwrap();
     assert_eq!(resumed.step(&[Some(0.0)]).unwrap_err().to_string(), error);
 }

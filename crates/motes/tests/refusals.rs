@@ -71,7 +71,7 @@ fn options_that_cannot_be() {
         (&["--particles", "ten"], "--particles ten: it must be an integer from 1 to 1000000000"),
         (
             &["--proposal", "foo"],
-            "--proposal foo: there are bootstrap, linearised, optimal, and there is no such folder",
+            "--proposal foo: there are bootstrap, linearised, optimal, exact, and there is no such folder",
         ),
         (
             &["--proposal", "linearized"],

@@ -120,7 +120,9 @@ fn a_sound_filter_has_an_honest_error_and_no_warning() {
         let off = found.log_evidence() - found.exact_log_evidence_per_series[0].unwrap();
         within += u32::from(off.abs() < 2.0 * error);
         square += off * off / (error * error);
-        assert!(found.warnings.is_empty(), "{:?}", found.warnings);
+        // The Kalman filter may notice one that is off by more than usual.
+        let of_particles = texts(&found).into_iter().find(|text| !text.contains("Kalman"));
+        assert_eq!(of_particles, None);
     }
     // Two standard errors hold 95 % of 40, four standard deviations of that count away at the least; their mean square is 1 ± 4√(2/40).
     assert!(within >= 33, "{within}");

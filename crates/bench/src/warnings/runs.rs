@@ -72,7 +72,6 @@ pub(super) fn run(
     let of_evidence = running.evidence_warnings().into_iter().map(|warning| match warning {
         EvidenceWarning::Surprise { .. } => "surprise",
         EvidenceWarning::LargeError { .. } => "error",
-        EvidenceWarning::GrowsWithParticles { .. } => "grows",
         EvidenceWarning::FewAncestors { .. } => "ancestors",
     });
     let of_opinion = matches!(running.verdict(), Some(Verdict::Warns { .. })).then_some("opinion");

@@ -28,8 +28,6 @@ pub(super) struct Blocks {
     small: usize,
     /// The variance of all blocks that are over.
     variance: f64,
-    /// `Σ (e − ē − ½(ρ − 1)v)` of the judged blocks.
-    excess: f64,
     judged_steps: usize,
     present: Block,
 }
@@ -46,11 +44,11 @@ struct Block {
     ancestry: [f64; 2],
 }
 
-/// A block's part in the sums.
+/// A block's part in the variance.
 struct Part {
     variance: f64,
-    /// The excess, where the small filters could judge.
-    excess: Option<f64>,
+    /// Whether small filters could judge it.
+    is_judged: bool,
 }
 
 impl Blocks {
@@ -87,10 +85,7 @@ impl Blocks {
         if self.present.steps == BLOCK_STEPS {
             let part = self.part();
             self.variance += part.variance;
-            if let Some(excess) = part.excess {
-                self.excess += excess;
-                self.judged_steps += self.present.steps;
-            }
+            self.judged_steps += if part.is_judged { self.present.steps } else { 0 };
             self.begin(self.present.ancestry[1]);
         }
         let block = &mut self.present;
@@ -109,13 +104,13 @@ impl Blocks {
             && !block.is_out_of_reach
             && block.small.iter().all(|increment| increment.is_finite());
         if !is_judged {
-            return Part { variance: by_ancestry, excess: None };
+            return Part { variance: by_ancestry, is_judged };
         }
         let mean = block.small.iter().sum::<f64>() / count;
         let squares: f64 = block.small.iter().map(|increment| (increment - mean).powi(2)).sum();
         let excess = block.increment - mean - 0.5 * (self.ratio - 1.0) * by_ancestry;
         let of_difference = excess * excess / (1.0 + self.ratio / count);
-        Part { variance: (squares / self.ratio + of_difference) / count, excess: Some(excess) }
+        Part { variance: (squares / self.ratio + of_difference) / count, is_judged }
     }
 
     /// The variance of the log-evidence after all steps so far.
@@ -123,17 +118,9 @@ impl Blocks {
         self.variance + if self.present.steps > 0 { self.part().variance } else { 0.0 }
     }
 
-    /// By how much more the filter's log-evidence is above that of the small ones than their sizes explain, over the judged blocks, and the standard error that
-    /// this has if the filter's variance is `by_ancestry`.
-    pub(super) fn excess(&self, by_ancestry: f64) -> (f64, f64) {
-        let present = if self.present.steps > 0 { self.part().excess } else { None };
-        let error = (by_ancestry * (1.0 + self.ratio / self.small.max(1) as f64)).sqrt();
-        (self.excess + present.unwrap_or_default(), error)
-    }
-
     /// How many steps the small filters could judge.
     pub(super) fn judged_steps(&self) -> usize {
-        let is_judged = self.present.steps > 0 && self.part().excess.is_some();
+        let is_judged = self.present.steps > 0 && self.part().is_judged;
         self.judged_steps + if is_judged { self.present.steps } else { 0 }
     }
 }

@@ -28,12 +28,6 @@ const LARGEST_ERROR: f64 = 2.5;
 /// The share of particles that are effective from which on a measurement is no surprise.
 const SUSPICIOUS: f64 = 0.25;
 
-/// Standard errors of an excess above which it is none by chance.
-const LEAST_SCORE: f64 = 3.0;
-
-/// An excess below which evidence is not called too low, whatever its error (nats).
-const LEAST_EXCESS: f64 = 5.0;
-
 /// Small filters of the same model and proposal that run beside a filter, and tell how far its log-evidence may be off.
 ///
 /// A filter of `K` particles gets `R` small ones with `K/4` particles in all: one of `K/4` below 400 particles, two of `K/8` below 800, and four of `K/16`
@@ -47,9 +41,8 @@ const LEAST_EXCESS: f64 = 5.0;
 /// # What it warns of
 /// - [`EvidenceWarning::Surprise`]: a measurement that the model hardly ever makes from where the particles are, as after a jump that it does not know. States that
 ///   lead there are rare from some steps before on, and no particle has been on such a path.
-/// - [`EvidenceWarning::LargeError`]: a standard error above 2.5 nats.
-/// - [`EvidenceWarning::GrowsWithParticles`]: small filters are lower by more than their size explains. This is what a run of selected tails looks like, in which
-///   each step is tolerable and all err in one direction.
+/// - [`EvidenceWarning::LargeError`]: a standard error above 2.5 nats. This is also what a run of selected tails looks like, in which each step is tolerable and all
+///   err in one direction: small filters are lower by more than their size explains.
 /// - [`EvidenceWarning::FewAncestors`]: a coordinate that hardly moves, as a constant does, has no values left.
 ///
 /// A single step with too few effective particles is seen in its weights: [`WeightReport`](crate::WeightReport). No figure of a filter can see a mode that no
@@ -88,7 +81,6 @@ pub struct EvidenceCheck<D: Deref, P: Proposal<D::Target>> {
 #[derive(Debug, Clone, Serialize, Deserialize)]
 struct Figures {
     particles: usize,
-    small_particles: usize,
     ancestry: AncestryVariance,
     blocks: Blocks,
     coordinates: Coordinates,
@@ -128,7 +120,6 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> EvidenceCheck<D,
         let ratio = particles as f64 / small_particles.max(1) as f64;
         let figures = Figures {
             particles,
-            small_particles,
             ancestry: AncestryVariance::default(),
             blocks: Blocks::new(ratio, if is_estimable { filters } else { 0 }),
             coordinates: Coordinates::default(),
@@ -168,11 +159,6 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> EvidenceCheck<D,
         }
         if let Some(standard_error) = self.standard_error().filter(|error| *error > LARGEST_ERROR) {
             warnings.push(EvidenceWarning::LargeError { standard_error });
-        }
-        let (excess, error) = self.figures.blocks.excess(self.figures.ancestry.variance());
-        if excess > LEAST_EXCESS.max(LEAST_SCORE * error) {
-            let particles = self.figures.small_particles;
-            warnings.push(EvidenceWarning::GrowsWithParticles { particles, excess, error });
         }
         let found = self.figures.coordinates.found().map(|found| EvidenceWarning::FewAncestors {
             coordinate: found.coordinate,

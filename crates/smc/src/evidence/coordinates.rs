@@ -11,7 +11,7 @@ const LEAST_ANCESTORS: f64 = 20.0;
 const LEAST_STEPS: usize = 8;
 
 /// The share of a coordinate's variance that lies between families, from which on it hardly moves by itself.
-const REMEMBERED: f64 = 0.95;
+const REMEMBERED: f64 = 0.99;
 
 /// A coordinate of the state whose standard deviation cannot be trusted.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -27,7 +27,7 @@ pub(super) struct Impoverished {
 /// Watches how the values of each coordinate descend from those of an earlier step.
 ///
 /// Particles of an earlier step, the *marks*, found families. Once the weights `G_i` of the families leave fewer than 20 effective ones, `1/Σ G_i²`, and at
-/// least 8 steps are over, each coordinate is looked at: where more than 95 % of its variance lies between families, the coordinate hardly moved since, and
+/// least 8 steps are over, each coordinate is looked at: where more than 99 % of its variance lies between families, the coordinate hardly moved since, and
 /// all that is known of it rests on those few values. New marks are set then.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(super) struct Coordinates {

@@ -21,15 +21,6 @@ pub enum EvidenceWarning {
         /// The standard error (nats).
         standard_error: f64,
     },
-    /// The log-evidence grows with the number of particles by more than its variance explains, so that more particles would find more.
-    GrowsWithParticles {
-        /// Particles of the small filters.
-        particles: usize,
-        /// By how much the filter is above them beyond what their size explains (nats).
-        excess: f64,
-        /// The standard error of this (nats).
-        error: f64,
-    },
     /// A coordinate of the state hardly moves, and its particles descend from too few.
     FewAncestors {
         /// The coordinate.
@@ -58,11 +49,6 @@ impl fmt::Display for EvidenceWarning {
                 f,
                 "the log-evidence has a standard error of {standard_error:.1}: estimates that vary so much are too low, by more than this error \
                  as a rule"
-            ),
-            EvidenceWarning::GrowsWithParticles { particles, excess, error } => write!(
-                f,
-                "the log-evidence grows with the number of particles: filters of {particles} are lower by {excess:.1} ± {error:.1} more than \
-                 their size explains, so it is too low itself"
             ),
             EvidenceWarning::FewAncestors { coordinate, step, since, ancestors } => write!(
                 f,
