@@ -260,7 +260,7 @@ impl<'m> Running<'m> {
             let place = format!("t = {}", self.time);
             return Err(MotesError::Filter {
                 place,
-                reason: format!("the filter has failed before: {failure}"),
+                reason: format!("the filter failed in an earlier step: {failure}"),
             });
         }
         self.before = self.filter.log_evidence();

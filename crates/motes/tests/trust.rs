@@ -37,7 +37,7 @@ fn a_jump_that_the_model_does_not_know_is_warned_of_by_the_particles_alone() {
                 assert!(found.log_evidence() < OF_JUMP - 5.0, "{}", found.log_evidence());
                 let texts = texts(&found);
                 let named =
-                    texts.iter().any(|text| text.contains("at t = 30 (y = ") && text.contains("beyond"));
+                    texts.iter().any(|text| text.contains("(y = ") && text.contains("beyond all particles"));
                 assert!(named, "{proposal}, {particles}, {seed}: {texts:?}");
                 // The Kalman filter says so, too.
                 assert!(texts.iter().any(|text| text.contains("is off by")), "{texts:?}");
