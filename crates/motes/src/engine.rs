@@ -16,44 +16,7 @@ use crate::model::{Kind, Model};
 use crate::options::{FilterOptions, ProposalName};
 use crate::prediction::{MOST, beside_prediction};
 use crate::running_state::{FilterState, ParticleState, SecondState};
-
-/// A filter with the types of its model and proposal put aside.
-pub(crate) trait Steps: Send + Sync {
-    fn step(&mut self, measurement: &[Option<f64>]) -> Result<(), FilterError>;
-    /// What a bootstrap filter beside it says so far, if there is one.
-    fn verdict(&self) -> Option<Verdict>;
-    /// By how much that one's log-evidence is larger.
-    fn difference(&self) -> f64;
-    /// The standard error of the log-evidence, if there are small filters beside it and particles enough.
-    fn standard_error(&self) -> Option<f64>;
-    /// What the small filters beside it warn of.
-    fn evidence_warnings(&self) -> Vec<EvidenceWarning>;
-    fn state(&self) -> Vec<Coordinate>;
-    /// How many numbers the states of all particles are.
-    fn particles(&self) -> usize;
-    /// Whether there is much to look at after a step.
-    fn is_large(&self) -> bool;
-    fn means(&self) -> &[f64];
-    fn quantiles(&self, coordinate: usize, probabilities: &[f64]) -> Vec<f64>;
-    /// What its weights say, if it has particles.
-    fn diagnosis(&self) -> Option<WeightDiagnosis>;
-    fn effective_sample_size(&self) -> Option<f64>;
-    fn log_evidence(&self) -> f64;
-    fn record(&self, history: &mut FilterHistory) -> Result<(), SmoothingError>;
-    fn backward(
-        &self,
-        history: &FilterHistory,
-        paths: usize,
-        seed: &Seed,
-        proceed: &mut dyn FnMut(usize) -> ControlFlow<()>,
-    ) -> Result<SmoothedPaths, SmoothingError>;
-    /// Why it failed, if it has.
-    fn failure(&self) -> Option<&FilterError>;
-    /// All that later steps depend on.
-    fn snapshot(&self) -> FilterState;
-    /// The state of one particle, and the one that it was drawn from, in the step that failed.
-    fn of_particle(&self, particle: usize) -> (Option<&[f64]>, &[f64]);
-}
+use crate::steps::Steps;
 
 /// A filter beside its model, and perhaps small filters and a second opinion beside the filter.
 struct Filter<'m, M: StateSpaceModel + ?Sized, P: Proposal<M>> {

@@ -9,11 +9,11 @@ use motes_smc::{
     EvidenceWarning, FilterError, FilterHistory, SmoothedPaths, SmoothingError, Verdict, WeightDiagnosis,
 };
 
-use crate::engine::Steps;
 use crate::error::MotesError;
 use crate::estimate::{Coordinate, Estimate, PROBABILITIES};
 use crate::model::Model;
 use crate::running_state::{ExactState, FilterState};
+use crate::steps::Steps;
 
 /// A Kalman filter in the place of particles.
 pub(crate) struct Exact<'m> {

@@ -2,54 +2,15 @@
 
 use std::ops::ControlFlow;
 
-use motes_smc::{Verdict, WeightReport};
-use serde::{Deserialize, Serialize};
-
 use crate::data::Data;
 use crate::engine::Running;
 use crate::error::MotesError;
 use crate::estimate::Estimate;
+use crate::filtered::Filtered;
 use crate::model::Model;
 use crate::options::{FilterOptions, ProposalName};
 use crate::tally::{Measured, SeriesTally, Tally};
 use crate::warning::Warning;
-
-/// What filters made of data.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Filtered {
-    /// The estimate of each row of the data, in their order.
-    pub estimates: Vec<Estimate>,
-    /// What is predicted after the last measurement of each series.
-    pub forecasts: Vec<Vec<Estimate>>,
-    /// The log-evidence of each series.
-    pub log_evidence_per_series: Vec<f64>,
-    /// Its standard error; none where it is not checked, or of too few particles to tell, and 0 where the log-evidence is exact.
-    pub standard_error_per_series: Vec<Option<f64>>,
-    /// The exact log-evidence of each series by the Kalman filter, where the model is linear and Gaussian and filters are checked.
-    pub exact_log_evidence_per_series: Vec<Option<f64>>,
-    /// What the weights of all steps say.
-    pub weights: WeightReport,
-    /// The least effective sample size of all steps; none without particles.
-    pub least_ess: Option<f64>,
-    /// Reasons not to trust the estimates.
-    pub warnings: Vec<Warning>,
-    /// What a bootstrap filter beside that of each series says; none where none ran.
-    pub opinions: Vec<Option<Verdict>>,
-}
-
-impl Filtered {
-    /// The log-evidence of all series together.
-    pub fn log_evidence(&self) -> f64 {
-        self.log_evidence_per_series.iter().sum()
-    }
-
-    /// Its standard error: series are independent, so their variances add up. None if a series has none.
-    pub fn standard_error(&self) -> Option<f64> {
-        let errors = self.standard_error_per_series.iter().copied();
-        let variance: Option<f64> = errors.map(|error| error.map(|error| error * error)).sum();
-        variance.map(f64::sqrt)
-    }
-}
 
 /// Filters each series of `data`; `proceed` is asked after each row, and after each time of a forecast, with how many rows are done.
 ///
@@ -120,25 +81,6 @@ pub fn of_proposal(options: &FilterOptions) -> Option<Warning> {
         learned.name()
     );
     Some(Warning { series: None, text })
-}
-
-/// What a bootstrap filter beside another says against it, if it does; `larger` is by how much its log-evidence of all steps is larger, and `at` what the data call
-/// a time.
-pub(crate) fn of_opinion(
-    series: Option<&str>,
-    verdict: Option<Verdict>,
-    larger: f64,
-    at: impl FnOnce(usize) -> String,
-) -> Option<Warning> {
-    let Some(Verdict::Warns { first_step, difference, error }) = verdict else { return None };
-    // What has less evidence in all is no better, even if it was once.
-    let bootstrap = if larger > 0.0 { "--proposal bootstrap, " } else { "" };
-    let text = format!(
-        "from {} on the filter misses mass: the log-evidence of a bootstrap filter is {difference:.1} ± {error:.1} larger; take {bootstrap}more \
-         particles, or a larger --defensive share",
-        at(first_step)
-    );
-    Some(Warning { series: series.map(String::from), text })
 }
 
 /// Says which series an error is about.

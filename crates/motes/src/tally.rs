@@ -5,7 +5,7 @@ use motes_smc::{EvidenceWarning, Verdict, WeightDiagnosis, WeightReport};
 use crate::engine::Running;
 use crate::estimate::Estimate;
 use crate::exact::ExactEvidence;
-use crate::filtering::{Filtered, of_opinion};
+use crate::filtered::Filtered;
 use crate::model::Model;
 use crate::options::{FilterOptions, ProposalName};
 use crate::warning::Warning;
@@ -104,7 +104,7 @@ impl Tally {
             }
         }
         let verdict = running.verdict();
-        self.warnings.extend(of_opinion(name, verdict, running.difference(), |step| at(step)));
+        self.warnings.extend(of_opinion(name, verdict, running.difference(), at));
         self.opinions.push(verdict);
         self.log_evidence.push(log_evidence);
         self.standard_errors.push(standard_error);
@@ -183,4 +183,23 @@ fn of_evidence_warning(warning: &EvidenceWarning, states: &[String], at: &dyn Fn
             )
         }
     }
+}
+
+/// What a bootstrap filter beside another says against it, if it does; `larger` is by how much its log-evidence of all steps is larger, and `at` what the data call
+/// a time.
+fn of_opinion(
+    series: Option<&str>,
+    verdict: Option<Verdict>,
+    larger: f64,
+    at: impl FnOnce(usize) -> String,
+) -> Option<Warning> {
+    let Some(Verdict::Warns { first_step, difference, error }) = verdict else { return None };
+    // What has less evidence in all is no better, even if it was once.
+    let bootstrap = if larger > 0.0 { "--proposal bootstrap, " } else { "" };
+    let text = format!(
+        "from {} on the filter misses mass: the log-evidence of a bootstrap filter is {difference:.1} ± {error:.1} larger; take {bootstrap}more \
+         particles, or a larger --defensive share",
+        at(first_step)
+    );
+    Some(Warning { series: series.map(String::from), text })
 }

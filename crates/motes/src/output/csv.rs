@@ -3,7 +3,7 @@
 use super::number::text;
 use crate::data::{Columns, Data, Row};
 use crate::estimate::{Coordinate, Estimate, OF_COORDINATE, OF_WEIGHTS};
-use crate::filtering::Filtered;
+use crate::filtered::Filtered;
 use crate::model::Model;
 use crate::simulating::Simulated;
 

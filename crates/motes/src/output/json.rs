@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::filtering::Filtered;
+use crate::filtered::Filtered;
 use crate::options::FilterOptions;
 
 #[derive(Serialize)]

@@ -2,7 +2,7 @@
 
 use motes_smc::Verdict;
 
-use crate::filtering::Filtered;
+use crate::filtered::Filtered;
 use crate::options::{FilterOptions, ProposalName};
 
 /// The figures of a filter over so many times, a name and a value each; `has_series` says whether its series have names.

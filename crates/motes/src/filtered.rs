@@ -1,0 +1,44 @@
+//! What filters made of data.
+
+use motes_smc::{Verdict, WeightReport};
+use serde::{Deserialize, Serialize};
+
+use crate::estimate::Estimate;
+use crate::warning::Warning;
+
+/// What filters made of data.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Filtered {
+    /// The estimate of each row of the data, in their order.
+    pub estimates: Vec<Estimate>,
+    /// What is predicted after the last measurement of each series.
+    pub forecasts: Vec<Vec<Estimate>>,
+    /// The log-evidence of each series.
+    pub log_evidence_per_series: Vec<f64>,
+    /// Its standard error; none where it is not checked, or of too few particles to tell, and 0 where the log-evidence is exact.
+    pub standard_error_per_series: Vec<Option<f64>>,
+    /// The exact log-evidence of each series by the Kalman filter, where the model is linear and Gaussian and filters are checked.
+    pub exact_log_evidence_per_series: Vec<Option<f64>>,
+    /// What the weights of all steps say.
+    pub weights: WeightReport,
+    /// The least effective sample size of all steps; none without particles.
+    pub least_ess: Option<f64>,
+    /// Reasons not to trust the estimates.
+    pub warnings: Vec<Warning>,
+    /// What a bootstrap filter beside that of each series says; none where none ran.
+    pub opinions: Vec<Option<Verdict>>,
+}
+
+impl Filtered {
+    /// The log-evidence of all series together.
+    pub fn log_evidence(&self) -> f64 {
+        self.log_evidence_per_series.iter().sum()
+    }
+
+    /// Its standard error: series are independent, so their variances add up. None if a series has none.
+    pub fn standard_error(&self) -> Option<f64> {
+        let errors = self.standard_error_per_series.iter().copied();
+        let variance: Option<f64> = errors.map(|error| error.map(|error| error * error)).sum();
+        variance.map(f64::sqrt)
+    }
+}
