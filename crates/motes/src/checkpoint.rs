@@ -4,11 +4,12 @@ use motes_models::StateSpaceModel;
 use motes_proposals::{Fingerprint, OtherSystem};
 use serde::{Deserialize, Serialize};
 
-use crate::engine::{Running, Start, filter_of};
+use crate::engine::{Running, filter_of};
 use crate::error::MotesError;
 use crate::model::{Kind, Model};
 use crate::options::FilterOptions;
 use crate::packed::{pack, unpack};
+use crate::particles::Start;
 use crate::running_state::RunningState;
 
 /// What errors call it.

@@ -41,6 +41,7 @@ mod names;
 mod options;
 pub mod output;
 mod packed;
+mod particles;
 mod prediction;
 mod running_state;
 mod simulating;

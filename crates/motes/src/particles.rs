@@ -1,0 +1,240 @@
+//! A filter of particles with whatever runs beside it, its types put aside.
+
+use std::ops::{ControlFlow, Range};
+
+use motes_models::{PartialLikelihood, Seed, Simulator, StateSpaceModel};
+use motes_smc::{
+    Bootstrap, EvidenceCheck, EvidenceWarning, FilterError, FilterHistory, FilterSettings, ParticleFilter,
+    Proposal, SecondOpinion, SmoothedPaths, SmoothingError, Verdict, WeightDiagnosis,
+    backward_simulation_while,
+};
+
+use crate::error::MotesError;
+use crate::estimate::{Coordinate, PROBABILITIES};
+use crate::options::{FilterOptions, ProposalName};
+use crate::running_state::{FilterState, ParticleState, SecondState};
+use crate::steps::Steps;
+
+/// A filter beside its model, and perhaps small filters and a second opinion beside the filter.
+struct Filter<'m, M: StateSpaceModel + ?Sized, P: Proposal<M>> {
+    model: &'m M,
+    filter: ParticleFilter<&'m M, P>,
+    check: Option<EvidenceCheck<&'m M, P>>,
+    second: Option<Second<'m, M>>,
+}
+
+/// A bootstrap filter, and what it says of another.
+struct Second<'m, M: StateSpaceModel + ?Sized> {
+    bootstrap: ParticleFilter<&'m M, Bootstrap>,
+    opinion: SecondOpinion,
+}
+
+/// What a filter begins with.
+pub(crate) enum Start {
+    /// The seed of its random numbers.
+    Seed(Seed),
+    /// What it was before.
+    State(Box<FilterState>),
+}
+
+/// Numbers of particles from which on it pays to look at them on two threads.
+const LARGE: usize = 16_384;
+
+/// What `of` says of each coordinate, on all threads if there is much to look at.
+fn of_all(
+    coordinates: Range<usize>,
+    is_large: bool,
+    of: &(dyn Fn(usize) -> Coordinate + Sync),
+) -> Vec<Coordinate> {
+    if !is_large || coordinates.len() < 2 {
+        return coordinates.map(of).collect();
+    }
+    let half = coordinates.start + coordinates.len() / 2;
+    let (mut first, rest) = rayon_core::join(
+        || of_all(coordinates.start..half, is_large, of),
+        || of_all(half..coordinates.end, is_large, of),
+    );
+    first.extend(rest);
+    first
+}
+
+impl<M: StateSpaceModel + ?Sized, P: Proposal<M>> Filter<'_, M, P> {
+    fn coordinate(&self, coordinate: usize) -> Coordinate {
+        let filter = &self.filter;
+        let (means, particles, weights) = (filter.mean(), filter.particles(), filter.weights().normalised());
+        let (n, mean) = (means.len(), means[coordinate]);
+        let values = particles.iter().skip(coordinate).step_by(n);
+        let variance: f64 = values.zip(weights).map(|(x, weight)| weight * (x - mean) * (x - mean)).sum();
+        // One particle with all weight says nothing of a spread.
+        if variance == 0.0 && weights.iter().filter(|weight| **weight > 0.0).count() == 1 {
+            return Coordinate { mean, sd: f64::NAN, quantiles: [f64::NAN; 3] };
+        }
+        let quantiles = filter.quantiles(coordinate, &PROBABILITIES);
+        Coordinate { mean, sd: variance.sqrt(), quantiles: [quantiles[0], quantiles[1], quantiles[2]] }
+    }
+}
+
+impl<M, P> Steps for Filter<'_, M, P>
+where
+    M: PartialLikelihood + Simulator + ?Sized,
+    P: Proposal<M, Memory = ()> + Send,
+{
+    fn step(&mut self, measurement: &[Option<f64>]) -> Result<(), FilterError> {
+        let Filter { filter, check, second, .. } = self;
+        let Some(check) = check else { return filter.step_partial(measurement) };
+        // On the second thread, where there is one.
+        let (done, ()) = rayon_core::join(
+            || filter.step_partial(measurement),
+            || {
+                check.advance(measurement);
+                if let Some(Second { bootstrap, .. }) = second {
+                    // One that fails has no opinion.
+                    let _ = bootstrap.step_partial(measurement);
+                }
+            },
+        );
+        done?;
+        check.take_in(filter, measurement);
+        match second {
+            Some(Second { bootstrap, opinion }) => opinion.step(filter, bootstrap),
+            None => Ok(()),
+        }
+    }
+
+    fn difference(&self) -> f64 {
+        self.second.as_ref().map_or(0.0, |second| second.opinion.difference())
+    }
+
+    fn standard_error(&self) -> Option<f64> {
+        self.check.as_ref().and_then(EvidenceCheck::standard_error)
+    }
+
+    fn evidence_warnings(&self) -> Vec<EvidenceWarning> {
+        self.check.as_ref().map(EvidenceCheck::warnings).unwrap_or_default()
+    }
+
+    fn verdict(&self) -> Option<Verdict> {
+        self.second.as_ref().map(|second| second.opinion.verdict())
+    }
+
+    fn state(&self) -> Vec<Coordinate> {
+        let n = self.filter.mean().len();
+        of_all(0..n, self.is_large(), &|coordinate| self.coordinate(coordinate))
+    }
+
+    fn particles(&self) -> usize {
+        self.filter.particles().len()
+    }
+
+    fn is_large(&self) -> bool {
+        self.filter.particles().len() >= LARGE
+    }
+
+    fn means(&self) -> &[f64] {
+        self.filter.mean()
+    }
+
+    fn quantiles(&self, coordinate: usize, probabilities: &[f64]) -> Vec<f64> {
+        self.filter.quantiles(coordinate, probabilities)
+    }
+
+    fn diagnosis(&self) -> Option<WeightDiagnosis> {
+        Some(self.filter.diagnosis())
+    }
+
+    fn effective_sample_size(&self) -> Option<f64> {
+        Some(self.filter.effective_sample_size())
+    }
+
+    fn log_evidence(&self) -> f64 {
+        self.filter.log_evidence()
+    }
+
+    fn record(&self, history: &mut FilterHistory) -> Result<(), SmoothingError> {
+        history.record(&self.filter)
+    }
+
+    fn backward(
+        &self,
+        history: &FilterHistory,
+        paths: usize,
+        seed: &Seed,
+        proceed: &mut dyn FnMut(usize) -> ControlFlow<()>,
+    ) -> Result<SmoothedPaths, SmoothingError> {
+        backward_simulation_while(self.model, history, paths, seed, proceed)
+    }
+
+    fn failure(&self) -> Option<&FilterError> {
+        self.filter.failure()
+    }
+
+    fn snapshot(&self) -> FilterState {
+        let second = |second: &Second<'_, M>| SecondState {
+            bootstrap: second.bootstrap.snapshot(),
+            opinion: second.opinion.clone(),
+        };
+        FilterState::Particles(Box::new(ParticleState {
+            filter: self.filter.snapshot(),
+            check: self.check.as_ref().map(EvidenceCheck::snapshot),
+            second: self.second.as_ref().map(second),
+        }))
+    }
+
+    fn of_particle(&self, particle: usize) -> (Option<&[f64]>, &[f64]) {
+        let filter = &self.filter;
+        let n = filter.mean().len();
+        let row = |at: usize| at * n..(at + 1) * n;
+        let previous = filter.previous_particles().map(|all| &all[row(filter.ancestors()[particle])]);
+        (previous, &filter.particles()[row(particle)])
+    }
+}
+
+/// A checkpoint that is none of such a filter.
+pub(crate) fn of_another_kind() -> MotesError {
+    MotesError::Packed { what: "checkpoint".into(), reason: "it is of a filter of another kind".into() }
+}
+
+/// The filter of a model and a proposal that the options ask for.
+pub(crate) fn boxed<'m, M: PartialLikelihood + Simulator + ?Sized>(
+    model: &'m M,
+    proposal: impl Proposal<M, Memory = ()> + Clone + Send + 'm,
+    options: &FilterOptions,
+    start: Start,
+) -> Result<Box<dyn Steps + 'm>, MotesError> {
+    let seed = match start {
+        Start::Seed(seed) => seed,
+        Start::State(state) => {
+            let FilterState::Particles(state) = *state else { return Err(of_another_kind()) };
+            let ParticleState { filter, check, second } = *state;
+            let restored = |SecondState { bootstrap, opinion }| {
+                ParticleFilter::restore(model, Bootstrap, bootstrap)
+                    .map(|bootstrap| Second { bootstrap, opinion })
+            };
+            return Ok(Box::new(Filter {
+                model,
+                check: check
+                    .map(|check| EvidenceCheck::restore(model, proposal.clone(), check))
+                    .transpose()?,
+                filter: ParticleFilter::restore(model, proposal, filter)?,
+                second: second.map(restored).transpose()?,
+            }));
+        }
+    };
+    let settings = options.settings();
+    // Random numbers of their own: whatever is checked, nothing else changes.
+    let check = match options.check {
+        true => Some(EvidenceCheck::new(model, proposal.clone(), settings, &seed.child("check"))?),
+        false => None,
+    };
+    let filter = ParticleFilter::new(model, proposal, settings, seed.stream())?;
+    let second = match options.check && options.proposal != ProposalName::Bootstrap {
+        true => {
+            let stream = seed.child("second opinion").stream();
+            let settings = FilterSettings { defensive_weight: None, ..settings };
+            let bootstrap = ParticleFilter::new(model, Bootstrap, settings, stream)?;
+            Some(Second { bootstrap, opinion: SecondOpinion::new() })
+        }
+        false => None,
+    };
+    Ok(Box::new(Filter { model, filter, check, second }))
+}
