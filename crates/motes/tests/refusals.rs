@@ -75,7 +75,7 @@ fn options_that_cannot_be() {
         ),
         (
             &["--proposal", "linearized"],
-            "--proposal linearized: did you mean linearised? there are bootstrap, linearised, optimal, and there is no such folder",
+            "--proposal linearized: did you mean linearised? there are bootstrap, linearised, optimal, exact, and there is no such folder",
         ),
         (&["--defensive", "1"], "--defensive 1: it must be a number from 0 to below 1"),
         (&["--resample-below", "0"], "--resample-below 0: it must be a number above 0 and at most 1"),

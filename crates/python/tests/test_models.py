@@ -98,8 +98,6 @@ def test_arguments_that_do_not_exist_are_refused(growth):
     for call in (growth.filter, growth.smooth):
         with pytest.raises(TypeError, match="partikels: there is no such argument; there are proposal, particles"):
             call([1.0, 2.0], partikels=10)
-    with pytest.raises(TypeError, match="check: there is no such argument"):
-        growth.online(check=True)
     with pytest.raises(TypeError, match="proposal: there is no such argument"):
         growth.compare(proposal="linearised")
     with pytest.raises(ValueError, match="particles: 0"):
