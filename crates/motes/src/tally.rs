@@ -10,10 +10,10 @@ use crate::model::Model;
 use crate::options::{FilterOptions, ProposalName};
 use crate::warning::Warning;
 
-/// Standard errors by which a log-evidence may be off before it differs from the exact one, and the same in nats: at least, and where there is no error.
+/// Standard errors by which a log-evidence may be off before it differs from the exact one, and the same in nats: at least, and at most or without an error.
 const ERRORS: f64 = 4.0;
 const LEAST_DIFFERENCE: f64 = 1.0;
-const WITHOUT_ERROR: f64 = 5.0;
+const MOST_DIFFERENCE: f64 = 5.0;
 
 /// What a filter of one series says, as far as it has come.
 pub struct SeriesTally<'m> {
@@ -94,7 +94,8 @@ impl Tally {
         self.warnings
             .extend(of_evidence.iter().map(|found| warning(of_evidence_warning(found, states, &at))));
         if let Some(exact) = exact {
-            let most = standard_error.map_or(WITHOUT_ERROR, |error| (ERRORS * error).max(LEAST_DIFFERENCE));
+            let most = standard_error
+                .map_or(MOST_DIFFERENCE, |error| (ERRORS * error).clamp(LEAST_DIFFERENCE, MOST_DIFFERENCE));
             let difference = log_evidence - exact;
             if difference.abs() > most {
                 self.warnings.push(warning(format!(

@@ -27,7 +27,7 @@ pub(super) struct Impoverished {
 /// Watches how the values of each coordinate descend from those of an earlier step.
 ///
 /// Particles of an earlier step, the *marks*, found families. Once the weights `G_i` of the families leave fewer than 20 effective ones, `1/Σ G_i²`, and at
-/// least 8 steps are over, each coordinate is looked at: where more than 99 % of its variance lies between families, the coordinate hardly moved since, and
+/// least 8 steps are over, each coordinate is looked at: where more than 99 % of its variance lies between families, and most of them lie further apart than each is wide, the coordinate hardly moved since, and
 /// all that is known of it rests on those few values. New marks are set then.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(super) struct Coordinates {
@@ -111,10 +111,21 @@ impl Coordinates {
         let whole: f64 = values().map(|(value, weight)| weight * (value - mean).powi(2)).sum();
         let alive = || self.families.iter().zip(&self.sums).filter(|(family, _)| **family > 0.0);
         let between: f64 = alive().map(|(family, sum)| family * (sum / family - mean).powi(2)).sum();
-        // Of a single family there is nothing between: it is held against the spread of before.
         let rest = (whole - between).max(0.0);
-        let reference = if alive().count() > 1 { whole } else { self.spread[coordinate] };
-        reference > 0.0 && rest <= (1.0 - REMEMBERED) * reference
+        let mut means: Vec<f64> = alive().map(|(family, sum)| sum / family).collect();
+        match means.len() {
+            // Of a single family there is nothing between: it is held against the spread of before.
+            1 => self.spread[coordinate] > 0.0 && rest <= (1.0 - REMEMBERED) * self.spread[coordinate],
+            0 | 2 => false,
+            _ => {
+                // Families of one mode are no founders of their own: most neighbours must be further apart than a family is wide.
+                means.sort_unstable_by(f64::total_cmp);
+                let mut gaps: Vec<f64> = means.windows(2).map(|pair| pair[1] - pair[0]).collect();
+                let middle = gaps.len() / 2;
+                let (_, gap, _) = gaps.select_nth_unstable_by(middle, f64::total_cmp);
+                whole > 0.0 && rest <= (1.0 - REMEMBERED) * whole && *gap * *gap > rest
+            }
+        }
     }
 
     /// What was found so far, at most once a coordinate.
