@@ -13,6 +13,9 @@ const LEAST_STEPS: usize = 8;
 /// The share of a coordinate's variance that lies between families, from which on it hardly moves by itself.
 const REMEMBERED: f64 = 0.99;
 
+/// The share of the variance of before that a single family must have kept: a mode that was pinned down keeps more, a constant less.
+const LEAST_SPREAD: f64 = 1e-4;
+
 /// A coordinate of the state whose standard deviation cannot be trusted.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(super) struct Impoverished {
@@ -27,7 +30,7 @@ pub(super) struct Impoverished {
 /// Watches how the values of each coordinate descend from those of an earlier step.
 ///
 /// Particles of an earlier step, the *marks*, found families. Once the weights `G_i` of the families leave fewer than 20 effective ones, `1/Σ G_i²`, and at
-/// least 8 steps are over, each coordinate is looked at: where more than 99 % of its variance lies between families, and most of them lie further apart than each is wide, the coordinate hardly moved since, and
+/// least 8 steps are over, each coordinate is looked at: where more than 99 % of its variance lies between families, and most of them lie ten times further apart than each is wide, the coordinate hardly moved since, and
 /// all that is known of it rests on those few values. New marks are set then.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(super) struct Coordinates {
@@ -115,15 +118,15 @@ impl Coordinates {
         let mut means: Vec<f64> = alive().map(|(family, sum)| sum / family).collect();
         match means.len() {
             // Of a single family there is nothing between: it is held against the spread of before.
-            1 => self.spread[coordinate] > 0.0 && rest <= (1.0 - REMEMBERED) * self.spread[coordinate],
+            1 => self.spread[coordinate] > 0.0 && rest <= LEAST_SPREAD * self.spread[coordinate],
             0 | 2 => false,
             _ => {
-                // Families of one mode are no founders of their own: most neighbours must be further apart than a family is wide.
+                // Families of one mode are no founders of their own: most neighbours must be ten times further apart than a family is wide.
                 means.sort_unstable_by(f64::total_cmp);
                 let mut gaps: Vec<f64> = means.windows(2).map(|pair| pair[1] - pair[0]).collect();
                 let middle = gaps.len() / 2;
                 let (_, gap, _) = gaps.select_nth_unstable_by(middle, f64::total_cmp);
-                whole > 0.0 && rest <= (1.0 - REMEMBERED) * whole && *gap * *gap > rest
+                whole > 0.0 && rest <= (1.0 - REMEMBERED) * whole && *gap * *gap > 100.0 * rest
             }
         }
     }
