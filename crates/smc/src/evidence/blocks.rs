@@ -28,7 +28,6 @@ pub(super) struct Blocks {
     small: usize,
     /// The variance of all blocks that are over.
     variance: f64,
-    judged_steps: usize,
     present: Block,
 }
 
@@ -42,13 +41,6 @@ struct Block {
     is_out_of_reach: bool,
     /// The variance by ancestry before the block, and now.
     ancestry: [f64; 2],
-}
-
-/// A block's part in the variance.
-struct Part {
-    variance: f64,
-    /// Whether small filters could judge it.
-    is_judged: bool,
 }
 
 impl Blocks {
@@ -83,9 +75,7 @@ impl Blocks {
         ancestry: f64,
     ) {
         if self.present.steps == BLOCK_STEPS {
-            let part = self.part();
-            self.variance += part.variance;
-            self.judged_steps += if part.is_judged { self.present.steps } else { 0 };
+            self.variance += self.variance_of_present();
             self.begin(self.present.ancestry[1]);
         }
         let block = &mut self.present;
@@ -97,30 +87,24 @@ impl Blocks {
     }
 
     /// What the present block adds.
-    fn part(&self) -> Part {
+    fn variance_of_present(&self) -> f64 {
         let (block, count) = (&self.present, self.small as f64);
         let by_ancestry = block.ancestry[1] - block.ancestry[0];
         let is_judged = self.small > 0
             && !block.is_out_of_reach
             && block.small.iter().all(|increment| increment.is_finite());
         if !is_judged {
-            return Part { variance: by_ancestry, is_judged };
+            return by_ancestry;
         }
         let mean = block.small.iter().sum::<f64>() / count;
         let squares: f64 = block.small.iter().map(|increment| (increment - mean).powi(2)).sum();
         let excess = block.increment - mean - 0.5 * (self.ratio - 1.0) * by_ancestry;
         let of_difference = excess * excess / (1.0 + self.ratio / count);
-        Part { variance: (squares / self.ratio + of_difference) / count, is_judged }
+        (squares / self.ratio + of_difference) / count
     }
 
     /// The variance of the log-evidence after all steps so far.
     pub(super) fn variance(&self) -> f64 {
-        self.variance + if self.present.steps > 0 { self.part().variance } else { 0.0 }
-    }
-
-    /// How many steps the small filters could judge.
-    pub(super) fn judged_steps(&self) -> usize {
-        let is_judged = self.present.steps > 0 && self.part().is_judged;
-        self.judged_steps + if is_judged { self.present.steps } else { 0 }
+        self.variance + if self.present.steps > 0 { self.variance_of_present() } else { 0.0 }
     }
 }

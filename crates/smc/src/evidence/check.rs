@@ -169,11 +169,6 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> EvidenceCheck<D,
         warnings.extend(found);
         warnings
     }
-
-    /// How many steps the small filters could judge: where the filter has too few effective particles, theirs run out.
-    pub fn judged_steps(&self) -> usize {
-        self.figures.blocks.judged_steps()
-    }
 }
 
 impl<D: Deref<Target: PartialLikelihood + Simulator>, P: Proposal<D::Target>> EvidenceCheck<D, P> {
