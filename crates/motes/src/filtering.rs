@@ -9,7 +9,7 @@ use crate::estimate::Estimate;
 use crate::filtered::Filtered;
 use crate::model::Model;
 use crate::options::{FilterOptions, ProposalName};
-use crate::tally::{Measured, SeriesTally, Tally};
+use crate::tally::{SeriesTally, Tally, TimeLabel};
 use crate::warning::Warning;
 
 /// Filters each series of `data`; `proceed` is asked after each row, and after each time of a forecast, with how many rows are done.
@@ -65,11 +65,11 @@ fn filter_until(
 }
 
 /// What was measured in a row of data.
-pub(crate) fn measured(model: &Model, data: &Data, row: usize) -> Measured {
+pub(crate) fn measured(model: &Model, data: &Data, row: usize) -> TimeLabel {
     let row = &data.rows[row];
     let values = model.measurements().iter().zip(&row.measurement);
     let values = values.filter_map(|(name, value)| value.map(|value| (name.clone(), value)));
-    Measured { label: row.label.clone(), values: values.collect() }
+    TimeLabel { label: row.label.clone(), values: values.collect() }
 }
 
 /// What is to be said of the proposal itself, whatever the data are.

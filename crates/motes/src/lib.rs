@@ -71,7 +71,7 @@ pub use options::{DEFENSIVE_SHARE, FilterOptions, ProposalName};
 pub use packed::{pack, unpack};
 pub use simulating::{Simulated, simulate};
 pub use smoothing::{Smoothed, smooth};
-pub use tally::{Measured, SeriesTally, Tally};
+pub use tally::{SeriesTally, Tally, TimeLabel};
 pub use threads::{on_threads, thread_pool};
 pub use warning::Warning;
 

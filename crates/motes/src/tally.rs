@@ -81,7 +81,7 @@ impl Tally {
         name: Option<&str>,
         series: &SeriesTally<'_>,
         running: &Running<'_>,
-        measured: impl Fn(usize) -> Measured,
+        measured: impl Fn(usize) -> TimeLabel,
     ) {
         let (log_evidence, standard_error) = (running.log_evidence(), running.standard_error());
         let exact = series.exact.as_ref().map(ExactEvidence::log_evidence);
@@ -133,16 +133,16 @@ impl Tally {
     }
 }
 
-/// What was measured at a time.
+/// What the data call a time, and what was measured then.
 #[derive(Debug, Clone, Default)]
-pub struct Measured {
+pub struct TimeLabel {
     /// What the data call the time.
     pub label: Option<String>,
     /// The measurements that are there, with their names.
     pub values: Vec<(String, f64)>,
 }
 
-impl Measured {
+impl TimeLabel {
     /// The time, for people: `t = 30 (1901, flow = 3.2)`.
     fn named(&self, time: usize) -> String {
         /// Measurements that are named.

@@ -3,14 +3,14 @@
 use motes::formulas::FormulaModel;
 use motes_models::batch::Rows;
 use motes_models::{Measurements, ModelError, StateSpaceModel, kalman};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// How the log-evidence of a model is known.
-#[derive(Debug, Clone, Deserialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(untagged)]
 pub(super) enum Exact {
     /// `"kalman"`: the model is linear and Gaussian.
-    Named(Named),
+    Linear(LinearFilter),
     /// A state of one coordinate, by the trapezoidal rule on a grid.
     Quadrature { low: f64, high: f64, points: usize },
     /// Two regimes, which a state of one coordinate stands for.
@@ -24,9 +24,9 @@ pub(super) enum Exact {
     },
 }
 
-#[derive(Debug, Clone, Deserialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub(super) enum Named {
+pub(super) enum LinearFilter {
     Kalman,
 }
 
@@ -38,7 +38,7 @@ impl Exact {
         measurements: &Measurements,
     ) -> Result<(f64, Option<Vec<f64>>), ModelError> {
         match self {
-            Exact::Named(Named::Kalman) => {
+            Exact::Linear(LinearFilter::Kalman) => {
                 let linear = model.linear_gaussian().ok_or(ModelError::Parameter {
                     name: "exact",
                     value: "kalman".into(),

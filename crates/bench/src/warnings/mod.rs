@@ -1,7 +1,9 @@
 //! A study of warnings: how often a log-evidence is wrong without one, and right with one.
 
+mod case;
 mod error;
 mod exact;
+mod file;
 mod runs;
 mod study;
 mod table;

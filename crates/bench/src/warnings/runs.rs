@@ -21,6 +21,8 @@ pub(super) struct Run {
     pub(super) deviation_ratio: Option<f64>,
     /// What was warned of, joined by `+`.
     pub(super) warnings: String,
+    /// The hash of what determines it.
+    pub(super) key: String,
 }
 
 /// The figures of one filter over all measurements.
@@ -60,7 +62,7 @@ pub(super) fn run(
             }
             Err(error) => return Err(error),
         }
-        report.add(&running.diagnosis().expect("the filter has particles"));
+        running.diagnosis().iter().for_each(|diagnosis| report.add(diagnosis));
         if proceed().is_break() {
             return Err(MotesError::Interrupted);
         }

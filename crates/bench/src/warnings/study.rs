@@ -1,52 +1,21 @@
 //! The study from its file to its tables.
 
-use std::collections::BTreeMap;
 use std::fs::File;
-use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
-use std::sync::Mutex;
+use std::path::Path;
 
-use motes::formulas::{self, FileModel, FormulaModel};
-use motes::{FilterOptions, LearnOptions, Model, MotesError, ProposalName, learn, on_threads};
-use motes_cli::{Interrupt, one_of, result};
-use motes_models::{Seed, simulate};
-use serde::Deserialize;
+use motes_cli::{Interrupt, one_of, result, status};
 
+use super::case::{Case, Cell};
 use super::error::StudyError;
-use super::exact::Exact;
-use super::runs::{self, Run};
+use super::file::Study;
+use super::runs::Run;
 use super::table::table;
 use crate::config::{ReproduceArgs, check_output, read_toml};
 use crate::durable;
+use crate::progress::Progress;
 
 /// What the study is called.
 const NAME: &str = "warnings";
-
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Study {
-    profile: BTreeMap<String, Profile>,
-    model: Vec<StudyModel>,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Profile {
-    particles: Vec<usize>,
-    runs: usize,
-    proposals: Vec<String>,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct StudyModel {
-    name: String,
-    /// The file that data are simulated from, if it is another.
-    truth: Option<String>,
-    half: String,
-    steps: usize,
-    exact: Exact,
-}
 
 /// Whether a name is that of the study.
 pub fn is_study(name: &str) -> bool {
@@ -55,7 +24,8 @@ pub fn is_study(name: &str) -> bool {
 
 /// Runs what is missing of the study, and writes `runs.csv` and `table.md`.
 ///
-/// Runs of a model, a proposal and a number of particles are kept as soon as they are finished; the same command goes on from there.
+/// Runs of a model, a proposal and a number of particles are kept as soon as they are finished; the same command goes on from there. Those of other files or another
+/// seed are never mixed with them.
 ///
 /// # Errors
 /// [`StudyError`] if an argument or a file is wrong, a filter or learning failed, or results cannot be written.
@@ -67,174 +37,94 @@ pub fn run_study(args: &ReproduceArgs, interrupt: &Interrupt) -> Result<(), Stud
         return Err(StudyError::Setting(format!("--profile: {}", one_of(&args.profile, names))));
     };
     let count = args.repetitions.unwrap_or(profile.runs);
-    let proposals = chosen("--methods", &args.methods, &profile.proposals)?;
-    let names: Vec<String> = study.model.iter().map(|model| model.name.clone()).collect();
-    let models = chosen("--panels", &args.panels, &names)?;
-    let sizes: Vec<String> = profile.particles.iter().map(usize::to_string).collect();
-    let sizes = chosen("--x", &args.x, &sizes)?;
-    if args.dry_run {
-        let filters = models.len() * proposals.len() * sizes.len() * count;
-        result(&format!("{NAME} {}: {} models, {filters} filters", args.profile, models.len()));
-        return Ok(());
-    }
-    let folder = args.out.join(NAME).join(&args.profile);
-    check_output(&folder)?;
-    let path = folder.join("runs.csv");
-    let mut all = if args.fresh { vec![] } else { read_runs(&path)? };
-    // Small filters first: what takes long comes last.
-    for particles in profile.particles.iter().filter(|size| sizes.contains(&size.to_string())) {
-        for model in study.model.iter().filter(|model| models.contains(&model.name)) {
-            let prepared = Prepared::new(&home, model)?;
+    let proposals =
+        chosen("--methods", &args.methods, &profile.proposals, |proposal| proposal.name().into())?;
+    let models = chosen("--panels", &args.panels, &study.model, |model| model.name.clone())?;
+    let sizes = chosen("--x", &args.x, &profile.particles, usize::to_string)?;
+    // Few particles first: what takes long comes last.
+    let mut asked = Vec::new();
+    for particles in &sizes {
+        for model in &models {
             for proposal in &proposals {
-                let is_of = |run: &Run| {
-                    run.model == model.name && run.proposal == *proposal && run.particles == *particles
-                };
-                if all.iter().filter(|run| is_of(run)).count() >= count {
-                    continue;
-                }
-                all.retain(|run| !is_of(run));
-                all.extend(prepared.runs(model, proposal, *particles, count, args, interrupt)?);
-                write_runs(&path, &all)?;
+                asked.push((*model, Cell::new(&home, model, **proposal, **particles, args.seed)?));
             }
         }
     }
+    let folder = args.out.join(NAME).join(&args.profile);
+    let path = folder.join("runs.csv");
+    let mut all = if args.fresh { vec![] } else { read_runs(&path)? };
+    let is_there = |all: &[Run], key: &str| all.iter().filter(|run| run.key == key).count() >= count;
+    let missing: Vec<_> = asked.iter().filter(|(_, cell)| !is_there(&all, &cell.key)).collect();
+    let text = format!(
+        "{NAME} {}: {} models, {} filters, of which {} are missing",
+        args.profile,
+        models.len(),
+        asked.len() * count,
+        missing.len() * count
+    );
+    if args.dry_run {
+        result(&text);
+        return Ok(());
+    }
+    check_output(&folder)?;
+    status(&text);
+    let cost = |steps: usize, cell: &Cell| (cell.particles * steps) as f64 * cell.proposal.cost();
+    let total = missing.iter().map(|(model, cell)| cost(model.steps, cell)).sum();
+    let mut progress = Progress::start(missing.len(), total);
+    let mut cases: Vec<Option<Case<'_>>> = study.model.iter().map(|_| None).collect();
+    for (model, cell) in &missing {
+        let name = format!("{} {} {}", model.name, cell.proposal.name(), cell.particles);
+        progress.started(&name);
+        let at = study.model.iter().position(|other| other.name == model.name).unwrap_or_default();
+        let case = match &mut cases[at] {
+            Some(case) => case,
+            none => none.insert(Case::new(&home, model)?),
+        };
+        let found = case.runs(cell, count, args.jobs, interrupt)?;
+        // Of other files, another seed, or fewer of them.
+        let is_replaced = |run: &Run| {
+            run.model == model.name && run.proposal == cell.proposal.name() && run.particles == cell.particles
+        };
+        let before = all.len();
+        all.retain(|run| !is_replaced(run));
+        if all.len() < before {
+            status(&format!("{name}: {} runs of another configuration are replaced", before - all.len()));
+        }
+        all.extend(found);
+        write_runs(&path, &all)?;
+        progress.ended(&name, cost(model.steps, cell), None);
+    }
+    progress.finish();
+    all.retain(|run| asked.iter().any(|(_, cell)| cell.key == run.key));
     let place = |run: &Run| {
         let model = study.model.iter().position(|model| model.name == run.model);
-        let proposal = profile.proposals.iter().position(|proposal| *proposal == run.proposal);
+        let proposal = profile.proposals.iter().position(|proposal| proposal.name() == run.proposal);
         (model, proposal, run.particles, run.run)
     };
     all.sort_by_key(place);
-    write_runs(&path, &all)?;
     let text = table(&all);
     write(&folder.join("table.md"), text.as_bytes())?;
     result(text.trim_end());
     Ok(())
 }
 
-/// Those of the names that an argument chooses; all of them where it says nothing.
-fn chosen(argument: &str, asked: &[String], names: &[String]) -> Result<Vec<String>, StudyError> {
+/// Those that an argument chooses by their names; all of them where it says nothing.
+fn chosen<'c, T>(
+    argument: &str,
+    asked: &[String],
+    all: &'c [T],
+    name: impl Fn(&T) -> String,
+) -> Result<Vec<&'c T>, StudyError> {
+    let names: Vec<String> = all.iter().map(&name).collect();
     if let Some(unknown) = asked.iter().find(|name| !names.contains(name)) {
         let there = names.iter().map(String::as_str);
         return Err(StudyError::Setting(format!("{argument}: {}", one_of(unknown, there))));
     }
-    Ok(names.iter().filter(|name| asked.is_empty() || asked.contains(name)).cloned().collect())
+    Ok(all.iter().filter(|one| asked.is_empty() || asked.contains(&name(one))).collect())
 }
 
-/// A model with its data and its exact answers.
-struct Prepared {
-    model: Model,
-    measurements: Vec<Vec<Option<f64>>>,
-    log_evidence: f64,
-    deviations: Option<Vec<f64>>,
-}
-
-impl Prepared {
-    fn new(home: &Path, model: &StudyModel) -> Result<Self, StudyError> {
-        let failed = |source| StudyError::Exact { model: model.name.clone(), source };
-        let file = |name: &str| home.join(format!("{name}.toml"));
-        let filtering = formulas_of(&file(&model.name))?;
-        let truth = formulas_of(&file(model.truth.as_ref().unwrap_or(&model.name)))?;
-        let mut stream = Seed::from_u64(1).child("data").child(&model.name).stream();
-        let drawn = simulate(&truth, model.steps, &mut stream).map_err(failed)?;
-        let (log_evidence, deviations) = model.exact.of(&filtering, &drawn.measurements).map_err(failed)?;
-        Ok(Prepared {
-            model: Model::read(&file(&model.name), &[])?,
-            measurements: drawn
-                .measurements
-                .rows()
-                .map(|row| row.iter().copied().map(Some).collect())
-                .collect(),
-            log_evidence,
-            deviations,
-        })
-    }
-
-    /// So many filters, side by side.
-    fn runs(
-        &self,
-        model: &StudyModel,
-        proposal: &str,
-        particles: usize,
-        count: usize,
-        args: &ReproduceArgs,
-        interrupt: &Interrupt,
-    ) -> Result<Vec<Run>, StudyError> {
-        let failed = |source: MotesError| match source {
-            MotesError::Interrupted => StudyError::Interrupted,
-            source => StudyError::Filter { model: model.name.clone(), source: Box::new(source) },
-        };
-        let found = Mutex::new(Vec::with_capacity(count));
-        let all = || -> Result<(), MotesError> {
-            let name = self.proposal(proposal, interrupt)?;
-            let next = Mutex::new(0..count);
-            let work = || -> Result<(), MotesError> {
-                loop {
-                    let Some(number) = next.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).next()
-                    else {
-                        return Ok(());
-                    };
-                    let seed = args.seed.wrapping_mul(1_000_003).wrapping_add(number as u64);
-                    let options =
-                        FilterOptions { proposal: name.clone(), particles, seed, ..FilterOptions::default() };
-                    let figures =
-                        runs::run(&self.model, &options, &self.measurements, &|| interrupt.check())?;
-                    let run = self.judged(model, proposal, particles, number, figures);
-                    found.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).push(run);
-                }
-            };
-            let (first, second) = rayon_core::join(work, work);
-            first.and(second)
-        };
-        on_threads(args.jobs, all).map_err(failed)?.map_err(failed)?;
-        let mut found = found.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner());
-        found.sort_by_key(|run| run.run);
-        Ok(found)
-    }
-
-    fn proposal(&self, name: &str, interrupt: &Interrupt) -> Result<ProposalName, MotesError> {
-        if name != "learned" {
-            return name.parse().map_err(MotesError::Setting);
-        }
-        let proceed = |_: usize, _: usize| -> ControlFlow<()> { interrupt.check() };
-        let learned = learn(&self.model, None, &LearnOptions::default(), proceed)?;
-        Ok(ProposalName::Learned(learned.proposal))
-    }
-
-    fn judged(
-        &self,
-        model: &StudyModel,
-        proposal: &str,
-        particles: usize,
-        number: usize,
-        figures: runs::Figures,
-    ) -> Run {
-        let ratios = self.deviations.iter().flatten().zip(&figures.deviations);
-        let ratios = ratios.map(|(exact, found)| (found / exact).max(exact / found));
-        Run {
-            half: model.half.clone(),
-            model: model.name.clone(),
-            proposal: proposal.into(),
-            particles,
-            run: number,
-            error: figures.log_evidence - self.log_evidence,
-            standard_error: figures.standard_error,
-            deviation_ratio: ratios.reduce(f64::max),
-            warnings: figures.warnings,
-        }
-    }
-}
-
-fn formulas_of(path: &Path) -> Result<FormulaModel, StudyError> {
-    match formulas::read(path, &[])?.model {
-        FileModel::Formulas(formulas) => Ok(formulas),
-        FileModel::LinearGaussian(_) => {
-            Err(StudyError::Setting(format!("{}: the study takes models of formulas", path.display())))
-        }
-    }
-}
-
-fn read_runs(path: &PathBuf) -> Result<Vec<Run>, StudyError> {
-    let failed = |reason: String| StudyError::File { path: path.clone(), reason };
+fn read_runs(path: &Path) -> Result<Vec<Run>, StudyError> {
+    let failed = |reason: String| StudyError::File { path: path.to_path_buf(), reason };
     let file = match File::open(path) {
         Ok(file) => file,
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(vec![]),

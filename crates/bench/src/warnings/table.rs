@@ -142,6 +142,7 @@ mod tests {
             standard_error: Some(standard_error),
             deviation_ratio,
             warnings: warnings.into(),
+            key: String::new(),
         }
     }
 

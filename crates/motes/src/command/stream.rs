@@ -4,8 +4,8 @@ use std::time::Instant;
 
 use motes::output::{EstimateTable, Output, Sink, filter_json, filter_summary};
 use motes::{
-    Counted, Data, DataError, Estimate, FilterOptions, Measured, Model, MotesError, Row, RowOrder, Rows,
-    Running, SeriesTally, Tally, Warning, of_proposal,
+    Counted, Data, DataError, Estimate, FilterOptions, Model, MotesError, Row, RowOrder, Rows, Running,
+    SeriesTally, Tally, TimeLabel, Warning, of_proposal,
 };
 use motes_cli::{Interrupt, status};
 
@@ -89,7 +89,7 @@ pub(super) fn run(
     for Series { name, running, tally: of_this, length } in &mut series {
         // Rows went by: only their times are known.
         let named = has_series.then_some(name.as_str());
-        tally.end_series(named, of_this, running, |_| Measured::default());
+        tally.end_series(named, of_this, running, |_| TimeLabel::default());
         let mut forecast = Vec::new();
         for ahead in 0..options.forecast {
             let estimate = running.predict()?;

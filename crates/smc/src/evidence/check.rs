@@ -31,7 +31,7 @@ const SUSPICIOUS: f64 = 0.25;
 /// Small filters of the same model and proposal that run beside a filter, and tell how far its log-evidence may be off.
 ///
 /// A filter of `K` particles gets `R` small ones with `K/4` particles in all: one of `K/4` below 400 particles, two of `K/8` below 800, and four of `K/16`
-/// from there on. They cost a quarter of its time, and change nothing in it.
+/// from there on. They cost less than a third of its time, and change nothing in it.
 ///
 /// # The standard error
 /// The larger of two estimates of the variance of `log Ẑ`: by ancestry ([`AncestryVariance`]), and by the small filters, block by block. Ancestry is

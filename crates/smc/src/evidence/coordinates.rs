@@ -18,7 +18,7 @@ const LEAST_SPREAD: f64 = 1e-4;
 
 /// A coordinate of the state whose standard deviation cannot be trusted.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub(super) struct Impoverished {
+pub(super) struct AncestorShortage {
     pub(super) coordinate: usize,
     /// The step at which it was found, and the earlier one whose particles the present ones descend from.
     pub(super) step: usize,
@@ -42,7 +42,7 @@ pub(super) struct Coordinates {
     spread: Vec<f64>,
     families: Vec<f64>,
     sums: Vec<f64>,
-    found: Vec<Option<Impoverished>>,
+    found: Vec<Option<AncestorShortage>>,
 }
 
 impl Coordinates {
@@ -81,7 +81,7 @@ impl Coordinates {
                 if self.found[coordinate].is_none() && self.hardly_moved(coordinate, particles, weights) {
                     let since = self.marked_at;
                     self.found[coordinate] =
-                        Some(Impoverished { coordinate, step, since, ancestors: effective });
+                        Some(AncestorShortage { coordinate, step, since, ancestors: effective });
                 }
             }
             self.mark(step, particles, weights);
@@ -132,7 +132,7 @@ impl Coordinates {
     }
 
     /// What was found so far, at most once a coordinate.
-    pub(super) fn found(&self) -> impl Iterator<Item = Impoverished> {
+    pub(super) fn found(&self) -> impl Iterator<Item = AncestorShortage> {
         self.found.iter().flatten().copied()
     }
 }
