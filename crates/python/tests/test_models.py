@@ -165,7 +165,7 @@ WALK = {"initial": {"x": "normal(0, 1)"}, "transition": {"x": "normal(x, x)"}, "
 @pytest.mark.parametrize(
     ("call", "line"),
     [
-        (lambda model: model.filter([1, 2]), r"t = 1: model, \[transition\] x: sd, `x`, is -"),
+        (lambda model: model.filter([1, 2]), r"row 1, t = 1: model, \[transition\] x: sd, `x`, is -"),
         (lambda model: model.filter([1, 2], proposal="optimal"), r"proposal optimal: model, \[measurement\] y: "),
         (lambda model: motes.Model({**WALK, "transition": {"x": "normal(z, 1)"}}), r"model, \[transition\] x: `z` is not known here"),
         (lambda model: motes.Model({**WALK, "transition": {"x": "normal(x, "}}), r"model, \[transition\] x: "),

@@ -68,7 +68,7 @@ def test_a_model_of_a_file_needs_it_no_more(examples, tmp_path):
 def test_messages_are_those_of_the_original():
     model = motes.Model({**WALK, "transition": {"x": "normal(x, x)"}})
     for way in WAYS:
-        with pytest.raises(ValueError, match=r"^t = 1: model, \[transition\] x: sd"):
+        with pytest.raises(ValueError, match=r"^row 1, t = 1: model, \[transition\] x: sd"):
             way(model).filter([1.0, 2.0])
 
 

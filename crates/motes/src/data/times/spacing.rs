@@ -56,7 +56,9 @@ pub(in super::super) fn irregular(
         found.push(format!("{} is before {}{others}", called(first + 1), line(*first)));
     }
     let twice = twice(times);
-    if let Some((first, again)) = twice.first() {
+    if steps.lengths.iter().all(|step| *step == 0.0) {
+        found = vec![format!("all {} rows have the same time", times.len())];
+    } else if let Some((first, again)) = twice.first() {
         let others = more(twice.len(), 1);
         found.push(format!("{} repeats {}{others}", called(*again), line(*first)));
     }
