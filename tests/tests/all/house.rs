@@ -159,25 +159,61 @@ fn above<'a>(text: &'a str, test: &str) -> Option<&'a str> {
     Some(before.rfind('}').map_or(before, |end| &before[end..]))
 }
 
+/// The pages that people read.
+fn pages() -> Vec<PathBuf> {
+    let mut pages =
+        ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md"].map(|name| root().join(name)).to_vec();
+    let docs = std::fs::read_dir(root().join("docs")).unwrap().map(|entry| entry.unwrap().path());
+    pages.extend(docs.filter(|path| path.extension().is_some_and(|extension| extension == "md")));
+    pages
+}
+
+/// What a line has in backticks of the form `file::test`. Types are in capitals, so that `smc::Bootstrap` is none.
+fn named(line: &str) -> impl Iterator<Item = (&str, &str)> {
+    let is_name = |name: &str| {
+        let is_of_it = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
+        !name.is_empty() && name.chars().all(is_of_it)
+    };
+    let codes = line.split('`').skip(1).step_by(2).filter_map(|code| code.split_once("::"));
+    codes.filter(move |(file, test)| is_name(file) && is_name(test))
+}
+
 #[test]
-fn the_page_on_trust_names_tests_that_exist() {
-    let page = std::fs::read_to_string(root().join("docs/trust.md")).unwrap();
+fn pages_name_tests_that_exist() {
     let texts = texts(&["crates", "tests", "xtask"]);
-    let mut named = 0;
-    for line in page.lines() {
-        let names = line.split('`').skip(1).step_by(2).filter_map(|code| code.split_once("::"));
-        for (file, test) in names.filter(|(file, _)| *file != "file") {
-            let of_file = texts.iter().filter(|(path, _)| path.file_stem().is_some_and(|stem| stem == file));
-            let found =
-                of_file.filter_map(|(_, text)| above(text, test)).find(|above| above.contains("#[test]"));
-            let Some(above) = found else { panic!("there is no test {file}::{test}") };
+    for page in pages() {
+        let text = std::fs::read_to_string(&page).unwrap();
+        for (line, file, test) in text.lines().flat_map(|line| named(line).map(move |(a, b)| (line, a, b))) {
+            let of_file: Vec<&str> = texts
+                .iter()
+                .filter(|(path, text)| {
+                    path.file_stem().is_some_and(|stem| stem == file) && text.contains("#[test]")
+                })
+                .map(|(_, text)| text.as_str())
+                .collect();
+            // The path of a function, as `motes::learn`.
+            if of_file.is_empty() {
+                continue;
+            }
+            let mut found = of_file.iter().filter_map(|text| above(text, test));
+            let Some(above) = found.find(|above| above.contains("#[test]")) else {
+                panic!("{}: there is no test {file}::{test}", page.display());
+            };
             // Tests that only the thorough run has are said to be.
             assert!(!above.contains("#[ignore") || line.contains("thorough"), "{file}::{test}: {line}");
-            named += 1;
-        }
-        for link in line.split("](").skip(1).filter_map(|rest| rest.split_once(')')).map(|(link, _)| link) {
-            assert!(root().join("docs").join(link).exists(), "{link} is not there");
         }
     }
-    assert!(named > 50, "the page names {named} tests");
+}
+
+#[test]
+fn pages_link_to_what_is_there() {
+    for page in pages() {
+        let text = std::fs::read_to_string(&page).unwrap();
+        let links = text.split("](").skip(1).filter_map(|rest| rest.split_once(')')).map(|(link, _)| link);
+        let paths = links.filter(|link| !link.contains("://")).map(|link| link.split('#').next().unwrap());
+        for path in paths {
+            let target = page.parent().unwrap().join(path);
+            assert!(target.exists(), "{}: {path} is not there", page.display());
+        }
+    }
 }

@@ -9,8 +9,12 @@ const SOUND: f64 = 1.0;
 /// Standard errors within which a wrong log-evidence is honest.
 const HONEST: f64 = 3.0;
 
-/// The ratio of a standard deviation and the exact one from which on it is wrong.
+/// The ratio of a standard deviation and the exact one from which on it is wrong, and up to which it is sound.
 const WRONG_DEVIATION: f64 = 1.5;
+const SOUND_DEVIATION: f64 = 1.25;
+
+/// The warning that is about standard deviations, and not about the log-evidence.
+const OF_DEVIATIONS: &str = "ancestors";
 
 impl Run {
     fn is_wrong(&self) -> bool {
@@ -35,9 +39,17 @@ impl Run {
         self.error.abs() < SOUND
     }
 
-    /// Whether standard deviations are right, too, where they are known.
-    fn is_sound(&self) -> bool {
-        self.is_near() && self.deviation_ratio.is_none_or(|ratio| ratio < WRONG_DEVIATION)
+    /// Whether something is said of the log-evidence.
+    fn warns_of_evidence(&self) -> bool {
+        self.warnings.split('+').any(|warning| !warning.is_empty() && warning != OF_DEVIATIONS)
+    }
+
+    fn warns_of_deviations(&self) -> bool {
+        self.warnings.split('+').any(|warning| warning == OF_DEVIATIONS)
+    }
+
+    fn has_deviation(&self, holds: impl Fn(f64) -> bool) -> bool {
+        self.deviation_ratio.is_some_and(holds)
     }
 }
 
@@ -47,8 +59,7 @@ struct Row {
     silent: usize,
     near: usize,
     near_warned: usize,
-    sound: usize,
-    sound_warned: usize,
+    near_warned_of_evidence: usize,
     unwarned: usize,
     within: [usize; 2],
 }
@@ -61,22 +72,17 @@ impl Row {
             silent: count(&Run::is_silent),
             near: count(&Run::is_near),
             near_warned: count(&|run| run.is_near() && run.warns()),
-            sound: count(&Run::is_sound),
-            sound_warned: count(&|run| run.is_sound() && run.warns()),
+            near_warned_of_evidence: count(&|run| run.is_near() && run.warns_of_evidence()),
             unwarned: count(&|run| !run.warns()),
             within: [2.0, 3.0].map(|errors| count(&|run| !run.warns() && run.is_within(errors))),
         }
     }
 
     fn cells(&self) -> String {
-        let share = |part: usize, whole: usize| match whole {
-            0 => "–".to_string(),
-            _ => format!("{:.1} % of {whole}", 100.0 * part as f64 / whole as f64),
-        };
         [
             share(self.silent, self.wrong),
             share(self.near_warned, self.near),
-            share(self.sound_warned, self.sound),
+            share(self.near_warned_of_evidence, self.near),
             share(self.within[0], self.unwarned),
             share(self.within[1], self.unwarned),
         ]
@@ -84,7 +90,15 @@ impl Row {
     }
 }
 
-const HEADER: &str = "silent, of those off by > 5 | warned, of those off by < 1 | the same with right standard deviations | \
+/// A share in per cent, and of how many.
+fn share(part: usize, whole: usize) -> String {
+    match whole {
+        0 => "–".to_string(),
+        _ => format!("{:.1} % of {whole}", 100.0 * part as f64 / whole as f64),
+    }
+}
+
+const HEADER: &str = "silent, of those off by > 5 | warned, of those off by < 1 | warned of the evidence, of these | \
                       within 2 errors, of those without a warning | within 3";
 
 /// Tables of all runs: by half, then by model and by particles.
@@ -112,6 +126,29 @@ pub(super) fn table(runs: &[Run]) -> String {
                 text += &format!("| {proposal}, {size} | {} |\n", Row::of(chosen).cells());
             }
         }
+    }
+    text + &deviations(runs)
+}
+
+/// Standard deviations of the last state beside the exact ones, in the models that have them.
+fn deviations(runs: &[Run]) -> String {
+    let mut text = format!(
+        "\n## Standard deviations of the last state\n\n\
+         | model | no warning, of those off by a factor > {WRONG_DEVIATION} | warned of ancestors, of those within {SOUND_DEVIATION} |\n\
+         |---|--:|--:|\n"
+    );
+    let known = || runs.iter().filter(|run| run.deviation_ratio.is_some());
+    for model in distinct(known().map(|run| run.model.as_str())) {
+        let count = |of: &dyn Fn(&Run) -> bool| {
+            known().filter(|run| run.model == model).filter(|run| of(run)).count()
+        };
+        let is_wrong = |run: &Run| run.has_deviation(|ratio| ratio > WRONG_DEVIATION);
+        let is_sound = |run: &Run| run.has_deviation(|ratio| ratio <= SOUND_DEVIATION);
+        text += &format!(
+            "| {model} | {} | {} |\n",
+            share(count(&|run| is_wrong(run) && !run.warns()), count(&is_wrong)),
+            share(count(&|run| is_sound(run) && run.warns_of_deviations()), count(&is_sound))
+        );
     }
     text
 }
@@ -160,9 +197,11 @@ mod tests {
             run(-6.0, 1.0, "few", None),
             run(0.1, 0.2, "", None),
             run(0.5, 0.2, "ancestors", Some(2.0)),
+            run(0.5, 0.2, "few+ancestors", Some(1.1)),
         ];
         let found = table(&runs);
-        let first = "| set | 50.0 % of 2 | 50.0 % of 2 | 0.0 % of 1 | 50.0 % of 2 | 50.0 % of 2 |";
+        let first = "| set | 50.0 % of 2 | 66.7 % of 3 | 33.3 % of 3 | 50.0 % of 2 | 50.0 % of 2 |";
         assert!(found.contains(first), "{found}");
+        assert!(found.ends_with("| level | 0.0 % of 1 | 100.0 % of 1 |\n"), "{found}");
     }
 }

@@ -14,6 +14,9 @@ pub const LEAST_EFFECTIVE_PARTICLES: f64 = 2.0;
 /// Effective particles, as a multiple of `√K`, below which a step is poor, unless the largest log-weights have an upper end.
 const POOR: f64 = 0.2;
 
+/// The share of particles that are effective from which on the tail carries too little of the weight to matter, whatever its index.
+const MANY_EFFECTIVE: f64 = 0.25;
+
 /// Distinct weights in a tail, below which its index says too little.
 const LEAST_TAIL_WEIGHTS: usize = 15;
 
@@ -49,6 +52,13 @@ impl WeightDiagnosis {
     fn tail_bound(&self, errors: f64) -> Option<f64> {
         let index = self.pareto_k?;
         Some(index - errors * Tail { index, weights: self.tail_weights.max(1) }.error())
+    }
+
+    /// Whether the tail index says something about averages: it rests on enough weights, the tail carries a good part of the weight, and nothing bounds it.
+    fn has_telling_tail(&self) -> bool {
+        self.tail_weights >= LEAST_TAIL_WEIGHTS
+            && self.effective_sample_size < MANY_EFFECTIVE * self.particles as f64
+            && !self.has_upper_end()
     }
 
     /// Whether the step has too few effective particles: fewer than two, or fewer than `0.2 √K` without an upper end of the log-weights.
@@ -88,7 +98,7 @@ pub struct WeightReport {
     poorest: Option<WeightDiagnosis>,
     fitted: usize,
     sum_of_indices: f64,
-    /// The step with the largest index, of those whose log-weights have no upper end.
+    /// The step with the largest index, of those that it says something about.
     heaviest: Option<WeightDiagnosis>,
 }
 
@@ -136,8 +146,7 @@ impl WeightReport {
         self.sum_of_indices += index;
         let bound = |step: &WeightDiagnosis| step.tail_bound(USUAL_ERRORS);
         let largest = self.heaviest.as_ref().and_then(bound);
-        let is_sure = step.tail_weights >= LEAST_TAIL_WEIGHTS && !step.has_upper_end();
-        if is_sure && largest.is_none_or(|largest| bound(step) > Some(largest)) {
+        if step.has_telling_tail() && largest.is_none_or(|largest| bound(step) > Some(largest)) {
             self.heaviest = Some(*step);
         }
     }
@@ -160,7 +169,8 @@ impl WeightReport {
     /// The largest `k̂` of a step, less its sampling error: the bound that the largest of as many sound steps exceeds in one run of a hundred, about.
     ///
     /// `k̂` has a standard error of about `(1 + k)/√n`, where `n` distinct weights make the tail, and the largest of `T` normal errors is at most `√(2 log 50T)`
-    /// standard errors in 99 of 100 runs. Steps whose largest log-weights have an upper end have no part in it.
+    /// standard errors in 99 of 100 runs. Steps whose largest log-weights have an upper end have no part in it, nor those with `K/4` effective particles
+    /// or more: what the tail adds to an average is small there.
     pub fn pareto_k(&self) -> Option<f64> {
         self.heaviest?.tail_bound((2.0 * (50.0 * self.steps as f64).ln()).sqrt())
     }
@@ -236,17 +246,17 @@ mod tests {
     fn a_report_has_a_line_for_each_warning() {
         let mut report = WeightReport::default();
         assert_eq!((report.to_string().as_str(), report.warnings().count()), ("0 steps", 0));
-        report.add(&step(0, 1000, 800.0, Some(0.3), Some(-0.2)));
+        report.add(&step(0, 1000, 200.0, Some(0.3), Some(-0.2)));
         report.add(&step(1, 1000, 300.0, None, None));
         assert_eq!(
             report.to_string(),
-            "2 steps, 550.0 effective particles, tail index at most 0.30 in a step"
+            "2 steps, 250.0 effective particles, tail index at most 0.30 in a step"
         );
         report.add(&step(2, 1000, 5.0, Some(2.9), Some(-0.1)));
         report.add(&step(3, 1000, 6.0, Some(0.9), Some(0.1)));
         assert_eq!(
             report.to_string(),
-            "4 steps, 277.8 effective particles, tail index at most 2.90 in a step\n\
+            "4 steps, 127.8 effective particles, tail index at most 2.90 in a step\n\
              warning: at step 2 the measurement lies beyond nearly all particles: 5.0 of 1000 are effective, at 2 steps in all\n\
              warning: at step 2 the weights have a tail index (Pareto k) of at least 1.72, above 0.7: averages by them need far more \
              particles; where the proposal is too narrow, a defensive share bounds them"
@@ -270,12 +280,15 @@ mod tests {
     fn the_largest_of_many_steps_is_held_against_how_many_there_were() {
         let of = |steps: usize| {
             let mut report = WeightReport::default();
-            (0..steps).for_each(|time| report.add(&step(time, 1000, 500.0, Some(1.3), None)));
+            (0..steps).for_each(|time| report.add(&step(time, 1000, 200.0, Some(1.3), None)));
             report.warnings().count()
         };
         assert_eq!([of(1), of(100_000)], [1, 0]);
         let mut few_weights = WeightReport::default();
-        few_weights.add(&step(0, 100, 50.0, Some(1.3), None));
+        few_weights.add(&step(0, 100, 20.0, Some(1.3), None));
         assert_eq!(few_weights.warnings().count(), 0);
+        let mut many_effective = WeightReport::default();
+        many_effective.add(&step(0, 1000, 250.0, Some(3.0), None));
+        assert_eq!(many_effective.warnings().count(), 0);
     }
 }

@@ -9,8 +9,8 @@ use crate::weights::LogWeights;
 /// Measurements that are drawn to see what is usual.
 const DRAWS: usize = 100;
 
-/// A measurement is a surprise where its log-density at the best particle is below the usual one by 4 nats and 4 standard deviations.
-const BELOW: f64 = 4.0;
+/// A measurement is a surprise where its log-density at the best particle is below the usual one by 5.5 nats and 5.5 standard deviations.
+const BELOW: f64 = 5.5;
 
 /// A measurement that lies beyond all particles.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
