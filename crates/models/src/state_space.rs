@@ -7,8 +7,8 @@ use crate::{Gaussian, ModelError, Step, Stream};
 
 /// A hidden Markov model on ℝᴺ, measured in ℝᴹ: `p(x_0)`, `p(x_t | x_{t−1})`, `p(y_t | x_t)`.
 ///
-/// Densities are logarithmic and normalised; −∞ says that a point lies outside the support. `time` is the `t` of the state
-/// that is drawn or weighed. A transition therefore has `time ≥ 1`.
+/// Densities are logarithmic and normalised; −∞ says that a point lies outside the support. The step is the one to the state
+/// that is drawn or weighed. A transition therefore has an index of 1 at least.
 ///
 /// The plural methods do the same for a batch of `K` particles, row-major `K×N`. Their default is a loop. A model overrides
 /// them where a batch is cheaper than its rows.

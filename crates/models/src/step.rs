@@ -38,10 +38,3 @@ impl Step<'_> {
         }
     }
 }
-
-/// As [`Step::of_index`].
-impl From<usize> for Step<'_> {
-    fn from(index: usize) -> Self {
-        Step::of_index(index)
-    }
-}

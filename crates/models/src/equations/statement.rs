@@ -60,10 +60,10 @@ pub trait Equations: Sync {
     /// Where another number of coordinates is pushed, here or below, draws and densities are NaN.
     fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>);
 
-    /// Pushes the distribution of each of the `N` coordinates of `x_t` given `x_{t−1}` (`N`); `time` is `t`, at least 1.
+    /// Pushes the distribution of each of the `N` coordinates of `x_t` given `x_{t−1}` (`N`).
     fn transition<S: Scalar>(&self, step: &Step<'_, S>, previous: &[S], state: &mut impl Coordinates<S>);
 
-    /// Pushes the distribution of each of the `M` coordinates of `y_t` given `x_t` (`N`); `time` is `t`, at least 0.
+    /// Pushes the distribution of each of the `M` coordinates of `y_t` given `x_t` (`N`).
     fn measurement<S: Scalar>(&self, step: &Step<'_, S>, state: &[S], measurement: &mut impl Coordinates<S>);
 
     /// [`Equations::measurement`], of which only derivatives along the states in `along` are wanted: coordinates that depend on none of these states may be

@@ -60,7 +60,7 @@ pub trait BatchEquations: Sync {
     /// densities are NaN then, as they are where another number of coordinates is stated.
     fn initial(&self) -> Option<Vec<BatchDistribution>>;
 
-    /// The distribution of each of the `N` coordinates of `x_t` given each row `x_{t−1}` of `previous` (`K×N`); `time` is `t`, at least 1.
+    /// The distribution of each of the `N` coordinates of `x_t` given each row `x_{t−1}` of `previous` (`K×N`).
     ///
     /// Where `is_padded`, some rows are no particles', and nothing is to be made of what is odd about them.
     fn transition(
@@ -70,7 +70,7 @@ pub trait BatchEquations: Sync {
         is_padded: bool,
     ) -> Option<Vec<BatchDistribution>>;
 
-    /// The distribution of each of the `M` coordinates of `y_t` given each row `x_t` of `states` (`K×N`); `time` is `t`, at least 0.
+    /// The distribution of each of the `M` coordinates of `y_t` given each row `x_t` of `states` (`K×N`).
     fn measurement(&self, step: &Step<'_>, states: &[f64], is_padded: bool)
     -> Option<Vec<BatchDistribution>>;
 
