@@ -1,6 +1,6 @@
 //! Bugs of particle-filter code that looks right, planted on purpose: tests that no longer catch them are noticed.
 
-use motes_models::{Seed, StateSpaceModel, Stream};
+use motes_models::{Seed, StateSpaceModel, Step, Stream};
 use motes_proposals::{GaussianScratch, Hidden, HiddenRows, Rnn};
 use motes_smc::{Context, LogWeights, ParticleMemory, Proposal, ProposalError, ResampleWhen, Resampling};
 use rand::RngExt;
@@ -42,9 +42,10 @@ pub fn plain_filter_scores(bug: Bug, when: ResampleWhen) -> [f64; 2] {
                 let log_prior = match time {
                     0 if bug == Bug::NoInitialDensity => 0.0,
                     0 => model.log_initial(&[*state]),
-                    _ => model.log_transition(time, &[previous], &[*state]),
+                    _ => model.log_transition(&Step::of_index(time), &[previous], &[*state]),
                 };
-                *increment = model.log_likelihood(time, &[*state], measurement) + log_prior - log_q;
+                *increment =
+                    model.log_likelihood(&Step::of_index(time), &[*state], measurement) + log_prior - log_q;
             }
             let log_sum = weights.update(&increments).unwrap();
             log_evidence += match bug {
@@ -122,8 +123,8 @@ impl<M: StateSpaceModel + ?Sized> Proposal<M> for Forgetful {
         Stuck(Proposal::<M>::initial_memory(&self.0, particles))
     }
 
-    fn prepare(&mut self, model: &M, time: usize, measurement: &[f64]) -> Result<(), ProposalError> {
-        self.0.prepare(model, time, measurement)
+    fn prepare(&mut self, model: &M, step: &Step<'_>, measurement: &[f64]) -> Result<(), ProposalError> {
+        self.0.prepare(model, step, measurement)
     }
 
     fn condition<'a>(

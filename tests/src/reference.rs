@@ -1,7 +1,7 @@
 //! The reference problem of the statistical tests, and a proposal that can be made wrong on purpose.
 use faer::mat;
 use motes_models::{
-    Gaussian, LinearGaussian, Measurements, PartialMeasurements, Seed, StateSpaceModel, Stream, kalman,
+    Gaussian, LinearGaussian, Measurements, PartialMeasurements, Seed, StateSpaceModel, Step, Stream, kalman,
 };
 use motes_smc::{
     Conditional, Context, FilterBank, FilterError, FilterSettings, Proposal, ProposalError, ResampleWhen,
@@ -171,7 +171,7 @@ impl Proposal<LinearGaussian> for ScalarGaussian {
     fn prepare(
         &mut self,
         _model: &LinearGaussian,
-        _time: usize,
+        _step: &Step<'_>,
         _measurement: &[f64],
     ) -> Result<(), ProposalError> {
         Ok(())

@@ -1,6 +1,6 @@
 //! Whether what a particle remembers, and the density that it was weighed by, are those of the path that led to it.
 
-use motes_models::{GraphDiffusion, GraphDiffusionConfig, Seed, StateSpaceModel, simulate};
+use motes_models::{GraphDiffusion, GraphDiffusionConfig, Seed, StateSpaceModel, Step, simulate};
 use motes_proposals::Hidden;
 use motes_smc::{Conditional, Context, FilterBank, FilterSettings, Proposal, ResampleWhen};
 
@@ -67,7 +67,7 @@ pub fn replay<P: Proposal<GraphDiffusion> + Clone>(
         for time in (0..=last).filter(|time| !missing.contains(time)) {
             let state = |time: usize| &states[time][path[time] * N..(path[time] + 1) * N];
             let previous = (time > 0).then(|| state(time - 1));
-            let context = Context::new(time, previous, measurements.row(time), 1);
+            let context = Context::new(Step::of_index(time), previous, measurements.row(time), 1);
             let mut conditional =
                 proposal.condition_batch(&system, context, &mut memory, &mut scratch).unwrap();
             conditional.log_density(state(time), &mut log_density);
@@ -80,8 +80,8 @@ pub fn replay<P: Proposal<GraphDiffusion> + Clone>(
         let state = &states[last][row * N..(row + 1) * N];
         let parent = &states[last - 1][path[last - 1] * N..(path[last - 1] + 1) * N];
         increments.push(
-            system.log_likelihood(last, state, measurements.row(last))
-                + system.log_transition(last, parent, state)
+            system.log_likelihood(&Step::of_index(last), state, measurements.row(last))
+                + system.log_transition(&Step::of_index(last), parent, state)
                 - log_density[0],
         );
     }

@@ -1,6 +1,6 @@
 //! A model with a constant added to its log-likelihoods.
 
-use motes_models::{StateSpaceModel, Stream};
+use motes_models::{StateSpaceModel, Step, Stream};
 
 /// `log p(y_t|x_t) + shift` at times `t ≥ from`; in all else the model itself.
 #[derive(Debug, Clone)]
@@ -23,17 +23,17 @@ impl<M: StateSpaceModel> StateSpaceModel for Shifted<M> {
     fn sample_initial(&self, stream: &mut Stream, state: &mut [f64]) {
         self.model.sample_initial(stream, state);
     }
-    fn sample_transition(&self, time: usize, previous: &[f64], stream: &mut Stream, state: &mut [f64]) {
-        self.model.sample_transition(time, previous, stream, state);
+    fn sample_transition(&self, step: &Step<'_>, previous: &[f64], stream: &mut Stream, state: &mut [f64]) {
+        self.model.sample_transition(step, previous, stream, state);
     }
     fn log_initial(&self, state: &[f64]) -> f64 {
         self.model.log_initial(state)
     }
-    fn log_transition(&self, time: usize, previous: &[f64], state: &[f64]) -> f64 {
-        self.model.log_transition(time, previous, state)
+    fn log_transition(&self, step: &Step<'_>, previous: &[f64], state: &[f64]) -> f64 {
+        self.model.log_transition(step, previous, state)
     }
-    fn log_likelihood(&self, time: usize, state: &[f64], measurement: &[f64]) -> f64 {
-        let log_likelihood = self.model.log_likelihood(time, state, measurement);
-        if time < self.from { log_likelihood } else { log_likelihood + self.shift }
+    fn log_likelihood(&self, step: &Step<'_>, state: &[f64], measurement: &[f64]) -> f64 {
+        let log_likelihood = self.model.log_likelihood(step, state, measurement);
+        if step.index < self.from { log_likelihood } else { log_likelihood + self.shift }
     }
 }

@@ -9,7 +9,7 @@ use std::time::Instant;
 use motes_formulas::{FileModel, parse};
 use motes_models::batch::Rows;
 use motes_models::equations::{Coordinates, Equations, Scalar, normal};
-use motes_models::{Measurements, Seed, StateSpaceModel, Stream, fill_standard_normal, simulate};
+use motes_models::{Measurements, Seed, StateSpaceModel, Step, Stream, fill_standard_normal, simulate};
 use motes_smc::{Bootstrap, FilterSettings, ParticleFilter, ResampleWhen, Resampling};
 use rand::RngExt;
 use rand_distr::StandardNormal;
@@ -33,14 +33,14 @@ macro_rules! stated {
             }
 
             $(#[$inline])?
-            fn transition<S: Scalar>(&self, time: usize, x: &[S], state: &mut impl Coordinates<S>) {
+            fn transition<S: Scalar>(&self, step: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
                 let x = x[0];
-                let drift = x / 2.0 + x * 25.0 / (x * x + 1.0) + 8.0 * (1.2 * time as f64).cos();
+                let drift = x / 2.0 + x * 25.0 / (x * x + 1.0) + 8.0 * (1.2 * step.time).cos();
                 state.push(normal(drift, 10.0_f64.sqrt()));
             }
 
             $(#[$inline])?
-            fn measurement<S: Scalar>(&self, _: usize, x: &[S], measurement: &mut impl Coordinates<S>) {
+            fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], measurement: &mut impl Coordinates<S>) {
                 measurement.push(normal(x[0] * x[0] / 20.0, 1.0));
             }
         }
@@ -60,8 +60,8 @@ stated!(
 /// The same by hand, in batches: loops over all states, noise in bulk.
 struct ByHand;
 
-fn drift(time: usize, x: f64) -> f64 {
-    x / 2.0 + 25.0 * x / (1.0 + x * x) + 8.0 * (1.2 * time as f64).cos()
+fn drift(time: f64, x: f64) -> f64 {
+    x / 2.0 + 25.0 * x / (1.0 + x * x) + 8.0 * (1.2 * time).cos()
 }
 
 /// `log N(x | mean, sd²)`.
@@ -84,20 +84,20 @@ impl StateSpaceModel for ByHand {
         state[0] *= 5.0_f64.sqrt();
     }
 
-    fn sample_transition(&self, time: usize, previous: &[f64], stream: &mut Stream, state: &mut [f64]) {
+    fn sample_transition(&self, step: &Step<'_>, previous: &[f64], stream: &mut Stream, state: &mut [f64]) {
         fill_standard_normal(stream, state);
-        state[0] = drift(time, previous[0]) + 10.0_f64.sqrt() * state[0];
+        state[0] = drift(step.time, previous[0]) + 10.0_f64.sqrt() * state[0];
     }
 
     fn log_initial(&self, state: &[f64]) -> f64 {
         log_normal(state[0], 0.0, 5.0_f64.sqrt())
     }
 
-    fn log_transition(&self, time: usize, previous: &[f64], state: &[f64]) -> f64 {
-        log_normal(state[0], drift(time, previous[0]), 10.0_f64.sqrt())
+    fn log_transition(&self, step: &Step<'_>, previous: &[f64], state: &[f64]) -> f64 {
+        log_normal(state[0], drift(step.time, previous[0]), 10.0_f64.sqrt())
     }
 
-    fn log_likelihood(&self, _: usize, state: &[f64], measurement: &[f64]) -> f64 {
+    fn log_likelihood(&self, _: &Step<'_>, state: &[f64], measurement: &[f64]) -> f64 {
         log_normal(measurement[0], state[0] * state[0] / 20.0, 1.0)
     }
 
@@ -111,14 +111,14 @@ impl StateSpaceModel for ByHand {
 
     fn sample_transitions(
         &self,
-        time: usize,
+        step: &Step<'_>,
         previous: Rows<'_>,
         streams: &mut [Stream],
         states: &mut [f64],
     ) {
         let each = states.len() / streams.len();
         // The same for all particles.
-        let (wave, sd) = (8.0 * (1.2 * time as f64).cos(), 10.0_f64.sqrt());
+        let (wave, sd) = (8.0 * (1.2 * step.time).cos(), 10.0_f64.sqrt());
         let mut row = 0;
         for (stream, states) in streams.iter_mut().zip(states.chunks_exact_mut(each)) {
             fill_standard_normal(stream, states);
@@ -130,7 +130,7 @@ impl StateSpaceModel for ByHand {
         }
     }
 
-    fn log_likelihoods(&self, _: usize, states: &[f64], measurement: &[f64], out: &mut [f64]) {
+    fn log_likelihoods(&self, _: &Step<'_>, states: &[f64], measurement: &[f64], out: &mut [f64]) {
         let constant = 0.5 * std::f64::consts::TAU.ln();
         for (x, out) in states.iter().zip(out) {
             let z = measurement[0] - x * x / 20.0;
@@ -155,20 +155,20 @@ impl StateSpaceModel for ByRows {
         state[0] = 5.0_f64.sqrt() * stream.sample::<f64, _>(StandardNormal);
     }
 
-    fn sample_transition(&self, time: usize, previous: &[f64], stream: &mut Stream, state: &mut [f64]) {
-        state[0] = drift(time, previous[0]) + 10.0_f64.sqrt() * stream.sample::<f64, _>(StandardNormal);
+    fn sample_transition(&self, step: &Step<'_>, previous: &[f64], stream: &mut Stream, state: &mut [f64]) {
+        state[0] = drift(step.time, previous[0]) + 10.0_f64.sqrt() * stream.sample::<f64, _>(StandardNormal);
     }
 
     fn log_initial(&self, state: &[f64]) -> f64 {
         ByHand.log_initial(state)
     }
 
-    fn log_transition(&self, time: usize, previous: &[f64], state: &[f64]) -> f64 {
-        ByHand.log_transition(time, previous, state)
+    fn log_transition(&self, step: &Step<'_>, previous: &[f64], state: &[f64]) -> f64 {
+        ByHand.log_transition(step, previous, state)
     }
 
-    fn log_likelihood(&self, time: usize, state: &[f64], measurement: &[f64]) -> f64 {
-        ByHand.log_likelihood(time, state, measurement)
+    fn log_likelihood(&self, step: &Step<'_>, state: &[f64], measurement: &[f64]) -> f64 {
+        ByHand.log_likelihood(step, state, measurement)
     }
 }
 

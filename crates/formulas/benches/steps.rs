@@ -5,7 +5,7 @@ use criterion::{BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_gr
 use motes_formulas::{FileModel, FormulaModel, parse};
 use motes_models::batch::Rows;
 use motes_models::equations::{Coordinates, Equations, Scalar, normal};
-use motes_models::{Seed, StateGradients, StateSpaceModel};
+use motes_models::{Seed, StateGradients, StateSpaceModel, Step};
 
 /// Particles of a call, as many as filters hand over at a time.
 const PARTICLES: usize = 1024;
@@ -31,13 +31,13 @@ impl Equations for Growth {
         state.push(normal(0.0, 5.0_f64.sqrt()));
     }
 
-    fn transition<S: Scalar>(&self, time: usize, x: &[S], state: &mut impl Coordinates<S>) {
+    fn transition<S: Scalar>(&self, step: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
         let x = x[0];
-        let drift = x / 2.0 + x * 25.0 / (x * x + 1.0) + 8.0 * Scalar::cos(1.2 * time as f64);
+        let drift = x / 2.0 + x * 25.0 / (x * x + 1.0) + 8.0 * Scalar::cos(1.2 * step.time);
         state.push(normal(drift, 10.0_f64.sqrt()));
     }
 
-    fn measurement<S: Scalar>(&self, _: usize, x: &[S], measurement: &mut impl Coordinates<S>) {
+    fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], measurement: &mut impl Coordinates<S>) {
         measurement.push(normal(x[0] * x[0] / 20.0, 1.0));
     }
 }
@@ -63,14 +63,14 @@ impl Equations for Lorenz {
         (0..40).for_each(|_| state.push(normal(0.0, 3.0)));
     }
 
-    fn transition<S: Scalar>(&self, _: usize, x: &[S], state: &mut impl Coordinates<S>) {
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
         for i in 0..40 {
             let [next, before, last] = [x[(i + 1) % 40], x[(i + 38) % 40], x[(i + 39) % 40]];
             state.push(normal(x[i] + ((next - before) * last - x[i] + 8.0) * 0.05, 0.5));
         }
     }
 
-    fn measurement<S: Scalar>(&self, _: usize, x: &[S], measurement: &mut impl Coordinates<S>) {
+    fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], measurement: &mut impl Coordinates<S>) {
         (0..20).for_each(|i| measurement.push(normal(x[2 * i], 1.0)));
     }
 }
@@ -97,17 +97,21 @@ fn steps<M: StateSpaceModel + StateGradients>(
     let mut slopes = [vec![0.0; PARTICLES * n], vec![0.0; PARTICLES * n]];
     group.throughput(Throughput::Elements(PARTICLES as u64));
     group.bench_function(BenchmarkId::new("draw", name), |bencher| {
-        bencher.iter(|| model.sample_transitions(7, Rows::all(&before, n), &mut streams, &mut states));
+        bencher.iter(|| {
+            model.sample_transitions(&Step::of_index(7), Rows::all(&before, n), &mut streams, &mut states)
+        });
     });
     group.bench_function(BenchmarkId::new("weigh", name), |bencher| {
-        bencher.iter(|| model.log_likelihoods(7, &states, &measurement, &mut densities));
+        bencher.iter(|| model.log_likelihoods(&Step::of_index(7), &states, &measurement, &mut densities));
     });
     group.bench_function(BenchmarkId::new("log transition", name), |bencher| {
-        bencher.iter(|| model.log_transitions(7, Rows::all(&before, n), &states, &mut densities));
+        bencher.iter(|| {
+            model.log_transitions(&Step::of_index(7), Rows::all(&before, n), &states, &mut densities)
+        });
     });
     group.bench_function(BenchmarkId::new("gradients", name), |bencher| {
         let [a, b] = &mut slopes;
-        bencher.iter(|| model.transition_gradients(7, &before, &states, a, b));
+        bencher.iter(|| model.transition_gradients(&Step::of_index(7), &before, &states, a, b));
     });
 }
 

@@ -2,7 +2,7 @@
 
 use faer::Mat;
 use motes_models::equations::{Coordinates, Distribution, Equations};
-use motes_models::{Gaussian, LinearGaussian};
+use motes_models::{Gaussian, LinearGaussian, Step};
 
 use crate::model::FormulaModel;
 
@@ -43,8 +43,8 @@ impl FormulaModel {
         let [n, _] = self.dimensions();
         let [mean, variances] = normals(|sink| self.initial(sink))?;
         let initial = Gaussian::new("p(x_0)", mean, diagonal(&variances)).ok()?;
-        let transition = |x: &[f64]| normals(|sink| self.transition(1, x, sink));
-        let measurement = |x: &[f64]| normals(|sink| self.measurement(0, x, sink));
+        let transition = |x: &[f64]| normals(|sink| self.transition(&Step::of_index(1), x, sink));
+        let measurement = |x: &[f64]| normals(|sink| self.measurement(&Step::of_index(0), x, sink));
         let (matrix, noise) = matrix_of(n, transition)?;
         let (seen, error) = matrix_of(n, measurement)?;
         LinearGaussian::new(initial, matrix, diagonal(&noise), seen, diagonal(&error)).ok()
@@ -70,7 +70,7 @@ fn matrix_of(n: usize, of: impl Fn(&[f64]) -> Option<[Vec<f64>; 2]>) -> Option<(
 
 #[cfg(test)]
 mod tests {
-    use motes_models::{Seed, StateSpaceModel, simulate};
+    use motes_models::{Seed, StateSpaceModel, Step, simulate};
 
     use crate::{FileModel, parse};
 
@@ -86,8 +86,8 @@ mod tests {
         let (states, y) = (drawn.states.values(), drawn.measurements.values());
         let densities = |model: &dyn StateSpaceModel| {
             model.log_initial(&states[..2])
-                + model.log_transition(3, &states[2..4], &states[4..6])
-                + model.log_likelihood(2, &states[4..6], &y[2..3])
+                + model.log_transition(&Step::of_index(3), &states[2..4], &states[4..6])
+                + model.log_likelihood(&Step::of_index(2), &states[4..6], &y[2..3])
         };
         Some((densities(&exact) - densities(&formulas)).abs())
     }

@@ -5,6 +5,7 @@ use thiserror::Error;
 use crate::model::FormulaModel;
 use crate::statement::Line;
 use crate::support::{Digits, Support};
+use motes_models::Step;
 
 /// An entry of a measurement that lies outside of the support of its distribution, whatever the states are.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -26,7 +27,7 @@ const LONGEST: usize = 60;
 impl FormulaModel {
     /// The first entry of a measurement (`M`, none where one is missing) that no state can give at a time; none where there may be a state for each.
     pub fn impossible(&self, time: usize, measurement: &[Option<f64>]) -> Option<Impossible> {
-        let supports = self.supports(time);
+        let supports = self.supports(&Step::of_index(time));
         supports.iter().zip(measurement).enumerate().find_map(|(coordinate, (support, value))| {
             let (support, value) = ((*support)?, (*value)?);
             let distribution = || self.distribution(coordinate);

@@ -13,6 +13,7 @@ use crate::program::{Program, compile};
 use crate::statement::{Line, Statement};
 use crate::support::{Support, supports};
 use crate::text::Text;
+use motes_models::Step;
 
 /// A state-space model whose equations were read from a file: see [`Equations`] for what follows from them. A clone shares them.
 #[derive(Debug, Clone)]
@@ -54,7 +55,7 @@ impl FormulaModel {
         Ok(FormulaModel(Arc::new(Compiled {
             states,
             measurements: coordinates(&statement.measurement),
-            supports: (!measurement.depends_on_time()).then(|| supports(&measurement, 0)),
+            supports: (!measurement.depends_on_time()).then(|| supports(&measurement, 0.0)),
             initial,
             transition,
             measurement,
@@ -82,10 +83,10 @@ impl FormulaModel {
     }
 
     /// Where each of the `M` entries of a measurement can lie at a time, whatever the states are; none where it depends on them, or where it can be any number.
-    pub fn supports(&self, time: usize) -> Cow<'_, [Option<Support>]> {
+    pub fn supports(&self, step: &Step<'_>) -> Cow<'_, [Option<Support>]> {
         match &self.0.supports {
             Some(supports) => supports.into(),
-            None => supports(&self.0.measurement, time).into(),
+            None => supports(&self.0.measurement, step.time).into(),
         }
     }
 
@@ -114,24 +115,24 @@ impl Equations for FormulaModel {
     }
 
     fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
-        self.0.initial.push(0, &[], state);
+        self.0.initial.push(0.0, &[], state);
     }
 
-    fn transition<S: Scalar>(&self, time: usize, previous: &[S], state: &mut impl Coordinates<S>) {
-        self.0.transition.push(time, previous, state);
+    fn transition<S: Scalar>(&self, step: &Step<'_, S>, previous: &[S], state: &mut impl Coordinates<S>) {
+        self.0.transition.push(step.time, previous, state);
     }
 
-    fn measurement<S: Scalar>(&self, time: usize, state: &[S], measurement: &mut impl Coordinates<S>) {
-        self.0.measurement.push(time, state, measurement);
+    fn measurement<S: Scalar>(&self, step: &Step<'_, S>, state: &[S], measurement: &mut impl Coordinates<S>) {
+        self.0.measurement.push(step.time, state, measurement);
     }
 
     fn measurement_along<S: Scalar>(
         &self,
-        time: usize,
+        step: &Step<'_, S>,
         state: &[S],
         along: Range<usize>,
         measurement: &mut impl Coordinates<S>,
     ) {
-        self.0.measurement.push_along(time, state, along, measurement);
+        self.0.measurement.push_along(step.time, state, along, measurement);
     }
 }

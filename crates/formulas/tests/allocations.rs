@@ -2,7 +2,7 @@
 
 use motes_formulas::{FileModel, parse};
 use motes_models::batch::Rows;
-use motes_models::{Seed, StateGradients, StateSpaceModel};
+use motes_models::{Seed, StateGradients, StateSpaceModel, Step};
 
 #[global_allocator]
 static COUNTING: dhat::Alloc = dhat::Alloc;
@@ -31,10 +31,15 @@ fn main() {
     let (mut slopes, mut weights) = (vec![0.0; 6 * particles], vec![0.0; particles]);
     let mut step = |time| {
         model.sample_initials(&mut streams, &mut before);
-        model.sample_transitions(time, Rows::all(&before, 6), &mut streams, &mut states);
-        model.log_transitions(time, Rows::all(&before, 6), &states, &mut weights);
-        model.log_likelihoods(time, &states, &[1.0, 0.0, 2.0, 1.0, 3.0, 0.0], &mut weights);
-        model.likelihood_gradients(time, &states, &[1.0, 0.0, 2.0, 1.0, 3.0, 0.0], &mut slopes);
+        model.sample_transitions(&Step::of_index(time), Rows::all(&before, 6), &mut streams, &mut states);
+        model.log_transitions(&Step::of_index(time), Rows::all(&before, 6), &states, &mut weights);
+        model.log_likelihoods(&Step::of_index(time), &states, &[1.0, 0.0, 2.0, 1.0, 3.0, 0.0], &mut weights);
+        model.likelihood_gradients(
+            &Step::of_index(time),
+            &states,
+            &[1.0, 0.0, 2.0, 1.0, 3.0, 0.0],
+            &mut slopes,
+        );
     };
     step(1);
     let _counting = dhat::Profiler::builder().testing().build();

@@ -8,7 +8,7 @@ use std::hint::black_box;
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
 use motes_models::equations::{Coordinates, Equations, Scalar, normal};
-use motes_models::{Seed, StateGradients, StateSpaceModel};
+use motes_models::{Seed, StateGradients, StateSpaceModel, Step};
 use num_dual::{DualNum, DualSVec64, gradient};
 
 const PARTICLES: usize = 1024;
@@ -27,14 +27,14 @@ impl Equations for Growth {
     }
 
     #[inline(always)]
-    fn transition<S: Scalar>(&self, time: usize, x: &[S], state: &mut impl Coordinates<S>) {
+    fn transition<S: Scalar>(&self, step: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
         let x = x[0];
-        let drift = x / 2.0 + x * 25.0 / (x * x + 1.0) + 8.0 * (1.2 * time as f64).cos();
+        let drift = x / 2.0 + x * 25.0 / (x * x + 1.0) + 8.0 * (1.2 * step.time).cos();
         state.push(normal(drift, 10.0_f64.sqrt()));
     }
 
     #[inline(always)]
-    fn measurement<S: Scalar>(&self, _: usize, x: &[S], measurement: &mut impl Coordinates<S>) {
+    fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], measurement: &mut impl Coordinates<S>) {
         measurement.push(normal(x[0] * x[0] / 20.0, 1.0));
     }
 }
@@ -55,13 +55,13 @@ impl Equations for Target {
     }
 
     #[inline(always)]
-    fn transition<S: Scalar>(&self, _: usize, x: &[S], state: &mut impl Coordinates<S>) {
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
         (0..2).for_each(|i| state.push(normal(x[i] + x[i + 2], 0.05)));
         (2..4).for_each(|i| state.push(normal(x[i], 0.05)));
     }
 
     #[inline(always)]
-    fn measurement<S: Scalar>(&self, _: usize, x: &[S], y: &mut impl Coordinates<S>) {
+    fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
         y.push(normal((x[0] * x[0] + x[1] * x[1]).sqrt(), 0.1));
         y.push(normal(x[1].atan2(x[0]), 0.02));
     }
@@ -125,7 +125,7 @@ fn ways<M: StateSpaceModel + StateGradients>(
     let [mut hand, mut stated, mut peer] =
         [const { Vec::new() }; 3].map(|_: Vec<f64>| vec![0.0; PARTICLES * n]);
     by_hand(&states, measurement, &mut hand);
-    model.likelihood_gradients(3, &states, measurement, &mut stated);
+    model.likelihood_gradients(&Step::of_index(3), &states, measurement, &mut stated);
     by_num_dual(&states, measurement, &mut peer);
     for ((hand, stated), peer) in hand.iter().zip(&stated).zip(&peer) {
         let allowed = 1e-9 * (1.0 + hand.abs());
@@ -136,7 +136,9 @@ fn ways<M: StateSpaceModel + StateGradients>(
         bencher.iter(|| by_hand(black_box(&states), measurement, &mut hand));
     });
     group.bench_function("stated once", |bencher| {
-        bencher.iter(|| model.likelihood_gradients(3, black_box(&states), measurement, &mut stated));
+        bencher.iter(|| {
+            model.likelihood_gradients(&Step::of_index(3), black_box(&states), measurement, &mut stated)
+        });
     });
     group.bench_function("num-dual", |bencher| {
         bencher.iter(|| by_num_dual(black_box(&states), measurement, &mut peer));

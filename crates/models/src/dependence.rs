@@ -4,7 +4,7 @@ use faer::Mat;
 
 use crate::batch::LANES;
 use crate::equations::{Lanes, Linearise};
-use crate::{Seed, Simulator, SystemGraph, simulate};
+use crate::{Seed, Simulator, Step, SystemGraph, simulate};
 
 /// When states are varied: after noise has come in twice.
 const TIME: usize = 2;
@@ -25,7 +25,7 @@ impl SystemGraph {
         let (previous, states, measured) = simulated(model, seed);
         let moments = |previous: &[f64]| {
             let (mut means, mut variances) = (vec![0.0; n * LANES], vec![0.0; n * LANES]);
-            model.tile_moments(TIME, Some(previous), &mut means, &mut variances);
+            model.tile_moments(&Step::of_index(TIME), Some(previous), &mut means, &mut variances);
             [means, variances]
         };
         let usual = moments(&previous);
@@ -47,7 +47,14 @@ impl SystemGraph {
         }
         let (mut slopes, mut information) = (vec![0.0; m * LANES], vec![0.0; m * LANES]);
         let mut jacobian = vec![0.0; m * n * LANES];
-        model.tile_scores(TIME, &states, &measured, &mut slopes, &mut information, &mut jacobian);
+        model.tile_scores(
+            &Step::of_index(TIME),
+            &states,
+            &measured,
+            &mut slopes,
+            &mut information,
+            &mut jacobian,
+        );
         let mut adapter = Mat::zeros(n, m);
         for k in 0..m {
             let rows = jacobian[k * n * LANES..(k + 1) * n * LANES].chunks_exact(LANES);
@@ -116,13 +123,13 @@ mod tests {
             }
         }
 
-        fn transition<S: Scalar>(&self, _: usize, before: &[S], x: &mut impl Coordinates<S>) {
+        fn transition<S: Scalar>(&self, _: &Step<'_, S>, before: &[S], x: &mut impl Coordinates<S>) {
             x.push(normal(before[0].sin(), S::from(1.0)));
             x.push(normal(before[1] * 0.5, before[0].exp()));
             x.push(normal(before[1] * before[2], S::from(1.0)));
         }
 
-        fn measurement<S: Scalar>(&self, _: usize, x: &[S], y: &mut impl Coordinates<S>) {
+        fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
             y.push(normal(x[2], S::from(1.0)));
             y.push(normal(x[0] * x[1], S::from(1.0)));
         }

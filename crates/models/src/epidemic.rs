@@ -7,7 +7,7 @@ use faer::{Mat, MatRef};
 use crate::batch::{LANES, Rows, with_noise};
 use crate::{
     AdditiveGaussian, Gaussian, ModelError, Noise, PartialLikelihood, Simulator, StateGradients,
-    StateSpaceModel, Stream,
+    StateSpaceModel, Step, Stream,
 };
 
 /// `S`, `I` and `R`.
@@ -170,7 +170,7 @@ impl StateSpaceModel for Epidemic {
         }
     }
 
-    fn sample_transition(&self, _time: usize, previous: &[f64], stream: &mut Stream, state: &mut [f64]) {
+    fn sample_transition(&self, _step: &Step<'_>, previous: &[f64], stream: &mut Stream, state: &mut [f64]) {
         for (value, flow) in state.iter_mut().zip(self.flow(previous)) {
             *value = flow + self.config.noise.sample(self.sigmas[1], stream);
         }
@@ -180,19 +180,19 @@ impl StateSpaceModel for Epidemic {
         self.config.noise.log_density_of_all(self.sigmas[0], self.initial_deviation(state).into_iter())
     }
 
-    fn log_transition(&self, _time: usize, previous: &[f64], state: &[f64]) -> f64 {
+    fn log_transition(&self, _step: &Step<'_>, previous: &[f64], state: &[f64]) -> f64 {
         let residuals = self.flow(previous).into_iter().zip(state).map(|(flow, value)| value - flow);
         self.config.noise.log_density_of_all(self.sigmas[1], residuals)
     }
 
-    fn log_likelihood(&self, _time: usize, state: &[f64], measurement: &[f64]) -> f64 {
+    fn log_likelihood(&self, _step: &Step<'_>, state: &[f64], measurement: &[f64]) -> f64 {
         let residuals = Epidemic::measurement_residuals(state, measurement);
         self.config.noise.log_density_of_all(self.sigmas[2], residuals.into_iter())
     }
 
     fn sample_transitions(
         &self,
-        _time: usize,
+        _step: &Step<'_>,
         previous: Rows<'_>,
         streams: &mut [Stream],
         states: &mut [f64],
@@ -213,7 +213,7 @@ impl StateSpaceModel for Epidemic {
 impl PartialLikelihood for Epidemic {
     fn partial_log_likelihoods(
         &self,
-        _time: usize,
+        _step: &Step<'_>,
         states: &[f64],
         measurement: &[Option<f64>],
         out: &mut [f64],
@@ -229,7 +229,13 @@ impl PartialLikelihood for Epidemic {
 }
 
 impl Simulator for Epidemic {
-    fn sample_measurement(&self, _time: usize, state: &[f64], stream: &mut Stream, measurement: &mut [f64]) {
+    fn sample_measurement(
+        &self,
+        _step: &Step<'_>,
+        state: &[f64],
+        stream: &mut Stream,
+        measurement: &mut [f64],
+    ) {
         for (value, at) in measurement.iter_mut().zip(MEASURED) {
             *value = state[at] + self.config.noise.sample(self.sigmas[2], stream);
         }
@@ -247,7 +253,7 @@ impl StateGradients for Epidemic {
 
     fn transition_gradients(
         &self,
-        _time: usize,
+        _step: &Step<'_>,
         previous: &[f64],
         states: &[f64],
         d_previous: &mut [f64],
@@ -272,7 +278,13 @@ impl StateGradients for Epidemic {
         }
     }
 
-    fn likelihood_gradients(&self, _time: usize, states: &[f64], measurement: &[f64], d_states: &mut [f64]) {
+    fn likelihood_gradients(
+        &self,
+        _step: &Step<'_>,
+        states: &[f64],
+        measurement: &[f64],
+        d_states: &mut [f64],
+    ) {
         d_states.fill(0.0);
         for (state, d_state) in states.chunks_exact(N).zip(d_states.chunks_exact_mut(N)) {
             let residuals = Epidemic::measurement_residuals(state, measurement);
@@ -292,7 +304,7 @@ impl AdditiveGaussian for Epidemic {
         &self.initial
     }
 
-    fn transition_means(&self, _time: usize, previous: &[f64], means: &mut [f64]) {
+    fn transition_means(&self, _step: &Step<'_>, previous: &[f64], means: &mut [f64]) {
         for (previous, mean) in previous.chunks_exact(N).zip(means.chunks_exact_mut(N)) {
             mean.copy_from_slice(&self.flow(previous));
         }
@@ -338,9 +350,14 @@ mod tests {
         for _ in 0..count {
             epidemic.sample_initial(&mut stream, &mut state);
             let of_initial = state[1] - 3.0;
-            epidemic.sample_transition(1, &[900.0, 100.0, 20.0], &mut stream, &mut state);
+            epidemic.sample_transition(&Step::of_index(1), &[900.0, 100.0, 20.0], &mut stream, &mut state);
             let of_states = state[1] - 128.7;
-            epidemic.sample_measurement(1, &[900.0, 100.0, 20.0], &mut stream, &mut measurement);
+            epidemic.sample_measurement(
+                &Step::of_index(1),
+                &[900.0, 100.0, 20.0],
+                &mut stream,
+                &mut measurement,
+            );
             let of_measurements = measurement[1] - 20.0;
             for (sums, value) in sums.iter_mut().zip([of_initial, of_states, of_measurements]) {
                 sums[0] += value / f64::from(count);

@@ -4,7 +4,7 @@ use std::fmt;
 
 use thiserror::Error;
 
-use crate::{ModelError, Simulator, StateGradients, Stream, Trajectory, simulate};
+use crate::{ModelError, Simulator, StateGradients, Step, Stream, Trajectory, simulate};
 
 /// A derivative that [`StateGradients`] gives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -126,25 +126,26 @@ pub fn check_gradients(
     model.initial_gradients(&initial, &mut d_states);
     check.compare(Derivative::Initial, 0, &initial, &d_states, |_, x| model.log_initial(x));
     for time in 1..horizon.max(2) {
+        let step = Step::of_index(time);
         let (previous, now) = (states(time - 1), states(time));
         let mut d_previous = unwritten();
         d_states = unwritten();
-        model.transition_gradients(time, &previous, &now, &mut d_previous, &mut d_states);
+        model.transition_gradients(&step, &previous, &now, &mut d_previous, &mut d_states);
         let row = |of: &[f64], at: usize| of[at * n..(at + 1) * n].to_vec();
         check.compare(Derivative::TransitionByPrevious, time, &previous, &d_previous, |at, x| {
-            model.log_transition(time, x, &row(&now, at))
+            model.log_transition(&step, x, &row(&now, at))
         });
         check.compare(Derivative::TransitionByState, time, &now, &d_states, |at, x| {
-            model.log_transition(time, &row(&previous, at), x)
+            model.log_transition(&step, &row(&previous, at), x)
         });
     }
     for time in 0..horizon.max(2) {
-        let now = states(time);
+        let (step, now) = (Step::of_index(time), states(time));
         for measurement in trajectories.iter().map(|trajectory| trajectory.measurements.row(time)) {
             d_states = unwritten();
-            model.likelihood_gradients(time, &now, measurement, &mut d_states);
+            model.likelihood_gradients(&step, &now, measurement, &mut d_states);
             check.compare(Derivative::Likelihood, time, &now, &d_states, |_, x| {
-                model.log_likelihood(time, x, measurement)
+                model.log_likelihood(&step, x, measurement)
             });
         }
     }

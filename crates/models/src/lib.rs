@@ -47,6 +47,7 @@ mod simulate;
 mod simulated_measurements;
 mod simulations;
 mod state_space;
+mod step;
 mod stream;
 mod system_graph;
 
@@ -69,6 +70,7 @@ pub use state_space::{
     AdditiveGaussian, PartialLikelihood, Propagator, Simulator, StateGradients, StateSpaceModel,
     check_dimensions,
 };
+pub use step::Step;
 pub use stream::{Seed, Stream, StreamPosition, duplicate};
 pub use system_graph::{GraphModel, SystemGraph};
 

@@ -6,7 +6,7 @@ use crate::batch::{LANES, Rows, TileMatrix, load, store, with_noise, with_scratc
 use crate::error::check_matrix;
 use crate::{
     AdditiveGaussian, Gaussian, ModelError, PartialLikelihood, Simulator, StateGradients, StateSpaceModel,
-    Stream, fill_standard_normal,
+    Step, Stream, fill_standard_normal,
 };
 
 /// `x_0 ~ N(μ₀, P₀)`, `x_t = A x_{t−1} + v_t`, `v_t ~ N(0, Q)`, `y_t = C x_t + w_t`, `w_t ~ N(0, R)`.
@@ -94,7 +94,7 @@ impl StateSpaceModel for LinearGaussian {
         self.initial.sample(stream, state);
     }
 
-    fn sample_transition(&self, _time: usize, previous: &[f64], stream: &mut Stream, state: &mut [f64]) {
+    fn sample_transition(&self, _step: &Step<'_>, previous: &[f64], stream: &mut Stream, state: &mut [f64]) {
         self.state_noise.sample_deviation(stream, state);
         for (i, value) in state.iter_mut().enumerate() {
             *value += row_times(&self.transition_matrix, i, previous);
@@ -105,11 +105,11 @@ impl StateSpaceModel for LinearGaussian {
         self.initial.log_density(state)
     }
 
-    fn log_transition(&self, _time: usize, previous: &[f64], state: &[f64]) -> f64 {
+    fn log_transition(&self, _step: &Step<'_>, previous: &[f64], state: &[f64]) -> f64 {
         self.state_noise.log_density_of(|i| state[i] - row_times(&self.transition_matrix, i, previous))
     }
 
-    fn log_likelihood(&self, _time: usize, state: &[f64], measurement: &[f64]) -> f64 {
+    fn log_likelihood(&self, _step: &Step<'_>, state: &[f64], measurement: &[f64]) -> f64 {
         self.measurement_noise
             .log_density_of(|i| measurement[i] - row_times(&self.measurement_matrix, i, state))
     }
@@ -120,7 +120,7 @@ impl StateSpaceModel for LinearGaussian {
 
     fn sample_transitions(
         &self,
-        _time: usize,
+        _step: &Step<'_>,
         previous: Rows<'_>,
         streams: &mut [Stream],
         states: &mut [f64],
@@ -141,7 +141,7 @@ impl StateSpaceModel for LinearGaussian {
         self.initial.log_densities(states, out);
     }
 
-    fn log_transitions(&self, _time: usize, previous: Rows<'_>, states: &[f64], out: &mut [f64]) {
+    fn log_transitions(&self, _step: &Step<'_>, previous: Rows<'_>, states: &[f64], out: &mut [f64]) {
         let n = self.state_dim();
         with_scratch(2 * n * LANES, |scratch| {
             let (from, to) = scratch.split_at_mut(n * LANES);
@@ -154,7 +154,7 @@ impl StateSpaceModel for LinearGaussian {
         });
     }
 
-    fn log_likelihoods(&self, _time: usize, states: &[f64], measurement: &[f64], out: &mut [f64]) {
+    fn log_likelihoods(&self, _step: &Step<'_>, states: &[f64], measurement: &[f64], out: &mut [f64]) {
         let (n, m) = (self.state_dim(), self.measurement_dim());
         with_scratch((n + 2 * m) * LANES, |scratch| {
             let (tile, rest) = scratch.split_at_mut(n * LANES);
@@ -175,7 +175,7 @@ impl StateSpaceModel for LinearGaussian {
 impl PartialLikelihood for LinearGaussian {
     fn partial_log_likelihoods(
         &self,
-        _time: usize,
+        _step: &Step<'_>,
         states: &[f64],
         measurement: &[Option<f64>],
         out: &mut [f64],
@@ -204,7 +204,13 @@ impl PartialLikelihood for LinearGaussian {
 }
 
 impl Simulator for LinearGaussian {
-    fn sample_measurement(&self, _time: usize, state: &[f64], stream: &mut Stream, measurement: &mut [f64]) {
+    fn sample_measurement(
+        &self,
+        _step: &Step<'_>,
+        state: &[f64],
+        stream: &mut Stream,
+        measurement: &mut [f64],
+    ) {
         self.measurement_noise.sample_deviation(stream, measurement);
         for (i, value) in measurement.iter_mut().enumerate() {
             *value += row_times(&self.measurement_matrix, i, state);
@@ -222,7 +228,7 @@ impl StateGradients for LinearGaussian {
 
     fn transition_gradients(
         &self,
-        _time: usize,
+        _step: &Step<'_>,
         previous: &[f64],
         states: &[f64],
         d_previous: &mut [f64],
@@ -239,7 +245,13 @@ impl StateGradients for LinearGaussian {
         }
     }
 
-    fn likelihood_gradients(&self, _time: usize, states: &[f64], measurement: &[f64], d_states: &mut [f64]) {
+    fn likelihood_gradients(
+        &self,
+        _step: &Step<'_>,
+        states: &[f64],
+        measurement: &[f64],
+        d_states: &mut [f64],
+    ) {
         let n = self.state_dim();
         let mut d_measurement = vec![0.0; self.measurement_dim()];
         for (state, d_state) in states.chunks_exact(n).zip(d_states.chunks_exact_mut(n)) {
@@ -264,7 +276,7 @@ impl AdditiveGaussian for LinearGaussian {
         &self.initial
     }
 
-    fn transition_means(&self, _time: usize, previous: &[f64], means: &mut [f64]) {
+    fn transition_means(&self, _step: &Step<'_>, previous: &[f64], means: &mut [f64]) {
         let n = self.state_dim();
         with_scratch(2 * n * LANES, |scratch| {
             let (from, to) = scratch.split_at_mut(n * LANES);
@@ -276,7 +288,13 @@ impl AdditiveGaussian for LinearGaussian {
         });
     }
 
-    fn tile_transition_means(&self, _time: usize, previous: &[f64], _particles: usize, means: &mut [f64]) {
+    fn tile_transition_means(
+        &self,
+        _step: &Step<'_>,
+        previous: &[f64],
+        _particles: usize,
+        means: &mut [f64],
+    ) {
         self.transition_tiles.times(previous, means);
     }
 

@@ -4,7 +4,7 @@ use std::slice::from_mut;
 
 use crate::batch::{Rows, there_is_memory_for};
 use crate::equations::{Linearise, Transport};
-use crate::{ModelError, PartialLikelihood, Seed, Simulator, Stream, check_dimensions};
+use crate::{ModelError, PartialLikelihood, Seed, Simulator, Step, Stream, check_dimensions};
 
 /// A model that a proposal can be learned for: it draws its own steps, its noise can be transported, its measurements can be linearised and have gaps.
 ///
@@ -84,16 +84,17 @@ impl<'m, M: Simulator + ?Sized> OwnSteps<'m, M> {
     /// Draws the next time of all sequences that go on; none if no sequence is left.
     pub fn advance(&mut self) -> Option<OwnStep<'_>> {
         let (n, m) = (self.model.state_dim(), self.model.measurement_dim());
+        let step = Step::of_index(self.time);
         if self.time == 0 {
             self.model.sample_initials(from_mut(&mut self.stream), &mut self.states);
         } else {
             std::mem::swap(&mut self.previous, &mut self.states);
             self.states.resize(self.previous.len(), 0.0);
             let previous = Rows::all(&self.previous, n);
-            self.model.sample_transitions(self.time, previous, from_mut(&mut self.stream), &mut self.states);
+            self.model.sample_transitions(&step, previous, from_mut(&mut self.stream), &mut self.states);
         }
         let stream = from_mut(&mut self.stream);
-        self.model.sample_measurements(self.time, &self.states, stream, &mut self.measurements);
+        self.model.sample_measurements(&step, &self.states, stream, &mut self.measurements);
         let mut row = 0;
         while row * n < self.states.len() {
             let (state, measurement) = (&self.states[row * n..][..n], &self.measurements[row * m..][..m]);
@@ -144,11 +145,11 @@ mod tests {
             state.push(normal(0.0, 1e300));
         }
 
-        fn transition<S: Scalar>(&self, _: usize, x: &[S], state: &mut impl Coordinates<S>) {
+        fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
             state.push(normal(x[0] * 2.0, 1.0));
         }
 
-        fn measurement<S: Scalar>(&self, _: usize, x: &[S], measurement: &mut impl Coordinates<S>) {
+        fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], measurement: &mut impl Coordinates<S>) {
             measurement.push(normal(x[0], 1.0));
         }
     }

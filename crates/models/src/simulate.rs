@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use crate::batch::there_is_memory_for;
-use crate::{Measurements, ModelError, Seed, Sequence, Simulator, Stream, check_dimensions};
+use crate::{Measurements, ModelError, Seed, Sequence, Simulator, Step, Stream, check_dimensions};
 
 /// A simulated run of a system: the hidden truth and what was measured of it.
 ///
@@ -57,14 +57,15 @@ pub fn simulate_while(
         if time % ASKS_EVERY == ASKS_EVERY - 1 && proceed().is_break() {
             return Ok(None);
         }
+        let step = Step::of_index(time);
         let (past, rest) = states.split_at_mut(time * n);
         let state = &mut rest[..n];
         match time {
             0 => model.sample_initial(stream, state),
-            _ => model.sample_transition(time, &past[(time - 1) * n..], stream, state),
+            _ => model.sample_transition(&step, &past[(time - 1) * n..], stream, state),
         }
         let measurement = &mut measurements[time * m..(time + 1) * m];
-        model.sample_measurement(time, state, stream, measurement);
+        model.sample_measurement(&step, state, stream, measurement);
         if !state.iter().chain(measurement.iter()).all(|value| value.is_finite()) {
             let reason = format!("state {state:?}, measurement {measurement:?}");
             return Err(ModelError::Numerical { computation: "simulating the system", time, reason });

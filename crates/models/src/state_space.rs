@@ -3,12 +3,12 @@
 use faer::MatRef;
 
 use crate::batch::{Rows, load, particles_by_stream, store, with_scratch};
-use crate::{Gaussian, ModelError, Stream};
+use crate::{Gaussian, ModelError, Step, Stream};
 
 /// A hidden Markov model on ℝᴺ, measured in ℝᴹ: `p(x_0)`, `p(x_t | x_{t−1})`, `p(y_t | x_t)`.
 ///
-/// Densities are logarithmic and normalised; −∞ says that a point lies outside the support. `time` is the `t` of the state
-/// that is drawn or weighed. A transition therefore has `time ≥ 1`.
+/// Densities are logarithmic and normalised; −∞ says that a point lies outside the support. The step is the one to the state
+/// that is drawn or weighed. A transition therefore has an index of 1 at least.
 ///
 /// The plural methods do the same for a batch of `K` particles, row-major `K×N`. Their default is a loop. A model overrides
 /// them where a batch is cheaper than its rows.
@@ -23,16 +23,16 @@ pub trait StateSpaceModel: Sync {
     fn sample_initial(&self, stream: &mut Stream, state: &mut [f64]);
 
     /// Draws `x_t ~ p(x_t | x_{t−1})` into `state` (`N`), given `previous` (`N`).
-    fn sample_transition(&self, time: usize, previous: &[f64], stream: &mut Stream, state: &mut [f64]);
+    fn sample_transition(&self, step: &Step<'_>, previous: &[f64], stream: &mut Stream, state: &mut [f64]);
 
     /// `log p(x_0)` at `state` (`N`).
     fn log_initial(&self, state: &[f64]) -> f64;
 
     /// `log p(x_t | x_{t−1})` at `state` (`N`), given `previous` (`N`).
-    fn log_transition(&self, time: usize, previous: &[f64], state: &[f64]) -> f64;
+    fn log_transition(&self, step: &Step<'_>, previous: &[f64], state: &[f64]) -> f64;
 
     /// `log p(y_t | x_t)` of `measurement` (`M`) at `state` (`N`).
-    fn log_likelihood(&self, time: usize, state: &[f64], measurement: &[f64]) -> f64;
+    fn log_likelihood(&self, step: &Step<'_>, state: &[f64], measurement: &[f64]) -> f64;
 
     /// [`StateSpaceModel::sample_initial`] for each of `K` rows; the rows are split evenly over `streams`, in order.
     ///
@@ -58,7 +58,7 @@ pub trait StateSpaceModel: Sync {
     /// If `K` is not a multiple of the number of streams.
     fn sample_transitions(
         &self,
-        time: usize,
+        step: &Step<'_>,
         previous: Rows<'_>,
         streams: &mut [Stream],
         states: &mut [f64],
@@ -68,7 +68,7 @@ pub trait StateSpaceModel: Sync {
         let mut row = 0;
         for (stream, states) in particles_by_stream(streams, states, width, particles) {
             for state in states.chunks_exact_mut(width) {
-                self.sample_transition(time, previous.row(row), stream, state);
+                self.sample_transition(step, previous.row(row), stream, state);
                 row += 1;
             }
         }
@@ -76,7 +76,7 @@ pub trait StateSpaceModel: Sync {
 
     /// Says that these particles (`K×N`) will be asked for next, a tile at a time: a model whose answers cost less together may find them now. No answer is
     /// another for it.
-    fn foresee(&self, _time: usize, _previous: Rows<'_>) {}
+    fn foresee(&self, _step: &Step<'_>, _previous: Rows<'_>) {}
 
     /// This model as one that draws and weighs in one pass, if it has such a form.
     fn propagator(&self) -> Option<&dyn Propagator> {
@@ -91,16 +91,16 @@ pub trait StateSpaceModel: Sync {
     }
 
     /// [`StateSpaceModel::log_transition`] of each of `K` rows, whose previous states may be picked from others, into `out` (`K`).
-    fn log_transitions(&self, time: usize, previous: Rows<'_>, states: &[f64], out: &mut [f64]) {
+    fn log_transitions(&self, step: &Step<'_>, previous: Rows<'_>, states: &[f64], out: &mut [f64]) {
         for (row, (state, out)) in states.chunks_exact(self.state_dim()).zip(out).enumerate() {
-            *out = self.log_transition(time, previous.row(row), state);
+            *out = self.log_transition(step, previous.row(row), state);
         }
     }
 
     /// [`StateSpaceModel::log_likelihood`] of one measurement at each of `K` rows, into `out` (`K`).
-    fn log_likelihoods(&self, time: usize, states: &[f64], measurement: &[f64], out: &mut [f64]) {
+    fn log_likelihoods(&self, step: &Step<'_>, states: &[f64], measurement: &[f64], out: &mut [f64]) {
         for (state, out) in states.chunks_exact(self.state_dim()).zip(out) {
-            *out = self.log_likelihood(time, state, measurement);
+            *out = self.log_likelihood(step, state, measurement);
         }
     }
 }
@@ -117,7 +117,7 @@ pub trait Propagator: Sync {
     /// If `K` is not a multiple of the number of streams.
     fn propagate(
         &self,
-        time: usize,
+        step: &Step<'_>,
         previous: Rows<'_>,
         measurement: &[f64],
         streams: &mut [Stream],
@@ -146,7 +146,13 @@ pub fn check_dimensions(model: &(impl StateSpaceModel + ?Sized)) -> Result<(), M
 /// A model that can also draw measurements, and so simulate itself.
 pub trait Simulator: StateSpaceModel {
     /// Draws `y_t ~ p(y_t | x_t)` into `measurement` (`M`), given `state` (`N`).
-    fn sample_measurement(&self, time: usize, state: &[f64], stream: &mut Stream, measurement: &mut [f64]);
+    fn sample_measurement(
+        &self,
+        step: &Step<'_>,
+        state: &[f64],
+        stream: &mut Stream,
+        measurement: &mut [f64],
+    );
 
     /// [`Simulator::sample_measurement`] for each of `K` rows of `states` (`K×N`) into `out` (`K×M`); the rows are split evenly over `streams`, in order.
     ///
@@ -155,13 +161,13 @@ pub trait Simulator: StateSpaceModel {
     ///
     /// # Panics
     /// If `K` is not a multiple of the number of streams.
-    fn sample_measurements(&self, time: usize, states: &[f64], streams: &mut [Stream], out: &mut [f64]) {
+    fn sample_measurements(&self, step: &Step<'_>, states: &[f64], streams: &mut [Stream], out: &mut [f64]) {
         let (n, m) = (self.state_dim(), self.measurement_dim());
         let particles = states.len() / n;
         let mut states = states.chunks_exact(n);
         for (stream, out) in particles_by_stream(streams, out, m, particles) {
             for (measurement, state) in out.chunks_exact_mut(m).zip(&mut states) {
-                self.sample_measurement(time, state, stream, measurement);
+                self.sample_measurement(step, state, stream, measurement);
             }
         }
     }
@@ -177,7 +183,7 @@ pub trait PartialLikelihood: StateSpaceModel {
     /// [`ModelError`] if the marginal density cannot be had in floating point.
     fn partial_log_likelihoods(
         &self,
-        time: usize,
+        step: &Step<'_>,
         states: &[f64],
         measurement: &[Option<f64>],
         out: &mut [f64],
@@ -199,7 +205,7 @@ pub trait StateGradients: StateSpaceModel {
     /// `∂ log p(x_t | x_{t−1}) / ∂x_{t−1}` and `/ ∂x_t` for each row (`K×N` each).
     fn transition_gradients(
         &self,
-        time: usize,
+        step: &Step<'_>,
         previous: &[f64],
         states: &[f64],
         d_previous: &mut [f64],
@@ -207,7 +213,13 @@ pub trait StateGradients: StateSpaceModel {
     );
 
     /// `∂ log p(y_t | x_t) / ∂x_t` for each row (`K×N`).
-    fn likelihood_gradients(&self, time: usize, states: &[f64], measurement: &[f64], d_states: &mut [f64]);
+    fn likelihood_gradients(
+        &self,
+        step: &Step<'_>,
+        states: &[f64],
+        measurement: &[f64],
+        d_states: &mut [f64],
+    );
 }
 
 /// Second-order knowledge of a system `x_t = f(x_{t−1}) + v_t`, `y_t = C x_t + w_t`: what the
@@ -224,15 +236,15 @@ pub trait AdditiveGaussian: StateSpaceModel {
     fn initial(&self) -> &Gaussian;
 
     /// `f(x_{t−1})` for each row of `previous` (`K×N`), into `means` (`K×N`).
-    fn transition_means(&self, time: usize, previous: &[f64], means: &mut [f64]);
+    fn transition_means(&self, step: &Step<'_>, previous: &[f64], means: &mut [f64]);
 
     /// `f(x_{t−1})` for each of the first `particles` lanes of a tile of states (`N × LANES`, see [`crate::batch`]), into the tile `means`.
-    fn tile_transition_means(&self, time: usize, previous: &[f64], particles: usize, means: &mut [f64]) {
+    fn tile_transition_means(&self, step: &Step<'_>, previous: &[f64], particles: usize, means: &mut [f64]) {
         let n = self.state_dim();
         with_scratch(2 * particles * n, |rows| {
             let (from, to) = rows.split_at_mut(particles * n);
             store(previous, n, from);
-            self.transition_means(time, from, to);
+            self.transition_means(step, from, to);
             load(to, n, means);
         });
     }

@@ -6,7 +6,7 @@ use motes_models::equations::{
     Scalar, Transport, laplace, log_normal, normal, poisson, student_t,
 };
 use motes_models::{
-    ModelShape, OwnModel, OwnSteps, Seed, StateGradients, StateSpaceModel, SystemGraph, simulate,
+    ModelShape, OwnModel, OwnSteps, Seed, StateGradients, StateSpaceModel, Step, SystemGraph, simulate,
 };
 
 /// Three kinds of states, two of measurements; one of them has its scale from a state.
@@ -24,13 +24,13 @@ impl Equations for Mixed {
         x.push(log_normal(S::from(0.0), S::from(0.3)));
     }
 
-    fn transition<S: Scalar>(&self, time: usize, before: &[S], x: &mut impl Coordinates<S>) {
+    fn transition<S: Scalar>(&self, step: &Step<'_, S>, before: &[S], x: &mut impl Coordinates<S>) {
         x.push(normal(before[0].sin() + before[1] * 0.5, (before[2] * 0.1).exp()));
-        x.push(laplace(before[1] * 0.9, S::from(0.3)).shifted(S::from(0.1 * time as f64)));
+        x.push(laplace(before[1] * 0.9, S::from(0.3)).shifted(S::from(0.1 * step.time)));
         x.push(log_normal(before[2].ln() * 0.8, S::from(0.2)).scaled(before[1].cos() * 0.1 + 1.0));
     }
 
-    fn measurement<S: Scalar>(&self, _: usize, x: &[S], y: &mut impl Coordinates<S>) {
+    fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
         y.push(poisson((x[0] * 0.3).exp() + x[2]));
         y.push(student_t(S::from(4.0), x[1] * x[0], S::from(0.5)));
     }
@@ -102,19 +102,19 @@ impl BatchEquations for InColumns {
         Some(columns(&[row]))
     }
 
-    fn transition(&self, time: usize, previous: &[f64], _: bool) -> Option<Vec<BatchDistribution>> {
+    fn transition(&self, step: &Step<'_>, previous: &[f64], _: bool) -> Option<Vec<BatchDistribution>> {
         let of_row = |row: &[f64]| {
             let mut found = Row::default();
-            Mixed.transition(time, &point(row), &mut found);
+            step.lift(|step| Mixed.transition(step, &point(row), &mut found));
             found
         };
         Some(columns(&previous.chunks_exact(3).map(of_row).collect::<Vec<_>>()))
     }
 
-    fn measurement(&self, time: usize, states: &[f64], _: bool) -> Option<Vec<BatchDistribution>> {
+    fn measurement(&self, step: &Step<'_>, states: &[f64], _: bool) -> Option<Vec<BatchDistribution>> {
         let of_row = |row: &[f64]| {
             let mut found = Row::default();
-            Mixed.measurement(time, &point(row), &mut found);
+            step.lift(|step| Mixed.measurement(step, &point(row), &mut found));
             found
         };
         Some(columns(&states.chunks_exact(3).map(of_row).collect::<Vec<_>>()))
@@ -157,14 +157,16 @@ fn draws_and_densities_are_the_same_to_the_last_bit() {
             let [mut drawn, mut later] = [vec![0.0; 3 * particles], vec![0.0; 3 * particles]];
             let mut counted = vec![0.0; 2 * particles];
             model.sample_initials(&mut streams, &mut drawn);
-            model.sample_transitions(1, rows, &mut streams, &mut later);
-            model.sample_measurements(1, &later, &mut streams, &mut counted);
+            model.sample_transitions(&Step::of_index(1), rows, &mut streams, &mut later);
+            model.sample_measurements(&Step::of_index(1), &later, &mut streams, &mut counted);
             let mut densities = vec![vec![0.0; particles]; 5];
             model.log_initials(&states, &mut densities[0]);
-            model.log_transitions(1, rows, &states, &mut densities[1]);
-            model.log_likelihoods(1, &states, &measurements[..2], &mut densities[2]);
-            model.partial_log_likelihoods(1, &states, &[None, Some(0.4)], &mut densities[3]).unwrap();
-            densities[4][0] = model.log_transition(1, &previous[..3], &states[..3]);
+            model.log_transitions(&Step::of_index(1), rows, &states, &mut densities[1]);
+            model.log_likelihoods(&Step::of_index(1), &states, &measurements[..2], &mut densities[2]);
+            model
+                .partial_log_likelihoods(&Step::of_index(1), &states, &[None, Some(0.4)], &mut densities[3])
+                .unwrap();
+            densities[4][0] = model.log_transition(&Step::of_index(1), &previous[..3], &states[..3]);
             bits(&[drawn, later, counted, densities.concat()].concat())
         };
         assert_eq!(of(&model), of(&Mixed), "{particles} particles");
@@ -180,7 +182,7 @@ fn of_tiles(model: &dyn AllOfIt, previous: &[f64], states: &[f64], is_foreseen: 
     let particles = previous.len() / 3;
     let rows = Rows::all(previous, 3);
     if is_foreseen {
-        model.foresee(1, rows);
+        model.foresee(&Step::of_index(1), rows);
     }
     let (mut exact, mut rounded) = (Vec::new(), Vec::new());
     let measurement = [Some(Lanes::from(2.0)), Some(Lanes::from(0.4))];
@@ -193,23 +195,30 @@ fn of_tiles(model: &dyn AllOfIt, previous: &[f64], states: &[f64], is_foreseen: 
         };
         let mut two = [vec![0.0; 3 * LANES], vec![0.0; 3 * LANES]];
         let [a, b] = &mut two;
-        model.tile_moments(1, Some(&before), a, b);
+        model.tile_moments(&Step::of_index(1), Some(&before), a, b);
         keep(&mut exact, &[a.as_slice(), b].concat());
-        model.tile_centres(1, Some(&before), a, b);
+        model.tile_centres(&Step::of_index(1), Some(&before), a, b);
         keep(&mut exact, &[a.as_slice(), b].concat());
         let centres = a.clone();
         let (mut slopes, mut information, mut jacobian) =
             (vec![0.0; 2 * LANES], vec![0.0; 2 * LANES], vec![0.0; 6 * LANES]);
-        model.tile_scores(1, &centres, &measurement, &mut slopes, &mut information, &mut jacobian);
+        model.tile_scores(
+            &Step::of_index(1),
+            &centres,
+            &measurement,
+            &mut slopes,
+            &mut information,
+            &mut jacobian,
+        );
         keep(&mut exact, &slopes);
         keep(&mut exact, &information);
         keep(&mut rounded, &jacobian);
         let mut values = vec![0.0; 3 * LANES];
         Rows::all(states, 3).load(first, &mut values);
         let mut log_slope = [0.0; LANES];
-        model.tile_to_normal(1, Some(&before), &mut values, &mut log_slope);
+        model.tile_to_normal(&Step::of_index(1), Some(&before), &mut values, &mut log_slope);
         keep(&mut exact, &[values.as_slice(), &log_slope].concat());
-        model.tile_from_normal(1, Some(&before), &mut values, &mut log_slope);
+        model.tile_from_normal(&Step::of_index(1), Some(&before), &mut values, &mut log_slope);
         keep(&mut exact, &[values.as_slice(), &log_slope].concat());
     }
     [exact, rounded]
@@ -238,9 +247,9 @@ fn an_answer_for_some_particles_is_none_for_others() {
         let model = batched(has_slopes);
         // The first tile of the other block begins with the last particle of this one.
         let last = previous.len() - 3;
-        model.foresee(1, Rows::all(&previous[..33 * 3], 3));
+        model.foresee(&Step::of_index(1), Rows::all(&previous[..33 * 3], 3));
         let mut out = [0.0];
-        model.log_likelihoods(1, &states[last..], &[2.0, 0.4], &mut out);
+        model.log_likelihoods(&Step::of_index(1), &states[last..], &[2.0, 0.4], &mut out);
         let mut other = previous[96..].to_vec();
         let mut others = states.clone();
         others[..3].copy_from_slice(&states[last..]);
@@ -257,10 +266,17 @@ fn an_answer_for_some_particles_is_none_for_others() {
         let (mut slopes, mut information, mut jacobian) =
             (vec![0.0; 2 * LANES], vec![0.0; 2 * LANES], vec![0.0; 6 * LANES]);
         let measurement = [Some(Lanes::from(2.0)), None];
-        model.tile_scores(0, &tile, &measurement, &mut slopes, &mut information, &mut jacobian);
+        model.tile_scores(
+            &Step::of_index(0),
+            &tile,
+            &measurement,
+            &mut slopes,
+            &mut information,
+            &mut jacobian,
+        );
         [slopes, information].concat()
     };
-    model.log_likelihood(0, &states[..3], &[2.0, 0.4]);
+    model.log_likelihood(&Step::of_index(0), &states[..3], &[2.0, 0.4]);
     assert_eq!(bits(&scores(&model)), bits(&scores(&Mixed)));
     assert_eq!(bits(&scores(&model)), bits(&scores(&Mixed)), "asked again");
 }
@@ -279,8 +295,8 @@ fn gradients_follow_from_derivatives_of_parameters() {
         let mut found = vec![vec![0.0; states.len()]; 4];
         let [initial, before, now, likelihood] = &mut found[..] else { panic!("there are four") };
         model.initial_gradients(&states, initial);
-        model.transition_gradients(1, &previous, &states, before, now);
-        model.likelihood_gradients(1, &states, &measurements[..2], likelihood);
+        model.transition_gradients(&Step::of_index(1), &previous, &states, before, now);
+        model.likelihood_gradients(&Step::of_index(1), &states, &measurements[..2], likelihood);
         found.concat()
     };
     near(&of(&batched(true)), &of(&Mixed));
@@ -309,11 +325,11 @@ impl BatchEquations for Nothing {
         None
     }
 
-    fn transition(&self, _: usize, _: &[f64], _: bool) -> Option<Vec<BatchDistribution>> {
+    fn transition(&self, _: &Step<'_>, _: &[f64], _: bool) -> Option<Vec<BatchDistribution>> {
         None
     }
 
-    fn measurement(&self, _: usize, _: &[f64], _: bool) -> Option<Vec<BatchDistribution>> {
+    fn measurement(&self, _: &Step<'_>, _: &[f64], _: bool) -> Option<Vec<BatchDistribution>> {
         Some(Vec::new())
     }
 }
@@ -324,9 +340,9 @@ fn what_is_not_found_or_ragged_is_not_a_number() {
     let mut state = [0.0];
     model.sample_initial(&mut Seed::from_u64(1).stream(), &mut state);
     assert!(state[0].is_nan());
-    assert!(model.log_transition(1, &[0.0], &[0.0]).is_nan());
-    assert!(model.log_likelihood(0, &[0.0], &[0.0]).is_nan());
+    assert!(model.log_transition(&Step::of_index(1), &[0.0], &[0.0]).is_nan());
+    assert!(model.log_likelihood(&Step::of_index(0), &[0.0], &[0.0]).is_nan());
     let mut tile = [0.0; LANES];
-    model.tile_from_normal(1, Some(&[0.0; LANES]), &mut tile, &mut [0.0; LANES]);
+    model.tile_from_normal(&Step::of_index(1), Some(&[0.0; LANES]), &mut tile, &mut [0.0; LANES]);
     assert!(tile.iter().all(|value| value.is_nan()));
 }

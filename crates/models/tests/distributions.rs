@@ -4,7 +4,7 @@ use motes_models::equations::{
     Coordinates, Distribution, Dual, Equations, Scalar, bernoulli, binomial, exponential, gamma, laplace,
     log_normal, negative_binomial, normal, poisson, student_t, uniform,
 };
-use motes_models::{Seed, StateSpaceModel};
+use motes_models::{Seed, StateSpaceModel, Step};
 
 /// A distribution by two parameters, with parameters to try and numbers that hold almost all of its probability.
 struct Case {
@@ -80,11 +80,11 @@ impl Equations for Only {
         state.push(spread((self.0)(self.1)));
     }
 
-    fn transition<S: Scalar>(&self, _: usize, _: &[S], state: &mut impl Coordinates<S>) {
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, _: &[S], state: &mut impl Coordinates<S>) {
         self.initial(state);
     }
 
-    fn measurement<S: Scalar>(&self, _: usize, _: &[S], measurement: &mut impl Coordinates<S>) {
+    fn measurement<S: Scalar>(&self, _: &Step<'_, S>, _: &[S], measurement: &mut impl Coordinates<S>) {
         self.initial(measurement);
     }
 }

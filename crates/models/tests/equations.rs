@@ -6,7 +6,7 @@ use motes_models::equations::{
     negative_binomial, normal, poisson, student_t, uniform,
 };
 use motes_models::{
-    LinearGaussian, PartialLikelihood, Seed, Simulator, StateGradients, StateSpaceModel, Stream,
+    LinearGaussian, PartialLikelihood, Seed, Simulator, StateGradients, StateSpaceModel, Step, Stream,
     check_gradients, simulate,
 };
 
@@ -23,12 +23,12 @@ impl Equations for Mixed {
         state.push(gamma(3.0, 0.5));
     }
 
-    fn transition<S: Scalar>(&self, time: usize, x: &[S], state: &mut impl Coordinates<S>) {
-        state.push(student_t(5.0, x[0].sin() + x[1] * 0.3 + (time as f64).cos(), 0.7));
+    fn transition<S: Scalar>(&self, step: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
+        state.push(student_t(5.0, x[0].sin() + x[1] * 0.3 + (step.time).cos(), 0.7));
         state.push(log_normal(x[0].tanh() * 0.2 + x[1].ln() * 0.8, 0.4));
     }
 
-    fn measurement<S: Scalar>(&self, _: usize, x: &[S], y: &mut impl Coordinates<S>) {
+    fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
         y.push(laplace(x[0] * x[1], x[1].sqrt()));
         y.push(poisson(x[0].exp()));
         y.push(negative_binomial(x[1], 2.5));
@@ -52,20 +52,27 @@ fn a_batch_has_the_densities_and_gradients_of_its_rows() {
     let count = 77;
     let (mut before, mut now) = (vec![0.0; 2 * count], vec![0.0; 2 * count]);
     Mixed.sample_initials(&mut [seed.child("before").stream()], &mut before);
-    Mixed.sample_transitions(1, Rows::all(&before, 2), &mut [seed.child("now").stream()], &mut now);
+    Mixed.sample_transitions(
+        &Step::of_index(1),
+        Rows::all(&before, 2),
+        &mut [seed.child("now").stream()],
+        &mut now,
+    );
     let y = data.measurements.row(1);
     let mut batch = vec![0.0; count];
     let row = |all: &[f64], k: usize| all[2 * k..2 * k + 2].to_vec();
     Mixed.log_initials(&before, &mut batch);
     (0..count).for_each(|k| assert_eq!(batch[k], Mixed.log_initial(&row(&before, k))));
-    Mixed.log_transitions(1, Rows::all(&before, 2), &now, &mut batch);
-    (0..count).for_each(|k| assert_eq!(batch[k], Mixed.log_transition(1, &row(&before, k), &row(&now, k))));
-    Mixed.log_likelihoods(1, &now, y, &mut batch);
-    (0..count).for_each(|k| assert_eq!(batch[k], Mixed.log_likelihood(1, &row(&now, k), y)));
+    Mixed.log_transitions(&Step::of_index(1), Rows::all(&before, 2), &now, &mut batch);
+    (0..count).for_each(|k| {
+        assert_eq!(batch[k], Mixed.log_transition(&Step::of_index(1), &row(&before, k), &row(&now, k)))
+    });
+    Mixed.log_likelihoods(&Step::of_index(1), &now, y, &mut batch);
+    (0..count).for_each(|k| assert_eq!(batch[k], Mixed.log_likelihood(&Step::of_index(1), &row(&now, k), y)));
     let (mut all, mut one) = (vec![0.0; 2 * count], vec![0.0; 2]);
-    Mixed.likelihood_gradients(1, &now, y, &mut all);
+    Mixed.likelihood_gradients(&Step::of_index(1), &now, y, &mut all);
     for k in 0..count {
-        Mixed.likelihood_gradients(1, &row(&now, k), y, &mut one);
+        Mixed.likelihood_gradients(&Step::of_index(1), &row(&now, k), y, &mut one);
         assert_eq!(row(&all, k), one);
     }
 }
@@ -77,7 +84,7 @@ fn a_stream_draws_the_same_beside_others() {
         let draw = |streams: &mut [Stream]| {
             let mut states = vec![0.0; 2 * streams.len() * each];
             let previous = Rows::all(&previous[..states.len()], 2);
-            Mixed.sample_transitions(2, previous, streams, &mut states);
+            Mixed.sample_transitions(&Step::of_index(2), previous, streams, &mut states);
             states
         };
         let all = draw(&mut Seed::from_u64(5).streams(4));
@@ -95,11 +102,11 @@ fn missing_entries_integrate_to_one() {
     let whole = data.measurements.row(0);
     let weigh = |measurement: &[Option<f64>]| {
         let mut out = [0.0];
-        Mixed.partial_log_likelihoods(0, &state, measurement, &mut out).unwrap();
+        Mixed.partial_log_likelihoods(&Step::of_index(0), &state, measurement, &mut out).unwrap();
         out[0]
     };
     let all: Vec<Option<f64>> = whole.iter().copied().map(Some).collect();
-    assert_eq!(weigh(&all), Mixed.log_likelihood(0, &state, whole));
+    assert_eq!(weigh(&all), Mixed.log_likelihood(&Step::of_index(0), &state, whole));
     assert_eq!(weigh(&[None; 6]), 0.0);
     // The marginal is the integral, or the sum, over the entry that is missing.
     for (missing, points, step) in
@@ -111,7 +118,7 @@ fn missing_entries_integrate_to_one() {
         let sum: f64 = points
             .map(|i| {
                 filled[missing] = f64::from(i) * step;
-                Mixed.log_likelihood(0, &state, &filled).exp() * step
+                Mixed.log_likelihood(&Step::of_index(0), &state, &filled).exp() * step
             })
             .sum();
         assert!(
@@ -138,13 +145,13 @@ impl Equations for Stated {
         state.push(normal(0.0, 5.0_f64.sqrt()));
     }
 
-    fn transition<S: Scalar>(&self, time: usize, x: &[S], state: &mut impl Coordinates<S>) {
+    fn transition<S: Scalar>(&self, step: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
         let x = x[0];
-        let drift = x / 2.0 + x * 25.0 / (x * x + 1.0) + 8.0 * (1.2 * time as f64).cos();
+        let drift = x / 2.0 + x * 25.0 / (x * x + 1.0) + 8.0 * (1.2 * step.time).cos();
         state.push(normal(drift, 10.0_f64.sqrt()));
     }
 
-    fn measurement<S: Scalar>(&self, _: usize, x: &[S], y: &mut impl Coordinates<S>) {
+    fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
         y.push(normal(x[0] * x[0] / 20.0, 1.0));
     }
 }
@@ -167,10 +174,16 @@ fn what_is_stated_is_what_would_be_written_by_hand() {
     for time in 0..50 {
         let (x, y) = (data.states.row(time), data.measurements.row(time));
         near(Stated.log_initial(x), ByHand::log_normal(x[0], 0.0, 5.0));
-        near(Stated.log_likelihood(time, x, y), ByHand::log_normal(y[0], x[0] * x[0] / 20.0, 1.0));
+        near(
+            Stated.log_likelihood(&Step::of_index(time), x, y),
+            ByHand::log_normal(y[0], x[0] * x[0] / 20.0, 1.0),
+        );
         if time > 0 {
             let before = data.states.row(time - 1);
-            near(Stated.log_transition(time, before, x), ByHand::log_transition(time, before[0], x[0]));
+            near(
+                Stated.log_transition(&Step::of_index(time), before, x),
+                ByHand::log_transition(time, before[0], x[0]),
+            );
         }
     }
 }
@@ -187,11 +200,11 @@ impl Equations for Ragged {
         (0..self.0).for_each(|_| state.push(uniform(0.0, 1.0)));
     }
 
-    fn transition<S: Scalar>(&self, _: usize, _: &[S], state: &mut impl Coordinates<S>) {
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, _: &[S], state: &mut impl Coordinates<S>) {
         self.initial(state);
     }
 
-    fn measurement<S: Scalar>(&self, _: usize, _: &[S], y: &mut impl Coordinates<S>) {
+    fn measurement<S: Scalar>(&self, _: &Step<'_, S>, _: &[S], y: &mut impl Coordinates<S>) {
         self.initial(y);
     }
 }
@@ -201,10 +214,10 @@ fn another_number_of_coordinates_than_there_are_is_nan() {
     for stated in [0, 1, 3] {
         let (model, mut state) = (Ragged(stated), [0.5; 2]);
         assert!(model.log_initial(&state).is_nan());
-        assert!(model.log_transition(1, &[0.5; 2], &state).is_nan());
-        assert!(model.log_likelihood(1, &[0.5; 2], &state).is_nan());
+        assert!(model.log_transition(&Step::of_index(1), &[0.5; 2], &state).is_nan());
+        assert!(model.log_likelihood(&Step::of_index(1), &[0.5; 2], &state).is_nan());
         let mut out = [0.0];
-        model.partial_log_likelihoods(0, &[0.5; 2], &[Some(0.5), None], &mut out).unwrap();
+        model.partial_log_likelihoods(&Step::of_index(0), &[0.5; 2], &[Some(0.5), None], &mut out).unwrap();
         assert!(out[0].is_nan());
         model.sample_initial(&mut Seed::from_u64(1).stream(), &mut state);
         assert!(state.iter().all(|x| x.is_nan()));
@@ -217,18 +230,25 @@ fn a_linear_model_is_its_own_linearisation() {
     const LANES: usize = motes_models::batch::LANES;
     let states: Vec<f64> = (0..LANES).map(|lane| 0.2 * lane as f64 - 3.0).collect();
     let (mut slopes, mut information, mut jacobian) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
-    Stated.tile_scores(1, &states, &[Some(Lanes::from(2.0))], &mut slopes, &mut information, &mut jacobian);
+    Stated.tile_scores(
+        &Step::of_index(1),
+        &states,
+        &[Some(Lanes::from(2.0))],
+        &mut slopes,
+        &mut information,
+        &mut jacobian,
+    );
     for lane in 0..LANES {
         let x = states[lane];
         assert!((jacobian[lane] - x / 10.0).abs() < 1e-15 && information[lane] == 1.0);
         assert!((slopes[lane] - (2.0 - x * x / 20.0)).abs() < 1e-14);
     }
     let (mut means, mut variances) = ([0.0; LANES], [0.0; LANES]);
-    Stated.tile_moments(3, Some(&states), &mut means, &mut variances);
+    Stated.tile_moments(&Step::of_index(3), Some(&states), &mut means, &mut variances);
     let x = states[5];
     let drift = x / 2.0 + 25.0 * x / (1.0 + x * x) + 8.0 * (1.2_f64 * 3.0).cos();
     assert!((means[5] - drift).abs() < 1e-14 && (variances[5] - 10.0).abs() < 1e-14);
-    Stated.tile_scores(1, &states, &[None], &mut slopes, &mut information, &mut jacobian);
+    Stated.tile_scores(&Step::of_index(1), &states, &[None], &mut slopes, &mut information, &mut jacobian);
     assert_eq!([slopes[0], information[0], jacobian[0]], [0.0; 3]);
 }
 

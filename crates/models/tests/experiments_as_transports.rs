@@ -4,7 +4,7 @@ use motes_models::batch::LANES;
 use motes_models::equations::{Lanes, Linearise, Transport};
 use motes_models::{
     Drift, Epidemic, EpidemicConfig, GraphDiffusion, GraphDiffusionConfig, Noise, Seed, Simulator,
-    StateSpaceModel, fill_standard_normal,
+    StateSpaceModel, Step, fill_standard_normal,
 };
 
 const NOISES: [Noise; 3] = [Noise::Gaussian, Noise::Exponential, Noise::Uniform];
@@ -43,12 +43,12 @@ fn transports_the_transition(model: &impl Transport) {
         let mut noise = vec![0.0; n * LANES];
         fill_standard_normal(&mut Seed::from_u64(8).stream(), &mut noise);
         let (mut states, mut log_slopes) = (noise.clone(), [0.0; LANES]);
-        model.tile_from_normal(1, previous, &mut states, &mut log_slopes);
+        model.tile_from_normal(&Step::of_index(1), previous, &mut states, &mut log_slopes);
         for (at, log_slope) in log_slopes.iter().enumerate() {
             let state = lane(&states, at);
             let expected = match previous {
                 None => model.log_initial(&state),
-                Some(previous) => model.log_transition(1, &lane(previous, at), &state),
+                Some(previous) => model.log_transition(&Step::of_index(1), &lane(previous, at), &state),
             };
             let normal: f64 =
                 lane(&noise, at).iter().map(|v| -0.5 * v * v - 0.5 * motes_models::LN_2PI).sum();
@@ -56,14 +56,14 @@ fn transports_the_transition(model: &impl Transport) {
             assert!((found - expected).abs() < 1e-9 * (1.0 + expected.abs()), "{found} for {expected}");
         }
         let mut back = states.clone();
-        model.tile_to_normal(1, previous, &mut back, &mut log_slopes);
+        model.tile_to_normal(&Step::of_index(1), previous, &mut back, &mut log_slopes);
         for (found, expected) in back.iter().zip(&noise) {
             assert!((found - expected).abs() < 1e-6, "{found} for {expected}");
         }
         let (mut centres, mut slopes) = (vec![0.0; n * LANES], vec![0.0; n * LANES]);
-        model.tile_centres(1, previous, &mut centres, &mut slopes);
+        model.tile_centres(&Step::of_index(1), previous, &mut centres, &mut slopes);
         let mut medians = vec![0.0; n * LANES];
-        model.tile_from_normal(1, previous, &mut medians, &mut log_slopes);
+        model.tile_from_normal(&Step::of_index(1), previous, &mut medians, &mut log_slopes);
         assert_eq!(centres, medians, "medians are what no noise leads to");
         let product: f64 = lane(&slopes, 2).iter().map(|slope| slope.ln()).sum();
         assert!((product - log_slopes[2]).abs() < 1e-9);
@@ -75,13 +75,13 @@ fn moments_and_scores(model: &(impl Linearise + Simulator), is_gaussian: bool) {
     let (n, m) = (model.state_dim(), model.measurement_dim());
     let previous = likely(model);
     let (mut means, mut variances) = (vec![0.0; n * LANES], vec![0.0; n * LANES]);
-    model.tile_moments(1, Some(&previous), &mut means, &mut variances);
+    model.tile_moments(&Step::of_index(1), Some(&previous), &mut means, &mut variances);
     let (mut stream, mut state) = (Seed::from_u64(6).stream(), vec![0.0; n]);
     let count = 20_000;
     let mut sums = vec![[0.0; 2]; n];
     let from = lane(&previous, 4);
     for _ in 0..count {
-        model.sample_transition(1, &from, &mut stream, &mut state);
+        model.sample_transition(&Step::of_index(1), &from, &mut stream, &mut state);
         for ((sum, x), mean) in sums.iter_mut().zip(&state).zip(lane(&means, 4)) {
             sum[0] += (x - mean) / f64::from(count);
             sum[1] += (x - mean).powi(2) / f64::from(count);
@@ -95,11 +95,11 @@ fn moments_and_scores(model: &(impl Linearise + Simulator), is_gaussian: bool) {
     }
 
     let mut measurement = vec![0.0; m];
-    model.sample_measurement(1, &from, &mut stream, &mut measurement);
+    model.sample_measurement(&Step::of_index(1), &from, &mut stream, &mut measurement);
     let mut entries: Vec<Option<Lanes>> = measurement.iter().map(|y| Some(Lanes::from(*y))).collect();
     let [mut slopes, mut information] = [0, 1].map(|_| vec![f64::NAN; m * LANES]);
     let mut jacobian = vec![f64::NAN; m * n * LANES];
-    model.tile_scores(1, &previous, &entries, &mut slopes, &mut information, &mut jacobian);
+    model.tile_scores(&Step::of_index(1), &previous, &entries, &mut slopes, &mut information, &mut jacobian);
     assert!(information.iter().all(|information| *information > 0.0));
     if is_gaussian {
         for i in 0..n {
@@ -107,7 +107,7 @@ fn moments_and_scores(model: &(impl Linearise + Simulator), is_gaussian: bool) {
             let moved = |by: f64| {
                 let mut state = from.clone();
                 state[i] += by;
-                model.log_likelihood(1, &state, &measurement)
+                model.log_likelihood(&Step::of_index(1), &state, &measurement)
             };
             let difference = (moved(1e-4) - moved(-1e-4)) / 2e-4;
             assert!((along - difference).abs() < 1e-6 * (1.0 + difference.abs()), "{along} for {difference}");
@@ -115,7 +115,7 @@ fn moments_and_scores(model: &(impl Linearise + Simulator), is_gaussian: bool) {
     }
     // What is missing says nothing.
     entries[0] = None;
-    model.tile_scores(1, &previous, &entries, &mut slopes, &mut information, &mut jacobian);
+    model.tile_scores(&Step::of_index(1), &previous, &entries, &mut slopes, &mut information, &mut jacobian);
     assert!(slopes[..LANES].iter().chain(&jacobian[..n * LANES]).all(|value| *value == 0.0));
 }
 

@@ -3,8 +3,8 @@
 use faer::mat;
 use motes_models::{
     Derivative, Drift, Epidemic, EpidemicConfig, Gaussian, GradientError, GraphDiffusion,
-    GraphDiffusionConfig, LinearGaussian, Noise, Seed, Simulator, StateGradients, StateSpaceModel, Stream,
-    check_gradients,
+    GraphDiffusionConfig, LinearGaussian, Noise, Seed, Simulator, StateGradients, StateSpaceModel, Step,
+    Stream, check_gradients,
 };
 
 const TOLERANCE: f64 = 1e-5;
@@ -79,23 +79,29 @@ impl StateSpaceModel for Mistaken {
     fn sample_initial(&self, stream: &mut Stream, state: &mut [f64]) {
         self.model.sample_initial(stream, state);
     }
-    fn sample_transition(&self, time: usize, previous: &[f64], stream: &mut Stream, state: &mut [f64]) {
-        self.model.sample_transition(time, previous, stream, state);
+    fn sample_transition(&self, step: &Step<'_>, previous: &[f64], stream: &mut Stream, state: &mut [f64]) {
+        self.model.sample_transition(step, previous, stream, state);
     }
     fn log_initial(&self, state: &[f64]) -> f64 {
         self.model.log_initial(state)
     }
-    fn log_transition(&self, time: usize, previous: &[f64], state: &[f64]) -> f64 {
-        self.model.log_transition(time, previous, state)
+    fn log_transition(&self, step: &Step<'_>, previous: &[f64], state: &[f64]) -> f64 {
+        self.model.log_transition(step, previous, state)
     }
-    fn log_likelihood(&self, time: usize, state: &[f64], measurement: &[f64]) -> f64 {
-        self.model.log_likelihood(time, state, measurement)
+    fn log_likelihood(&self, step: &Step<'_>, state: &[f64], measurement: &[f64]) -> f64 {
+        self.model.log_likelihood(step, state, measurement)
     }
 }
 
 impl Simulator for Mistaken {
-    fn sample_measurement(&self, time: usize, state: &[f64], stream: &mut Stream, measurement: &mut [f64]) {
-        self.model.sample_measurement(time, state, stream, measurement);
+    fn sample_measurement(
+        &self,
+        step: &Step<'_>,
+        state: &[f64],
+        stream: &mut Stream,
+        measurement: &mut [f64],
+    ) {
+        self.model.sample_measurement(step, state, stream, measurement);
     }
 }
 
@@ -106,18 +112,24 @@ impl StateGradients for Mistaken {
     }
     fn transition_gradients(
         &self,
-        time: usize,
+        step: &Step<'_>,
         previous: &[f64],
         states: &[f64],
         d_previous: &mut [f64],
         d_states: &mut [f64],
     ) {
-        self.model.transition_gradients(time, previous, states, d_previous, d_states);
+        self.model.transition_gradients(step, previous, states, d_previous, d_states);
         self.make(Derivative::TransitionByPrevious, d_previous);
         self.make(Derivative::TransitionByState, d_states);
     }
-    fn likelihood_gradients(&self, time: usize, states: &[f64], measurement: &[f64], d_states: &mut [f64]) {
-        self.model.likelihood_gradients(time, states, measurement, d_states);
+    fn likelihood_gradients(
+        &self,
+        step: &Step<'_>,
+        states: &[f64],
+        measurement: &[f64],
+        d_states: &mut [f64],
+    ) {
+        self.model.likelihood_gradients(step, states, measurement, d_states);
         self.make(Derivative::Likelihood, d_states);
     }
 }

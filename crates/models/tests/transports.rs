@@ -6,7 +6,7 @@ use motes_models::equations::{
     Coordinates, Equations, Lanes, Linearise, Scalar, exponential, gamma, laplace, log_normal, normal,
     poisson, student_t, uniform,
 };
-use motes_models::{Seed, Simulator, StateSpaceModel, Stream, fill_standard_normal};
+use motes_models::{Seed, Simulator, StateSpaceModel, Step, Stream, fill_standard_normal};
 
 const N: usize = 8;
 
@@ -22,8 +22,8 @@ impl Equations for Every {
         (0..N).for_each(|i| state.push(normal(0.1 * i as f64, 0.5)));
     }
 
-    fn transition<S: Scalar>(&self, time: usize, x: &[S], state: &mut impl Coordinates<S>) {
-        state.push(normal(x[0].sin() + time as f64, (x[1] * 0.3).exp()));
+    fn transition<S: Scalar>(&self, step: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
+        state.push(normal(x[0].sin() + step.time, (x[1] * 0.3).exp()));
         state.push(student_t(4.0, x[1], x[2].abs() + 0.2));
         state.push(laplace(x[0] * x[1], 0.4));
         state.push(log_normal(x[3] * 0.2, 0.4).scaled(-1.5));
@@ -33,7 +33,7 @@ impl Equations for Every {
         state.push(uniform(-(x[7].abs()) - 0.2, x[6].abs()));
     }
 
-    fn measurement<S: Scalar>(&self, _: usize, x: &[S], y: &mut impl Coordinates<S>) {
+    fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
         y.push(normal(x[0], 0.3));
         y.push(poisson((x[1] * 0.5).exp()));
     }
@@ -62,13 +62,13 @@ fn near(found: f64, expected: f64, tolerance: f64, what: &str) {
 fn the_density_of_what_is_transported_is_the_models() {
     let [previous, noise] = tiles(70);
     let (mut states, mut log_slope) = (noise.clone(), [0.0; LANES]);
-    Every.tile_from_normal(2, Some(&previous), &mut states, &mut log_slope);
+    Every.tile_from_normal(&Step::of_index(2), Some(&previous), &mut states, &mut log_slope);
     let (mut back, mut slope_back) = (states.clone(), [0.0; LANES]);
-    Every.tile_to_normal(2, Some(&previous), &mut back, &mut slope_back);
+    Every.tile_to_normal(&Step::of_index(2), Some(&previous), &mut back, &mut slope_back);
     for (k, found) in log_slope.iter().enumerate() {
         let (before, now, v) = (lane(&previous, k), lane(&states, k), lane(&noise, k));
         let of_noise: f64 = v.iter().map(|v| -0.5 * v * v - 0.5 * std::f64::consts::TAU.ln()).sum();
-        near(of_noise - found, Every.log_transition(2, &before, &now), 1e-9, "log density");
+        near(of_noise - found, Every.log_transition(&Step::of_index(2), &before, &now), 1e-9, "log density");
         near(slope_back[k], *found, 1e-8, "log slope of the inverse");
         lane(&back, k).iter().zip(&v).for_each(|(back, v)| near(*back, *v, 1e-8, "back"));
     }
@@ -76,7 +76,7 @@ fn the_density_of_what_is_transported_is_the_models() {
     const STEP: f64 = 1e-5;
     let moved = |by: f64| {
         let mut moved: Vec<f64> = noise.iter().map(|v| v + by).collect();
-        Every.tile_from_normal(2, Some(&previous), &mut moved, &mut [0.0; LANES]);
+        Every.tile_from_normal(&Step::of_index(2), Some(&previous), &mut moved, &mut [0.0; LANES]);
         moved
     };
     let (up, down) = (moved(STEP), moved(-STEP));
@@ -93,16 +93,16 @@ fn centres_are_medians_and_their_slopes() {
     let [previous, _] = tiles(71);
     for before in [None, Some(&previous[..])] {
         let (mut centres, mut slopes) = (vec![0.0; N * LANES], vec![0.0; N * LANES]);
-        Every.tile_centres(3, before, &mut centres, &mut slopes);
+        Every.tile_centres(&Step::of_index(3), before, &mut centres, &mut slopes);
         let (mut medians, mut log_slope) = (vec![0.0; N * LANES], [0.0; LANES]);
-        Every.tile_from_normal(3, before, &mut medians, &mut log_slope);
+        Every.tile_from_normal(&Step::of_index(3), before, &mut medians, &mut log_slope);
         assert_eq!(centres, medians);
         for (k, log_slope) in log_slope.iter().enumerate() {
             near(lane(&slopes, k).iter().map(|slope| slope.ln()).sum(), *log_slope, 1e-13, "slopes");
         }
         // Normals are asked for mean and deviation themselves.
         let (mut means, mut variances) = (vec![0.0; N * LANES], vec![0.0; N * LANES]);
-        Every.tile_moments(3, before, &mut means, &mut variances);
+        Every.tile_moments(&Step::of_index(3), before, &mut means, &mut variances);
         assert_eq!(centres[..LANES], means[..LANES]);
         let squares: Vec<f64> = slopes[..LANES].iter().map(|slope| slope * slope).collect();
         assert_eq!(squares, variances[..LANES]);
@@ -125,12 +125,12 @@ impl Equations for Walk {
         state.push(if self.starts_wide { uniform(-3.0, 3.0) } else { normal(0.0, 1.0) });
     }
 
-    fn transition<S: Scalar>(&self, time: usize, x: &[S], state: &mut impl Coordinates<S>) {
+    fn transition<S: Scalar>(&self, step: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
         state.push(normal(x[0] * x[1], 0.3));
-        state.push(if time >= self.heavy_from { student_t(3.0, x[1], 0.3) } else { normal(x[1], 0.3) });
+        state.push(if step.index >= self.heavy_from { student_t(3.0, x[1], 0.3) } else { normal(x[1], 0.3) });
     }
 
-    fn measurement<S: Scalar>(&self, _: usize, x: &[S], y: &mut impl Coordinates<S>) {
+    fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
         y.push(poisson(x[0].exp()));
     }
 }
@@ -158,11 +158,11 @@ impl Equations for Ragged {
         (0..self.0).for_each(|_| state.push(normal(0.0, 1.0)));
     }
 
-    fn transition<S: Scalar>(&self, _: usize, _: &[S], state: &mut impl Coordinates<S>) {
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, _: &[S], state: &mut impl Coordinates<S>) {
         self.initial(state);
     }
 
-    fn measurement<S: Scalar>(&self, _: usize, _: &[S], y: &mut impl Coordinates<S>) {
+    fn measurement<S: Scalar>(&self, _: &Step<'_, S>, _: &[S], y: &mut impl Coordinates<S>) {
         y.push(normal(0.0, 1.0));
     }
 }
@@ -172,10 +172,10 @@ impl Equations for Ragged {
 fn another_number_of_coordinates_than_there_are_is_nan() {
     for stated in [0, 1, 3] {
         let (mut values, mut log_slope) = (vec![0.5; 2 * LANES], [0.0; LANES]);
-        Ragged(stated).tile_from_normal(0, None, &mut values, &mut log_slope);
+        Ragged(stated).tile_from_normal(&Step::of_index(0), None, &mut values, &mut log_slope);
         assert!(log_slope.iter().all(|slope| slope.is_nan()));
         let (mut values, mut log_slope) = (vec![0.5; 2 * LANES], [0.0; LANES]);
-        Ragged(stated).tile_to_normal(0, None, &mut values, &mut log_slope);
+        Ragged(stated).tile_to_normal(&Step::of_index(0), None, &mut values, &mut log_slope);
         assert!(log_slope.iter().all(|slope| slope.is_nan()));
     }
 }
@@ -189,7 +189,7 @@ fn measurements_in_a_batch_have_the_distribution_of_those_one_by_one() {
     let states: Vec<f64> = places.iter().flat_map(|x| std::iter::repeat_n(*x, N * EACH)).collect();
     let draw = |streams: &mut [Stream], states: &[f64]| {
         let mut out = vec![f64::NAN; 2 * states.len() / N];
-        Every.sample_measurements(3, states, streams, &mut out);
+        Every.sample_measurements(&Step::of_index(3), states, streams, &mut out);
         out
     };
     let all = draw(&mut Seed::from_u64(72).streams(3), &states);
@@ -198,7 +198,9 @@ fn measurements_in_a_batch_have_the_distribution_of_those_one_by_one() {
     let mut stream = Seed::from_u64(73).stream();
     for (x, batch) in places.iter().zip(all.chunks_exact(2 * EACH)) {
         let mut alone = vec![0.0; 2 * EACH];
-        alone.chunks_exact_mut(2).for_each(|y| Every.sample_measurement(3, &[*x; N], &mut stream, y));
+        alone
+            .chunks_exact_mut(2)
+            .for_each(|y| Every.sample_measurement(&Step::of_index(3), &[*x; N], &mut stream, y));
         for entry in 0..2 {
             let column = |rows: &[f64]| rows.iter().skip(entry).step_by(2).copied().collect::<Vec<_>>();
             let [together, alone] = [column(batch), column(&alone)].map(|draws| moments(&draws));
@@ -209,7 +211,7 @@ fn measurements_in_a_batch_have_the_distribution_of_those_one_by_one() {
             }
         }
     }
-    Every.sample_measurements(3, &[], &mut [], &mut []);
+    Every.sample_measurements(&Step::of_index(3), &[], &mut [], &mut []);
 }
 
 /// The mean, and the mean square, each with its squared standard error.
@@ -230,7 +232,14 @@ fn particles_are_scored_by_their_own_measurements() {
     let score = |measurement: &[Option<Lanes>]| {
         let (mut slopes, mut information) = ([0.0; 2 * LANES], [0.0; 2 * LANES]);
         let mut jacobian = [0.0; 2 * N * LANES];
-        Every.tile_scores(1, &states, measurement, &mut slopes, &mut information, &mut jacobian);
+        Every.tile_scores(
+            &Step::of_index(1),
+            &states,
+            measurement,
+            &mut slopes,
+            &mut information,
+            &mut jacobian,
+        );
         slopes
     };
     let together = score(&[Some(own), None]);

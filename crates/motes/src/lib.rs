@@ -93,7 +93,7 @@ pub mod prelude {
         Coordinates, Distribution, Equations, Scalar, bernoulli, binomial, exponential, gamma, laplace,
         log_normal, negative_binomial, normal, poisson, student_t, uniform,
     };
-    pub use motes_models::{Measurements, PartialMeasurements, Seed, StateSpaceModel, simulate};
+    pub use motes_models::{Measurements, PartialMeasurements, Seed, StateSpaceModel, Step, simulate};
     pub use motes_smc::{
         Bootstrap, FilterBank, FilterSettings, Linearised, MinDegeneracy, ParticleFilter, ResampleWhen,
         Resampling,

@@ -93,11 +93,11 @@ impl Model {
     ///         x.push(normal(0.0, 1.0));
     ///     }
     ///
-    ///     fn transition<S: Scalar>(&self, _: usize, before: &[S], x: &mut impl Coordinates<S>) {
+    ///     fn transition<S: Scalar>(&self, _: &Step<'_, S>, before: &[S], x: &mut impl Coordinates<S>) {
     ///         x.push(normal(before[0], 1.0));
     ///     }
     ///
-    ///     fn measurement<S: Scalar>(&self, _: usize, x: &[S], y: &mut impl Coordinates<S>) {
+    ///     fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
     ///         y.push(normal(x[0], 0.5));
     ///     }
     /// }

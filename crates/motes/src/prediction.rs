@@ -1,7 +1,7 @@
 //! What particles predict where none of them explains the measurement.
 
 use motes_models::batch::Rows;
-use motes_models::{PartialLikelihood, Seed, Simulator};
+use motes_models::{PartialLikelihood, Seed, Simulator, Step};
 
 /// So many particles say what the others would.
 pub(crate) const MOST: usize = 1000;
@@ -46,11 +46,16 @@ pub(crate) fn beside_prediction<M: Simulator + PartialLikelihood + ?Sized>(
     let (mut states, mut drawn) = (vec![0.0; particles * n], vec![0.0; particles * m]);
     match previous {
         Some(previous) => {
-            model.sample_transitions(time, Rows::all(previous, n), &mut streams, &mut states);
+            model.sample_transitions(
+                &Step::of_index(time),
+                Rows::all(previous, n),
+                &mut streams,
+                &mut states,
+            );
         }
         None => model.sample_initials(&mut streams, &mut states),
     }
-    model.sample_measurements(time, &states, &mut streams, &mut drawn);
+    model.sample_measurements(&Step::of_index(time), &states, &mut streams, &mut drawn);
     let beside = |(entry, value): (usize, &Option<f64>)| {
         let value = (*value)?;
         let drawn = summary(drawn.iter().skip(entry).step_by(m).copied())?;
@@ -89,7 +94,7 @@ fn is_impossible<M: PartialLikelihood + ?Sized>(
     let mut alone = vec![None; model.measurement_dim()];
     alone[entry] = Some(value);
     let mut densities = vec![f64::NAN; states.len() / model.state_dim()];
-    let weighed = model.partial_log_likelihoods(time, states, &alone, &mut densities);
+    let weighed = model.partial_log_likelihoods(&Step::of_index(time), states, &alone, &mut densities);
     weighed.is_ok() && densities.iter().all(|density| *density == f64::NEG_INFINITY)
 }
 

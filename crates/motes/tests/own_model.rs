@@ -8,6 +8,7 @@ use motes::{
     Data, FilterOptions, LearnOptions, LearnedProposal, Model, MotesError, ProposalName, check, designed,
     filter, learn, simulate, smooth,
 };
+use motes_models::Step;
 
 const TEXT: &str = "[initial]\nx = \"normal(0, 2)\"\n[transition]\nx = \"normal(0.9*x, 1)\"\n[measurement]\ny = \"normal(x*x/20, 0.2)\"\n";
 
@@ -23,11 +24,11 @@ impl Equations for Squared {
         x.push(normal(0.0, 2.0));
     }
 
-    fn transition<S: Scalar>(&self, _: usize, before: &[S], x: &mut impl Coordinates<S>) {
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, before: &[S], x: &mut impl Coordinates<S>) {
         x.push(normal(before[0] * 0.9, 1.0));
     }
 
-    fn measurement<S: Scalar>(&self, _: usize, x: &[S], y: &mut impl Coordinates<S>) {
+    fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
         y.push(normal(x[0] * x[0] / 20.0, 0.2));
     }
 }
@@ -49,11 +50,11 @@ impl BatchEquations for InColumns {
         normals(vec![0.0], 2.0)
     }
 
-    fn transition(&self, _: usize, before: &[f64], _: bool) -> Option<Vec<BatchDistribution>> {
+    fn transition(&self, _: &Step<'_>, before: &[f64], _: bool) -> Option<Vec<BatchDistribution>> {
         normals(before.iter().map(|x| x * 0.9).collect(), 1.0)
     }
 
-    fn measurement(&self, _: usize, states: &[f64], _: bool) -> Option<Vec<BatchDistribution>> {
+    fn measurement(&self, _: &Step<'_>, states: &[f64], _: bool) -> Option<Vec<BatchDistribution>> {
         normals(states.iter().map(|x| x * x / 20.0).collect(), 0.2)
     }
 }

@@ -2,7 +2,7 @@
 
 use motes_models::batch::reserve_scratch;
 use motes_models::equations::{Coordinates, Equations, Scalar, normal};
-use motes_models::{ModelShape, Seed, simulate};
+use motes_models::{ModelShape, Seed, Step, simulate};
 use motes_proposals::{Amortised, AmortisedConfig, Backend, Base, Covariance, Family, HeadConfig, Sees};
 use motes_smc::{FilterBank, FilterSettings, ResampleWhen, Resampling};
 use rayon_core::{ThreadPool, ThreadPoolBuilder};
@@ -25,12 +25,12 @@ impl Equations for Bent {
         (0..2).for_each(|_| state.push(normal(0.0, 1.0)));
     }
 
-    fn transition<S: Scalar>(&self, _: usize, x: &[S], state: &mut impl Coordinates<S>) {
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
         state.push(normal(x[0] * 0.9 + x[1].sin(), 0.7));
         state.push(normal(x[1] * 0.7, 1.1));
     }
 
-    fn measurement<S: Scalar>(&self, _: usize, x: &[S], y: &mut impl Coordinates<S>) {
+    fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
         y.push(normal(x[0] + x[1] * x[1] / 5.0, 0.5));
     }
 }

@@ -2,8 +2,8 @@
 //!
 //! `seq 1 40 | awk '{print 20*$1*$1/1600 + 3*rand()}' | cargo run --release -p motes-smc --example forecast`
 
-use motes_models::Seed;
 use motes_models::equations::{Coordinates, Equations, Scalar, normal};
+use motes_models::{Seed, Step};
 use motes_smc::{Bootstrap, FilterSettings, ParticleFilter};
 
 /// How many steps to look ahead.
@@ -22,12 +22,12 @@ impl Equations for Trend {
         state.push(normal(0.0, 1.0));
     }
 
-    fn transition<S: Scalar>(&self, _: usize, x: &[S], state: &mut impl Coordinates<S>) {
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
         state.push(normal(x[0] + x[1], 0.1));
         state.push(normal(x[1], 0.2));
     }
 
-    fn measurement<S: Scalar>(&self, _: usize, x: &[S], y: &mut impl Coordinates<S>) {
+    fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
         y.push(normal(x[0], 1.0));
     }
 }

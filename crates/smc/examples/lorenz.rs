@@ -3,7 +3,7 @@
 //! `cargo run --release -p motes-smc --example lorenz`
 
 use motes_models::equations::{Coordinates, Equations, Scalar, normal};
-use motes_models::{Seed, simulate};
+use motes_models::{Seed, Step, simulate};
 use motes_smc::{FilterSettings, Linearised, ParticleFilter};
 
 /// `ẋ_i = (x_{i+1} − x_{i−2}) x_{i−1} − x_i + 8` by steps of Runge and Kutta's method, with noise.
@@ -27,7 +27,7 @@ impl Equations for Lorenz {
         (0..N).for_each(|_| state.push(normal(8.0, 1.0)));
     }
 
-    fn transition<S: Scalar>(&self, _: usize, x: &[S], state: &mut impl Coordinates<S>) {
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
         let x: [S; N] = std::array::from_fn(|i| x[i]);
         let half = moved(x, x, STEP / 2.0);
         let again = moved(x, half, STEP / 2.0);
@@ -39,7 +39,7 @@ impl Equations for Lorenz {
         });
     }
 
-    fn measurement<S: Scalar>(&self, _: usize, x: &[S], y: &mut impl Coordinates<S>) {
+    fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
         x.iter().step_by(2).for_each(|x| y.push(normal(*x, 0.5)));
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! `seq 1 40 | awk '{print 20*$1*$1/1600 + 3*rand()}' | cargo run --release -p motes-smc --example online`
 
-use motes_models::{Noise, Seed, StateSpaceModel, Stream};
+use motes_models::{Noise, Seed, StateSpaceModel, Step, Stream};
 use motes_smc::{Bootstrap, FilterSettings, ParticleFilter};
 
 /// A position and its velocity, pushed about at random; the position is measured.
@@ -21,7 +21,7 @@ impl StateSpaceModel for Tracker {
         state.fill_with(|| Noise::Gaussian.sample(5.0, stream));
     }
 
-    fn sample_transition(&self, _time: usize, previous: &[f64], stream: &mut Stream, state: &mut [f64]) {
+    fn sample_transition(&self, _step: &Step<'_>, previous: &[f64], stream: &mut Stream, state: &mut [f64]) {
         state[0] = previous[0] + previous[1] + Noise::Gaussian.sample(0.1, stream);
         state[1] = previous[1] + Noise::Gaussian.sample(0.3, stream);
     }
@@ -30,12 +30,12 @@ impl StateSpaceModel for Tracker {
         Noise::Gaussian.log_density(5.0, state[0]) + Noise::Gaussian.log_density(5.0, state[1])
     }
 
-    fn log_transition(&self, _time: usize, previous: &[f64], state: &[f64]) -> f64 {
+    fn log_transition(&self, _step: &Step<'_>, previous: &[f64], state: &[f64]) -> f64 {
         Noise::Gaussian.log_density(0.1, state[0] - previous[0] - previous[1])
             + Noise::Gaussian.log_density(0.3, state[1] - previous[1])
     }
 
-    fn log_likelihood(&self, _time: usize, state: &[f64], measurement: &[f64]) -> f64 {
+    fn log_likelihood(&self, _step: &Step<'_>, state: &[f64], measurement: &[f64]) -> f64 {
         Noise::Gaussian.log_density(1.0, measurement[0] - state[0])
     }
 }

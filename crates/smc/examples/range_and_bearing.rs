@@ -3,7 +3,7 @@
 //! `cargo run --release -p motes-smc --example range_and_bearing`
 
 use motes_models::equations::{Coordinates, Equations, Scalar, normal};
-use motes_models::{Measurements, Seed, simulate};
+use motes_models::{Measurements, Seed, Step, simulate};
 use motes_smc::{Bootstrap, FilterSettings, Linearised, ParticleFilter, Proposal};
 
 /// Position and velocity in two dimensions.
@@ -20,12 +20,12 @@ impl Equations for Target {
         }
     }
 
-    fn transition<S: Scalar>(&self, _: usize, x: &[S], state: &mut impl Coordinates<S>) {
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
         (0..2).for_each(|i| state.push(normal(x[i] + x[i + 2], 0.05)));
         (2..4).for_each(|i| state.push(normal(x[i], 0.05)));
     }
 
-    fn measurement<S: Scalar>(&self, _: usize, x: &[S], y: &mut impl Coordinates<S>) {
+    fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
         y.push(normal((x[0] * x[0] + x[1] * x[1]).sqrt(), 0.1));
         y.push(normal(x[1].atan2(x[0]), 0.02));
     }

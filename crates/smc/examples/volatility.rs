@@ -3,7 +3,7 @@
 //! `cargo run --release -p motes-smc --example volatility`
 
 use motes_models::equations::{Coordinates, Equations, Scalar, normal};
-use motes_models::{Seed, simulate};
+use motes_models::{Seed, Step, simulate};
 use motes_smc::{Bootstrap, FilterSettings, ParticleFilter};
 
 /// The logarithm of a variance, which comes back to its mean.
@@ -18,11 +18,11 @@ impl Equations for Volatility {
         state.push(normal(0.0, 1.0 / (1.0 - 0.91_f64.powi(2)).sqrt()));
     }
 
-    fn transition<S: Scalar>(&self, _: usize, x: &[S], state: &mut impl Coordinates<S>) {
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
         state.push(normal(x[0] * 0.91, 1.0));
     }
 
-    fn measurement<S: Scalar>(&self, _: usize, x: &[S], y: &mut impl Coordinates<S>) {
+    fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
         y.push(normal(0.0, (x[0] / 2.0).exp() * 0.5));
     }
 }

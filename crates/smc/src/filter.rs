@@ -100,11 +100,11 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> ParticleFilter<D
     ///         state.push(normal(1.0, 0.1));
     ///     }
     ///
-    ///     fn transition<S: Scalar>(&self, _: usize, x: &[S], state: &mut impl Coordinates<S>) {
+    ///     fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
     ///         state.push(normal(x[0].sqrt() - 0.5, 0.1));
     ///     }
     ///
-    ///     fn measurement<S: Scalar>(&self, _: usize, x: &[S], y: &mut impl Coordinates<S>) {
+    ///     fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
     ///         y.push(normal(x[0], 1.0));
     ///     }
     /// }

@@ -1,7 +1,7 @@
 //! The interface of a sampling distribution: prepare it for a step, condition blocks of particles, draw from them or ask their density.
 
-use motes_models::Stream;
 use motes_models::batch::Rows;
+use motes_models::{Step, Stream};
 
 use crate::memory::ParticleMemory;
 use crate::proposal_error::ProposalError;
@@ -9,9 +9,9 @@ use crate::proposal_error::ProposalError;
 /// What the distributions of a block of `R` particles are conditioned on.
 #[derive(Debug, Clone, Copy)]
 pub struct Context<'a> {
-    /// `t`, the time of the state to be drawn.
-    pub time: usize,
-    /// `x_{t−1}` of each particle, picked from all by resampling; `None` at `t = 0`, where there is no past.
+    /// The step to the state that is to be drawn.
+    pub step: Step<'a>,
+    /// `x_{t−1}` of each particle, picked from all by resampling; `None` at the first step, where there is no past.
     pub previous: Option<Rows<'a>>,
     /// `y_t`, `M` numbers, the same for every particle; none at a step whose measurement has gaps ([`Proposal::prepare_partial`]).
     pub measurement: &'a [f64],
@@ -21,9 +21,14 @@ pub struct Context<'a> {
 
 impl<'a> Context<'a> {
     /// That of `particles` particles whose previous states (`R×N`, row-major) lie one after another.
-    pub fn new(time: usize, previous: Option<&'a [f64]>, measurement: &'a [f64], particles: usize) -> Self {
+    pub fn new(
+        step: Step<'a>,
+        previous: Option<&'a [f64]>,
+        measurement: &'a [f64],
+        particles: usize,
+    ) -> Self {
         let rows = |states: &'a [f64]| Rows::all(states, states.len() / particles.max(1));
-        Context { time, previous: previous.map(rows), measurement, particles }
+        Context { step, previous: previous.map(rows), measurement, particles }
     }
 }
 
@@ -64,7 +69,7 @@ pub trait Proposal<Model: ?Sized>: Sync {
     ///
     /// # Errors
     /// [`ProposalError`] if the proposal does not fit the model, or is past its horizon.
-    fn prepare(&mut self, model: &Model, time: usize, measurement: &[f64]) -> Result<(), ProposalError>;
+    fn prepare(&mut self, model: &Model, step: &Step<'_>, measurement: &[f64]) -> Result<(), ProposalError>;
 
     /// The same from a measurement some of whose `M` entries are missing. `false`, the default, says that the proposal cannot take one: a filter
     /// then draws from the transition.
@@ -74,7 +79,7 @@ pub trait Proposal<Model: ?Sized>: Sync {
     fn prepare_partial(
         &mut self,
         _model: &Model,
-        _time: usize,
+        _step: &Step<'_>,
         _measurement: &[Option<f64>],
     ) -> Result<bool, ProposalError> {
         Ok(false)
@@ -104,7 +109,7 @@ pub trait Proposal<Model: ?Sized>: Sync {
         memory: &mut Self::Memory,
         scratch: &'a mut Self::Scratch,
     ) -> Result<Self::Conditional<'a>, ProposalError> {
-        self.prepare(model, context.time, context.measurement)?;
+        self.prepare(model, &context.step, context.measurement)?;
         self.condition(model, context, memory.rows(), scratch)
     }
 }

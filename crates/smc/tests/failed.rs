@@ -1,7 +1,7 @@
 //! What a bank that failed still shows: the particles that the failed step started from.
 
 use motes_models::equations::{Coordinates, Equations, Scalar, normal, uniform};
-use motes_models::{Seed, StateSpaceModel, simulate};
+use motes_models::{Seed, StateSpaceModel, Step, simulate};
 use motes_smc::{
     Bootstrap, Context, FilterBank, FilterError, FilterSettings, Proposal, ProposalError, ResampleWhen,
     Transition,
@@ -19,11 +19,11 @@ impl Equations for Root {
         state.push(normal(1.0, 0.1));
     }
 
-    fn transition<S: Scalar>(&self, _: usize, x: &[S], state: &mut impl Coordinates<S>) {
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
         state.push(normal(x[0].sqrt() - 0.4, 0.1));
     }
 
-    fn measurement<S: Scalar>(&self, _: usize, x: &[S], y: &mut impl Coordinates<S>) {
+    fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
         y.push(normal(x[0], 1.0));
     }
 }
@@ -76,8 +76,8 @@ impl<M: StateSpaceModel> Proposal<M> for ForTwoSteps {
 
     fn initial_memory(&self, _particles: usize) {}
 
-    fn prepare(&mut self, _model: &M, time: usize, _measurement: &[f64]) -> Result<(), ProposalError> {
-        if time < 2 { Ok(()) } else { Err(ProposalError::PastHorizon { horizon: 2, time }) }
+    fn prepare(&mut self, _model: &M, step: &Step<'_>, _measurement: &[f64]) -> Result<(), ProposalError> {
+        if step.index < 2 { Ok(()) } else { Err(ProposalError::PastHorizon { horizon: 2, time: step.index }) }
     }
 
     fn condition<'a>(
@@ -114,11 +114,11 @@ impl Equations for Bounded {
         state.push(uniform(-2.0, 2.0));
     }
 
-    fn transition<S: Scalar>(&self, _: usize, x: &[S], state: &mut impl Coordinates<S>) {
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
         state.push(uniform(x[0] * 0.9 - 1.0, x[0] * 0.9 + 1.0));
     }
 
-    fn measurement<S: Scalar>(&self, _: usize, x: &[S], y: &mut impl Coordinates<S>) {
+    fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
         y.push(uniform(x[0] - 0.3, x[0] + 0.3));
     }
 }

@@ -2,7 +2,7 @@
 
 use faer::mat;
 use motes_models::equations::{Coordinates, Equations, Scalar, exponential, normal, poisson, student_t};
-use motes_models::{Gaussian, LinearGaussian, Seed, StateSpaceModel, kalman, simulate};
+use motes_models::{Gaussian, LinearGaussian, Seed, StateSpaceModel, Step, kalman, simulate};
 use motes_smc::{
     Bootstrap, Conditional, Context, FilterBank, FilterSettings, Linearised, LinearisedScratch,
     MinDegeneracy, ParticleFilter, Proposal, ResampleWhen,
@@ -23,13 +23,13 @@ impl Equations for Linear {
         (0..3).for_each(|_| state.push(normal(0.0, 1.0)));
     }
 
-    fn transition<S: Scalar>(&self, _: usize, x: &[S], state: &mut impl Coordinates<S>) {
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
         state.push(normal(x[0] * 0.9 + x[1] * 0.2, VARIANCES[0].sqrt()));
         state.push(normal(x[1] * 0.7 - x[2] * 0.1, VARIANCES[1].sqrt()));
         state.push(normal(x[2] * 0.5 + x[0] * 0.3, VARIANCES[2].sqrt()));
     }
 
-    fn measurement<S: Scalar>(&self, _: usize, x: &[S], y: &mut impl Coordinates<S>) {
+    fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
         y.push(normal(x[0] + x[1] * 0.5, NOISE[0].sqrt()));
         y.push(normal(x[2] - x[0] * 0.4, NOISE[1].sqrt()));
     }
@@ -68,15 +68,15 @@ fn where_the_measurement_is_linear_it_is_the_optimum() {
         let (mut found, mut expected) = (vec![0.0; count], vec![0.0; count]);
         let before = (time > 0).then_some(previous.as_slice());
         let rows = whole.as_deref().unwrap_or(&[]);
-        let context = Context::new(time, before, rows, count);
+        let context = Context::new(Step::of_index(time), before, rows, count);
         match &whole {
             Some(whole) => {
-                linearised.prepare(&Linear, time, whole).unwrap();
-                optimal.prepare(&matrices, time, whole).unwrap();
+                linearised.prepare(&Linear, &Step::of_index(time), whole).unwrap();
+                optimal.prepare(&matrices, &Step::of_index(time), whole).unwrap();
             }
             None => {
-                assert!(linearised.prepare_partial(&Linear, time, &measurement).unwrap());
-                assert!(optimal.prepare_partial(&matrices, time, &measurement).unwrap());
+                assert!(linearised.prepare_partial(&Linear, &Step::of_index(time), &measurement).unwrap());
+                assert!(optimal.prepare_partial(&matrices, &Step::of_index(time), &measurement).unwrap());
             }
         }
         let mut scratch = LinearisedScratch::default();
@@ -93,7 +93,7 @@ fn where_the_measurement_is_linear_it_is_the_optimum() {
         conditional.log_density(&states, &mut after);
         along.iter().zip(&after).for_each(|(a, b)| assert!((a - b).abs() < 1e-10, "{a} for {b}"));
     }
-    assert!(!linearised.prepare_partial(&Linear, 1, &[None, None]).unwrap());
+    assert!(!linearised.prepare_partial(&Linear, &Step::of_index(1), &[None, None]).unwrap());
 }
 
 /// How far the mean of `Ẑ/Z` is from 1, in standard errors, for a whole sequence or one without some of its entries.
@@ -169,7 +169,7 @@ impl Equations for Awkward {
         state.push(normal(0.3, 0.8));
     }
 
-    fn transition<S: Scalar>(&self, _: usize, x: &[S], state: &mut impl Coordinates<S>) {
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
         let mean = x[0].sin() + x[0] * 0.5;
         state.push(match self.is_bounded {
             true => exponential(0.6).shifted(mean - 0.5),
@@ -177,7 +177,7 @@ impl Equations for Awkward {
         });
     }
 
-    fn measurement<S: Scalar>(&self, _: usize, x: &[S], y: &mut impl Coordinates<S>) {
+    fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
         y.push(poisson((x[0] * 0.8 + 0.5).exp()));
         y.push(student_t(3.0, x[0] * x[0] * 0.3, 0.7));
     }
@@ -196,7 +196,7 @@ fn by_quadrature(model: &Awkward) -> f64 {
                 .map(|x| {
                     let into = |(from, before): (&f64, &f64)| {
                         if *before > 0.0 {
-                            before * model.log_transition(1, &[*from], &[*x]).exp()
+                            before * model.log_transition(&Step::of_index(1), &[*from], &[*x]).exp()
                         } else {
                             0.0
                         }
@@ -207,8 +207,14 @@ fn by_quadrature(model: &Awkward) -> f64 {
         }
         for (density, x) in density.iter_mut().zip(&grid) {
             let mut out = [0.0];
-            motes_models::PartialLikelihood::partial_log_likelihoods(model, time, &[*x], row, &mut out)
-                .unwrap();
+            motes_models::PartialLikelihood::partial_log_likelihoods(
+                model,
+                &Step::of_index(time),
+                &[*x],
+                row,
+                &mut out,
+            )
+            .unwrap();
             *density *= out[0].exp();
         }
     }
@@ -264,11 +270,11 @@ impl Equations for Volatility {
         state.push(normal(0.0, 1.0));
     }
 
-    fn transition<S: Scalar>(&self, _: usize, x: &[S], state: &mut impl Coordinates<S>) {
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
         state.push(normal(x[0] * 0.91, 1.0));
     }
 
-    fn measurement<S: Scalar>(&self, _: usize, x: &[S], y: &mut impl Coordinates<S>) {
+    fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
         y.push(normal(0.0, (x[0] / 2.0).exp() * 0.5));
     }
 }

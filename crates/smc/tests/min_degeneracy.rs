@@ -1,6 +1,8 @@
 //! The minimum-degeneracy proposal: weights in closed form against its own densities.
 
-use motes_models::{Drift, GraphDiffusion, GraphDiffusionConfig, Noise, Seed, StateSpaceModel, simulate};
+use motes_models::{
+    Drift, GraphDiffusion, GraphDiffusionConfig, Noise, Seed, StateSpaceModel, Step, simulate,
+};
 use motes_smc::{Conditional, Context, MinDegeneracy, Proposal};
 
 #[test]
@@ -18,7 +20,7 @@ fn increments_are_likelihood_times_transition_over_proposal() {
         let mut states = vec![f64::NAN; PARTICLES * 8];
         let mut previous: Option<Vec<f64>> = None;
         for (time, measurement) in data.measurements.rows().enumerate() {
-            let context = Context::new(time, previous.as_deref(), measurement, PARTICLES);
+            let context = Context::new(Step::of_index(time), previous.as_deref(), measurement, PARTICLES);
             let mut increments = [f64::NAN; PARTICLES];
             let (mut log_q, scratch) = ([f64::NAN; PARTICLES], &mut ());
             let mut conditional = proposal.condition_batch(&system, context, &mut (), scratch).unwrap();
@@ -31,9 +33,9 @@ fn increments_are_likelihood_times_transition_over_proposal() {
             for (row, state) in states.chunks_exact(8).enumerate() {
                 let log_prior = match context.previous {
                     None => system.log_initial(state),
-                    Some(previous) => system.log_transition(time, previous.row(row), state),
+                    Some(previous) => system.log_transition(&Step::of_index(time), previous.row(row), state),
                 };
-                let of_target = system.log_likelihood(time, state, measurement) + log_prior;
+                let of_target = system.log_likelihood(&Step::of_index(time), state, measurement) + log_prior;
                 let expected = if has_closed_form { of_target - log_q[row] } else { log_q[row] };
                 let found = increments[row];
                 assert!(found == expected || (found - expected).abs() < 1e-10, "{found} for {expected}");

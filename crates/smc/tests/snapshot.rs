@@ -3,7 +3,7 @@
 use ciborium::Value;
 use faer::mat;
 use motes_models::equations::{Coordinates, Equations, Scalar, normal};
-use motes_models::{Gaussian, LinearGaussian, Measurements, Seed, StateSpaceModel, simulate};
+use motes_models::{Gaussian, LinearGaussian, Measurements, Seed, StateSpaceModel, Step, simulate};
 use motes_smc::{
     BankSnapshot, Bootstrap, FilterBank, FilterError, FilterSettings, FilterSnapshot, MinDegeneracy,
     ParticleFilter, Proposal, ResampleWhen, Resampling, SecondOpinion,
@@ -133,11 +133,11 @@ impl Equations for Root {
         state.push(normal(1.0, 0.1));
     }
 
-    fn transition<S: Scalar>(&self, _: usize, x: &[S], state: &mut impl Coordinates<S>) {
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
         state.push(normal(x[0].sqrt() - 0.5, 0.1));
     }
 
-    fn measurement<S: Scalar>(&self, _: usize, x: &[S], y: &mut impl Coordinates<S>) {
+    fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
         y.push(normal(x[0], 1.0));
     }
 }

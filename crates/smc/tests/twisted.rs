@@ -2,7 +2,7 @@
 
 use faer::mat;
 use motes_models::equations::{Coordinates, Equations, Scalar, normal, student_t};
-use motes_models::{Gaussian, LinearGaussian, PartialMeasurements, Seed, Simulator, kalman, simulate};
+use motes_models::{Gaussian, LinearGaussian, PartialMeasurements, Seed, Simulator, Step, kalman, simulate};
 use motes_smc::{
     FilterBank, FilterError, FilterSettings, Linearised, ResampleWhen, Resampling, Twisting, TwistingError,
 };
@@ -20,12 +20,12 @@ impl Equations for Linear {
         x.push(normal(0.0, 1.0));
     }
 
-    fn transition<S: Scalar>(&self, _: usize, x: &[S], now: &mut impl Coordinates<S>) {
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], now: &mut impl Coordinates<S>) {
         now.push(normal(x[0] + x[1], 0.1));
         now.push(normal(x[1] * 0.95, 0.2));
     }
 
-    fn measurement<S: Scalar>(&self, _: usize, x: &[S], y: &mut impl Coordinates<S>) {
+    fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
         y.push(normal(x[0], 0.5));
     }
 }
@@ -70,13 +70,13 @@ impl Equations for Ring {
         (0..6).for_each(|_| x.push(normal(8.0, 1.0)));
     }
 
-    fn transition<S: Scalar>(&self, _: usize, x: &[S], now: &mut impl Coordinates<S>) {
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], now: &mut impl Coordinates<S>) {
         for mean in advanced(x) {
             now.push(if self.is_heavy { student_t(6.0, mean, 0.4) } else { normal(mean, 0.5) });
         }
     }
 
-    fn measurement<S: Scalar>(&self, _: usize, x: &[S], y: &mut impl Coordinates<S>) {
+    fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
         (0..3).for_each(|i| y.push(normal(x[2 * i], 1.0)));
     }
 }
@@ -93,11 +93,11 @@ impl Equations for Walk {
         x.push(normal(0.0, 1.0));
     }
 
-    fn transition<S: Scalar>(&self, _: usize, x: &[S], now: &mut impl Coordinates<S>) {
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], now: &mut impl Coordinates<S>) {
         now.push(normal(x[0], 1.0));
     }
 
-    fn measurement<S: Scalar>(&self, _: usize, x: &[S], y: &mut impl Coordinates<S>) {
+    fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
         y.push(normal(x[0], 1.0));
     }
 }

@@ -9,7 +9,7 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 use motes_models::equations::{Coordinates, Equations, Scalar, normal};
-use motes_models::{Measurements, ModelShape, Seed};
+use motes_models::{Measurements, ModelShape, Seed, Step};
 use motes_proposals::{Backend, Family, Rnn, RnnConfig, load, save};
 use motes_smc::{Bootstrap, FilterSettings, ParticleFilter, Proposal, WeightReport};
 use motes_train::{AdamConfig, Objective, TrainConfig, train};
@@ -32,13 +32,18 @@ impl Equations for Spring {
         (0..2).for_each(|_| state.push(normal(0.0, 1.0)));
     }
 
-    fn transition<S: Scalar>(&self, _time: usize, previous: &[S], state: &mut impl Coordinates<S>) {
+    fn transition<S: Scalar>(&self, _step: &Step<'_, S>, previous: &[S], state: &mut impl Coordinates<S>) {
         let (x, v) = (previous[0], previous[1]);
         state.push(normal(x + v * STEP, SIGMA[0]));
         state.push(normal(v - (x.tanh() * STIFFNESS + v * FRICTION) * STEP, SIGMA[1]));
     }
 
-    fn measurement<S: Scalar>(&self, _time: usize, state: &[S], measurement: &mut impl Coordinates<S>) {
+    fn measurement<S: Scalar>(
+        &self,
+        _step: &Step<'_, S>,
+        state: &[S],
+        measurement: &mut impl Coordinates<S>,
+    ) {
         measurement.push(normal(state[0], SIGMA[2]));
     }
 }

@@ -93,7 +93,9 @@ impl Dropout {
 #[cfg(test)]
 mod tests {
     use motes_models::equations::{Coordinates, Equations, Scalar, normal};
-    use motes_models::{GraphDiffusion, GraphDiffusionConfig, Measurements, ModelShape, OwnSteps, Seed};
+    use motes_models::{
+        GraphDiffusion, GraphDiffusionConfig, Measurements, ModelShape, OwnSteps, Seed, Step,
+    };
     use motes_proposals::networks::Inputs;
     use motes_proposals::{
         Amortised, AmortisedConfig, Backend, Cell, Compute, Examples, Family, Fcnn, FcnnConfig, Gnn,
@@ -255,13 +257,13 @@ mod tests {
             (0..3).for_each(|_| state.push(normal(0.0, 1.0)));
         }
 
-        fn transition<S: Scalar>(&self, _: usize, x: &[S], state: &mut impl Coordinates<S>) {
+        fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
             state.push(normal(x[0] * 0.9, 1.0));
             state.push(normal(x[1] * 0.5 + x[0] * 0.2, 1.0));
             state.push(normal(x[2] * 0.5 + x[1] * 0.2, 1.0));
         }
 
-        fn measurement<S: Scalar>(&self, _: usize, x: &[S], y: &mut impl Coordinates<S>) {
+        fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
             y.push(normal(x[0] * x[0], 1.0));
             y.push(normal(x[2], 0.5));
         }

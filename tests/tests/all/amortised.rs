@@ -6,7 +6,7 @@ use faer::mat;
 use motes_models::equations::{Coordinates, Equations, Scalar, normal};
 use motes_models::{
     Gaussian, LinearGaussian, Measurements, ModelShape, Seed, SimulatedMeasurements, Simulator,
-    StateGradients, StateSpaceModel, simulate,
+    StateGradients, StateSpaceModel, Step, simulate,
 };
 use motes_proposals::{Backend, Family, Fcnn, FcnnConfig, OverTime};
 use motes_smc::{
@@ -122,13 +122,13 @@ impl Equations for Growth {
         state.push(normal(0.0, 5.0_f64.sqrt()));
     }
 
-    fn transition<S: Scalar>(&self, time: usize, x: &[S], state: &mut impl Coordinates<S>) {
+    fn transition<S: Scalar>(&self, step: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
         let x = x[0];
-        let drift = x / 2.0 + x * 25.0 / (x * x + 1.0) + 8.0 * (1.2 * time as f64).cos();
+        let drift = x / 2.0 + x * 25.0 / (x * x + 1.0) + 8.0 * (1.2 * step.time).cos();
         state.push(normal(drift, 10.0_f64.sqrt()));
     }
 
-    fn measurement<S: Scalar>(&self, _: usize, x: &[S], measurement: &mut impl Coordinates<S>) {
+    fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], measurement: &mut impl Coordinates<S>) {
         measurement.push(normal(x[0] * x[0] / 20.0, 1.0));
     }
 }

@@ -3,7 +3,7 @@
 
 use faer::mat;
 use motes_models::{
-    GraphDiffusion, GraphDiffusionConfig, Measurements, ModelShape, Noise, Seed, StateSpaceModel,
+    GraphDiffusion, GraphDiffusionConfig, Measurements, ModelShape, Noise, Seed, StateSpaceModel, Step,
 };
 use motes_proposals::{
     Backend, Cell, Family, Fcnn, FcnnConfig, Gnn, GnnConfig, Learnable, Psi, PsiConfig, Rnn, RnnConfig,
@@ -81,7 +81,7 @@ fn exact() -> Reference<GraphDiffusion> {
         let likelihood = |x: f64| (-(y[0] - x + sigma) / sigma).exp() / sigma;
         next.density = next.points().zip(predicted).map(|(x, p)| p * likelihood(x)).collect();
         let middle = next.points().nth(POINTS / 2).unwrap();
-        let stated = model.log_likelihood(time, &[middle], y).exp();
+        let stated = model.log_likelihood(&Step::of_index(time), &[middle], y).exp();
         assert!((stated / likelihood(middle) - 1.0).abs() < 1e-12, "the model has another density");
         forward = Some(next);
     }

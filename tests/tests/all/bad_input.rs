@@ -6,7 +6,7 @@ use faer::{Mat, mat};
 use motes_models::{
     Drift, Epidemic, EpidemicConfig, Gaussian, GraphDiffusion, GraphDiffusionConfig, LinearGaussian,
     Measurements, ModelShape, Noise, PartialMeasurements, Seed, Sequence, Simulations, Simulator,
-    StateGradients, StateSpaceModel, Stream, check_dimensions, check_gradients, simulate,
+    StateGradients, StateSpaceModel, Step, Stream, check_dimensions, check_gradients, simulate,
 };
 use motes_proposals::{Backend, Cell, Family, Fcnn, Gnn, Psi, Rnn};
 use motes_smc::{
@@ -112,16 +112,16 @@ impl StateSpaceModel for OfSize {
     fn sample_initial(&self, _stream: &mut Stream, state: &mut [f64]) {
         state.fill(0.0);
     }
-    fn sample_transition(&self, _time: usize, previous: &[f64], _stream: &mut Stream, state: &mut [f64]) {
+    fn sample_transition(&self, _step: &Step<'_>, previous: &[f64], _stream: &mut Stream, state: &mut [f64]) {
         state.copy_from_slice(previous);
     }
     fn log_initial(&self, _state: &[f64]) -> f64 {
         0.0
     }
-    fn log_transition(&self, _time: usize, _previous: &[f64], _state: &[f64]) -> f64 {
+    fn log_transition(&self, _step: &Step<'_>, _previous: &[f64], _state: &[f64]) -> f64 {
         0.0
     }
-    fn log_likelihood(&self, _time: usize, _state: &[f64], _measurement: &[f64]) -> f64 {
+    fn log_likelihood(&self, _step: &Step<'_>, _state: &[f64], _measurement: &[f64]) -> f64 {
         0.0
     }
 }
@@ -129,7 +129,7 @@ impl StateSpaceModel for OfSize {
 impl Simulator for OfSize {
     fn sample_measurement(
         &self,
-        _time: usize,
+        _step: &Step<'_>,
         _state: &[f64],
         _stream: &mut Stream,
         measurement: &mut [f64],
@@ -144,7 +144,7 @@ impl StateGradients for OfSize {
     }
     fn transition_gradients(
         &self,
-        _time: usize,
+        _step: &Step<'_>,
         _previous: &[f64],
         _states: &[f64],
         d_previous: &mut [f64],
@@ -155,7 +155,7 @@ impl StateGradients for OfSize {
     }
     fn likelihood_gradients(
         &self,
-        _time: usize,
+        _step: &Step<'_>,
         _states: &[f64],
         _measurement: &[f64],
         d_states: &mut [f64],

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use faer::Mat;
 use motes_models::{
     GraphDiffusion, GraphDiffusionConfig, GraphModel, LinearGaussian, Measurements, ModelShape, Seed,
-    StateSpaceModel, Stream, kalman, simulate,
+    StateSpaceModel, Step, Stream, kalman, simulate,
 };
 use motes_proposals::{
     Adapter, Backend, Cell, Family, Fcnn, FcnnConfig, Gnn, Learnable, Psi, Rnn, RnnConfig,
@@ -141,7 +141,7 @@ impl Proposal<LinearGaussian> for Remembering {
     fn prepare(
         &mut self,
         _model: &LinearGaussian,
-        _time: usize,
+        _step: &Step<'_>,
         _measurement: &[f64],
     ) -> Result<(), ProposalError> {
         Ok(())
@@ -240,7 +240,13 @@ impl StateSpaceModel for RunsAway {
         self.0.sample_initial(stream, state);
     }
 
-    fn sample_transition(&self, _time: usize, _previous: &[f64], _stream: &mut Stream, state: &mut [f64]) {
+    fn sample_transition(
+        &self,
+        _step: &Step<'_>,
+        _previous: &[f64],
+        _stream: &mut Stream,
+        state: &mut [f64],
+    ) {
         state[0] = f64::NAN;
     }
 
@@ -248,12 +254,12 @@ impl StateSpaceModel for RunsAway {
         self.0.log_initial(state)
     }
 
-    fn log_transition(&self, time: usize, previous: &[f64], state: &[f64]) -> f64 {
-        self.0.log_transition(time, previous, state)
+    fn log_transition(&self, step: &Step<'_>, previous: &[f64], state: &[f64]) -> f64 {
+        self.0.log_transition(step, previous, state)
     }
 
-    fn log_likelihood(&self, time: usize, state: &[f64], measurement: &[f64]) -> f64 {
-        self.0.log_likelihood(time, state, measurement)
+    fn log_likelihood(&self, step: &Step<'_>, state: &[f64], measurement: &[f64]) -> f64 {
+        self.0.log_likelihood(step, state, measurement)
     }
 }
 

@@ -1,7 +1,9 @@
 //! Evidence is unbiased, under every resampling rule, for every proposal; and a wrong density is caught.
 
 use faer::mat;
-use motes_models::{GraphDiffusion, GraphDiffusionConfig, LinearGaussian, ModelShape, Seed, StateSpaceModel};
+use motes_models::{
+    GraphDiffusion, GraphDiffusionConfig, LinearGaussian, ModelShape, Seed, StateSpaceModel, Step,
+};
 use motes_proposals::{
     Backend, Cell, Family, Fcnn, FcnnConfig, Gnn, GnnConfig, Learnable, Parametric, Psi, PsiConfig, Rnn,
     RnnConfig,
@@ -219,14 +221,14 @@ fn confined(reference: &Reference, low: f64, high: f64) -> (f64, f64) {
                 .iter()
                 .map(|x| {
                     let into = |(from, density): (&f64, &f64)| {
-                        density * model.log_transition(time, &[*from], &[*x]).exp()
+                        density * model.log_transition(&Step::of_index(time), &[*from], &[*x]).exp()
                     };
                     integral(&points.iter().zip(&forward).map(into).collect::<Vec<f64>>())
                 })
                 .collect();
         }
         for (x, density) in points.iter().zip(&mut forward) {
-            *density *= model.log_likelihood(time, &[*x], measurement).exp();
+            *density *= model.log_likelihood(&Step::of_index(time), &[*x], measurement).exp();
         }
     }
     let evidence = integral(&forward);

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use faer::Mat;
 use motes_models::{
-    Gaussian, GraphDiffusion, GraphDiffusionConfig, ModelShape, Seed, StateSpaceModel, simulate,
+    Gaussian, GraphDiffusion, GraphDiffusionConfig, ModelShape, Seed, StateSpaceModel, Step, simulate,
 };
 use motes_proposals::{
     Backend, Compute, Family, Fcnn, FcnnConfig, Hidden, OverTime, Parameters, Parametric, Precision,
@@ -121,7 +121,7 @@ fn check_log_q(mut proposal: Fcnn) {
     let previous: Vec<f64> = (0..n * particles).map(|i| (i as f64 * 0.7).sin() * 2.0).collect();
     let later = if networks == OverTime::Shared { 1000 } else { 2 };
     for (time, past) in [(0, None), (1, Some(previous.as_slice())), (later, Some(previous.as_slice()))] {
-        let context = Context::new(time, past, &measurement, particles);
+        let context = Context::new(Step::of_index(time), past, &measurement, particles);
         let mut memory = initial_memory(&proposal, particles);
         let mut scratch = Default::default();
         let conditional = proposal.condition_batch(&system, context, &mut memory, &mut scratch).unwrap();
@@ -174,14 +174,14 @@ fn weights_come_from_the_seed_alone() {
 fn misuse_is_a_typed_error() {
     let (system, mut proposal) = (system(), fcnn(Precision::F32));
     let mut memory = initial_memory(&proposal, 1);
-    let context = Context::new(3, Some(&[0.0; 5]), &[0.0; 3], 1);
+    let context = Context::new(Step::of_index(3), Some(&[0.0; 5]), &[0.0; 3], 1);
     let error =
         proposal.condition_batch(&system, context, &mut memory, &mut Default::default()).err().unwrap();
     assert_eq!(error, ProposalError::PastHorizon { horizon: 3, time: 3 });
     assert_eq!(error.to_string(), "this proposal is unrolled over 3 times and was asked for time 3");
     let other =
         GraphDiffusion::random(&GraphDiffusionConfig::new(6), &mut Seed::from_u64(1).stream()).unwrap();
-    let context = Context::new(0, None, &[0.0; 4], 1);
+    let context = Context::new(Step::of_index(0), None, &[0.0; 4], 1);
     assert!(proposal.condition_batch(&other, context, &mut memory, &mut Default::default()).is_err());
     assert_eq!((other.state_dim(), Parametric::state_dim(&proposal)), (6, 5));
 

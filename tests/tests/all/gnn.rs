@@ -3,7 +3,7 @@
 use faer::Mat;
 use motes_models::{
     GraphDiffusion, GraphDiffusionConfig, GraphModel, LinearGaussian, ModelShape, Seed, StateSpaceModel,
-    Stream, SystemGraph,
+    Step, Stream, SystemGraph,
 };
 use motes_proposals::{Adapter, Backend, Compute, Family, Gnn, GnnConfig, Parametric, Precision};
 use motes_smc::{Conditional, Context, FilterSettings, ParticleFilter, Proposal, ProposalError};
@@ -24,16 +24,16 @@ impl StateSpaceModel for Graphed {
     fn sample_initial(&self, _stream: &mut Stream, state: &mut [f64]) {
         state.fill(0.0);
     }
-    fn sample_transition(&self, _time: usize, previous: &[f64], _stream: &mut Stream, state: &mut [f64]) {
+    fn sample_transition(&self, _step: &Step<'_>, previous: &[f64], _stream: &mut Stream, state: &mut [f64]) {
         state.copy_from_slice(previous);
     }
     fn log_initial(&self, _state: &[f64]) -> f64 {
         0.0
     }
-    fn log_transition(&self, _time: usize, _previous: &[f64], _state: &[f64]) -> f64 {
+    fn log_transition(&self, _step: &Step<'_>, _previous: &[f64], _state: &[f64]) -> f64 {
         0.0
     }
-    fn log_likelihood(&self, _time: usize, _state: &[f64], _measurement: &[f64]) -> f64 {
+    fn log_likelihood(&self, _step: &Step<'_>, _state: &[f64], _measurement: &[f64]) -> f64 {
         0.0
     }
 }
@@ -73,7 +73,7 @@ fn means_and_log_q(
 ) -> (Vec<f64>, Vec<f64>) {
     let (model, n) = (Graphed(graph.clone()), graph.shift.nrows());
     let particles = previous.len() / n;
-    let context = Context::new(1, Some(previous), measurement, particles);
+    let context = Context::new(Step::of_index(1), Some(previous), measurement, particles);
     let mut memory = Proposal::<Graphed>::initial_memory(proposal, particles);
     let mut scratch = Default::default();
     let conditional = proposal.condition_batch(&model, context, &mut memory, &mut scratch).unwrap();

@@ -6,7 +6,7 @@ use faer::MatRef;
 use motes_models::batch::Rows;
 use motes_models::{
     Drift, GraphDiffusion, GraphDiffusionConfig, Measurements, ModelShape, Noise, Seed, StateSpaceModel,
-    simulate,
+    Step, simulate,
 };
 use motes_proposals::networks::Inputs;
 use motes_proposals::{
@@ -224,7 +224,9 @@ where
             states.clone_from(&base_states);
             memory = base_memory.clone();
         }
-        let context = |previous| Context::new(time, (time > 0).then_some(previous), measurement, particles);
+        let context = |previous| {
+            Context::new(Step::of_index(time), (time > 0).then_some(previous), measurement, particles)
+        };
         let previous = base_states.clone();
         let mut scratch = F::Scratch::default();
         let mut conditional =
@@ -238,10 +240,15 @@ where
         drop(conditional);
         match time {
             0 => system.log_initials(&states, &mut log_model),
-            _ => system.log_transitions(time, Rows::all(&previous, n), &states, &mut log_model),
+            _ => system.log_transitions(
+                &Step::of_index(time),
+                Rows::all(&previous, n),
+                &states,
+                &mut log_model,
+            ),
         }
         sum += log_model.iter().sum::<f64>();
-        system.log_likelihoods(time, &states, measurement, &mut log_model);
+        system.log_likelihoods(&Step::of_index(time), &states, measurement, &mut log_model);
         sum += log_model.iter().sum::<f64>();
     }
     sum / particles as f64

@@ -1,7 +1,7 @@
 //! The transform: forth and back, its density, and its determinant against the dense Jacobian.
 
 use faer::{Mat, MatRef};
-use motes_models::{GraphDiffusion, GraphDiffusionConfig, ModelShape, Seed};
+use motes_models::{GraphDiffusion, GraphDiffusionConfig, ModelShape, Seed, Step};
 use motes_proposals::networks::Inputs;
 use motes_proposals::{
     Backend, Compute, Family, Learnable, Parametric, Precision, Psi, PsiConfig, PsiScratch, Workspace,
@@ -69,7 +69,7 @@ fn inputs<'a>(n: usize, previous: &'a [f64], measurement: &'a [f64]) -> Inputs<'
 
 /// The same for a filter.
 fn context<'a>(inputs: &Inputs<'a>) -> Context<'a> {
-    Context::new(inputs.time, inputs.previous, inputs.measurement, inputs.particles)
+    Context::new(Step::of_index(inputs.time), inputs.previous, inputs.measurement, inputs.particles)
 }
 
 /// Draws through the tape, which takes the noise that it is given.
@@ -291,7 +291,7 @@ fn settings_that_cannot_be_are_refused() {
     assert!(told(new(0, 1e-3, 2)).contains("layers"));
     assert!(told(new(9, 1e-3, 0)).contains("horizon"));
     let mut psi = psi(3, 2);
-    let past = Context::new(2, Some(&[0.0; 3]), &[0.0; 2], 1);
+    let past = Context::new(Step::of_index(2), Some(&[0.0; 3]), &[0.0; 2], 1);
     let error = psi.condition_batch(&system(3), past, &mut (), &mut PsiScratch::default()).err().unwrap();
     assert_eq!(error, ProposalError::PastHorizon { horizon: 2, time: 2 });
 }

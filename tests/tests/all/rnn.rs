@@ -1,6 +1,6 @@
 //! The recurrent proposal: memory that belongs to its particle, and sequences of any length.
 
-use motes_models::{GraphDiffusion, ModelShape, Seed, StateSpaceModel, simulate};
+use motes_models::{GraphDiffusion, ModelShape, Seed, StateSpaceModel, Step, simulate};
 use motes_proposals::{Backend, Cell, Compute, Family, Fcnn, Parametric, Precision, Rnn, RnnConfig};
 use motes_smc::{Context, FilterBank, FilterError, FilterSettings, ParticleMemory, Proposal, ProposalError};
 use motes_tests::{replay, replayed_system, small_fcnn, small_rnn, trained_family};
@@ -66,7 +66,7 @@ fn after_three_steps(precision: Precision, ancestor: impl Fn(usize) -> usize) ->
     let mut means = Vec::new();
     for time in 0..3 {
         let previous = (time > 0).then_some(previous.as_slice());
-        let context = Context::new(time, previous, &measurement, PARTICLES);
+        let context = Context::new(Step::of_index(time), previous, &measurement, PARTICLES);
         means = rnn
             .condition_batch(&system, context, &mut memory, &mut Default::default())
             .unwrap()
@@ -106,7 +106,7 @@ fn no_particles_are_no_work() {
     let (system, mut rnn) = (replayed_system(), untrained(Cell::Lstm));
     let mut memory = Proposal::<GraphDiffusion>::initial_memory(&rnn, 0);
     for previous in [None, Some(&[][..])] {
-        let context = Context::new(0, previous, &[0.3; 3], 0);
+        let context = Context::new(Step::of_index(0), previous, &[0.3; 3], 0);
         assert!(
             rnn.condition_batch(&system, context, &mut memory, &mut Default::default())
                 .unwrap()

@@ -2,7 +2,7 @@
 
 use motes_models::{
     Epidemic, EpidemicConfig, Measurements, ModelShape, Noise, Seed, Simulations, Spread, StateSpaceModel,
-    simulate_within,
+    Step, simulate_within,
 };
 use motes_proposals::{
     Backend, Cell, Compute, Family, Fcnn, Frame, Frames, Learnable, Origin, Parametric, Precision, Psi, Rnn,
@@ -81,8 +81,8 @@ where
     let previous: Vec<f64> = [900.0, 60.0, 10.0, 980.0, 20.0, -5.0].into_iter().cycle().take(15).collect();
     let mut memory = proposal.initial_memory(particles);
     for context in [
-        Context::new(0, None, &measurement, particles),
-        Context::new(1, Some(&previous), &measurement, particles),
+        Context::new(Step::of_index(0), None, &measurement, particles),
+        Context::new(Step::of_index(1), Some(&previous), &measurement, particles),
     ] {
         let mut scratch = Default::default();
         let mut conditional = proposal.condition_batch(&model, context, &mut memory, &mut scratch).unwrap();
@@ -124,7 +124,7 @@ fn a_density_integrates_to_one_in_the_units_of_the_state() {
     let (count, step) = (4001, 0.05);
     let states: Vec<f64> = (0..count).map(|at| (f64::from(at) - 2000.0) * step).collect();
     let previous = vec![0.7; count as usize];
-    let context = Context::new(1, Some(&previous), &[1.5], count as usize);
+    let context = Context::new(Step::of_index(1), Some(&previous), &[1.5], count as usize);
     let mut memory = Proposal::<motes_models::LinearGaussian>::initial_memory(&proposal, count as usize);
     let mut log_density = vec![0.0; count as usize];
     let mut scratch = Default::default();

@@ -12,7 +12,7 @@ impl Program {
     ///
     /// # Panics
     /// If there are fewer states than the model has.
-    pub(crate) fn push<S: Scalar>(&self, time: usize, states: &[S], coordinates: &mut impl Coordinates<S>) {
+    pub(crate) fn push<S: Scalar>(&self, time: f64, states: &[S], coordinates: &mut impl Coordinates<S>) {
         self.push_along(time, states, 0..self.states, coordinates);
     }
 
@@ -22,7 +22,7 @@ impl Program {
     /// As [`Program::push`].
     pub(crate) fn push_along<S: Scalar>(
         &self,
-        time: usize,
+        time: f64,
         states: &[S],
         along: Range<usize>,
         coordinates: &mut impl Coordinates<S>,
@@ -48,13 +48,13 @@ impl Program {
     }
 
     /// Computes the numbers that are the same for all particles.
-    pub(super) fn plain(&self, time: usize, plain: &mut [f64]) {
+    pub(super) fn plain(&self, time: f64, plain: &mut [f64]) {
         let first = self.constants.len();
         plain[..first].copy_from_slice(&self.constants);
         for (at, step) in self.steps.iter().enumerate() {
             let value = |place: u32| plain[place as usize];
             plain[first + at] = match *step {
-                Step::Time => time as f64,
+                Step::Time => time,
                 Step::OfOne(operation, a) => operation.of(value(a)),
                 Step::Integer(a, n) => value(a).powi(n),
                 Step::OfTwo(operation, a, b) => operation.of(value(a), value(b)),

@@ -24,7 +24,7 @@ impl Program {
     }
 
     /// What is known of each coordinate's distribution at a time.
-    pub(crate) fn known(&self, time: usize) -> Vec<Known> {
+    pub(crate) fn known(&self, time: f64) -> Vec<Known> {
         with_scalars::<f64, _>(self.constants.len() + self.steps.len(), |plain| {
             self.plain(time, plain);
             let value = |source: Source| match source {

@@ -9,7 +9,7 @@ use crate::program::{Known, Program};
 use crate::tables::Kind;
 
 /// The support of each coordinate of a program at a time, as far as it holds for all states.
-pub(crate) fn supports(program: &Program, time: usize) -> Vec<Option<Support>> {
+pub(crate) fn supports(program: &Program, time: f64) -> Vec<Option<Support>> {
     program.known(time).iter().map(of).collect()
 }
 

@@ -3,7 +3,7 @@
 use motes_formulas::{FileModel, FormulaModel, parse};
 use motes_models::batch::Rows;
 use motes_models::equations::{Coordinates, Equations, Scalar, normal};
-use motes_models::{Seed, StateGradients, StateSpaceModel, simulate};
+use motes_models::{Seed, StateGradients, StateSpaceModel, Step, simulate};
 
 const FILE: &str = r#"
 name = "growth"
@@ -38,13 +38,13 @@ impl Equations for Growth {
         state.push(normal(0.0, 5.0_f64.sqrt()));
     }
 
-    fn transition<S: Scalar>(&self, time: usize, x: &[S], state: &mut impl Coordinates<S>) {
+    fn transition<S: Scalar>(&self, step: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
         let x = x[0];
-        let drift = x / 2.0 + x * 25.0 / (x * x + 1.0) + 8.0 * Scalar::cos(1.2 * time as f64);
+        let drift = x / 2.0 + x * 25.0 / (x * x + 1.0) + 8.0 * Scalar::cos(1.2 * step.time);
         state.push(normal(drift, self.q.sqrt()));
     }
 
-    fn measurement<S: Scalar>(&self, _: usize, x: &[S], measurement: &mut impl Coordinates<S>) {
+    fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], measurement: &mut impl Coordinates<S>) {
         measurement.push(normal(x[0] * x[0] / 20.0, 1.0));
     }
 }
@@ -91,12 +91,12 @@ fn it_weighs_the_same_bits() {
         a: &mut [f64],
         b: &mut [f64],
     ) {
-        model.log_transitions(3, Rows::all(previous, 1), states, a);
-        model.log_likelihoods(3, states, &[1.5], b);
+        model.log_transitions(&Step::of_index(3), Rows::all(previous, 1), states, a);
+        model.log_likelihoods(&Step::of_index(3), states, &[1.5], b);
     }
     fn slopes<M: StateGradients>(model: &M, previous: &[f64], states: &[f64], a: &mut [f64], b: &mut [f64]) {
-        model.transition_gradients(3, previous, states, a, b);
-        model.likelihood_gradients(3, states, &[1.5], b);
+        model.transition_gradients(&Step::of_index(3), previous, states, a, b);
+        model.likelihood_gradients(&Step::of_index(3), states, &[1.5], b);
     }
     assert_eq!(
         all(&|a, b| densities(&found, &previous, &states, a, b)),

@@ -1,6 +1,7 @@
 //! What several tests use: models of texts, and what they state at a point.
 
 use motes_formulas::{FileModel, FormulaModel, parse};
+use motes_models::Step;
 use motes_models::equations::{Coordinates, Distribution, Equations, Scalar};
 
 /// The model of a text.
@@ -31,14 +32,14 @@ impl<S> Coordinates<S> for Kept<S> {
 /// `p(y_t | x_t)`.
 pub fn measurement<S: Scalar>(model: &FormulaModel, time: usize, state: &[S]) -> Vec<Distribution<S>> {
     let mut kept = Kept(Vec::new());
-    model.measurement(time, state, &mut kept);
+    Step::of_index(time).lift(|step| model.measurement(step, state, &mut kept));
     kept.0
 }
 
 /// `p(x_t | x_{t−1})`.
 pub fn transition<S: Scalar>(model: &FormulaModel, time: usize, previous: &[S]) -> Vec<Distribution<S>> {
     let mut kept = Kept(Vec::new());
-    model.transition(time, previous, &mut kept);
+    Step::of_index(time).lift(|step| model.transition(step, previous, &mut kept));
     kept.0
 }
 

@@ -1,6 +1,6 @@
 //! Measurements that no state can give.
 
-use motes_models::StateSpaceModel;
+use motes_models::{StateSpaceModel, Step};
 
 use super::helpers::measuring;
 
@@ -11,7 +11,7 @@ fn refused(formula: &str, time: usize, value: f64) -> Option<String> {
     assert_eq!(model.impossible(time, &[None]), None, "{formula}");
     // Densities say the same at some states, whichever these are.
     let states = [[0.3, 0.2], [0.7, -0.4], [2.5, 3.0], [-1.5, 0.9]];
-    let log_densities = states.map(|state| model.log_likelihood(time, &state, &[value]));
+    let log_densities = states.map(|state| model.log_likelihood(&Step::of_index(time), &state, &[value]));
     if found.is_some() {
         let is_zero = |density: &f64| *density == f64::NEG_INFINITY || density.is_nan();
         assert!(log_densities.iter().all(is_zero), "{formula} at {value}: {log_densities:?}");
@@ -79,5 +79,5 @@ fn the_entry_of_a_vector_is_named() {
     let model = super::helpers::model(text);
     let found = model.impossible(0, &[Some(-1.5), Some(0.0), None, Some(0.5)]).unwrap();
     assert_eq!((found.coordinate, found.value), (3, 0.5));
-    assert_eq!(model.supports(0)[0], None);
+    assert_eq!(model.supports(&Step::of_index(0))[0], None);
 }

@@ -1,16 +1,16 @@
 //! An epidemic as what linearised and learned proposals ask of it.
 
 use super::{Epidemic, MEASURED};
-use crate::Noise;
 use crate::equations::{Coordinates, Lanes, Linearise, TileStates, moments_of_states, rows_of};
 use crate::linear_measurements::tile_scores;
+use crate::{Noise, Step};
 
 impl TileStates for Epidemic {
     fn is_affine(&self) -> bool {
         self.config.noise == Noise::Gaussian
     }
 
-    fn push_states(&self, _time: usize, previous: Option<&[f64]>, states: &mut impl Coordinates<Lanes>) {
+    fn push_states(&self, _step: &Step<'_>, previous: Option<&[f64]>, states: &mut impl Coordinates<Lanes>) {
         let [of_initial, of_states, _] = self.sigmas;
         let noise = self.config.noise;
         match previous.map(rows_of) {
@@ -32,13 +32,19 @@ impl TileStates for Epidemic {
 }
 
 impl Linearise for Epidemic {
-    fn tile_moments(&self, time: usize, previous: Option<&[f64]>, means: &mut [f64], variances: &mut [f64]) {
-        moments_of_states(self, time, previous, means, variances);
+    fn tile_moments(
+        &self,
+        step: &Step<'_>,
+        previous: Option<&[f64]>,
+        means: &mut [f64],
+        variances: &mut [f64],
+    ) {
+        moments_of_states(self, step, previous, means, variances);
     }
 
     fn tile_scores(
         &self,
-        _time: usize,
+        _step: &Step<'_>,
         states: &[f64],
         measurement: &[Option<Lanes>],
         slopes: &mut [f64],

@@ -5,14 +5,18 @@ use super::model::{OfMeasurement, OfStates};
 use super::statement::Equations;
 use super::tiles::{rows_of, rows_of_mut, with_scalars};
 use super::varied::{SIDE, Varied, put, vary};
-use crate::StateGradients;
 use crate::batch::{LANES, by_widest_vectors, load, store, with_scratch};
+use crate::{StateGradients, Step};
 
 /// A log density that is asked for its derivatives.
 trait Density {
+    /// The step that it belongs to.
+    fn step(&self) -> Step<'_>;
+
     /// At `point` (`N`), for the particles of a tile from `lane` on; the density may depend on `others`, a tile, and use the numbers of `own` (`N`).
     fn at<const E: usize>(
         &self,
+        step: &Step<'_, Varied<E>>,
         point: &[Varied<E>],
         others: &[Lanes],
         lane: usize,
@@ -24,9 +28,14 @@ trait Density {
 struct Initial<'a, M>(&'a M);
 
 impl<M: Equations> Density for Initial<'_, M> {
+    fn step(&self) -> Step<'_> {
+        Step::of_index(0)
+    }
+
     #[inline(always)]
     fn at<const E: usize>(
         &self,
+        _: &Step<'_, Varied<E>>,
         point: &[Varied<E>],
         _: &[Lanes],
         _: usize,
@@ -39,12 +48,17 @@ impl<M: Equations> Density for Initial<'_, M> {
 }
 
 /// `p(x_t | x_{t−1})` at points `x_{t−1}`.
-struct OfPrevious<'a, M>(&'a M, usize);
+struct OfPrevious<'a, M>(&'a M, Step<'a>);
 
 impl<M: Equations> Density for OfPrevious<'_, M> {
+    fn step(&self) -> Step<'_> {
+        self.1
+    }
+
     #[inline(always)]
     fn at<const E: usize>(
         &self,
+        step: &Step<'_, Varied<E>>,
         point: &[Varied<E>],
         states: &[Lanes],
         lane: usize,
@@ -52,18 +66,23 @@ impl<M: Equations> Density for OfPrevious<'_, M> {
     ) -> Varied<E> {
         vary(states, lane, states.len(), now);
         let mut density = OfStates::at(now);
-        self.0.transition(self.1, point, &mut density);
+        self.0.transition(step, point, &mut density);
         density.finish()
     }
 }
 
 /// `p(x_t | x_{t−1})` at points `x_t`.
-struct OfState<'a, M>(&'a M, usize);
+struct OfState<'a, M>(&'a M, Step<'a>);
 
 impl<M: Equations> Density for OfState<'_, M> {
+    fn step(&self) -> Step<'_> {
+        self.1
+    }
+
     #[inline(always)]
     fn at<const E: usize>(
         &self,
+        step: &Step<'_, Varied<E>>,
         point: &[Varied<E>],
         previous: &[Lanes],
         lane: usize,
@@ -71,7 +90,7 @@ impl<M: Equations> Density for OfState<'_, M> {
     ) -> Varied<E> {
         vary(previous, lane, previous.len(), before);
         let mut density = OfStates::at(point);
-        self.0.transition(self.1, before, &mut density);
+        self.0.transition(step, before, &mut density);
         density.finish()
     }
 }
@@ -79,21 +98,26 @@ impl<M: Equations> Density for OfState<'_, M> {
 /// `p(y_t | x_t)`.
 struct Likelihood<'a, M> {
     model: &'a M,
-    time: usize,
+    step: Step<'a>,
     measurement: &'a [f64],
 }
 
 impl<M: Equations> Density for Likelihood<'_, M> {
+    fn step(&self) -> Step<'_> {
+        self.step
+    }
+
     #[inline(always)]
     fn at<const E: usize>(
         &self,
+        step: &Step<'_, Varied<E>>,
         point: &[Varied<E>],
         _: &[Lanes],
         _: usize,
         _: &mut [Varied<E>],
     ) -> Varied<E> {
         let mut density = OfMeasurement::at(self.measurement);
-        self.model.measurement(self.time, point, &mut density);
+        self.model.measurement(step, point, &mut density);
         density.finish()
     }
 }
@@ -121,32 +145,35 @@ fn along<const E: usize>(
         tiles.fill(0.0);
         let (tile, tiles) = tiles.split_at_mut(n * LANES);
         let (other, found) = tiles.split_at_mut(n * LANES);
-        with_scalars::<Varied<E>, _>(2 * n, |scalars| {
-            let (point, own) = scalars.split_at_mut(n);
-            by_widest_vectors(
-                #[inline(always)]
-                || {
-                    let mut others = others.chunks(n * LANES);
-                    for (states, slopes) in states.chunks(n * LANES).zip(slopes.chunks_mut(n * LANES)) {
-                        load(states, n, tile);
-                        if let Some(others) = others.next() {
-                            load(others, n, other);
-                        }
-                        let (tile, other) = (rows_of(tile), rows_of(other));
-                        for lane in (0..states.len() / n).step_by(SIDE) {
-                            for first in (0..n).step_by(E - 1) {
-                                vary(tile, lane, first, point);
-                                let density = density.at(point, other, lane, own);
-                                let slopes = &mut rows_of_mut(found)[first..];
-                                for (slope, derivative) in slopes.iter_mut().zip(density.derivatives()) {
-                                    put(*derivative, lane, slope);
+        let step = density.step();
+        step.lift(|step| {
+            with_scalars::<Varied<E>, _>(2 * n, |scalars| {
+                let (point, own) = scalars.split_at_mut(n);
+                by_widest_vectors(
+                    #[inline(always)]
+                    || {
+                        let mut others = others.chunks(n * LANES);
+                        for (states, slopes) in states.chunks(n * LANES).zip(slopes.chunks_mut(n * LANES)) {
+                            load(states, n, tile);
+                            if let Some(others) = others.next() {
+                                load(others, n, other);
+                            }
+                            let (tile, other) = (rows_of(tile), rows_of(other));
+                            for lane in (0..states.len() / n).step_by(SIDE) {
+                                for first in (0..n).step_by(E - 1) {
+                                    vary(tile, lane, first, point);
+                                    let density = density.at(step, point, other, lane, own);
+                                    let slopes = &mut rows_of_mut(found)[first..];
+                                    for (slope, derivative) in slopes.iter_mut().zip(density.derivatives()) {
+                                        put(*derivative, lane, slope);
+                                    }
                                 }
                             }
+                            store(found, n, slopes);
                         }
-                        store(found, n, slopes);
-                    }
-                },
-            );
+                    },
+                );
+            })
         });
     });
 }
@@ -158,19 +185,25 @@ impl<M: Equations> StateGradients for M {
 
     fn transition_gradients(
         &self,
-        time: usize,
+        step: &Step<'_>,
         previous: &[f64],
         states: &[f64],
         d_previous: &mut [f64],
         d_states: &mut [f64],
     ) {
         let [n, _] = self.dimensions();
-        fill_slopes(n, previous, states, &OfPrevious(self, time), d_previous);
-        fill_slopes(n, states, previous, &OfState(self, time), d_states);
+        fill_slopes(n, previous, states, &OfPrevious(self, *step), d_previous);
+        fill_slopes(n, states, previous, &OfState(self, *step), d_states);
     }
 
-    fn likelihood_gradients(&self, time: usize, states: &[f64], measurement: &[f64], d_states: &mut [f64]) {
-        let density = Likelihood { model: self, time, measurement };
+    fn likelihood_gradients(
+        &self,
+        step: &Step<'_>,
+        states: &[f64],
+        measurement: &[f64],
+        d_states: &mut [f64],
+    ) {
+        let density = Likelihood { model: self, step: *step, measurement };
         fill_slopes(self.dimensions()[0], states, &[], &density, d_states);
     }
 }

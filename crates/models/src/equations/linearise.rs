@@ -6,8 +6,8 @@ use super::statement::{Coordinates, Equations};
 use super::tile_states::TileStates;
 use super::tiles::{rows_of, rows_of_mut, with_scalars};
 use super::varied::{SIDE, Side, Varied, put, side, vary};
-use crate::StateSpaceModel;
 use crate::batch::{LANES, by_widest_vectors};
+use crate::{StateSpaceModel, Step};
 
 /// A model whose transition has moments, and whose measurement can be linearised in the state: coordinates of both are independent given the past.
 ///
@@ -15,13 +15,19 @@ use crate::batch::{LANES, by_widest_vectors};
 pub trait Linearise: StateSpaceModel {
     /// Mean and variance of each coordinate of `x_t` given `previous` (`N × LANES`), or of `x_0` where there is none; location and squared
     /// scale where the variance is infinite.
-    fn tile_moments(&self, time: usize, previous: Option<&[f64]>, means: &mut [f64], variances: &mut [f64]);
+    fn tile_moments(
+        &self,
+        step: &Step<'_>,
+        previous: Option<&[f64]>,
+        means: &mut [f64],
+        variances: &mut [f64],
+    );
 
     /// What each entry of `measurement` (`M`, one number for each particle) says at `states` (`N × LANES`) of its location `θ(x_t)`: `slopes` gets `∂ log p(y | θ)/∂θ`, `information` its
     /// Fisher information (`M × LANES` each), and `jacobian` gets `∂θ/∂x_t` (`M × N × LANES`). An entry that is missing says nothing: zeros.
     fn tile_scores(
         &self,
-        time: usize,
+        step: &Step<'_>,
         states: &[f64],
         measurement: &[Option<Lanes>],
         slopes: &mut [f64],
@@ -94,7 +100,7 @@ impl<const E: usize> Coordinates<Varied<E>> for Scores<'_> {
 /// What [`Linearise::tile_scores`] asks for.
 struct Asked<'a, M> {
     model: &'a M,
-    time: usize,
+    step: &'a Step<'a>,
     states: &'a [Lanes],
     measurement: &'a [Option<Lanes>],
     slopes: &'a mut [Lanes],
@@ -105,26 +111,36 @@ struct Asked<'a, M> {
 impl<M: Equations> Asked<'_, M> {
     /// Finds it along `E − 1` coordinates at a time.
     fn along<const E: usize>(&mut self) {
-        let Asked { model, time, states, measurement, slopes, information, jacobian } = self;
+        let Asked { model, step, states, measurement, slopes, information, jacobian } = self;
         let n = states.len();
-        with_scalars::<Varied<E>, _>(n, |point| {
-            by_widest_vectors(
-                #[inline(always)]
-                || {
-                    for lane in (0..LANES).step_by(SIDE) {
-                        for first in (0..n).step_by(E - 1) {
-                            vary(states, lane, first, point);
-                            let (slopes, information, jacobian) =
-                                (&mut **slopes, &mut **information, &mut **jacobian);
-                            let mut scores =
-                                Scores { measurement, lane, first, n, slopes, information, jacobian, at: 0 };
-                            // Along the first ones all are asked for, with their slopes and information.
-                            let along = if first == 0 { 0..n } else { first..(first + E - 1).min(n) };
-                            model.measurement_along(*time, &*point, along, &mut scores);
+        step.lift(|step| {
+            with_scalars::<Varied<E>, _>(n, |point| {
+                by_widest_vectors(
+                    #[inline(always)]
+                    || {
+                        for lane in (0..LANES).step_by(SIDE) {
+                            for first in (0..n).step_by(E - 1) {
+                                vary(states, lane, first, point);
+                                let (slopes, information, jacobian) =
+                                    (&mut **slopes, &mut **information, &mut **jacobian);
+                                let mut scores = Scores {
+                                    measurement,
+                                    lane,
+                                    first,
+                                    n,
+                                    slopes,
+                                    information,
+                                    jacobian,
+                                    at: 0,
+                                };
+                                // Along the first ones all are asked for, with their slopes and information.
+                                let along = if first == 0 { 0..n } else { first..(first + E - 1).min(n) };
+                                model.measurement_along(step, &*point, along, &mut scores);
+                            }
                         }
-                    }
-                },
-            );
+                    },
+                );
+            })
         });
     }
 }
@@ -132,24 +148,30 @@ impl<M: Equations> Asked<'_, M> {
 /// Mean and variance of each coordinate that a model states; NaN for those that it leaves out.
 pub(crate) fn moments_of_states(
     model: &impl TileStates,
-    time: usize,
+    step: &Step<'_>,
     previous: Option<&[f64]>,
     means: &mut [f64],
     variances: &mut [f64],
 ) {
     means.fill(f64::NAN);
     let mut moments = Moments { means: rows_of_mut(means), variances: rows_of_mut(variances), at: 0 };
-    model.push_states(time, previous, &mut moments);
+    model.push_states(step, previous, &mut moments);
 }
 
 impl<E: Equations> Linearise for E {
-    fn tile_moments(&self, time: usize, previous: Option<&[f64]>, means: &mut [f64], variances: &mut [f64]) {
-        moments_of_states(self, time, previous, means, variances);
+    fn tile_moments(
+        &self,
+        step: &Step<'_>,
+        previous: Option<&[f64]>,
+        means: &mut [f64],
+        variances: &mut [f64],
+    ) {
+        moments_of_states(self, step, previous, means, variances);
     }
 
     fn tile_scores(
         &self,
-        time: usize,
+        step: &Step<'_>,
         states: &[f64],
         measurement: &[Option<Lanes>],
         slopes: &mut [f64],
@@ -158,7 +180,7 @@ impl<E: Equations> Linearise for E {
     ) {
         let mut asked = Asked {
             model: self,
-            time,
+            step,
             states: rows_of(states),
             measurement,
             slopes: rows_of_mut(slopes),

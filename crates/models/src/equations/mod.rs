@@ -8,6 +8,7 @@ mod dual;
 mod functions;
 mod gradients;
 mod lanes;
+mod lift;
 mod linearise;
 mod model;
 mod moments;

@@ -7,7 +7,7 @@ use super::scalar::Scalar;
 use super::statement::{Coordinates, Equations};
 use super::tiles::rows_of;
 use crate::batch::{LANES, Rows, by_widest_vectors, load, with_scratch};
-use crate::{ModelError, PartialLikelihood, Simulator, StateSpaceModel, Stream};
+use crate::{ModelError, PartialLikelihood, Simulator, StateSpaceModel, Step, Stream};
 
 /// Adds up the log densities of coordinates at given values.
 struct Density<'a, S, V> {
@@ -141,9 +141,9 @@ impl<E: Equations> StateSpaceModel for E {
         self.sample_initials(std::slice::from_mut(stream), state);
     }
 
-    fn sample_transition(&self, time: usize, previous: &[f64], stream: &mut Stream, state: &mut [f64]) {
+    fn sample_transition(&self, step: &Step<'_>, previous: &[f64], stream: &mut Stream, state: &mut [f64]) {
         let previous = Rows::all(previous, previous.len());
-        self.sample_transitions(time, previous, std::slice::from_mut(stream), state);
+        self.sample_transitions(step, previous, std::slice::from_mut(stream), state);
     }
 
     fn log_initial(&self, state: &[f64]) -> f64 {
@@ -152,15 +152,15 @@ impl<E: Equations> StateSpaceModel for E {
         density.finish()
     }
 
-    fn log_transition(&self, time: usize, previous: &[f64], state: &[f64]) -> f64 {
+    fn log_transition(&self, step: &Step<'_>, previous: &[f64], state: &[f64]) -> f64 {
         let mut density = OfStates::at(state);
-        self.transition(time, previous, &mut density);
+        self.transition(step, previous, &mut density);
         density.finish()
     }
 
-    fn log_likelihood(&self, time: usize, state: &[f64], measurement: &[f64]) -> f64 {
+    fn log_likelihood(&self, step: &Step<'_>, state: &[f64], measurement: &[f64]) -> f64 {
         let mut density = OfMeasurement::at(measurement);
-        self.measurement(time, state, &mut density);
+        self.measurement(step, state, &mut density);
         density.finish()
     }
 
@@ -181,7 +181,7 @@ impl<E: Equations> StateSpaceModel for E {
 
     fn sample_transitions(
         &self,
-        time: usize,
+        step: &Step<'_>,
         previous: Rows<'_>,
         streams: &mut [Stream],
         states: &mut [f64],
@@ -190,19 +190,21 @@ impl<E: Equations> StateSpaceModel for E {
         if previous.is_empty() {
             return;
         }
-        let needs = needs_of(|counter| self.transition(time, previous.row(0), counter));
-        draw_rows(
-            needs,
-            n,
-            Some(previous),
-            n,
-            streams,
-            states,
-            #[inline(always)]
-            |_, previous, drawn| {
-                self.transition(time, previous, drawn);
-            },
-        );
+        let needs = needs_of(|counter| self.transition(step, previous.row(0), counter));
+        step.lift(|step| {
+            draw_rows(
+                needs,
+                n,
+                Some(previous),
+                n,
+                streams,
+                states,
+                #[inline(always)]
+                |_, previous, drawn| {
+                    self.transition(step, previous, drawn);
+                },
+            );
+        });
     }
 
     fn log_initials(&self, states: &[f64], out: &mut [f64]) {
@@ -220,61 +222,75 @@ impl<E: Equations> StateSpaceModel for E {
         );
     }
 
-    fn log_transitions(&self, time: usize, previous: Rows<'_>, states: &[f64], out: &mut [f64]) {
+    fn log_transitions(&self, step: &Step<'_>, previous: Rows<'_>, states: &[f64], out: &mut [f64]) {
         let [n, _] = self.dimensions();
-        with_scratch(n * LANES, |now| {
-            now.fill(0.0);
-            over_tiles(
-                n,
-                previous,
-                out,
-                #[inline(always)]
-                |first, previous| {
-                    let last = (first + LANES).min(states.len() / n);
-                    load(&states[first * n..last * n], n, now);
-                    let mut density = OfStates::at(rows_of(now));
-                    self.transition(time, previous, &mut density);
-                    density.finish()
-                },
-            );
+        step.lift(|step| {
+            with_scratch(n * LANES, |now| {
+                now.fill(0.0);
+                over_tiles(
+                    n,
+                    previous,
+                    out,
+                    #[inline(always)]
+                    |first, previous| {
+                        let last = (first + LANES).min(states.len() / n);
+                        load(&states[first * n..last * n], n, now);
+                        let mut density = OfStates::at(rows_of(now));
+                        self.transition(step, previous, &mut density);
+                        density.finish()
+                    },
+                );
+            })
         });
     }
 
-    fn log_likelihoods(&self, time: usize, states: &[f64], measurement: &[f64], out: &mut [f64]) {
+    fn log_likelihoods(&self, step: &Step<'_>, states: &[f64], measurement: &[f64], out: &mut [f64]) {
         let [n, _] = self.dimensions();
-        over_tiles(
-            n,
-            Rows::all(states, n),
-            out,
-            #[inline(always)]
-            |_, tile| {
-                let mut density = OfMeasurement::at(measurement);
-                self.measurement(time, tile, &mut density);
-                density.finish()
-            },
-        );
+        step.lift(|step| {
+            over_tiles(
+                n,
+                Rows::all(states, n),
+                out,
+                #[inline(always)]
+                |_, tile| {
+                    let mut density = OfMeasurement::at(measurement);
+                    self.measurement(step, tile, &mut density);
+                    density.finish()
+                },
+            )
+        });
     }
 }
 
 impl<E: Equations> Simulator for E {
-    fn sample_measurement(&self, time: usize, state: &[f64], stream: &mut Stream, measurement: &mut [f64]) {
+    fn sample_measurement(
+        &self,
+        step: &Step<'_>,
+        state: &[f64],
+        stream: &mut Stream,
+        measurement: &mut [f64],
+    ) {
         let [n, m] = self.dimensions();
-        let needs = needs_of(|counter| self.measurement(time, state, counter));
+        let needs = needs_of(|counter| self.measurement(step, state, counter));
         let streams = std::slice::from_mut(stream);
-        draw_rows(needs, m, Some(Rows::all(state, n)), n, streams, measurement, |_, state, drawn| {
-            self.measurement(time, state, drawn);
+        step.lift(|step| {
+            draw_rows(needs, m, Some(Rows::all(state, n)), n, streams, measurement, |_, state, drawn| {
+                self.measurement(step, state, drawn);
+            });
         });
     }
 
-    fn sample_measurements(&self, time: usize, states: &[f64], streams: &mut [Stream], out: &mut [f64]) {
+    fn sample_measurements(&self, step: &Step<'_>, states: &[f64], streams: &mut [Stream], out: &mut [f64]) {
         let [n, m] = self.dimensions();
         let states = Rows::all(states, n);
         if states.is_empty() {
             return;
         }
-        let needs = needs_of(|counter| self.measurement(time, states.row(0), counter));
-        draw_rows(needs, m, Some(states), n, streams, out, |_, state, drawn| {
-            self.measurement(time, state, drawn);
+        let needs = needs_of(|counter| self.measurement(step, states.row(0), counter));
+        step.lift(|step| {
+            draw_rows(needs, m, Some(states), n, streams, out, |_, state, drawn| {
+                self.measurement(step, state, drawn);
+            });
         });
     }
 }
@@ -282,23 +298,25 @@ impl<E: Equations> Simulator for E {
 impl<E: Equations> PartialLikelihood for E {
     fn partial_log_likelihoods(
         &self,
-        time: usize,
+        step: &Step<'_>,
         states: &[f64],
         measurement: &[Option<f64>],
         out: &mut [f64],
     ) -> Result<(), ModelError> {
         let [n, _] = self.dimensions();
-        over_tiles(
-            n,
-            Rows::all(states, n),
-            out,
-            #[inline(always)]
-            |_, tile| {
-                let mut density = OfKnown::at(measurement);
-                self.measurement(time, tile, &mut density);
-                density.finish()
-            },
-        );
+        step.lift(|step| {
+            over_tiles(
+                n,
+                Rows::all(states, n),
+                out,
+                #[inline(always)]
+                |_, tile| {
+                    let mut density = OfKnown::at(measurement);
+                    self.measurement(step, tile, &mut density);
+                    density.finish()
+                },
+            )
+        });
         Ok(())
     }
 }

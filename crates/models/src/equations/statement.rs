@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use super::distribution::Distribution;
 use super::scalar::Scalar;
+use crate::Step;
 
 /// A state-space model by its three equations: `p(x_0)`, `p(x_t | x_{t−1})`, `p(y_t | x_t)`. Coordinates are independent given the past.
 ///
@@ -19,7 +20,7 @@ use super::scalar::Scalar;
 ///
 /// ```
 /// use motes_models::equations::{Coordinates, Equations, Scalar, normal};
-/// use motes_models::{Seed, simulate};
+/// use motes_models::{Seed, Step, simulate};
 ///
 /// /// The growth model of Netto, Gimeno and Mendes (1978).
 /// struct Growth;
@@ -34,14 +35,14 @@ use super::scalar::Scalar;
 ///     }
 ///
 ///     #[inline(always)]
-///     fn transition<S: Scalar>(&self, time: usize, x: &[S], state: &mut impl Coordinates<S>) {
+///     fn transition<S: Scalar>(&self, step: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
 ///         let x = x[0];
-///         let drift = x / 2.0 + x * 25.0 / (x * x + 1.0) + 8.0 * (1.2 * time as f64).cos();
+///         let drift = x / 2.0 + x * 25.0 / (x * x + 1.0) + 8.0 * (1.2 * step.time).cos();
 ///         state.push(normal(drift, 10.0_f64.sqrt()));
 ///     }
 ///
 ///     #[inline(always)]
-///     fn measurement<S: Scalar>(&self, _: usize, x: &[S], measurement: &mut impl Coordinates<S>) {
+///     fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], measurement: &mut impl Coordinates<S>) {
 ///         measurement.push(normal(x[0] * x[0] / 20.0, 1.0));
 ///     }
 /// }
@@ -59,11 +60,11 @@ pub trait Equations: Sync {
     /// Where another number of coordinates is pushed, here or below, draws and densities are NaN.
     fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>);
 
-    /// Pushes the distribution of each of the `N` coordinates of `x_t` given `x_{t−1}` (`N`); `time` is `t`, at least 1.
-    fn transition<S: Scalar>(&self, time: usize, previous: &[S], state: &mut impl Coordinates<S>);
+    /// Pushes the distribution of each of the `N` coordinates of `x_t` given `x_{t−1}` (`N`).
+    fn transition<S: Scalar>(&self, step: &Step<'_, S>, previous: &[S], state: &mut impl Coordinates<S>);
 
-    /// Pushes the distribution of each of the `M` coordinates of `y_t` given `x_t` (`N`); `time` is `t`, at least 0.
-    fn measurement<S: Scalar>(&self, time: usize, state: &[S], measurement: &mut impl Coordinates<S>);
+    /// Pushes the distribution of each of the `M` coordinates of `y_t` given `x_t` (`N`).
+    fn measurement<S: Scalar>(&self, step: &Step<'_, S>, state: &[S], measurement: &mut impl Coordinates<S>);
 
     /// [`Equations::measurement`], of which only derivatives along the states in `along` are wanted: coordinates that depend on none of these states may be
     /// passed over ([`Coordinates::pass_over`]). A model of many states of which each coordinate sees few is linearised sooner so; all are pushed unless a
@@ -71,12 +72,12 @@ pub trait Equations: Sync {
     #[inline(always)]
     fn measurement_along<S: Scalar>(
         &self,
-        time: usize,
+        step: &Step<'_, S>,
         state: &[S],
         _along: Range<usize>,
         measurement: &mut impl Coordinates<S>,
     ) {
-        self.measurement(time, state, measurement);
+        self.measurement(step, state, measurement);
     }
 }
 

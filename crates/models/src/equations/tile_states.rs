@@ -4,7 +4,7 @@ use super::distribution::Distribution;
 use super::lanes::Lanes;
 use super::statement::{Coordinates, Equations};
 use super::tiles::rows_of;
-use crate::{Seed, StateSpaceModel};
+use crate::{Seed, StateSpaceModel, Step};
 
 /// A model that says how the coordinates of each particle's state are distributed, independently of each other given the past.
 pub(crate) trait TileStates {
@@ -12,7 +12,7 @@ pub(crate) trait TileStates {
     fn is_affine(&self) -> bool;
 
     /// Pushes the distribution of each coordinate of `x_t` given `previous` (`N × LANES`), or of `x_0` where there is none.
-    fn push_states(&self, time: usize, previous: Option<&[f64]>, states: &mut impl Coordinates<Lanes>);
+    fn push_states(&self, step: &Step<'_>, previous: Option<&[f64]>, states: &mut impl Coordinates<Lanes>);
 }
 
 /// Transitions whose families are looked at: they may depend on the time, never on states.
@@ -37,15 +37,15 @@ impl<E: Equations> TileStates for E {
         // A state that is likely, from a stream of its own.
         let mut state = vec![0.0; n];
         self.sample_initial(&mut Seed::from_u64(0).child("transport").stream(), &mut state);
-        (1..=PROBES).for_each(|time| self.transition(time, &state, &mut families));
+        (1..=PROBES).for_each(|index| self.transition(&Step::of_index(index), &state, &mut families));
         families.all_normal
     }
 
     #[inline(always)]
-    fn push_states(&self, time: usize, previous: Option<&[f64]>, states: &mut impl Coordinates<Lanes>) {
+    fn push_states(&self, step: &Step<'_>, previous: Option<&[f64]>, states: &mut impl Coordinates<Lanes>) {
         match previous {
             None => self.initial(states),
-            Some(previous) => self.transition(time, rows_of(previous), states),
+            Some(previous) => step.lift(|step| self.transition(step, rows_of(previous), states)),
         }
     }
 }

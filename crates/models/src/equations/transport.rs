@@ -6,9 +6,9 @@ use super::scalar::Scalar;
 use super::statement::Coordinates;
 use super::tile_states::TileStates;
 use super::tiles::rows_of_mut;
-use crate::StateSpaceModel;
 use crate::batch::LANES;
 use crate::gaussian::LN_2PI;
+use crate::{StateSpaceModel, Step};
 
 /// A model whose transition is a transport of standard normal noise: `x_t = T(x_{t−1}, v_t)`, coordinate by coordinate and growing with `v_t`.
 ///
@@ -21,12 +21,18 @@ pub trait Transport: StateSpaceModel {
     fn is_affine(&self) -> bool;
 
     /// `T(x_{t−1}, 0)`, the median, into `centres`, and `∂T_i/∂v_i` there into `slopes` (`N × LANES` each).
-    fn tile_centres(&self, time: usize, previous: Option<&[f64]>, centres: &mut [f64], slopes: &mut [f64]);
+    fn tile_centres(
+        &self,
+        step: &Step<'_>,
+        previous: Option<&[f64]>,
+        centres: &mut [f64],
+        slopes: &mut [f64],
+    );
 
     /// Replaces `v` in `values` by `T(x_{t−1}, v)` (`N × LANES`), and writes `Σ_i log ∂T_i/∂v_i` into `log_slope` (`LANES`).
     fn tile_from_normal(
         &self,
-        time: usize,
+        step: &Step<'_>,
         previous: Option<&[f64]>,
         values: &mut [f64],
         log_slope: &mut [f64],
@@ -37,14 +43,14 @@ pub trait Transport: StateSpaceModel {
     /// At and beyond an end of the range `v` is infinite, and the log slope means nothing.
     fn tile_to_normal(
         &self,
-        time: usize,
+        step: &Step<'_>,
         previous: Option<&[f64]>,
         values: &mut [f64],
         log_slope: &mut [f64],
     );
 
     /// Replaces `x` in `values` by `∂T_i/∂v_i` at the `v` with `T(x_{t−1}, v) = x` (`N × LANES`), coordinate by coordinate.
-    fn tile_slopes(&self, time: usize, previous: Option<&[f64]>, values: &mut [f64]);
+    fn tile_slopes(&self, step: &Step<'_>, previous: Option<&[f64]>, values: &mut [f64]);
 }
 
 impl Distribution<Lanes> {
@@ -138,14 +144,14 @@ impl<F: Fn(&Distribution<Lanes>, Lanes) -> [Lanes; 2]> Coordinates<Lanes> for Re
 #[inline(always)]
 fn replace(
     model: &impl TileStates,
-    time: usize,
+    step: &Step<'_>,
     previous: Option<&[f64]>,
     values: &mut [f64],
     log_slope: &mut [f64],
     of: impl Fn(&Distribution<Lanes>, Lanes) -> [Lanes; 2],
 ) {
     let mut replaced = Replaced { rows: rows_of_mut(values), log_slope: Lanes::from(0.0), of };
-    model.push_states(time, previous, &mut replaced);
+    model.push_states(step, previous, &mut replaced);
     let is_whole = replaced.rows.is_empty();
     replaced.rows.fill(Lanes::from(f64::NAN));
     let sum = if is_whole { replaced.log_slope } else { Lanes::from(f64::NAN) };
@@ -157,33 +163,39 @@ impl<M: TileStates + StateSpaceModel> Transport for M {
         TileStates::is_affine(self)
     }
 
-    fn tile_centres(&self, time: usize, previous: Option<&[f64]>, centres: &mut [f64], slopes: &mut [f64]) {
-        centres_of(|sink| self.push_states(time, previous, sink), centres, slopes);
+    fn tile_centres(
+        &self,
+        step: &Step<'_>,
+        previous: Option<&[f64]>,
+        centres: &mut [f64],
+        slopes: &mut [f64],
+    ) {
+        centres_of(|sink| self.push_states(step, previous, sink), centres, slopes);
     }
 
     fn tile_from_normal(
         &self,
-        time: usize,
+        step: &Step<'_>,
         previous: Option<&[f64]>,
         values: &mut [f64],
         log_slope: &mut [f64],
     ) {
-        replace(self, time, previous, values, log_slope, |distribution, v| distribution.tile_transport(v));
+        replace(self, step, previous, values, log_slope, |distribution, v| distribution.tile_transport(v));
     }
 
     fn tile_to_normal(
         &self,
-        time: usize,
+        step: &Step<'_>,
         previous: Option<&[f64]>,
         values: &mut [f64],
         log_slope: &mut [f64],
     ) {
-        replace(self, time, previous, values, log_slope, |distribution, x| distribution.tile_inverse(x));
+        replace(self, step, previous, values, log_slope, |distribution, x| distribution.tile_inverse(x));
     }
 
-    fn tile_slopes(&self, time: usize, previous: Option<&[f64]>, values: &mut [f64]) {
+    fn tile_slopes(&self, step: &Step<'_>, previous: Option<&[f64]>, values: &mut [f64]) {
         let mut unused = [0.0; LANES];
-        replace(self, time, previous, values, &mut unused, |distribution, x| {
+        replace(self, step, previous, values, &mut unused, |distribution, x| {
             let [_, log_slope] = distribution.tile_inverse(x);
             [log_slope.exp(), log_slope]
         });

@@ -7,7 +7,7 @@ use super::system::GraphDiffusion;
 use crate::batch::Rows;
 use crate::{
     AdditiveGaussian, Gaussian, GraphModel, ModelError, Noise, PartialLikelihood, Propagator, Simulator,
-    StateGradients, StateSpaceModel, Stream, SystemGraph,
+    StateGradients, StateSpaceModel, Step, Stream, SystemGraph,
 };
 
 impl StateSpaceModel for GraphDiffusion {
@@ -23,7 +23,7 @@ impl StateSpaceModel for GraphDiffusion {
         self.initial.sample(stream, state);
     }
 
-    fn sample_transition(&self, _time: usize, previous: &[f64], stream: &mut Stream, state: &mut [f64]) {
+    fn sample_transition(&self, _step: &Step<'_>, previous: &[f64], stream: &mut Stream, state: &mut [f64]) {
         for (i, value) in state.iter_mut().enumerate() {
             *value = self.diffused(i, previous) + self.noise.sample(self.state_sigma, stream);
         }
@@ -33,12 +33,12 @@ impl StateSpaceModel for GraphDiffusion {
         self.initial.log_density(state)
     }
 
-    fn log_transition(&self, _time: usize, previous: &[f64], state: &[f64]) -> f64 {
+    fn log_transition(&self, _step: &Step<'_>, previous: &[f64], state: &[f64]) -> f64 {
         let residuals = state.iter().enumerate().map(|(i, value)| value - self.diffused(i, previous));
         self.noise.log_density_of_all(self.state_sigma, residuals)
     }
 
-    fn log_likelihood(&self, _time: usize, state: &[f64], measurement: &[f64]) -> f64 {
+    fn log_likelihood(&self, _step: &Step<'_>, state: &[f64], measurement: &[f64]) -> f64 {
         let residuals =
             measurement.iter().enumerate().map(|(i, value)| value - self.measure.row_times(i, state));
         self.noise.log_density_of_all(self.measurement_sigma, residuals)
@@ -50,7 +50,7 @@ impl StateSpaceModel for GraphDiffusion {
 
     fn sample_transitions(
         &self,
-        _time: usize,
+        _step: &Step<'_>,
         previous: Rows<'_>,
         streams: &mut [Stream],
         states: &mut [f64],
@@ -66,11 +66,11 @@ impl StateSpaceModel for GraphDiffusion {
         self.initial.log_densities(states, out);
     }
 
-    fn log_transitions(&self, _time: usize, previous: Rows<'_>, states: &[f64], out: &mut [f64]) {
+    fn log_transitions(&self, _step: &Step<'_>, previous: Rows<'_>, states: &[f64], out: &mut [f64]) {
         batches::log_transitions(self, previous, states, out);
     }
 
-    fn log_likelihoods(&self, _time: usize, states: &[f64], measurement: &[f64], out: &mut [f64]) {
+    fn log_likelihoods(&self, _step: &Step<'_>, states: &[f64], measurement: &[f64], out: &mut [f64]) {
         batches::log_likelihoods(self, states, measurement, out);
     }
 }
@@ -78,7 +78,7 @@ impl StateSpaceModel for GraphDiffusion {
 impl Propagator for GraphDiffusion {
     fn propagate(
         &self,
-        _time: usize,
+        _step: &Step<'_>,
         previous: Rows<'_>,
         measurement: &[f64],
         streams: &mut [Stream],
@@ -102,7 +102,7 @@ impl GraphModel for GraphDiffusion {
 impl PartialLikelihood for GraphDiffusion {
     fn partial_log_likelihoods(
         &self,
-        _time: usize,
+        _step: &Step<'_>,
         states: &[f64],
         measurement: &[Option<f64>],
         out: &mut [f64],
@@ -119,7 +119,13 @@ impl PartialLikelihood for GraphDiffusion {
 }
 
 impl Simulator for GraphDiffusion {
-    fn sample_measurement(&self, _time: usize, state: &[f64], stream: &mut Stream, measurement: &mut [f64]) {
+    fn sample_measurement(
+        &self,
+        _step: &Step<'_>,
+        state: &[f64],
+        stream: &mut Stream,
+        measurement: &mut [f64],
+    ) {
         for (i, value) in measurement.iter_mut().enumerate() {
             *value = self.measure.row_times(i, state) + self.noise.sample(self.measurement_sigma, stream);
         }
@@ -136,7 +142,7 @@ impl StateGradients for GraphDiffusion {
 
     fn transition_gradients(
         &self,
-        _time: usize,
+        _step: &Step<'_>,
         previous: &[f64],
         states: &[f64],
         d_previous: &mut [f64],
@@ -159,7 +165,13 @@ impl StateGradients for GraphDiffusion {
         }
     }
 
-    fn likelihood_gradients(&self, _time: usize, states: &[f64], measurement: &[f64], d_states: &mut [f64]) {
+    fn likelihood_gradients(
+        &self,
+        _step: &Step<'_>,
+        states: &[f64],
+        measurement: &[f64],
+        d_states: &mut [f64],
+    ) {
         let n = self.state_dim();
         d_states.fill(0.0);
         for (state, d_state) in states.chunks_exact(n).zip(d_states.chunks_exact_mut(n)) {
@@ -179,11 +191,17 @@ impl AdditiveGaussian for GraphDiffusion {
         &self.initial
     }
 
-    fn transition_means(&self, _time: usize, previous: &[f64], means: &mut [f64]) {
+    fn transition_means(&self, _step: &Step<'_>, previous: &[f64], means: &mut [f64]) {
         batches::transition_means(self, previous, means);
     }
 
-    fn tile_transition_means(&self, _time: usize, previous: &[f64], _particles: usize, means: &mut [f64]) {
+    fn tile_transition_means(
+        &self,
+        _step: &Step<'_>,
+        previous: &[f64],
+        _particles: usize,
+        means: &mut [f64],
+    ) {
         batches::drifted(self, previous, means);
     }
 

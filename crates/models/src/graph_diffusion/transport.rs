@@ -5,14 +5,14 @@ use super::system::GraphDiffusion;
 use crate::batch::with_scratch;
 use crate::equations::{Coordinates, Lanes, Linearise, TileStates, moments_of_states, rows_of};
 use crate::linear_measurements::tile_scores;
-use crate::{Noise, StateSpaceModel};
+use crate::{Noise, StateSpaceModel, Step};
 
 impl TileStates for GraphDiffusion {
     fn is_affine(&self) -> bool {
         self.noise == Noise::Gaussian
     }
 
-    fn push_states(&self, _time: usize, previous: Option<&[f64]>, states: &mut impl Coordinates<Lanes>) {
+    fn push_states(&self, _step: &Step<'_>, previous: Option<&[f64]>, states: &mut impl Coordinates<Lanes>) {
         let Some(previous) = previous else {
             // Its covariance is the identity.
             self.initial
@@ -29,13 +29,19 @@ impl TileStates for GraphDiffusion {
 }
 
 impl Linearise for GraphDiffusion {
-    fn tile_moments(&self, time: usize, previous: Option<&[f64]>, means: &mut [f64], variances: &mut [f64]) {
-        moments_of_states(self, time, previous, means, variances);
+    fn tile_moments(
+        &self,
+        step: &Step<'_>,
+        previous: Option<&[f64]>,
+        means: &mut [f64],
+        variances: &mut [f64],
+    ) {
+        moments_of_states(self, step, previous, means, variances);
     }
 
     fn tile_scores(
         &self,
-        _time: usize,
+        _step: &Step<'_>,
         states: &[f64],
         measurement: &[Option<Lanes>],
         slopes: &mut [f64],

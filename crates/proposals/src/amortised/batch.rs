@@ -49,7 +49,7 @@ impl<M: Transport + ?Sized> AmortisedBatch<'_, M> {
     /// Shows each tile of particles to `work`: its number, where it is, its units, and what it is computed in, with `θ` loaded.
     fn by_tiles(&mut self, mut work: impl FnMut(usize, &Place<'_, M>, &Units<'_>, Tile<'_>, [&[f64]; 2])) {
         let (n, head) = (self.n, self.head);
-        let Context { time, previous, particles, .. } = self.context;
+        let Context { step, previous, particles, .. } = self.context;
         let AmortisedScratch { units, previous: kept, theta, tile, noise, uniforms, .. } = &mut *self.scratch;
         tile.clear();
         tile.resize(Tile::rows(n, head) * LANES, 0.0);
@@ -64,7 +64,7 @@ impl<M: Transport + ?Sized> AmortisedBatch<'_, M> {
             }
             let place = Place {
                 model: self.model,
-                time,
+                step,
                 previous: previous.map(|_| kept),
                 is_affine: self.is_affine,
             };

@@ -10,6 +10,7 @@ use super::proposal::{Amortised, Prepared};
 use super::scratch::AmortisedScratch;
 use super::units::{self, Place, Units, lanes};
 use crate::settings::of_networks;
+use motes_models::Step;
 
 impl<M: Linearise + Transport + ?Sized> Proposal<M> for Amortised {
     type Memory = ();
@@ -21,17 +22,17 @@ impl<M: Linearise + Transport + ?Sized> Proposal<M> for Amortised {
 
     fn initial_memory(&self, _particles: usize) {}
 
-    fn prepare(&mut self, model: &M, time: usize, measurement: &[f64]) -> Result<(), ProposalError> {
-        self.prepare_for(model, time, measurement.iter().map(|entry| Some(Lanes::from(*entry))))
+    fn prepare(&mut self, model: &M, step: &Step<'_>, measurement: &[f64]) -> Result<(), ProposalError> {
+        self.prepare_for(model, step.index, measurement.iter().map(|entry| Some(Lanes::from(*entry))))
     }
 
     fn prepare_partial(
         &mut self,
         model: &M,
-        time: usize,
+        step: &Step<'_>,
         measurement: &[Option<f64>],
     ) -> Result<bool, ProposalError> {
-        self.prepare_for(model, time, measurement.iter().map(|entry| entry.map(Lanes::from)))?;
+        self.prepare_for(model, step.index, measurement.iter().map(|entry| entry.map(Lanes::from)))?;
         Ok(measurement.iter().any(Option::is_some))
     }
 
@@ -42,7 +43,8 @@ impl<M: Linearise + Transport + ?Sized> Proposal<M> for Amortised {
         (): (),
         scratch: &'a mut AmortisedScratch,
     ) -> Result<AmortisedBatch<'a, M>, ProposalError> {
-        let Context { time, previous, particles, .. } = context;
+        let Context { step, previous, particles, .. } = context;
+        let time = step.index;
         let prepared = self.prepared.as_ref().filter(|prepared| prepared.time == time);
         let Some(prepared) = prepared else { return Err(ProposalError::NotPrepared { time }) };
         let Prepared { measurement, is_whole, is_affine, standards, theta: of_all, .. } = prepared;
@@ -58,7 +60,7 @@ impl<M: Linearise + Transport + ?Sized> Proposal<M> for Amortised {
         tile.resize((width + units::scratch_rows(n, m)) * LANES, 0.0);
         let (of_inputs, work) = tile.split_at_mut(width * LANES);
         if let Some(previous) = previous {
-            model.foresee(time, previous);
+            model.foresee(&step, previous);
         }
         let parts = units.chunks_exact_mut(each).zip(kept.chunks_exact_mut(n * LANES));
         for (number, ((units, kept), inputs)) in parts.zip(inputs.chunks_mut(width * LANES)).enumerate() {
@@ -66,7 +68,7 @@ impl<M: Linearise + Transport + ?Sized> Proposal<M> for Amortised {
                 rows.load(number * LANES, kept);
                 &*kept
             });
-            let place = Place { model, time, previous, is_affine: *is_affine };
+            let place = Place { model, step, previous, is_affine: *is_affine };
             let of_inputs = lanes(of_inputs);
             Units::of(units, n).find(&place, self.config.base, measurement, of_inputs, work);
             standards.apply(of_inputs);

@@ -2,7 +2,7 @@
 
 use motes_models::batch::{LANES, Rows, load};
 use motes_models::equations::Lanes;
-use motes_models::{ModelError, OwnModel, OwnStep};
+use motes_models::{ModelError, OwnModel, OwnStep, Step};
 
 use super::inputs::{Blocks, Standards};
 use super::proposal::Amortised;
@@ -54,6 +54,7 @@ impl Amortised {
             }
         }
         let &OwnStep { time, previous, states, measurements } = step;
+        let at = Step::of_index(time);
         let width = Blocks::of(n, m)[usize::from(time > 0)].count();
         let rows = states.len() / n;
         let mut memory = vec![0.0; (units::rows(n) + units::scratch_rows(n, m) + width + 2 * n + m) * LANES];
@@ -65,7 +66,7 @@ impl Amortised {
         let mut entries: Vec<Option<Lanes>> = Vec::with_capacity(m);
         let is_affine = model.is_affine();
         if let Some(previous) = previous {
-            model.foresee(time, Rows::all(previous, n));
+            model.foresee(&at, Rows::all(previous, n));
         }
         for first in (0..rows).step_by(LANES) {
             let last = (first + LANES).min(rows);
@@ -76,7 +77,7 @@ impl Amortised {
             load(&measurements[first * m..last * m], m, measured);
             entries.clear();
             entries.extend(lanes(measured).iter().copied().map(Some));
-            let place = Place { model, time, previous: previous.map(|_| &*before), is_affine };
+            let place = Place { model, step: at, previous: previous.map(|_| &*before), is_affine };
             let mut of_units = Units::of(of_units, n);
             let inputs = lanes(inputs);
             of_units.find(&place, self.config.base, &entries, inputs, scratch);

@@ -1,10 +1,10 @@
 //! The units in which heads speak: `x = T(x_{t−1}, b + L⁻ᵀ u)`, for the particles of a tile.
 
 use bytemuck::TransparentWrapper;
-use motes_models::LN_2PI;
 use motes_models::batch::{LANES, by_widest_vectors};
 use motes_models::equations::triangle::{at, solve_lower, solve_upper, times_upper};
 use motes_models::equations::{Lanes, Linearise, Scalar, Transport};
+use motes_models::{LN_2PI, Step};
 
 use super::base::{Base, Said};
 use super::inputs::innovation;
@@ -41,10 +41,10 @@ pub(super) struct Units<'a> {
     lower: &'a mut [Lanes],
 }
 
-/// What a tile's units are asked of: a model at one time, and the states before.
+/// What a tile's units are asked of: a model at one step, and the states before.
 pub(super) struct Place<'a, M: ?Sized> {
     pub(super) model: &'a M,
-    pub(super) time: usize,
+    pub(super) step: Step<'a>,
     /// `x_{t−1}`, `N × LANES`; none at `t = 0`.
     pub(super) previous: Option<&'a [f64]>,
     /// Whether `T` is affine.
@@ -69,16 +69,16 @@ impl<'a> Units<'a> {
         inputs: &mut [Lanes],
         scratch: &mut [f64],
     ) {
-        let Place { model, time, previous, .. } = *place;
+        let Place { model, step, previous, .. } = *place;
         let (n, m) = (self.centres.len(), measurement.len());
         let (centres, slopes) = (&mut *self.centres, &mut *self.slopes);
-        model.tile_centres(time, previous, flat_mut(centres), flat_mut(slopes));
+        model.tile_centres(&step, previous, flat_mut(centres), flat_mut(slopes));
         let (pull, rest) = lanes(scratch).split_at_mut(n);
         let (said, rest) = rest.split_at_mut(m);
         let (information, jacobian) = rest.split_at_mut(m);
         let jacobian = &mut jacobian[..m * n];
         model.tile_scores(
-            time,
+            &step,
             flat(centres),
             measurement,
             flat_mut(said),
@@ -140,8 +140,8 @@ impl<'a> Units<'a> {
                 *value = self.centres[i] + self.slopes[i] * *value;
             }
         } else {
-            let Place { model, time, previous, .. } = *place;
-            model.tile_from_normal(time, previous, flat_mut(values), &mut log_slope.0);
+            let Place { model, step, previous, .. } = *place;
+            model.tile_from_normal(&step, previous, flat_mut(values), &mut log_slope.0);
         }
         if let Some(log_density) = log_density {
             let log_determinant = by_widest_vectors(
@@ -168,8 +168,8 @@ impl<'a> Units<'a> {
                 *value = (*value - self.centres[i]) / self.slopes[i];
             }
         } else {
-            let Place { model, time, previous, .. } = *place;
-            model.tile_to_normal(time, previous, flat_mut(values), &mut log_slope.0);
+            let Place { model, step, previous, .. } = *place;
+            model.tile_to_normal(&step, previous, flat_mut(values), &mut log_slope.0);
             for value in values.iter_mut() {
                 for (number, log_slope) in value.0.iter_mut().zip(&mut log_slope.0) {
                     if !number.is_finite() {
@@ -207,7 +207,7 @@ impl<'a> Units<'a> {
         if place.is_affine {
             states.copy_from_slice(self.slopes);
         } else {
-            place.model.tile_slopes(place.time, place.previous, flat_mut(states));
+            place.model.tile_slopes(&place.step, place.previous, flat_mut(states));
         }
         by_widest_vectors(
             #[inline(always)]

@@ -1,7 +1,7 @@
 //! A Gaussian family in a filter.
 
-use motes_models::StateSpaceModel;
 use motes_models::batch::Rows;
+use motes_models::{StateSpaceModel, Step};
 use motes_networks::{Inference, Inputs};
 use motes_smc::{Context, GaussianBatch, Proposal, ProposalError};
 
@@ -37,12 +37,12 @@ impl<M: StateSpaceModel + ?Sized, F: GaussianNetworks> Proposal<M> for GaussianP
         Hidden::per_particle(self.parameters.compute().precision, &self.networks.hidden_widths())
     }
 
-    fn prepare(&mut self, model: &M, time: usize, measurement: &[f64]) -> Result<(), ProposalError> {
+    fn prepare(&mut self, model: &M, step: &Step<'_>, measurement: &[f64]) -> Result<(), ProposalError> {
         ProposalError::unless_same("the state dimension N", self.state_dim, model.state_dim())?;
         self.prepared = None;
-        self.check(time, measurement)?;
-        let covariance = self.covariance(time)?;
-        self.prepared = Some(Prepared { time, measurement: measurement.to_vec(), covariance });
+        self.check(step.index, measurement)?;
+        let covariance = self.covariance(step.index)?;
+        self.prepared = Some(Prepared { time: step.index, measurement: measurement.to_vec(), covariance });
         Ok(())
     }
 
@@ -53,7 +53,8 @@ impl<M: StateSpaceModel + ?Sized, F: GaussianNetworks> Proposal<M> for GaussianP
         memory: HiddenRows<'_>,
         scratch: &'a mut GaussianScratch,
     ) -> Result<&'a mut GaussianBatch, ProposalError> {
-        let Context { time, previous, particles, .. } = context;
+        let Context { step, previous, particles, .. } = context;
+        let time = step.index;
         let prepared = self.prepared.as_ref().filter(|prepared| prepared.time == time);
         let Some(Prepared { measurement, covariance, .. }) = prepared else {
             return Err(ProposalError::NotPrepared { time });

@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use motes_models::batch::Rows;
-use motes_models::{StateSpaceModel, Stream};
+use motes_models::{StateSpaceModel, Step, Stream};
 use motes_smc::{Conditional, Context, Proposal, ProposalError, particles_by_stream};
 use rand::RngExt;
 
@@ -35,12 +35,13 @@ impl<M: StateSpaceModel + ?Sized> Proposal<M> for Psi {
 
     fn initial_memory(&self, _particles: usize) {}
 
-    fn prepare(&mut self, model: &M, time: usize, measurement: &[f64]) -> Result<(), ProposalError> {
+    fn prepare(&mut self, model: &M, step: &Step<'_>, measurement: &[f64]) -> Result<(), ProposalError> {
         ProposalError::unless_same("the state dimension N", self.state_dim, model.state_dim())?;
         self.prepared = None;
-        let (map, shift) = self.at_measurement(time, measurement)?;
-        let log_abs_det = self.inverses(&map, time)?.log_abs_det;
-        self.prepared = Some(Prepared { time, map, log_abs_det, factored: OnceLock::new(), shift });
+        let (map, shift) = self.at_measurement(step.index, measurement)?;
+        let log_abs_det = self.inverses(&map, step.index)?.log_abs_det;
+        self.prepared =
+            Some(Prepared { time: step.index, map, log_abs_det, factored: OnceLock::new(), shift });
         Ok(())
     }
 
@@ -51,9 +52,9 @@ impl<M: StateSpaceModel + ?Sized> Proposal<M> for Psi {
         (): (),
         scratch: &'a mut PsiScratch,
     ) -> Result<Transformed<'a>, ProposalError> {
-        let prepared = self.prepared.as_ref().filter(|prepared| prepared.time == context.time);
+        let prepared = self.prepared.as_ref().filter(|prepared| prepared.time == context.step.index);
         let Some(prepared) = prepared else {
-            return Err(ProposalError::NotPrepared { time: context.time });
+            return Err(ProposalError::NotPrepared { time: context.step.index });
         };
         let Prepared { map, shift, .. } = prepared;
         let PsiScratch { shifts, noise } = scratch;

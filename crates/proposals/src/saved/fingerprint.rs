@@ -1,6 +1,6 @@
 //! What tells one system from another: its densities at points that are drawn from it by a fixed stream.
 
-use motes_models::{Seed, StateSpaceModel, SystemGraph};
+use motes_models::{Seed, StateSpaceModel, Step, SystemGraph};
 use rand::RngExt;
 use rand_distr::StandardNormal;
 use serde::{Deserialize, Serialize};
@@ -91,14 +91,15 @@ fn fingerprint(model: &dyn StateSpaceModel, graph: Option<&SystemGraph>) -> Vec<
     entries.push(entry("log p(x_0) at a fixed point", model.log_initial(&previous)));
     entries.push(entry("a fixed projection of a fixed draw of x_0", projection(&previous)));
     for time in 1..=2 {
-        model.sample_transition(time, &previous, &mut stream, &mut state);
-        let log = model.log_transition(time, &previous, &state);
+        let step = Step::of_index(time);
+        model.sample_transition(&step, &previous, &mut stream, &mut state);
+        let log = model.log_transition(&step, &previous, &state);
         entries.push(entry(&format!("log p(x_{time} | x_{}) at a fixed point", time - 1), log));
         entries.push(entry(&format!("a fixed projection of a fixed draw of x_{time}"), projection(&state)));
         // Noise with bounds may exclude most measurements: several sizes, so that some are inside.
         for scale in [0.1, 1.0, 10.0] {
             measurement.fill_with(|| scale * stream.sample::<f64, _>(StandardNormal));
-            let log = model.log_likelihood(time, &state, &measurement);
+            let log = model.log_likelihood(&step, &state, &measurement);
             entries.push(entry(&format!("log p(y_{time} | x_{time}) at a fixed point of size {scale}"), log));
         }
         previous.copy_from_slice(&state);

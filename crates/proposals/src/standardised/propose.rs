@@ -1,7 +1,7 @@
 //! A standardised family in a filter.
 
 use motes_models::batch::Rows;
-use motes_models::{StateSpaceModel, Stream};
+use motes_models::{StateSpaceModel, Step, Stream};
 use motes_smc::{Conditional, Context, ParticleMemory, Proposal, ProposalError};
 
 use super::family::{Prepared, Standardised};
@@ -41,14 +41,14 @@ impl<M: StateSpaceModel + ?Sized, F: Family + Proposal<M>> Proposal<M> for Stand
         self.proposal.block()
     }
 
-    fn prepare(&mut self, model: &M, time: usize, measurement: &[f64]) -> Result<(), ProposalError> {
+    fn prepare(&mut self, model: &M, step: &Step<'_>, measurement: &[f64]) -> Result<(), ProposalError> {
         self.prepared = None;
         let (n, m) = (self.proposal.state_dim(), self.proposal.measurement_dim());
         ProposalError::unless_same("the state dimension N", n, model.state_dim())?;
         ProposalError::unless_same("the measurement dimension M", m, measurement.len())?;
-        let (measurement, origin) = self.config.frames.at(time)?.of_measurement(measurement);
-        self.proposal.prepare(model, time, &measurement)?;
-        self.prepared = Some(Prepared { time, measurement, origin });
+        let (measurement, origin) = self.config.frames.at(step.index)?.of_measurement(measurement);
+        self.proposal.prepare(model, step, &measurement)?;
+        self.prepared = Some(Prepared { time: step.index, measurement, origin });
         Ok(())
     }
 
@@ -59,7 +59,8 @@ impl<M: StateSpaceModel + ?Sized, F: Family + Proposal<M>> Proposal<M> for Stand
         memory: <F::Memory as ParticleMemory>::Rows<'_>,
         scratch: &'a mut Self::Scratch,
     ) -> Result<Self::Conditional<'a>, ProposalError> {
-        let Context { time, previous, particles, .. } = context;
+        let Context { step, previous, particles, .. } = context;
+        let time = step.index;
         let prepared = self.prepared.as_ref().filter(|prepared| prepared.time == time);
         let Some(Prepared { measurement, origin, .. }) = prepared else {
             return Err(ProposalError::NotPrepared { time });
@@ -68,7 +69,7 @@ impl<M: StateSpaceModel + ?Sized, F: Family + Proposal<M>> Proposal<M> for Stand
         let StandardisedScratch { inner, inputs, origins, outputs } = scratch;
         frame.of_previous(previous, particles, origin, (&mut *inputs, &mut *origins));
         let previous = previous.map(|_| Rows::all(inputs, origin.len()));
-        let context = Context { time, previous, measurement, particles };
+        let context = Context { step, previous, measurement, particles };
         let inner = self.proposal.condition(model, context, memory, inner)?;
         Ok(InFrame { inner, frame, log_volume: frame.log_volume(), origins, outputs })
     }

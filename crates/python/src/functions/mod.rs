@@ -5,6 +5,7 @@ mod failure;
 
 use std::sync::Arc;
 
+use motes::models::Step;
 use motes::models::equations::{BatchDistribution, BatchEquations, Batched};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
@@ -136,12 +137,22 @@ impl BatchEquations for Called {
         Some(self.functions.initial.clone())
     }
 
-    fn transition(&self, time: usize, previous: &[f64], is_padded: bool) -> Option<Vec<BatchDistribution>> {
-        self.call(Function::Transition, time, previous, is_padded, false)
+    fn transition(
+        &self,
+        step: &Step<'_>,
+        previous: &[f64],
+        is_padded: bool,
+    ) -> Option<Vec<BatchDistribution>> {
+        self.call(Function::Transition, step.index, previous, is_padded, false)
     }
 
-    fn measurement(&self, time: usize, states: &[f64], is_padded: bool) -> Option<Vec<BatchDistribution>> {
-        self.call(Function::Measurement, time, states, is_padded, false)
+    fn measurement(
+        &self,
+        step: &Step<'_>,
+        states: &[f64],
+        is_padded: bool,
+    ) -> Option<Vec<BatchDistribution>> {
+        self.call(Function::Measurement, step.index, states, is_padded, false)
     }
 
     fn has_slopes(&self) -> bool {
@@ -150,19 +161,19 @@ impl BatchEquations for Called {
 
     fn transition_slopes(
         &self,
-        time: usize,
+        step: &Step<'_>,
         previous: &[f64],
         is_padded: bool,
     ) -> Option<Vec<BatchDistribution>> {
-        self.call(Function::Transition, time, previous, is_padded, true)
+        self.call(Function::Transition, step.index, previous, is_padded, true)
     }
 
     fn measurement_slopes(
         &self,
-        time: usize,
+        step: &Step<'_>,
         states: &[f64],
         is_padded: bool,
     ) -> Option<Vec<BatchDistribution>> {
-        self.call(Function::Measurement, time, states, is_padded, true)
+        self.call(Function::Measurement, step.index, states, is_padded, true)
     }
 }

@@ -6,7 +6,7 @@ use std::ops::Range;
 use std::sync::Mutex;
 
 use motes_models::batch::{Rows, with_scratch};
-use motes_models::{ModelError, StateSpaceModel, Stream};
+use motes_models::{ModelError, StateSpaceModel, Step, Stream};
 
 use super::filters::{Fault, Filters, Outcome};
 use super::scratches::Scratches;
@@ -25,7 +25,7 @@ pub(super) type Likelihood<'a> = dyn Fn(&[f64], &mut [f64]) -> Result<(), ModelE
 pub(super) struct Common<'a, M: ?Sized> {
     pub(super) model: &'a M,
     pub(super) settings: FilterSettings,
-    pub(super) time: usize,
+    pub(super) step: Step<'a>,
     /// `y_t`; empty where some of it is missing.
     pub(super) measurement: &'a [f64],
     pub(super) likelihood: &'a Likelihood<'a>,
@@ -36,7 +36,7 @@ pub(super) struct Common<'a, M: ?Sized> {
 }
 
 /// A step of all filters.
-pub(super) struct Step<'a, M: ?Sized, P: Proposal<M>> {
+pub(super) struct BankStep<'a, M: ?Sized, P: Proposal<M>> {
     pub(super) proposal: &'a P,
     pub(super) common: Common<'a, M>,
     pub(super) scratches: &'a Scratches<P::Scratch>,
@@ -45,7 +45,7 @@ pub(super) struct Step<'a, M: ?Sized, P: Proposal<M>> {
 /// The memory of consecutive particles of a proposal.
 pub(super) type Memory<'m, M, P> = <<P as Proposal<M>>::Memory as ParticleMemory>::Rows<'m>;
 
-impl<M: StateSpaceModel + ?Sized, P: Proposal<M>> Step<'_, M, P> {
+impl<M: StateSpaceModel + ?Sized, P: Proposal<M>> BankStep<'_, M, P> {
     /// Draws and weighs all filters, each of which is resampled before if `resamples`.
     pub(super) fn advance<'m>(
         &self,
@@ -168,13 +168,13 @@ impl<M: StateSpaceModel + ?Sized, P: Proposal<M>> Step<'_, M, P> {
         scratch: &mut P::Scratch,
     ) -> Result<(), Fault> {
         let Block { rows, ancestors, memory } = block;
-        let Common { model, time, measurement, previous, .. } = self.common;
+        let Common { model, step, measurement, previous, .. } = self.common;
         let (first, width) = (rows.start, model.state_dim());
-        let previous = (time > 0).then(|| match ancestors {
+        let previous = (step.index > 0).then(|| match ancestors {
             None => Rows::all(&previous[rows.start * width..rows.end * width], width),
             Some(ancestors) => Rows::picked(previous, width, ancestors),
         });
-        let context = Context { time, previous, measurement, particles: rows.len() };
+        let context = Context { step, previous, measurement, particles: rows.len() };
         let conditioned = self.proposal.condition(model, context, memory, scratch);
         let mut conditional = conditioned.map_err(|error| Fault::Proposal(error.in_batch(first)))?;
         // A mixture of the transition with itself is no other.
@@ -223,11 +223,11 @@ impl<M: StateSpaceModel + ?Sized, P: Proposal<M>> Step<'_, M, P> {
         states: &mut [f64],
         increments: &mut [f64],
     ) -> Result<(), Fault> {
-        let Common { model, time, measurement, checks_states, .. } = self.common;
+        let Common { model, step, measurement, checks_states, .. } = self.common;
         if let (Some(previous), Some(propagator), false) =
             (context.previous, model.propagator(), checks_states)
         {
-            propagator.propagate(time, previous, measurement, streams, states, increments);
+            propagator.propagate(&step, previous, measurement, streams, states, increments);
             return Ok(());
         }
         Transition::new(model, context).sample(streams, states, increments);

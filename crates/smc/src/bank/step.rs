@@ -2,9 +2,9 @@
 
 use std::ops::Deref;
 
-use motes_models::{Measurements, ModelError, PartialLikelihood, PartialMeasurements, StateSpaceModel};
+use motes_models::{Measurements, ModelError, PartialLikelihood, PartialMeasurements, StateSpaceModel, Step};
 
-use super::draw::{Common, Likelihood, Step};
+use super::draw::{BankStep, Common, Likelihood};
 use super::filter_bank::FilterBank;
 use super::filters::{Fault, Filters};
 use super::scratches::Scratches;
@@ -30,10 +30,10 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
             return Err(ModelError::NotFinite { row: self.time, column, value }.into());
         }
         self.attempt(|bank| {
-            let prepared = bank.proposal.prepare(&bank.model, bank.time, measurement);
+            let prepared = bank.proposal.prepare(&bank.model, &bank.next_step(), measurement);
             prepared.map_err(|source| bank.unprepared(source))?;
-            let likelihood = |model: &D::Target, time: usize, states: &[f64], out: &mut [f64]| {
-                model.log_likelihoods(time, states, measurement, out);
+            let likelihood = |model: &D::Target, step: &Step<'_>, states: &[f64], out: &mut [f64]| {
+                model.log_likelihoods(step, states, measurement, out);
                 Ok(())
             };
             bank.advance(Drawn::FromProposal, measurement, false, likelihood)
@@ -91,6 +91,11 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
         })
     }
 
+    /// The step that comes next.
+    fn next_step(&self) -> Step<'static> {
+        Step::of_index(self.time)
+    }
+
     /// Whether the bank can take another step of a measurement with so many entries.
     fn check_width(&self, width: usize) -> Result<(), FilterError> {
         let expected = self.model.measurement_dim();
@@ -135,14 +140,14 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
         likelihood: L,
     ) -> Result<(), FilterError>
     where
-        L: Fn(&D::Target, usize, &[f64], &mut [f64]) -> Result<(), ModelError> + Sync,
+        L: Fn(&D::Target, &Step<'_>, &[f64], &mut [f64]) -> Result<(), ModelError> + Sync,
     {
-        let (model, settings, time) = (&*self.model, self.settings, self.time);
+        let (model, settings, step) = (&*self.model, self.settings, self.next_step());
         let particles = self.ancestors.len();
-        let at_states = |states: &[f64], out: &mut [f64]| likelihood(model, time, states, out);
+        let at_states = |states: &[f64], out: &mut [f64]| likelihood(model, &step, states, out);
         let (likelihood_at, previous): (&Likelihood<'_>, _) = (&at_states, self.previous.as_slice());
         let common =
-            Common { model, settings, time, measurement, likelihood: likelihood_at, checks_states, previous };
+            Common { model, settings, step, measurement, likelihood: likelihood_at, checks_states, previous };
         let mut filters = Filters {
             first: 0,
             streams: &mut self.streams,
@@ -155,21 +160,21 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
         };
         // What particles carry is moved before any block of it is advanced; where they carry nothing, blocks are resampled one by one.
         let has_memory = size_of::<P::Memory>() > 0;
-        if has_memory && time > 0 {
+        if has_memory && step.index > 0 {
             parallel::step(particles, |threads| filters.resample_all(&settings, threads));
             if filters.resampled.contains(&true) {
                 self.memory.resample(filters.ancestors);
             }
         }
-        let resamples = time > 0 && !has_memory;
+        let resamples = step.index > 0 && !has_memory;
         match drawn {
             Drawn::FromProposal => {
-                let step = Step { proposal: &self.proposal, common, scratches: &self.scratches };
+                let step = BankStep { proposal: &self.proposal, common, scratches: &self.scratches };
                 let filters = filters.with_memory(self.memory.rows());
                 parallel::step(particles, |threads| step.advance(filters, resamples, threads));
             }
             Drawn::FromTransition => {
-                let step = Step { proposal: &Bootstrap, common, scratches: &Scratches::default() };
+                let step = BankStep { proposal: &Bootstrap, common, scratches: &Scratches::default() };
                 parallel::step(particles, |threads| step.advance(filters, resamples, threads));
             }
         }
@@ -179,7 +184,7 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
     /// Adds up evidence, unless a filter failed.
     fn take_outcomes(
         &mut self,
-        likelihood: &impl Fn(&D::Target, usize, &[f64], &mut [f64]) -> Result<(), ModelError>,
+        likelihood: &impl Fn(&D::Target, &Step<'_>, &[f64], &mut [f64]) -> Result<(), ModelError>,
     ) -> Result<(), FilterError> {
         let (k, n, step) = (self.settings.particles, self.model.state_dim(), self.time);
         for (filter, outcome) in self.outcomes.iter().enumerate() {
@@ -219,7 +224,7 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
                     let mut log_likelihoods = vec![f64::NEG_INFINITY; k];
                     let states = &self.states[filter * k * n..(filter + 1) * k * n];
                     // It did not fail for all of these states.
-                    let _ = likelihood(&self.model, step, states, &mut log_likelihoods);
+                    let _ = likelihood(&self.model, &self.next_step(), states, &mut log_likelihoods);
                     let largest_log_likelihood =
                         log_likelihoods.into_iter().fold(f64::NEG_INFINITY, f64::max);
                     let ess_before = outcome.ess_before;
@@ -248,7 +253,7 @@ impl<D: Deref<Target: PartialLikelihood>, P: Proposal<D::Target>> FilterBank<D, 
         self.check_width(measurement.len())?;
         PartialMeasurements::check_row(self.time, measurement)?;
         // Of no particle: what is there of the measurement can be weighed, or nothing has changed.
-        self.model.partial_log_likelihoods(self.time, &[], measurement, &mut [])?;
+        self.model.partial_log_likelihoods(&self.next_step(), &[], measurement, &mut [])?;
         if let Some(whole) = measurement.iter().copied().collect::<Option<Vec<f64>>>() {
             return self.step(&whole);
         }
@@ -256,13 +261,13 @@ impl<D: Deref<Target: PartialLikelihood>, P: Proposal<D::Target>> FilterBank<D, 
             return self.step_without_measurement();
         }
         self.attempt(|bank| {
-            let prepared = bank.proposal.prepare_partial(&bank.model, bank.time, measurement);
+            let prepared = bank.proposal.prepare_partial(&bank.model, &bank.next_step(), measurement);
             let drawn = match prepared.map_err(|source| bank.unprepared(source))? {
                 true => Drawn::FromProposal,
                 false => Drawn::FromTransition,
             };
-            bank.advance(drawn, &[], true, |model, time, states, out| {
-                model.partial_log_likelihoods(time, states, measurement, out)
+            bank.advance(drawn, &[], true, |model, step, states, out| {
+                model.partial_log_likelihoods(step, states, measurement, out)
             })
         })
     }

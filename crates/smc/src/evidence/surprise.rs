@@ -1,6 +1,6 @@
 //! Whether a measurement is one that the model could have made from where the particles are.
 
-use motes_models::{ModelError, PartialLikelihood, Simulator, Stream};
+use motes_models::{ModelError, PartialLikelihood, Simulator, Step, Stream};
 use rand::RngExt;
 use serde::{Deserialize, Serialize};
 
@@ -47,8 +47,9 @@ impl Surprises {
         if measurement.iter().all(Option::is_none) {
             return Ok(());
         }
+        let at = Step::of_index(step);
         self.log_likelihoods.resize(weights.len(), 0.0);
-        model.partial_log_likelihoods(step, particles, measurement, &mut self.log_likelihoods)?;
+        model.partial_log_likelihoods(&at, particles, measurement, &mut self.log_likelihoods)?;
         let best = self.log_likelihoods.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let (width, mut drawn) = (model.state_dim(), vec![0.0; measurement.len()]);
         let (mut of_draws, mut density) = ([0.0; DRAWS], [0.0]);
@@ -61,10 +62,10 @@ impl Surprises {
                 reached += weights.normalised()[particle];
             }
             let state = &particles[particle * width..(particle + 1) * width];
-            model.sample_measurement(step, state, stream, &mut drawn);
+            model.sample_measurement(&at, state, stream, &mut drawn);
             let there = measurement.iter().zip(&drawn).map(|(there, drawn)| there.map(|_| *drawn));
             let there: Vec<Option<f64>> = there.collect();
-            model.partial_log_likelihoods(step, state, &there, &mut density)?;
+            model.partial_log_likelihoods(&at, state, &there, &mut density)?;
             *of_draw = density[0];
         }
         let usual = of_draws.iter().sum::<f64>() / DRAWS as f64;

@@ -1,6 +1,6 @@
 //! The bootstrap proposal: the model's own transition.
 
-use motes_models::{StateSpaceModel, Stream};
+use motes_models::{StateSpaceModel, Step, Stream};
 
 use crate::proposal::{Conditional, Context, Proposal};
 use crate::proposal_error::ProposalError;
@@ -19,14 +19,14 @@ impl<M: StateSpaceModel + ?Sized> Proposal<M> for Bootstrap {
 
     fn initial_memory(&self, _particles: usize) {}
 
-    fn prepare(&mut self, _model: &M, _time: usize, _measurement: &[f64]) -> Result<(), ProposalError> {
+    fn prepare(&mut self, _model: &M, _step: &Step<'_>, _measurement: &[f64]) -> Result<(), ProposalError> {
         Ok(())
     }
 
     fn prepare_partial(
         &mut self,
         _model: &M,
-        _time: usize,
+        _step: &Step<'_>,
         _measurement: &[Option<f64>],
     ) -> Result<bool, ProposalError> {
         Ok(true)
@@ -60,14 +60,14 @@ impl<M: StateSpaceModel + ?Sized> Conditional for Transition<'_, M> {
     fn sample(&mut self, streams: &mut [Stream], states: &mut [f64], _log_density: &mut [f64]) {
         match self.context.previous {
             None => self.model.sample_initials(streams, states),
-            Some(previous) => self.model.sample_transitions(self.context.time, previous, streams, states),
+            Some(previous) => self.model.sample_transitions(&self.context.step, previous, streams, states),
         }
     }
 
     fn log_density(&mut self, states: &[f64], log_density: &mut [f64]) {
         match self.context.previous {
             None => self.model.log_initials(states, log_density),
-            Some(previous) => self.model.log_transitions(self.context.time, previous, states, log_density),
+            Some(previous) => self.model.log_transitions(&self.context.step, previous, states, log_density),
         }
     }
 

@@ -55,7 +55,7 @@ impl<C: Conditional, M: StateSpaceModel + ?Sized> Defensive<'_, C, M> {
 #[cfg(test)]
 mod tests {
     use faer::mat;
-    use motes_models::{Gaussian, LinearGaussian, Seed};
+    use motes_models::{Gaussian, LinearGaussian, Seed, Step};
 
     use super::*;
     use crate::{Context, MinDegeneracy, Proposal};
@@ -66,7 +66,7 @@ mod tests {
         let model = LinearGaussian::new(initial, mat![[0.9]], mat![[1.0]], mat![[1.0]], mat![[1.0]]).unwrap();
         let (count, measurement) = (2000, [1.3]);
         let previous = vec![0.4; count];
-        let context = Context::new(1, Some(&previous), &measurement, count);
+        let context = Context::new(Step::of_index(1), Some(&previous), &measurement, count);
         let mut proposal = MinDegeneracy::new(&model).unwrap();
         let scratch = &mut ();
         let base = proposal.condition_batch(&model, context, &mut (), scratch).unwrap();

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use faer::{Mat, MatRef};
 use motes_models::batch::{LANES, Rows, TileMatrix, load, squared_norms, store, with_noise, with_scratch};
-use motes_models::{AdditiveGaussian, Gaussian, ModelError, Stream, fill_standard_normal, kalman};
+use motes_models::{AdditiveGaussian, Gaussian, ModelError, Step, Stream, fill_standard_normal, kalman};
 
 use crate::proposal::{Conditional, Context, Proposal};
 use crate::proposal_error::ProposalError;
@@ -67,20 +67,20 @@ impl MinDegeneracy {
     }
 
     /// How predictions of a time are corrected in the present step.
-    fn at(&self, time: usize) -> &Correction {
+    fn at(&self, step: &Step<'_>) -> &Correction {
         match &self.partial {
             Some(partial) if self.has_gaps => &partial.correction,
-            _ if time == 0 => &self.first,
+            _ if step.index == 0 => &self.first,
             _ => &self.later,
         }
     }
 
     /// Keeps a measurement, and what it shifts every mean by.
-    fn take(&mut self, time: usize, measurement: impl Iterator<Item = f64>) {
+    fn take(&mut self, step: &Step<'_>, measurement: impl Iterator<Item = f64>) {
         self.measurement.clear();
         self.measurement.extend(measurement);
         let mut shift = std::mem::take(&mut self.shift);
-        let gain = &self.at(time).gain;
+        let gain = &self.at(step).gain;
         shift.clear();
         shift.resize(gain.nrows(), 0.0);
         for (j, value) in self.measurement.iter().enumerate() {
@@ -116,7 +116,7 @@ fn spread(vector: &[f64], tile: &mut [f64]) {
 /// `f(x_{t−1})` of up to a tile of previous states, from `particles.start` on, or the mean of `x_0`; `tile` is scratch.
 fn predict<M: AdditiveGaussian + ?Sized>(
     model: &M,
-    time: usize,
+    step: &Step<'_>,
     previous: Option<Rows<'_>>,
     particles: Range<usize>,
     tile: &mut [f64],
@@ -126,7 +126,7 @@ fn predict<M: AdditiveGaussian + ?Sized>(
         None => spread(model.initial().mean(), predicted),
         Some(previous) => {
             previous.load(particles.start, tile);
-            model.tile_transition_means(time, tile, particles.len(), predicted);
+            model.tile_transition_means(step, tile, particles.len(), predicted);
         }
     }
 }
@@ -141,19 +141,19 @@ impl<M: AdditiveGaussian + ?Sized> Proposal<M> for MinDegeneracy {
 
     fn initial_memory(&self, _particles: usize) {}
 
-    fn prepare(&mut self, model: &M, time: usize, measurement: &[f64]) -> Result<(), ProposalError> {
+    fn prepare(&mut self, model: &M, step: &Step<'_>, measurement: &[f64]) -> Result<(), ProposalError> {
         self.has_gaps = false;
-        let (n, m) = self.at(time).gain.shape();
+        let (n, m) = self.at(step).gain.shape();
         ProposalError::unless_same("the state dimension N", n, model.state_dim())?;
         ProposalError::unless_same("the measurement dimension M", m, measurement.len())?;
-        self.take(time, measurement.iter().copied());
+        self.take(step, measurement.iter().copied());
         Ok(())
     }
 
     fn prepare_partial(
         &mut self,
         model: &M,
-        time: usize,
+        step: &Step<'_>,
         measurement: &[Option<f64>],
     ) -> Result<bool, ProposalError> {
         let (n, m) = self.later.gain.shape();
@@ -163,7 +163,7 @@ impl<M: AdditiveGaussian + ?Sized> Proposal<M> for MinDegeneracy {
             // Nothing to be corrected by: that is the transition.
             return Ok(false);
         }
-        let is_first = time == 0;
+        let is_first = step.index == 0;
         let is_there = |partial: &Partial| {
             let same = measurement.iter().map(Option::is_some).eq(partial.present.iter().copied());
             partial.is_first == is_first && same
@@ -174,13 +174,14 @@ impl<M: AdditiveGaussian + ?Sized> Proposal<M> for MinDegeneracy {
             let c = Mat::from_fn(present.len(), n, |i, j| c[(present[i], j)]);
             let noise = Mat::from_fn(present.len(), present.len(), |i, j| noise[(present[i], present[j])]);
             let prior = if is_first { model.initial().covariance() } else { model.transition_covariance() };
-            let correction = Correction::new(prior, c.as_ref(), noise.as_ref())
-                .map_err(|error| ProposalError::Measurement { time, reason: error.to_string() })?;
+            let correction = Correction::new(prior, c.as_ref(), noise.as_ref()).map_err(|error| {
+                ProposalError::Measurement { time: step.index, reason: error.to_string() }
+            })?;
             let present = measurement.iter().map(Option::is_some).collect();
             self.partial = Some(Partial { is_first, present, correction });
         }
         self.has_gaps = true;
-        self.take(time, measurement.iter().copied().flatten());
+        self.take(step, measurement.iter().copied().flatten());
         Ok(true)
     }
 
@@ -191,9 +192,9 @@ impl<M: AdditiveGaussian + ?Sized> Proposal<M> for MinDegeneracy {
         (): (),
         (): &'a mut (),
     ) -> Result<Corrected<'a, M>, ProposalError> {
-        let correction = self.at(context.time);
+        let correction = self.at(&context.step);
         if self.shift.len() != correction.gain.nrows() {
-            return Err(ProposalError::NotPrepared { time: context.time });
+            return Err(ProposalError::NotPrepared { time: context.step.index });
         }
         Ok(Corrected { model, correction, proposal: self, context })
     }
@@ -210,7 +211,7 @@ pub struct Corrected<'a, M: ?Sized> {
 impl<M: AdditiveGaussian + ?Sized> Corrected<'_, M> {
     /// The predictions and posterior means of a tile of particles; `tile` is scratch.
     fn means(&self, particles: Range<usize>, tile: &mut [f64], predicted: &mut [f64], means: &mut [f64]) {
-        predict(self.model, self.context.time, self.context.previous, particles, tile, predicted);
+        predict(self.model, &self.context.step, self.context.previous, particles, tile, predicted);
         spread(&self.proposal.shift, means);
         self.correction.kept.times_add(predicted, means);
     }

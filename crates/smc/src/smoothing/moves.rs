@@ -2,7 +2,7 @@
 
 use motes_models::batch::{Rows, with_scratch};
 use motes_models::elementary::exp;
-use motes_models::{StateSpaceModel, Stream};
+use motes_models::{StateSpaceModel, Step, Stream};
 use rand::RngExt;
 
 use super::by_weight::ByWeight;
@@ -48,7 +48,7 @@ impl<M: StateSpaceModel + ?Sized> Moves<'_, M> {
                 rows.chunks_exact_mut(width).for_each(|row| row.copy_from_slice(state));
             }
             let from = Rows::picked(&self.generation.states, width, candidates.as_flattened());
-            self.model.log_transitions(self.time + 1, from, states, log_densities);
+            self.model.log_transitions(&Step::of_index(self.time + 1), from, states, log_densities);
             let (log_densities, _) = log_densities.as_chunks::<EACH>();
             for ((path, candidates), log_densities) in paths.iter_mut().zip(&*candidates).zip(log_densities) {
                 // An infinite density is one of a model that is none, as it is for a filter.
@@ -72,7 +72,7 @@ impl<M: StateSpaceModel + ?Sized> Moves<'_, M> {
             let (log_weights, states) = scratch.split_at_mut(particles);
             states.chunks_exact_mut(width).for_each(|row| row.copy_from_slice(state));
             let from = Rows::all(&generation.states, width);
-            self.model.log_transitions(self.time + 1, from, states, log_weights);
+            self.model.log_transitions(&Step::of_index(self.time + 1), from, states, log_weights);
             for (log_weight, own) in log_weights.iter_mut().zip(&generation.log_weights) {
                 // A particle without weight is none, whatever its density.
                 *log_weight = if *own == f64::NEG_INFINITY { *own } else { *log_weight + own };
@@ -117,17 +117,17 @@ mod tests {
 
         fn sample_initial(&self, _: &mut Stream, _: &mut [f64]) {}
 
-        fn sample_transition(&self, _: usize, _: &[f64], _: &mut Stream, _: &mut [f64]) {}
+        fn sample_transition(&self, _: &Step<'_>, _: &[f64], _: &mut Stream, _: &mut [f64]) {}
 
         fn log_initial(&self, _: &[f64]) -> f64 {
             0.0
         }
 
-        fn log_transition(&self, _: usize, previous: &[f64], _: &[f64]) -> f64 {
+        fn log_transition(&self, _: &Step<'_>, previous: &[f64], _: &[f64]) -> f64 {
             previous[0].ln()
         }
 
-        fn log_likelihood(&self, _: usize, _: &[f64], _: &[f64]) -> f64 {
+        fn log_likelihood(&self, _: &Step<'_>, _: &[f64], _: &[f64]) -> f64 {
             0.0
         }
     }

@@ -1,7 +1,7 @@
 //! How a twisting is learned, and what it is for.
 
 use motes_models::equations::Linearise;
-use motes_models::{PartialLikelihood, PartialMeasurements, Seed, Simulator, Stream};
+use motes_models::{PartialLikelihood, PartialMeasurements, Seed, Simulator, Step, Stream};
 
 use super::error::TwistingError;
 use super::filter;
@@ -38,12 +38,12 @@ const PASSES: usize = 3;
 ///         (0..2).for_each(|_| state.push(normal(0.0, 1.0)));
 ///     }
 ///
-///     fn transition<S: Scalar>(&self, _: usize, x: &[S], state: &mut impl Coordinates<S>) {
+///     fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
 ///         state.push(normal(x[0] * 0.9 + x[1] * 0.3, 0.2));
 ///         state.push(normal(x[1] * 0.9 - x[0] * 0.3, 0.2));
 ///     }
 ///
-///     fn measurement<S: Scalar>(&self, _: usize, x: &[S], y: &mut impl Coordinates<S>) {
+///     fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
 ///         y.push(normal(x[0] + x[0] * x[0] * 0.1, 0.5));
 ///     }
 /// }
@@ -126,7 +126,7 @@ impl Twisting {
         for (time, (row, generation)) in measurements.rows().zip(&history.generations).enumerate().rev() {
             let (states, log_weights) = (&generation.states, &generation.log_weights);
             targets.resize(log_weights.len(), f64::NAN);
-            look_ahead(model, time, row, functions.last(), states, &mut targets)
+            look_ahead(model, &Step::of_index(time), row, functions.last(), states, &mut targets)
                 .map_err(FilterError::from)?;
             let function = fit(n, states, log_weights, &targets);
             functions.push(function.ok_or(TwistingError::Fit { time })?);

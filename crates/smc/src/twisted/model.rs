@@ -2,7 +2,7 @@
 
 use motes_models::batch::{Rows, with_scratch};
 use motes_models::equations::Linearise;
-use motes_models::{ModelError, PartialLikelihood, PartialMeasurements, StateSpaceModel, Stream};
+use motes_models::{ModelError, PartialLikelihood, PartialMeasurements, StateSpaceModel, Step, Stream};
 
 use super::quadratic::Quadratic;
 
@@ -21,15 +21,22 @@ pub(super) struct TwistedModel<'a, M: ?Sized> {
 /// [`ModelError`] if the density of a measurement with gaps cannot be had.
 pub(super) fn look_ahead<M: Linearise + PartialLikelihood + ?Sized>(
     model: &M,
-    time: usize,
+    step: &Step<'_>,
     measurement: &[Option<f64>],
     next: Option<&Quadratic>,
     states: &[f64],
     out: &mut [f64],
 ) -> Result<(), ModelError> {
-    model.partial_log_likelihoods(time, states, measurement, out)?;
+    model.partial_log_likelihoods(step, states, measurement, out)?;
     if let Some(next) = next {
-        add_expectations(model, time + 1, next, Rows::all(states, model.state_dim()), 1.0, out);
+        add_expectations(
+            model,
+            &Step::of_index(step.index + 1),
+            next,
+            Rows::all(states, model.state_dim()),
+            1.0,
+            out,
+        );
     }
     Ok(())
 }
@@ -37,14 +44,14 @@ pub(super) fn look_ahead<M: Linearise + PartialLikelihood + ?Sized>(
 /// Adds `sign · log V_{t−1}(x_{t−1})` of each of the rows `x_{t−1}` (`K×N`) to `out` (`K`); `function` is `φ_t`.
 fn add_expectations<M: Linearise + ?Sized>(
     model: &M,
-    time: usize,
+    step: &Step<'_>,
     function: &Quadratic,
     previous: Rows<'_>,
     sign: f64,
     out: &mut [f64],
 ) {
     with_scratch(out.len(), |found| {
-        function.log_expectations(model, time, previous, found);
+        function.log_expectations(model, step, previous, found);
         out.iter_mut().zip(found).for_each(|(out, found)| *out += sign * *found);
     });
 }
@@ -62,23 +69,23 @@ impl<M: Linearise + PartialLikelihood + ?Sized> StateSpaceModel for TwistedModel
         self.model.sample_initial(stream, state);
     }
 
-    fn sample_transition(&self, time: usize, previous: &[f64], stream: &mut Stream, state: &mut [f64]) {
-        self.model.sample_transition(time, previous, stream, state);
+    fn sample_transition(&self, step: &Step<'_>, previous: &[f64], stream: &mut Stream, state: &mut [f64]) {
+        self.model.sample_transition(step, previous, stream, state);
     }
 
     fn log_initial(&self, state: &[f64]) -> f64 {
         self.model.log_initial(state)
     }
 
-    fn log_transition(&self, time: usize, previous: &[f64], state: &[f64]) -> f64 {
+    fn log_transition(&self, step: &Step<'_>, previous: &[f64], state: &[f64]) -> f64 {
         let mut out = [f64::NAN];
-        self.log_transitions(time, Rows::all(previous, previous.len()), state, &mut out);
+        self.log_transitions(step, Rows::all(previous, previous.len()), state, &mut out);
         out[0]
     }
 
-    fn log_likelihood(&self, time: usize, state: &[f64], _measurement: &[f64]) -> f64 {
+    fn log_likelihood(&self, step: &Step<'_>, state: &[f64], _measurement: &[f64]) -> f64 {
         let mut out = [f64::NAN];
-        self.log_likelihoods(time, state, &[], &mut out);
+        self.log_likelihoods(step, state, &[], &mut out);
         out[0]
     }
 
@@ -86,16 +93,17 @@ impl<M: Linearise + PartialLikelihood + ?Sized> StateSpaceModel for TwistedModel
         self.model.log_initials(states, out);
     }
 
-    fn log_transitions(&self, time: usize, previous: Rows<'_>, states: &[f64], out: &mut [f64]) {
-        self.model.log_transitions(time, previous, states, out);
-        if let Some(function) = self.functions.get(time) {
-            add_expectations(self.model, time, function, previous, -1.0, out);
+    fn log_transitions(&self, step: &Step<'_>, previous: Rows<'_>, states: &[f64], out: &mut [f64]) {
+        self.model.log_transitions(step, previous, states, out);
+        if let Some(function) = self.functions.get(step.index) {
+            add_expectations(self.model, step, function, previous, -1.0, out);
         }
     }
 
-    fn log_likelihoods(&self, time: usize, states: &[f64], _measurement: &[f64], out: &mut [f64]) {
-        let (measurement, next) = (self.measurements.rows().nth(time), self.functions.get(time + 1));
-        let found = measurement.map(|row| look_ahead(self.model, time, row, next, states, out));
+    fn log_likelihoods(&self, step: &Step<'_>, states: &[f64], _measurement: &[f64], out: &mut [f64]) {
+        let (measurement, next) =
+            (self.measurements.rows().nth(step.index), self.functions.get(step.index + 1));
+        let found = measurement.map(|row| look_ahead(self.model, step, row, next, states, out));
         // Steps refuse what is not a number.
         if !matches!(found, Some(Ok(()))) {
             out.fill(f64::NAN);

@@ -2,7 +2,7 @@
 
 use motes_models::batch::LANES;
 use motes_models::equations::Linearise;
-use motes_models::{PartialLikelihood, StateSpaceModel};
+use motes_models::{PartialLikelihood, StateSpaceModel, Step};
 
 use super::model::TwistedModel;
 use crate::proposal::{Context, Proposal};
@@ -25,11 +25,14 @@ impl<'m, M: Linearise + PartialLikelihood + ?Sized> Proposal<TwistedModel<'m, M>
     fn prepare(
         &mut self,
         model: &TwistedModel<'m, M>,
-        time: usize,
+        step: &Step<'_>,
         _measurement: &[f64],
     ) -> Result<(), ProposalError> {
         let horizon = model.functions.len();
-        let function = model.functions.get(time).ok_or(ProposalError::PastHorizon { horizon, time })?;
+        let function = model
+            .functions
+            .get(step.index)
+            .ok_or(ProposalError::PastHorizon { horizon, time: step.index })?;
         ProposalError::unless_same("the state dimension N", function.centre.len(), model.state_dim())
     }
 
@@ -40,8 +43,8 @@ impl<'m, M: Linearise + PartialLikelihood + ?Sized> Proposal<TwistedModel<'m, M>
         (): (),
         scratch: &'a mut LinearisedScratch,
     ) -> Result<PrecisionBatch<'a>, ProposalError> {
-        let (time, n) = (context.time, twisted.model.state_dim());
-        let function = &twisted.functions[time];
+        let (step, n) = (context.step, twisted.model.state_dim());
+        let function = &twisted.functions[step.index];
         let (tiles, triangle) = (context.particles.div_ceil(LANES), n * (n + 1) / 2);
         let LinearisedScratch { means, factors, tile, .. } = &mut *scratch;
         means.resize(tiles * n * LANES, 0.0);
@@ -51,7 +54,7 @@ impl<'m, M: Linearise + PartialLikelihood + ?Sized> Proposal<TwistedModel<'m, M>
         tile.resize(2 * n * LANES, 0.0);
         let (previous, variances) = tile.split_at_mut(n * LANES);
         if let Some(rows) = context.previous {
-            twisted.model.foresee(time, rows);
+            twisted.model.foresee(&step, rows);
         }
         let places = means.chunks_exact_mut(n * LANES).zip(factors.chunks_exact_mut(triangle * LANES));
         for (number, (mean, lower)) in places.enumerate() {
@@ -59,7 +62,7 @@ impl<'m, M: Linearise + PartialLikelihood + ?Sized> Proposal<TwistedModel<'m, M>
                 rows.load(number * LANES, previous);
                 &*previous
             });
-            function.times_transition(twisted.model, time, before, mean, lower, variances);
+            function.times_transition(twisted.model, &step, before, mean, lower, variances);
         }
         Ok(PrecisionBatch { width: n, gaussians: scratch })
     }

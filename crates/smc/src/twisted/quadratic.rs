@@ -5,6 +5,7 @@ use motes_models::equations::triangle::{at, factor, solve_lower, solve_upper};
 use motes_models::equations::{Lanes, Linearise, Scalar};
 
 use crate::proposals::lanes;
+use motes_models::Step;
 
 /// `log φ(x) = −½ (x − c)ᵀ A (x − c) + bᵀ (x − c)`, with a positive semidefinite `A`.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,13 +51,13 @@ impl Quadratic {
     pub(super) fn times_transition<M: Linearise + ?Sized>(
         &self,
         model: &M,
-        time: usize,
+        step: &Step<'_>,
         previous: Option<&[f64]>,
         mean: &mut [f64],
         lower: &mut [f64],
         variances: &mut [f64],
     ) -> Lanes {
-        model.tile_moments(time, previous, mean, variances);
+        model.tile_moments(step, previous, mean, variances);
         let (mean, variances, lower) = (lanes(mean), lanes(variances), lanes(lower));
         by_widest_vectors(
             #[inline(always)]
@@ -64,11 +65,11 @@ impl Quadratic {
         )
     }
 
-    /// `log ∫ p(x_t | x_{t−1}) φ(x_t) dx_t` for each of the rows `x_{t−1}` (`K×N`), into `out` (`K`), as if the transition were a Gaussian with its moments; `time` is `t`.
+    /// `log ∫ p(x_t | x_{t−1}) φ(x_t) dx_t` for each of the rows `x_{t−1}` (`K×N`), into `out` (`K`), as if the transition were a Gaussian with its moments.
     pub(super) fn log_expectations<M: Linearise + ?Sized>(
         &self,
         model: &M,
-        time: usize,
+        step: &Step<'_>,
         previous: Rows<'_>,
         out: &mut [f64],
     ) {
@@ -81,7 +82,7 @@ impl Quadratic {
             let (variances, lower) = rest.split_at_mut(n * LANES);
             for (number, out) in out.chunks_mut(LANES).enumerate() {
                 previous.load(number * LANES, tile);
-                let log = self.times_transition(model, time, Some(tile), mean, lower, variances);
+                let log = self.times_transition(model, step, Some(tile), mean, lower, variances);
                 out.copy_from_slice(&log.0[..out.len()]);
             }
         });

@@ -1,7 +1,7 @@
 //! Models that filters are judged on, and the judging of a whole sequence.
 
 use motes_models::equations::{Coordinates, Equations, Scalar, normal};
-use motes_models::{Measurements, Seed, Simulator, simulate};
+use motes_models::{Measurements, Seed, Simulator, Step, simulate};
 use motes_smc::{Bootstrap, FilterSettings, ParticleFilter, Proposal, SecondOpinion, Verdict, WeightReport};
 
 /// The growth model, whose measurement `x²/20` does not tell `x` from `−x`.
@@ -16,13 +16,13 @@ impl Equations for Growth {
         state.push(normal(0.0, 5.0_f64.sqrt()));
     }
 
-    fn transition<S: Scalar>(&self, time: usize, x: &[S], state: &mut impl Coordinates<S>) {
+    fn transition<S: Scalar>(&self, step: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
         let x = x[0];
-        let drift = x / 2.0 + x * 25.0 / (x * x + 1.0) + 8.0 * (1.2 * time as f64).cos();
+        let drift = x / 2.0 + x * 25.0 / (x * x + 1.0) + 8.0 * (1.2 * step.time).cos();
         state.push(normal(drift, 10.0_f64.sqrt()));
     }
 
-    fn measurement<S: Scalar>(&self, _: usize, x: &[S], y: &mut impl Coordinates<S>) {
+    fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
         y.push(normal(x[0] * x[0] / 20.0, 1.0));
     }
 }
@@ -45,11 +45,11 @@ impl Equations for Linear {
         (0..self.coordinates).for_each(|_| state.push(normal(0.0, sd)));
     }
 
-    fn transition<S: Scalar>(&self, _: usize, x: &[S], state: &mut impl Coordinates<S>) {
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
         (0..self.coordinates).for_each(|i| state.push(normal(x[i] * self.a, self.q)));
     }
 
-    fn measurement<S: Scalar>(&self, _: usize, x: &[S], y: &mut impl Coordinates<S>) {
+    fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
         (0..self.coordinates).for_each(|i| y.push(normal(x[i], self.r)));
     }
 }
@@ -70,11 +70,11 @@ impl Equations for Volatility {
         state.push(normal(0.0, self.sigma / (1.0 - self.phi * self.phi).sqrt()));
     }
 
-    fn transition<S: Scalar>(&self, _: usize, x: &[S], state: &mut impl Coordinates<S>) {
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
         state.push(normal(x[0] * self.phi, self.sigma));
     }
 
-    fn measurement<S: Scalar>(&self, _: usize, x: &[S], y: &mut impl Coordinates<S>) {
+    fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
         y.push(normal(0.0, (x[0] / 2.0).exp() * self.beta));
     }
 }

@@ -1,6 +1,6 @@
 //! Proposals that miss a mode, and whether anybody notices.
 
-use motes_models::{StateSpaceModel, Stream, fill_standard_normal};
+use motes_models::{StateSpaceModel, Step, Stream, fill_standard_normal};
 use motes_smc::{
     Conditional, Context, FilterSettings, Proposal, ProposalError, Transition, Verdict, particles_by_stream,
 };
@@ -32,7 +32,7 @@ impl<M: StateSpaceModel> Proposal<M> for Positive {
 
     fn initial_memory(&self, _particles: usize) {}
 
-    fn prepare(&mut self, _model: &M, _time: usize, measurement: &[f64]) -> Result<(), ProposalError> {
+    fn prepare(&mut self, _model: &M, _step: &Step<'_>, measurement: &[f64]) -> Result<(), ProposalError> {
         if let Positive::Root { of } = self {
             *of = 20.0 * measurement[0].max(0.0);
         }

@@ -1,7 +1,7 @@
 //! When there is no second opinion: a bootstrap that collapses or is too poor, and calls that make no sense.
 
 use motes_models::equations::{Coordinates, Equations, Scalar, normal, uniform};
-use motes_models::{Seed, StateSpaceModel, Stream, fill_uniform};
+use motes_models::{Seed, StateSpaceModel, Step, Stream, fill_uniform};
 use motes_smc::{
     Bootstrap, Conditional, Context, ErrorKind, FilterError, FilterSettings, Linearised, ParticleFilter,
     Proposal, ProposalError, SecondOpinion, Verdict, particles_by_stream,
@@ -23,11 +23,11 @@ impl Equations for Narrow {
         state.push(normal(0.0, 1.0));
     }
 
-    fn transition<S: Scalar>(&self, _: usize, x: &[S], state: &mut impl Coordinates<S>) {
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
         state.push(normal(x[0], 1.0));
     }
 
-    fn measurement<S: Scalar>(&self, _: usize, x: &[S], y: &mut impl Coordinates<S>) {
+    fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
         y.push(uniform(x[0] - BOUND, x[0] + BOUND));
     }
 }
@@ -48,7 +48,12 @@ impl Proposal<Narrow> for WithinBounds {
 
     fn initial_memory(&self, _particles: usize) {}
 
-    fn prepare(&mut self, _model: &Narrow, _time: usize, measurement: &[f64]) -> Result<(), ProposalError> {
+    fn prepare(
+        &mut self,
+        _model: &Narrow,
+        _step: &Step<'_>,
+        measurement: &[f64],
+    ) -> Result<(), ProposalError> {
         self.at = measurement[0];
         Ok(())
     }
@@ -156,8 +161,8 @@ impl<M: StateSpaceModel> Proposal<M> for Once {
 
     fn initial_memory(&self, _particles: usize) {}
 
-    fn prepare(&mut self, _model: &M, time: usize, _measurement: &[f64]) -> Result<(), ProposalError> {
-        if time < 1 { Ok(()) } else { Err(ProposalError::PastHorizon { horizon: 1, time }) }
+    fn prepare(&mut self, _model: &M, step: &Step<'_>, _measurement: &[f64]) -> Result<(), ProposalError> {
+        if step.index < 1 { Ok(()) } else { Err(ProposalError::PastHorizon { horizon: 1, time: step.index }) }
     }
 
     fn condition<'a>(

@@ -2,7 +2,7 @@
 
 use motes_models::batch::Rows;
 use motes_models::equations::Equations;
-use motes_models::{Measurements, ModelShape, StateSpaceModel};
+use motes_models::{Measurements, ModelShape, StateSpaceModel, Step};
 use motes_proposals::{Amortised, AmortisedScratch, Backend, load};
 use motes_smc::{Conditional, Context, FilterBank, FilterSettings, Proposal, ResampleWhen, Resampling};
 
@@ -46,13 +46,13 @@ impl<M: Equations> Filtering<M> {
         let (n, y) = (self.model.state_dim(), self.measurements.row(1));
         let count = states.len() / n;
         let (mut of_proposal, mut of_transition) = (vec![0.0; count], vec![0.0; count]);
-        let context = Context::new(1, Some(&previous), y, count);
+        let context = Context::new(Step::of_index(1), Some(&previous), y, count);
         let scratch = &mut AmortisedScratch::default();
         self.proposal
             .condition_batch(&self.model, context, &mut (), scratch)
             .map_err(|error| told(&error))?
             .log_density(&states, &mut of_proposal);
-        self.model.log_transitions(1, Rows::all(&previous, n), &states, &mut of_transition);
+        self.model.log_transitions(&Step::of_index(1), Rows::all(&previous, n), &states, &mut of_transition);
         let log_mixture = |(q, p): (&f64, &f64)| {
             let (a, b) = (q + (-DEFENSIVE).ln_1p(), p + DEFENSIVE.ln());
             a.max(b) + (-(a - b).abs()).exp().ln_1p()

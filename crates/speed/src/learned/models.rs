@@ -4,6 +4,7 @@ use motes_models::equations::{Coordinates, Equations, Scalar, normal};
 use motes_proposals::{AmortisedConfig, Base, Covariance, HeadConfig, Sees};
 
 use super::sizes::HORIZON;
+use motes_models::Step;
 
 /// The names of the models.
 pub(crate) const MODELS: [&str; 2] = ["growth", "tracking"];
@@ -22,14 +23,14 @@ impl Equations for Growth {
     }
 
     #[inline(always)]
-    fn transition<S: Scalar>(&self, time: usize, x: &[S], state: &mut impl Coordinates<S>) {
+    fn transition<S: Scalar>(&self, step: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
         let x = x[0];
-        let drift = x / 2.0 + x * 25.0 / (x * x + 1.0) + 8.0 * (1.2 * time as f64).cos();
+        let drift = x / 2.0 + x * 25.0 / (x * x + 1.0) + 8.0 * (1.2 * step.time).cos();
         state.push(normal(drift, 10.0_f64.sqrt()));
     }
 
     #[inline(always)]
-    fn measurement<S: Scalar>(&self, _: usize, x: &[S], measurement: &mut impl Coordinates<S>) {
+    fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], measurement: &mut impl Coordinates<S>) {
         measurement.push(normal(x[0] * x[0] / 20.0, 1.0));
     }
 }
@@ -50,13 +51,13 @@ impl Equations for Tracking {
     }
 
     #[inline(always)]
-    fn transition<S: Scalar>(&self, _: usize, x: &[S], state: &mut impl Coordinates<S>) {
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
         (0..2).for_each(|i| state.push(normal(x[i] + x[i + 2], 0.05)));
         (2..4).for_each(|i| state.push(normal(x[i], 0.05)));
     }
 
     #[inline(always)]
-    fn measurement<S: Scalar>(&self, _: usize, x: &[S], y: &mut impl Coordinates<S>) {
+    fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
         y.push(normal((x[0] * x[0] + x[1] * x[1]).sqrt(), 0.1));
         y.push(normal(x[1].atan2(x[0]), 0.02));
     }

@@ -87,6 +87,8 @@ mod tests {
     use motes_models::equations::{Coordinates, Equations, Scalar, normal};
     use motes_proposals::{AmortisedConfig, Backend, Family};
 
+    use motes_models::Step;
+
     use super::*;
 
     struct Walk;
@@ -100,11 +102,11 @@ mod tests {
             state.push(normal(0.0, 1.0));
         }
 
-        fn transition<S: Scalar>(&self, _: usize, x: &[S], state: &mut impl Coordinates<S>) {
+        fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
             state.push(normal(x[0] * 0.9, 1.0));
         }
 
-        fn measurement<S: Scalar>(&self, _: usize, x: &[S], y: &mut impl Coordinates<S>) {
+        fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
             y.push(normal(x[0], 1.0));
         }
     }

@@ -1,7 +1,7 @@
 //! What an amortised proposal conditions to: draws with the density that is asked at their points, inside the support.
 
 use motes_models::equations::Equations;
-use motes_models::{ModelShape, Seed, StateSpaceModel};
+use motes_models::{ModelShape, Seed, StateSpaceModel, Step};
 use motes_proposals::{
     Amortised, AmortisedConfig, AmortisedScratch, Backend, Base, Compute, Covariance, Family, HeadConfig,
     Parametric, Sees,
@@ -65,7 +65,7 @@ fn draws_have_their_density<M: Equations>(model: &M, measurement: &[f64]) {
         let mut proposal = random(model, base, head, 0.2);
         for time in [0, 1] {
             let before = (time > 0).then_some(previous.as_slice());
-            let context = Context::new(time, before, measurement, count);
+            let context = Context::new(Step::of_index(time), before, measurement, count);
             let mut scratch = AmortisedScratch::default();
             let mut conditional = proposal.condition_batch(model, context, &mut (), &mut scratch).unwrap();
             let (mut states, mut along, mut at) = (vec![0.0; count * n], vec![0.0; count], vec![0.0; count]);
@@ -76,7 +76,7 @@ fn draws_have_their_density<M: Equations>(model: &M, measurement: &[f64]) {
                 0 => model.log_initials(&states, &mut of_transition),
                 _ => {
                     let rows = motes_models::batch::Rows::all(&previous, n);
-                    model.log_transitions(time, rows, &states, &mut of_transition);
+                    model.log_transitions(&Step::of_index(time), rows, &states, &mut of_transition);
                 }
             }
             for row in 0..count {
@@ -104,7 +104,7 @@ fn weights_that_change_between_two_steps_count_from_the_next_on() {
         let [mut changed, mut other] = [0.1, 0.3].map(|size| random_of(&Linear, config(head), size));
         let (previous, at) = ([0.3, -1.0, 2.0, 0.1], [0.2, 0.4, 1.5, -0.3]);
         let density = |proposal: &mut Amortised, time: usize| {
-            let context = Context::new(time, Some(&previous), &[0.7], 2);
+            let context = Context::new(Step::of_index(time), Some(&previous), &[0.7], 2);
             let (mut scratch, mut found) = (AmortisedScratch::default(), [0.0; 2]);
             proposal
                 .condition_batch(&Linear, context, &mut (), &mut scratch)
@@ -127,7 +127,7 @@ fn weights_that_change_between_two_steps_count_from_the_next_on() {
 fn outside_of_the_support_the_density_is_zero() {
     let model = Awkward(Noise::Interval);
     let mut proposal = random(&model, Base::Transition, HEADS[1], 0.2);
-    let context = Context::new(1, Some(&[0.0, 0.0, 0.0]), &[1.0, 0.2], 3);
+    let context = Context::new(Step::of_index(1), Some(&[0.0, 0.0, 0.0]), &[1.0, 0.2], 3);
     let mut scratch = AmortisedScratch::default();
     let mut conditional = proposal.condition_batch(&model, context, &mut (), &mut scratch).unwrap();
     let mut density = [0.0; 3];
@@ -145,7 +145,7 @@ fn untrained_it_is_its_base() {
     let mut linearised = Linearised::new(&Linear).unwrap();
     let previous = [0.3, -1.0, 2.0, 0.1];
     for time in [0, 1] {
-        let context = Context::new(time, (time > 0).then_some(&previous), &[0.7], 2);
+        let context = Context::new(Step::of_index(time), (time > 0).then_some(&previous), &[0.7], 2);
         let at = [0.2, 0.4, 1.5, -0.3];
         let (mut found, mut expected) = ([0.0; 2], [0.0; 2]);
         let mut scratch = AmortisedScratch::default();

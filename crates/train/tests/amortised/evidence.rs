@@ -3,7 +3,8 @@
 use faer::mat;
 use motes_models::equations::Equations;
 use motes_models::{
-    Gaussian, LinearGaussian, PartialLikelihood, PartialMeasurements, Seed, StateSpaceModel, kalman, simulate,
+    Gaussian, LinearGaussian, PartialLikelihood, PartialMeasurements, Seed, StateSpaceModel, Step, kalman,
+    simulate,
 };
 use motes_proposals::{Amortised, AmortisedConfig, Base, HeadConfig, Sees};
 use motes_smc::{FilterBank, FilterSettings, ResampleWhen};
@@ -83,7 +84,7 @@ fn by_quadrature(model: &Awkward, rows: &[Vec<Option<f64>>]) -> f64 {
                 .iter()
                 .map(|x| {
                     let into = |(from, before): (&f64, &f64)| match *before > 1e-14 {
-                        true => before * model.log_transition(1, &[*from], &[*x]).exp(),
+                        true => before * model.log_transition(&Step::of_index(1), &[*from], &[*x]).exp(),
                         false => 0.0,
                     };
                     grid.iter().zip(&density).map(into).sum::<f64>() * step
@@ -92,7 +93,7 @@ fn by_quadrature(model: &Awkward, rows: &[Vec<Option<f64>>]) -> f64 {
         }
         for (density, x) in density.iter_mut().zip(&grid) {
             let mut out = [0.0];
-            model.partial_log_likelihoods(time, &[*x], row, &mut out).unwrap();
+            model.partial_log_likelihoods(&Step::of_index(time), &[*x], row, &mut out).unwrap();
             *density *= out[0].exp();
         }
     }

@@ -1,7 +1,7 @@
 //! The gradient of a filter's log-evidence: against differences with the same random numbers, in the mean; and planted bugs.
 
 use motes_models::equations::Equations;
-use motes_models::{OwnStep, Seed, StateGradients};
+use motes_models::{OwnStep, Seed, StateGradients, Step};
 use motes_proposals::{
     Amortised, AmortisedConfig, Backend, Base, Compute, Covariance, Draws, Examples, HeadConfig, Parametric,
     Precision, Sees, Times, Workspace,
@@ -87,7 +87,7 @@ fn slopes<M: Equations>(
     let filter = filtered(model, proposal, measurements, particles, seed);
     let states = filter.particles();
     let mut of_likelihood = vec![0.0; states.len()];
-    model.likelihood_gradients(1, states, measurements[1], &mut of_likelihood);
+    model.likelihood_gradients(&Step::of_index(1), states, measurements[1], &mut of_likelihood);
     if bug == Bug::LikelihoodReversed {
         of_likelihood.iter_mut().for_each(|slope| *slope = -*slope);
     }

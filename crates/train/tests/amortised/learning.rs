@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use motes_models::equations::{Coordinates, Equations, Scalar, normal};
-use motes_models::{ModelShape, PartialMeasurements, Seed, simulate};
+use motes_models::{ModelShape, PartialMeasurements, Seed, Step, simulate};
 use motes_proposals::{Amortised, AmortisedConfig, Backend, Base, Family, HeadConfig, Parametric, Sees};
 use motes_smc::{Bootstrap, FilterSettings, Linearised, ParticleFilter, Proposal, ResampleWhen};
 use motes_train::{AdamConfig, LearnConfig, Learned, TrainError, learn};
@@ -145,11 +145,11 @@ impl Equations for Runaway {
         state.push(normal(0.0, self.0));
     }
 
-    fn transition<S: Scalar>(&self, _: usize, x: &[S], state: &mut impl Coordinates<S>) {
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
         state.push(normal(x[0] * x[0] * 1e10, 1.0));
     }
 
-    fn measurement<S: Scalar>(&self, _: usize, x: &[S], y: &mut impl Coordinates<S>) {
+    fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
         y.push(normal(x[0], 1.0));
     }
 }

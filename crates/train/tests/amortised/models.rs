@@ -1,5 +1,6 @@
 //! Models to learn for.
 
+use motes_models::Step;
 use motes_models::equations::{
     Coordinates, Equations, Scalar, exponential, normal, poisson, student_t, uniform,
 };
@@ -16,12 +17,12 @@ impl Equations for Linear {
         (0..2).for_each(|_| state.push(normal(0.0, 1.0)));
     }
 
-    fn transition<S: Scalar>(&self, _: usize, x: &[S], state: &mut impl Coordinates<S>) {
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
         state.push(normal(x[0] * 0.9 + x[1] * 0.2, 0.7));
         state.push(normal(x[1] * 0.7, 1.1));
     }
 
-    fn measurement<S: Scalar>(&self, _: usize, x: &[S], y: &mut impl Coordinates<S>) {
+    fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
         y.push(normal(x[0] + x[1] * 0.5, 0.5));
     }
 }
@@ -38,13 +39,13 @@ impl Equations for Growth {
         state.push(normal(0.0, 5.0_f64.sqrt()));
     }
 
-    fn transition<S: Scalar>(&self, time: usize, x: &[S], state: &mut impl Coordinates<S>) {
+    fn transition<S: Scalar>(&self, step: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
         let x = x[0];
-        let drift = x / 2.0 + x * 25.0 / (x * x + 1.0) + 8.0 * (1.2 * time as f64).cos();
+        let drift = x / 2.0 + x * 25.0 / (x * x + 1.0) + 8.0 * (1.2 * step.time).cos();
         state.push(normal(drift, 10.0_f64.sqrt()));
     }
 
-    fn measurement<S: Scalar>(&self, _: usize, x: &[S], y: &mut impl Coordinates<S>) {
+    fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
         y.push(normal(x[0] * x[0] / 20.0, 1.0));
     }
 }
@@ -72,7 +73,7 @@ impl Equations for Awkward {
         state.push(normal(0.3, 0.8));
     }
 
-    fn transition<S: Scalar>(&self, _: usize, x: &[S], state: &mut impl Coordinates<S>) {
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
         let mean = x[0].sin() + x[0] * 0.5;
         state.push(match self.0 {
             Noise::HalfLine => exponential(0.6).shifted(mean - 0.5),
@@ -81,7 +82,7 @@ impl Equations for Awkward {
         });
     }
 
-    fn measurement<S: Scalar>(&self, _: usize, x: &[S], y: &mut impl Coordinates<S>) {
+    fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
         y.push(poisson((x[0] * 0.8 + 0.5).exp()));
         y.push(student_t(3.0, x[0] * x[0] * 0.3, 0.7));
     }

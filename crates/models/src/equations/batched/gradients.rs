@@ -7,7 +7,7 @@ use super::super::varied::{SIDE, Side, Varied, put};
 use super::Batched;
 use super::column::BatchDistribution;
 use crate::batch::{LANES, store, with_scratch};
-use crate::{StateGradients, StateSpaceModel};
+use crate::{StateGradients, StateSpaceModel, Step};
 
 /// The derivatives of the sum of all coordinates' log densities along each of `n` coordinates, for `K` particles, into `out` (`K×N`): `of` gives a coordinate's
 /// distribution and value, with derivatives along one of them, for the few particles from a number on.
@@ -68,7 +68,7 @@ impl StateGradients for Batched {
 
     fn transition_gradients(
         &self,
-        time: usize,
+        step: &Step<'_>,
         previous: &[f64],
         states: &[f64],
         d_previous: &mut [f64],
@@ -76,7 +76,7 @@ impl StateGradients for Batched {
     ) {
         let n = self.state_dim();
         let stated =
-            self.equations.has_slopes().then(|| self.equations.transition_slopes(time, previous, false));
+            self.equations.has_slopes().then(|| self.equations.transition_slopes(step, previous, false));
         let stated = stated.flatten();
         along_values(stated.as_deref(), n, states, d_states);
         let Some(stated) = stated.filter(|stated| stated.len() == n) else {
@@ -88,10 +88,16 @@ impl StateGradients for Batched {
         });
     }
 
-    fn likelihood_gradients(&self, time: usize, states: &[f64], measurement: &[f64], d_states: &mut [f64]) {
+    fn likelihood_gradients(
+        &self,
+        step: &Step<'_>,
+        states: &[f64],
+        measurement: &[f64],
+        d_states: &mut [f64],
+    ) {
         let n = self.state_dim();
         let stated =
-            self.equations.has_slopes().then(|| self.equations.measurement_slopes(time, states, false));
+            self.equations.has_slopes().then(|| self.equations.measurement_slopes(step, states, false));
         let Some(stated) = stated.flatten().filter(|stated| stated.len() == measurement.len()) else {
             return d_states.fill(f64::NAN);
         };

@@ -6,17 +6,23 @@ use super::super::tiles::rows_of_mut;
 use super::super::varied::{SIDE, Varied, put, side};
 use super::Batched;
 use super::memo::Asked;
-use crate::StateSpaceModel;
 use crate::batch::LANES;
+use crate::{StateSpaceModel, Step};
 
 impl Linearise for Batched {
-    fn tile_moments(&self, time: usize, previous: Option<&[f64]>, means: &mut [f64], variances: &mut [f64]) {
-        moments_of_states(self, time, previous, means, variances);
+    fn tile_moments(
+        &self,
+        step: &Step<'_>,
+        previous: Option<&[f64]>,
+        means: &mut [f64],
+        variances: &mut [f64],
+    ) {
+        moments_of_states(self, step, previous, means, variances);
     }
 
     fn tile_scores(
         &self,
-        time: usize,
+        step: &Step<'_>,
         states: &[f64],
         measurement: &[Option<Lanes>],
         slopes: &mut [f64],
@@ -31,7 +37,7 @@ impl Linearise for Batched {
             (rows_of_mut(slopes), rows_of_mut(information), rows_of_mut(jacobian));
         let is_known = |at: usize| measurement.get(at).copied().flatten();
         let asked = self.scored_by();
-        let (stated, first) = self.of_tile(asked, time, states);
+        let (stated, first) = self.of_tile(asked, step, states);
         for (at, one) in stated.iter().flat_map(|stated| stated.iter()).enumerate() {
             let Some(y) = is_known(at) else { continue };
             let score = one.tile(first).score(y);

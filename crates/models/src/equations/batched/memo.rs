@@ -5,6 +5,7 @@ use std::rc::Rc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::column::BatchDistribution;
+use crate::Step;
 use crate::batch::{LANES, store, with_scratch};
 
 /// Whose answers they are: a number that no other model of the process has.
@@ -32,7 +33,7 @@ pub(super) type Answer = Option<Rc<Vec<BatchDistribution>>>;
 
 struct Memo {
     owner: u64,
-    time: usize,
+    step: StepKey,
     /// `K×N`.
     rows: Vec<f64>,
     /// Whether tiles of these rows are asked for next: the last of them may then have lanes without a particle.
@@ -41,8 +42,33 @@ struct Memo {
 }
 
 impl Memo {
-    fn is_of(&self, owner: &Owner, time: usize) -> bool {
-        self.owner == owner.0 && self.time == time
+    fn is_of(&self, owner: &Owner, step: &Step<'_>) -> bool {
+        self.owner == owner.0 && self.step.is_of(step)
+    }
+}
+
+/// What an answer may depend on besides states.
+struct StepKey {
+    index: usize,
+    times: [f64; 2],
+    /// Inputs, then parameters.
+    numbers: Vec<f64>,
+}
+
+impl StepKey {
+    fn of(step: &Step<'_>) -> Self {
+        StepKey {
+            index: step.index,
+            times: [step.time, step.length],
+            numbers: [step.inputs, step.parameters].concat(),
+        }
+    }
+
+    fn is_of(&self, step: &Step<'_>) -> bool {
+        self.index == step.index
+            && are_same(&self.times, &[step.time, step.length])
+            && self.numbers.len() == step.inputs.len() + step.parameters.len()
+            && are_same(&self.numbers, step.inputs.iter().chain(step.parameters))
     }
 }
 
@@ -62,14 +88,14 @@ thread_local! {
 pub(super) fn of_rows(
     owner: &Owner,
     asked: Asked,
-    time: usize,
+    step: &Step<'_>,
     rows: &[f64],
     is_block: bool,
     ask: impl FnOnce() -> Option<Vec<BatchDistribution>>,
 ) -> Answer {
     let known = MEMOS.with_borrow_mut(|memos| {
         let memo = memos[asked as usize].as_mut();
-        let memo = memo.filter(|memo| memo.is_of(owner, time) && are_same(&memo.rows, rows))?;
+        let memo = memo.filter(|memo| memo.is_of(owner, step) && are_same(&memo.rows, rows))?;
         // What was asked where no particle is, was not looked at closely.
         if memo.is_block && !is_block && asked != Asked::Transition {
             return None;
@@ -81,7 +107,13 @@ pub(super) fn of_rows(
         return answer;
     }
     let answer = ask().map(Rc::new);
-    let memo = Memo { owner: owner.0, time, rows: rows.to_vec(), is_block, answer: answer.clone() };
+    let memo = Memo {
+        owner: owner.0,
+        step: StepKey::of(step),
+        rows: rows.to_vec(),
+        is_block,
+        answer: answer.clone(),
+    };
     MEMOS.with_borrow_mut(|memos| memos[asked as usize] = Some(memo));
     answer
 }
@@ -91,13 +123,13 @@ pub(super) fn of_rows(
 pub(super) fn of_tile(
     owner: &Owner,
     asked: Asked,
-    time: usize,
+    step: &Step<'_>,
     tile: &[f64],
     ask: impl FnOnce(&[f64]) -> Option<Vec<BatchDistribution>>,
 ) -> (Answer, usize) {
     let n = tile.len() / LANES;
     let foreseen = MEMOS.with_borrow(|memos| {
-        let memo = memos[asked as usize].as_ref().filter(|memo| memo.is_of(owner, time))?;
+        let memo = memos[asked as usize].as_ref().filter(|memo| memo.is_of(owner, step))?;
         let is_here = |rows: &[f64]| {
             let mut of_lanes = rows.chunks_exact(n).enumerate();
             (memo.is_block || rows.len() == tile.len())
@@ -113,13 +145,18 @@ pub(super) fn of_tile(
         store(tile, n, rows);
         let known = TILES.with_borrow(|memos| {
             let memo = memos[asked as usize].as_ref();
-            memo.filter(|memo| memo.is_of(owner, time) && are_same(&memo.rows, &*rows))
+            memo.filter(|memo| memo.is_of(owner, step) && are_same(&memo.rows, &*rows))
                 .map(|memo| memo.answer.clone())
         });
         let answer = known.unwrap_or_else(|| {
             let answer = ask(rows).map(Rc::new);
-            let memo =
-                Memo { owner: owner.0, time, rows: rows.to_vec(), is_block: false, answer: answer.clone() };
+            let memo = Memo {
+                owner: owner.0,
+                step: StepKey::of(step),
+                rows: rows.to_vec(),
+                is_block: false,
+                answer: answer.clone(),
+            };
             TILES.with_borrow_mut(|memos| memos[asked as usize] = Some(memo));
             answer
         });

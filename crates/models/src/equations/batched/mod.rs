@@ -10,6 +10,7 @@ pub use column::{BatchDistribution, Column};
 
 use std::sync::OnceLock;
 
+use crate::Step;
 use memo::Owner;
 
 /// A state-space model by three functions of many particles: for who cannot state [`Equations`](super::Equations), whose formulas are generic over their
@@ -38,11 +39,11 @@ use memo::Owner;
 ///         Some(vec![normal(Column::same(0.0), 1.0)])
 ///     }
 ///
-///     fn transition(&self, _: usize, previous: &[f64], _: bool) -> Option<Vec<BatchDistribution>> {
+///     fn transition(&self, _: &Step<'_>, previous: &[f64], _: bool) -> Option<Vec<BatchDistribution>> {
 ///         Some(vec![normal(Column::each(previous.to_vec()), 1.0)])
 ///     }
 ///
-///     fn measurement(&self, _: usize, states: &[f64], _: bool) -> Option<Vec<BatchDistribution>> {
+///     fn measurement(&self, _: &Step<'_>, states: &[f64], _: bool) -> Option<Vec<BatchDistribution>> {
 ///         Some(vec![normal(Column::each(states.to_vec()), 0.5)])
 ///     }
 /// }
@@ -59,13 +60,19 @@ pub trait BatchEquations: Sync {
     /// densities are NaN then, as they are where another number of coordinates is stated.
     fn initial(&self) -> Option<Vec<BatchDistribution>>;
 
-    /// The distribution of each of the `N` coordinates of `x_t` given each row `x_{t−1}` of `previous` (`K×N`); `time` is `t`, at least 1.
+    /// The distribution of each of the `N` coordinates of `x_t` given each row `x_{t−1}` of `previous` (`K×N`).
     ///
     /// Where `is_padded`, some rows are no particles', and nothing is to be made of what is odd about them.
-    fn transition(&self, time: usize, previous: &[f64], is_padded: bool) -> Option<Vec<BatchDistribution>>;
+    fn transition(
+        &self,
+        step: &Step<'_>,
+        previous: &[f64],
+        is_padded: bool,
+    ) -> Option<Vec<BatchDistribution>>;
 
-    /// The distribution of each of the `M` coordinates of `y_t` given each row `x_t` of `states` (`K×N`); `time` is `t`, at least 0.
-    fn measurement(&self, time: usize, states: &[f64], is_padded: bool) -> Option<Vec<BatchDistribution>>;
+    /// The distribution of each of the `M` coordinates of `y_t` given each row `x_t` of `states` (`K×N`).
+    fn measurement(&self, step: &Step<'_>, states: &[f64], is_padded: bool)
+    -> Option<Vec<BatchDistribution>>;
 
     /// Whether parameters can be had with their derivatives along the rows. Without them a measurement cannot be linearised, and there are no gradients.
     fn has_slopes(&self) -> bool {
@@ -75,21 +82,21 @@ pub trait BatchEquations: Sync {
     /// [`BatchEquations::transition`] with derivatives.
     fn transition_slopes(
         &self,
-        time: usize,
+        step: &Step<'_>,
         previous: &[f64],
         is_padded: bool,
     ) -> Option<Vec<BatchDistribution>> {
-        self.transition(time, previous, is_padded)
+        self.transition(step, previous, is_padded)
     }
 
     /// [`BatchEquations::measurement`] with derivatives.
     fn measurement_slopes(
         &self,
-        time: usize,
+        step: &Step<'_>,
         states: &[f64],
         is_padded: bool,
     ) -> Option<Vec<BatchDistribution>> {
-        self.measurement(time, states, is_padded)
+        self.measurement(step, states, is_padded)
     }
 }
 

@@ -14,7 +14,7 @@ use super::Batched;
 use super::column::{BatchDistribution, push_tile};
 use super::memo::{self, Answer, Asked};
 use crate::batch::{LANES, Rows, load, store, with_scratch};
-use crate::{ModelError, PartialLikelihood, Seed, Simulator, StateSpaceModel, Stream};
+use crate::{ModelError, PartialLikelihood, Seed, Simulator, StateSpaceModel, Step, Stream};
 
 /// Transitions whose families are looked at, as for [`Equations`](super::super::Equations).
 const PROBES: usize = 8;
@@ -24,26 +24,26 @@ impl Batched {
     fn ask(
         &self,
         asked: Asked,
-        time: usize,
+        step: &Step<'_>,
         rows: &[f64],
         is_padded: bool,
     ) -> Option<Vec<BatchDistribution>> {
         match asked {
-            Asked::Transition => self.equations.transition(time, rows, is_padded),
-            Asked::Measurement => self.equations.measurement(time, rows, is_padded),
-            Asked::Slopes => self.equations.measurement_slopes(time, rows, is_padded),
+            Asked::Transition => self.equations.transition(step, rows, is_padded),
+            Asked::Measurement => self.equations.measurement(step, rows, is_padded),
+            Asked::Slopes => self.equations.measurement_slopes(step, rows, is_padded),
         }
     }
 
     /// What is stated for each row of particles.
-    fn of_rows(&self, asked: Asked, time: usize, rows: &[f64]) -> Answer {
-        memo::of_rows(&self.owner, asked, time, rows, false, || self.ask(asked, time, rows, false))
+    fn of_rows(&self, asked: Asked, step: &Step<'_>, rows: &[f64]) -> Answer {
+        memo::of_rows(&self.owner, asked, step, rows, false, || self.ask(asked, step, rows, false))
     }
 
     /// What is stated for the particles of a tile, and the number of the first of them.
-    pub(super) fn of_tile(&self, asked: Asked, time: usize, tile: &[f64]) -> (Answer, usize) {
+    pub(super) fn of_tile(&self, asked: Asked, step: &Step<'_>, tile: &[f64]) -> (Answer, usize) {
         // Nobody said that this tile would come, or how many of its lanes have a particle.
-        memo::of_tile(&self.owner, asked, time, tile, |rows| self.ask(asked, time, rows, true))
+        memo::of_tile(&self.owner, asked, step, tile, |rows| self.ask(asked, step, rows, true))
     }
 
     /// What a measurement is scored by.
@@ -98,8 +98,8 @@ impl StateSpaceModel for Batched {
         self.sample_initials(from_mut(stream), state);
     }
 
-    fn sample_transition(&self, time: usize, previous: &[f64], stream: &mut Stream, state: &mut [f64]) {
-        self.sample_transitions(time, Rows::all(previous, previous.len()), from_mut(stream), state);
+    fn sample_transition(&self, step: &Step<'_>, previous: &[f64], stream: &mut Stream, state: &mut [f64]) {
+        self.sample_transitions(step, Rows::all(previous, previous.len()), from_mut(stream), state);
     }
 
     fn log_initial(&self, state: &[f64]) -> f64 {
@@ -108,15 +108,15 @@ impl StateSpaceModel for Batched {
         out[0]
     }
 
-    fn log_transition(&self, time: usize, previous: &[f64], state: &[f64]) -> f64 {
+    fn log_transition(&self, step: &Step<'_>, previous: &[f64], state: &[f64]) -> f64 {
         let mut out = [f64::NAN];
-        self.log_transitions(time, Rows::all(previous, previous.len()), state, &mut out);
+        self.log_transitions(step, Rows::all(previous, previous.len()), state, &mut out);
         out[0]
     }
 
-    fn log_likelihood(&self, time: usize, state: &[f64], measurement: &[f64]) -> f64 {
+    fn log_likelihood(&self, step: &Step<'_>, state: &[f64], measurement: &[f64]) -> f64 {
         let mut out = [f64::NAN];
-        self.log_likelihoods(time, state, measurement, &mut out);
+        self.log_likelihoods(step, state, measurement, &mut out);
         out[0]
     }
 
@@ -126,7 +126,7 @@ impl StateSpaceModel for Batched {
 
     fn sample_transitions(
         &self,
-        time: usize,
+        step: &Step<'_>,
         previous: Rows<'_>,
         streams: &mut [Stream],
         states: &mut [f64],
@@ -134,7 +134,7 @@ impl StateSpaceModel for Batched {
         if previous.is_empty() {
             return;
         }
-        let stated = previous.with_contiguous(|previous| self.of_rows(Asked::Transition, time, previous));
+        let stated = previous.with_contiguous(|previous| self.of_rows(Asked::Transition, step, previous));
         draw(stated.as_ref().map(|stated| &stated[..]), self.state_dim(), streams, states);
     }
 
@@ -142,19 +142,19 @@ impl StateSpaceModel for Batched {
         weigh_states(self.equations.initial().as_deref(), self.state_dim(), states, out);
     }
 
-    fn log_transitions(&self, time: usize, previous: Rows<'_>, states: &[f64], out: &mut [f64]) {
+    fn log_transitions(&self, step: &Step<'_>, previous: Rows<'_>, states: &[f64], out: &mut [f64]) {
         if out.is_empty() {
             return;
         }
-        let stated = previous.with_contiguous(|previous| self.of_rows(Asked::Transition, time, previous));
+        let stated = previous.with_contiguous(|previous| self.of_rows(Asked::Transition, step, previous));
         weigh_states(stated.as_ref().map(|stated| &stated[..]), self.state_dim(), states, out);
     }
 
-    fn log_likelihoods(&self, time: usize, states: &[f64], measurement: &[f64], out: &mut [f64]) {
+    fn log_likelihoods(&self, step: &Step<'_>, states: &[f64], measurement: &[f64], out: &mut [f64]) {
         if out.is_empty() {
             return;
         }
-        let stated = self.of_rows(Asked::Measurement, time, states);
+        let stated = self.of_rows(Asked::Measurement, step, states);
         weigh(stated.as_ref().map(|stated| &stated[..]), out, |stated, first| {
             let mut density = OfMeasurement::at(measurement);
             push_tile(stated, first, &mut density);
@@ -162,11 +162,11 @@ impl StateSpaceModel for Batched {
         });
     }
 
-    fn foresee(&self, time: usize, previous: Rows<'_>) {
+    fn foresee(&self, step: &Step<'_>, previous: Rows<'_>) {
         let n = self.state_dim();
         let stated = previous.with_contiguous(|rows| {
-            let ask = || self.ask(Asked::Transition, time, rows, false);
-            memo::of_rows(&self.owner, Asked::Transition, time, rows, true, ask)
+            let ask = || self.ask(Asked::Transition, step, rows, false);
+            memo::of_rows(&self.owner, Asked::Transition, step, rows, true, ask)
         });
         let Some(stated) = stated else { return };
         // Where the measurement will be looked at first.
@@ -181,21 +181,27 @@ impl StateSpaceModel for Batched {
             });
             // No particle is there.
             let asked = self.scored_by();
-            memo::of_rows(&self.owner, asked, time, centres, true, || self.ask(asked, time, centres, true));
+            memo::of_rows(&self.owner, asked, step, centres, true, || self.ask(asked, step, centres, true));
         });
     }
 }
 
 impl Simulator for Batched {
-    fn sample_measurement(&self, time: usize, state: &[f64], stream: &mut Stream, measurement: &mut [f64]) {
-        self.sample_measurements(time, state, from_mut(stream), measurement);
+    fn sample_measurement(
+        &self,
+        step: &Step<'_>,
+        state: &[f64],
+        stream: &mut Stream,
+        measurement: &mut [f64],
+    ) {
+        self.sample_measurements(step, state, from_mut(stream), measurement);
     }
 
-    fn sample_measurements(&self, time: usize, states: &[f64], streams: &mut [Stream], out: &mut [f64]) {
+    fn sample_measurements(&self, step: &Step<'_>, states: &[f64], streams: &mut [Stream], out: &mut [f64]) {
         if out.is_empty() {
             return;
         }
-        let stated = self.of_rows(Asked::Measurement, time, states);
+        let stated = self.of_rows(Asked::Measurement, step, states);
         draw(stated.as_ref().map(|stated| &stated[..]), self.measurement_dim(), streams, out);
     }
 }
@@ -203,7 +209,7 @@ impl Simulator for Batched {
 impl PartialLikelihood for Batched {
     fn partial_log_likelihoods(
         &self,
-        time: usize,
+        step: &Step<'_>,
         states: &[f64],
         measurement: &[Option<f64>],
         out: &mut [f64],
@@ -211,7 +217,7 @@ impl PartialLikelihood for Batched {
         if out.is_empty() {
             return Ok(());
         }
-        let stated = self.of_rows(Asked::Measurement, time, states);
+        let stated = self.of_rows(Asked::Measurement, step, states);
         weigh(stated.as_ref().map(|stated| &stated[..]), out, |stated, first| {
             let mut density = OfKnown::at(measurement);
             push_tile(stated, first, &mut density);
@@ -231,21 +237,21 @@ impl TileStates for Batched {
             let mut state = vec![0.0; self.state_dim()];
             self.sample_initial(&mut Seed::from_u64(0).child("transport").stream(), &mut state);
             // Some functions end with the data: what they do not say is not looked at.
-            let mut transitions =
-                (1..=PROBES).filter_map(|time| self.equations.transition(time, &state, true));
+            let mut transitions = (1..=PROBES)
+                .filter_map(|index| self.equations.transition(&Step::of_index(index), &state, true));
             self.equations.initial().is_some_and(|stated| are_normal(&stated))
                 && transitions.all(|stated| are_normal(&stated))
         })
     }
 
-    fn push_states(&self, time: usize, previous: Option<&[f64]>, states: &mut impl Coordinates<Lanes>) {
+    fn push_states(&self, step: &Step<'_>, previous: Option<&[f64]>, states: &mut impl Coordinates<Lanes>) {
         match previous {
             None => {
                 let stated = self.equations.initial().unwrap_or_default();
                 push_tile(&stated, 0, states);
             }
             Some(previous) => {
-                let (stated, first) = self.of_tile(Asked::Transition, time, previous);
+                let (stated, first) = self.of_tile(Asked::Transition, step, previous);
                 if let Some(stated) = stated {
                     push_tile(&stated, first, states);
                 }

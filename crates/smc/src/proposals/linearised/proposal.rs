@@ -2,7 +2,7 @@
 
 use motes_models::batch::{LANES, by_widest_vectors};
 use motes_models::equations::{Lanes, Linearise};
-use motes_models::{ModelError, Seed, Simulator, check_dimensions};
+use motes_models::{ModelError, Seed, Simulator, Step, check_dimensions};
 
 use super::batch::LinearisedBatch;
 use super::scoring::{depends_on_state, score};
@@ -48,14 +48,14 @@ impl Linearised {
         let (n, m) = (model.state_dim(), model.measurement_dim());
         let (mut state, mut measurement) = (vec![0.0; n], vec![0.0; m]);
         let mut sees_measurements = false;
-        for time in 0..PROBES {
+        for step in (0..PROBES).map(Step::of_index) {
             let previous = state.clone();
-            match time {
+            match step.index {
                 0 => model.sample_initial(&mut stream, &mut state),
-                _ => model.sample_transition(time, &previous, &mut stream, &mut state),
+                _ => model.sample_transition(&step, &previous, &mut stream, &mut state),
             }
-            model.sample_measurement(time, &state, &mut stream, &mut measurement);
-            sees_measurements |= depends_on_state(model, time, &state, &measurement);
+            model.sample_measurement(&step, &state, &mut stream, &mut measurement);
+            sees_measurements |= depends_on_state(model, &step, &state, &measurement);
         }
         Ok(Linearised { sees_measurements, measurement: Vec::new(), prepared: None })
     }
@@ -76,7 +76,7 @@ impl<M: Linearise + ?Sized> Proposal<M> for Linearised {
 
     fn initial_memory(&self, _particles: usize) {}
 
-    fn prepare(&mut self, model: &M, time: usize, measurement: &[f64]) -> Result<(), ProposalError> {
+    fn prepare(&mut self, model: &M, step: &Step<'_>, measurement: &[f64]) -> Result<(), ProposalError> {
         ProposalError::unless_same(
             "the measurement dimension M",
             model.measurement_dim(),
@@ -84,14 +84,14 @@ impl<M: Linearise + ?Sized> Proposal<M> for Linearised {
         )?;
         self.measurement.clear();
         self.measurement.extend(measurement.iter().map(|entry| Some(Lanes::from(*entry))));
-        self.prepared = Some(time);
+        self.prepared = Some(step.index);
         Ok(())
     }
 
     fn prepare_partial(
         &mut self,
         model: &M,
-        time: usize,
+        step: &Step<'_>,
         measurement: &[Option<f64>],
     ) -> Result<bool, ProposalError> {
         ProposalError::unless_same(
@@ -101,7 +101,7 @@ impl<M: Linearise + ?Sized> Proposal<M> for Linearised {
         )?;
         self.measurement.clear();
         self.measurement.extend(measurement.iter().map(|entry| entry.map(Lanes::from)));
-        self.prepared = Some(time);
+        self.prepared = Some(step.index);
         Ok(measurement.iter().any(Option::is_some))
     }
 
@@ -112,9 +112,9 @@ impl<M: Linearise + ?Sized> Proposal<M> for Linearised {
         (): (),
         scratch: &'a mut LinearisedScratch,
     ) -> Result<LinearisedBatch<'a, M>, ProposalError> {
-        let time = context.time;
-        if self.prepared != Some(time) {
-            return Err(ProposalError::NotPrepared { time });
+        let step = context.step;
+        if self.prepared != Some(step.index) {
+            return Err(ProposalError::NotPrepared { time: step.index });
         }
         let sees_measurements = self.sees_measurements;
         let (n, m) = (model.state_dim(), self.measurement.len());
@@ -131,7 +131,7 @@ impl<M: Linearise + ?Sized> Proposal<M> for Linearised {
             let (slopes, rest) = rest.split_at_mut(m * LANES);
             let (information, jacobian) = rest.split_at_mut(m * LANES);
             if let Some(previous) = context.previous {
-                model.foresee(time, previous);
+                model.foresee(&step, previous);
             }
             let places = means.chunks_exact_mut(n * LANES).zip(factors.chunks_exact_mut(triangle * LANES));
             for (number, (mean, lower)) in places.enumerate() {
@@ -139,8 +139,8 @@ impl<M: Linearise + ?Sized> Proposal<M> for Linearised {
                     rows.load(number * LANES, previous);
                     &*previous
                 });
-                model.tile_moments(time, before, mean, variances);
-                model.tile_scores(time, mean, &self.measurement, slopes, information, jacobian);
+                model.tile_moments(&step, before, mean, variances);
+                model.tile_scores(&step, mean, &self.measurement, slopes, information, jacobian);
                 by_widest_vectors(
                     #[inline(always)]
                     || {

@@ -3,12 +3,13 @@
 use motes_models::batch::LANES;
 use motes_models::equations::{Lanes, Linearise};
 
+use motes_models::Step;
 use motes_models::equations::triangle::{at, factor, solve_lower, solve_upper};
 
 /// Whether the location of an entry of `measurement` depends on the state near `state`.
 pub(super) fn depends_on_state(
     model: &(impl Linearise + ?Sized),
-    time: usize,
+    step: &Step<'_>,
     state: &[f64],
     measurement: &[f64],
 ) -> bool {
@@ -18,7 +19,7 @@ pub(super) fn depends_on_state(
     let mut found = vec![0.0; (2 + n) * m * LANES];
     let (slopes, rest) = found.split_at_mut(m * LANES);
     let (information, jacobian) = rest.split_at_mut(m * LANES);
-    model.tile_scores(time, &states, &measurement, slopes, information, jacobian);
+    model.tile_scores(step, &states, &measurement, slopes, information, jacobian);
     // NaN says that it depends on something.
     jacobian.iter().any(|entry| *entry != 0.0)
 }

@@ -1,0 +1,40 @@
+//! Where a model is in its sequence, as a value.
+
+/// The step of a model to `x_t`, or its start where `index` is 0.
+///
+/// All that a model may depend on besides its states is here. Numbers are `f64`; formulas see inputs and parameters as scalars `S`, so that parameters may
+/// differ from particle to particle, or carry derivatives.
+///
+/// ```
+/// use motes_models::Step;
+///
+/// let step = Step::of_index(3);
+/// assert_eq!((step.index, step.time, step.length), (3, 3.0, 1.0));
+/// assert!(step.inputs.is_empty() && step.parameters.is_empty());
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Step<'a, S = f64> {
+    /// 0, 1, 2, … along a sequence.
+    pub index: usize,
+    /// `t` at the end of the step.
+    pub time: f64,
+    /// The time since the step before; 0 at the start.
+    pub length: f64,
+    /// The inputs `u_t`.
+    pub inputs: &'a [S],
+    /// The parameters `θ`.
+    pub parameters: &'a [S],
+}
+
+impl Step<'_> {
+    /// The step of that index where rows are one unit of time apart and the first is at 0, without inputs and parameters.
+    pub fn of_index(index: usize) -> Self {
+        Step {
+            index,
+            time: index as f64,
+            length: if index == 0 { 0.0 } else { 1.0 },
+            inputs: &[],
+            parameters: &[],
+        }
+    }
+}
