@@ -4,7 +4,7 @@ use faer::Mat;
 
 use crate::batch::LANES;
 use crate::equations::{Lanes, Linearise};
-use crate::{Seed, Simulator, Step, SystemGraph, simulate};
+use crate::{Seed, Simulator, SystemGraph, simulate};
 
 /// When states are varied: after noise has come in twice.
 const TIME: usize = 2;
@@ -25,7 +25,7 @@ impl SystemGraph {
         let (previous, states, measured) = simulated(model, seed);
         let moments = |previous: &[f64]| {
             let (mut means, mut variances) = (vec![0.0; n * LANES], vec![0.0; n * LANES]);
-            model.tile_moments(&Step::of_index(TIME), Some(previous), &mut means, &mut variances);
+            model.tile_moments(&model.step_of_index(TIME), Some(previous), &mut means, &mut variances);
             [means, variances]
         };
         let usual = moments(&previous);
@@ -48,7 +48,7 @@ impl SystemGraph {
         let (mut slopes, mut information) = (vec![0.0; m * LANES], vec![0.0; m * LANES]);
         let mut jacobian = vec![0.0; m * n * LANES];
         model.tile_scores(
-            &Step::of_index(TIME),
+            &model.step_of_index(TIME),
             &states,
             &measured,
             &mut slopes,
@@ -107,6 +107,7 @@ fn simulated<M: Simulator + ?Sized>(model: &M, seed: &Seed) -> (Vec<f64>, Vec<f6
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Step;
     use crate::equations::{Coordinates, Equations, Scalar, normal};
 
     /// A chain whose coordinates hear from the one before; the second entry of the measurement sees the first two.

@@ -4,7 +4,7 @@ use std::fmt;
 
 use thiserror::Error;
 
-use crate::{ModelError, Simulator, StateGradients, Step, Stream, Trajectory, simulate};
+use crate::{ModelError, Simulator, StateGradients, Stream, Trajectory, simulate};
 
 /// A derivative that [`StateGradients`] gives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -126,7 +126,7 @@ pub fn check_gradients(
     model.initial_gradients(&initial, &mut d_states);
     check.compare(Derivative::Initial, 0, &initial, &d_states, |_, x| model.log_initial(x));
     for time in 1..horizon.max(2) {
-        let step = Step::of_index(time);
+        let step = model.step_of_index(time);
         let (previous, now) = (states(time - 1), states(time));
         let mut d_previous = unwritten();
         d_states = unwritten();
@@ -140,7 +140,7 @@ pub fn check_gradients(
         });
     }
     for time in 0..horizon.max(2) {
-        let (step, now) = (Step::of_index(time), states(time));
+        let (step, now) = (model.step_of_index(time), states(time));
         for measurement in trajectories.iter().map(|trajectory| trajectory.measurements.row(time)) {
             d_states = unwritten();
             model.likelihood_gradients(&step, &now, measurement, &mut d_states);

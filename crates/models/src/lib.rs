@@ -70,7 +70,7 @@ pub use state_space::{
     AdditiveGaussian, PartialLikelihood, Propagator, Simulator, StateGradients, StateSpaceModel,
     check_dimensions,
 };
-pub use step::Step;
+pub use step::{Step, StepRecord};
 pub use stream::{Seed, Stream, StreamPosition, duplicate};
 pub use system_graph::{GraphModel, SystemGraph};
 

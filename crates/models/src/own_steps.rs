@@ -4,7 +4,7 @@ use std::slice::from_mut;
 
 use crate::batch::{Rows, there_is_memory_for};
 use crate::equations::{Linearise, Transport};
-use crate::{ModelError, PartialLikelihood, Seed, Simulator, Step, Stream, check_dimensions};
+use crate::{ModelError, PartialLikelihood, Seed, Simulator, Stream, check_dimensions};
 
 /// A model that a proposal can be learned for: it draws its own steps, its noise can be transported, its measurements can be linearised and have gaps.
 ///
@@ -84,7 +84,7 @@ impl<'m, M: Simulator + ?Sized> OwnSteps<'m, M> {
     /// Draws the next time of all sequences that go on; none if no sequence is left.
     pub fn advance(&mut self) -> Option<OwnStep<'_>> {
         let (n, m) = (self.model.state_dim(), self.model.measurement_dim());
-        let step = Step::of_index(self.time);
+        let step = self.model.step_of_index(self.time);
         if self.time == 0 {
             self.model.sample_initials(from_mut(&mut self.stream), &mut self.states);
         } else {
@@ -131,6 +131,7 @@ fn remove_row(rows: &mut Vec<f64>, width: usize, row: usize) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Step;
     use crate::equations::{Coordinates, Equations, Scalar, normal};
 
     /// A walk whose steps double: it leaves the numbers after a thousand times, at times that depend on where it began.

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use crate::batch::there_is_memory_for;
-use crate::{Measurements, ModelError, Seed, Sequence, Simulator, Step, Stream, check_dimensions};
+use crate::{Measurements, ModelError, Seed, Sequence, Simulator, Stream, check_dimensions};
 
 /// A simulated run of a system: the hidden truth and what was measured of it.
 ///
@@ -57,7 +57,7 @@ pub fn simulate_while(
         if time % ASKS_EVERY == ASKS_EVERY - 1 && proceed().is_break() {
             return Ok(None);
         }
-        let step = Step::of_index(time);
+        let step = model.step_of_index(time);
         let (past, rest) = states.split_at_mut(time * n);
         let state = &mut rest[..n];
         match time {

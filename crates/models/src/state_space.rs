@@ -19,6 +19,13 @@ pub trait StateSpaceModel: Sync {
     /// `M`, the number of coordinates of a measurement.
     fn measurement_dim(&self) -> usize;
 
+    /// The step of that index where nobody says more: rows one unit of time apart, the first at 0, with the inputs and parameters that the model has by itself.
+    ///
+    /// How many inputs and parameters it has is how many the model takes.
+    fn step_of_index(&self, index: usize) -> Step<'_> {
+        Step::of_index(index)
+    }
+
     /// Draws `x_0 ~ p(x_0)` into `state` (`N`).
     fn sample_initial(&self, stream: &mut Stream, state: &mut [f64]);
 

@@ -1,5 +1,7 @@
 //! Where a model is in its sequence, as a value.
 
+use serde::{Deserialize, Serialize};
+
 /// The step of a model to `x_t`, or its start where `index` is 0.
 ///
 /// All that a model may depend on besides its states is here. Numbers are `f64`; formulas see inputs and parameters as scalars `S`, so that parameters may
@@ -36,5 +38,41 @@ impl Step<'_> {
             inputs: &[],
             parameters: &[],
         }
+    }
+}
+
+/// A [`Step`] with numbers of its own, for who keeps it.
+///
+/// ```
+/// use motes_models::{Step, StepRecord};
+///
+/// let step = Step { time: 0.5, length: 0.5, inputs: &[2.0], ..Step::of_index(1) };
+/// let mut record = StepRecord::default();
+/// record.keep(&step);
+/// assert_eq!(record.step(), step);
+/// ```
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct StepRecord {
+    index: usize,
+    time: f64,
+    length: f64,
+    inputs: Vec<f64>,
+    parameters: Vec<f64>,
+}
+
+impl StepRecord {
+    /// Keeps another step instead.
+    pub fn keep(&mut self, step: &Step<'_>) {
+        (self.index, self.time, self.length) = (step.index, step.time, step.length);
+        self.inputs.clear();
+        self.inputs.extend_from_slice(step.inputs);
+        self.parameters.clear();
+        self.parameters.extend_from_slice(step.parameters);
+    }
+
+    /// The step that is kept; the start of a sequence where none was.
+    pub fn step(&self) -> Step<'_> {
+        let StepRecord { index, time, length, inputs, parameters } = self;
+        Step { index: *index, time: *time, length: *length, inputs, parameters }
     }
 }

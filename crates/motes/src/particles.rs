@@ -82,14 +82,15 @@ where
     fn step(&mut self, measurement: &[Option<f64>]) -> Result<(), FilterError> {
         let Filter { filter, check, second, .. } = self;
         let Some(check) = check else { return filter.step_partial(measurement) };
+        let step = self.model.step_of_index(filter.time());
         // On the second thread, where there is one.
         let (done, ()) = rayon_core::join(
-            || filter.step_partial(measurement),
+            || filter.step_at(&step, measurement),
             || {
-                check.advance(measurement);
+                check.advance(&step, measurement);
                 if let Some(Second { bootstrap, .. }) = second {
                     // One that fails has no opinion.
-                    let _ = bootstrap.step_partial(measurement);
+                    let _ = bootstrap.step_at(&step, measurement);
                 }
             },
         );

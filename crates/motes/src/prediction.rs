@@ -1,7 +1,7 @@
 //! What particles predict where none of them explains the measurement.
 
 use motes_models::batch::Rows;
-use motes_models::{PartialLikelihood, Seed, Simulator, Step};
+use motes_models::{PartialLikelihood, Seed, Simulator};
 
 /// So many particles say what the others would.
 pub(crate) const MOST: usize = 1000;
@@ -47,7 +47,7 @@ pub(crate) fn beside_prediction<M: Simulator + PartialLikelihood + ?Sized>(
     match previous {
         Some(previous) => {
             model.sample_transitions(
-                &Step::of_index(time),
+                &model.step_of_index(time),
                 Rows::all(previous, n),
                 &mut streams,
                 &mut states,
@@ -55,7 +55,7 @@ pub(crate) fn beside_prediction<M: Simulator + PartialLikelihood + ?Sized>(
         }
         None => model.sample_initials(&mut streams, &mut states),
     }
-    model.sample_measurements(&Step::of_index(time), &states, &mut streams, &mut drawn);
+    model.sample_measurements(&model.step_of_index(time), &states, &mut streams, &mut drawn);
     let beside = |(entry, value): (usize, &Option<f64>)| {
         let value = (*value)?;
         let drawn = summary(drawn.iter().skip(entry).step_by(m).copied())?;
@@ -94,7 +94,7 @@ fn is_impossible<M: PartialLikelihood + ?Sized>(
     let mut alone = vec![None; model.measurement_dim()];
     alone[entry] = Some(value);
     let mut densities = vec![f64::NAN; states.len() / model.state_dim()];
-    let weighed = model.partial_log_likelihoods(&Step::of_index(time), states, &alone, &mut densities);
+    let weighed = model.partial_log_likelihoods(&model.step_of_index(time), states, &alone, &mut densities);
     weighed.is_ok() && densities.iter().all(|density| *density == f64::NEG_INFINITY)
 }
 

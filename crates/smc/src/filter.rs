@@ -2,7 +2,7 @@
 
 use std::ops::Deref;
 
-use motes_models::{PartialLikelihood, StateSpaceModel, Stream};
+use motes_models::{PartialLikelihood, StateSpaceModel, Step, Stream};
 
 use crate::bank::{FilterBank, FilterSettings};
 use crate::diagnosis::WeightDiagnosis;
@@ -85,7 +85,7 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> ParticleFilter<D
     ///
     /// ```
     /// use motes_models::equations::{Coordinates, Equations, Scalar, normal};
-    /// use motes_models::Seed;
+    /// use motes_models::{Seed, Step};
     /// use motes_smc::{Bootstrap, FilterError, FilterSettings, ParticleFilter};
     ///
     /// /// A root whose argument can become negative.
@@ -183,6 +183,16 @@ impl<D: Deref<Target: PartialLikelihood>, P: Proposal<D::Target>> ParticleFilter
     /// As [`FilterBank::step_partial`].
     pub fn step_partial(&mut self, measurement: &[Option<f64>]) -> Result<(), FilterError> {
         self.bank.step_partial(measurement)?;
+        self.bank.mean(0, &mut self.mean);
+        Ok(())
+    }
+
+    /// Takes in one measurement by a step of its own time, length, inputs and parameters.
+    ///
+    /// # Errors
+    /// As [`FilterBank::step_at`].
+    pub fn step_at(&mut self, step: &Step<'_>, measurement: &[Option<f64>]) -> Result<(), FilterError> {
+        self.bank.step_at(step, measurement)?;
         self.bank.mean(0, &mut self.mean);
         Ok(())
     }

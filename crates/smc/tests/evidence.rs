@@ -44,7 +44,7 @@ fn step<'m>(
 ) {
     filter.step(row).unwrap();
     let measurement: Vec<Option<f64>> = row.iter().copied().map(Some).collect();
-    check.advance(&measurement);
+    check.advance(&filter.bank().last_step(), &measurement);
     check.take_in(filter, &measurement);
 }
 

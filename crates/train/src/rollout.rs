@@ -1,7 +1,7 @@
 //! One pass along a sequence: draws particles forward in time, then takes the objective's gradient backward.
 
 use motes_models::batch::Rows;
-use motes_models::{Measurements, StateGradients, Step, Stream};
+use motes_models::{Measurements, StateGradients, Stream};
 use motes_proposals::networks::Inputs;
 use motes_proposals::{Learnable, Workspace};
 use motes_smc::ProposalError;
@@ -85,10 +85,10 @@ pub(crate) fn draw_and_differentiate(
         match previous {
             None => model.log_initials(now, log_model),
             Some(previous) => {
-                model.log_transitions(&Step::of_index(time), Rows::all(previous, n), now, log_model)
+                model.log_transitions(&model.step_of_index(time), Rows::all(previous, n), now, log_model)
             }
         }
-        model.log_likelihoods(&Step::of_index(time), now, measurement, &mut log_likelihood);
+        model.log_likelihoods(&model.step_of_index(time), now, measurement, &mut log_likelihood);
         log_model.iter_mut().zip(&log_likelihood).for_each(|(sum, term)| *sum += term);
     }
 
@@ -106,14 +106,14 @@ pub(crate) fn draw_and_differentiate(
         let weights = &evaluation.d_log_model[at.clone()];
         let now = &states[time * block..(time + 1) * block];
         d_states.copy_from_slice(&carried);
-        model.likelihood_gradients(&Step::of_index(time), now, measurements.row(time), &mut term);
+        model.likelihood_gradients(&model.step_of_index(time), now, measurements.row(time), &mut term);
         subtract_weighted(&mut d_states, weights, &term);
         carried.fill(0.0);
         if time == 0 {
             model.initial_gradients(now, &mut term);
         } else {
             let previous = &states[(time - 1) * block..time * block];
-            model.transition_gradients(&Step::of_index(time), previous, now, &mut d_previous, &mut term);
+            model.transition_gradients(&model.step_of_index(time), previous, now, &mut d_previous, &mut term);
             subtract_weighted(&mut carried, weights, &d_previous);
         }
         subtract_weighted(&mut d_states, weights, &term);

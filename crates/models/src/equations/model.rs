@@ -137,6 +137,10 @@ impl<E: Equations> StateSpaceModel for E {
         self.dimensions()[1]
     }
 
+    fn step_of_index(&self, index: usize) -> Step<'_> {
+        Step { inputs: self.inputs(), parameters: self.parameters(), ..Step::of_index(index) }
+    }
+
     fn sample_initial(&self, stream: &mut Stream, state: &mut [f64]) {
         self.sample_initials(std::slice::from_mut(stream), state);
     }

@@ -55,6 +55,16 @@ pub trait Equations: Sync {
     /// `N` and `M`, the numbers of coordinates of a state and of a measurement.
     fn dimensions(&self) -> [usize; 2];
 
+    /// The inputs where nobody gives others, as many as the model takes; none if it takes none.
+    fn inputs(&self) -> &[f64] {
+        &[]
+    }
+
+    /// The parameters where nobody gives others, as many as the model takes; none if it takes none.
+    fn parameters(&self) -> &[f64] {
+        &[]
+    }
+
     /// Pushes the distribution of each of the `N` coordinates of `x_0`, in order.
     ///
     /// Where another number of coordinates is pushed, here or below, draws and densities are NaN.

@@ -37,7 +37,7 @@ impl<E: Equations> TileStates for E {
         // A state that is likely, from a stream of its own.
         let mut state = vec![0.0; n];
         self.sample_initial(&mut Seed::from_u64(0).child("transport").stream(), &mut state);
-        (1..=PROBES).for_each(|index| self.transition(&Step::of_index(index), &state, &mut families));
+        (1..=PROBES).for_each(|index| self.transition(&self.step_of_index(index), &state, &mut families));
         families.all_normal
     }
 

@@ -2,7 +2,7 @@
 
 use motes_models::batch::{LANES, Rows, load};
 use motes_models::equations::Lanes;
-use motes_models::{ModelError, OwnModel, OwnStep, Step};
+use motes_models::{ModelError, OwnModel, OwnStep};
 
 use super::inputs::{Blocks, Standards};
 use super::proposal::Amortised;
@@ -54,7 +54,7 @@ impl Amortised {
             }
         }
         let &OwnStep { time, previous, states, measurements } = step;
-        let at = Step::of_index(time);
+        let at = model.step_of_index(time);
         let width = Blocks::of(n, m)[usize::from(time > 0)].count();
         let rows = states.len() / n;
         let mut memory = vec![0.0; (units::rows(n) + units::scratch_rows(n, m) + width + 2 * n + m) * LANES];

@@ -1,6 +1,6 @@
 //! What tells one system from another: its densities at points that are drawn from it by a fixed stream.
 
-use motes_models::{Seed, StateSpaceModel, Step, SystemGraph};
+use motes_models::{Seed, StateSpaceModel, SystemGraph};
 use rand::RngExt;
 use rand_distr::StandardNormal;
 use serde::{Deserialize, Serialize};
@@ -91,7 +91,7 @@ fn fingerprint(model: &dyn StateSpaceModel, graph: Option<&SystemGraph>) -> Vec<
     entries.push(entry("log p(x_0) at a fixed point", model.log_initial(&previous)));
     entries.push(entry("a fixed projection of a fixed draw of x_0", projection(&previous)));
     for time in 1..=2 {
-        let step = Step::of_index(time);
+        let step = model.step_of_index(time);
         model.sample_transition(&step, &previous, &mut stream, &mut state);
         let log = model.log_transition(&step, &previous, &state);
         entries.push(entry(&format!("log p(x_{time} | x_{}) at a fixed point", time - 1), log));

@@ -2,7 +2,7 @@
 
 use std::ops::Deref;
 
-use motes_models::{Seed, StateSpaceModel, Stream, check_dimensions, duplicate};
+use motes_models::{Seed, StateSpaceModel, StepRecord, Stream, check_dimensions, duplicate};
 
 use super::filters::Outcome;
 use super::scratches::Scratches;
@@ -30,6 +30,8 @@ pub struct FilterBank<D: Deref, P: Proposal<D::Target>> {
     pub(super) settings: FilterSettings,
     pub(super) streams: Vec<Stream>,
     pub(super) time: usize,
+    /// The last step that was begun.
+    pub(crate) last: StepRecord,
     pub(super) states: Vec<f64>,
     pub(super) previous: Vec<f64>,
     pub(super) memory: P::Memory,
@@ -86,6 +88,7 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
             settings,
             streams,
             time: 0,
+            last: StepRecord::default(),
             states: vec![0.0; values],
             previous: vec![0.0; values],
             weights: vec![LogWeights::uniform(settings.particles); filters],
@@ -123,6 +126,7 @@ impl<D: Deref + Clone, P: Proposal<D::Target, Memory: Clone> + Clone> Clone for 
             settings: self.settings,
             streams: self.streams.iter().map(duplicate).collect(),
             time: self.time,
+            last: self.last.clone(),
             states: self.states.clone(),
             previous: self.previous.clone(),
             memory: self.memory.clone(),

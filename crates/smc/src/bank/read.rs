@@ -2,7 +2,7 @@
 
 use std::ops::Deref;
 
-use motes_models::StateSpaceModel;
+use motes_models::{StateSpaceModel, Step};
 
 use super::filter_bank::FilterBank;
 use crate::diagnosis::{WeightDiagnosis, tail_length, tail_within, upper_end_of_sorted};
@@ -19,6 +19,11 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
     /// How many steps have been taken.
     pub fn time(&self) -> usize {
         self.time
+    }
+
+    /// The last step that was taken, or failed.
+    pub fn last_step(&self) -> Step<'_> {
+        self.last.step()
     }
 
     /// The particles of one filter, row-major `K×N`, as they are before resampling.

@@ -2,7 +2,7 @@
 
 use std::ops::Deref;
 
-use motes_models::{StateSpaceModel, StreamPosition, check_dimensions};
+use motes_models::{StateSpaceModel, StepRecord, StreamPosition, check_dimensions};
 use serde::{Deserialize, Serialize};
 
 use super::filter_bank::FilterBank;
@@ -24,6 +24,7 @@ pub struct BankSnapshot<Memory> {
     settings: FilterSettings,
     streams: Vec<StreamPosition>,
     time: usize,
+    last: StepRecord,
     states: Vec<f64>,
     previous: Vec<f64>,
     memory: Memory,
@@ -57,6 +58,7 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target, Memory: Clone>> F
             settings: self.settings,
             streams: self.streams.iter().map(StreamPosition::of).collect(),
             time: self.time,
+            last: self.last.clone(),
             states: self.states.clone(),
             previous: self.previous.clone(),
             memory: self.memory.clone(),
@@ -98,6 +100,7 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
             settings,
             streams: snapshot.streams.iter().map(StreamPosition::stream).collect(),
             time: snapshot.time,
+            last: snapshot.last,
             states: snapshot.states,
             previous: snapshot.previous,
             memory: snapshot.memory,

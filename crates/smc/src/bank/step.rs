@@ -2,7 +2,9 @@
 
 use std::ops::Deref;
 
-use motes_models::{Measurements, ModelError, PartialLikelihood, PartialMeasurements, StateSpaceModel, Step};
+use motes_models::{
+    Measurements, ModelError, PartialLikelihood, PartialMeasurements, StateSpaceModel, Step, StepRecord,
+};
 
 use super::draw::{BankStep, Common, Likelihood};
 use super::filter_bank::FilterBank;
@@ -17,7 +19,7 @@ use crate::proposals::Bootstrap;
 use crate::weights::WeightFault;
 
 impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P> {
-    /// Advances every filter by one measurement (`M` numbers): resample where due, draw, weigh.
+    /// Advances every filter by one measurement (`M` numbers): resample where due, draw, weigh. Rows are one unit of time apart ([`Step::of_index`]).
     ///
     /// # Errors
     /// [`FilterError::Model`] if the measurement has the wrong width or is not finite (nothing has changed then).
@@ -29,14 +31,26 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
             let value = measurement[column];
             return Err(ModelError::NotFinite { row: self.time, column, value }.into());
         }
-        self.attempt(|bank| {
-            let prepared = bank.proposal.prepare(&bank.model, &bank.next_step(), measurement);
+        let step = self.next_step();
+        self.step_whole(&step.step(), measurement)
+    }
+
+    /// The next step where nobody says more, apart from the bank.
+    fn next_step(&self) -> StepRecord {
+        let mut next = StepRecord::default();
+        next.keep(&self.model.step_of_index(self.time));
+        next
+    }
+
+    /// A step with a measurement that was looked at.
+    fn step_whole(&mut self, step: &Step<'_>, measurement: &[f64]) -> Result<(), FilterError> {
+        self.attempt(step, |bank| {
+            let prepared = bank.proposal.prepare(&bank.model, step, measurement);
             prepared.map_err(|source| bank.unprepared(source))?;
-            let likelihood = |model: &D::Target, step: &Step<'_>, states: &[f64], out: &mut [f64]| {
+            bank.advance(step, Drawn::FromProposal, measurement, false, |model, states, out| {
                 model.log_likelihoods(step, states, measurement, out);
                 Ok(())
-            };
-            bank.advance(Drawn::FromProposal, measurement, false, likelihood)
+            })
         })
     }
 
@@ -46,8 +60,13 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
     /// # Errors
     /// [`FilterError::State`] if the transition draws a state that is not finite, and as [`FilterBank::step`].
     pub fn step_without_measurement(&mut self) -> Result<(), FilterError> {
-        self.attempt(|bank| {
-            bank.advance(Drawn::FromTransition, &[], true, |_, _, _, out| {
+        let step = self.next_step();
+        self.step_unmeasured(&step.step())
+    }
+
+    fn step_unmeasured(&mut self, step: &Step<'_>) -> Result<(), FilterError> {
+        self.attempt(step, |bank| {
+            bank.advance(step, Drawn::FromTransition, &[], true, |_, _, out| {
                 out.fill(0.0);
                 Ok(())
             })
@@ -91,11 +110,6 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
         })
     }
 
-    /// The step that comes next.
-    fn next_step(&self) -> Step<'static> {
-        Step::of_index(self.time)
-    }
-
     /// Whether the bank can take another step of a measurement with so many entries.
     fn check_width(&self, width: usize) -> Result<(), FilterError> {
         let expected = self.model.measurement_dim();
@@ -109,6 +123,7 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
     /// Does what a step does; the bank has failed if that fails.
     fn attempt(
         &mut self,
+        step: &Step<'_>,
         advance: impl FnOnce(&mut Self) -> Result<(), FilterError>,
     ) -> Result<(), FilterError> {
         if let Some(failure) = &self.failure {
@@ -118,6 +133,7 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
             // The first step that resamples needs more than this one.
             parallel::reserve(self.scratch());
         }
+        self.last.keep(step);
         // Before anything can fail, so that the states before are where they belong however the step ends.
         std::mem::swap(&mut self.states, &mut self.previous);
         advance(self).inspect_err(|failure| self.failure = Some(failure.clone()))?;
@@ -134,17 +150,18 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
     /// Resamples where due, draws and weighs every filter, and adds up evidence.
     fn advance<L>(
         &mut self,
+        step: &Step<'_>,
         drawn: Drawn,
         measurement: &[f64],
         checks_states: bool,
         likelihood: L,
     ) -> Result<(), FilterError>
     where
-        L: Fn(&D::Target, &Step<'_>, &[f64], &mut [f64]) -> Result<(), ModelError> + Sync,
+        L: Fn(&D::Target, &[f64], &mut [f64]) -> Result<(), ModelError> + Sync,
     {
-        let (model, settings, step) = (&*self.model, self.settings, self.next_step());
+        let (model, settings, step) = (&*self.model, self.settings, *step);
         let particles = self.ancestors.len();
-        let at_states = |states: &[f64], out: &mut [f64]| likelihood(model, &step, states, out);
+        let at_states = |states: &[f64], out: &mut [f64]| likelihood(model, states, out);
         let (likelihood_at, previous): (&Likelihood<'_>, _) = (&at_states, self.previous.as_slice());
         let common =
             Common { model, settings, step, measurement, likelihood: likelihood_at, checks_states, previous };
@@ -184,7 +201,7 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
     /// Adds up evidence, unless a filter failed.
     fn take_outcomes(
         &mut self,
-        likelihood: &impl Fn(&D::Target, &Step<'_>, &[f64], &mut [f64]) -> Result<(), ModelError>,
+        likelihood: &impl Fn(&D::Target, &[f64], &mut [f64]) -> Result<(), ModelError>,
     ) -> Result<(), FilterError> {
         let (k, n, step) = (self.settings.particles, self.model.state_dim(), self.time);
         for (filter, outcome) in self.outcomes.iter().enumerate() {
@@ -224,7 +241,7 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
                     let mut log_likelihoods = vec![f64::NEG_INFINITY; k];
                     let states = &self.states[filter * k * n..(filter + 1) * k * n];
                     // It did not fail for all of these states.
-                    let _ = likelihood(&self.model, &self.next_step(), states, &mut log_likelihoods);
+                    let _ = likelihood(&self.model, states, &mut log_likelihoods);
                     let largest_log_likelihood =
                         log_likelihoods.into_iter().fold(f64::NEG_INFINITY, f64::max);
                     let ess_before = outcome.ess_before;
@@ -250,26 +267,55 @@ impl<D: Deref<Target: PartialLikelihood>, P: Proposal<D::Target>> FilterBank<D, 
     /// # Errors
     /// As [`FilterBank::step`], and [`FilterError::Model`] if that density cannot be had (nothing has changed then).
     pub fn step_partial(&mut self, measurement: &[Option<f64>]) -> Result<(), FilterError> {
+        let step = self.next_step();
+        self.step_at(&step.step(), measurement)
+    }
+
+    /// The same by a step that says more than its index: when it ends, how long it is, its inputs and parameters.
+    ///
+    /// # Errors
+    /// As [`FilterBank::step_partial`], and [`FilterError::Setting`] if the step's index is not the number of steps before, or its times are not finite.
+    pub fn step_at(&mut self, step: &Step<'_>, measurement: &[Option<f64>]) -> Result<(), FilterError> {
         self.check_width(measurement.len())?;
+        self.check_step(step)?;
         PartialMeasurements::check_row(self.time, measurement)?;
         // Of no particle: what is there of the measurement can be weighed, or nothing has changed.
-        self.model.partial_log_likelihoods(&self.next_step(), &[], measurement, &mut [])?;
+        self.model.partial_log_likelihoods(step, &[], measurement, &mut [])?;
         if let Some(whole) = measurement.iter().copied().collect::<Option<Vec<f64>>>() {
-            return self.step(&whole);
+            return self.step_whole(step, &whole);
         }
         if measurement.iter().all(Option::is_none) {
-            return self.step_without_measurement();
+            return self.step_unmeasured(step);
         }
-        self.attempt(|bank| {
-            let prepared = bank.proposal.prepare_partial(&bank.model, &bank.next_step(), measurement);
+        self.attempt(step, |bank| {
+            let prepared = bank.proposal.prepare_partial(&bank.model, step, measurement);
             let drawn = match prepared.map_err(|source| bank.unprepared(source))? {
                 true => Drawn::FromProposal,
                 false => Drawn::FromTransition,
             };
-            bank.advance(drawn, &[], true, |model, step, states, out| {
+            bank.advance(step, drawn, &[], true, |model, states, out| {
                 model.partial_log_likelihoods(step, states, measurement, out)
             })
         })
+    }
+
+    /// Refuses a step that is not the next, or that ends nowhere.
+    fn check_step(&self, step: &Step<'_>) -> Result<(), FilterError> {
+        let refuse = |name, value: String, expected| Err(FilterError::Setting { name, value, expected });
+        if step.index != self.time {
+            return refuse("the index of a step", step.index.to_string(), "the number of steps before it");
+        }
+        let numbers =
+            [step.time, step.length].into_iter().chain(step.inputs.iter().chain(step.parameters).copied());
+        match numbers.into_iter().find(|number| !number.is_finite()) {
+            Some(number) => {
+                refuse("a time, input or parameter of a step", number.to_string(), "a finite number")
+            }
+            None if step.length < 0.0 => {
+                refuse("the length of a step", step.length.to_string(), "at least 0")
+            }
+            None => Ok(()),
+        }
     }
 
     /// [`FilterBank::run`] over measurements with gaps.

@@ -2,7 +2,7 @@
 
 use std::ops::Deref;
 
-use motes_models::{PartialLikelihood, Seed, Simulator, StateSpaceModel, Stream, StreamPosition};
+use motes_models::{PartialLikelihood, Seed, Simulator, StateSpaceModel, Step, Stream, StreamPosition};
 use serde::{Deserialize, Serialize};
 
 use super::ancestry::AncestryVariance;
@@ -50,7 +50,7 @@ const SUSPICIOUS: f64 = 0.25;
 ///
 /// ```
 /// use faer::mat;
-/// use motes_models::{Gaussian, LinearGaussian, Seed};
+/// use motes_models::{Gaussian, LinearGaussian, Seed, Step};
 /// use motes_smc::{Bootstrap, EvidenceCheck, FilterSettings, ParticleFilter};
 ///
 /// let initial = Gaussian::new("P_0", vec![0.0], mat![[1.0]])?;
@@ -58,10 +58,11 @@ const SUSPICIOUS: f64 = 0.25;
 /// let (seed, settings) = (Seed::from_u64(7), FilterSettings::new(1000));
 /// let mut filter = ParticleFilter::new(&model, Bootstrap, settings, seed.child("filter").stream())?;
 /// let mut check = EvidenceCheck::new(&model, Bootstrap, settings, &seed.child("check"))?;
-/// for measurement in [[Some(0.3)], [Some(1.2)], [None]] {
-///     filter.step_partial(&measurement)?;
-///     check.advance(&measurement);
-///     check.take_in(&filter, &measurement);
+/// for (index, measurement) in [[Some(0.3)], [Some(1.2)], [None]].iter().enumerate() {
+///     let step = Step::of_index(index);
+///     filter.step_at(&step, measurement)?;
+///     check.advance(&step, measurement);
+///     check.take_in(&filter, measurement);
 /// }
 /// let error = check.standard_error().ok_or("too few particles")?;
 /// println!("log-evidence {:.2} ± {error:.2}", filter.log_evidence());
@@ -186,7 +187,13 @@ impl<D: Deref<Target: PartialLikelihood + Simulator>, P: Proposal<D::Target>> Ev
             let of_filter = (filter.particles(), filter.weights());
             let model = &*filter.bank().model;
             // What has no density with gaps has been refused by the filter.
-            let _ = figures.surprises.step(model, step, of_filter, measurement, &mut self.stream);
+            let _ = figures.surprises.step(
+                model,
+                &filter.bank().last_step(),
+                of_filter,
+                measurement,
+                &mut self.stream,
+            );
         }
         let misses_peak = figures.blocks.would_miss(effective) && {
             self.logs.clear();
@@ -204,9 +211,9 @@ impl<D: Deref<Target: PartialLikelihood + Simulator>, P: Proposal<D::Target>> Ev
         figures.small_evidence = small;
     }
 
-    /// Advances the small filters by a measurement, some of whose entries may be missing. One that fails says nothing from there on.
-    pub fn advance(&mut self, measurement: &[Option<f64>]) {
-        if self.small.as_mut().is_some_and(|bank| bank.step_partial(measurement).is_err()) {
+    /// Advances the small filters by a step with a measurement, some of whose entries may be missing. One that fails says nothing from there on.
+    pub fn advance(&mut self, step: &Step<'_>, measurement: &[Option<f64>]) {
+        if self.small.as_mut().is_some_and(|bank| bank.step_at(step, measurement).is_err()) {
             self.small = None;
         }
     }

@@ -39,7 +39,7 @@ impl Surprises {
     pub(super) fn step(
         &mut self,
         model: &(impl PartialLikelihood + Simulator + ?Sized),
-        step: usize,
+        step: &Step<'_>,
         (particles, weights): (&[f64], &LogWeights),
         measurement: &[Option<f64>],
         stream: &mut Stream,
@@ -47,9 +47,8 @@ impl Surprises {
         if measurement.iter().all(Option::is_none) {
             return Ok(());
         }
-        let at = Step::of_index(step);
         self.log_likelihoods.resize(weights.len(), 0.0);
-        model.partial_log_likelihoods(&at, particles, measurement, &mut self.log_likelihoods)?;
+        model.partial_log_likelihoods(step, particles, measurement, &mut self.log_likelihoods)?;
         let best = self.log_likelihoods.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let (width, mut drawn) = (model.state_dim(), vec![0.0; measurement.len()]);
         let (mut of_draws, mut density) = ([0.0; DRAWS], [0.0]);
@@ -62,10 +61,10 @@ impl Surprises {
                 reached += weights.normalised()[particle];
             }
             let state = &particles[particle * width..(particle + 1) * width];
-            model.sample_measurement(&at, state, stream, &mut drawn);
+            model.sample_measurement(step, state, stream, &mut drawn);
             let there = measurement.iter().zip(&drawn).map(|(there, drawn)| there.map(|_| *drawn));
             let there: Vec<Option<f64>> = there.collect();
-            model.partial_log_likelihoods(&at, state, &there, &mut density)?;
+            model.partial_log_likelihoods(step, state, &there, &mut density)?;
             *of_draw = density[0];
         }
         let usual = of_draws.iter().sum::<f64>() / DRAWS as f64;
@@ -74,7 +73,7 @@ impl Surprises {
             self.count += 1;
             let depth = usual - best;
             if self.worst.is_none_or(|worst| depth > worst.usual - worst.best) {
-                self.worst = Some(Surprise { step, best, usual });
+                self.worst = Some(Surprise { step: step.index, best, usual });
             }
         }
         Ok(())

@@ -2,8 +2,8 @@
 
 use std::ops::Deref;
 
-use motes_models::StateSpaceModel;
 use motes_models::batch::there_is_memory_for;
+use motes_models::{StateSpaceModel, StepRecord};
 
 use super::error::SmoothingError;
 use crate::filter::ParticleFilter;
@@ -18,6 +18,8 @@ pub struct FilterHistory {
 /// The particles of one time.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Generation {
+    /// The step that they were drawn in.
+    pub(crate) step: StepRecord,
     /// `K×N`.
     pub(crate) states: Vec<f64>,
     /// Logarithms of the normalised weights, `K`.
@@ -56,6 +58,7 @@ impl FilterHistory {
             return Err(SmoothingError::Memory { numbers });
         }
         self.generations.push(Generation {
+            step: filter.bank().last.clone(),
             states: states.to_vec(),
             log_weights: log_weights.to_vec(),
             ancestors: filter.ancestors().to_vec(),
@@ -97,7 +100,8 @@ impl FilterHistory {
             kept.extend_from_slice(&states[particle * n..(particle + 1) * n]);
         }
         let log_weights = vec![-(count as f64).ln(); count];
-        self.generations.push(Generation { states: kept, log_weights, ancestors: vec![] });
+        let step = filter.bank().last.clone();
+        self.generations.push(Generation { step, states: kept, log_weights, ancestors: vec![] });
         Ok(())
     }
 
@@ -112,7 +116,7 @@ impl FilterHistory {
     /// Whether trajectories of `width` coordinates can be drawn.
     pub(super) fn check(&self, width: usize) -> Result<(), SmoothingError> {
         let mut before = None;
-        for (time, Generation { states, log_weights, ancestors }) in self.generations.iter().enumerate() {
+        for (time, Generation { states, log_weights, ancestors, .. }) in self.generations.iter().enumerate() {
             let particles = log_weights.len();
             let have_states = particles.checked_mul(width) == Some(states.len());
             let have_ancestors = before.is_none_or(|before| {

@@ -2,7 +2,7 @@
 
 use motes_models::batch::{Rows, with_scratch};
 use motes_models::elementary::exp;
-use motes_models::{StateSpaceModel, Step, Stream};
+use motes_models::{StateSpaceModel, Stream};
 use rand::RngExt;
 
 use super::by_weight::ByWeight;
@@ -48,7 +48,7 @@ impl<M: StateSpaceModel + ?Sized> Moves<'_, M> {
                 rows.chunks_exact_mut(width).for_each(|row| row.copy_from_slice(state));
             }
             let from = Rows::picked(&self.generation.states, width, candidates.as_flattened());
-            self.model.log_transitions(&Step::of_index(self.time + 1), from, states, log_densities);
+            self.model.log_transitions(&next.step.step(), from, states, log_densities);
             let (log_densities, _) = log_densities.as_chunks::<EACH>();
             for ((path, candidates), log_densities) in paths.iter_mut().zip(&*candidates).zip(log_densities) {
                 // An infinite density is one of a model that is none, as it is for a filter.
@@ -72,7 +72,7 @@ impl<M: StateSpaceModel + ?Sized> Moves<'_, M> {
             let (log_weights, states) = scratch.split_at_mut(particles);
             states.chunks_exact_mut(width).for_each(|row| row.copy_from_slice(state));
             let from = Rows::all(&generation.states, width);
-            self.model.log_transitions(&Step::of_index(self.time + 1), from, states, log_weights);
+            self.model.log_transitions(&self.next.step.step(), from, states, log_weights);
             for (log_weight, own) in log_weights.iter_mut().zip(&generation.log_weights) {
                 // A particle without weight is none, whatever its density.
                 *log_weight = if *own == f64::NEG_INFINITY { *own } else { *log_weight + own };
@@ -99,7 +99,7 @@ fn metropolis(log_densities: &[f64], stream: &mut Stream) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use motes_models::Seed;
+    use motes_models::{Seed, Step, StepRecord};
 
     use super::*;
 
@@ -136,7 +136,12 @@ mod tests {
     const WEIGHTS: [f64; 6] = [0.15, 0.3, 0.05, 0.0, 0.1, 0.4];
 
     fn generation(states: Vec<f64>, weights: &[f64], ancestors: Vec<usize>) -> Generation {
-        Generation { states, log_weights: weights.iter().map(|weight| weight.ln()).collect(), ancestors }
+        Generation {
+            step: StepRecord::default(),
+            states,
+            log_weights: weights.iter().map(|weight| weight.ln()).collect(),
+            ancestors,
+        }
     }
 
     /// The shares of the particles that many paths come from by these densities, if `ancestor` says which the filter drew theirs from.
@@ -144,7 +149,12 @@ mod tests {
         let mut stream = Seed::from_u64(70).stream();
         let from = generation(densities.to_vec(), &WEIGHTS, vec![0; 6]);
         let ancestors = (0..PATHS).map(|_| ancestor(stream.random())).collect();
-        let next = Generation { states: vec![0.0; PATHS], log_weights: vec![], ancestors };
+        let next = Generation {
+            step: StepRecord::default(),
+            states: vec![0.0; PATHS],
+            log_weights: vec![],
+            ancestors,
+        };
         let mut log_weights = from.log_weights.clone();
         let by_weight = ByWeight::new(&mut log_weights).unwrap();
         let moves = Moves { model: &Chosen, time: 0, generation: &from, by_weight, next: &next };

@@ -1,7 +1,7 @@
 //! How a twisting is learned, and what it is for.
 
 use motes_models::equations::Linearise;
-use motes_models::{PartialLikelihood, PartialMeasurements, Seed, Simulator, Step, Stream};
+use motes_models::{PartialLikelihood, PartialMeasurements, Seed, Simulator, Stream};
 
 use super::error::TwistingError;
 use super::filter;
@@ -23,7 +23,7 @@ const PASSES: usize = 3;
 ///
 /// ```
 /// use motes_models::equations::{Coordinates, Equations, Scalar, normal};
-/// use motes_models::{PartialMeasurements, Seed, simulate};
+/// use motes_models::{PartialMeasurements, Seed, Step, simulate};
 /// use motes_smc::Twisting;
 ///
 /// /// A state that turns, and is measured in one direction.
@@ -126,7 +126,7 @@ impl Twisting {
         for (time, (row, generation)) in measurements.rows().zip(&history.generations).enumerate().rev() {
             let (states, log_weights) = (&generation.states, &generation.log_weights);
             targets.resize(log_weights.len(), f64::NAN);
-            look_ahead(model, &Step::of_index(time), row, functions.last(), states, &mut targets)
+            look_ahead(model, &generation.step.step(), row, functions.last(), states, &mut targets)
                 .map_err(FilterError::from)?;
             let function = fit(n, states, log_weights, &targets);
             functions.push(function.ok_or(TwistingError::Fit { time })?);

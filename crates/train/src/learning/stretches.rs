@@ -1,6 +1,6 @@
 //! Stretches of filters that run along recorded series with the present weights, one series after another.
 
-use motes_models::{OwnModel, OwnStep, PartialMeasurements, Seed, StateGradients, Step};
+use motes_models::{OwnModel, OwnStep, PartialMeasurements, Seed, StateGradients};
 use motes_proposals::{Amortised, Draws, Parametric};
 use motes_smc::{FilterError, FilterSettings, ParticleFilter};
 
@@ -104,7 +104,12 @@ impl<'a, M: OwnModel + StateGradients + ?Sized> Stretches<'a, M> {
         let n = self.model.state_dim();
         let states = filter.particles();
         self.slopes.resize(states.len(), 0.0);
-        self.model.likelihood_gradients(&Step::of_index(time), states, measurement, &mut self.slopes);
+        self.model.likelihood_gradients(
+            &self.model.step_of_index(time),
+            states,
+            measurement,
+            &mut self.slopes,
+        );
         self.previous.clear();
         if let Some(all) = filter.previous_particles() {
             for ancestor in filter.ancestors() {

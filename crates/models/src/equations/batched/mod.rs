@@ -21,7 +21,7 @@ use memo::Owner;
 ///
 /// ```
 /// use motes_models::equations::{BatchDistribution, BatchEquations, Batched, Column, Distribution};
-/// use motes_models::{Seed, simulate};
+/// use motes_models::{Seed, Step, simulate};
 ///
 /// /// A random walk.
 /// struct Walk;

@@ -48,7 +48,7 @@ impl Linearised {
         let (n, m) = (model.state_dim(), model.measurement_dim());
         let (mut state, mut measurement) = (vec![0.0; n], vec![0.0; m]);
         let mut sees_measurements = false;
-        for step in (0..PROBES).map(Step::of_index) {
+        for step in (0..PROBES).map(|index| model.step_of_index(index)) {
             let previous = state.clone();
             match step.index {
                 0 => model.sample_initial(&mut stream, &mut state),

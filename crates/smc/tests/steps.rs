@@ -1,0 +1,153 @@
+//! Steps of their own times, inputs and parameters: evidence and smoothed means against exact ones.
+
+use motes_models::equations::{Coordinates, Equations, Scalar, normal};
+use motes_models::{Seed, Step};
+use motes_smc::{
+    Bootstrap, FilterBank, FilterHistory, FilterSettings, Linearised, ParticleFilter, Proposal,
+    backward_simulation,
+};
+
+/// A velocity with friction that is pushed, seen at irregular times:
+/// `x(t + Δ) ~ N(x e^{−θΔ} + uΔ, (1 − e^{−2θΔ}) / 2θ)`, `y ~ N(x, ½²)`.
+struct Pushed;
+
+impl Equations for Pushed {
+    fn dimensions(&self) -> [usize; 2] {
+        [1, 1]
+    }
+
+    fn inputs(&self) -> &[f64] {
+        &[0.0]
+    }
+
+    fn parameters(&self) -> &[f64] {
+        &FRICTION
+    }
+
+    fn initial<S: Scalar>(&self, x: &mut impl Coordinates<S>) {
+        x.push(normal(0.0, 1.0));
+    }
+
+    fn transition<S: Scalar>(&self, step: &Step<'_, S>, previous: &[S], x: &mut impl Coordinates<S>) {
+        let (friction, push) = (step.parameters[0], step.inputs[0]);
+        let kept = (friction * -step.length).exp();
+        let variance = (-(kept * kept) + 1.0) / (friction * 2.0);
+        x.push(normal(previous[0] * kept + push * step.length, variance.sqrt()));
+    }
+
+    fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
+        y.push(normal(x[0], 0.5));
+    }
+}
+
+const FRICTION: [f64; 1] = [0.7];
+const TIMES: [f64; 6] = [0.0, 0.3, 0.4, 2.0, 2.5, 5.0];
+const PUSHES: [[f64; 1]; 6] = [[0.0], [1.0], [-2.0], [0.5], [0.0], [0.3]];
+const MEASURED: [Option<f64>; 6] = [Some(0.4), Some(0.9), None, Some(1.6), Some(0.7), Some(1.1)];
+
+fn steps() -> impl Iterator<Item = (Step<'static>, [Option<f64>; 1])> {
+    (0..TIMES.len()).map(|index| {
+        let length = if index == 0 { 0.0 } else { TIMES[index] - TIMES[index - 1] };
+        let step = Step { index, time: TIMES[index], length, inputs: &PUSHES[index], parameters: &FRICTION };
+        (step, [MEASURED[index]])
+    })
+}
+
+/// The log-evidence, and the smoothed means, by the scalar Kalman filter and smoother.
+fn exact() -> (f64, Vec<f64>) {
+    let (mut log_evidence, mut filtered, mut predicted) = (0.0, vec![], vec![]);
+    let (mut mean, mut variance) = (0.0, 1.0);
+    for (step, [measured]) in steps() {
+        let kept = (-FRICTION[0] * step.length).exp();
+        if step.index > 0 {
+            mean = mean * kept + step.inputs[0] * step.length;
+            variance = variance * kept * kept + (1.0 - kept * kept) / (2.0 * FRICTION[0]);
+        }
+        predicted.push((mean, variance, kept));
+        if let Some(y) = measured {
+            let spread: f64 = variance + 0.25;
+            log_evidence -= 0.5 * ((std::f64::consts::TAU * spread).ln() + (y - mean).powi(2) / spread);
+            mean += variance / spread * (y - mean);
+            variance -= variance * variance / spread;
+        }
+        filtered.push((mean, variance));
+    }
+    let mut means = vec![mean];
+    for index in (1..TIMES.len()).rev() {
+        let ((mean, variance), (ahead, spread, kept)) = (filtered[index - 1], predicted[index]);
+        means.push(mean + variance * kept / spread * (means[means.len() - 1] - ahead));
+    }
+    means.reverse();
+    (log_evidence, means)
+}
+
+fn score(values: &[f64], expected: f64) -> f64 {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    (mean - expected) / (variance / n).sqrt()
+}
+
+fn evidence_score(proposal: impl Proposal<Pushed>, expected: f64) -> f64 {
+    let seed = Seed::from_u64(90);
+    let mut bank = FilterBank::new(&Pushed, proposal, FilterSettings::new(20), 5000, &seed).unwrap();
+    steps().for_each(|(step, measured)| bank.step_at(&step, &measured).unwrap());
+    let ratios: Vec<f64> = (0..bank.filters()).map(|filter| bank.log_evidence(filter).exp()).collect();
+    score(&ratios, expected.exp())
+}
+
+#[test]
+fn evidence_is_unbiased_with_irregular_times_inputs_and_parameters() {
+    let (expected, _) = exact();
+    assert!(evidence_score(Bootstrap, expected).abs() < 4.0);
+    assert!(evidence_score(Linearised::new(&Pushed).unwrap(), expected).abs() < 4.0);
+    // Off by what a single push adds, the test would fail.
+    assert!(evidence_score(Bootstrap, expected + 0.1).abs() > 4.0);
+}
+
+#[test]
+fn smoothing_goes_back_by_the_steps_that_were_taken() {
+    let (_, means) = exact();
+    let seed = Seed::from_u64(91);
+    let settings = FilterSettings::new(2000);
+    let mut filter =
+        ParticleFilter::new(&Pushed, Bootstrap, settings, seed.child("filter").stream()).unwrap();
+    let mut history = FilterHistory::new();
+    for (step, measured) in steps() {
+        filter.step_at(&step, &measured).unwrap();
+        assert_eq!(filter.bank().last_step(), step);
+        history.record(&filter).unwrap();
+    }
+    let paths = backward_simulation(&Pushed, &history, 4000, &seed.child("paths")).unwrap();
+    for (time, expected) in means.iter().enumerate() {
+        assert!((paths.mean(time, 0) - expected).abs() < 0.05, "{time}: {} {expected}", paths.mean(time, 0));
+    }
+}
+
+#[test]
+fn a_step_that_is_not_the_next_is_refused_and_changes_nothing() {
+    let stream = Seed::from_u64(92).stream();
+    let mut filter = ParticleFilter::new(&Pushed, Bootstrap, FilterSettings::new(50), stream).unwrap();
+    let (first, measured) = steps().next().unwrap();
+    let bad = [
+        (Step { index: 1, ..first }, "the index of a step is 1; it must be the number of steps before it"),
+        (
+            Step { time: f64::NAN, ..first },
+            "a time, input or parameter of a step is NaN; it must be a finite number",
+        ),
+        (Step { length: -0.5, ..first }, "the length of a step is -0.5; it must be at least 0"),
+        (
+            Step { inputs: &[], ..first },
+            "the number of inputs of a step is 0; it must be as many as the model takes",
+        ),
+        (
+            Step { inputs: &[f64::INFINITY], ..first },
+            "a time, input or parameter of a step is inf; it must be a finite number",
+        ),
+    ];
+    for (step, line) in bad {
+        assert_eq!(filter.step_at(&step, &measured).unwrap_err().to_string(), line);
+    }
+    assert_eq!((filter.time(), filter.failure()), (0, None));
+    filter.step_at(&first, &measured).unwrap();
+}
