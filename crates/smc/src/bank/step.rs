@@ -305,6 +305,14 @@ impl<D: Deref<Target: PartialLikelihood>, P: Proposal<D::Target>> FilterBank<D, 
         if step.index != self.time {
             return refuse("the index of a step", step.index.to_string(), "the number of steps before it");
         }
+        let own = self.model.step_of_index(step.index);
+        let counts = [
+            ("the number of inputs of a step", step.inputs.len(), own.inputs.len()),
+            ("the number of parameters of a step", step.parameters.len(), own.parameters.len()),
+        ];
+        if let Some((name, found, _)) = counts.into_iter().find(|(_, found, expected)| found != expected) {
+            return refuse(name, found.to_string(), "as many as the model takes");
+        }
         let numbers =
             [step.time, step.length].into_iter().chain(step.inputs.iter().chain(step.parameters).copied());
         match numbers.into_iter().find(|number| !number.is_finite()) {
