@@ -11,9 +11,6 @@ use super::upper_end::UPPER_END;
 /// Fewer effective particles than this, and one of them has more than half of the weight: `max W_k ≥ Σ W_k² = 1/K_eff`.
 pub const LEAST_EFFECTIVE_PARTICLES: f64 = 2.0;
 
-/// Effective particles, as a multiple of `√K`, below which a step is poor, unless the largest log-weights have an upper end.
-const POOR: f64 = 0.2;
-
 /// The share of particles that are effective from which on the tail carries too little of the weight to matter, whatever its index.
 const MANY_EFFECTIVE: f64 = 0.25;
 
@@ -61,11 +58,9 @@ impl WeightDiagnosis {
             && !self.has_upper_end()
     }
 
-    /// Whether the step has too few effective particles: fewer than two, or fewer than `0.2 √K` without an upper end of the log-weights.
+    /// Whether one particle has more than half of the weight.
     fn is_poor(&self) -> bool {
-        let size = self.effective_sample_size;
-        size < LEAST_EFFECTIVE_PARTICLES
-            || (size < POOR * (self.particles as f64).sqrt() && !self.has_upper_end())
+        self.effective_sample_size < LEAST_EFFECTIVE_PARTICLES
     }
 }
 
@@ -105,7 +100,7 @@ pub struct WeightReport {
 /// A reason not to trust the weights of a run, with the step at which they are worst.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum WeightWarning {
-    /// Too few effective particles: one has more than half of the weight, or all lie in a tail of what the measurement asks for.
+    /// Fewer than two effective particles: one has more than half of the weight.
     FewParticles {
         /// At how many steps.
         steps: usize,
@@ -203,14 +198,9 @@ impl WeightWarning {
     pub fn describe(&self, at: &dyn Fn(usize) -> String) -> String {
         match self {
             WeightWarning::FewParticles { steps, worst } => {
-                let (size, k, step) = (worst.effective_sample_size, worst.particles, at(worst.time));
+                let (k, step) = (worst.particles, at(worst.time));
                 let more = if *steps > 1 { format!(", at {steps} steps in all") } else { String::new() };
-                match size < LEAST_EFFECTIVE_PARTICLES {
-                    true => format!("at {step} one particle of {k} has more than half of the weight{more}"),
-                    false => format!(
-                        "at {step} the measurement lies beyond nearly all particles: {size:.1} of {k} are effective{more}"
-                    ),
-                }
+                format!("at {step} one particle of {k} has more than half of the weight{more}")
             }
             WeightWarning::HeavyTail { worst, pareto_k } => format!(
                 "at {} the weights have a tail index (Pareto k) of at least {pareto_k:.2}, above {PARETO_K_LIMIT}: averages by them need far \
@@ -257,14 +247,12 @@ mod tests {
         assert_eq!(
             report.to_string(),
             "4 steps, 127.8 effective particles, tail index at most 2.90 in a step\n\
-             warning: at step 2 the measurement lies beyond nearly all particles: 5.0 of 1000 are effective, at 2 steps in all\n\
              warning: at step 2 the weights have a tail index (Pareto k) of at least 1.72, above 0.7: averages by them need far more \
              particles; where the proposal is too narrow, a defensive share bounds them"
         );
         report.add(&step(4, 1000, 1.5, None, Some(-2.0)));
         let first = report.warnings().next().map(|warning| (warning.step(), warning.to_string()));
-        let expected =
-            "at step 4 one particle of 1000 has more than half of the weight, at 3 steps in all".to_string();
+        let expected = "at step 4 one particle of 1000 has more than half of the weight".to_string();
         assert_eq!(first, Some((4, expected)));
     }
 

@@ -9,14 +9,20 @@ const BLOCK_STEPS: usize = 32;
 /// peak, and its evidence does not scale with its size.
 const LEAST_EXPECTED: f64 = 2.0;
 
+/// The least exponent by which variances are taken to fall with the number of particles.
+const LEAST_EXPONENT: f64 = 0.3;
+
 /// One filter of `K` particles beside `R` small ones of `K/ρ`.
 ///
-/// The variance of a log-evidence is in proportion to one over the number of particles, and so is its bias, `−½` of the variance. In a block of steps in which
-/// the filter's evidence grew by `e` and that of the small ones by `e_1 … e_R`, with mean `ē` and sample variance `s²`, there are therefore two estimates of
-/// the filter's variance `v`:
+/// For large `K` the variance of a log-evidence is in proportion to `1/K`, and its bias is `−½` of the variance. Where particles hardly reach what the
+/// measurements ask for it falls more slowly, as `K^−α`. The ancestry of the particles shows it: with `a` the variance by ancestry of the filter and `ā` the mean
+/// of that of the small ones, `α = log(ā/a) / log ρ`, from 0.3 to 1.
 ///
-/// - `s²/ρ`, with `R − 1` degrees of freedom;
-/// - `(e − ē − ½(ρ − 1)v)² / (1 + ρ/R)`, with one; the `v` in the bias is that of the ancestry.
+/// In a block of steps in which the filter's evidence grew by `e` and that of the small ones by `e_1 … e_R`, with mean `ē` and sample variance `s²`, there are
+/// two estimates of the filter's variance `v`, with `r = ρ^α`:
+///
+/// - `s²/r`, with `R − 1` degrees of freedom;
+/// - `(e − ē − ½(ρ − 1)a)² / (1 + r/R)`, with one.
 ///
 /// Their average by degrees of freedom is added up over blocks. Not judged is a block in which small filters must miss what the filter has reached: where it
 /// had fewer than `2ρ` effective particles at a step, and yet its largest log-weights had an upper end; or one of them collapsed. The variance by
@@ -26,9 +32,22 @@ pub(super) struct Blocks {
     /// `ρ` and `R`.
     ratio: f64,
     small: usize,
-    /// The variance of all blocks that are over.
-    variance: f64,
+    /// Of all blocks that are over.
+    sums: Sums,
     present: Block,
+}
+
+/// What blocks add up to.
+#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
+struct Sums {
+    /// `Σ (R − 1) s²`.
+    squares: f64,
+    /// `Σ (e − ē − ½(ρ − 1)a)²`.
+    excesses: f64,
+    /// The variance by ancestry of blocks that are not judged.
+    unjudged: f64,
+    /// `a` and `ā` of all.
+    ancestry: [f64; 2],
 }
 
 /// The block that goes on.
@@ -39,19 +58,19 @@ struct Block {
     /// Of each small filter.
     small: Vec<f64>,
     is_out_of_reach: bool,
-    /// The variance by ancestry before the block, and now.
-    ancestry: [f64; 2],
+    /// `a` and `ā` of all steps before the block, and now.
+    ancestry: [[f64; 2]; 2],
 }
 
 impl Blocks {
     /// For a filter with `ratio` times the particles of each of `small` filters.
     pub(super) fn new(ratio: f64, small: usize) -> Self {
         let mut blocks = Blocks { ratio, small, ..Blocks::default() };
-        blocks.begin(0.0);
+        blocks.begin([0.0; 2]);
         blocks
     }
 
-    fn begin(&mut self, ancestry: f64) {
+    fn begin(&mut self, ancestry: [f64; 2]) {
         self.present.steps = 0;
         self.present.increment = 0.0;
         self.present.small.clear();
@@ -66,16 +85,16 @@ impl Blocks {
     }
 
     /// Takes in a step: by how much the log-evidence of the filter and of the small ones grew, whether the latter miss a peak that the filter has reached, and
-    /// the filter's variance by ancestry of all steps up to this one.
+    /// the variances by ancestry, `a` and `ā`, of all steps up to this one.
     pub(super) fn step(
         &mut self,
         increment: f64,
         small: impl Iterator<Item = f64>,
         is_out_of_reach: bool,
-        ancestry: f64,
+        ancestry: [f64; 2],
     ) {
         if self.present.steps == BLOCK_STEPS {
-            self.variance += self.variance_of_present();
+            self.sums = self.sums_with_present();
             self.begin(self.present.ancestry[1]);
         }
         let block = &mut self.present;
@@ -86,25 +105,36 @@ impl Blocks {
         block.ancestry[1] = ancestry;
     }
 
-    /// What the present block adds.
-    fn variance_of_present(&self) -> f64 {
-        let (block, count) = (&self.present, self.small as f64);
-        let by_ancestry = block.ancestry[1] - block.ancestry[0];
+    /// The sums with what the present block adds.
+    fn sums_with_present(&self) -> Sums {
+        let (block, count, mut sums) = (&self.present, self.small as f64, self.sums);
+        let [own, of_small] = [0, 1].map(|which| block.ancestry[1][which] - block.ancestry[0][which]);
+        sums.ancestry[0] += own;
+        sums.ancestry[1] += of_small;
         let is_judged = self.small > 0
             && !block.is_out_of_reach
             && block.small.iter().all(|increment| increment.is_finite());
         if !is_judged {
-            return by_ancestry;
+            sums.unjudged += own;
+            return sums;
         }
         let mean = block.small.iter().sum::<f64>() / count;
-        let squares: f64 = block.small.iter().map(|increment| (increment - mean).powi(2)).sum();
-        let excess = block.increment - mean - 0.5 * (self.ratio - 1.0) * by_ancestry;
-        let of_difference = excess * excess / (1.0 + self.ratio / count);
-        (squares / self.ratio + of_difference) / count
+        sums.squares += block.small.iter().map(|increment| (increment - mean).powi(2)).sum::<f64>();
+        sums.excesses += (block.increment - mean - 0.5 * (self.ratio - 1.0) * own).powi(2);
+        sums
     }
 
     /// The variance of the log-evidence after all steps so far.
     pub(super) fn variance(&self) -> f64 {
-        self.variance + if self.present.steps > 0 { self.variance_of_present() } else { 0.0 }
+        let sums = if self.present.steps > 0 { self.sums_with_present() } else { self.sums };
+        if self.small == 0 {
+            return sums.unjudged;
+        }
+        let [own, of_small] = sums.ancestry;
+        let exponent = (of_small / own).ln() / self.ratio.ln();
+        // Where nothing varies there is nothing to scale.
+        let exponent = if exponent.is_nan() { 1.0 } else { exponent.clamp(LEAST_EXPONENT, 1.0) };
+        let (scale, count) = (self.ratio.powf(exponent), self.small as f64);
+        (sums.squares / scale + sums.excesses / (1.0 + scale / count)) / count + sums.unjudged
     }
 }
