@@ -49,13 +49,13 @@ fn step<'m>(
 }
 
 #[test]
-fn the_standard_error_is_the_actual_one_whatever_the_number_of_small_filters() {
+fn the_standard_error_is_the_actual_one() {
     const RUNS: u64 = 100;
     let model = walk(0.9, 1.0);
     let measurements = drawn(&model, 100);
     let exact = kalman::filter(&model, &measurements).unwrap().log_evidence();
-    // One, two and four small filters.
-    for particles in [300, 600, 1200] {
+    // Small filters of 25, 25 and 75 particles.
+    for particles in [100, 300, 1200] {
         let (mut actual, mut estimated, mut within) = (0.0, 0.0, 0);
         for run_number in 0..RUNS {
             let seed = Seed::from_u64(71).nth(particles as u64).nth(run_number);
@@ -71,6 +71,30 @@ fn the_standard_error_is_the_actual_one_whatever_the_number_of_small_filters() {
         // 95 %, less four standard deviations of 100 runs.
         assert!(within >= 86, "{particles}: {within}");
     }
+}
+
+#[test]
+fn where_the_level_shifts_and_the_variance_falls_slowly_the_standard_error_is_above_half_of_the_actual_one() {
+    const RUNS: u64 = 60;
+    let initial = Gaussian::new("P_0", vec![0.0], mat![[1.0]]).unwrap();
+    let model = LinearGaussian::new(initial, mat![[1.0]], mat![[0.04]], mat![[1.0]], mat![[0.09]]).unwrap();
+    let shift = |time: usize| match time {
+        0..40 => 0.0,
+        40..80 => 2.0,
+        _ => -0.5,
+    };
+    let values = drawn(&model, 120).rows().enumerate().map(|(time, row)| row[0] + shift(time)).collect();
+    let measurements = Measurements::new(1, values).unwrap();
+    let exact = kalman::filter(&model, &measurements).unwrap().log_evidence();
+    let (mut actual, mut estimated) = (0.0, 0.0);
+    for number in 0..RUNS {
+        let (filter, check) = run(&model, &measurements, 1000, &Seed::from_u64(75).nth(number));
+        actual += (filter.log_evidence() - exact).powi(2);
+        estimated += check.standard_error().unwrap().powi(2);
+    }
+    // By variances that fall as 1/K it would be a third.
+    let ratio = (estimated / actual).sqrt();
+    assert!((0.5..2.0).contains(&ratio), "{ratio}");
 }
 
 #[test]
