@@ -34,12 +34,16 @@ pub(crate) fn python(root: &Path, args: &PythonArgs) -> ExitCode {
     let done = environment(root, &interpreter).and_then(|environment| match args.wheel {
         true => wheel(root, &environment),
         false => build(root, "motes", &[], "; the package is tested beside it")
-            .and_then(|()| tested(root, &environment, "release", "release")),
+            .and_then(|()| maturin(root, &environment, &["develop", "--locked", "--quiet", "--release"]))
+            .and_then(|()| tested(root, &environment, "release")),
     });
     done.map_or_else(|status| status, |()| ExitCode::SUCCESS)
 }
 
-/// As the check of every change, beside the command that the regression run built.
+/// How pyo3 is told to build a library that an interpreter loads, as maturin tells it.
+pub(crate) const AS_EXTENSION: (&str, &str) = ("PYO3_BUILD_EXTENSION_MODULE", "1");
+
+/// As the check of every change, with the library and beside the command that the regression run built.
 ///
 /// It is left out, and says so, where there is no Python, or no network for its packages.
 pub(crate) fn check(root: &Path) -> Result<(), ExitCode> {
@@ -53,7 +57,17 @@ pub(crate) fn check(root: &Path) -> Result<(), ExitCode> {
         );
         return Ok(());
     };
-    tested(root, &environment, "dev", "debug")
+    if cfg!(target_os = "linux") {
+        let (library, module) = (built("debug", "lib_motes.so"), "crates/python/python/motes/_motes.abi3.so");
+        if let Err(error) = std::fs::copy(&library, root.join(module)) {
+            status(&format!("error: {} as {module}: {error}", library.display()));
+            return Err(ExitCode::from(3));
+        }
+    } else {
+        // Elsewhere linkers have to be told more, which maturin does.
+        maturin(root, &environment, &["develop", "--locked", "--quiet", "--profile", "dev"])?;
+    }
+    tested(root, &environment, "debug")
 }
 
 /// The first interpreter that is new enough and can make virtual environments.
@@ -92,9 +106,8 @@ fn maturin(root: &Path, environment: &Path, arguments: &[&str]) -> Result<(), Ex
     run(&mut command)
 }
 
-/// Builds the package into the environment and runs its tests beside the command of that profile's folder.
-fn tested(root: &Path, environment: &Path, profile: &str, folder: &str) -> Result<(), ExitCode> {
-    maturin(root, environment, &["develop", "--locked", "--quiet", "--profile", profile])?;
+/// Runs the package's tests beside the command of that profile's folder.
+fn tested(root: &Path, environment: &Path, folder: &str) -> Result<(), ExitCode> {
     let mut tests = Command::new(environment.join("bin/python"));
     tests.current_dir(root.join("crates/python")).args([
         "-m",
@@ -103,6 +116,8 @@ fn tested(root: &Path, environment: &Path, profile: &str, folder: &str) -> Resul
         "-W",
         "ignore::motes.MotesWarning",
     ]);
+    // Where nothing installed the package, it is found in its folder.
+    tests.env("PYTHONPATH", root.join("crates/python/python"));
     run(tests.env("MOTES_COMMAND", built(folder, "motes")))
 }
 
