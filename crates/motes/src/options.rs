@@ -88,7 +88,8 @@ pub struct FilterOptions {
     pub seed: u64,
     /// For how many times after the last measurement states are predicted.
     pub forecast: usize,
-    /// Whether a bootstrap filter runs beside any other and says whether it misses mass. It changes no other result.
+    /// Whether small filters run beside it, which give the standard error of the log-evidence, and a bootstrap filter beside any other proposal, which says
+    /// whether it misses mass. They change no other result.
     pub check: bool,
 }
 

@@ -133,10 +133,10 @@ pub(super) struct FilterSettingsArgs {
     /// How ancestors are drawn: multinomial, systematic, stratified or residual
     #[arg(long, value_name = "SCHEME", default_value = "systematic", value_parser = resampling)]
     pub(super) resampling: Resampling,
-    /// Run a bootstrap filter beside any other proposal, and warn where it finds mass that the filter misses; this is the default, and changes no other result
+    /// Run small filters beside it for the standard error of the log-evidence, and a bootstrap filter beside any other proposal, and warn where estimates cannot be trusted; this is the default, and changes no other result
     #[arg(long, overrides_with = "no_check")]
     check: bool,
-    /// Do without it; a cheap proposal then takes about half the time
+    /// Do without them, and without a standard error; a cheap proposal then takes about half the time
     #[arg(long, overrides_with = "check")]
     no_check: bool,
 }
