@@ -174,23 +174,40 @@ mod tests {
     use super::*;
     use crate::warnings::exact::Exact;
 
-    #[test]
-    fn a_rate_of_counts_that_rises_tenfold_at_once_is_never_silent() {
+    /// Bootstrap filters of a model of counts.
+    fn runs(
+        name: &str,
+        steps: usize,
+        grid: [f64; 2],
+        points: usize,
+        particles: usize,
+        count: usize,
+    ) -> Vec<Run> {
         let model = StudyModel {
-            name: "rate-jump".into(),
-            truth: Some("rate-jump-truth".into()),
-            half: "held-out".into(),
-            steps: 120,
-            exact: Exact::Quadrature { low: -2.0, high: 4.0, points: 1201 },
+            name: name.into(),
+            truth: Some(format!("{name}-truth")),
+            half: "set".into(),
+            steps,
+            exact: Exact::Quadrature { low: grid[0], high: grid[1], points },
         };
         let home = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../experiments/warnings");
-        let case = Case::new(&home, &model).unwrap();
-        let interrupt = Interrupt::default();
+        let cell = Cell::new(&home, &model, StudyProposal::Bootstrap, particles, 1).unwrap();
+        Case::new(&home, &model).unwrap().runs(&cell, count, Some(2), &Interrupt::default()).unwrap()
+    }
+
+    #[test]
+    fn a_rate_of_counts_that_rises_tenfold_at_once_is_never_silent() {
         for particles in [100, 1000] {
-            let cell = Cell::new(&home, &model, StudyProposal::Bootstrap, particles, 1).unwrap();
-            for run in case.runs(&cell, 5, Some(2), &interrupt).unwrap() {
+            for run in runs("rate-jump", 120, [-2.0, 4.0], 1201, particles, 5) {
                 assert!(run.error < -100.0 && run.warnings.contains("surprise"), "{run:?}");
             }
         }
+    }
+
+    #[test]
+    fn counts_of_a_slow_rate_that_is_stirred_again_and_again_are_not_silent() {
+        let runs = runs("whisker", 300, [-6.0, 6.0], 1601, 1000, 20);
+        assert!(runs.iter().any(|run| run.error < -5.0));
+        assert!(!runs.iter().any(Run::is_silent), "{runs:?}");
     }
 }

@@ -30,7 +30,8 @@ impl Run {
         self.standard_error.is_some_and(|error| self.error.abs() <= errors * error)
     }
 
-    fn is_silent(&self) -> bool {
+    /// Whether it is wrong, and neither a warning nor its standard error says so.
+    pub(super) fn is_silent(&self) -> bool {
         self.is_wrong() && !self.warns() && !self.is_within(HONEST)
     }
 
