@@ -16,12 +16,9 @@ pub(crate) fn built(profile: &str, program: &str) -> PathBuf {
 /// Cargo with some arguments, in `root`.
 fn cargo_in(root: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-    command.current_dir(root).args(arguments).env(NOT_INCREMENTAL.0, NOT_INCREMENTAL.1);
+    command.current_dir(root).args(arguments);
     command
 }
-
-/// What is built once is built sooner without notes for building it again.
-pub(crate) const NOT_INCREMENTAL: (&str, &str) = ("CARGO_INCREMENTAL", "0");
 
 /// Runs cargo in `root`; `Err` is the status to end with.
 pub(crate) fn cargo(root: &Path, arguments: &[&str], environment: &[(&str, &str)]) -> Result<(), ExitCode> {
