@@ -20,6 +20,10 @@ impl<M: StateSpaceModel> StateSpaceModel for Shifted<M> {
     fn measurement_dim(&self) -> usize {
         self.model.measurement_dim()
     }
+    fn step_of_index(&self, index: usize) -> Step<'_> {
+        self.model.step_of_index(index)
+    }
+
     fn sample_initial(&self, stream: &mut Stream, state: &mut [f64]) {
         self.model.sample_initial(stream, state);
     }

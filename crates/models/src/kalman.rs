@@ -7,5 +7,5 @@ mod smoother;
 
 pub use belief::Belief;
 pub use correction::{Correction, correction};
-pub use filter::{Filtered, KalmanFilter, Step, filter, filter_partial};
+pub use filter::{Filtered, KalmanFilter, KalmanStep, filter, filter_partial};
 pub use smoother::{Smoothed, smooth};

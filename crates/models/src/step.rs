@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 
 /// The step of a model to `x_t`, or its start where `index` is 0.
 ///
-/// All that a model may depend on besides its states is here. Numbers are `f64`; formulas see inputs and parameters as scalars `S`, so that parameters may
-/// differ from particle to particle, or carry derivatives.
+/// All that a model may depend on besides its states is here. Numbers are `f64`; formulas see inputs and parameters as their
+/// scalars `S`.
 ///
 /// ```
 /// use motes_models::Step;
@@ -47,9 +47,7 @@ impl Step<'_> {
 /// use motes_models::{Step, StepRecord};
 ///
 /// let step = Step { time: 0.5, length: 0.5, inputs: &[2.0], ..Step::of_index(1) };
-/// let mut record = StepRecord::default();
-/// record.keep(&step);
-/// assert_eq!(record.step(), step);
+/// assert_eq!(StepRecord::of(&step).step(), step);
 /// ```
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct StepRecord {
@@ -61,6 +59,13 @@ pub struct StepRecord {
 }
 
 impl StepRecord {
+    /// That of a step.
+    pub fn of(step: &Step<'_>) -> Self {
+        let mut record = StepRecord::default();
+        record.keep(step);
+        record
+    }
+
     /// Keeps another step instead.
     pub fn keep(&mut self, step: &Step<'_>) {
         (self.index, self.time, self.length) = (step.index, step.time, step.length);

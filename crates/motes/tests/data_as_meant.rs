@@ -184,6 +184,11 @@ fn unequal_steps_are_named_with_their_rows() {
         ),
         (
             "date",
+            "2024-01-01,2024-01-01,2024-01-01,2024-01-01",
+            format!("all 4 rows have the same time: {taken}; leave one row for each time"),
+        ),
+        (
+            "date",
             "2024-02-29,2024-03-01,2024-03-04,2024-03-05,2024-03-06,2024-03-08,2024-03-11,2024-03-12",
             format!(
                 "steps of 1 working day, but for 1 of 7: 2 working days to line 7 (2024-03-08): {taken}; give missing working days as rows with \

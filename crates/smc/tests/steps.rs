@@ -1,17 +1,17 @@
 //! Steps of their own times, inputs and parameters: evidence and smoothed means against exact ones.
 
 use motes_models::equations::{Coordinates, Equations, Scalar, normal};
-use motes_models::{Seed, Step};
+use motes_models::{PartialMeasurements, Seed, StateSpaceModel, Step};
 use motes_smc::{
-    Bootstrap, FilterBank, FilterHistory, FilterSettings, Linearised, ParticleFilter, Proposal,
+    Bootstrap, FilterBank, FilterHistory, FilterSettings, Linearised, ParticleFilter, Proposal, Twisting,
     backward_simulation,
 };
 
 /// A velocity with friction that is pushed, seen at irregular times:
 /// `x(t + Δ) ~ N(x e^{−θΔ} + uΔ, (1 − e^{−2θΔ}) / 2θ)`, `y ~ N(x, ½²)`.
-struct Pushed;
+struct Velocity;
 
-impl Equations for Pushed {
+impl Equations for Velocity {
     fn dimensions(&self) -> [usize; 2] {
         [1, 1]
     }
@@ -54,10 +54,10 @@ fn steps() -> impl Iterator<Item = (Step<'static>, [Option<f64>; 1])> {
 }
 
 /// The log-evidence, and the smoothed means, by the scalar Kalman filter and smoother.
-fn exact() -> (f64, Vec<f64>) {
+fn exact<'a>(steps: impl Iterator<Item = (Step<'a>, [Option<f64>; 1])>) -> (f64, Vec<f64>) {
     let (mut log_evidence, mut filtered, mut predicted) = (0.0, vec![], vec![]);
     let (mut mean, mut variance) = (0.0, 1.0);
-    for (step, [measured]) in steps() {
+    for (step, [measured]) in steps {
         let kept = (-FRICTION[0] * step.length).exp();
         if step.index > 0 {
             mean = mean * kept + step.inputs[0] * step.length;
@@ -73,7 +73,7 @@ fn exact() -> (f64, Vec<f64>) {
         filtered.push((mean, variance));
     }
     let mut means = vec![mean];
-    for index in (1..TIMES.len()).rev() {
+    for index in (1..filtered.len()).rev() {
         let ((mean, variance), (ahead, spread, kept)) = (filtered[index - 1], predicted[index]);
         means.push(mean + variance * kept / spread * (means[means.len() - 1] - ahead));
     }
@@ -88,9 +88,9 @@ fn score(values: &[f64], expected: f64) -> f64 {
     (mean - expected) / (variance / n).sqrt()
 }
 
-fn evidence_score(proposal: impl Proposal<Pushed>, expected: f64) -> f64 {
+fn evidence_score(proposal: impl Proposal<Velocity>, expected: f64) -> f64 {
     let seed = Seed::from_u64(90);
-    let mut bank = FilterBank::new(&Pushed, proposal, FilterSettings::new(20), 5000, &seed).unwrap();
+    let mut bank = FilterBank::new(&Velocity, proposal, FilterSettings::new(20), 5000, &seed).unwrap();
     steps().for_each(|(step, measured)| bank.step_at(&step, &measured).unwrap());
     let ratios: Vec<f64> = (0..bank.filters()).map(|filter| bank.log_evidence(filter).exp()).collect();
     score(&ratios, expected.exp())
@@ -98,36 +98,50 @@ fn evidence_score(proposal: impl Proposal<Pushed>, expected: f64) -> f64 {
 
 #[test]
 fn evidence_is_unbiased_with_irregular_times_inputs_and_parameters() {
-    let (expected, _) = exact();
+    let (expected, _) = exact(steps());
     assert!(evidence_score(Bootstrap, expected).abs() < 4.0);
-    assert!(evidence_score(Linearised::new(&Pushed).unwrap(), expected).abs() < 4.0);
+    assert!(evidence_score(Linearised::new(&Velocity).unwrap(), expected).abs() < 4.0);
     // Off by what a single push adds, the test would fail.
     assert!(evidence_score(Bootstrap, expected + 0.1).abs() > 4.0);
 }
 
 #[test]
 fn smoothing_goes_back_by_the_steps_that_were_taken() {
-    let (_, means) = exact();
+    let (_, means) = exact(steps());
     let seed = Seed::from_u64(91);
     let settings = FilterSettings::new(2000);
     let mut filter =
-        ParticleFilter::new(&Pushed, Bootstrap, settings, seed.child("filter").stream()).unwrap();
+        ParticleFilter::new(&Velocity, Bootstrap, settings, seed.child("filter").stream()).unwrap();
     let mut history = FilterHistory::new();
     for (step, measured) in steps() {
         filter.step_at(&step, &measured).unwrap();
         assert_eq!(filter.bank().last_step(), step);
         history.record(&filter).unwrap();
     }
-    let paths = backward_simulation(&Pushed, &history, 4000, &seed.child("paths")).unwrap();
+    let paths = backward_simulation(&Velocity, &history, 4000, &seed.child("paths")).unwrap();
     for (time, expected) in means.iter().enumerate() {
         assert!((paths.mean(time, 0) - expected).abs() < 0.05, "{time}: {} {expected}", paths.mean(time, 0));
     }
 }
 
 #[test]
+fn a_twisted_filter_looks_ahead_with_the_inputs_and_parameters_of_the_model() {
+    let model = Velocity;
+    let rows: Vec<Option<f64>> = vec![Some(0.4), Some(0.9), None, Some(-0.3)];
+    let measurements = PartialMeasurements::new(1, rows.clone()).unwrap();
+    let seed = Seed::from_u64(93);
+    let twisting = Twisting::learn(&model, &measurements, 500, 500, &seed.child("learn")).unwrap();
+    let found = twisting.log_evidence(&model, 500, seed.child("filter").stream()).unwrap();
+    // A linear Gaussian model: quadratics are exact, and so is the evidence.
+    let steps = rows.into_iter().enumerate().map(|(index, row)| (model.step_of_index(index), [row]));
+    let (expected, _) = exact(steps);
+    assert!((found - expected).abs() < 0.01, "{found} {expected}");
+}
+
+#[test]
 fn a_step_that_is_not_the_next_is_refused_and_changes_nothing() {
     let stream = Seed::from_u64(92).stream();
-    let mut filter = ParticleFilter::new(&Pushed, Bootstrap, FilterSettings::new(50), stream).unwrap();
+    let mut filter = ParticleFilter::new(&Velocity, Bootstrap, FilterSettings::new(50), stream).unwrap();
     let (first, measured) = steps().next().unwrap();
     let bad = [
         (Step { index: 1, ..first }, "the index of a step is 1; it must be the number of steps before it"),

@@ -2,7 +2,7 @@
 
 use motes::formulas::FormulaModel;
 use motes_models::batch::Rows;
-use motes_models::{Measurements, ModelError, StateSpaceModel, Step, kalman};
+use motes_models::{Measurements, ModelError, StateSpaceModel, kalman};
 use serde::{Deserialize, Serialize};
 
 /// How the log-evidence of a model is known.
@@ -75,13 +75,18 @@ fn quadrature(model: &FormulaModel, measurements: &Measurements, low: f64, high:
             let mut next = vec![0.0; points];
             for (from, log) in grid.iter().zip(&log_density).filter(|(_, log)| **log > -NEGLIGIBLE) {
                 let previous = vec![*from; points];
-                model.log_transitions(&Step::of_index(time), Rows::all(&previous, 1), &grid, &mut of_grid);
+                model.log_transitions(
+                    &model.step_of_index(time),
+                    Rows::all(&previous, 1),
+                    &grid,
+                    &mut of_grid,
+                );
                 let mass = log.exp() * width;
                 next.iter_mut().zip(&of_grid).for_each(|(next, log)| *next += mass * log.exp());
             }
             log_density = next.into_iter().map(f64::ln).collect();
         }
-        model.log_likelihoods(&Step::of_index(time), &grid, measurement, &mut of_grid);
+        model.log_likelihoods(&model.step_of_index(time), &grid, measurement, &mut of_grid);
         log_density.iter_mut().zip(&of_grid).for_each(|(density, log)| *density += log);
         let increment = log_sum(&log_density) + width.ln();
         log_density.iter_mut().for_each(|density| *density -= increment);
@@ -105,7 +110,8 @@ fn forward(
             probabilities = [first * stay + second * (1.0 - stay), second * stay + first * (1.0 - stay)];
         }
         let logs = [0, 1].map(|at| {
-            probabilities[at].ln() + model.log_likelihood(&Step::of_index(time), &[states[at]], measurement)
+            probabilities[at].ln()
+                + model.log_likelihood(&model.step_of_index(time), &[states[at]], measurement)
         });
         let increment = log_sum(&logs);
         probabilities = logs.map(|log| (log - increment).exp());

@@ -12,7 +12,7 @@ use crate::{
 
 /// What the filter knows at one time.
 #[derive(Debug, Clone)]
-pub struct Step {
+pub struct KalmanStep {
     /// `p(x_t | y_{0:t−1})`; at `t = 0` the prior.
     pub predicted: Belief,
     /// `p(x_t | y_{0:t})`.
@@ -25,7 +25,7 @@ pub struct Step {
 #[derive(Debug, Clone)]
 pub struct Filtered {
     /// One entry for each measurement.
-    pub steps: Vec<Step>,
+    pub steps: Vec<KalmanStep>,
 }
 
 impl Filtered {
@@ -75,7 +75,7 @@ impl<M: Deref<Target = LinearGaussian>> KalmanFilter<M> {
     /// # Errors
     /// [`ModelError::MeasurementWidth`] if the measurement does not fit the model. [`ModelError::Numerical`] with the time if an innovation covariance cannot
     /// be factored, or if a belief or a log-density is not finite. Nothing is taken in then.
-    pub fn step(&mut self, measurement: &[Option<f64>]) -> Result<Step, ModelError> {
+    pub fn step(&mut self, measurement: &[Option<f64>]) -> Result<KalmanStep, ModelError> {
         let (model, time, width) = (&*self.model, self.time, measurement.len());
         let expected = model.measurement_dim();
         if width != expected {
@@ -91,7 +91,7 @@ impl<M: Deref<Target = LinearGaussian>> KalmanFilter<M> {
         let (filtered, log_evidence_increment) = update(model, &predicted, measurement, time)?;
         self.belief = Some(filtered.clone());
         self.time += 1;
-        Ok(Step { predicted, filtered, log_evidence_increment })
+        Ok(KalmanStep { predicted, filtered, log_evidence_increment })
     }
 }
 

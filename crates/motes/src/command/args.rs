@@ -136,7 +136,7 @@ pub(super) struct FilterSettingsArgs {
     /// Run small filters beside it for the standard error of the log-evidence, and a bootstrap filter beside any other proposal, and warn where estimates cannot be trusted; this is the default, and changes no other result
     #[arg(long, overrides_with = "no_check")]
     check: bool,
-    /// Do without them, and without a standard error; a cheap proposal then takes about half the time
+    /// Do without them, and without a standard error, which is faster
     #[arg(long, overrides_with = "check")]
     no_check: bool,
 }

@@ -31,7 +31,7 @@ pub struct FilterBank<D: Deref, P: Proposal<D::Target>> {
     pub(super) streams: Vec<Stream>,
     pub(super) time: usize,
     /// The last step that was begun.
-    pub(crate) last: StepRecord,
+    pub(super) last: StepRecord,
     pub(super) states: Vec<f64>,
     pub(super) previous: Vec<f64>,
     pub(super) memory: P::Memory,

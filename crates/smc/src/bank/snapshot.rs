@@ -148,6 +148,10 @@ impl<Memory> BankSnapshot<Memory> {
         if !self.failure.iter().all(is_within) {
             return Err(unfit("the particle of a failure", "none of the bank's"));
         }
+        let last = self.last.step().index;
+        if self.time > 0 && last.checked_add(usize::from(!has_failed)) != Some(self.time) {
+            return Err(unfit("the last step", &last.to_string()));
+        }
         // So that the next steps can be counted.
         if self.time > usize::MAX / 2 {
             return Err(unfit("the number of steps", &self.time.to_string()));

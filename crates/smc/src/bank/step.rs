@@ -37,9 +37,7 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
 
     /// The next step where nobody says more, apart from the bank.
     fn next_step(&self) -> StepRecord {
-        let mut next = StepRecord::default();
-        next.keep(&self.model.step_of_index(self.time));
-        next
+        StepRecord::of(&self.model.step_of_index(self.time))
     }
 
     /// A step with a measurement that was looked at.

@@ -11,7 +11,7 @@ use super::coordinates::Coordinates;
 use super::surprise::{Surprise, Surprises};
 use super::warning::EvidenceWarning;
 use crate::bank::{BankSnapshot, FilterBank, FilterSettings};
-use crate::diagnosis::has_upper_end;
+use crate::diagnosis::{MANY_EFFECTIVE, has_upper_end};
 use crate::error::FilterError;
 use crate::filter::ParticleFilter;
 use crate::proposal::Proposal;
@@ -26,13 +26,10 @@ const LEAST_SMALL: usize = 25;
 /// The standard error above which a logarithm is far from Gaussian, and its bias no longer half its variance (nats).
 const LARGEST_ERROR: f64 = 2.5;
 
-/// The share of particles that are effective from which on a measurement is no surprise.
-const SUSPICIOUS: f64 = 0.25;
-
 /// Small filters of the same model and proposal that run beside a filter, and tell how far its log-evidence may be off.
 ///
-/// A filter of `K` particles gets four small ones of `K/16` particles, but of 25 at least (`K/4` below 100). From 400 particles on they cost less than a third of its
-/// time; with 100 particles, where a step takes some microseconds, as much as the filter. They change nothing in it.
+/// A filter of `K` particles gets four small ones of `K/16` particles, but of 25 at least (`K/4` below 100): a quarter of its particles from 400 on, as many as it
+/// has with 100. They change nothing in it.
 ///
 /// # The standard error
 /// The larger of two estimates of the variance of `log Ẑ`: by ancestry ([`AncestryVariance`]), and by the small filters, block by block. Ancestry is
@@ -187,7 +184,7 @@ impl<D: Deref<Target: PartialLikelihood + Simulator>, P: Proposal<D::Target>> Ev
         let step = filter.time().saturating_sub(1);
         figures.coordinates.step(step, filter.particles(), filter.weights(), ancestors);
         let effective = filter.effective_sample_size();
-        if effective < SUSPICIOUS * figures.particles as f64 {
+        if effective < MANY_EFFECTIVE * figures.particles as f64 {
             let of_filter = (filter.particles(), filter.weights());
             let model = &*filter.bank().model;
             // What has no density with gaps has been refused by the filter.

@@ -9,7 +9,8 @@ use crate::weights::LogWeights;
 /// Measurements that are drawn to see what is usual.
 const DRAWS: usize = 100;
 
-/// A measurement is a surprise where its log-density at the best particle is below the usual one by 5.5 nats and 5.5 standard deviations.
+/// A measurement is a surprise where the model draws none that is less likely than it is at the heaviest particle, and its log-density at the best particle is
+/// below the usual one by 5.5 nats and 5.5 standard deviations.
 const BELOW: f64 = 5.5;
 
 /// A measurement that lies beyond all particles.
@@ -47,11 +48,14 @@ impl Surprises {
         if measurement.iter().all(Option::is_none) {
             return Ok(());
         }
-        self.log_likelihoods.resize(weights.len(), 0.0);
-        model.partial_log_likelihoods(step, particles, measurement, &mut self.log_likelihoods)?;
-        let best = self.log_likelihoods.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let (width, mut drawn) = (model.state_dim(), vec![0.0; measurement.len()]);
-        let (mut of_draws, mut density) = ([0.0; DRAWS], [0.0]);
+        let (width, mut density) = (model.state_dim(), [0.0]);
+        let state = |particle: usize| &particles[particle * width..(particle + 1) * width];
+        let by_weight = |a: &usize, b: &usize| weights.log()[*a].total_cmp(&weights.log()[*b]);
+        let heaviest = (0..weights.len()).max_by(by_weight).unwrap_or_default();
+        model.partial_log_likelihoods(step, state(heaviest), measurement, &mut density)?;
+        let at_heaviest = density[0];
+        let (mut drawn, mut there) = (vec![0.0; measurement.len()], Vec::with_capacity(measurement.len()));
+        let mut of_draws = [0.0; DRAWS];
         let (mut particle, mut reached) = (0, weights.normalised()[0]);
         let offset: f64 = stream.random();
         for (number, of_draw) in of_draws.iter_mut().enumerate() {
@@ -60,13 +64,19 @@ impl Surprises {
                 particle += 1;
                 reached += weights.normalised()[particle];
             }
-            let state = &particles[particle * width..(particle + 1) * width];
-            model.sample_measurement(step, state, stream, &mut drawn);
-            let there = measurement.iter().zip(&drawn).map(|(there, drawn)| there.map(|_| *drawn));
-            let there: Vec<Option<f64>> = there.collect();
-            model.partial_log_likelihoods(step, state, &there, &mut density)?;
+            model.sample_measurement(step, state(particle), stream, &mut drawn);
+            there.clear();
+            there.extend(measurement.iter().zip(&drawn).map(|(there, drawn)| there.map(|_| *drawn)));
+            model.partial_log_likelihoods(step, state(particle), &there, &mut density)?;
+            // What the model draws is no likelier: nearly always so, and most often at once.
+            if density[0] <= at_heaviest {
+                return Ok(());
+            }
             *of_draw = density[0];
         }
+        self.log_likelihoods.resize(weights.len(), 0.0);
+        model.partial_log_likelihoods(step, particles, measurement, &mut self.log_likelihoods)?;
+        let best = self.log_likelihoods.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let usual = of_draws.iter().sum::<f64>() / DRAWS as f64;
         let variance = of_draws.iter().map(|log| (log - usual).powi(2)).sum::<f64>() / (DRAWS - 1) as f64;
         if best < usual - BELOW * (1.0 + variance.sqrt()) {

@@ -58,7 +58,7 @@ impl FilterHistory {
             return Err(SmoothingError::Memory { numbers });
         }
         self.generations.push(Generation {
-            step: filter.bank().last.clone(),
+            step: StepRecord::of(&filter.bank().last_step()),
             states: states.to_vec(),
             log_weights: log_weights.to_vec(),
             ancestors: filter.ancestors().to_vec(),
@@ -100,7 +100,7 @@ impl FilterHistory {
             kept.extend_from_slice(&states[particle * n..(particle + 1) * n]);
         }
         let log_weights = vec![-(count as f64).ln(); count];
-        let step = filter.bank().last.clone();
+        let step = StepRecord::of(&filter.bank().last_step());
         self.generations.push(Generation { step, states: kept, log_weights, ancestors: vec![] });
         Ok(())
     }

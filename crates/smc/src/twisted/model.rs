@@ -31,7 +31,7 @@ pub(super) fn look_ahead<M: Linearise + PartialLikelihood + ?Sized>(
     if let Some(next) = next {
         add_expectations(
             model,
-            &Step::of_index(step.index + 1),
+            &model.step_of_index(step.index + 1),
             next,
             Rows::all(states, model.state_dim()),
             1.0,
@@ -63,6 +63,10 @@ impl<M: Linearise + PartialLikelihood + ?Sized> StateSpaceModel for TwistedModel
 
     fn measurement_dim(&self) -> usize {
         self.model.measurement_dim()
+    }
+
+    fn step_of_index(&self, index: usize) -> Step<'_> {
+        self.model.step_of_index(index)
     }
 
     fn sample_initial(&self, stream: &mut Stream, state: &mut [f64]) {

@@ -5,8 +5,8 @@ use std::rc::Rc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::column::BatchDistribution;
-use crate::Step;
 use crate::batch::{LANES, store, with_scratch};
+use crate::{Step, StepRecord};
 
 /// Whose answers they are: a number that no other model of the process has.
 #[derive(Debug)]
@@ -33,7 +33,7 @@ pub(super) type Answer = Option<Rc<Vec<BatchDistribution>>>;
 
 struct Memo {
     owner: u64,
-    step: StepKey,
+    step: StepRecord,
     /// `K×N`.
     rows: Vec<f64>,
     /// Whether tiles of these rows are asked for next: the last of them may then have lanes without a particle.
@@ -43,38 +43,21 @@ struct Memo {
 
 impl Memo {
     fn is_of(&self, owner: &Owner, step: &Step<'_>) -> bool {
-        self.owner == owner.0 && self.step.is_of(step)
-    }
-}
-
-/// What an answer may depend on besides states.
-struct StepKey {
-    index: usize,
-    times: [f64; 2],
-    /// Inputs, then parameters.
-    numbers: Vec<f64>,
-}
-
-impl StepKey {
-    fn of(step: &Step<'_>) -> Self {
-        StepKey {
-            index: step.index,
-            times: [step.time, step.length],
-            numbers: [step.inputs, step.parameters].concat(),
-        }
-    }
-
-    fn is_of(&self, step: &Step<'_>) -> bool {
-        self.index == step.index
-            && are_same(&self.times, &[step.time, step.length])
-            && self.numbers.len() == step.inputs.len() + step.parameters.len()
-            && are_same(&self.numbers, step.inputs.iter().chain(step.parameters))
+        self.owner == owner.0 && is_same_step(&self.step.step(), step)
     }
 }
 
 /// Whether all bits are the same: functions can tell −0 from 0.
 fn are_same<'a>(a: impl IntoIterator<Item = &'a f64>, b: impl IntoIterator<Item = &'a f64>) -> bool {
     a.into_iter().map(|value| value.to_bits()).eq(b.into_iter().map(|value| value.to_bits()))
+}
+
+/// [`are_same`] of all that an answer may depend on besides states.
+fn is_same_step(a: &Step<'_>, b: &Step<'_>) -> bool {
+    a.index == b.index
+        && are_same(&[a.time, a.length], &[b.time, b.length])
+        && are_same(a.inputs, b.inputs)
+        && are_same(a.parameters, b.parameters)
 }
 
 thread_local! {
@@ -109,7 +92,7 @@ pub(super) fn of_rows(
     let answer = ask().map(Rc::new);
     let memo = Memo {
         owner: owner.0,
-        step: StepKey::of(step),
+        step: StepRecord::of(step),
         rows: rows.to_vec(),
         is_block,
         answer: answer.clone(),
@@ -152,7 +135,7 @@ pub(super) fn of_tile(
             let answer = ask(rows).map(Rc::new);
             let memo = Memo {
                 owner: owner.0,
-                step: StepKey::of(step),
+                step: StepRecord::of(step),
                 rows: rows.to_vec(),
                 is_block: false,
                 answer: answer.clone(),
