@@ -40,11 +40,12 @@ impl FormulaModel {
         if !self.is_linear() {
             return None;
         }
-        let [n, _] = self.dimensions();
-        let [mean, variances] = normals(|sink| self.initial(sink))?;
+        let equations = self.equations();
+        let [n, _] = equations.dimensions();
+        let [mean, variances] = normals(|sink| equations.initial(sink))?;
         let initial = Gaussian::new("p(x_0)", mean, diagonal(&variances)).ok()?;
-        let transition = |x: &[f64]| normals(|sink| self.transition(&Step::of_index(1), x, sink));
-        let measurement = |x: &[f64]| normals(|sink| self.measurement(&Step::of_index(0), x, sink));
+        let transition = |x: &[f64]| normals(|sink| equations.transition(&Step::of_index(1), x, sink));
+        let measurement = |x: &[f64]| normals(|sink| equations.measurement(&Step::of_index(0), x, sink));
         let (matrix, noise) = matrix_of(n, transition)?;
         let (seen, error) = matrix_of(n, measurement)?;
         LinearGaussian::new(initial, matrix, diagonal(&noise), seen, diagonal(&error)).ok()

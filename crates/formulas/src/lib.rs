@@ -26,6 +26,7 @@
 mod closed_form;
 mod describe;
 mod document;
+mod equations;
 mod error;
 mod exact;
 mod explain;
@@ -37,6 +38,7 @@ mod model;
 mod names;
 mod operations;
 mod program;
+mod state_space;
 mod statement;
 mod support;
 mod syntax;
@@ -45,6 +47,7 @@ mod text;
 
 pub use closed_form::NoClosedForm;
 pub use describe::Description;
+pub use equations::FormulaEquations;
 pub use error::{FileError, Place, Problem};
 pub use explain::DomainError;
 pub use file::{FileModel, ModelFile, parse, parse_generated, read};

@@ -1,34 +1,37 @@
 //! A model of formulas.
 
 use std::borrow::Cow;
-use std::ops::Range;
 use std::sync::Arc;
 
-use motes_models::equations::{Coordinates, Equations, Scalar};
+use motes_models::Step;
 
 use crate::closed_form::{self, NoClosedForm};
+use crate::equations::FormulaEquations;
 use crate::error::{Fault, Section};
 use crate::graph::build;
 use crate::program::{Program, compile};
 use crate::statement::{Line, Statement};
 use crate::support::{Support, supports};
 use crate::text::Text;
-use motes_models::Step;
 
-/// A state-space model whose equations were read from a file: see [`Equations`] for what follows from them. A clone shares them.
+/// A state-space model whose equations were read from a file. A clone shares them.
+///
+/// All that follows from [`Equations`](motes_models::equations::Equations) is compiled once, in this crate. Who wants the formulas with scalars of their own asks for
+/// [`FormulaModel::equations`].
 #[derive(Debug, Clone)]
 pub struct FormulaModel(Arc<Compiled>);
 
+/// The programs of a file's formulas.
 #[derive(Debug)]
-struct Compiled {
+pub(crate) struct Compiled {
     file: String,
     has_lines: bool,
     statement: Statement,
-    states: usize,
-    measurements: usize,
-    initial: Program,
-    transition: Program,
-    measurement: Program,
+    pub(crate) states: usize,
+    pub(crate) measurements: usize,
+    pub(crate) initial: Program,
+    pub(crate) transition: Program,
+    pub(crate) measurement: Program,
     /// Where measurements can lie, if it is the same at all times.
     supports: Option<Vec<Option<Support>>>,
     closed_form: Result<(), NoClosedForm>,
@@ -65,6 +68,11 @@ impl FormulaModel {
             has_lines,
             statement,
         })))
+    }
+
+    /// The formulas, for any scalar.
+    pub fn equations(&self) -> FormulaEquations<'_> {
+        FormulaEquations(&self.0)
     }
 
     /// What the file states.
@@ -106,33 +114,5 @@ impl FormulaModel {
             ..error.clone()
         };
         self.0.closed_form.as_ref().copied().map_err(without_line)
-    }
-}
-
-impl Equations for FormulaModel {
-    fn dimensions(&self) -> [usize; 2] {
-        [self.0.states, self.0.measurements]
-    }
-
-    fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
-        self.0.initial.push(0.0, &[], state);
-    }
-
-    fn transition<S: Scalar>(&self, step: &Step<'_, S>, previous: &[S], state: &mut impl Coordinates<S>) {
-        self.0.transition.push(step.time, previous, state);
-    }
-
-    fn measurement<S: Scalar>(&self, step: &Step<'_, S>, state: &[S], measurement: &mut impl Coordinates<S>) {
-        self.0.measurement.push(step.time, state, measurement);
-    }
-
-    fn measurement_along<S: Scalar>(
-        &self,
-        step: &Step<'_, S>,
-        state: &[S],
-        along: Range<usize>,
-        measurement: &mut impl Coordinates<S>,
-    ) {
-        self.0.measurement.push_along(step.time, state, along, measurement);
     }
 }

@@ -32,14 +32,14 @@ impl<S> Coordinates<S> for Kept<S> {
 /// `p(y_t | x_t)`.
 pub fn measurement<S: Scalar>(model: &FormulaModel, time: usize, state: &[S]) -> Vec<Distribution<S>> {
     let mut kept = Kept(Vec::new());
-    Step::of_index(time).lift(|step| model.measurement(step, state, &mut kept));
+    Step::of_index(time).lift(|step| model.equations().measurement(step, state, &mut kept));
     kept.0
 }
 
 /// `p(x_t | x_{t−1})`.
 pub fn transition<S: Scalar>(model: &FormulaModel, time: usize, previous: &[S]) -> Vec<Distribution<S>> {
     let mut kept = Kept(Vec::new());
-    Step::of_index(time).lift(|step| model.transition(step, previous, &mut kept));
+    Step::of_index(time).lift(|step| model.equations().transition(step, previous, &mut kept));
     kept.0
 }
 
