@@ -6,6 +6,5 @@ mod upper_end;
 
 pub use pareto::{PARETO_K_LIMIT, pareto_k};
 pub(crate) use pareto::{tail_length, tail_within};
-pub(crate) use report::MANY_EFFECTIVE;
 pub use report::{LEAST_EFFECTIVE_PARTICLES, WeightDiagnosis, WeightReport, WeightWarning};
 pub(crate) use upper_end::{has_upper_end, upper_end_of_sorted};

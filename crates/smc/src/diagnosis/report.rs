@@ -11,8 +11,8 @@ use super::upper_end::UPPER_END;
 /// Fewer effective particles than this, and one of them has more than half of the weight: `max W_k ≥ Σ W_k² = 1/K_eff`.
 pub const LEAST_EFFECTIVE_PARTICLES: f64 = 2.0;
 
-/// The share of particles that are effective from which on a tail carries too little of the weight to matter, whatever its index, and no measurement is a surprise.
-pub(crate) const MANY_EFFECTIVE: f64 = 0.25;
+/// The share of particles that are effective from which on a tail carries too little of the weight to matter, whatever its index.
+const MANY_EFFECTIVE: f64 = 0.1;
 
 /// Distinct weights in a tail, below which its index says too little.
 const LEAST_TAIL_WEIGHTS: usize = 15;

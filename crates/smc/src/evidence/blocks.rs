@@ -16,7 +16,7 @@ const LEAST_EXPONENT: f64 = 0.3;
 ///
 /// For large `K` the variance of a log-evidence is in proportion to `1/K`, and its bias is `−½` of the variance. Where particles hardly reach what the
 /// measurements ask for it falls more slowly, as `K^−α`. The ancestry of the particles shows it: with `a` the variance by ancestry of the filter and `ā` the mean
-/// of that of the small ones, `α = log(ā/a) / log ρ`, from 0.3 to 1.
+/// of that of the small ones, both up to the end of a block, `α = log(ā/a) / log ρ`, from 0.3 to 1.
 ///
 /// In a block of steps in which the filter's evidence grew by `e` and that of the small ones by `e_1 … e_R`, with mean `ē` and sample variance `s²`, there are
 /// two estimates of the filter's variance `v`, with `r = ρ^α`:
@@ -24,7 +24,7 @@ const LEAST_EXPONENT: f64 = 0.3;
 /// - `s²/r`, with `R − 1` degrees of freedom;
 /// - `(e − ē − ½(ρ − 1)a)² / (1 + r/R)`, with one.
 ///
-/// Their average by degrees of freedom is added up over blocks. Not judged is a block in which small filters must miss what the filter has reached: where it
+/// Their average by degrees of freedom, or the first where it is larger, is added up over blocks. Not judged is a block in which small filters must miss what the filter has reached: where it
 /// had fewer than `2ρ` effective particles at a step, and yet its largest log-weights had an upper end; or one of them collapsed. The variance by
 /// ancestry stands in there.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
@@ -40,12 +40,8 @@ pub(super) struct Blocks {
 /// What blocks add up to.
 #[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
 struct Sums {
-    /// `Σ (R − 1) s²`.
-    squares: f64,
-    /// `Σ (e − ē − ½(ρ − 1)a)²`.
-    excesses: f64,
-    /// The variance by ancestry of blocks that are not judged.
-    unjudged: f64,
+    /// By small filters, or by ancestry where these cannot judge.
+    variance: f64,
     /// `a` and `ā` of all.
     ancestry: [f64; 2],
 }
@@ -115,26 +111,25 @@ impl Blocks {
             && !block.is_out_of_reach
             && block.small.iter().all(|increment| increment.is_finite());
         if !is_judged {
-            sums.unjudged += own;
+            sums.variance += own;
             return sums;
         }
+        let exponent = (sums.ancestry[1] / sums.ancestry[0]).ln() / self.ratio.ln();
+        // Where nothing varies there is nothing to scale.
+        let exponent = if exponent.is_nan() { 1.0 } else { exponent.clamp(LEAST_EXPONENT, 1.0) };
+        let scale = self.ratio.powf(exponent);
         let mean = block.small.iter().sum::<f64>() / count;
-        sums.squares += block.small.iter().map(|increment| (increment - mean).powi(2)).sum::<f64>();
-        sums.excesses += (block.increment - mean - 0.5 * (self.ratio - 1.0) * own).powi(2);
+        let squares = block.small.iter().map(|increment| (increment - mean).powi(2)).sum::<f64>();
+        let excess = block.increment - mean - 0.5 * (self.ratio - 1.0) * own;
+        let by_spread = squares / (count - 1.0) / scale;
+        let by_excess = excess * excess / (1.0 + scale / count);
+        sums.variance += by_spread.max(((count - 1.0) * by_spread + by_excess) / count);
         sums
     }
 
     /// The variance of the log-evidence after all steps so far.
     pub(super) fn variance(&self) -> f64 {
         let sums = if self.present.steps > 0 { self.sums_with_present() } else { self.sums };
-        if self.small == 0 {
-            return sums.unjudged;
-        }
-        let [own, of_small] = sums.ancestry;
-        let exponent = (of_small / own).ln() / self.ratio.ln();
-        // Where nothing varies there is nothing to scale.
-        let exponent = if exponent.is_nan() { 1.0 } else { exponent.clamp(LEAST_EXPONENT, 1.0) };
-        let (scale, count) = (self.ratio.powf(exponent), self.small as f64);
-        (sums.squares / scale + sums.excesses / (1.0 + scale / count)) / count + sums.unjudged
+        sums.variance
     }
 }

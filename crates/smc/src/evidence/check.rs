@@ -11,7 +11,7 @@ use super::coordinates::Coordinates;
 use super::surprise::{Surprise, Surprises};
 use super::warning::EvidenceWarning;
 use crate::bank::{BankSnapshot, FilterBank, FilterSettings};
-use crate::diagnosis::{MANY_EFFECTIVE, has_upper_end};
+use crate::diagnosis::has_upper_end;
 use crate::error::FilterError;
 use crate::filter::ParticleFilter;
 use crate::proposal::Proposal;
@@ -23,8 +23,8 @@ const FILTERS: usize = 4;
 const RATIO: usize = 16;
 const LEAST_SMALL: usize = 25;
 
-/// The standard error above which a logarithm is far from Gaussian, and its bias no longer half its variance (nats).
-const LARGEST_ERROR: f64 = 2.5;
+/// The standard error from which on a log-evidence tells models that differ by a Bayes factor of thousands from each other no more (nats).
+const LARGEST_ERROR: f64 = 10.0;
 
 /// Small filters of the same model and proposal that run beside a filter, and tell how far its log-evidence may be off.
 ///
@@ -38,9 +38,9 @@ const LARGEST_ERROR: f64 = 2.5;
 /// variance in the mean.
 ///
 /// # What it warns of
-/// - [`EvidenceWarning::Surprise`]: a measurement that the model hardly ever makes from where the particles are, as after a jump that it does not know. States that
-///   lead there are rare from some steps before on, and no particle has been on such a path.
-/// - [`EvidenceWarning::LargeError`]: a standard error above 2.5 nats. This is also what a run of selected tails looks like, in which each step is tolerable and all
+/// - [`EvidenceWarning::Surprise`]: measurements that the model hardly ever makes from where the particles are, one or several within five steps, as after a jump
+///   that it does not know. States that lead there are rare from some steps before on, and no particle has been on such a path.
+/// - [`EvidenceWarning::LargeError`]: a standard error above 10 nats. This is also what a run of selected tails looks like, in which each step is tolerable and all
 ///   err in one direction: small filters are lower by more than their size explains.
 /// - [`EvidenceWarning::FewAncestors`]: a coordinate that hardly moves, as a constant does, has no values left.
 ///
@@ -99,6 +99,9 @@ pub struct CheckSnapshot<Memory> {
     figures: Figures,
 }
 
+/// The share of particles that are effective from which on no measurement is a surprise.
+const MANY_EFFECTIVE: f64 = 0.25;
+
 /// Particles below which no error is estimated.
 const LEAST_PARTICLES: usize = 16;
 
@@ -142,16 +145,17 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> EvidenceCheck<D,
         Ok(EvidenceCheck { small, stream: stream.stream(), figures, logs: Vec::new() })
     }
 
-    /// The standard error of the log-evidence (nats); none where there are too few particles to tell.
+    /// The standard error of the log-evidence, its bias included: the root of the mean square of `log Ẑ − log Z` (nats). None where there are too few particles to
+    /// tell.
     pub fn standard_error(&self) -> Option<f64> {
         let variance = self.figures.ancestry.variance().max(self.figures.blocks.variance());
-        (self.figures.particles >= LEAST_PARTICLES).then(|| variance.sqrt())
+        (self.figures.particles >= LEAST_PARTICLES).then(|| (variance + 0.25 * variance * variance).sqrt())
     }
 
     /// All that is not to be trusted after the steps so far.
     pub fn warnings(&self) -> Vec<EvidenceWarning> {
         let mut warnings = Vec::new();
-        if let Some(Surprise { step, best, usual }) = self.figures.surprises.worst {
+        if let Some(Surprise { step, best, usual, .. }) = self.figures.surprises.worst {
             warnings.push(EvidenceWarning::Surprise {
                 steps: self.figures.surprises.count,
                 worst: step,

@@ -5,7 +5,7 @@ use std::fmt;
 /// What an [`EvidenceCheck`](crate::EvidenceCheck) found.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum EvidenceWarning {
-    /// A measurement lies beyond all particles: the model hardly ever makes it from where they are.
+    /// Measurements lie beyond all particles: the model hardly ever makes one like them, or several in a row, from where they are.
     Surprise {
         /// At how many steps.
         steps: usize,
@@ -47,8 +47,7 @@ impl fmt::Display for EvidenceWarning {
             }
             EvidenceWarning::LargeError { standard_error } => write!(
                 f,
-                "the log-evidence has a standard error of {standard_error:.1}: estimates that vary so much are too low, by more than this error \
-                 as a rule"
+                "the log-evidence has a standard error of {standard_error:.0}: it is too low, by about as much"
             ),
             EvidenceWarning::FewAncestors { coordinate, step, since, ancestors } => write!(
                 f,
