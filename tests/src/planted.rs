@@ -41,11 +41,16 @@ pub fn plain_filter_scores(bug: Bug, when: ResampleWhen) -> [f64; 2] {
                 let log_q = -0.5 * (epsilon * epsilon + (std::f64::consts::TAU * variance).ln());
                 let log_prior = match time {
                     0 if bug == Bug::NoInitialDensity => 0.0,
-                    0 => model.log_initial(&[*state]),
-                    _ => model.log_transition(&Step::of_index(time), &[previous], &[*state]),
+                    0 => model.density().unwrap().log_density(&Step::of_index(0), None, &[*state]),
+                    _ => model.density().unwrap().log_density(
+                        &Step::of_index(time),
+                        Some(&[previous]),
+                        &[*state],
+                    ),
                 };
-                *increment =
-                    model.log_likelihood(&Step::of_index(time), &[*state], measurement) + log_prior - log_q;
+                *increment = model.log_likelihood(&Step::of_index(time), &[*state], measurement).unwrap()
+                    + log_prior
+                    - log_q;
             }
             let log_sum = weights.update(&increments).unwrap();
             log_evidence += match bug {

@@ -80,8 +80,8 @@ pub fn replay<P: Proposal<GraphDiffusion> + Clone>(
         let state = &states[last][row * N..(row + 1) * N];
         let parent = &states[last - 1][path[last - 1] * N..(path[last - 1] + 1) * N];
         increments.push(
-            system.log_likelihood(&Step::of_index(last), state, measurements.row(last))
-                + system.log_transition(&Step::of_index(last), parent, state)
+            system.log_likelihood(&Step::of_index(last), state, measurements.row(last)).unwrap()
+                + system.density().unwrap().log_density(&Step::of_index(last), Some(parent), state)
                 - log_density[0],
         );
     }

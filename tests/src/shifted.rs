@@ -1,6 +1,7 @@
 //! A model with a constant added to its log-likelihoods.
 
-use motes_models::{StateSpaceModel, Step, Stream};
+use motes_models::batch::Rows;
+use motes_models::{ModelError, StateSpaceModel, Step, Stream, TransitionDensity};
 
 /// `log p(y_t|x_t) + shift` at times `t ≥ from`; in all else the model itself.
 #[derive(Debug, Clone)]
@@ -24,20 +25,29 @@ impl<M: StateSpaceModel> StateSpaceModel for Shifted<M> {
         self.model.step_of_index(index)
     }
 
-    fn sample_initial(&self, stream: &mut Stream, state: &mut [f64]) {
-        self.model.sample_initial(stream, state);
+    fn sample_states(
+        &self,
+        step: &Step<'_>,
+        previous: Option<Rows<'_>>,
+        streams: &mut [Stream],
+        states: &mut [f64],
+    ) {
+        self.model.sample_states(step, previous, streams, states);
     }
-    fn sample_transition(&self, step: &Step<'_>, previous: &[f64], stream: &mut Stream, state: &mut [f64]) {
-        self.model.sample_transition(step, previous, stream, state);
+    fn log_likelihoods(
+        &self,
+        step: &Step<'_>,
+        states: &[f64],
+        measurement: &[Option<f64>],
+        out: &mut [f64],
+    ) -> Result<(), ModelError> {
+        self.model.log_likelihoods(step, states, measurement, out)?;
+        if step.index >= self.from {
+            out.iter_mut().for_each(|log_likelihood| *log_likelihood += self.shift);
+        }
+        Ok(())
     }
-    fn log_initial(&self, state: &[f64]) -> f64 {
-        self.model.log_initial(state)
-    }
-    fn log_transition(&self, step: &Step<'_>, previous: &[f64], state: &[f64]) -> f64 {
-        self.model.log_transition(step, previous, state)
-    }
-    fn log_likelihood(&self, step: &Step<'_>, state: &[f64], measurement: &[f64]) -> f64 {
-        let log_likelihood = self.model.log_likelihood(step, state, measurement);
-        if step.index < self.from { log_likelihood } else { log_likelihood + self.shift }
+    fn density(&self) -> Option<&dyn TransitionDensity> {
+        self.model.density()
     }
 }

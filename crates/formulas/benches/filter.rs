@@ -7,9 +7,11 @@ use std::process::Command;
 use std::time::Instant;
 
 use motes_formulas::{FileModel, parse};
-use motes_models::batch::Rows;
-use motes_models::equations::{Coordinates, Equations, Scalar, normal};
-use motes_models::{Measurements, Seed, StateSpaceModel, Step, Stream, fill_standard_normal, simulate};
+use motes_models::batch::{Rows, particles_by_stream};
+use motes_models::equations::{Coordinates, Draws, Equations, Scalar, normal};
+use motes_models::{
+    Measurements, ModelError, Seed, StateSpaceModel, Step, Stream, fill_standard_normal, simulate,
+};
 use motes_smc::{Bootstrap, FilterSettings, ParticleFilter, ResampleWhen, Resampling};
 use rand::RngExt;
 use rand_distr::StandardNormal;
@@ -28,15 +30,15 @@ macro_rules! stated {
             }
 
             $(#[$inline])?
-            fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
-                state.push(normal(0.0, 5.0_f64.sqrt()));
+            fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]) {
+                state[0] = draws.draw(normal(0.0, 5.0_f64.sqrt()));
             }
 
             $(#[$inline])?
-            fn transition<S: Scalar>(&self, step: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
+            fn transition<S: Scalar>(&self, step: &Step<'_, S>, x: &[S], draws: &mut impl Draws<S>, state: &mut [S]) {
                 let x = x[0];
                 let drift = x / 2.0 + x * 25.0 / (x * x + 1.0) + 8.0 * (1.2 * step.time).cos();
-                state.push(normal(drift, 10.0_f64.sqrt()));
+                state[0] = draws.draw(normal(drift, 10.0_f64.sqrt()));
             }
 
             $(#[$inline])?
@@ -64,12 +66,6 @@ fn drift(time: f64, x: f64) -> f64 {
     x / 2.0 + 25.0 * x / (1.0 + x * x) + 8.0 * (1.2 * time).cos()
 }
 
-/// `log N(x | mean, sd²)`.
-fn log_normal(x: f64, mean: f64, sd: f64) -> f64 {
-    let z = (x - mean) / sd;
-    -0.5 * (z * z + std::f64::consts::TAU.ln()) - sd.ln()
-}
-
 impl StateSpaceModel for ByHand {
     fn state_dim(&self) -> usize {
         1
@@ -79,40 +75,10 @@ impl StateSpaceModel for ByHand {
         1
     }
 
-    fn sample_initial(&self, stream: &mut Stream, state: &mut [f64]) {
-        fill_standard_normal(stream, state);
-        state[0] *= 5.0_f64.sqrt();
-    }
-
-    fn sample_transition(&self, step: &Step<'_>, previous: &[f64], stream: &mut Stream, state: &mut [f64]) {
-        fill_standard_normal(stream, state);
-        state[0] = drift(step.time, previous[0]) + 10.0_f64.sqrt() * state[0];
-    }
-
-    fn log_initial(&self, state: &[f64]) -> f64 {
-        log_normal(state[0], 0.0, 5.0_f64.sqrt())
-    }
-
-    fn log_transition(&self, step: &Step<'_>, previous: &[f64], state: &[f64]) -> f64 {
-        log_normal(state[0], drift(step.time, previous[0]), 10.0_f64.sqrt())
-    }
-
-    fn log_likelihood(&self, _: &Step<'_>, state: &[f64], measurement: &[f64]) -> f64 {
-        log_normal(measurement[0], state[0] * state[0] / 20.0, 1.0)
-    }
-
-    fn sample_initials(&self, streams: &mut [Stream], states: &mut [f64]) {
-        let each = states.len() / streams.len();
-        for (stream, states) in streams.iter_mut().zip(states.chunks_exact_mut(each)) {
-            fill_standard_normal(stream, states);
-            states.iter_mut().for_each(|x| *x *= 5.0_f64.sqrt());
-        }
-    }
-
-    fn sample_transitions(
+    fn sample_states(
         &self,
         step: &Step<'_>,
-        previous: Rows<'_>,
+        previous: Option<Rows<'_>>,
         streams: &mut [Stream],
         states: &mut [f64],
     ) {
@@ -122,6 +88,10 @@ impl StateSpaceModel for ByHand {
         let mut row = 0;
         for (stream, states) in streams.iter_mut().zip(states.chunks_exact_mut(each)) {
             fill_standard_normal(stream, states);
+            let Some(previous) = previous else {
+                states.iter_mut().for_each(|x| *x *= 5.0_f64.sqrt());
+                continue;
+            };
             for state in states {
                 let x = previous.row(row)[0];
                 *state = x / 2.0 + 25.0 * x / (1.0 + x * x) + wave + sd * *state;
@@ -130,16 +100,23 @@ impl StateSpaceModel for ByHand {
         }
     }
 
-    fn log_likelihoods(&self, _: &Step<'_>, states: &[f64], measurement: &[f64], out: &mut [f64]) {
-        let constant = 0.5 * std::f64::consts::TAU.ln();
+    fn log_likelihoods(
+        &self,
+        _: &Step<'_>,
+        states: &[f64],
+        measurement: &[Option<f64>],
+        out: &mut [f64],
+    ) -> Result<(), ModelError> {
+        let (constant, y) = (0.5 * std::f64::consts::TAU.ln(), measurement[0].expect("no gaps"));
         for (x, out) in states.iter().zip(out) {
-            let z = measurement[0] - x * x / 20.0;
+            let z = y - x * x / 20.0;
             *out = -0.5 * z * z - constant;
         }
+        Ok(())
     }
 }
 
-/// The same by hand, state by state: what a model has to give.
+/// The same by hand, state by state.
 struct ByRows;
 
 impl StateSpaceModel for ByRows {
@@ -151,24 +128,40 @@ impl StateSpaceModel for ByRows {
         1
     }
 
-    fn sample_initial(&self, stream: &mut Stream, state: &mut [f64]) {
-        state[0] = 5.0_f64.sqrt() * stream.sample::<f64, _>(StandardNormal);
+    fn sample_states(
+        &self,
+        step: &Step<'_>,
+        previous: Option<Rows<'_>>,
+        streams: &mut [Stream],
+        states: &mut [f64],
+    ) {
+        let particles = states.len();
+        let mut row = 0;
+        for (stream, states) in particles_by_stream(streams, states, 1, particles) {
+            for state in states {
+                let noise: f64 = stream.sample(StandardNormal);
+                *state = match previous {
+                    None => 5.0_f64.sqrt() * noise,
+                    Some(previous) => drift(step.time, previous.row(row)[0]) + 10.0_f64.sqrt() * noise,
+                };
+                row += 1;
+            }
+        }
     }
 
-    fn sample_transition(&self, step: &Step<'_>, previous: &[f64], stream: &mut Stream, state: &mut [f64]) {
-        state[0] = drift(step.time, previous[0]) + 10.0_f64.sqrt() * stream.sample::<f64, _>(StandardNormal);
-    }
-
-    fn log_initial(&self, state: &[f64]) -> f64 {
-        ByHand.log_initial(state)
-    }
-
-    fn log_transition(&self, step: &Step<'_>, previous: &[f64], state: &[f64]) -> f64 {
-        ByHand.log_transition(step, previous, state)
-    }
-
-    fn log_likelihood(&self, step: &Step<'_>, state: &[f64], measurement: &[f64]) -> f64 {
-        ByHand.log_likelihood(step, state, measurement)
+    fn log_likelihoods(
+        &self,
+        _: &Step<'_>,
+        states: &[f64],
+        measurement: &[Option<f64>],
+        out: &mut [f64],
+    ) -> Result<(), ModelError> {
+        let y = measurement[0].expect("no gaps");
+        for (x, out) in states.iter().zip(out) {
+            let z = y - x * x / 20.0;
+            *out = -0.5 * (z * z + std::f64::consts::TAU.ln());
+        }
+        Ok(())
     }
 }
 

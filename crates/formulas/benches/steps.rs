@@ -4,7 +4,7 @@ use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use motes_formulas::{FileModel, FormulaModel, parse};
 use motes_models::batch::Rows;
-use motes_models::equations::{Coordinates, Equations, Scalar, normal};
+use motes_models::equations::{Coordinates, Draws, Equations, Scalar, normal};
 use motes_models::{Seed, StateGradients, StateSpaceModel, Step};
 
 /// Particles of a call, as many as filters hand over at a time.
@@ -27,14 +27,14 @@ impl Equations for Growth {
         [1, 1]
     }
 
-    fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
-        state.push(normal(0.0, 5.0_f64.sqrt()));
+    fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]) {
+        state[0] = draws.draw(normal(0.0, 5.0_f64.sqrt()));
     }
 
-    fn transition<S: Scalar>(&self, step: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
+    fn transition<S: Scalar>(&self, step: &Step<'_, S>, x: &[S], draws: &mut impl Draws<S>, state: &mut [S]) {
         let x = x[0];
         let drift = x / 2.0 + x * 25.0 / (x * x + 1.0) + 8.0 * Scalar::cos(1.2 * step.time);
-        state.push(normal(drift, 10.0_f64.sqrt()));
+        state[0] = draws.draw(normal(drift, 10.0_f64.sqrt()));
     }
 
     fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], measurement: &mut impl Coordinates<S>) {
@@ -59,14 +59,14 @@ impl Equations for Lorenz {
         [40, 20]
     }
 
-    fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
-        (0..40).for_each(|_| state.push(normal(0.0, 3.0)));
+    fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]) {
+        (0..40).for_each(|i| state[i] = draws.draw(normal(0.0, 3.0)));
     }
 
-    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], draws: &mut impl Draws<S>, state: &mut [S]) {
         for i in 0..40 {
             let [next, before, last] = [x[(i + 1) % 40], x[(i + 38) % 40], x[(i + 39) % 40]];
-            state.push(normal(x[i] + ((next - before) * last - x[i] + 8.0) * 0.05, 0.5));
+            state[i] = draws.draw(normal(x[i] + ((next - before) * last - x[i] + 8.0) * 0.05, 0.5));
         }
     }
 
@@ -91,14 +91,14 @@ fn steps<M: StateSpaceModel + StateGradients>(
     let (n, m) = (model.state_dim(), model.measurement_dim());
     let mut streams = [Seed::from_u64(1).stream()];
     let mut before = vec![0.0; PARTICLES * n];
-    model.sample_initials(&mut streams, &mut before);
+    model.sample_states(&Step::of_index(0), None, &mut streams, &mut before);
     let mut states = vec![0.0; PARTICLES * n];
-    let (mut densities, measurement) = (vec![0.0; PARTICLES], vec![0.5; m]);
+    let (mut densities, measurement) = (vec![0.0; PARTICLES], vec![Some(0.5); m]);
     let mut slopes = [vec![0.0; PARTICLES * n], vec![0.0; PARTICLES * n]];
     group.throughput(Throughput::Elements(PARTICLES as u64));
     group.bench_function(BenchmarkId::new("draw", name), |bencher| {
         bencher.iter(|| {
-            model.sample_transitions(&Step::of_index(7), Rows::all(&before, n), &mut streams, &mut states)
+            model.sample_states(&Step::of_index(7), Some(Rows::all(&before, n)), &mut streams, &mut states)
         });
     });
     group.bench_function(BenchmarkId::new("weigh", name), |bencher| {
@@ -106,7 +106,12 @@ fn steps<M: StateSpaceModel + StateGradients>(
     });
     group.bench_function(BenchmarkId::new("log transition", name), |bencher| {
         bencher.iter(|| {
-            model.log_transitions(&Step::of_index(7), Rows::all(&before, n), &states, &mut densities)
+            model.density().unwrap().log_densities(
+                &Step::of_index(7),
+                Some(Rows::all(&before, n)),
+                &states,
+                &mut densities,
+            )
         });
     });
     group.bench_function(BenchmarkId::new("gradients", name), |bencher| {

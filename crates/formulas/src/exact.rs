@@ -1,13 +1,20 @@
 //! The matrices behind formulas that are linear with Gaussian noise: such a model has exact answers.
 
 use faer::Mat;
-use motes_models::equations::{Coordinates, Distribution, Equations};
+use motes_models::equations::{Coordinates, Distribution, Draws, Equations};
 use motes_models::{Gaussian, LinearGaussian, Step};
 
 use crate::model::FormulaModel;
 
 /// Means and variances of normal coordinates; none once another one came.
 struct Normals(Option<[Vec<f64>; 2]>);
+
+impl Draws<f64> for Normals {
+    fn draw(&mut self, distribution: Distribution<f64>) -> f64 {
+        self.push(distribution);
+        f64::NAN
+    }
+}
 
 impl Coordinates<f64> for Normals {
     fn push(&mut self, distribution: Distribution<f64>) {
@@ -42,9 +49,11 @@ impl FormulaModel {
         }
         let equations = self.equations();
         let [n, _] = equations.dimensions();
-        let [mean, variances] = normals(|sink| equations.initial(sink))?;
+        let unused = || vec![0.0; n];
+        let [mean, variances] = normals(|sink| equations.initial(&Step::of_index(0), sink, &mut unused()))?;
         let initial = Gaussian::new("p(x_0)", mean, diagonal(&variances)).ok()?;
-        let transition = |x: &[f64]| normals(|sink| equations.transition(&Step::of_index(1), x, sink));
+        let transition =
+            |x: &[f64]| normals(|sink| equations.transition(&Step::of_index(1), x, sink, &mut unused()));
         let measurement = |x: &[f64]| normals(|sink| equations.measurement(&Step::of_index(0), x, sink));
         let (matrix, noise) = matrix_of(n, transition)?;
         let (seen, error) = matrix_of(n, measurement)?;
@@ -86,9 +95,10 @@ mod tests {
         let drawn = simulate(&formulas, 5, &mut Seed::from_u64(1).stream()).unwrap();
         let (states, y) = (drawn.states.values(), drawn.measurements.values());
         let densities = |model: &dyn StateSpaceModel| {
-            model.log_initial(&states[..2])
-                + model.log_transition(&Step::of_index(3), &states[2..4], &states[4..6])
-                + model.log_likelihood(&Step::of_index(2), &states[4..6], &y[2..3])
+            let density = model.density().unwrap();
+            density.log_density(&Step::of_index(0), None, &states[..2])
+                + density.log_density(&Step::of_index(3), Some(&states[2..4]), &states[4..6])
+                + model.log_likelihood(&Step::of_index(2), &states[4..6], &y[2..3]).unwrap()
         };
         Some((densities(&exact) - densities(&formulas)).abs())
     }

@@ -2,7 +2,7 @@
 
 use motes_models::batch::Rows;
 use motes_models::equations::{Equations, Lanes, Linearise, Transport};
-use motes_models::{ModelError, PartialLikelihood, Simulator, StateGradients, StateSpaceModel, Step, Stream};
+use motes_models::{ModelError, Simulator, StateGradients, StateSpaceModel, Step, Stream, TransitionDensity};
 
 use crate::model::FormulaModel;
 
@@ -15,84 +15,50 @@ impl StateSpaceModel for FormulaModel {
         self.equations().dimensions()[1]
     }
 
-    fn sample_initial(&self, stream: &mut Stream, state: &mut [f64]) {
-        self.equations().sample_initial(stream, state);
-    }
-
-    fn sample_transition(&self, step: &Step<'_>, previous: &[f64], stream: &mut Stream, state: &mut [f64]) {
-        self.equations().sample_transition(step, previous, stream, state);
-    }
-
-    fn log_initial(&self, state: &[f64]) -> f64 {
-        self.equations().log_initial(state)
-    }
-
-    fn log_transition(&self, step: &Step<'_>, previous: &[f64], state: &[f64]) -> f64 {
-        self.equations().log_transition(step, previous, state)
-    }
-
-    fn log_likelihood(&self, step: &Step<'_>, state: &[f64], measurement: &[f64]) -> f64 {
-        self.equations().log_likelihood(step, state, measurement)
-    }
-
-    fn sample_initials(&self, streams: &mut [Stream], states: &mut [f64]) {
-        self.equations().sample_initials(streams, states);
-    }
-
-    fn sample_transitions(
+    fn sample_states(
         &self,
         step: &Step<'_>,
-        previous: Rows<'_>,
+        previous: Option<Rows<'_>>,
         streams: &mut [Stream],
         states: &mut [f64],
     ) {
-        self.equations().sample_transitions(step, previous, streams, states);
+        self.equations().sample_states(step, previous, streams, states);
     }
 
-    fn log_initials(&self, states: &[f64], out: &mut [f64]) {
-        self.equations().log_initials(states, out);
-    }
-
-    fn log_transitions(&self, step: &Step<'_>, previous: Rows<'_>, states: &[f64], out: &mut [f64]) {
-        self.equations().log_transitions(step, previous, states, out);
-    }
-
-    fn log_likelihoods(&self, step: &Step<'_>, states: &[f64], measurement: &[f64], out: &mut [f64]) {
-        self.equations().log_likelihoods(step, states, measurement, out);
-    }
-}
-
-impl Simulator for FormulaModel {
-    fn sample_measurement(
-        &self,
-        step: &Step<'_>,
-        state: &[f64],
-        stream: &mut Stream,
-        measurement: &mut [f64],
-    ) {
-        self.equations().sample_measurement(step, state, stream, measurement);
-    }
-
-    fn sample_measurements(&self, step: &Step<'_>, states: &[f64], streams: &mut [Stream], out: &mut [f64]) {
-        self.equations().sample_measurements(step, states, streams, out);
-    }
-}
-
-impl PartialLikelihood for FormulaModel {
-    fn partial_log_likelihoods(
+    fn log_likelihoods(
         &self,
         step: &Step<'_>,
         states: &[f64],
         measurement: &[Option<f64>],
         out: &mut [f64],
     ) -> Result<(), ModelError> {
-        self.equations().partial_log_likelihoods(step, states, measurement, out)
+        self.equations().log_likelihoods(step, states, measurement, out)
+    }
+
+    fn density(&self) -> Option<&dyn TransitionDensity> {
+        self.equations().has_density().then_some(self)
+    }
+
+    fn check(&self) -> Result<(), ModelError> {
+        StateSpaceModel::check(&self.equations())
+    }
+}
+
+impl TransitionDensity for FormulaModel {
+    fn log_densities(&self, step: &Step<'_>, previous: Option<Rows<'_>>, states: &[f64], out: &mut [f64]) {
+        self.equations().log_densities(step, previous, states, out);
+    }
+}
+
+impl Simulator for FormulaModel {
+    fn sample_measurements(&self, step: &Step<'_>, states: &[f64], streams: &mut [Stream], out: &mut [f64]) {
+        self.equations().sample_measurements(step, states, streams, out);
     }
 }
 
 impl StateGradients for FormulaModel {
-    fn initial_gradients(&self, states: &[f64], d_states: &mut [f64]) {
-        self.equations().initial_gradients(states, d_states);
+    fn initial_gradients(&self, step: &Step<'_>, states: &[f64], d_states: &mut [f64]) {
+        self.equations().initial_gradients(step, states, d_states);
     }
 
     fn transition_gradients(

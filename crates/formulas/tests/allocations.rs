@@ -20,6 +20,8 @@ x[6] = "d[i] + d[i+1] + 0.5*student_t(5, 0, 1)"
 y[6] = "poisson(exp(d[i]))"
 "#;
 
+const MEASUREMENT: [f64; 6] = [1.0, 0.0, 2.0, 1.0, 3.0, 0.0];
+
 /// Catches registers that are made anew for each call, tile or particle.
 fn main() {
     let FileModel::Formulas(model) = parse(FILE, "m.toml", &[]).unwrap().model else {
@@ -30,16 +32,16 @@ fn main() {
     let (mut before, mut states) = (vec![0.0; 6 * particles], vec![0.0; 6 * particles]);
     let (mut slopes, mut weights) = (vec![0.0; 6 * particles], vec![0.0; particles]);
     let mut step = |time| {
-        model.sample_initials(&mut streams, &mut before);
-        model.sample_transitions(&Step::of_index(time), Rows::all(&before, 6), &mut streams, &mut states);
-        model.log_transitions(&Step::of_index(time), Rows::all(&before, 6), &states, &mut weights);
-        model.log_likelihoods(&Step::of_index(time), &states, &[1.0, 0.0, 2.0, 1.0, 3.0, 0.0], &mut weights);
-        model.likelihood_gradients(
+        model.sample_states(&Step::of_index(0), None, &mut streams, &mut before);
+        model.sample_states(&Step::of_index(time), Some(Rows::all(&before, 6)), &mut streams, &mut states);
+        model.density().unwrap().log_densities(
             &Step::of_index(time),
+            Some(Rows::all(&before, 6)),
             &states,
-            &[1.0, 0.0, 2.0, 1.0, 3.0, 0.0],
-            &mut slopes,
+            &mut weights,
         );
+        model.log_likelihoods(&Step::of_index(time), &states, &MEASUREMENT.map(Some), &mut weights).unwrap();
+        model.likelihood_gradients(&Step::of_index(time), &states, &MEASUREMENT, &mut slopes);
     };
     step(1);
     let _counting = dhat::Profiler::builder().testing().build();

@@ -7,7 +7,7 @@ use std::hint::black_box;
 
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
-use motes_models::equations::{Coordinates, Equations, Scalar, normal};
+use motes_models::equations::{Coordinates, Draws, Equations, Scalar, normal};
 use motes_models::{Seed, StateGradients, StateSpaceModel, Step};
 use num_dual::{DualNum, DualSVec64, gradient};
 
@@ -22,15 +22,15 @@ impl Equations for Growth {
     }
 
     #[inline(always)]
-    fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
-        state.push(normal(0.0, 5.0_f64.sqrt()));
+    fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]) {
+        state[0] = draws.draw(normal(0.0, 5.0_f64.sqrt()));
     }
 
     #[inline(always)]
-    fn transition<S: Scalar>(&self, step: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
+    fn transition<S: Scalar>(&self, step: &Step<'_, S>, x: &[S], draws: &mut impl Draws<S>, state: &mut [S]) {
         let x = x[0];
         let drift = x / 2.0 + x * 25.0 / (x * x + 1.0) + 8.0 * (1.2 * step.time).cos();
-        state.push(normal(drift, 10.0_f64.sqrt()));
+        state[0] = draws.draw(normal(drift, 10.0_f64.sqrt()));
     }
 
     #[inline(always)]
@@ -48,16 +48,17 @@ impl Equations for Target {
     }
 
     #[inline(always)]
-    fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
-        for (mean, sd) in [(5.0, 1.0), (5.0, 1.0), (0.2, 0.1), (-0.1, 0.1)] {
-            state.push(normal(mean, sd));
+    fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]) {
+        let starts = [(5.0, 1.0), (5.0, 1.0), (0.2, 0.1), (-0.1, 0.1)];
+        for (state, (mean, sd)) in state.iter_mut().zip(starts) {
+            *state = draws.draw(normal(mean, sd));
         }
     }
 
     #[inline(always)]
-    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
-        (0..2).for_each(|i| state.push(normal(x[i] + x[i + 2], 0.05)));
-        (2..4).for_each(|i| state.push(normal(x[i], 0.05)));
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], draws: &mut impl Draws<S>, state: &mut [S]) {
+        (0..2).for_each(|i| state[i] = draws.draw(normal(x[i] + x[i + 2], 0.05)));
+        (2..4).for_each(|i| state[i] = draws.draw(normal(x[i], 0.05)));
     }
 
     #[inline(always)]
@@ -121,7 +122,7 @@ fn ways<M: StateSpaceModel + StateGradients>(
 ) {
     let n = model.state_dim();
     let mut states = vec![0.0; PARTICLES * n];
-    model.sample_initials(&mut [Seed::from_u64(1).stream()], &mut states);
+    model.sample_states(&Step::of_index(0), None, &mut [Seed::from_u64(1).stream()], &mut states);
     let [mut hand, mut stated, mut peer] =
         [const { Vec::new() }; 3].map(|_: Vec<f64>| vec![0.0; PARTICLES * n]);
     by_hand(&states, measurement, &mut hand);

@@ -108,7 +108,7 @@ fn simulated<M: Simulator + ?Sized>(model: &M, seed: &Seed) -> (Vec<f64>, Vec<f6
 mod tests {
     use super::*;
     use crate::Step;
-    use crate::equations::{Coordinates, Equations, Scalar, normal};
+    use crate::equations::{Coordinates, Draws, Equations, Scalar, normal};
 
     /// A chain whose coordinates hear from the one before; the second entry of the measurement sees the first two.
     struct Chain;
@@ -118,16 +118,22 @@ mod tests {
             [3, 2]
         }
 
-        fn initial<S: Scalar>(&self, x: &mut impl Coordinates<S>) {
-            for _ in 0..3 {
-                x.push(normal(S::from(0.0), S::from(1.0)));
+        fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, x: &mut [S]) {
+            for x in x {
+                *x = draws.draw(normal(S::from(0.0), S::from(1.0)));
             }
         }
 
-        fn transition<S: Scalar>(&self, _: &Step<'_, S>, before: &[S], x: &mut impl Coordinates<S>) {
-            x.push(normal(before[0].sin(), S::from(1.0)));
-            x.push(normal(before[1] * 0.5, before[0].exp()));
-            x.push(normal(before[1] * before[2], S::from(1.0)));
+        fn transition<S: Scalar>(
+            &self,
+            _: &Step<'_, S>,
+            before: &[S],
+            draws: &mut impl Draws<S>,
+            x: &mut [S],
+        ) {
+            x[0] = draws.draw(normal(before[0].sin(), S::from(1.0)));
+            x[1] = draws.draw(normal(before[1] * 0.5, before[0].exp()));
+            x[2] = draws.draw(normal(before[1] * before[2], S::from(1.0)));
         }
 
         fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {

@@ -4,10 +4,10 @@ mod transport;
 
 use faer::{Mat, MatRef};
 
-use crate::batch::{LANES, Rows, with_noise};
+use crate::batch::{LANES, Rows, particles_by_stream, with_noise};
 use crate::{
-    AdditiveGaussian, Gaussian, ModelError, Noise, PartialLikelihood, Simulator, StateGradients,
-    StateSpaceModel, Step, Stream,
+    AdditiveGaussian, Gaussian, ModelError, Noise, Simulator, StateGradients, StateSpaceModel, Step, Stream,
+    TransitionDensity,
 };
 
 /// `S`, `I` and `R`.
@@ -140,10 +140,6 @@ impl Epidemic {
     fn initial_deviation(&self, state: &[f64]) -> [f64; N] {
         std::array::from_fn(|j| state[j] - self.config.initial_means[j])
     }
-
-    fn measurement_residuals(state: &[f64], measurement: &[f64]) -> [f64; 2] {
-        std::array::from_fn(|j| measurement[j] - state[MEASURED[j]])
-    }
 }
 
 /// A state of a slice of three.
@@ -164,39 +160,28 @@ impl StateSpaceModel for Epidemic {
         MEASURED.len()
     }
 
-    fn sample_initial(&self, stream: &mut Stream, state: &mut [f64]) {
-        for (value, mean) in state.iter_mut().zip(self.config.initial_means) {
-            *value = mean + self.config.noise.sample(self.sigmas[0], stream);
-        }
-    }
-
-    fn sample_transition(&self, _step: &Step<'_>, previous: &[f64], stream: &mut Stream, state: &mut [f64]) {
-        for (value, flow) in state.iter_mut().zip(self.flow(previous)) {
-            *value = flow + self.config.noise.sample(self.sigmas[1], stream);
-        }
-    }
-
-    fn log_initial(&self, state: &[f64]) -> f64 {
-        self.config.noise.log_density_of_all(self.sigmas[0], self.initial_deviation(state).into_iter())
-    }
-
-    fn log_transition(&self, _step: &Step<'_>, previous: &[f64], state: &[f64]) -> f64 {
-        let residuals = self.flow(previous).into_iter().zip(state).map(|(flow, value)| value - flow);
-        self.config.noise.log_density_of_all(self.sigmas[1], residuals)
-    }
-
-    fn log_likelihood(&self, _step: &Step<'_>, state: &[f64], measurement: &[f64]) -> f64 {
-        let residuals = Epidemic::measurement_residuals(state, measurement);
-        self.config.noise.log_density_of_all(self.sigmas[2], residuals.into_iter())
-    }
-
-    fn sample_transitions(
+    fn sample_states(
         &self,
         _step: &Step<'_>,
-        previous: Rows<'_>,
+        previous: Option<Rows<'_>>,
         streams: &mut [Stream],
         states: &mut [f64],
     ) {
+        let Some(previous) = previous else {
+            for (stream, states) in particles_by_stream(streams, states, N, states.len() / N) {
+                for (value, mean) in states.iter_mut().zip(self.config.initial_means.into_iter().cycle()) {
+                    *value = mean + self.config.noise.sample(self.sigmas[0], stream);
+                }
+            }
+            return;
+        };
+        if let ([stream], 1) = (&mut *streams, previous.len()) {
+            // One particle is drawn coordinate by coordinate: simulated sequences are as they were published.
+            for (value, flow) in states.iter_mut().zip(self.flow(previous.row(0))) {
+                *value = flow + self.config.noise.sample(self.sigmas[1], stream);
+            }
+            return;
+        }
         let fill = |stream: &mut Stream, noise: &mut [f64]| self.config.noise.fill_unit(stream, noise);
         with_noise(streams, N, states.len() / N, fill, |particles, noise| {
             let drawn = states[particles.start * N..particles.end * N].chunks_exact_mut(N);
@@ -207,11 +192,9 @@ impl StateSpaceModel for Epidemic {
             }
         });
     }
-}
 
-/// Entries are independent, so those that are there keep their densities.
-impl PartialLikelihood for Epidemic {
-    fn partial_log_likelihoods(
+    /// Entries are independent, so those that are there keep their densities.
+    fn log_likelihoods(
         &self,
         _step: &Step<'_>,
         states: &[f64],
@@ -219,31 +202,45 @@ impl PartialLikelihood for Epidemic {
         out: &mut [f64],
     ) -> Result<(), ModelError> {
         for (state, out) in states.chunks_exact(N).zip(out) {
-            let densities = measurement.iter().zip(MEASURED).filter_map(|(value, at)| {
-                Some(self.config.noise.log_density(self.sigmas[2], (*value)? - state[at]))
-            });
-            *out = densities.sum();
+            let residuals = measurement.iter().zip(MEASURED).filter_map(|(y, at)| Some((*y)? - state[at]));
+            *out = self.config.noise.log_density_of_all(self.sigmas[2], residuals);
         }
         Ok(())
+    }
+
+    fn density(&self) -> Option<&dyn TransitionDensity> {
+        Some(self)
+    }
+}
+
+impl TransitionDensity for Epidemic {
+    fn log_densities(&self, _step: &Step<'_>, previous: Option<Rows<'_>>, states: &[f64], out: &mut [f64]) {
+        for (row, (state, out)) in states.chunks_exact(N).zip(out).enumerate() {
+            let (means, sigma) = match previous {
+                None => (self.config.initial_means, self.sigmas[0]),
+                Some(previous) => (self.flow(previous.row(row)), self.sigmas[1]),
+            };
+            let residuals = state.iter().zip(means).map(|(value, mean)| value - mean);
+            *out = self.config.noise.log_density_of_all(sigma, residuals);
+        }
     }
 }
 
 impl Simulator for Epidemic {
-    fn sample_measurement(
-        &self,
-        _step: &Step<'_>,
-        state: &[f64],
-        stream: &mut Stream,
-        measurement: &mut [f64],
-    ) {
-        for (value, at) in measurement.iter_mut().zip(MEASURED) {
-            *value = state[at] + self.config.noise.sample(self.sigmas[2], stream);
+    fn sample_measurements(&self, _step: &Step<'_>, states: &[f64], streams: &mut [Stream], out: &mut [f64]) {
+        let (m, mut states) = (MEASURED.len(), states.chunks_exact(N));
+        for (stream, out) in particles_by_stream(streams, out, m, out.len() / m) {
+            for (measurement, state) in out.chunks_exact_mut(m).zip(&mut states) {
+                for (value, at) in measurement.iter_mut().zip(MEASURED) {
+                    *value = state[at] + self.config.noise.sample(self.sigmas[2], stream);
+                }
+            }
         }
     }
 }
 
 impl StateGradients for Epidemic {
-    fn initial_gradients(&self, states: &[f64], d_states: &mut [f64]) {
+    fn initial_gradients(&self, _step: &Step<'_>, states: &[f64], d_states: &mut [f64]) {
         for (state, d_state) in states.chunks_exact(N).zip(d_states.chunks_exact_mut(N)) {
             let deviation = self.initial_deviation(state);
             d_state
@@ -287,9 +284,8 @@ impl StateGradients for Epidemic {
     ) {
         d_states.fill(0.0);
         for (state, d_state) in states.chunks_exact(N).zip(d_states.chunks_exact_mut(N)) {
-            let residuals = Epidemic::measurement_residuals(state, measurement);
-            for (at, residual) in MEASURED.into_iter().zip(residuals) {
-                d_state[at] = -self.config.noise.gradient(self.sigmas[2], residual);
+            for (at, y) in MEASURED.into_iter().zip(measurement) {
+                d_state[at] = -self.config.noise.gradient(self.sigmas[2], y - state[at]);
             }
         }
     }
@@ -348,16 +344,13 @@ mod tests {
         let (mut state, mut measurement) = ([0.0; N], [0.0; 2]);
         let mut sums = [[0.0; 2]; 3];
         for _ in 0..count {
-            epidemic.sample_initial(&mut stream, &mut state);
+            let (streams, before) = (std::slice::from_mut(&mut stream), [900.0, 100.0, 20.0]);
+            epidemic.sample_states(&Step::of_index(0), None, streams, &mut state);
             let of_initial = state[1] - 3.0;
-            epidemic.sample_transition(&Step::of_index(1), &[900.0, 100.0, 20.0], &mut stream, &mut state);
+            let step = Step::of_index(1);
+            epidemic.sample_states(&step, Some(Rows::all(&before, N)), streams, &mut state);
             let of_states = state[1] - 128.7;
-            epidemic.sample_measurement(
-                &Step::of_index(1),
-                &[900.0, 100.0, 20.0],
-                &mut stream,
-                &mut measurement,
-            );
+            epidemic.sample_measurements(&step, &before, streams, &mut measurement);
             let of_measurements = measurement[1] - 20.0;
             for (sums, value) in sums.iter_mut().zip([of_initial, of_states, of_measurements]) {
                 sums[0] += value / f64::from(count);

@@ -73,6 +73,9 @@ pub enum GradientError {
     /// A derivative could be compared nowhere: no point lies inside the support, or the density is smooth at none.
     #[error("{0} has a central difference at no point that was drawn")]
     NotCompared(Derivative),
+    /// The model has no density of states that gradients could be compared with.
+    #[error("the model has no transition density")]
+    NoDensity,
     /// The model cannot be simulated.
     #[error(transparent)]
     Model(#[from] ModelError),
@@ -123,8 +126,10 @@ pub fn check_gradients(
     let unwritten = || vec![f64::NAN; TRAJECTORIES * n];
 
     let (initial, mut d_states) = (states(0), unwritten());
-    model.initial_gradients(&initial, &mut d_states);
-    check.compare(Derivative::Initial, 0, &initial, &d_states, |_, x| model.log_initial(x));
+    let density = model.density().ok_or(GradientError::NoDensity)?;
+    let start = model.step_of_index(0);
+    model.initial_gradients(&start, &initial, &mut d_states);
+    check.compare(Derivative::Initial, 0, &initial, &d_states, |_, x| density.log_density(&start, None, x));
     for time in 1..horizon.max(2) {
         let step = model.step_of_index(time);
         let (previous, now) = (states(time - 1), states(time));
@@ -133,10 +138,10 @@ pub fn check_gradients(
         model.transition_gradients(&step, &previous, &now, &mut d_previous, &mut d_states);
         let row = |of: &[f64], at: usize| of[at * n..(at + 1) * n].to_vec();
         check.compare(Derivative::TransitionByPrevious, time, &previous, &d_previous, |at, x| {
-            model.log_transition(&step, x, &row(&now, at))
+            density.log_density(&step, Some(x), &row(&now, at))
         });
         check.compare(Derivative::TransitionByState, time, &now, &d_states, |at, x| {
-            model.log_transition(&step, &row(&previous, at), x)
+            density.log_density(&step, Some(&row(&previous, at)), x)
         });
     }
     for time in 0..horizon.max(2) {
@@ -145,7 +150,8 @@ pub fn check_gradients(
             d_states = unwritten();
             model.likelihood_gradients(&step, &now, measurement, &mut d_states);
             check.compare(Derivative::Likelihood, time, &now, &d_states, |_, x| {
-                model.log_likelihood(&step, x, measurement)
+                // What cannot be had is NaN, and an error.
+                model.log_likelihood(&step, x, measurement).unwrap_or(f64::NAN)
             });
         }
     }

@@ -67,8 +67,7 @@ pub use simulate::{Trajectory, simulate, simulate_while, simulate_within};
 pub use simulated_measurements::{MeasurementSource, SimulatedMeasurements};
 pub use simulations::{LinearPredictor, Simulations, Spread};
 pub use state_space::{
-    AdditiveGaussian, PartialLikelihood, Propagator, Simulator, StateGradients, StateSpaceModel,
-    check_dimensions,
+    AdditiveGaussian, Propagator, Simulator, StateGradients, StateSpaceModel, TransitionDensity, check_model,
 };
 pub use step::{Step, StepRecord};
 pub use stream::{Seed, Stream, StreamPosition, duplicate};

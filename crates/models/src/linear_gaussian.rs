@@ -2,11 +2,11 @@
 
 use faer::{Mat, MatRef};
 
-use crate::batch::{LANES, Rows, TileMatrix, load, store, with_noise, with_scratch};
+use crate::batch::{LANES, Rows, TileMatrix, load, particles_by_stream, store, with_noise, with_scratch};
 use crate::error::check_matrix;
 use crate::{
-    AdditiveGaussian, Gaussian, ModelError, PartialLikelihood, Simulator, StateGradients, StateSpaceModel,
-    Step, Stream, fill_standard_normal,
+    AdditiveGaussian, Gaussian, ModelError, Simulator, StateGradients, StateSpaceModel, Step, Stream,
+    TransitionDensity, fill_standard_normal,
 };
 
 /// `x_0 ~ N(μ₀, P₀)`, `x_t = A x_{t−1} + v_t`, `v_t ~ N(0, Q)`, `y_t = C x_t + w_t`, `w_t ~ N(0, R)`.
@@ -90,42 +90,27 @@ impl StateSpaceModel for LinearGaussian {
         self.measurement_matrix.nrows()
     }
 
-    fn sample_initial(&self, stream: &mut Stream, state: &mut [f64]) {
-        self.initial.sample(stream, state);
-    }
-
-    fn sample_transition(&self, _step: &Step<'_>, previous: &[f64], stream: &mut Stream, state: &mut [f64]) {
-        self.state_noise.sample_deviation(stream, state);
-        for (i, value) in state.iter_mut().enumerate() {
-            *value += row_times(&self.transition_matrix, i, previous);
-        }
-    }
-
-    fn log_initial(&self, state: &[f64]) -> f64 {
-        self.initial.log_density(state)
-    }
-
-    fn log_transition(&self, _step: &Step<'_>, previous: &[f64], state: &[f64]) -> f64 {
-        self.state_noise.log_density_of(|i| state[i] - row_times(&self.transition_matrix, i, previous))
-    }
-
-    fn log_likelihood(&self, _step: &Step<'_>, state: &[f64], measurement: &[f64]) -> f64 {
-        self.measurement_noise
-            .log_density_of(|i| measurement[i] - row_times(&self.measurement_matrix, i, state))
-    }
-
-    fn sample_initials(&self, streams: &mut [Stream], states: &mut [f64]) {
-        self.initial.samples(streams, states);
-    }
-
-    fn sample_transitions(
+    fn sample_states(
         &self,
         _step: &Step<'_>,
-        previous: Rows<'_>,
+        previous: Option<Rows<'_>>,
         streams: &mut [Stream],
         states: &mut [f64],
     ) {
         let n = self.state_dim();
+        let previous = match (previous, &mut *streams) {
+            (None, [stream]) if states.len() == n => return self.initial.sample(stream, states),
+            (None, streams) => return self.initial.samples(streams, states),
+            // One particle is drawn coordinate by coordinate: simulated sequences are as they were published.
+            (Some(previous), [stream]) if previous.len() == 1 => {
+                self.state_noise.sample_deviation(stream, states);
+                for (i, value) in states.iter_mut().enumerate() {
+                    *value += row_times(&self.transition_matrix, i, previous.row(0));
+                }
+                return;
+            }
+            (Some(previous), _) => previous,
+        };
         with_scratch(2 * n * LANES, |scratch| {
             let (from, to) = scratch.split_at_mut(n * LANES);
             with_noise(streams, n, states.len() / n, fill_standard_normal, |particles, noise| {
@@ -137,11 +122,51 @@ impl StateSpaceModel for LinearGaussian {
         });
     }
 
-    fn log_initials(&self, states: &[f64], out: &mut [f64]) {
-        self.initial.log_densities(states, out);
+    fn log_likelihoods(
+        &self,
+        _step: &Step<'_>,
+        states: &[f64],
+        measurement: &[Option<f64>],
+        out: &mut [f64],
+    ) -> Result<(), ModelError> {
+        let (n, m) = (self.state_dim(), self.measurement_dim());
+        if measurement.iter().any(Option::is_none) {
+            let Some((known, noise)) = self.marginal(measurement)? else {
+                out.fill(0.0);
+                return Ok(());
+            };
+            for (state, out) in states.chunks_exact(n).zip(out) {
+                *out = noise.log_density_of(|i| {
+                    let (row, value) = known[i];
+                    value - row_times(&self.measurement_matrix, row, state)
+                });
+            }
+            return Ok(());
+        }
+        with_scratch((n + 2 * m) * LANES, |scratch| {
+            let (tile, rest) = scratch.split_at_mut(n * LANES);
+            let (residuals, whitened) = rest.split_at_mut(m * LANES);
+            for (states, out) in states.chunks(n * LANES).zip(out.chunks_mut(LANES)) {
+                load(states, n, tile);
+                let rows = residuals.as_chunks_mut::<LANES>().0;
+                for (row, value) in rows.iter_mut().zip(measurement.iter().flatten()) {
+                    row.fill(*value);
+                }
+                self.measurement_tiles.times_subtract(tile, residuals);
+                self.measurement_noise.tile_log_density(residuals, whitened, out);
+            }
+        });
+        Ok(())
     }
 
-    fn log_transitions(&self, _step: &Step<'_>, previous: Rows<'_>, states: &[f64], out: &mut [f64]) {
+    fn density(&self) -> Option<&dyn TransitionDensity> {
+        Some(self)
+    }
+}
+
+impl TransitionDensity for LinearGaussian {
+    fn log_densities(&self, _step: &Step<'_>, previous: Option<Rows<'_>>, states: &[f64], out: &mut [f64]) {
+        let Some(previous) = previous else { return self.initial.log_densities(states, out) };
         let n = self.state_dim();
         with_scratch(2 * n * LANES, |scratch| {
             let (from, to) = scratch.split_at_mut(n * LANES);
@@ -153,73 +178,48 @@ impl StateSpaceModel for LinearGaussian {
             }
         });
     }
-
-    fn log_likelihoods(&self, _step: &Step<'_>, states: &[f64], measurement: &[f64], out: &mut [f64]) {
-        let (n, m) = (self.state_dim(), self.measurement_dim());
-        with_scratch((n + 2 * m) * LANES, |scratch| {
-            let (tile, rest) = scratch.split_at_mut(n * LANES);
-            let (residuals, whitened) = rest.split_at_mut(m * LANES);
-            for (states, out) in states.chunks(n * LANES).zip(out.chunks_mut(LANES)) {
-                load(states, n, tile);
-                for (row, value) in residuals.as_chunks_mut::<LANES>().0.iter_mut().zip(measurement) {
-                    row.fill(*value);
-                }
-                self.measurement_tiles.times_subtract(tile, residuals);
-                self.measurement_noise.tile_log_density(residuals, whitened, out);
-            }
-        });
-    }
 }
 
-/// The marginal of a Gaussian: the rows of `C` and of `R` of what is there.
-impl PartialLikelihood for LinearGaussian {
-    fn partial_log_likelihoods(
+impl LinearGaussian {
+    /// The entries of a measurement that are there, with their numbers, and their noise: the marginal of a Gaussian, whose covariance has their rows of `R`. None
+    /// if there are none.
+    fn marginal(
         &self,
-        _step: &Step<'_>,
-        states: &[f64],
         measurement: &[Option<f64>],
-        out: &mut [f64],
-    ) -> Result<(), ModelError> {
-        let there: Vec<(usize, f64)> =
+    ) -> Result<Option<(Vec<(usize, f64)>, Gaussian)>, ModelError> {
+        let known: Vec<(usize, f64)> =
             measurement.iter().enumerate().filter_map(|(i, value)| Some((i, (*value)?))).collect();
-        if there.is_empty() {
-            out.fill(0.0);
-            return Ok(());
+        if known.is_empty() {
+            return Ok(None);
         }
         let r = self.measurement_covariance();
         let noise = Gaussian::new(
             "the covariance of the measured entries",
-            vec![0.0; there.len()],
+            vec![0.0; known.len()],
             // Mirrored, so that what rounding is beside large entries is not an asymmetry beside small ones.
-            Mat::from_fn(there.len(), there.len(), |i, j| r[(there[i.max(j)].0, there[i.min(j)].0)]),
+            Mat::from_fn(known.len(), known.len(), |i, j| r[(known[i.max(j)].0, known[i.min(j)].0)]),
         )?;
-        for (state, out) in states.chunks_exact(self.state_dim()).zip(out) {
-            *out = noise.log_density_of(|i| {
-                let (row, value) = there[i];
-                value - row_times(&self.measurement_matrix, row, state)
-            });
-        }
-        Ok(())
+        Ok(Some((known, noise)))
     }
 }
 
 impl Simulator for LinearGaussian {
-    fn sample_measurement(
-        &self,
-        _step: &Step<'_>,
-        state: &[f64],
-        stream: &mut Stream,
-        measurement: &mut [f64],
-    ) {
-        self.measurement_noise.sample_deviation(stream, measurement);
-        for (i, value) in measurement.iter_mut().enumerate() {
-            *value += row_times(&self.measurement_matrix, i, state);
+    fn sample_measurements(&self, _step: &Step<'_>, states: &[f64], streams: &mut [Stream], out: &mut [f64]) {
+        let (n, m) = (self.state_dim(), self.measurement_dim());
+        let mut states = states.chunks_exact(n);
+        for (stream, out) in particles_by_stream(streams, out, m, out.len() / m) {
+            for (measurement, state) in out.chunks_exact_mut(m).zip(&mut states) {
+                self.measurement_noise.sample_deviation(stream, measurement);
+                for (i, value) in measurement.iter_mut().enumerate() {
+                    *value += row_times(&self.measurement_matrix, i, state);
+                }
+            }
         }
     }
 }
 
 impl StateGradients for LinearGaussian {
-    fn initial_gradients(&self, states: &[f64], d_states: &mut [f64]) {
+    fn initial_gradients(&self, _step: &Step<'_>, states: &[f64], d_states: &mut [f64]) {
         let n = self.state_dim();
         for (state, d_state) in states.chunks_exact(n).zip(d_states.chunks_exact_mut(n)) {
             self.initial.gradient(|j| state[j] - self.initial.mean()[j], d_state);

@@ -91,12 +91,14 @@ impl Noise {
 
     /// `log p` of a vector of independent coordinates, each with standard deviation `sigma`.
     #[inline]
-    pub fn log_density_of_all(self, sigma: f64, values: impl ExactSizeIterator<Item = f64>) -> f64 {
-        let count = values.len() as f64;
+    pub fn log_density_of_all(self, sigma: f64, values: impl Iterator<Item = f64>) -> f64 {
+        let mut count = 0.0;
+        let values = values.inspect(|_| count += 1.0);
         let sum: f64 = match self {
             // The common family, written out so that the loop is one multiplication and one addition.
             Noise::Gaussian => {
-                -0.5 * values.map(|v| v * v).sum::<f64>() / (sigma * sigma) - 0.5 * LN_2PI * count
+                let squares = values.map(|v| v * v).sum::<f64>();
+                -0.5 * squares / (sigma * sigma) - 0.5 * LN_2PI * count
             }
             Noise::Exponential | Noise::Uniform => values.map(|v| self.unit_log_density(v / sigma)).sum(),
         };

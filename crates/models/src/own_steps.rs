@@ -4,14 +4,14 @@ use std::slice::from_mut;
 
 use crate::batch::{Rows, there_is_memory_for};
 use crate::equations::{Linearise, Transport};
-use crate::{ModelError, PartialLikelihood, Seed, Simulator, Stream, check_dimensions};
+use crate::{ModelError, Seed, Simulator, Stream, check_model};
 
-/// A model that a proposal can be learned for: it draws its own steps, its noise can be transported, its measurements can be linearised and have gaps.
+/// A model that a proposal can be learned for: it draws its own steps, its noise can be transported, and its measurements can be linearised.
 ///
 /// What states its [`Equations`](crate::equations::Equations) is one.
-pub trait OwnModel: Simulator + Transport + Linearise + PartialLikelihood {}
+pub trait OwnModel: Simulator + Transport + Linearise {}
 
-impl<M: Simulator + Transport + Linearise + PartialLikelihood + ?Sized> OwnModel for M {}
+impl<M: Simulator + Transport + Linearise + ?Sized> OwnModel for M {}
 
 /// Sequences that a model draws for itself, all at the same time `t`.
 ///
@@ -48,7 +48,7 @@ impl<'m, M: Simulator + ?Sized> OwnSteps<'m, M> {
     /// # Errors
     /// [`ModelError::Parameter`] if there are none, if the model has no states or no measurements, or if there is no memory for them.
     pub fn new(model: &'m M, sequences: usize, seed: &Seed) -> Result<Self, ModelError> {
-        check_dimensions(model)?;
+        check_model(model)?;
         let (n, m) = (model.state_dim(), model.measurement_dim());
         let numbers = sequences.checked_mul(2 * n + m);
         if sequences == 0 || !numbers.is_some_and(there_is_memory_for) {
@@ -85,15 +85,13 @@ impl<'m, M: Simulator + ?Sized> OwnSteps<'m, M> {
     pub fn advance(&mut self) -> Option<OwnStep<'_>> {
         let (n, m) = (self.model.state_dim(), self.model.measurement_dim());
         let step = self.model.step_of_index(self.time);
-        if self.time == 0 {
-            self.model.sample_initials(from_mut(&mut self.stream), &mut self.states);
-        } else {
+        let stream = from_mut(&mut self.stream);
+        if self.time > 0 {
             std::mem::swap(&mut self.previous, &mut self.states);
             self.states.resize(self.previous.len(), 0.0);
-            let previous = Rows::all(&self.previous, n);
-            self.model.sample_transitions(&step, previous, from_mut(&mut self.stream), &mut self.states);
         }
-        let stream = from_mut(&mut self.stream);
+        let previous = (self.time > 0).then(|| Rows::all(&self.previous, n));
+        self.model.sample_states(&step, previous, stream, &mut self.states);
         self.model.sample_measurements(&step, &self.states, stream, &mut self.measurements);
         let mut row = 0;
         while row * n < self.states.len() {
@@ -132,7 +130,7 @@ fn remove_row(rows: &mut Vec<f64>, width: usize, row: usize) {
 mod tests {
     use super::*;
     use crate::Step;
-    use crate::equations::{Coordinates, Equations, Scalar, normal};
+    use crate::equations::{Coordinates, Draws, Equations, Scalar, normal};
 
     /// A walk whose steps double: it leaves the numbers after a thousand times, at times that depend on where it began.
     struct Runaway;
@@ -142,12 +140,18 @@ mod tests {
             [1, 1]
         }
 
-        fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
-            state.push(normal(0.0, 1e300));
+        fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]) {
+            state[0] = draws.draw(normal(0.0, 1e300));
         }
 
-        fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
-            state.push(normal(x[0] * 2.0, 1.0));
+        fn transition<S: Scalar>(
+            &self,
+            _: &Step<'_, S>,
+            x: &[S],
+            draws: &mut impl Draws<S>,
+            state: &mut [S],
+        ) {
+            state[0] = draws.draw(normal(x[0] * 2.0, 1.0));
         }
 
         fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], measurement: &mut impl Coordinates<S>) {

@@ -1,9 +1,10 @@
 //! Drawing a trajectory of states and measurements from a model.
 
 use std::ops::ControlFlow;
+use std::slice::from_mut;
 
-use crate::batch::there_is_memory_for;
-use crate::{Measurements, ModelError, Seed, Sequence, Simulator, Stream, check_dimensions};
+use crate::batch::{Rows, there_is_memory_for};
+use crate::{Measurements, ModelError, Seed, Sequence, Simulator, Stream, check_model};
 
 /// A simulated run of a system: the hidden truth and what was measured of it.
 ///
@@ -46,7 +47,7 @@ pub fn simulate_while(
     if horizon == 0 {
         return Err(ModelError::Parameter { name: "horizon T", value: "0".into(), expected: "at least 1" });
     }
-    check_dimensions(model)?;
+    check_model(model)?;
     let (n, m) = (model.state_dim(), model.measurement_dim());
     if !n.checked_add(m).and_then(|width| width.checked_mul(horizon)).is_some_and(there_is_memory_for) {
         let (value, expected) = (horizon.to_string(), "as many times as there is memory for");
@@ -59,13 +60,11 @@ pub fn simulate_while(
         }
         let step = model.step_of_index(time);
         let (past, rest) = states.split_at_mut(time * n);
-        let state = &mut rest[..n];
-        match time {
-            0 => model.sample_initial(stream, state),
-            _ => model.sample_transition(&step, &past[(time - 1) * n..], stream, state),
-        }
+        let (state, streams) = (&mut rest[..n], from_mut(&mut *stream));
+        let previous = (time > 0).then(|| Rows::all(&past[(time - 1) * n..], n));
+        model.sample_states(&step, previous, streams, state);
         let measurement = &mut measurements[time * m..(time + 1) * m];
-        model.sample_measurement(&step, state, stream, measurement);
+        model.sample_measurements(&step, state, streams, measurement);
         if !state.iter().chain(measurement.iter()).all(|value| value.is_finite()) {
             let reason = format!("state {state:?}, measurement {measurement:?}");
             return Err(ModelError::Numerical { computation: "simulating the system", time, reason });

@@ -2,21 +2,20 @@
 
 use faer::MatRef;
 
-use crate::batch::{Rows, load, particles_by_stream, store, with_scratch};
+use crate::batch::{Rows, load, store, with_scratch};
 use crate::{Gaussian, ModelError, Step, Stream};
 
 /// A hidden Markov model on ℝᴺ, measured in ℝᴹ: `p(x_0)`, `p(x_t | x_{t−1})`, `p(y_t | x_t)`.
 ///
-/// Densities are logarithmic and normalised; −∞ says that a point lies outside the support. The step is the one to the state
-/// that is drawn or weighed. A transition therefore has an index of 1 at least.
+/// All is asked for by blocks of `K` particles, row-major `K×N`. The step is the one to the states that are drawn or weighed. Where there are no previous states it
+/// is the start of a sequence.
 ///
-/// The plural methods do the same for a batch of `K` particles, row-major `K×N`. Their default is a loop. A model overrides
-/// them where a batch is cheaper than its rows.
+/// What a model may or may not have is asked for by an `Option`: [`StateSpaceModel::density`], [`StateSpaceModel::propagator`].
 pub trait StateSpaceModel: Sync {
     /// `N`, the number of coordinates of a state.
     fn state_dim(&self) -> usize;
 
-    /// `M`, the number of coordinates of a measurement.
+    /// `M`, the number of entries of a measurement.
     fn measurement_dim(&self) -> usize;
 
     /// The step of that index where nobody says more: rows one unit of time apart, the first at 0, with the inputs and parameters that the model has by itself.
@@ -26,95 +25,88 @@ pub trait StateSpaceModel: Sync {
         Step::of_index(index)
     }
 
-    /// Draws `x_0 ~ p(x_0)` into `state` (`N`).
-    fn sample_initial(&self, stream: &mut Stream, state: &mut [f64]);
-
-    /// Draws `x_t ~ p(x_t | x_{t−1})` into `state` (`N`), given `previous` (`N`).
-    fn sample_transition(&self, step: &Step<'_>, previous: &[f64], stream: &mut Stream, state: &mut [f64]);
-
-    /// `log p(x_0)` at `state` (`N`).
-    fn log_initial(&self, state: &[f64]) -> f64;
-
-    /// `log p(x_t | x_{t−1})` at `state` (`N`), given `previous` (`N`).
-    fn log_transition(&self, step: &Step<'_>, previous: &[f64], state: &[f64]) -> f64;
-
-    /// `log p(y_t | x_t)` of `measurement` (`M`) at `state` (`N`).
-    fn log_likelihood(&self, step: &Step<'_>, state: &[f64], measurement: &[f64]) -> f64;
-
-    /// [`StateSpaceModel::sample_initial`] for each of `K` rows; the rows are split evenly over `streams`, in order.
+    /// Draws `x_t ~ p(x_t | x_{t−1})` for each of `K` rows into `states` (`K×N`), or `x_0 ~ p(x_0)` where there are no previous states. Those may be picked from others
+    /// by resampling. The rows are split evenly over `streams`, in order.
+    ///
+    /// How much of a stream is taken may depend on how many rows it draws. The numbers of one stream do not depend on the other streams in the call.
     ///
     /// # Panics
     /// If `K` is not a multiple of the number of streams.
-    fn sample_initials(&self, streams: &mut [Stream], states: &mut [f64]) {
-        let width = self.state_dim();
-        let particles = states.len() / width;
-        for (stream, states) in particles_by_stream(streams, states, width, particles) {
-            for state in states.chunks_exact_mut(width) {
-                self.sample_initial(stream, state);
-            }
-        }
-    }
-
-    /// [`StateSpaceModel::sample_transition`] for each of `K` rows, whose previous states may be picked from others by resampling; the rows are
-    /// split evenly over `streams`, in order.
-    ///
-    /// A model may take another amount of a stream here than row by row. The numbers of one stream do not depend on the other
-    /// streams in the call.
-    ///
-    /// # Panics
-    /// If `K` is not a multiple of the number of streams.
-    fn sample_transitions(
+    fn sample_states(
         &self,
         step: &Step<'_>,
-        previous: Rows<'_>,
+        previous: Option<Rows<'_>>,
         streams: &mut [Stream],
         states: &mut [f64],
-    ) {
-        let width = self.state_dim();
-        let particles = states.len() / width;
-        let mut row = 0;
-        for (stream, states) in particles_by_stream(streams, states, width, particles) {
-            for state in states.chunks_exact_mut(width) {
-                self.sample_transition(step, previous.row(row), stream, state);
-                row += 1;
-            }
-        }
+    );
+
+    /// `log p(y_t | x_t)` of one measurement at each of `K` rows of `states` (`K×N`), into `out` (`K`): normalised, −∞ outside the support.
+    ///
+    /// Where entries of the measurement (`M`) are missing it is the marginal density of the others, and 0 where none is there.
+    ///
+    /// # Errors
+    /// [`ModelError`] if a marginal density cannot be had in floating point.
+    fn log_likelihoods(
+        &self,
+        step: &Step<'_>,
+        states: &[f64],
+        measurement: &[Option<f64>],
+        out: &mut [f64],
+    ) -> Result<(), ModelError>;
+
+    /// [`StateSpaceModel::log_likelihoods`] at one state (`N`), of a measurement (`M`) in which nothing is missing.
+    ///
+    /// # Errors
+    /// As there.
+    fn log_likelihood(&self, step: &Step<'_>, state: &[f64], measurement: &[f64]) -> Result<f64, ModelError> {
+        let entries: Vec<Option<f64>> = measurement.iter().copied().map(Some).collect();
+        let mut out = [f64::NAN];
+        self.log_likelihoods(step, state, &entries, &mut out)?;
+        Ok(out[0])
     }
 
-    /// Says that these particles (`K×N`) will be asked for next, a tile at a time: a model whose answers cost less together may find them now. No answer is
-    /// another for it.
-    fn foresee(&self, _step: &Step<'_>, _previous: Rows<'_>) {}
+    /// The densities of states, if the model has them.
+    fn density(&self) -> Option<&dyn TransitionDensity> {
+        None
+    }
 
     /// This model as one that draws and weighs in one pass, if it has such a form.
     fn propagator(&self) -> Option<&dyn Propagator> {
         None
     }
 
-    /// [`StateSpaceModel::log_initial`] of each of `K` rows, into `out` (`K`).
-    fn log_initials(&self, states: &[f64], out: &mut [f64]) {
-        for (state, out) in states.chunks_exact(self.state_dim()).zip(out) {
-            *out = self.log_initial(state);
-        }
-    }
+    /// Says that these particles (`K×N`) will be asked for next, a tile at a time: a model whose answers cost less together may find them now. No answer is
+    /// another for it.
+    fn foresee(&self, _step: &Step<'_>, _previous: Rows<'_>) {}
 
-    /// [`StateSpaceModel::log_transition`] of each of `K` rows, whose previous states may be picked from others, into `out` (`K`).
-    fn log_transitions(&self, step: &Step<'_>, previous: Rows<'_>, states: &[f64], out: &mut [f64]) {
-        for (row, (state, out)) in states.chunks_exact(self.state_dim()).zip(out).enumerate() {
-            *out = self.log_transition(step, previous.row(row), state);
-        }
+    /// Looks for what cannot be seen by types: a model that says of itself what is not so.
+    ///
+    /// # Errors
+    /// [`ModelError`] with what is wrong.
+    fn check(&self) -> Result<(), ModelError> {
+        Ok(())
     }
+}
 
-    /// [`StateSpaceModel::log_likelihood`] of one measurement at each of `K` rows, into `out` (`K`).
-    fn log_likelihoods(&self, step: &Step<'_>, states: &[f64], measurement: &[f64], out: &mut [f64]) {
-        for (state, out) in states.chunks_exact(self.state_dim()).zip(out) {
-            *out = self.log_likelihood(step, state, measurement);
-        }
+/// `p(x_0)` and `p(x_t | x_{t−1})` as densities of states.
+///
+/// A state with a coordinate that follows from others, or two that share a draw, has none.
+pub trait TransitionDensity: Sync {
+    /// `log p(x_t | x_{t−1})` of each of `K` rows of `states` (`K×N`), or `log p(x_0)` where there are no previous states, into `out` (`K`): normalised, −∞ outside the
+    /// support.
+    fn log_densities(&self, step: &Step<'_>, previous: Option<Rows<'_>>, states: &[f64], out: &mut [f64]);
+
+    /// [`TransitionDensity::log_densities`] of one state (`N`), given the one before (`N`) if there is one.
+    fn log_density(&self, step: &Step<'_>, previous: Option<&[f64]>, state: &[f64]) -> f64 {
+        let mut out = [f64::NAN];
+        self.log_densities(step, previous.map(|row| Rows::all(row, row.len())), state, &mut out);
+        out[0]
     }
 }
 
 /// A model that can draw transitions and weigh them in one pass over the particles.
 ///
-/// It gives what [`StateSpaceModel::sample_transitions`] and then [`StateSpaceModel::log_likelihoods`] give, to the last bit, and saves bringing the
+/// It gives what [`StateSpaceModel::sample_states`] and then [`StateSpaceModel::log_likelihoods`] give, to the last bit, and saves bringing the
 /// states that were drawn from memory once more.
 pub trait Propagator: Sync {
     /// Draws `x_t ~ p(x_t | x_{t−1})` for each of `K` rows into `states` (`K×N`) and writes `log p(y_t | x_t)` into `log_likelihoods` (`K`). The rows are
@@ -133,68 +125,32 @@ pub trait Propagator: Sync {
     );
 }
 
-/// Refuses a model without states or without measurements.
+/// Refuses a model without states or without measurements, and one that fails its own check.
 ///
 /// Everything that takes a model refuses it with these words: simulation, filters, proposals and training.
 ///
 /// # Errors
-/// [`ModelError::Parameter`] if `N` or `M` is 0.
-pub fn check_dimensions(model: &(impl StateSpaceModel + ?Sized)) -> Result<(), ModelError> {
+/// [`ModelError::Parameter`] if `N` or `M` is 0, and as [`StateSpaceModel::check`].
+pub fn check_model(model: &(impl StateSpaceModel + ?Sized)) -> Result<(), ModelError> {
     let dimensions = [
         ("the model's state dimension N", model.state_dim()),
         ("the model's measurement dimension M", model.measurement_dim()),
     ];
     match dimensions.into_iter().find(|(_, dimension)| *dimension == 0) {
         Some((name, _)) => Err(ModelError::Parameter { name, value: "0".into(), expected: "at least 1" }),
-        None => Ok(()),
+        None => model.check(),
     }
 }
 
 /// A model that can also draw measurements, and so simulate itself.
 pub trait Simulator: StateSpaceModel {
-    /// Draws `y_t ~ p(y_t | x_t)` into `measurement` (`M`), given `state` (`N`).
-    fn sample_measurement(
-        &self,
-        step: &Step<'_>,
-        state: &[f64],
-        stream: &mut Stream,
-        measurement: &mut [f64],
-    );
-
-    /// [`Simulator::sample_measurement`] for each of `K` rows of `states` (`K×N`) into `out` (`K×M`); the rows are split evenly over `streams`, in order.
+    /// Draws `y_t ~ p(y_t | x_t)` for each of `K` rows of `states` (`K×N`) into `out` (`K×M`); the rows are split evenly over `streams`, in order.
     ///
-    /// A model may take another amount of a stream here than row by row. The numbers of one stream do not depend on the other
-    /// streams in the call.
+    /// How much of a stream is taken may depend on how many rows it draws. The numbers of one stream do not depend on the other streams in the call.
     ///
     /// # Panics
     /// If `K` is not a multiple of the number of streams.
-    fn sample_measurements(&self, step: &Step<'_>, states: &[f64], streams: &mut [Stream], out: &mut [f64]) {
-        let (n, m) = (self.state_dim(), self.measurement_dim());
-        let particles = states.len() / n;
-        let mut states = states.chunks_exact(n);
-        for (stream, out) in particles_by_stream(streams, out, m, particles) {
-            for (measurement, state) in out.chunks_exact_mut(m).zip(&mut states) {
-                self.sample_measurement(step, state, stream, measurement);
-            }
-        }
-    }
-}
-
-/// A model that can weigh a measurement some of whose entries are missing.
-pub trait PartialLikelihood: StateSpaceModel {
-    /// `log p(y_t^O | x_t)` at each of `K` rows of `states` (`K×N`), into `out` (`K`).
-    ///
-    /// It is the marginal density of those entries `O` of `measurement` (`M`) that are there, and 0 where none is.
-    ///
-    /// # Errors
-    /// [`ModelError`] if the marginal density cannot be had in floating point.
-    fn partial_log_likelihoods(
-        &self,
-        step: &Step<'_>,
-        states: &[f64],
-        measurement: &[Option<f64>],
-        out: &mut [f64],
-    ) -> Result<(), ModelError>;
+    fn sample_measurements(&self, step: &Step<'_>, states: &[f64], streams: &mut [Stream], out: &mut [f64]);
 }
 
 /// The gradients of a model's log densities with respect to states, which is all that training asks of it.
@@ -207,7 +163,7 @@ pub trait StateGradients: StateSpaceModel {
     }
 
     /// `∂ log p(x_0) / ∂x_0` for each row of `states` (`K×N`).
-    fn initial_gradients(&self, states: &[f64], d_states: &mut [f64]);
+    fn initial_gradients(&self, step: &Step<'_>, states: &[f64], d_states: &mut [f64]);
 
     /// `∂ log p(x_t | x_{t−1}) / ∂x_{t−1}` and `/ ∂x_t` for each row (`K×N` each).
     fn transition_gradients(

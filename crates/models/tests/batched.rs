@@ -2,8 +2,8 @@
 
 use motes_models::batch::{LANES, Rows};
 use motes_models::equations::{
-    BatchDistribution, BatchEquations, Batched, Column, Coordinates, Distribution, Dual, Equations, Lanes,
-    Scalar, Transport, laplace, log_normal, normal, poisson, student_t,
+    BatchDistribution, BatchEquations, Batched, Column, Coordinates, Distribution, Draws, Dual, Equations,
+    Lanes, Scalar, Transport, laplace, log_normal, normal, poisson, student_t,
 };
 use motes_models::{
     ModelShape, OwnModel, OwnSteps, Seed, StateGradients, StateSpaceModel, Step, SystemGraph, simulate,
@@ -18,16 +18,22 @@ impl Equations for Mixed {
         [3, 2]
     }
 
-    fn initial<S: Scalar>(&self, x: &mut impl Coordinates<S>) {
-        x.push(normal(S::from(0.3), S::from(1.0)));
-        x.push(laplace(S::from(0.0), S::from(0.5)));
-        x.push(log_normal(S::from(0.0), S::from(0.3)));
+    fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, x: &mut [S]) {
+        x[0] = draws.draw(normal(S::from(0.3), S::from(1.0)));
+        x[1] = draws.draw(laplace(S::from(0.0), S::from(0.5)));
+        x[2] = draws.draw(log_normal(S::from(0.0), S::from(0.3)));
     }
 
-    fn transition<S: Scalar>(&self, step: &Step<'_, S>, before: &[S], x: &mut impl Coordinates<S>) {
-        x.push(normal(before[0].sin() + before[1] * 0.5, (before[2] * 0.1).exp()));
-        x.push(laplace(before[1] * 0.9, S::from(0.3)).shifted(S::from(0.1 * step.time)));
-        x.push(log_normal(before[2].ln() * 0.8, S::from(0.2)).scaled(before[1].cos() * 0.1 + 1.0));
+    fn transition<S: Scalar>(
+        &self,
+        step: &Step<'_, S>,
+        before: &[S],
+        draws: &mut impl Draws<S>,
+        x: &mut [S],
+    ) {
+        x[0] = draws.draw(normal(before[0].sin() + before[1] * 0.5, (before[2] * 0.1).exp()));
+        x[1] = draws.draw(laplace(before[1] * 0.9, S::from(0.3)).shifted(S::from(0.1 * step.time)));
+        x[2] = draws.draw(log_normal(before[2].ln() * 0.8, S::from(0.2)).scaled(before[1].cos() * 0.1 + 1.0));
     }
 
     fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
@@ -42,6 +48,13 @@ type Sloped = Dual<f64, 4>;
 /// Collects the parameters of a row.
 #[derive(Default)]
 struct Row(Vec<Distribution<Sloped>>);
+
+impl Draws<Sloped> for Row {
+    fn draw(&mut self, distribution: Distribution<Sloped>) -> Sloped {
+        self.0.push(distribution);
+        Sloped::from(f64::NAN)
+    }
+}
 
 impl Coordinates<Sloped> for Row {
     fn push(&mut self, distribution: Distribution<Sloped>) {
@@ -98,14 +111,14 @@ impl BatchEquations for InColumns {
 
     fn initial(&self) -> Option<Vec<BatchDistribution>> {
         let mut row = Row::default();
-        Mixed.initial(&mut row);
+        Step::of_index(0).lift(|step| Mixed.initial(step, &mut row, &mut point(&[0.0; 3])));
         Some(columns(&[row]))
     }
 
     fn transition(&self, step: &Step<'_>, previous: &[f64], _: bool) -> Option<Vec<BatchDistribution>> {
         let of_row = |row: &[f64]| {
             let mut found = Row::default();
-            step.lift(|step| Mixed.transition(step, &point(row), &mut found));
+            step.lift(|step| Mixed.transition(step, &point(row), &mut found, &mut point(row)));
             found
         };
         Some(columns(&previous.chunks_exact(3).map(of_row).collect::<Vec<_>>()))
@@ -156,17 +169,24 @@ fn draws_and_densities_are_the_same_to_the_last_bit() {
             let mut streams = [Seed::from_u64(2).stream()];
             let [mut drawn, mut later] = [vec![0.0; 3 * particles], vec![0.0; 3 * particles]];
             let mut counted = vec![0.0; 2 * particles];
-            model.sample_initials(&mut streams, &mut drawn);
-            model.sample_transitions(&Step::of_index(1), rows, &mut streams, &mut later);
+            model.sample_states(&Step::of_index(0), None, &mut streams, &mut drawn);
+            model.sample_states(&Step::of_index(1), Some(rows), &mut streams, &mut later);
             model.sample_measurements(&Step::of_index(1), &later, &mut streams, &mut counted);
             let mut densities = vec![vec![0.0; particles]; 5];
-            model.log_initials(&states, &mut densities[0]);
-            model.log_transitions(&Step::of_index(1), rows, &states, &mut densities[1]);
-            model.log_likelihoods(&Step::of_index(1), &states, &measurements[..2], &mut densities[2]);
+            model.density().unwrap().log_densities(&Step::of_index(0), None, &states, &mut densities[0]);
+            model.density().unwrap().log_densities(
+                &Step::of_index(1),
+                Some(rows),
+                &states,
+                &mut densities[1],
+            );
+            let entries = [Some(measurements[0]), Some(measurements[1])];
+            model.log_likelihoods(&Step::of_index(1), &states, &entries, &mut densities[2]).unwrap();
             model
-                .partial_log_likelihoods(&Step::of_index(1), &states, &[None, Some(0.4)], &mut densities[3])
+                .log_likelihoods(&Step::of_index(1), &states, &[None, Some(0.4)], &mut densities[3])
                 .unwrap();
-            densities[4][0] = model.log_transition(&Step::of_index(1), &previous[..3], &states[..3]);
+            densities[4][0] =
+                model.density().unwrap().log_density(&Step::of_index(1), Some(&previous[..3]), &states[..3]);
             bits(&[drawn, later, counted, densities.concat()].concat())
         };
         assert_eq!(of(&model), of(&Mixed), "{particles} particles");
@@ -249,7 +269,9 @@ fn an_answer_for_some_particles_is_none_for_others() {
         let last = previous.len() - 3;
         model.foresee(&Step::of_index(1), Rows::all(&previous[..33 * 3], 3));
         let mut out = [0.0];
-        model.log_likelihoods(&Step::of_index(1), &states[last..], &[2.0, 0.4], &mut out);
+        model
+            .log_likelihoods(&Step::of_index(1), &states[last..], &[Some(2.0), Some(0.4)], &mut out)
+            .unwrap();
         let mut other = previous[96..].to_vec();
         let mut others = states.clone();
         others[..3].copy_from_slice(&states[last..]);
@@ -276,7 +298,7 @@ fn an_answer_for_some_particles_is_none_for_others() {
         );
         [slopes, information].concat()
     };
-    model.log_likelihood(&Step::of_index(0), &states[..3], &[2.0, 0.4]);
+    model.log_likelihood(&Step::of_index(0), &states[..3], &[2.0, 0.4]).unwrap();
     assert_eq!(bits(&scores(&model)), bits(&scores(&Mixed)));
     assert_eq!(bits(&scores(&model)), bits(&scores(&Mixed)), "asked again");
 }
@@ -294,7 +316,7 @@ fn gradients_follow_from_derivatives_of_parameters() {
     let of = |model: &dyn AllOfIt| {
         let mut found = vec![vec![0.0; states.len()]; 4];
         let [initial, before, now, likelihood] = &mut found[..] else { panic!("there are four") };
-        model.initial_gradients(&states, initial);
+        model.initial_gradients(&Step::of_index(0), &states, initial);
         model.transition_gradients(&Step::of_index(1), &previous, &states, before, now);
         model.likelihood_gradients(&Step::of_index(1), &states, &measurements[..2], likelihood);
         found.concat()
@@ -338,10 +360,15 @@ impl BatchEquations for Nothing {
 fn what_is_not_found_or_ragged_is_not_a_number() {
     let model = Batched::new(Nothing);
     let mut state = [0.0];
-    model.sample_initial(&mut Seed::from_u64(1).stream(), &mut state);
+    model.sample_states(
+        &Step::of_index(0),
+        None,
+        std::slice::from_mut(&mut Seed::from_u64(1).stream()),
+        &mut state,
+    );
     assert!(state[0].is_nan());
-    assert!(model.log_transition(&Step::of_index(1), &[0.0], &[0.0]).is_nan());
-    assert!(model.log_likelihood(&Step::of_index(0), &[0.0], &[0.0]).is_nan());
+    assert!(model.density().unwrap().log_density(&Step::of_index(1), Some(&[0.0]), &[0.0]).is_nan());
+    assert!(model.log_likelihood(&Step::of_index(0), &[0.0], &[0.0]).unwrap().is_nan());
     let mut tile = [0.0; LANES];
     model.tile_from_normal(&Step::of_index(1), Some(&[0.0; LANES]), &mut tile, &mut [0.0; LANES]);
     assert!(tile.iter().all(|value| value.is_nan()));

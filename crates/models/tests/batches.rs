@@ -4,7 +4,7 @@ use faer::{Mat, mat};
 use motes_models::batch::Rows;
 use motes_models::{
     AdditiveGaussian, Drift, Epidemic, EpidemicConfig, Gaussian, GraphDiffusion, GraphDiffusionConfig,
-    LinearGaussian, Noise, PartialLikelihood, Seed, StateSpaceModel, Step,
+    LinearGaussian, Noise, Seed, StateSpaceModel, Step,
 };
 
 fn dense() -> LinearGaussian {
@@ -50,42 +50,63 @@ fn check(model: &impl StateSpaceModel) {
         let mut streams = Seed::from_u64(21).streams(2);
         let (mut previous, mut states) =
             (vec![f64::NAN; 2 * particles * n], vec![f64::NAN; 2 * particles * n]);
-        model.sample_initials(&mut streams, &mut previous);
-        model.sample_transitions(&Step::of_index(1), Rows::all(&previous, n), &mut streams, &mut states);
+        model.sample_states(&Step::of_index(0), None, &mut streams, &mut previous);
+        model.sample_states(&Step::of_index(1), Some(Rows::all(&previous, n)), &mut streams, &mut states);
 
         let mut out = vec![f64::NAN; 2 * particles];
-        model.log_initials(&previous, &mut out);
-        assert_same(&out, |row| model.log_initial(&previous[row * n..][..n]));
-        model.log_transitions(&Step::of_index(1), Rows::all(&previous, n), &states, &mut out);
+        model.density().unwrap().log_densities(&Step::of_index(0), None, &previous, &mut out);
+        assert_same(&out, |row| {
+            model.density().unwrap().log_density(&Step::of_index(0), None, &previous[row * n..][..n])
+        });
+        model.density().unwrap().log_densities(
+            &Step::of_index(1),
+            Some(Rows::all(&previous, n)),
+            &states,
+            &mut out,
+        );
         // What was drawn lies in the support.
         assert!(out.iter().all(|density| density.is_finite()));
         assert_same(&out, |row| {
-            model.log_transition(&Step::of_index(1), &previous[row * n..][..n], &states[row * n..][..n])
+            model.density().unwrap().log_density(
+                &Step::of_index(1),
+                Some(&previous[row * n..][..n]),
+                &states[row * n..][..n],
+            )
         });
         // Elsewhere, too.
-        model.log_transitions(&Step::of_index(1), Rows::all(&states, n), &previous, &mut out);
+        model.density().unwrap().log_densities(
+            &Step::of_index(1),
+            Some(Rows::all(&states, n)),
+            &previous,
+            &mut out,
+        );
         assert_same(&out, |row| {
-            model.log_transition(&Step::of_index(1), &states[row * n..][..n], &previous[row * n..][..n])
+            model.density().unwrap().log_density(
+                &Step::of_index(1),
+                Some(&states[row * n..][..n]),
+                &previous[row * n..][..n],
+            )
         });
-        model.log_likelihoods(&Step::of_index(1), &states, &measurement, &mut out);
+        let entries: Vec<Option<f64>> = measurement.iter().copied().map(Some).collect();
+        model.log_likelihoods(&Step::of_index(1), &states, &entries, &mut out).unwrap();
         assert_same(&out, |row| {
-            model.log_likelihood(&Step::of_index(1), &states[row * n..][..n], &measurement)
+            model.log_likelihood(&Step::of_index(1), &states[row * n..][..n], &measurement).unwrap()
         });
 
         // Each stream gives what it gives alone, and rows that were picked what they give where they lie.
         let mut alone = Seed::from_u64(21).streams(2).split_off(1);
         let (mut first, mut second) = (vec![f64::NAN; particles * n], vec![f64::NAN; particles * n]);
-        model.sample_initials(&mut alone, &mut first);
+        model.sample_states(&Step::of_index(0), None, &mut alone, &mut first);
         assert!(first == previous[particles * n..]);
         let picked: Vec<usize> = (particles..2 * particles).collect();
         let rows = Rows::picked(&previous, n, &picked);
-        model.sample_transitions(&Step::of_index(1), rows, &mut alone, &mut second);
+        model.sample_states(&Step::of_index(1), Some(rows), &mut alone, &mut second);
         assert!(second == states[particles * n..]);
         // Drawing and weighing in one pass are the same two things.
         if let Some(propagator) = model.propagator() {
             let (mut third, mut likelihoods) = (vec![f64::NAN; particles * n], vec![f64::NAN; particles]);
             let mut again = Seed::from_u64(21).streams(2).split_off(1);
-            model.sample_initials(&mut again, &mut first);
+            model.sample_states(&Step::of_index(0), None, &mut again, &mut first);
             propagator.propagate(
                 &Step::of_index(1),
                 rows,
@@ -98,9 +119,13 @@ fn check(model: &impl StateSpaceModel) {
             assert_same(&likelihoods, |row| out[particles + row]);
         }
         let mut densities = vec![f64::NAN; particles];
-        model.log_transitions(&Step::of_index(1), rows, &second, &mut densities);
+        model.density().unwrap().log_densities(&Step::of_index(1), Some(rows), &second, &mut densities);
         assert_same(&densities, |row| {
-            model.log_transition(&Step::of_index(1), &first[row * n..][..n], &second[row * n..][..n])
+            model.density().unwrap().log_density(
+                &Step::of_index(1),
+                Some(&first[row * n..][..n]),
+                &second[row * n..][..n],
+            )
         });
     }
 }
@@ -152,8 +177,8 @@ fn draws_in_batches_have_the_moments_of_the_model() {
         let n = model.state_dim();
         let mut streams = [Seed::from_u64(22).stream()];
         let (mut initial, mut states) = (vec![0.0; ROWS * n], vec![0.0; ROWS * n]);
-        model.sample_initials(&mut streams, &mut initial);
-        model.sample_transitions(&Step::of_index(1), Rows::all(&initial, n), &mut streams, &mut states);
+        model.sample_states(&Step::of_index(0), None, &mut streams, &mut initial);
+        model.sample_states(&Step::of_index(1), Some(Rows::all(&initial, n)), &mut streams, &mut states);
         let mut means = vec![0.0; ROWS * n];
         model.transition_means(&Step::of_index(1), &initial, &mut means);
         states.iter_mut().zip(&means).for_each(|(state, mean)| *state -= mean);
@@ -171,14 +196,14 @@ fn draws_in_batches_have_the_moments_of_the_model() {
 }
 
 /// The measurements' entries that are there: all, none, and each one missing. What is left is the full density integrated over the rest.
-fn assert_marginal(model: &impl PartialLikelihood, state: &[f64], measurement: &[f64], spread: f64) {
+fn assert_marginal(model: &impl StateSpaceModel, state: &[f64], measurement: &[f64], spread: f64) {
     let of = |entries: &[Option<f64>]| {
         let mut out = [f64::NAN];
-        model.partial_log_likelihoods(&Step::of_index(3), state, entries, &mut out).unwrap();
+        model.log_likelihoods(&Step::of_index(3), state, entries, &mut out).unwrap();
         out[0]
     };
     let all: Vec<Option<f64>> = measurement.iter().copied().map(Some).collect();
-    let whole = model.log_likelihood(&Step::of_index(3), state, measurement);
+    let whole = model.log_likelihood(&Step::of_index(3), state, measurement).unwrap();
     assert!((of(&all) - whole).abs() < 1e-12 * whole.abs(), "{} for {whole}", of(&all));
     assert_eq!(of(&vec![None; measurement.len()]), 0.0);
     for missing in 0..measurement.len() {
@@ -189,7 +214,7 @@ fn assert_marginal(model: &impl PartialLikelihood, state: &[f64], measurement: &
         let mut integral = 0.0;
         for at in 0..points {
             values[missing] = measurement[missing] - spread + (at as f64 + 0.5) * step;
-            integral += model.log_likelihood(&Step::of_index(3), state, &values).exp() * step;
+            integral += model.log_likelihood(&Step::of_index(3), state, &values).unwrap().exp() * step;
         }
         let found = of(&entries);
         assert!((found - integral.ln()).abs() < 2e-3, "without {missing}: {found} for {}", integral.ln());
@@ -204,9 +229,7 @@ fn what_is_there_of_a_measurement_has_the_marginal_density() {
     let initial = Gaussian::new("P_0", vec![0.0], mat![[1.0]]).unwrap();
     let model = LinearGaussian::new(initial, mat![[1.0]], mat![[1.0]], mat![[1.0], [1.0], [1.0]], r).unwrap();
     let mut out = [0.0];
-    model
-        .partial_log_likelihoods(&Step::of_index(0), &[0.1], &[None, Some(0.1), Some(0.12)], &mut out)
-        .unwrap();
+    model.log_likelihoods(&Step::of_index(0), &[0.1], &[None, Some(0.1), Some(0.12)], &mut out).unwrap();
     assert!(out[0].is_finite());
     for noise in [Noise::Gaussian, Noise::Exponential, Noise::Uniform] {
         // σ is about 1.5.

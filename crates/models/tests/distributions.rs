@@ -1,8 +1,8 @@
 //! Every distribution: draws against its density, derivatives against differences, moments against draws.
 
 use motes_models::equations::{
-    Coordinates, Distribution, Dual, Equations, Scalar, bernoulli, binomial, exponential, gamma, laplace,
-    log_normal, negative_binomial, normal, poisson, student_t, uniform,
+    Coordinates, Distribution, Draws, Dual, Equations, Scalar, bernoulli, binomial, exponential, gamma,
+    laplace, log_normal, negative_binomial, normal, poisson, student_t, uniform,
 };
 use motes_models::{Seed, StateSpaceModel, Step};
 
@@ -76,16 +76,16 @@ impl Equations for Only {
         [1, 1]
     }
 
-    fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
-        state.push(spread((self.0)(self.1)));
+    fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]) {
+        state[0] = draws.draw(spread((self.0)(self.1)));
     }
 
-    fn transition<S: Scalar>(&self, _: &Step<'_, S>, _: &[S], state: &mut impl Coordinates<S>) {
-        self.initial(state);
+    fn transition<S: Scalar>(&self, step: &Step<'_, S>, _: &[S], draws: &mut impl Draws<S>, state: &mut [S]) {
+        self.initial(step, draws, state);
     }
 
     fn measurement<S: Scalar>(&self, _: &Step<'_, S>, _: &[S], measurement: &mut impl Coordinates<S>) {
-        self.initial(measurement);
+        measurement.push(spread((self.0)(self.1)));
     }
 }
 
@@ -130,7 +130,12 @@ fn draws(case: &Case) -> [Vec<f64>; 2] {
     let mut stream = seed.nth(0).stream();
     let alone = (0..DRAWS).map(|_| distribution.sample(&mut stream)).collect();
     let mut bulk = vec![0.0; DRAWS];
-    Only(case.plain, case.parameters).sample_initials(&mut [seed.nth(1).stream()], &mut bulk);
+    Only(case.plain, case.parameters).sample_states(
+        &Step::of_index(0),
+        None,
+        &mut [seed.nth(1).stream()],
+        &mut bulk,
+    );
     [alone, bulk]
 }
 

@@ -2,12 +2,12 @@
 
 use motes_models::batch::Rows;
 use motes_models::equations::{
-    Coordinates, Equations, Lanes, Linearise, Scalar, binomial, exponential, gamma, laplace, log_normal,
-    negative_binomial, normal, poisson, student_t, uniform,
+    Coordinates, Draws, Equations, Lanes, Linearise, Scalar, binomial, exponential, gamma, laplace,
+    log_normal, negative_binomial, normal, poisson, student_t, uniform,
 };
 use motes_models::{
-    LinearGaussian, PartialLikelihood, Seed, Simulator, StateGradients, StateSpaceModel, Step, Stream,
-    check_gradients, simulate,
+    LinearGaussian, Seed, Simulator, StateGradients, StateSpaceModel, Step, Stream, check_gradients,
+    check_model, simulate,
 };
 
 /// Two coordinates that depend on each other, and a measurement of every kind.
@@ -18,14 +18,14 @@ impl Equations for Mixed {
         [2, 6]
     }
 
-    fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
-        state.push(normal(0.5, 0.8));
-        state.push(gamma(3.0, 0.5));
+    fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]) {
+        state[0] = draws.draw(normal(0.5, 0.8));
+        state[1] = draws.draw(gamma(3.0, 0.5));
     }
 
-    fn transition<S: Scalar>(&self, step: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
-        state.push(student_t(5.0, x[0].sin() + x[1] * 0.3 + (step.time).cos(), 0.7));
-        state.push(log_normal(x[0].tanh() * 0.2 + x[1].ln() * 0.8, 0.4));
+    fn transition<S: Scalar>(&self, step: &Step<'_, S>, x: &[S], draws: &mut impl Draws<S>, state: &mut [S]) {
+        state[0] = draws.draw(student_t(5.0, x[0].sin() + x[1] * 0.3 + (step.time).cos(), 0.7));
+        state[1] = draws.draw(log_normal(x[0].tanh() * 0.2 + x[1].ln() * 0.8, 0.4));
     }
 
     fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
@@ -51,24 +51,32 @@ fn a_batch_has_the_densities_and_gradients_of_its_rows() {
     // More than a tile, and not whole ones.
     let count = 77;
     let (mut before, mut now) = (vec![0.0; 2 * count], vec![0.0; 2 * count]);
-    Mixed.sample_initials(&mut [seed.child("before").stream()], &mut before);
-    Mixed.sample_transitions(
+    Mixed.sample_states(&Step::of_index(0), None, &mut [seed.child("before").stream()], &mut before);
+    Mixed.sample_states(
         &Step::of_index(1),
-        Rows::all(&before, 2),
+        Some(Rows::all(&before, 2)),
         &mut [seed.child("now").stream()],
         &mut now,
     );
     let y = data.measurements.row(1);
     let mut batch = vec![0.0; count];
     let row = |all: &[f64], k: usize| all[2 * k..2 * k + 2].to_vec();
-    Mixed.log_initials(&before, &mut batch);
-    (0..count).for_each(|k| assert_eq!(batch[k], Mixed.log_initial(&row(&before, k))));
-    Mixed.log_transitions(&Step::of_index(1), Rows::all(&before, 2), &now, &mut batch);
+    Mixed.density().unwrap().log_densities(&Step::of_index(0), None, &before, &mut batch);
     (0..count).for_each(|k| {
-        assert_eq!(batch[k], Mixed.log_transition(&Step::of_index(1), &row(&before, k), &row(&now, k)))
+        assert_eq!(batch[k], Mixed.density().unwrap().log_density(&Step::of_index(0), None, &row(&before, k)))
     });
-    Mixed.log_likelihoods(&Step::of_index(1), &now, y, &mut batch);
-    (0..count).for_each(|k| assert_eq!(batch[k], Mixed.log_likelihood(&Step::of_index(1), &row(&now, k), y)));
+    Mixed.density().unwrap().log_densities(&Step::of_index(1), Some(Rows::all(&before, 2)), &now, &mut batch);
+    (0..count).for_each(|k| {
+        assert_eq!(
+            batch[k],
+            Mixed.density().unwrap().log_density(&Step::of_index(1), Some(&row(&before, k)), &row(&now, k))
+        )
+    });
+    let entries: Vec<Option<f64>> = y.iter().copied().map(Some).collect();
+    Mixed.log_likelihoods(&Step::of_index(1), &now, &entries, &mut batch).unwrap();
+    (0..count).for_each(|k| {
+        assert_eq!(batch[k], Mixed.log_likelihood(&Step::of_index(1), &row(&now, k), y).unwrap())
+    });
     let (mut all, mut one) = (vec![0.0; 2 * count], vec![0.0; 2]);
     Mixed.likelihood_gradients(&Step::of_index(1), &now, y, &mut all);
     for k in 0..count {
@@ -84,7 +92,7 @@ fn a_stream_draws_the_same_beside_others() {
         let draw = |streams: &mut [Stream]| {
             let mut states = vec![0.0; 2 * streams.len() * each];
             let previous = Rows::all(&previous[..states.len()], 2);
-            Mixed.sample_transitions(&Step::of_index(2), previous, streams, &mut states);
+            Mixed.sample_states(&Step::of_index(2), Some(previous), streams, &mut states);
             states
         };
         let all = draw(&mut Seed::from_u64(5).streams(4));
@@ -102,11 +110,11 @@ fn missing_entries_integrate_to_one() {
     let whole = data.measurements.row(0);
     let weigh = |measurement: &[Option<f64>]| {
         let mut out = [0.0];
-        Mixed.partial_log_likelihoods(&Step::of_index(0), &state, measurement, &mut out).unwrap();
+        Mixed.log_likelihoods(&Step::of_index(0), &state, measurement, &mut out).unwrap();
         out[0]
     };
     let all: Vec<Option<f64>> = whole.iter().copied().map(Some).collect();
-    assert_eq!(weigh(&all), Mixed.log_likelihood(&Step::of_index(0), &state, whole));
+    assert_eq!(weigh(&all), Mixed.log_likelihood(&Step::of_index(0), &state, whole).unwrap());
     assert_eq!(weigh(&[None; 6]), 0.0);
     // The marginal is the integral, or the sum, over the entry that is missing.
     for (missing, points, step) in
@@ -118,7 +126,7 @@ fn missing_entries_integrate_to_one() {
         let sum: f64 = points
             .map(|i| {
                 filled[missing] = f64::from(i) * step;
-                Mixed.log_likelihood(&Step::of_index(0), &state, &filled).exp() * step
+                Mixed.log_likelihood(&Step::of_index(0), &state, &filled).unwrap().exp() * step
             })
             .sum();
         assert!(
@@ -141,14 +149,14 @@ impl Equations for Stated {
         [1, 1]
     }
 
-    fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
-        state.push(normal(0.0, 5.0_f64.sqrt()));
+    fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]) {
+        state[0] = draws.draw(normal(0.0, 5.0_f64.sqrt()));
     }
 
-    fn transition<S: Scalar>(&self, step: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
+    fn transition<S: Scalar>(&self, step: &Step<'_, S>, x: &[S], draws: &mut impl Draws<S>, state: &mut [S]) {
         let x = x[0];
         let drift = x / 2.0 + x * 25.0 / (x * x + 1.0) + 8.0 * (1.2 * step.time).cos();
-        state.push(normal(drift, 10.0_f64.sqrt()));
+        state[0] = draws.draw(normal(drift, 10.0_f64.sqrt()));
     }
 
     fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
@@ -173,15 +181,18 @@ fn what_is_stated_is_what_would_be_written_by_hand() {
     let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-12 * (1.0 + b.abs()), "{a} for {b}");
     for time in 0..50 {
         let (x, y) = (data.states.row(time), data.measurements.row(time));
-        near(Stated.log_initial(x), ByHand::log_normal(x[0], 0.0, 5.0));
         near(
-            Stated.log_likelihood(&Step::of_index(time), x, y),
+            Stated.density().unwrap().log_density(&Step::of_index(0), None, x),
+            ByHand::log_normal(x[0], 0.0, 5.0),
+        );
+        near(
+            Stated.log_likelihood(&Step::of_index(time), x, y).unwrap(),
             ByHand::log_normal(y[0], x[0] * x[0] / 20.0, 1.0),
         );
         if time > 0 {
             let before = data.states.row(time - 1);
             near(
-                Stated.log_transition(&Step::of_index(time), before, x),
+                Stated.density().unwrap().log_density(&Step::of_index(time), Some(before), x),
                 ByHand::log_transition(time, before[0], x[0]),
             );
         }
@@ -196,16 +207,19 @@ impl Equations for Ragged {
         [2, 2]
     }
 
-    fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
-        (0..self.0).for_each(|_| state.push(uniform(0.0, 1.0)));
+    fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]) {
+        for i in 0..self.0 {
+            let drawn = draws.draw(uniform(0.0, 1.0));
+            state.get_mut(i).into_iter().for_each(|coordinate| *coordinate = drawn);
+        }
     }
 
-    fn transition<S: Scalar>(&self, _: &Step<'_, S>, _: &[S], state: &mut impl Coordinates<S>) {
-        self.initial(state);
+    fn transition<S: Scalar>(&self, step: &Step<'_, S>, _: &[S], draws: &mut impl Draws<S>, state: &mut [S]) {
+        self.initial(step, draws, state);
     }
 
     fn measurement<S: Scalar>(&self, _: &Step<'_, S>, _: &[S], y: &mut impl Coordinates<S>) {
-        self.initial(y);
+        (0..self.0).for_each(|_| y.push(uniform(0.0, 1.0)));
     }
 }
 
@@ -213,16 +227,24 @@ impl Equations for Ragged {
 fn another_number_of_coordinates_than_there_are_is_nan() {
     for stated in [0, 1, 3] {
         let (model, mut state) = (Ragged(stated), [0.5; 2]);
-        assert!(model.log_initial(&state).is_nan());
-        assert!(model.log_transition(&Step::of_index(1), &[0.5; 2], &state).is_nan());
-        assert!(model.log_likelihood(&Step::of_index(1), &[0.5; 2], &state).is_nan());
+        assert!(model.density().unwrap().log_density(&Step::of_index(0), None, &state).is_nan());
+        assert!(model.density().unwrap().log_density(&Step::of_index(1), Some(&[0.5; 2]), &state).is_nan());
+        assert!(model.log_likelihood(&Step::of_index(1), &[0.5; 2], &state).unwrap().is_nan());
         let mut out = [0.0];
-        model.partial_log_likelihoods(&Step::of_index(0), &[0.5; 2], &[Some(0.5), None], &mut out).unwrap();
+        model.log_likelihoods(&Step::of_index(0), &[0.5; 2], &[Some(0.5), None], &mut out).unwrap();
         assert!(out[0].is_nan());
-        model.sample_initial(&mut Seed::from_u64(1).stream(), &mut state);
+        model.sample_measurements(
+            &Step::of_index(0),
+            &[0.5; 2],
+            &mut [Seed::from_u64(1).stream()],
+            &mut state,
+        );
         assert!(state.iter().all(|x| x.is_nan()));
+        let said = check_model(&model).unwrap_err().to_string();
+        assert!(said.contains(&format!("{stated} draws for 2 coordinates at step 0")), "{said}");
     }
-    assert_eq!(Ragged(2).log_initial(&[0.5; 2]), 0.0);
+    assert!(check_model(&Ragged(2)).is_ok());
+    assert_eq!(Ragged(2).density().unwrap().log_density(&Step::of_index(0), None, &[0.5; 2]), 0.0);
 }
 
 #[test]
@@ -255,7 +277,7 @@ fn a_linear_model_is_its_own_linearisation() {
 /// What is asked of a model can be asked of one that is stated.
 #[test]
 fn a_stated_model_is_a_model_like_others() {
-    fn asked<M: StateSpaceModel + Simulator + StateGradients + PartialLikelihood>(model: &M) -> usize {
+    fn asked<M: StateSpaceModel + Simulator + StateGradients>(model: &M) -> usize {
         model.state_dim()
     }
     assert_eq!(asked(&Mixed), 2);

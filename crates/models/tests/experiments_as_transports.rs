@@ -1,6 +1,6 @@
 //! The paper's systems as what linearised and learned proposals ask of a model: transports, moments and scores.
 
-use motes_models::batch::LANES;
+use motes_models::batch::{LANES, Rows};
 use motes_models::equations::{Lanes, Linearise, Transport};
 use motes_models::{
     Drift, Epidemic, EpidemicConfig, GraphDiffusion, GraphDiffusionConfig, Noise, Seed, Simulator,
@@ -29,7 +29,7 @@ fn likely(model: &impl StateSpaceModel) -> Vec<f64> {
     let (mut stream, mut state) = (Seed::from_u64(5).stream(), vec![0.0; n]);
     let mut tile = vec![0.0; n * LANES];
     for lane in 0..LANES {
-        model.sample_initial(&mut stream, &mut state);
+        model.sample_states(&Step::of_index(0), None, std::slice::from_mut(&mut stream), &mut state);
         state.iter().enumerate().for_each(|(i, x)| tile[i * LANES + lane] = *x);
     }
     tile
@@ -47,8 +47,12 @@ fn transports_the_transition(model: &impl Transport) {
         for (at, log_slope) in log_slopes.iter().enumerate() {
             let state = lane(&states, at);
             let expected = match previous {
-                None => model.log_initial(&state),
-                Some(previous) => model.log_transition(&Step::of_index(1), &lane(previous, at), &state),
+                None => model.density().unwrap().log_density(&Step::of_index(0), None, &state),
+                Some(previous) => model.density().unwrap().log_density(
+                    &Step::of_index(1),
+                    Some(&lane(previous, at)),
+                    &state,
+                ),
             };
             let normal: f64 =
                 lane(&noise, at).iter().map(|v| -0.5 * v * v - 0.5 * motes_models::LN_2PI).sum();
@@ -81,7 +85,12 @@ fn moments_and_scores(model: &(impl Linearise + Simulator), is_gaussian: bool) {
     let mut sums = vec![[0.0; 2]; n];
     let from = lane(&previous, 4);
     for _ in 0..count {
-        model.sample_transition(&Step::of_index(1), &from, &mut stream, &mut state);
+        model.sample_states(
+            &Step::of_index(1),
+            Some(Rows::all(&from, from.len())),
+            std::slice::from_mut(&mut stream),
+            &mut state,
+        );
         for ((sum, x), mean) in sums.iter_mut().zip(&state).zip(lane(&means, 4)) {
             sum[0] += (x - mean) / f64::from(count);
             sum[1] += (x - mean).powi(2) / f64::from(count);
@@ -95,7 +104,7 @@ fn moments_and_scores(model: &(impl Linearise + Simulator), is_gaussian: bool) {
     }
 
     let mut measurement = vec![0.0; m];
-    model.sample_measurement(&Step::of_index(1), &from, &mut stream, &mut measurement);
+    model.sample_measurements(&Step::of_index(1), &from, std::slice::from_mut(&mut stream), &mut measurement);
     let mut entries: Vec<Option<Lanes>> = measurement.iter().map(|y| Some(Lanes::from(*y))).collect();
     let [mut slopes, mut information] = [0, 1].map(|_| vec![f64::NAN; m * LANES]);
     let mut jacobian = vec![f64::NAN; m * n * LANES];
@@ -107,7 +116,7 @@ fn moments_and_scores(model: &(impl Linearise + Simulator), is_gaussian: bool) {
             let moved = |by: f64| {
                 let mut state = from.clone();
                 state[i] += by;
-                model.log_likelihood(&Step::of_index(1), &state, &measurement)
+                model.log_likelihood(&Step::of_index(1), &state, &measurement).unwrap()
             };
             let difference = (moved(1e-4) - moved(-1e-4)) / 2e-4;
             assert!((along - difference).abs() < 1e-6 * (1.0 + difference.abs()), "{along} for {difference}");

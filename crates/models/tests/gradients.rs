@@ -1,10 +1,11 @@
 //! Every log density's state gradient against central differences.
 
 use faer::mat;
+use motes_models::batch::Rows;
 use motes_models::{
     Derivative, Drift, Epidemic, EpidemicConfig, Gaussian, GradientError, GraphDiffusion,
-    GraphDiffusionConfig, LinearGaussian, Noise, Seed, Simulator, StateGradients, StateSpaceModel, Step,
-    Stream, check_gradients,
+    GraphDiffusionConfig, LinearGaussian, ModelError, Noise, Seed, Simulator, StateGradients,
+    StateSpaceModel, Step, Stream, TransitionDensity, check_gradients,
 };
 
 const TOLERANCE: f64 = 1e-5;
@@ -76,38 +77,38 @@ impl StateSpaceModel for Mistaken {
     fn measurement_dim(&self) -> usize {
         self.model.measurement_dim()
     }
-    fn sample_initial(&self, stream: &mut Stream, state: &mut [f64]) {
-        self.model.sample_initial(stream, state);
+    fn sample_states(
+        &self,
+        step: &Step<'_>,
+        previous: Option<Rows<'_>>,
+        streams: &mut [Stream],
+        states: &mut [f64],
+    ) {
+        self.model.sample_states(step, previous, streams, states);
     }
-    fn sample_transition(&self, step: &Step<'_>, previous: &[f64], stream: &mut Stream, state: &mut [f64]) {
-        self.model.sample_transition(step, previous, stream, state);
+    fn log_likelihoods(
+        &self,
+        step: &Step<'_>,
+        states: &[f64],
+        measurement: &[Option<f64>],
+        out: &mut [f64],
+    ) -> Result<(), ModelError> {
+        self.model.log_likelihoods(step, states, measurement, out)
     }
-    fn log_initial(&self, state: &[f64]) -> f64 {
-        self.model.log_initial(state)
-    }
-    fn log_transition(&self, step: &Step<'_>, previous: &[f64], state: &[f64]) -> f64 {
-        self.model.log_transition(step, previous, state)
-    }
-    fn log_likelihood(&self, step: &Step<'_>, state: &[f64], measurement: &[f64]) -> f64 {
-        self.model.log_likelihood(step, state, measurement)
+    fn density(&self) -> Option<&dyn TransitionDensity> {
+        self.model.density()
     }
 }
 
 impl Simulator for Mistaken {
-    fn sample_measurement(
-        &self,
-        step: &Step<'_>,
-        state: &[f64],
-        stream: &mut Stream,
-        measurement: &mut [f64],
-    ) {
-        self.model.sample_measurement(step, state, stream, measurement);
+    fn sample_measurements(&self, step: &Step<'_>, states: &[f64], streams: &mut [Stream], out: &mut [f64]) {
+        self.model.sample_measurements(step, states, streams, out);
     }
 }
 
 impl StateGradients for Mistaken {
-    fn initial_gradients(&self, states: &[f64], d_states: &mut [f64]) {
-        self.model.initial_gradients(states, d_states);
+    fn initial_gradients(&self, step: &Step<'_>, states: &[f64], d_states: &mut [f64]) {
+        self.model.initial_gradients(step, states, d_states);
         self.make(Derivative::Initial, d_states);
     }
     fn transition_gradients(

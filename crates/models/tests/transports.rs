@@ -3,7 +3,7 @@
 use motes_models::batch::LANES;
 use motes_models::equations::Transport;
 use motes_models::equations::{
-    Coordinates, Equations, Lanes, Linearise, Scalar, exponential, gamma, laplace, log_normal, normal,
+    Coordinates, Draws, Equations, Lanes, Linearise, Scalar, exponential, gamma, laplace, log_normal, normal,
     poisson, student_t, uniform,
 };
 use motes_models::{Seed, Simulator, StateSpaceModel, Step, Stream, fill_standard_normal};
@@ -18,19 +18,19 @@ impl Equations for Every {
         [N, 2]
     }
 
-    fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
-        (0..N).for_each(|i| state.push(normal(0.1 * i as f64, 0.5)));
+    fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]) {
+        (0..N).for_each(|i| state[i] = draws.draw(normal(0.1 * i as f64, 0.5)));
     }
 
-    fn transition<S: Scalar>(&self, step: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
-        state.push(normal(x[0].sin() + step.time, (x[1] * 0.3).exp()));
-        state.push(student_t(4.0, x[1], x[2].abs() + 0.2));
-        state.push(laplace(x[0] * x[1], 0.4));
-        state.push(log_normal(x[3] * 0.2, 0.4).scaled(-1.5));
-        state.push(exponential(x[4].abs() + 0.1).shifted(x[0]));
-        state.push(gamma(x[5].exp(), 0.5));
-        state.push(gamma(x[5].exp() + 2.0, 0.5).scaled(-1.0));
-        state.push(uniform(-(x[7].abs()) - 0.2, x[6].abs()));
+    fn transition<S: Scalar>(&self, step: &Step<'_, S>, x: &[S], draws: &mut impl Draws<S>, state: &mut [S]) {
+        state[0] = draws.draw(normal(x[0].sin() + step.time, (x[1] * 0.3).exp()));
+        state[1] = draws.draw(student_t(4.0, x[1], x[2].abs() + 0.2));
+        state[2] = draws.draw(laplace(x[0] * x[1], 0.4));
+        state[3] = draws.draw(log_normal(x[3] * 0.2, 0.4).scaled(-1.5));
+        state[4] = draws.draw(exponential(x[4].abs() + 0.1).shifted(x[0]));
+        state[5] = draws.draw(gamma(x[5].exp(), 0.5));
+        state[6] = draws.draw(gamma(x[5].exp() + 2.0, 0.5).scaled(-1.0));
+        state[7] = draws.draw(uniform(-(x[7].abs()) - 0.2, x[6].abs()));
     }
 
     fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
@@ -68,7 +68,12 @@ fn the_density_of_what_is_transported_is_the_models() {
     for (k, found) in log_slope.iter().enumerate() {
         let (before, now, v) = (lane(&previous, k), lane(&states, k), lane(&noise, k));
         let of_noise: f64 = v.iter().map(|v| -0.5 * v * v - 0.5 * std::f64::consts::TAU.ln()).sum();
-        near(of_noise - found, Every.log_transition(&Step::of_index(2), &before, &now), 1e-9, "log density");
+        near(
+            of_noise - found,
+            Every.density().unwrap().log_density(&Step::of_index(2), Some(&before), &now),
+            1e-9,
+            "log density",
+        );
         near(slope_back[k], *found, 1e-8, "log slope of the inverse");
         lane(&back, k).iter().zip(&v).for_each(|(back, v)| near(*back, *v, 1e-8, "back"));
     }
@@ -120,14 +125,18 @@ impl Equations for Walk {
         [2, 1]
     }
 
-    fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
-        state.push(normal(0.0, 1.0));
-        state.push(if self.starts_wide { uniform(-3.0, 3.0) } else { normal(0.0, 1.0) });
+    fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]) {
+        state[0] = draws.draw(normal(0.0, 1.0));
+        state[1] = draws.draw(if self.starts_wide { uniform(-3.0, 3.0) } else { normal(0.0, 1.0) });
     }
 
-    fn transition<S: Scalar>(&self, step: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
-        state.push(normal(x[0] * x[1], 0.3));
-        state.push(if step.index >= self.heavy_from { student_t(3.0, x[1], 0.3) } else { normal(x[1], 0.3) });
+    fn transition<S: Scalar>(&self, step: &Step<'_, S>, x: &[S], draws: &mut impl Draws<S>, state: &mut [S]) {
+        state[0] = draws.draw(normal(x[0] * x[1], 0.3));
+        state[1] = draws.draw(if step.index >= self.heavy_from {
+            student_t(3.0, x[1], 0.3)
+        } else {
+            normal(x[1], 0.3)
+        });
     }
 
     fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
@@ -154,12 +163,15 @@ impl Equations for Ragged {
         [2, 1]
     }
 
-    fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
-        (0..self.0).for_each(|_| state.push(normal(0.0, 1.0)));
+    fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]) {
+        for i in 0..self.0 {
+            let drawn = draws.draw(normal(0.0, 1.0));
+            state.get_mut(i).into_iter().for_each(|coordinate| *coordinate = drawn);
+        }
     }
 
-    fn transition<S: Scalar>(&self, _: &Step<'_, S>, _: &[S], state: &mut impl Coordinates<S>) {
-        self.initial(state);
+    fn transition<S: Scalar>(&self, step: &Step<'_, S>, _: &[S], draws: &mut impl Draws<S>, state: &mut [S]) {
+        self.initial(step, draws, state);
     }
 
     fn measurement<S: Scalar>(&self, _: &Step<'_, S>, _: &[S], y: &mut impl Coordinates<S>) {
@@ -198,9 +210,9 @@ fn measurements_in_a_batch_have_the_distribution_of_those_one_by_one() {
     let mut stream = Seed::from_u64(73).stream();
     for (x, batch) in places.iter().zip(all.chunks_exact(2 * EACH)) {
         let mut alone = vec![0.0; 2 * EACH];
-        alone
-            .chunks_exact_mut(2)
-            .for_each(|y| Every.sample_measurement(&Step::of_index(3), &[*x; N], &mut stream, y));
+        alone.chunks_exact_mut(2).for_each(|y| {
+            Every.sample_measurements(&Step::of_index(3), &[*x; N], std::slice::from_mut(&mut stream), y)
+        });
         for entry in 0..2 {
             let column = |rows: &[f64]| rows.iter().skip(entry).step_by(2).copied().collect::<Vec<_>>();
             let [together, alone] = [column(batch), column(&alone)].map(|draws| moments(&draws));

@@ -89,12 +89,12 @@ impl Model {
     ///         [1, 1]
     ///     }
     ///
-    ///     fn initial<S: Scalar>(&self, x: &mut impl Coordinates<S>) {
-    ///         x.push(normal(0.0, 1.0));
+    ///     fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, x: &mut [S]) {
+    ///         x[0] = draws.draw(normal(0.0, 1.0));
     ///     }
     ///
-    ///     fn transition<S: Scalar>(&self, _: &Step<'_, S>, before: &[S], x: &mut impl Coordinates<S>) {
-    ///         x.push(normal(before[0], 1.0));
+    ///     fn transition<S: Scalar>(&self, _: &Step<'_, S>, before: &[S], draws: &mut impl Draws<S>, x: &mut [S]) {
+    ///         x[0] = draws.draw(normal(before[0], 1.0));
     ///     }
     ///
     ///     fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {

@@ -2,7 +2,7 @@
 
 use std::ops::{ControlFlow, Range};
 
-use motes_models::{PartialLikelihood, Seed, Simulator, StateSpaceModel};
+use motes_models::{Seed, Simulator, StateSpaceModel};
 use motes_smc::{
     Bootstrap, EvidenceCheck, EvidenceWarning, FilterError, FilterHistory, FilterSettings, ParticleFilter,
     Proposal, SecondOpinion, SmoothedPaths, SmoothingError, Verdict, WeightDiagnosis,
@@ -76,7 +76,7 @@ impl<M: StateSpaceModel + ?Sized, P: Proposal<M>> Filter<'_, M, P> {
 
 impl<M, P> Steps for Filter<'_, M, P>
 where
-    M: PartialLikelihood + Simulator + ?Sized,
+    M: Simulator + ?Sized,
     P: Proposal<M, Memory = ()> + Send,
 {
     fn step(&mut self, measurement: &[Option<f64>]) -> Result<(), FilterError> {
@@ -196,7 +196,7 @@ pub(crate) fn of_another_kind() -> MotesError {
 }
 
 /// The filter of a model and a proposal that the options ask for.
-pub(crate) fn boxed<'m, M: PartialLikelihood + Simulator + ?Sized>(
+pub(crate) fn boxed<'m, M: Simulator + ?Sized>(
     model: &'m M,
     proposal: impl Proposal<M, Memory = ()> + Clone + Send + 'm,
     options: &FilterOptions,

@@ -1,7 +1,7 @@
 //! What particles predict where none of them explains the measurement.
 
 use motes_models::batch::Rows;
-use motes_models::{PartialLikelihood, Seed, Simulator};
+use motes_models::{Seed, Simulator, StateSpaceModel};
 
 /// So many particles say what the others would.
 pub(crate) const MOST: usize = 1000;
@@ -33,7 +33,7 @@ impl Beside {
 /// Draws `x_t`, given states before (`K×N`) or from `p(x_0)` where there are none, and `y_t`, and says in words which entries of the measurement (`M`) are where
 /// nothing is predicted: those of density 0 at all that was drawn, or else those that are farthest off. `names` are those of the entries; it is empty where nothing is
 /// measured or drawn.
-pub(crate) fn beside_prediction<M: Simulator + PartialLikelihood + ?Sized>(
+pub(crate) fn beside_prediction<M: Simulator + ?Sized>(
     model: &M,
     time: usize,
     previous: Option<&[f64]>,
@@ -44,18 +44,9 @@ pub(crate) fn beside_prediction<M: Simulator + PartialLikelihood + ?Sized>(
     let particles = previous.map_or(MOST, |previous| previous.len() / n);
     let mut streams = [Seed::from_u64(0).child("prediction").stream()];
     let (mut states, mut drawn) = (vec![0.0; particles * n], vec![0.0; particles * m]);
-    match previous {
-        Some(previous) => {
-            model.sample_transitions(
-                &model.step_of_index(time),
-                Rows::all(previous, n),
-                &mut streams,
-                &mut states,
-            );
-        }
-        None => model.sample_initials(&mut streams, &mut states),
-    }
-    model.sample_measurements(&model.step_of_index(time), &states, &mut streams, &mut drawn);
+    let step = model.step_of_index(time);
+    model.sample_states(&step, previous.map(|rows| Rows::all(rows, n)), &mut streams, &mut states);
+    model.sample_measurements(&step, &states, &mut streams, &mut drawn);
     let beside = |(entry, value): (usize, &Option<f64>)| {
         let value = (*value)?;
         let drawn = summary(drawn.iter().skip(entry).step_by(m).copied())?;
@@ -84,7 +75,7 @@ pub(crate) fn beside_prediction<M: Simulator + PartialLikelihood + ?Sized>(
 }
 
 /// Whether one entry of a measurement has density 0 at all states.
-fn is_impossible<M: PartialLikelihood + ?Sized>(
+fn is_impossible<M: StateSpaceModel + ?Sized>(
     model: &M,
     time: usize,
     states: &[f64],
@@ -94,7 +85,7 @@ fn is_impossible<M: PartialLikelihood + ?Sized>(
     let mut alone = vec![None; model.measurement_dim()];
     alone[entry] = Some(value);
     let mut densities = vec![f64::NAN; states.len() / model.state_dim()];
-    let weighed = model.partial_log_likelihoods(&model.step_of_index(time), states, &alone, &mut densities);
+    let weighed = model.log_likelihoods(&model.step_of_index(time), states, &alone, &mut densities);
     weighed.is_ok() && densities.iter().all(|density| *density == f64::NEG_INFINITY)
 }
 

@@ -1,7 +1,7 @@
 //! A filter with an amortised proposal allocates nothing once its buffers have their sizes. It runs without the test harness, whose own thread allocates meanwhile.
 
 use motes_models::batch::reserve_scratch;
-use motes_models::equations::{Coordinates, Equations, Scalar, normal};
+use motes_models::equations::{Coordinates, Draws, Equations, Scalar, normal};
 use motes_models::{ModelShape, Seed, Step, simulate};
 use motes_proposals::{Amortised, AmortisedConfig, Backend, Base, Covariance, Family, HeadConfig, Sees};
 use motes_smc::{FilterBank, FilterSettings, ResampleWhen, Resampling};
@@ -21,13 +21,13 @@ impl Equations for Bent {
         [2, 1]
     }
 
-    fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
-        (0..2).for_each(|_| state.push(normal(0.0, 1.0)));
+    fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]) {
+        (0..2).for_each(|i| state[i] = draws.draw(normal(0.0, 1.0)));
     }
 
-    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
-        state.push(normal(x[0] * 0.9 + x[1].sin(), 0.7));
-        state.push(normal(x[1] * 0.7, 1.1));
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], draws: &mut impl Draws<S>, state: &mut [S]) {
+        state[0] = draws.draw(normal(x[0] * 0.9 + x[1].sin(), 0.7));
+        state[1] = draws.draw(normal(x[1] * 0.7, 1.1));
     }
 
     fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {

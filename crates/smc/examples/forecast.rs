@@ -2,7 +2,7 @@
 //!
 //! `seq 1 40 | awk '{print 20*$1*$1/1600 + 3*rand()}' | cargo run --release -p motes-smc --example forecast`
 
-use motes_models::equations::{Coordinates, Equations, Scalar, normal};
+use motes_models::equations::{Coordinates, Draws, Equations, Scalar, normal};
 use motes_models::{Seed, Step};
 use motes_smc::{Bootstrap, FilterSettings, ParticleFilter};
 
@@ -17,14 +17,14 @@ impl Equations for Trend {
         [2, 1]
     }
 
-    fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
-        state.push(normal(0.0, 5.0));
-        state.push(normal(0.0, 1.0));
+    fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]) {
+        state[0] = draws.draw(normal(0.0, 5.0));
+        state[1] = draws.draw(normal(0.0, 1.0));
     }
 
-    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
-        state.push(normal(x[0] + x[1], 0.1));
-        state.push(normal(x[1], 0.2));
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], draws: &mut impl Draws<S>, state: &mut [S]) {
+        state[0] = draws.draw(normal(x[0] + x[1], 0.1));
+        state[1] = draws.draw(normal(x[1], 0.2));
     }
 
     fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {

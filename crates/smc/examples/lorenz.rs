@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release -p motes-smc --example lorenz`
 
-use motes_models::equations::{Coordinates, Equations, Scalar, normal};
+use motes_models::equations::{Coordinates, Draws, Equations, Scalar, normal};
 use motes_models::{Seed, Step, simulate};
 use motes_smc::{FilterSettings, Linearised, ParticleFilter};
 
@@ -23,11 +23,11 @@ impl Equations for Lorenz {
         [N, N / 2]
     }
 
-    fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
-        (0..N).for_each(|_| state.push(normal(8.0, 1.0)));
+    fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]) {
+        (0..N).for_each(|i| state[i] = draws.draw(normal(8.0, 1.0)));
     }
 
-    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], draws: &mut impl Draws<S>, state: &mut [S]) {
         let x: [S; N] = std::array::from_fn(|i| x[i]);
         let half = moved(x, x, STEP / 2.0);
         let again = moved(x, half, STEP / 2.0);
@@ -35,7 +35,8 @@ impl Equations for Lorenz {
         let end = moved(x, whole, STEP / 2.0);
         // x + (k₁ + 2k₂ + 2k₃ + k₄)/6·Δ, of which each of the four has a share.
         (0..N).for_each(|i| {
-            state.push(normal((half[i] + again[i] * 2.0 + whole[i] + end[i] - x[i] * 2.0) / 3.0, 0.5))
+            let mean = (half[i] + again[i] * 2.0 + whole[i] + end[i] - x[i] * 2.0) / 3.0;
+            state[i] = draws.draw(normal(mean, 0.5));
         });
     }
 

@@ -2,41 +2,29 @@
 //!
 //! `seq 1 40 | awk '{print 20*$1*$1/1600 + 3*rand()}' | cargo run --release -p motes-smc --example online`
 
-use motes_models::{Noise, Seed, StateSpaceModel, Step, Stream};
+use motes_models::equations::{Coordinates, Draws, Equations, Scalar, normal};
+use motes_models::{Seed, Step};
 use motes_smc::{Bootstrap, FilterSettings, ParticleFilter};
 
 /// A position and its velocity, pushed about at random; the position is measured.
 struct Tracker;
 
-impl StateSpaceModel for Tracker {
-    fn state_dim(&self) -> usize {
-        2
+impl Equations for Tracker {
+    fn dimensions(&self) -> [usize; 2] {
+        [2, 1]
     }
 
-    fn measurement_dim(&self) -> usize {
-        1
+    fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]) {
+        state.fill_with(|| draws.draw(normal(0.0, 5.0)));
     }
 
-    fn sample_initial(&self, stream: &mut Stream, state: &mut [f64]) {
-        state.fill_with(|| Noise::Gaussian.sample(5.0, stream));
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], draws: &mut impl Draws<S>, state: &mut [S]) {
+        state[0] = draws.draw(normal(x[0] + x[1], 0.1));
+        state[1] = draws.draw(normal(x[1], 0.3));
     }
 
-    fn sample_transition(&self, _step: &Step<'_>, previous: &[f64], stream: &mut Stream, state: &mut [f64]) {
-        state[0] = previous[0] + previous[1] + Noise::Gaussian.sample(0.1, stream);
-        state[1] = previous[1] + Noise::Gaussian.sample(0.3, stream);
-    }
-
-    fn log_initial(&self, state: &[f64]) -> f64 {
-        Noise::Gaussian.log_density(5.0, state[0]) + Noise::Gaussian.log_density(5.0, state[1])
-    }
-
-    fn log_transition(&self, _step: &Step<'_>, previous: &[f64], state: &[f64]) -> f64 {
-        Noise::Gaussian.log_density(0.1, state[0] - previous[0] - previous[1])
-            + Noise::Gaussian.log_density(0.3, state[1] - previous[1])
-    }
-
-    fn log_likelihood(&self, _step: &Step<'_>, state: &[f64], measurement: &[f64]) -> f64 {
-        Noise::Gaussian.log_density(1.0, measurement[0] - state[0])
+    fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
+        y.push(normal(x[0], 1.0));
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release -p motes-smc --example range_and_bearing`
 
-use motes_models::equations::{Coordinates, Equations, Scalar, normal};
+use motes_models::equations::{Coordinates, Draws, Equations, Scalar, normal};
 use motes_models::{Measurements, Seed, Step, simulate};
 use motes_smc::{Bootstrap, FilterSettings, Linearised, ParticleFilter, Proposal};
 
@@ -14,15 +14,16 @@ impl Equations for Target {
         [4, 2]
     }
 
-    fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
-        for (mean, sd) in [(5.0, 1.0), (5.0, 1.0), (0.2, 0.1), (-0.1, 0.1)] {
-            state.push(normal(mean, sd));
+    fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]) {
+        let starts = [(5.0, 1.0), (5.0, 1.0), (0.2, 0.1), (-0.1, 0.1)];
+        for (state, (mean, sd)) in state.iter_mut().zip(starts) {
+            *state = draws.draw(normal(mean, sd));
         }
     }
 
-    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
-        (0..2).for_each(|i| state.push(normal(x[i] + x[i + 2], 0.05)));
-        (2..4).for_each(|i| state.push(normal(x[i], 0.05)));
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], draws: &mut impl Draws<S>, state: &mut [S]) {
+        (0..2).for_each(|i| state[i] = draws.draw(normal(x[i] + x[i + 2], 0.05)));
+        (2..4).for_each(|i| state[i] = draws.draw(normal(x[i], 0.05)));
     }
 
     fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {

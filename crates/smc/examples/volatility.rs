@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release -p motes-smc --example volatility`
 
-use motes_models::equations::{Coordinates, Equations, Scalar, normal};
+use motes_models::equations::{Coordinates, Draws, Equations, Scalar, normal};
 use motes_models::{Seed, Step, simulate};
 use motes_smc::{Bootstrap, FilterSettings, ParticleFilter};
 
@@ -14,12 +14,12 @@ impl Equations for Volatility {
         [1, 1]
     }
 
-    fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
-        state.push(normal(0.0, 1.0 / (1.0 - 0.91_f64.powi(2)).sqrt()));
+    fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]) {
+        state[0] = draws.draw(normal(0.0, 1.0 / (1.0 - 0.91_f64.powi(2)).sqrt()));
     }
 
-    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
-        state.push(normal(x[0] * 0.91, 1.0));
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], draws: &mut impl Draws<S>, state: &mut [S]) {
+        state[0] = draws.draw(normal(x[0] * 0.91, 1.0));
     }
 
     fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {

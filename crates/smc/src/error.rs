@@ -30,6 +30,7 @@ impl ProposalError {
             | ProposalError::Setting { .. }
             | ProposalError::Frames { .. }
             | ProposalError::NotPrepared { .. }
+            | ProposalError::NoDensity
             | ProposalError::NoGraph => ErrorKind::BadInput,
             ProposalError::Backend { .. }
             | ProposalError::Measurement { .. }

@@ -2,7 +2,7 @@
 
 use std::ops::Deref;
 
-use motes_models::{PartialLikelihood, StateSpaceModel, Step, Stream};
+use motes_models::{StateSpaceModel, Step, Stream};
 
 use crate::bank::{FilterBank, FilterSettings};
 use crate::diagnosis::WeightDiagnosis;
@@ -84,7 +84,7 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> ParticleFilter<D
     /// The particles a step before (`K×N`), as [`FilterBank::previous_particles`]. Where the filter has failed, they are the `x_{t−1}` of the step that failed.
     ///
     /// ```
-    /// use motes_models::equations::{Coordinates, Equations, Scalar, normal};
+    /// use motes_models::equations::{Coordinates, Draws, Equations, Scalar, normal};
     /// use motes_models::{Seed, Step};
     /// use motes_smc::{Bootstrap, FilterError, FilterSettings, ParticleFilter};
     ///
@@ -96,12 +96,12 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> ParticleFilter<D
     ///         [1, 1]
     ///     }
     ///
-    ///     fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
-    ///         state.push(normal(1.0, 0.1));
+    ///     fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]) {
+    ///         state[0] = draws.draw(normal(1.0, 0.1));
     ///     }
     ///
-    ///     fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
-    ///         state.push(normal(x[0].sqrt() - 0.5, 0.1));
+    ///     fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], draws: &mut impl Draws<S>, state: &mut [S]) {
+    ///         state[0] = draws.draw(normal(x[0].sqrt() - 0.5, 0.1));
     ///     }
     ///
     ///     fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
@@ -176,7 +176,7 @@ impl<D: Deref + Clone, P: Proposal<D::Target, Memory: Clone> + Clone> Clone for 
     }
 }
 
-impl<D: Deref<Target: PartialLikelihood>, P: Proposal<D::Target>> ParticleFilter<D, P> {
+impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> ParticleFilter<D, P> {
     /// Takes in one measurement (`M` entries) some of whose entries may be missing.
     ///
     /// # Errors

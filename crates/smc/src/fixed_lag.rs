@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::ops::Deref;
 
-use motes_models::{PartialLikelihood, StateSpaceModel};
+use motes_models::StateSpaceModel;
 
 use crate::error::FilterError;
 use crate::filter::ParticleFilter;
@@ -132,7 +132,7 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FixedLagSmoother
     }
 }
 
-impl<D: Deref<Target: PartialLikelihood>, P: Proposal<D::Target>> FixedLagSmoother<D, P> {
+impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FixedLagSmoother<D, P> {
     /// Takes in one measurement (`M` entries) some of whose entries may be missing.
     ///
     /// # Errors

@@ -58,6 +58,11 @@ pub enum ProposalError {
         /// The time of the step.
         time: usize,
     },
+    /// The proposal draws states, and the model has no density of its transition to weigh them by.
+    #[error(
+        "the model's transition has no density, which a proposal of states is weighed by: take the bootstrap proposal"
+    )]
+    NoDensity,
     /// The proposal cannot be had for a measurement.
     #[error("the proposal cannot take the measurement at time {time}: {reason}")]
     Measurement {

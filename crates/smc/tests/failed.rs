@@ -1,6 +1,6 @@
 //! What a bank that failed still shows: the particles that the failed step started from.
 
-use motes_models::equations::{Coordinates, Equations, Scalar, normal, uniform};
+use motes_models::equations::{Coordinates, Draws, Equations, Scalar, normal, uniform};
 use motes_models::{Seed, StateSpaceModel, Step, simulate};
 use motes_smc::{
     Bootstrap, Context, FilterBank, FilterError, FilterSettings, Proposal, ProposalError, ResampleWhen,
@@ -15,12 +15,12 @@ impl Equations for Root {
         [1, 1]
     }
 
-    fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
-        state.push(normal(1.0, 0.1));
+    fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]) {
+        state[0] = draws.draw(normal(1.0, 0.1));
     }
 
-    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
-        state.push(normal(x[0].sqrt() - 0.4, 0.1));
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], draws: &mut impl Draws<S>, state: &mut [S]) {
+        state[0] = draws.draw(normal(x[0].sqrt() - 0.4, 0.1));
     }
 
     fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
@@ -110,12 +110,12 @@ impl Equations for Bounded {
         [1, 1]
     }
 
-    fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
-        state.push(uniform(-2.0, 2.0));
+    fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]) {
+        state[0] = draws.draw(uniform(-2.0, 2.0));
     }
 
-    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
-        state.push(uniform(x[0] * 0.9 - 1.0, x[0] * 0.9 + 1.0));
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], draws: &mut impl Draws<S>, state: &mut [S]) {
+        state[0] = draws.draw(uniform(x[0] * 0.9 - 1.0, x[0] * 0.9 + 1.0));
     }
 
     fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {

@@ -1,7 +1,9 @@
 //! The linearised proposal: the optimum where there is one, and unbiased evidence everywhere.
 
 use faer::mat;
-use motes_models::equations::{Coordinates, Equations, Scalar, exponential, normal, poisson, student_t};
+use motes_models::equations::{
+    Coordinates, Draws, Equations, Scalar, exponential, normal, poisson, student_t,
+};
 use motes_models::{Gaussian, LinearGaussian, Seed, StateSpaceModel, Step, kalman, simulate};
 use motes_smc::{
     Bootstrap, Conditional, Context, FilterBank, FilterSettings, Linearised, LinearisedScratch,
@@ -19,14 +21,14 @@ impl Equations for Linear {
         [3, 2]
     }
 
-    fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
-        (0..3).for_each(|_| state.push(normal(0.0, 1.0)));
+    fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]) {
+        (0..3).for_each(|i| state[i] = draws.draw(normal(0.0, 1.0)));
     }
 
-    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
-        state.push(normal(x[0] * 0.9 + x[1] * 0.2, VARIANCES[0].sqrt()));
-        state.push(normal(x[1] * 0.7 - x[2] * 0.1, VARIANCES[1].sqrt()));
-        state.push(normal(x[2] * 0.5 + x[0] * 0.3, VARIANCES[2].sqrt()));
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], draws: &mut impl Draws<S>, state: &mut [S]) {
+        state[0] = draws.draw(normal(x[0] * 0.9 + x[1] * 0.2, VARIANCES[0].sqrt()));
+        state[1] = draws.draw(normal(x[1] * 0.7 - x[2] * 0.1, VARIANCES[1].sqrt()));
+        state[2] = draws.draw(normal(x[2] * 0.5 + x[0] * 0.3, VARIANCES[2].sqrt()));
     }
 
     fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
@@ -55,7 +57,7 @@ fn where_the_measurement_is_linear_it_is_the_optimum() {
     let seed = Seed::from_u64(11);
     let draw = |label: &str| {
         let mut states = vec![0.0; 3 * count];
-        Linear.sample_initials(&mut [seed.child(label).stream()], &mut states);
+        Linear.sample_states(&Step::of_index(0), None, &mut [seed.child(label).stream()], &mut states);
         states
     };
     let (previous, at) = (draw("previous"), draw("at"));
@@ -165,13 +167,13 @@ impl Equations for Awkward {
         [1, 2]
     }
 
-    fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
-        state.push(normal(0.3, 0.8));
+    fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]) {
+        state[0] = draws.draw(normal(0.3, 0.8));
     }
 
-    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], draws: &mut impl Draws<S>, state: &mut [S]) {
         let mean = x[0].sin() + x[0] * 0.5;
-        state.push(match self.is_bounded {
+        state[0] = draws.draw(match self.is_bounded {
             true => exponential(0.6).shifted(mean - 0.5),
             false => student_t(4.0, mean, 0.5),
         });
@@ -188,7 +190,10 @@ fn by_quadrature(model: &Awkward) -> f64 {
     const POINTS: usize = 6001;
     let (low, step) = (-9.0, 0.003);
     let grid: Vec<f64> = (0..POINTS).map(|i| low + step * i as f64).collect();
-    let mut density: Vec<f64> = grid.iter().map(|x| model.log_initial(&[*x]).exp()).collect();
+    let mut density: Vec<f64> = grid
+        .iter()
+        .map(|x| model.density().unwrap().log_density(&Step::of_index(0), None, &[*x]).exp())
+        .collect();
     for (time, row) in Awkward::measurements().iter().enumerate() {
         if time > 0 {
             density = grid
@@ -196,7 +201,12 @@ fn by_quadrature(model: &Awkward) -> f64 {
                 .map(|x| {
                     let into = |(from, before): (&f64, &f64)| {
                         if *before > 0.0 {
-                            before * model.log_transition(&Step::of_index(1), &[*from], &[*x]).exp()
+                            before
+                                * model
+                                    .density()
+                                    .unwrap()
+                                    .log_density(&Step::of_index(1), Some(&[*from]), &[*x])
+                                    .exp()
                         } else {
                             0.0
                         }
@@ -207,14 +217,7 @@ fn by_quadrature(model: &Awkward) -> f64 {
         }
         for (density, x) in density.iter_mut().zip(&grid) {
             let mut out = [0.0];
-            motes_models::PartialLikelihood::partial_log_likelihoods(
-                model,
-                &Step::of_index(time),
-                &[*x],
-                row,
-                &mut out,
-            )
-            .unwrap();
+            model.log_likelihoods(&Step::of_index(time), &[*x], row, &mut out).unwrap();
             *density *= out[0].exp();
         }
     }
@@ -266,12 +269,12 @@ impl Equations for Volatility {
         [1, 1]
     }
 
-    fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
-        state.push(normal(0.0, 1.0));
+    fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]) {
+        state[0] = draws.draw(normal(0.0, 1.0));
     }
 
-    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
-        state.push(normal(x[0] * 0.91, 1.0));
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], draws: &mut impl Draws<S>, state: &mut [S]) {
+        state[0] = draws.draw(normal(x[0] * 0.91, 1.0));
     }
 
     fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {

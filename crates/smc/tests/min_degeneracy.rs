@@ -32,10 +32,15 @@ fn increments_are_likelihood_times_transition_over_proposal() {
             conditional.log_density(&states, &mut log_q);
             for (row, state) in states.chunks_exact(8).enumerate() {
                 let log_prior = match context.previous {
-                    None => system.log_initial(state),
-                    Some(previous) => system.log_transition(&Step::of_index(time), previous.row(row), state),
+                    None => system.density().unwrap().log_density(&Step::of_index(0), None, state),
+                    Some(previous) => system.density().unwrap().log_density(
+                        &Step::of_index(time),
+                        Some(previous.row(row)),
+                        state,
+                    ),
                 };
-                let of_target = system.log_likelihood(&Step::of_index(time), state, measurement) + log_prior;
+                let of_target =
+                    system.log_likelihood(&Step::of_index(time), state, measurement).unwrap() + log_prior;
                 let expected = if has_closed_form { of_target - log_q[row] } else { log_q[row] };
                 let found = increments[row];
                 assert!(found == expected || (found - expected).abs() < 1e-10, "{found} for {expected}");

@@ -2,7 +2,7 @@
 
 use ciborium::Value;
 use faer::mat;
-use motes_models::equations::{Coordinates, Equations, Scalar, normal};
+use motes_models::equations::{Coordinates, Draws, Equations, Scalar, normal};
 use motes_models::{Gaussian, LinearGaussian, Measurements, Seed, StateSpaceModel, Step, simulate};
 use motes_smc::{
     BankSnapshot, Bootstrap, FilterBank, FilterError, FilterSettings, FilterSnapshot, MinDegeneracy,
@@ -129,12 +129,12 @@ impl Equations for Root {
         [1, 1]
     }
 
-    fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
-        state.push(normal(1.0, 0.1));
+    fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]) {
+        state[0] = draws.draw(normal(1.0, 0.1));
     }
 
-    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
-        state.push(normal(x[0].sqrt() - 0.5, 0.1));
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], draws: &mut impl Draws<S>, state: &mut [S]) {
+        state[0] = draws.draw(normal(x[0].sqrt() - 0.5, 0.1));
     }
 
     fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {

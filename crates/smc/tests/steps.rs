@@ -1,6 +1,6 @@
 //! Steps of their own times, inputs and parameters: evidence and smoothed means against exact ones.
 
-use motes_models::equations::{Coordinates, Equations, Scalar, normal};
+use motes_models::equations::{Coordinates, Draws, Equations, Scalar, normal};
 use motes_models::{PartialMeasurements, Seed, StateSpaceModel, Step};
 use motes_smc::{
     Bootstrap, FilterBank, FilterHistory, FilterSettings, Linearised, ParticleFilter, Proposal, Twisting,
@@ -24,15 +24,21 @@ impl Equations for Velocity {
         &FRICTION
     }
 
-    fn initial<S: Scalar>(&self, x: &mut impl Coordinates<S>) {
-        x.push(normal(0.0, 1.0));
+    fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, x: &mut [S]) {
+        x[0] = draws.draw(normal(0.0, 1.0));
     }
 
-    fn transition<S: Scalar>(&self, step: &Step<'_, S>, previous: &[S], x: &mut impl Coordinates<S>) {
+    fn transition<S: Scalar>(
+        &self,
+        step: &Step<'_, S>,
+        previous: &[S],
+        draws: &mut impl Draws<S>,
+        x: &mut [S],
+    ) {
         let (friction, push) = (step.parameters[0], step.inputs[0]);
         let kept = (friction * -step.length).exp();
         let variance = (-(kept * kept) + 1.0) / (friction * 2.0);
-        x.push(normal(previous[0] * kept + push * step.length, variance.sqrt()));
+        x[0] = draws.draw(normal(previous[0] * kept + push * step.length, variance.sqrt()));
     }
 
     fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {

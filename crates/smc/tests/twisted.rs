@@ -1,7 +1,7 @@
 //! Twisted filters: exact where quadratics are, unbiased everywhere, and far ahead where a state is felt late.
 
 use faer::mat;
-use motes_models::equations::{Coordinates, Equations, Scalar, normal, student_t};
+use motes_models::equations::{Coordinates, Draws, Equations, Scalar, normal, student_t};
 use motes_models::{Gaussian, LinearGaussian, PartialMeasurements, Seed, Simulator, Step, kalman, simulate};
 use motes_smc::{
     FilterBank, FilterError, FilterSettings, Linearised, ResampleWhen, Resampling, Twisting, TwistingError,
@@ -15,14 +15,14 @@ impl Equations for Linear {
         [2, 1]
     }
 
-    fn initial<S: Scalar>(&self, x: &mut impl Coordinates<S>) {
-        x.push(normal(100.0, 2.0));
-        x.push(normal(0.0, 1.0));
+    fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, x: &mut [S]) {
+        x[0] = draws.draw(normal(100.0, 2.0));
+        x[1] = draws.draw(normal(0.0, 1.0));
     }
 
-    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], now: &mut impl Coordinates<S>) {
-        now.push(normal(x[0] + x[1], 0.1));
-        now.push(normal(x[1] * 0.95, 0.2));
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], draws: &mut impl Draws<S>, now: &mut [S]) {
+        now[0] = draws.draw(normal(x[0] + x[1], 0.1));
+        now[1] = draws.draw(normal(x[1] * 0.95, 0.2));
     }
 
     fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
@@ -66,13 +66,14 @@ impl Equations for Ring {
         [6, 3]
     }
 
-    fn initial<S: Scalar>(&self, x: &mut impl Coordinates<S>) {
-        (0..6).for_each(|_| x.push(normal(8.0, 1.0)));
+    fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, x: &mut [S]) {
+        (0..6).for_each(|i| x[i] = draws.draw(normal(8.0, 1.0)));
     }
 
-    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], now: &mut impl Coordinates<S>) {
-        for mean in advanced(x) {
-            now.push(if self.is_heavy { student_t(6.0, mean, 0.4) } else { normal(mean, 0.5) });
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], draws: &mut impl Draws<S>, now: &mut [S]) {
+        for (now, mean) in now.iter_mut().zip(advanced(x)) {
+            let noise = if self.is_heavy { student_t(6.0, mean, 0.4) } else { normal(mean, 0.5) };
+            *now = draws.draw(noise);
         }
     }
 
@@ -89,12 +90,12 @@ impl Equations for Walk {
         [1, 1]
     }
 
-    fn initial<S: Scalar>(&self, x: &mut impl Coordinates<S>) {
-        x.push(normal(0.0, 1.0));
+    fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, x: &mut [S]) {
+        x[0] = draws.draw(normal(0.0, 1.0));
     }
 
-    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], now: &mut impl Coordinates<S>) {
-        now.push(normal(x[0], 1.0));
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], draws: &mut impl Draws<S>, now: &mut [S]) {
+        now[0] = draws.draw(normal(x[0], 1.0));
     }
 
     fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {

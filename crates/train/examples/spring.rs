@@ -8,7 +8,7 @@
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
-use motes_models::equations::{Coordinates, Equations, Scalar, normal};
+use motes_models::equations::{Coordinates, Draws, Equations, Scalar, normal};
 use motes_models::{Measurements, ModelShape, Seed, Step};
 use motes_proposals::{Backend, Family, Rnn, RnnConfig, load, save};
 use motes_smc::{Bootstrap, FilterSettings, ParticleFilter, Proposal, WeightReport};
@@ -28,14 +28,20 @@ impl Equations for Spring {
         [2, 1]
     }
 
-    fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
-        (0..2).for_each(|_| state.push(normal(0.0, 1.0)));
+    fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]) {
+        (0..2).for_each(|i| state[i] = draws.draw(normal(0.0, 1.0)));
     }
 
-    fn transition<S: Scalar>(&self, _step: &Step<'_, S>, previous: &[S], state: &mut impl Coordinates<S>) {
+    fn transition<S: Scalar>(
+        &self,
+        _step: &Step<'_, S>,
+        previous: &[S],
+        draws: &mut impl Draws<S>,
+        state: &mut [S],
+    ) {
         let (x, v) = (previous[0], previous[1]);
-        state.push(normal(x + v * STEP, SIGMA[0]));
-        state.push(normal(v - (x.tanh() * STIFFNESS + v * FRICTION) * STEP, SIGMA[1]));
+        state[0] = draws.draw(normal(x + v * STEP, SIGMA[0]));
+        state[1] = draws.draw(normal(v - (x.tanh() * STIFFNESS + v * FRICTION) * STEP, SIGMA[1]));
     }
 
     fn measurement<S: Scalar>(

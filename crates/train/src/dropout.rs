@@ -92,7 +92,7 @@ impl Dropout {
 
 #[cfg(test)]
 mod tests {
-    use motes_models::equations::{Coordinates, Equations, Scalar, normal};
+    use motes_models::equations::{Coordinates, Draws, Equations, Scalar, normal};
     use motes_models::{
         GraphDiffusion, GraphDiffusionConfig, Measurements, ModelShape, OwnSteps, Seed, Step,
     };
@@ -253,14 +253,20 @@ mod tests {
             [3, 2]
         }
 
-        fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
-            (0..3).for_each(|_| state.push(normal(0.0, 1.0)));
+        fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]) {
+            (0..3).for_each(|i| state[i] = draws.draw(normal(0.0, 1.0)));
         }
 
-        fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
-            state.push(normal(x[0] * 0.9, 1.0));
-            state.push(normal(x[1] * 0.5 + x[0] * 0.2, 1.0));
-            state.push(normal(x[2] * 0.5 + x[1] * 0.2, 1.0));
+        fn transition<S: Scalar>(
+            &self,
+            _: &Step<'_, S>,
+            x: &[S],
+            draws: &mut impl Draws<S>,
+            state: &mut [S],
+        ) {
+            state[0] = draws.draw(normal(x[0] * 0.9, 1.0));
+            state[1] = draws.draw(normal(x[1] * 0.5 + x[0] * 0.2, 1.0));
+            state[2] = draws.draw(normal(x[2] * 0.5 + x[1] * 0.2, 1.0));
         }
 
         fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {

@@ -1,7 +1,7 @@
 //! Whether a proposal, a model and measurements fit each other.
 
 use motes_models::batch::there_is_memory_for;
-use motes_models::{Measurements, StateGradients, check_dimensions};
+use motes_models::{Measurements, StateGradients, check_model};
 use motes_proposals::Learnable;
 
 use crate::TrainError;
@@ -23,7 +23,7 @@ pub(crate) fn check_pair(
     model: &dyn StateGradients,
     particles: usize,
 ) -> Result<(), TrainError> {
-    check_dimensions(model)?;
+    check_model(model)?;
     if particles == 0 {
         return Err(differs("the number of particles K", particles, "at least 1"));
     }

@@ -63,6 +63,7 @@ pub(crate) fn draw_and_differentiate(
     stream: &mut Stream,
     workspace: Workspace,
 ) -> Result<(f64, Workspace), (usize, ProposalError)> {
+    let density = model.density().ok_or((0, ProposalError::NoDensity))?;
     let (n, horizon) = (model.state_dim(), measurements.len());
     let block = particles * n;
     let mut tape = proposal.tape(particles, workspace).map_err(|source| (0, source))?;
@@ -71,6 +72,7 @@ pub(crate) fn draw_and_differentiate(
     let needs = objective.needs_log_proposal();
     let mut log_proposal = vec![0.0; if needs { horizon * particles } else { 0 }];
     let (mut noise, mut log_likelihood) = (vec![0.0; block], vec![0.0; particles]);
+    let mut entries = Vec::with_capacity(model.measurement_dim());
 
     for (time, measurement) in measurements.rows().enumerate() {
         let (earlier, now) = states.split_at_mut(time * block);
@@ -82,13 +84,13 @@ pub(crate) fn draw_and_differentiate(
         let log_density = needs.then(|| &mut log_proposal[at.clone()]);
         tape.draw(&inputs, &noise, now, log_density).map_err(|source| (time, source))?;
         let log_model = &mut log_model[at];
-        match previous {
-            None => model.log_initials(now, log_model),
-            Some(previous) => {
-                model.log_transitions(&model.step_of_index(time), Rows::all(previous, n), now, log_model)
-            }
-        }
-        model.log_likelihoods(&model.step_of_index(time), now, measurement, &mut log_likelihood);
+        let step = model.step_of_index(time);
+        density.log_densities(&step, previous.map(|rows| Rows::all(rows, n)), now, log_model);
+        entries.clear();
+        entries.extend(measurement.iter().copied().map(Some));
+        model
+            .log_likelihoods(&step, now, &entries, &mut log_likelihood)
+            .map_err(|error| (time, ProposalError::Measurement { time, reason: error.to_string() }))?;
         log_model.iter_mut().zip(&log_likelihood).for_each(|(sum, term)| *sum += term);
     }
 
@@ -110,7 +112,7 @@ pub(crate) fn draw_and_differentiate(
         subtract_weighted(&mut d_states, weights, &term);
         carried.fill(0.0);
         if time == 0 {
-            model.initial_gradients(now, &mut term);
+            model.initial_gradients(&model.step_of_index(0), now, &mut term);
         } else {
             let previous = &states[(time - 1) * block..time * block];
             model.transition_gradients(&model.step_of_index(time), previous, now, &mut d_previous, &mut term);

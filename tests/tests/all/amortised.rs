@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use faer::mat;
-use motes_models::equations::{Coordinates, Equations, Scalar, normal};
+use motes_models::equations::{Coordinates, Draws, Equations, Scalar, normal};
 use motes_models::{
     Gaussian, LinearGaussian, Measurements, ModelShape, Seed, SimulatedMeasurements, Simulator,
     StateGradients, StateSpaceModel, Step, simulate,
@@ -118,14 +118,14 @@ impl Equations for Growth {
         [1, 1]
     }
 
-    fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
-        state.push(normal(0.0, 5.0_f64.sqrt()));
+    fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]) {
+        state[0] = draws.draw(normal(0.0, 5.0_f64.sqrt()));
     }
 
-    fn transition<S: Scalar>(&self, step: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
+    fn transition<S: Scalar>(&self, step: &Step<'_, S>, x: &[S], draws: &mut impl Draws<S>, state: &mut [S]) {
         let x = x[0];
         let drift = x / 2.0 + x * 25.0 / (x * x + 1.0) + 8.0 * (1.2 * step.time).cos();
-        state.push(normal(drift, 10.0_f64.sqrt()));
+        state[0] = draws.draw(normal(drift, 10.0_f64.sqrt()));
     }
 
     fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], measurement: &mut impl Coordinates<S>) {

@@ -68,7 +68,10 @@ fn exact() -> Reference<GraphDiffusion> {
         let step = (high - low) / (POINTS - 1) as f64;
         let mut next = Forward { low, step, density: vec![0.0; POINTS] };
         let predicted: Vec<f64> = match &forward {
-            None => next.points().map(|x| model.log_initial(&[x]).exp()).collect(),
+            None => next
+                .points()
+                .map(|x| model.density().unwrap().log_density(&Step::of_index(0), None, &[x]).exp())
+                .collect(),
             Some(before) => {
                 let sums = before.cumulative(|x| (A * x / sigma).exp());
                 let into = |x: f64| {
@@ -81,7 +84,7 @@ fn exact() -> Reference<GraphDiffusion> {
         let likelihood = |x: f64| (-(y[0] - x + sigma) / sigma).exp() / sigma;
         next.density = next.points().zip(predicted).map(|(x, p)| p * likelihood(x)).collect();
         let middle = next.points().nth(POINTS / 2).unwrap();
-        let stated = model.log_likelihood(&Step::of_index(time), &[middle], y).exp();
+        let stated = model.log_likelihood(&Step::of_index(time), &[middle], y).unwrap().exp();
         assert!((stated / likelihood(middle) - 1.0).abs() < 1e-12, "the model has another density");
         forward = Some(next);
     }

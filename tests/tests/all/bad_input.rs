@@ -3,10 +3,11 @@
 //! The lines are in `snapshots/`; the program's own are with its tests.
 
 use faer::{Mat, mat};
+use motes_models::batch::Rows;
 use motes_models::{
     Drift, Epidemic, EpidemicConfig, Gaussian, GraphDiffusion, GraphDiffusionConfig, LinearGaussian,
-    Measurements, ModelShape, Noise, PartialMeasurements, Seed, Sequence, Simulations, Simulator,
-    StateGradients, StateSpaceModel, Step, Stream, check_dimensions, check_gradients, simulate,
+    Measurements, ModelError, ModelShape, Noise, PartialMeasurements, Seed, Sequence, Simulations, Simulator,
+    StateGradients, StateSpaceModel, Step, Stream, check_gradients, check_model, simulate,
 };
 use motes_proposals::{Backend, Cell, Family, Fcnn, Gnn, Psi, Rnn};
 use motes_smc::{
@@ -109,37 +110,41 @@ impl StateSpaceModel for OfSize {
     fn measurement_dim(&self) -> usize {
         self.measurements
     }
-    fn sample_initial(&self, _stream: &mut Stream, state: &mut [f64]) {
-        state.fill(0.0);
+    fn sample_states(
+        &self,
+        _step: &Step<'_>,
+        _previous: Option<Rows<'_>>,
+        _streams: &mut [Stream],
+        states: &mut [f64],
+    ) {
+        states.fill(0.0);
     }
-    fn sample_transition(&self, _step: &Step<'_>, previous: &[f64], _stream: &mut Stream, state: &mut [f64]) {
-        state.copy_from_slice(previous);
-    }
-    fn log_initial(&self, _state: &[f64]) -> f64 {
-        0.0
-    }
-    fn log_transition(&self, _step: &Step<'_>, _previous: &[f64], _state: &[f64]) -> f64 {
-        0.0
-    }
-    fn log_likelihood(&self, _step: &Step<'_>, _state: &[f64], _measurement: &[f64]) -> f64 {
-        0.0
+    fn log_likelihoods(
+        &self,
+        _step: &Step<'_>,
+        _states: &[f64],
+        _measurement: &[Option<f64>],
+        out: &mut [f64],
+    ) -> Result<(), ModelError> {
+        out.fill(0.0);
+        Ok(())
     }
 }
 
 impl Simulator for OfSize {
-    fn sample_measurement(
+    fn sample_measurements(
         &self,
         _step: &Step<'_>,
-        _state: &[f64],
-        _stream: &mut Stream,
-        measurement: &mut [f64],
+        _states: &[f64],
+        _streams: &mut [Stream],
+        out: &mut [f64],
     ) {
-        measurement.fill(0.0);
+        out.fill(0.0);
     }
 }
 
 impl StateGradients for OfSize {
-    fn initial_gradients(&self, _states: &[f64], d_states: &mut [f64]) {
+    fn initial_gradients(&self, _step: &Step<'_>, _states: &[f64], d_states: &mut [f64]) {
         d_states.fill(0.0);
     }
     fn transition_gradients(
@@ -180,7 +185,7 @@ fn a_model_without_states_or_measurements_is_refused_everywhere_with_the_same_wo
         ),
         (OfSize { states: 0, ..fine }, "the model's state dimension N is 0; it must be at least 1"),
     ] {
-        assert_eq!(refused(check_dimensions(&model)), said);
+        assert_eq!(refused(check_model(&model)), said);
         assert_eq!(refused(simulate(&model, 3, &mut seed.stream())), said);
         assert_eq!(refused(Simulations::draw(&model, 3, 2, 1.0, &seed)), said);
         assert_eq!(refused(check_gradients(&model, 3, 1e-5, &mut seed.stream())), said);

@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use faer::Mat;
+use motes_models::batch::Rows;
 use motes_models::{
-    GraphDiffusion, GraphDiffusionConfig, GraphModel, LinearGaussian, Measurements, ModelShape, Seed,
-    StateSpaceModel, Step, Stream, kalman, simulate,
+    GraphDiffusion, GraphDiffusionConfig, GraphModel, LinearGaussian, Measurements, ModelError, ModelShape,
+    Seed, StateSpaceModel, Step, Stream, kalman, simulate,
 };
 use motes_proposals::{
     Adapter, Backend, Cell, Family, Fcnn, FcnnConfig, Gnn, Learnable, Psi, Rnn, RnnConfig,
@@ -236,30 +237,27 @@ impl StateSpaceModel for RunsAway {
         1
     }
 
-    fn sample_initial(&self, stream: &mut Stream, state: &mut [f64]) {
-        self.0.sample_initial(stream, state);
-    }
-
-    fn sample_transition(
+    fn sample_states(
         &self,
-        _step: &Step<'_>,
-        _previous: &[f64],
-        _stream: &mut Stream,
-        state: &mut [f64],
+        step: &Step<'_>,
+        previous: Option<Rows<'_>>,
+        streams: &mut [Stream],
+        states: &mut [f64],
     ) {
-        state[0] = f64::NAN;
+        match previous {
+            None => self.0.sample_states(step, None, streams, states),
+            Some(_) => states.fill(f64::NAN),
+        }
     }
 
-    fn log_initial(&self, state: &[f64]) -> f64 {
-        self.0.log_initial(state)
-    }
-
-    fn log_transition(&self, step: &Step<'_>, previous: &[f64], state: &[f64]) -> f64 {
-        self.0.log_transition(step, previous, state)
-    }
-
-    fn log_likelihood(&self, step: &Step<'_>, state: &[f64], measurement: &[f64]) -> f64 {
-        self.0.log_likelihood(step, state, measurement)
+    fn log_likelihoods(
+        &self,
+        step: &Step<'_>,
+        states: &[f64],
+        measurement: &[Option<f64>],
+        out: &mut [f64],
+    ) -> Result<(), ModelError> {
+        self.0.log_likelihoods(step, states, measurement, out)
     }
 }
 

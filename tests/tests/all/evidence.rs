@@ -214,21 +214,29 @@ fn confined(reference: &Reference, low: f64, high: f64) -> (f64, f64) {
     let points: Vec<f64> = (0..count).map(|i| low + step * i as f64).collect();
     let integral =
         |values: &[f64]| step * (values.iter().sum::<f64>() - 0.5 * (values[0] + values[values.len() - 1]));
-    let mut forward: Vec<f64> = points.iter().map(|x| model.log_initial(&[*x]).exp()).collect();
+    let mut forward: Vec<f64> = points
+        .iter()
+        .map(|x| model.density().unwrap().log_density(&Step::of_index(0), None, &[*x]).exp())
+        .collect();
     for (time, measurement) in reference.measurements.rows().enumerate() {
         if time > 0 {
             forward = points
                 .iter()
                 .map(|x| {
                     let into = |(from, density): (&f64, &f64)| {
-                        density * model.log_transition(&Step::of_index(time), &[*from], &[*x]).exp()
+                        density
+                            * model
+                                .density()
+                                .unwrap()
+                                .log_density(&Step::of_index(time), Some(&[*from]), &[*x])
+                                .exp()
                     };
                     integral(&points.iter().zip(&forward).map(into).collect::<Vec<f64>>())
                 })
                 .collect();
         }
         for (x, density) in points.iter().zip(&mut forward) {
-            *density *= model.log_likelihood(&Step::of_index(time), &[*x], measurement).exp();
+            *density *= model.log_likelihood(&Step::of_index(time), &[*x], measurement).unwrap().exp();
         }
     }
     let evidence = integral(&forward);

@@ -1,9 +1,10 @@
 //! The graph proposal: what the paper says of permutations, of reach along edges, and of weights that do not depend on N.
 
 use faer::Mat;
+use motes_models::batch::Rows;
 use motes_models::{
-    GraphDiffusion, GraphDiffusionConfig, GraphModel, LinearGaussian, ModelShape, Seed, StateSpaceModel,
-    Step, Stream, SystemGraph,
+    GraphDiffusion, GraphDiffusionConfig, GraphModel, LinearGaussian, ModelError, ModelShape, Seed,
+    StateSpaceModel, Step, Stream, SystemGraph,
 };
 use motes_proposals::{Adapter, Backend, Compute, Family, Gnn, GnnConfig, Parametric, Precision};
 use motes_smc::{Conditional, Context, FilterSettings, ParticleFilter, Proposal, ProposalError};
@@ -21,20 +22,24 @@ impl StateSpaceModel for Graphed {
     fn measurement_dim(&self) -> usize {
         self.0.adapter.ncols()
     }
-    fn sample_initial(&self, _stream: &mut Stream, state: &mut [f64]) {
-        state.fill(0.0);
+    fn sample_states(
+        &self,
+        _step: &Step<'_>,
+        _previous: Option<Rows<'_>>,
+        _streams: &mut [Stream],
+        states: &mut [f64],
+    ) {
+        states.fill(0.0);
     }
-    fn sample_transition(&self, _step: &Step<'_>, previous: &[f64], _stream: &mut Stream, state: &mut [f64]) {
-        state.copy_from_slice(previous);
-    }
-    fn log_initial(&self, _state: &[f64]) -> f64 {
-        0.0
-    }
-    fn log_transition(&self, _step: &Step<'_>, _previous: &[f64], _state: &[f64]) -> f64 {
-        0.0
-    }
-    fn log_likelihood(&self, _step: &Step<'_>, _state: &[f64], _measurement: &[f64]) -> f64 {
-        0.0
+    fn log_likelihoods(
+        &self,
+        _step: &Step<'_>,
+        _states: &[f64],
+        _measurement: &[Option<f64>],
+        out: &mut [f64],
+    ) -> Result<(), ModelError> {
+        out.fill(0.0);
+        Ok(())
     }
 }
 

@@ -239,16 +239,17 @@ where
         conditional.sample(&mut same_noise, &mut states, &mut log_q);
         drop(conditional);
         match time {
-            0 => system.log_initials(&states, &mut log_model),
-            _ => system.log_transitions(
+            0 => system.density().unwrap().log_densities(&Step::of_index(0), None, &states, &mut log_model),
+            _ => system.density().unwrap().log_densities(
                 &Step::of_index(time),
-                Rows::all(&previous, n),
+                Some(Rows::all(&previous, n)),
                 &states,
                 &mut log_model,
             ),
         }
         sum += log_model.iter().sum::<f64>();
-        system.log_likelihoods(&Step::of_index(time), &states, measurement, &mut log_model);
+        let entries: Vec<Option<f64>> = measurement.iter().copied().map(Some).collect();
+        system.log_likelihoods(&Step::of_index(time), &states, &entries, &mut log_model).unwrap();
         sum += log_model.iter().sum::<f64>();
     }
     sum / particles as f64

@@ -2,7 +2,7 @@
 
 use motes::formulas::FormulaModel;
 use motes_models::batch::Rows;
-use motes_models::{Measurements, ModelError, StateSpaceModel, kalman};
+use motes_models::{Measurements, ModelError, StateSpaceModel, TransitionDensity, kalman};
 use serde::{Deserialize, Serialize};
 
 /// How the log-evidence of a model is known.
@@ -51,10 +51,10 @@ impl Exact {
                 Ok((filtered.log_evidence(), deviations))
             }
             Exact::Quadrature { low, high, points } => {
-                Ok((quadrature(model, measurements, *low, *high, *points), None))
+                Ok((quadrature(model, measurements, *low, *high, *points)?, None))
             }
             Exact::Forward { initial, stay, states } => {
-                Ok((forward(model, measurements, *initial, *stay, *states), None))
+                Ok((forward(model, measurements, *initial, *stay, *states)?, None))
             }
         }
     }
@@ -64,35 +64,37 @@ impl Exact {
 const NEGLIGIBLE: f64 = 50.0;
 
 /// `p_t(x) ∝ p(y_t | x) ∫ p(x | x′) p_{t−1}(x′) dx′` on a grid.
-fn quadrature(model: &FormulaModel, measurements: &Measurements, low: f64, high: f64, points: usize) -> f64 {
+fn quadrature(
+    model: &FormulaModel,
+    measurements: &Measurements,
+    low: f64,
+    high: f64,
+    points: usize,
+) -> Result<f64, ModelError> {
     let width = (high - low) / (points as f64 - 1.0);
     let grid: Vec<f64> = (0..points).map(|i| low + width * i as f64).collect();
     let (mut log_density, mut of_grid) = (vec![0.0; points], vec![0.0; points]);
     let mut total = 0.0;
-    model.log_initials(&grid, &mut log_density);
+    model.log_densities(&model.step_of_index(0), None, &grid, &mut log_density);
     for (time, measurement) in measurements.rows().enumerate() {
+        let step = model.step_of_index(time);
         if time > 0 {
             let mut next = vec![0.0; points];
             for (from, log) in grid.iter().zip(&log_density).filter(|(_, log)| **log > -NEGLIGIBLE) {
                 let previous = vec![*from; points];
-                model.log_transitions(
-                    &model.step_of_index(time),
-                    Rows::all(&previous, 1),
-                    &grid,
-                    &mut of_grid,
-                );
+                model.log_densities(&step, Some(Rows::all(&previous, 1)), &grid, &mut of_grid);
                 let mass = log.exp() * width;
                 next.iter_mut().zip(&of_grid).for_each(|(next, log)| *next += mass * log.exp());
             }
             log_density = next.into_iter().map(f64::ln).collect();
         }
-        model.log_likelihoods(&model.step_of_index(time), &grid, measurement, &mut of_grid);
+        model.log_likelihoods(&step, &grid, &entries_of(measurement), &mut of_grid)?;
         log_density.iter_mut().zip(&of_grid).for_each(|(density, log)| *density += log);
         let increment = log_sum(&log_density) + width.ln();
         log_density.iter_mut().for_each(|density| *density -= increment);
         total += increment;
     }
-    total
+    Ok(total)
 }
 
 /// The forward algorithm over two regimes.
@@ -102,22 +104,27 @@ fn forward(
     initial: [f64; 2],
     stay: f64,
     states: [f64; 2],
-) -> f64 {
+) -> Result<f64, ModelError> {
     let (mut probabilities, mut total) = (initial, 0.0);
     for (time, measurement) in measurements.rows().enumerate() {
         if time > 0 {
             let [first, second] = probabilities;
             probabilities = [first * stay + second * (1.0 - stay), second * stay + first * (1.0 - stay)];
         }
-        let logs = [0, 1].map(|at| {
-            probabilities[at].ln()
-                + model.log_likelihood(&model.step_of_index(time), &[states[at]], measurement)
-        });
+        let mut logs = [0.0; 2];
+        let step = model.step_of_index(time);
+        model.log_likelihoods(&step, &states, &entries_of(measurement), &mut logs)?;
+        logs.iter_mut().zip(probabilities).for_each(|(log, probability)| *log += probability.ln());
         let increment = log_sum(&logs);
         probabilities = logs.map(|log| (log - increment).exp());
         total += increment;
     }
-    total
+    Ok(total)
+}
+
+/// A measurement in which nothing is missing.
+fn entries_of(measurement: &[f64]) -> Vec<Option<f64>> {
+    measurement.iter().copied().map(Some).collect()
 }
 
 /// `log Σ exp`.

@@ -2,7 +2,7 @@
 
 use motes_formulas::{FileModel, FormulaModel, parse};
 use motes_models::batch::Rows;
-use motes_models::equations::{Coordinates, Equations, Scalar, normal};
+use motes_models::equations::{Coordinates, Draws, Equations, Scalar, normal};
 use motes_models::{Seed, StateGradients, StateSpaceModel, Step, simulate};
 
 const FILE: &str = r#"
@@ -34,14 +34,14 @@ impl Equations for Growth {
         [1, 1]
     }
 
-    fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
-        state.push(normal(0.0, 5.0_f64.sqrt()));
+    fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]) {
+        state[0] = draws.draw(normal(0.0, 5.0_f64.sqrt()));
     }
 
-    fn transition<S: Scalar>(&self, step: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
+    fn transition<S: Scalar>(&self, step: &Step<'_, S>, x: &[S], draws: &mut impl Draws<S>, state: &mut [S]) {
         let x = x[0];
         let drift = x / 2.0 + x * 25.0 / (x * x + 1.0) + 8.0 * Scalar::cos(1.2 * step.time);
-        state.push(normal(drift, self.q.sqrt()));
+        state[0] = draws.draw(normal(drift, self.q.sqrt()));
     }
 
     fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], measurement: &mut impl Coordinates<S>) {
@@ -91,8 +91,8 @@ fn it_weighs_the_same_bits() {
         a: &mut [f64],
         b: &mut [f64],
     ) {
-        model.log_transitions(&Step::of_index(3), Rows::all(previous, 1), states, a);
-        model.log_likelihoods(&Step::of_index(3), states, &[1.5], b);
+        model.density().unwrap().log_densities(&Step::of_index(3), Some(Rows::all(previous, 1)), states, a);
+        model.log_likelihoods(&Step::of_index(3), states, &[Some(1.5)], b).unwrap();
     }
     fn slopes<M: StateGradients>(model: &M, previous: &[f64], states: &[f64], a: &mut [f64], b: &mut [f64]) {
         model.transition_gradients(&Step::of_index(3), previous, states, a, b);

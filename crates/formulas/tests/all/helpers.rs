@@ -2,7 +2,7 @@
 
 use motes_formulas::{FileModel, FormulaModel, parse};
 use motes_models::Step;
-use motes_models::equations::{Coordinates, Distribution, Equations, Scalar};
+use motes_models::equations::{Coordinates, Distribution, Draws, Equations, Scalar};
 
 /// The model of a text.
 pub fn model(text: &str) -> FormulaModel {
@@ -23,6 +23,13 @@ pub fn measuring(formula: &str, more: &str) -> FormulaModel {
 /// Keeps the distributions that are stated.
 pub struct Kept<S>(pub Vec<Distribution<S>>);
 
+impl<S: Scalar> Draws<S> for Kept<S> {
+    fn draw(&mut self, distribution: Distribution<S>) -> S {
+        self.0.push(distribution);
+        distribution.moments()[0]
+    }
+}
+
 impl<S> Coordinates<S> for Kept<S> {
     fn push(&mut self, distribution: Distribution<S>) {
         self.0.push(distribution);
@@ -39,7 +46,9 @@ pub fn measurement<S: Scalar>(model: &FormulaModel, time: usize, state: &[S]) ->
 /// `p(x_t | x_{t−1})`.
 pub fn transition<S: Scalar>(model: &FormulaModel, time: usize, previous: &[S]) -> Vec<Distribution<S>> {
     let mut kept = Kept(Vec::new());
-    Step::of_index(time).lift(|step| model.equations().transition(step, previous, &mut kept));
+    let mut state = previous.to_vec();
+    let equations = model.equations();
+    Step::of_index(time).lift(|step| equations.transition(step, previous, &mut kept, &mut state));
     kept.0
 }
 

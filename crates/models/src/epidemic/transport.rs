@@ -1,7 +1,7 @@
 //! An epidemic as what linearised and learned proposals ask of it.
 
 use super::{Epidemic, MEASURED};
-use crate::equations::{Coordinates, Lanes, Linearise, TileStates, moments_of_states, rows_of};
+use crate::equations::{Draws, Lanes, Linearise, TileStates, moments_of_states, rows_of};
 use crate::linear_measurements::tile_scores;
 use crate::{Noise, Step};
 
@@ -10,23 +10,26 @@ impl TileStates for Epidemic {
         self.config.noise == Noise::Gaussian
     }
 
-    fn push_states(&self, _step: &Step<'_>, previous: Option<&[f64]>, states: &mut impl Coordinates<Lanes>) {
+    fn draw_states(
+        &self,
+        _step: &Step<'_>,
+        previous: Option<&[f64]>,
+        draws: &mut impl Draws<Lanes>,
+        states: &mut [Lanes],
+    ) {
         let [of_initial, of_states, _] = self.sigmas;
-        let noise = self.config.noise;
-        match previous.map(rows_of) {
+        let (means, sigma) = match previous.map(rows_of) {
             Some(&[s, i, r]) => {
                 let [infect, remove] = self.rates;
                 let (infected, removed) = (s * i * infect, i * remove);
-                let flow = [s - infected, i + infected - removed, r + removed];
-                flow.into_iter().for_each(|flow| states.push(noise.around(of_states, flow)));
+                ([s - infected, i + infected - removed, r + removed], of_states)
             }
-            // A past of another width is none of an epidemic: nothing is pushed, and all becomes NaN.
-            Some(_) => {}
-            None => self
-                .config
-                .initial_means
-                .into_iter()
-                .for_each(|mean| states.push(noise.around(of_initial, Lanes::from(mean)))),
+            // A past of another width is none of an epidemic: nothing is drawn, and all becomes NaN.
+            Some(_) => return,
+            None => (self.config.initial_means.map(Lanes::from), of_initial),
+        };
+        for (state, mean) in states.iter_mut().zip(means) {
+            *state = draws.draw(self.config.noise.around(sigma, mean));
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The gradients of what a model states, by numbers that carry derivatives.
 
 use super::lanes::Lanes;
-use super::model::{OfMeasurement, OfStates};
+use super::model::{Likelihood as OfMeasurement, Replay};
 use super::statement::Equations;
 use super::tiles::{rows_of, rows_of_mut, with_scalars};
 use super::varied::{SIDE, Varied, put, vary};
@@ -13,7 +13,8 @@ trait Density {
     /// The step that it belongs to.
     fn step(&self) -> Step<'_>;
 
-    /// At `point` (`N`), for the particles of a tile from `lane` on; the density may depend on `others`, a tile, and use the numbers of `own` (`N`).
+    /// At `point` (`N`), for the particles of a tile from `lane` on; the density may depend on `others`, a tile, and use the numbers of `own` (`N`). The state that is
+    /// made of the point is `unused`.
     fn at<const E: usize>(
         &self,
         step: &Step<'_, Varied<E>>,
@@ -21,28 +22,30 @@ trait Density {
         others: &[Lanes],
         lane: usize,
         own: &mut [Varied<E>],
+        unused: &mut [Varied<E>],
     ) -> Varied<E>;
 }
 
 /// `p(x_0)`.
-struct Initial<'a, M>(&'a M);
+struct Initial<'a, M>(&'a M, Step<'a>);
 
 impl<M: Equations> Density for Initial<'_, M> {
     fn step(&self) -> Step<'_> {
-        Step::of_index(0)
+        self.1
     }
 
     #[inline(always)]
     fn at<const E: usize>(
         &self,
-        _: &Step<'_, Varied<E>>,
+        step: &Step<'_, Varied<E>>,
         point: &[Varied<E>],
         _: &[Lanes],
         _: usize,
         _: &mut [Varied<E>],
+        unused: &mut [Varied<E>],
     ) -> Varied<E> {
-        let mut density = OfStates::at(point);
-        self.0.initial(&mut density);
+        let mut density = Replay::of(point);
+        self.0.initial(step, &mut density, unused);
         density.finish()
     }
 }
@@ -63,10 +66,11 @@ impl<M: Equations> Density for OfPrevious<'_, M> {
         states: &[Lanes],
         lane: usize,
         now: &mut [Varied<E>],
+        unused: &mut [Varied<E>],
     ) -> Varied<E> {
         vary(states, lane, states.len(), now);
-        let mut density = OfStates::at(now);
-        self.0.transition(step, point, &mut density);
+        let mut density = Replay::of(now);
+        self.0.transition(step, point, &mut density, unused);
         density.finish()
     }
 }
@@ -87,10 +91,11 @@ impl<M: Equations> Density for OfState<'_, M> {
         previous: &[Lanes],
         lane: usize,
         before: &mut [Varied<E>],
+        unused: &mut [Varied<E>],
     ) -> Varied<E> {
         vary(previous, lane, previous.len(), before);
-        let mut density = OfStates::at(point);
-        self.0.transition(step, before, &mut density);
+        let mut density = Replay::of(point);
+        self.0.transition(step, before, &mut density, unused);
         density.finish()
     }
 }
@@ -99,7 +104,7 @@ impl<M: Equations> Density for OfState<'_, M> {
 struct Likelihood<'a, M> {
     model: &'a M,
     step: Step<'a>,
-    measurement: &'a [f64],
+    measurement: &'a [Option<f64>],
 }
 
 impl<M: Equations> Density for Likelihood<'_, M> {
@@ -115,8 +120,9 @@ impl<M: Equations> Density for Likelihood<'_, M> {
         _: &[Lanes],
         _: usize,
         _: &mut [Varied<E>],
+        _: &mut [Varied<E>],
     ) -> Varied<E> {
-        let mut density = OfMeasurement::at(self.measurement);
+        let mut density = OfMeasurement::of(self.measurement);
         self.model.measurement(step, point, &mut density);
         density.finish()
     }
@@ -147,8 +153,9 @@ fn along<const E: usize>(
         let (other, found) = tiles.split_at_mut(n * LANES);
         let step = density.step();
         step.lift(|step| {
-            with_scalars::<Varied<E>, _>(2 * n, |scalars| {
-                let (point, own) = scalars.split_at_mut(n);
+            with_scalars::<Varied<E>, _>(3 * n, |scalars| {
+                let (point, rest) = scalars.split_at_mut(n);
+                let (own, unused) = rest.split_at_mut(n);
                 by_widest_vectors(
                     #[inline(always)]
                     || {
@@ -162,7 +169,7 @@ fn along<const E: usize>(
                             for lane in (0..states.len() / n).step_by(SIDE) {
                                 for first in (0..n).step_by(E - 1) {
                                     vary(tile, lane, first, point);
-                                    let density = density.at(step, point, other, lane, own);
+                                    let density = density.at(step, point, other, lane, own, unused);
                                     let slopes = &mut rows_of_mut(found)[first..];
                                     for (slope, derivative) in slopes.iter_mut().zip(density.derivatives()) {
                                         put(*derivative, lane, slope);
@@ -179,8 +186,8 @@ fn along<const E: usize>(
 }
 
 impl<M: Equations> StateGradients for M {
-    fn initial_gradients(&self, states: &[f64], d_states: &mut [f64]) {
-        fill_slopes(self.dimensions()[0], states, &[], &Initial(self), d_states);
+    fn initial_gradients(&self, step: &Step<'_>, states: &[f64], d_states: &mut [f64]) {
+        fill_slopes(self.dimensions()[0], states, &[], &Initial(self, *step), d_states);
     }
 
     fn transition_gradients(
@@ -203,6 +210,7 @@ impl<M: Equations> StateGradients for M {
         measurement: &[f64],
         d_states: &mut [f64],
     ) {
+        let measurement: &Vec<_> = &measurement.iter().copied().map(Some).collect();
         let density = Likelihood { model: self, step: *step, measurement };
         fill_slopes(self.dimensions()[0], states, &[], &density, d_states);
     }

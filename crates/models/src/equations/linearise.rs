@@ -2,7 +2,7 @@
 
 use super::distribution::Distribution;
 use super::lanes::Lanes;
-use super::statement::{Coordinates, Equations};
+use super::statement::{Coordinates, Draws, Equations};
 use super::tile_states::TileStates;
 use super::tiles::{rows_of, rows_of_mut, with_scalars};
 use super::varied::{SIDE, Side, Varied, put, side, vary};
@@ -36,20 +36,21 @@ pub trait Linearise: StateSpaceModel {
     );
 }
 
-/// Keeps the moments of each coordinate.
+/// Answers draws with their means, and keeps their variances.
 struct Moments<'a> {
-    means: &'a mut [Lanes],
     variances: &'a mut [Lanes],
     at: usize,
 }
 
-impl Coordinates<Lanes> for Moments<'_> {
+impl Draws<Lanes> for Moments<'_> {
     #[inline(always)]
-    fn push(&mut self, distribution: Distribution<Lanes>) {
-        if let (Some(mean), Some(variance)) = (self.means.get_mut(self.at), self.variances.get_mut(self.at)) {
-            [*mean, *variance] = distribution.moments();
+    fn draw(&mut self, distribution: Distribution<Lanes>) -> Lanes {
+        let [mean, variance] = distribution.moments();
+        if let Some(place) = self.variances.get_mut(self.at) {
+            *place = variance;
         }
         self.at += 1;
+        mean
     }
 }
 
@@ -145,7 +146,7 @@ impl<M: Equations> Asked<'_, M> {
     }
 }
 
-/// Mean and variance of each coordinate that a model states; NaN for those that it leaves out.
+/// Mean and variance of each coordinate that a model draws; NaN for those that it leaves out.
 pub(crate) fn moments_of_states(
     model: &impl TileStates,
     step: &Step<'_>,
@@ -154,8 +155,8 @@ pub(crate) fn moments_of_states(
     variances: &mut [f64],
 ) {
     means.fill(f64::NAN);
-    let mut moments = Moments { means: rows_of_mut(means), variances: rows_of_mut(variances), at: 0 };
-    model.push_states(step, previous, &mut moments);
+    let mut moments = Moments { variances: rows_of_mut(variances), at: 0 };
+    model.draw_states(step, previous, &mut moments, rows_of_mut(means));
 }
 
 impl<E: Equations> Linearise for E {

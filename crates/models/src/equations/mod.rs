@@ -1,6 +1,7 @@
 //! Models stated once: three formulas, from which draws, densities, gradients and marginals follow.
 
 mod batched;
+mod check;
 mod density;
 mod distribution;
 mod draw;
@@ -33,7 +34,7 @@ pub use linearise::Linearise;
 pub(crate) use linearise::moments_of_states;
 pub use moments::Score;
 pub use scalar::Scalar;
-pub use statement::{Coordinates, Equations};
+pub use statement::{Coordinates, Draws, Equations};
 pub(crate) use tile_states::TileStates;
 pub use tiles::with_scalars;
 pub(crate) use tiles::{rows_of, rows_of_mut};

@@ -1,18 +1,29 @@
-//! Drawing vectors of many particles from the distributions that a model states.
+//! Drawing states and measurements of many particles from what a model states.
 
 use super::distribution::Distribution;
-use super::draw::{Needs, Source};
+use super::draw::Source;
 use super::lanes::Lanes;
-use super::statement::Coordinates;
+use super::statement::{Coordinates, Draws};
 use super::tiles::{rows_of, rows_of_mut};
 use crate::batch::{LANES, Rows, by_widest_vectors, store, with_scratch};
 use crate::{Stream, fill_standard_exponential, fill_standard_normal, fill_uniform};
 
+pub(super) use super::draw::Needs;
+
 /// Particles of one stream whose noise is drawn together: few enough for it to stay in the nearest cache.
 const TOGETHER: usize = 256;
 
-/// Adds up what the draws of a vector take.
+/// Adds up what draws take.
 pub(super) struct Counter(Needs);
+
+impl Draws<f64> for Counter {
+    fn draw(&mut self, distribution: Distribution<f64>) -> f64 {
+        self.push(distribution);
+        // A value that later draws can depend on: how many there are must not.
+        let [mean, _] = distribution.moments();
+        mean
+    }
+}
 
 impl Coordinates<f64> for Counter {
     fn push(&mut self, distribution: Distribution<f64>) {
@@ -20,24 +31,27 @@ impl Coordinates<f64> for Counter {
     }
 }
 
-/// What a draw of the vector takes that `state` states.
-pub(super) fn needs_of(state: impl FnOnce(&mut Counter)) -> Needs {
+/// What the draws of a state (`N`) take.
+pub(super) fn needs_of_draws(n: usize, state: impl FnOnce(&mut Counter, &mut [f64])) -> Needs {
     let mut counter = Counter(Needs::default());
-    state(&mut counter);
+    with_scratch(n, |unused| state(&mut counter, unused));
     counter.0
 }
 
-/// Draws each of up to [`LANES`] particles, coordinate by coordinate, into a tile.
-pub(super) struct Drawn<'a, 'n> {
+/// What a draw of the measurement takes.
+pub(super) fn needs_of_measurement(measurement: impl FnOnce(&mut Counter)) -> Needs {
+    let mut counter = Counter(Needs::default());
+    measurement(&mut counter);
+    counter.0
+}
+
+/// Noise of up to [`LANES`] particles, drawn before and from their stream.
+pub(super) struct Noise<'a, 'n> {
     stream: &'a mut Stream,
     particles: usize,
     normals: &'n [f64],
     exponentials: &'n [f64],
     uniforms: &'n [f64],
-    /// The rows that are still to be drawn.
-    rows: &'a mut [Lanes],
-    /// Whether more was stated than there is.
-    is_ragged: bool,
 }
 
 /// The next number of each particle; lanes without one hold anything.
@@ -53,7 +67,15 @@ fn take(numbers: &mut &[f64], particles: usize) -> Lanes {
     Lanes(lanes)
 }
 
-impl Source<Lanes> for Drawn<'_, '_> {
+impl Noise<'_, '_> {
+    /// How many numbers that were drawn before are left.
+    #[inline(always)]
+    fn left(&self) -> usize {
+        self.normals.len() + self.exponentials.len() + self.uniforms.len()
+    }
+}
+
+impl Source<Lanes> for Noise<'_, '_> {
     #[inline(always)]
     fn normal(&mut self) -> Lanes {
         take(&mut self.normals, self.particles)
@@ -78,10 +100,25 @@ impl Source<Lanes> for Drawn<'_, '_> {
     }
 }
 
-impl Coordinates<Lanes> for Drawn<'_, '_> {
+impl Draws<Lanes> for Noise<'_, '_> {
+    #[inline(always)]
+    fn draw(&mut self, distribution: Distribution<Lanes>) -> Lanes {
+        distribution.draw(self)
+    }
+}
+
+/// Draws the entries of a measurement one after another into the rows of a tile.
+pub(super) struct Entries<'e, 'a, 'n> {
+    noise: &'e mut Noise<'a, 'n>,
+    rows: &'e mut [Lanes],
+    /// Whether more was stated than there is.
+    is_ragged: bool,
+}
+
+impl Coordinates<Lanes> for Entries<'_, '_, '_> {
     #[inline(always)]
     fn push(&mut self, distribution: Distribution<Lanes>) {
-        let drawn = distribution.draw(self);
+        let drawn = distribution.draw(self.noise);
         match std::mem::take(&mut self.rows) {
             [] => self.is_ragged = true,
             [row, rest @ ..] => {
@@ -92,21 +129,68 @@ impl Coordinates<Lanes> for Drawn<'_, '_> {
     }
 }
 
-/// Draws `width` coordinates for each of `particles` particles into `out` (`K×width`); the particles are split evenly over `streams`, in order.
+/// Draws measurements into `out` (`K×M`), one for each row of `states` (`K×N`, with `N`) if there are any; all is NaN where another number of entries is stated than there is.
+pub(super) fn draw_measurements(
+    needs: Needs,
+    m: usize,
+    states: Option<(usize, Rows<'_>)>,
+    streams: &mut [Stream],
+    out: &mut [f64],
+    measurement: impl Fn(usize, &[Lanes], &mut Entries<'_, '_, '_>),
+) {
+    let (n, states) = states.map_or((0, None), |(n, states)| (n, Some(states)));
+    draw_rows(
+        needs,
+        (m, n),
+        states,
+        streams,
+        out,
+        #[inline(always)]
+        |first, state, noise, rows| {
+            let mut entries = Entries { noise, rows, is_ragged: false };
+            measurement(first, state, &mut entries);
+            entries.rows.is_empty() && !entries.is_ragged
+        },
+    );
+}
+
+/// Draws states of `n` coordinates into `out` (`K×N`), one for each row of `previous` if there are any.
+pub(super) fn draw_states(
+    needs: Needs,
+    (n, previous): (usize, Option<Rows<'_>>),
+    streams: &mut [Stream],
+    out: &mut [f64],
+    state: impl Fn(usize, &[Lanes], &mut Noise<'_, '_>, &mut [Lanes]),
+) {
+    let before = if previous.is_some() { n } else { 0 };
+    draw_rows(
+        needs,
+        (n, before),
+        previous,
+        streams,
+        out,
+        #[inline(always)]
+        |first, previous, noise, rows| {
+            state(first, previous, noise, rows);
+            true
+        },
+    );
+}
+
+/// Draws `width` numbers for each of `K` particles into `out`; the particles are split evenly over `streams`, in order.
 ///
-/// Their distributions are what `state` pushes, given the number of a tile's first particle and what they depend on: rows of `previous_width` numbers, none
-/// at `t = 0`.
+/// `draw` is given the number of a tile's first particle, the tile of what it depends on (rows of `previous_width` numbers), the noise, and the tile to be written.
+/// What it draws is NaN where it says that it is not whole, or where it took other numbers than `needs` says.
 ///
 /// # Panics
 /// If `particles` is not a multiple of the number of streams.
-pub(super) fn draw_rows(
+fn draw_rows(
     needs: Needs,
-    width: usize,
+    (width, previous_width): (usize, usize),
     previous: Option<Rows<'_>>,
-    previous_width: usize,
     streams: &mut [Stream],
     out: &mut [f64],
-    state: impl Fn(usize, &[Lanes], &mut Drawn<'_, '_>),
+    draw: impl Fn(usize, &[Lanes], &mut Noise<'_, '_>, &mut [Lanes]) -> bool,
 ) {
     let particles = out.len() / width.max(1);
     let each = particles / streams.len().max(1);
@@ -116,48 +200,37 @@ pub(super) fn draw_rows(
         let (before, drawn) = tiles.split_at_mut(previous_width * LANES);
         // Lanes without a particle are computed, too: with numbers that are no danger.
         before.fill(0.0);
-        with_scratch(needs.count() * together, |noise| {
+        with_scratch(needs.count() * together, |numbers| {
             for (number, stream) in streams.iter_mut().enumerate() {
                 let end = (number + 1) * each;
                 let mut first = number * each;
                 while first < end {
                     let chunk = (end - first).min(TOGETHER);
-                    let (normals, rest) = noise.split_at_mut(needs.normals * chunk);
+                    let (normals, rest) = numbers.split_at_mut(needs.normals * chunk);
                     let (exponentials, rest) = rest.split_at_mut(needs.exponentials * chunk);
                     let uniforms = &mut rest[..needs.uniforms * chunk];
                     fill(stream, normals, fill_standard_normal);
                     fill(stream, exponentials, fill_standard_exponential);
                     fill(stream, uniforms, fill_uniform);
-                    let (mut normals, mut exponentials, mut uniforms) =
-                        (&*normals, &*exponentials, &*uniforms);
+                    let (normals, exponentials, uniforms) = (&*normals, &*exponentials, &*uniforms);
+                    let mut noise = Noise { stream, particles: 0, normals, exponentials, uniforms };
                     let last = first + chunk;
                     // As for densities: by the widest vectors of the machine, and the same numbers by any.
                     by_widest_vectors(
                         #[inline(always)]
                         || {
                             while first < last {
-                                let particles = (last - first).min(LANES);
+                                noise.particles = (last - first).min(LANES);
                                 if let Some(previous) = previous {
                                     previous.load(first, before);
                                 }
-                                let mut sink = Drawn {
-                                    stream,
-                                    particles,
-                                    normals,
-                                    exponentials,
-                                    uniforms,
-                                    rows: rows_of_mut(drawn),
-                                    is_ragged: false,
-                                };
-                                state(first, rows_of(before), &mut sink);
-                                let is_whole = sink.rows.is_empty() && !sink.is_ragged;
-                                (normals, exponentials, uniforms) =
-                                    (sink.normals, sink.exponentials, sink.uniforms);
-                                if !is_whole {
+                                let is_whole = draw(first, rows_of(before), &mut noise, rows_of_mut(drawn));
+                                let next = first + noise.particles;
+                                if !is_whole || noise.left() != needs.count() * (last - next) {
                                     drawn.fill(f64::NAN);
                                 }
-                                store(drawn, width, &mut out[first * width..(first + particles) * width]);
-                                first += particles;
+                                store(drawn, width, &mut out[first * width..next * width]);
+                                first = next;
                             }
                         },
                     );

@@ -6,20 +6,24 @@ use super::distribution::Distribution;
 use super::scalar::Scalar;
 use crate::Step;
 
-/// A state-space model by its three equations: `p(x_0)`, `p(x_t | x_{t−1})`, `p(y_t | x_t)`. Coordinates are independent given the past.
+/// A state-space model by its three equations: how `x_0` is made, how `x_t` is made of `x_{t−1}`, and `p(y_t | x_t)`.
+///
+/// A state is made by draws and a map: each [`Draws::draw`] takes a distribution and gives a value, and the state is computed from these values and from the state
+/// before. Two coordinates can share a draw, a coordinate can follow without one, and a draw can depend on those before it. A model whose coordinates are its draws,
+/// one each and in order, has a transition density; that of any other says so by [`Equations::has_density`].
 ///
 /// All else follows: what states a model here is a [`StateSpaceModel`](crate::StateSpaceModel), a [`Simulator`](crate::Simulator), has
 /// [`StateGradients`](crate::StateGradients), weighs measurements with gaps, can be linearised, and makes its states of standard normal noise
 /// ([`Transport`](super::Transport)).
 ///
-/// Formulas are generic over their scalar: a number, many side by side, or one that carries derivatives. Which family a coordinate has may depend on the
-/// time, never on states.
+/// Formulas are generic over their scalar: a number, many side by side, or one that carries derivatives. How many draws there
+/// are, and of which families, may depend on the time, never on states.
 ///
 /// `#[inline(always)]` on `transition` and `measurement` lets their formulas be compiled for the widest vectors of the machine: a filter of the
 /// growth model then takes a fifth less time. The numbers are the same.
 ///
 /// ```
-/// use motes_models::equations::{Coordinates, Equations, Scalar, normal};
+/// use motes_models::equations::{Coordinates, Draws, Equations, Scalar, normal};
 /// use motes_models::{Seed, Step, simulate};
 ///
 /// /// The growth model of Netto, Gimeno and Mendes (1978).
@@ -30,15 +34,15 @@ use crate::Step;
 ///         [1, 1]
 ///     }
 ///
-///     fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
-///         state.push(normal(0.0, 5.0_f64.sqrt()));
+///     fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]) {
+///         state[0] = draws.draw(normal(0.0, 5.0_f64.sqrt()));
 ///     }
 ///
 ///     #[inline(always)]
-///     fn transition<S: Scalar>(&self, step: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
+///     fn transition<S: Scalar>(&self, step: &Step<'_, S>, x: &[S], draws: &mut impl Draws<S>, state: &mut [S]) {
 ///         let x = x[0];
 ///         let drift = x / 2.0 + x * 25.0 / (x * x + 1.0) + 8.0 * (1.2 * step.time).cos();
-///         state.push(normal(drift, 10.0_f64.sqrt()));
+///         state[0] = draws.draw(normal(drift, 10.0_f64.sqrt()));
 ///     }
 ///
 ///     #[inline(always)]
@@ -65,15 +69,26 @@ pub trait Equations: Sync {
         &[]
     }
 
-    /// Pushes the distribution of each of the `N` coordinates of `x_0`, in order.
-    ///
-    /// Where another number of coordinates is pushed, here or below, draws and densities are NaN.
-    fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>);
+    /// Whether the coordinates of `x_0` and of `x_t` are the draws themselves, one each and in order, so that `p(x_0)` and `p(x_t | x_{t−1})` are densities that can
+    /// be had.
+    fn has_density(&self) -> bool {
+        true
+    }
 
-    /// Pushes the distribution of each of the `N` coordinates of `x_t` given `x_{t−1}` (`N`).
-    fn transition<S: Scalar>(&self, step: &Step<'_, S>, previous: &[S], state: &mut impl Coordinates<S>);
+    /// Makes `x_0` (`N`) of draws.
+    fn initial<S: Scalar>(&self, step: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]);
 
-    /// Pushes the distribution of each of the `M` coordinates of `y_t` given `x_t` (`N`).
+    /// Makes `x_t` (`N`) of `x_{t−1}` (`N`) and of draws.
+    fn transition<S: Scalar>(
+        &self,
+        step: &Step<'_, S>,
+        previous: &[S],
+        draws: &mut impl Draws<S>,
+        state: &mut [S],
+    );
+
+    /// Pushes the distribution of each of the `M` entries of `y_t` given `x_t` (`N`), which are independent. Where another number of entries is pushed, draws and
+    /// densities are NaN.
     fn measurement<S: Scalar>(&self, step: &Step<'_, S>, state: &[S], measurement: &mut impl Coordinates<S>);
 
     /// [`Equations::measurement`], of which only derivatives along the states in `along` are wanted: coordinates that depend on none of these states may be
@@ -91,7 +106,13 @@ pub trait Equations: Sync {
     }
 }
 
-/// What takes the distributions of a vector's coordinates, one after another.
+/// What draws for a state, or answers as if it did: with given values, with means, with values of a transport.
+pub trait Draws<S> {
+    /// The next draw, from this distribution.
+    fn draw(&mut self, distribution: Distribution<S>) -> S;
+}
+
+/// What takes the distributions of the entries of a measurement, one after another.
 pub trait Coordinates<S> {
     /// Takes the distribution of the next coordinate.
     fn push(&mut self, distribution: Distribution<S>);

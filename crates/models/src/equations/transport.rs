@@ -3,10 +3,10 @@
 use super::distribution::Distribution;
 use super::lanes::Lanes;
 use super::scalar::Scalar;
-use super::statement::Coordinates;
+use super::statement::Draws;
 use super::tile_states::TileStates;
 use super::tiles::rows_of_mut;
-use crate::batch::LANES;
+use crate::batch::{LANES, with_scratch};
 use crate::gaussian::LN_2PI;
 use crate::{StateSpaceModel, Step};
 
@@ -88,59 +88,75 @@ impl Distribution<Lanes> {
     }
 }
 
-/// Keeps the median of each coordinate and the slope there.
+/// Answers draws with their medians, and keeps the slopes there.
 pub(super) struct Centres<'a> {
-    centres: &'a mut [Lanes],
     slopes: &'a mut [Lanes],
     at: usize,
 }
 
-impl Coordinates<Lanes> for Centres<'_> {
+impl Draws<Lanes> for Centres<'_> {
     #[inline(always)]
-    fn push(&mut self, distribution: Distribution<Lanes>) {
-        if let (Some(centre), Some(slope)) = (self.centres.get_mut(self.at), self.slopes.get_mut(self.at)) {
-            [*centre, *slope] = match distribution {
-                Distribution::Normal { mean, sd } => [mean, sd],
-                _ => {
-                    let [centre, log_slope] = distribution.tile_transport(Lanes::from(0.0));
-                    [centre, log_slope.exp()]
-                }
-            };
+    fn draw(&mut self, distribution: Distribution<Lanes>) -> Lanes {
+        let [centre, slope] = match distribution {
+            Distribution::Normal { mean, sd } => [mean, sd],
+            _ => {
+                let [centre, log_slope] = distribution.tile_transport(Lanes::from(0.0));
+                [centre, log_slope.exp()]
+            }
+        };
+        if let Some(place) = self.slopes.get_mut(self.at) {
+            *place = slope;
         }
         self.at += 1;
+        centre
     }
 }
 
-/// The median of each coordinate that `push` states, and the slope there; NaN for those that it leaves out.
-pub(super) fn centres_of(push: impl FnOnce(&mut Centres<'_>), centres: &mut [f64], slopes: &mut [f64]) {
+/// The median of each coordinate that `draw` draws, and the slope there; NaN for those that it leaves out.
+pub(super) fn centres_of(
+    draw: impl FnOnce(&mut Centres<'_>, &mut [Lanes]),
+    centres: &mut [f64],
+    slopes: &mut [f64],
+) {
     centres.fill(f64::NAN);
     slopes.fill(f64::NAN);
-    push(&mut Centres { centres: rows_of_mut(centres), slopes: rows_of_mut(slopes), at: 0 });
+    draw(&mut Centres { slopes: rows_of_mut(slopes), at: 0 }, rows_of_mut(centres));
 }
 
-/// Replaces each coordinate, and adds up log slopes; `of` is asked for both.
+/// What a draw is, what replaces the number of its coordinate, and a log slope.
+struct Replacement {
+    drawn: Lanes,
+    value: Lanes,
+    log_slope: Lanes,
+}
+
+/// Replaces the number of each coordinate, and adds up log slopes; `of` is asked for all of it.
 struct Replaced<'a, F> {
     rows: &'a mut [Lanes],
     log_slope: Lanes,
     of: F,
 }
 
-impl<F: Fn(&Distribution<Lanes>, Lanes) -> [Lanes; 2]> Coordinates<Lanes> for Replaced<'_, F> {
+impl<F: Fn(&Distribution<Lanes>, Lanes) -> Replacement> Draws<Lanes> for Replaced<'_, F> {
     #[inline(always)]
-    fn push(&mut self, distribution: Distribution<Lanes>) {
+    fn draw(&mut self, distribution: Distribution<Lanes>) -> Lanes {
         match std::mem::take(&mut self.rows) {
-            [] => self.log_slope = Lanes::from(f64::NAN),
+            [] => {
+                self.log_slope = Lanes::from(f64::NAN);
+                self.log_slope
+            }
             [row, rest @ ..] => {
-                let [value, log_slope] = (self.of)(&distribution, *row);
+                let Replacement { drawn, value, log_slope } = (self.of)(&distribution, *row);
                 *row = value;
                 self.log_slope = self.log_slope + log_slope;
                 self.rows = rest;
+                drawn
             }
         }
     }
 }
 
-/// Replaces `values` by what `of` makes of each coordinate's distribution and number; NaN where another number of coordinates is stated than there is.
+/// Replaces `values` by what `of` makes of each coordinate's distribution and number; NaN where another number of coordinates is drawn than there is.
 #[inline(always)]
 fn replace(
     model: &impl TileStates,
@@ -148,14 +164,16 @@ fn replace(
     previous: Option<&[f64]>,
     values: &mut [f64],
     log_slope: &mut [f64],
-    of: impl Fn(&Distribution<Lanes>, Lanes) -> [Lanes; 2],
+    of: impl Fn(&Distribution<Lanes>, Lanes) -> Replacement,
 ) {
-    let mut replaced = Replaced { rows: rows_of_mut(values), log_slope: Lanes::from(0.0), of };
-    model.push_states(step, previous, &mut replaced);
-    let is_whole = replaced.rows.is_empty();
-    replaced.rows.fill(Lanes::from(f64::NAN));
-    let sum = if is_whole { replaced.log_slope } else { Lanes::from(f64::NAN) };
-    log_slope.copy_from_slice(&sum.0[..log_slope.len()]);
+    with_scratch(values.len(), |unused| {
+        let mut replaced = Replaced { rows: rows_of_mut(values), log_slope: Lanes::from(0.0), of };
+        model.draw_states(step, previous, &mut replaced, rows_of_mut(unused));
+        let is_whole = replaced.rows.is_empty();
+        replaced.rows.fill(Lanes::from(f64::NAN));
+        let sum = if is_whole { replaced.log_slope } else { Lanes::from(f64::NAN) };
+        log_slope.copy_from_slice(&sum.0[..log_slope.len()]);
+    });
 }
 
 impl<M: TileStates + StateSpaceModel> Transport for M {
@@ -170,7 +188,7 @@ impl<M: TileStates + StateSpaceModel> Transport for M {
         centres: &mut [f64],
         slopes: &mut [f64],
     ) {
-        centres_of(|sink| self.push_states(step, previous, sink), centres, slopes);
+        centres_of(|draws, states| self.draw_states(step, previous, draws, states), centres, slopes);
     }
 
     fn tile_from_normal(
@@ -180,7 +198,10 @@ impl<M: TileStates + StateSpaceModel> Transport for M {
         values: &mut [f64],
         log_slope: &mut [f64],
     ) {
-        replace(self, step, previous, values, log_slope, |distribution, v| distribution.tile_transport(v));
+        replace(self, step, previous, values, log_slope, |distribution, v| {
+            let [drawn, log_slope] = distribution.tile_transport(v);
+            Replacement { drawn, value: drawn, log_slope }
+        });
     }
 
     fn tile_to_normal(
@@ -190,14 +211,17 @@ impl<M: TileStates + StateSpaceModel> Transport for M {
         values: &mut [f64],
         log_slope: &mut [f64],
     ) {
-        replace(self, step, previous, values, log_slope, |distribution, x| distribution.tile_inverse(x));
+        replace(self, step, previous, values, log_slope, |distribution, drawn| {
+            let [value, log_slope] = distribution.tile_inverse(drawn);
+            Replacement { drawn, value, log_slope }
+        });
     }
 
     fn tile_slopes(&self, step: &Step<'_>, previous: Option<&[f64]>, values: &mut [f64]) {
         let mut unused = [0.0; LANES];
-        replace(self, step, previous, values, &mut unused, |distribution, x| {
-            let [_, log_slope] = distribution.tile_inverse(x);
-            [log_slope.exp(), log_slope]
+        replace(self, step, previous, values, &mut unused, |distribution, drawn| {
+            let [_, log_slope] = distribution.tile_inverse(drawn);
+            Replacement { drawn, value: log_slope.exp(), log_slope }
         });
     }
 }

@@ -57,14 +57,20 @@ pub(super) fn log_transitions(system: &GraphDiffusion, previous: Rows<'_>, state
     });
 }
 
-/// `log p(y_t | x_t)` at each row.
-pub(super) fn log_likelihoods(system: &GraphDiffusion, states: &[f64], measurement: &[f64], out: &mut [f64]) {
+/// `log p(y_t | x_t)` at each row, of a measurement in which nothing is missing.
+pub(super) fn log_likelihoods(
+    system: &GraphDiffusion,
+    states: &[f64],
+    measurement: &[Option<f64>],
+    out: &mut [f64],
+) {
     let (n, m) = (system.state_dim(), system.measurement_dim());
     with_scratch((n + m) * LANES, |scratch| {
         let (tile, residuals) = scratch.split_at_mut(n * LANES);
         for (states, out) in states.chunks(n * LANES).zip(out.chunks_mut(LANES)) {
             load(states, n, tile);
-            tile_log_likelihoods(system, tile, measurement, residuals, out);
+            fill_rows(residuals, measurement.iter().flatten());
+            tile_log_likelihoods(system, tile, residuals, out);
         }
     });
 }
@@ -86,22 +92,21 @@ pub(super) fn propagate(
         with_noise(streams, n, out.len(), fill, |particles, noise| {
             moved(system, previous, particles.start, noise, from, flow);
             store(flow, n, &mut states[particles.start * n..particles.end * n]);
-            tile_log_likelihoods(system, flow, measurement, residuals, &mut out[particles]);
+            fill_rows(residuals, measurement.iter());
+            tile_log_likelihoods(system, flow, residuals, &mut out[particles]);
         });
     });
 }
 
-/// `log p(y_t | x_t)` of each lane of a tile that there is a place for in `out`; `residuals` is scratch (`M × LANES`).
-fn tile_log_likelihoods(
-    system: &GraphDiffusion,
-    tile: &[f64],
-    measurement: &[f64],
-    residuals: &mut [f64],
-    out: &mut [f64],
-) {
-    for (row, value) in residuals.as_chunks_mut::<LANES>().0.iter_mut().zip(measurement) {
-        row.fill(*value);
+/// Fills each row of a tile with one number.
+fn fill_rows<'a>(tile: &mut [f64], numbers: impl Iterator<Item = &'a f64>) {
+    for (row, number) in tile.as_chunks_mut::<LANES>().0.iter_mut().zip(numbers) {
+        row.fill(*number);
     }
+}
+
+/// `log p(y_t | x_t)` of each lane of a tile that there is a place for in `out`; `residuals` (`M × LANES`) holds the measurement in each lane, and is used up.
+fn tile_log_likelihoods(system: &GraphDiffusion, tile: &[f64], residuals: &mut [f64], out: &mut [f64]) {
     system.measure.times_subtract(tile, residuals);
     let mut densities = [0.0; LANES];
     system.noise.tile_log_density(system.measurement_sigma, residuals, &mut densities);

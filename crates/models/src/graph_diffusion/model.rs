@@ -4,10 +4,10 @@ use faer::{Mat, MatRef};
 
 use super::batches;
 use super::system::GraphDiffusion;
-use crate::batch::Rows;
+use crate::batch::{Rows, particles_by_stream};
 use crate::{
-    AdditiveGaussian, Gaussian, GraphModel, ModelError, Noise, PartialLikelihood, Propagator, Simulator,
-    StateGradients, StateSpaceModel, Step, Stream, SystemGraph,
+    AdditiveGaussian, Gaussian, GraphModel, ModelError, Noise, Propagator, Simulator, StateGradients,
+    StateSpaceModel, Step, Stream, SystemGraph, TransitionDensity,
 };
 
 impl StateSpaceModel for GraphDiffusion {
@@ -19,59 +19,63 @@ impl StateSpaceModel for GraphDiffusion {
         self.measure.len()
     }
 
-    fn sample_initial(&self, stream: &mut Stream, state: &mut [f64]) {
-        self.initial.sample(stream, state);
-    }
-
-    fn sample_transition(&self, _step: &Step<'_>, previous: &[f64], stream: &mut Stream, state: &mut [f64]) {
-        for (i, value) in state.iter_mut().enumerate() {
-            *value = self.diffused(i, previous) + self.noise.sample(self.state_sigma, stream);
-        }
-    }
-
-    fn log_initial(&self, state: &[f64]) -> f64 {
-        self.initial.log_density(state)
-    }
-
-    fn log_transition(&self, _step: &Step<'_>, previous: &[f64], state: &[f64]) -> f64 {
-        let residuals = state.iter().enumerate().map(|(i, value)| value - self.diffused(i, previous));
-        self.noise.log_density_of_all(self.state_sigma, residuals)
-    }
-
-    fn log_likelihood(&self, _step: &Step<'_>, state: &[f64], measurement: &[f64]) -> f64 {
-        let residuals =
-            measurement.iter().enumerate().map(|(i, value)| value - self.measure.row_times(i, state));
-        self.noise.log_density_of_all(self.measurement_sigma, residuals)
-    }
-
-    fn sample_initials(&self, streams: &mut [Stream], states: &mut [f64]) {
-        self.initial.samples(streams, states);
-    }
-
-    fn sample_transitions(
+    fn sample_states(
         &self,
         _step: &Step<'_>,
-        previous: Rows<'_>,
+        previous: Option<Rows<'_>>,
         streams: &mut [Stream],
         states: &mut [f64],
     ) {
-        batches::sample_transitions(self, previous, streams, states);
+        match (previous, &mut *streams) {
+            (None, [stream]) if states.len() == self.state_dim() => self.initial.sample(stream, states),
+            (None, streams) => self.initial.samples(streams, states),
+            // One particle is drawn coordinate by coordinate: simulated sequences are as they were published.
+            (Some(previous), [stream]) if previous.len() == 1 => {
+                for (i, value) in states.iter_mut().enumerate() {
+                    let noise = self.noise.sample(self.state_sigma, stream);
+                    *value = self.diffused(i, previous.row(0)) + noise;
+                }
+            }
+            (Some(previous), streams) => batches::sample_transitions(self, previous, streams, states),
+        }
+    }
+
+    /// Entries are independent, so those that are there keep their densities.
+    fn log_likelihoods(
+        &self,
+        _step: &Step<'_>,
+        states: &[f64],
+        measurement: &[Option<f64>],
+        out: &mut [f64],
+    ) -> Result<(), ModelError> {
+        if measurement.iter().all(Option::is_some) {
+            batches::log_likelihoods(self, states, measurement, out);
+            return Ok(());
+        }
+        for (state, out) in states.chunks_exact(self.state_dim()).zip(out) {
+            let residuals = measurement.iter().enumerate();
+            let residuals =
+                residuals.filter_map(|(i, value)| Some((*value)? - self.measure.row_times(i, state)));
+            *out = self.noise.log_density_of_all(self.measurement_sigma, residuals);
+        }
+        Ok(())
+    }
+
+    fn density(&self) -> Option<&dyn TransitionDensity> {
+        Some(self)
     }
 
     fn propagator(&self) -> Option<&dyn Propagator> {
         Some(self)
     }
+}
 
-    fn log_initials(&self, states: &[f64], out: &mut [f64]) {
-        self.initial.log_densities(states, out);
-    }
-
-    fn log_transitions(&self, _step: &Step<'_>, previous: Rows<'_>, states: &[f64], out: &mut [f64]) {
-        batches::log_transitions(self, previous, states, out);
-    }
-
-    fn log_likelihoods(&self, _step: &Step<'_>, states: &[f64], measurement: &[f64], out: &mut [f64]) {
-        batches::log_likelihoods(self, states, measurement, out);
+impl TransitionDensity for GraphDiffusion {
+    fn log_densities(&self, _step: &Step<'_>, previous: Option<Rows<'_>>, states: &[f64], out: &mut [f64]) {
+        match previous {
+            None => self.initial.log_densities(states, out),
+            Some(previous) => batches::log_transitions(self, previous, states, out),
+        }
     }
 }
 
@@ -98,42 +102,23 @@ impl GraphModel for GraphDiffusion {
     }
 }
 
-/// Entries are independent, so those that are there keep their densities.
-impl PartialLikelihood for GraphDiffusion {
-    fn partial_log_likelihoods(
-        &self,
-        _step: &Step<'_>,
-        states: &[f64],
-        measurement: &[Option<f64>],
-        out: &mut [f64],
-    ) -> Result<(), ModelError> {
-        for (state, out) in states.chunks_exact(self.state_dim()).zip(out) {
-            let densities = measurement.iter().enumerate().filter_map(|(i, value)| {
-                let residual = (*value)? - self.measure.row_times(i, state);
-                Some(self.noise.log_density(self.measurement_sigma, residual))
-            });
-            *out = densities.sum();
-        }
-        Ok(())
-    }
-}
-
 impl Simulator for GraphDiffusion {
-    fn sample_measurement(
-        &self,
-        _step: &Step<'_>,
-        state: &[f64],
-        stream: &mut Stream,
-        measurement: &mut [f64],
-    ) {
-        for (i, value) in measurement.iter_mut().enumerate() {
-            *value = self.measure.row_times(i, state) + self.noise.sample(self.measurement_sigma, stream);
+    fn sample_measurements(&self, _step: &Step<'_>, states: &[f64], streams: &mut [Stream], out: &mut [f64]) {
+        let (n, m) = (self.state_dim(), self.measurement_dim());
+        let mut states = states.chunks_exact(n);
+        for (stream, out) in particles_by_stream(streams, out, m, out.len() / m) {
+            for (measurement, state) in out.chunks_exact_mut(m).zip(&mut states) {
+                for (i, value) in measurement.iter_mut().enumerate() {
+                    let noise = self.noise.sample(self.measurement_sigma, stream);
+                    *value = self.measure.row_times(i, state) + noise;
+                }
+            }
         }
     }
 }
 
 impl StateGradients for GraphDiffusion {
-    fn initial_gradients(&self, states: &[f64], d_states: &mut [f64]) {
+    fn initial_gradients(&self, _step: &Step<'_>, states: &[f64], d_states: &mut [f64]) {
         let n = self.state_dim();
         for (state, d_state) in states.chunks_exact(n).zip(d_states.chunks_exact_mut(n)) {
             self.initial.gradient(|j| state[j] - self.initial.mean()[j], d_state);

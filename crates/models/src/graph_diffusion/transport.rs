@@ -3,7 +3,7 @@
 use super::batches::drifted;
 use super::system::GraphDiffusion;
 use crate::batch::with_scratch;
-use crate::equations::{Coordinates, Lanes, Linearise, TileStates, moments_of_states, rows_of};
+use crate::equations::{Draws, Lanes, Linearise, TileStates, moments_of_states, rows_of};
 use crate::linear_measurements::tile_scores;
 use crate::{Noise, StateSpaceModel, Step};
 
@@ -12,18 +12,25 @@ impl TileStates for GraphDiffusion {
         self.noise == Noise::Gaussian
     }
 
-    fn push_states(&self, _step: &Step<'_>, previous: Option<&[f64]>, states: &mut impl Coordinates<Lanes>) {
+    fn draw_states(
+        &self,
+        _step: &Step<'_>,
+        previous: Option<&[f64]>,
+        draws: &mut impl Draws<Lanes>,
+        states: &mut [Lanes],
+    ) {
         let Some(previous) = previous else {
             // Its covariance is the identity.
-            self.initial
-                .mean()
-                .iter()
-                .for_each(|mean| states.push(Noise::Gaussian.around(1.0, Lanes::from(*mean))));
+            for (state, mean) in states.iter_mut().zip(self.initial.mean()) {
+                *state = draws.draw(Noise::Gaussian.around(1.0, Lanes::from(*mean)));
+            }
             return;
         };
         with_scratch(previous.len(), |flow| {
             drifted(self, previous, flow);
-            rows_of(flow).iter().for_each(|flow| states.push(self.noise.around(self.state_sigma, *flow)));
+            for (state, flow) in states.iter_mut().zip(rows_of(flow)) {
+                *state = draws.draw(self.noise.around(self.state_sigma, *flow));
+            }
         });
     }
 }

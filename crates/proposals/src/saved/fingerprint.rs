@@ -1,6 +1,9 @@
 //! What tells one system from another: its densities at points that are drawn from it by a fixed stream.
 
-use motes_models::{Seed, StateSpaceModel, SystemGraph};
+use std::slice::from_mut;
+
+use motes_models::batch::Rows;
+use motes_models::{Seed, StateSpaceModel, Step, SystemGraph};
 use rand::RngExt;
 use rand_distr::StandardNormal;
 use serde::{Deserialize, Serialize};
@@ -87,19 +90,25 @@ fn fingerprint(model: &dyn StateSpaceModel, graph: Option<&SystemGraph>) -> Vec<
     };
     let mut entries = sizes(n, m);
     let (mut previous, mut state, mut measurement) = (vec![0.0; n], vec![0.0; n], vec![0.0; m]);
-    model.sample_initial(&mut stream, &mut previous);
-    entries.push(entry("log p(x_0) at a fixed point", model.log_initial(&previous)));
+    let log_density = |step: &Step<'_>, previous: Option<&[f64]>, state: &[f64]| {
+        Some(model.density()?.log_density(step, previous, state))
+    };
+    let start = model.step_of_index(0);
+    model.sample_states(&start, None, from_mut(&mut stream), &mut previous);
+    let log = log_density(&start, None, &previous);
+    entries.extend(log.map(|log| entry("log p(x_0) at a fixed point", log)));
     entries.push(entry("a fixed projection of a fixed draw of x_0", projection(&previous)));
     for time in 1..=2 {
         let step = model.step_of_index(time);
-        model.sample_transition(&step, &previous, &mut stream, &mut state);
-        let log = model.log_transition(&step, &previous, &state);
-        entries.push(entry(&format!("log p(x_{time} | x_{}) at a fixed point", time - 1), log));
+        model.sample_states(&step, Some(Rows::all(&previous, n)), from_mut(&mut stream), &mut state);
+        let name = format!("log p(x_{time} | x_{}) at a fixed point", time - 1);
+        entries.extend(log_density(&step, Some(&previous), &state).map(|log| entry(&name, log)));
         entries.push(entry(&format!("a fixed projection of a fixed draw of x_{time}"), projection(&state)));
         // Noise with bounds may exclude most measurements: several sizes, so that some are inside.
         for scale in [0.1, 1.0, 10.0] {
             measurement.fill_with(|| scale * stream.sample::<f64, _>(StandardNormal));
-            let log = model.log_likelihood(&step, &state, &measurement);
+            // What cannot be had is NaN.
+            let log = model.log_likelihood(&step, &state, &measurement).unwrap_or(f64::NAN);
             entries.push(entry(&format!("log p(y_{time} | x_{time}) at a fixed point of size {scale}"), log));
         }
         previous.copy_from_slice(&state);

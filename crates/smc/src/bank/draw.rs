@@ -6,7 +6,7 @@ use std::ops::Range;
 use std::sync::Mutex;
 
 use motes_models::batch::{Rows, with_scratch};
-use motes_models::{ModelError, StateSpaceModel, Step, Stream};
+use motes_models::{StateSpaceModel, Step, Stream};
 
 use super::filters::{Fault, Filters, Outcome};
 use super::scratches::Scratches;
@@ -14,21 +14,20 @@ use super::settings::FilterSettings;
 use crate::memory::{MemoryRows, ParticleMemory};
 use crate::parallel::{Pieces, Threads};
 use crate::proposal::{Conditional, Context, Proposal};
+use crate::proposal_error::ProposalError;
 use crate::proposals::{Defensive, Transition};
 use crate::streams::{block_stream, key};
 use crate::weights::{BLOCK, WeightBlocks};
-
-/// `log p(y_t | x_t)` of what is there of the measurement, at each of `R` states (`R×N`).
-pub(super) type Likelihood<'a> = dyn Fn(&[f64], &mut [f64]) -> Result<(), ModelError> + Sync + 'a;
 
 /// What all filters of a step share but for their proposal.
 pub(super) struct Common<'a, M: ?Sized> {
     pub(super) model: &'a M,
     pub(super) settings: FilterSettings,
     pub(super) step: Step<'a>,
+    /// `y_t`, of which some may be missing.
+    pub(super) entries: &'a [Option<f64>],
     /// `y_t`; empty where some of it is missing.
     pub(super) measurement: &'a [f64],
-    pub(super) likelihood: &'a Likelihood<'a>,
     /// Whether states are to be looked at: where less than a whole measurement weighs them, nothing else may notice one that is not finite.
     pub(super) checks_states: bool,
     /// The states of the step before.
@@ -189,6 +188,9 @@ impl<M: StateSpaceModel + ?Sized, P: Proposal<M>> BankStep<'_, M, P> {
         with_scratch(2 * increments.len(), |terms| {
             let (transitions, likelihoods) = terms.split_at_mut(increments.len());
             let mut transition = Transition::new(model, context);
+            if model.density().is_none() {
+                return Err(Fault::Proposal(ProposalError::NoDensity));
+            }
             match defensive {
                 Some(weight) => {
                     let mut mixture = Defensive { base: conditional, transition, weight };
@@ -200,7 +202,7 @@ impl<M: StateSpaceModel + ?Sized, P: Proposal<M>> BankStep<'_, M, P> {
                 }
             }
             self.check_states(first, states)?;
-            (self.common.likelihood)(states, likelihoods).map_err(Fault::Model)?;
+            model.log_likelihoods(&step, states, self.common.entries, likelihoods).map_err(Fault::Model)?;
             for (increment, (likelihood, transition)) in
                 increments.iter_mut().zip(likelihoods.iter().zip(&*transitions))
             {
@@ -232,7 +234,7 @@ impl<M: StateSpaceModel + ?Sized, P: Proposal<M>> BankStep<'_, M, P> {
         }
         Transition::new(model, context).sample(streams, states, increments);
         self.check_states(first, states)?;
-        (self.common.likelihood)(states, increments).map_err(Fault::Model)
+        model.log_likelihoods(&step, states, self.common.entries, increments).map_err(Fault::Model)
     }
 
     /// Refuses states that are not finite, where no density of them tells; `first` is the row of the first in the bank.

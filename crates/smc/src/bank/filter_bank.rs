@@ -2,7 +2,7 @@
 
 use std::ops::Deref;
 
-use motes_models::{Seed, StateSpaceModel, StepRecord, Stream, check_dimensions, duplicate};
+use motes_models::{Seed, StateSpaceModel, StepRecord, Stream, check_model, duplicate};
 
 use super::filters::Outcome;
 use super::scratches::Scratches;
@@ -58,7 +58,7 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
         filters: usize,
         seed: &Seed,
     ) -> Result<Self, FilterError> {
-        check_dimensions(&*model)?;
+        check_model(&*model)?;
         settings.check_bank(filters, model.state_dim(), proposal.memory_per_particle())?;
         FilterBank::with_streams(model, proposal, settings, seed.streams(filters))
     }
@@ -78,7 +78,7 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
         settings: FilterSettings,
         streams: Vec<Stream>,
     ) -> Result<Self, FilterError> {
-        check_dimensions(&*model)?;
+        check_model(&*model)?;
         let (filters, n) = (streams.len(), model.state_dim());
         let (rows, values) = settings.check_bank(filters, n, proposal.memory_per_particle())?;
         Ok(FilterBank {

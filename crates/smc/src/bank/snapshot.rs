@@ -2,7 +2,7 @@
 
 use std::ops::Deref;
 
-use motes_models::{StateSpaceModel, StepRecord, StreamPosition, check_dimensions};
+use motes_models::{StateSpaceModel, StepRecord, StreamPosition, check_model};
 use serde::{Deserialize, Serialize};
 
 use super::filter_bank::FilterBank;
@@ -82,7 +82,7 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
     /// [`FilterError::Setting`] for a snapshot that is none of such a bank: its parts do not have the sizes that its settings and the model ask for, or
     /// hold what no filter can go on from.
     pub fn restore(model: D, proposal: P, snapshot: BankSnapshot<P::Memory>) -> Result<Self, FilterError> {
-        check_dimensions(&*model)?;
+        check_model(&*model)?;
         let settings = snapshot.settings;
         let (filters, per_particle) = (snapshot.streams.len(), proposal.memory_per_particle());
         let (rows, values) = settings.check_bank(filters, model.state_dim(), per_particle)?;

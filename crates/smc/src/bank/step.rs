@@ -2,11 +2,9 @@
 
 use std::ops::Deref;
 
-use motes_models::{
-    Measurements, ModelError, PartialLikelihood, PartialMeasurements, StateSpaceModel, Step, StepRecord,
-};
+use motes_models::{Measurements, ModelError, PartialMeasurements, StateSpaceModel, Step, StepRecord};
 
-use super::draw::{BankStep, Common, Likelihood};
+use super::draw::{BankStep, Common};
 use super::filter_bank::FilterBank;
 use super::filters::{Fault, Filters};
 use super::scratches::Scratches;
@@ -40,15 +38,13 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
         StepRecord::of(&self.model.step_of_index(self.time))
     }
 
-    /// A step with a measurement that was looked at.
+    /// A step with a measurement that was looked at, in which nothing is missing.
     fn step_whole(&mut self, step: &Step<'_>, measurement: &[f64]) -> Result<(), FilterError> {
+        let entries: Vec<Option<f64>> = measurement.iter().copied().map(Some).collect();
         self.attempt(step, |bank| {
             let prepared = bank.proposal.prepare(&bank.model, step, measurement);
             prepared.map_err(|source| bank.unprepared(source))?;
-            bank.advance(step, Drawn::FromProposal, measurement, false, |model, states, out| {
-                model.log_likelihoods(step, states, measurement, out);
-                Ok(())
-            })
+            bank.advance(step, Drawn::FromProposal, &entries, measurement)
         })
     }
 
@@ -63,12 +59,8 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
     }
 
     fn step_unmeasured(&mut self, step: &Step<'_>) -> Result<(), FilterError> {
-        self.attempt(step, |bank| {
-            bank.advance(step, Drawn::FromTransition, &[], true, |_, _, out| {
-                out.fill(0.0);
-                Ok(())
-            })
-        })
+        let entries = vec![None; self.model.measurement_dim()];
+        self.attempt(step, |bank| bank.advance(step, Drawn::FromTransition, &entries, &[]))
     }
 
     /// Takes in all measurements, one step after the other, and shows the bank to `observe` after each.
@@ -145,24 +137,19 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
         FilterError::Proposal { step: self.time, source }
     }
 
-    /// Resamples where due, draws and weighs every filter, and adds up evidence.
-    fn advance<L>(
+    /// Resamples where due, draws and weighs every filter, and adds up evidence. The measurement is given by its entries, and once more as a whole where nothing is
+    /// missing.
+    fn advance(
         &mut self,
         step: &Step<'_>,
         drawn: Drawn,
+        entries: &[Option<f64>],
         measurement: &[f64],
-        checks_states: bool,
-        likelihood: L,
-    ) -> Result<(), FilterError>
-    where
-        L: Fn(&D::Target, &[f64], &mut [f64]) -> Result<(), ModelError> + Sync,
-    {
+    ) -> Result<(), FilterError> {
         let (model, settings, step) = (&*self.model, self.settings, *step);
-        let particles = self.ancestors.len();
-        let at_states = |states: &[f64], out: &mut [f64]| likelihood(model, states, out);
-        let (likelihood_at, previous): (&Likelihood<'_>, _) = (&at_states, self.previous.as_slice());
-        let common =
-            Common { model, settings, step, measurement, likelihood: likelihood_at, checks_states, previous };
+        let (particles, previous) = (self.ancestors.len(), self.previous.as_slice());
+        let checks_states = measurement.is_empty();
+        let common = Common { model, settings, step, entries, measurement, checks_states, previous };
         let mut filters = Filters {
             first: 0,
             streams: &mut self.streams,
@@ -193,14 +180,11 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
                 parallel::step(particles, |threads| step.advance(filters, resamples, threads));
             }
         }
-        self.take_outcomes(&likelihood)
+        self.take_outcomes(&step, entries)
     }
 
     /// Adds up evidence, unless a filter failed.
-    fn take_outcomes(
-        &mut self,
-        likelihood: &impl Fn(&D::Target, &[f64], &mut [f64]) -> Result<(), ModelError>,
-    ) -> Result<(), FilterError> {
+    fn take_outcomes(&mut self, at: &Step<'_>, entries: &[Option<f64>]) -> Result<(), FilterError> {
         let (k, n, step) = (self.settings.particles, self.model.state_dim(), self.time);
         for (filter, outcome) in self.outcomes.iter().enumerate() {
             let fault = match &outcome.increment {
@@ -239,7 +223,7 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
                     let mut log_likelihoods = vec![f64::NEG_INFINITY; k];
                     let states = &self.states[filter * k * n..(filter + 1) * k * n];
                     // It did not fail for all of these states.
-                    let _ = likelihood(&self.model, states, &mut log_likelihoods);
+                    let _ = self.model.log_likelihoods(at, states, entries, &mut log_likelihoods);
                     let largest_log_likelihood =
                         log_likelihoods.into_iter().fold(f64::NEG_INFINITY, f64::max);
                     let ess_before = outcome.ess_before;
@@ -257,7 +241,7 @@ enum Drawn {
     FromTransition,
 }
 
-impl<D: Deref<Target: PartialLikelihood>, P: Proposal<D::Target>> FilterBank<D, P> {
+impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P> {
     /// Advances every filter by a measurement of which some of the `M` entries may be missing, and weighs particles by the density of the
     /// entries that are there. They are drawn from the proposal if it can take such a measurement ([`Proposal::prepare_partial`]), else from the
     /// transition.
@@ -278,7 +262,7 @@ impl<D: Deref<Target: PartialLikelihood>, P: Proposal<D::Target>> FilterBank<D, 
         self.check_step(step)?;
         PartialMeasurements::check_row(self.time, measurement)?;
         // Of no particle: what is there of the measurement can be weighed, or nothing has changed.
-        self.model.partial_log_likelihoods(step, &[], measurement, &mut [])?;
+        self.model.log_likelihoods(step, &[], measurement, &mut [])?;
         if let Some(whole) = measurement.iter().copied().collect::<Option<Vec<f64>>>() {
             return self.step_whole(step, &whole);
         }
@@ -291,9 +275,7 @@ impl<D: Deref<Target: PartialLikelihood>, P: Proposal<D::Target>> FilterBank<D, 
                 true => Drawn::FromProposal,
                 false => Drawn::FromTransition,
             };
-            bank.advance(step, drawn, &[], true, |model, states, out| {
-                model.partial_log_likelihoods(step, states, measurement, out)
-            })
+            bank.advance(step, drawn, measurement, &[])
         })
     }
 

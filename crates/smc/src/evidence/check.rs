@@ -2,7 +2,7 @@
 
 use std::ops::Deref;
 
-use motes_models::{PartialLikelihood, Seed, Simulator, StateSpaceModel, Step, Stream, StreamPosition};
+use motes_models::{Seed, Simulator, StateSpaceModel, Step, Stream, StreamPosition};
 use serde::{Deserialize, Serialize};
 
 use super::ancestry::AncestryVariance;
@@ -177,7 +177,7 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> EvidenceCheck<D,
     }
 }
 
-impl<D: Deref<Target: PartialLikelihood + Simulator>, P: Proposal<D::Target>> EvidenceCheck<D, P> {
+impl<D: Deref<Target: Simulator>, P: Proposal<D::Target>> EvidenceCheck<D, P> {
     /// Takes in the step that `filter` has just taken with this measurement, and the small filters, too.
     ///
     /// Every step is to be taken in, of one and the same filter.

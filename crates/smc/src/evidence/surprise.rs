@@ -1,6 +1,8 @@
 //! Whether a measurement is one that the model could have made from where the particles are.
 
-use motes_models::{ModelError, PartialLikelihood, Simulator, Step, Stream};
+use std::slice::from_mut;
+
+use motes_models::{ModelError, Simulator, Step, Stream};
 use rand::RngExt;
 use serde::{Deserialize, Serialize};
 
@@ -50,7 +52,7 @@ impl Surprises {
     /// [`ModelError`] if densities of measurements with gaps cannot be had.
     pub(super) fn step(
         &mut self,
-        model: &(impl PartialLikelihood + Simulator + ?Sized),
+        model: &(impl Simulator + ?Sized),
         step: &Step<'_>,
         (particles, weights): (&[f64], &LogWeights),
         measurement: &[Option<f64>],
@@ -63,7 +65,7 @@ impl Surprises {
         let state = |particle: usize| &particles[particle * width..(particle + 1) * width];
         let by_weight = |a: &usize, b: &usize| weights.log()[*a].total_cmp(&weights.log()[*b]);
         let heaviest = (0..weights.len()).max_by(by_weight).unwrap_or_default();
-        model.partial_log_likelihoods(step, state(heaviest), measurement, &mut density)?;
+        model.log_likelihoods(step, state(heaviest), measurement, &mut density)?;
         let at_heaviest = density[0];
         let (mut drawn, mut there) = (vec![0.0; measurement.len()], Vec::with_capacity(measurement.len()));
         let mut of_draws = [0.0; DRAWS];
@@ -76,10 +78,10 @@ impl Surprises {
                 particle += 1;
                 reached += weights.normalised()[particle];
             }
-            model.sample_measurement(step, state(particle), stream, &mut drawn);
+            model.sample_measurements(step, state(particle), from_mut(&mut *stream), &mut drawn);
             there.clear();
             there.extend(measurement.iter().zip(&drawn).map(|(there, drawn)| there.map(|_| *drawn)));
-            model.partial_log_likelihoods(step, state(particle), &there, &mut density)?;
+            model.log_likelihoods(step, state(particle), &there, &mut density)?;
             // Most measurements are usual ones, and found to be after a few draws.
             no_likelier += usize::from(density[0] <= at_heaviest);
             if no_likelier == NO_LIKELIER {
@@ -88,7 +90,7 @@ impl Surprises {
             *of_draw = density[0];
         }
         self.log_likelihoods.resize(weights.len(), 0.0);
-        model.partial_log_likelihoods(step, particles, measurement, &mut self.log_likelihoods)?;
+        model.log_likelihoods(step, particles, measurement, &mut self.log_likelihoods)?;
         let best = self.log_likelihoods.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let usual = of_draws.iter().sum::<f64>() / DRAWS as f64;
         let variance = of_draws.iter().map(|log| (log - usual).powi(2)).sum::<f64>() / (DRAWS - 1) as f64;

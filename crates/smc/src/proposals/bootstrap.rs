@@ -58,16 +58,15 @@ impl<'a, M: StateSpaceModel + ?Sized> Transition<'a, M> {
 
 impl<M: StateSpaceModel + ?Sized> Conditional for Transition<'_, M> {
     fn sample(&mut self, streams: &mut [Stream], states: &mut [f64], _log_density: &mut [f64]) {
-        match self.context.previous {
-            None => self.model.sample_initials(streams, states),
-            Some(previous) => self.model.sample_transitions(&self.context.step, previous, streams, states),
-        }
+        self.model.sample_states(&self.context.step, self.context.previous, streams, states);
     }
 
     fn log_density(&mut self, states: &[f64], log_density: &mut [f64]) {
-        match self.context.previous {
-            None => self.model.log_initials(states, log_density),
-            Some(previous) => self.model.log_transitions(&self.context.step, previous, states, log_density),
+        match self.model.density() {
+            Some(density) => {
+                density.log_densities(&self.context.step, self.context.previous, states, log_density);
+            }
+            None => log_density.fill(f64::NAN),
         }
     }
 

@@ -35,6 +35,9 @@ const BLOCKS_AT_ONCE: usize = 1 << 10;
 /// Where the ancestor itself cannot lead to `x_{t+1}^j`, by the rounding of a density or because draws and densities of a model disagree, the particle is
 /// drawn from `π` exactly.
 ///
+/// A model without a density of its transition ([`StateSpaceModel::density`]) has no `π`: paths follow the filter's ancestors, and
+/// [`SmoothedPaths::follow_ancestors`] says so. They share ancestors soon, so that early states rest on few particles.
+///
 /// Given the filter, paths are independent. Consecutive ones of a fixed number share a stream, so that any number of threads draws the same. It takes
 /// `B·T` times [`DENSITIES_PER_MOVE`] densities and `B·T·N` numbers.
 ///
@@ -78,19 +81,30 @@ pub fn backward_simulation_while(
     let mut states = vec![0.0; paths * times * width];
     let mut particles = vec![0; paths];
     let mut streams = seed.streams(paths.div_ceil(PATHS_TOGETHER));
+    let density = model.density();
     let (mut weights, mut distinct, mut distinct_particles) = (vec![], Distinct::default(), vec![0; times]);
     for (time, generation) in history.generations.iter().enumerate().rev() {
         weights.clear();
         weights.extend_from_slice(&generation.log_weights);
         let by_weight = ByWeight::new(&mut weights).ok_or(SmoothingError::NoAncestor { time })?;
         let next = history.generations.get(time + 1);
-        let moves = next.map(|next| Moves { model, time, generation, by_weight, next });
+        let moves = next.zip(density).map(|(next, density)| Moves {
+            density,
+            width,
+            time,
+            generation,
+            by_weight,
+            next,
+        });
         let fault = Mutex::new(None);
         let work = |blocks: Blocks<'_>| {
             blocks.each(|stream, particles, paths| {
-                match &moves {
-                    None => particles.iter_mut().for_each(|at| *at = by_weight.draw(stream.random())),
-                    Some(moves) => {
+                match (&moves, next) {
+                    (None, None) => {
+                        particles.iter_mut().for_each(|at| *at = by_weight.draw(stream.random()));
+                    }
+                    (None, Some(next)) => particles.iter_mut().for_each(|at| *at = next.ancestors[*at]),
+                    (Some(moves), _) => {
                         if let Err(error) = moves.take(particles, stream) {
                             fault
                                 .lock()
@@ -124,7 +138,8 @@ pub fn backward_simulation_while(
         }
         distinct_particles[time] = distinct.count(&particles, generation.log_weights.len());
     }
-    Ok(SmoothedPaths { states, times, width, distinct_particles })
+    let follow_ancestors = density.is_none();
+    Ok(SmoothedPaths { states, times, width, distinct_particles, follow_ancestors })
 }
 
 /// Consecutive blocks of paths, each of [`PATHS_TOGETHER`] but perhaps the last.

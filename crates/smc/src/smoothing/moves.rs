@@ -2,7 +2,7 @@
 
 use motes_models::batch::{Rows, with_scratch};
 use motes_models::elementary::exp;
-use motes_models::{StateSpaceModel, Stream};
+use motes_models::{Stream, TransitionDensity};
 use rand::RngExt;
 
 use super::by_weight::ByWeight;
@@ -19,8 +19,10 @@ pub const DENSITIES_PER_MOVE: usize = 16;
 pub(super) const PATHS_TOGETHER: usize = 32;
 
 /// A time `t` and the one after it.
-pub(super) struct Moves<'a, M: ?Sized> {
-    pub(super) model: &'a M,
+pub(super) struct Moves<'a> {
+    pub(super) density: &'a dyn TransitionDensity,
+    /// `N`.
+    pub(super) width: usize,
     /// `t`.
     pub(super) time: usize,
     pub(super) generation: &'a Generation,
@@ -30,11 +32,11 @@ pub(super) struct Moves<'a, M: ?Sized> {
     pub(super) next: &'a Generation,
 }
 
-impl<M: StateSpaceModel + ?Sized> Moves<'_, M> {
+impl Moves<'_> {
     /// Takes up to [`PATHS_TOGETHER`] paths from particles of `t + 1` to particles of `t`.
     pub(super) fn take(&self, paths: &mut [usize], stream: &mut Stream) -> Result<(), SmoothingError> {
         const EACH: usize = DENSITIES_PER_MOVE;
-        let (width, next) = (self.model.state_dim(), self.next);
+        let (width, next) = (self.width, self.next);
         let mut candidates = [[0; EACH]; PATHS_TOGETHER];
         let candidates = &mut candidates[..paths.len()];
         with_scratch(paths.len() * EACH * (1 + width), |scratch| {
@@ -48,7 +50,7 @@ impl<M: StateSpaceModel + ?Sized> Moves<'_, M> {
                 rows.chunks_exact_mut(width).for_each(|row| row.copy_from_slice(state));
             }
             let from = Rows::picked(&self.generation.states, width, candidates.as_flattened());
-            self.model.log_transitions(&next.step.step(), from, states, log_densities);
+            self.density.log_densities(&next.step.step(), Some(from), states, log_densities);
             let (log_densities, _) = log_densities.as_chunks::<EACH>();
             for ((path, candidates), log_densities) in paths.iter_mut().zip(&*candidates).zip(log_densities) {
                 // An infinite density is one of a model that is none, as it is for a filter.
@@ -66,13 +68,13 @@ impl<M: StateSpaceModel + ?Sized> Moves<'_, M> {
 
     /// Draws the particle that a state at `t + 1` comes from, by the densities of all.
     fn draw_exactly(&self, state: &[f64], stream: &mut Stream) -> Result<usize, SmoothingError> {
-        let (width, generation) = (self.model.state_dim(), self.generation);
+        let (width, generation) = (self.width, self.generation);
         let particles = generation.log_weights.len();
         with_scratch(particles * (1 + width), |scratch| {
             let (log_weights, states) = scratch.split_at_mut(particles);
             states.chunks_exact_mut(width).for_each(|row| row.copy_from_slice(state));
             let from = Rows::all(&generation.states, width);
-            self.model.log_transitions(&self.next.step.step(), from, states, log_weights);
+            self.density.log_densities(&self.next.step.step(), Some(from), states, log_weights);
             for (log_weight, own) in log_weights.iter_mut().zip(&generation.log_weights) {
                 // A particle without weight is none, whatever its density.
                 *log_weight = if *own == f64::NEG_INFINITY { *own } else { *log_weight + own };
@@ -103,32 +105,13 @@ mod tests {
 
     use super::*;
 
-    /// A model whose transition has the density `x_t` whatever `x_{t+1}` is, so that a test can choose densities.
+    /// A transition whose density is `x_t` whatever `x_{t+1}` is, so that a test can choose densities.
     struct Chosen;
 
-    impl StateSpaceModel for Chosen {
-        fn state_dim(&self) -> usize {
-            1
-        }
-
-        fn measurement_dim(&self) -> usize {
-            1
-        }
-
-        fn sample_initial(&self, _: &mut Stream, _: &mut [f64]) {}
-
-        fn sample_transition(&self, _: &Step<'_>, _: &[f64], _: &mut Stream, _: &mut [f64]) {}
-
-        fn log_initial(&self, _: &[f64]) -> f64 {
-            0.0
-        }
-
-        fn log_transition(&self, _: &Step<'_>, previous: &[f64], _: &[f64]) -> f64 {
-            previous[0].ln()
-        }
-
-        fn log_likelihood(&self, _: &Step<'_>, _: &[f64], _: &[f64]) -> f64 {
-            0.0
+    impl TransitionDensity for Chosen {
+        fn log_densities(&self, _: &Step<'_>, previous: Option<Rows<'_>>, _: &[f64], out: &mut [f64]) {
+            let Some(previous) = previous else { return out.fill(0.0) };
+            out.iter_mut().enumerate().for_each(|(row, out)| *out = previous.row(row)[0].ln());
         }
     }
 
@@ -157,7 +140,7 @@ mod tests {
         };
         let mut log_weights = from.log_weights.clone();
         let by_weight = ByWeight::new(&mut log_weights).unwrap();
-        let moves = Moves { model: &Chosen, time: 0, generation: &from, by_weight, next: &next };
+        let moves = Moves { density: &Chosen, width: 1, time: 0, generation: &from, by_weight, next: &next };
         let mut paths: Vec<usize> = (0..PATHS).collect();
         paths.chunks_mut(PATHS_TOGETHER).try_for_each(|paths| moves.take(paths, &mut stream))?;
         let mut shares = [0.0; 6];

@@ -11,6 +11,7 @@ pub struct SmoothedPaths {
     pub(super) width: usize,
     /// Of each time.
     pub(super) distinct_particles: Vec<usize>,
+    pub(super) follow_ancestors: bool,
 }
 
 impl SmoothedPaths {
@@ -21,7 +22,13 @@ impl SmoothedPaths {
     pub fn independent(states: Vec<f64>, times: usize, width: usize) -> Self {
         assert!(states.len().is_multiple_of(times * width), "each path has T×N numbers");
         let paths = states.len() / (times * width);
-        SmoothedPaths { states, times, width, distinct_particles: vec![paths; times] }
+        SmoothedPaths {
+            states,
+            times,
+            width,
+            distinct_particles: vec![paths; times],
+            follow_ancestors: false,
+        }
     }
 
     /// `B`.
@@ -57,6 +64,11 @@ impl SmoothedPaths {
     /// If there is no such time.
     pub fn distinct_particles(&self, time: usize) -> usize {
         self.distinct_particles[time]
+    }
+
+    /// Whether trajectories follow the filter's ancestors, because the model's transition has no density to draw others by.
+    pub fn follow_ancestors(&self) -> bool {
+        self.follow_ancestors
     }
 
     /// A coordinate at a time, path by path.

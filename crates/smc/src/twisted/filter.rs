@@ -1,7 +1,7 @@
 //! A filter of the twisted model over its whole sequence.
 
+use motes_models::Stream;
 use motes_models::equations::Linearise;
-use motes_models::{PartialLikelihood, Stream};
 
 use super::model::TwistedModel;
 use super::proposal::TwistedProposal;
@@ -25,7 +25,7 @@ pub(super) fn settings(particles: usize) -> FilterSettings {
 pub(super) type TwistedFilter<'a, M> = ParticleFilter<&'a TwistedModel<'a, M>, TwistedProposal>;
 
 /// Steps a filter through the whole sequence, and shows it to `observe` after each step; the log-evidence.
-pub(super) fn run<'a, M: Linearise + PartialLikelihood + ?Sized, E: From<FilterError>>(
+pub(super) fn run<'a, M: Linearise + ?Sized, E: From<FilterError>>(
     twisted: &'a TwistedModel<'a, M>,
     particles: usize,
     stream: Stream,

@@ -1,7 +1,7 @@
 //! How a twisting is learned, and what it is for.
 
 use motes_models::equations::Linearise;
-use motes_models::{PartialLikelihood, PartialMeasurements, Seed, Simulator, Stream};
+use motes_models::{PartialMeasurements, Seed, Simulator, Stream};
 
 use super::error::TwistingError;
 use super::filter;
@@ -22,7 +22,7 @@ const PASSES: usize = 3;
 /// What is measured from each time on, as a quadratic in the state of that time: for the log-evidence of one sequence.
 ///
 /// ```
-/// use motes_models::equations::{Coordinates, Equations, Scalar, normal};
+/// use motes_models::equations::{Coordinates, Draws, Equations, Scalar, normal};
 /// use motes_models::{PartialMeasurements, Seed, Step, simulate};
 /// use motes_smc::Twisting;
 ///
@@ -34,13 +34,13 @@ const PASSES: usize = 3;
 ///         [2, 1]
 ///     }
 ///
-///     fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
-///         (0..2).for_each(|_| state.push(normal(0.0, 1.0)));
+///     fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]) {
+///         (0..2).for_each(|i| state[i] = draws.draw(normal(0.0, 1.0)));
 ///     }
 ///
-///     fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
-///         state.push(normal(x[0] * 0.9 + x[1] * 0.3, 0.2));
-///         state.push(normal(x[1] * 0.9 - x[0] * 0.3, 0.2));
+///     fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], draws: &mut impl Draws<S>, state: &mut [S]) {
+///         state[0] = draws.draw(normal(x[0] * 0.9 + x[1] * 0.3, 0.2));
+///         state[1] = draws.draw(normal(x[1] * 0.9 - x[0] * 0.3, 0.2));
 ///     }
 ///
 ///     fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
@@ -77,7 +77,7 @@ impl Twisting {
     /// - [`TwistingError::Filter`] if the measurements do not fit the model, or a filter fails.
     /// - [`TwistingError::Fit`] if the particles of a time are too much alike.
     /// - [`TwistingError::Memory`] if they cannot be kept.
-    pub fn learn<M: Linearise + Simulator + PartialLikelihood + ?Sized>(
+    pub fn learn<M: Linearise + Simulator + ?Sized>(
         model: &M,
         measurements: &PartialMeasurements,
         first: usize,
@@ -114,7 +114,7 @@ impl Twisting {
     }
 
     /// Learns one from the particles of a filter, backwards in time.
-    fn of<M: Linearise + PartialLikelihood + ?Sized>(
+    fn of<M: Linearise + ?Sized>(
         model: &M,
         measurements: &PartialMeasurements,
         history: &FilterHistory,
@@ -139,7 +139,7 @@ impl Twisting {
     ///
     /// # Errors
     /// [`FilterError`] if the filter fails, or the model is another.
-    pub fn log_evidence<M: Linearise + PartialLikelihood + ?Sized>(
+    pub fn log_evidence<M: Linearise + ?Sized>(
         &self,
         model: &M,
         particles: usize,

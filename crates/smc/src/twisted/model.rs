@@ -2,7 +2,7 @@
 
 use motes_models::batch::{Rows, with_scratch};
 use motes_models::equations::Linearise;
-use motes_models::{ModelError, PartialLikelihood, PartialMeasurements, StateSpaceModel, Step, Stream};
+use motes_models::{ModelError, PartialMeasurements, StateSpaceModel, Step, Stream, TransitionDensity};
 
 use super::quadratic::Quadratic;
 
@@ -19,7 +19,7 @@ pub(super) struct TwistedModel<'a, M: ?Sized> {
 ///
 /// # Errors
 /// [`ModelError`] if the density of a measurement with gaps cannot be had.
-pub(super) fn look_ahead<M: Linearise + PartialLikelihood + ?Sized>(
+pub(super) fn look_ahead<M: Linearise + ?Sized>(
     model: &M,
     step: &Step<'_>,
     measurement: &[Option<f64>],
@@ -27,7 +27,7 @@ pub(super) fn look_ahead<M: Linearise + PartialLikelihood + ?Sized>(
     states: &[f64],
     out: &mut [f64],
 ) -> Result<(), ModelError> {
-    model.partial_log_likelihoods(step, states, measurement, out)?;
+    model.log_likelihoods(step, states, measurement, out)?;
     if let Some(next) = next {
         add_expectations(
             model,
@@ -56,7 +56,7 @@ fn add_expectations<M: Linearise + ?Sized>(
     });
 }
 
-impl<M: Linearise + PartialLikelihood + ?Sized> StateSpaceModel for TwistedModel<'_, M> {
+impl<M: Linearise + ?Sized> StateSpaceModel for TwistedModel<'_, M> {
     fn state_dim(&self) -> usize {
         self.model.state_dim()
     }
@@ -69,48 +69,47 @@ impl<M: Linearise + PartialLikelihood + ?Sized> StateSpaceModel for TwistedModel
         self.model.step_of_index(index)
     }
 
-    fn sample_initial(&self, stream: &mut Stream, state: &mut [f64]) {
-        self.model.sample_initial(stream, state);
+    fn sample_states(
+        &self,
+        step: &Step<'_>,
+        previous: Option<Rows<'_>>,
+        streams: &mut [Stream],
+        states: &mut [f64],
+    ) {
+        self.model.sample_states(step, previous, streams, states);
     }
 
-    fn sample_transition(&self, step: &Step<'_>, previous: &[f64], stream: &mut Stream, state: &mut [f64]) {
-        self.model.sample_transition(step, previous, stream, state);
-    }
-
-    fn log_initial(&self, state: &[f64]) -> f64 {
-        self.model.log_initial(state)
-    }
-
-    fn log_transition(&self, step: &Step<'_>, previous: &[f64], state: &[f64]) -> f64 {
-        let mut out = [f64::NAN];
-        self.log_transitions(step, Rows::all(previous, previous.len()), state, &mut out);
-        out[0]
-    }
-
-    fn log_likelihood(&self, step: &Step<'_>, state: &[f64], _measurement: &[f64]) -> f64 {
-        let mut out = [f64::NAN];
-        self.log_likelihoods(step, state, &[], &mut out);
-        out[0]
-    }
-
-    fn log_initials(&self, states: &[f64], out: &mut [f64]) {
-        self.model.log_initials(states, out);
-    }
-
-    fn log_transitions(&self, step: &Step<'_>, previous: Rows<'_>, states: &[f64], out: &mut [f64]) {
-        self.model.log_transitions(step, previous, states, out);
-        if let Some(function) = self.functions.get(step.index) {
-            add_expectations(self.model, step, function, previous, -1.0, out);
+    fn log_likelihoods(
+        &self,
+        step: &Step<'_>,
+        states: &[f64],
+        _measurement: &[Option<f64>],
+        out: &mut [f64],
+    ) -> Result<(), ModelError> {
+        let next = self.functions.get(step.index + 1);
+        match self.measurements.rows().nth(step.index) {
+            Some(measurement) => look_ahead(self.model, step, measurement, next, states, out),
+            // Steps refuse what is not a number.
+            None => {
+                out.fill(f64::NAN);
+                Ok(())
+            }
         }
     }
 
-    fn log_likelihoods(&self, step: &Step<'_>, states: &[f64], _measurement: &[f64], out: &mut [f64]) {
-        let (measurement, next) =
-            (self.measurements.rows().nth(step.index), self.functions.get(step.index + 1));
-        let found = measurement.map(|row| look_ahead(self.model, step, row, next, states, out));
-        // Steps refuse what is not a number.
-        if !matches!(found, Some(Ok(()))) {
-            out.fill(f64::NAN);
+    fn density(&self) -> Option<&dyn TransitionDensity> {
+        self.model.density().map(|_| self as _)
+    }
+}
+
+impl<M: Linearise + ?Sized> TransitionDensity for TwistedModel<'_, M> {
+    fn log_densities(&self, step: &Step<'_>, previous: Option<Rows<'_>>, states: &[f64], out: &mut [f64]) {
+        match self.model.density() {
+            Some(density) => density.log_densities(step, previous, states, out),
+            None => out.fill(f64::NAN),
+        }
+        if let (Some(function), Some(previous)) = (self.functions.get(step.index), previous) {
+            add_expectations(self.model, step, function, previous, -1.0, out);
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use motes_models::batch::LANES;
 use motes_models::equations::Linearise;
-use motes_models::{PartialLikelihood, StateSpaceModel, Step};
+use motes_models::{StateSpaceModel, Step};
 
 use super::model::TwistedModel;
 use crate::proposal::{Context, Proposal};
@@ -12,7 +12,7 @@ use crate::proposals::{LinearisedScratch, PrecisionBatch};
 /// `q_t(x_t | x_{t−1}) ∝ N(x_t; m, P) φ_t(x_t)`, with `m` and `P` the mean and the variances of `p(x_t | x_{t−1})`.
 pub(super) struct TwistedProposal;
 
-impl<'m, M: Linearise + PartialLikelihood + ?Sized> Proposal<TwistedModel<'m, M>> for TwistedProposal {
+impl<'m, M: Linearise + ?Sized> Proposal<TwistedModel<'m, M>> for TwistedProposal {
     type Memory = ();
     type Scratch = LinearisedScratch;
     type Conditional<'a>

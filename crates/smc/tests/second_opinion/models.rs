@@ -1,6 +1,6 @@
 //! Models that filters are judged on, and the judging of a whole sequence.
 
-use motes_models::equations::{Coordinates, Equations, Scalar, normal};
+use motes_models::equations::{Coordinates, Draws, Equations, Scalar, normal};
 use motes_models::{Measurements, Seed, Simulator, Step, simulate};
 use motes_smc::{Bootstrap, FilterSettings, ParticleFilter, Proposal, SecondOpinion, Verdict, WeightReport};
 
@@ -12,14 +12,14 @@ impl Equations for Growth {
         [1, 1]
     }
 
-    fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
-        state.push(normal(0.0, 5.0_f64.sqrt()));
+    fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]) {
+        state[0] = draws.draw(normal(0.0, 5.0_f64.sqrt()));
     }
 
-    fn transition<S: Scalar>(&self, step: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
+    fn transition<S: Scalar>(&self, step: &Step<'_, S>, x: &[S], draws: &mut impl Draws<S>, state: &mut [S]) {
         let x = x[0];
         let drift = x / 2.0 + x * 25.0 / (x * x + 1.0) + 8.0 * (1.2 * step.time).cos();
-        state.push(normal(drift, 10.0_f64.sqrt()));
+        state[0] = draws.draw(normal(drift, 10.0_f64.sqrt()));
     }
 
     fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
@@ -40,13 +40,13 @@ impl Equations for Linear {
         [self.coordinates, self.coordinates]
     }
 
-    fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
+    fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]) {
         let sd = self.q / (1.0 - self.a * self.a).sqrt();
-        (0..self.coordinates).for_each(|_| state.push(normal(0.0, sd)));
+        (0..self.coordinates).for_each(|i| state[i] = draws.draw(normal(0.0, sd)));
     }
 
-    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
-        (0..self.coordinates).for_each(|i| state.push(normal(x[i] * self.a, self.q)));
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], draws: &mut impl Draws<S>, state: &mut [S]) {
+        (0..self.coordinates).for_each(|i| state[i] = draws.draw(normal(x[i] * self.a, self.q)));
     }
 
     fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
@@ -66,12 +66,12 @@ impl Equations for Volatility {
         [1, 1]
     }
 
-    fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
-        state.push(normal(0.0, self.sigma / (1.0 - self.phi * self.phi).sqrt()));
+    fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]) {
+        state[0] = draws.draw(normal(0.0, self.sigma / (1.0 - self.phi * self.phi).sqrt()));
     }
 
-    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
-        state.push(normal(x[0] * self.phi, self.sigma));
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], draws: &mut impl Draws<S>, state: &mut [S]) {
+        state[0] = draws.draw(normal(x[0] * self.phi, self.sigma));
     }
 
     fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {

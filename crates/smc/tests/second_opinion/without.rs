@@ -1,6 +1,6 @@
 //! When there is no second opinion: a bootstrap that collapses or is too poor, and calls that make no sense.
 
-use motes_models::equations::{Coordinates, Equations, Scalar, normal, uniform};
+use motes_models::equations::{Coordinates, Draws, Equations, Scalar, normal, uniform};
 use motes_models::{Seed, StateSpaceModel, Step, Stream, fill_uniform};
 use motes_smc::{
     Bootstrap, Conditional, Context, ErrorKind, FilterError, FilterSettings, Linearised, ParticleFilter,
@@ -19,12 +19,12 @@ impl Equations for Narrow {
         [1, 1]
     }
 
-    fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
-        state.push(normal(0.0, 1.0));
+    fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]) {
+        state[0] = draws.draw(normal(0.0, 1.0));
     }
 
-    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
-        state.push(normal(x[0], 1.0));
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], draws: &mut impl Draws<S>, state: &mut [S]) {
+        state[0] = draws.draw(normal(x[0], 1.0));
     }
 
     fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {

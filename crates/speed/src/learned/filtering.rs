@@ -52,7 +52,9 @@ impl<M: Equations> Filtering<M> {
             .condition_batch(&self.model, context, &mut (), scratch)
             .map_err(|error| told(&error))?
             .log_density(&states, &mut of_proposal);
-        self.model.log_transitions(&Step::of_index(1), Rows::all(&previous, n), &states, &mut of_transition);
+        let rows = Some(Rows::all(&previous, n));
+        let density = self.model.density().ok_or("the model has no transition density")?;
+        density.log_densities(&Step::of_index(1), rows, &states, &mut of_transition);
         let log_mixture = |(q, p): (&f64, &f64)| {
             let (a, b) = (q + (-DEFENSIVE).ln_1p(), p + DEFENSIVE.ln());
             a.max(b) + (-(a - b).abs()).exp().ln_1p()

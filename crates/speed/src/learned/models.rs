@@ -1,6 +1,6 @@
 //! The models, stated once, what `motes learn` takes for them, and what the networks of it cost.
 
-use motes_models::equations::{Coordinates, Equations, Scalar, normal};
+use motes_models::equations::{Coordinates, Draws, Equations, Scalar, normal};
 use motes_proposals::{AmortisedConfig, Base, Covariance, HeadConfig, Sees};
 
 use super::sizes::HORIZON;
@@ -18,15 +18,15 @@ impl Equations for Growth {
     }
 
     #[inline(always)]
-    fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
-        state.push(normal(0.0, 5.0_f64.sqrt()));
+    fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]) {
+        state[0] = draws.draw(normal(0.0, 5.0_f64.sqrt()));
     }
 
     #[inline(always)]
-    fn transition<S: Scalar>(&self, step: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
+    fn transition<S: Scalar>(&self, step: &Step<'_, S>, x: &[S], draws: &mut impl Draws<S>, state: &mut [S]) {
         let x = x[0];
         let drift = x / 2.0 + x * 25.0 / (x * x + 1.0) + 8.0 * (1.2 * step.time).cos();
-        state.push(normal(drift, 10.0_f64.sqrt()));
+        state[0] = draws.draw(normal(drift, 10.0_f64.sqrt()));
     }
 
     #[inline(always)]
@@ -44,16 +44,16 @@ impl Equations for Tracking {
     }
 
     #[inline(always)]
-    fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
+    fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]) {
         for (mean, sd) in [(5.0, 1.0), (5.0, 1.0), (0.2, 0.1), (-0.1, 0.1)] {
-            state.push(normal(mean, sd));
+            state[0] = draws.draw(normal(mean, sd));
         }
     }
 
     #[inline(always)]
-    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
-        (0..2).for_each(|i| state.push(normal(x[i] + x[i + 2], 0.05)));
-        (2..4).for_each(|i| state.push(normal(x[i], 0.05)));
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], draws: &mut impl Draws<S>, state: &mut [S]) {
+        (0..2).for_each(|i| state[i] = draws.draw(normal(x[i] + x[i + 2], 0.05)));
+        (2..4).for_each(|i| state[i] = draws.draw(normal(x[i], 0.05)));
     }
 
     #[inline(always)]

@@ -84,7 +84,7 @@ impl Deck {
 #[cfg(test)]
 mod tests {
     use motes_models::ModelShape;
-    use motes_models::equations::{Coordinates, Equations, Scalar, normal};
+    use motes_models::equations::{Coordinates, Draws, Equations, Scalar, normal};
     use motes_proposals::{AmortisedConfig, Backend, Family};
 
     use motes_models::Step;
@@ -98,12 +98,18 @@ mod tests {
             [1, 1]
         }
 
-        fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
-            state.push(normal(0.0, 1.0));
+        fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]) {
+            state[0] = draws.draw(normal(0.0, 1.0));
         }
 
-        fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
-            state.push(normal(x[0] * 0.9, 1.0));
+        fn transition<S: Scalar>(
+            &self,
+            _: &Step<'_, S>,
+            x: &[S],
+            draws: &mut impl Draws<S>,
+            state: &mut [S],
+        ) {
+            state[0] = draws.draw(normal(x[0] * 0.9, 1.0));
         }
 
         fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {

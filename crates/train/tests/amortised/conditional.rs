@@ -60,7 +60,7 @@ fn draws_have_their_density<M: Equations>(model: &M, measurement: &[f64]) {
     let count = 70;
     let n = model.state_dim();
     let mut previous = vec![0.0; count * n];
-    model.sample_initials(&mut [Seed::from_u64(5).stream()], &mut previous);
+    model.sample_states(&Step::of_index(0), None, &mut [Seed::from_u64(5).stream()], &mut previous);
     for (base, head) in BASES.into_iter().flat_map(|base| HEADS.map(|head| (base, head))) {
         let mut proposal = random(model, base, head, 0.2);
         for time in [0, 1] {
@@ -73,10 +73,20 @@ fn draws_have_their_density<M: Equations>(model: &M, measurement: &[f64]) {
             conditional.log_density(&states, &mut at);
             let mut of_transition = vec![0.0; count];
             match time {
-                0 => model.log_initials(&states, &mut of_transition),
+                0 => model.density().unwrap().log_densities(
+                    &Step::of_index(0),
+                    None,
+                    &states,
+                    &mut of_transition,
+                ),
                 _ => {
                     let rows = motes_models::batch::Rows::all(&previous, n);
-                    model.log_transitions(&Step::of_index(time), rows, &states, &mut of_transition);
+                    model.density().unwrap().log_densities(
+                        &Step::of_index(time),
+                        Some(rows),
+                        &states,
+                        &mut of_transition,
+                    );
                 }
             }
             for row in 0..count {

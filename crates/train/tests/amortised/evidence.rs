@@ -3,8 +3,7 @@
 use faer::mat;
 use motes_models::equations::Equations;
 use motes_models::{
-    Gaussian, LinearGaussian, PartialLikelihood, PartialMeasurements, Seed, StateSpaceModel, Step, kalman,
-    simulate,
+    Gaussian, LinearGaussian, PartialMeasurements, Seed, StateSpaceModel, Step, kalman, simulate,
 };
 use motes_proposals::{Amortised, AmortisedConfig, Base, HeadConfig, Sees};
 use motes_smc::{FilterBank, FilterSettings, ResampleWhen};
@@ -77,14 +76,24 @@ fn by_quadrature(model: &Awkward, rows: &[Vec<Option<f64>>]) -> f64 {
     const POINTS: usize = 3001;
     let (low, step) = (-9.0, 0.006);
     let grid: Vec<f64> = (0..POINTS).map(|i| low + step * i as f64).collect();
-    let mut density: Vec<f64> = grid.iter().map(|x| model.log_initial(&[*x]).exp()).collect();
+    let mut density: Vec<f64> = grid
+        .iter()
+        .map(|x| model.density().unwrap().log_density(&Step::of_index(0), None, &[*x]).exp())
+        .collect();
     for (time, row) in rows.iter().enumerate() {
         if time > 0 {
             density = grid
                 .iter()
                 .map(|x| {
                     let into = |(from, before): (&f64, &f64)| match *before > 1e-14 {
-                        true => before * model.log_transition(&Step::of_index(1), &[*from], &[*x]).exp(),
+                        true => {
+                            before
+                                * model
+                                    .density()
+                                    .unwrap()
+                                    .log_density(&Step::of_index(1), Some(&[*from]), &[*x])
+                                    .exp()
+                        }
                         false => 0.0,
                     };
                     grid.iter().zip(&density).map(into).sum::<f64>() * step
@@ -93,7 +102,7 @@ fn by_quadrature(model: &Awkward, rows: &[Vec<Option<f64>>]) -> f64 {
         }
         for (density, x) in density.iter_mut().zip(&grid) {
             let mut out = [0.0];
-            model.partial_log_likelihoods(&Step::of_index(time), &[*x], row, &mut out).unwrap();
+            model.log_likelihoods(&Step::of_index(time), &[*x], row, &mut out).unwrap();
             *density *= out[0].exp();
         }
     }

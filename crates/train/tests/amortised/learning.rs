@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use motes_models::equations::{Coordinates, Equations, Scalar, normal};
+use motes_models::equations::{Coordinates, Draws, Equations, Scalar, normal};
 use motes_models::{ModelShape, PartialMeasurements, Seed, Step, simulate};
 use motes_proposals::{Amortised, AmortisedConfig, Backend, Base, Family, HeadConfig, Parametric, Sees};
 use motes_smc::{Bootstrap, FilterSettings, Linearised, ParticleFilter, Proposal, ResampleWhen};
@@ -141,12 +141,12 @@ impl Equations for Runaway {
         [1, 1]
     }
 
-    fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
-        state.push(normal(0.0, self.0));
+    fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]) {
+        state[0] = draws.draw(normal(0.0, self.0));
     }
 
-    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
-        state.push(normal(x[0] * x[0] * 1e10, 1.0));
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], draws: &mut impl Draws<S>, state: &mut [S]) {
+        state[0] = draws.draw(normal(x[0] * x[0] * 1e10, 1.0));
     }
 
     fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {

@@ -2,7 +2,7 @@
 
 use motes_models::Step;
 use motes_models::equations::{
-    Coordinates, Equations, Scalar, exponential, normal, poisson, student_t, uniform,
+    Coordinates, Draws, Equations, Scalar, exponential, normal, poisson, student_t, uniform,
 };
 
 /// `x_t = A x_{t−1} + v`, `y_t = C x_t + w`, with two coordinates and one measurement.
@@ -13,13 +13,13 @@ impl Equations for Linear {
         [2, 1]
     }
 
-    fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
-        (0..2).for_each(|_| state.push(normal(0.0, 1.0)));
+    fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]) {
+        (0..2).for_each(|i| state[i] = draws.draw(normal(0.0, 1.0)));
     }
 
-    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
-        state.push(normal(x[0] * 0.9 + x[1] * 0.2, 0.7));
-        state.push(normal(x[1] * 0.7, 1.1));
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], draws: &mut impl Draws<S>, state: &mut [S]) {
+        state[0] = draws.draw(normal(x[0] * 0.9 + x[1] * 0.2, 0.7));
+        state[1] = draws.draw(normal(x[1] * 0.7, 1.1));
     }
 
     fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
@@ -35,14 +35,14 @@ impl Equations for Growth {
         [1, 1]
     }
 
-    fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
-        state.push(normal(0.0, 5.0_f64.sqrt()));
+    fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]) {
+        state[0] = draws.draw(normal(0.0, 5.0_f64.sqrt()));
     }
 
-    fn transition<S: Scalar>(&self, step: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
+    fn transition<S: Scalar>(&self, step: &Step<'_, S>, x: &[S], draws: &mut impl Draws<S>, state: &mut [S]) {
         let x = x[0];
         let drift = x / 2.0 + x * 25.0 / (x * x + 1.0) + 8.0 * (1.2 * step.time).cos();
-        state.push(normal(drift, 10.0_f64.sqrt()));
+        state[0] = draws.draw(normal(drift, 10.0_f64.sqrt()));
     }
 
     fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
@@ -69,13 +69,13 @@ impl Equations for Awkward {
         [1, 2]
     }
 
-    fn initial<S: Scalar>(&self, state: &mut impl Coordinates<S>) {
-        state.push(normal(0.3, 0.8));
+    fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]) {
+        state[0] = draws.draw(normal(0.3, 0.8));
     }
 
-    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], state: &mut impl Coordinates<S>) {
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], draws: &mut impl Draws<S>, state: &mut [S]) {
         let mean = x[0].sin() + x[0] * 0.5;
-        state.push(match self.0 {
+        state[0] = draws.draw(match self.0 {
             Noise::HalfLine => exponential(0.6).shifted(mean - 0.5),
             Noise::Interval => uniform(mean - 0.8, mean + 1.2),
             Noise::HeavyTails => student_t(4.0, mean, 0.5),

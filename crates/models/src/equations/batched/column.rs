@@ -3,7 +3,7 @@
 use super::super::distribution::Distribution;
 use super::super::lanes::Lanes;
 use super::super::scalar::Scalar;
-use super::super::statement::Coordinates;
+use super::super::statement::{Coordinates, Draws};
 use super::super::varied::{SIDE, Side, Varied};
 use crate::batch::LANES;
 
@@ -112,7 +112,24 @@ impl BatchDistribution {
     }
 }
 
-/// Pushes the distribution of each coordinate of the particles of a tile.
+/// Draws each coordinate of the particles of a tile; all is NaN where another number of them is stated than there is.
+pub(super) fn draw_tile(
+    stated: &[BatchDistribution],
+    first: usize,
+    draws: &mut impl Draws<Lanes>,
+    states: &mut [Lanes],
+) {
+    states.fill(Lanes::from(f64::NAN));
+    let is_whole = stated.len() == states.len();
+    for (at, distribution) in stated.iter().enumerate() {
+        let drawn = draws.draw(distribution.tile(first));
+        if is_whole {
+            states[at] = drawn;
+        }
+    }
+}
+
+/// Pushes the distribution of each entry of the measurements of a tile.
 pub(super) fn push_tile(stated: &[BatchDistribution], first: usize, sink: &mut impl Coordinates<Lanes>) {
     stated.iter().for_each(|distribution| sink.push(distribution.tile(first)));
 }

@@ -62,7 +62,7 @@ impl StateGradients for Batched {
         self.equations.has_slopes()
     }
 
-    fn initial_gradients(&self, states: &[f64], d_states: &mut [f64]) {
+    fn initial_gradients(&self, _step: &Step<'_>, states: &[f64], d_states: &mut [f64]) {
         along_values(self.equations.initial().as_deref(), self.state_dim(), states, d_states);
     }
 

@@ -1,20 +1,21 @@
 //! Batched equations are a state-space model.
 
+use std::rc::Rc;
 use std::slice::from_mut;
 
 use super::super::distribution::Distribution;
 use super::super::lanes::Lanes;
-use super::super::model::{OfKnown, OfMeasurement, OfStates};
-use super::super::sample::{draw_rows, needs_of};
-use super::super::statement::Coordinates;
+use super::super::model::{Likelihood, Replay};
+use super::super::sample::{draw_measurements, draw_states, needs_of_draws, needs_of_measurement};
+use super::super::statement::{Coordinates, Draws};
 use super::super::tile_states::TileStates;
-use super::super::tiles::rows_of;
+use super::super::tiles::{rows_of, rows_of_mut};
 use super::super::transport::centres_of;
 use super::Batched;
-use super::column::{BatchDistribution, push_tile};
+use super::column::{BatchDistribution, draw_tile, push_tile};
 use super::memo::{self, Answer, Asked};
 use crate::batch::{LANES, Rows, load, store, with_scratch};
-use crate::{ModelError, PartialLikelihood, Seed, Simulator, StateSpaceModel, Step, Stream};
+use crate::{ModelError, Seed, Simulator, StateSpaceModel, Step, Stream, TransitionDensity};
 
 /// Transitions whose families are looked at, as for [`Equations`](super::super::Equations).
 const PROBES: usize = 8;
@@ -40,6 +41,16 @@ impl Batched {
         memo::of_rows(&self.owner, asked, step, rows, false, || self.ask(asked, step, rows, false))
     }
 
+    /// What is stated for each row of `x_t`, or for `x_0` where there are no rows before.
+    fn of_states(&self, step: &Step<'_>, previous: Option<Rows<'_>>) -> Answer {
+        match previous {
+            None => self.equations.initial().map(Rc::new),
+            Some(previous) => {
+                previous.with_contiguous(|previous| self.of_rows(Asked::Transition, step, previous))
+            }
+        }
+    }
+
     /// What is stated for the particles of a tile, and the number of the first of them.
     pub(super) fn of_tile(&self, asked: Asked, step: &Step<'_>, tile: &[f64]) -> (Answer, usize) {
         // Nobody said that this tile would come, or how many of its lanes have a particle.
@@ -50,13 +61,6 @@ impl Batched {
     pub(super) fn scored_by(&self) -> Asked {
         if self.equations.has_slopes() { Asked::Slopes } else { Asked::Measurement }
     }
-}
-
-/// Draws what is stated; NaN where nothing is.
-fn draw(stated: Option<&[BatchDistribution]>, width: usize, streams: &mut [Stream], out: &mut [f64]) {
-    let Some(stated) = stated else { return out.fill(f64::NAN) };
-    let needs = needs_of(|counter| stated.iter().for_each(|distribution| counter.push(distribution.first())));
-    draw_rows(needs, width, None, 0, streams, out, |first, _, drawn| push_tile(stated, first, drawn));
 }
 
 /// A log density of each particle, tile by tile; NaN where nothing is stated.
@@ -71,20 +75,6 @@ fn weigh(
     }
 }
 
-/// [`weigh`] states (`K×N`).
-fn weigh_states(stated: Option<&[BatchDistribution]>, n: usize, states: &[f64], out: &mut [f64]) {
-    with_scratch(n * LANES, |tile| {
-        tile.fill(0.0);
-        weigh(stated, out, |stated, first| {
-            let last = (first + LANES).min(states.len() / n);
-            load(&states[first * n..last * n], n, tile);
-            let mut density = OfStates::at(rows_of(tile));
-            push_tile(stated, first, &mut density);
-            density.finish()
-        });
-    });
-}
-
 impl StateSpaceModel for Batched {
     fn state_dim(&self) -> usize {
         self.equations.dimensions()[0]
@@ -94,72 +84,47 @@ impl StateSpaceModel for Batched {
         self.equations.dimensions()[1]
     }
 
-    fn sample_initial(&self, stream: &mut Stream, state: &mut [f64]) {
-        self.sample_initials(from_mut(stream), state);
-    }
-
-    fn sample_transition(&self, step: &Step<'_>, previous: &[f64], stream: &mut Stream, state: &mut [f64]) {
-        self.sample_transitions(step, Rows::all(previous, previous.len()), from_mut(stream), state);
-    }
-
-    fn log_initial(&self, state: &[f64]) -> f64 {
-        let mut out = [f64::NAN];
-        self.log_initials(state, &mut out);
-        out[0]
-    }
-
-    fn log_transition(&self, step: &Step<'_>, previous: &[f64], state: &[f64]) -> f64 {
-        let mut out = [f64::NAN];
-        self.log_transitions(step, Rows::all(previous, previous.len()), state, &mut out);
-        out[0]
-    }
-
-    fn log_likelihood(&self, step: &Step<'_>, state: &[f64], measurement: &[f64]) -> f64 {
-        let mut out = [f64::NAN];
-        self.log_likelihoods(step, state, measurement, &mut out);
-        out[0]
-    }
-
-    fn sample_initials(&self, streams: &mut [Stream], states: &mut [f64]) {
-        draw(self.equations.initial().as_deref(), self.state_dim(), streams, states);
-    }
-
-    fn sample_transitions(
+    fn sample_states(
         &self,
         step: &Step<'_>,
-        previous: Rows<'_>,
+        previous: Option<Rows<'_>>,
         streams: &mut [Stream],
         states: &mut [f64],
     ) {
-        if previous.is_empty() {
+        if states.is_empty() {
             return;
         }
-        let stated = previous.with_contiguous(|previous| self.of_rows(Asked::Transition, step, previous));
-        draw(stated.as_ref().map(|stated| &stated[..]), self.state_dim(), streams, states);
+        let Some(stated) = self.of_states(step, previous) else { return states.fill(f64::NAN) };
+        let n = self.state_dim();
+        let needs = needs_of_draws(n, |counter, _| {
+            stated.iter().for_each(|distribution| counter.push(distribution.first()))
+        });
+        draw_states(needs, (n, None), streams, states, |first, _, draws, rows| {
+            draw_tile(&stated, first, draws, rows);
+        });
     }
 
-    fn log_initials(&self, states: &[f64], out: &mut [f64]) {
-        weigh_states(self.equations.initial().as_deref(), self.state_dim(), states, out);
-    }
-
-    fn log_transitions(&self, step: &Step<'_>, previous: Rows<'_>, states: &[f64], out: &mut [f64]) {
+    fn log_likelihoods(
+        &self,
+        step: &Step<'_>,
+        states: &[f64],
+        measurement: &[Option<f64>],
+        out: &mut [f64],
+    ) -> Result<(), ModelError> {
         if out.is_empty() {
-            return;
-        }
-        let stated = previous.with_contiguous(|previous| self.of_rows(Asked::Transition, step, previous));
-        weigh_states(stated.as_ref().map(|stated| &stated[..]), self.state_dim(), states, out);
-    }
-
-    fn log_likelihoods(&self, step: &Step<'_>, states: &[f64], measurement: &[f64], out: &mut [f64]) {
-        if out.is_empty() {
-            return;
+            return Ok(());
         }
         let stated = self.of_rows(Asked::Measurement, step, states);
         weigh(stated.as_ref().map(|stated| &stated[..]), out, |stated, first| {
-            let mut density = OfMeasurement::at(measurement);
-            push_tile(stated, first, &mut density);
-            density.finish()
+            let mut likelihood = Likelihood::of(measurement);
+            push_tile(stated, first, &mut likelihood);
+            likelihood.finish()
         });
+        Ok(())
+    }
+
+    fn density(&self) -> Option<&dyn TransitionDensity> {
+        Some(self)
     }
 
     fn foresee(&self, step: &Step<'_>, previous: Rows<'_>) {
@@ -175,7 +140,7 @@ impl StateSpaceModel for Batched {
             with_scratch(2 * n * LANES, |tiles| {
                 let (tile, slopes) = tiles.split_at_mut(n * LANES);
                 for (number, centres) in centres.chunks_mut(n * LANES).enumerate() {
-                    centres_of(|sink| push_tile(&stated, number * LANES, sink), tile, slopes);
+                    centres_of(|draws, rows| draw_tile(&stated, number * LANES, draws, rows), tile, slopes);
                     store(tile, n, centres);
                 }
             });
@@ -186,44 +151,38 @@ impl StateSpaceModel for Batched {
     }
 }
 
-impl Simulator for Batched {
-    fn sample_measurement(
-        &self,
-        step: &Step<'_>,
-        state: &[f64],
-        stream: &mut Stream,
-        measurement: &mut [f64],
-    ) {
-        self.sample_measurements(step, state, from_mut(stream), measurement);
+impl TransitionDensity for Batched {
+    fn log_densities(&self, step: &Step<'_>, previous: Option<Rows<'_>>, states: &[f64], out: &mut [f64]) {
+        if out.is_empty() {
+            return;
+        }
+        let (n, stated) = (self.state_dim(), self.of_states(step, previous));
+        with_scratch(2 * n * LANES, |scratch| {
+            let (tile, unused) = scratch.split_at_mut(n * LANES);
+            tile.fill(0.0);
+            weigh(stated.as_ref().map(|stated| &stated[..]), out, |stated, first| {
+                let last = (first + LANES).min(states.len() / n);
+                load(&states[first * n..last * n], n, tile);
+                let mut replay = Replay::of(rows_of(tile));
+                draw_tile(stated, first, &mut replay, rows_of_mut(unused));
+                replay.finish()
+            });
+        });
     }
+}
 
+impl Simulator for Batched {
     fn sample_measurements(&self, step: &Step<'_>, states: &[f64], streams: &mut [Stream], out: &mut [f64]) {
         if out.is_empty() {
             return;
         }
-        let stated = self.of_rows(Asked::Measurement, step, states);
-        draw(stated.as_ref().map(|stated| &stated[..]), self.measurement_dim(), streams, out);
-    }
-}
-
-impl PartialLikelihood for Batched {
-    fn partial_log_likelihoods(
-        &self,
-        step: &Step<'_>,
-        states: &[f64],
-        measurement: &[Option<f64>],
-        out: &mut [f64],
-    ) -> Result<(), ModelError> {
-        if out.is_empty() {
-            return Ok(());
-        }
-        let stated = self.of_rows(Asked::Measurement, step, states);
-        weigh(stated.as_ref().map(|stated| &stated[..]), out, |stated, first| {
-            let mut density = OfKnown::at(measurement);
-            push_tile(stated, first, &mut density);
-            density.finish()
+        let Some(stated) = self.of_rows(Asked::Measurement, step, states) else { return out.fill(f64::NAN) };
+        let needs = needs_of_measurement(|counter| {
+            stated.iter().for_each(|distribution| counter.push(distribution.first()))
         });
-        Ok(())
+        draw_measurements(needs, self.measurement_dim(), None, streams, out, |first, _, entries| {
+            push_tile(&stated, first, entries);
+        });
     }
 }
 
@@ -235,7 +194,8 @@ impl TileStates for Batched {
             };
             // A state that is likely, from a stream of its own.
             let mut state = vec![0.0; self.state_dim()];
-            self.sample_initial(&mut Seed::from_u64(0).child("transport").stream(), &mut state);
+            let stream = &mut Seed::from_u64(0).child("transport").stream();
+            self.sample_states(&Step::of_index(0), None, from_mut(stream), &mut state);
             // Some functions end with the data: what they do not say is not looked at.
             let mut transitions = (1..=PROBES)
                 .filter_map(|index| self.equations.transition(&Step::of_index(index), &state, true));
@@ -244,18 +204,19 @@ impl TileStates for Batched {
         })
     }
 
-    fn push_states(&self, step: &Step<'_>, previous: Option<&[f64]>, states: &mut impl Coordinates<Lanes>) {
-        match previous {
-            None => {
-                let stated = self.equations.initial().unwrap_or_default();
-                push_tile(&stated, 0, states);
-            }
-            Some(previous) => {
-                let (stated, first) = self.of_tile(Asked::Transition, step, previous);
-                if let Some(stated) = stated {
-                    push_tile(&stated, first, states);
-                }
-            }
+    fn draw_states(
+        &self,
+        step: &Step<'_>,
+        previous: Option<&[f64]>,
+        draws: &mut impl Draws<Lanes>,
+        states: &mut [Lanes],
+    ) {
+        let (stated, first) = match previous {
+            None => (self.equations.initial().map(Rc::new), 0),
+            Some(previous) => self.of_tile(Asked::Transition, step, previous),
+        };
+        if let Some(stated) = stated {
+            draw_tile(&stated, first, draws, states);
         }
     }
 }

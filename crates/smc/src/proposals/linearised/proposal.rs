@@ -1,8 +1,10 @@
 //! The proposal itself: prepared by a measurement, conditioned block by block.
 
-use motes_models::batch::{LANES, by_widest_vectors};
+use std::slice::from_mut;
+
+use motes_models::batch::{LANES, Rows, by_widest_vectors};
 use motes_models::equations::{Lanes, Linearise};
-use motes_models::{ModelError, Seed, Simulator, Step, check_dimensions};
+use motes_models::{ModelError, Seed, Simulator, Step, check_model};
 
 use super::batch::LinearisedBatch;
 use super::scoring::{depends_on_state, score};
@@ -42,7 +44,7 @@ impl Linearised {
     /// # Errors
     /// [`ModelError::Parameter`] if the model has no states or no measurements.
     pub fn new(model: &(impl Linearise + Simulator + ?Sized)) -> Result<Self, ModelError> {
-        check_dimensions(model)?;
+        check_model(model)?;
         // States that are likely, from a stream of their own: the same model gets the same answer.
         let mut stream = Seed::from_u64(0).child("linearised").stream();
         let (n, m) = (model.state_dim(), model.measurement_dim());
@@ -50,11 +52,9 @@ impl Linearised {
         let mut sees_measurements = false;
         for step in (0..PROBES).map(|index| model.step_of_index(index)) {
             let previous = state.clone();
-            match step.index {
-                0 => model.sample_initial(&mut stream, &mut state),
-                _ => model.sample_transition(&step, &previous, &mut stream, &mut state),
-            }
-            model.sample_measurement(&step, &state, &mut stream, &mut measurement);
+            let previous = (step.index > 0).then(|| Rows::all(&previous, n));
+            model.sample_states(&step, previous, from_mut(&mut stream), &mut state);
+            model.sample_measurements(&step, &state, from_mut(&mut stream), &mut measurement);
             sees_measurements |= depends_on_state(model, &step, &state, &measurement);
         }
         Ok(Linearised { sees_measurements, measurement: Vec::new(), prepared: None })
