@@ -1,6 +1,6 @@
 //! What filters made of data.
 
-use motes_smc::{Verdict, WeightReport};
+use motes_smc::{Verdict, WeightReport, error_of_variance, variance_of_error};
 use serde::{Deserialize, Serialize};
 
 use crate::estimate::Estimate;
@@ -15,7 +15,7 @@ pub struct Filtered {
     pub forecasts: Vec<Vec<Estimate>>,
     /// The log-evidence of each series.
     pub log_evidence_per_series: Vec<f64>,
-    /// Its standard error; none where it is not checked, or of too few particles to tell, and 0 where the log-evidence is exact.
+    /// Its standard error, the root of its mean square error; none where it is not checked, or of too few particles to tell, and 0 where the log-evidence is exact.
     pub standard_error_per_series: Vec<Option<f64>>,
     /// The exact log-evidence of each series by the Kalman filter, where the model is linear and Gaussian and filters are checked.
     pub exact_log_evidence_per_series: Vec<Option<f64>>,
@@ -35,10 +35,10 @@ impl Filtered {
         self.log_evidence_per_series.iter().sum()
     }
 
-    /// Its standard error: series are independent, so their variances add up. None if a series has none.
+    /// Its standard error: series are independent, so their variances add up, and their biases do. None if a series has none.
     pub fn standard_error(&self) -> Option<f64> {
         let errors = self.standard_error_per_series.iter().copied();
-        let variance: Option<f64> = errors.map(|error| error.map(|error| error * error)).sum();
-        variance.map(f64::sqrt)
+        let variance: Option<f64> = errors.map(|error| error.map(variance_of_error)).sum();
+        variance.map(error_of_variance)
     }
 }

@@ -33,7 +33,9 @@ pub use diagnosis::{
     LEAST_EFFECTIVE_PARTICLES, PARETO_K_LIMIT, WeightDiagnosis, WeightReport, WeightWarning, pareto_k,
 };
 pub use error::{ErrorKind, FilterError};
-pub use evidence::{AncestryVariance, CheckSnapshot, EvidenceCheck, EvidenceWarning};
+pub use evidence::{
+    AncestryVariance, CheckSnapshot, EvidenceCheck, EvidenceWarning, error_of_variance, variance_of_error,
+};
 pub use filter::ParticleFilter;
 pub use filter_snapshot::FilterSnapshot;
 pub use fixed_lag::FixedLagSmoother;

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::ancestry::AncestryVariance;
 use super::blocks::Blocks;
 use super::coordinates::Coordinates;
+use super::standard_error::error_of_variance;
 use super::surprise::{Surprise, Surprises};
 use super::warning::EvidenceWarning;
 use crate::bank::{BankSnapshot, FilterBank, FilterSettings};
@@ -149,7 +150,7 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> EvidenceCheck<D,
     /// tell.
     pub fn standard_error(&self) -> Option<f64> {
         let variance = self.figures.ancestry.variance().max(self.figures.blocks.variance());
-        (self.figures.particles >= LEAST_PARTICLES).then(|| (variance + 0.25 * variance * variance).sqrt())
+        (self.figures.particles >= LEAST_PARTICLES).then(|| error_of_variance(variance))
     }
 
     /// All that is not to be trusted after the steps so far.

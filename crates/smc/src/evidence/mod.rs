@@ -4,9 +4,11 @@ mod ancestry;
 mod blocks;
 mod check;
 mod coordinates;
+mod standard_error;
 mod surprise;
 mod warning;
 
 pub use ancestry::AncestryVariance;
 pub use check::{CheckSnapshot, EvidenceCheck};
+pub use standard_error::{error_of_variance, variance_of_error};
 pub use warning::EvidenceWarning;
