@@ -35,6 +35,10 @@ impl StateSpaceModel for FormulaModel {
         self.equations().log_likelihoods(step, states, measurement, out)
     }
 
+    fn log_likelihood(&self, step: &Step<'_>, state: &[f64], measurement: &[f64]) -> Result<f64, ModelError> {
+        self.equations().log_likelihood(step, state, measurement)
+    }
+
     fn density(&self) -> Option<&dyn TransitionDensity> {
         self.equations().has_density().then_some(self)
     }
@@ -45,6 +49,10 @@ impl StateSpaceModel for FormulaModel {
 }
 
 impl TransitionDensity for FormulaModel {
+    fn log_density(&self, step: &Step<'_>, previous: Option<&[f64]>, state: &[f64]) -> f64 {
+        self.equations().log_density(step, previous, state)
+    }
+
     fn log_densities(&self, step: &Step<'_>, previous: Option<Rows<'_>>, states: &[f64], out: &mut [f64]) {
         self.equations().log_densities(step, previous, states, out);
     }

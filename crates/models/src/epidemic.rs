@@ -175,10 +175,12 @@ impl StateSpaceModel for Epidemic {
             }
             return;
         };
-        if let ([stream], 1) = (&mut *streams, previous.len()) {
-            // One particle is drawn coordinate by coordinate: simulated sequences are as they were published.
-            for (value, flow) in states.iter_mut().zip(self.flow(previous.row(0))) {
-                *value = flow + self.config.noise.sample(self.sigmas[1], stream);
+        if previous.len() == streams.len() {
+            // A stream's only particle is drawn coordinate by coordinate: simulated sequences are as they were published.
+            for (row, (stream, state)) in streams.iter_mut().zip(states.chunks_exact_mut(N)).enumerate() {
+                for (value, flow) in state.iter_mut().zip(self.flow(previous.row(row))) {
+                    *value = flow + self.config.noise.sample(self.sigmas[1], stream);
+                }
             }
             return;
         }

@@ -98,19 +98,21 @@ impl StateSpaceModel for LinearGaussian {
         states: &mut [f64],
     ) {
         let n = self.state_dim();
-        let previous = match (previous, &mut *streams) {
-            (None, [stream]) if states.len() == n => return self.initial.sample(stream, states),
-            (None, streams) => return self.initial.samples(streams, states),
-            // One particle is drawn coordinate by coordinate: simulated sequences are as they were published.
-            (Some(previous), [stream]) if previous.len() == 1 => {
-                self.state_noise.sample_deviation(stream, states);
-                for (i, value) in states.iter_mut().enumerate() {
-                    *value += row_times(&self.transition_matrix, i, previous.row(0));
+        if states.len() == streams.len() * n {
+            // A stream's only particle is drawn coordinate by coordinate: simulated sequences are as they were published.
+            for (row, (stream, state)) in streams.iter_mut().zip(states.chunks_exact_mut(n)).enumerate() {
+                let Some(previous) = previous else {
+                    self.initial.sample(stream, state);
+                    continue;
+                };
+                self.state_noise.sample_deviation(stream, state);
+                for (i, value) in state.iter_mut().enumerate() {
+                    *value += row_times(&self.transition_matrix, i, previous.row(row));
                 }
-                return;
             }
-            (Some(previous), _) => previous,
-        };
+            return;
+        }
+        let Some(previous) = previous else { return self.initial.samples(streams, states) };
         with_scratch(2 * n * LANES, |scratch| {
             let (from, to) = scratch.split_at_mut(n * LANES);
             with_noise(streams, n, states.len() / n, fill_standard_normal, |particles, noise| {
@@ -159,12 +161,31 @@ impl StateSpaceModel for LinearGaussian {
         Ok(())
     }
 
+    fn log_likelihood(
+        &self,
+        _step: &Step<'_>,
+        state: &[f64],
+        measurement: &[f64],
+    ) -> Result<f64, ModelError> {
+        let residual = |i: usize| measurement[i] - row_times(&self.measurement_matrix, i, state);
+        Ok(self.measurement_noise.log_density_of(residual))
+    }
+
     fn density(&self) -> Option<&dyn TransitionDensity> {
         Some(self)
     }
 }
 
 impl TransitionDensity for LinearGaussian {
+    fn log_density(&self, _step: &Step<'_>, previous: Option<&[f64]>, state: &[f64]) -> f64 {
+        match previous {
+            None => self.initial.log_density(state),
+            Some(previous) => self
+                .state_noise
+                .log_density_of(|i| state[i] - row_times(&self.transition_matrix, i, previous)),
+        }
+    }
+
     fn log_densities(&self, _step: &Step<'_>, previous: Option<Rows<'_>>, states: &[f64], out: &mut [f64]) {
         let Some(previous) = previous else { return self.initial.log_densities(states, out) };
         let n = self.state_dim();

@@ -65,9 +65,9 @@ fn the_standard_error_is_the_actual_one() {
             estimated += error * error / RUNS as f64;
             within += u32::from(off.abs() < 2.0 * error);
         }
-        // The larger of two estimates is above the actual variance by up to a half; 100 runs tell that to four times √(2/100).
+        // The larger of two estimates of each block, and again of all, is above the actual variance, by up to a factor of 2; 100 runs tell that to four times √(2/100).
         let ratio = estimated / actual;
-        assert!((0.6..2.2).contains(&ratio), "{particles}: {ratio}");
+        assert!((0.6..3.2).contains(&ratio), "{particles}: {ratio}");
         // 95 %, less four standard deviations of 100 runs.
         assert!(within >= 86, "{particles}: {within}");
     }
@@ -86,14 +86,15 @@ fn where_the_level_shifts_and_the_variance_falls_slowly_the_standard_error_is_ab
     let values = drawn(&model, 120).rows().enumerate().map(|(time, row)| row[0] + shift(time)).collect();
     let measurements = Measurements::new(1, values).unwrap();
     let exact = kalman::filter(&model, &measurements).unwrap().log_evidence();
-    let (mut actual, mut estimated) = (0.0, 0.0);
+    let (mut actual, mut estimated) = (0.0, vec![]);
     for number in 0..RUNS {
         let (filter, check) = run(&model, &measurements, 1000, &Seed::from_u64(75).nth(number));
-        actual += (filter.log_evidence() - exact).powi(2);
-        estimated += check.standard_error().unwrap().powi(2);
+        actual += (filter.log_evidence() - exact).powi(2) / RUNS as f64;
+        estimated.push(check.standard_error().unwrap());
     }
+    estimated.sort_by(f64::total_cmp);
     // By variances that fall as 1/K it would be a third.
-    let ratio = (estimated / actual).sqrt();
+    let ratio = estimated[estimated.len() / 2] / actual.sqrt();
     assert!((0.5..2.0).contains(&ratio), "{ratio}");
 }
 

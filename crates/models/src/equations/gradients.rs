@@ -104,7 +104,7 @@ impl<M: Equations> Density for OfState<'_, M> {
 struct Likelihood<'a, M> {
     model: &'a M,
     step: Step<'a>,
-    measurement: &'a [Option<f64>],
+    measurement: &'a [f64],
 }
 
 impl<M: Equations> Density for Likelihood<'_, M> {
@@ -210,7 +210,6 @@ impl<M: Equations> StateGradients for M {
         measurement: &[f64],
         d_states: &mut [f64],
     ) {
-        let measurement: &Vec<_> = &measurement.iter().copied().map(Some).collect();
         let density = Likelihood { model: self, step: *step, measurement };
         fill_slopes(self.dimensions()[0], states, &[], &density, d_states);
     }

@@ -40,16 +40,16 @@ impl<S: Scalar> Draws<S> for Replay<'_, S> {
     }
 }
 
-/// Adds up the log densities of the entries of a measurement that are there: they are independent, so the others integrate to 1. NaN where another number of
-/// entries is stated.
-pub(super) struct Likelihood<'a, S> {
-    entries: &'a [Option<f64>],
+/// Adds up the log densities of the entries of a measurement, numbers or what may be missing: they are independent, so those that are integrate to 1. NaN where another
+/// number of entries is stated.
+pub(super) struct Likelihood<'a, S, Y> {
+    entries: &'a [Y],
     sum: S,
 }
 
-impl<'a, S: Scalar> Likelihood<'a, S> {
+impl<'a, S: Scalar, Y> Likelihood<'a, S, Y> {
     #[inline(always)]
-    pub(super) fn of(entries: &'a [Option<f64>]) -> Self {
+    pub(super) fn of(entries: &'a [Y]) -> Self {
         Likelihood { entries, sum: S::from(0.0) }
     }
 
@@ -59,15 +59,15 @@ impl<'a, S: Scalar> Likelihood<'a, S> {
     }
 }
 
-impl<S: Scalar> Coordinates<S> for Likelihood<'_, S> {
+impl<S: Scalar, Y: Copy + Into<Option<f64>>> Coordinates<S> for Likelihood<'_, S, Y> {
     #[inline(always)]
     fn push(&mut self, distribution: Distribution<S>) {
         match self.entries.split_first() {
             None => self.sum = S::from(f64::NAN),
             Some((entry, rest)) => {
                 self.entries = rest;
-                if let Some(value) = entry {
-                    self.sum = self.sum + distribution.log_density_of_one(*value);
+                if let Some(value) = (*entry).into() {
+                    self.sum = self.sum + distribution.log_density_of_one(value);
                 }
             }
         }
@@ -171,6 +171,13 @@ impl<E: Equations> StateSpaceModel for E {
         Ok(())
     }
 
+    /// By plain numbers, and not by a tile of which one lane is asked for.
+    fn log_likelihood(&self, step: &Step<'_>, state: &[f64], measurement: &[f64]) -> Result<f64, ModelError> {
+        let mut likelihood = Likelihood::of(measurement);
+        self.measurement(step, state, &mut likelihood);
+        Ok(likelihood.finish())
+    }
+
     fn density(&self) -> Option<&dyn TransitionDensity> {
         self.has_density().then_some(self)
     }
@@ -181,6 +188,18 @@ impl<E: Equations> StateSpaceModel for E {
 }
 
 impl<E: Equations> TransitionDensity for E {
+    /// By plain numbers, and not by a tile of which one lane is asked for.
+    fn log_density(&self, step: &Step<'_>, previous: Option<&[f64]>, state: &[f64]) -> f64 {
+        with_scratch(state.len(), |unused| {
+            let mut replay = Replay::of(state);
+            match previous {
+                None => self.initial(step, &mut replay, unused),
+                Some(previous) => self.transition(step, previous, &mut replay, unused),
+            }
+            replay.finish()
+        })
+    }
+
     fn log_densities(&self, step: &Step<'_>, previous: Option<Rows<'_>>, states: &[f64], out: &mut [f64]) {
         let [n, _] = self.dimensions();
         step.lift(|step| {

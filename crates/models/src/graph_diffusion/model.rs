@@ -26,17 +26,22 @@ impl StateSpaceModel for GraphDiffusion {
         streams: &mut [Stream],
         states: &mut [f64],
     ) {
-        match (previous, &mut *streams) {
-            (None, [stream]) if states.len() == self.state_dim() => self.initial.sample(stream, states),
-            (None, streams) => self.initial.samples(streams, states),
-            // One particle is drawn coordinate by coordinate: simulated sequences are as they were published.
-            (Some(previous), [stream]) if previous.len() == 1 => {
-                for (i, value) in states.iter_mut().enumerate() {
-                    let noise = self.noise.sample(self.state_sigma, stream);
-                    *value = self.diffused(i, previous.row(0)) + noise;
-                }
+        let n = self.state_dim();
+        if states.len() > streams.len() * n {
+            return match previous {
+                None => self.initial.samples(streams, states),
+                Some(previous) => batches::sample_transitions(self, previous, streams, states),
+            };
+        }
+        // A stream's only particle is drawn coordinate by coordinate: simulated sequences are as they were published.
+        for (row, (stream, state)) in streams.iter_mut().zip(states.chunks_exact_mut(n)).enumerate() {
+            let Some(previous) = previous else {
+                self.initial.sample(stream, state);
+                continue;
+            };
+            for (i, value) in state.iter_mut().enumerate() {
+                *value = self.diffused(i, previous.row(row)) + self.noise.sample(self.state_sigma, stream);
             }
-            (Some(previous), streams) => batches::sample_transitions(self, previous, streams, states),
         }
     }
 
@@ -61,6 +66,17 @@ impl StateSpaceModel for GraphDiffusion {
         Ok(())
     }
 
+    fn log_likelihood(
+        &self,
+        _step: &Step<'_>,
+        state: &[f64],
+        measurement: &[f64],
+    ) -> Result<f64, ModelError> {
+        let residuals =
+            measurement.iter().enumerate().map(|(i, value)| value - self.measure.row_times(i, state));
+        Ok(self.noise.log_density_of_all(self.measurement_sigma, residuals))
+    }
+
     fn density(&self) -> Option<&dyn TransitionDensity> {
         Some(self)
     }
@@ -71,6 +87,12 @@ impl StateSpaceModel for GraphDiffusion {
 }
 
 impl TransitionDensity for GraphDiffusion {
+    fn log_density(&self, _step: &Step<'_>, previous: Option<&[f64]>, state: &[f64]) -> f64 {
+        let Some(previous) = previous else { return self.initial.log_density(state) };
+        let residuals = state.iter().enumerate().map(|(i, value)| value - self.diffused(i, previous));
+        self.noise.log_density_of_all(self.state_sigma, residuals)
+    }
+
     fn log_densities(&self, _step: &Step<'_>, previous: Option<Rows<'_>>, states: &[f64], out: &mut [f64]) {
         match previous {
             None => self.initial.log_densities(states, out),

@@ -43,6 +43,9 @@ pub struct FilterBank<D: Deref, P: Proposal<D::Target>> {
     pub(super) scratches: Scratches<P::Scratch>,
     pub(super) failure: Option<FilterError>,
     pub(super) keeps_collapsed: bool,
+    /// Room for a measurement, with and without its gaps.
+    pub(super) entries: Vec<Option<f64>>,
+    pub(super) whole: Vec<f64>,
 }
 
 impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P> {
@@ -99,6 +102,8 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
             scratches: Scratches::default(),
             failure: None,
             keeps_collapsed: false,
+            entries: Vec::new(),
+            whole: Vec::new(),
         })
     }
 
@@ -138,6 +143,8 @@ impl<D: Deref + Clone, P: Proposal<D::Target, Memory: Clone> + Clone> Clone for 
             scratches: self.scratches.clone(),
             failure: self.failure.clone(),
             keeps_collapsed: self.keeps_collapsed,
+            entries: Vec::new(),
+            whole: Vec::new(),
         }
     }
 }

@@ -112,6 +112,8 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
             scratches: Scratches::default(),
             failure: snapshot.failure.map(FilterError::from),
             keeps_collapsed: snapshot.keeps_collapsed,
+            entries: Vec::new(),
+            whole: Vec::new(),
         })
     }
 }

@@ -1,5 +1,6 @@
 //! Steps of a bank: with a measurement, with gaps in it, without one, and whole sequences of them.
 
+use std::mem::take;
 use std::ops::Deref;
 
 use motes_models::{Measurements, ModelError, PartialMeasurements, StateSpaceModel, Step, StepRecord};
@@ -29,8 +30,12 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
             let value = measurement[column];
             return Err(ModelError::NotFinite { row: self.time, column, value }.into());
         }
-        let step = self.next_step();
-        self.step_whole(&step.step(), measurement)
+        let (step, mut entries) = (self.next_step(), take(&mut self.entries));
+        entries.clear();
+        entries.extend(measurement.iter().copied().map(Some));
+        let done = self.step_of(&step.step(), &entries);
+        self.entries = entries;
+        done
     }
 
     /// The next step where nobody says more, apart from the bank.
@@ -38,14 +43,29 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
         StepRecord::of(&self.model.step_of_index(self.time))
     }
 
-    /// A step with a measurement that was looked at, in which nothing is missing.
-    fn step_whole(&mut self, step: &Step<'_>, measurement: &[f64]) -> Result<(), FilterError> {
-        let entries: Vec<Option<f64>> = measurement.iter().copied().map(Some).collect();
-        self.attempt(step, |bank| {
-            let prepared = bank.proposal.prepare(&bank.model, step, measurement);
-            prepared.map_err(|source| bank.unprepared(source))?;
-            bank.advance(step, Drawn::FromProposal, &entries, measurement)
-        })
+    /// A step with a measurement that was looked at.
+    fn step_of(&mut self, step: &Step<'_>, entries: &[Option<f64>]) -> Result<(), FilterError> {
+        let mut whole = take(&mut self.whole);
+        whole.clear();
+        whole.extend(entries.iter().flatten());
+        let known = whole.len();
+        // With gaps, nobody sees it as a whole.
+        whole.truncate(if known == entries.len() { known } else { 0 });
+        let done = self.attempt(step, |bank| {
+            let (model, proposal) = (&*bank.model, &mut bank.proposal);
+            let prepared = match known {
+                0 => Ok(false),
+                _ if known == entries.len() => proposal.prepare(model, step, &whole).map(|()| true),
+                _ => proposal.prepare_partial(model, step, entries),
+            };
+            let drawn = match prepared.map_err(|source| bank.unprepared(source))? {
+                true => Drawn::FromProposal,
+                false => Drawn::FromTransition,
+            };
+            bank.advance(step, drawn, entries, &whole)
+        });
+        self.whole = whole;
+        done
     }
 
     /// Advances every filter by one time at which nothing was measured: particles are drawn from the transition, weights and
@@ -54,13 +74,12 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
     /// # Errors
     /// [`FilterError::State`] if the transition draws a state that is not finite, and as [`FilterBank::step`].
     pub fn step_without_measurement(&mut self) -> Result<(), FilterError> {
-        let step = self.next_step();
-        self.step_unmeasured(&step.step())
-    }
-
-    fn step_unmeasured(&mut self, step: &Step<'_>) -> Result<(), FilterError> {
-        let entries = vec![None; self.model.measurement_dim()];
-        self.attempt(step, |bank| bank.advance(step, Drawn::FromTransition, &entries, &[]))
+        let (step, mut entries) = (self.next_step(), take(&mut self.entries));
+        entries.clear();
+        entries.resize(self.model.measurement_dim(), None);
+        let done = self.step_of(&step.step(), &entries);
+        self.entries = entries;
+        done
     }
 
     /// Takes in all measurements, one step after the other, and shows the bank to `observe` after each.
@@ -263,20 +282,7 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
         PartialMeasurements::check_row(self.time, measurement)?;
         // Of no particle: what is there of the measurement can be weighed, or nothing has changed.
         self.model.log_likelihoods(step, &[], measurement, &mut [])?;
-        if let Some(whole) = measurement.iter().copied().collect::<Option<Vec<f64>>>() {
-            return self.step_whole(step, &whole);
-        }
-        if measurement.iter().all(Option::is_none) {
-            return self.step_unmeasured(step);
-        }
-        self.attempt(step, |bank| {
-            let prepared = bank.proposal.prepare_partial(&bank.model, step, measurement);
-            let drawn = match prepared.map_err(|source| bank.unprepared(source))? {
-                true => Drawn::FromProposal,
-                false => Drawn::FromTransition,
-            };
-            bank.advance(step, drawn, measurement, &[])
-        })
+        self.step_of(step, measurement)
     }
 
     /// Refuses a step that is not the next, or that ends nowhere.
