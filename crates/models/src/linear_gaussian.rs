@@ -133,10 +133,13 @@ impl StateSpaceModel for LinearGaussian {
     ) -> Result<(), ModelError> {
         let (n, m) = (self.state_dim(), self.measurement_dim());
         if measurement.iter().any(Option::is_none) {
-            let Some((known, noise)) = self.marginal(measurement)? else {
+            let known: Vec<(usize, f64)> =
+                measurement.iter().enumerate().filter_map(|(i, value)| Some((i, (*value)?))).collect();
+            if known.is_empty() {
                 out.fill(0.0);
                 return Ok(());
-            };
+            }
+            let noise = self.noise_of(&known)?;
             for (state, out) in states.chunks_exact(n).zip(out) {
                 *out = noise.log_density_of(|i| {
                     let (row, value) = known[i];
@@ -202,25 +205,15 @@ impl TransitionDensity for LinearGaussian {
 }
 
 impl LinearGaussian {
-    /// The entries of a measurement that are there, with their numbers, and their noise: the marginal of a Gaussian, whose covariance has their rows of `R`. None
-    /// if there are none.
-    fn marginal(
-        &self,
-        measurement: &[Option<f64>],
-    ) -> Result<Option<(Vec<(usize, f64)>, Gaussian)>, ModelError> {
-        let known: Vec<(usize, f64)> =
-            measurement.iter().enumerate().filter_map(|(i, value)| Some((i, (*value)?))).collect();
-        if known.is_empty() {
-            return Ok(None);
-        }
+    /// The noise of some entries of a measurement: the marginal of a Gaussian, whose covariance has their rows of `R`.
+    fn noise_of(&self, known: &[(usize, f64)]) -> Result<Gaussian, ModelError> {
         let r = self.measurement_covariance();
-        let noise = Gaussian::new(
+        Gaussian::new(
             "the covariance of the measured entries",
             vec![0.0; known.len()],
             // Mirrored, so that what rounding is beside large entries is not an asymmetry beside small ones.
             Mat::from_fn(known.len(), known.len(), |i, j| r[(known[i.max(j)].0, known[i.min(j)].0)]),
-        )?;
-        Ok(Some((known, noise)))
+        )
     }
 }
 

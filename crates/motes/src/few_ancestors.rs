@@ -46,9 +46,13 @@ pub(crate) fn of_paths<'a>(
         1 => "; where it is 1 particle, standard deviations and quantiles cannot be given",
         _ => "",
     };
+    let why = match paths.follow_ancestors() {
+        true => " (they follow the filter's ancestors: the transition has no density to draw others by)",
+        false => "",
+    };
     let remedy = if (paths.len() as f64) < 2.0 * FEW { "more particles or paths" } else { "more particles" };
     let text = format!(
-        "{place} all {} paths pass through fewer than {fewest} particles ({least} at t = {worst}): means there rest on them, standard deviations are too \
+        "{place} all {} paths pass through fewer than {fewest} particles ({least} at t = {worst}){why}: means there rest on them, standard deviations are too \
          small, later ones too of states that hardly change{missing}; take {remedy}",
         paths.len()
     );
