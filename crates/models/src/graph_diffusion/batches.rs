@@ -57,11 +57,11 @@ pub(super) fn log_transitions(system: &GraphDiffusion, previous: Rows<'_>, state
     });
 }
 
-/// `log p(y_t | x_t)` at each row, of a measurement in which nothing is missing.
-pub(super) fn log_likelihoods(
+/// `log p(y_t | x_t)` at each row, of a measurement (`M` numbers).
+pub(super) fn log_likelihoods<'a>(
     system: &GraphDiffusion,
     states: &[f64],
-    measurement: &[Option<f64>],
+    measurement: impl Iterator<Item = &'a f64> + Clone,
     out: &mut [f64],
 ) {
     let (n, m) = (system.state_dim(), system.measurement_dim());
@@ -69,7 +69,7 @@ pub(super) fn log_likelihoods(
         let (tile, residuals) = scratch.split_at_mut(n * LANES);
         for (states, out) in states.chunks(n * LANES).zip(out.chunks_mut(LANES)) {
             load(states, n, tile);
-            fill_rows(residuals, measurement.iter().flatten());
+            fill_rows(residuals, measurement.clone());
             tile_log_likelihoods(system, tile, residuals, out);
         }
     });

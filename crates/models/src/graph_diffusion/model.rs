@@ -54,7 +54,7 @@ impl StateSpaceModel for GraphDiffusion {
         out: &mut [f64],
     ) -> Result<(), ModelError> {
         if measurement.iter().all(Option::is_some) {
-            batches::log_likelihoods(self, states, measurement, out);
+            batches::log_likelihoods(self, states, measurement.iter().flatten(), out);
             return Ok(());
         }
         for (state, out) in states.chunks_exact(self.state_dim()).zip(out) {
@@ -104,14 +104,18 @@ impl TransitionDensity for GraphDiffusion {
 impl Propagator for GraphDiffusion {
     fn propagate(
         &self,
-        _step: &Step<'_>,
+        step: &Step<'_>,
         previous: Rows<'_>,
         measurement: &[f64],
         streams: &mut [Stream],
         states: &mut [f64],
         log_likelihoods: &mut [f64],
     ) {
-        batches::propagate(self, previous, measurement, streams, states, log_likelihoods);
+        if log_likelihoods.len() > streams.len() {
+            return batches::propagate(self, previous, measurement, streams, states, log_likelihoods);
+        }
+        self.sample_states(step, Some(previous), streams, states);
+        batches::log_likelihoods(self, states, measurement.iter(), log_likelihoods);
     }
 }
 
