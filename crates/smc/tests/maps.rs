@@ -123,12 +123,12 @@ const CASES: [Option<f64>; 6] = [Some(1.0), Some(2.0), None, Some(4.0), Some(1.0
 const OF_CASES: f64 = -8.527974;
 
 /// Filters whose evidences are averaged.
-const FILTERS: usize = 2000;
+const FILTERS: usize = 4000;
 
 /// How far the mean of `ẑ / z` is from 1, in standard errors: it is unbiased with any number of particles.
 fn score(model: &impl StateSpaceModel, measurements: &PartialMeasurements, exact: f64) -> f64 {
     check_model(model).unwrap();
-    let settings = FilterSettings::new(50);
+    let settings = FilterSettings::new(200);
     let mut bank = FilterBank::new(model, Bootstrap, settings, FILTERS, &Seed::from_u64(11)).unwrap();
     bank.run_partial(measurements, |_| {}).unwrap();
     let ratios: Vec<f64> = (0..FILTERS).map(|filter| (bank.log_evidence(filter) - exact).exp()).collect();
@@ -159,7 +159,7 @@ fn the_evidence_of_a_shared_draw_is_unbiased() {
     let [right, apart] =
         [true, false].map(|shares| score(&Accelerated { shares }, &measured(&values), -8.191824));
     println!("shared draw: z = {right:.1}, drawn twice {apart:.1}");
-    assert!(right.abs() < 4.0 && apart.abs() > 8.0);
+    assert!(right.abs() < 4.0 && apart.abs() > 6.0);
 }
 
 #[test]
