@@ -5,13 +5,20 @@ use std::ops::Range;
 use motes_models::Step;
 use motes_models::equations::{Coordinates, Distribution, Draws, Equations, Scalar};
 
-use crate::model::Compiled;
+use crate::model::{Compiled, FormulaModel};
 
 /// The formulas of a [`FormulaModel`](crate::FormulaModel).
 ///
 /// All that [`Equations`] are is compiled anew by each crate that uses it of this type: a filter takes the model.
 #[derive(Debug, Clone, Copy)]
-pub struct FormulaEquations<'a>(pub(crate) &'a Compiled);
+pub struct FormulaEquations<'a>(&'a Compiled);
+
+impl FormulaModel {
+    /// The formulas, for any scalar.
+    pub fn equations(&self) -> FormulaEquations<'_> {
+        FormulaEquations(&self.0)
+    }
+}
 
 /// Draws the coordinates of a state in order, each from the distribution that its line states.
 struct InOrder<'a, D, I> {

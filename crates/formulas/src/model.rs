@@ -6,7 +6,6 @@ use std::sync::Arc;
 use motes_models::Step;
 
 use crate::closed_form::{self, NoClosedForm};
-use crate::equations::FormulaEquations;
 use crate::error::{Fault, Section};
 use crate::graph::build;
 use crate::program::{Program, compile};
@@ -19,7 +18,7 @@ use crate::text::Text;
 /// All that follows from [`Equations`](motes_models::equations::Equations) is compiled once, in this crate. Who wants the formulas with scalars of their own asks for
 /// [`FormulaModel::equations`].
 #[derive(Debug, Clone)]
-pub struct FormulaModel(Arc<Compiled>);
+pub struct FormulaModel(pub(crate) Arc<Compiled>);
 
 /// The programs of a file's formulas.
 #[derive(Debug)]
@@ -68,11 +67,6 @@ impl FormulaModel {
             has_lines,
             statement,
         })))
-    }
-
-    /// The formulas, for any scalar.
-    pub fn equations(&self) -> FormulaEquations<'_> {
-        FormulaEquations(&self.0)
     }
 
     /// What the file states.
