@@ -30,9 +30,9 @@ fn usual(root: &Path, update_expectations: bool) -> Result<(), ExitCode> {
     })?;
     step("packages", || package(root, &["--no-verify"]))?;
     step("docs", || cargo(root, &["doc", "--workspace", "--no-deps", "--locked"], &strict_docs))?;
-    // The same packages and profile as the tests: little is compiled a second time. Python's library is one of them.
+    // The same targets and profile as the tests, so that dependencies have the same features: none is compiled a second time. Python's library is one of them.
     step("regression run", || {
-        let build = ["build", "--workspace", "--locked"];
+        let build = ["build", "--workspace", "--lib", "--bins", "--tests", "--locked"];
         cargo(root, &[&build, WITH_BURN.as_slice()].concat(), &[python::AS_EXTENSION])?;
         let mut command = Command::new(built("debug", "motes-bench"));
         command.current_dir(root).args(["regress", "fig1"]);
