@@ -7,7 +7,7 @@ use std::process::Command;
 use std::time::Instant;
 
 use motes_formulas::{FileModel, parse};
-use motes_models::batch::{Rows, particles_by_stream};
+use motes_models::batch::{Rows, draw_rows};
 use motes_models::equations::{Coordinates, Draws, Equations, Scalar, normal};
 use motes_models::{
     Measurements, ModelError, Seed, StateSpaceModel, Step, Stream, fill_standard_normal, simulate,
@@ -135,18 +135,13 @@ impl StateSpaceModel for ByRows {
         streams: &mut [Stream],
         states: &mut [f64],
     ) {
-        let particles = states.len();
-        let mut row = 0;
-        for (stream, states) in particles_by_stream(streams, states, 1, particles) {
-            for state in states {
-                let noise: f64 = stream.sample(StandardNormal);
-                *state = match previous {
-                    None => 5.0_f64.sqrt() * noise,
-                    Some(previous) => drift(step.time, previous.row(row)[0]) + 10.0_f64.sqrt() * noise,
-                };
-                row += 1;
-            }
-        }
+        draw_rows(streams, 1, states, |row, stream, state| {
+            let noise: f64 = stream.sample(StandardNormal);
+            state[0] = match previous {
+                None => 5.0_f64.sqrt() * noise,
+                Some(previous) => drift(step.time, previous.row(row)[0]) + 10.0_f64.sqrt() * noise,
+            };
+        });
     }
 
     fn log_likelihoods(

@@ -5,13 +5,13 @@ use std::ops::Range;
 use motes_models::Step;
 use motes_models::equations::{Coordinates, Distribution, Draws, Equations, Scalar};
 
-use crate::model::{Compiled, FormulaModel};
+use crate::model::{FormulaModel, Programs};
 
 /// The formulas of a [`FormulaModel`](crate::FormulaModel).
 ///
 /// All that [`Equations`] are is compiled anew by each crate that uses it of this type: a filter takes the model.
 #[derive(Debug, Clone, Copy)]
-pub struct FormulaEquations<'a>(&'a Compiled);
+pub struct FormulaEquations<'a>(&'a Programs);
 
 impl FormulaModel {
     /// The formulas, for any scalar.

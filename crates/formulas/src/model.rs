@@ -18,11 +18,11 @@ use crate::text::Text;
 /// All that follows from [`Equations`](motes_models::equations::Equations) is compiled once, in this crate. Who wants the formulas with scalars of their own asks for
 /// [`FormulaModel::equations`].
 #[derive(Debug, Clone)]
-pub struct FormulaModel(pub(crate) Arc<Compiled>);
+pub struct FormulaModel(pub(crate) Arc<Programs>);
 
 /// The programs of a file's formulas.
 #[derive(Debug)]
-pub(crate) struct Compiled {
+pub(crate) struct Programs {
     file: String,
     has_lines: bool,
     statement: Statement,
@@ -54,7 +54,7 @@ impl FormulaModel {
         let initial = program(Section::Initial, &statement.initial)?;
         let transition = program(Section::Transition, &statement.transition)?;
         let measurement = program(Section::Measurement, &statement.measurement)?;
-        Ok(FormulaModel(Arc::new(Compiled {
+        Ok(FormulaModel(Arc::new(Programs {
             states,
             measurements: coordinates(&statement.measurement),
             supports: (!measurement.depends_on_time()).then(|| supports(&measurement, 0.0)),

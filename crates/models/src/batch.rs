@@ -185,6 +185,41 @@ pub fn particles_by_stream<'a>(
     streams.iter_mut().zip(states.chunks_exact_mut(block.max(1)))
 }
 
+/// Shows each of `R` rows of `width` numbers in `out` to `draw`, with its number and its stream; the rows are split evenly over `streams`, in order.
+///
+/// # Panics
+/// If `R` is not a multiple of the number of streams.
+pub fn draw_rows(
+    streams: &mut [Stream],
+    width: usize,
+    out: &mut [f64],
+    mut draw: impl FnMut(usize, &mut Stream, &mut [f64]),
+) {
+    let (rows, mut row) = (out.len() / width.max(1), 0);
+    for (stream, out) in particles_by_stream(streams, out, width, rows) {
+        for out in out.chunks_exact_mut(width.max(1)) {
+            draw(row, stream, out);
+            row += 1;
+        }
+    }
+}
+
+/// [`draw_rows`] where each stream has one row, and whether that is so.
+///
+/// Simulated sequences have one particle. Drawn coordinate by coordinate, and not as noise in bulk, they are those of the published experiments.
+pub(crate) fn draw_single_rows(
+    streams: &mut [Stream],
+    width: usize,
+    out: &mut [f64],
+    draw: impl FnMut(usize, &mut Stream, &mut [f64]),
+) -> bool {
+    let is_single = out.len() == streams.len() * width;
+    if is_single {
+        draw_rows(streams, width, out, draw);
+    }
+    is_single
+}
+
 /// `sums[l] = Σᵢ rowᵢ[l]²`, over the rows of a tile.
 pub fn squared_norms(tile: &[f64], sums: &mut [f64; LANES]) {
     pulp::Arch::new().dispatch(SquaredNorms { tile, sums });

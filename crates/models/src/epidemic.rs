@@ -4,7 +4,7 @@ mod transport;
 
 use faer::{Mat, MatRef};
 
-use crate::batch::{LANES, Rows, particles_by_stream, with_noise};
+use crate::batch::{LANES, Rows, draw_rows, draw_single_rows, with_noise};
 use crate::{
     AdditiveGaussian, Gaussian, ModelError, Noise, Simulator, StateGradients, StateSpaceModel, Step, Stream,
     TransitionDensity,
@@ -167,21 +167,19 @@ impl StateSpaceModel for Epidemic {
         streams: &mut [Stream],
         states: &mut [f64],
     ) {
-        let Some(previous) = previous else {
-            for (stream, states) in particles_by_stream(streams, states, N, states.len() / N) {
-                for (value, mean) in states.iter_mut().zip(self.config.initial_means.into_iter().cycle()) {
-                    *value = mean + self.config.noise.sample(self.sigmas[0], stream);
-                }
+        let around = |means: [f64; N], sigma: f64, stream: &mut Stream, state: &mut [f64]| {
+            for (value, mean) in state.iter_mut().zip(means) {
+                *value = mean + self.config.noise.sample(sigma, stream);
             }
-            return;
         };
-        if previous.len() == streams.len() {
-            // A stream's only particle is drawn coordinate by coordinate: simulated sequences are as they were published.
-            for (row, (stream, state)) in streams.iter_mut().zip(states.chunks_exact_mut(N)).enumerate() {
-                for (value, flow) in state.iter_mut().zip(self.flow(previous.row(row))) {
-                    *value = flow + self.config.noise.sample(self.sigmas[1], stream);
-                }
-            }
+        let Some(previous) = previous else {
+            return draw_rows(streams, N, states, |_, stream, state| {
+                around(self.config.initial_means, self.sigmas[0], stream, state);
+            });
+        };
+        if draw_single_rows(streams, N, states, |row, stream, state| {
+            around(self.flow(previous.row(row)), self.sigmas[1], stream, state);
+        }) {
             return;
         }
         let fill = |stream: &mut Stream, noise: &mut [f64]| self.config.noise.fill_unit(stream, noise);
@@ -230,14 +228,11 @@ impl TransitionDensity for Epidemic {
 
 impl Simulator for Epidemic {
     fn sample_measurements(&self, _step: &Step<'_>, states: &[f64], streams: &mut [Stream], out: &mut [f64]) {
-        let (m, mut states) = (MEASURED.len(), states.chunks_exact(N));
-        for (stream, out) in particles_by_stream(streams, out, m, out.len() / m) {
-            for (measurement, state) in out.chunks_exact_mut(m).zip(&mut states) {
-                for (value, at) in measurement.iter_mut().zip(MEASURED) {
-                    *value = state[at] + self.config.noise.sample(self.sigmas[2], stream);
-                }
+        draw_rows(streams, MEASURED.len(), out, |row, stream, measurement| {
+            for (value, at) in measurement.iter_mut().zip(MEASURED) {
+                *value = states[row * N + at] + self.config.noise.sample(self.sigmas[2], stream);
             }
-        }
+        });
     }
 }
 

@@ -2,7 +2,9 @@
 
 use faer::{Mat, MatRef};
 
-use crate::batch::{LANES, Rows, TileMatrix, load, particles_by_stream, store, with_noise, with_scratch};
+use crate::batch::{
+    LANES, Rows, TileMatrix, draw_rows, draw_single_rows, load, store, with_noise, with_scratch,
+};
 use crate::error::check_matrix;
 use crate::{
     AdditiveGaussian, Gaussian, ModelError, Simulator, StateGradients, StateSpaceModel, Step, Stream,
@@ -98,18 +100,13 @@ impl StateSpaceModel for LinearGaussian {
         states: &mut [f64],
     ) {
         let n = self.state_dim();
-        if states.len() == streams.len() * n {
-            // A stream's only particle is drawn coordinate by coordinate: simulated sequences are as they were published.
-            for (row, (stream, state)) in streams.iter_mut().zip(states.chunks_exact_mut(n)).enumerate() {
-                let Some(previous) = previous else {
-                    self.initial.sample(stream, state);
-                    continue;
-                };
-                self.state_noise.sample_deviation(stream, state);
-                for (i, value) in state.iter_mut().enumerate() {
-                    *value += row_times(&self.transition_matrix, i, previous.row(row));
-                }
+        if draw_single_rows(streams, n, states, |row, stream, state| {
+            let Some(previous) = previous else { return self.initial.sample(stream, state) };
+            self.state_noise.sample_deviation(stream, state);
+            for (i, value) in state.iter_mut().enumerate() {
+                *value += row_times(&self.transition_matrix, i, previous.row(row));
             }
+        }) {
             return;
         }
         let Some(previous) = previous else { return self.initial.samples(streams, states) };
@@ -219,16 +216,13 @@ impl LinearGaussian {
 
 impl Simulator for LinearGaussian {
     fn sample_measurements(&self, _step: &Step<'_>, states: &[f64], streams: &mut [Stream], out: &mut [f64]) {
-        let (n, m) = (self.state_dim(), self.measurement_dim());
-        let mut states = states.chunks_exact(n);
-        for (stream, out) in particles_by_stream(streams, out, m, out.len() / m) {
-            for (measurement, state) in out.chunks_exact_mut(m).zip(&mut states) {
-                self.measurement_noise.sample_deviation(stream, measurement);
-                for (i, value) in measurement.iter_mut().enumerate() {
-                    *value += row_times(&self.measurement_matrix, i, state);
-                }
+        let n = self.state_dim();
+        draw_rows(streams, self.measurement_dim(), out, |row, stream, measurement| {
+            self.measurement_noise.sample_deviation(stream, measurement);
+            for (i, value) in measurement.iter_mut().enumerate() {
+                *value += row_times(&self.measurement_matrix, i, &states[row * n..(row + 1) * n]);
             }
-        }
+        });
     }
 }
 

@@ -84,11 +84,11 @@ impl Equations for ConstantVelocity {
 }
 
 /// White noise of acceleration, of which position and speed have their shares.
-struct Accelerated {
+struct WhiteAcceleration {
     shares: bool,
 }
 
-impl Equations for Accelerated {
+impl Equations for WhiteAcceleration {
     fn dimensions(&self) -> [usize; 2] {
         [2, 1]
     }
@@ -157,7 +157,7 @@ fn the_evidence_of_a_coordinate_without_noise_is_unbiased() {
 fn the_evidence_of_a_shared_draw_is_unbiased() {
     let values = [0.31, 0.95, 2.10, 2.44, 4.02, 6.61].map(Some);
     let [right, apart] =
-        [true, false].map(|shares| score(&Accelerated { shares }, &measured(&values), -8.191824));
+        [true, false].map(|shares| score(&WhiteAcceleration { shares }, &measured(&values), -8.191824));
     println!("shared draw: z = {right:.1}, drawn twice {apart:.1}");
     assert!(right.abs() < 4.0 && apart.abs() > 6.0);
 }

@@ -1,7 +1,7 @@
 //! One pass along a sequence: draws particles forward in time, then takes the objective's gradient backward.
 
 use motes_models::batch::Rows;
-use motes_models::{Measurements, StateGradients, Stream};
+use motes_models::{Measurements, PartialMeasurements, StateGradients, Stream};
 use motes_proposals::networks::Inputs;
 use motes_proposals::{Learnable, Workspace};
 use motes_smc::ProposalError;
@@ -72,9 +72,9 @@ pub(crate) fn draw_and_differentiate(
     let needs = objective.needs_log_proposal();
     let mut log_proposal = vec![0.0; if needs { horizon * particles } else { 0 }];
     let (mut noise, mut log_likelihood) = (vec![0.0; block], vec![0.0; particles]);
-    let mut entries = Vec::with_capacity(model.measurement_dim());
+    let entries = PartialMeasurements::from(measurements);
 
-    for (time, measurement) in measurements.rows().enumerate() {
+    for (time, (measurement, entries)) in measurements.rows().zip(entries.rows()).enumerate() {
         let (earlier, now) = states.split_at_mut(time * block);
         let previous = (time > 0).then(|| &earlier[(time - 1) * block..]);
         let now = &mut now[..block];
@@ -86,10 +86,8 @@ pub(crate) fn draw_and_differentiate(
         let log_model = &mut log_model[at];
         let step = model.step_of_index(time);
         density.log_densities(&step, previous.map(|rows| Rows::all(rows, n)), now, log_model);
-        entries.clear();
-        entries.extend(measurement.iter().copied().map(Some));
         model
-            .log_likelihoods(&step, now, &entries, &mut log_likelihood)
+            .log_likelihoods(&step, now, entries, &mut log_likelihood)
             .map_err(|error| (time, ProposalError::Measurement { time, reason: error.to_string() }))?;
         log_model.iter_mut().zip(&log_likelihood).for_each(|(sum, term)| *sum += term);
     }

@@ -3,11 +3,11 @@
 //! The lines are in `snapshots/`; the program's own are with its tests.
 
 use faer::{Mat, mat};
-use motes_models::batch::Rows;
+use motes_models::equations::{Coordinates, Draws, Equations, Scalar, normal};
 use motes_models::{
     Drift, Epidemic, EpidemicConfig, Gaussian, GraphDiffusion, GraphDiffusionConfig, LinearGaussian,
-    Measurements, ModelError, ModelShape, Noise, PartialMeasurements, Seed, Sequence, Simulations, Simulator,
-    StateGradients, StateSpaceModel, Step, Stream, check_gradients, check_model, simulate,
+    Measurements, ModelShape, Noise, PartialMeasurements, Seed, Sequence, Simulations, Step, check_gradients,
+    check_model, simulate,
 };
 use motes_proposals::{Backend, Cell, Family, Fcnn, Gnn, Psi, Rnn};
 use motes_smc::{
@@ -103,69 +103,18 @@ struct OfSize {
     measurements: usize,
 }
 
-impl StateSpaceModel for OfSize {
-    fn state_dim(&self) -> usize {
-        self.states
+impl Equations for OfSize {
+    fn dimensions(&self) -> [usize; 2] {
+        [self.states, self.measurements]
     }
-    fn measurement_dim(&self) -> usize {
-        self.measurements
+    fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]) {
+        state.fill_with(|| draws.draw(normal(0.0, 1.0)));
     }
-    fn sample_states(
-        &self,
-        _step: &Step<'_>,
-        _previous: Option<Rows<'_>>,
-        _streams: &mut [Stream],
-        states: &mut [f64],
-    ) {
-        states.fill(0.0);
+    fn transition<S: Scalar>(&self, step: &Step<'_, S>, _: &[S], draws: &mut impl Draws<S>, state: &mut [S]) {
+        self.initial(step, draws, state);
     }
-    fn log_likelihoods(
-        &self,
-        _step: &Step<'_>,
-        _states: &[f64],
-        _measurement: &[Option<f64>],
-        out: &mut [f64],
-    ) -> Result<(), ModelError> {
-        out.fill(0.0);
-        Ok(())
-    }
-}
-
-impl Simulator for OfSize {
-    fn sample_measurements(
-        &self,
-        _step: &Step<'_>,
-        _states: &[f64],
-        _streams: &mut [Stream],
-        out: &mut [f64],
-    ) {
-        out.fill(0.0);
-    }
-}
-
-impl StateGradients for OfSize {
-    fn initial_gradients(&self, _step: &Step<'_>, _states: &[f64], d_states: &mut [f64]) {
-        d_states.fill(0.0);
-    }
-    fn transition_gradients(
-        &self,
-        _step: &Step<'_>,
-        _previous: &[f64],
-        _states: &[f64],
-        d_previous: &mut [f64],
-        d_states: &mut [f64],
-    ) {
-        d_previous.fill(0.0);
-        d_states.fill(0.0);
-    }
-    fn likelihood_gradients(
-        &self,
-        _step: &Step<'_>,
-        _states: &[f64],
-        _measurement: &[f64],
-        d_states: &mut [f64],
-    ) {
-        d_states.fill(0.0);
+    fn measurement<S: Scalar>(&self, _: &Step<'_, S>, _: &[S], y: &mut impl Coordinates<S>) {
+        (0..self.measurements).for_each(|_| y.push(normal(0.0, 1.0)));
     }
 }
 

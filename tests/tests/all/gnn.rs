@@ -1,10 +1,9 @@
 //! The graph proposal: what the paper says of permutations, of reach along edges, and of weights that do not depend on N.
 
 use faer::Mat;
-use motes_models::batch::Rows;
+use motes_models::equations::{Coordinates, Draws, Equations, Scalar};
 use motes_models::{
-    GraphDiffusion, GraphDiffusionConfig, GraphModel, LinearGaussian, ModelError, ModelShape, Seed,
-    StateSpaceModel, Step, Stream, SystemGraph,
+    GraphDiffusion, GraphDiffusionConfig, GraphModel, LinearGaussian, ModelShape, Seed, Step, SystemGraph,
 };
 use motes_proposals::{Adapter, Backend, Compute, Family, Gnn, GnnConfig, Parametric, Precision};
 use motes_smc::{Conditional, Context, FilterSettings, ParticleFilter, Proposal, ProposalError};
@@ -15,32 +14,13 @@ const F64: Compute = Compute { backend: Backend::Native, precision: Precision::F
 /// A system whose graph is given; nothing else of it is used here.
 struct Graphed(SystemGraph);
 
-impl StateSpaceModel for Graphed {
-    fn state_dim(&self) -> usize {
-        self.0.adapter.nrows()
+impl Equations for Graphed {
+    fn dimensions(&self) -> [usize; 2] {
+        [self.0.adapter.nrows(), self.0.adapter.ncols()]
     }
-    fn measurement_dim(&self) -> usize {
-        self.0.adapter.ncols()
-    }
-    fn sample_states(
-        &self,
-        _step: &Step<'_>,
-        _previous: Option<Rows<'_>>,
-        _streams: &mut [Stream],
-        states: &mut [f64],
-    ) {
-        states.fill(0.0);
-    }
-    fn log_likelihoods(
-        &self,
-        _step: &Step<'_>,
-        _states: &[f64],
-        _measurement: &[Option<f64>],
-        out: &mut [f64],
-    ) -> Result<(), ModelError> {
-        out.fill(0.0);
-        Ok(())
-    }
+    fn initial<S: Scalar>(&self, _: &Step<'_, S>, _: &mut impl Draws<S>, _: &mut [S]) {}
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, _: &[S], _: &mut impl Draws<S>, _: &mut [S]) {}
+    fn measurement<S: Scalar>(&self, _: &Step<'_, S>, _: &[S], _: &mut impl Coordinates<S>) {}
 }
 
 impl GraphModel for Graphed {

@@ -2,7 +2,9 @@
 
 use motes::formulas::FormulaModel;
 use motes_models::batch::Rows;
-use motes_models::{Measurements, ModelError, StateSpaceModel, TransitionDensity, kalman};
+use motes_models::{
+    Measurements, ModelError, PartialMeasurements, StateSpaceModel, TransitionDensity, kalman,
+};
 use serde::{Deserialize, Serialize};
 
 /// How the log-evidence of a model is known.
@@ -76,7 +78,7 @@ fn quadrature(
     let (mut log_density, mut of_grid) = (vec![0.0; points], vec![0.0; points]);
     let mut total = 0.0;
     model.log_densities(&model.step_of_index(0), None, &grid, &mut log_density);
-    for (time, measurement) in measurements.rows().enumerate() {
+    for (time, measurement) in PartialMeasurements::from(measurements).rows().enumerate() {
         let step = model.step_of_index(time);
         if time > 0 {
             let mut next = vec![0.0; points];
@@ -88,7 +90,7 @@ fn quadrature(
             }
             log_density = next.into_iter().map(f64::ln).collect();
         }
-        model.log_likelihoods(&step, &grid, &entries_of(measurement), &mut of_grid)?;
+        model.log_likelihoods(&step, &grid, measurement, &mut of_grid)?;
         log_density.iter_mut().zip(&of_grid).for_each(|(density, log)| *density += log);
         let increment = log_sum(&log_density) + width.ln();
         log_density.iter_mut().for_each(|density| *density -= increment);
@@ -106,25 +108,20 @@ fn forward(
     states: [f64; 2],
 ) -> Result<f64, ModelError> {
     let (mut probabilities, mut total) = (initial, 0.0);
-    for (time, measurement) in measurements.rows().enumerate() {
+    for (time, measurement) in PartialMeasurements::from(measurements).rows().enumerate() {
         if time > 0 {
             let [first, second] = probabilities;
             probabilities = [first * stay + second * (1.0 - stay), second * stay + first * (1.0 - stay)];
         }
         let mut logs = [0.0; 2];
         let step = model.step_of_index(time);
-        model.log_likelihoods(&step, &states, &entries_of(measurement), &mut logs)?;
+        model.log_likelihoods(&step, &states, measurement, &mut logs)?;
         logs.iter_mut().zip(probabilities).for_each(|(log, probability)| *log += probability.ln());
         let increment = log_sum(&logs);
         probabilities = logs.map(|log| (log - increment).exp());
         total += increment;
     }
     Ok(total)
-}
-
-/// A measurement in which nothing is missing.
-fn entries_of(measurement: &[f64]) -> Vec<Option<f64>> {
-    measurement.iter().copied().map(Some).collect()
 }
 
 /// `log Σ exp`.

@@ -10,12 +10,12 @@ const PROBES: usize = 8;
 
 /// Keeps how many draws there are, and answers each with a number of its own.
 #[derive(Default)]
-struct Numbered {
+struct Probe {
     drawn: Vec<f64>,
     first: f64,
 }
 
-impl Draws<f64> for Numbered {
+impl Draws<f64> for Probe {
     fn draw(&mut self, distribution: Distribution<f64>) -> f64 {
         let [mean, variance] = distribution.moments();
         let value = match distribution.is_discrete() {
@@ -31,7 +31,7 @@ impl Draws<f64> for Numbered {
 /// Makes a state of numbered draws: the draws and the state, which is NaN where the equations leave a coordinate out.
 fn made(model: &impl Equations, step: &Step<'_>, previous: Option<&[f64]>, first: f64) -> [Vec<f64>; 2] {
     let [n, _] = model.dimensions();
-    let (mut draws, mut state) = (Numbered { first, ..Numbered::default() }, vec![f64::NAN; n]);
+    let (mut draws, mut state) = (Probe { first, ..Probe::default() }, vec![f64::NAN; n]);
     match previous {
         None => model.initial(step, &mut draws, &mut state),
         Some(previous) => model.transition(step, previous, &mut draws, &mut state),

@@ -2,7 +2,7 @@
 
 use super::distribution::Distribution;
 use super::lanes::Lanes;
-use super::sample::{Needs, draw_measurements, draw_states, needs_of_draws, needs_of_measurement};
+use super::sample::{draw_measurements, draw_states, needs_of_draws, needs_of_measurement};
 use super::scalar::Scalar;
 use super::statement::{Coordinates, Draws, Equations};
 use super::tiles::{rows_of, rows_of_mut};
@@ -245,7 +245,7 @@ impl<E: Equations> Simulator for E {
         if states.is_empty() {
             return;
         }
-        let needs: Needs = needs_of_measurement(|sink| self.measurement(step, states.row(0), sink));
+        let needs = needs_of_measurement(|sink| self.measurement(step, states.row(0), sink));
         step.lift(|step| {
             draw_measurements(needs, m, Some((n, states)), streams, out, |_, state, sink| {
                 self.measurement(step, state, sink);

@@ -1,14 +1,12 @@
 //! Drawing states and measurements of many particles from what a model states.
 
 use super::distribution::Distribution;
-use super::draw::Source;
+use super::draw::{Needs, Source};
 use super::lanes::Lanes;
 use super::statement::{Coordinates, Draws};
 use super::tiles::{rows_of, rows_of_mut};
 use crate::batch::{LANES, Rows, by_widest_vectors, store, with_scratch};
 use crate::{Stream, fill_standard_exponential, fill_standard_normal, fill_uniform};
-
-pub(super) use super::draw::Needs;
 
 /// Particles of one stream whose noise is drawn together: few enough for it to stay in the nearest cache.
 const TOGETHER: usize = 256;
@@ -45,8 +43,8 @@ pub(super) fn needs_of_measurement(measurement: impl FnOnce(&mut Counter)) -> Ne
     counter.0
 }
 
-/// Noise of up to [`LANES`] particles, drawn before and from their stream.
-pub(super) struct Noise<'a, 'n> {
+/// TileNoise of up to [`LANES`] particles, drawn before and from their stream.
+pub(super) struct TileNoise<'a, 'n> {
     stream: &'a mut Stream,
     particles: usize,
     normals: &'n [f64],
@@ -67,7 +65,7 @@ fn take(numbers: &mut &[f64], particles: usize) -> Lanes {
     Lanes(lanes)
 }
 
-impl Noise<'_, '_> {
+impl TileNoise<'_, '_> {
     /// How many numbers that were drawn before are left.
     #[inline(always)]
     fn left(&self) -> usize {
@@ -75,7 +73,7 @@ impl Noise<'_, '_> {
     }
 }
 
-impl Source<Lanes> for Noise<'_, '_> {
+impl Source<Lanes> for TileNoise<'_, '_> {
     #[inline(always)]
     fn normal(&mut self) -> Lanes {
         take(&mut self.normals, self.particles)
@@ -100,7 +98,7 @@ impl Source<Lanes> for Noise<'_, '_> {
     }
 }
 
-impl Draws<Lanes> for Noise<'_, '_> {
+impl Draws<Lanes> for TileNoise<'_, '_> {
     #[inline(always)]
     fn draw(&mut self, distribution: Distribution<Lanes>) -> Lanes {
         distribution.draw(self)
@@ -109,7 +107,7 @@ impl Draws<Lanes> for Noise<'_, '_> {
 
 /// Draws the entries of a measurement one after another into the rows of a tile.
 pub(super) struct Entries<'e, 'a, 'n> {
-    noise: &'e mut Noise<'a, 'n>,
+    noise: &'e mut TileNoise<'a, 'n>,
     rows: &'e mut [Lanes],
     /// Whether more was stated than there is.
     is_ragged: bool,
@@ -139,7 +137,7 @@ pub(super) fn draw_measurements(
     measurement: impl Fn(usize, &[Lanes], &mut Entries<'_, '_, '_>),
 ) {
     let (n, states) = states.map_or((0, None), |(n, states)| (n, Some(states)));
-    draw_rows(
+    draw_tiles(
         needs,
         (m, n),
         states,
@@ -160,10 +158,10 @@ pub(super) fn draw_states(
     (n, previous): (usize, Option<Rows<'_>>),
     streams: &mut [Stream],
     out: &mut [f64],
-    state: impl Fn(usize, &[Lanes], &mut Noise<'_, '_>, &mut [Lanes]),
+    state: impl Fn(usize, &[Lanes], &mut TileNoise<'_, '_>, &mut [Lanes]),
 ) {
     let before = if previous.is_some() { n } else { 0 };
-    draw_rows(
+    draw_tiles(
         needs,
         (n, before),
         previous,
@@ -184,13 +182,13 @@ pub(super) fn draw_states(
 ///
 /// # Panics
 /// If `particles` is not a multiple of the number of streams.
-fn draw_rows(
+fn draw_tiles(
     needs: Needs,
     (width, previous_width): (usize, usize),
     previous: Option<Rows<'_>>,
     streams: &mut [Stream],
     out: &mut [f64],
-    draw: impl Fn(usize, &[Lanes], &mut Noise<'_, '_>, &mut [Lanes]) -> bool,
+    draw: impl Fn(usize, &[Lanes], &mut TileNoise<'_, '_>, &mut [Lanes]) -> bool,
 ) {
     let particles = out.len() / width.max(1);
     let each = particles / streams.len().max(1);
@@ -213,7 +211,7 @@ fn draw_rows(
                     fill(stream, exponentials, fill_standard_exponential);
                     fill(stream, uniforms, fill_uniform);
                     let (normals, exponentials, uniforms) = (&*normals, &*exponentials, &*uniforms);
-                    let mut noise = Noise { stream, particles: 0, normals, exponentials, uniforms };
+                    let mut noise = TileNoise { stream, particles: 0, normals, exponentials, uniforms };
                     let last = first + chunk;
                     // As for densities: by the widest vectors of the machine, and the same numbers by any.
                     by_widest_vectors(

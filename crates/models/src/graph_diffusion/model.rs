@@ -4,7 +4,7 @@ use faer::{Mat, MatRef};
 
 use super::batches;
 use super::system::GraphDiffusion;
-use crate::batch::{Rows, particles_by_stream};
+use crate::batch::{Rows, draw_rows, draw_single_rows};
 use crate::{
     AdditiveGaussian, Gaussian, GraphModel, ModelError, Noise, Propagator, Simulator, StateGradients,
     StateSpaceModel, Step, Stream, SystemGraph, TransitionDensity,
@@ -27,21 +27,17 @@ impl StateSpaceModel for GraphDiffusion {
         states: &mut [f64],
     ) {
         let n = self.state_dim();
-        if states.len() > streams.len() * n {
-            return match previous {
-                None => self.initial.samples(streams, states),
-                Some(previous) => batches::sample_transitions(self, previous, streams, states),
-            };
-        }
-        // A stream's only particle is drawn coordinate by coordinate: simulated sequences are as they were published.
-        for (row, (stream, state)) in streams.iter_mut().zip(states.chunks_exact_mut(n)).enumerate() {
-            let Some(previous) = previous else {
-                self.initial.sample(stream, state);
-                continue;
-            };
+        if draw_single_rows(streams, n, states, |row, stream, state| {
+            let Some(previous) = previous else { return self.initial.sample(stream, state) };
             for (i, value) in state.iter_mut().enumerate() {
                 *value = self.diffused(i, previous.row(row)) + self.noise.sample(self.state_sigma, stream);
             }
+        }) {
+            return;
+        }
+        match previous {
+            None => self.initial.samples(streams, states),
+            Some(previous) => batches::sample_transitions(self, previous, streams, states),
         }
     }
 
@@ -130,16 +126,13 @@ impl GraphModel for GraphDiffusion {
 
 impl Simulator for GraphDiffusion {
     fn sample_measurements(&self, _step: &Step<'_>, states: &[f64], streams: &mut [Stream], out: &mut [f64]) {
-        let (n, m) = (self.state_dim(), self.measurement_dim());
-        let mut states = states.chunks_exact(n);
-        for (stream, out) in particles_by_stream(streams, out, m, out.len() / m) {
-            for (measurement, state) in out.chunks_exact_mut(m).zip(&mut states) {
-                for (i, value) in measurement.iter_mut().enumerate() {
-                    let noise = self.noise.sample(self.measurement_sigma, stream);
-                    *value = self.measure.row_times(i, state) + noise;
-                }
+        let n = self.state_dim();
+        draw_rows(streams, self.measurement_dim(), out, |row, stream, measurement| {
+            let state = &states[row * n..(row + 1) * n];
+            for (i, value) in measurement.iter_mut().enumerate() {
+                *value = self.measure.row_times(i, state) + self.noise.sample(self.measurement_sigma, stream);
             }
-        }
+        });
     }
 }
 

@@ -34,6 +34,17 @@ pub(super) struct Common<'a, M: ?Sized> {
     pub(super) previous: &'a [f64],
 }
 
+impl<M: StateSpaceModel + ?Sized> Common<'_, M> {
+    /// `log p(y_t | x_t)` of what is there of the measurement, at each of `R` states (`R×N`): 0, and nothing is asked of the model, where nothing was measured.
+    fn log_likelihoods(&self, states: &[f64], out: &mut [f64]) -> Result<(), Fault> {
+        if self.entries.iter().all(Option::is_none) {
+            out.fill(0.0);
+            return Ok(());
+        }
+        self.model.log_likelihoods(&self.step, states, self.entries, out).map_err(Fault::Model)
+    }
+}
+
 /// A step of all filters.
 pub(super) struct BankStep<'a, M: ?Sized, P: Proposal<M>> {
     pub(super) proposal: &'a P,
@@ -202,7 +213,7 @@ impl<M: StateSpaceModel + ?Sized, P: Proposal<M>> BankStep<'_, M, P> {
                 }
             }
             self.check_states(first, states)?;
-            model.log_likelihoods(&step, states, self.common.entries, likelihoods).map_err(Fault::Model)?;
+            self.common.log_likelihoods(states, likelihoods)?;
             for (increment, (likelihood, transition)) in
                 increments.iter_mut().zip(likelihoods.iter().zip(&*transitions))
             {
@@ -234,7 +245,7 @@ impl<M: StateSpaceModel + ?Sized, P: Proposal<M>> BankStep<'_, M, P> {
         }
         Transition::new(model, context).sample(streams, states, increments);
         self.check_states(first, states)?;
-        model.log_likelihoods(&step, states, self.common.entries, increments).map_err(Fault::Model)
+        self.common.log_likelihoods(states, increments)
     }
 
     /// Refuses states that are not finite, where no density of them tells; `first` is the row of the first in the bank.

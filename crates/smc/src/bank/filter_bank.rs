@@ -61,7 +61,7 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
         filters: usize,
         seed: &Seed,
     ) -> Result<Self, FilterError> {
-        check_model(&*model)?;
+        // Before there are so many streams.
         settings.check_bank(filters, model.state_dim(), proposal.memory_per_particle())?;
         FilterBank::with_streams(model, proposal, settings, seed.streams(filters))
     }

@@ -24,8 +24,8 @@ const LEAST_EXPONENT: f64 = 0.3;
 /// - `s²/r`, with `R − 1` degrees of freedom;
 /// - `(e − ē − ½(ρ − 1)a)² / (1 + r/R)`, with one.
 ///
-/// Their average by degrees of freedom, or the first where it is larger, is added up over blocks. Not judged is a block in which small filters must miss what the filter has reached: where it
-/// had fewer than `2ρ` effective particles at a step, and yet its largest log-weights had an upper end; or one of them collapsed. The variance by
+/// Their average by degrees of freedom, or the first where it is larger, is added up over blocks. Not judged is a block in which small filters must miss what the
+/// filter has reached: where it had fewer than `2ρ` effective particles at a step, and yet its largest log-weights had an upper end; or one of them collapsed. The variance by
 /// ancestry stands in there.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(super) struct Blocks {

@@ -24,7 +24,7 @@ const FILTERS: usize = 4;
 const RATIO: usize = 16;
 const LEAST_SMALL: usize = 25;
 
-/// The standard error from which on a log-evidence tells models that differ by a Bayes factor of thousands from each other no more (nats).
+/// With a larger standard error a log-evidence hardly says which of two models is better (nats).
 const LARGEST_ERROR: f64 = 10.0;
 
 /// Small filters of the same model and proposal that run beside a filter, and tell how far its log-evidence may be off.

@@ -45,8 +45,9 @@ impl Equations for Tracking {
 
     #[inline(always)]
     fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]) {
-        for (mean, sd) in [(5.0, 1.0), (5.0, 1.0), (0.2, 0.1), (-0.1, 0.1)] {
-            state[0] = draws.draw(normal(mean, sd));
+        let starts = [(5.0, 1.0), (5.0, 1.0), (0.2, 0.1), (-0.1, 0.1)];
+        for (state, (mean, sd)) in state.iter_mut().zip(starts) {
+            *state = draws.draw(normal(mean, sd));
         }
     }
 
