@@ -39,6 +39,7 @@ pub mod kalman;
 mod linear_gaussian;
 mod linear_measurements;
 mod noise;
+mod noise_rows;
 mod normals;
 mod own_steps;
 mod sequence;

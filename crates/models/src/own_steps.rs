@@ -4,6 +4,7 @@ use std::slice::from_mut;
 
 use crate::batch::{Rows, there_is_memory_for};
 use crate::equations::{Linearise, Transport};
+use crate::noise_rows::sample_with_noise;
 use crate::{ModelError, Seed, Simulator, Stream, check_model};
 
 /// A model that a proposal can be learned for: it draws its own steps, its noise can be transported, and its measurements can be linearised.
@@ -23,6 +24,8 @@ pub struct OwnSteps<'m, M: ?Sized> {
     /// `x_{t−1}` and `x_t`, `S×N`.
     previous: Vec<f64>,
     states: Vec<f64>,
+    /// What states without a density are made of, `S×Q`.
+    noise: Vec<f64>,
     /// `y_t`, `S×M`.
     measurements: Vec<f64>,
     lost: usize,
@@ -38,6 +41,8 @@ pub struct OwnStep<'a> {
     pub previous: Option<&'a [f64]>,
     /// `x_t`, `S×N`.
     pub states: &'a [f64],
+    /// The noise `v_t` that each state is made of (`S×Q`), where states have no density and the noise is known.
+    pub noise: Option<&'a [f64]>,
     /// `y_t`, `S×M`.
     pub measurements: &'a [f64],
 }
@@ -64,6 +69,7 @@ impl<'m, M: Simulator + ?Sized> OwnSteps<'m, M> {
             time: 0,
             previous: Vec::new(),
             states: vec![0.0; sequences * n],
+            noise: Vec::new(),
             measurements: vec![0.0; sequences * m],
             lost: 0,
             largest_state: f64::INFINITY,
@@ -91,7 +97,15 @@ impl<'m, M: Simulator + ?Sized> OwnSteps<'m, M> {
             self.states.resize(self.previous.len(), 0.0);
         }
         let previous = (self.time > 0).then(|| Rows::all(&self.previous, n));
-        self.model.sample_states(&step, previous, stream, &mut self.states);
+        let noise_space = self.model.noise_without_density();
+        let q = noise_space.map_or(0, |model| model.draws(&step).len());
+        match noise_space {
+            None => self.model.sample_states(&step, previous, stream, &mut self.states),
+            Some(model) => {
+                self.noise.resize(self.states.len() / n * q, 0.0);
+                sample_with_noise(model, &step, previous, &mut stream[0], &mut self.noise, &mut self.states);
+            }
+        }
         self.model.sample_measurements(&step, &self.states, stream, &mut self.measurements);
         let mut row = 0;
         while row * n < self.states.len() {
@@ -104,6 +118,7 @@ impl<'m, M: Simulator + ?Sized> OwnSteps<'m, M> {
             self.lost += 1;
             // The last one takes its place.
             remove_row(&mut self.states, n, row);
+            remove_row(&mut self.noise, q, row);
             remove_row(&mut self.measurements, m, row);
             if self.time > 0 {
                 remove_row(&mut self.previous, n, row);
@@ -115,7 +130,8 @@ impl<'m, M: Simulator + ?Sized> OwnSteps<'m, M> {
         let time = self.time;
         self.time += 1;
         let previous = (time > 0).then_some(self.previous.as_slice());
-        Some(OwnStep { time, previous, states: &self.states, measurements: &self.measurements })
+        let noise = noise_space.map(|_| self.noise.as_slice());
+        Some(OwnStep { time, previous, states: &self.states, noise, measurements: &self.measurements })
     }
 }
 

@@ -19,6 +19,8 @@ pub struct ModelShape {
     pub state_dim: usize,
     /// `M`, the number of coordinates of a measurement.
     pub measurement_dim: usize,
+    /// `Q_0` and `Q`, the numbers of draws that `x_0` and `x_1` are made of, where states have no density, so that their noise is proposed.
+    pub draws: Option<[usize; 2]>,
     /// The graph whose nodes are the coordinates of a state; graph networks need one.
     pub graph: Option<SystemGraph>,
 }
@@ -27,7 +29,10 @@ impl ModelShape {
     /// The sizes of a model, without a graph.
     pub fn of(model: &(impl StateSpaceModel + ?Sized)) -> Self {
         let (state_dim, measurement_dim) = (model.state_dim(), model.measurement_dim());
-        ModelShape { state_dim, measurement_dim, graph: None }
+        let noise_space = model.noise_without_density();
+        let draws =
+            noise_space.map(|model| [0, 1].map(|index| model.draws(&model.step_of_index(index)).len()));
+        ModelShape { state_dim, measurement_dim, draws, graph: None }
     }
 
     /// The sizes of a model, and the graph of what depends on what in it ([`SystemGraph::of_dependences`]).

@@ -3,6 +3,7 @@
 use faer::MatRef;
 
 use crate::batch::{Rows, load, store, with_scratch};
+use crate::equations::NoiseSpace;
 use crate::{Gaussian, ModelError, Step, Stream};
 
 /// A hidden Markov model on ℝᴺ, measured in ℝᴹ: `p(x_0)`, `p(x_t | x_{t−1})`, `p(y_t | x_t)`.
@@ -10,7 +11,7 @@ use crate::{Gaussian, ModelError, Step, Stream};
 /// All is asked for by blocks of `K` particles, row-major `K×N`. The step is the one to the states that are drawn or weighed. Where there are no previous states it
 /// is the start of a sequence.
 ///
-/// What a model may or may not have is asked for by an `Option`: [`StateSpaceModel::density`], [`StateSpaceModel::propagator`].
+/// What a model may or may not have is asked for by an `Option`: [`StateSpaceModel::density`], [`StateSpaceModel::noise_space`], [`StateSpaceModel::propagator`].
 pub trait StateSpaceModel: Sync {
     /// `N`, the number of coordinates of a state.
     fn state_dim(&self) -> usize;
@@ -68,6 +69,16 @@ pub trait StateSpaceModel: Sync {
     /// The densities of states, if the model has them.
     fn density(&self) -> Option<&dyn TransitionDensity> {
         None
+    }
+
+    /// The model as a map of standard normal noise, if it is one.
+    fn noise_space(&self) -> Option<&dyn NoiseSpace> {
+        None
+    }
+
+    /// [`StateSpaceModel::noise_space`] where states have no density, so that what a proposal draws is the noise.
+    fn noise_without_density(&self) -> Option<&dyn NoiseSpace> {
+        if self.density().is_some() { None } else { self.noise_space() }
     }
 
     /// This model as one that draws and weighs in one pass, if it has such a form.

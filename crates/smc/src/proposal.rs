@@ -142,6 +142,19 @@ pub trait Conditional {
         false
     }
 
+    /// Draws a state for each particle into `states` (`R×N`) by its noise, and writes `log p(v) − log q(v | x', y)` of the noise into `log_ratios` (`R`), where `q` has the
+    /// given share of the noise's own distribution (that of the proposal where none is given). `false`, the default, says that it draws states, which are weighed by
+    /// their densities; nothing was drawn then.
+    fn sample_by_noise(
+        &mut self,
+        _share: Option<f64>,
+        _streams: &mut [Stream],
+        _states: &mut [f64],
+        _log_ratios: &mut [f64],
+    ) -> bool {
+        false
+    }
+
     /// Whether this is the model's own `p(x_t | x_{t−1})`, so that both cancel in the weight and neither is
     /// evaluated.
     fn is_transition(&self) -> bool {
@@ -165,6 +178,16 @@ impl<C: Conditional + ?Sized> Conditional for &mut C {
         log_weights: &mut [f64],
     ) -> bool {
         (**self).sample_weighted(streams, states, log_weights)
+    }
+
+    fn sample_by_noise(
+        &mut self,
+        share: Option<f64>,
+        streams: &mut [Stream],
+        states: &mut [f64],
+        log_ratios: &mut [f64],
+    ) -> bool {
+        (**self).sample_by_noise(share, streams, states, log_ratios)
     }
 
     fn is_transition(&self) -> bool {

@@ -12,6 +12,7 @@ mod fcnn;
 mod gnn;
 mod gradients;
 mod house;
+mod maps;
 mod modules;
 mod parity;
 mod planted;

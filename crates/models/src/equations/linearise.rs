@@ -55,15 +55,15 @@ impl Draws<Lanes> for Moments<'_> {
 }
 
 /// Keeps the scores of particles from `lane` on, with the derivatives of locations along some coordinates from `first` on.
-struct Scores<'a> {
-    measurement: &'a [Option<Lanes>],
-    lane: usize,
-    first: usize,
-    n: usize,
-    slopes: &'a mut [Lanes],
-    information: &'a mut [Lanes],
-    jacobian: &'a mut [Lanes],
-    at: usize,
+pub(super) struct Scores<'a> {
+    pub(super) measurement: &'a [Option<Lanes>],
+    pub(super) lane: usize,
+    pub(super) first: usize,
+    pub(super) n: usize,
+    pub(super) slopes: &'a mut [Lanes],
+    pub(super) information: &'a mut [Lanes],
+    pub(super) jacobian: &'a mut [Lanes],
+    pub(super) at: usize,
 }
 
 impl<const E: usize> Coordinates<Varied<E>> for Scores<'_> {

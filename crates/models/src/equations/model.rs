@@ -2,6 +2,7 @@
 
 use super::distribution::Distribution;
 use super::lanes::Lanes;
+use super::noise_space::NoiseSpace;
 use super::sample::{draw_measurements, draw_states, needs_of_draws, needs_of_measurement};
 use super::scalar::Scalar;
 use super::statement::{Coordinates, Draws, Equations};
@@ -180,6 +181,10 @@ impl<E: Equations> StateSpaceModel for E {
 
     fn density(&self) -> Option<&dyn TransitionDensity> {
         self.has_density().then_some(self)
+    }
+
+    fn noise_space(&self) -> Option<&dyn NoiseSpace> {
+        Some(self)
     }
 
     fn check(&self) -> Result<(), ModelError> {

@@ -1,5 +1,6 @@
-//! Continuous distributions as transports of a standard normal number: `x = T(v) = F⁻¹(Φ(v))`.
+//! Distributions as transports of a standard normal number: `x = T(v) = F⁻¹(Φ(v))`.
 
+mod count;
 mod gamma;
 mod normal;
 mod root;
@@ -41,7 +42,8 @@ impl<S: Scalar> Distribution<S> {
 impl Distribution<f64> {
     /// `T(v) = F⁻¹(Φ(v))`: what has this distribution where `v` is standard normal. It grows with `v`.
     ///
-    /// NaN for counts, and where a parameter is out of range. Each tail is computed from its own end of the range, so neither loses digits.
+    /// Of counts it is the smallest whose distribution function reaches `Φ(v)`. NaN where a parameter is out of range. Each tail is computed from its own end of the
+    /// range, so neither loses digits.
     ///
     /// ```
     /// use motes_models::equations::{Distribution, exponential, normal};
@@ -52,7 +54,7 @@ impl Distribution<f64> {
     /// assert!((delay.from_normal(0.0) - 2.0 * 2.0_f64.ln()).abs() < 1e-15);
     /// ```
     pub fn from_normal(&self, v: f64) -> f64 {
-        self.transport(v)[0]
+        if self.is_discrete() { count::from_normal(self, v) } else { self.transport(v)[0] }
     }
 
     /// `T⁻¹(x)`: the standard normal quantile of `x`; −∞ and +∞ at and beyond the ends of the range.

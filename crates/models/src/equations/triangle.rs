@@ -31,6 +31,28 @@ pub fn factor(n: usize, lower: &mut [Lanes]) {
     }
 }
 
+/// Replaces the lower triangle of `Λ` (`N(N+1)/2`) by the `L` with `Λ = Lᵀ L`; NaN where it is not positive definite.
+///
+/// With `b` standard normal, `L⁻¹ b` has the precision `Λ`, and its entry `i` is made of the first `i` entries of `b`: each is drawn given those before it.
+#[inline(always)]
+pub fn factor_from_last(n: usize, lower: &mut [Lanes]) {
+    for j in (0..n).rev() {
+        let mut pivot = lower[at(j, j)];
+        for k in j + 1..n {
+            pivot = pivot - lower[at(k, j)] * lower[at(k, j)];
+        }
+        let pivot = pivot.sqrt();
+        lower[at(j, j)] = pivot;
+        for i in 0..j {
+            let mut sum = lower[at(j, i)];
+            for k in j + 1..n {
+                sum = sum - lower[at(k, j)] * lower[at(k, i)];
+            }
+            lower[at(j, i)] = sum / pivot;
+        }
+    }
+}
+
 /// Replaces `b` by `L⁻¹ b`.
 #[inline(always)]
 pub fn solve_lower(n: usize, lower: &[Lanes], b: &mut [Lanes]) {
@@ -70,6 +92,22 @@ pub fn times_upper(n: usize, lower: &[Lanes], b: &mut [Lanes]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_factor_from_the_last_row_gives_its_matrix_back() {
+        let n = 4;
+        let entry = |i: usize, j: usize| match i == j {
+            true => 3.0 + i as f64,
+            false => 0.4 * (i as f64 - 0.3 * j as f64).sin(),
+        };
+        let pairs = || (0..n).flat_map(|i| (0..=i).map(move |j| (i, j)));
+        let mut lower: Vec<Lanes> = pairs().map(|(i, j)| Lanes::from(entry(i, j))).collect();
+        factor_from_last(n, &mut lower);
+        for (i, j) in pairs() {
+            let found: f64 = (i..n).map(|k| lower[at(k, i)].0[3] * lower[at(k, j)].0[3]).sum();
+            assert!((found - entry(i, j)).abs() < 1e-12, "{i}, {j}");
+        }
+    }
 
     #[test]
     fn a_factor_gives_its_matrix_back() {

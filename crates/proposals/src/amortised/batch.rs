@@ -1,14 +1,14 @@
 //! The distributions of a block of particles: draws and densities.
 
 use motes_models::batch::{LANES, load, particles_by_stream, store};
-use motes_models::equations::{Lanes, Transport};
+use motes_models::equations::{Lanes, NoiseSpace, Transport};
 use motes_models::{Stream, fill_standard_normal, fill_uniform};
 use motes_smc::{Conditional, Context};
 
 use super::heads::Head;
 use super::scratch::AmortisedScratch;
 use super::theta::Theta;
-use super::units::{self, Place, Units, lanes, log_standard_normal};
+use super::units::{self, Place, Sizes, Units, lanes, log_standard_normal};
 
 /// What an [`Amortised`](super::Amortised) proposal conditions to: a head's density for each particle, in units of its base.
 pub struct AmortisedBatch<'a, M: ?Sized> {
@@ -18,27 +18,29 @@ pub struct AmortisedBatch<'a, M: ?Sized> {
     pub(super) head: Option<&'a dyn Head>,
     pub(super) theta: &'a Theta,
     pub(super) is_affine: bool,
-    pub(super) n: usize,
+    pub(super) sizes: Sizes,
+    /// The model in the space of its noise and the share of the noise's own distribution, where states have no density.
+    pub(super) noise: Option<(&'a dyn NoiseSpace, f64)>,
     pub(super) scratch: &'a mut AmortisedScratch,
 }
 
 /// What a tile of a block is computed in.
-struct Tile<'t> {
-    values: &'t mut [Lanes],
-    theta: &'t mut [Lanes],
-    uniforms: &'t mut [Lanes],
-    head: &'t mut [Lanes],
+pub(super) struct Tile<'t> {
+    pub(super) values: &'t mut [Lanes],
+    pub(super) theta: &'t mut [Lanes],
+    pub(super) uniforms: &'t mut [Lanes],
+    pub(super) head: &'t mut [Lanes],
 }
 
 impl<'t> Tile<'t> {
     /// How many rows there are.
-    fn rows(n: usize, head: Option<&dyn Head>) -> usize {
-        n + head.map_or(0, |head| head.outputs() + head.uniforms() + head.scratch())
+    fn rows(units: usize, head: Option<&dyn Head>) -> usize {
+        units + head.map_or(0, |head| head.outputs() + head.uniforms() + head.scratch())
     }
 
-    fn of(memory: &'t mut [f64], n: usize, head: Option<&dyn Head>) -> Self {
+    fn of(memory: &'t mut [f64], units: usize, head: Option<&dyn Head>) -> Self {
         let [outputs, uniforms] = head.map_or([0, 0], |head| [head.outputs(), head.uniforms()]);
-        let (values, rest) = lanes(memory).split_at_mut(n);
+        let (values, rest) = lanes(memory).split_at_mut(units);
         let (theta, rest) = rest.split_at_mut(outputs);
         let (uniforms, head) = rest.split_at_mut(uniforms);
         Tile { values, theta, uniforms, head }
@@ -47,18 +49,22 @@ impl<'t> Tile<'t> {
 
 impl<M: Transport + ?Sized> AmortisedBatch<'_, M> {
     /// Shows each tile of particles to `work`: its number, where it is, its units, and what it is computed in, with `θ` loaded.
-    fn by_tiles(&mut self, mut work: impl FnMut(usize, &Place<'_, M>, &Units<'_>, Tile<'_>, [&[f64]; 2])) {
-        let (n, head) = (self.n, self.head);
+    pub(super) fn by_tiles(
+        &mut self,
+        mut work: impl FnMut(usize, &Place<'_, M>, &Units<'_>, Tile<'_>, [&[f64]; 2]),
+    ) {
+        let (sizes, head) = (self.sizes, self.head);
+        let Sizes { states: n, units: q } = sizes;
         let Context { step, previous, particles, .. } = self.context;
         let AmortisedScratch { units, previous: kept, theta, tile, noise, uniforms, .. } = &mut *self.scratch;
         tile.clear();
-        tile.resize(Tile::rows(n, head) * LANES, 0.0);
+        tile.resize(Tile::rows(q, head) * LANES, 0.0);
         let emitted = if head.is_some() { self.theta.emitted } else { 0 };
-        self.theta.place_shared(Tile::of(tile, n, head).theta);
-        let parts = units.chunks_exact_mut(units::rows(n) * LANES).zip(kept.chunks_exact(n * LANES));
+        self.theta.place_shared(Tile::of(tile, q, head).theta);
+        let parts = units.chunks_exact_mut(sizes.rows() * LANES).zip(kept.chunks_exact(n * LANES));
         for (number, (units, kept)) in parts.enumerate() {
             let (first, last) = (number * LANES, ((number + 1) * LANES).min(particles));
-            let tile = Tile::of(tile, n, head);
+            let tile = Tile::of(tile, q, head);
             if emitted > 0 {
                 self.theta.load(&theta[first * emitted..last * emitted], tile.theta);
             }
@@ -67,13 +73,30 @@ impl<M: Transport + ?Sized> AmortisedBatch<'_, M> {
                 step,
                 previous: previous.map(|_| kept),
                 is_affine: self.is_affine,
+                noise: self.noise.map(|(model, _)| model),
             };
-            work(number, &place, &Units::of(units, n), tile, [noise, uniforms]);
+            work(number, &place, &Units::of(units, sizes), tile, [noise, uniforms]);
         }
     }
 }
 
 impl<M: Transport + ?Sized> AmortisedBatch<'_, M> {
+    /// Draws the standard normal numbers of each particle's units, and so many uniform ones.
+    pub(super) fn draw_noise(&mut self, streams: &mut [Stream], extra: usize) {
+        let (units, particles) = (self.sizes.units, self.context.particles);
+        let AmortisedScratch { noise, uniforms, .. } = &mut *self.scratch;
+        noise.resize(particles * units, 0.0);
+        for (stream, noise) in particles_by_stream(streams, noise, units, particles) {
+            fill_standard_normal(stream, noise);
+        }
+        uniforms.resize(particles * extra, 0.0);
+        if extra > 0 {
+            for (stream, uniforms) in particles_by_stream(streams, uniforms, extra, particles) {
+                fill_uniform(stream, uniforms);
+            }
+        }
+    }
+
     /// Draws states, and writes their densities if they are asked for.
     fn draw_states(
         &mut self,
@@ -81,19 +104,9 @@ impl<M: Transport + ?Sized> AmortisedBatch<'_, M> {
         states: &mut [f64],
         mut log_densities: Option<&mut [f64]>,
     ) {
-        let (n, head, particles) = (self.n, self.head, self.context.particles);
-        let AmortisedScratch { noise, uniforms, .. } = &mut *self.scratch;
-        noise.resize(particles * n, 0.0);
-        for (stream, noise) in particles_by_stream(streams, noise, n, particles) {
-            fill_standard_normal(stream, noise);
-        }
+        let (n, head, particles) = (self.sizes.states, self.head, self.context.particles);
         let extra = head.map_or(0, |head| head.uniforms());
-        uniforms.resize(particles * extra, 0.0);
-        if extra > 0 {
-            for (stream, uniforms) in particles_by_stream(streams, uniforms, extra, particles) {
-                fill_uniform(stream, uniforms);
-            }
-        }
+        self.draw_noise(streams, extra);
         self.by_tiles(|number, place, units, tile, [noise, uniforms]| {
             let (first, last) = (number * LANES, ((number + 1) * LANES).min(particles));
             let Tile { values, theta, uniforms: of_tile, head: scratch } = tile;
@@ -129,8 +142,24 @@ impl<M: Transport + ?Sized> Conditional for AmortisedBatch<'_, M> {
         self.draw_states(streams, states, None);
     }
 
+    fn sample_by_noise(
+        &mut self,
+        share: Option<f64>,
+        streams: &mut [Stream],
+        states: &mut [f64],
+        log_ratios: &mut [f64],
+    ) -> bool {
+        let Some((model, own)) = self.noise else { return false };
+        self.draw_by_noise(model, share.unwrap_or(own), streams, states, log_ratios);
+        true
+    }
+
+    fn is_transition(&self) -> bool {
+        self.sizes.units == 0
+    }
+
     fn log_density(&mut self, states: &[f64], log_densities: &mut [f64]) {
-        let (n, head, particles) = (self.n, self.head, log_densities.len());
+        let (n, head, particles) = (self.sizes.states, self.head, log_densities.len());
         self.by_tiles(|number, place, units, tile, _| {
             let (first, last) = (number * LANES, ((number + 1) * LANES).min(particles));
             let Tile { values, theta, head: scratch, .. } = tile;

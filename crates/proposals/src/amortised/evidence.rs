@@ -25,14 +25,14 @@ impl Amortised {
         rows: &DrawnStage,
         workspace: Workspace,
     ) -> Result<Workspace, ProposalError> {
-        let Some(head) = self.head.reparametrised() else {
+        let Some(head) = self.head(times.time()).reparametrised() else {
             return Err(ProposalError::Setting {
                 name: "the head of a proposal whose draws are differentiated",
                 value: "a mixture".into(),
                 expected: "gaussian, kernel or flow",
             });
         };
-        let (n, outputs, count) = (self.state_dim, self.head.outputs(), rows.len());
+        let (n, outputs, count) = (self.sizes(times.time()).units, head.outputs(), rows.len());
         let tape = NetworkTape::new(&self.networks, &self.parameters, count, workspace);
         let mut tape = tape.map_err(of_networks)?;
         let of_all = self.theta(times.time());
@@ -40,7 +40,7 @@ impl Amortised {
         let mut theta = vec![0.0; count * emitted];
         let inputs = inputs_of(times, rows.width, &rows.inputs);
         tape.forward(&inputs, &mut [&mut theta]).map_err(of_networks)?;
-        let mut memory = vec![0.0; (3 * n + 2 * outputs + self.head.scratch()) * LANES];
+        let mut memory = vec![0.0; (3 * n + 2 * outputs + head.scratch()) * LANES];
         let (units, rest) = lanes(&mut memory).split_at_mut(n);
         let (pull, rest) = rest.split_at_mut(n);
         let (of_head, rest) = rest.split_at_mut(n);

@@ -15,7 +15,7 @@ pub struct Stage {
     pub(super) width: usize,
     /// Inputs of the network, `R×F`.
     pub(super) inputs: Vec<f64>,
-    /// The state in units of the base, `u`, `R×N`.
+    /// The state, or the noise that it is made of, in units of the base, `u`, `R×N` or `R×Q`.
     pub(super) units: Vec<f64>,
     /// The log-density of the transition with respect to `u`, `R`.
     pub(super) log_transition: Vec<f64>,
@@ -37,7 +37,7 @@ impl Stage {
         &self.inputs
     }
 
-    /// The state of each row in units of the base, `R×N`: what should be found likely.
+    /// The state of each row, or the noise that it is made of, in units of the base, `R×N` or `R×Q`: what should be found likely.
     pub fn units(&self) -> &[f64] {
         &self.units
     }
@@ -99,6 +99,11 @@ impl Amortised {
     ) -> Result<(), ModelError> {
         let (n, m) = (self.state_dim, self.measurement_dim);
         let width = super::inputs::Blocks::of(n, m)[usize::from(step.time > 0)].count();
+        let n = self.sizes(step.time).units;
+        if n == 0 {
+            // A start that is known.
+            return Ok(());
+        }
         let Examples { initial, later, outside } = examples;
         let stage = if step.time == 0 { initial } else { later };
         stage.width = width;

@@ -15,18 +15,21 @@ impl Amortised {
     /// `mean log[(1 − α) h(u | θ) + α p(u)] − log p(u)` over the rows of a stage, in nats: how much likelier than the transition `p` the proposal
     /// finds the states that were drawn, with a share `α` of the transition mixed in.
     ///
-    /// Its expectation is largest for `p(x_t | x_{t−1}, y_t)`, which gives the information that the measurement has on the state.
+    /// It is 0 where there are no rows. Its expectation is largest for `p(x_t | x_{t−1}, y_t)`, which gives the information that the measurement has on the state.
     ///
     /// # Errors
     /// [`ProposalError`] if the networks cannot be asked.
     pub fn gain(&self, stage: Times, rows: &Stage, share: f64) -> Result<f64, ProposalError> {
-        let mut theta = vec![0.0; rows.len() * self.emitted()];
+        if rows.is_empty() {
+            return Ok(0.0);
+        }
+        let of_all = self.theta(stage.time());
+        let mut theta = vec![0.0; rows.len() * of_all.emitted];
         let inputs = inputs_of(stage, rows.width, &rows.inputs);
         let run =
             Inference::default().run(&self.networks, &self.parameters, &inputs, &mut [], &mut [&mut theta]);
         run.map_err(of_networks)?;
-        let of_all = self.theta(stage.time());
-        Ok(self.over_tiles(rows, &of_all, &mut theta, share, None))
+        Ok(self.over_tiles(stage, rows, &of_all, &mut theta, share, None))
     }
 
     /// [`Amortised::gain`]; the workspace then holds the derivatives of its negative with respect to the weights.
@@ -42,11 +45,11 @@ impl Amortised {
     ) -> Result<(f64, Workspace), ProposalError> {
         let mut tape =
             NetworkTape::new(&self.networks, &self.parameters, rows.len(), workspace).map_err(of_networks)?;
-        let mut theta = vec![0.0; rows.len() * self.emitted()];
-        tape.forward(&inputs_of(stage, rows.width, &rows.inputs), &mut [&mut theta]).map_err(of_networks)?;
         let of_all = self.theta(stage.time());
+        let mut theta = vec![0.0; rows.len() * of_all.emitted];
+        tape.forward(&inputs_of(stage, rows.width, &rows.inputs), &mut [&mut theta]).map_err(of_networks)?;
         let mut slopes = of_all.no_slopes();
-        let gain = self.over_tiles(rows, &of_all, &mut theta, share, Some(&mut slopes));
+        let gain = self.over_tiles(stage, rows, &of_all, &mut theta, share, Some(&mut slopes));
         of_all.hand_over(&slopes, tape.gradients());
         tape.backward_to_weights(&[&theta]).map_err(of_networks)?;
         Ok((gain, tape.finish()))
@@ -56,15 +59,16 @@ impl Amortised {
     /// particles share is added to `slopes`.
     fn over_tiles(
         &self,
+        stage: Times,
         rows: &Stage,
         of_all: &Theta,
         theta: &mut [f64],
         share: f64,
         mut slopes: Option<&mut Vec<f64>>,
     ) -> f64 {
-        let emitted = of_all.emitted;
-        let (n, outputs, count) = (self.state_dim, self.head.outputs(), rows.len());
-        let mut memory = vec![0.0; (n + 2 * outputs + self.head.scratch()) * LANES];
+        let (head, emitted) = (self.head(stage.time()), of_all.emitted);
+        let (n, outputs, count) = (self.sizes(stage.time()).units, head.outputs(), rows.len());
+        let mut memory = vec![0.0; (n + 2 * outputs + head.scratch()) * LANES];
         let (units, rest) = lanes(&mut memory).split_at_mut(n);
         let (of_theta, rest) = rest.split_at_mut(outputs);
         let (d_theta, scratch) = rest.split_at_mut(outputs);
@@ -78,8 +82,8 @@ impl Amortised {
             let mut of_transition = Lanes::from(0.0);
             of_transition.0[..last - first].copy_from_slice(&rows.log_transition[first..last]);
             let of_head = match slopes {
-                Some(_) => self.head.gradient(of_theta, units, d_theta, scratch),
-                None => self.head.log_density(of_theta, units, scratch),
+                Some(_) => head.gradient(of_theta, units, d_theta, scratch),
+                None => head.log_density(of_theta, units, scratch),
             };
             // log[(1 − α) h + α p], with the larger of both in front.
             let (a, b) = (of_head + log_head, of_transition + log_share);

@@ -11,6 +11,7 @@ mod hidden;
 mod inclusive;
 mod inputs;
 mod networks;
+mod noise;
 mod proposal;
 mod propose;
 mod scratch;

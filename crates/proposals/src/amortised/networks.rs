@@ -40,18 +40,17 @@ pub(super) struct AmortisedNetworks {
 }
 
 impl AmortisedNetworks {
-    /// Adds their weights: `inputs` are those at `t = 0` and later. `b` begins as `start`, but for the last of it, `shared` numbers that no network
-    /// emits.
+    /// Adds their weights: `inputs` are those at `t = 0` and later, and `starts` what `b` begins as, but for the last of it, so many numbers that no network emits.
     pub(super) fn draw(
         parameters: &mut Parameters,
         inputs: [Blocks; 2],
         widths: &[usize],
         along: Option<&Along>,
-        (start, shared): (&[f64], usize),
+        starts: [(Vec<f64>, usize); 2],
         seed: &Seed,
     ) -> Self {
-        let (start, of_all) = start.split_at(start.len() - shared);
-        let mut draw = |name: &str, inputs: Blocks| {
+        let mut draw = |name: &str, inputs: Blocks, (start, shared): (Vec<f64>, usize)| {
+            let (start, of_all) = start.split_at(start.len() - shared);
             let hidden = Hidden::draw(parameters, name, inputs, widths, along, seed);
             let outputs = parameters.len();
             parameters.draw(format!("{name}.outputs.weight"), [hidden.width(widths), start.len()], 0.0, seed);
@@ -62,8 +61,11 @@ impl AmortisedNetworks {
             }
             Network { hidden, outputs }
         };
-        let [initial, later] = inputs;
-        AmortisedNetworks { initial: draw("initial", initial), later: draw("later", later) }
+        let ([initial, later], [of_initial, of_later]) = (inputs, starts);
+        AmortisedNetworks {
+            initial: draw("initial", initial, of_initial),
+            later: draw("later", later, of_later),
+        }
     }
 
     /// How many numbers their weights are; `None` if they cannot be counted.
@@ -71,9 +73,9 @@ impl AmortisedNetworks {
         inputs: [Blocks; 2],
         widths: &[usize],
         order: Option<usize>,
-        (outputs, shared): (usize, usize),
+        outputs: [(usize, usize); 2],
     ) -> Option<usize> {
-        inputs.into_iter().try_fold(0_usize, |sum, inputs| {
+        inputs.into_iter().zip(outputs).try_fold(0_usize, |sum, (inputs, (outputs, shared))| {
             let [hidden, last] = Hidden::count(inputs, widths, order)?;
             let rows = last.checked_add(inputs.count())?.checked_add(1)?;
             sum.checked_add(hidden)?.checked_add(rows.checked_mul(outputs - shared)?)?.checked_add(shared)

@@ -13,6 +13,7 @@ use super::hidden::Along;
 use super::inputs::{Blocks, Standards};
 use super::networks::AmortisedNetworks;
 use super::theta::Theta;
+use super::units::Sizes;
 use crate::family::{Family, Parametric};
 use crate::settings::{check_compute, check_shape, check_weights, check_widths, graph_of};
 
@@ -25,13 +26,18 @@ use crate::settings::{check_compute, check_shape, check_weights, check_widths, g
 ///
 /// - Untrained it is the base, or a mixture around it.
 /// - At a step whose measurement has gaps it is the base.
+/// - Where states have no density, it is the noise `v` of all draws of a step that is proposed: `x = g(x_{t−1}, b + L⁻ᵀ u)` ([`motes_models::equations::NoiseSpace`]).
+///   Where some draw is not normal it has a share of 0.1 of `N(0, I)` unless the filter says another ([`motes_smc::noise_share`]).
 /// - It remembers nothing: for a Markov model the optimum depends on `x_{t−1}` and `y_t` alone.
 #[derive(Clone)]
 pub struct Amortised {
     pub(super) config: AmortisedConfig,
     pub(super) state_dim: usize,
     pub(super) measurement_dim: usize,
-    pub(super) head: Arc<dyn Head>,
+    /// `Q_0` and `Q`, where it is the noise of states that is proposed.
+    pub(super) draws: Option<[usize; 2]>,
+    /// At `t = 0`, and later.
+    pub(super) heads: [Arc<dyn Head>; 2],
     pub(super) networks: AmortisedNetworks,
     pub(super) parameters: Parameters,
     pub(super) prepared: Option<Prepared>,
@@ -46,6 +52,8 @@ pub(super) struct Prepared {
     /// Whether nothing is missing, so that the networks can be asked.
     pub(super) is_whole: bool,
     pub(super) is_affine: bool,
+    /// The share of the noise's own distribution, where states have no density.
+    pub(super) share: Option<f64>,
     pub(super) standards: Standards,
     pub(super) theta: Theta,
 }
@@ -53,7 +61,18 @@ pub(super) struct Prepared {
 impl Amortised {
     /// Whether a draw is a differentiable function of what the networks emit.
     pub fn has_differentiable_draws(&self) -> bool {
-        self.head.reparametrised().is_some()
+        self.heads[1].reparametrised().is_some()
+    }
+
+    /// What the network of these times emits the parameters of.
+    pub(super) fn head(&self, time: usize) -> &dyn Head {
+        &*self.heads[usize::from(time > 0)]
+    }
+
+    /// How many numbers states and units have at a time.
+    pub(super) fn sizes(&self, time: usize) -> Sizes {
+        let states = self.state_dim;
+        Sizes { states, units: self.draws.map_or(states, |draws| draws[usize::from(time > 0)]) }
     }
 
     /// The means and scales of the inputs at `t = 0`, or later.
@@ -70,22 +89,31 @@ impl Amortised {
             .map_err(crate::settings::of_networks)
     }
 
-    /// How many numbers of `θ` the networks emit.
-    pub(super) fn emitted(&self) -> usize {
-        self.head.outputs() - self.head.shared()
-    }
-
     /// The parameters of the head at `t = 0`, or later.
     pub(super) fn theta(&self, time: usize) -> Theta {
-        let index = self.networks.shared(time);
-        let shared = if self.head.shared() > 0 { self.parameters.host(index) } else { Vec::new() };
-        Theta { emitted: self.emitted(), shared, index }
+        let (index, head) = (self.networks.shared(time), self.head(time));
+        let shared = if head.shared() > 0 { self.parameters.host(index) } else { Vec::new() };
+        Theta { emitted: head.outputs() - head.shared(), shared, index }
     }
 
     /// The index of the first of the matrices that are no weights: means and scales of inputs.
     fn first_standards(&self) -> usize {
         self.parameters.len() - 4
     }
+}
+
+/// The heads at `t = 0` and later. Where there is nothing to draw there is one of a number that nobody asks for.
+fn heads(config: &AmortisedConfig, shape: &ModelShape) -> Result<[Arc<dyn Head>; 2], ProposalError> {
+    if shape.draws.is_some_and(|[_, later]| later == 0) {
+        return Err(ProposalError::Setting {
+            name: "the number of draws of a transition",
+            value: "0".into(),
+            expected: "at least 1: a state without noise needs no proposal",
+        });
+    }
+    let [initial, later] =
+        shape.draws.unwrap_or([shape.state_dim; 2]).map(|count| config.head.head(count.max(1)));
+    Ok([initial?.into(), later?.into()])
 }
 
 /// The graph that hidden layers compute along.
@@ -146,7 +174,7 @@ impl Family for Amortised {
         check_shape(shape)?;
         check_widths("the hidden widths", &config.widths)?;
         let &ModelShape { state_dim, measurement_dim, .. } = shape;
-        let head = config.head.head(state_dim)?;
+        let heads = heads(config, shape)?;
         check_weights(Self::count(config, shape, 0))?;
         let mut parameters = Parameters::new(compute);
         let inputs = Blocks::of(state_dim, measurement_dim);
@@ -156,7 +184,7 @@ impl Family for Amortised {
             inputs,
             &config.widths,
             along.as_ref(),
-            (&head.start(), head.shared()),
+            heads.each_ref().map(|head| (head.start(), head.shared())),
             seed,
         );
         for (name, count) in ["initial", "later"].into_iter().zip(inputs.map(Blocks::count)) {
@@ -168,7 +196,8 @@ impl Family for Amortised {
             config: config.clone(),
             state_dim,
             measurement_dim,
-            head: head.into(),
+            draws: shape.draws,
+            heads,
             networks,
             parameters,
             prepared: None,
@@ -181,8 +210,7 @@ impl Family for Amortised {
             Sees::All => None,
             Sees::Graph { order } => Some(order),
         };
-        let head = config.head.head(shape.state_dim).ok()?;
-        let outputs = (head.outputs(), head.shared());
+        let outputs = heads(config, shape).ok()?.map(|head| (head.outputs(), head.shared()));
         let standards = inputs.map(Blocks::count).iter().sum::<usize>().checked_mul(2)?;
         AmortisedNetworks::count(inputs, &config.widths, order, outputs)?.checked_add(standards)
     }

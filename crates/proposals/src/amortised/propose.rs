@@ -3,7 +3,7 @@
 use motes_models::batch::{LANES, store};
 use motes_models::equations::{Lanes, Linearise, Transport};
 use motes_networks::Inputs;
-use motes_smc::{Context, Proposal, ProposalError};
+use motes_smc::{Context, Proposal, ProposalError, noise_share};
 
 use super::batch::AmortisedBatch;
 use super::proposal::{Amortised, Prepared};
@@ -23,7 +23,7 @@ impl<M: Linearise + Transport + ?Sized> Proposal<M> for Amortised {
     fn initial_memory(&self, _particles: usize) {}
 
     fn prepare(&mut self, model: &M, step: &Step<'_>, measurement: &[f64]) -> Result<(), ProposalError> {
-        self.prepare_for(model, step.index, measurement.iter().map(|entry| Some(Lanes::from(*entry))))
+        self.prepare_for(model, step, measurement.iter().map(|entry| Some(Lanes::from(*entry))))
     }
 
     fn prepare_partial(
@@ -32,7 +32,7 @@ impl<M: Linearise + Transport + ?Sized> Proposal<M> for Amortised {
         step: &Step<'_>,
         measurement: &[Option<f64>],
     ) -> Result<bool, ProposalError> {
-        self.prepare_for(model, step.index, measurement.iter().map(|entry| entry.map(Lanes::from)))?;
+        self.prepare_for(model, step, measurement.iter().map(|entry| entry.map(Lanes::from)))?;
         Ok(measurement.iter().any(Option::is_some))
     }
 
@@ -48,8 +48,10 @@ impl<M: Linearise + Transport + ?Sized> Proposal<M> for Amortised {
         let prepared = self.prepared.as_ref().filter(|prepared| prepared.time == time);
         let Some(prepared) = prepared else { return Err(ProposalError::NotPrepared { time }) };
         let Prepared { measurement, is_whole, is_affine, standards, theta: of_all, .. } = prepared;
-        let (n, m) = (self.state_dim, measurement.len());
-        let (tiles, each, width) = (particles.div_ceil(LANES), units::rows(n) * LANES, standards.means.len());
+        let (sizes, m) = (self.sizes(time), measurement.len());
+        let n = sizes.states;
+        let noise = prepared.share.and_then(|share| Some((model.noise_without_density()?, share)));
+        let (tiles, each, width) = (particles.div_ceil(LANES), sizes.rows() * LANES, standards.means.len());
         let AmortisedScratch { units, previous: kept, inputs, theta, tile, inference, .. } = &mut *scratch;
         units.resize(tiles * each, 0.0);
         inputs.resize(particles * width, 0.0);
@@ -57,8 +59,21 @@ impl<M: Linearise + Transport + ?Sized> Proposal<M> for Amortised {
         // Lanes without a particle are computed, too: with numbers that are no danger.
         kept.resize(tiles * n * LANES, 0.0);
         tile.clear();
-        tile.resize((width + units::scratch_rows(n, m)) * LANES, 0.0);
+        tile.resize((width + sizes.scratch_rows(m)) * LANES, 0.0);
         let (of_inputs, work) = tile.split_at_mut(width * LANES);
+        if sizes.units == 0 {
+            // Nothing is drawn: all particles follow from those before.
+            return Ok(AmortisedBatch {
+                model,
+                context,
+                head: None,
+                theta: of_all,
+                is_affine: *is_affine,
+                sizes,
+                noise,
+                scratch,
+            });
+        }
         if let Some(previous) = previous {
             model.foresee(&step, previous);
         }
@@ -68,14 +83,15 @@ impl<M: Linearise + Transport + ?Sized> Proposal<M> for Amortised {
                 rows.load(number * LANES, kept);
                 &*kept
             });
-            let place = Place { model, step, previous, is_affine: *is_affine };
+            let place =
+                Place { model, step, previous, is_affine: *is_affine, noise: noise.map(|(model, _)| model) };
             let of_inputs = lanes(of_inputs);
-            Units::of(units, n).find(&place, self.config.base, measurement, of_inputs, work);
+            Units::of(units, sizes).find(&place, self.config.base, measurement, of_inputs, work);
             standards.apply(of_inputs);
             store(units::flat(of_inputs), width, inputs);
         }
         if *is_whole {
-            theta.resize(particles * self.emitted(), 0.0);
+            theta.resize(particles * of_all.emitted, 0.0);
             let inputs = Inputs { time, width, previous: Some(inputs), measurement: &[], particles };
             let found = inference.run(&self.networks, &self.parameters, &inputs, &mut [], &mut [theta]);
             found.map_err(of_networks)?;
@@ -83,10 +99,11 @@ impl<M: Linearise + Transport + ?Sized> Proposal<M> for Amortised {
         Ok(AmortisedBatch {
             model,
             context,
-            head: is_whole.then_some(&*self.head),
+            head: is_whole.then(|| self.head(time)),
             theta: of_all,
             is_affine: *is_affine,
-            n,
+            sizes,
+            noise,
             scratch,
         })
     }
@@ -96,11 +113,17 @@ impl Amortised {
     fn prepare_for<M: Transport + ?Sized>(
         &mut self,
         model: &M,
-        time: usize,
+        step: &Step<'_>,
         entries: impl ExactSizeIterator<Item = Option<Lanes>>,
     ) -> Result<(), ProposalError> {
         ProposalError::unless_same("the state dimension N", self.state_dim, model.state_dim())?;
         ProposalError::unless_same("the measurement dimension M", self.measurement_dim, entries.len())?;
+        let time = step.index;
+        let draws = model.noise_without_density().map(|model| model.draws(step));
+        let counts = [draws.as_ref().map(Vec::len), self.draws.map(|_| self.sizes(time).units)];
+        let [found, expected] = counts.map(|count| count.unwrap_or(self.state_dim));
+        ProposalError::unless_same("the number of draws Q", expected, found)?;
+        let share = draws.map(|draws| noise_share(&draws));
         let (mut measurement, kept) = match self.prepared.take() {
             Some(Prepared { time: before, measurement, is_affine, standards, theta, .. }) => {
                 // None of these changes from step to step, but for t = 0.
@@ -113,7 +136,7 @@ impl Amortised {
         measurement.clear();
         measurement.extend(entries);
         let is_whole = measurement.iter().all(Option::is_some);
-        self.prepared = Some(Prepared { time, measurement, is_whole, is_affine, standards, theta });
+        self.prepared = Some(Prepared { time, measurement, is_whole, is_affine, share, standards, theta });
         Ok(())
     }
 }

@@ -13,7 +13,7 @@ pub struct AmortisedScratch {
     pub(super) theta: Vec<f64>,
     /// What a tile is computed in.
     pub(super) tile: Vec<f64>,
-    /// `R×N` normal numbers, and `R×U` uniform ones.
+    /// `R×N` or `R×Q` normal numbers, and `R×U` uniform ones.
     pub(super) noise: Vec<f64>,
     pub(super) uniforms: Vec<f64>,
     /// Inputs of the networks, `R×F`.

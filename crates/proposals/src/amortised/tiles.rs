@@ -1,12 +1,12 @@
 //! A model's steps, tile by tile, in the units of a proposal.
 
 use motes_models::batch::{LANES, Rows, load};
-use motes_models::equations::Lanes;
-use motes_models::{ModelError, OwnModel, OwnStep};
+use motes_models::equations::{Lanes, NoiseSpace};
+use motes_models::{ModelError, OwnModel, OwnStep, Step};
 
 use super::inputs::{Blocks, Standards};
 use super::proposal::Amortised;
-use super::units::{self, Place, Units, lanes};
+use super::units::{Place, Units, lanes};
 
 /// Some particles of a step.
 pub(super) struct EncodedTile<'a, M: ?Sized> {
@@ -14,11 +14,11 @@ pub(super) struct EncodedTile<'a, M: ?Sized> {
     pub(super) of_units: Units<'a>,
     /// What the network sees, `F`.
     pub(super) inputs: &'a [Lanes],
-    /// `u`, `N`.
+    /// `u`.
     pub(super) units: &'a [Lanes],
-    /// `log |det ∂u/∂x|`.
+    /// `log |det ∂u/∂x|`, or `log |det ∂u/∂v|`.
     log_determinant: Lanes,
-    /// The log-density of the transition with respect to `u`.
+    /// The log-density of the transition, or of the noise, with respect to `u`.
     pub(super) log_transition: Lanes,
 }
 
@@ -53,16 +53,20 @@ impl Amortised {
                 return Err(ModelError::Parameter { name, value, expected: "that of the model" });
             }
         }
-        let &OwnStep { time, previous, states, measurements } = step;
+        let &OwnStep { time, previous, states, noise, measurements } = step;
         let at = model.step_of_index(time);
+        let sizes = self.sizes(time);
+        let noise_space = model.noise_without_density();
+        let noise = self.noise_of(noise_space, &at, noise)?;
         let width = Blocks::of(n, m)[usize::from(time > 0)].count();
         let rows = states.len() / n;
-        let mut memory = vec![0.0; (units::rows(n) + units::scratch_rows(n, m) + width + 2 * n + m) * LANES];
-        let (of_units, rest) = memory.split_at_mut(units::rows(n) * LANES);
-        let (scratch, rest) = rest.split_at_mut(units::scratch_rows(n, m) * LANES);
+        let q = sizes.units;
+        let mut memory = vec![0.0; (sizes.rows() + sizes.scratch_rows(m) + width + n + q + m) * LANES];
+        let (of_units, rest) = memory.split_at_mut(sizes.rows() * LANES);
+        let (scratch, rest) = rest.split_at_mut(sizes.scratch_rows(m) * LANES);
         let (inputs, rest) = rest.split_at_mut(width * LANES);
         let (before, rest) = rest.split_at_mut(n * LANES);
-        let (values, measured) = rest.split_at_mut(n * LANES);
+        let (values, measured) = rest.split_at_mut(q * LANES);
         let mut entries: Vec<Option<Lanes>> = Vec::with_capacity(m);
         let is_affine = model.is_affine();
         if let Some(previous) = previous {
@@ -73,22 +77,56 @@ impl Amortised {
             if let Some(previous) = previous {
                 load(&previous[first * n..last * n], n, before);
             }
-            load(&states[first * n..last * n], n, values);
+            load(&noise.unwrap_or(states)[first * q..last * q], q, values);
             load(&measurements[first * m..last * m], m, measured);
             entries.clear();
             entries.extend(lanes(measured).iter().copied().map(Some));
-            let place = Place { model, step: at, previous: previous.map(|_| &*before), is_affine };
-            let mut of_units = Units::of(of_units, n);
+            let previous = previous.map(|_| &*before);
+            let place = Place { model, step: at, previous, is_affine, noise: noise_space };
+            let mut of_units = Units::of(of_units, sizes);
             let inputs = lanes(inputs);
             of_units.find(&place, self.config.base, &entries, inputs, scratch);
             if let Some(standards) = standards {
                 standards.apply(inputs);
             }
             let units = lanes(values);
-            let [log_determinant, log_transition] = of_units.to_units(&place, units);
+            let [log_determinant, log_transition] = match noise {
+                None => of_units.to_units(&place, units),
+                Some(_) => of_units.noise_to_units(units),
+            };
             let tile = EncodedTile { place, of_units, inputs, units, log_determinant, log_transition };
             visit(first, last - first, &tile);
         }
         Ok(())
+    }
+
+    /// The noise that the states of a step are made of, where noise is what is proposed.
+    ///
+    /// # Errors
+    /// [`ModelError`] if it is not known, or where there are more or fewer draws than the proposal was made for.
+    fn noise_of<'n>(
+        &self,
+        model: Option<&dyn NoiseSpace>,
+        step: &Step<'_>,
+        noise: Option<&'n [f64]>,
+    ) -> Result<Option<&'n [f64]>, ModelError> {
+        let found = model.map(|model| model.draws(step).len());
+        let expected = self.draws.map(|draws| draws[usize::from(step.index > 0)]);
+        if found != expected {
+            let said = |draws: Option<usize>| draws.map_or("no noise".into(), |draws| draws.to_string());
+            return Err(ModelError::Parameter {
+                name: "the number of draws of a step",
+                value: format!("{} at step {}, {} for the proposal", said(found), step.index, said(expected)),
+                expected: "the same at all steps but the first, and that of the model",
+            });
+        }
+        match (expected, noise) {
+            (Some(_), None) => Err(ModelError::Parameter {
+                name: "what is learned from",
+                value: "states of a filter".into(),
+                expected: "simulations, for a model whose states have no density",
+            }),
+            (expected, noise) => Ok(expected.and(noise)),
+        }
     }
 }

@@ -1,9 +1,9 @@
-//! The units in which heads speak: `x = T(x_{t−1}, b + L⁻ᵀ u)`, for the particles of a tile.
+//! The units in which heads speak: `x = T(x_{t−1}, b + L⁻ᵀ u)`, or `x = g(x_{t−1}, b + L⁻ᵀ u)` where states have no density, for the particles of a tile.
 
 use bytemuck::TransparentWrapper;
 use motes_models::batch::{LANES, by_widest_vectors};
 use motes_models::equations::triangle::{at, solve_lower, solve_upper, times_upper};
-use motes_models::equations::{Lanes, Linearise, Scalar, Transport};
+use motes_models::equations::{Lanes, Linearise, NoiseSpace, Scalar, Transport};
 use motes_models::{LN_2PI, Step};
 
 use super::base::{Base, Said};
@@ -19,23 +19,35 @@ pub(super) fn lanes(numbers: &mut [f64]) -> &mut [Lanes] {
     Lanes::wrap_slice_mut(rows)
 }
 
-/// How many rows of a tile the units take: `T(0)` and its slopes, `b`, and the triangle of `L`.
-pub(super) fn rows(n: usize) -> usize {
-    3 * n + n * (n + 1) / 2
+/// How many numbers there are of each.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Sizes {
+    /// `N`, of a state.
+    pub(super) states: usize,
+    /// Of `v` and `u`: `N`, or `Q` where states have no density.
+    pub(super) units: usize,
 }
 
-/// How many rows of scratch finding them takes.
-pub(super) fn scratch_rows(n: usize, m: usize) -> usize {
-    n + m * (n + 2)
+impl Sizes {
+    /// How many rows of a tile the units take: `T(0)`, its slopes, `b`, and the triangle of `L`.
+    pub(super) fn rows(self) -> usize {
+        let Sizes { states, units } = self;
+        states + 2 * units + units * (units + 1) / 2
+    }
+
+    /// How many rows of scratch finding them takes, for measurements of `m` entries.
+    pub(super) fn scratch_rows(self, m: usize) -> usize {
+        self.units + m * (self.units + 2)
+    }
 }
 
-/// The units of a tile, in memory of [`rows`] rows.
+/// The units of a tile, in memory of [`Sizes::rows`] rows.
 pub(super) struct Units<'a> {
-    /// `T(x_{t−1}, 0)`, `N`.
+    /// `T(x_{t−1}, 0)` or `g(x_{t−1}, 0)`, `N`.
     centres: &'a mut [Lanes],
     /// `∂T_i/∂v_i` at 0, `N`.
     slopes: &'a mut [Lanes],
-    /// `b`, `N`.
+    /// `b`.
     shift: &'a mut [Lanes],
     /// `L`, its lower triangle.
     lower: &'a mut [Lanes],
@@ -49,14 +61,16 @@ pub(super) struct Place<'a, M: ?Sized> {
     pub(super) previous: Option<&'a [f64]>,
     /// Whether `T` is affine.
     pub(super) is_affine: bool,
+    /// The model in the space of its noise, where states have no density.
+    pub(super) noise: Option<&'a dyn NoiseSpace>,
 }
 
 impl<'a> Units<'a> {
     /// Those in `memory`.
-    pub(super) fn of(memory: &'a mut [f64], n: usize) -> Self {
-        let (centres, rest) = lanes(memory).split_at_mut(n);
-        let (slopes, rest) = rest.split_at_mut(n);
-        let (shift, lower) = rest.split_at_mut(n);
+    pub(super) fn of(memory: &'a mut [f64], sizes: Sizes) -> Self {
+        let (centres, rest) = lanes(memory).split_at_mut(sizes.states);
+        let (slopes, rest) = rest.split_at_mut(sizes.units);
+        let (shift, lower) = rest.split_at_mut(sizes.units);
         Units { centres, slopes, shift, lower }
     }
 
@@ -69,27 +83,45 @@ impl<'a> Units<'a> {
         inputs: &mut [Lanes],
         scratch: &mut [f64],
     ) {
-        let Place { model, step, previous, .. } = *place;
-        let (n, m) = (self.centres.len(), measurement.len());
+        let Place { model, step, previous, noise, .. } = *place;
+        let (n, q, m) = (self.centres.len(), self.shift.len(), measurement.len());
         let (centres, slopes) = (&mut *self.centres, &mut *self.slopes);
-        model.tile_centres(&step, previous, flat_mut(centres), flat_mut(slopes));
-        let (pull, rest) = lanes(scratch).split_at_mut(n);
+        let (pull, rest) = lanes(scratch).split_at_mut(q);
         let (said, rest) = rest.split_at_mut(m);
         let (information, jacobian) = rest.split_at_mut(m);
-        let jacobian = &mut jacobian[..m * n];
-        model.tile_scores(
-            &step,
-            flat(centres),
-            measurement,
-            flat_mut(said),
-            flat_mut(information),
-            flat_mut(jacobian),
-        );
+        let jacobian = &mut jacobian[..m * q];
+        match noise {
+            None => {
+                model.tile_centres(&step, previous, flat_mut(centres), flat_mut(slopes));
+                model.tile_scores(
+                    &step,
+                    flat(centres),
+                    measurement,
+                    flat_mut(said),
+                    flat_mut(information),
+                    flat_mut(jacobian),
+                );
+            }
+            Some(noise) => {
+                pull.fill(Lanes::from(0.0));
+                noise.tile_states(&step, previous, flat(pull), flat_mut(centres));
+                // Derivatives are along the noise as they come.
+                slopes.fill(Lanes::from(1.0));
+                noise.tile_noise_scores(
+                    &step,
+                    previous,
+                    measurement,
+                    flat_mut(said),
+                    flat_mut(information),
+                    flat_mut(jacobian),
+                );
+            }
+        }
         by_widest_vectors(
             #[inline(always)]
             || {
                 // Along the noise.
-                for row in jacobian.chunks_exact_mut(n) {
+                for row in jacobian.chunks_exact_mut(q) {
                     for (entry, slope) in row.iter_mut().zip(&*slopes) {
                         *entry = *entry * *slope;
                     }
@@ -105,12 +137,42 @@ impl<'a> Units<'a> {
                     *measured = entry.unwrap_or(Lanes::from(0.0));
                 }
                 for (j, found) in innovations.iter_mut().enumerate() {
-                    *found = innovation(said[j], information[j], &jacobian[j * n..][..n]);
+                    *found = innovation(said[j], information[j], &jacobian[j * q..][..q]);
                 }
                 let said = Said { slopes: said, information, jacobian };
                 base.place(said, self.shift, self.lower, pull);
             },
         );
+    }
+
+    /// Replaces `u` by the noise `v = b + L⁻ᵀ u` that it stands for.
+    pub(super) fn to_noise(&self, values: &mut [Lanes]) {
+        by_widest_vectors(
+            #[inline(always)]
+            || {
+                solve_upper(self.shift.len(), self.lower, values);
+                for (value, shift) in values.iter_mut().zip(&*self.shift) {
+                    *value = *value + *shift;
+                }
+            },
+        );
+    }
+
+    /// Replaces `v` by `u = Lᵀ (v − b)`. It gives `log |det L|`, and `log N(v; 0, I) − log |det L|`: the log-density of `v` with respect to `u`.
+    pub(super) fn noise_to_units(&self, values: &mut [Lanes]) -> [Lanes; 2] {
+        by_widest_vectors(
+            #[inline(always)]
+            || {
+                let mut of_noise = Lanes::from(-0.5 * LN_2PI * values.len() as f64);
+                for (value, shift) in values.iter_mut().zip(&*self.shift) {
+                    of_noise = of_noise - *value * *value * 0.5;
+                    *value = *value - *shift;
+                }
+                times_upper(self.shift.len(), self.lower, values);
+                let log_determinant = self.log_determinant();
+                [log_determinant, of_noise - log_determinant]
+            },
+        )
     }
 
     /// Replaces `u` by the state that it stands for, and adds `−log |det ∂x/∂u|` to `log_density` if there is one.
@@ -120,17 +182,8 @@ impl<'a> Units<'a> {
         values: &mut [Lanes],
         log_density: Option<&mut Lanes>,
     ) {
-        let n = self.centres.len();
         let is_asked = log_density.is_some();
-        by_widest_vectors(
-            #[inline(always)]
-            || {
-                solve_upper(n, self.lower, values);
-                for (value, shift) in values.iter_mut().zip(&*self.shift) {
-                    *value = *value + *shift;
-                }
-            },
-        );
+        self.to_noise(values);
         let mut log_slope = Lanes::from(0.0);
         if place.is_affine {
             for (i, value) in values.iter_mut().enumerate() {
@@ -160,7 +213,6 @@ impl<'a> Units<'a> {
         place: &Place<'_, M>,
         values: &mut [Lanes],
     ) -> [Lanes; 2] {
-        let n = self.centres.len();
         let mut log_slope = Lanes::from(0.0);
         if place.is_affine {
             for (i, value) in values.iter_mut().enumerate() {
@@ -178,19 +230,8 @@ impl<'a> Units<'a> {
                 }
             }
         }
-        by_widest_vectors(
-            #[inline(always)]
-            || {
-                let mut of_transition = Lanes::from(-0.5 * LN_2PI * n as f64);
-                for (value, shift) in values.iter_mut().zip(&*self.shift) {
-                    of_transition = of_transition - *value * *value * 0.5;
-                    *value = *value - *shift;
-                }
-                times_upper(n, self.lower, values);
-                let log_determinant = self.log_determinant();
-                [log_determinant - log_slope, of_transition - log_determinant]
-            },
-        )
+        let [log_determinant, of_noise] = self.noise_to_units(values);
+        [log_determinant - log_slope, of_noise]
     }
 
     /// Replaces `∂f/∂x` in `slopes` by `∂/∂u [f(x) + log N(v; 0, I)] = L⁻¹ (T′ ∘ ∂f/∂x − v)`, at `x` in `states`, which is used up, with its `u` in `units`.
@@ -228,9 +269,9 @@ impl<'a> Units<'a> {
 
     /// `Σ_i log L_ii`.
     #[inline(always)]
-    fn log_determinant(&self) -> Lanes {
+    pub(super) fn log_determinant(&self) -> Lanes {
         let mut sum = Lanes::from(0.0);
-        for i in 0..self.centres.len() {
+        for i in 0..self.shift.len() {
             sum = sum + self.lower[at(i, i)].ln();
         }
         sum

@@ -198,10 +198,16 @@ impl<M: StateSpaceModel + ?Sized, P: Proposal<M>> BankStep<'_, M, P> {
         }
         with_scratch(2 * increments.len(), |terms| {
             let (transitions, likelihoods) = terms.split_at_mut(increments.len());
-            let mut transition = Transition::new(model, context);
+            if conditional.sample_by_noise(defensive, streams, states, increments) {
+                self.check_states(first, states)?;
+                self.common.log_likelihoods(states, likelihoods)?;
+                increments.iter_mut().zip(&*likelihoods).for_each(|(ratio, likelihood)| *ratio += likelihood);
+                return Ok(());
+            }
             if model.density().is_none() {
                 return Err(Fault::Proposal(ProposalError::NoDensity));
             }
+            let mut transition = Transition::new(model, context);
             match defensive {
                 Some(weight) => {
                     let mut mixture = Defensive { base: conditional, transition, weight };

@@ -5,6 +5,7 @@ mod defensive;
 mod gaussian_batch;
 mod linearised;
 mod min_degeneracy;
+mod noise_share;
 
 pub use bootstrap::{Bootstrap, Transition};
 pub(crate) use defensive::Defensive;
@@ -12,3 +13,4 @@ pub use gaussian_batch::GaussianBatch;
 pub use linearised::{Linearised, LinearisedBatch, LinearisedScratch, fisher_scoring};
 pub(crate) use linearised::{PrecisionBatch, lanes};
 pub use min_degeneracy::{Corrected, MinDegeneracy};
+pub use noise_share::{log_weight_with_share, noise_share};

@@ -63,7 +63,8 @@ pub(super) fn add_recorded(
         }
         let measurements = whole.repeat(draws);
         let before = (time > 0).then_some(previous.as_slice());
-        let step = OwnStep { time, previous: before, states: &states, measurements: &measurements };
+        let step =
+            OwnStep { time, previous: before, states: &states, noise: None, measurements: &measurements };
         proposal.encode(model, &step, examples)?;
     }
     Ok(())

@@ -121,7 +121,7 @@ impl<'a, M: OwnModel + StateGradients + ?Sized> Stretches<'a, M> {
         self.shares.extend(filter.weights().normalised().iter().map(|weight| weight * weight * share));
         let measurements = measurement.repeat(PARTICLES);
         let previous = (time > 0).then_some(self.previous.as_slice());
-        let step = OwnStep { time, previous, states, measurements: &measurements };
+        let step = OwnStep { time, previous, states, noise: None, measurements: &measurements };
         Ok(proposal.add_draws(self.model, &step, &self.slopes, &self.shares, draws)?)
     }
 }

@@ -95,7 +95,13 @@ fn slopes<M: Equations>(
     let share = |weight: &f64| if bug == Bug::WeightsNotSquared { *weight } else { weight * weight };
     let shares: Vec<f64> = weights.iter().map(share).collect();
     let repeated = measurements[1].repeat(particles);
-    let step = OwnStep { time: 1, previous: filter.previous_particles(), states, measurements: &repeated };
+    let step = OwnStep {
+        time: 1,
+        previous: filter.previous_particles(),
+        states,
+        noise: None,
+        measurements: &repeated,
+    };
     let mut draws = Draws::default();
     proposal.add_draws(model, &step, &of_likelihood, &shares, &mut draws).unwrap();
     let memory = Workspace::new(proposal.parameters());

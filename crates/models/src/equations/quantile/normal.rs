@@ -33,6 +33,18 @@ pub(super) fn log_upper(v: f64) -> f64 {
     }
 }
 
+/// `log(Φ(high) − Φ(low))`.
+pub(super) fn log_mass(low: f64, high: f64) -> f64 {
+    if low > 0.0 {
+        let [whole, beyond] = [low, high].map(log_upper);
+        whole + (-(beyond - whole).exp()).ln_1p()
+    } else if high < 0.0 {
+        log_mass(-high, -low)
+    } else {
+        (-(upper(high) + upper(-low))).ln_1p()
+    }
+}
+
 /// `−log 2(1 − Φ(v))` for `v ≥ 0`, with all digits near 0.
 pub(super) fn depth(v: f64) -> f64 {
     if v < 1.0 { -(-(v * FRAC_1_SQRT_2).error()).ln_1p() } else { -log_upper(v) - LN_2 }

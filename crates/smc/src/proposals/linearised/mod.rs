@@ -1,6 +1,7 @@
 //! The linearised proposal: one Fisher-scoring step from the predicted state.
 
 mod batch;
+mod noise;
 mod precision_batch;
 mod proposal;
 mod scoring;

@@ -29,7 +29,7 @@ fn log_density(n: usize, lower: &[Lanes], z: &[Lanes]) -> Lanes {
 impl Conditional for PrecisionBatch<'_> {
     fn sample(&mut self, streams: &mut [Stream], states: &mut [f64], log_densities: &mut [f64]) {
         let n = self.width;
-        let LinearisedScratch { means, factors, tile, noise } = &mut *self.gaussians;
+        let LinearisedScratch { means, factors, tile, noise, .. } = &mut *self.gaussians;
         noise.resize(states.len(), 0.0);
         for (stream, noise) in particles_by_stream(streams, noise, n, log_densities.len()) {
             fill_standard_normal(stream, noise);

@@ -6,11 +6,13 @@ use motes_models::batch::{LANES, Rows, by_widest_vectors};
 use motes_models::equations::{Lanes, Linearise};
 use motes_models::{ModelError, Seed, Simulator, Step, check_model};
 
-use super::batch::LinearisedBatch;
-use super::scoring::{depends_on_state, score};
+use super::batch::{LinearisedBatch, Of};
+use super::noise::NoiseBatch;
+use super::scoring::{depends_on_noise, depends_on_state, score};
 use super::scratch::{LinearisedScratch, lanes};
 use crate::proposal::{Context, Proposal};
 use crate::proposal_error::ProposalError;
+use crate::proposals::noise_share::noise_share;
 
 /// `q(x_t | x_{t−1}, y_t) = N(m + Λ⁻¹ g, Λ⁻¹)`: a Gaussian by one Fisher-scoring step from the predicted state.
 ///
@@ -27,9 +29,14 @@ use crate::proposal_error::ProposalError;
 /// - An entry that says nothing finite at a particle's `m` is left out for that particle.
 /// - Where no location depends on the state, it is the transition, and [`Linearised::sees_measurements`] says so.
 /// - A measurement with gaps is used as far as it is there.
+/// - Of a model whose states have no density it is the same of the noise `v_t ~ N(0, I)` that states are made of ([`NoiseSpace`](motes_models::equations::NoiseSpace)):
+///   `m = 0`, `P = I`, `J_j = ∂θ_j/∂v_t`, and a draw that is not normal is taken to be `mean + sd·v`. Particles weigh `p(y_t | x_t) N(v_t; 0, I) / q(v_t)`. Where some draws
+///   are not normal, `q` has a share of 0.1 of `N(0, I)` unless the filter says another ([`noise_share`](crate::noise_share)).
 #[derive(Debug, Clone)]
 pub struct Linearised {
     sees_measurements: bool,
+    /// What is Gaussian in the step that it was prepared for.
+    of: Of,
     /// `y_t` of the step that it was prepared for, the same for all particles of a tile.
     measurement: Vec<Option<Lanes>>,
     prepared: Option<usize>,
@@ -50,14 +57,37 @@ impl Linearised {
         let (n, m) = (model.state_dim(), model.measurement_dim());
         let (mut state, mut measurement) = (vec![0.0; n], vec![0.0; m]);
         let mut sees_measurements = false;
+        let noise = model.noise_without_density();
         for step in (0..PROBES).map(|index| model.step_of_index(index)) {
-            let previous = state.clone();
-            let previous = (step.index > 0).then(|| Rows::all(&previous, n));
+            let before = state.clone();
+            let previous = (step.index > 0).then(|| Rows::all(&before, n));
             model.sample_states(&step, previous, from_mut(&mut stream), &mut state);
             model.sample_measurements(&step, &state, from_mut(&mut stream), &mut measurement);
-            sees_measurements |= depends_on_state(model, &step, &state, &measurement);
+            sees_measurements |= match noise {
+                None => depends_on_state(model, &step, &state, &measurement),
+                Some(noise) => {
+                    let draws = noise.draws(&step).len();
+                    let previous = (step.index > 0).then_some(before.as_slice());
+                    depends_on_noise(noise, &step, previous, draws, &measurement)
+                }
+            };
         }
-        Ok(Linearised { sees_measurements, measurement: Vec::new(), prepared: None })
+        Ok(Linearised { sees_measurements, of: Of::Transition, measurement: Vec::new(), prepared: None })
+    }
+
+    /// What is Gaussian in a step.
+    fn gaussians_of(&self, model: &(impl Linearise + ?Sized), step: &Step<'_>) -> Of {
+        match model.noise_without_density() {
+            _ if !self.sees_measurements => Of::Transition,
+            None => Of::States,
+            Some(noise) => {
+                let draws = noise.draws(step);
+                match draws.len() {
+                    0 => Of::Transition,
+                    count => Of::Noise { draws: count, share: noise_share(&draws) },
+                }
+            }
+        }
     }
 
     /// Whether a measurement's location depends on the state. If not, this is the bootstrap proposal.
@@ -85,6 +115,7 @@ impl<M: Linearise + ?Sized> Proposal<M> for Linearised {
         self.measurement.clear();
         self.measurement.extend(measurement.iter().map(|entry| Some(Lanes::from(*entry))));
         self.prepared = Some(step.index);
+        self.of = self.gaussians_of(model, step);
         Ok(())
     }
 
@@ -102,6 +133,7 @@ impl<M: Linearise + ?Sized> Proposal<M> for Linearised {
         self.measurement.clear();
         self.measurement.extend(measurement.iter().map(|entry| entry.map(Lanes::from)));
         self.prepared = Some(step.index);
+        self.of = self.gaussians_of(model, step);
         Ok(measurement.iter().any(Option::is_some))
     }
 
@@ -116,10 +148,13 @@ impl<M: Linearise + ?Sized> Proposal<M> for Linearised {
         if self.prepared != Some(step.index) {
             return Err(ProposalError::NotPrepared { time: step.index });
         }
-        let sees_measurements = self.sees_measurements;
+        let of = self.of;
+        if let (Of::Noise { draws, .. }, Some(noise)) = (of, model.noise_space()) {
+            NoiseBatch { model: noise, context, draws, scratch: &mut *scratch }.condition(&self.measurement);
+        }
         let (n, m) = (model.state_dim(), self.measurement.len());
         let (tiles, triangle) = (context.particles.div_ceil(LANES), n * (n + 1) / 2);
-        if sees_measurements {
+        if of == Of::States {
             let LinearisedScratch { means, factors, tile, .. } = &mut *scratch;
             means.resize(tiles * n * LANES, 0.0);
             factors.resize(tiles * triangle * LANES, 0.0);
@@ -156,6 +191,6 @@ impl<M: Linearise + ?Sized> Proposal<M> for Linearised {
                 );
             }
         }
-        Ok(LinearisedBatch { model, context, scratch, sees_measurements })
+        Ok(LinearisedBatch { model, context, scratch, of })
     }
 }

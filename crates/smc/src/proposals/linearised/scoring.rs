@@ -1,7 +1,7 @@
 //! One step of Fisher scoring for the particles of a tile, and whether there is anything to score.
 
 use motes_models::batch::LANES;
-use motes_models::equations::{Lanes, Linearise};
+use motes_models::equations::{Lanes, Linearise, NoiseSpace};
 
 use motes_models::Step;
 use motes_models::equations::triangle::{at, factor, solve_lower, solve_upper};
@@ -20,6 +20,26 @@ pub(super) fn depends_on_state(
     let (slopes, rest) = found.split_at_mut(m * LANES);
     let (information, jacobian) = rest.split_at_mut(m * LANES);
     model.tile_scores(step, &states, &measurement, slopes, information, jacobian);
+    // NaN says that it depends on something.
+    jacobian.iter().any(|entry| *entry != 0.0)
+}
+
+/// Whether the location of an entry of `measurement` depends on some of so many draws after `previous`.
+pub(super) fn depends_on_noise(
+    model: &dyn NoiseSpace,
+    step: &Step<'_>,
+    previous: Option<&[f64]>,
+    draws: usize,
+    measurement: &[f64],
+) -> bool {
+    let m = measurement.len();
+    let measurement: Vec<Option<Lanes>> = measurement.iter().map(|y| Some(Lanes::from(*y))).collect();
+    let previous: Option<Vec<f64>> =
+        previous.map(|previous| previous.iter().flat_map(|value| [*value; LANES]).collect());
+    let mut found = vec![0.0; (2 + draws) * m * LANES];
+    let (slopes, rest) = found.split_at_mut(m * LANES);
+    let (information, jacobian) = rest.split_at_mut(m * LANES);
+    model.tile_noise_scores(step, previous.as_deref(), &measurement, slopes, information, jacobian);
     // NaN says that it depends on something.
     jacobian.iter().any(|entry| *entry != 0.0)
 }
@@ -79,8 +99,27 @@ pub fn fisher_scoring(
     let n = mean.len();
     let g = scratch;
     g.fill(Lanes::from(0.0));
+    add_measurement(slopes, information, jacobian, g, lower);
+    factor(n, lower);
+    solve_lower(n, lower, g);
+    solve_upper(n, lower, g);
+    for (mean, step) in mean.iter_mut().zip(&*g) {
+        *mean = *mean + *step;
+    }
+}
+
+/// Adds what a measurement says: `Σ_j s_j J_j` to `g` (`N`), and `Σ_j I_j J_j J_jᵀ` to `lower` (`N(N+1)/2`). An entry that says nothing finite for a particle is set to 0
+/// there.
+#[inline(always)]
+pub(super) fn add_measurement(
+    slopes: &mut [Lanes],
+    information: &mut [Lanes],
+    jacobian: &mut [Lanes],
+    g: &mut [Lanes],
+    lower: &mut [Lanes],
+) {
     for ((slope, information), jacobian) in
-        slopes.iter_mut().zip(information).zip(jacobian.chunks_exact_mut(n))
+        slopes.iter_mut().zip(information).zip(jacobian.chunks_exact_mut(g.len()))
     {
         keep_finite(slope, information, jacobian);
         for (i, of_row) in jacobian.iter().enumerate() {
@@ -94,11 +133,5 @@ pub fn fisher_scoring(
                 lower[at(i, j)] = lower[at(i, j)] + weighted * *of_column;
             }
         }
-    }
-    factor(n, lower);
-    solve_lower(n, lower, g);
-    solve_upper(n, lower, g);
-    for (mean, step) in mean.iter_mut().zip(&*g) {
-        *mean = *mean + *step;
     }
 }

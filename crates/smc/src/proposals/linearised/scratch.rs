@@ -13,8 +13,10 @@ pub struct LinearisedScratch {
     pub(crate) factors: Vec<f64>,
     /// What one tile is computed in, at least `N × LANES`.
     pub(crate) tile: Vec<f64>,
-    /// `R×N`.
+    /// `R×N`, or `R×Q`.
     pub(crate) noise: Vec<f64>,
+    /// Of each particle, where the noise is drawn from a mixture.
+    pub(crate) uniforms: Vec<f64>,
 }
 
 /// Memory of numbers lent as lanes.
