@@ -35,12 +35,13 @@ impl fmt::Display for Description {
     }
 }
 
-/// Keys and formulas, the formulas below each other.
-fn lines(lines: &[Line], sign: &str) -> Vec<String> {
-    let width = lines.iter().map(|line| line.full_name().chars().count()).max().unwrap_or(0);
+/// Keys and formulas, the formulas below each other: what is drawn has the sign ~, what follows the sign =.
+fn lines(lines: &[Line]) -> Vec<String> {
+    let width = lines.iter().map(|line| line.key.chars().count()).max().unwrap_or(0);
     let line = |line: &Line| {
         let formula: Vec<&str> = line.formula.text.split_whitespace().collect();
-        format!("{:width$} {sign} {}", line.full_name(), formula.join(" "))
+        let sign = if line.formula.has_noise() { "~" } else { "=" };
+        format!("{:width$} {sign} {}", line.key, formula.join(" "))
     };
     lines.iter().map(line).collect()
 }
@@ -52,10 +53,11 @@ impl FormulaModel {
         let statement = self.statement();
         let width = statement.parameters.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
         let parameter = |(name, value): &(String, f64)| format!("{name:width$} = {value}");
-        description.group("p(x_0)", lines(&statement.initial, "~"));
-        description.group("p(x_t | x_{t-1})", lines(&statement.transition, "~"));
-        description.group("p(y_t | x_t)", lines(&statement.measurement, "~"));
-        description.group("definitions", lines(&statement.definitions, "="));
+        description.group("p(x_0)", lines(&statement.initial));
+        description.group("draws of a step", lines(&statement.draws));
+        description.group("p(x_t | x_{t-1})", lines(&statement.transition));
+        description.group("p(y_t | x_t)", lines(&statement.measurement));
+        description.group("definitions", lines(&statement.definitions));
         description.group("parameters", statement.parameters.iter().map(parameter).collect());
         description
     }

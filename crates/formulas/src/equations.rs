@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use motes_models::Step;
-use motes_models::equations::{Coordinates, Distribution, Draws, Equations, Scalar};
+use motes_models::equations::{Coordinates, Draws, Equations, Scalar};
 
 use crate::model::{FormulaModel, Programs};
 
@@ -20,29 +20,17 @@ impl FormulaModel {
     }
 }
 
-/// Draws the coordinates of a state in order, each from the distribution that its line states.
-struct InOrder<'a, D, I> {
-    draws: &'a mut D,
-    state: I,
-}
-
-impl<'s, S: 's, D: Draws<S>, I: Iterator<Item = &'s mut S>> Coordinates<S> for InOrder<'_, D, I> {
-    #[inline(always)]
-    fn push(&mut self, distribution: Distribution<S>) {
-        let drawn = self.draws.draw(distribution);
-        if let Some(coordinate) = self.state.next() {
-            *coordinate = drawn;
-        }
-    }
-}
-
 impl Equations for FormulaEquations<'_> {
     fn dimensions(&self) -> [usize; 2] {
         [self.0.states, self.0.measurements]
     }
 
+    fn has_density(&self) -> bool {
+        self.0.has_density
+    }
+
     fn initial<S: Scalar>(&self, step: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]) {
-        self.0.initial.push(step.time, &[], &mut InOrder { draws, state: state.iter_mut() });
+        self.0.initial.make(step.time, &[], draws, state);
     }
 
     fn transition<S: Scalar>(
@@ -52,7 +40,7 @@ impl Equations for FormulaEquations<'_> {
         draws: &mut impl Draws<S>,
         state: &mut [S],
     ) {
-        self.0.transition.push(step.time, previous, &mut InOrder { draws, state: state.iter_mut() });
+        self.0.transition.make(step.time, previous, draws, state);
     }
 
     fn measurement<S: Scalar>(&self, step: &Step<'_, S>, state: &[S], measurement: &mut impl Coordinates<S>) {

@@ -31,7 +31,7 @@ pub struct ModelFile {
 /// The kinds of models that files can state.
 #[derive(Debug, Clone)]
 pub enum FileModel {
-    /// One whose coordinates are independent given the past.
+    /// One of formulas.
     Formulas(FormulaModel),
     /// One of matrices, with correlated noise and exact answers.
     LinearGaussian(Box<LinearGaussian>),

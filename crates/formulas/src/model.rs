@@ -35,6 +35,7 @@ pub(crate) struct Programs {
     supports: Option<Vec<Option<Support>>>,
     closed_form: Result<(), NoClosedForm>,
     is_linear: bool,
+    pub(crate) has_density: bool,
 }
 
 impl FormulaModel {
@@ -42,18 +43,22 @@ impl FormulaModel {
     pub(crate) fn new(statement: Statement, Text { file, has_lines }: Text<'_>) -> Result<Self, Fault> {
         let coordinates = |lines: &[Line]| lines.iter().map(Line::coordinates).sum();
         let states = coordinates(&statement.initial);
-        let (mut closed_form, mut is_linear) = (Ok(()), true);
+        let (mut closed_form, mut is_linear, mut has_density) = (Ok(()), true, true);
         let mut program = |section, lines: &[Line]| {
-            let built = build(&statement, section, lines)?;
+            let built = build(&statement, section)?;
             if closed_form.is_ok() {
                 closed_form = closed_form::check(file, section, lines, &built);
             }
-            is_linear &= closed_form::is_linear(&built);
-            Ok(compile(&built, states))
+            is_linear &= closed_form::is_linear(section, &built);
+            has_density &= section == Section::Measurement || closed_form::has_density(section, &built);
+            Ok(compile(&built, states, section == Section::Initial))
         };
         let initial = program(Section::Initial, &statement.initial)?;
         let transition = program(Section::Transition, &statement.transition)?;
         let measurement = program(Section::Measurement, &statement.measurement)?;
+        if let (Ok(()), Some(draw)) = (&closed_form, statement.draws.first()) {
+            closed_form = Err(closed_form::of_draws(file, draw));
+        }
         Ok(FormulaModel(Arc::new(Programs {
             states,
             measurements: coordinates(&statement.measurement),
@@ -63,6 +68,7 @@ impl FormulaModel {
             measurement,
             closed_form,
             is_linear,
+            has_density,
             file: file.to_string(),
             has_lines,
             statement,

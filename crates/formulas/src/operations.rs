@@ -16,6 +16,17 @@ pub(crate) enum Unary {
     Tanh,
     Atan,
     Floor,
+    Ceil,
+    Round,
+    Sign,
+    Log1p,
+    Expm1,
+    Logit,
+    Logistic,
+    LogGamma,
+    Erf,
+    NormalCdf,
+    Not,
 }
 
 impl Unary {
@@ -33,6 +44,42 @@ impl Unary {
             Unary::Tanh => a.tanh(),
             Unary::Atan => a.atan(),
             Unary::Floor => a.floor(),
+            // What only some models use is not part of each loop over instructions.
+            _ => self.of_rare(a),
+        }
+    }
+
+    #[inline(never)]
+    fn of_rare<S: Scalar>(self, a: S) -> S {
+        let (zero, one) = (S::from(0.0), S::from(1.0));
+        match self {
+            Unary::Ceil => -(-a).floor(),
+            Unary::Round => {
+                let down = a.floor();
+                // Halves go up; `a + 0.5` would be 1 for the number below 0.5, and of large numbers even `down + 0.5` is rounded.
+                (-(a - down) + 0.5).where_positive(down, down + 1.0)
+            }
+            Unary::Sign => a.where_positive(one, (-a).where_positive(-one, zero)),
+            Unary::Log1p => {
+                // What rounding takes from 1 + a is given back.
+                let sum = a + 1.0;
+                let lost = (sum - 1.0 - a) / sum;
+                let is_small = -a.abs() + 1e15;
+                // Beyond, and at −1, it is nothing or no number.
+                sum.ln() - is_small.where_positive(sum.where_positive(lost, zero), zero)
+            }
+            Unary::Expm1 => (a * 0.5).tanh() * (a.exp() + 1.0),
+            Unary::Logit => (a / (-a + 1.0)).ln(),
+            // The exponential of what is negative stays finite, and its derivative with it.
+            Unary::Logistic => {
+                let small = (-a.abs()).exp();
+                a.where_positive(one, small) / (small + 1.0)
+            }
+            Unary::LogGamma => a.ln_gamma(),
+            Unary::Erf => a.erf(),
+            Unary::NormalCdf => a.normal_cdf(),
+            Unary::Not => a.abs().where_positive(zero, one),
+            _ => S::from(f64::NAN),
         }
     }
 }
@@ -48,6 +95,15 @@ pub(crate) enum Binary {
     Atan2,
     Min,
     Max,
+    /// The remainder of the first, from 0 up to the second.
+    Modulo,
+    /// 1 where it holds, else 0.
+    Less,
+    AtMost,
+    Equal,
+    NotEqual,
+    And,
+    Or,
 }
 
 impl Binary {
@@ -62,8 +118,30 @@ impl Binary {
             Binary::Atan2 => a.atan2(b),
             Binary::Min => a.min(b),
             Binary::Max => a.max(b),
+            _ => self.of_rare(a, b),
         }
     }
+
+    #[inline(never)]
+    fn of_rare<S: Scalar>(self, a: S, b: S) -> S {
+        let (zero, one) = (S::from(0.0), S::from(1.0));
+        match self {
+            Binary::Modulo => a - b * (a / b).floor(),
+            Binary::Less => (b - a).where_positive(one, zero),
+            Binary::AtMost => (a - b).where_positive(zero, one),
+            Binary::Equal => (a - b).abs().where_positive(zero, one),
+            Binary::NotEqual => (a - b).abs().where_positive(one, zero),
+            Binary::And => choice(a, choice(b, one, zero), zero),
+            Binary::Or => choice(a, one, choice(b, one, zero)),
+            _ => S::from(f64::NAN),
+        }
+    }
+}
+
+/// The first where the condition is not 0, else the other.
+#[inline(always)]
+pub(crate) fn choice<S: Scalar>(condition: S, then: S, otherwise: S) -> S {
+    condition.abs().where_positive(then, otherwise)
 }
 
 /// The exponent as the integer that it is, where it is one that repeated products are for.

@@ -1,7 +1,7 @@
 //! A model of formulas is a state-space model: what follows from its equations, by functions that are not generic, so that it is compiled here and nowhere else.
 
 use motes_models::batch::Rows;
-use motes_models::equations::{Equations, Lanes, Linearise, Transport};
+use motes_models::equations::{Draw, Equations, Guide, Lanes, Linearise, NoiseSpace, Transport};
 use motes_models::{ModelError, Simulator, StateGradients, StateSpaceModel, Step, Stream, TransitionDensity};
 
 use crate::model::FormulaModel;
@@ -39,8 +39,13 @@ impl StateSpaceModel for FormulaModel {
         self.equations().log_likelihood(step, state, measurement)
     }
 
-    /// Each line draws its coordinate. A program does so at any time and state, so that there is nothing to check.
+    /// It is there where each line draws its coordinate, independently of the others, and none is a count. A program does so at any time and state, so that there is
+    /// nothing to check.
     fn density(&self) -> Option<&dyn TransitionDensity> {
+        self.0.has_density.then_some(self)
+    }
+
+    fn noise_space(&self) -> Option<&dyn NoiseSpace> {
         Some(self)
     }
 }
@@ -109,6 +114,39 @@ impl Linearise for FormulaModel {
         jacobian: &mut [f64],
     ) {
         self.equations().tile_scores(step, states, measurement, slopes, information, jacobian);
+    }
+}
+
+impl NoiseSpace for FormulaModel {
+    fn draws(&self, step: &Step<'_>) -> Vec<Draw> {
+        self.equations().draws(step)
+    }
+
+    fn tile_states(&self, step: &Step<'_>, previous: Option<&[f64]>, noise: &[f64], states: &mut [f64]) {
+        self.equations().tile_states(step, previous, noise, states);
+    }
+
+    fn tile_guided_states(
+        &self,
+        step: &Step<'_>,
+        previous: Option<&[f64]>,
+        guide: Guide<'_>,
+        noise: &mut [f64],
+        states: &mut [f64],
+    ) -> Lanes {
+        self.equations().tile_guided_states(step, previous, guide, noise, states)
+    }
+
+    fn tile_noise_scores(
+        &self,
+        step: &Step<'_>,
+        previous: Option<&[f64]>,
+        measurement: &[Option<Lanes>],
+        slopes: &mut [f64],
+        information: &mut [f64],
+        jacobian: &mut [f64],
+    ) {
+        self.equations().tile_noise_scores(step, previous, measurement, slopes, information, jacobian);
     }
 }
 

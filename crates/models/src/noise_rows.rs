@@ -7,13 +7,13 @@ use crate::{Step, Stream, fill_standard_normal};
 /// Draws `v_t` for each of `K` particles into `noise` (`K×Q`), and the states that it makes into `states` (`K×N`).
 pub(crate) fn sample_with_noise(
     model: &dyn NoiseSpace,
+    n: usize,
     step: &Step<'_>,
     previous: Option<Rows<'_>>,
     stream: &mut Stream,
     noise: &mut [f64],
     states: &mut [f64],
 ) {
-    let n = model.state_dim();
     let particles = states.len() / n;
     let q = noise.len() / particles.max(1);
     fill_standard_normal(stream, noise);

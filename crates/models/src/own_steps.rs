@@ -55,7 +55,10 @@ impl<'m, M: Simulator + ?Sized> OwnSteps<'m, M> {
     pub fn new(model: &'m M, sequences: usize, seed: &Seed) -> Result<Self, ModelError> {
         check_model(model)?;
         let (n, m) = (model.state_dim(), model.measurement_dim());
-        let numbers = sequences.checked_mul(2 * n + m);
+        let draws = model.noise_without_density().map(|noise| {
+            [0, 1].map(|index| noise.draws(&model.step_of_index(index)).len()).into_iter().max().unwrap_or(0)
+        });
+        let numbers = sequences.checked_mul(2 * n + m + draws.unwrap_or(0));
         if sequences == 0 || !numbers.is_some_and(there_is_memory_for) {
             return Err(ModelError::Parameter {
                 name: "the number of simulated sequences",
@@ -103,7 +106,15 @@ impl<'m, M: Simulator + ?Sized> OwnSteps<'m, M> {
             None => self.model.sample_states(&step, previous, stream, &mut self.states),
             Some(model) => {
                 self.noise.resize(self.states.len() / n * q, 0.0);
-                sample_with_noise(model, &step, previous, &mut stream[0], &mut self.noise, &mut self.states);
+                sample_with_noise(
+                    model,
+                    n,
+                    &step,
+                    previous,
+                    &mut stream[0],
+                    &mut self.noise,
+                    &mut self.states,
+                );
             }
         }
         self.model.sample_measurements(&step, &self.states, stream, &mut self.measurements);

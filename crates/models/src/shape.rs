@@ -31,7 +31,7 @@ impl ModelShape {
         let (state_dim, measurement_dim) = (model.state_dim(), model.measurement_dim());
         let noise_space = model.noise_without_density();
         let draws =
-            noise_space.map(|model| [0, 1].map(|index| model.draws(&model.step_of_index(index)).len()));
+            noise_space.map(|noise| [0, 1].map(|index| noise.draws(&model.step_of_index(index)).len()));
         ModelShape { state_dim, measurement_dim, draws, graph: None }
     }
 

@@ -73,6 +73,13 @@ fn check_until(
         // Counts and bounded noise have no differences to compare with.
         Some(Err(error)) => checked.findings.push(format!("gradients: not compared everywhere: {error}")),
     }
+    if let Kind::Learnable(learnable) = model.kind()
+        && learnable.density().is_none()
+    {
+        checked.findings.push(
+            "density: none, because states follow without noise, share draws, or are counts; proposals draw the noise, smoothed paths follow ancestors".into(),
+        );
+    }
     let has = |proposal: ProposalName| {
         let options = FilterOptions { proposal, particles: 1, ..FilterOptions::default() };
         Running::new(model, &options, 0).map(drop)

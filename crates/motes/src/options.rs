@@ -78,7 +78,8 @@ pub struct FilterOptions {
     pub proposal: ProposalName,
     /// `K`, the number of particles.
     pub particles: usize,
-    /// The share of particles that are drawn from the transition whatever the proposal is; 0.1 of a learned one and 0 of others if none is given.
+    /// The share of particles that are drawn from the transition whatever the proposal is; if none is given 0.1 of a learned one,
+    /// 0.1 of `linearised` where it draws noise that is not normal, and 0 else.
     pub defensive: Option<f64>,
     /// Resample where the effective sample size is below this share of `K`; at each step where it is 1.
     pub resample_below: f64,
@@ -109,7 +110,8 @@ impl Default for FilterOptions {
 }
 
 impl FilterOptions {
-    /// The share of particles that are drawn from the transition.
+    /// The share of particles that are drawn from the transition; beside it `linearised` has a share of its own where it draws noise that is not normal
+    /// ([`motes_smc::noise_share`]) and nothing is said here.
     pub fn defensive_share(&self) -> f64 {
         let default = if matches!(self.proposal, ProposalName::Learned(_)) { DEFENSIVE_SHARE } else { 0.0 };
         self.defensive.unwrap_or(default)
@@ -124,7 +126,7 @@ impl FilterOptions {
         FilterSettings {
             resampling: self.resampling,
             resample_when,
-            defensive_weight: Some(self.defensive_share()).filter(|share| *share > 0.0),
+            defensive_weight: self.defensive.or(Some(self.defensive_share()).filter(|share| *share > 0.0)),
             ..FilterSettings::new(self.particles)
         }
     }

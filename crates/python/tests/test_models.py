@@ -338,3 +338,32 @@ def test_log_evidences_have_standard_errors():
     for measured in data:
         online.step(measured)
     assert online.standard_error == found.standard_error and model.online().standard_error is None
+
+
+def test_draws_lists_and_known_starts():
+    epidemic = motes.Model(
+        {
+            "parameters": {"rates": [0.9, 0.4], "N": 15},
+            "initial": {"I": 2, "S": "N - I"},
+            "draws": {
+                "infections": "binomial(S, 1 - exp(-rates[0]*I/N))",
+                "recoveries": "binomial(I, 1 - exp(-rates[1]))",
+            },
+            "transition": {"I": "I + infections - recoveries", "S": "S - infections"},
+            "measurement": {"cases": "poisson(I + 0.01)"},
+        }
+    )
+    assert epidemic.parameters == {"rates[0]": 0.9, "rates[1]": 0.4, "N": 15}
+    for proposal in ["bootstrap", "linearised"]:
+        found = epidemic.filter([2, 3, 3, 6, 4, 5, 2], particles=5000, proposal=proposal)
+        # By the sum over all numbers of people.
+        assert abs(found.log_evidence + 13.400815) < 5 * found.standard_error
+    with pytest.raises(ValueError, match="`infections` is a draw of a step"):
+        motes.Model(
+            {
+                "initial": {"x": 0},
+                "draws": {"infections": "poisson(1)"},
+                "transition": {"x": "x + infections"},
+                "measurement": {"y": "poisson(infections + 0.1)"},
+            }
+        )

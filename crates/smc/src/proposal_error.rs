@@ -60,7 +60,7 @@ pub enum ProposalError {
     },
     /// The proposal draws states, and the model has no density of its transition to weigh them by.
     #[error(
-        "the model's transition has no density, which a proposal of states is weighed by: take the bootstrap proposal"
+        "the model's transition has no density, which a proposal of states is weighed by; bootstrap, linearised and learned proposals do without"
     )]
     NoDensity,
     /// The proposal cannot be had for a measurement.

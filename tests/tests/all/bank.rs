@@ -196,7 +196,7 @@ fn bad_input_is_refused_and_changes_nothing() {
     assert_eq!(none.to_string(), "the number of particles K is 0; it must be at least 1");
     let rule = FilterSettings { resample_when: ResampleWhen::EssBelow(f64::NAN), ..FilterSettings::new(4) };
     assert!(new(rule).unwrap_err().to_string().contains("NaN"));
-    for weight in [0.0, 1.0, f64::NAN] {
+    for weight in [-0.1, 1.0, f64::NAN] {
         let settings = FilterSettings { defensive_weight: Some(weight), ..FilterSettings::new(4) };
         let error = new(settings).unwrap_err().to_string();
         assert!(error.starts_with("the transition's weight in a defensive mixture is"), "{error}");

@@ -10,15 +10,17 @@ pub(crate) enum Section {
     Parameters,
     Initial,
     Definitions,
+    Draws,
     Transition,
     Measurement,
 }
 
 impl Section {
-    pub(crate) const ALL: [Section; 5] = [
+    pub(crate) const ALL: [Section; 6] = [
         Section::Parameters,
         Section::Initial,
         Section::Definitions,
+        Section::Draws,
         Section::Transition,
         Section::Measurement,
     ];
@@ -34,6 +36,7 @@ impl Section {
             Section::Parameters => "[parameters]",
             Section::Initial => "[initial]",
             Section::Definitions => "[definitions]",
+            Section::Draws => "[draws]",
             Section::Transition => "[transition]",
             Section::Measurement => "[measurement]",
         }

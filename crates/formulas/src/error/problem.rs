@@ -65,6 +65,43 @@ pub enum Problem {
         /// The longest vector.
         longest: usize,
     },
+    /// A part of a vector without a coordinate.
+    #[error("the part from {first} to before {end} is empty; x[1..4] are x[1], x[2] and x[3]")]
+    EmptyPart {
+        /// Its first coordinate.
+        first: usize,
+        /// The first coordinate behind it.
+        end: usize,
+    },
+    /// One coordinate that is written like the length of a vector.
+    #[error(
+        "`{name}[{index}]` is a vector of {index}; one coordinate of `{name}` is written {name}[{index}..{after}]"
+    )]
+    OneCoordinate {
+        /// The vector.
+        name: String,
+        /// The coordinate.
+        index: usize,
+        /// The next one.
+        after: usize,
+    },
+    /// A part of a vector that does not go on where the one before ends.
+    #[error(
+        "parts of a vector go on without gaps: this one of `{name}` must begin at {expected}, not at {found}"
+    )]
+    PartApart {
+        /// The vector.
+        name: String,
+        /// Where it begins.
+        found: usize,
+        /// Where it must begin.
+        expected: usize,
+    },
+    /// A part of a vector that is defined.
+    #[error(
+        "`{0}` is defined by parts; a definition has one formula for all coordinates, which may use if(i == 0, …)"
+    )]
+    PartOfDefinition(String),
     /// A name that has a meaning of its own.
     #[error("`{name}` is {what}; another name is needed")]
     Reserved {
@@ -161,6 +198,9 @@ pub enum Problem {
     #[error("`{0}` is too large; numbers are below 1.8e308")]
     NumberTooLarge(String),
 
+    /// A comparison of a comparison.
+    #[error("{0} compares a comparison; write both with and, as in 0 < x and x < 1")]
+    ChainedComparison(String),
     /// A name without a meaning.
     #[error("`{name}` is not known here; {advice}")]
     UnknownName {
@@ -208,31 +248,53 @@ pub enum Problem {
         "{0} is no part of an index; an index is made of integers, i, and parameters that are integers, by + - *"
     )]
     BadIndex(String),
+    /// An index of a list that it does not have.
+    #[error("`{name}` has no entry {index}; its indices are 0 to {last}")]
+    BeyondList {
+        /// The list.
+        name: String,
+        /// The index.
+        index: f64,
+        /// The last index.
+        last: usize,
+    },
+    /// A list with another number of indices.
+    #[error("`{name}` is a list; an entry is written {example}")]
+    Indices {
+        /// The list.
+        name: String,
+        /// How an entry is written.
+        example: String,
+    },
     /// `i` where there is no vector.
     #[error(
         "`i` counts the coordinates of a vector; it has a meaning only in a formula like x[40] = \"…x[i-1]…\""
     )]
     NoCoordinate,
-    /// A state before there is one.
-    #[error(
-        "`{0}` depends on states, and there is none before t = 0; [initial] is made of numbers and parameters"
-    )]
-    StateInInitial(String),
+    /// A coordinate or draw before it has a value.
+    #[error("`{name}` has no value here yet; {section} goes in order, and a line can use those above it")]
+    NoValueYet {
+        /// Its name.
+        name: String,
+        /// The section.
+        section: &'static str,
+    },
+    /// A draw where there is none.
+    #[error("`{0}` is a draw of a step; [draws] and [transition] can use it, and a state can keep it")]
+    DrawElsewhere(String),
     /// A measurement in a formula.
-    #[error("`{0}` is a measurement; formulas are made of states, parameters, definitions and t")]
+    #[error("`{0}` is a measurement; formulas are made of states, draws, parameters, definitions and t")]
     MeasurementInFormula(String),
 
     /// A distribution in a definition.
     #[error("`{0}` is a distribution; it belongs where the definition is used")]
     RandomInDefinition(String),
     /// Two distributions in one formula.
-    #[error(
-        "`{0}` is a second distribution; a coordinate has one, and what is random, too, is a state of its own"
-    )]
+    #[error("`{0}` is a second distribution; a coordinate has one, and others stand in [draws]")]
     TwoDistributions(String),
     /// A distribution where only numbers can be.
     #[error(
-        "`{family}` stands inside of {inside}; a distribution can only be shifted and scaled, as in x + 3*exponential(1)"
+        "`{family}` stands inside of {inside}; it can be shifted and scaled, as in x + 3*exponential(1); for more, make it a line of [draws] and use its value"
     )]
     RandomInside {
         /// The distribution.
@@ -242,14 +304,11 @@ pub enum Problem {
     },
     /// Counts that are shifted or scaled.
     #[error(
-        "`{0}` gives counts, which cannot be shifted or scaled; its parameters can depend on states instead"
+        "`{0}` gives counts, which cannot be shifted or scaled; as a line of [draws] it can be part of any formula of [transition]"
     )]
     CountsMoved(String),
-    /// Counts as a state.
-    #[error("`{0}` gives counts, which can be measured, but are no state; a state may have normal(mean, sd)")]
-    CountsAsState(String),
-    /// A coordinate that is a function of the others.
-    #[error("the coordinate has no noise, which is not supported yet; give it a little, as in \"{example}\"")]
+    /// A measurement that is a function of states.
+    #[error("a measurement has a distribution, as in \"{example}\"; a formula without noise can be a state")]
     NoNoise {
         /// The same formula with noise.
         example: String,

@@ -3,7 +3,7 @@
 use motes_models::equations::Scalar;
 
 use crate::error::Section;
-use crate::operations::{Binary, integer_exponent};
+use crate::operations::{Binary, choice, integer_exponent};
 use crate::statement::{Line, Statement};
 use crate::syntax::{Element, Formula, Node};
 
@@ -22,6 +22,8 @@ pub(super) struct Point<'a> {
     pub(super) time: usize,
     states: Option<&'a [f64]>,
     definitions: Vec<Vec<f64>>,
+    /// Of each definition, whether states are in it.
+    has_states: Vec<bool>,
 }
 
 /// Which coordinate of a vector is meant.
@@ -36,9 +38,15 @@ impl<'a> Point<'a> {
     /// `states` are those that the section's formulas are about, if there are any.
     pub(super) fn new(statement: &'a Statement, time: usize, states: Option<&'a [f64]>) -> Self {
         let definitions = vec![Vec::new(); statement.definitions.len()];
-        let mut point = Point { statement, time, states, definitions };
+        let has_states = vec![false; statement.definitions.len()];
+        let mut point = Point { statement, time, states, definitions, has_states };
         for &definition in &statement.order {
             let line = &statement.definitions[definition];
+            point.has_states[definition] = line.formula.nodes.iter().any(|node| match node {
+                Node::State { .. } => true,
+                Node::Definition { number, .. } => point.has_states[*number],
+                _ => false,
+            });
             let value = |number| point.values(&line.formula, number).last().copied().unwrap_or(f64::NAN);
             point.definitions[definition] = (0..line.coordinates()).map(value).collect();
         }
@@ -65,6 +73,10 @@ impl<'a> Point<'a> {
                 Node::Definition { number, length, element } => {
                     self.definitions[*number][number_of(*element, *length, &values)]
                 }
+                Node::Entry { list, indices } => {
+                    let indices: Vec<f64> = indices.iter().map(|index| values[*index]).collect();
+                    self.statement.lists[*list].entry(&indices).unwrap_or(f64::NAN)
+                }
                 Node::OfOne(operation, a) => operation.of(values[*a]),
                 Node::OfTwo(Binary::Power, a, b) => {
                     let (base, exponent): (f64, f64) = (values[*a], values[*b]);
@@ -75,6 +87,9 @@ impl<'a> Point<'a> {
                     }
                 }
                 Node::OfTwo(operation, a, b) => operation.of(values[*a], values[*b]),
+                Node::If([condition, then, otherwise]) => {
+                    choice(values[*condition], values[*then], values[*otherwise])
+                }
                 Node::Random(..) => f64::NAN,
             };
             values.push(value);
@@ -101,7 +116,7 @@ impl<'a> Point<'a> {
             Node::Named(_) if formula.text_of(node) == "pi" => return None,
             Node::Named(_) | Node::Time | Node::Coordinate => formula.text_of(node).to_string(),
             Node::State { first, length, element } => {
-                self.state_name(first + number_of(*element, *length, values))
+                self.statement.name_of(first + number_of(*element, *length, values))
             }
             definition => {
                 let place = self.definition(definition, values)?;
@@ -111,14 +126,22 @@ impl<'a> Point<'a> {
         Some((name, values[node]))
     }
 
-    fn state_name(&self, number: usize) -> String {
-        let mut before = 0;
-        for line in &self.statement.initial {
-            if number < before + line.coordinates() {
-                return line.coordinate(number - before);
-            }
-            before += line.coordinates();
+    /// For each node of a formula, whether its value is known here: draws are not, and neither are coordinates of `x_0`.
+    pub(super) fn are_known(&self, section: Section, formula: &Formula) -> Vec<bool> {
+        let states = self.states.map_or(0, <[f64]>::len);
+        let mut known: Vec<bool> = Vec::with_capacity(formula.nodes.len());
+        for node in &formula.nodes {
+            let is_known = match node {
+                Node::State { first, .. } => section != Section::Initial && *first < states,
+                Node::Definition { number, .. } => section != Section::Initial || !self.has_states[*number],
+                Node::Entry { indices, .. } => indices.iter().all(|index| known[*index]),
+                Node::OfOne(_, a) => known[*a],
+                Node::OfTwo(_, a, b) => known[*a] && known[*b],
+                Node::If(operands) => operands.iter().all(|operand| known[*operand]),
+                _ => true,
+            };
+            known.push(is_known);
         }
-        String::new()
+        known
     }
 }

@@ -47,11 +47,14 @@ impl FormulaModel {
     ) -> Option<DomainError> {
         let statement = self.statement();
         let of_state = match previous {
-            None => (Section::Initial, &statement.initial, None),
-            Some(_) => (Section::Transition, &statement.transition, previous),
+            None => vec![(Section::Initial, &statement.initial, None)],
+            Some(_) => vec![
+                (Section::Draws, &statement.draws, previous),
+                (Section::Transition, &statement.transition, previous),
+            ],
         };
         let of_measurement = state.map(|_| (Section::Measurement, &statement.measurement, state));
-        let points: Vec<_> = [of_state]
+        let points: Vec<_> = of_state
             .into_iter()
             .chain(of_measurement)
             .map(|(section, lines, states)| (section, lines, Point::new(statement, time, states)))
@@ -83,8 +86,9 @@ fn in_coordinate(
     point: &Point<'_>,
     fault: Fault,
 ) -> Option<DomainError> {
-    let (formula, values) = (&line.formula, point.values(&line.formula, number));
+    let (formula, values) = (&line.formula, point.values(&line.formula, line.first + number));
     let place = Place { section, line, number };
+    let known = point.are_known(section, formula);
     let origin = |node: NodeId| trace::origin(place, node, &values, point);
     let of_parameter = |node: NodeId, name: &str, expected: &str| {
         let value = values[node];
@@ -96,12 +100,15 @@ fn in_coordinate(
     let found = formula.nodes.iter().enumerate().find_map(|(at, node)| match node {
         Node::Random(family, arguments) => {
             let parameters = arguments.iter().zip(family.parameters).zip(family.ranges);
-            let mut wrong = parameters.filter(|((node, _), range)| fault.is_in(values[**node], **range));
+            let mut wrong =
+                parameters.filter(|((node, _), range)| known[**node] && fault.is_in(values[**node], **range));
             if let Some(((node, name), range)) = wrong.next() {
                 return Some(of_parameter(*node, name, range.words()));
             }
             match (family.kind, arguments.as_slice(), fault) {
-                (Kind::Uniform, [low, high], Fault::NotANumber) if values[*low] >= values[*high] => {
+                (Kind::Uniform, [low, high], Fault::NotANumber)
+                    if known[*low] && known[*high] && values[*low] >= values[*high] =>
+                {
                     Some(of_parameter(*high, "high", &format!("above low, which is {}", values[*low])))
                 }
                 _ => None,
@@ -110,6 +117,9 @@ fn in_coordinate(
         // What the distribution is shifted or scaled by.
         Node::OfTwo(operation, a, b) if formula.is_random[at] => {
             let by = if formula.is_random[*a] { *b } else { *a };
+            if !known[by] {
+                return None;
+            }
             let is_zero = *operation == Binary::Multiply && values[by] == 0.0 && fault == Fault::NotANumber;
             if is_zero {
                 return Some(of_parameter(by, "the factor", "another number than 0"));
@@ -118,5 +128,10 @@ fn in_coordinate(
         }
         _ => None,
     });
-    found.map(|origin| origin.error(point))
+    let root = formula.root();
+    let follows = || {
+        let is_wrong = !formula.has_noise() && known[root] && fault.is_in(values[root], Range::Any);
+        is_wrong.then(|| origin(root))
+    };
+    found.or_else(follows).map(|origin| origin.error(point))
 }

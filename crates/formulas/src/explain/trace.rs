@@ -22,7 +22,7 @@ impl<'a> Origin<'a> {
     /// The error for the reader, who learns the file later.
     pub(super) fn error(self, point: &Point<'a>) -> DomainError {
         let Place { section, line, number } = self.place;
-        let values = point.values(&line.formula, number);
+        let values = point.values(&line.formula, line.first + number);
         let span = &line.formula.spans[self.node];
         let inside = |node: &NodeId| {
             let at = &line.formula.spans[*node];
@@ -69,6 +69,10 @@ pub(super) fn origin<'a>(place: Place<'a>, node: NodeId, values: &[f64], point: 
         let operands = match current {
             Node::OfOne(_, a) => [Some(*a), None],
             Node::OfTwo(_, a, b) => [Some(*a), Some(*b)],
+            Node::If([condition, then, otherwise]) => {
+                let chosen = if values[*condition] == 0.0 { otherwise } else { then };
+                [Some(*condition), Some(*chosen)]
+            }
             _ => [None, None],
         };
         match operands.into_iter().flatten().find(is_alike) {

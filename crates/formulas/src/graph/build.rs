@@ -1,10 +1,10 @@
 //! Makes the graph of a section from its formulas.
 
-use super::coordinate::Coordinate;
+use super::coordinate::{Coordinate, Output};
 use super::nodes::{Graph, Id};
 use crate::error::{Fault, Problem, Section};
 use crate::operations::{Binary, Unary};
-use crate::statement::{Line, Statement};
+use crate::statement::{Line, List, Statement};
 use crate::syntax::{Element, Node, NodeId};
 use crate::tables::{Kind, Range, call};
 
@@ -14,17 +14,25 @@ const MOST: usize = 2_000_000;
 /// Beyond this not every integer is a number.
 const LARGEST_INDEX: f64 = (1_u64 << 53) as f64;
 
-/// The graph of a section, and the distributions of its coordinates.
+/// The graph of a section, and what its coordinates are.
 #[derive(Debug)]
 pub(crate) struct Built {
     pub(crate) graph: Graph,
-    pub(crate) coordinates: Vec<Coordinate>,
+    /// Of a transition, what is drawn before the coordinates of the state.
+    pub(crate) draws: Vec<Output>,
+    pub(crate) coordinates: Vec<Output>,
 }
 
-/// Builds the graph of `lines`, which are those of `section`.
-pub(crate) fn build(statement: &Statement, section: Section, lines: &[Line]) -> Result<Built, Fault> {
+/// Builds the graph of a section: `[initial]`, `[draws]` and `[transition]` together, or `[measurement]`.
+pub(crate) fn build(statement: &Statement, section: Section) -> Result<Built, Fault> {
+    let (draws, lines): (&[Line], &[Line]) = match section {
+        Section::Initial => (&[], &statement.initial),
+        Section::Measurement => (&[], &statement.measurement),
+        _ => (&statement.draws, &statement.transition),
+    };
     let mut used = vec![false; statement.definitions.len()];
-    lines.iter().flat_map(|line| line.formula.definitions()).for_each(|number| used[number] = true);
+    let all = draws.iter().chain(lines);
+    all.flat_map(|line| line.formula.definitions()).for_each(|number| used[number] = true);
     for &number in statement.order.iter().rev() {
         if used[number] {
             statement.definitions[number].formula.definitions().for_each(|other| used[other] = true);
@@ -35,17 +43,26 @@ pub(crate) fn build(statement: &Statement, section: Section, lines: &[Line]) -> 
     for &number in statement.order.iter().filter(|number| used[**number]) {
         let line = &statement.definitions[number];
         for coordinate in 0..line.coordinates() {
-            let (value, _) = builder.of_line(line, Section::Definitions, coordinate)?;
+            let (value, _) = builder.of_line(statement, line, Section::Definitions, coordinate)?;
             builder.definitions[number].push(value);
         }
     }
-    let mut coordinates = Vec::new();
-    for line in lines {
-        for coordinate in 0..line.coordinates() {
-            coordinates.extend(builder.of_line(line, section, coordinate)?.1);
-        }
-    }
-    Ok(Built { graph: builder.graph, coordinates })
+    let states = statement.initial.iter().map(Line::coordinates).sum();
+    let draws = builder.of_lines(statement, draws, Section::Draws, Some(states))?;
+    let in_order = (section == Section::Initial).then_some(0);
+    let coordinates = builder.of_lines(statement, lines, section, in_order)?;
+    Ok(Built { graph: builder.graph, draws, coordinates })
+}
+
+/// Where a formula names a state or draw, or a definition that does.
+fn place_of(line: &Line, state: usize) -> usize {
+    let names = |node: &Node| match node {
+        Node::State { first, length, .. } => (*first..first + length).contains(&state),
+        _ => false,
+    };
+    let nodes = &line.formula.nodes;
+    let definition = || nodes.iter().position(|node| matches!(node, Node::Definition { .. }));
+    nodes.iter().position(names).or_else(definition).map_or(0, |node| line.formula.spans[node].start)
 }
 
 struct Builder {
@@ -57,9 +74,44 @@ struct Builder {
 }
 
 impl Builder {
+    /// What the coordinates of lines are. Where `known` is given, so many numbers are known to the first one, and each is known to those below it.
+    fn of_lines(
+        &mut self,
+        statement: &Statement,
+        lines: &[Line],
+        section: Section,
+        known: Option<usize>,
+    ) -> Result<Vec<Output>, Fault> {
+        let mut outputs: Vec<Output> = Vec::new();
+        for line in lines {
+            for coordinate in 0..line.coordinates() {
+                let (value, drawn) = self.of_line(statement, line, section, coordinate)?;
+                let output = drawn.map_or(Output::Follows(value), Output::Drawn);
+                if let (Output::Follows(id), false) = (&output, section == Section::Measurement)
+                    && let Some(value) = self.graph.value(*id).filter(|value| !value.is_finite())
+                {
+                    let (what, expected) = ("the value".to_string(), Range::Any.words().to_string());
+                    return Err(line.fault(section, 0, Problem::OutOfRange { what, value, expected }));
+                }
+                if let Some(known) = known {
+                    let known = known + outputs.len();
+                    let later = self.graph.states_of(output.numbers()).last().copied();
+                    if let Some(later) = later.map(|later| later as usize).filter(|later| *later >= known) {
+                        let (name, section_name) = (statement.name_of(later), section.title());
+                        let problem = Problem::NoValueYet { name, section: section_name };
+                        return Err(line.fault(section, place_of(line, later), problem));
+                    }
+                }
+                outputs.push(output);
+            }
+        }
+        Ok(outputs)
+    }
+
     /// The value of a formula for a coordinate of a vector, and its distribution, if it has one.
     fn of_line(
         &mut self,
+        statement: &Statement,
         line: &Line,
         section: Section,
         coordinate: usize,
@@ -82,7 +134,7 @@ impl Builder {
                 Node::Number(value) | Node::Named(value) => self.graph.constant(*value),
                 Node::Time if self.section == Section::Initial => self.graph.constant(0.0),
                 Node::Time => self.graph.time(),
-                Node::Coordinate => self.graph.constant(coordinate as f64),
+                Node::Coordinate => self.graph.constant((line.first + coordinate) as f64),
                 Node::State { first, length, element } => {
                     let element = self
                         .element(element, *length, &values)
@@ -95,8 +147,17 @@ impl Builder {
                         .map_err(|problem| line.fault(section, formula.spans[at].start, problem))?;
                     self.definitions[*number][element]
                 }
+                Node::Entry { list, indices } => {
+                    let list = &statement.lists[*list];
+                    let indices: Vec<Id> = indices.iter().map(|index| values[*index]).collect();
+                    self.entry(list, &list.values, &list.lengths, &indices)
+                        .map_err(|problem| line.fault(section, formula.spans[at].start, problem))?
+                }
                 Node::OfOne(operation, a) => self.graph.of_one(*operation, values[*a]),
                 Node::OfTwo(operation, a, b) => self.graph.of_two(*operation, values[*a], values[*b]),
+                Node::If([condition, then, otherwise]) => {
+                    self.graph.choice(values[*condition], values[*then], values[*otherwise])
+                }
                 Node::Random(..) => nothing,
             };
             values.push(value);
@@ -110,6 +171,40 @@ impl Builder {
             coordinate.settle(&mut self.graph);
         }
         Ok((values.last().copied().unwrap_or(nothing), random.map(|(coordinate, _)| coordinate)))
+    }
+
+    /// An entry of a list: chosen among all where an index is not known; NaN where there is none.
+    fn entry(
+        &mut self,
+        list: &List,
+        values: &[f64],
+        lengths: &[usize],
+        indices: &[Id],
+    ) -> Result<Id, Problem> {
+        let ([length, lengths @ ..], [index, indices @ ..]) = (lengths, indices) else {
+            return Ok(self.graph.constant(values.first().copied().unwrap_or(f64::NAN)));
+        };
+        let each = values.len() / length;
+        if let Some(known) = self.graph.value(*index) {
+            if !(0.0..*length as f64).contains(&known) || known.fract() != 0.0 {
+                let name = list.name.clone();
+                return Err(Problem::BeyondList { name, index: known, last: length - 1 });
+            }
+            let at = known as usize;
+            return self.entry(list, &values[at * each..][..each], lengths, indices);
+        }
+        self.work += 2 * length;
+        if self.work > MOST {
+            return Err(Problem::TooLarge(MOST));
+        }
+        let mut chosen = self.graph.constant(f64::NAN);
+        for at in (0..*length).rev() {
+            let entry = self.entry(list, &values[at * each..][..each], lengths, indices)?;
+            let number = self.graph.constant(at as f64);
+            let is_meant = self.graph.of_two(Binary::Equal, *index, number);
+            chosen = self.graph.choice(is_meant, entry, chosen);
+        }
+        Ok(chosen)
     }
 
     /// Which coordinate of a vector an index means.

@@ -13,6 +13,34 @@ pub(crate) struct Coordinate {
     pub(crate) shift: Option<Id>,
 }
 
+/// What a line says of a coordinate.
+#[derive(Debug, Clone)]
+pub(crate) enum Output {
+    /// It is drawn.
+    Drawn(Coordinate),
+    /// It follows, without noise.
+    Follows(Id),
+}
+
+impl Output {
+    /// Its numbers, those that it has.
+    pub(crate) fn numbers(&self) -> impl Iterator<Item = Id> {
+        let (drawn, follows) = match self {
+            Output::Drawn(coordinate) => (Some(coordinate), None),
+            Output::Follows(id) => (None, Some(*id)),
+        };
+        drawn.into_iter().flat_map(Coordinate::numbers).chain(follows)
+    }
+
+    /// Its distribution, if it has one.
+    pub(crate) fn drawn(&self) -> Option<&Coordinate> {
+        match self {
+            Output::Drawn(coordinate) => Some(coordinate),
+            Output::Follows(_) => None,
+        }
+    }
+}
+
 impl Coordinate {
     pub(super) fn new(family: &'static Family, parameters: Vec<Id>) -> Self {
         Coordinate { family, parameters, scale: None, shift: None }

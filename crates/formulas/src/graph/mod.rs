@@ -6,6 +6,6 @@ mod linear;
 mod nodes;
 
 pub(crate) use build::{Built, build};
-pub(crate) use coordinate::Coordinate;
+pub(crate) use coordinate::{Coordinate, Output};
 pub(crate) use linear::Degree;
 pub(crate) use nodes::{Graph, Id, Operation};

@@ -1,6 +1,6 @@
 //! A graph of operations, each of them there once.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 use motes_models::equations::Scalar;
 
@@ -28,6 +28,21 @@ pub(crate) enum Operation {
     /// A power with an integer exponent.
     Integer(Id, i32),
     OfTwo(Binary, Id, Id),
+    /// The second where the first is not 0, else the third.
+    If(Id, Id, Id),
+}
+
+impl Operation {
+    /// The numbers that it is made of.
+    pub(crate) fn operands(self) -> impl Iterator<Item = Id> {
+        let operands = match self {
+            Operation::Constant(_) | Operation::Time | Operation::State(_) => [None; 3],
+            Operation::OfOne(_, a) | Operation::Integer(a, _) => [Some(a), None, None],
+            Operation::OfTwo(_, a, b) => [Some(a), Some(b), None],
+            Operation::If(c, a, b) => [Some(c), Some(a), Some(b)],
+        };
+        operands.into_iter().flatten()
+    }
 }
 
 /// Operations in an order in which they can be computed.
@@ -52,6 +67,7 @@ impl Graph {
             Operation::State(_) => true,
             Operation::OfOne(_, a) | Operation::Integer(a, _) => self.varies(a),
             Operation::OfTwo(_, a, b) => self.varies(a) || self.varies(b),
+            Operation::If(c, a, b) => self.varies(c) || self.varies(a) || self.varies(b),
         };
         let id = Id(self.operations.len() as u32);
         self.operations.push(operation);
@@ -87,6 +103,31 @@ impl Graph {
 
     pub(crate) fn time(&mut self) -> Id {
         self.add(Operation::Time)
+    }
+
+    pub(crate) fn choice(&mut self, condition: Id, then: Id, otherwise: Id) -> Id {
+        match self.value(condition) {
+            // NaN is computed on.
+            Some(known) if known != 0.0 && !known.is_nan() => then,
+            Some(0.0) => otherwise,
+            _ => self.add(Operation::If(condition, then, otherwise)),
+        }
+    }
+
+    /// The states that numbers depend on, in ascending order.
+    pub(crate) fn states_of(&self, numbers: impl Iterator<Item = Id>) -> Vec<u32> {
+        let (mut seen, mut states) = (BTreeSet::new(), BTreeSet::new());
+        let mut waiting: Vec<Id> = numbers.collect();
+        while let Some(id) = waiting.pop() {
+            if seen.insert(id) {
+                let operation = self.operation(id);
+                if let Operation::State(number) = operation {
+                    states.insert(number);
+                }
+                waiting.extend(operation.operands());
+            }
+        }
+        states.into_iter().collect()
     }
 
     pub(crate) fn state(&mut self, number: usize) -> Id {

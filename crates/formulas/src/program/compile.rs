@@ -1,19 +1,18 @@
 //! Makes a program of a graph: coordinate by coordinate, each number as late as it is needed.
 
-use std::collections::BTreeSet;
-
-use super::instruction::{Instruction, Output, Place, Program, Source, Step};
+use super::instruction::{self, Drawn, Instruction, Place, Program, Source, Step, What};
 use super::registers::Registers;
-use crate::graph::{Built, Coordinate, Graph, Id, Operation};
+use crate::graph::{Built, Coordinate, Graph, Id, Operation, Output};
 use crate::operations::Binary;
 
-/// Compiles the graph of a section of a model with so many states.
-pub(crate) fn compile(built: &Built, states: usize) -> Program {
+/// Compiles the graph of a section of a model with so many states; `in_order` gives each coordinate to those below it.
+pub(crate) fn compile(built: &Built, states: usize, in_order: bool) -> Program {
     let graph = &built.graph;
     let uses = count_uses(built);
+    let given = states + built.draws.len();
     let mut compiler = Compiler {
         graph,
-        states: states as u32,
+        given: given as u32,
         plain: vec![0; uses.len()],
         registers: Registers::default(),
         held: vec![None; uses.len()],
@@ -21,54 +20,32 @@ pub(crate) fn compile(built: &Built, states: usize) -> Program {
         instructions: Vec::new(),
     };
     let (constants, steps) = compiler.plain_numbers();
-    let coordinates = built.coordinates.iter().map(|coordinate| compiler.coordinate(coordinate)).collect();
+    let draws = built.draws.iter().map(|output| compiler.output(output)).collect();
+    let coordinates = built.coordinates.iter().map(|output| compiler.output(output)).collect();
+    let depends_on: Vec<Vec<u32>> =
+        built.coordinates.iter().map(|output| graph.states_of(output.numbers())).collect();
     Program {
-        states,
+        given,
         constants,
         steps,
         registers: compiler.registers.count(),
         instructions: compiler.instructions,
+        draws,
         coordinates,
-        depends_on: built.coordinates.iter().map(|coordinate| states_of(graph, coordinate)).collect(),
+        in_order: in_order && depends_on.iter().any(|states| !states.is_empty()),
+        depends_on,
     }
-}
-
-/// The states that the distribution of a coordinate depends on, in ascending order.
-fn states_of(graph: &Graph, coordinate: &Coordinate) -> Vec<u32> {
-    let mut seen = BTreeSet::new();
-    let mut states = BTreeSet::new();
-    let mut waiting: Vec<Id> = coordinate.numbers().collect();
-    while let Some(id) = waiting.pop() {
-        if seen.insert(id.index()) {
-            let operation = graph.operation(id);
-            if let Operation::State(number) = operation {
-                states.insert(number);
-            }
-            waiting.extend(operands(operation));
-        }
-    }
-    states.into_iter().collect()
-}
-
-/// The operands of a number.
-fn operands(operation: Operation) -> impl Iterator<Item = Id> {
-    let [a, b] = match operation {
-        Operation::Constant(_) | Operation::Time | Operation::State(_) => [None, None],
-        Operation::OfOne(_, a) | Operation::Integer(a, _) => [Some(a), None],
-        Operation::OfTwo(_, a, b) => [Some(a), Some(b)],
-    };
-    a.into_iter().chain(b)
 }
 
 /// How often each number is an operand of what is needed, or needed itself.
 fn count_uses(built: &Built) -> Vec<u32> {
     let mut uses = vec![0; built.graph.operations().len()];
-    for id in built.coordinates.iter().flat_map(Coordinate::numbers) {
+    for id in built.draws.iter().chain(&built.coordinates).flat_map(Output::numbers) {
         uses[id.index()] += 1;
     }
     for (at, operation) in built.graph.operations().iter().enumerate().rev() {
         if uses[at] > 0 {
-            operands(*operation).for_each(|operand| uses[operand.index()] += 1);
+            operation.operands().for_each(|operand| uses[operand.index()] += 1);
         }
     }
     uses
@@ -76,7 +53,7 @@ fn count_uses(built: &Built) -> Vec<u32> {
 
 struct Compiler<'a> {
     graph: &'a Graph,
-    states: u32,
+    given: u32,
     /// For each number that is the same for all particles, its place among those.
     plain: Vec<u32>,
     registers: Registers,
@@ -108,6 +85,9 @@ impl Compiler<'_> {
                 Operation::OfTwo(operation, a, b) if !self.graph.varies(a) && !self.graph.varies(b) => {
                     Step::OfTwo(operation, place(a), place(b))
                 }
+                Operation::If(c, a, b) if ![c, a, b].iter().any(|operand| self.graph.varies(*operand)) => {
+                    Step::If(place(c), place(a), place(b))
+                }
                 _ => continue,
             };
             self.plain[at] = (constants.len() + steps.len()) as u32;
@@ -116,30 +96,37 @@ impl Compiler<'_> {
         (constants, steps)
     }
 
-    /// The instructions for a coordinate's numbers, and its distribution.
-    fn coordinate(&mut self, coordinate: &Coordinate) -> Output {
-        coordinate.numbers().for_each(|number| self.compute(number));
+    /// The instructions for a coordinate's numbers, and what it is.
+    fn output(&mut self, output: &Output) -> instruction::Output {
+        output.numbers().for_each(|number| self.compute(number));
+        let what = match output {
+            Output::Follows(id) => What::Follows(self.source(*id)),
+            Output::Drawn(coordinate) => What::Drawn(self.drawn(coordinate)),
+        };
+        output.numbers().for_each(|number| self.release(number));
+        instruction::Output { end: self.instructions.len(), what }
+    }
+
+    /// Where the numbers of a distribution are.
+    fn drawn(&self, coordinate: &Coordinate) -> Drawn {
         // What the family does not take is some other number of it.
         let mut parameters = [self.source(coordinate.parameters[0]); 3];
         for (source, parameter) in parameters.iter_mut().zip(&coordinate.parameters) {
             *source = self.source(*parameter);
         }
-        let output = Output {
+        Drawn {
             kind: coordinate.family.kind,
-            end: self.instructions.len(),
             parameters,
             scale: coordinate.scale.map(|scale| self.source(scale)),
             shift: coordinate.shift.map(|shift| self.source(shift)),
-        };
-        coordinate.numbers().for_each(|number| self.release(number));
-        output
+        }
     }
 
     /// Where a number of each particle is, once it is computed.
     fn place(&self, id: Id) -> Place {
         match self.graph.operation(id) {
             Operation::State(number) => number,
-            _ => self.states + self.held[id.index()].unwrap_or_default(),
+            _ => self.given + self.held[id.index()].unwrap_or_default(),
         }
     }
 
@@ -177,7 +164,7 @@ impl Compiler<'_> {
                 continue;
             }
             let operation = self.graph.operation(next);
-            let missing = operands(operation).find(|operand| !is_there(self, *operand));
+            let missing = operation.operands().find(|operand| !is_there(self, *operand));
             if let Some(missing) = missing {
                 waiting.push(missing);
                 continue;
@@ -190,7 +177,7 @@ impl Compiler<'_> {
     /// Appends the instruction of a number whose operands are there.
     fn append(&mut self, id: Id, operation: Operation) {
         // The result may take the register of an operand.
-        operands(operation).for_each(|operand| self.release(operand));
+        operation.operands().for_each(|operand| self.release(operand));
         let out = self.registers.take();
         self.held[id.index()] = Some(out);
         self.instructions.extend(match operation {
@@ -199,6 +186,9 @@ impl Compiler<'_> {
             Operation::OfOne(operation, a) => Some(Instruction::OfOne(operation, out, self.place(a))),
             Operation::Integer(a, n) => Some(Instruction::Integer(out, self.place(a), n)),
             Operation::OfTwo(operation, a, b) => Some(of_two(operation, out, self.source(a), self.source(b))),
+            Operation::If(c, a, b) => {
+                Some(Instruction::If(out, self.source(c), self.source(a), self.source(b)))
+            }
         });
     }
 }

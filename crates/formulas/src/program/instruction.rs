@@ -6,15 +6,19 @@ use crate::tables::Kind;
 /// What a section computes.
 #[derive(Debug, Clone)]
 pub(crate) struct Program {
-    /// How many states it is given.
-    pub(super) states: usize,
+    /// How many numbers of each particle it is given: states, and behind them draws.
+    pub(super) given: usize,
     /// The first plain numbers; the others are computed by `steps`, one each.
     pub(super) constants: Vec<f64>,
     pub(super) steps: Vec<Step>,
     /// How many numbers of each particle it keeps at a time.
     pub(super) registers: usize,
     pub(super) instructions: Vec<Instruction>,
+    /// What is drawn before the coordinates: each becomes one of the numbers that it is given.
+    pub(super) draws: Vec<Output>,
     pub(super) coordinates: Vec<Output>,
+    /// Whether coordinates are given to those below them.
+    pub(super) in_order: bool,
     /// The states that each coordinate depends on, in ascending order.
     pub(super) depends_on: Vec<Vec<u32>>,
 }
@@ -26,9 +30,10 @@ pub(super) enum Step {
     OfOne(Unary, u32),
     Integer(u32, i32),
     OfTwo(Binary, u32, u32),
+    If(u32, u32, u32),
 }
 
-/// A number of each particle: that of a state, or after those of a register.
+/// A number of each particle: one that is given, or after those of a register.
 pub(super) type Place = u32;
 
 /// Where a number is.
@@ -57,14 +62,28 @@ pub(super) enum Instruction {
     OfOne(Unary, u32, Place),
     Integer(u32, Place, i32),
     OfTwo(Binary, u32, Source, Source),
+    If(u32, Source, Source, Source),
+}
+
+/// What a coordinate is.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Output {
+    /// The instructions up to here come before it.
+    pub(super) end: usize,
+    pub(super) what: What,
+}
+
+/// A distribution, or a number without noise.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum What {
+    Drawn(Drawn),
+    Follows(Source),
 }
 
 /// The distribution of a coordinate.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Output {
+pub(super) struct Drawn {
     pub(super) kind: Kind,
-    /// The instructions up to here come before it.
-    pub(super) end: usize,
     pub(super) parameters: [Source; 3],
     pub(super) scale: Option<Source>,
     pub(super) shift: Option<Source>,

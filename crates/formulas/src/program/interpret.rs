@@ -3,17 +3,62 @@
 use std::ops::Range;
 
 use motes_models::batch::by_widest_vectors;
-use motes_models::equations::{Coordinates, Scalar, with_scalars};
+use motes_models::equations::{Coordinates, Distribution, Draws, Scalar, with_scalars};
 
-use super::instruction::{Instruction, Output, Place, Program, Source, Step};
+use super::instruction::{Instruction, Output, Place, Program, Source, Step, What};
+use crate::operations::choice;
 
 impl Program {
-    /// Pushes the distributions of the coordinates at a time, given the states.
+    /// Makes the coordinates of a state at a time, given the state before: draws, and what follows.
+    ///
+    /// # Panics
+    /// If there are fewer states than the model has.
+    pub(crate) fn make<S: Scalar>(
+        &self,
+        time: f64,
+        previous: &[S],
+        draws: &mut impl Draws<S>,
+        state: &mut [S],
+    ) {
+        let gives = self.in_order || !self.draws.is_empty();
+        with_scalars::<f64, _>(self.constants.len() + self.steps.len(), |plain| {
+            self.plain(time, plain);
+            with_scalars::<S, _>(self.registers + if gives { self.given } else { 0 }, |memory| {
+                let (registers, given) = memory.split_at_mut(self.registers);
+                if !gives {
+                    let mut run = Run { given: previous, count: self.given, plain, registers };
+                    let mut start = 0;
+                    for (output, coordinate) in self.coordinates.iter().zip(state) {
+                        *coordinate = run.output(&self.instructions, &mut start, output, draws);
+                    }
+                    return;
+                }
+                given[..previous.len()].copy_from_slice(previous);
+                let first = self.given - self.draws.len();
+                let mut start = 0;
+                let mut next = |given: &[S], output: &Output| {
+                    let mut run = Run { given, count: self.given, plain, registers: &mut *registers };
+                    run.output(&self.instructions, &mut start, output, draws)
+                };
+                for (number, output) in self.draws.iter().enumerate() {
+                    given[first + number] = next(given, output);
+                }
+                for (number, (output, coordinate)) in self.coordinates.iter().zip(state).enumerate() {
+                    *coordinate = next(given, output);
+                    if self.in_order {
+                        given[number] = *coordinate;
+                    }
+                }
+            });
+        });
+    }
+
+    /// Pushes the distributions of the coordinates of a measurement at a time, given the states.
     ///
     /// # Panics
     /// If there are fewer states than the model has.
     pub(crate) fn push<S: Scalar>(&self, time: f64, states: &[S], coordinates: &mut impl Coordinates<S>) {
-        self.push_along(time, states, 0..self.states, coordinates);
+        self.push_along(time, states, 0..self.given, coordinates);
     }
 
     /// The same, but that coordinates that depend on none of the states in `along` are passed over, where there are any.
@@ -27,11 +72,11 @@ impl Program {
         along: Range<usize>,
         coordinates: &mut impl Coordinates<S>,
     ) {
-        let is_all = along.start == 0 && along.end >= self.states;
+        let is_all = along.start == 0 && along.end >= self.given;
         with_scalars::<f64, _>(self.constants.len() + self.steps.len(), |plain| {
             self.plain(time, plain);
             with_scalars::<S, _>(self.registers, |registers| {
-                let mut run = Run { states, count: self.states, plain, registers };
+                let mut run = Run { given: states, count: self.given, plain, registers };
                 let mut start = 0;
                 for (output, depends_on) in self.coordinates.iter().zip(&self.depends_on) {
                     // What one coordinate computes others may use.
@@ -58,6 +103,7 @@ impl Program {
                 Step::OfOne(operation, a) => operation.of(value(a)),
                 Step::Integer(a, n) => value(a).powi(n),
                 Step::OfTwo(operation, a, b) => operation.of(value(a), value(b)),
+                Step::If(c, a, b) => choice(value(c), value(a), value(b)),
             };
         }
     }
@@ -65,8 +111,8 @@ impl Program {
 
 /// The numbers that instructions work on.
 struct Run<'a, S> {
-    states: &'a [S],
-    /// How many states the model has.
+    given: &'a [S],
+    /// How many numbers are given.
     count: usize,
     plain: &'a [f64],
     registers: &'a mut [S],
@@ -76,7 +122,7 @@ impl<S: Scalar> Run<'_, S> {
     #[inline(always)]
     fn varied(&self, place: Place) -> S {
         let place = place as usize;
-        if place < self.count { self.states[place] } else { self.registers[place - self.count] }
+        if place < self.count { self.given[place] } else { self.registers[place - self.count] }
     }
 
     #[inline(always)]
@@ -121,14 +167,51 @@ impl<S: Scalar> Run<'_, S> {
             Instruction::OfOne(operation, out, a) => (out, operation.of(self.varied(a))),
             Instruction::Integer(out, a, n) => (out, self.varied(a).powi(n)),
             Instruction::OfTwo(operation, out, a, b) => (out, operation.of(self.value(a), self.value(b))),
+            Instruction::If(out, c, a, b) => (out, choice(self.value(c), self.value(a), self.value(b))),
+        }
+    }
+
+    /// The value of the next output, drawn if it is not known.
+    #[inline(always)]
+    fn output(
+        &mut self,
+        instructions: &[Instruction],
+        start: &mut usize,
+        output: &Output,
+        draws: &mut impl Draws<S>,
+    ) -> S {
+        self.all(&instructions[*start..output.end]);
+        *start = output.end;
+        match &output.what {
+            What::Follows(source) => self.value(*source),
+            What::Drawn(_) => {
+                let mut one = OneDraw { draws, drawn: S::from(f64::NAN) };
+                self.push(output, &mut one);
+                one.drawn
+            }
         }
     }
 
     #[inline(always)]
     fn push(&self, output: &Output, coordinates: &mut impl Coordinates<S>) {
-        let parameters = output.parameters.map(|source| self.value(source));
-        let scale = output.scale.map(|source| self.value(source));
-        let shift = output.shift.map(|source| self.value(source));
-        output.kind.push(parameters, scale, shift, coordinates);
+        // A measurement is always drawn.
+        let What::Drawn(drawn) = &output.what else { return };
+        let parameters = drawn.parameters.map(|source| self.value(source));
+        let scale = drawn.scale.map(|source| self.value(source));
+        let shift = drawn.shift.map(|source| self.value(source));
+        drawn.kind.push(parameters, scale, shift, coordinates);
+    }
+}
+
+/// Draws from the distribution that it is told.
+struct OneDraw<'a, D, S> {
+    draws: &'a mut D,
+    drawn: S,
+}
+
+impl<S, D: Draws<S>> Coordinates<S> for OneDraw<'_, D, S> {
+    #[inline(always)]
+    fn push(&mut self, distribution: Distribution<S>) {
+        self.drawn = self.draws.draw(distribution);
     }
 }

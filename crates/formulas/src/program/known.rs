@@ -2,7 +2,7 @@
 
 use motes_models::equations::with_scalars;
 
-use super::instruction::{Program, Source, Step};
+use super::instruction::{Program, Source, Step, What};
 use crate::tables::Kind;
 
 /// The distribution of a coordinate as far as it is the same for all states: a number that depends on them is none.
@@ -23,7 +23,7 @@ impl Program {
         self.steps.iter().any(|step| matches!(step, Step::Time))
     }
 
-    /// What is known of each coordinate's distribution at a time.
+    /// What is known of the distribution of each coordinate that has one at a time.
     pub(crate) fn known(&self, time: f64) -> Vec<Known> {
         with_scalars::<f64, _>(self.constants.len() + self.steps.len(), |plain| {
             self.plain(time, plain);
@@ -32,13 +32,17 @@ impl Program {
                 Source::Varied(_) => None,
             };
             let of = |source: Option<Source>, otherwise: f64| source.map_or(Some(otherwise), value);
-            let outputs = self.coordinates.iter().map(|output| Known {
-                kind: output.kind,
-                parameters: output.parameters.map(value),
-                scale: of(output.scale, 1.0),
-                shift: of(output.shift, 0.0),
+            let drawn = self.coordinates.iter().filter_map(|output| match &output.what {
+                What::Drawn(drawn) => Some(drawn),
+                What::Follows(_) => None,
             });
-            outputs.collect()
+            let known = drawn.map(|drawn| Known {
+                kind: drawn.kind,
+                parameters: drawn.parameters.map(value),
+                scale: of(drawn.scale, 1.0),
+                shift: of(drawn.shift, 0.0),
+            });
+            known.collect()
         })
     }
 }

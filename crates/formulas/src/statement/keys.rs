@@ -17,8 +17,10 @@ pub(super) struct Key<'t> {
     /// As it is written.
     pub(super) written: &'t str,
     pub(super) name: String,
-    /// The length of a vector.
+    /// The length of a vector, or of the part of it that the key is about.
     pub(super) length: Option<usize>,
+    /// Where that part begins; none where it is all of it.
+    pub(super) part: Option<usize>,
     pub(super) at: usize,
     pub(super) value: &'t Value,
 }
@@ -31,9 +33,10 @@ impl Key<'_> {
 
     /// The name with its length.
     fn full(&self) -> String {
-        match self.length {
-            Some(length) => format!("{}[{length}]", self.name),
-            None => self.name.clone(),
+        match (self.length, self.part) {
+            (Some(_), Some(_)) => self.written.to_string(),
+            (Some(length), None) => format!("{}[{length}]", self.name),
+            (None, _) => self.name.clone(),
         }
     }
 
@@ -62,8 +65,29 @@ pub(super) fn read<'t>(
         if let Some(problem) = taken(&key.name, section) {
             return Err(key.fault(section, problem));
         }
-        if !names.insert(key.name.clone()) {
-            return Err(key.twice(section, section));
+        let goes_on = keys.last().filter(|before| before.name == key.name);
+        match (key.part, goes_on.and_then(|before| before.part.zip(before.length))) {
+            (Some(_), _) if section == Section::Definitions => {
+                return Err(key.fault(section, Problem::PartOfDefinition(key.name.clone())));
+            }
+            (Some(first), Some((before, length))) if first == before + length => {}
+            (Some(first), Some((before, length))) => {
+                let (found, expected) = (first, before + length);
+                return Err(
+                    key.fault(section, Problem::PartApart { name: key.name.clone(), found, expected })
+                );
+            }
+            (Some(first), None) if first > 0 && !names.contains(&key.name) => {
+                let name = key.name.clone();
+                return Err(key.fault(section, Problem::PartApart { name, found: first, expected: 0 }));
+            }
+            (None, Some(_)) if key.length.is_some() => {
+                let index = key.coordinates();
+                let name = key.name.clone();
+                return Err(key.fault(section, Problem::OneCoordinate { name, index, after: index + 1 }));
+            }
+            _ if !names.insert(key.name.clone()) => return Err(key.twice(section, section)),
+            _ => {}
         }
         coordinates += key.coordinates();
         if coordinates > MOST {
@@ -85,28 +109,46 @@ fn taken(name: &str, section: Section) -> Option<Problem> {
     what.map(|what| Problem::Reserved { name: name.to_string(), what })
 }
 
-/// `x` or `x[40]`.
+/// `x` or `x[40]`, or a part of a vector: `x[0]`, its first coordinate, or `x[1..4]`, those from 1 on and before 4.
 fn key<'t>(entry: &'t Entry, parameters: &Parameters) -> Result<Key<'t>, Problem> {
     let written = entry.key.as_str();
-    let (name, length) = match written.split_once('[') {
-        None => (written, None),
+    let (name, length, part) = match written.split_once('[') {
+        None => (written, None, None),
         Some((name, rest)) => {
-            let Some(length) = rest.strip_suffix(']') else {
+            let Some(inside) = rest.strip_suffix(']') else {
                 return Err(Problem::BadName(written.to_string()));
             };
-            let bad = || Problem::BadLength { length: length.trim().to_string(), longest: MOST };
-            let number = length.trim().parse().ok().or_else(|| parameters.get(length.trim()));
-            let number = number.filter(|number: &f64| number.fract() == 0.0).ok_or_else(bad)?;
-            if !(1.0..=MOST as f64).contains(&number) {
-                return Err(bad());
-            }
-            (name.trim_end(), Some(number as usize))
+            let integer = |text: &str, least: f64| {
+                let number = text.trim().parse().ok().or_else(|| parameters.get(text.trim()));
+                let number = number.filter(|number: &f64| number.fract() == 0.0);
+                let number = number.filter(|number| (least..=MOST as f64).contains(number));
+                let bad = || Problem::BadLength { length: text.trim().to_string(), longest: MOST };
+                number.map(|number| number as usize).ok_or_else(bad)
+            };
+            let (length, part) = match inside.split_once("..") {
+                None if inside.trim() == "0" => (1, Some(0)),
+                None => (integer(inside, 1.0)?, None),
+                Some((first, end)) => {
+                    let (first, end) = (integer(first, 0.0)?, integer(end, 1.0)?);
+                    let empty = || Problem::EmptyPart { first, end };
+                    (end.checked_sub(first).filter(|length| *length > 0).ok_or_else(empty)?, Some(first))
+                }
+            };
+            (name.trim_end(), Some(length), part)
         }
     };
     if !is_name(name) {
         return Err(Problem::BadName(name.to_string()));
     }
-    Ok(Key { written, name: name.to_string(), length, at: entry.key_at, value: &entry.value })
+    Ok(Key { written, name: name.to_string(), length, part, at: entry.key_at, value: &entry.value })
+}
+
+/// The names of keys with the lengths of their vectors, of which parts are put together.
+pub(super) fn wholes<'k, 't>(keys: &'k [Key<'t>]) -> impl Iterator<Item = (&'k Key<'t>, Option<usize>)> {
+    keys.chunk_by(|a, b| a.name == b.name).map(|parts| {
+        let length = parts[0].length.map(|_| parts.iter().map(Key::coordinates).sum());
+        (&parts[0], length)
+    })
 }
 
 /// The keys of [transition] in the order of those of [initial], which must be the same.
@@ -120,16 +162,22 @@ pub(super) fn matched<'t>(states: &[Key<'_>], moves: &[Key<'t>]) -> Result<Vec<K
     if let Some(surplus) = moves.iter().find(|key| !names.contains(key.name.as_str())) {
         return Err(one_sided(surplus, Section::Transition, Section::Initial));
     }
-    let by_name: BTreeMap<&str, &Key<'t>> = moves.iter().map(|key| (key.name.as_str(), key)).collect();
-    let mut ordered = Vec::with_capacity(states.len());
-    for state in states {
+    let parts = moves.chunk_by(|a, b| a.name == b.name);
+    let by_name: BTreeMap<&str, &[Key<'t>]> = parts.map(|parts| (parts[0].name.as_str(), parts)).collect();
+    let mut ordered = Vec::with_capacity(moves.len());
+    for (state, length) in wholes(states) {
         let Some(&found) = by_name.get(state.name.as_str()) else {
             return Err(one_sided(state, Section::Initial, Section::Transition));
         };
-        if found.length != state.length {
-            return Err(found.fault(Section::Transition, Problem::OtherLength { expected: state.full() }));
+        let sum = found[0].length.map(|_| found.iter().map(Key::coordinates).sum::<usize>());
+        if sum != length {
+            let whole = length.map_or(state.name.clone(), |length| format!("{}[{length}]", state.name));
+            let has_parts = found[0].part.is_some();
+            let expected = if has_parts { format!("{whole} with all its parts") } else { whole };
+            let last = &found[found.len() - 1];
+            return Err(last.fault(Section::Transition, Problem::OtherLength { expected }));
         }
-        ordered.push(found.clone());
+        ordered.extend(found.iter().cloned());
     }
     Ok(ordered)
 }

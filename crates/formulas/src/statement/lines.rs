@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::keys::Key;
 use crate::document::Found;
 use crate::error::{Fault, Place, Problem, Section};
-use crate::syntax::{Formula, Meaning, Node, Scope, parse};
+use crate::syntax::{Formula, Meaning, Scope, parse};
 
 /// The formula of a coordinate, of all coordinates of a vector, or of a definition.
 #[derive(Debug, Clone)]
@@ -13,8 +13,10 @@ pub(crate) struct Line {
     pub(crate) name: String,
     /// The key as it is written: `x`, or `x[40]`.
     pub(crate) key: String,
-    /// The length of a vector.
+    /// The length of a vector, or of the part of it that the line is about.
     pub(crate) length: Option<usize>,
+    /// The index of the first coordinate.
+    pub(crate) first: usize,
     pub(crate) formula: Formula,
     /// The line of the file, from 1.
     pub(crate) number: usize,
@@ -33,15 +35,7 @@ impl Line {
     /// The name of a coordinate: `x`, or `x[3]`.
     pub(crate) fn coordinate(&self, number: usize) -> String {
         match self.length {
-            Some(_) => format!("{}[{number}]", self.name),
-            None => self.name.clone(),
-        }
-    }
-
-    /// The name with the length of a vector: `x`, or `x[40]`.
-    pub(crate) fn full_name(&self) -> String {
-        match self.length {
-            Some(length) => format!("{}[{length}]", self.name),
+            Some(_) => format!("{}[{}]", self.name, self.first + number),
             None => self.name.clone(),
         }
     }
@@ -66,8 +60,13 @@ impl Reader<'_> {
     }
 
     fn line(&self, key: &Key<'_>, section: Section) -> Result<Line, Fault> {
-        let Found::Text { text, inner } = &key.value.found else {
-            return Err(self.no_formula(key, section));
+        let (text, inner) = match (&key.value.found, section) {
+            (Found::Text { text, inner }, _) => (text, *inner),
+            // A number needs no quotes.
+            (Found::Number(_, written), section) if section != Section::Measurement => {
+                (written, Some(key.value.at))
+            }
+            _ => return Err(self.no_formula(key, section)),
         };
         let scope = Scope { names: self.names, section, is_vector: key.length.is_some() };
         let parsed = parse(text, scope).and_then(|formula| check_noise(formula, section));
@@ -83,6 +82,7 @@ impl Reader<'_> {
             name: key.name.clone(),
             key: key.written.to_string(),
             length: key.length,
+            first: key.part.unwrap_or(0),
             formula,
             number: Place::line_and_column(self.text, at)[0],
             at,
@@ -93,9 +93,6 @@ impl Reader<'_> {
     fn no_formula(&self, key: &Key<'_>, section: Section) -> Fault {
         let value = key.value;
         let expected = match (&value.found, section) {
-            (Found::Number(_, written), Section::Definitions) => {
-                format!("a formula in quotes, \"{written}\"; a number can also stand in [parameters]")
-            }
             (Found::Number(_, written), _) => {
                 format!("a distribution in quotes, as in \"normal({written}, 1)\"")
             }
@@ -106,23 +103,11 @@ impl Reader<'_> {
     }
 }
 
-/// A coordinate has a distribution; that of a state is continuous.
+/// A measurement has a distribution.
 fn check_noise(formula: Formula, section: Section) -> Result<Formula, Fault> {
-    if section == Section::Definitions {
+    if section != Section::Measurement || formula.has_noise() {
         return Ok(formula);
     }
-    let counts = formula.nodes.iter().zip(&formula.spans).find_map(|(node, span)| match node {
-        Node::Random(family, _) if family.is_of_counts() => Some((family.name, span.start)),
-        _ => None,
-    });
-    match counts {
-        Some((name, at)) if section != Section::Measurement => {
-            Err(Fault::at(at, Problem::CountsAsState(name.to_string())))
-        }
-        _ if formula.is_random.last() == Some(&true) => Ok(formula),
-        _ => {
-            let example = format!("normal({}, 0.01)", formula.text.trim());
-            Err(Fault::at(0, Problem::NoNoise { example }))
-        }
-    }
+    let example = format!("normal({}, 0.01)", formula.text.trim());
+    Err(Fault::at(0, Problem::NoNoise { example }))
 }

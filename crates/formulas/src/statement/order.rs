@@ -1,10 +1,7 @@
 //! The order of definitions: each after those that it uses.
 
-use std::collections::BTreeMap;
-
 use super::lines::Line;
 use crate::error::Problem;
-use crate::syntax::{Meaning, Node};
 
 /// Whether a definition has been ordered.
 #[derive(Clone, Copy, PartialEq)]
@@ -46,17 +43,4 @@ pub(super) fn of(definitions: &[Line]) -> Result<Vec<usize>, (usize, Problem)> {
         }
     }
     Ok(order)
-}
-
-/// Notes in `names` which definitions depend on states.
-pub(super) fn mark_states(order: &[usize], definitions: &[Line], names: &mut BTreeMap<String, Meaning>) {
-    let mut depends = vec![false; definitions.len()];
-    for &number in order {
-        let line = &definitions[number];
-        let uses_state = line.formula.nodes.iter().any(|node| matches!(node, Node::State { .. }));
-        depends[number] = uses_state || line.formula.definitions().any(|used| depends[used]);
-        if let Some(Meaning::Definition { needs_states, .. }) = names.get_mut(&line.name) {
-            *needs_states = depends[number];
-        }
-    }
 }

@@ -10,6 +10,7 @@ pub(super) struct Sections {
     pub(super) parameters: Table,
     pub(super) initial: Table,
     pub(super) definitions: Table,
+    pub(super) draws: Table,
     pub(super) transition: Table,
     pub(super) measurement: Table,
 }
@@ -61,6 +62,7 @@ impl Sections {
             Section::Parameters => &mut self.parameters,
             Section::Initial => &mut self.initial,
             Section::Definitions => &mut self.definitions,
+            Section::Draws => &mut self.draws,
             Section::Transition => &mut self.transition,
             Section::Measurement => &mut self.measurement,
         }

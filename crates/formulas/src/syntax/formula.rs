@@ -27,6 +27,7 @@ pub(crate) enum Node {
     Time,
     /// `i`.
     Coordinate,
+    /// A state; beyond those a draw.
     State {
         first: usize,
         length: usize,
@@ -37,8 +38,15 @@ pub(crate) enum Node {
         length: usize,
         element: Element,
     },
+    /// An entry of a list, by its indices.
+    Entry {
+        list: usize,
+        indices: Vec<NodeId>,
+    },
     OfOne(Unary, NodeId),
     OfTwo(Binary, NodeId, NodeId),
+    /// The second where the first is not 0, else the third.
+    If([NodeId; 3]),
     /// The one distribution of the formula.
     Random(&'static Family, Vec<NodeId>),
 }
@@ -58,6 +66,11 @@ impl Formula {
     /// The text of a node.
     pub(crate) fn text_of(&self, node: NodeId) -> &str {
         self.spans.get(node).and_then(|span| self.text.get(span.clone())).unwrap_or(&self.text)
+    }
+
+    /// Whether it has a distribution.
+    pub(crate) fn has_noise(&self) -> bool {
+        self.is_random.last() == Some(&true)
     }
 
     /// The node that is its value.

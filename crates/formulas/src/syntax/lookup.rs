@@ -49,17 +49,20 @@ pub(super) fn known(name: &str, scope: Scope<'_>, in_index: bool, has_index: boo
         "i" => Node::Coordinate,
         _ => match scope.names.get(name) {
             Some(Meaning::Parameter(value)) => Node::Named(*value),
-            Some(Meaning::State { .. }) if scope.section == Section::Initial => {
-                return Err(Problem::StateInInitial(owned()));
+            Some(Meaning::List { .. }) if in_index => return Err(Problem::BadIndex(format!("`{name}`"))),
+            Some(&Meaning::List { dimensions, .. }) if !has_index => {
+                let example = format!("{name}[{}]", vec!["0"; dimensions].join(", "));
+                return Err(Problem::Indices { name: owned(), example });
             }
-            Some(&Meaning::State { first, length }) => {
+            Some(&Meaning::List { number, .. }) => Node::Entry { list: number, indices: Vec::new() },
+            Some(Meaning::Draw { .. }) if !has_draws(scope.section) => {
+                return Err(Problem::DrawElsewhere(owned()));
+            }
+            Some(&(Meaning::State { first, length } | Meaning::Draw { first, length })) => {
                 check_index(name, length, has_index)?;
                 Node::State { first, length: length.unwrap_or(1), element: Element::Whole }
             }
-            Some(Meaning::Definition { needs_states: true, .. }) if scope.section == Section::Initial => {
-                return Err(Problem::StateInInitial(owned()));
-            }
-            Some(&Meaning::Definition { number, length, .. }) => {
+            Some(&Meaning::Definition { number, length }) => {
                 check_index(name, length, has_index)?;
                 Node::Definition { number, length: length.unwrap_or(1), element: Element::Whole }
             }
@@ -77,6 +80,11 @@ pub(super) fn known(name: &str, scope: Scope<'_>, in_index: bool, has_index: boo
         Node::Time | Node::Named(_) | Node::Coordinate if has_index => Err(Problem::NotAVector(owned())),
         node => Ok(node),
     }
+}
+
+/// Whether draws of a step are known in a section.
+fn has_draws(section: Section) -> bool {
+    matches!(section, Section::Draws | Section::Transition)
 }
 
 /// Whether a name has an index where it needs one, and none elsewhere.
@@ -97,10 +105,11 @@ fn unknown(name: &str, scope: Scope<'_>) -> Problem {
         return Problem::NotCalled { name: name.to_string(), call: call(name, family.parameters) };
     }
     let usable = |meaning: &Meaning| match meaning {
-        Meaning::Parameter(_) => true,
+        Meaning::Parameter(_) | Meaning::List { .. } | Meaning::State { .. } | Meaning::Definition { .. } => {
+            true
+        }
+        Meaning::Draw { .. } => has_draws(scope.section),
         Meaning::Measurement => false,
-        Meaning::State { .. } => scope.section != Section::Initial,
-        Meaning::Definition { needs_states, .. } => scope.section != Section::Initial || !needs_states,
     };
     let names = scope.names.iter().filter(|(_, meaning)| usable(meaning)).map(|(name, _)| name.as_str());
     let names: Vec<&str> = names.chain(["t", "pi"]).collect();

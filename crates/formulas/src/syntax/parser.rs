@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::formula::{Element, Formula, Node, NodeId};
 use super::lookup::{Known, called, known};
-use super::scope::Scope;
+use super::scope::{Meaning, Scope};
 use super::token::{Token, next};
 use crate::error::{Fault, Problem};
 use crate::operations::{Binary, Unary};
@@ -17,20 +17,32 @@ const DEEPEST: usize = 100;
 const LONGEST: usize = 100_000;
 
 /// How strongly a sign binds what follows it: more than a product, less than a power.
-const SIGN: u8 = 5;
+const SIGN: u8 = 13;
+
+/// How strongly `not` binds what follows it: more than `and`, less than a comparison.
+const NOT: u8 = 5;
 
 /// An operator between two operands, with how strongly it binds its left and its right one.
 fn infix(token: Token) -> Option<(Binary, u8, u8)> {
     match token {
-        Token::Plus => Some((Binary::Add, 1, 2)),
-        Token::Minus => Some((Binary::Subtract, 1, 2)),
-        Token::Times => Some((Binary::Multiply, 3, 4)),
-        Token::Over => Some((Binary::Divide, 3, 4)),
+        Token::Or => Some((Binary::Or, 1, 2)),
+        Token::And => Some((Binary::And, 3, 4)),
+        Token::Less | Token::Greater => Some((Binary::Less, COMPARISON, COMPARISON + 1)),
+        Token::AtMost | Token::AtLeast => Some((Binary::AtMost, COMPARISON, COMPARISON + 1)),
+        Token::Equal => Some((Binary::Equal, COMPARISON, COMPARISON + 1)),
+        Token::NotEqual => Some((Binary::NotEqual, COMPARISON, COMPARISON + 1)),
+        Token::Plus => Some((Binary::Add, 9, 10)),
+        Token::Minus => Some((Binary::Subtract, 9, 10)),
+        Token::Times => Some((Binary::Multiply, 11, 12)),
+        Token::Over => Some((Binary::Divide, 11, 12)),
         // x^y^z is x^(y^z).
-        Token::Power => Some((Binary::Power, 8, 7)),
+        Token::Power => Some((Binary::Power, 16, 15)),
         _ => None,
     }
 }
+
+/// How strongly a comparison binds its operands.
+const COMPARISON: u8 = 7;
 
 /// Reads the formula of a coordinate or definition.
 pub(crate) fn parse(text: &str, scope: Scope<'_>) -> Result<Formula, Fault> {
@@ -109,13 +121,19 @@ impl<'a> Parser<'a> {
             else {
                 break;
             };
-            if self.in_index && matches!(operator, Binary::Divide | Binary::Power) {
+            if self.in_index && !matches!(operator, Binary::Add | Binary::Subtract | Binary::Multiply) {
                 return Err(Fault::at(self.at.start, Problem::BadIndex(self.found())));
             }
             debug_assert!(strength >= floor);
+            let is_swapped = matches!(self.ahead, Token::Greater | Token::AtLeast);
             self.advance()?;
             let right = self.expression(next)?;
-            left = self.of_two(operator, left, right)?;
+            left = self.of_two(operator, left, right, is_swapped)?;
+            let is_comparison = strength == COMPARISON;
+            if is_comparison && infix(self.ahead).is_some_and(|(_, own, _)| own == COMPARISON) {
+                let problem = Problem::ChainedComparison(self.found());
+                return Err(Fault::at(self.at.start, problem));
+            }
         }
         self.depth -= 1;
         Ok(left)
@@ -142,6 +160,15 @@ impl<'a> Parser<'a> {
                 let is_random = self.formula.is_random[operand];
                 Ok(self.add(Node::OfOne(Unary::Negative, operand), span, is_random))
             }
+            Token::Not => {
+                let not = self.advance()?;
+                let operand = self.expression(NOT)?;
+                if self.formula.is_random[operand] {
+                    return Err(self.random_inside(operand, "not".into()));
+                }
+                let span = not.start..self.formula.spans[operand].end;
+                Ok(self.add(Node::OfOne(Unary::Not, operand), span, false))
+            }
             Token::Open => {
                 let open = self.advance()?;
                 let inner = self.expression(0)?;
@@ -167,6 +194,11 @@ impl<'a> Parser<'a> {
             };
         }
         let node = known(name, self.scope, self.in_index, self.ahead == Token::OpenIndex).map_err(faulty)?;
+        if let (Node::Entry { list, .. }, Some(Meaning::List { dimensions, .. })) =
+            (&node, self.scope.names.get(name))
+        {
+            return self.entry(*list, *dimensions, name, span.clone());
+        }
         let (element, end) = if self.ahead == Token::OpenIndex {
             self.advance()?;
             self.in_index = true;
@@ -183,6 +215,31 @@ impl<'a> Parser<'a> {
             other => other,
         };
         Ok(self.add(node, span.start..end, false))
+    }
+
+    /// An entry of a list, whose indices are any numbers.
+    fn entry(
+        &mut self,
+        list: usize,
+        dimensions: usize,
+        name: &str,
+        span: Range<usize>,
+    ) -> Result<NodeId, Fault> {
+        self.advance()?;
+        let mut indices = vec![self.expression(0)?];
+        while self.ahead == Token::Comma {
+            self.advance()?;
+            indices.push(self.expression(0)?);
+        }
+        let close = self.expect(Token::CloseIndex, "a comma or a closing bracket ]")?;
+        if indices.len() != dimensions {
+            let example = format!("{name}[{}]", vec!["0"; dimensions].join(", "));
+            return Err(Fault::at(span.start, Problem::Indices { name: name.to_string(), example }));
+        }
+        if let Some(random) = indices.iter().find(|index| self.formula.is_random[**index]) {
+            return Err(self.random_inside(*random, "an index".into()));
+        }
+        Ok(self.add(Node::Entry { list, indices }, span.start..close.end, false))
     }
 
     /// The arguments of what is called, and the end of its closing parenthesis.
@@ -204,8 +261,14 @@ impl<'a> Parser<'a> {
     fn numbers(&mut self, name: &str, parameters: &[&str], at: usize) -> Result<(Vec<NodeId>, usize), Fault> {
         let (arguments, end) = self.arguments()?;
         let call = call(name, parameters);
-        if arguments.len() != parameters.len() {
+        let is_open = parameters.last() == Some(&"…");
+        let fits = match is_open {
+            true => arguments.len() + 1 >= parameters.len(),
+            false => arguments.len() == parameters.len(),
+        };
+        if !fits {
             let expected = match parameters.len() {
+                _ if is_open => format!("{} arguments or more", parameters.len() - 1),
                 1 => "one argument".to_string(),
                 count => format!("{count} arguments"),
             };
@@ -221,7 +284,15 @@ impl<'a> Parser<'a> {
         let (arguments, end) = self.numbers(function.name, function.parameters, span.start)?;
         let node = match (function.operation, arguments.as_slice()) {
             (Operation::OfOne(operation), [a]) => Node::OfOne(operation, *a),
-            (Operation::OfTwo(operation), [a, b]) => Node::OfTwo(operation, *a, *b),
+            (Operation::OfTwo(operation) | Operation::OfMany(operation), [a, b]) => {
+                Node::OfTwo(operation, *a, *b)
+            }
+            (Operation::OfMany(operation), [first, rest @ ..]) => {
+                return Ok(rest.iter().fold(*first, |left, right| {
+                    self.add(Node::OfTwo(operation, left, *right), span.start..end, false)
+                }));
+            }
+            (Operation::If, [condition, then, otherwise]) => Node::If([*condition, *then, *otherwise]),
             // The table's parameters are those of its operations.
             _ => Node::Number(f64::NAN),
         };
@@ -233,7 +304,14 @@ impl<'a> Parser<'a> {
         Ok(self.add(Node::Random(family, arguments), span.start..end, true))
     }
 
-    fn of_two(&mut self, operator: Binary, left: NodeId, right: NodeId) -> Result<NodeId, Fault> {
+    /// An operation on what stands on its left and on its right, whose operands are `is_swapped`: `a > b` is `b < a`.
+    fn of_two(
+        &mut self,
+        operator: Binary,
+        left: NodeId,
+        right: NodeId,
+        is_swapped: bool,
+    ) -> Result<NodeId, Fault> {
         let is_random = [left, right].map(|operand| self.formula.is_random[operand]);
         let span = self.formula.spans[left].start..self.formula.spans[right].end;
         match (operator, is_random) {
@@ -246,9 +324,16 @@ impl<'a> Parser<'a> {
             (Binary::Power, [left_is, _]) => {
                 return Err(self.random_inside(if left_is { left } else { right }, "a power".into()));
             }
-            _ => self.refuse_moved_counts(left, right)?,
+            (Binary::Add | Binary::Subtract | Binary::Multiply | Binary::Divide, _) => {
+                self.refuse_moved_counts(left, right)?;
+            }
+            (_, [left_is, _]) => {
+                let random = if left_is { left } else { right };
+                return Err(self.random_inside(random, "a comparison".into()));
+            }
         }
-        Ok(self.add(Node::OfTwo(operator, left, right), span, is_random.contains(&true)))
+        let (first, second) = if is_swapped { (right, left) } else { (left, right) };
+        Ok(self.add(Node::OfTwo(operator, first, second), span, is_random.contains(&true)))
     }
 
     /// The name of the distribution in a node, and where it is.

@@ -8,8 +8,18 @@ use crate::error::Section;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Meaning {
     Parameter(f64),
+    /// A parameter that is a list, with so many indices.
+    List {
+        number: usize,
+        dimensions: usize,
+    },
     /// Coordinates of the state from `first` on.
     State {
+        first: usize,
+        length: Option<usize>,
+    },
+    /// Draws of a step, the first of which is so much behind the states.
+    Draw {
         first: usize,
         length: Option<usize>,
     },
@@ -17,7 +27,6 @@ pub(crate) enum Meaning {
     Definition {
         number: usize,
         length: Option<usize>,
-        needs_states: bool,
     },
 }
 

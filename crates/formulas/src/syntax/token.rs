@@ -20,28 +20,40 @@ pub(super) enum Token {
     OpenIndex,
     CloseIndex,
     Comma,
+    Less,
+    AtMost,
+    Greater,
+    AtLeast,
+    Equal,
+    NotEqual,
+    And,
+    Or,
+    Not,
     End,
 }
 
 impl Token {
     /// Whether an operand begins with it, if it does not end an expression.
     pub(super) fn begins_operand(self) -> bool {
-        matches!(self, Token::Number(_) | Token::Name | Token::Open)
+        matches!(self, Token::Number(_) | Token::Name | Token::Open | Token::Not)
     }
 }
 
 /// What to do instead of a character that formulas do not have.
 fn advice(found: char) -> &'static str {
     match found {
-        '<' | '>' | '!' | '?' => "there are no comparisons; min, max, abs and floor may do",
-        '=' => "arguments have no names, and the formula is all that stands in quotes",
+        '!' => "write not, or != for what differs",
+        '?' => "a choice is written if(c, a, b)",
+        '&' => "write and, as in x > 0 and x < 1",
+        '|' => "write or, as in x < 0 or x > 1",
+        '=' => "arguments have no names, and equality is written ==",
         '·' | '×' | '∙' => "a product is written with *",
         '÷' => "a quotient is written with /",
         '−' | '–' => "a minus is written -",
         '²' | '³' => "a power is written x^2",
         '√' => "the square root is written sqrt(x)",
         '{' | '}' => "parentheses are written ( and )",
-        '%' => "there is no remainder; x - n*floor(x/n) is one",
+        '%' => "a remainder is written mod(x, n)",
         '.' => "numbers are written 0.5, 10, 1e-3",
         '~' => "the distribution is written alone, as in \"normal(0, 1)\"",
         ';' | ':' => "arguments are separated by commas",
@@ -100,6 +112,7 @@ pub(super) fn next(text: &str, from: usize) -> Result<(Token, Range<usize>), Fau
     let start = text.len() - rest.len();
     let Some(first) = rest.chars().next() else { return Ok((Token::End, start..start)) };
     let one = |token| Ok((token, start..start + 1));
+    let two = |token| Ok((token, start..start + 2));
     match first {
         '+' => one(Token::Plus),
         '-' => one(Token::Minus),
@@ -115,6 +128,12 @@ pub(super) fn next(text: &str, from: usize) -> Result<(Token, Range<usize>), Fau
         '[' => one(Token::OpenIndex),
         ']' => one(Token::CloseIndex),
         ',' => one(Token::Comma),
+        '<' if rest.starts_with("<=") => two(Token::AtMost),
+        '<' => one(Token::Less),
+        '>' if rest.starts_with(">=") => two(Token::AtLeast),
+        '>' => one(Token::Greater),
+        '=' if rest.starts_with("==") => two(Token::Equal),
+        '!' if rest.starts_with("!=") => two(Token::NotEqual),
         _ if begins_number(rest) => {
             let end = end_of_number(rest);
             let value = number(&rest[..end]).map_err(|problem| Fault::at(start, problem))?;
@@ -122,7 +141,13 @@ pub(super) fn next(text: &str, from: usize) -> Result<(Token, Range<usize>), Fau
         }
         _ if begins_name(first) => {
             let end = rest.find(|c| !is_in_name(c)).unwrap_or(rest.len());
-            Ok((Token::Name, start..start + end))
+            let token = match &rest[..end] {
+                "and" => Token::And,
+                "or" => Token::Or,
+                "not" => Token::Not,
+                _ => Token::Name,
+            };
+            Ok((token, start..start + end))
         }
         found => Err(Fault::at(start, Problem::UnexpectedCharacter { found, advice: advice(found) })),
     }

@@ -76,7 +76,7 @@ pub struct Family {
 }
 
 impl Family {
-    /// Whether it is one of counts, which belong to measurements and can be neither shifted nor scaled.
+    /// Whether it is one of counts, which can be neither shifted nor scaled.
     pub fn is_of_counts(&self) -> bool {
         matches!(self.kind, Kind::Poisson | Kind::NegativeBinomial | Kind::Binomial | Kind::Bernoulli)
     }

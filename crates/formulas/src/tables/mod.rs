@@ -15,6 +15,7 @@ pub(crate) fn reserved(name: &str) -> Option<&'static str> {
         "t" => Some("the time"),
         "i" => Some("the number of a vector's coordinate"),
         "pi" => Some("the circle constant"),
+        "and" | "or" | "not" => Some("an operator"),
         _ if function(name).is_some() => Some("a function"),
         _ => None,
     }

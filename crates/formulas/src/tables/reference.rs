@@ -11,13 +11,12 @@ pub fn reference() -> String {
         page += &format!("| `{}` | {} |\n", call(function.name, function.parameters), function.about);
     }
     page += "| `pi` | The circle constant, 3.14159… |\n";
-    page += "\n| distribution | what it is | for | parameters |\n|---|---|---|---|\n";
+    page += "\n| distribution | what it is | parameters |\n|---|---|---|\n";
     for family in &FAMILIES {
-        let place = if family.is_of_counts() { "measurements" } else { "states, measurements" };
         let ranges = family.parameters.iter().zip(family.ranges);
         let ranges: Vec<_> = ranges.map(|(name, range)| format!("{name}: {}", range.words())).collect();
         let (call, about) = (call(family.name, family.parameters), family.about);
-        page += &format!("| `{call}` | {about} | {place} | {} |\n", ranges.join("; "));
+        page += &format!("| `{call}` | {about} | {} |\n", ranges.join("; "));
     }
     page
 }

@@ -39,3 +39,12 @@ fn the_line_that_is_not_is_named() {
         assert!(why_not(linear, &format!("normal({other}, 1)")).is_some(), "{other}");
     }
 }
+
+/// Catches one that is granted though draws stand before the state.
+#[test]
+fn draws_stand_in_the_way() {
+    let drawn = model(
+        "[initial]\nx = \"normal(0, 1)\"\n[draws]\ns = \"gamma(2, 1)\"\n[transition]\nx = \"normal(x, s)\"\n[measurement]\ny = \"normal(x, 1)\"\n",
+    );
+    insta::assert_snapshot!(drawn.closed_form().unwrap_err().to_string(), @"m.toml, line 4, [draws] s: `gamma(2, 1)` is drawn apart from the coordinates; in the closed form each coordinate has its own distribution");
+}

@@ -26,7 +26,7 @@ fn they_simulate() {
         assert_eq!(data.measurements.width(), file.measurements.len());
         names.push(file.name);
     }
-    assert!(names.len() >= 11, "{names:?}");
+    assert!(names.len() >= 14, "{names:?}");
 }
 
 /// A definition may have the name of a distribution: only what is called is one.

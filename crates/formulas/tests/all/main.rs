@@ -1,6 +1,7 @@
 //! Models of files, from outside.
 
 mod arithmetic;
+mod choices;
 mod closed_form;
 mod distributions;
 mod examples;

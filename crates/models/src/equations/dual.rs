@@ -1,5 +1,6 @@
 //! Numbers that carry their derivatives: forward-mode automatic differentiation.
 
+use std::f64::consts::{FRAC_1_SQRT_2, FRAC_2_SQRT_PI};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use bytemuck::{Pod, Zeroable};
@@ -314,6 +315,18 @@ impl<S: Plain, const E: usize> Scalar for Dual<S, E> {
     fn ln_gamma(self) -> Self {
         self.chain(self.value().ln_gamma(), self.value().digamma())
     }
+
+    #[inline(always)]
+    fn erf(self) -> Self {
+        let x = self.value();
+        self.chain(x.erf(), (-(x * x)).exp() * FRAC_2_SQRT_PI)
+    }
+
+    #[inline(always)]
+    fn normal_cdf(self) -> Self {
+        let x = self.value();
+        self.chain(x.normal_cdf(), (x * x * -0.5).exp() * (FRAC_2_SQRT_PI * FRAC_1_SQRT_2 * 0.5))
+    }
 }
 
 impl<S: Plain, const E: usize> Dual<S, E> {
@@ -354,6 +367,7 @@ mod tests {
             (x - y).where_positive(x * x, y * 2.0),
             (y - x).where_positive(x * x, y * 2.0),
             (x * y).ln_gamma(),
+            (x - y).erf() + (y - x * 2.0).normal_cdf(),
         ]
     }
 

@@ -162,4 +162,12 @@ impl<const W: usize> Scalar for Lanes<W> {
     fn ln_gamma(self) -> Self {
         self.map(Scalar::ln_gamma)
     }
+
+    fn erf(self) -> Self {
+        self.map(Scalar::erf)
+    }
+
+    fn normal_cdf(self) -> Self {
+        self.map(Scalar::normal_cdf)
+    }
 }

@@ -14,7 +14,7 @@ use crate::{StateSpaceModel, Step};
 /// All arguments are tiles of [`LANES`] particles, coordinates in rows.
 pub trait Linearise: StateSpaceModel {
     /// Mean and variance of each coordinate of `x_t` given `previous` (`N × LANES`), or of `x_0` where there is none; location and squared
-    /// scale where the variance is infinite.
+    /// scale where the variance is infinite. Of a model without a density of states the variances are those of the first `N` draws.
     fn tile_moments(
         &self,
         step: &Step<'_>,

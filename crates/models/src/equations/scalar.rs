@@ -1,5 +1,6 @@
 //! What the formulas of a model are computed with: a number, many numbers side by side, or numbers that carry derivatives.
 
+use std::f64::consts::FRAC_1_SQRT_2;
 use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -81,6 +82,12 @@ pub trait Scalar:
     /// `log Γ(x)` for `x > 0`, NaN elsewhere.
     #[must_use]
     fn ln_gamma(self) -> Self;
+    /// The error function, `2/√π ∫₀ˣ e^{−u²} du`.
+    #[must_use]
+    fn erf(self) -> Self;
+    /// `Φ(x)`, the distribution function of the standard normal distribution, with all digits in the lower tail.
+    #[must_use]
+    fn normal_cdf(self) -> Self;
 }
 
 impl Scalar for f64 {
@@ -169,6 +176,16 @@ impl Scalar for f64 {
     #[inline(always)]
     fn ln_gamma(self) -> f64 {
         if self > 0.0 { Gamma::ln_gamma(self).0 } else { f64::NAN }
+    }
+
+    #[inline(always)]
+    fn erf(self) -> f64 {
+        special::Error::error(self)
+    }
+
+    #[inline(always)]
+    fn normal_cdf(self) -> f64 {
+        0.5 * special::Error::compl_error(-self * FRAC_1_SQRT_2)
     }
 }
 

@@ -124,7 +124,7 @@ pub(super) struct FilterSettingsArgs {
     /// The number of particles
     #[arg(long, value_name = "K", allow_negative_numbers = true, default_value = "1000", value_parser = integer(1..=1_000_000_000_usize))]
     pub(super) particles: usize,
-    /// The share of particles that are drawn from the transition whatever the proposal is, from 0 to below 1; if absent 0.1 of a learned proposal, 0 of others
+    /// The share of particles that are drawn from the transition whatever the proposal is, from 0 to below 1; if absent 0.1 of a learned proposal, 0.1 of linearised where it draws noise that is not normal, else 0
     #[arg(long, value_name = "W", allow_negative_numbers = true, value_parser = share)]
     pub(super) defensive: Option<f64>,
     /// Resample where the effective sample size is below this share of the particles, above 0 and at most 1; 1 is at each step
@@ -330,7 +330,7 @@ pub(super) struct CompareArgs {
     /// The number of times in each simulated sequence
     #[arg(long, value_name = "T", allow_negative_numbers = true, default_value = "100", value_parser = integer(1..=1_000_000_000_usize))]
     pub(super) steps: usize,
-    /// The share of particles that are drawn from the transition whatever the proposal is; if absent 0.1 of learned proposals, 0 of others
+    /// The share of particles that are drawn from the transition whatever the proposal is; if absent 0.1 of learned proposals, 0.1 of linearised where it draws noise that is not normal, else 0
     #[arg(long, value_name = "W", allow_negative_numbers = true, value_parser = share)]
     pub(super) defensive: Option<f64>,
     /// Resample where the effective sample size is below this share of the particles; 1 is at each step

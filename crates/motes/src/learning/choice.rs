@@ -24,7 +24,8 @@ fn candidates(
     model: &dyn LearnableModel,
     options: &LearnOptions,
 ) -> Result<Vec<AmortisedConfig>, MotesError> {
-    let n = model.state_dim();
+    let shape = shape_of(model);
+    let n = shape.draws.map_or(shape.state_dim, |[initial, later]| initial.max(later));
     let bases = match options.base {
         Some(base) => vec![base],
         None if Linearised::new(model)?.sees_measurements() => vec![Base::Linearised, Base::Transition],

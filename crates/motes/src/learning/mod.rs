@@ -107,6 +107,10 @@ fn learn_until(
     if options.objective.needs_recorded() && recorded.is_empty() {
         return Err(TrainError::NoRecorded { objective: options.objective.to_string() }.into());
     }
+    if learnable.density().is_none() && !recorded.is_empty() {
+        let reason = "the states of this model have no density, so nothing is learned from recorded data: leave them out, and it is learned from simulations";
+        return Err(MotesError::Setting(reason.into()));
+    }
     if options.objective == LearnObjective::Fivo && matches!(options.head, Some(HeadConfig::Mixture { .. })) {
         return Err(TrainError::Draws.into());
     }

@@ -66,13 +66,21 @@ fn opinion(opinions: &[Option<Verdict>]) -> Option<String> {
     }
 }
 
+/// The share that was asked for, or what there is where none was.
+fn defensive_share(options: &FilterOptions) -> String {
+    match (options.defensive, &options.proposal) {
+        (None, ProposalName::Linearised) => "0, or 0.1 where noise is drawn that is not normal".into(),
+        _ => options.defensive_share().to_string(),
+    }
+}
+
 /// What a filter of the model of that file or name was made with, a name and a value each; `set` are parameters that were given other values.
 pub fn filter_settings(model: &str, set: &[(String, f64)], options: &FilterOptions) -> Vec<(String, String)> {
     let mut settings = vec![
         ("model".to_string(), model.to_string()),
         ("proposal".into(), options.proposal.to_string()),
         ("particles".into(), options.particles.to_string()),
-        ("defensive share".into(), options.defensive_share().to_string()),
+        ("defensive share".into(), defensive_share(options)),
         ("resample below".into(), options.resample_below.to_string()),
         ("resampling".into(), format!("{:?}", options.resampling).to_lowercase()),
         ("seed".into(), options.seed.to_string()),

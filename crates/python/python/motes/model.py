@@ -69,7 +69,8 @@ class FilterSettings(TypedDict, total=False):
     proposal: str | Proposal
     #: `K`.
     particles: int
-    #: The share of particles that is drawn from the transition; 0.1 of a learned proposal and 0 of others if None.
+    #: The share of particles that is drawn from the transition. If None, 0.1 of a learned proposal, 0.1 of `linearised` where it
+    #: draws noise that is not normal, and 0 else.
     defensive: float | None
     #: Resample where the effective sample size is below this share of `particles`; at each step where it is 1.
     resample_below: float

@@ -192,13 +192,14 @@ impl<M: StateSpaceModel + ?Sized, P: Proposal<M>> BankStep<'_, M, P> {
             drop(conditional);
             return self.draw_from_transition(context, first, streams, states, increments);
         }
-        let defensive = self.common.settings.defensive_weight;
+        let asked = self.common.settings.defensive_weight;
+        let defensive = asked.filter(|weight| *weight > 0.0);
         if defensive.is_none() && conditional.sample_weighted(streams, states, increments) {
             return self.check_states(first, states);
         }
         with_scratch(2 * increments.len(), |terms| {
             let (transitions, likelihoods) = terms.split_at_mut(increments.len());
-            if conditional.sample_by_noise(defensive, streams, states, increments) {
+            if conditional.sample_by_noise(asked, streams, states, increments) {
                 self.check_states(first, states)?;
                 self.common.log_likelihoods(states, likelihoods)?;
                 increments.iter_mut().zip(&*likelihoods).for_each(|(ratio, likelihood)| *ratio += likelihood);

@@ -16,7 +16,8 @@ pub struct FilterSettings {
     /// When they are drawn.
     pub resample_when: ResampleWhen,
     /// `α`, the transition's share in a defensive mixture `(1 − α) q + α p(x_t | x_{t−1})` that particles are drawn from instead of
-    /// from the proposal `q`; none without such a mixture.
+    /// from the proposal `q`. Where none is given there is no such mixture, but for a proposal of noise that has a share of its own
+    /// ([`noise_share`](crate::noise_share)), which 0 takes away.
     ///
     /// The transition weighs at most `p(y_t | x_t)/α` against it, so the weights are bounded wherever the likelihood is, however
     /// badly `q` covers the target (Hesterberg 1995).
@@ -70,10 +71,10 @@ impl FilterSettings {
             });
         }
         match self.defensive_weight {
-            Some(weight) if !(weight > 0.0 && weight < 1.0) => Err(FilterError::Setting {
+            Some(weight) if !(0.0..1.0).contains(&weight) => Err(FilterError::Setting {
                 name: "the transition's weight in a defensive mixture",
                 value: weight.to_string(),
-                expected: "between 0 and 1, both excluded",
+                expected: "from 0 to below 1",
             }),
             _ => self.resample_when.check(),
         }

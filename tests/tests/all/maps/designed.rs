@@ -1,19 +1,21 @@
 //! Designed filters, and what needs a density of states.
 
-use motes_models::{ModelError, Seed, Step, check_model};
+use motes_models::batch::LANES;
+use motes_models::equations::Lanes;
+use motes_models::{ModelError, Seed, StateSpaceModel, Step, check_model};
 use motes_smc::{
-    Bootstrap, Context, FilterError, FilterHistory, FilterSettings, GaussianBatch, Linearised,
+    Bootstrap, Context, FilterBank, FilterError, FilterHistory, FilterSettings, GaussianBatch, Linearised,
     ParticleFilter, Proposal, ProposalError, ResampleWhen, backward_simulation,
 };
 
 use super::models::{
-    ConstantVelocity, Delays, Epidemic, Population, Untrue, WhiteAcceleration, cases, delays, moves, people,
-    positions,
+    ConstantVelocity, Delays, Epidemic, Population, Shocks, Untrue, WhiteAcceleration, cases, delays, moves,
+    people, positions,
 };
 use super::score::score;
 
 /// With enough particles for `ẑ` to have no long tail.
-fn bootstrap<M: motes_models::StateSpaceModel>(model: &M, series: &super::models::Series) -> f64 {
+fn bootstrap<M: StateSpaceModel>(model: &M, series: &super::models::Series) -> f64 {
     score(model, &Bootstrap, FilterSettings::new(200), series)
 }
 
@@ -60,6 +62,78 @@ fn linearised_noise_leaves_evidence_unbiased() {
         println!("linearised, share {defensive_weight:?}: z = {found:.1?}");
         assert!(found.iter().all(|z| z.abs() < 4.0));
     }
+}
+
+/// Streams belong to blocks, whatever thread draws them.
+#[test]
+fn noise_is_the_same_on_any_number_of_threads() {
+    let epidemic = Epidemic { resets: true, shares: true };
+    let run = |threads: usize| {
+        let pool = rayon_core::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let proposal = Linearised::new(&epidemic).unwrap();
+            let settings = FilterSettings::new(3000);
+            let seed = Seed::from_u64(4);
+            let mut bank = FilterBank::new(&epidemic, proposal, settings, 2, &seed).unwrap();
+            bank.run_partial(&cases().measurements, |_| {}).unwrap();
+            [0, 1].map(|filter| bank.log_evidence(filter).to_bits())
+        })
+    };
+    let one = run(1);
+    assert_eq!(one, run(2));
+    assert_ne!(one[0], one[1]);
+}
+
+/// Derivatives along six draws, in two passes, against differences; an entry that is missing says nothing.
+#[test]
+fn scores_of_noise_are_those_of_differences() {
+    let (step, previous) =
+        (Shocks.step_of_index(3), [0.3; LANES].iter().chain(&[0.1; LANES]).copied().collect::<Vec<_>>());
+    let noise_space = Shocks.noise_space().unwrap();
+    let locations = |at: usize, by: f64| {
+        let (mut noise, mut states) = (vec![0.0; 6 * LANES], vec![0.0; 2 * LANES]);
+        noise[at * LANES..][..LANES].fill(by);
+        noise_space.tile_states(&step, Some(&previous), &noise, &mut states);
+        let (x, before) = (states[5], states[LANES + 5]);
+        [x * x, (x + before).exp()]
+    };
+    for is_missing in [false, true] {
+        let measurement = [Some(Lanes::from(0.7)), (!is_missing).then(|| Lanes::from(2.0))];
+        let (mut slopes, mut information) = (vec![9.0; 2 * LANES], vec![9.0; 2 * LANES]);
+        let mut jacobian = vec![9.0; 12 * LANES];
+        noise_space.tile_noise_scores(
+            &step,
+            Some(&previous),
+            &measurement,
+            &mut slopes,
+            &mut information,
+            &mut jacobian,
+        );
+        for at in 0..6 {
+            let [up, down] = [1e-6, -1e-6].map(|by| locations(at, by));
+            for entry in 0..2 {
+                let expected = if entry == 1 && is_missing { 0.0 } else { (up[entry] - down[entry]) / 2e-6 };
+                let found = jacobian[(entry * 6 + at) * LANES + 5];
+                assert!((found - expected).abs() < 1e-6, "entry {entry}, draw {at}: {found}, {expected}");
+            }
+        }
+    }
+}
+
+/// A draw that cannot vary, as nobody is there who could recover, leaves the derivatives along the others alone.
+#[test]
+fn a_draw_without_variance_leaves_the_others_alone() {
+    let epidemic = Epidemic { resets: true, shares: true };
+    let step = epidemic.step_of_index(1);
+    // Nobody is ill at first; all that comes is none, and the position of the others is known.
+    let previous: Vec<f64> = [13.0, 0.0, 0.0].iter().flat_map(|x| [*x; LANES]).collect();
+    let mut found = vec![0.0; 11 * LANES];
+    let (slopes, rest) = found.split_at_mut(LANES);
+    let (information, jacobian) = rest.split_at_mut(LANES);
+    let measurement = [Some(Lanes::from(1.0))];
+    let noise_space = epidemic.noise_space().unwrap();
+    noise_space.tile_noise_scores(&step, Some(&previous), &measurement, slopes, information, jacobian);
+    assert!(found.iter().all(|value| value.is_finite()), "{found:?}");
 }
 
 /// Where position and speed share the noise and the position is measured, the proposal is the optimum: weights hardly vary, where those of the transition do.

@@ -1,6 +1,6 @@
 //! The file as TOML: catches a section, key or value that would be ignored or misread.
 
-use super::{FILE, MOVE, changed, definitions, refused};
+use super::{FILE, MEASURE, MOVE, changed, refused};
 
 #[test]
 fn what_is_not_toml() {
@@ -43,7 +43,7 @@ fn a_section_with_another_name() {
 #[test]
 fn a_key_that_there_is_not() {
     insta::assert_snapshot!(refused(&(r#"author = "me"
-"#.to_string() + FILE)), @"m.toml, line 1, column 1: a model file has no `author` here; it has name, kind, [parameters], [initial], [definitions], [transition], [measurement]");
+"#.to_string() + FILE)), @"m.toml, line 1, column 1: a model file has no `author` here; it has name, kind, [parameters], [initial], [definitions], [draws], [transition], [measurement]");
 }
 
 #[test]
@@ -64,13 +64,8 @@ fn a_kind_that_there_is_not() {
 }
 
 #[test]
-fn a_coordinate_that_is_a_number() {
-    insta::assert_snapshot!(refused(&changed(FILE, &[(MOVE, "x = 3")])), @r#"m.toml, line 7, column 5, [transition] x: it is the number 3; it must be a distribution in quotes, as in "normal(3, 1)""#);
-}
-
-#[test]
-fn a_definition_that_is_a_number() {
-    insta::assert_snapshot!(refused(&definitions("d = 3.5")), @r#"m.toml, line 7, column 5, [definitions] d: it is the number 3.5; it must be a formula in quotes, "3.5"; a number can also stand in [parameters]"#);
+fn a_measurement_that_is_a_number() {
+    insta::assert_snapshot!(refused(&changed(FILE, &[(MEASURE, "y = 3")])), @r#"m.toml, line 9, column 5, [measurement] y: it is the number 3; it must be a distribution in quotes, as in "normal(3, 1)""#);
 }
 
 #[test]

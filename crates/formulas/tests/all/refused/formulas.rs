@@ -33,13 +33,33 @@ fn a_power_of_two_stars() {
 }
 
 #[test]
-fn a_comparison() {
-    insta::assert_snapshot!(refused(&transition("normal(x > 0, 1)")), @"m.toml, line 7, column 15, [transition] x: `>` has no meaning in a formula; there are no comparisons; min, max, abs and floor may do");
+fn a_comparison_of_a_comparison() {
+    insta::assert_snapshot!(refused(&transition("normal(0 < x < 1, 1)")), @"m.toml, line 7, column 19, [transition] x: `<` compares a comparison; write both with and, as in 0 < x and x < 1");
+}
+
+#[test]
+fn a_distribution_that_is_compared() {
+    insta::assert_snapshot!(refused(&transition("normal(x, 1) > 0")), @"m.toml, line 7, column 6, [transition] x: `normal` stands inside of a comparison; it can be shifted and scaled, as in x + 3*exponential(1); for more, make it a line of [draws] and use its value");
+}
+
+#[test]
+fn a_remainder_as_in_other_languages() {
+    insta::assert_snapshot!(refused(&transition("normal(x % 2, 1)")), @"m.toml, line 7, column 15, [transition] x: `%` has no meaning in a formula; a remainder is written mod(x, n)");
+}
+
+#[test]
+fn a_conjunction_as_in_other_languages() {
+    insta::assert_snapshot!(refused(&transition("normal(if(x > 0 && x < 1, 1, 2), 1)")), @"m.toml, line 7, column 22, [transition] x: `&` has no meaning in a formula; write and, as in x > 0 and x < 1");
+}
+
+#[test]
+fn a_choice_without_its_other_side() {
+    insta::assert_snapshot!(refused(&transition("normal(if(x > 0, 1), 1)")), @"m.toml, line 7, column 13, [transition] x: `if(c, a, b)` takes 3 arguments, not 2");
 }
 
 #[test]
 fn an_argument_with_a_name() {
-    insta::assert_snapshot!(refused(&transition("normal(mean=x, sd=1)")), @"m.toml, line 7, column 17, [transition] x: `=` has no meaning in a formula; arguments have no names, and the formula is all that stands in quotes");
+    insta::assert_snapshot!(refused(&transition("normal(mean=x, sd=1)")), @"m.toml, line 7, column 17, [transition] x: `=` has no meaning in a formula; arguments have no names, and equality is written ==");
 }
 
 #[test]

@@ -21,7 +21,7 @@ fn a_name_of_elsewhere() {
 
 #[test]
 fn a_function_that_there_is_not() {
-    insta::assert_snapshot!(refused(&transition("normal(logistic(x), 1)")), @"m.toml, line 7, column 13, [transition] x: `logistic` is not known here; there are sqrt, exp, log, abs, sin, cos, tan, tanh, atan, atan2, min, max, floor, normal, student_t, laplace, log_normal, exponential, gamma, uniform, poisson, negative_binomial, binomial, bernoulli");
+    insta::assert_snapshot!(refused(&transition("normal(softplus(x), 1)")), @"m.toml, line 7, column 13, [transition] x: `softplus` is not known here; there are sqrt, exp, log, abs, sin, cos, tan, tanh, atan, atan2, min, max, floor, ceil, round, mod, sign, log1p, expm1, logit, logistic, lgamma, erf, normal_cdf, if, normal, student_t, laplace, log_normal, exponential, gamma, uniform, poisson, negative_binomial, binomial, bernoulli");
 }
 
 #[test]
@@ -46,19 +46,19 @@ fn a_name_that_is_called() {
 
 #[test]
 fn a_measurement_in_a_formula() {
-    insta::assert_snapshot!(refused(&transition("normal(y, 1)")), @"m.toml, line 7, column 13, [transition] x: `y` is a measurement; formulas are made of states, parameters, definitions and t");
+    insta::assert_snapshot!(refused(&transition("normal(y, 1)")), @"m.toml, line 7, column 13, [transition] x: `y` is a measurement; formulas are made of states, draws, parameters, definitions and t");
 }
 
 #[test]
 fn a_state_before_there_is_one() {
-    insta::assert_snapshot!(refused(&initial("normal(x, 1)")), @"m.toml, line 5, column 13, [initial] x: `x` depends on states, and there is none before t = 0; [initial] is made of numbers and parameters");
+    insta::assert_snapshot!(refused(&initial("normal(x, 1)")), @"m.toml, line 5, column 13, [initial] x: `x` has no value here yet; [initial] goes in order, and a line can use those above it");
 }
 
 #[test]
 fn a_definition_of_states_before_there_are_any() {
     insta::assert_snapshot!(refused(&changed(FILE, &[("[transition]", r#"[definitions]
 d = "x/2"
-[transition]"#), (START, r#"x = "normal(d, 1)""#)])), @"m.toml, line 5, column 13, [initial] x: `d` depends on states, and there is none before t = 0; [initial] is made of numbers and parameters");
+[transition]"#), (START, r#"x = "normal(d, 1)""#)])), @"m.toml, line 5, column 13, [initial] x: `x` has no value here yet; [initial] goes in order, and a line can use those above it");
 }
 
 #[test]

@@ -1,67 +1,77 @@
 //! Distributions: catches a coordinate whose density would be another one, or none.
 
-use super::{FILE, MOVE, START, changed, measurement, refused, transition};
+use super::{FILE, MEASURE, MOVE, START, changed, measurement, refused, transition};
 
 #[test]
-fn a_coordinate_without_noise() {
+fn a_coordinate_that_is_no_number() {
     insta::assert_snapshot!(refused(&changed(FILE, &[(START, r#"x = "normal(0, 1)"
-v = "normal(0, 1)""#), (MOVE, r#"x = "normal(x, q)"
-v = "v + 0.1*x""#)])), @r#"m.toml, line 9, column 6, [transition] v: the coordinate has no noise, which is not supported yet; give it a little, as in "normal(v + 0.1*x, 0.01)""#);
+v = 0"#), (MOVE, r#"x = "normal(x, q)"
+v = "1/0""#)])), @"m.toml, line 9, column 6, [transition] v: the value is inf; it must be a finite number");
 }
 
 #[test]
 fn a_measurement_without_noise() {
-    insta::assert_snapshot!(refused(&measurement("x")), @r#"m.toml, line 9, column 6, [measurement] y: the coordinate has no noise, which is not supported yet; give it a little, as in "normal(x, 0.01)""#);
+    insta::assert_snapshot!(refused(&measurement("x")), @r#"m.toml, line 9, column 6, [measurement] y: a measurement has a distribution, as in "normal(x, 0.01)"; a formula without noise can be a state"#);
 }
 
 #[test]
 fn two_distributions() {
-    insta::assert_snapshot!(refused(&transition("x + normal(0, 1) + laplace(0, 1)")), @"m.toml, line 7, column 25, [transition] x: `laplace` is a second distribution; a coordinate has one, and what is random, too, is a state of its own");
+    insta::assert_snapshot!(refused(&transition("x + normal(0, 1) + laplace(0, 1)")), @"m.toml, line 7, column 25, [transition] x: `laplace` is a second distribution; a coordinate has one, and others stand in [draws]");
 }
 
 #[test]
 fn a_product_of_two_distributions() {
-    insta::assert_snapshot!(refused(&transition("normal(0, 1)*normal(0, 1)")), @"m.toml, line 7, column 19, [transition] x: `normal` is a second distribution; a coordinate has one, and what is random, too, is a state of its own");
+    insta::assert_snapshot!(refused(&transition("normal(0, 1)*normal(0, 1)")), @"m.toml, line 7, column 19, [transition] x: `normal` is a second distribution; a coordinate has one, and others stand in [draws]");
 }
 
 #[test]
 fn a_distribution_inside_of_a_function() {
-    insta::assert_snapshot!(refused(&transition("exp(normal(x, 1))")), @"m.toml, line 7, column 10, [transition] x: `normal` stands inside of exp(x); a distribution can only be shifted and scaled, as in x + 3*exponential(1)");
+    insta::assert_snapshot!(refused(&transition("exp(normal(x, 1))")), @"m.toml, line 7, column 10, [transition] x: `normal` stands inside of exp(x); it can be shifted and scaled, as in x + 3*exponential(1); for more, make it a line of [draws] and use its value");
 }
 
 #[test]
 fn a_distribution_as_an_argument() {
-    insta::assert_snapshot!(refused(&transition("normal(normal(x, 1), 1)")), @"m.toml, line 7, column 13, [transition] x: `normal` stands inside of normal(mean, sd); a distribution can only be shifted and scaled, as in x + 3*exponential(1)");
+    insta::assert_snapshot!(refused(&transition("normal(normal(x, 1), 1)")), @"m.toml, line 7, column 13, [transition] x: `normal` stands inside of normal(mean, sd); it can be shifted and scaled, as in x + 3*exponential(1); for more, make it a line of [draws] and use its value");
 }
 
 #[test]
 fn a_distribution_as_a_divisor() {
-    insta::assert_snapshot!(refused(&transition("x/gamma(2, 1)")), @"m.toml, line 7, column 8, [transition] x: `gamma` stands inside of a divisor; a distribution can only be shifted and scaled, as in x + 3*exponential(1)");
+    insta::assert_snapshot!(refused(&transition("x/gamma(2, 1)")), @"m.toml, line 7, column 8, [transition] x: `gamma` stands inside of a divisor; it can be shifted and scaled, as in x + 3*exponential(1); for more, make it a line of [draws] and use its value");
 }
 
 #[test]
 fn a_distribution_in_a_power() {
-    insta::assert_snapshot!(refused(&transition("normal(x, 1)^2")), @"m.toml, line 7, column 6, [transition] x: `normal` stands inside of a power; a distribution can only be shifted and scaled, as in x + 3*exponential(1)");
+    insta::assert_snapshot!(refused(&transition("normal(x, 1)^2")), @"m.toml, line 7, column 6, [transition] x: `normal` stands inside of a power; it can be shifted and scaled, as in x + 3*exponential(1); for more, make it a line of [draws] and use its value");
 }
 
 #[test]
 fn counts_that_are_shifted() {
-    insta::assert_snapshot!(refused(&measurement("poisson(3) + 1")), @"m.toml, line 9, column 6, [measurement] y: `poisson` gives counts, which cannot be shifted or scaled; its parameters can depend on states instead");
+    insta::assert_snapshot!(refused(&measurement("poisson(3) + 1")), @"m.toml, line 9, column 6, [measurement] y: `poisson` gives counts, which cannot be shifted or scaled; as a line of [draws] it can be part of any formula of [transition]");
 }
 
 #[test]
 fn counts_that_are_scaled() {
-    insta::assert_snapshot!(refused(&measurement("2*poisson(3)")), @"m.toml, line 9, column 8, [measurement] y: `poisson` gives counts, which cannot be shifted or scaled; its parameters can depend on states instead");
+    insta::assert_snapshot!(refused(&measurement("2*poisson(3)")), @"m.toml, line 9, column 8, [measurement] y: `poisson` gives counts, which cannot be shifted or scaled; as a line of [draws] it can be part of any formula of [transition]");
 }
 
 #[test]
 fn counts_with_a_sign() {
-    insta::assert_snapshot!(refused(&measurement("-binomial(3, 0.5)")), @"m.toml, line 9, column 7, [measurement] y: `binomial` gives counts, which cannot be shifted or scaled; its parameters can depend on states instead");
+    insta::assert_snapshot!(refused(&measurement("-binomial(3, 0.5)")), @"m.toml, line 9, column 7, [measurement] y: `binomial` gives counts, which cannot be shifted or scaled; as a line of [draws] it can be part of any formula of [transition]");
 }
 
 #[test]
-fn counts_as_a_state() {
-    insta::assert_snapshot!(refused(&transition("poisson(3)")), @"m.toml, line 7, column 6, [transition] x: `poisson` gives counts, which can be measured, but are no state; a state may have normal(mean, sd)");
+fn a_draw_in_a_measurement() {
+    insta::assert_snapshot!(refused(&changed(FILE, &[("[transition]", "[draws]\ne = \"normal(0, 1)\"\n[transition]"), (MEASURE, r#"y = "normal(x + e, 1)""#)])), @"m.toml, line 11, column 17, [measurement] y: `e` is a draw of a step; [draws] and [transition] can use it, and a state can keep it");
+}
+
+#[test]
+fn a_draw_in_a_definition() {
+    insta::assert_snapshot!(refused(&changed(FILE, &[("[transition]", "[draws]\ne = \"normal(0, 1)\"\n[definitions]\nd = \"2*e\"\n[transition]")])), @"m.toml, line 9, column 8, [definitions] d: `e` is a draw of a step; [draws] and [transition] can use it, and a state can keep it");
+}
+
+#[test]
+fn a_draw_of_a_draw_below() {
+    insta::assert_snapshot!(refused(&changed(FILE, &[("[transition]", "[draws]\na = \"normal(b, 1)\"\nb = \"normal(0, 1)\"\n[transition]")])), @"m.toml, line 7, column 13, [draws] a: `b` has no value here yet; [draws] goes in order, and a line can use those above it");
 }
 
 #[test]

@@ -48,8 +48,8 @@ fn an_index_beyond_all_integers() {
 }
 
 #[test]
-fn a_length_of_zero() {
-    insta::assert_snapshot!(refused(&changed(VECTOR, &[("x[40]", "x[0]")])), @"m.toml, line 5, column 1, [initial] x[0]: `0` is no length of a vector; it must be an integer from 1 to 10000, or a parameter that is one");
+fn a_length_below_one() {
+    insta::assert_snapshot!(refused(&changed(VECTOR, &[("x[40]", "x[-1]")])), @"m.toml, line 5, column 1, [initial] x[-1]: `-1` is no length of a vector; it must be an integer from 1 to 10000, or a parameter that is one");
 }
 
 #[test]
@@ -66,4 +66,77 @@ fn a_length_beyond_measure() {
 fn too_many_coordinates() {
     insta::assert_snapshot!(refused(&changed(VECTOR, &[(r#"x[40] = "normal(0, 1)""#, r#"x[6000] = "normal(0, 1)"
 z[6000] = "normal(0, 1)""#)])), @"m.toml, line 6, column 1, [initial] z[6000]: with it there are more than 10000 coordinates; there can be at most so many");
+}
+
+#[test]
+fn a_part_that_is_empty() {
+    insta::assert_snapshot!(refused(&changed(VECTOR, &[("x[40]", "x[3..3]")])), @"m.toml, line 5, column 1, [initial] x[3..3]: the part from 3 to before 3 is empty; x[1..4] are x[1], x[2] and x[3]");
+}
+
+#[test]
+fn a_part_that_leaves_coordinates_out() {
+    insta::assert_snapshot!(refused("[initial]\nx[0] = 1\nx[2..4] = 2\n[transition]\nx[4] = 1\n[measurement]\ny = \"normal(x[0], 1)\"\n"), @"m.toml, line 3, column 1, [initial] x[2..4]: parts of a vector go on without gaps: this one of `x` must begin at 1, not at 2");
+}
+
+#[test]
+fn a_part_that_begins_late() {
+    insta::assert_snapshot!(refused("[initial]\nx[1..4] = 2\n[transition]\nx[4] = 1\n[measurement]\ny = \"normal(x[0], 1)\"\n"), @"m.toml, line 2, column 1, [initial] x[1..4]: parts of a vector go on without gaps: this one of `x` must begin at 0, not at 1");
+}
+
+#[test]
+fn parts_that_are_too_few() {
+    insta::assert_snapshot!(refused("[initial]\nx[4] = 2\n[transition]\nx[0] = 1\nx[1..3] = 2\n[measurement]\ny = \"normal(x[0], 1)\"\n"), @"m.toml, line 5, column 1, [transition] x[1..3]: it must be x[4] with all its parts, as in [initial]");
+}
+
+#[test]
+fn a_definition_by_parts() {
+    insta::assert_snapshot!(refused("[initial]\nx = 2\n[definitions]\nd[0] = 1\nd[1..3] = 2\n[transition]\nx = \"d[0]\"\n[measurement]\ny = \"normal(x, 1)\"\n"), @"m.toml, line 4, column 1, [definitions] d[0]: `d` is defined by parts; a definition has one formula for all coordinates, which may use if(i == 0, …)");
+}
+
+/// A model with lists of parameters, whose measurement is one of them.
+fn listed(entry: &str) -> String {
+    format!(
+        "[parameters]\na = [1, 2, 3]\ng = [[1, 2], [3, 4]]\n[initial]\nx = 1\n[transition]\nx = 1\n[measurement]\ny = \"normal({entry}, 1)\"\n"
+    )
+}
+
+#[test]
+fn an_index_that_a_list_does_not_have() {
+    insta::assert_snapshot!(refused(&listed("a[3]")), @"m.toml, line 9, column 13, [measurement] y: `a` has no entry 3; its indices are 0 to 2");
+}
+
+#[test]
+fn a_list_without_an_index() {
+    insta::assert_snapshot!(refused(&listed("a")), @"m.toml, line 9, column 13, [measurement] y: `a` is a list; an entry is written a[0]");
+}
+
+#[test]
+fn a_list_of_lists_with_one_index() {
+    insta::assert_snapshot!(refused(&listed("g[1]")), @"m.toml, line 9, column 13, [measurement] y: `g` is a list; an entry is written g[0, 0]");
+}
+
+#[test]
+fn a_list_with_rows_of_different_lengths() {
+    insta::assert_snapshot!(refused(&listed("a[0]").replace("[3, 4]", "[3]")), @"m.toml, line 3, column 14, [parameters] g: it is a list; it must be a list of 2, as the first one");
+}
+
+#[test]
+fn a_list_with_a_text() {
+    insta::assert_snapshot!(refused(&listed("a[0]").replace("[1, 2, 3]", "[1, 'x']")), @r#"m.toml, line 2, column 9, [parameters] a: it is the text "x"; it must be a list of finite numbers"#);
+}
+
+#[test]
+fn an_empty_list() {
+    insta::assert_snapshot!(refused(&listed("a[0]").replace("[1, 2, 3]", "[]")), @"m.toml, line 2, column 5, [parameters] a: it is a list; it must be a list of one number or more");
+}
+
+#[test]
+fn one_coordinate_without_its_end() {
+    insta::assert_snapshot!(refused("[initial]\nx[0] = 1\nx[1] = 2\n[transition]\nx[2] = 1\n[measurement]\ny = \"normal(x[0], 1)\"\n"), @"m.toml, line 3, column 1, [initial] x[1]: `x[1]` is a vector of 1; one coordinate of `x` is written x[1..2]");
+}
+
+#[test]
+fn states_that_index_a_long_list() {
+    let list = vec!["1"; 10_000].join(", ");
+    insta::assert_snapshot!(refused(&format!("[parameters]\na = [{list}]\n[initial]\nx[10000] = 1\n[transition]\nx[10000] = \"normal(a[x[i]], 1)\"\n[measurement]\ny = \"normal(x[0], 1)\"\n")), @"m.toml, line 6, column 20, [transition] x[10000]: up to here the formulas come to more than 2000000 operations; shorter vectors would do");
 }

@@ -80,3 +80,20 @@ impl Draws<Lanes> for Guided<'_> {
         distribution.tile_from_normal(v)
     }
 }
+
+impl Distribution<Lanes> {
+    /// What the noise of each particle is transported to.
+    #[inline(always)]
+    pub(super) fn tile_from_normal(&self, v: Lanes) -> Lanes {
+        match self.formula(v) {
+            Some([value, _]) => value,
+            None => {
+                let mut lanes = [0.0; LANES];
+                for (lane, value) in lanes.iter_mut().enumerate() {
+                    *value = self.map(|parameter| parameter.0[lane]).from_normal(v.0[lane]);
+                }
+                Lanes(lanes)
+            }
+        }
+    }
+}

@@ -24,7 +24,11 @@ impl<const E: usize> Draws<Varied<E>> for Around {
         self.drawn += 1;
         match direction {
             None => mean,
-            Some(direction) => mean + variance.sqrt() * Varied::variable(Side::from(0.0), direction),
+            // At v = 0 the derivative of sd does not count; that of a root at 0 is no number.
+            Some(direction) => {
+                let sd = Varied::constant(variance.value().sqrt());
+                mean + sd * Varied::variable(Side::from(0.0), direction)
+            }
         }
     }
 }

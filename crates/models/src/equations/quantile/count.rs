@@ -1,35 +1,50 @@
 //! Counts as transports of a standard normal number: the smallest count whose distribution function reaches `Φ(v)`.
 
-use statrs::function::beta::checked_beta_reg;
-use statrs::function::gamma::{checked_gamma_lr, checked_gamma_ur};
-
 use super::normal;
 use crate::equations::distribution::Distribution;
 
 /// From here on not every integer is a number.
 const LARGEST: f64 = (1_u64 << 53) as f64;
 
-/// `P(X ≤ n)` and `P(X > n)` of a count, each from its own end.
-fn tails(distribution: &Distribution<f64>, n: f64) -> [f64; 2] {
-    let number = |found: Result<f64, _>| found.unwrap_or(f64::NAN);
+/// Terms that a tail may have: beyond, a count is too spread out to be had in floating point, and in any time.
+const MOST_TERMS: usize = 2_000_000;
+
+/// `p(n + 1) / p(n)` of a count.
+fn ratio(distribution: &Distribution<f64>, n: f64) -> f64 {
     match *distribution {
-        Distribution::Poisson { mean } => [
-            checked_gamma_ur(n + 1.0, mean).unwrap_or(f64::NAN),
-            checked_gamma_lr(n + 1.0, mean).unwrap_or(f64::NAN),
-        ],
-        Distribution::NegativeBinomial { mean, size } => {
-            let whole = mean + size;
-            [
-                number(checked_beta_reg(size, n + 1.0, size / whole)),
-                number(checked_beta_reg(n + 1.0, size, mean / whole)),
-            ]
-        }
-        Distribution::Binomial { n: trials, p } => [
-            number(checked_beta_reg(trials - n, n + 1.0, 1.0 - p)),
-            number(checked_beta_reg(n + 1.0, trials - n, p)),
-        ],
-        _ => [f64::NAN; 2],
+        Distribution::Poisson { mean } => mean / (n + 1.0),
+        Distribution::NegativeBinomial { mean, size } => (n + size) / (n + 1.0) * (mean / (mean + size)),
+        Distribution::Binomial { n: trials, p } => (trials - n) / (n + 1.0) * (p / (1.0 - p)),
+        _ => f64::NAN,
     }
+}
+
+/// `P(X ≤ n)` and `P(X > n)` of a count, the smaller one from its own end; NaN where there are too many terms.
+///
+/// A continued fraction of the incomplete beta function takes as many steps at large parameters as there are terms here.
+fn tails(distribution: &Distribution<f64>, n: f64) -> [f64; 2] {
+    let [mean, _] = distribution.moments();
+    let is_upper = n >= mean;
+    let (mut at, mut term, mut sum) = if is_upper {
+        (n + 1.0, distribution.log_density(n + 1.0).exp(), 0.0)
+    } else {
+        (n, distribution.log_density(n).exp(), 0.0)
+    };
+    for _ in 0..MOST_TERMS {
+        sum += term;
+        if term.is_nan() || term <= sum * (0.01 * f64::EPSILON) {
+            let sum: f64 = if sum.is_nan() { sum } else { sum.min(1.0) };
+            return if is_upper { [1.0 - sum, sum] } else { [sum, 1.0 - sum] };
+        }
+        if is_upper {
+            term *= ratio(distribution, at);
+            at += 1.0;
+        } else {
+            at -= 1.0;
+            term = if at < 0.0 { 0.0 } else { term / ratio(distribution, at) };
+        }
+    }
+    [f64::NAN; 2]
 }
 
 /// The largest count that there can be.
@@ -43,7 +58,8 @@ fn last(distribution: &Distribution<f64>) -> f64 {
 /// Whether there is but one count.
 fn is_certain(distribution: &Distribution<f64>) -> bool {
     match *distribution {
-        Distribution::Poisson { mean } | Distribution::NegativeBinomial { mean, .. } => mean == 0.0,
+        Distribution::Poisson { mean } => mean == 0.0,
+        Distribution::NegativeBinomial { mean, size } => mean == 0.0 && size > 0.0,
         Distribution::Binomial { n, p } => n == 0.0 || p == 0.0 || p == 1.0,
         _ => false,
     }
@@ -61,8 +77,10 @@ pub(super) fn from_normal(distribution: &Distribution<f64>, v: f64) -> f64 {
     }
     let most = last(distribution);
     let [mean, variance] = distribution.moments();
-    let guess = mean + variance.sqrt() * v;
-    if !(guess.abs() <= LARGEST) {
+    // Cornish and Fisher's approximation: the third cumulant of these is variance·(2·variance/mean − 1).
+    let skewed = (2.0 * variance / mean - 1.0) * (v * v - 1.0) / 6.0;
+    let guess = mean + variance.sqrt() * v + skewed;
+    if guess.is_nan() || guess.abs() > LARGEST {
         return f64::NAN;
     }
     let target = normal::log_upper(v.abs());
@@ -132,14 +150,97 @@ impl Distribution<f64> {
 }
 
 /// Which `v` are transported to `n`.
+///
+/// One tail gives both ends: what `n` adds to it is its own probability, with whatever rounding that has.
 fn interval(distribution: &Distribution<f64>, n: f64) -> [f64; 2] {
-    let end = |n: f64| {
-        let [below, above] = tails(distribution, n);
+    if is_certain(distribution) {
+        return [f64::NEG_INFINITY, f64::INFINITY];
+    }
+    let end = |below: f64, above: f64| {
         if below <= above { -normal::from_log_upper(below.ln()) } else { normal::from_log_upper(above.ln()) }
     };
-    let last = last(distribution);
-    [
-        if n == 0.0 || is_certain(distribution) { f64::NEG_INFINITY } else { end(n - 1.0) },
-        if n == last || is_certain(distribution) { f64::INFINITY } else { end(n) },
-    ]
+    let ([mean, _], own) = (distribution.moments(), distribution.log_density(n).exp());
+    if n < mean {
+        let [before, after] = if n == 0.0 { [0.0, 1.0] } else { tails(distribution, n - 1.0) };
+        [end(before, after), end(before + own, after - own)]
+    } else {
+        let [below, above] = if n == last(distribution) { [1.0, 0.0] } else { tails(distribution, n) };
+        [if n == 0.0 { f64::NEG_INFINITY } else { end(below - own, above + own) }, end(below, above)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::equations::{binomial, negative_binomial, poisson};
+
+    fn counts() -> [Distribution<f64>; 5] {
+        [poisson(0.3), poisson(40.0), negative_binomial(6.0, 1.5), binomial(15.0, 0.2), binomial(1.0, 0.9)]
+    }
+
+    #[test]
+    fn noise_is_transported_to_the_smallest_count_that_reaches_it() {
+        for distribution in counts() {
+            for v in [-6.0, -2.3, -0.4, 0.0, 0.8, 2.9, 5.5] {
+                let (mut n, mut below) = (0.0, distribution.log_density(0.0).exp());
+                // Φ(v) by its smaller tail; sums from 0 on are exact enough for these.
+                let reached = if v < 0.0 { normal::upper(-v) } else { 1.0 - normal::upper(v) };
+                while below < reached - 1e-13 {
+                    n += 1.0;
+                    below += distribution.log_density(n).exp();
+                }
+                let found = from_normal(&distribution, v);
+                assert_eq!(found, n, "{distribution:?} at {v}");
+            }
+        }
+    }
+
+    /// Whatever the Gaussian is, it gives all counts together the mass 1.
+    #[test]
+    fn masses_of_all_counts_add_up_to_one() {
+        for distribution in counts() {
+            for (centre, scale) in [(0.0, 1.0), (1.3, 4.0), (-2.0, 0.7)] {
+                let mass = |n: f64| {
+                    let guided = distribution.guided_count(n, centre, scale);
+                    (guided.log_ratio + distribution.log_density(n)).exp()
+                };
+                let most = last(&distribution).min(400.0) as usize;
+                let sum: f64 = (0..=most).map(|n| mass(n as f64)).filter(|mass| mass.is_finite()).sum();
+                assert!((sum - 1.0).abs() < 1e-9, "{distribution:?}: {sum}");
+            }
+            let prior = distribution.guided_count(1.0, 0.0, 1.0);
+            assert!(prior.log_ratio.abs() < 1e-12, "the noise's own distribution: {prior:?}");
+        }
+    }
+
+    /// Catches a distribution function whose series ends too early.
+    #[test]
+    fn masses_of_large_counts_are_their_probabilities() {
+        for distribution in
+            [binomial(1e7, 0.3), poisson(3e6), negative_binomial(1e5, 1e5), binomial(1e6, 0.999)]
+        {
+            for v in [-5.0, -1.2, -0.01, 0.3, 4.0] {
+                let n = from_normal(&distribution, v);
+                let [mean, variance] = distribution.moments();
+                // Nearly normal, but for its skewness.
+                assert!(
+                    (n - mean - variance.sqrt() * v).abs() < 0.2 * variance.sqrt(),
+                    "{distribution:?}: {n}"
+                );
+                let found = distribution.guided_count(n, 0.0, 1.0);
+                assert!(found.log_ratio.abs() < 1e-6, "{distribution:?} at {v}: {found:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_count_that_floating_point_does_not_have_is_none() {
+        assert!(from_normal(&negative_binomial(0.0, -1.0), 0.0).is_nan());
+        assert!(from_normal(&poisson(1e17), 0.0).is_nan());
+        assert!(from_normal(&binomial(2.5, 0.5), 0.0).is_nan());
+        assert!(from_normal(&binomial(3.0, 1.5), 0.0).is_nan());
+        assert!(from_normal(&poisson(-1.0), 0.0).is_nan());
+        assert_eq!(from_normal(&poisson(0.0), 3.0), 0.0);
+        assert_eq!(from_normal(&binomial(7.0, 1.0), -3.0), 7.0);
+    }
 }

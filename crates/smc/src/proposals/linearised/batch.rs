@@ -63,7 +63,13 @@ impl<M: Linearise + ?Sized> Conditional for LinearisedBatch<'_, M> {
         let (Of::Noise { draws, share: own }, Some(model)) = (self.of, self.model.noise_space()) else {
             return false;
         };
-        let mut batch = NoiseBatch { model, context: self.context, draws, scratch: self.scratch };
+        let mut batch = NoiseBatch {
+            model,
+            context: self.context,
+            states: self.model.state_dim(),
+            draws,
+            scratch: self.scratch,
+        };
         batch.sample(share.unwrap_or(own), streams, states, log_ratios);
         true
     }

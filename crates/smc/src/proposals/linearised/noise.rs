@@ -14,7 +14,8 @@ use crate::proposals::noise_share::log_weight_with_share;
 pub(super) struct NoiseBatch<'a> {
     pub(super) model: &'a dyn NoiseSpace,
     pub(super) context: Context<'a>,
-    /// `Q`.
+    /// `N` and `Q`.
+    pub(super) states: usize,
     pub(super) draws: usize,
     pub(super) scratch: &'a mut LinearisedScratch,
 }
@@ -22,8 +23,8 @@ pub(super) struct NoiseBatch<'a> {
 impl NoiseBatch<'_> {
     /// Finds `m` and `L`, `Λ = Lᵀ L`, from what the measurement says of the noise near 0.
     pub(super) fn condition(&mut self, measurement: &[Option<Lanes>]) {
-        let NoiseBatch { model, context, draws, scratch } = self;
-        let (n, m, draws) = (model.state_dim(), measurement.len(), *draws);
+        let NoiseBatch { model, context, states: n, draws, scratch } = self;
+        let (n, m, draws) = (*n, measurement.len(), *draws);
         let (tiles, triangle) = (context.particles.div_ceil(LANES), draws * (draws + 1) / 2);
         let LinearisedScratch { means, factors, tile, .. } = &mut **scratch;
         means.resize(tiles * draws * LANES, 0.0);
@@ -57,8 +58,8 @@ impl NoiseBatch<'_> {
         states: &mut [f64],
         log_ratios: &mut [f64],
     ) {
-        let NoiseBatch { model, context, draws, scratch } = self;
-        let (n, q, particles) = (model.state_dim(), *draws, log_ratios.len());
+        let NoiseBatch { model, context, states: n, draws, scratch } = self;
+        let (n, q, particles) = (*n, *draws, log_ratios.len());
         let LinearisedScratch { means, factors, noise, uniforms, .. } = &mut **scratch;
         noise.resize(particles * q, 0.0);
         for (stream, noise) in particles_by_stream(streams, noise, q, particles) {

@@ -27,7 +27,7 @@ use crate::proposals::noise_share::noise_share;
 ///
 /// - It also works for counts and heavy tails, whose Fisher information is finite.
 /// - An entry that says nothing finite at a particle's `m` is left out for that particle.
-/// - Where no location depends on the state, it is the transition, and [`Linearised::sees_measurements`] says so.
+/// - Where no location depends on the state (or, below, on the noise of the step), it is the transition, and [`Linearised::sees_measurements`] says so.
 /// - A measurement with gaps is used as far as it is there.
 /// - Of a model whose states have no density it is the same of the noise `v_t ~ N(0, I)` that states are made of ([`NoiseSpace`](motes_models::equations::NoiseSpace)):
 ///   `m = 0`, `P = I`, `J_j = ∂θ_j/∂v_t`, and a draw that is not normal is taken to be `mean + sd·v`. Particles weigh `p(y_t | x_t) N(v_t; 0, I) / q(v_t)`. Where some draws
@@ -90,7 +90,7 @@ impl Linearised {
         }
     }
 
-    /// Whether a measurement's location depends on the state. If not, this is the bootstrap proposal.
+    /// Whether a measurement's location depends on the state, or on the noise that is drawn. If not, this is the bootstrap proposal.
     pub fn sees_measurements(&self) -> bool {
         self.sees_measurements
     }
@@ -150,7 +150,8 @@ impl<M: Linearise + ?Sized> Proposal<M> for Linearised {
         }
         let of = self.of;
         if let (Of::Noise { draws, .. }, Some(noise)) = (of, model.noise_space()) {
-            NoiseBatch { model: noise, context, draws, scratch: &mut *scratch }.condition(&self.measurement);
+            NoiseBatch { model: noise, context, states: model.state_dim(), draws, scratch: &mut *scratch }
+                .condition(&self.measurement);
         }
         let (n, m) = (model.state_dim(), self.measurement.len());
         let (tiles, triangle) = (context.particles.div_ceil(LANES), n * (n + 1) / 2);

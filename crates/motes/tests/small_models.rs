@@ -1,0 +1,86 @@
+//! Small models of all kinds with exact answers: counts, regimes, known starts, coordinates without noise, shared draws, lists, conditions, delays.
+
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use motes::{Data, FilterOptions, Filtered, Model, ProposalName, filter, smooth};
+
+/// A model with its data, the exact log-evidence, and the exact mean of a state at the last row.
+struct SmallModel {
+    folder: &'static str,
+    log_evidence: f64,
+    state: usize,
+    last_mean: f64,
+}
+
+/// By sums over all counts, the forward algorithm, Kalman filters and quadrature.
+const MODELS: [SmallModel; 9] = [
+    SmallModel { folder: "chain-binomial", log_evidence: -13.400815, state: 0, last_mean: 3.529766 },
+    SmallModel { folder: "two-regimes", log_evidence: -10.305918, state: 0, last_mean: 0.07405 },
+    SmallModel { folder: "known-start", log_evidence: -15.125251, state: 0, last_mean: 0.113320 },
+    SmallModel { folder: "constant-velocity", log_evidence: -3.897144, state: 1, last_mean: 0.576686 },
+    SmallModel { folder: "shared-noise", log_evidence: -8.191824, state: 0, last_mean: 6.231467 },
+    SmallModel { folder: "leverage", log_evidence: -12.356181, state: 0, last_mean: 0.051608 },
+    SmallModel { folder: "gains", log_evidence: -30.249213, state: 0, last_mean: -0.017995 },
+    SmallModel { folder: "leak", log_evidence: 6.312460, state: 0, last_mean: 1.514037 },
+    SmallModel { folder: "delay-line", log_evidence: -12.861669, state: 0, last_mean: 9.170960 },
+];
+
+impl SmallModel {
+    fn open(&self) -> (Model, Data) {
+        let home = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/models").join(self.folder);
+        let model = Model::read(&home.join("model.toml"), &[]).unwrap();
+        let data = Data::open(&home.join("data.csv"), &model).unwrap();
+        (model, data)
+    }
+
+    fn check(&self, proposal: &ProposalName, found: &Filtered) {
+        let error = found.log_evidence() - self.log_evidence;
+        let standard_error = found.standard_error().unwrap();
+        let last = found.estimates.last().unwrap();
+        let state = last.state[self.state];
+        let mean = state.mean - self.last_mean;
+        println!(
+            "{}, {proposal}: off by {error:.3} ± {standard_error:.3}, last mean by {mean:.4}",
+            self.folder
+        );
+        assert!(error.abs() < 4.0 * standard_error + 0.005, "{}, {proposal}", self.folder);
+        assert!(mean.abs() < 0.1 * state.sd, "{}, {proposal}: {mean}", self.folder);
+    }
+}
+
+#[test]
+fn bootstrap_and_linearised_find_the_exact_answers() {
+    for of in &MODELS {
+        let (model, data) = of.open();
+        for proposal in [ProposalName::Bootstrap, ProposalName::Linearised] {
+            let options =
+                FilterOptions { proposal: proposal.clone(), particles: 20_000, ..Default::default() };
+            let found = filter(&model, &data, &options, |_| ControlFlow::Continue(())).unwrap();
+            of.check(&proposal, &found);
+        }
+    }
+}
+
+/// What follows without noise does so along each path.
+#[test]
+fn smoothed_paths_keep_to_the_equations() {
+    let (model, data) = MODELS[3].open();
+    let options = FilterOptions::default();
+    let found = smooth(&model, &data, &options, 50, |_| ControlFlow::Continue(())).unwrap();
+    let [paths] = found.paths.as_slice() else { panic!("one series") };
+    assert!(paths.follow_ancestors());
+    for path in 0..paths.len() {
+        let path = paths.path(path);
+        assert!(path.windows(4).step_by(2).all(|pair| pair[2] == pair[0] + pair[1]), "{path:?}");
+    }
+}
+
+/// A model that says what is drawn, and what follows.
+#[test]
+fn a_model_of_draws_is_described() {
+    let (model, _) = MODELS[0].open();
+    let text = model.describe().to_string();
+    assert!(text.contains("draws of a step\n  infections ~ binomial(S, 1 - exp(-beta*I/N))"), "{text}");
+    assert!(text.contains("S = S - infections"), "{text}");
+}
