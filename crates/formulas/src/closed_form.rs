@@ -35,8 +35,7 @@ pub(crate) fn check(file: &str, section: Section, lines: &[Line], built: &Built)
         };
         let degree = |parameter: usize| degrees[coordinate.parameters[parameter].index()];
         let name = coordinate.family.name;
-        let reason = if section == Section::Initial && !built.graph.states_of(coordinate.numbers()).is_empty()
-        {
+        let reason = if section == Section::Initial && varies(built, output) {
             format!("`{text}` depends on a coordinate above it; in the closed form it does not")
         } else if coordinate.family.kind != Kind::Normal {
             format!("`{name}` is not normal; the closed form is for normal distributions")
@@ -68,11 +67,15 @@ fn refusal(file: &str, section: Section, line: &Line, number: usize, reason: Str
     NoClosedForm { file: file.to_string(), line: Some(line.number), section, key, reason }
 }
 
+/// Whether a coordinate depends on states.
+fn varies(built: &Built, output: &Output) -> bool {
+    output.numbers().any(|number| built.graph.varies(number))
+}
+
 /// Whether the coordinates of a state have densities given the state before: each is drawn, independently of the others, and none is a count.
 pub(crate) fn has_density(section: Section, built: &Built) -> bool {
     let is_continuous = |output: &Output| output.drawn().is_some_and(|drawn| !drawn.family.is_of_counts());
-    let is_apart =
-        |output: &Output| section != Section::Initial || built.graph.states_of(output.numbers()).is_empty();
+    let is_apart = |output: &Output| section != Section::Initial || !varies(built, output);
     built.draws.is_empty() && built.coordinates.iter().all(|output| is_continuous(output) && is_apart(output))
 }
 

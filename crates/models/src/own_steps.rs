@@ -5,7 +5,7 @@ use std::slice::from_mut;
 use crate::batch::{Rows, there_is_memory_for};
 use crate::equations::{Linearise, Transport};
 use crate::noise_rows::sample_with_noise;
-use crate::{ModelError, Seed, Simulator, Stream, check_model};
+use crate::{ModelError, ModelShape, Seed, Simulator, Stream, check_model};
 
 /// A model that a proposal can be learned for: it draws its own steps, its noise can be transported, and its measurements can be linearised.
 ///
@@ -55,10 +55,8 @@ impl<'m, M: Simulator + ?Sized> OwnSteps<'m, M> {
     pub fn new(model: &'m M, sequences: usize, seed: &Seed) -> Result<Self, ModelError> {
         check_model(model)?;
         let (n, m) = (model.state_dim(), model.measurement_dim());
-        let draws = model.noise_without_density().map(|noise| {
-            [0, 1].map(|index| noise.draws(&model.step_of_index(index)).len()).into_iter().max().unwrap_or(0)
-        });
-        let numbers = sequences.checked_mul(2 * n + m + draws.unwrap_or(0));
+        let draws = ModelShape::of(model).draws.map_or(0, |[initial, later]| initial.max(later));
+        let numbers = sequences.checked_mul(2 * n + m + draws);
         if sequences == 0 || !numbers.is_some_and(there_is_memory_for) {
             return Err(ModelError::Parameter {
                 name: "the number of simulated sequences",

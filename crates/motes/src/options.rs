@@ -113,8 +113,12 @@ impl FilterOptions {
     /// The share of particles that are drawn from the transition; beside it `linearised` has a share of its own where it draws noise that is not normal
     /// ([`motes_smc::noise_share`]) and nothing is said here.
     pub fn defensive_share(&self) -> f64 {
-        let default = if matches!(self.proposal, ProposalName::Learned(_)) { DEFENSIVE_SHARE } else { 0.0 };
-        self.defensive.unwrap_or(default)
+        self.defensive.or(self.default_share()).unwrap_or(0.0)
+    }
+
+    /// The share where none is given.
+    fn default_share(&self) -> Option<f64> {
+        matches!(self.proposal, ProposalName::Learned(_)).then_some(DEFENSIVE_SHARE)
     }
 
     /// The settings of a filter that these options ask for.
@@ -126,7 +130,7 @@ impl FilterOptions {
         FilterSettings {
             resampling: self.resampling,
             resample_when,
-            defensive_weight: self.defensive.or(Some(self.defensive_share()).filter(|share| *share > 0.0)),
+            defensive_weight: self.defensive.or(self.default_share()),
             ..FilterSettings::new(self.particles)
         }
     }

@@ -45,7 +45,7 @@ pub use proposal::{Conditional, Context, Proposal};
 pub use proposal_error::ProposalError;
 pub use proposals::{
     Bootstrap, Corrected, GaussianBatch, Linearised, LinearisedBatch, LinearisedScratch, MinDegeneracy,
-    Transition, fisher_scoring, log_weight_with_share, noise_share,
+    Transition, fisher_scoring, noise_share, weigh_with_share,
 };
 pub use resampling::{ResampleWhen, Resampling};
 pub use second_opinion::{SecondOpinion, Verdict};

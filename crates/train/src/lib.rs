@@ -43,7 +43,7 @@ pub use adam::{Adam, AdamConfig};
 pub use data::TrainingData;
 pub use error::TrainError;
 pub use gradient_flow::GradientFlow;
-pub use learning::{LearnConfig, LearnObjective, Learned, learn};
+pub use learning::{LearnConfig, LearnObjective, Learned, check_recorded, learn};
 pub use objective::Objective;
 pub use rollout::{Rollout, rollout};
 pub use schedule::Schedule;

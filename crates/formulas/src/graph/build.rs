@@ -94,9 +94,9 @@ impl Builder {
                     return Err(line.fault(section, 0, Problem::OutOfRange { what, value, expected }));
                 }
                 if let Some(known) = known {
+                    let last = output.numbers().filter_map(|number| self.graph.last_state(number)).max();
                     let known = known + outputs.len();
-                    let later = self.graph.states_of(output.numbers()).last().copied();
-                    if let Some(later) = later.map(|later| later as usize).filter(|later| *later >= known) {
+                    if let Some(later) = last.map(|last| last as usize).filter(|last| *last >= known) {
                         let (name, section_name) = (statement.name_of(later), section.title());
                         let problem = Problem::NoValueYet { name, section: section_name };
                         return Err(line.fault(section, place_of(line, later), problem));

@@ -24,13 +24,9 @@ impl Graph {
                 Operation::State(_) => Degree::One,
                 Operation::OfOne(Unary::Negative, a) => degrees[a.index()],
                 Operation::OfOne(_, a) | Operation::Integer(a, _) => other(degrees[a.index()]),
-                Operation::If(c, a, b) => other(
-                    [c, a, b]
-                        .map(|operand| degrees[operand.index()])
-                        .into_iter()
-                        .max()
-                        .unwrap_or(Degree::Zero),
-                ),
+                Operation::If(c, a, b) => {
+                    other(degrees[c.index()].max(degrees[a.index()]).max(degrees[b.index()]))
+                }
                 Operation::OfTwo(operation, a, b) => {
                     let (a, b) = (degrees[a.index()], degrees[b.index()]);
                     match (operation, a.min(b)) {

@@ -50,8 +50,8 @@ impl Operation {
 pub(crate) struct Graph {
     operations: Vec<Operation>,
     known: HashMap<Operation, Id>,
-    /// For each, whether it depends on states.
-    varies: Vec<bool>,
+    /// For each, the last of the states that it depends on.
+    last_states: Vec<Option<u32>>,
 }
 
 /// Powers up to here are products that other operations can share.
@@ -62,16 +62,13 @@ impl Graph {
         if let Some(id) = self.known.get(&operation) {
             return *id;
         }
-        let varies = match operation {
-            Operation::Constant(_) | Operation::Time => false,
-            Operation::State(_) => true,
-            Operation::OfOne(_, a) | Operation::Integer(a, _) => self.varies(a),
-            Operation::OfTwo(_, a, b) => self.varies(a) || self.varies(b),
-            Operation::If(c, a, b) => self.varies(c) || self.varies(a) || self.varies(b),
+        let last_state = match operation {
+            Operation::State(number) => Some(number),
+            _ => operation.operands().filter_map(|operand| self.last_state(operand)).max(),
         };
         let id = Id(self.operations.len() as u32);
         self.operations.push(operation);
-        self.varies.push(varies);
+        self.last_states.push(last_state);
         self.known.insert(operation, id);
         id
     }
@@ -86,7 +83,12 @@ impl Graph {
 
     /// Whether a number depends on states.
     pub(crate) fn varies(&self, id: Id) -> bool {
-        self.varies[id.index()]
+        self.last_state(id).is_some()
+    }
+
+    /// The last of the states that a number depends on.
+    pub(crate) fn last_state(&self, id: Id) -> Option<u32> {
+        self.last_states[id.index()]
     }
 
     /// The value of what depends on nothing.

@@ -1,6 +1,6 @@
 //! Makes a program of a graph: coordinate by coordinate, each number as late as it is needed.
 
-use super::instruction::{self, Drawn, Instruction, Place, Program, Source, Step, What};
+use super::instruction::{self, Instruction, NoiseTerm, Place, Program, Rule, Source, Step};
 use super::registers::Registers;
 use crate::graph::{Built, Coordinate, Graph, Id, Operation, Output};
 use crate::operations::Binary;
@@ -99,22 +99,22 @@ impl Compiler<'_> {
     /// The instructions for a coordinate's numbers, and what it is.
     fn output(&mut self, output: &Output) -> instruction::Output {
         output.numbers().for_each(|number| self.compute(number));
-        let what = match output {
-            Output::Follows(id) => What::Follows(self.source(*id)),
-            Output::Drawn(coordinate) => What::Drawn(self.drawn(coordinate)),
+        let rule = match output {
+            Output::Follows(id) => Rule::Formula(self.source(*id)),
+            Output::Drawn(coordinate) => Rule::Noise(self.noise_term(coordinate)),
         };
         output.numbers().for_each(|number| self.release(number));
-        instruction::Output { end: self.instructions.len(), what }
+        instruction::Output { end: self.instructions.len(), rule }
     }
 
     /// Where the numbers of a distribution are.
-    fn drawn(&self, coordinate: &Coordinate) -> Drawn {
+    fn noise_term(&self, coordinate: &Coordinate) -> NoiseTerm {
         // What the family does not take is some other number of it.
         let mut parameters = [self.source(coordinate.parameters[0]); 3];
         for (source, parameter) in parameters.iter_mut().zip(&coordinate.parameters) {
             *source = self.source(*parameter);
         }
-        Drawn {
+        NoiseTerm {
             kind: coordinate.family.kind,
             parameters,
             scale: coordinate.scale.map(|scale| self.source(scale)),

@@ -70,19 +70,19 @@ pub(super) enum Instruction {
 pub(super) struct Output {
     /// The instructions up to here come before it.
     pub(super) end: usize,
-    pub(super) what: What,
+    pub(super) rule: Rule,
 }
 
-/// A distribution, or a number without noise.
+/// What makes a coordinate: noise, or a number without it.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum What {
-    Drawn(Drawn),
-    Follows(Source),
+pub(super) enum Rule {
+    Noise(NoiseTerm),
+    Formula(Source),
 }
 
 /// The distribution of a coordinate.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Drawn {
+pub(super) struct NoiseTerm {
     pub(super) kind: Kind,
     pub(super) parameters: [Source; 3],
     pub(super) scale: Option<Source>,

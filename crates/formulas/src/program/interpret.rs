@@ -5,7 +5,7 @@ use std::ops::Range;
 use motes_models::batch::by_widest_vectors;
 use motes_models::equations::{Coordinates, Distribution, Draws, Scalar, with_scalars};
 
-use super::instruction::{Instruction, Output, Place, Program, Source, Step, What};
+use super::instruction::{Instruction, NoiseTerm, Output, Place, Program, Rule, Source, Step};
 use crate::operations::choice;
 
 impl Program {
@@ -84,7 +84,11 @@ impl Program {
                     start = output.end;
                     run.all(instructions);
                     match is_all || depends_on.iter().any(|state| along.contains(&(*state as usize))) {
-                        true => run.push(output, coordinates),
+                        true => match &output.rule {
+                            Rule::Noise(term) => run.push(term, coordinates),
+                            // A measurement is always drawn.
+                            Rule::Formula(_) => {}
+                        },
                         false => coordinates.pass_over(),
                     }
                 }
@@ -182,24 +186,22 @@ impl<S: Scalar> Run<'_, S> {
     ) -> S {
         self.all(&instructions[*start..output.end]);
         *start = output.end;
-        match &output.what {
-            What::Follows(source) => self.value(*source),
-            What::Drawn(_) => {
+        match &output.rule {
+            Rule::Formula(source) => self.value(*source),
+            Rule::Noise(term) => {
                 let mut one = OneDraw { draws, drawn: S::from(f64::NAN) };
-                self.push(output, &mut one);
+                self.push(term, &mut one);
                 one.drawn
             }
         }
     }
 
     #[inline(always)]
-    fn push(&self, output: &Output, coordinates: &mut impl Coordinates<S>) {
-        // A measurement is always drawn.
-        let What::Drawn(drawn) = &output.what else { return };
-        let parameters = drawn.parameters.map(|source| self.value(source));
-        let scale = drawn.scale.map(|source| self.value(source));
-        let shift = drawn.shift.map(|source| self.value(source));
-        drawn.kind.push(parameters, scale, shift, coordinates);
+    fn push(&self, term: &NoiseTerm, coordinates: &mut impl Coordinates<S>) {
+        let parameters = term.parameters.map(|source| self.value(source));
+        let scale = term.scale.map(|source| self.value(source));
+        let shift = term.shift.map(|source| self.value(source));
+        term.kind.push(parameters, scale, shift, coordinates);
     }
 }
 

@@ -2,7 +2,7 @@
 
 use motes_models::equations::with_scalars;
 
-use super::instruction::{Program, Source, Step, What};
+use super::instruction::{Program, Rule, Source, Step};
 use crate::tables::Kind;
 
 /// The distribution of a coordinate as far as it is the same for all states: a number that depends on them is none.
@@ -32,15 +32,15 @@ impl Program {
                 Source::Varied(_) => None,
             };
             let of = |source: Option<Source>, otherwise: f64| source.map_or(Some(otherwise), value);
-            let drawn = self.coordinates.iter().filter_map(|output| match &output.what {
-                What::Drawn(drawn) => Some(drawn),
-                What::Follows(_) => None,
+            let terms = self.coordinates.iter().filter_map(|output| match &output.rule {
+                Rule::Noise(term) => Some(term),
+                Rule::Formula(_) => None,
             });
-            let known = drawn.map(|drawn| Known {
-                kind: drawn.kind,
-                parameters: drawn.parameters.map(value),
-                scale: of(drawn.scale, 1.0),
-                shift: of(drawn.shift, 0.0),
+            let known = terms.map(|term| Known {
+                kind: term.kind,
+                parameters: term.parameters.map(value),
+                scale: of(term.scale, 1.0),
+                shift: of(term.shift, 0.0),
             });
             known.collect()
         })

@@ -43,7 +43,7 @@ pub(super) fn needs_of_measurement(measurement: impl FnOnce(&mut Counter)) -> Ne
     counter.0
 }
 
-/// TileNoise of up to [`LANES`] particles, drawn before and from their stream.
+/// Noise of up to [`LANES`] particles, drawn before and from their stream.
 pub(super) struct TileNoise<'a, 'n> {
     stream: &'a mut Stream,
     particles: usize,

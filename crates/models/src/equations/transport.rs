@@ -79,7 +79,11 @@ impl Distribution<Lanes> {
     }
 
     /// What `of` makes of each particle's distribution and number.
-    fn lane_by_lane(&self, values: Lanes, of: impl Fn(Distribution<f64>, f64) -> [f64; 2]) -> [Lanes; 2] {
+    pub(super) fn lane_by_lane(
+        &self,
+        values: Lanes,
+        of: impl Fn(Distribution<f64>, f64) -> [f64; 2],
+    ) -> [Lanes; 2] {
         let [mut first, mut second] = [[0.0; LANES]; 2];
         for (lane, (first, second)) in first.iter_mut().zip(&mut second).enumerate() {
             [*first, *second] = of(self.map(|parameter| parameter.0[lane]), values.0[lane]);

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use motes_models::Seed;
+use motes_models::{ModelShape, Seed};
 use motes_proposals::{Amortised, AmortisedConfig, Backend, Base, Covariance, Family, HeadConfig, Sees};
 use motes_smc::Linearised;
 use motes_train::{LearnConfig, LearnObjective, learn};
@@ -24,7 +24,7 @@ fn candidates(
     model: &dyn LearnableModel,
     options: &LearnOptions,
 ) -> Result<Vec<AmortisedConfig>, MotesError> {
-    let shape = shape_of(model);
+    let shape = ModelShape::of(model);
     let n = shape.draws.map_or(shape.state_dim, |[initial, later]| initial.max(later));
     let bases = match options.base {
         Some(base) => vec![base],

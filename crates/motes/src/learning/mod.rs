@@ -9,7 +9,7 @@ use std::ops::ControlFlow;
 
 use motes_models::{PartialMeasurements, Seed};
 use motes_proposals::{Amortised, Backend, Base, Family, HeadConfig};
-use motes_train::{LearnConfig, LearnObjective, Learned, TrainError, learn as train};
+use motes_train::{LearnConfig, LearnObjective, Learned, TrainError, check_recorded, learn as train};
 
 pub use names::{base_named, head_named, network_named};
 pub use options::LearnOptions;
@@ -94,6 +94,7 @@ fn learn_until(
     };
     let seed = Seed::from_u64(options.seed).child("learn");
     let recorded = data.map(|data| recorded(model, data)).transpose()?.unwrap_or_default();
+    check_recorded(learnable, &recorded)?;
     if !learnable.has_gradients() {
         let asked = match (options.base, options.objective) {
             (Some(Base::Linearised), _) => Some("base linearised"),
@@ -106,10 +107,6 @@ fn learn_until(
     }
     if options.objective.needs_recorded() && recorded.is_empty() {
         return Err(TrainError::NoRecorded { objective: options.objective.to_string() }.into());
-    }
-    if learnable.density().is_none() && !recorded.is_empty() {
-        let reason = "the states of this model have no density, so nothing is learned from recorded data: leave them out, and it is learned from simulations";
-        return Err(MotesError::Setting(reason.into()));
     }
     if options.objective == LearnObjective::Fivo && matches!(options.head, Some(HeadConfig::Mixture { .. })) {
         return Err(TrainError::Draws.into());

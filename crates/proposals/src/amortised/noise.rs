@@ -3,7 +3,7 @@
 use motes_models::Stream;
 use motes_models::batch::{LANES, load, store, with_scratch};
 use motes_models::equations::{Lanes, NoiseSpace, Transport};
-use motes_smc::log_weight_with_share;
+use motes_smc::weigh_with_share;
 
 use super::batch::{AmortisedBatch, Tile};
 use super::units::{Sizes, flat, flat_mut, lanes, log_standard_normal};
@@ -25,24 +25,24 @@ impl<M: Transport + ?Sized> AmortisedBatch<'_, M> {
         // The last uniform number of a particle chooses from the mixture.
         let extra = of_head + usize::from(share > 0.0);
         self.draw_noise(streams, extra);
-        with_scratch((n + 2 * q + of_head) * LANES, |memory| {
+        with_scratch((n + 2 * q + extra) * LANES, |memory| {
             memory.fill(0.0);
             let (now, rest) = lanes(memory).split_at_mut(n);
             let (prior, rest) = rest.split_at_mut(q);
-            let (noise_of_tile, uniforms_of_head) = rest.split_at_mut(q);
+            let (noise_of_tile, uniforms_of_tile) = rest.split_at_mut(q);
             self.by_tiles(|number, place, units, tile, [noise, uniforms]| {
                 let (first, last) = (number * LANES, ((number + 1) * LANES).min(particles));
                 let Tile { values, theta, head: scratch, .. } = tile;
                 load(&noise[first * q..last * q], q, flat_mut(values));
+                if extra > 0 {
+                    load(&uniforms[first * extra..last * extra], extra, flat_mut(uniforms_of_tile));
+                }
+                let (uniforms_of_head, choice) = uniforms_of_tile.split_at(of_head);
                 let mut is_from_prior = [false; LANES];
-                for (lane, row) in
-                    uniforms[first * extra..last * extra].chunks_exact(extra.max(1)).enumerate()
+                for (is_from_prior, uniform) in
+                    is_from_prior.iter_mut().zip(choice.iter().flat_map(|row| row.0))
                 {
-                    let (of_head, choice) = row.split_at(of_head);
-                    for (place, uniform) in uniforms_of_head.iter_mut().zip(of_head) {
-                        place.0[lane] = *uniform;
-                    }
-                    is_from_prior[lane] = choice.first().is_some_and(|uniform| *uniform < share);
+                    *is_from_prior = uniform < share;
                 }
                 prior.copy_from_slice(values);
                 if let Some(head) = head {
@@ -64,13 +64,12 @@ impl<M: Transport + ?Sized> AmortisedBatch<'_, M> {
                     Some(head) => head.log_density(theta, values, scratch),
                 };
                 let ratio = of_units + units.log_determinant() - log_standard_normal(noise_of_tile);
-                for (ratio, out) in ratio.0.iter().zip(&mut log_ratios[first..last]) {
-                    *out = log_weight_with_share(*ratio, share);
-                }
+                log_ratios[first..last].copy_from_slice(&ratio.0[..last - first]);
                 model.tile_states(&place.step, place.previous, flat(noise_of_tile), flat_mut(now));
                 store(flat(now), n, &mut states[first * n..last * n]);
             });
         });
+        weigh_with_share(log_ratios, share);
     }
 }
 

@@ -61,23 +61,12 @@ impl<M: Linearise + Transport + ?Sized> Proposal<M> for Amortised {
         tile.clear();
         tile.resize((width + sizes.scratch_rows(m)) * LANES, 0.0);
         let (of_inputs, work) = tile.split_at_mut(width * LANES);
-        if sizes.units == 0 {
-            // Nothing is drawn: all particles follow from those before.
-            return Ok(AmortisedBatch {
-                model,
-                context,
-                head: None,
-                theta: of_all,
-                is_affine: *is_affine,
-                sizes,
-                noise,
-                scratch,
-            });
-        }
         if let Some(previous) = previous {
             model.foresee(&step, previous);
         }
-        let parts = units.chunks_exact_mut(each).zip(kept.chunks_exact_mut(n * LANES));
+        // Where nothing is drawn, there is nothing to condition: all particles follow from those before.
+        let tiles = if sizes.units > 0 { tiles } else { 0 };
+        let parts = units.chunks_exact_mut(each).zip(kept.chunks_exact_mut(n * LANES)).take(tiles);
         for (number, ((units, kept), inputs)) in parts.zip(inputs.chunks_mut(width * LANES)).enumerate() {
             let previous = previous.map(|rows| {
                 rows.load(number * LANES, kept);
@@ -90,7 +79,8 @@ impl<M: Linearise + Transport + ?Sized> Proposal<M> for Amortised {
             standards.apply(of_inputs);
             store(units::flat(of_inputs), width, inputs);
         }
-        if *is_whole {
+        let is_asked = *is_whole && sizes.units > 0;
+        if is_asked {
             theta.resize(particles * of_all.emitted, 0.0);
             let inputs = Inputs { time, width, previous: Some(inputs), measurement: &[], particles };
             let found = inference.run(&self.networks, &self.parameters, &inputs, &mut [], &mut [theta]);
@@ -99,7 +89,7 @@ impl<M: Linearise + Transport + ?Sized> Proposal<M> for Amortised {
         Ok(AmortisedBatch {
             model,
             context,
-            head: is_whole.then(|| self.head(time)),
+            head: is_asked.then(|| self.head(time)),
             theta: of_all,
             is_affine: *is_affine,
             sizes,

@@ -4,6 +4,7 @@ mod bootstrap;
 mod defensive;
 mod gaussian_batch;
 mod linearised;
+mod log_add;
 mod min_degeneracy;
 mod noise_share;
 
@@ -13,4 +14,4 @@ pub use gaussian_batch::GaussianBatch;
 pub use linearised::{Linearised, LinearisedBatch, LinearisedScratch, fisher_scoring};
 pub(crate) use linearised::{PrecisionBatch, lanes};
 pub use min_degeneracy::{Corrected, MinDegeneracy};
-pub use noise_share::{log_weight_with_share, noise_share};
+pub use noise_share::{noise_share, weigh_with_share};

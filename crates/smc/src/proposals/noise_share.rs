@@ -2,6 +2,8 @@
 
 use motes_models::equations::Draw;
 
+use super::log_add::log_add;
+
 /// `α` where some draw is not normal.
 const SHARE: f64 = 0.1;
 
@@ -13,12 +15,13 @@ pub fn noise_share(draws: &[Draw]) -> f64 {
     if draws.iter().all(|draw| *draw == Draw::Normal) { 0.0 } else { SHARE }
 }
 
-/// `−log((1 − α) eʳ + α)`: what `log p/q` is of a draw for which `r = log q/p`, if `q` is given a share `α` of `p`.
-pub fn log_weight_with_share(ratio: f64, share: f64) -> f64 {
+/// Replaces `r = log q/p` of each draw by its log-weight `log p/q` where `q` is given a share `α` of `p`: `−log((1 − α) eʳ + α)`.
+pub fn weigh_with_share(log_ratios: &mut [f64], share: f64) {
     if share == 0.0 {
-        return -ratio;
+        return log_ratios.iter_mut().for_each(|ratio| *ratio = -*ratio);
     }
-    let (a, b) = (ratio + (-share).ln_1p(), share.ln());
-    let largest = a.max(b);
-    -(largest + ((a - largest).exp() + (b - largest).exp()).ln())
+    let (log_proposal, log_share) = ((-share).ln_1p(), share.ln());
+    for ratio in log_ratios {
+        *ratio = -log_add(*ratio + log_proposal, log_share);
+    }
 }

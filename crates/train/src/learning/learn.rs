@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use motes_models::{OwnModel, OwnSteps, PartialMeasurements, Seed, StateGradients};
+use motes_models::{ModelError, OwnModel, OwnSteps, PartialMeasurements, Seed, StateGradients};
 use motes_proposals::Amortised;
 
 use super::course::Learned;
@@ -63,7 +63,7 @@ pub fn learn<M: OwnModel + StateGradients + ?Sized>(
     observe: impl FnMut(usize, f64) -> ControlFlow<()>,
 ) -> Result<Learned, TrainError> {
     config.check()?;
-    check_recorded(recorded, model.measurement_dim())?;
+    check_recorded(model, recorded)?;
     // Refused before anything is computed.
     Adam::new(&config.adam)?;
     Dropout::new(config.dropout, proposal)?;
@@ -90,8 +90,23 @@ pub fn learn<M: OwnModel + StateGradients + ?Sized>(
     }
 }
 
-/// Refuses series that no step can be learned from.
-fn check_recorded(recorded: &[PartialMeasurements], width: usize) -> Result<(), TrainError> {
+/// Refuses series that no step can be learned from: what takes long asks before it begins.
+///
+/// # Errors
+/// - [`TrainError::Model`] if there are any, and the states of the model have no density: what a filter draws does not tell which noise it was made of.
+/// - [`TrainError::Recorded`] for one that is too short, has another number of columns or no measurement.
+pub fn check_recorded(
+    model: &(impl OwnModel + ?Sized),
+    recorded: &[PartialMeasurements],
+) -> Result<(), TrainError> {
+    if model.noise_without_density().is_some() && !recorded.is_empty() {
+        return Err(TrainError::Model(ModelError::Parameter {
+            name: "what is learned from",
+            value: "recorded data".into(),
+            expected: "simulations alone, for a model whose states have no density",
+        }));
+    }
+    let width = model.measurement_dim();
     for (number, series) in recorded.iter().enumerate() {
         if series.width() != width {
             let reason = format!("series {number} has {} columns instead of {width}", series.width());

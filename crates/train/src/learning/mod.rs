@@ -15,6 +15,6 @@ mod stretches;
 mod wake;
 
 pub use course::Learned;
-pub use learn::learn;
+pub use learn::{check_recorded, learn};
 pub use objective::LearnObjective;
 pub use settings::LearnConfig;

@@ -9,13 +9,13 @@ use motes_smc::{
 };
 
 use super::models::{
-    ConstantVelocity, Delays, Epidemic, Population, Shocks, Untrue, WhiteAcceleration, cases, delays, moves,
-    people, positions,
+    ConstantVelocity, Delays, Epidemic, Population, Series, Shocks, Untrue, WhiteAcceleration, cases, delays,
+    moves, people, positions,
 };
 use super::score::score;
 
 /// With enough particles for `ẑ` to have no long tail.
-fn bootstrap<M: StateSpaceModel>(model: &M, series: &super::models::Series) -> f64 {
+fn bootstrap<M: StateSpaceModel>(model: &M, series: &Series) -> f64 {
     score(model, &Bootstrap, FilterSettings::new(200), series)
 }
 

@@ -1,13 +1,12 @@
 //! Bugs planted into a proposal of noise, which the statistic of the evidence catches.
 
-use motes_models::equations::{Distribution, Draws, Equations, normal};
+use motes_models::equations::{Distribution, Draws, Equations, Scalar, normal};
 use motes_models::{Step, Stream};
 use motes_smc::{
-    Conditional, Context, FilterSettings, Proposal, ProposalError, log_weight_with_share, particles_by_stream,
+    Conditional, Context, FilterSettings, Proposal, ProposalError, particles_by_stream, weigh_with_share,
 };
 use rand::RngExt;
 use rand_distr::StandardNormal;
-use statrs::function::erf::erfc;
 
 use super::models::{Delays, Population, Series, delays, people};
 use super::score::score;
@@ -28,7 +27,7 @@ enum Bug {
 
 /// Each draw's noise is from `N(0.8, 0.8²)`, whatever was measured, with a share of 0.3 of `N(0, 1)`.
 #[derive(Clone)]
-struct Shifted {
+struct ShiftedNoise {
     bug: Bug,
 }
 
@@ -38,11 +37,6 @@ const SHARE: f64 = 0.3;
 
 fn log_normal_density(v: f64, mean: f64, sd: f64) -> f64 {
     Distribution::log_density(&normal(mean, sd), v)
-}
-
-/// `Φ(v)`.
-fn below(v: f64) -> f64 {
-    0.5 * erfc(-v / 2.0_f64.sqrt())
 }
 
 /// The end of the noise that is transported to counts of at most `n`, by halves.
@@ -76,7 +70,7 @@ impl Draws<f64> for OneParticle<'_> {
             (Bug::DensityForMass, true) => of_proposal - distribution.log_density(value),
             (_, true) => {
                 let ends = [value - 1.0, value].map(|n| (end(&distribution, n) - MEAN) / SD);
-                (below(ends[1]) - below(ends[0])).ln() - distribution.log_density(value)
+                (ends[1].normal_cdf() - ends[0].normal_cdf()).ln() - distribution.log_density(value)
             }
             (Bug::NoSlope, false) => of_proposal - distribution.log_density(value),
             (Bug::NoPrior, false) => of_proposal,
@@ -125,15 +119,16 @@ impl<M: Equations> Conditional for ShiftedBatch<'_, M> {
                     true => self.model.initial(&self.context.step, &mut draws, state),
                     false => self.model.transition(&self.context.step, before, &mut draws, state),
                 }
-                *log_ratio = log_weight_with_share(draws.log_ratio, SHARE);
+                *log_ratio = draws.log_ratio;
                 row += 1;
             }
         }
+        weigh_with_share(log_ratios, SHARE);
         true
     }
 }
 
-impl<M: Equations> Proposal<M> for Shifted {
+impl<M: Equations> Proposal<M> for ShiftedNoise {
     type Memory = ();
     type Scratch = ();
     type Conditional<'a>
@@ -163,7 +158,7 @@ impl<M: Equations> Proposal<M> for Shifted {
 }
 
 fn scored<M: Equations>(bug: Bug, model: &M, series: &Series) -> f64 {
-    let z = score(model, &Shifted { bug }, FilterSettings::new(20), series);
+    let z = score(model, &ShiftedNoise { bug }, FilterSettings::new(20), series);
     println!("planted: {bug:?}: z = {z:.1}");
     z.abs()
 }

@@ -19,7 +19,7 @@ pub struct Guide<'a> {
 }
 
 /// Answers each draw with what its noise is transported to, and adds up `log q − log p`; NaN where there are more draws than noise.
-pub(super) struct Guided<'a> {
+pub(super) struct GuidedDraws<'a> {
     guide: Guide<'a>,
     /// Standard normal numbers; of the draws so far `v − m`.
     noise: &'a mut [Lanes],
@@ -27,9 +27,9 @@ pub(super) struct Guided<'a> {
     log_ratio: Lanes,
 }
 
-impl<'a> Guided<'a> {
+impl<'a> GuidedDraws<'a> {
     pub(super) fn new(guide: Guide<'a>, noise: &'a mut [Lanes]) -> Self {
-        Guided { guide, noise, drawn: 0, log_ratio: Lanes::from(0.0) }
+        GuidedDraws { guide, noise, drawn: 0, log_ratio: Lanes::from(0.0) }
     }
 
     /// Of all draws; NaN where some number was not drawn.
@@ -38,7 +38,7 @@ impl<'a> Guided<'a> {
     }
 }
 
-impl Draws<Lanes> for Guided<'_> {
+impl Draws<Lanes> for GuidedDraws<'_> {
     #[inline(always)]
     fn draw(&mut self, distribution: Distribution<Lanes>) -> Lanes {
         let i = self.drawn;
@@ -66,9 +66,8 @@ impl Draws<Lanes> for Guided<'_> {
             let mut value = [0.0; LANES];
             for (lane, value) in value.iter_mut().enumerate() {
                 let distribution = distribution.map(|parameter| parameter.0[lane]);
-                let n = distribution.from_normal(v.0[lane]);
-                let found = distribution.guided_count(n, centre.0[lane], scale.0[lane]);
-                *value = n;
+                let found = distribution.guided_count(v.0[lane], centre.0[lane], scale.0[lane]);
+                *value = found.count;
                 v.0[lane] = found.noise;
                 self.log_ratio.0[lane] += found.log_ratio;
             }
@@ -87,13 +86,7 @@ impl Distribution<Lanes> {
     pub(super) fn tile_from_normal(&self, v: Lanes) -> Lanes {
         match self.formula(v) {
             Some([value, _]) => value,
-            None => {
-                let mut lanes = [0.0; LANES];
-                for (lane, value) in lanes.iter_mut().enumerate() {
-                    *value = self.map(|parameter| parameter.0[lane]).from_normal(v.0[lane]);
-                }
-                Lanes(lanes)
-            }
+            None => self.lane_by_lane(v, |of_lane, v| [of_lane.from_normal(v), 0.0])[0],
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The noise of models that are stated by equations.
 
-use super::guided::{Guide, Guided};
+use super::guided::{Guide, GuidedDraws};
 use super::scores::NoiseScores;
 use super::{Draw, NoiseSpace};
 use crate::batch::{LANES, by_widest_vectors};
@@ -25,11 +25,11 @@ impl Draws<f64> for DrawList {
 }
 
 /// Answers each draw with what its noise is transported to; NaN where there are more draws than noise.
-struct Transported<'a> {
+struct NoiseDraws<'a> {
     noise: &'a [Lanes],
 }
 
-impl Draws<Lanes> for Transported<'_> {
+impl Draws<Lanes> for NoiseDraws<'_> {
     #[inline(always)]
     fn draw(&mut self, distribution: Distribution<Lanes>) -> Lanes {
         let Some((v, rest)) = self.noise.split_first() else { return Lanes::from(f64::NAN) };
@@ -52,19 +52,19 @@ impl<M: Equations> NoiseSpace for M {
     }
 
     fn tile_states(&self, step: &Step<'_>, previous: Option<&[f64]>, noise: &[f64], states: &mut [f64]) {
-        let mut transported = Transported { noise: rows_of(noise) };
+        let mut draws = NoiseDraws { noise: rows_of(noise) };
         let states = rows_of_mut(states);
         by_widest_vectors(
             #[inline(always)]
             || {
                 step.lift(|step| match previous {
-                    None => self.initial(step, &mut transported, states),
-                    Some(previous) => self.transition(step, rows_of(previous), &mut transported, states),
+                    None => self.initial(step, &mut draws, states),
+                    Some(previous) => self.transition(step, rows_of(previous), &mut draws, states),
                 });
             },
         );
         // A number that no draw took is as wrong as one that is missing.
-        if !transported.noise.is_empty() {
+        if !draws.noise.is_empty() {
             states.fill(Lanes::from(f64::NAN));
         }
     }
@@ -77,7 +77,7 @@ impl<M: Equations> NoiseSpace for M {
         noise: &mut [f64],
         states: &mut [f64],
     ) -> Lanes {
-        let mut guided = Guided::new(guide, rows_of_mut(noise));
+        let mut guided = GuidedDraws::new(guide, rows_of_mut(noise));
         let states = rows_of_mut(states);
         by_widest_vectors(
             #[inline(always)]

@@ -65,74 +65,92 @@ fn is_certain(distribution: &Distribution<f64>) -> bool {
     }
 }
 
-/// The count that `v` is transported to; NaN where a parameter is out of range, or where it cannot be had in floating point.
-pub(super) fn from_normal(distribution: &Distribution<f64>, v: f64) -> f64 {
+/// A count, and the tails `P(X ≤ m)` and `P(X > m)` on both of its sides.
+struct CountTails {
+    count: f64,
+    /// At `m = count − 1`.
+    before: [f64; 2],
+    /// At `m = count`.
+    after: [f64; 2],
+}
+
+/// The tails where there is nothing below, and where there is nothing above.
+const NOTHING_BELOW: [f64; 2] = [0.0, 1.0];
+const NOTHING_ABOVE: [f64; 2] = [1.0, 0.0];
+
+/// The count that `v` is transported to; none where a parameter is out of range, or where it cannot be had in floating point.
+fn transported(distribution: &Distribution<f64>, v: f64) -> Option<CountTails> {
     if let Distribution::Binomial { n, p } = *distribution
         && !((0.0..=LARGEST).contains(&n) && n.fract() == 0.0 && (0.0..=1.0).contains(&p))
     {
-        return f64::NAN;
+        return None;
     }
+    let [mean, variance] = distribution.moments();
     if is_certain(distribution) {
-        return distribution.moments()[0];
+        return Some(CountTails { count: mean, before: NOTHING_BELOW, after: NOTHING_ABOVE });
     }
     let most = last(distribution);
-    let [mean, variance] = distribution.moments();
     // Cornish and Fisher's approximation: the third cumulant of these is variance·(2·variance/mean − 1).
     let skewed = (2.0 * variance / mean - 1.0) * (v * v - 1.0) / 6.0;
     let guess = mean + variance.sqrt() * v + skewed;
     if guess.is_nan() || guess.abs() > LARGEST {
-        return f64::NAN;
+        return None;
     }
     let target = normal::log_upper(v.abs());
-    // Whether P(X ≤ n) ≥ Φ(v), by the smaller of both tails.
+    // The tails at n, and whether P(X ≤ n) ≥ Φ(v), by the smaller of both.
     let reaches = |n: f64| {
         if n >= most {
-            return Some(true);
+            return Some((true, NOTHING_ABOVE));
         }
         let [below, above] = tails(distribution, n);
         let (reaches, tail) =
             if v <= 0.0 { (below.ln() >= target, below) } else { (above.ln() <= target, above) };
-        (!tail.is_nan()).then_some(reaches)
+        (!tail.is_nan()).then_some((reaches, [below, above]))
     };
     // Between a count that does not reach it and one that does.
-    let (mut low, mut high, mut width) = (-1.0, guess.round().clamp(0.0, most), 1.0);
-    loop {
-        match reaches(high) {
-            None => return f64::NAN,
-            Some(true) => break,
-            Some(false) => {
-                low = high;
+    let (mut low, mut before) = (-1.0, NOTHING_BELOW);
+    let (mut high, mut width) = (guess.round().clamp(0.0, most), 1.0);
+    let mut after = loop {
+        match reaches(high)? {
+            (true, found) => break found,
+            (false, found) => {
+                (low, before) = (high, found);
                 high = (high + width).min(most);
                 width *= 2.0;
             }
         }
         if high > LARGEST {
-            return f64::NAN;
+            return None;
         }
-    }
+    };
     width = 1.0;
     while high - low > 1.0 {
         // From above in growing steps, then by halves.
         let middle = if low < high - width { high - width } else { ((low + high) / 2.0).floor() };
         let middle = middle.max(low + 1.0).max(0.0);
-        match reaches(middle) {
-            None => return f64::NAN,
-            Some(true) => {
-                high = middle;
+        match reaches(middle)? {
+            (true, found) => {
+                (high, after) = (middle, found);
                 width *= 2.0;
             }
-            Some(false) => {
-                low = middle;
+            (false, found) => {
+                (low, before) = (middle, found);
                 width = f64::INFINITY;
             }
         }
     }
-    high
+    Some(CountTails { count: high, before, after })
 }
 
-/// A count that a Gaussian of its noise `v` was asked for.
+/// The count that `v` is transported to; NaN where it cannot be had.
+pub(super) fn from_normal(distribution: &Distribution<f64>, v: f64) -> f64 {
+    transported(distribution, v).map_or(f64::NAN, |found| found.count)
+}
+
+/// What a Gaussian of its noise says of a count.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::equations) struct GuidedCount {
+    pub(in crate::equations) count: f64,
     /// `log Q(n) − log p(n)`, where `Q(n)` is the Gaussian's mass of the `v` that are transported to `n`.
     pub(in crate::equations) log_ratio: f64,
     /// The most likely of these `v`.
@@ -140,32 +158,39 @@ pub(in crate::equations) struct GuidedCount {
 }
 
 impl Distribution<f64> {
-    /// What the Gaussian `v ~ N(centre, scale⁻²)` says of the count `n`; NaN where the mass cannot be had in floating point.
-    pub(in crate::equations) fn guided_count(&self, n: f64, centre: f64, scale: f64) -> GuidedCount {
-        let [low, high] = interval(self, n);
+    /// The count that `v` is transported to, and what the Gaussian `N(centre, scale⁻²)` of `v` says of it; NaN where it cannot be had in floating point.
+    pub(in crate::equations) fn guided_count(&self, v: f64, centre: f64, scale: f64) -> GuidedCount {
+        let Some(found) = transported(self, v) else {
+            return GuidedCount { count: f64::NAN, log_ratio: f64::NAN, noise: f64::NAN };
+        };
+        let (count, own) = (found.count, self.log_density(found.count));
+        let [low, high] = found.interval(self.moments()[0], own.exp());
         let mass = normal::log_mass(scale * (low - centre), scale * (high - centre));
-        let log_ratio = if mass.is_finite() { mass - self.log_density(n) } else { f64::NAN };
-        GuidedCount { log_ratio, noise: centre.max(low).min(high) }
+        let log_ratio = if mass.is_finite() { mass - own } else { f64::NAN };
+        GuidedCount { count, log_ratio, noise: centre.max(low).min(high) }
     }
 }
 
-/// Which `v` are transported to `n`.
-///
-/// One tail gives both ends: what `n` adds to it is its own probability, with whatever rounding that has.
-fn interval(distribution: &Distribution<f64>, n: f64) -> [f64; 2] {
-    if is_certain(distribution) {
-        return [f64::NEG_INFINITY, f64::INFINITY];
-    }
-    let end = |below: f64, above: f64| {
-        if below <= above { -normal::from_log_upper(below.ln()) } else { normal::from_log_upper(above.ln()) }
-    };
-    let ([mean, _], own) = (distribution.moments(), distribution.log_density(n).exp());
-    if n < mean {
-        let [before, after] = if n == 0.0 { [0.0, 1.0] } else { tails(distribution, n - 1.0) };
-        [end(before, after), end(before + own, after - own)]
-    } else {
-        let [below, above] = if n == last(distribution) { [1.0, 0.0] } else { tails(distribution, n) };
-        [if n == 0.0 { f64::NEG_INFINITY } else { end(below - own, above + own) }, end(below, above)]
+impl CountTails {
+    /// Which `v` are transported to the count, of which `own` is the probability.
+    ///
+    /// One tail gives both ends: what the count adds to it is its own probability, with whatever rounding that has.
+    fn interval(&self, mean: f64, own: f64) -> [f64; 2] {
+        let end = |[below, above]: [f64; 2]| {
+            if below <= above {
+                -normal::from_log_upper(below.ln())
+            } else {
+                normal::from_log_upper(above.ln())
+            }
+        };
+        let CountTails { count, before, after } = *self;
+        let is_last = after == NOTHING_ABOVE;
+        let [before, after] = match count < mean {
+            true if !is_last => [before, [before[0] + own, before[1] - own]],
+            false if before != NOTHING_BELOW => [[after[0] - own, after[1] + own], after],
+            _ => [before, after],
+        };
+        [end(before), end(after)]
     }
 }
 
@@ -200,15 +225,18 @@ mod tests {
     fn masses_of_all_counts_add_up_to_one() {
         for distribution in counts() {
             for (centre, scale) in [(0.0, 1.0), (1.3, 4.0), (-2.0, 0.7)] {
-                let mass = |n: f64| {
-                    let guided = distribution.guided_count(n, centre, scale);
-                    (guided.log_ratio + distribution.log_density(n)).exp()
-                };
-                let most = last(&distribution).min(400.0) as usize;
-                let sum: f64 = (0..=most).map(|n| mass(n as f64)).filter(|mass| mass.is_finite()).sum();
+                // Of each count that any noise is transported to.
+                let (mut sum, mut count) = (0.0, -1.0);
+                for v in (0..=14_000).map(|i| -14.0 + 2e-3 * f64::from(i)) {
+                    let guided = distribution.guided_count(v, centre, scale);
+                    if guided.count > count {
+                        count = guided.count;
+                        sum += (guided.log_ratio + distribution.log_density(count)).exp();
+                    }
+                }
                 assert!((sum - 1.0).abs() < 1e-9, "{distribution:?}: {sum}");
             }
-            let prior = distribution.guided_count(1.0, 0.0, 1.0);
+            let prior = distribution.guided_count(0.3, 0.0, 1.0);
             assert!(prior.log_ratio.abs() < 1e-12, "the noise's own distribution: {prior:?}");
         }
     }
@@ -227,7 +255,8 @@ mod tests {
                     (n - mean - variance.sqrt() * v).abs() < 0.2 * variance.sqrt(),
                     "{distribution:?}: {n}"
                 );
-                let found = distribution.guided_count(n, 0.0, 1.0);
+                let found = distribution.guided_count(v, 0.0, 1.0);
+                assert_eq!(found.count, n);
                 assert!(found.log_ratio.abs() < 1e-6, "{distribution:?} at {v}: {found:?}");
             }
         }

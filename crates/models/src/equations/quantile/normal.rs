@@ -5,6 +5,7 @@ use std::f64::consts::{FRAC_1_SQRT_2, LN_2};
 use special::Error;
 
 use super::root::root;
+use crate::equations::scalar::Scalar;
 use crate::gaussian::LN_2PI;
 
 /// From here on the tail's expansion has all digits; further out the tail itself is no number any more.
@@ -17,7 +18,7 @@ pub(super) fn log_density(v: f64) -> f64 {
 
 /// `1 − Φ(v)`.
 pub(super) fn upper(v: f64) -> f64 {
-    0.5 * (v * FRAC_1_SQRT_2).compl_error()
+    (-v).normal_cdf()
 }
 
 /// `log(1 − Φ(v))`.

@@ -8,7 +8,7 @@ use motes_models::{Stream, fill_standard_normal, fill_uniform};
 use super::scoring::add_measurement;
 use super::scratch::{LinearisedScratch, lanes};
 use crate::proposal::Context;
-use crate::proposals::noise_share::log_weight_with_share;
+use crate::proposals::noise_share::weigh_with_share;
 
 /// The distributions of a block of particles: of each particle's noise `v`, `(1 − α) N(m, Λ⁻¹) + α N(0, I)`.
 pub(super) struct NoiseBatch<'a> {
@@ -91,12 +91,11 @@ impl NoiseBatch<'_> {
                 });
                 let guide = Guide { means: lanes(mean), lower: lanes(lower), is_from_prior: &is_from_prior };
                 let log_ratio = model.tile_guided_states(&context.step, before, guide, z, now);
-                for (ratio, out) in log_ratio.0.iter().zip(&mut log_ratios[first..last]) {
-                    *out = log_weight_with_share(*ratio, share);
-                }
+                log_ratios[first..last].copy_from_slice(&log_ratio.0[..last - first]);
                 store(now, n, &mut states[first * n..last * n]);
             }
         });
+        weigh_with_share(log_ratios, share);
     }
 }
 
