@@ -21,6 +21,10 @@ impl<M: StateSpaceModel> StateSpaceModel for Shifted<M> {
     fn measurement_dim(&self) -> usize {
         self.model.measurement_dim()
     }
+    fn input_dim(&self) -> usize {
+        self.model.input_dim()
+    }
+
     fn step_of_index(&self, index: usize) -> Step<'_> {
         self.model.step_of_index(index)
     }

@@ -5,7 +5,7 @@ use std::slice::from_mut;
 use crate::batch::{Rows, there_is_memory_for};
 use crate::equations::{Linearise, Transport};
 use crate::noise_rows::sample_with_noise;
-use crate::{ModelError, ModelShape, Seed, Simulator, Stream, check_model};
+use crate::{ModelError, ModelShape, Seed, Simulator, Step, StepRecord, Stream, check_model};
 
 /// A model that a proposal can be learned for: it draws its own steps, its noise can be transported, and its measurements can be linearised.
 ///
@@ -21,6 +21,7 @@ pub struct OwnSteps<'m, M: ?Sized> {
     model: &'m M,
     stream: Stream,
     time: usize,
+    step: StepRecord,
     /// `x_{t−1}` and `x_t`, `S×N`.
     previous: Vec<f64>,
     states: Vec<f64>,
@@ -35,8 +36,8 @@ pub struct OwnSteps<'m, M: ?Sized> {
 /// One time of all sequences.
 #[derive(Debug, Clone, Copy)]
 pub struct OwnStep<'a> {
-    /// `t`.
-    pub time: usize,
+    /// The step to `x_t`.
+    pub step: Step<'a>,
     /// `x_{t−1}` of each of `S` sequences (`S×N`); none at `t = 0`.
     pub previous: Option<&'a [f64]>,
     /// `x_t`, `S×N`.
@@ -68,6 +69,7 @@ impl<'m, M: Simulator + ?Sized> OwnSteps<'m, M> {
             model,
             stream: seed.stream(),
             time: 0,
+            step: StepRecord::default(),
             previous: Vec::new(),
             states: vec![0.0; sequences * n],
             noise: Vec::new(),
@@ -91,7 +93,8 @@ impl<'m, M: Simulator + ?Sized> OwnSteps<'m, M> {
     /// Draws the next time of all sequences that go on; none if no sequence is left.
     pub fn advance(&mut self) -> Option<OwnStep<'_>> {
         let (n, m) = (self.model.state_dim(), self.model.measurement_dim());
-        let step = self.model.step_of_index(self.time);
+        self.step.keep(&self.model.step_of_index(self.time));
+        let step = self.step.step();
         let stream = from_mut(&mut self.stream);
         if self.time > 0 {
             std::mem::swap(&mut self.previous, &mut self.states);
@@ -140,7 +143,7 @@ impl<'m, M: Simulator + ?Sized> OwnSteps<'m, M> {
         self.time += 1;
         let previous = (time > 0).then_some(self.previous.as_slice());
         let noise = noise_space.map(|_| self.noise.as_slice());
-        Some(OwnStep { time, previous, states: &self.states, noise, measurements: &self.measurements })
+        Some(OwnStep { step, previous, states: &self.states, noise, measurements: &self.measurements })
     }
 }
 

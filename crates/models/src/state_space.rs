@@ -19,9 +19,14 @@ pub trait StateSpaceModel: Sync {
     /// `M`, the number of entries of a measurement.
     fn measurement_dim(&self) -> usize;
 
+    /// `U`, the number of inputs of a sub-step, and of a measurement.
+    fn input_dim(&self) -> usize {
+        self.step_of_index(0).inputs.len()
+    }
+
     /// The step of that index where nobody says more: rows one unit of time apart, the first at 0, with the inputs and parameters that the model has by itself.
     ///
-    /// How many inputs and parameters it has is how many the model takes.
+    /// How many parameters it has is how many the model takes.
     fn step_of_index(&self, index: usize) -> Step<'_> {
         Step::of_index(index)
     }

@@ -1,5 +1,6 @@
 //! Whether equations are what they say of themselves.
 
+use super::advance::make_state;
 use super::distribution::Distribution;
 use super::statement::{Draws, Equations};
 use crate::batch::Rows;
@@ -32,10 +33,7 @@ impl Draws<f64> for Probe {
 fn made(model: &impl Equations, step: &Step<'_>, previous: Option<&[f64]>, first: f64) -> [Vec<f64>; 2] {
     let [n, _] = model.dimensions();
     let (mut draws, mut state) = (Probe { first, ..Probe::default() }, vec![f64::NAN; n]);
-    match previous {
-        None => model.initial(step, &mut draws, &mut state),
-        Some(previous) => model.transition(step, previous, &mut draws, &mut state),
-    }
+    make_state(model, step, previous, &mut draws, &mut state);
     [draws.drawn, state]
 }
 

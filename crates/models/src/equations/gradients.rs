@@ -1,5 +1,6 @@
 //! The gradients of what a model states, by numbers that carry derivatives.
 
+use super::advance::make_state;
 use super::lanes::Lanes;
 use super::model::{Likelihood as OfMeasurement, Replay};
 use super::statement::Equations;
@@ -45,7 +46,7 @@ impl<M: Equations> Density for Initial<'_, M> {
         unused: &mut [Varied<E>],
     ) -> Varied<E> {
         let mut density = Replay::of(point);
-        self.0.initial(step, &mut density, unused);
+        make_state(self.0, step, None, &mut density, unused);
         density.finish()
     }
 }
@@ -70,7 +71,7 @@ impl<M: Equations> Density for OfPrevious<'_, M> {
     ) -> Varied<E> {
         vary(states, lane, states.len(), now);
         let mut density = Replay::of(now);
-        self.0.transition(step, point, &mut density, unused);
+        make_state(self.0, step, Some(point), &mut density, unused);
         density.finish()
     }
 }
@@ -95,7 +96,7 @@ impl<M: Equations> Density for OfState<'_, M> {
     ) -> Varied<E> {
         vary(previous, lane, previous.len(), before);
         let mut density = Replay::of(point);
-        self.0.transition(step, before, &mut density, unused);
+        make_state(self.0, step, Some(&*before), &mut density, unused);
         density.finish()
     }
 }
@@ -210,7 +211,7 @@ impl<M: Equations> StateGradients for M {
         measurement: &[f64],
         d_states: &mut [f64],
     ) {
-        let density = Likelihood { model: self, step: *step, measurement };
+        let density = Likelihood { model: self, step: step.end(self.inputs().len()), measurement };
         fill_slopes(self.dimensions()[0], states, &[], &density, d_states);
     }
 }

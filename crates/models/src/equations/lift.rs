@@ -5,15 +5,13 @@ use super::tiles::with_scalars;
 use crate::Step;
 
 impl Step<'_> {
-    /// The same step with inputs and parameters as other scalars.
+    /// The same step with parameters as other scalars.
     pub fn lift<S: Scalar, R>(&self, work: impl FnOnce(&Step<'_, S>) -> R) -> R {
-        let Step { index, time, length, .. } = *self;
-        let inputs = self.inputs.len();
-        with_scalars::<S, _>(inputs + self.parameters.len(), |scalars| {
-            let numbers = self.inputs.iter().chain(self.parameters);
-            scalars.iter_mut().zip(numbers).for_each(|(scalar, number)| *scalar = S::from(*number));
-            let (inputs, parameters) = scalars.split_at(inputs);
-            work(&Step { index, time, length, inputs, parameters })
+        let Step { index, time, length, sub_step, sub_steps, inputs, .. } = *self;
+        with_scalars::<S, _>(self.parameters.len(), |parameters| {
+            let numbers = self.parameters.iter();
+            parameters.iter_mut().zip(numbers).for_each(|(scalar, number)| *scalar = S::from(*number));
+            work(&Step { index, time, length, sub_step, sub_steps, inputs, parameters })
         })
     }
 }

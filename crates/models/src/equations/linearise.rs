@@ -181,7 +181,7 @@ impl<E: Equations> Linearise for E {
     ) {
         let mut asked = Asked {
             model: self,
-            step,
+            step: &step.end(self.inputs().len()),
             states: rows_of(states),
             measurement,
             slopes: rows_of_mut(slopes),

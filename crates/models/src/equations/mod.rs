@@ -1,5 +1,6 @@
 //! Models stated once: three formulas, from which draws, densities, gradients and marginals follow.
 
+mod advance;
 mod batched;
 mod check;
 mod density;

@@ -1,5 +1,6 @@
 //! What states its equations is a state-space model.
 
+use super::advance::make_state;
 use super::distribution::Distribution;
 use super::lanes::Lanes;
 use super::noise_space::NoiseSpace;
@@ -108,6 +109,10 @@ impl<E: Equations> StateSpaceModel for E {
         self.dimensions()[1]
     }
 
+    fn input_dim(&self) -> usize {
+        self.inputs().len()
+    }
+
     fn step_of_index(&self, index: usize) -> Step<'_> {
         Step { inputs: self.inputs(), parameters: self.parameters(), ..Step::of_index(index) }
     }
@@ -124,27 +129,18 @@ impl<E: Equations> StateSpaceModel for E {
             return;
         }
         let before = previous.map(|rows| rows.row(0));
-        let needs = needs_of_draws(n, |draws, state| match before {
-            None => self.initial(step, draws, state),
-            Some(before) => self.transition(step, before, draws, state),
-        });
-        step.lift(|step| match previous {
-            None => draw_states(
-                needs,
-                (n, None),
-                streams,
-                states,
-                #[inline(always)]
-                |_, _, draws, state| self.initial(step, draws, state),
-            ),
-            Some(_) => draw_states(
+        let needs = needs_of_draws(n, |draws, state| make_state(self, step, before, draws, state));
+        step.lift(|step| {
+            draw_states(
                 needs,
                 (n, previous),
                 streams,
                 states,
                 #[inline(always)]
-                |_, previous, draws, state| self.transition(step, previous, draws, state),
-            ),
+                |_, before, draws, state| {
+                    make_state(self, step, previous.map(|_| before), draws, state);
+                },
+            );
         });
     }
 
@@ -156,7 +152,7 @@ impl<E: Equations> StateSpaceModel for E {
         out: &mut [f64],
     ) -> Result<(), ModelError> {
         let [n, _] = self.dimensions();
-        step.lift(|step| {
+        step.end(self.inputs().len()).lift(|step| {
             over_tiles(
                 n,
                 Rows::all(states, n),
@@ -175,7 +171,7 @@ impl<E: Equations> StateSpaceModel for E {
     /// By plain numbers, and not by a tile of which one lane is asked for.
     fn log_likelihood(&self, step: &Step<'_>, state: &[f64], measurement: &[f64]) -> Result<f64, ModelError> {
         let mut likelihood = Likelihood::of(measurement);
-        self.measurement(step, state, &mut likelihood);
+        self.measurement(&step.end(self.inputs().len()), state, &mut likelihood);
         Ok(likelihood.finish())
     }
 
@@ -197,10 +193,7 @@ impl<E: Equations> TransitionDensity for E {
     fn log_density(&self, step: &Step<'_>, previous: Option<&[f64]>, state: &[f64]) -> f64 {
         with_scratch(state.len(), |unused| {
             let mut replay = Replay::of(state);
-            match previous {
-                None => self.initial(step, &mut replay, unused),
-                Some(previous) => self.transition(step, previous, &mut replay, unused),
-            }
+            make_state(self, step, previous, &mut replay, unused);
             replay.finish()
         })
     }
@@ -219,7 +212,7 @@ impl<E: Equations> TransitionDensity for E {
                         #[inline(always)]
                         |_, now| {
                             let mut replay = Replay::of(now);
-                            self.initial(step, &mut replay, rows_of_mut(unused));
+                            make_state(self, step, None, &mut replay, rows_of_mut(unused));
                             replay.finish()
                         },
                     ),
@@ -233,7 +226,7 @@ impl<E: Equations> TransitionDensity for E {
                             load(&states[first * n..last * n], n, now);
                             let mut replay = Replay::of(rows_of(now));
                             let unused = rows_of_mut(unused);
-                            self.transition(step, previous, &mut replay, unused);
+                            make_state(self, step, Some(previous), &mut replay, unused);
                             replay.finish()
                         },
                     ),
@@ -250,8 +243,9 @@ impl<E: Equations> Simulator for E {
         if states.is_empty() {
             return;
         }
-        let needs = needs_of_measurement(|sink| self.measurement(step, states.row(0), sink));
-        step.lift(|step| {
+        let end = step.end(self.inputs().len());
+        let needs = needs_of_measurement(|sink| self.measurement(&end, states.row(0), sink));
+        end.lift(|step| {
             draw_measurements(needs, m, Some((n, states)), streams, out, |_, state, sink| {
                 self.measurement(step, state, sink);
             });

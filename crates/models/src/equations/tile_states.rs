@@ -1,5 +1,6 @@
 //! How the states of a tile of particles are made: what transports and moments come from.
 
+use super::advance::make_state;
 use super::lanes::Lanes;
 use super::noise_space::{Draw, NoiseSpace};
 use super::statement::{Draws, Equations};
@@ -41,9 +42,6 @@ impl<E: Equations> TileStates for E {
         draws: &mut impl Draws<Lanes>,
         states: &mut [Lanes],
     ) {
-        step.lift(|step| match previous {
-            None => self.initial(step, draws, states),
-            Some(previous) => self.transition(step, rows_of(previous), draws, states),
-        });
+        step.lift(|step| make_state(self, step, previous.map(rows_of), draws, states));
     }
 }

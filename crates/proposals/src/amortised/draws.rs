@@ -74,11 +74,11 @@ impl Amortised {
         draws: &mut Draws,
     ) -> Result<(), ModelError> {
         let (n, m) = (self.state_dim, self.measurement_dim);
-        let width = Blocks::of(n, m)[usize::from(step.time > 0)].count();
+        let width = Blocks::of(n, m)[usize::from(step.step.index > 0)].count();
         let Draws { initial, later } = draws;
-        let stage = if step.time == 0 { initial } else { later };
+        let stage = if step.step.index == 0 { initial } else { later };
         stage.width = width;
-        let standards = self.standards(step.time);
+        let standards = self.standards(step.step.index);
         let mut memory = vec![0.0; 2 * n * LANES];
         let mut rows = vec![0.0; (width + 2 * n) * LANES];
         self.by_tiles(model, step, Some(&standards), |first, count, tile| {

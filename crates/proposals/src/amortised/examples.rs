@@ -87,7 +87,7 @@ impl Amortised {
         step: &OwnStep<'_>,
         examples: &mut Examples,
     ) -> Result<(), ModelError> {
-        self.encode_by(model, step, Some(&self.standards(step.time)), examples)
+        self.encode_by(model, step, Some(&self.standards(step.step.index)), examples)
     }
 
     fn encode_by(
@@ -98,14 +98,14 @@ impl Amortised {
         examples: &mut Examples,
     ) -> Result<(), ModelError> {
         let (n, m) = (self.state_dim, self.measurement_dim);
-        let width = super::inputs::Blocks::of(n, m)[usize::from(step.time > 0)].count();
-        let n = self.sizes(step.time).units;
+        let width = super::inputs::Blocks::of(n, m)[usize::from(step.step.index > 0)].count();
+        let n = self.sizes(step.step.index).units;
         if n == 0 {
             // A start that is known.
             return Ok(());
         }
         let Examples { initial, later, outside } = examples;
-        let stage = if step.time == 0 { initial } else { later };
+        let stage = if step.step.index == 0 { initial } else { later };
         stage.width = width;
         let (mut rows_of_inputs, mut rows_of_units) = (vec![0.0; LANES * width], vec![0.0; LANES * n]);
         self.by_tiles(model, step, standards, |_, count, tile| {

@@ -53,8 +53,8 @@ impl Amortised {
                 return Err(ModelError::Parameter { name, value, expected: "that of the model" });
             }
         }
-        let &OwnStep { time, previous, states, noise, measurements } = step;
-        let at = model.step_of_index(time);
+        let &OwnStep { step: at, previous, states, noise, measurements } = step;
+        let time = at.index;
         let sizes = self.sizes(time);
         let noise_space = model.noise_without_density();
         let noise = self.noise_of(noise_space, &at, noise)?;

@@ -291,13 +291,24 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
         if step.index != self.time {
             return refuse("the index of a step", step.index.to_string(), "the number of steps before it");
         }
+        if step.sub_steps == 0 || (step.sub_steps > 1 && step.index == 0) {
+            let found = step.sub_steps.to_string();
+            return refuse("the number of sub-steps of a step", found, "at least 1, and 1 at the start");
+        }
+        if step.sub_steps > 1 && self.model.density().is_some() {
+            let found = step.sub_steps.to_string();
+            let expected = "1 for a model with a density of states, which says of a whole step what it is";
+            return refuse("the number of sub-steps of a step", found, expected);
+        }
         let own = self.model.step_of_index(step.index);
-        let counts = [
-            ("the number of inputs of a step", step.inputs.len(), own.inputs.len()),
-            ("the number of parameters of a step", step.parameters.len(), own.parameters.len()),
-        ];
-        if let Some((name, found, _)) = counts.into_iter().find(|(_, found, expected)| found != expected) {
-            return refuse(name, found.to_string(), "as many as the model takes");
+        let inputs = self.model.input_dim();
+        if step.inputs.len() != inputs && step.inputs.len() != inputs * (step.sub_steps + 1) {
+            let expected = "as many as the model takes, or so many for each sub-step and for the measurement";
+            return refuse("the number of inputs of a step", step.inputs.len().to_string(), expected);
+        }
+        if step.parameters.len() != own.parameters.len() {
+            let found = step.parameters.len().to_string();
+            return refuse("the number of parameters of a step", found, "as many as the model takes");
         }
         let numbers =
             [step.time, step.length].into_iter().chain(step.inputs.iter().chain(step.parameters).copied());

@@ -65,6 +65,10 @@ impl<M: Linearise + ?Sized> StateSpaceModel for TwistedModel<'_, M> {
         self.model.measurement_dim()
     }
 
+    fn input_dim(&self) -> usize {
+        self.model.input_dim()
+    }
+
     fn step_of_index(&self, index: usize) -> Step<'_> {
         self.model.step_of_index(index)
     }

@@ -63,8 +63,9 @@ pub(super) fn add_recorded(
         }
         let measurements = whole.repeat(draws);
         let before = (time > 0).then_some(previous.as_slice());
+        let step = model.step_of_index(time);
         let step =
-            OwnStep { time, previous: before, states: &states, noise: None, measurements: &measurements };
+            OwnStep { step, previous: before, states: &states, noise: None, measurements: &measurements };
         proposal.encode(model, &step, examples)?;
     }
     Ok(())

@@ -104,12 +104,8 @@ impl<'a, M: OwnModel + StateGradients + ?Sized> Stretches<'a, M> {
         let n = self.model.state_dim();
         let states = filter.particles();
         self.slopes.resize(states.len(), 0.0);
-        self.model.likelihood_gradients(
-            &self.model.step_of_index(time),
-            states,
-            measurement,
-            &mut self.slopes,
-        );
+        let step = self.model.step_of_index(time);
+        self.model.likelihood_gradients(&step, states, measurement, &mut self.slopes);
         self.previous.clear();
         if let Some(all) = filter.previous_particles() {
             for ancestor in filter.ancestors() {
@@ -121,7 +117,7 @@ impl<'a, M: OwnModel + StateGradients + ?Sized> Stretches<'a, M> {
         self.shares.extend(filter.weights().normalised().iter().map(|weight| weight * weight * share));
         let measurements = measurement.repeat(PARTICLES);
         let previous = (time > 0).then_some(self.previous.as_slice());
-        let step = OwnStep { time, previous, states, noise: None, measurements: &measurements };
+        let step = OwnStep { step, previous, states, noise: None, measurements: &measurements };
         Ok(proposal.add_draws(self.model, &step, &self.slopes, &self.shares, draws)?)
     }
 }

@@ -96,7 +96,7 @@ fn slopes<M: Equations>(
     let shares: Vec<f64> = weights.iter().map(share).collect();
     let repeated = measurements[1].repeat(particles);
     let step = OwnStep {
-        time: 1,
+        step: Step::of_index(1),
         previous: filter.previous_particles(),
         states,
         noise: None,

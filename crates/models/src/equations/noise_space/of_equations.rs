@@ -4,6 +4,7 @@ use super::guided::{Guide, GuidedDraws};
 use super::scores::NoiseScores;
 use super::{Draw, NoiseSpace};
 use crate::batch::{LANES, by_widest_vectors};
+use crate::equations::advance::make_state;
 use crate::equations::distribution::Distribution;
 use crate::equations::lanes::Lanes;
 use crate::equations::statement::{Draws, Equations};
@@ -42,11 +43,11 @@ impl<M: Equations> NoiseSpace for M {
     fn draws(&self, step: &Step<'_>) -> Vec<Draw> {
         let [n, _] = self.dimensions();
         let (mut list, mut state) = (DrawList(Vec::new()), vec![0.0; n]);
-        self.initial(&self.step_of_index(0), &mut list, &mut state);
+        make_state(self, &self.step_of_index(0), None, &mut list, &mut state);
         if step.index > 0 {
             let previous = state.clone();
             list.0.clear();
-            self.transition(step, &previous, &mut list, &mut state);
+            make_state(self, step, Some(&previous), &mut list, &mut state);
         }
         list.0
     }
@@ -57,10 +58,7 @@ impl<M: Equations> NoiseSpace for M {
         by_widest_vectors(
             #[inline(always)]
             || {
-                step.lift(|step| match previous {
-                    None => self.initial(step, &mut draws, states),
-                    Some(previous) => self.transition(step, rows_of(previous), &mut draws, states),
-                });
+                step.lift(|step| make_state(self, step, previous.map(rows_of), &mut draws, states));
             },
         );
         // A number that no draw took is as wrong as one that is missing.
@@ -82,10 +80,7 @@ impl<M: Equations> NoiseSpace for M {
         by_widest_vectors(
             #[inline(always)]
             || {
-                step.lift(|step| match previous {
-                    None => self.initial(step, &mut guided, states),
-                    Some(previous) => self.transition(step, rows_of(previous), &mut guided, states),
-                });
+                step.lift(|step| make_state(self, step, previous.map(rows_of), &mut guided, states));
             },
         );
         guided.log_ratio()

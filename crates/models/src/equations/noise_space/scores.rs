@@ -2,6 +2,7 @@
 
 use crate::Step;
 use crate::batch::{LANES, by_widest_vectors};
+use crate::equations::advance::make_state;
 use crate::equations::distribution::Distribution;
 use crate::equations::lanes::Lanes;
 use crate::equations::linearise::Scores;
@@ -51,6 +52,7 @@ impl<M: Equations> NoiseScores<'_, M> {
         let NoiseScores { model, step, previous, draws, measurement, slopes, information, jacobian } = self;
         let ([n, _], q) = (model.dimensions(), *draws);
         step.lift(|step| {
+            let end = step.end(model.inputs().len());
             with_scalars::<Varied<E>, _>(2 * n, |scalars| {
                 let (before, now) = scalars.split_at_mut(n);
                 by_widest_vectors(
@@ -64,10 +66,8 @@ impl<M: Equations> NoiseScores<'_, M> {
                             }
                             for first in (0..q).step_by(E - 1) {
                                 let mut around = Around { first, drawn: 0 };
-                                match previous {
-                                    None => model.initial(step, &mut around, now),
-                                    Some(_) => model.transition(step, before, &mut around, now),
-                                }
+                                let before = previous.map(|_| &*before);
+                                make_state(*model, step, before, &mut around, now);
                                 let (slopes, information, jacobian) =
                                     (&mut **slopes, &mut **information, &mut **jacobian);
                                 let mut scores = Scores {
@@ -80,7 +80,7 @@ impl<M: Equations> NoiseScores<'_, M> {
                                     jacobian,
                                     at: 0,
                                 };
-                                model.measurement(step, &*now, &mut scores);
+                                model.measurement(&end, &*now, &mut scores);
                             }
                         }
                     },
