@@ -62,6 +62,12 @@ pub(crate) fn of_draws(file: &str, draw: &Line) -> NoClosedForm {
     refusal(file, Section::Draws, draw, 0, reason)
 }
 
+/// Of a model whose steps are cut into sub-steps: the first line of `[transition]`.
+pub(crate) fn of_sub_steps(file: &str, line: &Line) -> NoClosedForm {
+    let reason = "it is made of several sub-steps between two rows; in the closed form it is one";
+    refusal(file, Section::Transition, line, 0, reason.to_string())
+}
+
 fn refusal(file: &str, section: Section, line: &Line, number: usize, reason: String) -> NoClosedForm {
     let (section, key) = (section.title(), line.coordinate(number));
     NoClosedForm { file: file.to_string(), line: Some(line.number), section, key, reason }
@@ -85,7 +91,10 @@ pub(crate) fn is_linear(section: Section, built: &Built) -> bool {
     let degrees = built.graph.degrees();
     let degree =
         |coordinate: &Coordinate, parameter: usize| degrees[coordinate.parameters[parameter].index()];
-    let is_constant = !built.graph.operations().iter().any(|operation| matches!(operation, Operation::Time));
+    let of_step = |operation: &Operation| {
+        matches!(operation, Operation::Time | Operation::Length | Operation::Input(_))
+    };
+    let is_constant = !built.graph.operations().iter().any(of_step);
     is_constant
         && (section == Section::Measurement || has_density(section, built))
         && built.coordinates.iter().filter_map(Output::drawn).all(|coordinate| {

@@ -25,12 +25,16 @@ impl Equations for FormulaEquations<'_> {
         [self.0.states, self.0.measurements]
     }
 
+    fn inputs(&self) -> &[f64] {
+        &self.0.inputs
+    }
+
     fn has_density(&self) -> bool {
         self.0.has_density
     }
 
     fn initial<S: Scalar>(&self, step: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]) {
-        self.0.initial.make(step.time, &[], draws, state);
+        self.0.initial.make(step, &[], draws, state);
     }
 
     fn transition<S: Scalar>(
@@ -40,11 +44,11 @@ impl Equations for FormulaEquations<'_> {
         draws: &mut impl Draws<S>,
         state: &mut [S],
     ) {
-        self.0.transition.make(step.time, previous, draws, state);
+        self.0.transition.make(step, previous, draws, state);
     }
 
     fn measurement<S: Scalar>(&self, step: &Step<'_, S>, state: &[S], measurement: &mut impl Coordinates<S>) {
-        self.0.measurement.push(step.time, state, measurement);
+        self.0.measurement.push(step, state, measurement);
     }
 
     fn measurement_along<S: Scalar>(
@@ -54,6 +58,6 @@ impl Equations for FormulaEquations<'_> {
         along: Range<usize>,
         measurement: &mut impl Coordinates<S>,
     ) {
-        self.0.measurement.push_along(step.time, state, along, measurement);
+        self.0.measurement.push_along(step, state, along, measurement);
     }
 }

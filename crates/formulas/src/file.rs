@@ -116,7 +116,7 @@ fn of_formulas(
     };
     Ok(ModelFile {
         name: statement.name.clone().unwrap_or_else(|| stem(of.file)),
-        states: names(&statement.initial),
+        states: statement.states(),
         measurements: names(&statement.measurement),
         parameters: statement.parameters.clone(),
         text: text.to_string(),

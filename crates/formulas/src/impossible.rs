@@ -25,9 +25,9 @@ pub struct Impossible {
 const LONGEST: usize = 60;
 
 impl FormulaModel {
-    /// The first entry of a measurement (`M`, none where one is missing) that no state can give at a time; none where there may be a state for each.
-    pub fn impossible(&self, time: usize, measurement: &[Option<f64>]) -> Option<Impossible> {
-        let supports = self.supports(&Step::of_index(time));
+    /// The first entry of a measurement (`M`, none where one is missing) that no state can give in a step; none where there may be a state for each.
+    pub fn impossible(&self, step: &Step<'_>, measurement: &[Option<f64>]) -> Option<Impossible> {
+        let supports = self.supports(step);
         supports.iter().zip(measurement).enumerate().find_map(|(coordinate, (support, value))| {
             let (support, value) = ((*support)?, (*value)?);
             let distribution = || self.distribution(coordinate);

@@ -38,6 +38,7 @@ mod model;
 mod names;
 mod operations;
 mod program;
+mod schedule;
 mod state_space;
 mod statement;
 mod support;
@@ -52,7 +53,9 @@ pub use error::{FileError, Place, Problem};
 pub use explain::DomainError;
 pub use file::{FileModel, ModelFile, parse, parse_generated, read};
 pub use impossible::Impossible;
-pub use model::FormulaModel;
+pub use model::{FormulaModel, InputUse};
+pub use schedule::{MOST_SUB_STEPS, Schedule};
+pub use statement::{Between, InputRule, InputSource, TimeLabel, TimeRule, TimeUnit};
 pub use support::{End, Support};
 pub use tables::{Family, Range, family, reference};
 

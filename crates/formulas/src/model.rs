@@ -3,13 +3,15 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use motes_models::Step;
+use motes_models::equations::{Distribution, Draws};
+use motes_models::{Step, Stream};
 
 use crate::closed_form::{self, NoClosedForm};
 use crate::error::{Fault, Section};
 use crate::graph::build;
 use crate::program::{Program, compile};
-use crate::statement::{Line, Statement};
+use crate::schedule::{MOST_SUB_STEPS, Schedule};
+use crate::statement::{InputRule, Line, Statement, TimeRule};
 use crate::support::{Support, supports};
 use crate::text::Text;
 
@@ -18,7 +20,39 @@ use crate::text::Text;
 /// All that follows from [`Equations`](motes_models::equations::Equations) is compiled once, in this crate. Who wants the formulas with scalars of their own asks for
 /// [`FormulaModel::equations`].
 #[derive(Debug, Clone)]
-pub struct FormulaModel(pub(crate) Arc<Programs>);
+pub struct FormulaModel(pub(crate) Arc<Programs>, pub(crate) Option<Arc<Schedule>>);
+
+/// Where formulas use an input.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct InputUse {
+    /// In `[initial]`.
+    pub initial: bool,
+    /// In `[draws]` or `[transition]`.
+    pub transition: bool,
+    /// In `[measurement]`.
+    pub measurement: bool,
+}
+
+impl InputUse {
+    fn of_mut(&mut self, section: Section) -> &mut bool {
+        match section {
+            Section::Initial => &mut self.initial,
+            Section::Measurement => &mut self.measurement,
+            _ => &mut self.transition,
+        }
+    }
+}
+
+/// Samples draws.
+struct Drawn<'a> {
+    stream: &'a mut Stream,
+}
+
+impl Draws<f64> for Drawn<'_> {
+    fn draw(&mut self, distribution: Distribution<f64>) -> f64 {
+        distribution.sample(self.stream)
+    }
+}
 
 /// The programs of a file's formulas.
 #[derive(Debug)]
@@ -27,6 +61,15 @@ pub(crate) struct Programs {
     has_lines: bool,
     statement: Statement,
     pub(crate) states: usize,
+    /// As many as there are: no number, so that none can be forgotten.
+    pub(crate) inputs: Vec<f64>,
+    /// How many sub-steps a gap of 1 has.
+    pub(crate) sub_steps_of_unit: usize,
+    /// Where formulas use each input.
+    uses: Vec<InputUse>,
+    /// Whether an entry of a measurement is of what came since the row before.
+    needs_step: Vec<bool>,
+    simulated: Program,
     pub(crate) measurements: usize,
     pub(crate) initial: Program,
     pub(crate) transition: Program,
@@ -42,7 +85,9 @@ impl FormulaModel {
     /// Compiles the formulas of a file.
     pub(crate) fn new(statement: Statement, Text { file, has_lines }: Text<'_>) -> Result<Self, Fault> {
         let coordinates = |lines: &[Line]| lines.iter().map(Line::coordinates).sum();
-        let states = coordinates(&statement.initial);
+        let states = statement.states().len();
+        let inputs = statement.inputs.len() + statement.resets().len();
+        let mut uses = vec![InputUse::default(); inputs];
         let (mut closed_form, mut is_linear, mut has_density) = (Ok(()), true, true);
         let mut program = |section, lines: &[Line]| {
             let built = build(&statement, section)?;
@@ -50,6 +95,9 @@ impl FormulaModel {
                 closed_form = closed_form::check(file, section, lines, &built);
             }
             is_linear &= closed_form::is_linear(section, &built);
+            for (number, input) in uses.iter_mut().enumerate() {
+                *input.of_mut(section) |= built.inputs().contains(&(number as u32));
+            }
             has_density &= section == Section::Measurement || closed_form::has_density(section, &built);
             Ok(compile(&built, states, section == Section::Initial))
         };
@@ -59,20 +107,76 @@ impl FormulaModel {
         if let (Ok(()), Some(draw)) = (&closed_form, statement.draws.first()) {
             closed_form = Err(closed_form::of_draws(file, draw));
         }
-        Ok(FormulaModel(Arc::new(Programs {
-            states,
-            measurements: coordinates(&statement.measurement),
-            supports: (!measurement.depends_on_time()).then(|| supports(&measurement, 0.0)),
-            initial,
-            transition,
-            measurement,
-            closed_form,
-            is_linear,
-            has_density,
-            file: file.to_string(),
-            has_lines,
-            statement,
-        })))
+        let has_sub_steps = statement.time.as_ref().is_some_and(|time| time.step.is_some());
+        if let (Ok(()), Some(line), true) = (&closed_form, statement.transition.first(), has_sub_steps) {
+            closed_form = Err(closed_form::of_sub_steps(file, line));
+        }
+        let simulated = compile(&build(&statement, Section::Inputs)?, 0, false);
+        let unit = statement.time.as_ref().map_or(1.0, |time| time.sub_steps(1.0));
+        let known: usize = statement.initial.iter().map(Line::coordinates).sum();
+        Ok(FormulaModel(
+            Arc::new(Programs {
+                states,
+                inputs: vec![f64::NAN; inputs],
+                sub_steps_of_unit: unit.min(MOST_SUB_STEPS as f64) as usize,
+                uses,
+                needs_step: measurement.depend_on_states_from(known),
+                simulated,
+                measurements: coordinates(&statement.measurement),
+                supports: (!measurement.depends_on_step())
+                    .then(|| supports(&measurement, &Step::of_index(0))),
+                initial,
+                transition,
+                measurement,
+                closed_form,
+                is_linear: is_linear && !has_sub_steps,
+                has_density: has_density && !has_sub_steps,
+                file: file.to_string(),
+                has_lines,
+                statement,
+            }),
+            None,
+        ))
+    }
+
+    /// The same model with the steps of a sequence: its own from then on, where nobody gives others.
+    #[must_use]
+    pub fn along(&self, schedule: Schedule) -> Self {
+        FormulaModel(Arc::clone(&self.0), Some(Arc::new(schedule)))
+    }
+
+    /// How the rows of data are spaced, if the file says so.
+    pub fn time_rule(&self) -> Option<&TimeRule> {
+        self.0.statement.time.as_ref()
+    }
+
+    /// The inputs that data have, in the order of a step's. Behind them a step has one for each entry of [`FormulaModel::resets`].
+    pub fn inputs(&self) -> &[InputRule] {
+        &self.0.statement.inputs
+    }
+
+    /// The entries of a measurement of which a step says whether they were there at the row before: 1 where they were, and else 0.
+    pub fn resets(&self) -> Vec<usize> {
+        self.0.statement.resets()
+    }
+
+    /// Where formulas use an input.
+    pub fn input_use(&self, input: usize) -> InputUse {
+        self.0.uses.get(input).copied().unwrap_or_default()
+    }
+
+    /// Whether an entry of the measurement is made of what came since the row before, so that there must be a step before it.
+    pub fn needs_step(&self, entry: usize) -> bool {
+        self.0.needs_step.get(entry).copied().unwrap_or_default()
+    }
+
+    /// Draws the inputs that are simulated, for a step that ends at a time: their numbers, and values.
+    pub fn simulate_inputs(&self, time: f64, stream: &mut Stream) -> Vec<(usize, f64)> {
+        let mut drawn = Drawn { stream };
+        let lines = self.0.statement.simulated.0.len();
+        let mut unused = vec![0.0; lines];
+        self.0.simulated.make(&Step { time, ..Step::of_index(0) }, &[], &mut drawn, &mut unused);
+        self.0.statement.simulated.0.iter().copied().zip(unused).collect()
     }
 
     /// What the file states.
@@ -94,7 +198,7 @@ impl FormulaModel {
     pub fn supports(&self, step: &Step<'_>) -> Cow<'_, [Option<Support>]> {
         match &self.0.supports {
             Some(supports) => supports.into(),
-            None => supports(&self.0.measurement, step.time).into(),
+            None => supports(&self.0.measurement, &step.end(self.0.inputs.len())).into(),
         }
     }
 

@@ -15,6 +15,22 @@ impl StateSpaceModel for FormulaModel {
         self.equations().dimensions()[1]
     }
 
+    fn input_dim(&self) -> usize {
+        self.0.inputs.len()
+    }
+
+    /// That of the schedule, where there is one; else rows are one unit of time apart, and what inputs are is not known: NaN.
+    fn step_of_index(&self, index: usize) -> Step<'_> {
+        match &self.1 {
+            Some(schedule) => schedule.step_of_index(index),
+            None => Step {
+                inputs: &self.0.inputs,
+                sub_steps: if index == 0 { 1 } else { self.0.sub_steps_of_unit },
+                ..Step::of_index(index)
+            },
+        }
+    }
+
     fn sample_states(
         &self,
         step: &Step<'_>,

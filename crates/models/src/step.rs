@@ -32,7 +32,7 @@ pub struct Step<'a, S = f64> {
     pub length: f64,
     /// Of a part of a step, which one it is, from 0.
     pub sub_step: usize,
-    /// How many sub-steps the step has, at least 1.
+    /// How many sub-steps the step has; 0 where no time passes, so that the state stays as it is.
     pub sub_steps: usize,
     /// The inputs: `U` that hold throughout the step, or `U` for each sub-step and `U` more for the measurement. At the start there is one such part, for `x_0`.
     pub inputs: &'a [f64],
@@ -106,7 +106,14 @@ pub struct StepRecord {
 
 impl Default for StepRecord {
     fn default() -> Self {
-        StepRecord { index: 0, time: 0.0, length: 0.0, sub_steps: 1, inputs: Vec::new(), parameters: Vec::new() }
+        StepRecord {
+            index: 0,
+            time: 0.0,
+            length: 0.0,
+            sub_steps: 1,
+            inputs: Vec::new(),
+            parameters: Vec::new(),
+        }
     }
 }
 

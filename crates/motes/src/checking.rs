@@ -117,7 +117,7 @@ fn check_data(model: &Model, data: &Data, checked: &mut Checked, seed: u64) {
     for (series, name) in data.series.iter().enumerate() {
         let Ok(mut running) = Running::new(model, &options, series) else { return };
         for row in data.of_series(series) {
-            if let Err(error) = running.advance(&row.measurement) {
+            if let Err(error) = running.advance_by(&row.steps, &row.measurement) {
                 let of = if data.columns.has_series() { format!(" of series {name}") } else { String::new() };
                 checked.problems.push(format!("data, {} {}{of}: {error}", data.counted, row.line));
                 break;

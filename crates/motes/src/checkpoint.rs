@@ -16,7 +16,7 @@ use crate::running_state::RunningState;
 const CHECKPOINT: &str = "a checkpoint of a filter";
 
 /// The version of what the bytes hold.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// What the bytes hold.
 #[derive(Serialize, Deserialize)]
@@ -60,7 +60,12 @@ impl<'m> Running<'m> {
         let of_options = Checkpoint {
             fingerprint: fingerprint(self.model),
             proposal: self.kind.to_string(),
-            state: RunningState { filter: self.filter.snapshot(), time: self.time, before: self.before },
+            state: RunningState {
+                filter: self.filter.snapshot(),
+                time: self.time,
+                before: self.before,
+                clock: self.clock.clone(),
+            },
         };
         pack(CHECKPOINT, VERSION, &of_options)
     }
@@ -100,9 +105,9 @@ impl<'m> Running<'m> {
         if !state.is_of_one_time() {
             return refused("its parts are of different times".into());
         }
-        let RunningState { filter, time, before } = state;
+        let RunningState { filter, time, before, clock } = state;
         let filter = filter_of(model, options, Start::State(Box::new(filter)))?;
-        Ok(Running { model, filter, kind: options.proposal.kind(), time, before })
+        Ok(Running { model, filter, kind: options.proposal.kind(), time, before, clock })
     }
 }
 

@@ -2,14 +2,14 @@
 
 use std::ops::ControlFlow;
 
-use motes_models::Seed;
+use motes_models::{Seed, Step, StepRecord};
 use motes_smc::{
     Bootstrap, EvidenceWarning, FilterError, FilterHistory, Linearised, MinDegeneracy, SmoothedPaths,
     SmoothingError, Verdict, WeightDiagnosis,
 };
 
 use crate::error::MotesError;
-use crate::estimate::Estimate;
+use crate::estimate::{Estimate, Forecast};
 use crate::exact::{Exact, not_linear};
 use crate::model::{Kind, Model};
 use crate::options::{FilterOptions, ProposalName};
@@ -17,6 +17,7 @@ use crate::particles::{Start, boxed, of_another_kind};
 use crate::prediction::{MOST, beside_prediction};
 use crate::running_state::FilterState;
 use crate::steps::Steps;
+use crate::timeline::{Clock, RowTime};
 
 /// A filter of one series, step by step.
 pub struct Running<'m> {
@@ -27,6 +28,8 @@ pub struct Running<'m> {
     pub(crate) time: usize,
     /// The log-evidence before the last step.
     pub(crate) before: f64,
+    /// Where its series is, for who gives rows one by one.
+    pub(crate) clock: Clock,
 }
 
 impl<'m> Running<'m> {
@@ -37,34 +40,128 @@ impl<'m> Running<'m> {
     pub fn new(model: &'m Model, options: &FilterOptions, series: usize) -> Result<Self, MotesError> {
         let seed = Seed::from_u64(options.seed).child("filter").nth(series as u64);
         let filter = filter_of(model, options, Start::Seed(seed))?;
-        Ok(Running { model, filter, kind: options.proposal.kind(), time: 0, before: 0.0 })
+        Ok(Running {
+            model,
+            filter,
+            kind: options.proposal.kind(),
+            time: 0,
+            before: 0.0,
+            clock: Clock::default(),
+        })
     }
 
-    /// Takes in the measurement of the next time.
+    /// Takes in the measurement of the next row, whose time follows from the rows before.
+    ///
+    /// # Errors
+    /// As [`Running::step_row`].
+    pub fn advance(&mut self, measurement: &[Option<f64>]) -> Result<(), MotesError> {
+        let steps = self.steps_to(RowTime { label: None, columns: &[] }, measurement)?;
+        self.advance_by(&steps, measurement)
+    }
+
+    /// Takes in the measurement of the next row by the steps that lead to it ([`Model::next_steps`]): all but the last have no measurement.
     ///
     /// # Errors
     /// [`MotesError::Filter`] if no particle explains it, or a formula leaves its domain.
-    pub fn advance(&mut self, measurement: &[Option<f64>]) -> Result<(), MotesError> {
+    pub fn advance_by(
+        &mut self,
+        steps: &[StepRecord],
+        measurement: &[Option<f64>],
+    ) -> Result<(), MotesError> {
+        let Some((last, before)) = steps.split_last() else { return Ok(()) };
+        let nothing = vec![None; measurement.len()];
+        before.iter().try_for_each(|step| self.take_step(&step.step(), &nothing))?;
+        self.take_step(&last.step(), measurement)
+    }
+
+    /// The steps to the next row of who gives rows one by one.
+    fn steps_to(
+        &mut self,
+        row: RowTime<'_>,
+        measurement: &[Option<f64>],
+    ) -> Result<Vec<StepRecord>, MotesError> {
+        let mut clock = self.clock.clone();
+        let steps = self.model.next_steps(&mut clock, row);
+        let steps = steps.and_then(|steps| self.model.measured(&mut clock, measurement).map(|()| steps));
+        let steps = steps.map_err(|error| MotesError::Timeline(Box::new(error)))?;
+        self.clock = clock;
+        Ok(steps)
+    }
+
+    /// Takes in one step with its measurement.
+    ///
+    /// # Errors
+    /// As [`Running::advance`].
+    pub(crate) fn take_step(
+        &mut self,
+        step: &Step<'_>,
+        measurement: &[Option<f64>],
+    ) -> Result<(), MotesError> {
         if let Some(failure) = self.filter.failure() {
-            let place = format!("t = {}", self.time);
+            let place = format!("t = {}", step.time);
             return Err(MotesError::Filter {
                 place,
                 reason: format!("the filter failed in an earlier step: {failure}"),
             });
         }
         self.before = self.filter.log_evidence();
-        self.filter.step(measurement).map_err(|error| self.explain(&error, measurement))?;
+        self.filter.step(step, measurement).map_err(|error| self.explain(&error, step, measurement))?;
         self.time += 1;
         Ok(())
     }
 
-    /// Takes in the measurement of the next time, and says what is known then.
+    /// Takes in the measurement of the next row, whose time follows from the rows before, and says what is known then.
     ///
     /// # Errors
-    /// As [`Running::advance`].
+    /// As [`Running::step_row`].
     pub fn step(&mut self, measurement: &[Option<f64>]) -> Result<Estimate, MotesError> {
-        self.advance(measurement)?;
+        self.step_row(RowTime { label: None, columns: &[] }, measurement)
+    }
+
+    /// The same by the steps that lead to the row.
+    ///
+    /// # Errors
+    /// As [`Running::advance_by`].
+    pub fn step_by(
+        &mut self,
+        steps: &[StepRecord],
+        measurement: &[Option<f64>],
+    ) -> Result<Estimate, MotesError> {
+        self.advance_by(steps, measurement)?;
         Ok(self.estimate())
+    }
+
+    /// Takes in the next row, with its time and inputs, and says what is known then.
+    ///
+    /// # Errors
+    /// As [`Running::advance_by`], and [`MotesError::Timeline`] if the row's time does not come next, or an input is missing; nothing has changed then.
+    pub fn step_row(
+        &mut self,
+        row: RowTime<'_>,
+        measurement: &[Option<f64>],
+    ) -> Result<Estimate, MotesError> {
+        let steps = self.steps_to(row, measurement)?;
+        self.step_by(&steps, measurement)
+    }
+
+    /// Predicts the next row, at which nothing is measured, a gap as the last one ahead.
+    ///
+    /// # Errors
+    /// As [`Running::predict_row`].
+    pub fn predict(&mut self) -> Result<Estimate, MotesError> {
+        self.predict_row(None).map(|forecast| forecast.estimate)
+    }
+
+    /// Predicts the next row, at which nothing is measured: one with this time and these inputs, or a gap as the last one ahead.
+    ///
+    /// # Errors
+    /// As [`Running::step_row`], and [`MotesError::Ahead`] if an input is not known then.
+    pub fn predict_row(&mut self, row: Option<RowTime<'_>>) -> Result<Forecast, MotesError> {
+        let mut clock = self.clock.clone();
+        let forecast = self.predict_by(&mut clock, row)?;
+        self.clock = clock;
+        self.clock.comes_back();
+        Ok(forecast)
     }
 
     /// [`Running::step`], and what its weights say about how far they can be trusted: at once, where there are many particles.
@@ -73,9 +170,10 @@ impl<'m> Running<'m> {
     /// As [`Running::advance`].
     pub fn step_and_diagnose(
         &mut self,
+        steps: &[StepRecord],
         measurement: &[Option<f64>],
     ) -> Result<(Estimate, Option<WeightDiagnosis>), MotesError> {
-        self.advance(measurement)?;
+        self.advance_by(steps, measurement)?;
         Ok(match self.filter.is_large() {
             true => rayon_core::join(|| self.estimate(), || self.diagnosis()),
             false => (self.estimate(), self.diagnosis()),
@@ -91,14 +189,20 @@ impl<'m> Running<'m> {
         }
     }
 
-    /// Predicts the next time, at which nothing is measured.
+    /// [`Running::predict_row`] where a clock says where the series is.
     ///
     /// # Errors
-    /// As [`Running::step`].
-    pub fn predict(&mut self) -> Result<Estimate, MotesError> {
+    /// As [`Running::step`], and [`MotesError::Ahead`] if an input is not known then.
+    pub fn predict_by(
+        &mut self,
+        clock: &mut Clock,
+        row: Option<RowTime<'_>>,
+    ) -> Result<Forecast, MotesError> {
         let nothing = vec![None; self.model.measurements().len()];
-        let estimate = self.step(&nothing)?;
-        Ok(Estimate { ess: None, log_evidence: None, ..estimate })
+        let steps = self.model.steps_ahead(clock, row).map_err(|error| MotesError::Ahead(Box::new(error)))?;
+        let time = steps.last().map_or(0.0, |step| step.step().time);
+        let estimate = self.step_by(&steps, &nothing)?;
+        Ok(Forecast { time, estimate: Estimate { ess: None, log_evidence: None, ..estimate } })
     }
 
     /// The standard error of the log-evidence of all steps so far; none without [`FilterOptions::check`], or of too few particles to tell.
@@ -173,12 +277,12 @@ impl<'m> Running<'m> {
     }
 
     /// What a failure means for who wrote the model and the data.
-    fn explain(&self, error: &FilterError, measurement: &[Option<f64>]) -> MotesError {
-        let place = format!("t = {}", self.time);
+    fn explain(&self, error: &FilterError, step: &Step<'_>, measurement: &[Option<f64>]) -> MotesError {
+        let place = format!("t = {}", step.time);
         let reason = match error {
-            FilterError::Collapse { ess_before, .. } => self.explain_collapse(*ess_before, measurement),
+            FilterError::Collapse { ess_before, .. } => self.explain_collapse(*ess_before, step, measurement),
             FilterError::NotANumber { particle, .. } | FilterError::State { particle, .. } => {
-                self.explain_particle(*particle)
+                self.explain_particle(*particle, step)
             }
             other => other.to_string(),
         };
@@ -188,20 +292,18 @@ impl<'m> Running<'m> {
 
 impl Running<'_> {
     /// Why no particle has a weight: what was measured, beside what is predicted.
-    fn explain_collapse(&self, ess_before: f64, measurement: &[Option<f64>]) -> String {
+    fn explain_collapse(&self, ess_before: f64, step: &Step<'_>, measurement: &[Option<f64>]) -> String {
         let names = self.model.measurements();
-        if let Some(impossible) = self.model.impossible(self.time, measurement) {
+        if let Some(impossible) = self.model.impossible(step, measurement) {
             return format!("{}: {impossible}", names[impossible.coordinate]);
         }
         let count = (self.filter.particles() / self.model.states().len()).min(MOST);
         let previous: Option<Vec<&[f64]>> = (0..count).map(|at| self.filter.of_particle(at).0).collect();
         let previous = previous.map(|rows| rows.concat());
         let beside = match self.model.kind() {
-            Kind::Learnable(model) => {
-                beside_prediction(model, self.time, previous.as_deref(), measurement, names)
-            }
+            Kind::Learnable(model) => beside_prediction(model, step, previous.as_deref(), measurement, names),
             Kind::LinearGaussian(model) => {
-                beside_prediction(model, self.time, previous.as_deref(), measurement, names)
+                beside_prediction(model, step, previous.as_deref(), measurement, names)
             }
         };
         format!(
@@ -211,10 +313,10 @@ impl Running<'_> {
     }
 
     /// Why the density of a particle, or its state, is not a number.
-    fn explain_particle(&self, particle: usize) -> String {
+    fn explain_particle(&self, particle: usize, step: &Step<'_>) -> String {
         let (previous, state) = self.filter.of_particle(particle);
         let explained =
-            self.model.formulas().and_then(|formulas| formulas.explain(self.time, previous, Some(state)));
+            self.model.formulas().and_then(|formulas| formulas.explain(step, previous, Some(state)));
         match explained {
             Some(error) => error.to_string(),
             None => format!("the state {state:?} of a particle, or its density, is not a finite number"),

@@ -8,6 +8,7 @@ use motes_train::TrainError;
 use thiserror::Error;
 
 use crate::data::{Counted, DataError};
+use crate::timeline::TimelineError;
 
 /// Why there is no result.
 #[derive(Debug, Error)]
@@ -29,6 +30,12 @@ pub enum MotesError {
     /// A setting is out of range.
     #[error("{0}")]
     Setting(String),
+    /// A simulated row has no time, or an input has no value.
+    #[error(transparent)]
+    Timeline(Box<TimelineError>),
+    /// Rows after the last one cannot be predicted.
+    #[error("a forecast: {0}")]
+    Ahead(Box<TimelineError>),
     /// A filter failed.
     #[error("{place}: {reason}")]
     Filter {

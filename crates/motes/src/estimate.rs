@@ -32,3 +32,12 @@ pub struct Estimate {
     /// `log p(y_t | y_{0:t−1})`; 0 where nothing was measured, none in a forecast.
     pub log_evidence: Option<f64>,
 }
+
+/// What is predicted for a row at which nothing was measured.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Forecast {
+    /// Its time.
+    pub time: f64,
+    /// The state then, without an effective sample size and evidence.
+    pub estimate: Estimate,
+}

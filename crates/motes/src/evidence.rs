@@ -67,7 +67,7 @@ fn log_evidence_until(
         let mut running = Running::new(model, &options, series)?;
         for &at in &places {
             let row = &data.rows[at];
-            if let Err(error) = running.advance(&row.measurement) {
+            if let Err(error) = running.advance_by(&row.steps, &row.measurement) {
                 if !matches!(running.filter.failure(), Some(FilterError::Collapse { .. })) {
                     return Err(of_series(name.map(String::as_str), error));
                 }

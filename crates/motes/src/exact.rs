@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::ops::ControlFlow;
 
 use motes_models::kalman::{Belief, KalmanFilter, Smoothed, filter_partial, smooth};
-use motes_models::{LinearGaussian, ModelError, PartialMeasurements, Seed};
+use motes_models::{LinearGaussian, ModelError, PartialMeasurements, Seed, Step};
 use motes_smc::{
     EvidenceWarning, FilterError, FilterHistory, SmoothedPaths, SmoothingError, Verdict, WeightDiagnosis,
 };
@@ -56,7 +56,7 @@ fn coordinates(belief: &Belief) -> Vec<Coordinate> {
 }
 
 impl Steps for Exact<'_> {
-    fn step(&mut self, measurement: &[Option<f64>]) -> Result<(), FilterError> {
+    fn step(&mut self, _step: &Step<'_>, measurement: &[Option<f64>]) -> Result<(), FilterError> {
         let step = self.filter.step(measurement)?;
         self.log_evidence += step.log_evidence_increment;
         self.means.clear();
@@ -159,11 +159,14 @@ impl<'m> ExactEvidence<'m> {
         Some(ExactEvidence { filter: KalmanFilter::new(linear), log_evidence: 0.0 })
     }
 
-    /// Takes in the measurement of the next time.
+    /// Takes in the measurement of a row, to which so many steps lead.
     ///
     /// # Errors
     /// As [`KalmanFilter::step`].
-    pub fn step(&mut self, measurement: &[Option<f64>]) -> Result<(), ModelError> {
+    pub fn row(&mut self, steps: usize, measurement: &[Option<f64>]) -> Result<(), ModelError> {
+        for _ in 1..steps {
+            self.log_evidence += self.filter.step(&vec![None; measurement.len()])?.log_evidence_increment;
+        }
         self.log_evidence += self.filter.step(measurement)?.log_evidence_increment;
         Ok(())
     }
@@ -174,13 +177,14 @@ impl<'m> ExactEvidence<'m> {
     }
 }
 
-/// What the Kalman smoother says of a series (`T` rows), and trajectories drawn from `p(x_{0:T−1} | y_{0:T−1})`, each a simulation corrected by what the
+/// What the Kalman smoother says of a series (`T` rows, and so many steps before the first of them), and trajectories drawn from `p(x_{0:T−1} | y_{0:T−1})`, each a simulation corrected by what the
 /// smoother makes of its difference from the data (Durbin and Koopman 2002).
 ///
 /// # Errors
 /// [`MotesError`] for a model that is not linear and Gaussian, as the Kalman filter, or if `proceed` said to stop.
 pub(crate) fn smooth_exactly(
     model: &Model,
+    before: usize,
     rows: &[&[Option<f64>]],
     paths: usize,
     seed: &Seed,
@@ -188,9 +192,12 @@ pub(crate) fn smooth_exactly(
 ) -> Result<(Vec<Estimate>, SmoothedPaths), MotesError> {
     let linear = model.linear_gaussian().ok_or_else(|| not_linear(model))?;
     let (n, m) = (model.states().len(), model.measurements().len());
+    let nothing = vec![None; m];
+    let rows: Vec<&[Option<f64>]> =
+        std::iter::repeat_n(nothing.as_slice(), before).chain(rows.iter().copied()).collect();
     let smoothed = smoothed(&linear, PartialMeasurements::new(m, rows.concat())?)?;
     let estimate = |belief| Estimate { state: coordinates(belief), ess: None, log_evidence: None };
-    let estimates = smoothed.beliefs.iter().map(estimate).collect();
+    let estimates = smoothed.beliefs.iter().skip(before).map(estimate).collect();
     let mut states = Vec::with_capacity(paths * rows.len() * n);
     for path in 0..paths {
         let mut stream = seed.nth(path as u64).stream();
@@ -209,7 +216,7 @@ pub(crate) fn smooth_exactly(
             return Err(MotesError::Interrupted);
         }
     }
-    Ok((estimates, SmoothedPaths::independent(states, rows.len(), n)))
+    Ok((estimates, SmoothedPaths::independent(states, rows.len(), n).without_first(before)))
 }
 
 fn smoothed(linear: &LinearGaussian, measurements: PartialMeasurements) -> Result<Smoothed, ModelError> {

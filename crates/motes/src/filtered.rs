@@ -3,7 +3,7 @@
 use motes_smc::{Verdict, WeightReport, error_of_variance, variance_of_error};
 use serde::{Deserialize, Serialize};
 
-use crate::estimate::Estimate;
+use crate::estimate::{Estimate, Forecast};
 use crate::warning::Warning;
 
 /// What filters made of data.
@@ -12,7 +12,7 @@ pub struct Filtered {
     /// The estimate of each row of the data, in their order.
     pub estimates: Vec<Estimate>,
     /// What is predicted after the last measurement of each series.
-    pub forecasts: Vec<Vec<Estimate>>,
+    pub forecasts: Vec<Vec<Forecast>>,
     /// The log-evidence of each series.
     pub log_evidence_per_series: Vec<f64>,
     /// Its standard error, the root of its mean square error; none where it is not checked, or of too few particles to tell, and 0 where the log-evidence is exact.

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use crate::data::Data;
+use crate::data::{Data, Row};
 use crate::engine::Running;
 use crate::error::MotesError;
 use crate::estimate::Estimate;
@@ -10,6 +10,7 @@ use crate::filtered::Filtered;
 use crate::model::Model;
 use crate::options::{FilterOptions, ProposalName};
 use crate::tally::{SeriesTally, Tally, TimeLabel};
+use crate::timeline::RowTime;
 use crate::warning::Warning;
 
 /// Filters each series of `data`; `proceed` is asked after each row, and after each time of a forecast, with how many rows are done.
@@ -42,19 +43,21 @@ fn filter_until(
         for &at in &places {
             let row = &data.rows[at];
             let (estimate, diagnosis) = running
-                .step_and_diagnose(&row.measurement)
+                .step_and_diagnose(&row.steps, &row.measurement)
                 .map_err(|error| of_series(name, error.at_row(data.counted, row.line)))?;
-            tally.step(&mut of_this, &row.measurement, diagnosis.as_ref());
+            tally.step(&mut of_this, row.steps.len(), &row.measurement, diagnosis.as_ref());
             estimates[at] = Some(estimate);
             done += 1;
             if proceed(done).is_break() {
                 return Err(MotesError::Interrupted);
             }
         }
-        tally.end_series(name, &of_this, &running, |time| measured(model, data, places[time]));
-        let mut forecast = Vec::new();
-        for _ in 0..options.forecast {
-            forecast.push(running.predict().map_err(|error| of_series(name, error))?);
+        let before = data.steps_before(series);
+        let at = |step: usize| measured(model, data, places[step.saturating_sub(before)]);
+        tally.end_series(name, &of_this, &running, at);
+        let (mut forecast, mut clock) = (Vec::new(), data.clocks[series].clone());
+        for row in rows_ahead(options, name) {
+            forecast.push(running.predict_by(&mut clock, row).map_err(|error| of_series(name, error))?);
             if proceed(done).is_break() {
                 return Err(MotesError::Interrupted);
             }
@@ -62,6 +65,16 @@ fn filter_until(
         forecasts.push(forecast);
     }
     Ok(tally.into_filtered(estimates.into_iter().flatten().collect(), forecasts))
+}
+
+/// The rows that are predicted after a series: with times and inputs where they are known.
+pub fn rows_ahead<'o>(options: &'o FilterOptions, series: Option<&str>) -> Vec<Option<RowTime<'o>>> {
+    let Some(ahead) = &options.ahead else { return vec![None; options.forecast] };
+    let is_of_series = |row: &&Row| {
+        !ahead.columns.has_series() || series.is_none_or(|name| ahead.series[row.series] == name)
+    };
+    let rows = ahead.rows.iter().filter(is_of_series);
+    rows.map(|row| Some(RowTime { label: row.written_time.as_deref(), columns: &row.inputs })).collect()
 }
 
 /// What was measured in a row of data.

@@ -22,6 +22,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod calendar;
 mod checking;
 mod checkpoint;
 mod comparing;
@@ -49,30 +50,33 @@ mod smoothing;
 mod steps;
 mod tally;
 mod threads;
+mod timeline;
 mod warning;
 
+pub use calendar::NoTime;
 pub use checking::{Checked, check};
 pub use comparing::{
     Card, CompareOptions, Compared, Comparison, EqualTime, Figure, MOST_REFERENCE_FILTERS, Paired, Point,
     Reached, Sequence, compare, designed,
 };
-pub use data::{Columns, Counted, Data, DataError, Place, Row, RowOrder, Rows, Table};
+pub use data::{Columns, Counted, Data, DataError, InputTable, Place, Row, RowOrder, Rows, Table};
 pub use engine::Running;
 pub use error::MotesError;
-pub use estimate::{Coordinate, Estimate};
+pub use estimate::{Coordinate, Estimate, Forecast};
 pub use evidence::{LogEvidence, log_evidence};
 pub use filtered::Filtered;
-pub use filtering::{filter, of_proposal};
+pub use filtering::{filter, of_proposal, rows_ahead};
 pub use learned::{LearnedProposal, Notes};
 pub use learning::{LearnOptions, LearnOutcome, base_named, head_named, learn, network_named};
 pub use model::{LearnableModel, Model};
 pub use names::ModelNames;
 pub use options::{DEFENSIVE_SHARE, FilterOptions, ProposalName};
 pub use packed::{pack, unpack};
-pub use simulating::{Simulated, simulate};
+pub use simulating::{Simulated, SimulatedRow, simulate, simulate_along};
 pub use smoothing::{Smoothed, smooth};
 pub use tally::{SeriesTally, Tally, TimeLabel};
 pub use threads::{on_threads, thread_pool};
+pub use timeline::{Clock, RowTime, TimelineError};
 pub use warning::Warning;
 
 pub use motes_formulas as formulas;

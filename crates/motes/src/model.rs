@@ -5,10 +5,11 @@ use std::fmt;
 use std::path::Path;
 use std::sync::Arc;
 
-use motes_formulas::{Description, FileError, FileModel, FormulaModel, Impossible, ModelFile};
-use motes_models::{LinearGaussian, OwnModel, StateGradients};
+use motes_formulas::{Description, FileError, FileModel, FormulaModel, Impossible, ModelFile, Schedule};
+use motes_models::{LinearGaussian, OwnModel, StateGradients, StateSpaceModel, Step, StepRecord};
 
 use crate::error::MotesError;
+use crate::timeline::{Clock, RowTime, Timeline, TimelineError};
 
 /// A model that proposals can be learned for: it simulates itself, its noise can be transported, its measurements linearised. What states its
 /// [`Equations`](motes_models::equations::Equations) is one.
@@ -22,7 +23,7 @@ pub struct Model(Source);
 
 #[derive(Clone)]
 enum Source {
-    File(ModelFile),
+    File(ModelFile, Option<Arc<Timeline>>),
     Own(Own),
 }
 
@@ -56,7 +57,7 @@ impl Model {
     /// # Errors
     /// [`FileError`] as [`motes_formulas::read`].
     pub fn read(path: &Path, overrides: &[(String, f64)]) -> Result<Self, FileError> {
-        Ok(Model(Source::File(motes_formulas::read(path, overrides)?)))
+        Model::of_file(motes_formulas::read(path, overrides)?, path)
     }
 
     /// Makes a model of a text, which errors call `name`.
@@ -64,7 +65,7 @@ impl Model {
     /// # Errors
     /// [`FileError`] as [`motes_formulas::parse`].
     pub fn parse(text: &str, name: &str, overrides: &[(String, f64)]) -> Result<Self, FileError> {
-        Ok(Model(Source::File(motes_formulas::parse(text, name, overrides)?)))
+        Model::of_file(motes_formulas::parse(text, name, overrides)?, Path::new(name))
     }
 
     /// [`Model::parse`] of a text that a program wrote: errors, those of filters too, name sections and keys, and no lines.
@@ -72,7 +73,18 @@ impl Model {
     /// # Errors
     /// [`FileError`] as [`motes_formulas::parse_generated`].
     pub fn parse_generated(text: &str, name: &str, overrides: &[(String, f64)]) -> Result<Self, FileError> {
-        Ok(Model(Source::File(motes_formulas::parse_generated(text, name, overrides)?)))
+        Model::of_file(motes_formulas::parse_generated(text, name, overrides)?, Path::new(""))
+    }
+
+    /// The model of a file, with the files that it names, relative to its folder.
+    fn of_file(file: ModelFile, path: &Path) -> Result<Self, FileError> {
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let timeline = match &file.model {
+            FileModel::Formulas(formulas) => Timeline::load(formulas, &file.measurements, folder)
+                .map_err(|(file, reason)| FileError::Inputs { file, reason })?,
+            FileModel::LinearGaussian(_) => None,
+        };
+        Ok(Model(Source::File(file, timeline.map(Arc::new))))
     }
 
     /// A model of one's own, with names for the coordinates of its states and of its measurements.
@@ -149,7 +161,7 @@ impl Model {
     /// What it calls itself.
     pub fn name(&self) -> &str {
         match &self.0 {
-            Source::File(file) => &file.name,
+            Source::File(file, _) => &file.name,
             Source::Own(own) => &own.name,
         }
     }
@@ -157,7 +169,7 @@ impl Model {
     /// The names of the `N` coordinates of a state.
     pub fn states(&self) -> &[String] {
         match &self.0 {
-            Source::File(file) => &file.states,
+            Source::File(file, _) => &file.states,
             Source::Own(own) => &own.states,
         }
     }
@@ -165,7 +177,7 @@ impl Model {
     /// The names of the `M` coordinates of a measurement, which are the columns of data.
     pub fn measurements(&self) -> &[String] {
         match &self.0 {
-            Source::File(file) => &file.measurements,
+            Source::File(file, _) => &file.measurements,
             Source::Own(own) => &own.measurements,
         }
     }
@@ -173,7 +185,7 @@ impl Model {
     /// The parameters with their values; those of a model of one's own are its own affair.
     pub fn parameters(&self) -> &[(String, f64)] {
         match &self.0 {
-            Source::File(file) => &file.parameters,
+            Source::File(file, _) => &file.parameters,
             Source::Own(_) => &[],
         }
     }
@@ -181,7 +193,7 @@ impl Model {
     /// The text of the model file; none of a model of one's own.
     pub fn text(&self) -> Option<&str> {
         match &self.0 {
-            Source::File(file) => Some(&file.text),
+            Source::File(file, _) => Some(&file.text),
             Source::Own(_) => None,
         }
     }
@@ -189,7 +201,7 @@ impl Model {
     /// Its coordinates and what they are distributed as, for people.
     pub fn describe(&self) -> Description {
         match &self.0 {
-            Source::File(file) => file.describe(),
+            Source::File(file, _) => file.describe(),
             Source::Own(own) => Description {
                 groups: vec![
                     ("states".into(), vec![own.states.join(", ")]),
@@ -199,17 +211,89 @@ impl Model {
         }
     }
 
-    /// The first entry of a measurement (`M`, none where one is missing) that no state can give at a time, as a fraction where counts are measured; none where there may be a
+    /// The column of data that has the times of rows, where the model names one.
+    pub fn time_column(&self) -> Option<&str> {
+        self.timeline().and_then(Timeline::time_column)
+    }
+
+    /// The columns of data that the model's inputs come from; some may be measurements.
+    pub fn input_columns(&self) -> &[String] {
+        self.timeline().map_or(&[], Timeline::columns)
+    }
+
+    /// The steps to the next row of a series, all but the last of which have no measurement.
+    ///
+    /// # Errors
+    /// [`TimelineError`] if the row's time does not come next, or an input is missing.
+    pub fn next_steps(&self, clock: &mut Clock, row: RowTime<'_>) -> Result<Vec<StepRecord>, TimelineError> {
+        match self.timeline() {
+            Some(timeline) => clock.next(timeline, row),
+            None => Ok(vec![StepRecord::of(&self.step_of_index(clock.count()))]),
+        }
+    }
+
+    /// The steps to a row after the last one, at which nothing is measured: one with this time and these inputs, or a gap as the last one ahead.
+    ///
+    /// # Errors
+    /// [`TimelineError::Ahead`] if an input is not known then, and as [`Model::next_steps`].
+    pub fn steps_ahead(
+        &self,
+        clock: &mut Clock,
+        row: Option<RowTime<'_>>,
+    ) -> Result<Vec<StepRecord>, TimelineError> {
+        match self.timeline() {
+            Some(timeline) => clock.ahead(timeline, row),
+            None => Ok(vec![StepRecord::of(&self.step_of_index(clock.count()))]),
+        }
+    }
+
+    /// Takes in what was measured at the row that [`Model::next_steps`] led to.
+    ///
+    /// # Errors
+    /// [`TimelineError::NoStepBefore`].
+    pub fn measured(&self, clock: &mut Clock, measurement: &[Option<f64>]) -> Result<(), TimelineError> {
+        match self.timeline() {
+            Some(timeline) => clock.measured(timeline, measurement),
+            None => Ok(()),
+        }
+    }
+
+    /// The same model with the steps of a sequence as its own, for who simulates it many times; none of a model without times or inputs.
+    pub(crate) fn along(&self, schedule: Schedule) -> Option<Model> {
+        let Source::File(file, Some(timeline)) = &self.0 else { return None };
+        let FileModel::Formulas(formulas) = &file.model else { return None };
+        let model = FileModel::Formulas(formulas.along(schedule));
+        Some(Model(Source::File(ModelFile { model, ..file.clone() }, Some(Arc::clone(timeline)))))
+    }
+
+    pub(crate) fn timeline(&self) -> Option<&Timeline> {
+        match &self.0 {
+            Source::File(_, timeline) => timeline.as_deref(),
+            Source::Own(_) => None,
+        }
+    }
+
+    /// The step of an index where nobody says more.
+    pub(crate) fn step_of_index(&self, index: usize) -> Step<'_> {
+        match self.kind() {
+            Kind::Learnable(learnable) => learnable.step_of_index(index),
+            Kind::LinearGaussian(linear) => linear.step_of_index(index),
+        }
+    }
+
+    /// The first entry of a measurement (`M`, none where one is missing) that no state can give in a step, as a fraction where counts are measured; none where there may be a
     /// state for each. Of a model of one's own nothing is known.
-    pub fn impossible(&self, time: usize, measurement: &[Option<f64>]) -> Option<Impossible> {
-        self.formulas()?.impossible(time, measurement)
+    pub fn impossible(&self, step: &Step<'_>, measurement: &[Option<f64>]) -> Option<Impossible> {
+        self.formulas()?.impossible(step, measurement)
     }
 
     /// The model itself, by its kind.
     pub(crate) fn kind(&self) -> Kind<'_> {
         match &self.0 {
-            Source::File(ModelFile { model: FileModel::Formulas(formulas), .. }) => Kind::Learnable(formulas),
-            Source::File(ModelFile { model: FileModel::LinearGaussian(linear), .. }) => {
+            Source::File(ModelFile { model: FileModel::Formulas(formulas), .. }, _) => {
+                Kind::Learnable(formulas)
+            }
+            Source::File(ModelFile { model: FileModel::LinearGaussian(linear), .. }, _) => {
                 Kind::LinearGaussian(linear)
             }
             Source::Own(own) => Kind::Learnable(&*own.model),
@@ -227,7 +311,7 @@ impl Model {
     /// Its formulas, if it is a file of them.
     pub(crate) fn formulas(&self) -> Option<&FormulaModel> {
         match &self.0 {
-            Source::File(ModelFile { model: FileModel::Formulas(formulas), .. }) => Some(formulas),
+            Source::File(ModelFile { model: FileModel::Formulas(formulas), .. }, _) => Some(formulas),
             _ => None,
         }
     }

@@ -2,7 +2,9 @@
 
 use std::fmt;
 use std::str::FromStr;
+use std::sync::Arc;
 
+use crate::data::Data;
 use crate::learned::LearnedProposal;
 use motes_smc::{FilterSettings, ResampleWhen, Resampling};
 
@@ -89,6 +91,8 @@ pub struct FilterOptions {
     pub seed: u64,
     /// For how many times after the last measurement states are predicted.
     pub forecast: usize,
+    /// The times and inputs of the rows that are predicted; they are those of the last gap where there are none.
+    pub ahead: Option<Arc<Data>>,
     /// Whether small filters run beside it, which give the standard error of the log-evidence, and a bootstrap filter beside any other proposal, which says
     /// whether it misses mass. They change no other result.
     pub check: bool,
@@ -104,6 +108,7 @@ impl Default for FilterOptions {
             resampling: Resampling::Systematic,
             seed: 1,
             forecast: 0,
+            ahead: None,
             check: true,
         }
     }

@@ -2,7 +2,7 @@
 
 use std::ops::{ControlFlow, Range};
 
-use motes_models::{Seed, Simulator, StateSpaceModel};
+use motes_models::{Seed, Simulator, StateSpaceModel, Step};
 use motes_smc::{
     Bootstrap, EvidenceCheck, EvidenceWarning, FilterError, FilterHistory, FilterSettings, ParticleFilter,
     Proposal, SecondOpinion, SmoothedPaths, SmoothingError, Verdict, WeightDiagnosis,
@@ -79,18 +79,17 @@ where
     M: Simulator + ?Sized,
     P: Proposal<M, Memory = ()> + Send,
 {
-    fn step(&mut self, measurement: &[Option<f64>]) -> Result<(), FilterError> {
+    fn step(&mut self, step: &Step<'_>, measurement: &[Option<f64>]) -> Result<(), FilterError> {
         let Filter { filter, check, second, .. } = self;
-        let Some(check) = check else { return filter.step_partial(measurement) };
-        let step = self.model.step_of_index(filter.time());
+        let Some(check) = check else { return filter.step_at(step, measurement) };
         // On the second thread, where there is one.
         let (done, ()) = rayon_core::join(
-            || filter.step_at(&step, measurement),
+            || filter.step_at(step, measurement),
             || {
-                check.advance(&step, measurement);
+                check.advance(step, measurement);
                 if let Some(Second { bootstrap, .. }) = second {
                     // One that fails has no opinion.
-                    let _ = bootstrap.step_at(&step, measurement);
+                    let _ = bootstrap.step_at(step, measurement);
                 }
             },
         );

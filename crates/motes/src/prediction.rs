@@ -1,7 +1,7 @@
 //! What particles predict where none of them explains the measurement.
 
 use motes_models::batch::Rows;
-use motes_models::{Seed, Simulator, StateSpaceModel};
+use motes_models::{Seed, Simulator, StateSpaceModel, Step};
 
 /// So many particles say what the others would.
 pub(crate) const MOST: usize = 1000;
@@ -35,7 +35,7 @@ impl Beside {
 /// measured or drawn.
 pub(crate) fn beside_prediction<M: Simulator + ?Sized>(
     model: &M,
-    time: usize,
+    step: &Step<'_>,
     previous: Option<&[f64]>,
     measurement: &[Option<f64>],
     names: &[String],
@@ -44,13 +44,12 @@ pub(crate) fn beside_prediction<M: Simulator + ?Sized>(
     let particles = previous.map_or(MOST, |previous| previous.len() / n);
     let mut streams = [Seed::from_u64(0).child("prediction").stream()];
     let (mut states, mut drawn) = (vec![0.0; particles * n], vec![0.0; particles * m]);
-    let step = model.step_of_index(time);
-    model.sample_states(&step, previous.map(|rows| Rows::all(rows, n)), &mut streams, &mut states);
-    model.sample_measurements(&step, &states, &mut streams, &mut drawn);
+    model.sample_states(step, previous.map(|rows| Rows::all(rows, n)), &mut streams, &mut states);
+    model.sample_measurements(step, &states, &mut streams, &mut drawn);
     let beside = |(entry, value): (usize, &Option<f64>)| {
         let value = (*value)?;
         let drawn = summary(drawn.iter().skip(entry).step_by(m).copied())?;
-        let is_impossible = m <= WEIGHED && is_impossible(model, time, &states, entry, value);
+        let is_impossible = m <= WEIGHED && is_impossible(model, step, &states, entry, value);
         Some(Beside { entry, value, drawn, is_impossible })
     };
     let mut all: Vec<Beside> = measurement.iter().enumerate().filter_map(beside).collect();
@@ -77,7 +76,7 @@ pub(crate) fn beside_prediction<M: Simulator + ?Sized>(
 /// Whether one entry of a measurement has density 0 at all states.
 fn is_impossible<M: StateSpaceModel + ?Sized>(
     model: &M,
-    time: usize,
+    step: &Step<'_>,
     states: &[f64],
     entry: usize,
     value: f64,
@@ -85,7 +84,7 @@ fn is_impossible<M: StateSpaceModel + ?Sized>(
     let mut alone = vec![None; model.measurement_dim()];
     alone[entry] = Some(value);
     let mut densities = vec![f64::NAN; states.len() / model.state_dim()];
-    let weighed = model.log_likelihoods(&model.step_of_index(time), states, &alone, &mut densities);
+    let weighed = model.log_likelihoods(step, states, &alone, &mut densities);
     weighed.is_ok() && densities.iter().all(|density| *density == f64::NEG_INFINITY)
 }
 

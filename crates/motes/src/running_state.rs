@@ -3,6 +3,8 @@
 use motes_smc::{CheckSnapshot, FilterSettings, FilterSnapshot, SecondOpinion};
 use serde::{Deserialize, Serialize};
 
+use crate::timeline::Clock;
+
 /// What a filter is between two steps.
 #[derive(Serialize, Deserialize)]
 pub(crate) enum FilterState {
@@ -42,6 +44,7 @@ pub(crate) struct RunningState {
     pub(crate) filter: FilterState,
     pub(crate) time: usize,
     pub(crate) before: f64,
+    pub(crate) clock: Clock,
 }
 
 impl RunningState {

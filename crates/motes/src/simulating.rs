@@ -1,26 +1,70 @@
 //! Drawing series from a model.
 
 use std::ops::ControlFlow;
+use std::slice::from_mut;
 
-use motes_models::batch::there_is_memory_for;
-use motes_models::{ModelError, Seed, Stream, Trajectory, simulate_while as draw};
+use motes_formulas::Schedule;
+use motes_models::batch::{Rows, there_is_memory_for};
+use motes_models::{
+    Measurements, ModelError, Seed, Sequence, Simulator, StepRecord, Stream, Trajectory, check_model,
+};
 
+use crate::data::Data;
 use crate::error::MotesError;
 use crate::model::{Kind, Model};
+use crate::timeline::{Clock, RowTime, Timeline, TimelineError};
 
 /// Series of states and measurements that a model drew.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Simulated {
     /// One after another.
     pub series: Vec<Trajectory>,
+    /// Of each series, its rows beside states and measurements.
+    pub rows: Vec<Vec<SimulatedRow>>,
 }
 
-/// Draws `series` series of `steps` times each. One series is the same whatever others there are. `proceed` is asked after each series, and now and then within
-/// one, with how many are done.
+/// A row of a series that was drawn.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SimulatedRow {
+    /// The steps that lead to it; all but the last have no measurement.
+    pub steps: Vec<StepRecord>,
+    /// What its time is called, where data were given with such a column.
+    pub label: Option<String>,
+    /// What the columns say that inputs come from ([`Model::input_columns`]).
+    pub inputs: Vec<Option<f64>>,
+}
+
+impl SimulatedRow {
+    /// Its time.
+    pub fn time(&self) -> f64 {
+        self.steps.last().map_or(0.0, |step| step.step().time)
+    }
+}
+
+/// How many rows a series has, and where their times and inputs come from.
+#[derive(Clone, Copy)]
+enum Plan<'a> {
+    /// So many rows, one unit of time apart, with inputs as the model simulates them.
+    Rows(usize),
+    /// The times and inputs of a series of data.
+    Along(&'a Data, usize),
+}
+
+impl Plan<'_> {
+    fn len(&self) -> usize {
+        match self {
+            Plan::Rows(count) => *count,
+            Plan::Along(data, series) => data.of_series(*series).count(),
+        }
+    }
+}
+
+/// Draws `series` series of `steps` rows each. One series is the same whatever others there are. `proceed` is asked now and then, with how many series
+/// are done.
 ///
 /// # Errors
 /// [`MotesError::Simulation`] where states overflow, with how many series do; [`MotesError::Setting`] if there is no memory for them;
-/// [`MotesError::Interrupted`] if `proceed` said to stop.
+/// [`MotesError::Timeline`] if the model has inputs that it does not simulate; [`MotesError::Interrupted`] if `proceed` said to stop.
 pub fn simulate(
     model: &Model,
     steps: usize,
@@ -28,45 +72,64 @@ pub fn simulate(
     seed: u64,
     mut proceed: impl FnMut(usize) -> ControlFlow<()>,
 ) -> Result<Simulated, MotesError> {
-    simulate_until(model, steps, series, seed, &mut proceed)
+    simulate_all(model, &vec![Plan::Rows(steps); series], seed, &mut proceed)
 }
 
-/// [`simulate`], compiled once whatever asks.
-fn simulate_until(
+/// Draws `series` series at the times and with the inputs of each series of `data`, whose measurements play no part.
+///
+/// # Errors
+/// As [`simulate`].
+pub fn simulate_along(
     model: &Model,
-    steps: usize,
+    data: &Data,
     series: usize,
+    seed: u64,
+    mut proceed: impl FnMut(usize) -> ControlFlow<()>,
+) -> Result<Simulated, MotesError> {
+    let plans = (0..data.series.len()).flat_map(|of| std::iter::repeat_n(Plan::Along(data, of), series));
+    simulate_all(model, &plans.collect::<Vec<_>>(), seed, &mut proceed)
+}
+
+fn simulate_all(
+    model: &Model,
+    plans: &[Plan<'_>],
     seed: u64,
     proceed: &mut dyn FnMut(usize) -> ControlFlow<()>,
 ) -> Result<Simulated, MotesError> {
-    let width = model.states().len() + model.measurements().len();
-    let numbers = steps.checked_mul(series).and_then(|times| times.checked_mul(width));
+    let width = model.states().len() + model.measurements().len() + model.input_columns().len();
+    let times = plans.iter().try_fold(0_usize, |sum, plan| sum.checked_add(plan.len()));
+    let numbers = times.and_then(|times| times.checked_mul(width));
+    let series = plans.len();
     // Each number is text of some twenty letters later on.
     if !numbers.and_then(|numbers| numbers.checked_mul(4)).is_some_and(there_is_memory_for) {
+        let steps = plans.first().map_or(0, Plan::len);
         let reason =
             format!("{series} series of {steps} times are more than there is memory for; take fewer");
         return Err(MotesError::Setting(reason));
     }
     let seed = Seed::from_u64(seed).child("simulate");
-    let (mut drawn, mut first, mut failures) = (Vec::new(), None, 0);
-    for number in 0..series {
+    let mut drawn = Simulated { series: Vec::new(), rows: Vec::new() };
+    let (mut first, mut failures) = (None, 0);
+    for (number, plan) in plans.iter().enumerate() {
         let mut stream = seed.nth(number as u64).stream();
-        let found = draw_one(model, steps, &mut stream, &mut || proceed(number));
-        match found {
-            Ok(Some(trajectory)) => drawn.push(trajectory),
+        match draw_one(model, *plan, &mut stream, &mut || proceed(number)) {
+            Ok(Some((trajectory, rows))) => {
+                drawn.series.push(trajectory);
+                drawn.rows.push(rows);
+            }
             Ok(None) => return Err(MotesError::Interrupted),
-            Err(ModelError::Numerical { time, .. }) => {
+            Err(Failure::Model(ModelError::Numerical { time, .. })) => {
                 failures += 1;
                 first.get_or_insert((number, time));
             }
-            Err(error) => return Err(error.into()),
+            Err(failure) => return Err(failure.into()),
         }
         if proceed(number + 1).is_break() {
             return Err(MotesError::Interrupted);
         }
     }
     match first {
-        None => Ok(Simulated { series: drawn }),
+        None => Ok(drawn),
         Some((number, time)) => Err(MotesError::Simulation(format!(
             "{failures} of {series} series run to numbers that are not finite, series {number} at t = {time}; take fewer steps, or look at \
              the transition's noise and at formulas that grow"
@@ -74,38 +137,201 @@ fn simulate_until(
     }
 }
 
-/// Draws `series` series of `steps` times; those that run to numbers that are not finite are left out.
+/// Draws `series` series of `steps` rows, or with the times and inputs of the first series of `data` where the model has such; those that run to numbers that are not finite are left out.
 ///
 /// # Errors
-/// [`MotesError::Simulation`] if none is left.
+/// [`MotesError::Simulation`] if none is left, and as [`simulate`].
 pub(crate) fn simulate_some(
     model: &Model,
+    data: Option<&Data>,
     steps: usize,
     series: usize,
     seed: &Seed,
 ) -> Result<Simulated, MotesError> {
-    let draw = |number: usize| {
+    let data = data.filter(|_| model.timeline().is_some());
+    let plan = data.map_or(Plan::Rows(steps), |data| Plan::Along(data, 0));
+    let mut drawn = Simulated { series: Vec::new(), rows: Vec::new() };
+    for number in 0..series {
         let mut stream = seed.nth(number as u64).stream();
-        draw_one(model, steps, &mut stream, &mut || ControlFlow::Continue(()))
-    };
-    let drawn: Vec<Trajectory> = (0..series).filter_map(|number| draw(number).ok().flatten()).collect();
-    match drawn.is_empty() {
+        match draw_one(model, plan, &mut stream, &mut || ControlFlow::Continue(())) {
+            Ok(None) | Err(Failure::Model(_)) => {}
+            Ok(Some((trajectory, rows))) => {
+                drawn.series.push(trajectory);
+                drawn.rows.push(rows);
+            }
+            Err(failure) => return Err(failure.into()),
+        }
+    }
+    match drawn.series.is_empty() {
         true => Err(MotesError::Simulation(format!(
             "all of {series} series of {steps} times run to numbers that are not finite; take fewer steps, or look at the transition's noise"
         ))),
-        false => Ok(Simulated { series: drawn }),
+        false => Ok(drawn),
+    }
+}
+
+/// Why a series cannot be drawn.
+enum Failure {
+    Model(ModelError),
+    Timeline(TimelineError),
+}
+
+impl From<ModelError> for Failure {
+    fn from(error: ModelError) -> Self {
+        Failure::Model(error)
+    }
+}
+
+impl From<TimelineError> for Failure {
+    fn from(error: TimelineError) -> Self {
+        Failure::Timeline(error)
+    }
+}
+
+impl From<Failure> for MotesError {
+    fn from(failure: Failure) -> Self {
+        match failure {
+            Failure::Model(error) => error.into(),
+            Failure::Timeline(error) => MotesError::Timeline(Box::new(error)),
+        }
     }
 }
 
 /// A series, or none where `proceed` said to stop.
 fn draw_one(
     model: &Model,
-    steps: usize,
+    plan: Plan<'_>,
     stream: &mut Stream,
     proceed: &mut dyn FnMut() -> ControlFlow<()>,
-) -> Result<Option<Trajectory>, ModelError> {
+) -> Result<Option<(Trajectory, Vec<SimulatedRow>)>, Failure> {
     match model.kind() {
-        Kind::Learnable(learnable) => draw(learnable, steps, stream, proceed),
-        Kind::LinearGaussian(linear) => draw(linear, steps, stream, proceed),
+        Kind::Learnable(learnable) => draw_rows(model, learnable, plan, stream, proceed),
+        Kind::LinearGaussian(linear) => draw_rows(model, linear, plan, stream, proceed),
+    }
+}
+
+/// Rows between two of which it is asked whether to go on.
+const ASKS_EVERY: usize = 1024;
+
+fn draw_rows(
+    model: &Model,
+    simulator: &(impl Simulator + ?Sized),
+    plan: Plan<'_>,
+    stream: &mut Stream,
+    proceed: &mut dyn FnMut() -> ControlFlow<()>,
+) -> Result<Option<(Trajectory, Vec<SimulatedRow>)>, Failure> {
+    check_model(simulator)?;
+    let (n, m, count) = (simulator.state_dim(), simulator.measurement_dim(), plan.len());
+    let (mut states, mut measurements) = (Vec::with_capacity(count * n), vec![0.0; count * m]);
+    let mut rows = Vec::with_capacity(count);
+    let (mut before, mut state) = (vec![0.0; n], vec![0.0; n]);
+    let mut course = Course::of(model, plan);
+    for (time, measurement) in measurements.chunks_exact_mut(m).enumerate() {
+        if time % ASKS_EVERY == ASKS_EVERY - 1 && proceed().is_break() {
+            return Ok(None);
+        }
+        let row = course.next(stream)?;
+        for record in &row.steps {
+            let step = record.step();
+            let previous = (step.index > 0).then(|| Rows::all(&before, n));
+            simulator.sample_states(&step, previous, from_mut(stream), &mut state);
+            before.copy_from_slice(&state);
+        }
+        let last = row.steps.last().cloned().unwrap_or_default();
+        simulator.sample_measurements(&last.step(), &state, from_mut(stream), measurement);
+        if !state.iter().chain(measurement.iter()).all(|value| value.is_finite()) {
+            let reason = format!("state {state:?}, measurement {measurement:?}");
+            let computation = "simulating the system";
+            return Err(ModelError::Numerical { computation, time, reason }.into());
+        }
+        let entries: Vec<Option<f64>> = measurement.iter().copied().map(Some).collect();
+        model.measured(&mut course.clock, &entries)?;
+        states.extend_from_slice(&state);
+        rows.push(row);
+    }
+    if rows.is_empty() {
+        let (name, value, expected) = ("horizon T", "0".into(), "at least 1");
+        return Err(ModelError::Parameter { name, value, expected }.into());
+    }
+    let trajectory =
+        Trajectory { states: Sequence::new(n, states)?, measurements: Measurements::new(m, measurements)? };
+    Ok(Some((trajectory, rows)))
+}
+
+/// The steps of a series of so many rows, with the times and inputs of the first series of `data` if there are any: those of many simulations at once.
+///
+/// # Errors
+/// [`MotesError::Timeline`] as [`simulate`], and [`MotesError::Setting`] if inputs are measurements, which each simulation has its own of.
+pub(crate) fn schedule(
+    model: &Model,
+    data: Option<&Data>,
+    rows: usize,
+    seed: &Seed,
+) -> Result<Option<Schedule>, MotesError> {
+    if model.timeline().is_none() {
+        return Ok(None);
+    }
+    if let Some(column) = model.input_columns().iter().find(|column| model.measurements().contains(column)) {
+        let reason = format!(
+            "the measurement {column} is an input of later steps: each simulation has its own, and a proposal cannot be learned from many at once"
+        );
+        return Err(MotesError::Setting(reason));
+    }
+    let plan = data.map_or(Plan::Rows(rows), |data| Plan::Along(data, 0));
+    let (mut course, mut stream) = (Course::of(model, plan), seed.child("inputs").stream());
+    let mut steps = Vec::new();
+    for _ in 0..plan.len() {
+        steps.extend(course.next(&mut stream).map_err(Failure::Timeline)?.steps);
+    }
+    Ok(Schedule::new(steps))
+}
+
+/// The rows of a series, one after another.
+struct Course<'a> {
+    model: &'a Model,
+    clock: Clock,
+    /// The rows of the data that it goes along.
+    along: Option<Box<dyn Iterator<Item = &'a crate::data::Row> + 'a>>,
+}
+
+impl<'a> Course<'a> {
+    fn of(model: &'a Model, plan: Plan<'a>) -> Self {
+        let (name, along): (&str, Option<Box<dyn Iterator<Item = &crate::data::Row>>>) = match plan {
+            Plan::Rows(_) => ("", None),
+            Plan::Along(data, series) => (&data.series[series], Some(Box::new(data.of_series(series)))),
+        };
+        Course { model, clock: Clock::of_series(name), along }
+    }
+
+    /// The next row.
+    ///
+    /// # Errors
+    /// [`TimelineError`] if an input is not simulated, or not known at the row's time.
+    fn next(&mut self, stream: &mut Stream) -> Result<SimulatedRow, TimelineError> {
+        let row = self.along.as_mut().and_then(Iterator::next);
+        let Some(timeline) = self.model.timeline() else {
+            let nothing = RowTime { label: None, columns: &[] };
+            let steps = self.model.next_steps(&mut self.clock, nothing)?;
+            return Ok(SimulatedRow { steps, label: row.and_then(|row| row.label.clone()), inputs: vec![] });
+        };
+        match row {
+            Some(row) => {
+                let label = row.label.clone();
+                let time = row.written_time.as_deref();
+                let columns = &row.inputs;
+                let steps = self.clock.next(timeline, RowTime { label: time, columns })?;
+                Ok(SimulatedRow { steps, label, inputs: row.inputs.clone() })
+            }
+            None => self.simulated(timeline, stream),
+        }
+    }
+
+    /// The next row, with inputs that are drawn.
+    fn simulated(&mut self, timeline: &Timeline, stream: &mut Stream) -> Result<SimulatedRow, TimelineError> {
+        /// The time between two rows.
+        const GAP: f64 = 1.0;
+        let inputs = timeline.simulated_columns(self.clock.time_after(timeline, GAP)?, stream)?;
+        let steps = self.clock.next_after(timeline, GAP, &inputs)?;
+        Ok(SimulatedRow { steps, label: None, inputs })
     }
 }

@@ -56,6 +56,7 @@ fn smooth_until(
     let mut estimates: Vec<Option<Estimate>> = vec![None; data.rows.len()];
     let mut tally = Tally::new(of_proposal(options).into_iter().chain(data.warnings()).collect());
     let mut drawn = vec![];
+    let nothing = vec![None; model.measurements().len()];
     let mut work = Work::of(data.rows.len(), options.particles, paths);
     for (series, (name, places)) in data.series.iter().zip(data.by_series()).enumerate() {
         let name = data.columns.has_series().then_some(name.as_str());
@@ -63,24 +64,30 @@ fn smooth_until(
         let (mut of_this, mut history) = (SeriesTally::new(model, options), FilterHistory::new());
         for &at in &places {
             let row = &data.rows[at];
-            let advanced = running.advance(&row.measurement);
-            advanced.map_err(|error| of_series(name, error.at_row(data.counted, row.line)))?;
-            running.record(&mut history)?;
-            tally.step(&mut of_this, &row.measurement, running.diagnosis().as_ref());
+            for (number, step) in row.steps.iter().enumerate() {
+                let is_last = number + 1 == row.steps.len();
+                let measurement = if is_last { &row.measurement } else { &nothing };
+                let advanced = running.take_step(&step.step(), measurement);
+                advanced.map_err(|error| of_series(name, error.at_row(data.counted, row.line)))?;
+                running.record(&mut history)?;
+            }
+            tally.step(&mut of_this, row.steps.len(), &row.measurement, running.diagnosis().as_ref());
             work.filtered += 1;
             if proceed(work.share(0)).is_break() {
                 return Err(MotesError::Interrupted);
             }
         }
-        let measured = |time: usize| measured(model, data, places[time]);
+        let before = data.steps_before(series);
+        let measured = |step: usize| measured(model, data, places[step.saturating_sub(before)]);
         tally.end_series(name, &of_this, &running, measured);
         let seed = Seed::from_u64(options.seed).child("smooth").nth(series as u64);
         let (of_times, found) = if options.proposal == ProposalName::Exact {
             let rows: Vec<&[Option<f64>]> =
                 places.iter().map(|at| data.rows[*at].measurement.as_slice()).collect();
-            smooth_exactly(model, &rows, paths, &seed, &mut || proceed(work.share(0)))?
+            smooth_exactly(model, before, &rows, paths, &seed, &mut || proceed(work.share(0)))?
         } else {
             let found = running.backward(&history, paths, &seed, &mut |times| proceed(work.share(times)))?;
+            let found = found.without_first(before);
             let label = |time: usize| places.get(time).and_then(|at| data.rows[*at].label.as_deref());
             tally.warn(of_paths(name, &found, options.particles, label));
             let n = model.states().len();

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use motes_models::Seed;
+use motes_models::{Seed, Step};
 use motes_smc::{
     EvidenceWarning, FilterError, FilterHistory, SmoothedPaths, SmoothingError, Verdict, WeightDiagnosis,
 };
@@ -12,7 +12,7 @@ use crate::running_state::FilterState;
 
 /// A filter with the types of its model and proposal put aside.
 pub(crate) trait Steps: Send + Sync {
-    fn step(&mut self, measurement: &[Option<f64>]) -> Result<(), FilterError>;
+    fn step(&mut self, step: &Step<'_>, measurement: &[Option<f64>]) -> Result<(), FilterError>;
     /// What a bootstrap filter beside it says so far, if there is one.
     fn verdict(&self) -> Option<Verdict>;
     /// By how much that one's log-evidence is larger.

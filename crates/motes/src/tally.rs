@@ -3,7 +3,7 @@
 use motes_smc::{EvidenceWarning, Verdict, WeightDiagnosis, WeightReport};
 
 use crate::engine::Running;
-use crate::estimate::Estimate;
+use crate::estimate::{Estimate, Forecast};
 use crate::exact::ExactEvidence;
 use crate::filtered::Filtered;
 use crate::model::Model;
@@ -56,10 +56,11 @@ impl Tally {
         }
     }
 
-    /// Takes in a row of a series.
+    /// Takes in a row of a series, to which so many steps lead.
     pub fn step(
         &mut self,
         series: &mut SeriesTally<'_>,
+        steps: usize,
         measurement: &[Option<f64>],
         diagnosis: Option<&WeightDiagnosis>,
     ) {
@@ -70,7 +71,7 @@ impl Tally {
             self.least_ess = Some(self.least_ess.map_or(size, |least| least.min(size)));
         }
         // A matrix that cannot be factored has no exact answer.
-        if series.exact.as_mut().is_some_and(|exact| exact.step(measurement).is_err()) {
+        if series.exact.as_mut().is_some_and(|exact| exact.row(steps, measurement).is_err()) {
             series.exact = None;
         }
     }
@@ -118,7 +119,7 @@ impl Tally {
     }
 
     /// All of it, beside estimates and forecasts.
-    pub fn into_filtered(self, estimates: Vec<Estimate>, forecasts: Vec<Vec<Estimate>>) -> Filtered {
+    pub fn into_filtered(self, estimates: Vec<Estimate>, forecasts: Vec<Vec<Forecast>>) -> Filtered {
         Filtered {
             estimates,
             forecasts,

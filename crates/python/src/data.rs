@@ -8,7 +8,7 @@ use pyo3::types::PyBytes;
 use crate::errors::to_python;
 
 /// What errors call their bytes, and the version of these.
-const PACKED: (&str, u32) = ("data", 1);
+const PACKED: (&str, u32) = ("data", 2);
 
 /// Rows of measurements that are fit for a model.
 #[pyclass(frozen, module = "motes._motes")]
@@ -41,8 +41,8 @@ impl Data {
 
     /// The time of each row in its series.
     #[getter]
-    fn time<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
-        self.0.rows.iter().map(|row| row.time as i64).collect::<Vec<_>>().into_pyarray(py)
+    fn time<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.0.rows.iter().map(|row| row.time).collect::<Vec<_>>().into_pyarray(py)
     }
 
     /// The measurements, row by row; NaN where one is missing.

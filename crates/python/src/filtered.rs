@@ -14,7 +14,7 @@ use crate::errors::{in_python, to_python};
 use crate::estimates::{States, states};
 
 /// What errors call its bytes, and the version of these.
-const PACKED: (&str, u32) = ("a result of a filter", 1);
+const PACKED: (&str, u32) = ("a result of a filter", 2);
 
 /// The result of a filter, or of a smoother.
 #[pyclass(frozen, module = "motes._motes")]
@@ -85,7 +85,15 @@ impl Filtered {
 
     /// The same of what is predicted after each series, one after the other.
     fn forecasts<'py>(&self, py: Python<'py>) -> States<'py> {
-        states(py, &self.filtered.forecasts.concat())
+        let of_forecasts = self.filtered.forecasts.iter().flatten();
+        let all: Vec<Estimate> = of_forecasts.map(|forecast| forecast.estimate.clone()).collect();
+        states(py, &all)
+    }
+
+    /// The times of what is predicted, likewise.
+    fn forecast_times<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        let times = self.filtered.forecasts.iter().flatten().map(|forecast| forecast.time);
+        times.collect::<Vec<_>>().into_pyarray(py)
     }
 
     /// The effective sample size of each row, in particles.

@@ -6,8 +6,8 @@ use std::time::Instant;
 
 use motes::smc::SmoothedPaths;
 use motes::{
-    Columns, CompareOptions, Comparison, LearnOutcome, LearnedProposal, MotesError, ProposalName, Smoothed,
-    Table, check, compare, designed, filter, learn, log_evidence, simulate, smooth,
+    Columns, CompareOptions, Comparison, InputTable, LearnOutcome, LearnedProposal, MotesError, ProposalName,
+    Smoothed, Table, check, compare, designed, filter, learn, log_evidence, simulate, simulate_along, smooth,
 };
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyValueError;
@@ -34,11 +34,11 @@ pub(crate) struct Model {
     made: Made,
 }
 
-/// Which columns measurements are, which ones `series`, `t` and the carried one are, and which ones are not used.
-type Places = (Vec<usize>, Option<usize>, Option<usize>, Option<usize>, Vec<String>);
+/// Which columns measurements are, which ones `series`, `t`, the times and the carried one are, which ones are inputs, and which ones are not used.
+type Places = (Vec<usize>, [Option<usize>; 4], Vec<usize>, Vec<String>);
 
-/// States and measurements of simulated series, flat.
-type Simulated<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
+/// States, measurements, times and inputs of simulated series, flat.
+type Simulated<'py> = [Bound<'py, PyArray1<f64>>; 4];
 
 /// What a model was parsed of: the text, what errors call it, parameters with other values, and whether a program wrote it.
 type Parsed = (String, String, Vec<(String, f64)>, bool);
@@ -122,14 +122,16 @@ impl Model {
 
     /// What the columns of a table are for.
     fn columns(&self, header: Vec<String>) -> PyResult<Places> {
-        let columns = Columns::of(&header, "data", self.model.states(), self.model.measurements());
-        let columns = columns.map_err(to_python)?;
+        let columns = Columns::of(&header, "data", &self.model).map_err(to_python)?;
         let [series, time, carried] = columns.others();
-        Ok((columns.measurements().to_vec(), series, time, carried, columns.ignored.clone()))
+        let others = [series, time, columns.clock(), carried];
+        Ok((columns.measurements().to_vec(), others, columns.inputs().to_vec(), columns.ignored.clone()))
     }
 
-    /// Data of a table: its header, the measurements row by row, the columns `series`, `t` and the carried one, and an index of dates without a name.
-    #[pyo3(signature = (header, measurements, series, times, carried, index=None))]
+    /// Data of a table: its header, the measurements row by row, the columns `series`, `t` and the carried one, an index of dates without a name, the column of times
+    /// that the model names, and the inputs row by row.
+    #[pyo3(signature = (header, measurements, series, times, carried, index=None, clock=None, inputs=None))]
+    #[expect(clippy::too_many_arguments, reason = "a table in parts, as Python hands it over")]
     fn data(
         &self,
         header: Vec<String>,
@@ -138,6 +140,8 @@ impl Model {
         times: Option<Vec<f64>>,
         carried: Option<Vec<String>>,
         index: Option<Vec<String>>,
+        clock: Option<Vec<String>>,
+        inputs: Option<PyReadonlyArray1<'_, f64>>,
     ) -> PyResult<Data> {
         let table = Table {
             name: "data",
@@ -145,10 +149,17 @@ impl Model {
             measurements: measurements.as_slice()?,
             series: series.as_deref(),
             times: times.as_deref(),
+            clock: clock.as_deref(),
+            inputs: inputs.as_ref().map(PyReadonlyArray1::as_slice).transpose()?.unwrap_or_default(),
             carried: carried.as_deref(),
             index: index.as_deref(),
         };
         motes::Data::of_table(&table, &self.model).map(Data).map_err(to_python)
+    }
+
+    /// Times and inputs of a CSV file.
+    fn open_inputs(&self, path: PathBuf) -> PyResult<Data> {
+        motes::Data::open_inputs(&path, &self.model).map(Data).map_err(to_python)
     }
 
     /// Data of a CSV file.
@@ -156,26 +167,73 @@ impl Model {
         motes::Data::open(&path, &self.model).map(Data).map_err(to_python)
     }
 
-    /// States and measurements of simulated series, flat.
+    /// Times and inputs of a table, whose measurements play no part.
+    #[pyo3(signature = (header, count, series, clock, inputs))]
+    fn inputs(
+        &self,
+        header: Vec<String>,
+        count: usize,
+        series: Option<Vec<String>>,
+        clock: Option<Vec<String>>,
+        inputs: PyReadonlyArray1<'_, f64>,
+    ) -> PyResult<Data> {
+        let table = InputTable {
+            name: "inputs",
+            header: &header,
+            rows: count,
+            series: series.as_deref(),
+            clock: clock.as_deref(),
+            inputs: inputs.as_slice()?,
+        };
+        motes::Data::of_inputs(&table, &self.model).map(Data).map_err(to_python)
+    }
+
+    /// The column of data that has the times of rows, where the model names one.
+    #[getter]
+    fn time_column(&self) -> Option<&str> {
+        self.model.time_column()
+    }
+
+    /// The columns of data that inputs come from.
+    #[getter]
+    fn input_columns(&self) -> Vec<String> {
+        self.model.input_columns().to_vec()
+    }
+
+    /// The columns of a table of times and inputs: the series, the times and the inputs.
+    fn columns_of_inputs(&self, header: Vec<String>) -> PyResult<(Option<usize>, Option<usize>, Vec<usize>)> {
+        let columns = Columns::of_inputs(&header, "inputs", &self.model).map_err(to_python)?;
+        Ok((columns.others()[0], columns.clock(), columns.inputs().to_vec()))
+    }
+
+    /// States, measurements, times and inputs of simulated series, flat: of `steps` rows, or at the times and with the inputs of data.
+    #[pyo3(signature = (steps, series, seed, inputs=None))]
     fn simulate<'py>(
         &self,
         py: Python<'py>,
         steps: i64,
         series: i64,
         seed: i128,
+        inputs: Option<&Bound<'_, Data>>,
     ) -> PyResult<Simulated<'py>> {
         let steps = integer("steps", steps, 1, 1_000_000_000)?;
+        let inputs = inputs.map(|data| &data.get().0);
         let series = integer("series", series, 1, 1_000_000_000)?;
         let seed = seed_of(seed)?;
         let ForCall { model, failure, .. } = self.for_simulations()?;
-        let drawn = without_lock(py, Some(1), &failure.stop, || {
-            simulate(&model, steps, series, seed, |_| failure.asked())
+        let drawn = without_lock(py, Some(1), &failure.stop, || match inputs {
+            Some(inputs) => simulate_along(&model, inputs, series, seed, |_| failure.asked()),
+            None => simulate(&model, steps, series, seed, |_| failure.asked()),
         })?;
-        let drawn = failure.or(drawn)?.series;
+        let motes::Simulated { series: drawn, rows } = failure.or(drawn)?;
         let states: Vec<f64> = drawn.iter().flat_map(|one| one.states.values().iter().copied()).collect();
         let measurements: Vec<f64> =
             drawn.iter().flat_map(|one| one.measurements.values().iter().copied()).collect();
-        Ok((states.into_pyarray(py), measurements.into_pyarray(py)))
+        let rows = || rows.iter().flatten();
+        let times: Vec<f64> = rows().map(motes::SimulatedRow::time).collect();
+        let columns = rows().flat_map(|row| &row.inputs);
+        let inputs: Vec<f64> = columns.map(|value| value.unwrap_or(f64::NAN)).collect();
+        Ok([states, measurements, times, inputs].map(|values| values.into_pyarray(py)))
     }
 
     /// What is as it should be, and what is not.
@@ -347,6 +405,7 @@ impl Model {
             particles: at.collect::<PyResult<_>>()?,
             sequences: integer("sequences", sequences, 1, 1_000_000)?,
             steps: integer("steps", steps, 2, 1_000_000_000)?,
+            inputs: None,
             reference_particles: CompareOptions::REFERENCE_PARTICLES,
             reference_filters: 1,
             reference_error: None,

@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
 
-use motes::{MotesError, Running};
+use motes::{MotesError, RowTime, Running};
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
@@ -77,16 +77,37 @@ impl Online {
         self.has_failed.load(Ordering::Relaxed)
     }
 
-    /// Takes in the next measurement; NaN is missing.
-    fn step<'py>(&self, py: Python<'py>, measurement: PyReadonlyArray1<'py, f64>) -> PyResult<Known<'py>> {
-        let values = measurement.as_slice()?.iter();
-        let row: Vec<Option<f64>> = values.map(|value| (!value.is_nan()).then_some(*value)).collect();
-        self.advance(py, move |running| running.step(&row))
+    /// Takes in the next measurement, with its time as it is written and the inputs of the model in order, where it has such; NaN is missing.
+    #[pyo3(signature = (measurement, time=None, inputs=None))]
+    fn step<'py>(
+        &self,
+        py: Python<'py>,
+        measurement: PyReadonlyArray1<'py, f64>,
+        time: Option<String>,
+        inputs: Option<PyReadonlyArray1<'py, f64>>,
+    ) -> PyResult<Known<'py>> {
+        let row = entries(&measurement)?;
+        let columns = inputs.as_ref().map(entries).transpose()?.unwrap_or_default();
+        self.advance(py, move |running| {
+            running.step_row(RowTime { label: time.as_deref(), columns: &columns }, &row)
+        })
     }
 
-    /// Predicts the next time, at which nothing is measured.
-    fn predict<'py>(&self, py: Python<'py>) -> PyResult<Known<'py>> {
-        self.advance(py, |running| running.predict())
+    /// Predicts the next row, at which nothing is measured: with that time and these inputs, or a gap as the last one ahead.
+    #[pyo3(signature = (time=None, inputs=None))]
+    fn predict<'py>(
+        &self,
+        py: Python<'py>,
+        time: Option<String>,
+        inputs: Option<PyReadonlyArray1<'py, f64>>,
+    ) -> PyResult<Known<'py>> {
+        let columns = inputs.as_ref().map(entries).transpose()?;
+        self.advance(py, move |running| {
+            let is_given = time.is_some() || columns.is_some();
+            let columns = columns.unwrap_or_default();
+            let row = is_given.then_some(RowTime { label: time.as_deref(), columns: &columns });
+            running.predict_row(row).map(|forecast| forecast.estimate)
+        })
     }
 
     /// The log-evidence of all measurements so far.
@@ -108,6 +129,11 @@ impl Online {
             .running()?
             .with_dependent(|_, running| running.diagnosis().and_then(|diagnosis| diagnosis.pareto_k)))
     }
+}
+
+/// Numbers of which some may be missing, as NaN.
+fn entries(values: &PyReadonlyArray1<'_, f64>) -> PyResult<Vec<Option<f64>>> {
+    Ok(values.as_slice()?.iter().map(|value| (!value.is_nan()).then_some(*value)).collect())
 }
 
 impl Online {

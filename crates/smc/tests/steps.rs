@@ -161,10 +161,7 @@ fn a_step_that_is_not_the_next_is_refused_and_changes_nothing() {
             Step { inputs: &[], ..first },
             "the number of inputs of a step is 0; it must be as many as the model takes, or so many for each sub-step and for the measurement",
         ),
-        (
-            Step { sub_steps: 2, ..first },
-            "the number of sub-steps of a step is 2; it must be at least 1, and 1 at the start",
-        ),
+        (Step { sub_steps: 2, ..first }, "the number of sub-steps of a step is 2; it must be 1 at the start"),
         (
             Step { inputs: &[f64::INFINITY], ..first },
             "a time, input or parameter of a step is inf; it must be a finite number",

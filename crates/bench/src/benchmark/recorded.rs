@@ -2,6 +2,7 @@
 
 use std::ops::ControlFlow;
 
+use motes::models::{Step, StepRecord};
 use motes::output::simulated_table;
 use motes::{Data, Model, MotesError, simulate};
 
@@ -52,7 +53,9 @@ fn halves(data: &Data) -> Parts {
         for (place, at) in series.into_iter().enumerate() {
             let mut row = data.rows[at].clone();
             let part = if place < half { &mut earlier } else { &mut later };
-            row.time = if place < half { place } else { place - half };
+            let index = if place < half { place } else { place - half };
+            row.time = index as f64;
+            row.steps = vec![StepRecord::of(&Step::of_index(index))];
             part.rows.push(row);
         }
     }

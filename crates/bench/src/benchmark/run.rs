@@ -171,6 +171,7 @@ fn options(plan: &BenchmarkPlan, learned: &[LearnedProposal]) -> Result<CompareO
     proposals.extend(learned.iter().cloned().map(ProposalName::Learned));
     Ok(CompareOptions {
         proposals,
+        inputs: None,
         filter: FilterOptions {
             particles: profile.particles,
             resample_below: benchmark.resample_below,

@@ -7,6 +7,8 @@ use super::problem::Problem;
 /// A section of a model file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum Section {
+    Time,
+    Inputs,
     Parameters,
     Initial,
     Definitions,
@@ -16,7 +18,9 @@ pub(crate) enum Section {
 }
 
 impl Section {
-    pub(crate) const ALL: [Section; 6] = [
+    pub(crate) const ALL: [Section; 8] = [
+        Section::Time,
+        Section::Inputs,
         Section::Parameters,
         Section::Initial,
         Section::Definitions,
@@ -33,6 +37,8 @@ impl Section {
     /// How it stands in a file.
     pub(crate) fn title(self) -> &'static str {
         match self {
+            Section::Time => "[time]",
+            Section::Inputs => "[inputs]",
             Section::Parameters => "[parameters]",
             Section::Initial => "[initial]",
             Section::Definitions => "[definitions]",

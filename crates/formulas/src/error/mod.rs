@@ -26,6 +26,14 @@ pub enum FileError {
         /// The system's reason.
         reason: String,
     },
+    /// A file that it names has no inputs as they are needed.
+    #[error("{file}: {reason}")]
+    Inputs {
+        /// The path.
+        file: String,
+        /// What is wrong.
+        reason: String,
+    },
     /// It says something that is not a model.
     #[error("{file}{place}: {problem}")]
     Refused {

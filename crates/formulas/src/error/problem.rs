@@ -282,8 +282,36 @@ pub enum Problem {
     /// A draw where there is none.
     #[error("`{0}` is a draw of a step; [draws] and [transition] can use it, and a state can keep it")]
     DrawElsewhere(String),
+    /// A key of an input that does not go with its other keys.
+    #[error("`{key}` is of an input from {needs}; it must be left out here")]
+    InputKey {
+        /// The key.
+        key: &'static str,
+        /// What such an input is.
+        needs: &'static str,
+    },
+    /// A sum over sub-steps where there is none.
+    #[error("`{0}` sums up what came since the row before; it belongs into a measurement")]
+    SumElsewhere(&'static str),
+    /// A sum over sub-steps of something else.
+    #[error(
+        "`{name}` is of {found}; it must be of a draw or a state by its name, as in {name}(x) or {name}(x[2])"
+    )]
+    SumOf {
+        /// The function.
+        name: &'static str,
+        /// What stands there.
+        found: String,
+    },
+    /// A sum that each coordinate of a measured vector would begin anew.
+    #[error(
+        "`total_since_measured` is of one measurement; a vector of them takes a line for each, as y[0] and y[1..2]"
+    )]
+    SumOfVector,
     /// A measurement in a formula.
-    #[error("`{0}` is a measurement; formulas are made of states, draws, parameters, definitions and t")]
+    #[error(
+        "`{0}` is a measurement; formulas are made of states, draws, inputs, parameters, definitions and t"
+    )]
     MeasurementInFormula(String),
 
     /// A distribution in a definition.

@@ -1,5 +1,6 @@
 //! The value of every operation of a formula at one point.
 
+use motes_models::Step;
 use motes_models::equations::Scalar;
 
 use crate::error::Section;
@@ -19,7 +20,7 @@ pub(super) struct Place<'a> {
 /// What formulas depend on, and the values of the definitions there.
 pub(super) struct Point<'a> {
     pub(super) statement: &'a Statement,
-    pub(super) time: usize,
+    pub(super) step: Step<'a>,
     states: Option<&'a [f64]>,
     definitions: Vec<Vec<f64>>,
     /// Of each definition, whether states are in it.
@@ -36,10 +37,10 @@ fn number_of(element: Element, length: usize, values: &[f64]) -> usize {
 
 impl<'a> Point<'a> {
     /// `states` are those that the section's formulas are about, if there are any.
-    pub(super) fn new(statement: &'a Statement, time: usize, states: Option<&'a [f64]>) -> Self {
+    pub(super) fn new(statement: &'a Statement, step: Step<'a>, states: Option<&'a [f64]>) -> Self {
         let definitions = vec![Vec::new(); statement.definitions.len()];
         let has_states = vec![false; statement.definitions.len()];
-        let mut point = Point { statement, time, states, definitions, has_states };
+        let mut point = Point { statement, step, states, definitions, has_states };
         for &definition in &statement.order {
             let line = &statement.definitions[definition];
             point.has_states[definition] = line.formula.nodes.iter().any(|node| match node {
@@ -65,7 +66,9 @@ impl<'a> Point<'a> {
             let value = match node {
                 _ if formula.is_random[at] => f64::NAN,
                 Node::Number(value) | Node::Named(value) => *value,
-                Node::Time => self.time as f64,
+                Node::Time => self.step.time,
+                Node::Length => self.step.length,
+                Node::Input(number) => self.step.inputs.get(*number).copied().unwrap_or(f64::NAN),
                 Node::Coordinate => number as f64,
                 Node::State { first, length, element } => {
                     self.state(first + number_of(*element, *length, &values))
@@ -114,7 +117,9 @@ impl<'a> Point<'a> {
         let formula = &place.line.formula;
         let name = match &formula.nodes[node] {
             Node::Named(_) if formula.text_of(node) == "pi" => return None,
-            Node::Named(_) | Node::Time | Node::Coordinate => formula.text_of(node).to_string(),
+            Node::Named(_) | Node::Time | Node::Length | Node::Input(_) | Node::Coordinate => {
+                formula.text_of(node).to_string()
+            }
             Node::State { first, length, element } => {
                 self.statement.name_of(first + number_of(*element, *length, values))
             }

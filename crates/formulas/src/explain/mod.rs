@@ -9,6 +9,8 @@ pub use domain_error::DomainError;
 use evaluate::{Place, Point};
 use trace::Origin;
 
+use motes_models::Step;
+
 use crate::error::Section;
 use crate::model::FormulaModel;
 use crate::operations::Binary;
@@ -41,11 +43,11 @@ impl FormulaModel {
     /// `state` (`N`), where it is given. What is NaN comes before what is infinite.
     pub fn explain(
         &self,
-        time: usize,
+        step: &Step<'_>,
         previous: Option<&[f64]>,
         state: Option<&[f64]>,
     ) -> Option<DomainError> {
-        let statement = self.statement();
+        let (statement, inputs) = (self.statement(), self.0.inputs.len());
         let of_state = match previous {
             None => vec![(Section::Initial, &statement.initial, None)],
             Some(_) => vec![
@@ -57,7 +59,11 @@ impl FormulaModel {
         let points: Vec<_> = of_state
             .into_iter()
             .chain(of_measurement)
-            .map(|(section, lines, states)| (section, lines, Point::new(statement, time, states)))
+            .map(|(section, lines, states)| {
+                let step =
+                    if section == Section::Measurement { step.end(inputs) } else { step.part(0, inputs) };
+                (section, lines, Point::new(statement, step, states))
+            })
             .collect();
         let faults = [Fault::NotANumber, Fault::Infinite].into_iter();
         let mut found = faults.flat_map(|fault| {

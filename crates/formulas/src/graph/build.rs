@@ -1,11 +1,11 @@
 //! Makes the graph of a section from its formulas.
 
 use super::coordinate::{Coordinate, Output};
-use super::nodes::{Graph, Id};
+use super::nodes::{Graph, Id, Operation};
 use crate::error::{Fault, Problem, Section};
 use crate::operations::{Binary, Unary};
 use crate::statement::{Line, List, Statement};
-use crate::syntax::{Element, Node, NodeId};
+use crate::syntax::{Element, Node, NodeId, Since, Sum};
 use crate::tables::{Kind, Range, call};
 
 /// How many operations the formulas of a section may come to.
@@ -23,10 +23,18 @@ pub(crate) struct Built {
     pub(crate) coordinates: Vec<Output>,
 }
 
-/// Builds the graph of a section: `[initial]`, `[draws]` and `[transition]` together, or `[measurement]`.
+impl Built {
+    /// The inputs that it depends on.
+    pub(crate) fn inputs(&self) -> Vec<u32> {
+        self.graph.inputs_of(self.draws.iter().chain(&self.coordinates).flat_map(Output::numbers))
+    }
+}
+
+/// Builds the graph of a section: `[initial]`, `[draws]` and `[transition]` together, `[measurement]`, or how inputs are simulated.
 pub(crate) fn build(statement: &Statement, section: Section) -> Result<Built, Fault> {
     let (draws, lines): (&[Line], &[Line]) = match section {
         Section::Initial => (&[], &statement.initial),
+        Section::Inputs => (&[], &statement.simulated.1),
         Section::Measurement => (&[], &statement.measurement),
         _ => (&statement.draws, &statement.transition),
     };
@@ -47,10 +55,19 @@ pub(crate) fn build(statement: &Statement, section: Section) -> Result<Built, Fa
             builder.definitions[number].push(value);
         }
     }
-    let states = statement.initial.iter().map(Line::coordinates).sum();
-    let draws = builder.of_lines(statement, draws, Section::Draws, Some(states))?;
+    let states: usize = statement.initial.iter().map(Line::coordinates).sum();
+    let sums: usize = statement.sums.iter().map(Sum::coordinates).sum();
+    let mut draws = builder.of_lines(statement, draws, Section::Draws, Some(states + sums))?;
     let in_order = (section == Section::Initial).then_some(0);
-    let coordinates = builder.of_lines(statement, lines, section, in_order)?;
+    let mut coordinates = builder.of_lines(statement, lines, section, in_order)?;
+    match section {
+        Section::Initial => {
+            let nothing = builder.graph.constant(0.0);
+            coordinates.extend((0..sums).map(|_| Output::Follows(nothing)));
+        }
+        Section::Transition => builder.add_sums(statement, &mut draws, &mut coordinates),
+        _ => {}
+    }
     Ok(Built { graph: builder.graph, draws, coordinates })
 }
 
@@ -74,6 +91,49 @@ struct Builder {
 }
 
 impl Builder {
+    /// Adds the sums over sub-steps behind the coordinates of the state.
+    fn add_sums(&mut self, statement: &Statement, draws: &mut Vec<Output>, coordinates: &mut Vec<Output>) {
+        let states = coordinates.len();
+        let behind = states + statement.sums.iter().map(Sum::coordinates).sum::<usize>();
+        let resets = statement.resets();
+        for sum in &statement.sums {
+            for coordinate in sum.first..sum.first + sum.coordinates() {
+                let value = if sum.is_of_draws {
+                    self.graph.state(behind + coordinate)
+                } else {
+                    match &coordinates[coordinate] {
+                        Output::Follows(value) => *value,
+                        drawn @ Output::Drawn(_) => {
+                            // What is drawn has a number only as a draw.
+                            draws.push(drawn.clone());
+                            let value = self.graph.state(behind + draws.len() - 1);
+                            coordinates[coordinate] = Output::Follows(value);
+                            value
+                        }
+                    }
+                };
+                let before = self.graph.state(coordinates.len());
+                let first = self.graph.of_step(Operation::First);
+                let begins = match sum.since {
+                    Since::SubStep => {
+                        coordinates.push(Output::Follows(value));
+                        continue;
+                    }
+                    Since::Row => first,
+                    Since::Measured(entry) => {
+                        let flag = resets.iter().position(|reset| *reset == entry).unwrap_or_default();
+                        let number = (statement.inputs.len() + flag) as u32;
+                        let measured = self.graph.of_step(Operation::Input(number));
+                        self.graph.of_two(Binary::And, first, measured)
+                    }
+                };
+                let nothing = self.graph.constant(0.0);
+                let kept = self.graph.choice(begins, nothing, before);
+                coordinates.push(Output::Follows(self.graph.of_two(Binary::Add, kept, value)));
+            }
+        }
+    }
+
     /// What the coordinates of lines are. Where `known` is given, so many numbers are known to the first one, and each is known to those below it.
     fn of_lines(
         &mut self,
@@ -132,8 +192,12 @@ impl Builder {
                     nothing
                 }
                 Node::Number(value) | Node::Named(value) => self.graph.constant(*value),
-                Node::Time if self.section == Section::Initial => self.graph.constant(0.0),
-                Node::Time => self.graph.time(),
+                Node::Time if self.section == Section::Initial && statement.time.is_none() => {
+                    self.graph.constant(0.0)
+                }
+                Node::Time => self.graph.of_step(Operation::Time),
+                Node::Length => self.graph.of_step(Operation::Length),
+                Node::Input(number) => self.graph.of_step(Operation::Input(*number as u32)),
                 Node::Coordinate => self.graph.constant((line.first + coordinate) as f64),
                 Node::State { first, length, element } => {
                     let element = self

@@ -23,6 +23,11 @@ pub(crate) enum Operation {
     /// A constant, by its bits.
     Constant(u64),
     Time,
+    /// The length of a sub-step.
+    Length,
+    Input(u32),
+    /// 1 in the first sub-step of a step, else 0.
+    First,
     State(u32),
     OfOne(Unary, Id),
     /// A power with an integer exponent.
@@ -36,7 +41,12 @@ impl Operation {
     /// The numbers that it is made of.
     pub(crate) fn operands(self) -> impl Iterator<Item = Id> {
         let operands = match self {
-            Operation::Constant(_) | Operation::Time | Operation::State(_) => [None; 3],
+            Operation::Constant(_)
+            | Operation::Time
+            | Operation::Length
+            | Operation::Input(_)
+            | Operation::First
+            | Operation::State(_) => [None; 3],
             Operation::OfOne(_, a) | Operation::Integer(a, _) => [Some(a), None, None],
             Operation::OfTwo(_, a, b) => [Some(a), Some(b), None],
             Operation::If(c, a, b) => [Some(c), Some(a), Some(b)],
@@ -103,8 +113,17 @@ impl Graph {
         self.add(Operation::Constant(value.to_bits()))
     }
 
-    pub(crate) fn time(&mut self) -> Id {
-        self.add(Operation::Time)
+    /// A number that depends on nothing but the step.
+    pub(crate) fn of_step(&mut self, operation: Operation) -> Id {
+        self.add(operation)
+    }
+
+    /// The inputs that numbers depend on, in ascending order.
+    pub(crate) fn inputs_of(&self, numbers: impl Iterator<Item = Id>) -> Vec<u32> {
+        self.leaves(numbers, |operation| match operation {
+            Operation::Input(number) => Some(number),
+            _ => None,
+        })
     }
 
     pub(crate) fn choice(&mut self, condition: Id, then: Id, otherwise: Id) -> Id {
@@ -118,18 +137,24 @@ impl Graph {
 
     /// The states that numbers depend on, in ascending order.
     pub(crate) fn states_of(&self, numbers: impl Iterator<Item = Id>) -> Vec<u32> {
-        let (mut seen, mut states) = (BTreeSet::new(), BTreeSet::new());
+        self.leaves(numbers, |operation| match operation {
+            Operation::State(number) => Some(number),
+            _ => None,
+        })
+    }
+
+    /// What `of` finds in the operations that numbers are made of, in ascending order.
+    fn leaves(&self, numbers: impl Iterator<Item = Id>, of: impl Fn(Operation) -> Option<u32>) -> Vec<u32> {
+        let (mut seen, mut found) = (BTreeSet::new(), BTreeSet::new());
         let mut waiting: Vec<Id> = numbers.collect();
         while let Some(id) = waiting.pop() {
             if seen.insert(id) {
                 let operation = self.operation(id);
-                if let Operation::State(number) = operation {
-                    states.insert(number);
-                }
+                found.extend(of(operation));
                 waiting.extend(operation.operands());
             }
         }
-        states.into_iter().collect()
+        found.into_iter().collect()
     }
 
     pub(crate) fn state(&mut self, number: usize) -> Id {

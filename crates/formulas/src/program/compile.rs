@@ -1,6 +1,6 @@
 //! Makes a program of a graph: coordinate by coordinate, each number as late as it is needed.
 
-use super::instruction::{self, Instruction, NoiseTerm, Place, Program, Rule, Source, Step};
+use super::instruction::{self, Instruction, NoiseTerm, Place, PlainStep, Program, Rule, Source};
 use super::registers::Registers;
 use crate::graph::{Built, Coordinate, Graph, Id, Operation, Output};
 use crate::operations::Binary;
@@ -66,7 +66,7 @@ struct Compiler<'a> {
 
 impl Compiler<'_> {
     /// Numbers that are the same for all particles: constants, and steps for the others.
-    fn plain_numbers(&mut self) -> (Vec<f64>, Vec<Step>) {
+    fn plain_numbers(&mut self) -> (Vec<f64>, Vec<PlainStep>) {
         let (mut constants, mut steps) = (Vec::new(), Vec::new());
         let needed: Vec<usize> = (0..self.uses.len()).filter(|at| self.uses[*at] > 0).collect();
         let operations = self.graph.operations();
@@ -79,14 +79,19 @@ impl Compiler<'_> {
         for &at in &needed {
             let place = |id: Id| self.plain[id.index()];
             let step = match operations[at] {
-                Operation::Time => Step::Time,
-                Operation::OfOne(operation, a) if !self.graph.varies(a) => Step::OfOne(operation, place(a)),
-                Operation::Integer(a, n) if !self.graph.varies(a) => Step::Integer(place(a), n),
+                Operation::Time => PlainStep::Time,
+                Operation::Length => PlainStep::Length,
+                Operation::Input(number) => PlainStep::Input(number),
+                Operation::First => PlainStep::First,
+                Operation::OfOne(operation, a) if !self.graph.varies(a) => {
+                    PlainStep::OfOne(operation, place(a))
+                }
+                Operation::Integer(a, n) if !self.graph.varies(a) => PlainStep::Integer(place(a), n),
                 Operation::OfTwo(operation, a, b) if !self.graph.varies(a) && !self.graph.varies(b) => {
-                    Step::OfTwo(operation, place(a), place(b))
+                    PlainStep::OfTwo(operation, place(a), place(b))
                 }
                 Operation::If(c, a, b) if ![c, a, b].iter().any(|operand| self.graph.varies(*operand)) => {
-                    Step::If(place(c), place(a), place(b))
+                    PlainStep::If(place(c), place(a), place(b))
                 }
                 _ => continue,
             };
@@ -182,7 +187,12 @@ impl Compiler<'_> {
         self.held[id.index()] = Some(out);
         self.instructions.extend(match operation {
             // These have no instruction.
-            Operation::Constant(_) | Operation::Time | Operation::State(_) => None,
+            Operation::Constant(_)
+            | Operation::Time
+            | Operation::Length
+            | Operation::Input(_)
+            | Operation::First
+            | Operation::State(_) => None,
             Operation::OfOne(operation, a) => Some(Instruction::OfOne(operation, out, self.place(a))),
             Operation::Integer(a, n) => Some(Instruction::Integer(out, self.place(a), n)),
             Operation::OfTwo(operation, a, b) => Some(of_two(operation, out, self.source(a), self.source(b))),

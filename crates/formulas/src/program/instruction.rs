@@ -10,7 +10,7 @@ pub(crate) struct Program {
     pub(super) given: usize,
     /// The first plain numbers; the others are computed by `steps`, one each.
     pub(super) constants: Vec<f64>,
-    pub(super) steps: Vec<Step>,
+    pub(super) steps: Vec<PlainStep>,
     /// How many numbers of each particle it keeps at a time.
     pub(super) registers: usize,
     pub(super) instructions: Vec<Instruction>,
@@ -25,8 +25,13 @@ pub(crate) struct Program {
 
 /// How the next plain number is computed, from those before it.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Step {
+pub(super) enum PlainStep {
     Time,
+    /// The length of a sub-step.
+    Length,
+    Input(u32),
+    /// Whether it is the first sub-step of a step.
+    First,
     OfOne(Unary, u32),
     Integer(u32, i32),
     OfTwo(Binary, u32, u32),

@@ -2,11 +2,28 @@
 
 use std::ops::Range;
 
+use motes_models::Step;
 use motes_models::batch::by_widest_vectors;
 use motes_models::equations::{Coordinates, Distribution, Draws, Scalar, with_scalars};
 
-use super::instruction::{Instruction, NoiseTerm, Output, Place, Program, Rule, Source, Step};
+use super::instruction::{Instruction, NoiseTerm, Output, Place, PlainStep, Program, Rule, Source};
 use crate::operations::choice;
+
+/// What numbers that are the same for all particles depend on.
+#[derive(Clone, Copy)]
+pub(super) struct Moment<'a> {
+    time: f64,
+    length: f64,
+    inputs: &'a [f64],
+    is_first: bool,
+}
+
+impl<'a> Moment<'a> {
+    #[inline(always)]
+    pub(super) fn of<S>(step: &Step<'a, S>) -> Self {
+        Moment { time: step.time, length: step.length, inputs: step.inputs, is_first: step.sub_step == 0 }
+    }
+}
 
 impl Program {
     /// Makes the coordinates of a state at a time, given the state before: draws, and what follows.
@@ -15,14 +32,14 @@ impl Program {
     /// If there are fewer states than the model has.
     pub(crate) fn make<S: Scalar>(
         &self,
-        time: f64,
+        step: &Step<'_, S>,
         previous: &[S],
         draws: &mut impl Draws<S>,
         state: &mut [S],
     ) {
         let gives = self.in_order || !self.draws.is_empty();
         with_scalars::<f64, _>(self.constants.len() + self.steps.len(), |plain| {
-            self.plain(time, plain);
+            self.plain(Moment::of(step), plain);
             with_scalars::<S, _>(self.registers + if gives { self.given } else { 0 }, |memory| {
                 let (registers, given) = memory.split_at_mut(self.registers);
                 if !gives {
@@ -57,8 +74,13 @@ impl Program {
     ///
     /// # Panics
     /// If there are fewer states than the model has.
-    pub(crate) fn push<S: Scalar>(&self, time: f64, states: &[S], coordinates: &mut impl Coordinates<S>) {
-        self.push_along(time, states, 0..self.given, coordinates);
+    pub(crate) fn push<S: Scalar>(
+        &self,
+        step: &Step<'_, S>,
+        states: &[S],
+        coordinates: &mut impl Coordinates<S>,
+    ) {
+        self.push_along(step, states, 0..self.given, coordinates);
     }
 
     /// The same, but that coordinates that depend on none of the states in `along` are passed over, where there are any.
@@ -67,14 +89,14 @@ impl Program {
     /// As [`Program::push`].
     pub(crate) fn push_along<S: Scalar>(
         &self,
-        time: f64,
+        step: &Step<'_, S>,
         states: &[S],
         along: Range<usize>,
         coordinates: &mut impl Coordinates<S>,
     ) {
         let is_all = along.start == 0 && along.end >= self.given;
         with_scalars::<f64, _>(self.constants.len() + self.steps.len(), |plain| {
-            self.plain(time, plain);
+            self.plain(Moment::of(step), plain);
             with_scalars::<S, _>(self.registers, |registers| {
                 let mut run = Run { given: states, count: self.given, plain, registers };
                 let mut start = 0;
@@ -97,17 +119,20 @@ impl Program {
     }
 
     /// Computes the numbers that are the same for all particles.
-    pub(super) fn plain(&self, time: f64, plain: &mut [f64]) {
+    pub(super) fn plain(&self, moment: Moment<'_>, plain: &mut [f64]) {
         let first = self.constants.len();
         plain[..first].copy_from_slice(&self.constants);
         for (at, step) in self.steps.iter().enumerate() {
             let value = |place: u32| plain[place as usize];
             plain[first + at] = match *step {
-                Step::Time => time,
-                Step::OfOne(operation, a) => operation.of(value(a)),
-                Step::Integer(a, n) => value(a).powi(n),
-                Step::OfTwo(operation, a, b) => operation.of(value(a), value(b)),
-                Step::If(c, a, b) => choice(value(c), value(a), value(b)),
+                PlainStep::Time => moment.time,
+                PlainStep::Length => moment.length,
+                PlainStep::Input(number) => moment.inputs[number as usize],
+                PlainStep::First => f64::from(moment.is_first),
+                PlainStep::OfOne(operation, a) => operation.of(value(a)),
+                PlainStep::Integer(a, n) => value(a).powi(n),
+                PlainStep::OfTwo(operation, a, b) => operation.of(value(a), value(b)),
+                PlainStep::If(c, a, b) => choice(value(c), value(a), value(b)),
             };
         }
     }

@@ -1,8 +1,10 @@
 //! What is known of distributions before there are states.
 
+use motes_models::Step;
 use motes_models::equations::with_scalars;
 
-use super::instruction::{Program, Rule, Source, Step};
+use super::instruction::{PlainStep, Program, Rule, Source};
+use super::interpret::Moment;
 use crate::tables::Kind;
 
 /// The distribution of a coordinate as far as it is the same for all states: a number that depends on them is none.
@@ -18,15 +20,22 @@ pub(crate) struct Known {
 }
 
 impl Program {
-    /// Whether any number that is the same for all states differs from time to time.
-    pub(crate) fn depends_on_time(&self) -> bool {
-        self.steps.iter().any(|step| matches!(step, Step::Time))
+    /// Whether any number that is the same for all states differs from step to step.
+    pub(crate) fn depends_on_step(&self) -> bool {
+        self.steps.iter().any(|step| {
+            matches!(step, PlainStep::Time | PlainStep::Length | PlainStep::Input(_) | PlainStep::First)
+        })
     }
 
-    /// What is known of the distribution of each coordinate that has one at a time.
-    pub(crate) fn known(&self, time: f64) -> Vec<Known> {
+    /// For each coordinate, whether it depends on a state from this one on.
+    pub(crate) fn depend_on_states_from(&self, first: usize) -> Vec<bool> {
+        self.depends_on.iter().map(|states| states.iter().any(|state| *state as usize >= first)).collect()
+    }
+
+    /// What is known of the distribution of each coordinate that has one in a step.
+    pub(crate) fn known(&self, step: &Step<'_>) -> Vec<Known> {
         with_scalars::<f64, _>(self.constants.len() + self.steps.len(), |plain| {
-            self.plain(time, plain);
+            self.plain(Moment::of(step), plain);
             let value = |source: Source| match source {
                 Source::Plain(place) => Some(plain[place as usize]),
                 Source::Varied(_) => None,

@@ -25,6 +25,14 @@ pub(super) struct Key<'t> {
     pub(super) value: &'t Value,
 }
 
+impl<'t> Key<'t> {
+    /// That of how an input is simulated.
+    pub(super) fn of_input(name: &'t str, entry: &'t Entry) -> Self {
+        let (at, value) = (entry.key_at, &entry.value);
+        Key { written: name, name: name.to_string(), length: None, part: None, at, value }
+    }
+}
+
 impl Key<'_> {
     /// How many coordinates it has.
     pub(super) fn coordinates(&self) -> usize {

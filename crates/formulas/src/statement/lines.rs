@@ -1,11 +1,12 @@
 //! The formulas of a section.
 
+use std::cell::RefCell;
 use std::collections::BTreeMap;
 
 use super::keys::Key;
 use crate::document::Found;
 use crate::error::{Fault, Place, Problem, Section};
-use crate::syntax::{Formula, Meaning, Scope, parse};
+use crate::syntax::{Formula, Meaning, Scope, Sums, parse};
 
 /// The formula of a coordinate, of all coordinates of a vector, or of a definition.
 #[derive(Debug, Clone)]
@@ -51,15 +52,24 @@ impl Line {
 pub(super) struct Reader<'a> {
     pub(super) text: &'a str,
     pub(super) names: &'a BTreeMap<String, Meaning>,
+    /// Where measurements keep what they use of the sub-steps.
+    pub(super) sums: Option<&'a RefCell<Sums>>,
 }
 
 impl Reader<'_> {
     /// The formulas of a section.
     pub(super) fn lines(&self, keys: &[Key<'_>], section: Section) -> Result<Vec<Line>, Fault> {
-        keys.iter().map(|key| self.line(key, section)).collect()
+        let mut before = 0;
+        let line = |key: &Key<'_>| {
+            let line = self.line(key, section, before);
+            before += key.coordinates();
+            line
+        };
+        keys.iter().map(line).collect()
     }
 
-    fn line(&self, key: &Key<'_>, section: Section) -> Result<Line, Fault> {
+    /// A line of a section, of whose coordinates so many come before it.
+    fn line(&self, key: &Key<'_>, section: Section, before: usize) -> Result<Line, Fault> {
         let (text, inner) = match (&key.value.found, section) {
             (Found::Text { text, inner }, _) => (text, *inner),
             // A number needs no quotes.
@@ -68,7 +78,8 @@ impl Reader<'_> {
             }
             _ => return Err(self.no_formula(key, section)),
         };
-        let scope = Scope { names: self.names, section, is_vector: key.length.is_some() };
+        let sums = self.sums.map(|sums| (before, sums));
+        let scope = Scope { names: self.names, section, is_vector: key.length.is_some(), sums };
         let parsed = parse(text, scope).and_then(|formula| check_noise(formula, section));
         let formula = parsed.map_err(|fault| {
             let at = match (inner, fault.at) {

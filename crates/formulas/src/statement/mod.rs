@@ -1,28 +1,42 @@
 //! What a file of formulas states: its names, and its formulas by section.
 
+mod constant;
+mod inputs;
 mod keys;
 mod lines;
 mod order;
 mod parameters;
 mod sections;
+mod time;
 
+use std::cell::RefCell;
 use std::collections::BTreeMap;
 
-use crate::document::Table;
-use crate::error::{Fault, Section};
-use crate::syntax::Meaning;
+use crate::document::{Entry, Table};
+use crate::error::{Fault, Problem, Section};
+use crate::names::is_name;
+use crate::syntax::{Meaning, Since, Sum, Sums};
+use crate::tables::reserved;
+use constant::Constants;
 use keys::Key;
 use parameters::Parameters;
 use sections::Sections;
 
+pub use inputs::{Between, InputRule, InputSource};
 pub(crate) use lines::Line;
 pub(crate) use parameters::List;
+pub use time::{TimeLabel, TimeRule, TimeUnit};
 
 /// The formulas of a model.
 #[derive(Debug, Clone)]
 pub(crate) struct Statement {
     /// The model's name, if the file gives one.
     pub(crate) name: Option<String>,
+    /// How rows are spaced, if the file says so.
+    pub(crate) time: Option<TimeRule>,
+    pub(crate) inputs: Vec<InputRule>,
+    /// How inputs are simulated: their numbers, and a line for each.
+    pub(crate) simulated: (Vec<usize>, Vec<Line>),
     pub(crate) parameters: Vec<(String, f64)>,
     /// Parameters that are lists.
     pub(crate) lists: Vec<List>,
@@ -37,13 +51,39 @@ pub(crate) struct Statement {
     /// In the order of `initial`.
     pub(crate) transition: Vec<Line>,
     pub(crate) measurement: Vec<Line>,
+    /// What measurements use of the sub-steps before: numbers of the state behind those of `initial`.
+    pub(crate) sums: Vec<Sum>,
 }
 
 impl Statement {
-    /// The name of a state, or behind those of a draw.
+    /// The names of all coordinates of a state.
+    pub(crate) fn states(&self) -> Vec<String> {
+        let of_line = |line: &Line| (0..line.coordinates()).map(|at| line.coordinate(at)).collect::<Vec<_>>();
+        let of_sum = |sum: &Sum| (0..sum.coordinates()).map(|at| sum.coordinate(at)).collect::<Vec<_>>();
+        self.initial.iter().flat_map(of_line).chain(self.sums.iter().flat_map(of_sum)).collect()
+    }
+
+    /// The measurements, as numbers of entries, of which it matters in a step whether they were there at the row before.
+    pub(crate) fn resets(&self) -> Vec<usize> {
+        let mut found: Vec<usize> = Vec::new();
+        for sum in &self.sums {
+            if let Since::Measured(entry) = sum.since
+                && !found.contains(&entry)
+            {
+                found.push(entry);
+            }
+        }
+        found
+    }
+
+    /// The name of a number of the state, or behind those of a draw.
     pub(crate) fn name_of(&self, number: usize) -> String {
-        let mut before = 0;
-        for line in self.initial.iter().chain(&self.draws) {
+        let states = self.states();
+        let mut before = states.len();
+        if let Some(name) = states.into_iter().nth(number) {
+            return name;
+        }
+        for line in &self.draws {
             if number < before + line.coordinates() {
                 return line.coordinate(number - before);
             }
@@ -57,6 +97,10 @@ impl Statement {
 pub(crate) fn read(text: &str, table: &Table, overrides: &[(String, f64)]) -> Result<Statement, Fault> {
     let sections = Sections::of(table)?;
     let parameters = Parameters::read(&sections.parameters, overrides)?;
+    let constants = parameters.meanings();
+    let constants = Constants { names: &constants };
+    let time = sections.has_time.then(|| time::read(&sections.time, constants)).transpose()?;
+    let inputs = inputs_of(&sections, constants)?;
     let states = keys::read(&sections.initial, Section::Initial, &parameters)?;
     let definitions = keys::read(&sections.definitions, Section::Definitions, &parameters)?;
     let draws = keys::read(&sections.draws, Section::Draws, &parameters)?;
@@ -64,13 +108,26 @@ pub(crate) fn read(text: &str, table: &Table, overrides: &[(String, f64)]) -> Re
     let measurements = keys::read(&sections.measurement, Section::Measurement, &parameters)?;
     let moves = keys::matched(&states, &moves)?;
 
-    let names = meanings(&parameters, &states, &definitions, &draws, &measurements)?;
-    let reader = lines::Reader { text, names: &names };
+    let mut names = meanings(&parameters, &inputs, [&states, &definitions, &draws, &measurements])?;
+    let known = states.iter().map(Key::coordinates).sum();
+    let sums = RefCell::new(Sums { states: known, ..Sums::default() });
+    let reader = lines::Reader { text, names: &names, sums: Some(&sums) };
+    let measurement = reader.lines(&measurements, Section::Measurement)?;
+    let sums = sums.into_inner();
+    for meaning in names.values_mut() {
+        if let Meaning::Draw { first, .. } = meaning {
+            *first += sums.count();
+        }
+    }
+    let reader = lines::Reader { text, names: &names, sums: None };
     let defined = reader.lines(&definitions, Section::Definitions)?;
     let order = order::of(&defined)
         .map_err(|(number, problem)| definitions[number].fault(Section::Definitions, problem))?;
     Ok(Statement {
         name: sections.name.clone(),
+        time,
+        simulated: simulated(text, &inputs, constants)?,
+        inputs: inputs.into_iter().map(|input| input.rule).collect(),
         parameters: parameters.values.clone(),
         lists: parameters.lists.clone(),
         definitions: defined,
@@ -78,27 +135,60 @@ pub(crate) fn read(text: &str, table: &Table, overrides: &[(String, f64)]) -> Re
         draws: reader.lines(&draws, Section::Draws)?,
         initial: reader.lines(&states, Section::Initial)?,
         transition: reader.lines(&moves, Section::Transition)?,
-        measurement: reader.lines(&measurements, Section::Measurement)?,
+        measurement,
+        sums: sums.all,
     })
+}
+
+/// The inputs, whose names are names.
+fn inputs_of<'t>(sections: &'t Sections, constants: Constants<'_>) -> Result<Vec<inputs::Read<'t>>, Fault> {
+    let of = |entry: &'t Entry| {
+        let fault = |problem| Fault::at(entry.key_at, problem).in_section(Section::Inputs).of_key(&entry.key);
+        if !is_name(&entry.key) {
+            return Err(fault(Problem::BadName(entry.key.clone())));
+        }
+        if let Some(what) = reserved(&entry.key) {
+            return Err(fault(Problem::Reserved { name: entry.key.clone(), what }));
+        }
+        inputs::read(entry, constants)
+    };
+    sections.inputs.iter().map(of).collect()
+}
+
+/// How inputs are simulated.
+fn simulated(
+    text: &str,
+    inputs: &[inputs::Read<'_>],
+    constants: Constants<'_>,
+) -> Result<(Vec<usize>, Vec<Line>), Fault> {
+    let (mut numbers, mut keys) = (Vec::new(), Vec::new());
+    for (number, input) in inputs.iter().enumerate() {
+        if let Some(entry) = input.simulate {
+            numbers.push(number);
+            keys.push(Key::of_input(&input.rule.name, entry));
+        }
+    }
+    let reader = lines::Reader { text, names: constants.names, sums: None };
+    Ok((numbers, reader.lines(&keys, Section::Inputs)?))
 }
 
 /// What each name means; none can mean two things.
 fn meanings(
     parameters: &Parameters,
-    states: &[Key<'_>],
-    definitions: &[Key<'_>],
-    draws: &[Key<'_>],
-    measurements: &[Key<'_>],
+    inputs: &[inputs::Read<'_>],
+    [states, definitions, draws, measurements]: [&[Key<'_>]; 4],
 ) -> Result<BTreeMap<String, Meaning>, Fault> {
-    let mut names = BTreeMap::new();
-    // Entries of lists have names with brackets, which no formula can mean.
-    let values = parameters.values.iter().filter(|(name, _)| !name.contains('['));
-    names.extend(values.map(|(name, value)| (name.clone(), Meaning::Parameter(*value))));
-    for (number, list) in parameters.lists.iter().enumerate() {
-        names.insert(list.name.clone(), Meaning::List { number, dimensions: list.lengths.len() });
-    }
+    let mut names = parameters.meanings();
     let mut sections: BTreeMap<String, Section> =
         names.keys().map(|name| (name.clone(), Section::Parameters)).collect();
+    for (number, input) in inputs.iter().enumerate() {
+        let name = &input.rule.name;
+        if let Some(other) = sections.insert(name.clone(), Section::Inputs) {
+            let problem = Problem::Twice { name: name.clone(), other: other.title() };
+            return Err(Fault::new(problem).in_section(Section::Inputs).of_key(name));
+        }
+        names.insert(name.clone(), Meaning::Input(number));
+    }
     let mut add = |key: &Key<'_>, section, meaning| {
         if let Some(other) = sections.insert(key.name.clone(), section) {
             return Err(key.twice(section, other));

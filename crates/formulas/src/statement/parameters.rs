@@ -1,8 +1,11 @@
 //! The numbers that formulas know by name.
 
+use std::collections::BTreeMap;
+
 use crate::document::{Found, Table, Value};
 use crate::error::{Fault, Problem, Section, nearest};
 use crate::names::is_name;
+use crate::syntax::Meaning;
 use crate::tables::reserved;
 
 /// The parameters of a file.
@@ -144,6 +147,18 @@ impl Parameters {
             list.values.iter_mut().zip(of_list).for_each(|(entry, (_, value))| *entry = *value);
         }
         Ok(Parameters { values, lists })
+    }
+
+    /// What their names mean.
+    pub(super) fn meanings(&self) -> BTreeMap<String, Meaning> {
+        // Entries of lists have names with brackets, which no formula can mean.
+        let values = self.values.iter().filter(|(name, _)| !name.contains('['));
+        let mut names: BTreeMap<String, Meaning> =
+            values.map(|(name, value)| (name.clone(), Meaning::Parameter(*value))).collect();
+        for (number, list) in self.lists.iter().enumerate() {
+            names.insert(list.name.clone(), Meaning::List { number, dimensions: list.lengths.len() });
+        }
+        names
     }
 
     /// The value of a parameter.

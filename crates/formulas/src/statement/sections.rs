@@ -7,6 +7,9 @@ use crate::error::{Fault, Problem, Section, nearest};
 #[derive(Debug, Default)]
 pub(super) struct Sections {
     pub(super) name: Option<String>,
+    pub(super) time: Table,
+    pub(super) has_time: bool,
+    pub(super) inputs: Table,
     pub(super) parameters: Table,
     pub(super) initial: Table,
     pub(super) definitions: Table,
@@ -32,7 +35,10 @@ impl Sections {
             let fault = |problem| Fault::at(entry.key_at, problem);
             let section = Section::ALL.into_iter().find(|section| section.name() == entry.key);
             match (section, entry.key.as_str()) {
-                (Some(section), _) => *sections.of_mut(section) = lines(&entry.value, section)?.clone(),
+                (Some(section), _) => {
+                    *sections.of_mut(section) = lines(&entry.value, section)?.clone();
+                    sections.has_time |= section == Section::Time;
+                }
                 (None, "name") => sections.name = Some(entry.value.text("name")?.to_string()),
                 (None, "kind") => {}
                 (None, key) => {
@@ -59,6 +65,8 @@ impl Sections {
 
     fn of_mut(&mut self, section: Section) -> &mut Table {
         match section {
+            Section::Time => &mut self.time,
+            Section::Inputs => &mut self.inputs,
             Section::Parameters => &mut self.parameters,
             Section::Initial => &mut self.initial,
             Section::Definitions => &mut self.definitions,

@@ -5,12 +5,14 @@ mod interval;
 pub(crate) use interval::Digits;
 pub use interval::{End, Support};
 
+use motes_models::Step;
+
 use crate::program::{Known, Program};
 use crate::tables::Kind;
 
-/// The support of each coordinate of a program at a time, as far as it holds for all states.
-pub(crate) fn supports(program: &Program, time: f64) -> Vec<Option<Support>> {
-    program.known(time).iter().map(of).collect()
+/// The support of each coordinate of a program in a step, as far as it holds for all states.
+pub(crate) fn supports(program: &Program, step: &Step<'_>) -> Vec<Option<Support>> {
+    program.known(step).iter().map(of).collect()
 }
 
 /// The support of a distribution, if it is the same for all states and not the whole line.

@@ -25,9 +25,13 @@ pub(crate) enum Node {
     Named(f64),
     /// `t`.
     Time,
+    /// `dt`.
+    Length,
+    /// An input.
+    Input(usize),
     /// `i`.
     Coordinate,
-    /// A state; beyond those a draw.
+    /// A state; beyond those a sum over sub-steps, and then a draw.
     State {
         first: usize,
         length: usize,

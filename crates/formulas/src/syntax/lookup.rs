@@ -3,7 +3,9 @@
 use std::f64::consts::PI;
 
 use super::formula::{Element, Node};
-use super::scope::{Meaning, Scope};
+use super::meaning::Meaning;
+use super::scope::Scope;
+use super::sum::Since;
 use crate::error::{Problem, Section, nearest};
 use crate::tables::{FAMILIES, FUNCTIONS, Family, Function, call, family, function};
 
@@ -24,7 +26,7 @@ pub(super) fn called(name: &str, scope: Scope<'_>) -> Result<Known, Problem> {
         }
         return Ok(Known::Family(family));
     }
-    if scope.names.contains_key(name) || matches!(name, "t" | "i" | "pi") {
+    if scope.names.contains_key(name) || matches!(name, "t" | "dt" | "i" | "pi") {
         return Err(Problem::NotAFunction(name.to_string()));
     }
     let functions = FUNCTIONS.iter().map(|function| function.name);
@@ -44,6 +46,7 @@ pub(super) fn known(name: &str, scope: Scope<'_>, in_index: bool, has_index: boo
     let owned = || name.to_string();
     let node = match name {
         "t" => Node::Time,
+        "dt" => Node::Length,
         "pi" => Node::Named(PI),
         "i" if !scope.is_vector => return Err(Problem::NoCoordinate),
         "i" => Node::Coordinate,
@@ -55,8 +58,18 @@ pub(super) fn known(name: &str, scope: Scope<'_>, in_index: bool, has_index: boo
                 return Err(Problem::Indices { name: owned(), example });
             }
             Some(&Meaning::List { number, .. }) => Node::Entry { list: number, indices: Vec::new() },
-            Some(Meaning::Draw { .. }) if !has_draws(scope.section) => {
-                return Err(Problem::DrawElsewhere(owned()));
+            Some(&Meaning::Input(number)) => Node::Input(number),
+            Some(meaning @ &Meaning::Draw { length, .. }) if !has_draws(scope.section) => {
+                let Some((_, sums)) = scope.sums else { return Err(Problem::DrawElsewhere(owned())) };
+                check_index(name, length, has_index)?;
+                // Measured is what was drawn in the last sub-step.
+                let mut sums = sums.borrow_mut();
+                let sum = sums.of("", name, Some(meaning), Since::SubStep)?;
+                Node::State {
+                    first: sums.place_of(sum),
+                    length: length.unwrap_or(1),
+                    element: Element::Whole,
+                }
             }
             Some(&(Meaning::State { first, length } | Meaning::Draw { first, length })) => {
                 check_index(name, length, has_index)?;
@@ -77,7 +90,9 @@ pub(super) fn known(name: &str, scope: Scope<'_>, in_index: bool, has_index: boo
             Err(Problem::BadIndex(format!("`{name}`, which is {value},")))
         }
         _ if in_index && !is_index => Err(Problem::BadIndex(format!("`{name}`"))),
-        Node::Time | Node::Named(_) | Node::Coordinate if has_index => Err(Problem::NotAVector(owned())),
+        Node::Time | Node::Length | Node::Input(_) | Node::Named(_) | Node::Coordinate if has_index => {
+            Err(Problem::NotAVector(owned()))
+        }
         node => Ok(node),
     }
 }
@@ -88,7 +103,7 @@ fn has_draws(section: Section) -> bool {
 }
 
 /// Whether a name has an index where it needs one, and none elsewhere.
-fn check_index(name: &str, length: Option<usize>, has_index: bool) -> Result<(), Problem> {
+pub(super) fn check_index(name: &str, length: Option<usize>, has_index: bool) -> Result<(), Problem> {
     match length {
         Some(length) if !has_index => Err(Problem::NoIndex { name: name.to_string(), length }),
         None if has_index => Err(Problem::NotAVector(name.to_string())),
@@ -105,9 +120,11 @@ fn unknown(name: &str, scope: Scope<'_>) -> Problem {
         return Problem::NotCalled { name: name.to_string(), call: call(name, family.parameters) };
     }
     let usable = |meaning: &Meaning| match meaning {
-        Meaning::Parameter(_) | Meaning::List { .. } | Meaning::State { .. } | Meaning::Definition { .. } => {
-            true
-        }
+        Meaning::Parameter(_)
+        | Meaning::List { .. }
+        | Meaning::Input(_)
+        | Meaning::State { .. }
+        | Meaning::Definition { .. } => true,
         Meaning::Draw { .. } => has_draws(scope.section),
         Meaning::Measurement => false,
     };

@@ -3,8 +3,10 @@
 use std::ops::Range;
 
 use super::formula::{Element, Formula, Node, NodeId};
-use super::lookup::{Known, called, known};
-use super::scope::{Meaning, Scope};
+use super::lookup::{Known, called, check_index, known};
+use super::meaning::Meaning;
+use super::scope::Scope;
+use super::sum::{self, Since};
 use super::token::{Token, next};
 use crate::error::{Fault, Problem};
 use crate::operations::{Binary, Unary};
@@ -187,6 +189,9 @@ impl<'a> Parser<'a> {
         let name = &self.text[span.clone()];
         let faulty = |problem| Fault::at(span.start, problem);
         if self.ahead == Token::Open {
+            if let Some(function) = sum::function(name) {
+                return self.sum(function, span);
+            }
             return match called(name, self.scope).map_err(faulty)? {
                 _ if self.in_index => Err(faulty(Problem::BadIndex(format!("`{name}(…)`")))),
                 Known::Function(function) => self.function(function, span.clone()),
@@ -199,22 +204,57 @@ impl<'a> Parser<'a> {
         {
             return self.entry(*list, *dimensions, name, span.clone());
         }
-        let (element, end) = if self.ahead == Token::OpenIndex {
-            self.advance()?;
-            self.in_index = true;
-            let index = self.expression(0)?;
-            self.in_index = false;
-            let close = self.expect(Token::CloseIndex, "a closing bracket ]")?;
-            (Element::At(index), close.end)
-        } else {
-            (Element::Whole, span.end)
-        };
+        let (element, end) = self.element(span.end)?;
         let node = match node {
             Node::State { first, length, .. } => Node::State { first, length, element },
             Node::Definition { number, length, .. } => Node::Definition { number, length, element },
             other => other,
         };
         Ok(self.add(node, span.start..end, false))
+    }
+
+    /// The index of a name that ended at a byte, and where that ends.
+    fn element(&mut self, end: usize) -> Result<(Element, usize), Fault> {
+        if self.ahead != Token::OpenIndex {
+            return Ok((Element::Whole, end));
+        }
+        self.advance()?;
+        self.in_index = true;
+        let index = self.expression(0)?;
+        self.in_index = false;
+        let close = self.expect(Token::CloseIndex, "a closing bracket ]")?;
+        Ok((Element::At(index), close.end))
+    }
+
+    /// A sum over the sub-steps of a draw or a state.
+    fn sum(&mut self, function: &'static str, span: Range<usize>) -> Result<NodeId, Fault> {
+        let faulty = |problem| Fault::at(span.start, problem);
+        let Some((measured, sums)) = self.scope.sums else {
+            return Err(faulty(Problem::SumElsewhere(function)));
+        };
+        let since = match (function, self.scope.is_vector) {
+            ("total", _) => Since::Row,
+            (_, false) => Since::Measured(measured),
+            (_, true) => return Err(faulty(Problem::SumOfVector)),
+        };
+        self.advance()?;
+        if self.ahead != Token::Name {
+            return Err(faulty(Problem::SumOf { name: function, found: self.found() }));
+        }
+        let of = self.advance()?;
+        let name = &self.text[of.clone()];
+        let sum = sums.borrow().of(function, name, self.scope.names.get(name), since).map_err(faulty)?;
+        let length = sum.length;
+        check_index(name, length, self.ahead == Token::OpenIndex)
+            .map_err(|problem| Fault::at(of.start, problem))?;
+        let (element, _) = self.element(of.end)?;
+        if self.ahead != Token::Close {
+            return Err(faulty(Problem::SumOf { name: function, found: "a formula".into() }));
+        }
+        let close = self.advance()?;
+        let first = sums.borrow_mut().place_of(sum);
+        let node = Node::State { first, length: length.unwrap_or(1), element };
+        Ok(self.add(node, span.start..close.end, false))
     }
 
     /// An entry of a list, whose indices are any numbers.

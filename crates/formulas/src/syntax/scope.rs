@@ -1,34 +1,11 @@
-//! What names mean where a formula stands.
+//! What is known where a formula stands.
 
+use std::cell::RefCell;
 use std::collections::BTreeMap;
 
+use super::meaning::Meaning;
+use super::sum::Sums;
 use crate::error::Section;
-
-/// What a name of the file means.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Meaning {
-    Parameter(f64),
-    /// A parameter that is a list, with so many indices.
-    List {
-        number: usize,
-        dimensions: usize,
-    },
-    /// Coordinates of the state from `first` on.
-    State {
-        first: usize,
-        length: Option<usize>,
-    },
-    /// Draws of a step, the first of which is so much behind the states.
-    Draw {
-        first: usize,
-        length: Option<usize>,
-    },
-    Measurement,
-    Definition {
-        number: usize,
-        length: Option<usize>,
-    },
-}
 
 /// What is known to a formula.
 #[derive(Debug, Clone, Copy)]
@@ -37,4 +14,6 @@ pub(crate) struct Scope<'a> {
     pub(crate) section: Section,
     /// Whether it is the formula of a vector.
     pub(crate) is_vector: bool,
+    /// Of a measurement, which one it is, and the sums over sub-steps so far: it may add others.
+    pub(crate) sums: Option<(usize, &'a RefCell<Sums>)>,
 }

@@ -13,6 +13,8 @@ pub use reference::reference;
 pub(crate) fn reserved(name: &str) -> Option<&'static str> {
     match name {
         "t" => Some("the time"),
+        "dt" => Some("the length of a sub-step"),
+        "total" | "total_since_measured" => Some("a function"),
         "i" => Some("the number of a vector's coordinate"),
         "pi" => Some("the circle constant"),
         "and" | "or" | "not" => Some("an operator"),

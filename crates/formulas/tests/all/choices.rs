@@ -1,5 +1,6 @@
 //! Functions, comparisons and choices against the standard library, draws and lists against what they mean.
 
+use motes_models::Step;
 use motes_models::batch::LANES;
 use motes_models::equations::{Dual, Lanes};
 
@@ -110,7 +111,7 @@ fn lists_have_entries_by_numbers_times_and_states() {
         assert_eq!(variance, [1.5_f64, 2.5, 3.5][k].powi(2));
     }
     assert!(transition(&lists, 1, &[1.0, 0.5])[0].moments()[0].is_nan(), "there is no entry 0.5");
-    let text = lists.explain(1, Some(&[1.0, 0.5]), None).unwrap().to_string();
+    let text = lists.explain(&Step::of_index(1), Some(&[1.0, 0.5]), None).unwrap().to_string();
     assert!(text.contains("g[1, k]") && text.contains("k = 0.5"), "{text}");
     let means: Vec<f64> = measurement(&lists, 0, &[2.0, 0.0]).iter().map(|y| y.moments()[0]).collect();
     assert_eq!(means, [3.0, 5.0, 7.0]);

@@ -1,6 +1,7 @@
 //! Why a formula gives no number.
 
 use motes_formulas::FileModel;
+use motes_models::Step;
 
 use super::helpers::model;
 
@@ -22,7 +23,7 @@ u = "uniform(x, 3)"
 "#;
 
 fn explained(previous: Option<&[f64]>, state: Option<&[f64]>) -> Option<String> {
-    model(FILE).explain(2, previous, state).map(|error| error.to_string())
+    model(FILE).explain(&Step::of_index(2), previous, state).map(|error| error.to_string())
 }
 
 /// Catches an error where all is fine, as at a measurement that was not asked for.
@@ -65,7 +66,7 @@ fn states_that_are_too_few_are_no_panic() {
 fn a_text_of_a_program_has_no_lines() {
     let parse = |text: &str| motes_formulas::parse_generated(text, "model", &[]);
     let FileModel::Formulas(model) = parse(FILE).unwrap().model else { panic!("there are no matrices") };
-    let error = model.explain(2, Some(&[3.0, 1.0, 1.0, -0.5]), None).unwrap();
+    let error = model.explain(&Step::of_index(2), Some(&[3.0, 1.0, 1.0, -0.5]), None).unwrap();
     insta::assert_snapshot!(error.to_string(), @"model, [transition] v[1]: sd, `v[i+1]`, is -0.5 where v[2] = -0.5, i = 1; it must be above 0");
     let error = model.closed_form().unwrap_err();
     insta::assert_snapshot!(error.to_string(), @"model, [measurement] y: `exponential` is not normal; the closed form is for normal distributions");

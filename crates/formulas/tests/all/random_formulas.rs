@@ -1,5 +1,6 @@
 //! Formulas at random: values against another evaluation, derivatives against differences.
 
+use motes_models::Step;
 use motes_models::batch::LANES;
 use motes_models::equations::{Dual, Lanes};
 use proptest::prelude::*;
@@ -213,7 +214,7 @@ proptest! {
     fn what_is_no_number_is_explained(tree in trees(), x in -3.0..3.0_f64, y in -3.0..3.0_f64) {
         let Some(model) = mean_of(&tree) else { return Ok(()) };
         let mean = measurement(&model, 2, &[x, y])[0].moments()[0];
-        let explained = model.explain(2, Some(&[x, y]), Some(&[x, y]));
+        let explained = model.explain(&Step::of_index(2), Some(&[x, y]), Some(&[x, y]));
         prop_assert_eq!(explained.is_none(), mean.is_finite(), "{}: {} {:?}", tree.text(), mean, explained);
     }
 

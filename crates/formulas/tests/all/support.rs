@@ -7,8 +7,9 @@ use super::helpers::measuring;
 /// What is said of a value at a time, if no state can give it.
 fn refused(formula: &str, time: usize, value: f64) -> Option<String> {
     let model = measuring(formula, "[parameters]\nm = 10\n");
-    let found = model.impossible(time, &[Some(value)]).map(|impossible| impossible.to_string());
-    assert_eq!(model.impossible(time, &[None]), None, "{formula}");
+    let found =
+        model.impossible(&Step::of_index(time), &[Some(value)]).map(|impossible| impossible.to_string());
+    assert_eq!(model.impossible(&Step::of_index(time), &[None]), None, "{formula}");
     // Densities say the same at some states, whichever these are.
     let states = [[0.3, 0.2], [0.7, -0.4], [2.5, 3.0], [-1.5, 0.9]];
     let log_densities =
@@ -78,7 +79,7 @@ fn what_is_known_of_the_time_is_used() {
 fn the_entry_of_a_vector_is_named() {
     let text = "[initial]\nx[3] = \"normal(0, 1)\"\n[transition]\nx[3] = \"normal(x[i], 1)\"\n[measurement]\nz = \"normal(x[0], 1)\"\ny[3] = \"poisson(exp(x[i]))\"\n";
     let model = super::helpers::model(text);
-    let found = model.impossible(0, &[Some(-1.5), Some(0.0), None, Some(0.5)]).unwrap();
+    let found = model.impossible(&Step::of_index(0), &[Some(-1.5), Some(0.0), None, Some(0.5)]).unwrap();
     assert_eq!((found.coordinate, found.value), (3, 0.5));
     assert_eq!(model.supports(&Step::of_index(0))[0], None);
 }

@@ -5,7 +5,7 @@ use super::statement::{Draws, Equations};
 use super::tiles::with_scalars;
 use crate::Step;
 
-/// Makes `x_t` (`N`) of `x_{t−1}` (`N`) by all sub-steps of a step, or `x_0` where there is no previous state.
+/// Makes `x_t` (`N`) of `x_{t−1}` (`N`) by all sub-steps of a step, of which there may be none, or `x_0` where there is no previous state.
 #[inline(always)]
 pub(super) fn make_state<S: Scalar>(
     model: &(impl Equations + ?Sized),
@@ -18,6 +18,9 @@ pub(super) fn make_state<S: Scalar>(
     let Some(previous) = previous else {
         return model.initial(&step.part(0, inputs), draws, state);
     };
+    if step.sub_steps == 0 {
+        return state.copy_from_slice(previous);
+    }
     // The state between two sub-steps, if there is one.
     let between = if step.sub_steps > 1 { state.len() } else { 0 };
     with_scalars::<S, _>(between, |between| {

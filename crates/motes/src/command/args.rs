@@ -156,6 +156,7 @@ impl FilterSettingsArgs {
             resampling: self.resampling,
             seed,
             forecast,
+            ahead: None,
             check: !self.no_check,
         })
     }
@@ -209,6 +210,9 @@ pub(super) struct FilterArgs {
     /// Predict the states of so many times after the last measurement
     #[arg(long, value_name = "H", allow_negative_numbers = true, default_value = "0", value_parser = integer(0..=1_000_000_usize))]
     pub(super) forecast: usize,
+    /// Times and inputs of the rows after the last one, which are predicted: a CSV file with the columns that the model's [time] and [inputs] name
+    #[arg(long, value_name = "FILE", conflicts_with = "forecast")]
+    pub(super) inputs: Option<PathBuf>,
     #[command(flatten)]
     pub(super) output: OutputArgs,
 }
@@ -291,8 +295,11 @@ pub(super) struct SimulateArgs {
     #[command(flatten)]
     pub(super) model: ModelArgs,
     /// The number of times in each series
-    #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = integer(1..=1_000_000_000_usize))]
-    pub(super) steps: usize,
+    #[arg(long, value_name = "T", allow_negative_numbers = true, required_unless_present = "inputs", value_parser = integer(1..=1_000_000_000_usize))]
+    pub(super) steps: Option<usize>,
+    /// Times and inputs of the rows instead: a CSV file with the columns that the model's [time] and [inputs] name, those of data, too
+    #[arg(long, value_name = "FILE", conflicts_with = "steps")]
+    pub(super) inputs: Option<PathBuf>,
     /// The number of series
     #[arg(long, value_name = "S", allow_negative_numbers = true, default_value = "1", value_parser = integer(1..=1_000_000_000_usize))]
     pub(super) series: usize,
@@ -330,6 +337,9 @@ pub(super) struct CompareArgs {
     /// The number of times in each simulated sequence
     #[arg(long, value_name = "T", allow_negative_numbers = true, default_value = "100", value_parser = integer(1..=1_000_000_000_usize))]
     pub(super) steps: usize,
+    /// Times and inputs of simulated sequences instead, a CSV file as that of simulate
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["steps", "data"])]
+    pub(super) inputs: Option<PathBuf>,
     /// The share of particles that are drawn from the transition whatever the proposal is; if absent 0.1 of learned proposals, 0.1 of linearised where it draws noise that is not normal, else 0
     #[arg(long, value_name = "W", allow_negative_numbers = true, value_parser = share)]
     pub(super) defensive: Option<f64>,

@@ -1,9 +1,11 @@
 //! `motes compare`.
 
+use std::sync::Arc;
+
 use motes::output::{CardReport, Output, card_json, card_report, card_text};
 use motes::{
-    CompareOptions, Comparison, FilterOptions, Model, MotesError, ProposalName, Running, compare, designed,
-    on_threads,
+    CompareOptions, Comparison, Data, FilterOptions, Model, MotesError, ProposalName, Running, compare,
+    designed, on_threads,
 };
 use motes_cli::Interrupt;
 
@@ -32,12 +34,14 @@ pub(super) fn run(args: &CompareArgs, interrupt: &Interrupt) -> Result<u8, Failu
     if let Some(data) = &data {
         say_ignored(&data.columns, args.model.quiet);
     }
+    let inputs = args.inputs.as_ref().map(|path| Data::open_inputs(path, &model)).transpose()?;
     let options = CompareOptions {
         proposals: proposals(args, &model, &filter)?,
         filter,
         particles: args.at.clone(),
         sequences: args.sequences,
         steps: args.steps,
+        inputs: inputs.map(Arc::new),
         reference_particles: CompareOptions::REFERENCE_PARTICLES,
         reference_filters: 1,
         reference_error: None,

@@ -1,10 +1,11 @@
 //! `motes filter`.
 
 use std::path::Path;
+use std::sync::Arc;
 use std::time::Instant;
 
 use motes::output::{EstimateTable, Output, filter_json, filter_summary};
-use motes::{Data, filter, on_threads};
+use motes::{Data, FilterOptions, filter, on_threads};
 use motes_cli::{Interrupt, status};
 
 use super::args::FilterArgs;
@@ -18,7 +19,9 @@ use super::summary::in_one_line;
 pub(super) fn run(args: &FilterArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
     let model = args.model.read()?;
     args.output.check()?;
+    let ahead = args.inputs.as_ref().map(|path| Data::open_inputs(path, &model)).transpose()?;
     let options = args.settings.options(&model, args.model.seed, args.forecast)?;
+    let options = FilterOptions { ahead: ahead.map(Arc::new), ..options };
     if args.data == Path::new("-") {
         return Ok(on_threads(args.model.threads, || stream::run(args, &model, &options, interrupt))??);
     }

@@ -1,5 +1,7 @@
 //! `motes learn`.
 
+use std::sync::Arc;
+
 use motes::output::{Output, card_json, card_text};
 use motes::train::Learned;
 use motes::{CompareOptions, LearnOutcome, LearnedProposal, MotesError, compare, learn, on_threads};
@@ -50,6 +52,9 @@ pub(super) fn run(args: &LearnArgs, interrupt: &Interrupt) -> Result<u8, Failure
     let card = CompareOptions {
         sequences: args.sequences,
         steps: args.steps,
+        inputs: data
+            .filter(|_| model.time_column().is_some() || !model.input_columns().is_empty())
+            .map(Arc::new),
         // On one thread unless others are asked for: times are those of one.
         timed_threads: args.model.threads.unwrap_or(1),
         ..CompareOptions::of_learned(&model, proposal, args.particles, args.model.seed)

@@ -4,8 +4,8 @@ use std::time::Instant;
 
 use motes::output::{EstimateTable, Output, Sink, filter_json, filter_summary};
 use motes::{
-    Counted, Data, DataError, Estimate, FilterOptions, Model, MotesError, Row, RowOrder, Rows, Running,
-    SeriesTally, Tally, TimeLabel, Warning, of_proposal,
+    Clock, Counted, Data, DataError, Estimate, FilterOptions, Model, MotesError, Row, RowOrder, Rows,
+    Running, SeriesTally, Tally, TimeLabel, Warning, of_proposal, rows_ahead,
 };
 use motes_cli::{Interrupt, status};
 
@@ -20,8 +20,6 @@ struct Series<'m> {
     name: String,
     running: Running<'m>,
     tally: SeriesTally<'m>,
-    /// The number of its rows so far.
-    length: usize,
 }
 
 /// Filters what comes on standard input until it ends; the exit status.
@@ -49,7 +47,7 @@ pub(super) fn run(
             let name = rows.series().last().unwrap_or_default().to_string();
             let running = Running::new(model, options, row.series)?;
             let tally = SeriesTally::new(model, options);
-            series.push(Series { name, running, tally, length: 0 });
+            series.push(Series { name, running, tally });
         }
         let of = &mut series[row.series];
         let label = rows.columns().carried().zip(row.label.as_deref());
@@ -59,11 +57,10 @@ pub(super) fn run(
             warn(std::slice::from_ref(&warning), args.model.quiet, false);
             warnings.push(warning);
         }
-        let step = of.running.step(&row.measurement);
+        let step = of.running.step_by(&row.steps, &row.measurement);
         let estimate = step.map_err(|error| error.at_row(Counted::Line, row.line))?;
         answers.say(&table.row(&of.name, row.label.as_deref(), row.time, &estimate))?;
-        tally.step(&mut of.tally, &row.measurement, of.running.diagnosis().as_ref());
-        of.length += 1;
+        tally.step(&mut of.tally, row.steps.len(), &row.measurement, of.running.diagnosis().as_ref());
         times += 1;
         if let Some((rows, estimates)) = &mut kept {
             rows.push(row);
@@ -86,15 +83,16 @@ pub(super) fn run(
     let said = warnings.len();
     warnings.extend(of_proposal(options));
     tally.warn(warnings);
-    for Series { name, running, tally: of_this, length } in &mut series {
+    let mut clocks: Vec<Clock> = (0..series.len()).map(|number| rows.clock(number)).collect();
+    for (Series { name, running, tally: of_this }, clock) in series.iter_mut().zip(&mut clocks) {
         // Rows went by: only their times are known.
         let named = has_series.then_some(name.as_str());
         tally.end_series(named, of_this, running, |_| TimeLabel::default());
         let mut forecast = Vec::new();
-        for ahead in 0..options.forecast {
-            let estimate = running.predict()?;
-            answers.say(&table.row(name, None, *length + ahead, &estimate))?;
-            forecast.push(estimate);
+        for row in rows_ahead(options, named) {
+            let ahead = running.predict_by(clock, row)?;
+            answers.say(&table.row(name, None, ahead.time, &ahead.estimate))?;
+            forecast.push(ahead);
         }
         forecasts.push(forecast);
     }
@@ -104,7 +102,8 @@ pub(super) fn run(
     if let Some(path) = &args.output.report {
         let names = series.into_iter().map(|of| of.name).collect();
         let columns = rows.columns().clone();
-        let data = Data { columns, series: names, rows: kept_rows, counted: Counted::Line, index: None };
+        let data =
+            Data { columns, series: names, rows: kept_rows, clocks, counted: Counted::Line, index: None };
         write(&Output::File(path.clone()), &page(args, model, &data, options, &filtered)?)?;
     }
     if args.output.json {

@@ -27,7 +27,7 @@ use crate::engine::Running;
 use crate::error::MotesError;
 use crate::model::{Kind, Model};
 use crate::options::{FilterOptions, ProposalName};
-use crate::simulating::simulate;
+use crate::simulating::{simulate, simulate_along};
 use crate::threads::thread_pool;
 use card::Steps;
 use reference::Reference;
@@ -96,7 +96,10 @@ fn compare_until(
         None => {
             let seed = options.filter.seed;
             let none = Compared { filters: 0, of: 1, share: 0.0 };
-            let drawn = simulate(model, options.steps, options.sequences, seed, |_| proceed(none))?;
+            let drawn = match &options.inputs {
+                Some(inputs) => simulate_along(model, inputs, options.sequences, seed, |_| proceed(none))?,
+                None => simulate(model, options.steps, options.sequences, seed, |_| proceed(none))?,
+            };
             sequence::of_simulations(&drawn)
         }
     };
@@ -169,10 +172,10 @@ fn run(
 ) -> Result<Steps, MotesError> {
     let mut running = Running::new(model, options, number)?;
     let mut steps = Steps::new(sequence.measurements.len());
-    for (time, measurement) in sequence.measurements.iter().enumerate() {
+    for (time, (of_row, measurement)) in sequence.steps.iter().zip(&sequence.measurements).enumerate() {
         let before = running.log_evidence();
         let start = Instant::now();
-        let advanced = running.advance(measurement);
+        let advanced = running.advance_by(of_row, measurement);
         steps.seconds += start.elapsed().as_secs_f64();
         match advanced {
             Ok(()) => {}

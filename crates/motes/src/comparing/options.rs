@@ -1,8 +1,10 @@
 //! What is compared, and on what.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use super::designed::designed;
+use crate::data::Data;
 use crate::learned::LearnedProposal;
 use crate::model::Model;
 use crate::options::{FilterOptions, ProposalName};
@@ -23,6 +25,8 @@ pub struct CompareOptions {
     pub sequences: usize,
     /// The number of times in each of them.
     pub steps: usize,
+    /// The times and inputs of simulated sequences; a model without inputs, or one that simulates them, needs none.
+    pub inputs: Option<Arc<Data>>,
     /// The particles of the filters that all are held against, where there is no exact one.
     pub reference_particles: usize,
     /// How many such filters there are for a sequence, whose evidence is averaged. More than one tell how far it can be trusted; learned proposals are then
@@ -54,6 +58,7 @@ impl CompareOptions {
             particles: vec![30, 100, 300, 1000],
             sequences: 20,
             steps: 100,
+            inputs: None,
             // In the time that a person waits for: a filter of wide states takes longer.
             reference_particles: (2 * Self::REFERENCE_PARTICLES / model.states().len().max(2)).max(4000),
             reference_filters: 1,

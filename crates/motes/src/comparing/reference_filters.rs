@@ -62,13 +62,17 @@ fn computed(
     number: usize,
 ) -> Result<Reference, MotesError> {
     if let Some(linear) = model.linear_gaussian() {
-        let measurements =
-            PartialMeasurements::new(model.measurements().len(), sequence.measurements.concat())?;
-        let exact = kalman::filter_partial(&linear, &measurements)?;
-        let increments: Vec<f64> = exact.steps.iter().map(|step| step.log_evidence_increment).collect();
+        let width = model.measurements().len();
+        // Steps before the first row, where x_0 comes before it.
+        let before = sequence.steps.first().map_or(0, |steps| steps.len().saturating_sub(1));
+        let nothing = std::iter::repeat_n(None, before * width);
+        let entries = nothing.chain(sequence.measurements.concat()).collect();
+        let exact = kalman::filter_partial(&linear, &PartialMeasurements::new(width, entries)?)?;
+        let steps = &exact.steps[before..];
+        let increments: Vec<f64> = steps.iter().map(|step| step.log_evidence_increment).collect();
         return Ok(Reference {
             name: "the Kalman filter, which is exact".into(),
-            means: exact.steps.iter().map(|step| step.filtered.mean.iter().copied().collect()).collect(),
+            means: steps.iter().map(|step| step.filtered.mean.iter().copied().collect()).collect(),
             log_evidence: increments.iter().sum(),
             increments,
             error: None,
@@ -202,9 +206,9 @@ fn by_particles(
     let filter = FilterOptions { proposal, ..options.clone() };
     let mut running = Running::new(model, &filter, number)?;
     let (mut means, mut increments) = (Vec::new(), Vec::new());
-    for measurement in &sequence.measurements {
+    for (steps, measurement) in sequence.steps.iter().zip(&sequence.measurements) {
         let before = running.log_evidence();
-        running.advance(measurement)?;
+        running.advance_by(steps, measurement)?;
         increments.push(running.log_evidence() - before);
         means.push(running.means().to_vec());
     }

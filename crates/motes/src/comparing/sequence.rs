@@ -1,11 +1,15 @@
 //! What filters are compared on.
 
+use motes_models::{StepRecord, Trajectory};
+
 use crate::data::Data;
-use crate::simulating::Simulated;
+use crate::simulating::{Simulated, SimulatedRow};
 
 /// A sequence of measurements, with the states that made them where those are known.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sequence {
+    /// The steps that lead to each row.
+    pub steps: Vec<Vec<StepRecord>>,
     /// The measurement at each time.
     pub measurements: Vec<Vec<Option<f64>>>,
     /// The state at each time.
@@ -14,13 +18,18 @@ pub struct Sequence {
 
 /// The series of some data.
 pub(super) fn of_data(data: &Data) -> Vec<Sequence> {
-    let of_series = |series| data.of_series(series).map(|row| row.measurement.clone()).collect();
-    (0..data.series.len()).map(|series| Sequence { measurements: of_series(series), truth: None }).collect()
+    let of_series = |series| Sequence {
+        steps: data.of_series(series).map(|row| row.steps.clone()).collect(),
+        measurements: data.of_series(series).map(|row| row.measurement.clone()).collect(),
+        truth: None,
+    };
+    (0..data.series.len()).map(of_series).collect()
 }
 
 /// Simulated series.
 pub(super) fn of_simulations(simulated: &Simulated) -> Vec<Sequence> {
-    let of_trajectory = |trajectory: &motes_models::Trajectory| Sequence {
+    let of_trajectory = |(trajectory, rows): (&Trajectory, &Vec<SimulatedRow>)| Sequence {
+        steps: rows.iter().map(|row| row.steps.clone()).collect(),
         measurements: trajectory
             .measurements
             .rows()
@@ -28,5 +37,5 @@ pub(super) fn of_simulations(simulated: &Simulated) -> Vec<Sequence> {
             .collect(),
         truth: Some(trajectory.states.rows().map(<[f64]>::to_vec).collect()),
     };
-    simulated.series.iter().map(of_trajectory).collect()
+    simulated.series.iter().zip(&simulated.rows).map(of_trajectory).collect()
 }

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::error::DataError;
 use crate::estimate::{OF_COORDINATE, OF_WEIGHTS};
+use crate::model::Model;
 
 /// The place of each column that is used.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -16,6 +17,10 @@ pub struct Columns {
     pub(super) series: Option<usize>,
     /// The column `t`.
     pub(super) time: Option<usize>,
+    /// The column of times that the model names.
+    pub(super) clock: Option<usize>,
+    /// The columns that inputs come from, in the order of the model's.
+    pub(super) inputs: Vec<usize>,
     /// The column that is carried to the output.
     pub(super) carried: Option<usize>,
     /// Names of the columns that are not used.
@@ -23,18 +28,35 @@ pub struct Columns {
 }
 
 impl Columns {
-    /// Finds the columns `measurements` of a model with these `states` in a header, which errors call `place`.
+    /// Finds the columns of a model in a header, which errors call `place`.
     ///
-    /// The first column beside `series` and `t` is carried to the output, unless it is a measurement or a state.
+    /// The column of times that the model names is carried to the output, or else the first column beside `series` and `t`, unless that is a measurement, an input or a state.
     ///
     /// # Errors
     /// [`DataError::MissingColumn`], [`DataError::ColumnTwice`], and [`DataError::ColumnOfResults`] where the carried column has the name of a result.
-    pub fn of(
+    pub fn of(header: &[String], place: &str, model: &Model) -> Result<Self, DataError> {
+        Columns::find(header, place, model, model.measurements())
+    }
+
+    /// The same of data whose measurements play no part, and may not be there.
+    ///
+    /// # Errors
+    /// As [`Columns::of`].
+    pub fn of_inputs(header: &[String], place: &str, model: &Model) -> Result<Self, DataError> {
+        let columns = Columns::find(header, place, model, &[])?;
+        let is_measured = |name: &String| model.measurements().contains(name);
+        let ignored = columns.ignored.into_iter().filter(|name| !is_measured(name)).collect();
+        let carried = columns.carried.filter(|at| !is_measured(&columns.names[*at]));
+        Ok(Columns { ignored, carried, ..columns })
+    }
+
+    fn find(
         header: &[String],
         place: &str,
-        states: &[String],
+        model: &Model,
         measurements: &[String],
     ) -> Result<Self, DataError> {
+        let states = model.states();
         let names: Vec<String> = header.iter().map(|name| name.trim().to_string()).collect();
         for (at, name) in names.iter().enumerate() {
             if names[..at].contains(name) {
@@ -42,7 +64,7 @@ impl Columns {
             }
         }
         let at = |wanted: &str| names.iter().position(|name| name == wanted);
-        let found = measurements.iter().map(|wanted| {
+        let find = |wanted: &str, role: &'static str| {
             at(wanted).ok_or_else(|| {
                 let is_one_column = names.len() == 1 && names[0].contains([';', '\t']);
                 let nearest = names.iter().min_by_key(|name| distance(name, wanted));
@@ -54,24 +76,38 @@ impl Columns {
                 };
                 DataError::MissingColumn {
                     header: place.into(),
-                    column: wanted.clone(),
+                    column: wanted.to_string(),
+                    role,
                     found: names.join(", "),
                     hint,
                 }
             })
-        });
-        let measured: Vec<usize> = found.collect::<Result<_, _>>()?;
+        };
+        let find_all = |wanted: &[String], role| -> Result<Vec<usize>, DataError> {
+            wanted.iter().map(|wanted| find(wanted, role)).collect()
+        };
+        let measured: Vec<usize> = find_all(measurements, "the model measures")?;
+        let inputs = find_all(model.input_columns(), "is an input of the model")?;
+        let clock = model.time_column().map(|name| find(name, "[time] of the model names")).transpose()?;
         let is_measured = |name: &str| measurements.iter().any(|measured| measured == name);
         let [series, time] = ["series", "t"].map(|name| at(name).filter(|_| !is_measured(name)));
+        let time = time.filter(|at| clock != Some(*at));
+        let is_time = |at: usize| clock == Some(at) && names[at] == "t";
         let first = (0..names.len()).find(|&at| Some(at) != series && Some(at) != time);
-        let is_known = |at: usize| is_measured(&names[at]) || states.contains(&names[at]);
-        let carried = first.filter(|&at| !is_known(at));
+        let is_known = |at: usize| {
+            is_measured(&names[at]) || states.contains(&names[at]) || inputs.contains(&at) || is_time(at)
+        };
+        let carried = clock.or(first).filter(|&at| !is_known(at));
         if let Some(column) = carried.map(|at| &names[at]).filter(|name| is_result(name, states)) {
             return Err(DataError::ColumnOfResults { header: place.into(), column: column.clone() });
         }
-        let used = |at: usize| measured.contains(&at) || [series, time, carried].contains(&Some(at));
+        let used = |at: usize| {
+            measured.contains(&at)
+                || inputs.contains(&at)
+                || [series, time, clock, carried].contains(&Some(at))
+        };
         let ignored = (0..names.len()).filter(|&at| !used(at)).map(|at| names[at].clone()).collect();
-        Ok(Columns { measurements: measured, series, time, carried, ignored, names })
+        Ok(Columns { measurements: measured, series, time, clock, inputs, carried, ignored, names })
     }
 
     /// Whether rows say which series they belong to.
@@ -87,6 +123,16 @@ impl Columns {
     /// The places of the columns `series` and `t`, and of the one that is carried to the output, where they are.
     pub fn others(&self) -> [Option<usize>; 3] {
         [self.series, self.time, self.carried]
+    }
+
+    /// The place of the column of times that the model names.
+    pub fn clock(&self) -> Option<usize> {
+        self.clock
+    }
+
+    /// The place of each column that inputs come from, in the order of [`Model::input_columns`].
+    pub fn inputs(&self) -> &[usize] {
+        &self.inputs
     }
 
     /// The name of the column that is carried to the output.
@@ -116,8 +162,18 @@ mod tests {
     use super::*;
 
     fn columns(header: &str) -> Columns {
-        let split = |text: &str| text.split(',').map(String::from).collect::<Vec<_>>();
-        Columns::of(&split(header), "data.csv", &split("x,v"), &split("y")).unwrap()
+        let text = r#"
+            [initial]
+            x = "normal(0, 1)"
+            v = "normal(0, 1)"
+            [transition]
+            x = "normal(x, 1)"
+            v = "normal(v, 1)"
+            [measurement]
+            y = "normal(x, 1)"
+        "#;
+        let header: Vec<String> = header.split(',').map(String::from).collect();
+        Columns::of(&header, "data.csv", &Model::parse(text, "two.toml", &[]).unwrap()).unwrap()
     }
 
     #[test]

@@ -6,6 +6,8 @@ use motes_formulas::Impossible;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use crate::timeline::TimelineError;
+
 /// How the rows of data are counted, for errors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Counted {
@@ -73,12 +75,14 @@ pub enum DataError {
         expected: usize,
     },
     /// The header lacks a measurement.
-    #[error("{header}: there is no column {column}, which the model measures; there are {found}{hint}")]
+    #[error("{header}: there is no column {column}, which {role}; there are {found}{hint}")]
     MissingColumn {
         /// Where the header stands.
         header: String,
-        /// The measurement's name.
+        /// Its name.
         column: String,
+        /// What it is to the model.
+        role: &'static str,
         /// The columns that are there.
         found: String,
         /// What may be the matter.
@@ -139,6 +143,14 @@ pub enum DataError {
         place: Place,
         /// What it is, and what it could be.
         impossible: Box<Impossible>,
+    },
+    /// A row whose time does not come next, or whose inputs are not there.
+    #[error("{place}: {error}")]
+    Timeline {
+        /// Where.
+        place: Place,
+        /// What is wrong.
+        error: Box<TimelineError>,
     },
     /// Text that is not UTF-8.
     #[error("{file}, line {line}: this is not UTF-8 text; save the file in that encoding")]

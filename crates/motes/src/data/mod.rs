@@ -16,5 +16,5 @@ pub use columns::Columns;
 pub use error::{Counted, DataError, Place};
 pub use rows::{Row, Rows};
 pub use series::Data;
-pub use table::Table;
+pub use table::{InputTable, Table};
 pub use times::RowOrder;

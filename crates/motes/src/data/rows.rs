@@ -3,6 +3,7 @@
 use std::io::Read;
 
 use csv::{ByteRecord, Reader, ReaderBuilder, Trim};
+use motes_models::StepRecord;
 use serde::{Deserialize, Serialize};
 
 use super::cell::number;
@@ -11,6 +12,7 @@ use super::error::{Counted, DataError, Place};
 use super::seen::SeenSeries;
 use super::shown::shown;
 use crate::model::Model;
+use crate::timeline::{Clock, RowTime};
 
 /// A row of data.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -20,9 +22,15 @@ pub struct Row {
     /// The number of its series, in order of appearance.
     pub series: usize,
     /// Its time in the series.
-    pub time: usize,
+    pub time: f64,
+    /// The steps that lead to it; all but the last have no measurement.
+    pub steps: Vec<StepRecord>,
     /// What the carried column says.
     pub label: Option<String>,
+    /// Its time as it is written, where the model names a column of times.
+    pub written_time: Option<String>,
+    /// What the columns say that inputs come from, in the order of [`Model::input_columns`].
+    pub inputs: Vec<Option<f64>>,
     /// The measurement, in the model's order.
     pub measurement: Vec<Option<f64>>,
 }
@@ -34,6 +42,10 @@ pub struct Rows<R> {
     file: String,
     columns: Columns,
     series: SeenSeries,
+    /// Where each series is.
+    clocks: Vec<Clock>,
+    /// Whether rows have steps.
+    has_steps: bool,
     /// Which measurements no state can give.
     model: Model,
 }
@@ -44,6 +56,23 @@ impl<R: Read> Rows<R> {
     /// # Errors
     /// [`DataError`] if it cannot be read or lacks a measurement of the model.
     pub fn new(input: R, file: &str, model: &Model) -> Result<Self, DataError> {
+        Rows::with_columns(input, file, model, Columns::of)
+    }
+
+    /// The same of data whose measurements play no part: rows have their times as they are written and their inputs, and no steps.
+    ///
+    /// # Errors
+    /// [`DataError`] if it cannot be read or lacks an input of the model.
+    pub fn of_inputs(input: R, file: &str, model: &Model) -> Result<Self, DataError> {
+        Ok(Rows { has_steps: false, ..Rows::with_columns(input, file, model, Columns::of_inputs)? })
+    }
+
+    fn with_columns(
+        input: R,
+        file: &str,
+        model: &Model,
+        columns: impl Fn(&[String], &str, &Model) -> Result<Columns, DataError>,
+    ) -> Result<Self, DataError> {
         let mut reader = ReaderBuilder::new().trim(Trim::None).flexible(true).from_reader(input);
         let header = reader.byte_headers().map_err(|error| read_error(file, &error))?.clone();
         if header.is_empty() {
@@ -54,13 +83,15 @@ impl<R: Read> Rows<R> {
             Err(_) => Err(DataError::NotUtf8 { file: file.into(), line: 1 }),
         };
         let names: Vec<String> = header.iter().map(text).collect::<Result<_, _>>()?;
-        let columns = Columns::of(&names, &format!("{file}, line 1"), model.states(), model.measurements())?;
+        let columns = columns(&names, &format!("{file}, line 1"), model)?;
         Ok(Rows {
             reader,
             record: ByteRecord::new(),
             file: file.into(),
             columns,
             series: SeenSeries::default(),
+            clocks: Vec::new(),
+            has_steps: true,
             model: model.clone(),
         })
     }
@@ -94,8 +125,13 @@ impl<R: Read> Rows<R> {
                 self.series.number_of(&name)
             }
         };
-        let time = self.series.times(series);
-        self.check_time(line, time)?;
+        if series == self.clocks.len() {
+            let name = self.series.names().last().unwrap_or_default();
+            self.clocks.push(Clock::of_series(name));
+        }
+        if self.has_steps {
+            self.check_time(line, self.series.times(series))?;
+        }
         let label = match self.columns.carried {
             Some(at) => Some(self.text(at, line)?.to_string()),
             None => None,
@@ -109,12 +145,57 @@ impl<R: Read> Rows<R> {
                 problem,
             })?);
         }
-        if let Some(impossible) = self.model.impossible(time, &measurement) {
+        let inputs = self.inputs(line)?;
+        let written_time = self.columns.clock.map(|at| self.text(at, line)).transpose()?.map(String::from);
+        let row = RowTime { label: written_time.as_deref(), columns: &inputs };
+        let steps = match self.has_steps {
+            true => self.steps_to(line, series, row, &measurement)?,
+            false => vec![],
+        };
+        let last = steps.last().cloned().unwrap_or_default();
+        let step = last.step();
+        if let Some(impossible) = self.model.impossible(&step, &measurement) {
             let place = self.place(line, self.columns.measurements[impossible.coordinate]);
             return Err(DataError::Impossible { place, impossible: impossible.into() });
         }
         self.series.add(series);
-        Ok(Some(Row { line, series, time, label, measurement }))
+        Ok(Some(Row { line, series, time: step.time, label, written_time, inputs, measurement, steps }))
+    }
+
+    /// What the columns of a row say that inputs come from.
+    fn inputs(&self, line: u64) -> Result<Vec<Option<f64>>, DataError> {
+        let input = |at: &usize| {
+            let text = self.text(*at, line)?;
+            number(text).map_err(|problem| DataError::Cell {
+                place: self.place(line, *at),
+                value: shown(text),
+                problem,
+            })
+        };
+        self.columns.inputs.iter().map(input).collect()
+    }
+
+    /// Where a series is after its last row.
+    pub fn clock(&self, series: usize) -> Clock {
+        self.clocks.get(series).cloned().unwrap_or_default()
+    }
+
+    /// The steps to a row.
+    fn steps_to(
+        &mut self,
+        line: u64,
+        series: usize,
+        row: RowTime<'_>,
+        measurement: &[Option<f64>],
+    ) -> Result<Vec<StepRecord>, DataError> {
+        let clock = &mut self.clocks[series];
+        let steps = self.model.next_steps(clock, row);
+        let steps = steps.and_then(|steps| self.model.measured(clock, measurement).map(|()| steps));
+        steps.map_err(|error| {
+            let column = error.column(&self.columns.names, self.columns.clock);
+            let place = Place { file: self.file.clone(), counted: Counted::Line, line, column };
+            DataError::Timeline { place, error: Box::new(error) }
+        })
     }
 
     /// A reader of CSV passes over blank lines, which in a file of one column would be times that get lost.

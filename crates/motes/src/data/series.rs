@@ -10,6 +10,7 @@ use super::columns::Columns;
 use super::error::{Counted, DataError};
 use super::rows::{Row, Rows};
 use crate::model::Model;
+use crate::timeline::Clock;
 
 /// Measurements at the times of one or several series, in the order of the file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -20,6 +21,8 @@ pub struct Data {
     pub series: Vec<String>,
     /// The rows, in the order of the file.
     pub rows: Vec<Row>,
+    /// Where each series is after its last row.
+    pub clocks: Vec<Clock>,
     /// How rows are counted, for errors.
     pub counted: Counted,
     /// What an index beside the columns says of each row, where a table in memory has one.
@@ -32,18 +35,17 @@ impl Data {
     /// # Errors
     /// As [`Data::read`].
     pub fn open(path: &Path, model: &Model) -> Result<Self, DataError> {
-        let name = path.display().to_string();
-        let reason = |error: std::io::Error| match error.kind() {
-            std::io::ErrorKind::NotFound => "there is no such file".to_string(),
-            std::io::ErrorKind::PermissionDenied => "the permission to read it is missing".to_string(),
-            _ => error.to_string(),
-        };
-        match File::open(path) {
-            Ok(file) => Data::read(file, &name, model),
-            Err(error) => {
-                Err(DataError::Read { file: name, kind: Some(error.kind()), reason: reason(error) })
-            }
-        }
+        let (file, name) = opened(path)?;
+        Data::read(file, &name, model)
+    }
+
+    /// Reads a CSV file of times and inputs; if it has measurements, they play no part.
+    ///
+    /// # Errors
+    /// As [`Data::read`], but that it may lack measurements.
+    pub fn open_inputs(path: &Path, model: &Model) -> Result<Self, DataError> {
+        let (file, name) = opened(path)?;
+        Data::of_rows(Rows::of_inputs(file, &name, model)?, &name)
     }
 
     /// Reads CSV with a header from anything; errors call it `file`.
@@ -51,7 +53,10 @@ impl Data {
     /// # Errors
     /// [`DataError`] if it cannot be read, has no rows, or is not the data of `model`.
     pub fn read(input: impl Read, file: &str, model: &Model) -> Result<Self, DataError> {
-        let mut reader = Rows::new(input, file, model)?;
+        Data::of_rows(Rows::new(input, file, model)?, file)
+    }
+
+    fn of_rows(mut reader: Rows<impl Read>, file: &str) -> Result<Self, DataError> {
         let mut rows = Vec::new();
         while let Some(row) = reader.next_row()? {
             rows.push(row);
@@ -59,8 +64,10 @@ impl Data {
         if rows.is_empty() {
             return Err(DataError::Empty { file: file.into() });
         }
-        let series = reader.series().map(String::from).collect();
-        Ok(Data { columns: reader.columns().clone(), series, rows, counted: Counted::Line, index: None })
+        let series: Vec<String> = reader.series().map(String::from).collect();
+        let clocks = (0..series.len()).map(|number| reader.clock(number)).collect();
+        let columns = reader.columns().clone();
+        Ok(Data { columns, series, rows, clocks, counted: Counted::Line, index: None })
     }
 
     /// For each series, where its rows stand in [`Data::rows`], in order of time.
@@ -72,8 +79,30 @@ impl Data {
         places
     }
 
+    /// How many steps a filter of a series takes before that of its first row.
+    pub fn steps_before(&self, series: usize) -> usize {
+        self.of_series(series).next().map_or(0, |row| row.steps.len().saturating_sub(1))
+    }
+
     /// The rows of one series, in order of time. Who goes through all series asks [`Data::by_series`] once.
     pub fn of_series(&self, series: usize) -> impl Iterator<Item = &Row> {
         self.rows.iter().filter(move |row| row.series == series)
+    }
+}
+
+/// A file that can be read, and its name.
+fn opened(path: &Path) -> Result<(File, String), DataError> {
+    let name = path.display().to_string();
+    let reason = |error: &std::io::Error| match error.kind() {
+        std::io::ErrorKind::NotFound => "there is no such file".to_string(),
+        std::io::ErrorKind::PermissionDenied => "the permission to read it is missing".to_string(),
+        _ => error.to_string(),
+    };
+    match File::open(path) {
+        Ok(file) => Ok((file, name)),
+        Err(error) => {
+            let (reason, kind) = (reason(&error), Some(error.kind()));
+            Err(DataError::Read { file: name, kind, reason })
+        }
     }
 }

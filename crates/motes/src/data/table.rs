@@ -6,6 +6,7 @@ use super::rows::Row;
 use super::seen::SeenSeries;
 use super::series::Data;
 use crate::model::Model;
+use crate::timeline::{Clock, RowTime};
 
 /// Measurements in memory, as a data frame has them: a row for each time.
 ///
@@ -22,13 +23,76 @@ pub struct Table<'a> {
     pub series: Option<&'a [String]>,
     /// The column `t`, if it has one.
     pub times: Option<&'a [f64]>,
+    /// The column of times that the model names, if it names one.
+    pub clock: Option<&'a [String]>,
+    /// The columns that inputs come from, row by row, in the order of [`Model::input_columns`]; NaN is missing.
+    pub inputs: &'a [f64],
     /// The column that is carried to the output, if it has one.
     pub carried: Option<&'a [String]>,
     /// What an index beside the columns says of each row, if it has one: it is looked at as the carried column is ([`Data::warnings`]).
     pub index: Option<&'a [String]>,
 }
 
+/// Times and inputs in memory.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct InputTable<'a> {
+    /// What errors call it.
+    pub name: &'a str,
+    /// The names of all columns, in order.
+    pub header: &'a [String],
+    /// How many rows it has.
+    pub rows: usize,
+    /// The column `series`, if it has one.
+    pub series: Option<&'a [String]>,
+    /// The column of times that the model names, if it names one.
+    pub clock: Option<&'a [String]>,
+    /// The columns that inputs come from, row by row, in the order of [`Model::input_columns`]; NaN is missing.
+    pub inputs: &'a [f64],
+}
+
 impl Data {
+    /// Times and inputs of a table in memory, as [`Data::open_inputs`] has them of a file.
+    ///
+    /// # Errors
+    /// [`DataError`] if there are no rows, or a column is missing or has another length.
+    pub fn of_inputs(table: &InputTable<'_>, model: &Model) -> Result<Self, DataError> {
+        let file = || table.name.to_string();
+        let columns = Columns::of_inputs(table.header, table.name, model)?;
+        let (count, width) = (table.rows, columns.inputs.len());
+        if count == 0 {
+            return Err(DataError::Empty { file: file() });
+        }
+        let lengths = [
+            table.series.map(|column| (column.len(), count)),
+            table.clock.map(|column| (column.len(), count)),
+            Some((table.inputs.len(), count * width)),
+        ];
+        if let Some((found, expected)) =
+            lengths.into_iter().flatten().find(|(found, expected)| found != expected)
+        {
+            return Err(DataError::Lengths { file: file(), found, expected });
+        }
+        let (mut seen, mut rows) = (SeenSeries::default(), Vec::with_capacity(count));
+        for at in 0..count {
+            let series = seen.number_of(table.series.map_or("", |names| &names[at]));
+            let inputs = &table.inputs[at * width..][..width];
+            let written_time = table.clock.map(|labels| labels[at].clone());
+            rows.push(Row {
+                line: at as u64,
+                series,
+                time: 0.0,
+                steps: vec![],
+                label: written_time.clone(),
+                written_time,
+                inputs: inputs.iter().map(|value| (!value.is_nan()).then_some(*value)).collect(),
+                measurement: vec![],
+            });
+        }
+        let series: Vec<String> = seen.names().map(String::from).collect();
+        let clocks = series.iter().map(|name| Clock::of_series(name)).collect();
+        Ok(Data { columns, series, rows, clocks, counted: Counted::Row, index: None })
+    }
+
     /// Makes data of a table in memory.
     ///
     /// ```
@@ -43,6 +107,8 @@ impl Data {
     ///     measurements: &[0.5, f64::NAN, 1.5],
     ///     series: None,
     ///     times: None,
+    ///     clock: None,
+    ///     inputs: &[],
     ///     carried: None,
     ///     index: None,
     /// };
@@ -56,7 +122,7 @@ impl Data {
     /// state can give.
     pub fn of_table(table: &Table<'_>, model: &Model) -> Result<Self, DataError> {
         let file = || table.name.to_string();
-        let columns = Columns::of(table.header, table.name, model.states(), model.measurements())?;
+        let columns = Columns::of(table.header, table.name, model)?;
         let width = model.measurements().len();
         if table.measurements.is_empty() {
             return Err(DataError::Empty { file: file() });
@@ -68,6 +134,8 @@ impl Data {
             table.times.map(|column| (column.len(), count)),
             table.carried.map(|column| (column.len(), count)),
             table.index.map(|column| (column.len(), count)),
+            table.clock.map(|column| (column.len(), count)),
+            Some((table.inputs.len(), count * columns.inputs.len())),
         ];
         if let Some((found, expected)) =
             lengths.into_iter().flatten().find(|(found, expected)| found != expected)
@@ -81,8 +149,12 @@ impl Data {
             column: columns.names[column].clone(),
         };
         let (mut seen, mut rows) = (SeenSeries::default(), Vec::with_capacity(count));
+        let (mut clocks, inputs): (Vec<Clock>, usize) = (Vec::new(), columns.inputs.len());
         for (at, values) in table.measurements.chunks_exact(width).enumerate() {
             let series = seen.number_of(table.series.map_or("", |names| &names[at]));
+            if series == clocks.len() {
+                clocks.push(Clock::of_series(table.series.map_or("", |names| &names[at])));
+            }
             let time = seen.times(series);
             if let (Some(times), Some(column)) = (table.times, columns.time)
                 && times[at] != time as f64
@@ -99,7 +171,23 @@ impl Data {
             }
             let measurement: Vec<Option<f64>> =
                 values.iter().map(|value| (!value.is_nan()).then_some(*value)).collect();
-            if let Some(impossible) = model.impossible(time, &measurement) {
+            let known: Vec<Option<f64>> = table.inputs[at * inputs..][..inputs]
+                .iter()
+                .map(|value| (!value.is_nan()).then_some(*value))
+                .collect();
+            let row = RowTime { label: table.clock.map(|labels| labels[at].as_str()), columns: &known };
+            let steps = model.next_steps(&mut clocks[series], row);
+            let steps = steps.and_then(|steps| {
+                model.measured(&mut clocks[series], &measurement)?;
+                Ok(steps)
+            });
+            let steps = steps.map_err(|error| {
+                let column = error.column(&columns.names, columns.clock);
+                let place = Place { file: file(), counted: Counted::Row, line: at as u64, column };
+                DataError::Timeline { place, error: Box::new(error) }
+            })?;
+            let last = steps.last().cloned().unwrap_or_default();
+            if let Some(impossible) = model.impossible(&last.step(), &measurement) {
                 let place = place(at, columns.measurements[impossible.coordinate]);
                 return Err(DataError::Impossible { place, impossible: impossible.into() });
             }
@@ -107,13 +195,16 @@ impl Data {
             rows.push(Row {
                 line: at as u64,
                 series,
-                time,
+                time: last.step().time,
+                steps,
+                written_time: table.clock.map(|labels| labels[at].clone()),
+                inputs: known,
                 label: table.carried.map(|labels| labels[at].clone()),
                 measurement,
             });
         }
         let series = seen.names().map(String::from).collect();
         let index = table.index.map(<[String]>::to_vec);
-        Ok(Data { columns, series, rows, counted: Counted::Row, index })
+        Ok(Data { columns, series, rows, clocks, counted: Counted::Row, index })
     }
 }

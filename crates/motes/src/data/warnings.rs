@@ -4,7 +4,8 @@ use super::blocks::blocks;
 use super::columns::Columns;
 use super::series::Data;
 use super::shown::shown;
-use super::times::{Irregular, Kind, Time, Times, irregular, is_named_as_time};
+use super::times::{Irregular, Kind, Times, irregular, is_named_as_time};
+use crate::calendar::Time;
 use crate::warning::Warning;
 
 /// Labels of the rows: what they are called in warnings, and what they say.

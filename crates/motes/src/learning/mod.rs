@@ -18,6 +18,7 @@ use crate::data::Data;
 use crate::error::MotesError;
 use crate::learned::{LearnedProposal, Notes, learnable, shape_of};
 use crate::model::Model;
+use crate::simulating::schedule;
 use choice::{Choice, choose};
 use worth::worse_than;
 
@@ -77,8 +78,11 @@ fn learn_until(
     options: &LearnOptions,
     proceed: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
 ) -> Result<LearnOutcome, MotesError> {
-    let learnable = learnable(model)?;
     let started = std::time::Instant::now();
+    let seed = Seed::from_u64(options.seed).child("learn");
+    let scheduled = schedule(model, data, options.steps, &seed)?.and_then(|schedule| model.along(schedule));
+    let simulated = scheduled.as_ref().unwrap_or(model);
+    let learnable = learnable(simulated)?;
     let settings = LearnConfig {
         objective: options.objective,
         continues: options.start.is_some(),
@@ -92,8 +96,11 @@ fn learn_until(
             .then(|| (PATIENCE * options.updates as f64).ceil() as usize),
         ..LearnConfig::new()
     };
-    let seed = Seed::from_u64(options.seed).child("learn");
-    let recorded = data.map(|data| recorded(model, data)).transpose()?.unwrap_or_default();
+    // Data of a model with times or inputs say what these are; steps of recorded measurements have their own.
+    let recorded = match (data, &scheduled) {
+        (Some(data), None) => recorded(model, data)?,
+        _ => vec![],
+    };
     check_recorded(learnable, &recorded)?;
     if !learnable.has_gradients() {
         let asked = match (options.base, options.objective) {
@@ -135,7 +142,7 @@ fn learn_until(
     }
     let notes = Notes { choice: reason, updates: history.steps, seconds: history.seconds, worse_than: None };
     let learned = LearnedProposal::new("learned".into(), proposal, notes, learnable);
-    let worse_than = worse_than(model, &learned, options, &seed.child("worth"))?;
+    let worse_than = worse_than(model, &learned, data, options, &seed.child("worth"))?;
     let training_seconds = started.elapsed().as_secs_f64();
     let notes = Notes { worse_than, seconds: training_seconds, ..learned.notes().clone() };
     Ok(LearnOutcome { proposal: learned.with_notes(notes), history, training_seconds })

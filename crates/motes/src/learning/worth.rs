@@ -4,6 +4,7 @@ use motes_models::Seed;
 
 use super::options::LearnOptions;
 use crate::comparing::designed;
+use crate::data::Data;
 use crate::engine::Running;
 use crate::error::MotesError;
 use crate::learned::LearnedProposal;
@@ -26,10 +27,11 @@ const LEAST_DIFFERENCE: f64 = 0.1;
 pub(super) fn worse_than(
     model: &Model,
     learned: &LearnedProposal,
+    data: Option<&Data>,
     options: &LearnOptions,
     seed: &Seed,
 ) -> Result<Option<String>, MotesError> {
-    let drawn = simulate_some(model, options.steps, SEQUENCES, seed)?;
+    let drawn = simulate_some(model, data, options.steps, SEQUENCES, seed)?;
     let evidence = |proposal: ProposalName| -> Result<Vec<f64>, MotesError> {
         let filter = FilterOptions {
             proposal,
@@ -39,11 +41,12 @@ pub(super) fn worse_than(
             seed: options.seed,
             ..FilterOptions::default()
         };
-        let of_one = |(number, trajectory): (usize, &motes_models::Trajectory)| {
+        let of_one = |number: usize| {
             let mut running = Running::new(model, &filter, number)?;
-            for measurement in trajectory.measurements.rows() {
+            let rows = drawn.series[number].measurements.rows().zip(&drawn.rows[number]);
+            for (measurement, row) in rows {
                 let entries: Vec<Option<f64>> = measurement.iter().copied().map(Some).collect();
-                match running.advance(&entries) {
+                match running.advance_by(&row.steps, &entries) {
                     Ok(()) => {}
                     Err(MotesError::Filter { .. }) => return Ok(LOST),
                     Err(error) => return Err(error),
@@ -51,7 +54,7 @@ pub(super) fn worse_than(
             }
             Ok(running.log_evidence())
         };
-        drawn.series.iter().enumerate().map(of_one).collect()
+        (0..drawn.series.len()).map(of_one).collect()
     };
     let of_learned = evidence(ProposalName::Learned(learned.clone()))?;
     let mut worst: Option<(f64, String)> = None;
@@ -111,7 +114,7 @@ mod tests {
     fn a_proposal_that_collapsed_is_not_handed_out_as_better() {
         let (model, learned) = collapsed();
         let options = LearnOptions { steps: 50, ..LearnOptions::default() };
-        let found = worse_than(&model, &learned, &options, &Seed::from_u64(2)).unwrap();
+        let found = worse_than(&model, &learned, None, &options, &Seed::from_u64(2)).unwrap();
         assert!(found.is_some(), "no designed proposal is found to be better");
     }
 
@@ -119,6 +122,7 @@ mod tests {
     fn its_card_shows_how_much_evidence_it_misses() {
         let (model, learned) = collapsed();
         let options = CompareOptions {
+            inputs: None,
             proposals: vec![ProposalName::Bootstrap, ProposalName::Learned(learned)],
             filter: FilterOptions { particles: 100, defensive: Some(0.0), ..FilterOptions::default() },
             particles: vec![],

@@ -58,7 +58,7 @@ impl EstimateTable {
     }
 
     /// The row of a time of a series.
-    pub fn row(&self, series: &str, label: Option<&str>, time: usize, estimate: &Estimate) -> String {
+    pub fn row(&self, series: &str, label: Option<&str>, time: f64, estimate: &Estimate) -> String {
         let mut cells = Vec::new();
         if self.has_series {
             cells.push(series.to_string());
@@ -85,10 +85,9 @@ impl EstimateTable {
         for (row, estimate) in data.rows.iter().zip(&filtered.estimates) {
             table += &self.row_of(data, row, estimate);
         }
-        let lengths = data.by_series().into_iter().map(|places| places.len());
-        for (series, (forecast, length)) in filtered.forecasts.iter().zip(lengths).enumerate() {
-            for (time, estimate) in (length..).zip(forecast) {
-                table += &self.row(&data.series[series], None, time, estimate);
+        for (series, forecasts) in filtered.forecasts.iter().enumerate() {
+            for forecast in forecasts {
+                table += &self.row(&data.series[series], None, forecast.time, &forecast.estimate);
             }
         }
         table
@@ -97,11 +96,10 @@ impl EstimateTable {
     /// What is predicted after each series and nothing else, with the label of each row if there are any.
     pub fn forecasts(&self, data: &Data, filtered: &Filtered, labels: &[String]) -> String {
         let (mut table, mut labels) = (self.header(), labels.iter());
-        let lengths = data.by_series().into_iter().map(|places| places.len());
-        for (series, (forecast, length)) in filtered.forecasts.iter().zip(lengths).enumerate() {
-            for (time, estimate) in (length..).zip(forecast) {
+        for (series, forecasts) in filtered.forecasts.iter().enumerate() {
+            for forecast in forecasts {
                 let label = labels.next().map(String::as_str);
-                table += &self.row(&data.series[series], label, time, estimate);
+                table += &self.row(&data.series[series], label, forecast.time, &forecast.estimate);
             }
         }
         table
@@ -119,18 +117,25 @@ impl EstimateTable {
     }
 }
 
-/// The table of simulated series: `series`, `t`, the states, the measurements.
+/// The table of simulated series: `series`, the column of times that the model names or else `t`, the columns of inputs, the states, the measurements. It is data of the
+/// model.
 pub fn simulated_table(model: &Model, simulated: &Simulated) -> String {
-    let names = model.states().iter().chain(model.measurements()).cloned();
-    let header: Vec<String> = ["series", "t"].map(String::from).into_iter().chain(names).collect();
+    let is_measured = |name: &String| model.measurements().contains(name);
+    let inputs: Vec<usize> =
+        (0..model.input_columns().len()).filter(|at| !is_measured(&model.input_columns()[*at])).collect();
+    let of_inputs = inputs.iter().map(|at| model.input_columns()[*at].clone());
+    let time = model.time_column().unwrap_or("t");
+    let names = of_inputs.chain(model.states().iter().chain(model.measurements()).cloned());
+    let header: Vec<String> = ["series", time].map(String::from).into_iter().chain(names).collect();
     let mut table = line(&header);
-    for (series, trajectory) in simulated.series.iter().enumerate() {
-        for (time, (state, measurement)) in
-            trajectory.states.rows().zip(trajectory.measurements.rows()).enumerate()
-        {
+    for (series, (trajectory, rows)) in simulated.series.iter().zip(&simulated.rows).enumerate() {
+        let numbers = trajectory.states.rows().zip(trajectory.measurements.rows());
+        for (row, (state, measurement)) in rows.iter().zip(numbers) {
+            let label = row.label.clone().unwrap_or_else(|| row.time().to_string());
+            let inputs = inputs.iter().map(|at| row.inputs[*at].map(text).unwrap_or_default());
             let numbers = state.iter().chain(measurement).map(|value| text(*value));
             let cells: Vec<String> =
-                [series.to_string(), time.to_string()].into_iter().chain(numbers).collect();
+                [series.to_string(), label].into_iter().chain(inputs).chain(numbers).collect();
             table += &line(&cells);
         }
     }

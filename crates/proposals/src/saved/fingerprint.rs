@@ -93,13 +93,21 @@ fn fingerprint(model: &dyn StateSpaceModel, graph: Option<&SystemGraph>) -> Vec<
     let log_density = |step: &Step<'_>, previous: Option<&[f64]>, state: &[f64]| {
         Some(model.density()?.log_density(step, previous, state))
     };
-    let start = model.step_of_index(0);
+    // Inputs that are not known are 1: what a model makes of them tells it from others.
+    let ones = vec![1.0; model.input_dim()];
+    let step_of_index = |index: usize| {
+        let own = model.step_of_index(index);
+        let is_known = own.inputs.len() == ones.len() && own.inputs.iter().all(|input| input.is_finite());
+        let inputs = if is_known { own.inputs } else { &ones };
+        Step { inputs, parameters: own.parameters, ..Step::of_index(index) }
+    };
+    let start = step_of_index(0);
     model.sample_states(&start, None, from_mut(&mut stream), &mut previous);
     let log = log_density(&start, None, &previous);
     entries.extend(log.map(|log| entry("log p(x_0) at a fixed point", log)));
     entries.push(entry("a fixed projection of a fixed draw of x_0", projection(&previous)));
     for time in 1..=2 {
-        let step = model.step_of_index(time);
+        let step = step_of_index(time);
         model.sample_states(&step, Some(Rows::all(&previous, n)), from_mut(&mut stream), &mut state);
         let name = format!("log p(x_{time} | x_{}) at a fixed point", time - 1);
         entries.extend(log_density(&step, Some(&previous), &state).map(|log| entry(&name, log)));

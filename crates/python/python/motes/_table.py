@@ -95,22 +95,46 @@ def _of_columns(model: _motes.Model, columns: list[tuple[str, Callable[[], Any]]
     levels = {name: values for name, values in named.items() if name not in known}
     taken = [*((name, lambda values=values: values) for name, values in levels.items()), *columns]
     names = [name for name, _ in taken]
-    measured, series, time, carried, _ = model.columns(names)
-    used = {at: _column(taken[at][1](), names[at]) for at in [*measured, series, time, carried] if at is not None}
+    measured, (series, time, clock, carried), inputs, _ = model.columns(names)
+    needed = [*measured, series, time, clock, carried, *inputs]
+    used = {at: _column(taken[at][1](), names[at]) for at in needed if at is not None}
     columns = [_numbers(used[at], names[at]) for at in measured]
-    lengths = {len(column) for column in columns}
+    known_inputs = [_numbers(used[at], names[at]) for at in inputs]
+    lengths = {len(column) for column in [*columns, *known_inputs]}
     if len(lengths) > 1:
         raise ValueError(f"data: columns have different lengths: {', '.join(map(str, sorted(lengths)))}")
     values = np.stack(columns, axis=1) if columns else np.empty((0, 0))
     times = None if time is None else _numbers(used[time], names[time]).tolist()
-    labels = {names[at]: list(used[at]) for at in (series, carried) if at is not None}
+    labels = {names[at]: list(used[at]) for at in (series, clock, carried) if at is not None}
     for row, value in enumerate(labels.get("series", [])):
         if _is_missing(value):
             raise ValueError(f"data, row {row}, column series: it is missing; each row must say which series it belongs to")
-    texts = [None if at is None else [_text(value) for value in labels[names[at]]] for at in (series, carried)]
+    texts = [None if at is None else [_text(value) for value in labels[names[at]]] for at in (series, carried, clock)]
     index_texts = None if dates is None else [_text(value) for value in dates]
-    found = model.data(names, values.reshape(-1), texts[0], times, texts[1], index_texts)
+    found = model.data(names, values.reshape(-1), texts[0], times, texts[1], index_texts, texts[2], _flat(known_inputs))
     return Rows(found, index, labels, list(levels))
+
+
+def inputs_of(model: _motes.Model, data: Any) -> _motes.Data:
+    """Times and inputs of rows: of a file, or of columns by name."""
+    if isinstance(data, (str, os.PathLike)):
+        return model.open_inputs(os.fspath(data))
+    if not _is_frame(data):
+        raise ValueError(f"inputs: {type(data).__name__}; they are a file, a data frame, or a dict of columns")
+    taken = _taken(data, data if isinstance(data, dict) else data.columns)
+    names = [name for name, _ in taken]
+    series, clock, inputs = model.columns_of_inputs(names)
+    used = {at: _column(taken[at][1](), names[at]) for at in [series, clock, *inputs] if at is not None}
+    lengths = {len(column) for column in used.values()}
+    if len(lengths) != 1:
+        raise ValueError(f"inputs: columns have different lengths: {', '.join(map(str, sorted(lengths)))}")
+    texts = [None if at is None else [_text(value) for value in used[at]] for at in (series, clock)]
+    return model.inputs(names, lengths.pop(), *texts, _flat([_numbers(used[at], names[at]) for at in inputs]))
+
+
+def _flat(columns: list[np.ndarray]) -> np.ndarray:
+    """Columns of numbers, row by row."""
+    return np.stack(columns, axis=1).reshape(-1) if columns else np.empty(0)
 
 
 def _column(values: Any, name: str) -> Any:

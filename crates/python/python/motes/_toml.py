@@ -33,6 +33,8 @@ def _value(value: Any, key: str) -> str:
     if isinstance(value, float):
         # Words of TOML for what is not finite; the model's reader refuses them by name.
         return {"inf": "inf", "-inf": "-inf", "nan": "nan"}.get(repr(value), repr(value))
+    if isinstance(value, dict):
+        return "{ " + ", ".join(f"{_key(name)} = {_value(one, f'{key}.{name}')}" for name, one in value.items()) + " }"
     if isinstance(value, (list, tuple)):
         return "[" + ", ".join(_value(one, key) for one in value) + "]"
-    raise ValueError(f"model: {key}: {value!r} is no text, number or list of them")
+    raise ValueError(f"model: {key}: {value!r} is no text, number, or list or dict of them")

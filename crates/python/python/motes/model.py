@@ -11,10 +11,10 @@ import numpy as np
 
 from . import _motes
 from ._errors import warn
-from ._table import _numbers, data_of
+from ._table import _numbers, _text, data_of, inputs_of
 from ._toml import text_of
 from .card import Card
-from .results import Filtered, Forecast, Smoothed
+from .results import Filtered, Forecast, Smoothed, _whole
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -108,20 +108,33 @@ class Learned:
 class Simulated:
     """Series that a model drew."""
 
-    def __init__(self, states: np.ndarray, measurements: np.ndarray, names: tuple[list[str], list[str]]):
+    def __init__(
+        self,
+        states: np.ndarray,
+        measurements: np.ndarray,
+        time: np.ndarray,
+        inputs: dict[str, np.ndarray],
+        names: tuple[list[str], list[str]],
+        time_column: str,
+    ):
         #: States, `(S, T, N)`.
         self.states = states
-        #: Measurements, `(S, T, M)`: data for `Model.filter`.
+        #: Measurements, `(S, T, M)`: data for `Model.filter`, where the model has no inputs.
         self.measurements = measurements
-        self._names = names
+        #: The times, `(S, T)`.
+        self.time = time
+        #: The columns that inputs come from, by name, `(S, T)` each.
+        self.inputs = inputs
+        self._names, self._time_column = names, time_column
 
     def to_pandas(self) -> Any:
-        """A data frame of pandas with the columns series, t, the states and the measurements."""
+        """A data frame of pandas with the columns series, the times, the inputs, the states and the measurements: data for `Model.filter`."""
         from .results import _module
 
         pandas = _module("pandas", "to_pandas")
         count, steps, _ = self.states.shape
-        columns: dict[str, Any] = {"series": np.repeat(np.arange(count), steps), "t": np.tile(np.arange(steps), count)}
+        columns: dict[str, Any] = {"series": np.repeat(np.arange(count), steps), self._time_column: self.time.reshape(-1)}
+        columns.update({name: values.reshape(-1) for name, values in self.inputs.items()})
         for names, values in zip(self._names, (self.states, self.measurements), strict=True):
             columns.update({name: values[:, :, at].reshape(-1) for at, name in enumerate(names)})
         return pandas.DataFrame(columns)
@@ -150,18 +163,42 @@ class OnlineFilter:
         #: The estimate of `log p(y_t | y_0 … y_{t−1})` of the last step.
         self.log_evidence_increment: float | None = None
 
-    def step(self, measurement: Any) -> "OnlineFilter":
-        """Takes in the measurement of the next time, `(M,)`, NaN or None where one is missing; gives itself."""
+    def step(
+        self, measurement: Any, *, time: Any = None, inputs: Mapping[str, float] | None = None
+    ) -> "OnlineFilter":
+        """Takes in the measurement of the next row, `(M,)`, NaN or None where one is missing; gives itself.
+
+        `time` is the row's where the model names a column of times, `inputs` are the columns that its inputs come from, by name.
+        """
         values = np.atleast_1d(_numbers(measurement, None))
         if values.shape != (self._width,):
             raise ValueError(f"measurement: an array of shape {values.shape}; it must be ({self._width},)")
         if np.isinf(values).any():
             raise ValueError(f"measurement: {values}; it must be finite, and NaN where one is missing")
-        return self._known(self._running.step(np.ascontiguousarray(values)))
+        known = self._running.step(np.ascontiguousarray(values), self._time(time), self._inputs(inputs or {}))
+        return self._known(known)
 
-    def predict(self) -> "OnlineFilter":
-        """Goes on by a time at which nothing is measured; gives itself."""
-        return self._known(self._running.predict())
+    def predict(self, *, time: Any = None, inputs: Mapping[str, float] | None = None) -> "OnlineFilter":
+        """Goes on by a row at which nothing is measured, a gap as the last one ahead where no `time` is given; gives itself."""
+        known = None if inputs is None and time is None else self._inputs(inputs or {})
+        return self._known(self._running.predict(None if known is None else self._time(time), known))
+
+    def _time(self, time: Any) -> str | None:
+        column = self._model._model.time_column
+        if (column is None) != (time is None):
+            expected = f"the column {column} is that of times" if column else "the model names no column of times"
+            raise ValueError(f"time: {time!r}; {expected}")
+        return None if time is None else _text(time)
+
+    def _inputs(self, inputs: Mapping[str, float]) -> np.ndarray:
+        measured, needed = self._model.measurements, self._model._model.input_columns
+        unknown = [name for name in inputs if name not in needed]
+        if unknown:
+            raise ValueError(f"inputs: {unknown[0]} is none of the model; it has {', '.join(needed) or 'none'}")
+        missing = [name for name in needed if name not in inputs and name not in measured]
+        if missing:
+            raise ValueError(f"inputs: {missing[0]} is missing; each row needs it, NaN where it is not known")
+        return np.array([float(inputs.get(name, np.nan)) for name in needed])
 
     @property
     def log_evidence(self) -> float:
@@ -283,18 +320,31 @@ class Model:
 
         return f"<pre>{_escaped(repr(self))}</pre>"
 
-    def simulate(self, steps: int, series: int = 1, *, seed: int = 1) -> Simulated:
-        """Draws `series` series of `steps` times.
+    def simulate(self, steps: int | None = None, series: int = 1, *, seed: int = 1, inputs: Any = None) -> Simulated:
+        """Draws `series` series of `steps` rows, or at the times and with the inputs of `inputs`: a file, a data frame, or a dict of columns.
 
         >>> import motes
         >>> walk = {"initial": {"x": "normal(0, 1)"}, "transition": {"x": "normal(x, 1)"}, "measurement": {"y": "normal(x, 1)"}}
         >>> motes.Model(walk).simulate(50, series=3).measurements.shape
         (3, 50, 1)
         """
-        states, measurements = self._model.simulate(steps, series, seed)
-        names = (self.states, self.measurements)
+        if (steps is None) == (inputs is None):
+            raise ValueError("steps: either how many rows a series has, or inputs with their times; one of the two is needed")
+        along = None if inputs is None else inputs_of(self._model, inputs)
+        flat = self._model.simulate(1 if steps is None else steps, series, seed, along)
+        rows = len(flat[2])
+        if steps is None:
+            steps = rows // series
+        shape = (rows // steps, steps)
+        columns = self._model.input_columns
+        known = flat[3].reshape(*shape, len(columns))
         return Simulated(
-            states.reshape(series, steps, len(names[0])), measurements.reshape(series, steps, len(names[1])), names
+            flat[0].reshape(*shape, len(self.states)),
+            flat[1].reshape(*shape, len(self.measurements)),
+            _whole(flat[2]).reshape(shape),
+            {name: known[..., at] for at, name in enumerate(columns) if name not in self.measurements},
+            (self.states, self.measurements),
+            self._model.time_column or "t",
         )
 
     def check(self, data: Any = None, *, seed: int = 1) -> tuple[list[str], list[str]]:

@@ -55,7 +55,7 @@ class _Estimates:
     @cached_property
     def time(self) -> np.ndarray:
         """The time of each row in its series, `(rows,)`."""
-        return self._data.time
+        return _whole(self._data.time)
 
     @cached_property
     def series(self) -> np.ndarray:
@@ -276,9 +276,8 @@ class Forecast:
         self.sd = sd.reshape(series, steps, n)
         #: Quantiles at 5, 50 and 95 %, `(S, steps, N, 3)`.
         self.quantiles = quantiles.reshape(series, steps, n, 3)
-        lengths = np.bincount(filtered.series, minlength=series)
         #: The times, which go on from the last measurement, `(S, steps)`.
-        self.time = lengths[:, None] + np.arange(steps)
+        self.time = _whole(filtered._found.forecast_times()).reshape(series, steps)
         self._index, self._carried = filtered._followed(steps)
 
     def _columns(self, labels: list[Any] | None) -> dict[str, Any]:
@@ -368,6 +367,12 @@ def _index_of(index: Any, rows: list[np.ndarray], dates: list[Any], steps: int) 
         for level in range(index.nlevels)
     ]
     return type(index).from_arrays(levels, names=index.names)
+
+
+def _whole(times: np.ndarray) -> np.ndarray:
+    """Times as integers, where all of them are."""
+    whole = times.astype(np.int64)
+    return whole if np.array_equal(whole, times) else times
 
 
 def _of_states(states: list[str], mean: np.ndarray, sd: np.ndarray, quantiles: np.ndarray) -> dict[str, np.ndarray]:

@@ -55,6 +55,8 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
             let (model, proposal) = (&*bank.model, &mut bank.proposal);
             let prepared = match known {
                 0 => Ok(false),
+                // The state stays what it is.
+                _ if step.sub_steps == 0 => Ok(false),
                 _ if known == entries.len() => proposal.prepare(model, step, &whole).map(|()| true),
                 _ => proposal.prepare_partial(model, step, entries),
             };
@@ -291,9 +293,9 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
         if step.index != self.time {
             return refuse("the index of a step", step.index.to_string(), "the number of steps before it");
         }
-        if step.sub_steps == 0 || (step.sub_steps > 1 && step.index == 0) {
+        if step.sub_steps != 1 && step.index == 0 {
             let found = step.sub_steps.to_string();
-            return refuse("the number of sub-steps of a step", found, "at least 1, and 1 at the start");
+            return refuse("the number of sub-steps of a step", found, "1 at the start");
         }
         if step.sub_steps > 1 && self.model.density().is_some() {
             let found = step.sub_steps.to_string();

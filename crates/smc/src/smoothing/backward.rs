@@ -88,7 +88,9 @@ pub fn backward_simulation_while(
         weights.extend_from_slice(&generation.log_weights);
         let by_weight = ByWeight::new(&mut weights).ok_or(SmoothingError::NoAncestor { time })?;
         let next = history.generations.get(time + 1);
-        let moves = next.zip(density).map(|(next, density)| Moves {
+        // Where no time passes, a state is its ancestor.
+        let moved = next.filter(|next| next.step.step().sub_steps > 0);
+        let moves = moved.zip(density).map(|(next, density)| Moves {
             density,
             width,
             time,

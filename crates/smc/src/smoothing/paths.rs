@@ -15,6 +15,22 @@ pub struct SmoothedPaths {
 }
 
 impl SmoothedPaths {
+    /// The same trajectories without their first `times` times.
+    ///
+    /// # Panics
+    /// If they have no more.
+    #[must_use]
+    pub fn without_first(self, times: usize) -> Self {
+        if times == 0 {
+            return self;
+        }
+        assert!(times < self.times, "of {} times {times} are left out", self.times);
+        let rows = self.states.chunks_exact(self.times * self.width);
+        let states = rows.flat_map(|path| path[times * self.width..].iter().copied()).collect();
+        let distinct_particles = self.distinct_particles[times..].to_vec();
+        SmoothedPaths { states, times: self.times - times, distinct_particles, ..self }
+    }
+
     /// Trajectories (path after path, each row-major `T×N`) that were drawn independently of each other, from no particles.
     ///
     /// # Panics

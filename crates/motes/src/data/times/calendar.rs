@@ -2,7 +2,7 @@
 
 use chrono::{Datelike, NaiveDate};
 
-use super::label::{Time, months};
+use crate::calendar::{Time, months};
 
 /// The dates of times that have all the same time of the day, as their own clocks show it: with them, days are days also where clocks change.
 pub(super) fn dates(times: &[Time]) -> Option<Vec<NaiveDate>> {

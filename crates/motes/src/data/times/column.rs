@@ -1,6 +1,6 @@
 //! What a column of labels is as a whole.
 
-use super::label::Time;
+use crate::calendar::Time;
 
 /// What kind of times a column has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -3,12 +3,10 @@
 mod calendar;
 mod column;
 mod cycle;
-mod label;
 mod order;
 mod spacing;
 mod steps;
 
 pub(super) use column::{Kind, Times, is_named_as_time};
-pub(super) use label::Time;
 pub use order::RowOrder;
 pub(super) use spacing::{Irregular, irregular};

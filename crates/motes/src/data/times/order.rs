@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 use std::collections::HashMap;
 
 use super::column::is_named_as_time;
-use super::label::Time;
+use crate::calendar::Time;
 
 /// Looks whether the carried column of a stream goes forward; it keeps the last time of each series.
 #[derive(Debug, Default)]

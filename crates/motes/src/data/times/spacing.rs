@@ -3,8 +3,8 @@
 use std::cmp::Ordering;
 
 use super::cycle::is_cycle;
-use super::label::Time;
 use super::steps::{Steps, Unit, listed};
+use crate::calendar::Time;
 
 /// Times that are not one step apart, in words.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,7 +1,7 @@
 //! How far apart the times of consecutive rows are.
 
 use super::calendar::{dates, in_days, in_months, in_working_days};
-use super::label::Time;
+use crate::calendar::Time;
 
 /// What steps are counted in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -10,7 +10,7 @@ pub use card::{CardReport, card_report};
 pub use error_figure::error_figure;
 
 use crate::data::Data;
-use crate::estimate::Estimate;
+use crate::estimate::{Estimate, Forecast};
 use crate::names::ModelNames;
 
 use figures::{Band, band_figure, line_figure, point_figure};
@@ -27,7 +27,7 @@ pub struct Report<'a> {
     /// The estimate of each row of the data.
     pub estimates: &'a [Estimate],
     /// What is predicted after each series.
-    pub forecasts: &'a [Vec<Estimate>],
+    pub forecasts: &'a [Vec<Forecast>],
     /// Figures of the whole run, a name and a value each.
     pub summary: &'a [(String, String)],
     /// Settings, a name and a value each.
@@ -82,7 +82,8 @@ fn series_section(
     };
     let length = rows().count();
     let ahead = report.forecasts.get(series).map_or(&[][..], Vec::as_slice);
-    let estimates: Vec<&Estimate> = rows().map(|(_, estimate)| estimate).chain(ahead).collect();
+    let estimates: Vec<&Estimate> =
+        rows().map(|(_, estimate)| estimate).chain(ahead.iter().map(|ahead| &ahead.estimate)).collect();
     for (coordinate, name) in report.names.states.iter().enumerate().take(SHOWN_COORDINATES) {
         let of = |figure: &dyn Fn(&crate::estimate::Coordinate) -> f64| -> Vec<f64> {
             estimates.iter().map(|estimate| figure(&estimate.state[coordinate])).collect()

@@ -63,6 +63,8 @@ impl Linearised {
             let previous = (step.index > 0).then(|| Rows::all(&before, n));
             model.sample_states(&step, previous, from_mut(&mut stream), &mut state);
             model.sample_measurements(&step, &state, from_mut(&mut stream), &mut measurement);
+            // Where the model does not know its inputs, it may.
+            sees_measurements |= state.iter().any(|value| value.is_nan());
             sees_measurements |= match noise {
                 None => depends_on_state(model, &step, &state, &measurement),
                 Some(noise) => {

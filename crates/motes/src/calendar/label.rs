@@ -7,7 +7,7 @@ use chrono::{Datelike, FixedOffset, NaiveDate, NaiveTime, Timelike};
 
 /// What a label says.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(in super::super) enum Time {
+pub(crate) enum Time {
     /// A number, with how many decimals it is written; none where that is not known.
     Number { value: f64, decimals: Option<u32> },
     /// A time of a day, and how far its clock is ahead of UTC, in seconds, where it says so.
@@ -20,13 +20,13 @@ pub(in super::super) enum Time {
 
 impl Time {
     /// Reads a label: a number, a date of ISO 8601 with or without a time and a zone, a month `2024-03` or a quarter `2024Q1`.
-    pub(in super::super) fn read(text: &str) -> Option<Self> {
+    pub(crate) fn read(text: &str) -> Option<Self> {
         let text = text.trim();
         number(text).or_else(|| moment(text)).or_else(|| month(text)).or_else(|| quarter(text))
     }
 
     /// Numbers of eight or six digits as the dates or months that they may be.
-    pub(super) fn in_digits(text: &str) -> Option<Self> {
+    pub(crate) fn in_digits(text: &str) -> Option<Self> {
         let text = text.trim();
         let is_number = text.bytes().all(|byte| byte.is_ascii_digit());
         // Years that somebody measured in.
@@ -45,7 +45,7 @@ impl Time {
     }
 
     /// Which of two is earlier; none where they cannot be compared.
-    pub(super) fn order(&self, other: &Time) -> Option<Ordering> {
+    pub(crate) fn order(&self, other: &Time) -> Option<Ordering> {
         match (self, other) {
             (Time::Number { value: a, .. }, Time::Number { value: b, .. }) => a.partial_cmp(b),
             (Time::Month(a), Time::Month(b)) | (Time::Quarter(a), Time::Quarter(b)) => Some(a.cmp(b)),
@@ -57,7 +57,7 @@ impl Time {
     }
 
     /// Microseconds since the year 1, in UTC where the zone is known, of a time of a day.
-    pub(super) fn microseconds(&self) -> Option<i128> {
+    pub(crate) fn microseconds(&self) -> Option<i128> {
         let Time::Moment { date, time, ahead } = self else { return None };
         let days = i128::from(date.num_days_from_ce());
         let seconds = i128::from(time.num_seconds_from_midnight()) - i128::from(ahead.unwrap_or(0));
@@ -66,7 +66,7 @@ impl Time {
 }
 
 /// The number of a month since the year 0.
-pub(super) fn months(date: NaiveDate) -> i64 {
+pub(crate) fn months(date: NaiveDate) -> i64 {
     i64::from(date.year()) * 12 + i64::from(date.month0())
 }
 

@@ -1,0 +1,8 @@
+//! Times as they are written: numbers, dates, months and quarters.
+
+mod label;
+mod numbers;
+
+pub(crate) use label::{Time, months};
+pub use numbers::NoTime;
+pub(crate) use numbers::time_of;

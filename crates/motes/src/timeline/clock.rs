@@ -1,0 +1,331 @@
+//! The steps of a series, row by row.
+
+use std::collections::VecDeque;
+
+use motes_formulas::{Between, InputRule, InputSource, MOST_SUB_STEPS};
+use motes_models::{StateSpaceModel, Step, StepRecord};
+use serde::{Deserialize, Serialize};
+
+use super::error::TimelineError;
+use super::load::Timeline;
+use crate::calendar::time_of;
+
+/// What a row says of its time and its inputs.
+#[derive(Debug, Clone, Copy)]
+pub struct RowTime<'a> {
+    /// Its time as it is written, where the model names a column of times.
+    pub label: Option<&'a str>,
+    /// The columns of the data that inputs come from, in the order of [`Model::input_columns`](crate::Model::input_columns).
+    pub columns: &'a [Option<f64>],
+}
+
+/// Where a series is: what its next steps depend on.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Clock {
+    series: String,
+    /// Steps and rows so far.
+    steps: usize,
+    rows: usize,
+    /// What times are counted from, where they are days or weeks.
+    origin: f64,
+    previous: Option<PreviousRow>,
+    /// Whether the rows are behind: nothing is measured any more.
+    is_ahead: bool,
+    /// The columns of the rows before, the last one first, as many as an input looks back.
+    past: VecDeque<Vec<Option<f64>>>,
+}
+
+/// What the next step needs of the row before.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+struct PreviousRow {
+    time: f64,
+    /// The gap before it, if there was one.
+    gap: Option<f64>,
+    /// Which entries of the measurement were there.
+    measured: Vec<bool>,
+}
+
+/// A time, and the rows between which it lies.
+struct Moment<'a> {
+    time: f64,
+    /// The share of the gap between the rows that is over.
+    share: f64,
+    before: Option<&'a [Option<f64>]>,
+    after: &'a [Option<f64>],
+    /// Whether it is a row itself.
+    is_row: bool,
+    place: &'static str,
+}
+
+impl Clock {
+    /// Before the first row of a series.
+    pub fn of_series(series: &str) -> Self {
+        Clock { series: series.to_string(), ..Clock::default() }
+    }
+
+    /// How many rows there were.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Rows with measurements follow again.
+    pub(crate) fn comes_back(&mut self) {
+        self.is_ahead = false;
+    }
+
+    /// Counts a row that is a step, and gives the number of those before.
+    pub(crate) fn count(&mut self) -> usize {
+        let before = self.rows;
+        self.rows += 1;
+        self.steps += 1;
+        before
+    }
+
+    /// The steps to the next row, of which all but the last have no measurement: one, or two where `x_0` comes before the first row.
+    pub(crate) fn next(
+        &mut self,
+        timeline: &Timeline,
+        row: RowTime<'_>,
+    ) -> Result<Vec<StepRecord>, TimelineError> {
+        let mut time = match &timeline.rule.column {
+            None => self.rows as f64,
+            Some(_) => time_of(row.label.unwrap_or_default(), timeline.rule.unit)?,
+        };
+        let is_counted = !matches!(timeline.rule.unit, None | Some(motes_formulas::TimeUnit::Year));
+        if is_counted && self.rows == 0 {
+            self.origin = time;
+        }
+        time -= self.origin;
+        self.next_at(timeline, time, row.columns)
+    }
+
+    /// The same, a gap after the row before; where there is none at 0, or a gap after the start.
+    pub(crate) fn next_after(
+        &mut self,
+        timeline: &Timeline,
+        gap: f64,
+        columns: &[Option<f64>],
+    ) -> Result<Vec<StepRecord>, TimelineError> {
+        let time = self.time_after(timeline, gap)?;
+        self.next_at(timeline, time, columns)
+    }
+
+    /// The time of a row a gap after the one before.
+    pub(crate) fn time_after(&self, timeline: &Timeline, gap: f64) -> Result<f64, TimelineError> {
+        match (&self.previous, timeline.start) {
+            (Some(previous), _) => Ok(previous.time + gap),
+            (None, Some(_)) if timeline.rule.unit.is_some() => Err(TimelineError::NoDates),
+            (None, Some(start)) => Ok(start + gap),
+            (None, None) => Ok(0.0),
+        }
+    }
+
+    /// The steps to a row at which nothing is measured: the one that is given, or a gap as the last one ahead.
+    pub(crate) fn ahead(
+        &mut self,
+        timeline: &Timeline,
+        row: Option<RowTime<'_>>,
+    ) -> Result<Vec<StepRecord>, TimelineError> {
+        let gap = self.previous.as_ref().and_then(|previous| previous.gap).unwrap_or(1.0);
+        self.is_ahead = true;
+        let found = match row {
+            Some(row) => self.next(timeline, row),
+            None => self.next_after(timeline, gap, &vec![None; timeline.columns.len()]),
+        };
+        found.map_err(|error| match error {
+            TimelineError::Missing { input, .. } => TimelineError::Ahead { input },
+            other => other,
+        })
+    }
+
+    fn next_at(
+        &mut self,
+        timeline: &Timeline,
+        time: f64,
+        columns: &[Option<f64>],
+    ) -> Result<Vec<StepRecord>, TimelineError> {
+        let inputs = timeline.model.inputs();
+        let mut steps = Vec::with_capacity(1);
+        let start = timeline.start.map(|start| start - self.origin);
+        let from = match (&self.previous, start) {
+            (Some(previous), _) => Some(previous.time),
+            (None, Some(start)) if start > time => {
+                return Err(TimelineError::BeforeStart { time, start });
+            }
+            (None, Some(start)) if start < time => Some(start),
+            _ => None,
+        };
+        let measured = |entry: usize| Moment {
+            time,
+            share: 1.0,
+            before: None,
+            after: columns,
+            is_row: true,
+            place: if entry == 0 { "[measurement]" } else { "[initial]" },
+        };
+        if self.previous.is_none() {
+            let moment = match from {
+                None => measured(1),
+                Some(start) => Moment {
+                    time: start,
+                    share: 0.0,
+                    before: None,
+                    after: columns,
+                    is_row: false,
+                    place: "[initial]",
+                },
+            };
+            let mut values = Vec::new();
+            for (number, input) in inputs.iter().enumerate() {
+                let is_used = timeline.model.input_use(number).initial;
+                values.push(if is_used { self.value(timeline, number, input, &moment)? } else { 0.0 });
+            }
+            values.resize(timeline.model.input_dim(), 1.0);
+            match from {
+                None => self.add_measured(timeline, &measured(0), &mut values)?,
+                Some(_) => values.extend(std::iter::repeat_n(0.0, timeline.model.input_dim())),
+            }
+            let first = Step { time: from.unwrap_or(time), inputs: &values, ..Step::of_index(0) };
+            steps.push(StepRecord::of(&first));
+        }
+        if let Some(from) = from {
+            let gap = time - from;
+            if gap < 0.0 {
+                return Err(TimelineError::Backwards { time, before: from });
+            }
+            let count = if gap == 0.0 { 0.0 } else { timeline.rule.sub_steps(gap) };
+            if count > MOST_SUB_STEPS as f64 {
+                let step = timeline.rule.step.unwrap_or(gap);
+                return Err(TimelineError::SubSteps { gap, sub_steps: count, step });
+            }
+            let sub_steps = count as usize;
+            let mut values = Vec::with_capacity((sub_steps + 1) * timeline.model.input_dim());
+            for part in 0..sub_steps {
+                let share = part as f64 / count;
+                let moment = Moment {
+                    time: from + gap * share,
+                    share,
+                    before: self.past.front().map(Vec::as_slice),
+                    after: columns,
+                    is_row: false,
+                    place: "[transition]",
+                };
+                for (number, input) in inputs.iter().enumerate() {
+                    let is_used = timeline.model.input_use(number).transition;
+                    values.push(if is_used { self.value(timeline, number, input, &moment)? } else { 0.0 });
+                }
+                let of_row = self.previous.as_ref();
+                let was_measured =
+                    |entry: usize| of_row.is_none_or(|row| row.measured.get(entry).is_none_or(|was| *was));
+                values
+                    .extend(timeline.model.resets().into_iter().map(|entry| f64::from(was_measured(entry))));
+            }
+            self.add_measured(timeline, &measured(0), &mut values)?;
+            let index = self.steps + steps.len();
+            let step = Step { time, length: gap, sub_steps, inputs: &values, ..Step::of_index(index) };
+            steps.push(StepRecord::of(&step));
+        }
+        self.steps += steps.len();
+        self.rows += 1;
+        let gap = from.map(|from| time - from);
+        self.previous = Some(PreviousRow { time, gap, measured: Vec::new() });
+        self.past.push_front(columns.to_vec());
+        self.past.truncate(timeline.look_back());
+        Ok(steps)
+    }
+
+    /// Adds the inputs of a measurement.
+    fn add_measured(
+        &self,
+        timeline: &Timeline,
+        moment: &Moment<'_>,
+        values: &mut Vec<f64>,
+    ) -> Result<(), TimelineError> {
+        for (number, input) in timeline.model.inputs().iter().enumerate() {
+            let is_used = timeline.model.input_use(number).measurement && !self.is_ahead;
+            values.push(if is_used { self.value(timeline, number, input, moment)? } else { 0.0 });
+        }
+        values.extend(timeline.model.resets().iter().map(|_| 1.0));
+        Ok(())
+    }
+
+    /// The value of an input.
+    fn value(
+        &self,
+        timeline: &Timeline,
+        number: usize,
+        input: &InputRule,
+        moment: &Moment<'_>,
+    ) -> Result<f64, TimelineError> {
+        let missing = || TimelineError::Missing { input: input.name.clone(), place: moment.place };
+        let no_first = || TimelineError::NoFirst { input: input.name.clone() };
+        let at = |column: &str| timeline.columns.iter().position(|known| known == column);
+        match &input.source {
+            InputSource::File { .. } => {
+                let Some(file) = timeline.files.get(number).and_then(Option::as_ref) else {
+                    return Err(missing());
+                };
+                let time = moment.time + self.origin - input.lag;
+                file.value(&input.name, &self.series, time, input.between, input.holds_beyond)
+            }
+            InputSource::Lag { column, rows, first } => {
+                let behind = self.past.get(rows - 1);
+                match (behind, at(column)) {
+                    (None, _) => first.ok_or_else(no_first),
+                    (Some(row), Some(at)) => row.get(at).copied().flatten().ok_or_else(missing),
+                    (Some(_), None) => Err(missing()),
+                }
+            }
+            InputSource::Column(column) => {
+                let of = |row: &[Option<f64>]| at(column).and_then(|at| row.get(at).copied().flatten());
+                let after = || of(moment.after).ok_or_else(missing);
+                if moment.is_row || input.between == Between::Next {
+                    return after();
+                }
+                let before = match moment.before {
+                    Some(row) => of(row).ok_or_else(missing)?,
+                    None => input.first.ok_or_else(no_first)?,
+                };
+                match input.between {
+                    Between::Linear if moment.share > 0.0 => Ok(before + moment.share * (after()? - before)),
+                    _ => Ok(before),
+                }
+            }
+        }
+    }
+
+    /// What was measured at the last row, whose measurements may be inputs of later steps.
+    pub(crate) fn measured(
+        &mut self,
+        timeline: &Timeline,
+        measurement: &[Option<f64>],
+    ) -> Result<(), TimelineError> {
+        let is_first = self.steps == 1;
+        let needs =
+            |entry: &usize| is_first && measurement[*entry].is_some() && timeline.model.needs_step(*entry);
+        if let Some(entry) = (0..measurement.len()).find(needs) {
+            return Err(TimelineError::NoStepBefore { entry: timeline.measurements[entry].clone() });
+        }
+        if let Some(previous) = &mut self.previous {
+            previous.measured = measurement.iter().map(Option::is_some).collect();
+        }
+        let Some(last) = self.past.front_mut() else { return Ok(()) };
+        for (column, value) in timeline.columns.iter().zip(last) {
+            if let Some(entry) = timeline.measurements.iter().position(|name| name == column) {
+                *value = measurement[entry];
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Timeline {
+    /// How many rows inputs look back at most.
+    fn look_back(&self) -> usize {
+        let of = |input: &InputRule| match input.source {
+            InputSource::Lag { rows, .. } => rows,
+            _ => 1,
+        };
+        self.model.inputs().iter().map(of).max().unwrap_or(0)
+    }
+}

@@ -1,0 +1,119 @@
+//! What can be wrong with the time or the inputs of a row.
+
+use thiserror::Error;
+
+use crate::calendar::NoTime;
+
+/// Why a row gives no step.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum TimelineError {
+    /// The time of a row cannot be read.
+    #[error(transparent)]
+    NoTime(#[from] NoTime),
+    /// A row is earlier than the one before.
+    #[error("{time} comes after {before}; within a series times increase")]
+    Backwards {
+        /// Its time.
+        time: f64,
+        /// That of the row before.
+        before: f64,
+    },
+    /// The first row is earlier than the start.
+    #[error("the first row is at {time}, before the start of [time] at {start}")]
+    BeforeStart {
+        /// Its time.
+        time: f64,
+        /// The start.
+        start: f64,
+    },
+    /// A gap has more sub-steps than anybody waits for.
+    #[error(
+        "the gap of {gap} before this row has {sub_steps:.0} sub-steps of {step}, more than 1000000; a longer step in [time], or another unit?"
+    )]
+    SubSteps {
+        /// The time since the row before.
+        gap: f64,
+        /// How many there would be.
+        sub_steps: f64,
+        /// Their length.
+        step: f64,
+    },
+    /// An input is missing where it is needed.
+    #[error("the input {input} has no value here, and {place} needs it")]
+    Missing {
+        /// The input.
+        input: String,
+        /// Who needs it.
+        place: &'static str,
+    },
+    /// An input is needed before the first row.
+    #[error(
+        "the input {input} is needed before it has a value, in the step to this row; give it one by first = … in [inputs]"
+    )]
+    NoFirst {
+        /// The input.
+        input: String,
+    },
+    /// An input is needed at a time that its file does not have.
+    #[error(
+        "{file} has {input} from {first} to {last}, and {time} is needed; give it more rows, or beyond = \"hold\" in [inputs]"
+    )]
+    BeyondFile {
+        /// The file.
+        file: String,
+        /// The input.
+        input: String,
+        /// The first time of the file.
+        first: f64,
+        /// The last time of the file.
+        last: f64,
+        /// The time that is needed.
+        time: f64,
+    },
+    /// A file has nothing for a series.
+    #[error("{file} has no rows of series {series}")]
+    NoSeries {
+        /// The file.
+        file: String,
+        /// The series.
+        series: String,
+    },
+    /// A measurement is of the time since the row before, and there is none.
+    #[error(
+        "{entry} is a sum since the row before, and there is none; give the time of x_0 by start = … in [time], or leave the cell empty"
+    )]
+    NoStepBefore {
+        /// The measurement.
+        entry: String,
+    },
+    /// Inputs ahead are not known.
+    #[error("the input {input} is not known ahead; give its values by --inputs")]
+    Ahead {
+        /// The input.
+        input: String,
+    },
+    /// Inputs of a simulation are not known.
+    #[error(
+        "the model has the input {input}; give its values by --inputs, or simulate = \"normal(0, 1)\" in [inputs]"
+    )]
+    Simulated {
+        /// The input.
+        input: String,
+    },
+    /// A time by the calendar is needed, and none is there.
+    #[error("the model's times are dates; give those of the rows by --inputs")]
+    NoDates,
+}
+
+impl TimelineError {
+    /// The column of data that it is about, of those with these names; the column of times stands at `clock`.
+    pub(crate) fn column(&self, names: &[String], clock: Option<usize>) -> String {
+        let of_name = |name: &String| names.iter().find(|known| *known == name).cloned();
+        let found = match self {
+            TimelineError::Missing { input, .. } | TimelineError::NoFirst { input } => of_name(input),
+            TimelineError::NoStepBefore { entry } => of_name(entry),
+            _ => None,
+        };
+        found.or_else(|| clock.and_then(|at| names.get(at).cloned())).unwrap_or_else(|| "t".to_string())
+    }
+}

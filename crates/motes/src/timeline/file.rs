@@ -1,0 +1,122 @@
+//! Files of inputs: values at times, for one or several series.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use csv::ReaderBuilder;
+use motes_formulas::{Between, TimeUnit};
+
+use super::error::TimelineError;
+use crate::calendar::time_of;
+
+/// The values of a column at increasing times.
+#[derive(Debug, Clone, Default, PartialEq)]
+struct Values {
+    times: Vec<f64>,
+    values: Vec<f64>,
+}
+
+/// A column of a file: of one sequence for all series, or of one for each.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct InputFile {
+    file: String,
+    has_series: bool,
+    series: BTreeMap<String, Values>,
+}
+
+impl InputFile {
+    /// Reads a column, with the column of times that the model names, or else `t` or the first one.
+    ///
+    /// # Errors
+    /// What is wrong, with the line.
+    pub(super) fn read(
+        path: &Path,
+        column: &str,
+        time: Option<&str>,
+        unit: Option<TimeUnit>,
+    ) -> Result<Self, String> {
+        let mut reader = ReaderBuilder::new().from_path(path).map_err(|error| match error.kind() {
+            csv::ErrorKind::Io(error) if error.kind() == std::io::ErrorKind::NotFound => {
+                "there is no such file".to_string()
+            }
+            _ => error.to_string(),
+        })?;
+        let header: Vec<String> = match reader.headers() {
+            Ok(header) => header.iter().map(|name| name.trim().to_string()).collect(),
+            Err(error) => return Err(error.to_string()),
+        };
+        let position = |name: &str| header.iter().position(|known| known == name);
+        let missing =
+            |name: &str| format!("line 1: there is no column {name}; there are {}", header.join(", "));
+        let value_at = position(column).ok_or_else(|| missing(column))?;
+        let time_at = match time {
+            Some(name) => position(name).ok_or_else(|| missing(name))?,
+            None => position("t").ok_or_else(|| missing("t"))?,
+        };
+        let series_at = position("series");
+        let mut series: BTreeMap<String, Values> = BTreeMap::new();
+        for record in reader.records() {
+            let record = record.map_err(|error| error.to_string())?;
+            let line = record.position().map_or(0, csv::Position::line);
+            let cell = |at: usize| record.get(at).unwrap_or_default();
+            let name = series_at.map(cell).unwrap_or_default().to_string();
+            let fault = |at: usize, reason: String| format!("line {line}, column {}: {reason}", header[at]);
+            let time = time_of(cell(time_at), unit).map_err(|error| fault(time_at, error.to_string()))?;
+            let text = cell(value_at).trim();
+            let value = text.parse::<f64>().ok().filter(|value| value.is_finite());
+            let value = value.ok_or_else(|| {
+                let found = if text.is_empty() { "an empty cell" } else { text };
+                fault(value_at, format!("{found} is no number; an input has one in each row"))
+            })?;
+            let values = series.entry(name).or_default();
+            if let Some(before) = values.times.last().filter(|before| **before >= time) {
+                return Err(fault(time_at, format!("{time} comes after {before}; times increase")));
+            }
+            values.times.push(time);
+            values.values.push(value);
+        }
+        if series.is_empty() {
+            return Err("there are no rows".to_string());
+        }
+        Ok(InputFile { file: path.display().to_string(), has_series: series_at.is_some(), series })
+    }
+
+    /// The value at a time.
+    ///
+    /// # Errors
+    /// [`TimelineError::BeyondFile`] if the file does not have it, [`TimelineError::NoSeries`] if it has nothing of the series.
+    pub(super) fn value(
+        &self,
+        input: &str,
+        series: &str,
+        time: f64,
+        between: Between,
+        holds_beyond: bool,
+    ) -> Result<f64, TimelineError> {
+        let name = if self.has_series { series } else { "" };
+        let Some(Values { times, values }) = self.series.get(name) else {
+            return Err(TimelineError::NoSeries { file: self.file.clone(), series: series.into() });
+        };
+        let (first, last) = (times[0], times[times.len() - 1]);
+        // Rounding of the times of sub-steps is no reason to be beyond.
+        let slack = 1e-9 * time.abs().max(last - first).max(1.0);
+        if !holds_beyond && (time < first - slack || time > last + slack) {
+            let (file, input) = (self.file.clone(), input.to_string());
+            return Err(TimelineError::BeyondFile { file, input, first, last, time });
+        }
+        // How many times are at or before it.
+        let before = times.partition_point(|known| *known <= time);
+        let at_or_after = times.partition_point(|known| *known < time);
+        let of = |at: usize| values[at.min(values.len() - 1)];
+        Ok(match between {
+            _ if before == 0 => values[0],
+            _ if before == times.len() => values[before - 1],
+            Between::Hold => of(before - 1),
+            Between::Next => of(at_or_after),
+            Between::Linear => {
+                let share = (time - times[before - 1]) / (times[before] - times[before - 1]);
+                of(before - 1) + share * (of(before) - of(before - 1))
+            }
+        })
+    }
+}

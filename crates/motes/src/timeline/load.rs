@@ -1,0 +1,109 @@
+//! What a model says of times and inputs, with the files that it names.
+
+use std::path::Path;
+
+use motes_formulas::{FormulaModel, InputRule, InputSource, TimeLabel, TimeRule};
+use motes_models::Stream;
+
+use super::error::TimelineError;
+use super::file::InputFile;
+use crate::calendar::time_of;
+
+/// The times and inputs of a model.
+#[derive(Debug)]
+pub(crate) struct Timeline {
+    pub(super) model: FormulaModel,
+    pub(super) rule: TimeRule,
+    /// The time of `x_0`: a number, or a date in days, weeks or years.
+    pub(super) start: Option<f64>,
+    /// The file of each input that has one.
+    pub(super) files: Vec<Option<InputFile>>,
+    /// The columns of the data that inputs come from.
+    pub(super) columns: Vec<String>,
+    pub(super) measurements: Vec<String>,
+}
+
+impl Timeline {
+    /// Reads the files that the model names, relative to a folder; none where the model has neither `[time]` nor inputs, nor sums over a step.
+    ///
+    /// # Errors
+    /// A file, or the section, and what is wrong with it.
+    pub(crate) fn load(
+        model: &FormulaModel,
+        measurements: &[String],
+        folder: &Path,
+    ) -> Result<Option<Self>, (String, String)> {
+        let needs_step = (0..measurements.len()).any(|entry| model.needs_step(entry));
+        if model.time_rule().is_none() && model.inputs().is_empty() && !needs_step {
+            return Ok(None);
+        }
+        let rule = model.time_rule().cloned().unwrap_or_default();
+        let start = match &rule.start {
+            None => None,
+            Some(TimeLabel::Number(number)) => Some(*number),
+            Some(TimeLabel::Date(date)) => Some(
+                time_of(date, rule.unit).map_err(|error| ("[time] start".to_string(), error.to_string()))?,
+            ),
+        };
+        let file = |input: &InputRule| match &input.source {
+            InputSource::File { path, column } => {
+                let path = folder.join(path);
+                let read = InputFile::read(&path, column, rule.column.as_deref(), rule.unit);
+                read.map(Some).map_err(|reason| (path.display().to_string(), reason))
+            }
+            _ => Ok(None),
+        };
+        let files = model.inputs().iter().map(file).collect::<Result<_, _>>()?;
+        let mut columns: Vec<String> = Vec::new();
+        for input in model.inputs() {
+            if let InputSource::Column(column) | InputSource::Lag { column, .. } = &input.source
+                && !columns.contains(column)
+            {
+                columns.push(column.clone());
+            }
+        }
+        let measurements = measurements.to_vec();
+        Ok(Some(Timeline { model: model.clone(), rule, start, files, columns, measurements }))
+    }
+
+    /// Draws what the columns of a row say that inputs come from; a measurement says nothing yet.
+    ///
+    /// # Errors
+    /// [`TimelineError::Simulated`] with an input that is not simulated.
+    pub(crate) fn simulated_columns(
+        &self,
+        time: f64,
+        stream: &mut Stream,
+    ) -> Result<Vec<Option<f64>>, TimelineError> {
+        let mut columns = vec![None; self.columns.len()];
+        let at = |column: &String| self.columns.iter().position(|known| known == column);
+        let inputs = self.model.inputs();
+        for (number, value) in self.model.simulate_inputs(time, stream) {
+            if let InputSource::Column(column) = &inputs[number].source
+                && let Some(at) = at(column)
+            {
+                columns[at] = Some(value);
+            }
+        }
+        let is_known = |input: &&InputRule| match &input.source {
+            InputSource::File { .. } => true,
+            InputSource::Column(column) | InputSource::Lag { column, .. } => {
+                self.measurements.contains(column) || at(column).is_none_or(|at| columns[at].is_some())
+            }
+        };
+        match inputs.iter().find(|input| !is_known(input)) {
+            Some(input) => Err(TimelineError::Simulated { input: input.name.clone() }),
+            None => Ok(columns),
+        }
+    }
+
+    /// The column of times, if there is one.
+    pub(crate) fn time_column(&self) -> Option<&str> {
+        self.rule.column.as_deref()
+    }
+
+    /// The columns of data that inputs come from: those of measurements, too.
+    pub(crate) fn columns(&self) -> &[String] {
+        &self.columns
+    }
+}
