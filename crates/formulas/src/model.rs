@@ -145,6 +145,11 @@ impl FormulaModel {
         FormulaModel(Arc::clone(&self.0), Some(Arc::new(schedule)))
     }
 
+    /// The column of data that tells series apart, if the file names one; else it is `series`.
+    pub fn series_column(&self) -> Option<&str> {
+        self.0.statement.series.as_deref()
+    }
+
     /// How the rows of data are spaced, if the file says so.
     pub fn time_rule(&self) -> Option<&TimeRule> {
         self.0.statement.time.as_ref()

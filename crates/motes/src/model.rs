@@ -211,6 +211,11 @@ impl Model {
         }
     }
 
+    /// The column of data that tells series apart: `series`, unless the model names another.
+    pub fn series_column(&self) -> &str {
+        self.formulas().and_then(FormulaModel::series_column).unwrap_or("series")
+    }
+
     /// The column of data that has the times of rows, where the model names one.
     pub fn time_column(&self) -> Option<&str> {
         self.timeline().and_then(Timeline::time_column)

@@ -1,4 +1,5 @@
-//! Small models of all kinds with exact answers: counts, regimes, known starts, coordinates without noise, shared draws, lists, conditions, delays.
+//! Small models of all kinds with exact answers: counts, regimes, known starts, coordinates without noise, shared draws, lists, conditions, delays, inputs, irregular
+//! times, sub-steps.
 
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -14,7 +15,7 @@ struct SmallModel {
 }
 
 /// By sums over all counts, the forward algorithm, Kalman filters and quadrature.
-const MODELS: [SmallModel; 9] = [
+const MODELS: [SmallModel; 16] = [
     SmallModel { folder: "chain-binomial", log_evidence: -13.400815, state: 0, last_mean: 3.529766 },
     SmallModel { folder: "two-regimes", log_evidence: -10.305918, state: 0, last_mean: 0.07405 },
     SmallModel { folder: "known-start", log_evidence: -15.125251, state: 0, last_mean: 0.113320 },
@@ -23,6 +24,13 @@ const MODELS: [SmallModel; 9] = [
     SmallModel { folder: "leverage", log_evidence: -12.356181, state: 0, last_mean: 0.051608 },
     SmallModel { folder: "gains", log_evidence: -30.249213, state: 0, last_mean: -0.017995 },
     SmallModel { folder: "leak", log_evidence: 6.312460, state: 0, last_mean: 1.514037 },
+    SmallModel { folder: "regressor", log_evidence: -1.713740, state: 0, last_mean: 0.252081 },
+    SmallModel { folder: "cart", log_evidence: 2.571567, state: 0, last_mean: 0.308993 },
+    SmallModel { folder: "sub-steps", log_evidence: -8.527974, state: 1, last_mean: 3.091025 },
+    SmallModel { folder: "irregular", log_evidence: 1.511210, state: 0, last_mean: 2.959446 },
+    SmallModel { folder: "surveys", log_evidence: -9.361729, state: 0, last_mean: 1.888761 },
+    SmallModel { folder: "days", log_evidence: -4.739309, state: 0, last_mean: 2.210098 },
+    SmallModel { folder: "animals", log_evidence: -3.795256, state: 0, last_mean: -1.167130 },
     SmallModel { folder: "delay-line", log_evidence: -12.861669, state: 0, last_mean: 9.170960 },
 ];
 

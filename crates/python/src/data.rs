@@ -33,6 +33,12 @@ impl Data {
         self.0.columns.has_series().then(|| self.0.series.clone())
     }
 
+    /// The name of the column that tells series apart.
+    #[getter]
+    fn series_column(&self) -> Option<&str> {
+        self.0.columns.series()
+    }
+
     /// The number of the series of each row.
     #[getter]
     fn series<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {

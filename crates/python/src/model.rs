@@ -188,6 +188,12 @@ impl Model {
         motes::Data::of_inputs(&table, &self.model).map(Data).map_err(to_python)
     }
 
+    /// The column of data that tells series apart.
+    #[getter]
+    fn series_column(&self) -> &str {
+        self.model.series_column()
+    }
+
     /// The column of data that has the times of rows, where the model names one.
     #[getter]
     fn time_column(&self) -> Option<&str> {

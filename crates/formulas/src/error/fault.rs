@@ -7,6 +7,7 @@ use super::problem::Problem;
 /// A section of a model file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum Section {
+    Series,
     Time,
     Inputs,
     Parameters,
@@ -18,7 +19,8 @@ pub(crate) enum Section {
 }
 
 impl Section {
-    pub(crate) const ALL: [Section; 8] = [
+    pub(crate) const ALL: [Section; 9] = [
+        Section::Series,
         Section::Time,
         Section::Inputs,
         Section::Parameters,
@@ -37,6 +39,7 @@ impl Section {
     /// How it stands in a file.
     pub(crate) fn title(self) -> &'static str {
         match self {
+            Section::Series => "[series]",
             Section::Time => "[time]",
             Section::Inputs => "[inputs]",
             Section::Parameters => "[parameters]",

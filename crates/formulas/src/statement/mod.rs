@@ -32,6 +32,8 @@ pub use time::{TimeLabel, TimeRule, TimeUnit};
 pub(crate) struct Statement {
     /// The model's name, if the file gives one.
     pub(crate) name: Option<String>,
+    /// The column that tells series apart, if the file names one.
+    pub(crate) series: Option<String>,
     /// How rows are spaced, if the file says so.
     pub(crate) time: Option<TimeRule>,
     pub(crate) inputs: Vec<InputRule>,
@@ -125,6 +127,7 @@ pub(crate) fn read(text: &str, table: &Table, overrides: &[(String, f64)]) -> Re
         .map_err(|(number, problem)| definitions[number].fault(Section::Definitions, problem))?;
     Ok(Statement {
         name: sections.name.clone(),
+        series: series_column(&sections.series)?,
         time,
         simulated: simulated(text, &inputs, constants)?,
         inputs: inputs.into_iter().map(|input| input.rule).collect(),
@@ -138,6 +141,20 @@ pub(crate) fn read(text: &str, table: &Table, overrides: &[(String, f64)]) -> Re
         measurement,
         sums: sums.all,
     })
+}
+
+/// The column that `[series]` names.
+fn series_column(table: &Table) -> Result<Option<String>, Fault> {
+    let mut column = None;
+    for entry in table {
+        if entry.key != "by" {
+            let problem = Problem::UnknownKey { name: entry.key.clone(), advice: "it has by".to_string() };
+            return Err(Fault::at(entry.key_at, problem).in_section(Section::Series));
+        }
+        let text = entry.value.text("by").map_err(|fault| fault.in_section(Section::Series))?;
+        column = Some(text.trim().to_string());
+    }
+    Ok(column)
 }
 
 /// The inputs, whose names are names.

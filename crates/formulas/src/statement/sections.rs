@@ -7,6 +7,7 @@ use crate::error::{Fault, Problem, Section, nearest};
 #[derive(Debug, Default)]
 pub(super) struct Sections {
     pub(super) name: Option<String>,
+    pub(super) series: Table,
     pub(super) time: Table,
     pub(super) has_time: bool,
     pub(super) inputs: Table,
@@ -65,6 +66,7 @@ impl Sections {
 
     fn of_mut(&mut self, section: Section) -> &mut Table {
         match section {
+            Section::Series => &mut self.series,
             Section::Time => &mut self.time,
             Section::Inputs => &mut self.inputs,
             Section::Parameters => &mut self.parameters,

@@ -90,7 +90,11 @@ impl Columns {
         let inputs = find_all(model.input_columns(), "is an input of the model")?;
         let clock = model.time_column().map(|name| find(name, "[time] of the model names")).transpose()?;
         let is_measured = |name: &str| measurements.iter().any(|measured| measured == name);
-        let [series, time] = ["series", "t"].map(|name| at(name).filter(|_| !is_measured(name)));
+        let series = match model.series_column() {
+            "series" => at("series").filter(|_| !is_measured("series")),
+            named => Some(find(named, "[series] of the model names")?),
+        };
+        let time = at("t").filter(|_| !is_measured("t"));
         let time = time.filter(|at| clock != Some(*at));
         let is_time = |at: usize| clock == Some(at) && names[at] == "t";
         let first = (0..names.len()).find(|&at| Some(at) != series && Some(at) != time);
@@ -113,6 +117,11 @@ impl Columns {
     /// Whether rows say which series they belong to.
     pub fn has_series(&self) -> bool {
         self.series.is_some()
+    }
+
+    /// The name of the column that says which series a row belongs to.
+    pub fn series(&self) -> Option<&str> {
+        self.series.map(|at| self.names[at].as_str())
     }
 
     /// The place of each measurement of the model among the columns, in the model's order.

@@ -10,7 +10,7 @@ use crate::simulating::Simulated;
 /// A table of estimates: its header and its rows, each a line that ends.
 #[derive(Debug, Clone)]
 pub struct EstimateTable {
-    has_series: bool,
+    series: Option<String>,
     carried: Option<String>,
     states: Vec<String>,
     /// Whether rows end with the effective sample size and the log-evidence.
@@ -26,7 +26,7 @@ impl EstimateTable {
     /// The same by the states' names.
     pub fn of_states(states: &[String], columns: &Columns, has_weights: bool) -> Self {
         EstimateTable {
-            has_series: columns.has_series(),
+            series: columns.series().map(String::from),
             carried: columns.carried().map(String::from),
             states: states.to_vec(),
             has_weights,
@@ -36,7 +36,7 @@ impl EstimateTable {
     /// That of what is predicted after the last measurements, whose rows are labelled in a column of that name if there is one.
     pub fn of_forecasts(states: &[String], columns: &Columns, label: Option<&str>) -> Self {
         EstimateTable {
-            has_series: columns.has_series(),
+            series: columns.series().map(String::from),
             carried: label.map(String::from),
             states: states.to_vec(),
             has_weights: false,
@@ -45,7 +45,7 @@ impl EstimateTable {
 
     /// The names of the columns.
     pub fn header(&self) -> String {
-        let series = self.has_series.then(|| "series".to_string());
+        let series = self.series.clone();
         let mut cells: Vec<String> =
             series.into_iter().chain(self.carried.clone()).chain(["t".to_string()]).collect();
         for state in &self.states {
@@ -60,7 +60,7 @@ impl EstimateTable {
     /// The row of a time of a series.
     pub fn row(&self, series: &str, label: Option<&str>, time: f64, estimate: &Estimate) -> String {
         let mut cells = Vec::new();
-        if self.has_series {
+        if self.series.is_some() {
             cells.push(series.to_string());
         }
         if self.carried.is_some() {
@@ -126,7 +126,8 @@ pub fn simulated_table(model: &Model, simulated: &Simulated) -> String {
     let of_inputs = inputs.iter().map(|at| model.input_columns()[*at].clone());
     let time = model.time_column().unwrap_or("t");
     let names = of_inputs.chain(model.states().iter().chain(model.measurements()).cloned());
-    let header: Vec<String> = ["series", time].map(String::from).into_iter().chain(names).collect();
+    let header: Vec<String> =
+        [model.series_column(), time].map(String::from).into_iter().chain(names).collect();
     let mut table = line(&header);
     for (series, (trajectory, rows)) in simulated.series.iter().zip(&simulated.rows).enumerate() {
         let numbers = trajectory.states.rows().zip(trajectory.measurements.rows());

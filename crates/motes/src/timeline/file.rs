@@ -25,13 +25,14 @@ pub(super) struct InputFile {
 }
 
 impl InputFile {
-    /// Reads a column, with the column of times that the model names, or else `t` or the first one.
+    /// Reads a column, with the column of times that the model names, or else `t`, and perhaps one that tells series apart.
     ///
     /// # Errors
     /// What is wrong, with the line.
     pub(super) fn read(
         path: &Path,
         column: &str,
+        series: &str,
         time: Option<&str>,
         unit: Option<TimeUnit>,
     ) -> Result<Self, String> {
@@ -53,7 +54,7 @@ impl InputFile {
             Some(name) => position(name).ok_or_else(|| missing(name))?,
             None => position("t").ok_or_else(|| missing("t"))?,
         };
-        let series_at = position("series");
+        let series_at = position(series);
         let mut series: BTreeMap<String, Values> = BTreeMap::new();
         for record in reader.records() {
             let record = record.map_err(|error| error.to_string())?;

@@ -48,7 +48,13 @@ impl Timeline {
         let file = |input: &InputRule| match &input.source {
             InputSource::File { path, column } => {
                 let path = folder.join(path);
-                let read = InputFile::read(&path, column, rule.column.as_deref(), rule.unit);
+                let read = InputFile::read(
+                    &path,
+                    column,
+                    model.series_column().unwrap_or("series"),
+                    rule.column.as_deref(),
+                    rule.unit,
+                );
                 read.map(Some).map_err(|reason| (path.display().to_string(), reason))
             }
             _ => Ok(None),

@@ -106,9 +106,9 @@ def _of_columns(model: _motes.Model, columns: list[tuple[str, Callable[[], Any]]
     values = np.stack(columns, axis=1) if columns else np.empty((0, 0))
     times = None if time is None else _numbers(used[time], names[time]).tolist()
     labels = {names[at]: list(used[at]) for at in (series, clock, carried) if at is not None}
-    for row, value in enumerate(labels.get("series", [])):
+    for row, value in enumerate(labels.get(model.series_column, [])):
         if _is_missing(value):
-            raise ValueError(f"data, row {row}, column series: it is missing; each row must say which series it belongs to")
+            raise ValueError(f"data, row {row}, column {model.series_column}: it is missing; each row must say which series it belongs to")
     texts = [None if at is None else [_text(value) for value in labels[names[at]]] for at in (series, carried, clock)]
     index_texts = None if dates is None else [_text(value) for value in dates]
     found = model.data(names, values.reshape(-1), texts[0], times, texts[1], index_texts, texts[2], _flat(known_inputs))
@@ -173,7 +173,7 @@ def _of_sequences(model: _motes.Model, sequences: list[Any]) -> _motes.Data:
             raise ValueError(f"data, sequence {number}: there are no rows")
         values.append(one)
         series.extend([str(number)] * len(one))
-    return model.data(["series", *names], np.concatenate(values).reshape(-1), series, None, None)
+    return model.data([model.series_column, *names], np.concatenate(values).reshape(-1), series, None, None)
 
 
 def _one_sequence(model: _motes.Model, sequence: Any, names: list[str], width: int) -> np.ndarray:

@@ -115,7 +115,7 @@ class Simulated:
         time: np.ndarray,
         inputs: dict[str, np.ndarray],
         names: tuple[list[str], list[str]],
-        time_column: str,
+        columns: tuple[str, str],
     ):
         #: States, `(S, T, N)`.
         self.states = states
@@ -125,7 +125,7 @@ class Simulated:
         self.time = time
         #: The columns that inputs come from, by name, `(S, T)` each.
         self.inputs = inputs
-        self._names, self._time_column = names, time_column
+        self._names, self._columns = names, columns
 
     def to_pandas(self) -> Any:
         """A data frame of pandas with the columns series, the times, the inputs, the states and the measurements: data for `Model.filter`."""
@@ -133,7 +133,7 @@ class Simulated:
 
         pandas = _module("pandas", "to_pandas")
         count, steps, _ = self.states.shape
-        columns: dict[str, Any] = {"series": np.repeat(np.arange(count), steps), self._time_column: self.time.reshape(-1)}
+        columns: dict[str, Any] = {self._columns[0]: np.repeat(np.arange(count), steps), self._columns[1]: self.time.reshape(-1)}
         columns.update({name: values.reshape(-1) for name, values in self.inputs.items()})
         for names, values in zip(self._names, (self.states, self.measurements), strict=True):
             columns.update({name: values[:, :, at].reshape(-1) for at, name in enumerate(names)})
@@ -344,7 +344,7 @@ class Model:
             _whole(flat[2]).reshape(shape),
             {name: known[..., at] for at, name in enumerate(columns) if name not in self.measurements},
             (self.states, self.measurements),
-            self._model.time_column or "t",
+            (self._model.series_column, self._model.time_column or "t"),
         )
 
     def check(self, data: Any = None, *, seed: int = 1) -> tuple[list[str], list[str]]:

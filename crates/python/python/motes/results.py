@@ -122,7 +122,7 @@ class _Estimates:
 
     def _series_labels(self) -> list[Any]:
         """What each series is called where it comes from."""
-        labels = self._labels.get("series", None)
+        labels = self._labels.get(self._data.series_column, None)
         if labels is None:
             return self.series_names or []
         return [labels[at] for at in np.unique(self.series, return_index=True)[1].tolist()]
@@ -158,7 +158,8 @@ class _Estimates:
         columns: dict[str, Any] = {}
         if self.series_names is not None:
             names = self.series_names
-            columns["series"] = labels.get("series", [names[number] for number in self.series])
+            name = self._data.series_column
+            columns[name] = labels.get(name, [names[number] for number in self.series])
         if self._data.carried is not None:
             name, texts = self._data.carried
             columns[name] = labels.get(name, texts)
@@ -285,7 +286,7 @@ class Forecast:
         series, steps, n = self.mean.shape
         columns: dict[str, Any] = {}
         if self.filtered.series_names is not None:
-            columns["series"] = [label for label in self.filtered._series_labels() for _ in range(steps)]
+            columns[self.filtered._data.series_column] = [label for label in self.filtered._series_labels() for _ in range(steps)]
         if labels is not None:
             columns[self.filtered._data.carried[0]] = labels
         columns["t"] = self.time.reshape(-1)
