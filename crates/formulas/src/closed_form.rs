@@ -3,7 +3,7 @@
 use thiserror::Error;
 
 use crate::error::{Section, in_line};
-use crate::graph::{Built, Coordinate, Degree, Operation, Output};
+use crate::graph::{Built, Coordinate, Degree, Output};
 use crate::statement::Line;
 use crate::tables::Kind;
 
@@ -85,21 +85,18 @@ pub(crate) fn has_density(section: Section, built: &Built) -> bool {
     built.draws.is_empty() && built.coordinates.iter().all(|output| is_continuous(output) && is_apart(output))
 }
 
-/// Whether a section is linear with constant Gaussian noise: normal coordinates with means that are linear in the states, standard deviations without them, and
-/// no time.
-pub(crate) fn is_linear(section: Section, built: &Built) -> bool {
+/// Whether a section is linear with Gaussian noise: what is drawn is normal, with a mean that is linear in states and draws, and a standard deviation without them; what
+/// follows is linear in them.
+pub(crate) fn is_linear(built: &Built) -> bool {
     let degrees = built.graph.degrees();
     let degree =
         |coordinate: &Coordinate, parameter: usize| degrees[coordinate.parameters[parameter].index()];
-    let of_step = |operation: &Operation| {
-        matches!(operation, Operation::Time | Operation::Length | Operation::Input(_))
-    };
-    let is_constant = !built.graph.operations().iter().any(of_step);
-    is_constant
-        && (section == Section::Measurement || has_density(section, built))
-        && built.coordinates.iter().filter_map(Output::drawn).all(|coordinate| {
+    built.draws.iter().chain(&built.coordinates).all(|output| match output {
+        Output::Follows(id) => degrees[id.index()] <= Degree::One,
+        Output::Drawn(coordinate) => {
             coordinate.family.kind == Kind::Normal
                 && degree(coordinate, 0) <= Degree::One
                 && degree(coordinate, 1) == Degree::Zero
-        })
+        }
+    })
 }

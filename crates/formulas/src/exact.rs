@@ -1,112 +1,145 @@
 //! The matrices behind formulas that are linear with Gaussian noise: such a model has exact answers.
 
-use faer::Mat;
-use motes_models::equations::{Coordinates, Distribution, Draws, Equations};
-use motes_models::{Gaussian, LinearGaussian, Step};
+use faer::{Col, Mat};
+use motes_models::batch::LANES;
+use motes_models::equations::{Coordinates, Distribution, Equations, NoiseSpace};
+use motes_models::kalman::{Belief, LinearMap, LinearSystem};
+use motes_models::{StateSpaceModel, Step};
 
 use crate::model::FormulaModel;
 
-/// Means and variances of normal coordinates; none once another one came.
-struct Normals(Option<[Vec<f64>; 2]>);
-
-impl Draws<f64> for Normals {
-    fn draw(&mut self, distribution: Distribution<f64>) -> f64 {
-        self.push(distribution);
-        f64::NAN
-    }
+/// Means and standard deviations of normal measurements; NaN for any other.
+#[derive(Default)]
+struct Normals {
+    means: Vec<f64>,
+    sds: Vec<f64>,
 }
 
 impl Coordinates<f64> for Normals {
     fn push(&mut self, distribution: Distribution<f64>) {
-        self.0 = match (self.0.take(), distribution) {
-            (Some([mut means, mut variances]), Distribution::Normal { mean, sd }) => {
-                means.push(mean);
-                variances.push(sd * sd);
-                Some([means, variances])
-            }
-            _ => None,
+        let (mean, sd) = match distribution {
+            Distribution::Normal { mean, sd } => (mean, sd),
+            _ => (f64::NAN, f64::NAN),
         };
+        self.means.push(mean);
+        self.sds.push(sd);
     }
-}
-
-/// Means and variances of what is stated.
-fn normals(state: impl FnOnce(&mut Normals)) -> Option<[Vec<f64>; 2]> {
-    let mut found = Normals(Some([Vec::new(), Vec::new()]));
-    state(&mut found);
-    found.0
-}
-
-fn diagonal(values: &[f64]) -> Mat<f64> {
-    Mat::from_fn(values.len(), values.len(), |i, j| if i == j { values[i] } else { 0.0 })
 }
 
 impl FormulaModel {
-    /// The linear Gaussian model that this is: all coordinates are normal, with means that are linear in the states and 0 where these are, standard deviations without
-    /// states, and nothing that depends on the time. `None` of any other.
-    pub fn linear_gaussian(&self) -> Option<LinearGaussian> {
-        if !self.is_linear() {
-            return None;
+    /// The model as one that is linear with Gaussian noise, if it is: draws, states and measurements are normal with means that are linear in states and draws and
+    /// standard deviations without them, and what follows without noise is linear. Times, inputs, sub-steps, and coordinates that share a draw do not stand in the way.
+    pub fn linear_system(&self) -> Option<&dyn LinearSystem> {
+        if self.is_linear() { Some(self) } else { None }
+    }
+
+    /// The map from `x_{t−1}` and the noise of a step to `x_t`, which is linear: its value at 0 (`N`), its derivatives by `x_{t−1}` (`N×N`; none at the start), and by the
+    /// noise (`N×Q`).
+    fn linear_map(&self, step: &Step<'_>) -> (Vec<f64>, Mat<f64>, Mat<f64>) {
+        let (n, q) = (self.state_dim(), self.draws(step).len());
+        let from = if step.index == 0 { 0 } else { n };
+        // The point 0, then a unit vector for each coordinate and each draw: a lane each.
+        let points = 1 + from + q;
+        let (mut previous, mut noise) = (vec![0.0; n * LANES], vec![0.0; q * LANES]);
+        let mut states = vec![0.0; n * LANES];
+        let mut values = Mat::<f64>::zeros(n, points);
+        for first in (0..points).step_by(LANES) {
+            previous.fill(0.0);
+            noise.fill(0.0);
+            for (lane, point) in (first..points.min(first + LANES)).enumerate() {
+                match point.checked_sub(1) {
+                    None => {}
+                    Some(unit) if unit < from => previous[unit * LANES + lane] = 1.0,
+                    Some(unit) => noise[(unit - from) * LANES + lane] = 1.0,
+                }
+            }
+            let before = (step.index > 0).then_some(previous.as_slice());
+            self.tile_states(step, before, &noise, &mut states);
+            for (lane, point) in (first..points.min(first + LANES)).enumerate() {
+                (0..n).for_each(|i| values[(i, point)] = states[i * LANES + lane]);
+            }
         }
-        let equations = self.equations();
-        let [n, _] = equations.dimensions();
-        let unused = || vec![0.0; n];
-        let [mean, variances] = normals(|sink| equations.initial(&Step::of_index(0), sink, &mut unused()))?;
-        let initial = Gaussian::new("p(x_0)", mean, diagonal(&variances)).ok()?;
-        let transition =
-            |x: &[f64]| normals(|sink| equations.transition(&Step::of_index(1), x, sink, &mut unused()));
-        let measurement = |x: &[f64]| normals(|sink| equations.measurement(&Step::of_index(0), x, sink));
-        let (matrix, noise) = matrix_of(n, transition)?;
-        let (seen, error) = matrix_of(n, measurement)?;
-        LinearGaussian::new(initial, matrix, diagonal(&noise), seen, diagonal(&error)).ok()
+        let at_zero: Vec<f64> = (0..n).map(|i| values[(i, 0)]).collect();
+        let slopes =
+            |first: usize, count: usize| Mat::from_fn(n, count, |i, j| values[(i, first + j)] - at_zero[i]);
+        (at_zero.clone(), slopes(1, from), slopes(1 + from, q))
     }
 }
 
-/// The matrix of a linear map, and the variances of its noise; none if it does not map 0 to 0.
-fn matrix_of(n: usize, of: impl Fn(&[f64]) -> Option<[Vec<f64>; 2]>) -> Option<(Mat<f64>, Vec<f64>)> {
-    let mut x = vec![0.0; n];
-    let [at_zero, variances] = of(&x)?;
-    if at_zero.iter().any(|mean| *mean != 0.0) {
-        return None;
+impl LinearSystem for FormulaModel {
+    fn initial_belief(&self, step: &Step<'_>) -> Belief {
+        let (mean, _, loads) = self.linear_map(step);
+        Belief { mean: Col::from_fn(mean.len(), |i| mean[i]), covariance: &loads * loads.transpose() }
     }
-    let mut matrix = Mat::zeros(at_zero.len(), n);
-    for j in 0..n {
-        x[j] = 1.0;
-        let [column, _] = of(&x)?;
-        x[j] = 0.0;
-        column.iter().enumerate().for_each(|(i, entry)| matrix[(i, j)] = *entry);
+
+    fn transition_map(&self, step: &Step<'_>) -> LinearMap {
+        let (offset, matrix, loads) = self.linear_map(step);
+        LinearMap {
+            matrix,
+            offset: Col::from_fn(offset.len(), |i| offset[i]),
+            covariance: &loads * loads.transpose(),
+        }
     }
-    Some((matrix, variances))
+
+    fn measurement_map(&self, step: &Step<'_>) -> LinearMap {
+        let (equations, end) = (self.equations(), step.end(self.input_dim()));
+        let (n, m) = (self.state_dim(), self.measurement_dim());
+        let at = |x: &[f64]| {
+            let mut normals = Normals::default();
+            equations.measurement(&end, x, &mut normals);
+            normals
+        };
+        let mut x = vec![0.0; n];
+        let Normals { means: offset, sds } = at(&x);
+        let mut matrix = Mat::zeros(m, n);
+        for j in 0..n {
+            x[j] = 1.0;
+            let column = at(&x).means;
+            x[j] = 0.0;
+            (0..m).for_each(|i| matrix[(i, j)] = column[i] - offset[i]);
+        }
+        LinearMap {
+            matrix,
+            offset: Col::from_fn(m, |i| offset[i]),
+            covariance: Mat::from_fn(m, m, |i, j| if i == j { sds[i] * sds[i] } else { 0.0 }),
+        }
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use motes_models::{Seed, StateSpaceModel, Step, simulate};
+    use crate::{FileModel, FormulaModel, parse};
 
-    use crate::{FileModel, parse};
-
-    fn linear(transition: &str, measurement: &str) -> Option<f64> {
+    fn model(transition: &str, measurement: &str) -> FormulaModel {
         let text = format!(
-            "[initial]\na = \"normal(1, 2)\"\nb = \"normal(0, 1)\"\n[transition]\na = \"{transition}\"\nb = \"normal(b, 1)\"\n[measurement]\ny = \"{measurement}\"\n"
+            "[initial]\na = \"normal(1, 2)\"\nb = \"normal(a/2, 1)\"\n[draws]\ne = \"normal(1, 2)\"\n[transition]\na = \"{transition}\"\nb = \"b + 3*e\"\n[measurement]\ny = \"{measurement}\"\n"
         );
-        let FileModel::Formulas(formulas) = parse(&text, "text", &[]).unwrap().model else {
-            panic!("no matrices")
-        };
-        let exact = formulas.linear_gaussian()?;
-        let drawn = simulate(&formulas, 5, &mut Seed::from_u64(1).stream()).unwrap();
-        let (states, y) = (drawn.states.values(), drawn.measurements.values());
-        let densities = |model: &dyn StateSpaceModel| {
-            let density = model.density().unwrap();
-            density.log_density(&Step::of_index(0), None, &states[..2])
-                + density.log_density(&Step::of_index(3), Some(&states[2..4]), &states[4..6])
-                + model.log_likelihood(&Step::of_index(2), &states[4..6], &y[2..3]).unwrap()
-        };
-        Some((densities(&exact) - densities(&formulas)).abs())
+        match parse(&text, "text", &[]).unwrap().model {
+            FileModel::Formulas(formulas) => formulas,
+            FileModel::LinearGaussian(_) => panic!("no matrices"),
+        }
     }
 
     #[test]
-    fn a_linear_model_has_the_densities_of_its_formulas() {
-        let difference = linear("0.5*a - b/3 + normal(0, 0.7)", "normal(2*a + b, sqrt(3))");
-        assert!(difference.is_some_and(|difference| difference < 1e-12), "{difference:?}");
+    fn a_linear_model_has_the_matrices_of_its_formulas() {
+        use motes_models::StateSpaceModel;
+
+        let model = model("0.5*a - b/3 + e + normal(t, 0.7)", "normal(2*a + b - 4, 1 + t)");
+        let linear = model.linear_system().unwrap();
+        let start = linear.initial_belief(&model.step_of_index(0));
+        assert_eq!((start.mean[0], start.mean[1]), (1.0, 0.5));
+        let covariance = [[0, 0], [0, 1], [1, 1]].map(|[i, j]| start.covariance[(i, j)]);
+        assert_eq!(covariance, [4.0, 2.0, 2.0]);
+        let step = model.step_of_index(3);
+        let map = linear.transition_map(&step);
+        assert!((map.matrix[(0, 1)] + 1.0 / 3.0).abs() < 1e-12 && map.matrix[(1, 1)] == 1.0);
+        assert_eq!((map.offset[0], map.offset[1]), (4.0, 3.0));
+        // Both share the draw e.
+        let covariance = [[0, 0], [0, 1], [1, 1]].map(|[i, j]| map.covariance[(i, j)]);
+        assert!(covariance.iter().zip([4.49, 12.0, 36.0]).all(|(a, b)| (a - b).abs() < 1e-12));
+        let measured = linear.measurement_map(&step);
+        assert_eq!((measured.matrix[(0, 0)], measured.matrix[(0, 1)]), (2.0, 1.0));
+        assert_eq!((measured.offset[0], measured.covariance[(0, 0)]), (-4.0, 16.0));
     }
 
     #[test]
@@ -115,14 +148,15 @@ mod tests {
         for transition in [
             "normal(sin(a), 1)",
             "normal(a*b, 1)",
+            "normal(a*e, 1)",
             "normal(a, exp(b))",
-            "normal(a + 1, 1)",
-            "normal(a*cos(t), 1)",
             "laplace(a, 1)",
+            "a*e",
         ] {
-            assert_eq!(linear(transition, right), None, "{transition}");
+            assert!(model(transition, right).linear_system().is_none(), "{transition}");
         }
-        assert_eq!(linear("normal(a, 1)", "student_t(4, a, 1)"), None);
-        assert!(linear("normal(a, 1)", right).is_some());
+        assert!(model("normal(a, 1)", "student_t(4, a, 1)").linear_system().is_none());
+        assert!(model("normal(a + 1, 1)", right).linear_system().is_some());
+        assert!(model("if(t > 2, a*cos(t), b) + e", right).linear_system().is_some());
     }
 }

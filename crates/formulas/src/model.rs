@@ -94,7 +94,7 @@ impl FormulaModel {
             if closed_form.is_ok() {
                 closed_form = closed_form::check(file, section, lines, &built);
             }
-            is_linear &= closed_form::is_linear(section, &built);
+            is_linear &= closed_form::is_linear(&built);
             for (number, input) in uses.iter_mut().enumerate() {
                 *input.of_mut(section) |= built.inputs().contains(&(number as u32));
             }
@@ -129,7 +129,7 @@ impl FormulaModel {
                 transition,
                 measurement,
                 closed_form,
-                is_linear: is_linear && !has_sub_steps,
+                is_linear,
                 has_density: has_density && !has_sub_steps,
                 file: file.to_string(),
                 has_lines,
@@ -207,7 +207,7 @@ impl FormulaModel {
         }
     }
 
-    /// Whether all of it is linear with constant Gaussian noise.
+    /// Whether all of it is linear with Gaussian noise.
     pub(crate) fn is_linear(&self) -> bool {
         self.0.is_linear
     }

@@ -84,7 +84,7 @@ fn assert_close(found: impl Fn(usize, usize) -> f64, expected: &Mat<f64>) {
 fn assert_exact(model: &LinearGaussian, measurements: &PartialMeasurements) {
     let (n, m, horizon) = (model.state_dim(), model.measurement_dim(), measurements.len());
     let filtered = kalman::filter_partial(model, measurements).unwrap();
-    let smoothed = kalman::smooth(model, &filtered).unwrap();
+    let smoothed = kalman::smooth(&filtered).unwrap();
     let joint = joint(model, horizon);
     let entries: Vec<Option<f64>> = measurements.rows().flatten().copied().collect();
     // Which coordinates of the joint Gaussian the first `rows` measurements are, and their values.
@@ -142,7 +142,7 @@ fn normalised_estimation_error_squared_is_chi_squared() {
     for run in 0..runs {
         let trajectory = simulate(&model, horizon, &mut seed.nth(run).stream()).unwrap();
         let filtered = kalman::filter(&model, &trajectory.measurements).unwrap();
-        let smoothed = kalman::smooth(&model, &filtered).unwrap();
+        let smoothed = kalman::smooth(&filtered).unwrap();
         let nees = |belief: &kalman::Belief, t: usize| {
             let truth = trajectory.states.row(t);
             let error = Col::from_fn(n, |i| truth[i] - belief.mean[i]);

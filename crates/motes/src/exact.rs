@@ -1,10 +1,11 @@
 //! Linear Gaussian models have exact answers: a filter without particles, and what particles are held against.
 
-use std::borrow::Cow;
 use std::ops::ControlFlow;
+use std::slice::from_mut;
 
-use motes_models::kalman::{Belief, KalmanFilter, Smoothed, filter_partial, smooth};
-use motes_models::{LinearGaussian, ModelError, PartialMeasurements, Seed, Step};
+use motes_models::batch::Rows;
+use motes_models::kalman::{Belief, Filtered, KalmanFilter, LinearSystem, smooth};
+use motes_models::{ModelError, Seed, Step, StepRecord, Stream};
 use motes_smc::{
     EvidenceWarning, FilterError, FilterHistory, SmoothedPaths, SmoothingError, Verdict, WeightDiagnosis,
 };
@@ -17,7 +18,7 @@ use crate::steps::Steps;
 
 /// A Kalman filter in the place of particles.
 pub(crate) struct Exact<'m> {
-    filter: KalmanFilter<Cow<'m, LinearGaussian>>,
+    filter: KalmanFilter<&'m dyn LinearSystem>,
     means: Vec<f64>,
     log_evidence: f64,
 }
@@ -25,14 +26,14 @@ pub(crate) struct Exact<'m> {
 impl<'m> Exact<'m> {
     /// Before the first measurement; none of a model that has no exact answers.
     pub(crate) fn new(model: &'m Model) -> Option<Self> {
-        let filter = KalmanFilter::new(model.linear_gaussian()?);
+        let filter = KalmanFilter::new(model.linear_system()?);
         Some(Exact { filter, means: vec![0.0; model.states().len()], log_evidence: 0.0 })
     }
 
     /// Where it was written down.
     pub(crate) fn restore(model: &'m Model, state: ExactState) -> Option<Self> {
         let ExactState { time, log_evidence, belief } = state;
-        let (linear, n) = (model.linear_gaussian()?, model.states().len());
+        let (linear, n) = (model.linear_system()?, model.states().len());
         let belief = match belief {
             Some((mean, covariance)) if mean.len() == n && covariance.len() == n * n => {
                 Some(Belief::of(&mean, &covariance))
@@ -56,8 +57,8 @@ fn coordinates(belief: &Belief) -> Vec<Coordinate> {
 }
 
 impl Steps for Exact<'_> {
-    fn step(&mut self, _step: &Step<'_>, measurement: &[Option<f64>]) -> Result<(), FilterError> {
-        let step = self.filter.step(measurement)?;
+    fn step(&mut self, step: &Step<'_>, measurement: &[Option<f64>]) -> Result<(), FilterError> {
+        let step = self.filter.step_at(step, measurement)?;
         self.log_evidence += step.log_evidence_increment;
         self.means.clear();
         self.means.extend(step.filtered.mean.iter());
@@ -147,7 +148,7 @@ impl Steps for Exact<'_> {
 
 /// The exact log-evidence of a series beside its particles, as far as it has come.
 pub struct ExactEvidence<'m> {
-    filter: KalmanFilter<Cow<'m, LinearGaussian>>,
+    filter: KalmanFilter<&'m dyn LinearSystem>,
     log_evidence: f64,
 }
 
@@ -155,19 +156,18 @@ impl<'m> ExactEvidence<'m> {
     /// That of a linear Gaussian model, where it costs next to nothing beside so many particles; none of any other.
     pub fn beside(model: &'m Model, particles: usize) -> Option<Self> {
         let n = model.states().len();
-        let linear = if n * n <= particles { model.linear_gaussian()? } else { return None };
+        let linear = if n * n <= particles { model.linear_system()? } else { return None };
         Some(ExactEvidence { filter: KalmanFilter::new(linear), log_evidence: 0.0 })
     }
 
-    /// Takes in the measurement of a row, to which so many steps lead.
+    /// Takes in the measurement of a row by the steps that lead to it.
     ///
     /// # Errors
-    /// As [`KalmanFilter::step`].
-    pub fn row(&mut self, steps: usize, measurement: &[Option<f64>]) -> Result<(), ModelError> {
-        for _ in 1..steps {
-            self.log_evidence += self.filter.step(&vec![None; measurement.len()])?.log_evidence_increment;
+    /// As [`KalmanFilter::step_at`].
+    pub fn row(&mut self, steps: &[StepRecord], measurement: &[Option<f64>]) -> Result<(), ModelError> {
+        for (step, measurement) in with_measurements(steps, measurement) {
+            self.log_evidence += self.filter.step_at(&step.step(), &measurement)?.log_evidence_increment;
         }
-        self.log_evidence += self.filter.step(measurement)?.log_evidence_increment;
         Ok(())
     }
 
@@ -177,56 +177,106 @@ impl<'m> ExactEvidence<'m> {
     }
 }
 
-/// What the Kalman smoother says of a series (`T` rows, and so many steps before the first of them), and trajectories drawn from `p(x_{0:T−1} | y_{0:T−1})`, each a simulation corrected by what the
-/// smoother makes of its difference from the data (Durbin and Koopman 2002).
+/// The steps to a row, each with what is measured then: the last one with all of it, the others with nothing.
+fn with_measurements<'a>(
+    steps: &'a [StepRecord],
+    measurement: &'a [Option<f64>],
+) -> impl Iterator<Item = (&'a StepRecord, Vec<Option<f64>>)> {
+    steps.iter().enumerate().map(move |(number, step)| {
+        let is_last = number + 1 == steps.len();
+        (step, if is_last { measurement.to_vec() } else { vec![None; measurement.len()] })
+    })
+}
+
+/// All steps of a series with what is measured then.
+fn series<'a>(
+    steps: &'a [&'a [StepRecord]],
+    rows: &'a [&'a [Option<f64>]],
+) -> Vec<(&'a StepRecord, Vec<Option<f64>>)> {
+    steps.iter().zip(rows).flat_map(|(steps, row)| with_measurements(steps, row)).collect()
+}
+
+/// The Kalman filter over a series.
+pub(crate) fn filter_series(
+    linear: &dyn LinearSystem,
+    steps: &[&[StepRecord]],
+    rows: &[&[Option<f64>]],
+) -> Result<Filtered, ModelError> {
+    let mut filter = KalmanFilter::new(linear);
+    let of_step = |(step, row): (&StepRecord, Vec<Option<f64>>)| filter.step_at(&step.step(), &row);
+    let steps = series(steps, rows).into_iter().map(of_step).collect::<Result<_, _>>()?;
+    Ok(Filtered { steps })
+}
+
+/// What the Kalman smoother says of a series (`T` rows, with the steps that lead to each), and trajectories drawn from `p(x_{0:T−1} | y_{0:T−1})`, each a simulation
+/// corrected by what the smoother makes of its difference from the data (Durbin and Koopman 2002).
 ///
 /// # Errors
 /// [`MotesError`] for a model that is not linear and Gaussian, as the Kalman filter, or if `proceed` said to stop.
 pub(crate) fn smooth_exactly(
     model: &Model,
-    before: usize,
+    steps: &[&[StepRecord]],
     rows: &[&[Option<f64>]],
     paths: usize,
     seed: &Seed,
     proceed: &mut dyn FnMut() -> ControlFlow<()>,
 ) -> Result<(Vec<Estimate>, SmoothedPaths), MotesError> {
-    let linear = model.linear_gaussian().ok_or_else(|| not_linear(model))?;
-    let (n, m) = (model.states().len(), model.measurements().len());
-    let nothing = vec![None; m];
-    let rows: Vec<&[Option<f64>]> =
-        std::iter::repeat_n(nothing.as_slice(), before).chain(rows.iter().copied()).collect();
-    let smoothed = smoothed(&linear, PartialMeasurements::new(m, rows.concat())?)?;
+    let linear = model.linear_system().ok_or_else(|| not_linear(model))?;
+    let n = model.states().len();
+    let smoothed = smooth(&filter_series(linear, steps, rows)?)?;
+    // Steps before the first row have estimates that nobody asked for.
+    let before = steps.first().map_or(0, |steps| steps.len().saturating_sub(1));
     let estimate = |belief| Estimate { state: coordinates(belief), ess: None, log_evidence: None };
     let estimates = smoothed.beliefs.iter().skip(before).map(estimate).collect();
-    let mut states = Vec::with_capacity(paths * rows.len() * n);
+    let times = smoothed.beliefs.len();
+    let mut states = Vec::with_capacity(paths * times * n);
     for path in 0..paths {
         let mut stream = seed.nth(path as u64).stream();
-        let drawn = motes_models::simulate(&*linear, rows.len(), &mut stream)?;
+        let (drawn, measured) = drawn(linear, model, steps, rows, &mut stream);
+        let measured: Vec<&[Option<f64>]> = measured.iter().map(Vec::as_slice).collect();
         // Linear maps of the data: the smoother of a difference is the difference of smoothers, but for the prior's mean, which counts twice.
-        let there = rows
-            .iter()
-            .zip(drawn.measurements.rows())
-            .flat_map(|(row, drawn)| row.iter().zip(drawn).map(|(measured, drawn)| measured.map(|_| *drawn)));
-        let of_drawn = self::smoothed(&linear, PartialMeasurements::new(m, there.collect())?)?;
+        let of_drawn = smooth(&filter_series(linear, steps, &measured)?)?;
         let beliefs = smoothed.beliefs.iter().zip(&of_drawn.beliefs);
-        for ((belief, of_drawn), state) in beliefs.zip(drawn.states.rows()) {
+        for ((belief, of_drawn), state) in beliefs.zip(drawn.chunks_exact(n)) {
             states.extend((0..n).map(|i| state[i] + belief.mean[i] - of_drawn.mean[i]));
         }
         if proceed().is_break() {
             return Err(MotesError::Interrupted);
         }
     }
-    Ok((estimates, SmoothedPaths::independent(states, rows.len(), n).without_first(before)))
+    Ok((estimates, SmoothedPaths::independent(states, times, n).without_first(before)))
 }
 
-fn smoothed(linear: &LinearGaussian, measurements: PartialMeasurements) -> Result<Smoothed, ModelError> {
-    smooth(linear, &filter_partial(linear, &measurements)?)
+/// A simulation: the state of each step, and the measurements of each row that are there in `rows`.
+fn drawn(
+    linear: &dyn LinearSystem,
+    model: &Model,
+    steps: &[&[StepRecord]],
+    rows: &[&[Option<f64>]],
+    stream: &mut Stream,
+) -> (Vec<f64>, Vec<Vec<Option<f64>>>) {
+    let (n, m) = (model.states().len(), model.measurements().len());
+    let (mut before, mut state, mut states) = (vec![0.0; n], vec![0.0; n], Vec::new());
+    let (mut measurement, mut measured) = (vec![0.0; m], Vec::with_capacity(rows.len()));
+    for (steps, row) in steps.iter().zip(rows) {
+        for record in *steps {
+            let step = record.step();
+            let previous = (step.index > 0).then(|| Rows::all(&before, n));
+            linear.sample_states(&step, previous, from_mut(stream), &mut state);
+            before.copy_from_slice(&state);
+            states.extend_from_slice(&state);
+        }
+        let Some(last) = steps.last() else { continue };
+        model.sample_measurement(&last.step(), &state, stream, &mut measurement);
+        measured.push(row.iter().zip(&measurement).map(|(there, drawn)| there.map(|_| *drawn)).collect());
+    }
+    (states, measured)
 }
 
 /// Why there is nothing exact.
 pub(crate) fn not_linear(model: &Model) -> MotesError {
     let reason = format!(
-        "{} is not linear with constant Gaussian noise, at times alike; take --proposal optimal or linearised",
+        "{} is not linear with Gaussian noise; take --proposal linearised or bootstrap",
         model.name()
     );
     MotesError::Proposal { proposal: "exact".into(), reason }

@@ -45,7 +45,7 @@ fn filter_until(
             let (estimate, diagnosis) = running
                 .step_and_diagnose(&row.steps, &row.measurement)
                 .map_err(|error| of_series(name, error.at_row(data.counted, row.line)))?;
-            tally.step(&mut of_this, row.steps.len(), &row.measurement, diagnosis.as_ref());
+            tally.step(&mut of_this, &row.steps, &row.measurement, diagnosis.as_ref());
             estimates[at] = Some(estimate);
             done += 1;
             if proceed(done).is_break() {

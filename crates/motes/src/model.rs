@@ -1,12 +1,15 @@
 //! A model as the command has it: of a file, or one of a program's own, with names for its coordinates.
 
-use std::borrow::Cow;
 use std::fmt;
 use std::path::Path;
+use std::slice::from_mut;
 use std::sync::Arc;
 
 use motes_formulas::{Description, FileError, FileModel, FormulaModel, Impossible, ModelFile, Schedule};
-use motes_models::{LinearGaussian, OwnModel, StateGradients, StateSpaceModel, Step, StepRecord};
+use motes_models::kalman::LinearSystem;
+use motes_models::{
+    LinearGaussian, OwnModel, Simulator, StateGradients, StateSpaceModel, Step, StepRecord, Stream,
+};
 
 use crate::error::MotesError;
 use crate::timeline::{Clock, RowTime, Timeline, TimelineError};
@@ -305,11 +308,25 @@ impl Model {
         }
     }
 
-    /// The model as one of matrices, if it is linear and Gaussian: it has exact answers.
-    pub(crate) fn linear_gaussian(&self) -> Option<Cow<'_, LinearGaussian>> {
+    /// Draws a measurement (`M`) of a state (`N`).
+    pub(crate) fn sample_measurement(
+        &self,
+        step: &Step<'_>,
+        state: &[f64],
+        stream: &mut Stream,
+        out: &mut [f64],
+    ) {
         match self.kind() {
-            Kind::LinearGaussian(linear) => Some(Cow::Borrowed(linear)),
-            Kind::Learnable(_) => self.formulas()?.linear_gaussian().map(Cow::Owned),
+            Kind::Learnable(learnable) => learnable.sample_measurements(step, state, from_mut(stream), out),
+            Kind::LinearGaussian(linear) => linear.sample_measurements(step, state, from_mut(stream), out),
+        }
+    }
+
+    /// The model as one that is linear with Gaussian noise, if it is: it has exact answers.
+    pub(crate) fn linear_system(&self) -> Option<&dyn LinearSystem> {
+        match self.kind() {
+            Kind::LinearGaussian(linear) => Some(linear),
+            Kind::Learnable(_) => self.formulas()?.linear_system(),
         }
     }
 

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use motes_models::Seed;
+use motes_models::{Seed, StepRecord};
 use motes_smc::{DENSITIES_PER_MOVE, FilterHistory, SmoothedPaths, SmoothingError};
 
 use crate::data::Data;
@@ -71,7 +71,7 @@ fn smooth_until(
                 advanced.map_err(|error| of_series(name, error.at_row(data.counted, row.line)))?;
                 running.record(&mut history)?;
             }
-            tally.step(&mut of_this, row.steps.len(), &row.measurement, running.diagnosis().as_ref());
+            tally.step(&mut of_this, &row.steps, &row.measurement, running.diagnosis().as_ref());
             work.filtered += 1;
             if proceed(work.share(0)).is_break() {
                 return Err(MotesError::Interrupted);
@@ -84,7 +84,8 @@ fn smooth_until(
         let (of_times, found) = if options.proposal == ProposalName::Exact {
             let rows: Vec<&[Option<f64>]> =
                 places.iter().map(|at| data.rows[*at].measurement.as_slice()).collect();
-            smooth_exactly(model, before, &rows, paths, &seed, &mut || proceed(work.share(0)))?
+            let steps: Vec<&[StepRecord]> = places.iter().map(|at| data.rows[*at].steps.as_slice()).collect();
+            smooth_exactly(model, &steps, &rows, paths, &seed, &mut || proceed(work.share(0)))?
         } else {
             let found = running.backward(&history, paths, &seed, &mut |times| proceed(work.share(times)))?;
             let found = found.without_first(before);

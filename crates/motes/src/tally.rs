@@ -1,5 +1,6 @@
 //! What filters of all series say beside their estimates, added up as they go.
 
+use motes_models::StepRecord;
 use motes_smc::{EvidenceWarning, Verdict, WeightDiagnosis, WeightReport};
 
 use crate::engine::Running;
@@ -56,11 +57,11 @@ impl Tally {
         }
     }
 
-    /// Takes in a row of a series, to which so many steps lead.
+    /// Takes in a row of a series, by the steps that lead to it.
     pub fn step(
         &mut self,
         series: &mut SeriesTally<'_>,
-        steps: usize,
+        steps: &[StepRecord],
         measurement: &[Option<f64>],
         diagnosis: Option<&WeightDiagnosis>,
     ) {

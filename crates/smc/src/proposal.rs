@@ -65,6 +65,11 @@ pub trait Proposal<Model: ?Sized>: Sync {
         256
     }
 
+    /// Whether it has distributions for a step; where it has none, as one that was learned for steps of another number of draws, a filter draws from the transition.
+    fn is_for_step(&self, _model: &Model, _step: &Step<'_>) -> bool {
+        true
+    }
+
     /// Computes what all particles of a step have in common, from `y_t` (`M` numbers).
     ///
     /// # Errors

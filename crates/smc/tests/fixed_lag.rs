@@ -30,7 +30,7 @@ fn largest_error(proposal: impl Proposal<LinearGaussian>, when: ResampleWhen) ->
         assert_eq!(smoother.reach(), Some(time.min(LAG)));
         let so_far: Vec<f64> = trajectory.measurements.rows().take(time + 1).flatten().copied().collect();
         let filtered = kalman::filter(&model, &Measurements::new(1, so_far).unwrap()).unwrap();
-        let exact = kalman::smooth(&model, &filtered).unwrap();
+        let exact = kalman::smooth(&filtered).unwrap();
         for back in 0..=time.min(LAG) {
             smoother.mean(back, &mut mean).unwrap();
             for (found, expected) in mean.iter().zip(exact.beliefs[time - back].mean.iter()) {
@@ -63,7 +63,7 @@ fn weights_without_ancestors_would_be_noticed() {
         generations.push(filter.particles().to_vec());
     }
     let filtered = kalman::filter(&model, &trajectory.measurements).unwrap();
-    let exact = &kalman::smooth(&model, &filtered).unwrap().beliefs[HORIZON - 1 - LAG].mean;
+    let exact = &kalman::smooth(&filtered).unwrap().beliefs[HORIZON - 1 - LAG].mean;
     let earlier = generations[HORIZON - 1 - LAG].chunks_exact(2);
     let mut wrong = [0.0; 2];
     for (weight, state) in filter.weights().normalised().iter().zip(earlier) {

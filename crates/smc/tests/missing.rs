@@ -129,7 +129,7 @@ fn smoothing_looks_back_over_gaps() {
     let mut smoother = FixedLagSmoother::new(filter, 3);
     measurements().rows().for_each(|measurement| smoother.step_partial(measurement).unwrap());
     let filtered = kalman::filter_partial(&model, &measurements()).unwrap();
-    let exact = kalman::smooth(&model, &filtered).unwrap();
+    let exact = kalman::smooth(&filtered).unwrap();
     let mut mean = [0.0; 2];
     for back in 0..=3 {
         smoother.mean(back, &mut mean).unwrap();

@@ -61,7 +61,7 @@ fn means_and_variances_are_exact_where_the_transition_is_precise() {
 
 /// Means and variances of many runs have no more than the error of Monte Carlo, and are not those of the filter.
 fn hold_against_the_exact_smoother((model, measurements): &(LinearGaussian, Measurements)) {
-    let exact = kalman::smooth(model, &kalman::filter(model, measurements).unwrap()).unwrap().beliefs;
+    let exact = kalman::smooth(&kalman::filter(model, measurements).unwrap()).unwrap().beliefs;
     let runs: Vec<SmoothedPaths> =
         (0..400).map(|run| smoothed(model, measurements, 50, &Seed::from_u64(61).nth(run))).collect();
     let (mut largest, mut filtered_differs) = (0.0_f64, false);

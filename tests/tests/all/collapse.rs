@@ -65,7 +65,7 @@ fn the_likelihood_alone_leads_to_the_smoothed_trajectory() {
     let measurements = simulate(&system, HORIZON, &mut seed.child("data").stream()).unwrap().measurements;
     let model = system.moment_matched().unwrap();
     let filtered = kalman::filter(&model, &measurements).unwrap();
-    let smoothed = kalman::smooth(&model, &filtered).unwrap();
+    let smoothed = kalman::smooth(&filtered).unwrap();
 
     let (collapsed, effective) = estimates(&system, &measurements);
     let [to_filtered, last] = errors(&collapsed, filtered.steps.iter().map(|step| &step.filtered));

@@ -41,12 +41,12 @@ impl Exact {
     ) -> Result<(f64, Option<Vec<f64>>), ModelError> {
         match self {
             Exact::Linear(LinearFilter::Kalman) => {
-                let linear = model.linear_gaussian().ok_or(ModelError::Parameter {
+                let linear = model.linear_system().ok_or(ModelError::Parameter {
                     name: "exact",
                     value: "kalman".into(),
                     expected: "of a linear Gaussian model",
                 })?;
-                let filtered = kalman::filter(&linear, measurements)?;
+                let filtered = kalman::filter(linear, measurements)?;
                 let last = filtered.steps.last().map(|step| &step.filtered);
                 let deviations =
                     last.map(|belief| (0..model.state_dim()).map(|i| belief.standard_deviation(i)).collect());

@@ -28,9 +28,11 @@ impl Graph {
                 Operation::State(_) => Degree::One,
                 Operation::OfOne(Unary::Negative, a) => degrees[a.index()],
                 Operation::OfOne(_, a) | Operation::Integer(a, _) => other(degrees[a.index()]),
-                Operation::If(c, a, b) => {
-                    other(degrees[c.index()].max(degrees[a.index()]).max(degrees[b.index()]))
+                // Whichever of two is known without states.
+                Operation::If(c, a, b) if degrees[c.index()] == Degree::Zero => {
+                    degrees[a.index()].max(degrees[b.index()])
                 }
+                Operation::If(_, _, _) => Degree::Other,
                 Operation::OfTwo(operation, a, b) => {
                     let (a, b) = (degrees[a.index()], degrees[b.index()]);
                     match (operation, a.min(b)) {

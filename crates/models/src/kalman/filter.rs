@@ -4,11 +4,10 @@ use std::ops::Deref;
 
 use faer::{Col, Mat, MatRef};
 
-use super::belief::{Belief, symmetric};
+use super::belief::Belief;
 use super::correction::{Correction, correction};
-use crate::{
-    AdditiveGaussian, LinearGaussian, Measurements, ModelError, PartialMeasurements, StateSpaceModel,
-};
+use super::system::LinearSystem;
+use crate::{Measurements, ModelError, PartialMeasurements, StateSpaceModel, Step, StepRecord};
 
 /// What the filter knows at one time.
 #[derive(Debug, Clone)]
@@ -19,6 +18,21 @@ pub struct KalmanStep {
     pub filtered: Belief,
     /// `log p(y_t | y_{0:t−1})`.
     pub log_evidence_increment: f64,
+    /// `A_t`, which led to the prediction; none at the start.
+    pub(super) transition: Option<Mat<f64>>,
+    /// What the measurement says, if there is one.
+    pub(super) update: Option<Update>,
+}
+
+/// What a measurement says of a predicted state.
+#[derive(Debug, Clone)]
+pub(super) struct Update {
+    /// `Cᵀ S⁻¹ v`, `N`.
+    pub(super) score: Col<f64>,
+    /// `Cᵀ S⁻¹ C`, `N×N`.
+    pub(super) information: Mat<f64>,
+    /// `I − G C`, `N×N`.
+    pub(super) kept: Mat<f64>,
 }
 
 /// The filter's beliefs at every time.
@@ -39,7 +53,7 @@ impl Filtered {
 ///
 /// With `m⁻, P⁻` the prediction, `S = C P⁻ Cᵀ + R` and `G = P⁻ Cᵀ S⁻¹`:
 ///
-/// - `m = m⁻ + G (y − C m⁻)`
+/// - `m = m⁻ + G (y − C m⁻ − d)`
 /// - `P = (I − G C) P⁻ (I − G C)ᵀ + G R Gᵀ`, Joseph's form, which stays symmetric and positive.
 #[derive(Debug, Clone)]
 pub struct KalmanFilter<M> {
@@ -48,7 +62,7 @@ pub struct KalmanFilter<M> {
     belief: Option<Belief>,
 }
 
-impl<M: Deref<Target = LinearGaussian>> KalmanFilter<M> {
+impl<M: Deref<Target: LinearSystem>> KalmanFilter<M> {
     /// Before the first measurement.
     pub fn new(model: M) -> Self {
         KalmanFilter { model, time: 0, belief: None }
@@ -69,29 +83,42 @@ impl<M: Deref<Target = LinearGaussian>> KalmanFilter<M> {
         self.time
     }
 
-    /// Takes in the measurement of the next time (`M` entries, some of which may be missing). Only the entries that are there correct the prediction, with
-    /// their rows of `C` and `R`; where none is there, the prediction stands.
+    /// Takes in the measurement of the next time (`M` entries, some of which may be missing), in the model's own next step.
+    ///
+    /// # Errors
+    /// As [`KalmanFilter::step_at`].
+    pub fn step(&mut self, measurement: &[Option<f64>]) -> Result<KalmanStep, ModelError> {
+        let step = StepRecord::of(&self.model.step_of_index(self.time));
+        self.step_at(&step.step(), measurement)
+    }
+
+    /// The same in a step that is given. Only the entries that are there correct the prediction, with their rows of `C`, `d` and `R`; where none is there, the
+    /// prediction stands.
     ///
     /// # Errors
     /// [`ModelError::MeasurementWidth`] if the measurement does not fit the model. [`ModelError::Numerical`] with the time if an innovation covariance cannot
     /// be factored, or if a belief or a log-density is not finite. Nothing is taken in then.
-    pub fn step(&mut self, measurement: &[Option<f64>]) -> Result<KalmanStep, ModelError> {
+    pub fn step_at(
+        &mut self,
+        step: &Step<'_>,
+        measurement: &[Option<f64>],
+    ) -> Result<KalmanStep, ModelError> {
         let (model, time, width) = (&*self.model, self.time, measurement.len());
         let expected = model.measurement_dim();
         if width != expected {
             return Err(ModelError::MeasurementWidth { width, expected });
         }
-        let predicted = match &self.belief {
-            None => Belief {
-                mean: Col::from_fn(model.state_dim(), |i| model.initial().mean()[i]),
-                covariance: model.initial().covariance().to_owned(),
-            },
-            Some(belief) => predict(model, belief).check("predicting a belief", time)?,
+        let (predicted, transition) = match &self.belief {
+            None => (model.initial_belief(step).check("the first belief", time)?, None),
+            Some(belief) => {
+                let map = model.transition_map(step);
+                (map.of_belief(belief).check("predicting a belief", time)?, Some(map.matrix))
+            }
         };
-        let (filtered, log_evidence_increment) = update(model, &predicted, measurement, time)?;
+        let (filtered, log_evidence_increment, update) = update(model, step, &predicted, measurement, time)?;
         self.belief = Some(filtered.clone());
         self.time += 1;
-        Ok(KalmanStep { predicted, filtered, log_evidence_increment })
+        Ok(KalmanStep { predicted, filtered, log_evidence_increment, transition, update })
     }
 }
 
@@ -99,7 +126,10 @@ impl<M: Deref<Target = LinearGaussian>> KalmanFilter<M> {
 ///
 /// # Errors
 /// As [`KalmanFilter::step`].
-pub fn filter(model: &LinearGaussian, measurements: &Measurements) -> Result<Filtered, ModelError> {
+pub fn filter(
+    model: &(impl LinearSystem + ?Sized),
+    measurements: &Measurements,
+) -> Result<Filtered, ModelError> {
     filter_partial(model, &measurements.into())
 }
 
@@ -108,7 +138,7 @@ pub fn filter(model: &LinearGaussian, measurements: &Measurements) -> Result<Fil
 /// # Errors
 /// As [`filter`].
 pub fn filter_partial(
-    model: &LinearGaussian,
+    model: &(impl LinearSystem + ?Sized),
     measurements: &PartialMeasurements,
 ) -> Result<Filtered, ModelError> {
     let mut filter = KalmanFilter::new(model);
@@ -116,27 +146,21 @@ pub fn filter_partial(
     Ok(Filtered { steps })
 }
 
-/// `A m`, `A P Aᵀ + Q`.
-fn predict(model: &LinearGaussian, belief: &Belief) -> Belief {
-    let a = model.transition_matrix();
-    Belief {
-        mean: a * &belief.mean,
-        covariance: symmetric(a * &belief.covariance * a.transpose() + model.transition_covariance()),
-    }
-}
-
 fn update(
-    model: &LinearGaussian,
+    model: &(impl LinearSystem + ?Sized),
+    step: &Step<'_>,
     predicted: &Belief,
     measurement: &[Option<f64>],
     time: usize,
-) -> Result<(Belief, f64), ModelError> {
+) -> Result<(Belief, f64, Option<Update>), ModelError> {
     let there: Vec<usize> = (0..measurement.len()).filter(|&i| measurement[i].is_some()).collect();
     if there.is_empty() {
-        return Ok((predicted.clone(), 0.0));
+        return Ok((predicted.clone(), 0.0, None));
     }
-    let (c, r) = (model.measurement_matrix(), model.measurement_covariance());
-    let measured: Col<f64> = measurement.iter().copied().flatten().collect();
+    let map = model.measurement_map(step);
+    let (c, r) = (map.matrix.as_ref(), map.covariance.as_ref());
+    let measured =
+        Col::from_fn(there.len(), |i| measurement[there[i]].unwrap_or(f64::NAN) - map.offset[there[i]]);
     if there.len() == measurement.len() {
         return correct(predicted, c, r, &measured, time);
     }
@@ -147,14 +171,14 @@ fn update(
 
 const CORRECTING: &str = "correcting a belief";
 
-/// Corrects a belief by what was measured of `C x + w`, `w ~ N(0, R)`. Gives the corrected belief and the log-density of the measurement.
+/// Corrects a belief by what was measured of `C x + w`, `w ~ N(0, R)`. Gives the corrected belief, the log-density of the measurement, and what it says.
 fn correct(
     predicted: &Belief,
     c: MatRef<'_, f64>,
     r: MatRef<'_, f64>,
     measured: &Col<f64>,
     time: usize,
-) -> Result<(Belief, f64), ModelError> {
+) -> Result<(Belief, f64, Option<Update>), ModelError> {
     let failed = |reason| ModelError::Numerical { computation: CORRECTING, time, reason };
     let Correction { gain, covariance, innovation: distribution } =
         correction(predicted.covariance.as_ref(), c, r).map_err(|fault| failed(fault.to_string()))?;
@@ -163,6 +187,15 @@ fn correct(
     if !log_evidence_increment.is_finite() {
         return Err(failed(format!("the log-density of the measurement is {log_evidence_increment}")));
     }
+    let lower = distribution.lower();
+    let (mut whitened, mut seen) = (innovation.clone(), c.to_owned());
+    lower.solve_lower_triangular_in_place(whitened.as_mut().as_mat_mut());
+    lower.solve_lower_triangular_in_place(seen.as_mut());
+    let update = Update {
+        score: seen.transpose() * &whitened,
+        information: seen.transpose() * &seen,
+        kept: Mat::<f64>::identity(c.ncols(), c.ncols()) - &gain * c,
+    };
     let filtered = Belief { mean: &predicted.mean + gain * &innovation, covariance };
-    Ok((filtered.check(CORRECTING, time)?, log_evidence_increment))
+    Ok((filtered.check(CORRECTING, time)?, log_evidence_increment, Some(update)))
 }

@@ -1,11 +1,10 @@
-//! The Rauch–Tung–Striebel smoother: exact beliefs given all measurements.
+//! The fixed-interval smoother of de Jong (1989): exact beliefs given all measurements.
 
-use faer::Side;
-use faer::prelude::Solve;
+use faer::{Col, Mat};
 
 use super::belief::{Belief, symmetric};
 use super::filter::Filtered;
-use crate::{LinearGaussian, ModelError};
+use crate::ModelError;
 
 /// `p(x_t | y_{0:T−1})` at every time.
 #[derive(Debug, Clone)]
@@ -14,30 +13,38 @@ pub struct Smoothed {
     pub beliefs: Vec<Belief>,
 }
 
-/// Runs backward over the filter's beliefs.
+/// Runs backward over the filter's steps: what all later measurements say of `x_t` is a vector `r_t` and a matrix `N_t`, and no covariance is inverted, so that
+/// states may have coordinates without noise.
 ///
-/// `J_t = P_t Aᵀ (P⁻_{t+1})⁻¹`, `mˢ_t = m_t + J_t (mˢ_{t+1} − m⁻_{t+1})`,
-/// `Pˢ_t = P_t + J_t (Pˢ_{t+1} − P⁻_{t+1}) J_tᵀ`.
+/// With `m⁻, P⁻` the prediction, `S` the innovation covariance, `v` the innovation and `G` the gain of a measurement `C x_t + d + w_t`:
+///
+/// - `r_t = Cᵀ S⁻¹ v + (I − G C)ᵀ A_{t+1}ᵀ r_{t+1}`
+/// - `N_t = Cᵀ S⁻¹ C + (I − G C)ᵀ A_{t+1}ᵀ N_{t+1} A_{t+1} (I − G C)`
+/// - `mˢ_t = m⁻_t + P⁻_t r_t`, `Pˢ_t = P⁻_t − P⁻_t N_t P⁻_t`
 ///
 /// # Errors
-/// [`ModelError::Numerical`] with the time if a predicted covariance cannot be factored, or if a belief is not finite.
-pub fn smooth(model: &LinearGaussian, filtered: &Filtered) -> Result<Smoothed, ModelError> {
+/// [`ModelError::Numerical`] with the time if a belief is not finite.
+pub fn smooth(filtered: &Filtered) -> Result<Smoothed, ModelError> {
     let steps = &filtered.steps;
-    let mut beliefs: Vec<Belief> = steps.last().map(|step| step.filtered.clone()).into_iter().collect();
-    for time in (0..steps.len().saturating_sub(1)).rev() {
-        let (now, next) = (&steps[time].filtered, &steps[time + 1].predicted);
-        // Beliefs are pushed from the end of time; the last one is always that of time + 1.
-        let later = &beliefs[beliefs.len() - 1];
-        let factored = next.covariance.llt(Side::Lower).map_err(|error| ModelError::Numerical {
-            computation: "factoring a predicted covariance",
-            time: time + 1,
-            reason: format!("{error:?}"),
-        })?;
-        let gain = factored.solve(model.transition_matrix() * &now.covariance).transpose().to_owned();
-        let mean = &now.mean + &gain * (&later.mean - &next.mean);
-        let correction = &gain * (&later.covariance - &next.covariance) * gain.transpose();
-        let smoothed = Belief { mean, covariance: symmetric(&now.covariance + correction) };
+    let n = steps.first().map_or(0, |step| step.predicted.mean.nrows());
+    let (mut score, mut information) = (Col::<f64>::zeros(n), Mat::<f64>::zeros(n, n));
+    let mut beliefs: Vec<Belief> = Vec::with_capacity(steps.len());
+    for (time, step) in steps.iter().enumerate().rev() {
+        if let Some(update) = &step.update {
+            let kept = update.kept.transpose();
+            score = &update.score + kept * &score;
+            information = symmetric(&update.information + kept * &information * &update.kept);
+        }
+        let Belief { mean, covariance } = &step.predicted;
+        let smoothed = Belief {
+            mean: mean + covariance * &score,
+            covariance: symmetric(covariance - covariance * &information * covariance),
+        };
         beliefs.push(smoothed.check("smoothing a belief", time)?);
+        if let Some(a) = &step.transition {
+            score = a.transpose() * &score;
+            information = symmetric(a.transpose() * &information * a);
+        }
     }
     beliefs.reverse();
     Ok(Smoothed { beliefs })

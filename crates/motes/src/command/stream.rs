@@ -60,7 +60,7 @@ pub(super) fn run(
         let step = of.running.step_by(&row.steps, &row.measurement);
         let estimate = step.map_err(|error| error.at_row(Counted::Line, row.line))?;
         answers.say(&table.row(&of.name, row.label.as_deref(), row.time, &estimate))?;
-        tally.step(&mut of.tally, row.steps.len(), &row.measurement, of.running.diagnosis().as_ref());
+        tally.step(&mut of.tally, &row.steps, &row.measurement, of.running.diagnosis().as_ref());
         times += 1;
         if let Some((rows, estimates)) = &mut kept {
             rows.push(row);

@@ -1,6 +1,6 @@
 //! How references are made: by the exact filter where there is one, else by filters with many particles.
 
-use motes_models::{PartialMeasurements, Seed, kalman};
+use motes_models::{Seed, StepRecord};
 
 use super::averages::{average, standard_error};
 use super::kept;
@@ -10,6 +10,7 @@ use super::sequence::Sequence;
 use super::twisted::{Estimated, TWISTED_PARTICLES, by_twisted_filters};
 use crate::engine::Running;
 use crate::error::MotesError;
+use crate::exact::filter_series;
 use crate::model::Model;
 use crate::options::{FilterOptions, ProposalName};
 
@@ -29,7 +30,7 @@ fn candidates(options: &CompareOptions) -> Vec<ProposalName> {
 
 /// The particles of all filters behind a reference for one sequence; the exact filter counts as one.
 pub(super) fn particles(model: &Model, options: &CompareOptions) -> usize {
-    if model.linear_gaussian().is_some() {
+    if model.linear_system().is_some() {
         return 1;
     }
     let more = if options.reference_filters > 1 { options.reference_filters } else { 0 };
@@ -61,13 +62,12 @@ fn computed(
     options: &CompareOptions,
     number: usize,
 ) -> Result<Reference, MotesError> {
-    if let Some(linear) = model.linear_gaussian() {
-        let width = model.measurements().len();
+    if let Some(linear) = model.linear_system() {
         // Steps before the first row, where x_0 comes before it.
         let before = sequence.steps.first().map_or(0, |steps| steps.len().saturating_sub(1));
-        let nothing = std::iter::repeat_n(None, before * width);
-        let entries = nothing.chain(sequence.measurements.concat()).collect();
-        let exact = kalman::filter_partial(&linear, &PartialMeasurements::new(width, entries)?)?;
+        let steps: Vec<&[StepRecord]> = sequence.steps.iter().map(Vec::as_slice).collect();
+        let rows: Vec<&[Option<f64>]> = sequence.measurements.iter().map(Vec::as_slice).collect();
+        let exact = filter_series(linear, &steps, &rows)?;
         let steps = &exact.steps[before..];
         let increments: Vec<f64> = steps.iter().map(|step| step.log_evidence_increment).collect();
         return Ok(Reference {

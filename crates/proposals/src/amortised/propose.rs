@@ -26,6 +26,14 @@ impl<M: Linearise + Transport + ?Sized> Proposal<M> for Amortised {
         self.prepare_for(model, step, measurement.iter().map(|entry| Some(Lanes::from(*entry))))
     }
 
+    fn is_for_step(&self, model: &M, step: &Step<'_>) -> bool {
+        // There are more or fewer sub-steps where rows lie farther apart or nearer. Whether it is for the model is seen at the start.
+        match (model.noise_without_density(), self.draws) {
+            (Some(noise), Some([_, later])) if step.index > 0 => noise.draws(step).len() == later,
+            _ => true,
+        }
+    }
+
     fn prepare_partial(
         &mut self,
         model: &M,

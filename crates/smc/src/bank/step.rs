@@ -55,8 +55,8 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
             let (model, proposal) = (&*bank.model, &mut bank.proposal);
             let prepared = match known {
                 0 => Ok(false),
-                // The state stays what it is.
-                _ if step.sub_steps == 0 => Ok(false),
+                // Without a sub-step the state stays what it is.
+                _ if step.sub_steps == 0 || !proposal.is_for_step(model, step) => Ok(false),
                 _ if known == entries.len() => proposal.prepare(model, step, &whole).map(|()| true),
                 _ => proposal.prepare_partial(model, step, entries),
             };
