@@ -29,9 +29,13 @@ pub(crate) fn check(file: &str, section: Section, lines: &[Line], built: &Built)
     let names = lines.iter().flat_map(|line| (0..line.coordinates()).map(move |number| (line, number)));
     for ((line, number), output) in names.zip(&built.coordinates) {
         let text = line.formula.text.trim();
-        let Output::Drawn(coordinate) = output else {
-            let reason = format!("`{text}` has no noise; the closed form is for normal distributions");
-            return Err(refusal(file, section, line, number, reason));
+        let coordinate = match output {
+            Output::Drawn(coordinate) => coordinate,
+            other => {
+                let what = if other.drawn_from().is_some() { "is not normal" } else { "has no noise" };
+                let reason = format!("`{text}` {what}; the closed form is for normal distributions");
+                return Err(refusal(file, section, line, number, reason));
+            }
         };
         let degree = |parameter: usize| degrees[coordinate.parameters[parameter].index()];
         let name = coordinate.family.name;
@@ -85,7 +89,8 @@ pub(crate) fn is_linear(section: Section, built: &Built) -> bool {
     let degrees = built.graph.degrees();
     let degree =
         |coordinate: &Coordinate, parameter: usize| degrees[coordinate.parameters[parameter].index()];
-    let is_constant = !built.graph.operations().iter().any(|operation| matches!(operation, Operation::Time));
+    let of_time = |operation: &Operation| matches!(operation, Operation::Time | Operation::Length);
+    let is_constant = !built.graph.operations().iter().any(of_time);
     is_constant
         && (section == Section::Measurement || has_density(section, built))
         && built.coordinates.iter().filter_map(Output::drawn).all(|coordinate| {

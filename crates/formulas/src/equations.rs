@@ -30,7 +30,7 @@ impl Equations for FormulaEquations<'_> {
     }
 
     fn initial<S: Scalar>(&self, step: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]) {
-        self.0.initial.make(step.time, &[], draws, state);
+        self.0.initial.make([step.time, step.length], &[], draws, state);
     }
 
     fn transition<S: Scalar>(
@@ -40,11 +40,11 @@ impl Equations for FormulaEquations<'_> {
         draws: &mut impl Draws<S>,
         state: &mut [S],
     ) {
-        self.0.transition.make(step.time, previous, draws, state);
+        self.0.transition.make([step.time, step.length], previous, draws, state);
     }
 
     fn measurement<S: Scalar>(&self, step: &Step<'_, S>, state: &[S], measurement: &mut impl Coordinates<S>) {
-        self.0.measurement.push(step.time, state, measurement);
+        self.0.measurement.push([step.time, step.length], state, measurement);
     }
 
     fn measurement_along<S: Scalar>(
@@ -54,6 +54,6 @@ impl Equations for FormulaEquations<'_> {
         along: Range<usize>,
         measurement: &mut impl Coordinates<S>,
     ) {
-        self.0.measurement.push_along(step.time, state, along, measurement);
+        self.0.measurement.push_along([step.time, step.length], state, along, measurement);
     }
 }

@@ -37,6 +37,7 @@ mod matrices;
 mod model;
 mod names;
 mod operations;
+mod priors;
 mod program;
 mod state_space;
 mod statement;
@@ -53,6 +54,7 @@ pub use explain::DomainError;
 pub use file::{FileModel, ModelFile, parse, parse_generated, read};
 pub use impossible::Impossible;
 pub use model::FormulaModel;
+pub use priors::{Origin, Prior};
 pub use support::{End, Support};
 pub use tables::{Family, Range, family, reference};
 

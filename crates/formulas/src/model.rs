@@ -8,6 +8,7 @@ use motes_models::Step;
 use crate::closed_form::{self, NoClosedForm};
 use crate::error::{Fault, Section};
 use crate::graph::build;
+use crate::priors::Prior;
 use crate::program::{Program, compile};
 use crate::statement::{Line, Statement};
 use crate::support::{Support, supports};
@@ -62,7 +63,7 @@ impl FormulaModel {
         Ok(FormulaModel(Arc::new(Programs {
             states,
             measurements: coordinates(&statement.measurement),
-            supports: (!measurement.depends_on_time()).then(|| supports(&measurement, 0.0)),
+            supports: (!measurement.depends_on_time()).then(|| supports(&measurement, [0.0; 2])),
             initial,
             transition,
             measurement,
@@ -94,8 +95,13 @@ impl FormulaModel {
     pub fn supports(&self, step: &Step<'_>) -> Cow<'_, [Option<Support>]> {
         match &self.0.supports {
             Some(supports) => supports.into(),
-            None => supports(&self.0.measurement, step.time).into(),
+            None => supports(&self.0.measurement, [step.time, step.length]).into(),
         }
+    }
+
+    /// The priors of its parameters, in the order of the file.
+    pub fn priors(&self) -> &[Prior] {
+        &self.statement().priors
     }
 
     /// Whether all of it is linear with constant Gaussian noise.

@@ -20,8 +20,9 @@ impl Graph {
         let mut degrees: Vec<Degree> = Vec::with_capacity(self.operations().len());
         for operation in self.operations() {
             let degree = match *operation {
-                Operation::Constant(_) | Operation::Time => Degree::Zero,
+                Operation::Constant(_) | Operation::Time | Operation::Length => Degree::Zero,
                 Operation::State(_) => Degree::One,
+                Operation::Drawn(_) => Degree::Other,
                 Operation::OfOne(Unary::Negative, a) => degrees[a.index()],
                 Operation::OfOne(_, a) | Operation::Integer(a, _) => other(degrees[a.index()]),
                 Operation::If(c, a, b) => {

@@ -5,17 +5,17 @@ use std::ops::Range;
 use motes_models::batch::by_widest_vectors;
 use motes_models::equations::{Coordinates, Distribution, Draws, Scalar, with_scalars};
 
-use super::instruction::{Instruction, NoiseTerm, Output, Place, Program, Rule, Source, Step};
+use super::instruction::{Computed, Instruction, NoiseTerm, Output, Place, Program, Rule, Source, Step};
 use crate::operations::choice;
 
 impl Program {
-    /// Makes the coordinates of a state at a time, given the state before: draws, and what follows.
+    /// Makes the coordinates of a state at a time, after a step of a length, given the state before: draws, and what follows.
     ///
     /// # Panics
     /// If there are fewer states than the model has.
     pub(crate) fn make<S: Scalar>(
         &self,
-        time: f64,
+        time: [f64; 2],
         previous: &[S],
         draws: &mut impl Draws<S>,
         state: &mut [S],
@@ -57,7 +57,12 @@ impl Program {
     ///
     /// # Panics
     /// If there are fewer states than the model has.
-    pub(crate) fn push<S: Scalar>(&self, time: f64, states: &[S], coordinates: &mut impl Coordinates<S>) {
+    pub(crate) fn push<S: Scalar>(
+        &self,
+        time: [f64; 2],
+        states: &[S],
+        coordinates: &mut impl Coordinates<S>,
+    ) {
         self.push_along(time, states, 0..self.given, coordinates);
     }
 
@@ -67,7 +72,7 @@ impl Program {
     /// As [`Program::push`].
     pub(crate) fn push_along<S: Scalar>(
         &self,
-        time: f64,
+        time: [f64; 2],
         states: &[S],
         along: Range<usize>,
         coordinates: &mut impl Coordinates<S>,
@@ -87,7 +92,7 @@ impl Program {
                         true => match &output.rule {
                             Rule::Noise(term) => run.push(term, coordinates),
                             // A measurement is always drawn.
-                            Rule::Formula(_) => {}
+                            Rule::Formula(_) | Rule::Computed(_) => {}
                         },
                         false => coordinates.pass_over(),
                     }
@@ -97,13 +102,14 @@ impl Program {
     }
 
     /// Computes the numbers that are the same for all particles.
-    pub(super) fn plain(&self, time: f64, plain: &mut [f64]) {
+    pub(super) fn plain(&self, [time, length]: [f64; 2], plain: &mut [f64]) {
         let first = self.constants.len();
         plain[..first].copy_from_slice(&self.constants);
         for (at, step) in self.steps.iter().enumerate() {
             let value = |place: u32| plain[place as usize];
             plain[first + at] = match *step {
                 Step::Time => time,
+                Step::Length => length,
                 Step::OfOne(operation, a) => operation.of(value(a)),
                 Step::Integer(a, n) => value(a).powi(n),
                 Step::OfTwo(operation, a, b) => operation.of(value(a), value(b)),
@@ -188,12 +194,22 @@ impl<S: Scalar> Run<'_, S> {
         *start = output.end;
         match &output.rule {
             Rule::Formula(source) => self.value(*source),
-            Rule::Noise(term) => {
-                let mut one = OneDraw { draws, drawn: S::from(f64::NAN) };
-                self.push(term, &mut one);
-                one.drawn
+            Rule::Noise(term) => self.drawn(term, draws),
+            Rule::Computed(Computed { term, register, end, value }) => {
+                self.registers[*register as usize] = self.drawn(term, draws);
+                self.all(&instructions[*start..*end]);
+                *start = *end;
+                self.value(*value)
             }
         }
+    }
+
+    /// What is drawn from a distribution.
+    #[inline(always)]
+    fn drawn(&mut self, term: &NoiseTerm, draws: &mut impl Draws<S>) -> S {
+        let mut one = OneDraw { draws, drawn: S::from(f64::NAN) };
+        self.push(term, &mut one);
+        one.drawn
     }
 
     #[inline(always)]

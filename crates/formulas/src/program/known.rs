@@ -20,11 +20,11 @@ pub(crate) struct Known {
 impl Program {
     /// Whether any number that is the same for all states differs from time to time.
     pub(crate) fn depends_on_time(&self) -> bool {
-        self.steps.iter().any(|step| matches!(step, Step::Time))
+        self.steps.iter().any(|step| matches!(step, Step::Time | Step::Length))
     }
 
     /// What is known of the distribution of each coordinate that has one at a time.
-    pub(crate) fn known(&self, time: f64) -> Vec<Known> {
+    pub(crate) fn known(&self, time: [f64; 2]) -> Vec<Known> {
         with_scalars::<f64, _>(self.constants.len() + self.steps.len(), |plain| {
             self.plain(time, plain);
             let value = |source: Source| match source {
@@ -34,7 +34,7 @@ impl Program {
             let of = |source: Option<Source>, otherwise: f64| source.map_or(Some(otherwise), value);
             let terms = self.coordinates.iter().filter_map(|output| match &output.rule {
                 Rule::Noise(term) => Some(term),
-                Rule::Formula(_) => None,
+                Rule::Formula(_) | Rule::Computed(_) => None,
             });
             let known = terms.map(|term| Known {
                 kind: term.kind,

@@ -17,6 +17,8 @@ pub(crate) struct Line {
     pub(crate) length: Option<usize>,
     /// The index of the first coordinate.
     pub(crate) first: usize,
+    /// The names of the arguments of a function; none of what is no function.
+    pub(crate) arguments: Vec<String>,
     pub(crate) formula: Formula,
     /// The line of the file, from 1.
     pub(crate) number: usize,
@@ -36,6 +38,7 @@ impl Line {
     pub(crate) fn coordinate(&self, number: usize) -> String {
         match self.length {
             Some(_) => format!("{}[{}]", self.name, self.first + number),
+            None if !self.arguments.is_empty() => self.key.clone(),
             None => self.name.clone(),
         }
     }
@@ -68,7 +71,8 @@ impl Reader<'_> {
             }
             _ => return Err(self.no_formula(key, section)),
         };
-        let scope = Scope { names: self.names, section, is_vector: key.length.is_some() };
+        let is_vector = key.length.is_some() && !key.has_parts;
+        let scope = Scope { names: self.names, section, is_vector, arguments: &key.arguments };
         let parsed = parse(text, scope).and_then(|formula| check_noise(formula, section));
         let formula = parsed.map_err(|fault| {
             let at = match (inner, fault.at) {
@@ -83,6 +87,7 @@ impl Reader<'_> {
             key: key.written.to_string(),
             length: key.length,
             first: key.part.unwrap_or(0),
+            arguments: key.arguments.clone(),
             formula,
             number: Place::line_and_column(self.text, at)[0],
             at,

@@ -10,6 +10,7 @@ use std::collections::BTreeMap;
 
 use crate::document::Table;
 use crate::error::{Fault, Section};
+use crate::priors::Prior;
 use crate::syntax::Meaning;
 use keys::Key;
 use parameters::Parameters;
@@ -26,6 +27,7 @@ pub(crate) struct Statement {
     pub(crate) parameters: Vec<(String, f64)>,
     /// Parameters that are lists.
     pub(crate) lists: Vec<List>,
+    pub(crate) priors: Vec<Prior>,
     /// In the order of the file.
     pub(crate) definitions: Vec<Line>,
     /// The numbers of the definitions, each after those that it uses.
@@ -73,6 +75,7 @@ pub(crate) fn read(text: &str, table: &Table, overrides: &[(String, f64)]) -> Re
         name: sections.name.clone(),
         parameters: parameters.values.clone(),
         lists: parameters.lists.clone(),
+        priors: parameters.priors.clone(),
         definitions: defined,
         order,
         draws: reader.lines(&draws, Section::Draws)?,
@@ -95,7 +98,7 @@ fn meanings(
     let values = parameters.values.iter().filter(|(name, _)| !name.contains('['));
     names.extend(values.map(|(name, value)| (name.clone(), Meaning::Parameter(*value))));
     for (number, list) in parameters.lists.iter().enumerate() {
-        names.insert(list.name.clone(), Meaning::List { number, dimensions: list.lengths.len() });
+        names.insert(list.name.clone(), Meaning::List { number, lengths: list.lengths.clone() });
     }
     let mut sections: BTreeMap<String, Section> =
         names.keys().map(|name| (name.clone(), Section::Parameters)).collect();
@@ -116,7 +119,10 @@ fn meanings(
         first += length.unwrap_or(1);
     }
     for (number, key) in definitions.iter().enumerate() {
-        let meaning = Meaning::Definition { number, length: key.length };
+        let meaning = match key.arguments.as_slice() {
+            [] => Meaning::Definition { number, length: key.length },
+            arguments => Meaning::Function { number, arguments: arguments.to_vec() },
+        };
         add(key, Section::Definitions, meaning)?;
     }
     for (key, _) in keys::wholes(measurements) {

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::formula::{Element, Formula, Node, NodeId};
 use super::lookup::{Known, called, known};
-use super::scope::{Meaning, Scope};
+use super::scope::{Meaning, Scope, Sum};
 use super::token::{Token, next};
 use crate::error::{Fault, Problem};
 use crate::operations::{Binary, Unary};
@@ -55,7 +55,7 @@ pub(crate) fn parse(text: &str, scope: Scope<'_>) -> Result<Formula, Fault> {
     if ahead == Token::End {
         return Err(Fault::at(0, Problem::Empty));
     }
-    let mut parser = Parser { text, scope, formula, ahead, at, depth: 0, in_index: false };
+    let mut parser = Parser { text, scope, formula, ahead, at, depth: 0, in_index: false, sums: Vec::new() };
     parser.expression(0)?;
     if parser.ahead != Token::End {
         return Err(parser.unexpected("an operator or the end"));
@@ -63,19 +63,21 @@ pub(crate) fn parse(text: &str, scope: Scope<'_>) -> Result<Formula, Fault> {
     Ok(parser.formula)
 }
 
-struct Parser<'a> {
-    text: &'a str,
-    scope: Scope<'a>,
-    formula: Formula,
+pub(super) struct Parser<'a> {
+    pub(super) text: &'a str,
+    pub(super) scope: Scope<'a>,
+    pub(super) formula: Formula,
     /// The next word, and where it is.
-    ahead: Token,
-    at: Range<usize>,
+    pub(super) ahead: Token,
+    pub(super) at: Range<usize>,
     depth: usize,
     in_index: bool,
+    /// The sums that it is in.
+    pub(super) sums: Vec<Sum<'a>>,
 }
 
 impl<'a> Parser<'a> {
-    fn advance(&mut self) -> Result<Range<usize>, Fault> {
+    pub(super) fn advance(&mut self) -> Result<Range<usize>, Fault> {
         let (ahead, at) = next(self.text, self.at.end)?;
         self.ahead = ahead;
         Ok(std::mem::replace(&mut self.at, at))
@@ -95,11 +97,11 @@ impl<'a> Parser<'a> {
     }
 
     /// Takes a word that must be there.
-    fn expect(&mut self, token: Token, expected: &str) -> Result<Range<usize>, Fault> {
+    pub(super) fn expect(&mut self, token: Token, expected: &str) -> Result<Range<usize>, Fault> {
         if self.ahead == token { self.advance() } else { Err(self.unexpected(expected)) }
     }
 
-    fn add(&mut self, node: Node, span: Range<usize>, is_random: bool) -> NodeId {
+    pub(super) fn add(&mut self, node: Node, span: Range<usize>, is_random: bool) -> NodeId {
         self.formula.nodes.push(node);
         self.formula.spans.push(span);
         self.formula.is_random.push(is_random);
@@ -107,7 +109,7 @@ impl<'a> Parser<'a> {
     }
 
     /// An expression whose operators bind at least as strongly as `floor`.
-    fn expression(&mut self, floor: u8) -> Result<NodeId, Fault> {
+    pub(super) fn expression(&mut self, floor: u8) -> Result<NodeId, Fault> {
         self.depth += 1;
         if self.depth > DEEPEST {
             return Err(Fault::at(self.at.start, Problem::TooDeep(DEEPEST)));
@@ -186,18 +188,32 @@ impl<'a> Parser<'a> {
         let span = self.advance()?;
         let name = &self.text[span.clone()];
         let faulty = |problem| Fault::at(span.start, problem);
+        if let Some(value) = self.index_of_sum(name).filter(|_| self.ahead != Token::Open) {
+            return match self.ahead {
+                Token::OpenIndex => Err(faulty(Problem::NotAVector(name.to_string()))),
+                _ => Ok(self.add(Node::Named(value as f64), span.clone(), false)),
+            };
+        }
+        if name == "sum" {
+            return match self.in_index {
+                true => Err(faulty(Problem::BadIndex("`sum(…)`".to_string()))),
+                false => self.sum(span.clone()),
+            };
+        }
         if self.ahead == Token::Open {
             return match called(name, self.scope).map_err(faulty)? {
                 _ if self.in_index => Err(faulty(Problem::BadIndex(format!("`{name}(…)`")))),
                 Known::Function(function) => self.function(function, span.clone()),
+                Known::Own(number, arguments) => self.call(name, number, arguments, span.clone()),
                 Known::Family(family) => self.random(family, span.clone()),
+                Known::Compound(compound) => self.compound(compound, span.clone()),
             };
         }
         let node = known(name, self.scope, self.in_index, self.ahead == Token::OpenIndex).map_err(faulty)?;
-        if let (Node::Entry { list, .. }, Some(Meaning::List { dimensions, .. })) =
+        if let (Node::Entry { list, .. }, Some(Meaning::List { lengths, .. })) =
             (&node, self.scope.names.get(name))
         {
-            return self.entry(*list, *dimensions, name, span.clone());
+            return self.entry(*list, lengths, name, span.clone());
         }
         let (element, end) = if self.ahead == Token::OpenIndex {
             self.advance()?;
@@ -205,6 +221,9 @@ impl<'a> Parser<'a> {
             let index = self.expression(0)?;
             self.in_index = false;
             let close = self.expect(Token::CloseIndex, "a closing bracket ]")?;
+            if let Node::State { length, .. } | Node::Definition { length, .. } = node {
+                self.goes_along(index, length)?;
+            }
             (Element::At(index), close.end)
         } else {
             (Element::Whole, span.end)
@@ -221,7 +240,7 @@ impl<'a> Parser<'a> {
     fn entry(
         &mut self,
         list: usize,
-        dimensions: usize,
+        lengths: &[usize],
         name: &str,
         span: Range<usize>,
     ) -> Result<NodeId, Fault> {
@@ -232,12 +251,15 @@ impl<'a> Parser<'a> {
             indices.push(self.expression(0)?);
         }
         let close = self.expect(Token::CloseIndex, "a comma or a closing bracket ]")?;
-        if indices.len() != dimensions {
-            let example = format!("{name}[{}]", vec!["0"; dimensions].join(", "));
+        if indices.len() != lengths.len() {
+            let example = format!("{name}[{}]", vec!["0"; lengths.len()].join(", "));
             return Err(Fault::at(span.start, Problem::Indices { name: name.to_string(), example }));
         }
         if let Some(random) = indices.iter().find(|index| self.formula.is_random[**index]) {
             return Err(self.random_inside(*random, "an index".into()));
+        }
+        for (index, length) in indices.iter().zip(lengths) {
+            self.goes_along(*index, *length)?;
         }
         Ok(self.add(Node::Entry { list, indices }, span.start..close.end, false))
     }
@@ -258,7 +280,12 @@ impl<'a> Parser<'a> {
     }
 
     /// The arguments of what takes so many, none of them random.
-    fn numbers(&mut self, name: &str, parameters: &[&str], at: usize) -> Result<(Vec<NodeId>, usize), Fault> {
+    pub(super) fn numbers(
+        &mut self,
+        name: &str,
+        parameters: &[&str],
+        at: usize,
+    ) -> Result<(Vec<NodeId>, usize), Fault> {
         let (arguments, end) = self.arguments()?;
         let call = call(name, parameters);
         let is_open = parameters.last() == Some(&"…");
@@ -348,7 +375,7 @@ impl<'a> Parser<'a> {
         inside.unwrap_or_default()
     }
 
-    fn random_inside(&self, random: NodeId, inside: String) -> Fault {
+    pub(super) fn random_inside(&self, random: NodeId, inside: String) -> Fault {
         let (family, at) = self.family_in(random);
         Fault::at(at, Problem::RandomInside { family, inside })
     }
