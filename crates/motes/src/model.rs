@@ -5,7 +5,7 @@ use std::fmt;
 use std::path::Path;
 use std::sync::Arc;
 
-use motes_formulas::{Description, FileError, FileModel, FormulaModel, Impossible, ModelFile};
+use motes_formulas::{Description, FileError, FileModel, FormulaModel, Impossible, ModelFile, Prior};
 use motes_models::{LinearGaussian, OwnModel, StateGradients};
 
 use crate::error::MotesError;
@@ -175,6 +175,22 @@ impl Model {
         match &self.0 {
             Source::File(file) => &file.parameters,
             Source::Own(_) => &[],
+        }
+    }
+
+    /// The priors of parameters that have one, in the order of the file; none of a model of one's own.
+    pub fn priors(&self) -> &[Prior] {
+        self.formulas().map_or(&[], FormulaModel::priors)
+    }
+
+    /// The same model with other values of parameters.
+    ///
+    /// # Errors
+    /// [`FileError`] if there is no such parameter, or it is no model with these values.
+    pub fn with_parameters(&self, values: &[(String, f64)]) -> Result<Self, FileError> {
+        match &self.0 {
+            Source::File(file) => Ok(Model(Source::File(file.with_parameters(values)?))),
+            Source::Own(_) => Ok(self.clone()),
         }
     }
 

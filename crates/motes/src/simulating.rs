@@ -7,12 +7,15 @@ use motes_models::{ModelError, Seed, Stream, Trajectory, simulate_while as draw}
 
 use crate::error::MotesError;
 use crate::model::{Kind, Model};
+use crate::priors;
 
 /// Series of states and measurements that a model drew.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Simulated {
     /// One after another.
     pub series: Vec<Trajectory>,
+    /// For each series, the parameters that were drawn for it; empty where none were.
+    pub parameters: Vec<Vec<(String, f64)>>,
 }
 
 /// Draws `series` series of `steps` times each. One series is the same whatever others there are. `proceed` is asked after each series, and now and then within
@@ -28,7 +31,21 @@ pub fn simulate(
     seed: u64,
     mut proceed: impl FnMut(usize) -> ControlFlow<()>,
 ) -> Result<Simulated, MotesError> {
-    simulate_until(model, steps, series, seed, &mut proceed)
+    simulate_until(model, steps, series, seed, false, &mut proceed)
+}
+
+/// [`simulate`], but that parameters that have a prior, and were not set from outside, are drawn anew for each series.
+///
+/// # Errors
+/// As [`simulate`], and [`MotesError::Model`] if the file is no model with what was drawn.
+pub fn simulate_from_priors(
+    model: &Model,
+    steps: usize,
+    series: usize,
+    seed: u64,
+    mut proceed: impl FnMut(usize) -> ControlFlow<()>,
+) -> Result<Simulated, MotesError> {
+    simulate_until(model, steps, series, seed, true, &mut proceed)
 }
 
 /// [`simulate`], compiled once whatever asks.
@@ -37,6 +54,7 @@ fn simulate_until(
     steps: usize,
     series: usize,
     seed: u64,
+    from_priors: bool,
     proceed: &mut dyn FnMut(usize) -> ControlFlow<()>,
 ) -> Result<Simulated, MotesError> {
     let width = model.states().len() + model.measurements().len();
@@ -48,9 +66,16 @@ fn simulate_until(
         return Err(MotesError::Setting(reason));
     }
     let seed = Seed::from_u64(seed).child("simulate");
-    let (mut drawn, mut first, mut failures) = (Vec::new(), None, 0);
+    let (mut drawn, mut first, mut failures, mut parameters) = (Vec::new(), None, 0, Vec::new());
     for number in 0..series {
         let mut stream = seed.nth(number as u64).stream();
+        let mut own = None;
+        if from_priors {
+            let values = priors::drawn(model, &seed.child("priors").nth(number as u64));
+            own = Some(model.with_parameters(&values)?);
+            parameters.push(values);
+        }
+        let model = own.as_ref().unwrap_or(model);
         let found = draw_one(model, steps, &mut stream, &mut || proceed(number));
         match found {
             Ok(Some(trajectory)) => drawn.push(trajectory),
@@ -66,7 +91,7 @@ fn simulate_until(
         }
     }
     match first {
-        None => Ok(Simulated { series: drawn }),
+        None => Ok(Simulated { series: drawn, parameters }),
         Some((number, time)) => Err(MotesError::Simulation(format!(
             "{failures} of {series} series run to numbers that are not finite, series {number} at t = {time}; take fewer steps, or look at \
              the transition's noise and at formulas that grow"
@@ -93,7 +118,7 @@ pub(crate) fn simulate_some(
         true => Err(MotesError::Simulation(format!(
             "all of {series} series of {steps} times run to numbers that are not finite; take fewer steps, or look at the transition's noise"
         ))),
-        false => Ok(Simulated { series: drawn }),
+        false => Ok(Simulated { series: drawn, parameters: Vec::new() }),
     }
 }
 

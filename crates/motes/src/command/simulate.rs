@@ -1,12 +1,13 @@
 //! `motes simulate`.
 
 use motes::output::{Output, simulated_table};
-use motes::{MotesError, simulate};
+use motes::{MotesError, of_starts, simulate, simulate_from_priors};
 use motes_cli::Interrupt;
 
 use super::args::SimulateArgs;
 use super::failure::Failure;
 use super::progress::Progress;
+use super::say::warn;
 
 pub(super) fn run(args: &SimulateArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
     let model = args.model.read()?;
@@ -14,10 +15,22 @@ pub(super) fn run(args: &SimulateArgs, interrupt: &Interrupt) -> Result<u8, Fail
     let failed = |source| MotesError::Output { file: output.name(), source };
     output.check().map_err(failed)?;
     let mut progress = Progress::new(args.series, args.model.quiet);
-    let simulated = simulate(&model, args.steps, args.series, args.model.seed, |done| {
+    if args.prior && model.priors().is_empty() {
+        let reason = "--prior: no parameter of the model has a prior, as in q = \"half_normal(1)\"";
+        return Err(MotesError::Setting(reason.to_string()).into());
+    }
+    if !args.prior {
+        warn(of_starts(&model).as_slice(), args.model.quiet, false);
+    }
+    let proceed = |done| {
         progress.done(done);
         interrupt.check()
-    });
+    };
+    let (steps, series, seed) = (args.steps, args.series, args.model.seed);
+    let simulated = match args.prior {
+        true => simulate_from_priors(&model, steps, series, seed, proceed),
+        false => simulate(&model, steps, series, seed, proceed),
+    };
     progress.finish();
     output.write(&simulated_table(&model, &simulated?)).map_err(failed)?;
     Ok(0)

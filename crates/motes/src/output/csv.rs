@@ -122,13 +122,16 @@ impl EstimateTable {
 /// The table of simulated series: `series`, `t`, the states, the measurements.
 pub fn simulated_table(model: &Model, simulated: &Simulated) -> String {
     let names = model.states().iter().chain(model.measurements()).cloned();
-    let header: Vec<String> = ["series", "t"].map(String::from).into_iter().chain(names).collect();
+    let drawn = simulated.parameters.first().into_iter().flatten().map(|(name, _)| name.clone());
+    let header: Vec<String> =
+        ["series", "t"].map(String::from).into_iter().chain(names).chain(drawn).collect();
     let mut table = line(&header);
     for (series, trajectory) in simulated.series.iter().enumerate() {
         for (time, (state, measurement)) in
             trajectory.states.rows().zip(trajectory.measurements.rows()).enumerate()
         {
-            let numbers = state.iter().chain(measurement).map(|value| text(*value));
+            let parameters = simulated.parameters.get(series).into_iter().flatten().map(|(_, value)| value);
+            let numbers = state.iter().chain(measurement).chain(parameters).map(|value| text(*value));
             let cells: Vec<String> =
                 [series.to_string(), time.to_string()].into_iter().chain(numbers).collect();
             table += &line(&cells);
