@@ -29,9 +29,13 @@ pub(crate) fn check(file: &str, section: Section, lines: &[Line], built: &Built)
     let names = lines.iter().flat_map(|line| (0..line.coordinates()).map(move |number| (line, number)));
     for ((line, number), output) in names.zip(&built.coordinates) {
         let text = line.formula.text.trim();
-        let Output::Drawn(coordinate) = output else {
-            let reason = format!("`{text}` has no noise; the closed form is for normal distributions");
-            return Err(refusal(file, section, line, number, reason));
+        let coordinate = match output {
+            Output::Drawn(coordinate) => coordinate,
+            other => {
+                let what = if other.drawn_from().is_some() { "is not normal" } else { "has no noise" };
+                let reason = format!("`{text}` {what}; the closed form is for normal distributions");
+                return Err(refusal(file, section, line, number, reason));
+            }
         };
         let degree = |parameter: usize| degrees[coordinate.parameters[parameter].index()];
         let name = coordinate.family.name;
@@ -93,6 +97,7 @@ pub(crate) fn is_linear(built: &Built) -> bool {
         |coordinate: &Coordinate, parameter: usize| degrees[coordinate.parameters[parameter].index()];
     built.draws.iter().chain(&built.coordinates).all(|output| match output {
         Output::Follows(id) => degrees[id.index()] <= Degree::One,
+        Output::Computed { .. } => false,
         Output::Drawn(coordinate) => {
             coordinate.family.kind == Kind::Normal
                 && degree(coordinate, 0) <= Degree::One

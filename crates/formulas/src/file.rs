@@ -73,6 +73,24 @@ pub fn parse_generated(text: &str, name: &str, overrides: &[(String, f64)]) -> R
     model_of(text, Text { file: name, has_lines: false }, overrides)
 }
 
+impl ModelFile {
+    /// The same with other values of parameters; those that are not given stay as they are.
+    ///
+    /// # Errors
+    /// As [`parse`].
+    pub fn with_parameters(&self, values: &[(String, f64)]) -> Result<ModelFile, FileError> {
+        let mut all = self.parameters.clone();
+        all.extend(values.iter().cloned());
+        match &self.model {
+            FileModel::Formulas(model) => {
+                let of = Text { file: model.file(), has_lines: model.has_lines() };
+                Ok(ModelFile { name: self.name.clone(), ..model_of(&self.text, of, &all)? })
+            }
+            FileModel::LinearGaussian(_) => parse(&self.text, &self.name, values),
+        }
+    }
+}
+
 fn model_of(text: &str, of: Text<'_>, overrides: &[(String, f64)]) -> Result<ModelFile, FileError> {
     let model = document::read(text).and_then(|table| of_table(text, of, &table, overrides));
     model.map_err(|fault| Fault { at: fault.at.filter(|_| of.has_lines), ..fault }.in_file(of.file, text))

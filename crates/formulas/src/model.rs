@@ -9,6 +9,7 @@ use motes_models::{Step, Stream};
 use crate::closed_form::{self, NoClosedForm};
 use crate::error::{Fault, Section};
 use crate::graph::build;
+use crate::priors::Prior;
 use crate::program::{Program, compile};
 use crate::schedule::{MOST_SUB_STEPS, Schedule};
 use crate::statement::{InputRule, Line, Statement, TimeRule};
@@ -205,6 +206,11 @@ impl FormulaModel {
             Some(supports) => supports.into(),
             None => supports(&self.0.measurement, &step.end(self.0.inputs.len())).into(),
         }
+    }
+
+    /// The priors of its parameters, in the order of the file.
+    pub fn priors(&self) -> &[Prior] {
+        &self.statement().priors
     }
 
     /// Whether all of it is linear with Gaussian noise.

@@ -9,6 +9,7 @@ use crate::engine::Running;
 use crate::error::MotesError;
 use crate::model::{Kind, Model};
 use crate::options::{FilterOptions, ProposalName};
+use crate::priors::of_starts;
 use crate::simulating::simulate;
 
 /// What was looked at, and what is wrong.
@@ -51,6 +52,7 @@ fn check_until(
     proceed: &mut dyn FnMut() -> ControlFlow<()>,
 ) -> Result<Checked, MotesError> {
     let mut checked = Checked::default();
+    checked.findings.extend(of_starts(model).map(|warning| format!("warning: {warning}")));
     match simulate(model, STEPS, SERIES, seed, |_| proceed()) {
         Ok(_) => checked.findings.push(format!("simulations: {SERIES} series of {STEPS} times stay finite")),
         Err(MotesError::Interrupted) => return Err(MotesError::Interrupted),

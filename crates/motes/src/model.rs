@@ -5,7 +5,9 @@ use std::path::Path;
 use std::slice::from_mut;
 use std::sync::Arc;
 
-use motes_formulas::{Description, FileError, FileModel, FormulaModel, Impossible, ModelFile, Schedule};
+use motes_formulas::{
+    Description, FileError, FileModel, FormulaModel, Impossible, ModelFile, Prior, Schedule,
+};
 use motes_models::kalman::LinearSystem;
 use motes_models::{
     LinearGaussian, OwnModel, Simulator, StateGradients, StateSpaceModel, Step, StepRecord, Stream,
@@ -190,6 +192,29 @@ impl Model {
         match &self.0 {
             Source::File(file, _) => &file.parameters,
             Source::Own(_) => &[],
+        }
+    }
+
+    /// The priors of parameters that have one, in the order of the file; none of a model of one's own.
+    pub fn priors(&self) -> &[Prior] {
+        self.formulas().map_or(&[], FormulaModel::priors)
+    }
+
+    /// The same model with other values of parameters.
+    ///
+    /// # Errors
+    /// [`FileError`] if there is no such parameter, or it is no model with these values.
+    pub fn with_parameters(&self, values: &[(String, f64)]) -> Result<Self, FileError> {
+        match &self.0 {
+            Source::File(file, timeline) => {
+                let file = file.with_parameters(values)?;
+                let FileModel::Formulas(formulas) = &file.model else {
+                    return Ok(Model(Source::File(file, timeline.clone())));
+                };
+                let timeline = timeline.as_ref().map(|timeline| Arc::new(timeline.of_model(formulas)));
+                Ok(Model(Source::File(file, timeline)))
+            }
+            Source::Own(_) => Ok(self.clone()),
         }
     }
 

@@ -12,6 +12,7 @@ use motes_models::{
 use crate::data::Data;
 use crate::error::MotesError;
 use crate::model::{Kind, Model};
+use crate::priors;
 use crate::timeline::{Clock, RowTime, Timeline, TimelineError};
 
 /// Series of states and measurements that a model drew.
@@ -21,6 +22,8 @@ pub struct Simulated {
     pub series: Vec<Trajectory>,
     /// Of each series, its rows beside states and measurements.
     pub rows: Vec<Vec<SimulatedRow>>,
+    /// For each series, the parameters that were drawn for it; empty where none were.
+    pub parameters: Vec<Vec<(String, f64)>>,
 }
 
 /// A row of a series that was drawn.
@@ -72,7 +75,24 @@ pub fn simulate(
     seed: u64,
     mut proceed: impl FnMut(usize) -> ControlFlow<()>,
 ) -> Result<Simulated, MotesError> {
-    simulate_all(model, &vec![Plan::Rows(steps); series], seed, &mut proceed)
+    simulate_all(model, &vec![Plan::Rows(steps); series], seed, false, &mut proceed)
+}
+
+/// Draws series as [`simulate`], or as [`simulate_along`] where there are times and inputs, but that parameters that have a prior, and were not set from outside, are drawn
+/// anew for each series.
+///
+/// # Errors
+/// As [`simulate`], and [`MotesError::Model`] if the file is no model with what was drawn.
+pub fn simulate_from_priors(
+    model: &Model,
+    inputs: Option<&Data>,
+    steps: usize,
+    series: usize,
+    seed: u64,
+    mut proceed: impl FnMut(usize) -> ControlFlow<()>,
+) -> Result<Simulated, MotesError> {
+    let plans = inputs.map_or_else(|| vec![Plan::Rows(steps); series], |inputs| plans_along(inputs, series));
+    simulate_all(model, &plans, seed, true, &mut proceed)
 }
 
 /// Draws `series` series at the times and with the inputs of each series of `data`, whose measurements play no part.
@@ -86,14 +106,19 @@ pub fn simulate_along(
     seed: u64,
     mut proceed: impl FnMut(usize) -> ControlFlow<()>,
 ) -> Result<Simulated, MotesError> {
+    simulate_all(model, &plans_along(data, series), seed, false, &mut proceed)
+}
+
+fn plans_along(data: &Data, series: usize) -> Vec<Plan<'_>> {
     let plans = (0..data.series.len()).flat_map(|of| std::iter::repeat_n(Plan::Along(data, of), series));
-    simulate_all(model, &plans.collect::<Vec<_>>(), seed, &mut proceed)
+    plans.collect()
 }
 
 fn simulate_all(
     model: &Model,
     plans: &[Plan<'_>],
     seed: u64,
+    from_priors: bool,
     proceed: &mut dyn FnMut(usize) -> ControlFlow<()>,
 ) -> Result<Simulated, MotesError> {
     let width = model.states().len() + model.measurements().len() + model.input_columns().len();
@@ -108,10 +133,17 @@ fn simulate_all(
         return Err(MotesError::Setting(reason));
     }
     let seed = Seed::from_u64(seed).child("simulate");
-    let mut drawn = Simulated { series: Vec::new(), rows: Vec::new() };
+    let mut drawn = Simulated { series: Vec::new(), rows: Vec::new(), parameters: Vec::new() };
     let (mut first, mut failures) = (None, 0);
     for (number, plan) in plans.iter().enumerate() {
         let mut stream = seed.nth(number as u64).stream();
+        let mut own = None;
+        if from_priors {
+            let values = priors::drawn(model, &seed.child("priors").nth(number as u64));
+            own = Some(model.with_parameters(&values)?);
+            drawn.parameters.push(values);
+        }
+        let model = own.as_ref().unwrap_or(model);
         match draw_one(model, *plan, &mut stream, &mut || proceed(number)) {
             Ok(Some((trajectory, rows))) => {
                 drawn.series.push(trajectory);
@@ -150,7 +182,7 @@ pub(crate) fn simulate_some(
 ) -> Result<Simulated, MotesError> {
     let data = data.filter(|_| model.timeline().is_some());
     let plan = data.map_or(Plan::Rows(steps), |data| Plan::Along(data, 0));
-    let mut drawn = Simulated { series: Vec::new(), rows: Vec::new() };
+    let mut drawn = Simulated { series: Vec::new(), rows: Vec::new(), parameters: Vec::new() };
     for number in 0..series {
         let mut stream = seed.nth(number as u64).stream();
         match draw_one(model, plan, &mut stream, &mut || ControlFlow::Continue(())) {

@@ -15,6 +15,7 @@ use crate::filtered::Filtered;
 use crate::filtering::{measured, of_proposal, of_series};
 use crate::model::Model;
 use crate::options::{FilterOptions, ProposalName};
+use crate::priors::of_starts;
 use crate::tally::{SeriesTally, Tally};
 
 /// What smoothers made of data.
@@ -54,7 +55,8 @@ fn smooth_until(
     proceed: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Result<Smoothed, MotesError> {
     let mut estimates: Vec<Option<Estimate>> = vec![None; data.rows.len()];
-    let mut tally = Tally::new(of_proposal(options).into_iter().chain(data.warnings()).collect());
+    let mut tally =
+        Tally::new(of_starts(model).into_iter().chain(of_proposal(options)).chain(data.warnings()).collect());
     let mut drawn = vec![];
     let nothing = vec![None; model.measurements().len()];
     let mut work = Work::of(data.rows.len(), options.particles, paths);

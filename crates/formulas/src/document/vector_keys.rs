@@ -1,10 +1,10 @@
-//! Keys of vectors, `x[40] = …`, which TOML wants in quotes.
+//! Keys of vectors and functions, `x[40] = …` and `f(x) = …`, which TOML wants in quotes.
 
 use std::borrow::Cow;
 
 use crate::names::is_in_name;
 
-/// A text whose keys of vectors are in quotes, and the way back to the text without them.
+/// A text whose keys of vectors and functions are in quotes, and the way back to the text without them.
 pub(super) struct Quoted<'t> {
     text: Cow<'t, str>,
     /// The bytes of the new text that are not of the old one, in order.
@@ -12,9 +12,9 @@ pub(super) struct Quoted<'t> {
 }
 
 impl<'t> Quoted<'t> {
-    /// Puts `x[40]` in quotes where a line begins with it and goes on with `=`.
+    /// Puts `x[40]` or `f(x)` in quotes where a line begins with it and goes on with `=`.
     pub(super) fn of(text: &'t str) -> Self {
-        if !text.contains('[') {
+        if !text.contains(['[', '(']) {
             return Quoted { text: Cow::Borrowed(text), added: Vec::new() };
         }
         let mut quoted = String::with_capacity(text.len());
@@ -49,14 +49,19 @@ impl<'t> Quoted<'t> {
     }
 }
 
-/// The length of the key of a vector at the beginning of a line.
+/// The length of the key of a vector or function at the beginning of a line.
 fn vector_key(line: &str) -> Option<usize> {
     let name = line.find(|c| !is_in_name(c)).filter(|end| *end > 0)?;
     let open = line[name..].trim_start_matches([' ', '\t']);
-    let inside = open.strip_prefix('[')?;
-    let close = inside.find([']', '"', '\'', '=', '#'])?;
-    let after = inside[close..].strip_prefix(']')?;
-    after.trim_start_matches([' ', '\t']).starts_with('=').then(|| line.len() - after.len())
+    let (inside, end) = match (open.strip_prefix('['), open.strip_prefix('(')) {
+        (Some(inside), _) => (inside, ']'),
+        (None, inside) => (inside?, ')'),
+    };
+    let close = inside.find([end, '"', '\'', '=', '#'])?;
+    let after = inside[close..].strip_prefix(end)?;
+    // A formula of several lines may compare: `x[0] == 1`.
+    let value = after.trim_start_matches([' ', '\t']).strip_prefix('=')?;
+    (!value.starts_with('=')).then(|| line.len() - after.len())
 }
 
 #[cfg(test)]
@@ -65,9 +70,12 @@ mod tests {
 
     #[test]
     fn places_are_those_of_the_old_text() {
-        let old = "a = 1\n  x[40] = \"y\"\nb[n] = 2\n[x]\nc = [1]\n";
+        let old = "a = 1\n  x[40] = \"y\"\nb[n] = 2\n[x]\nc = [1]\nf(x) = 3\nx[0] == 1\n";
         let quoted = Quoted::of(old);
-        assert_eq!(quoted.text(), "a = 1\n  \"x[40]\" = \"y\"\n\"b[n]\" = 2\n[x]\nc = [1]\n");
+        assert_eq!(
+            quoted.text(),
+            "a = 1\n  \"x[40]\" = \"y\"\n\"b[n]\" = 2\n[x]\nc = [1]\n\"f(x)\" = 3\nx[0] == 1\n"
+        );
         for (new, c) in quoted.text().char_indices().filter(|(new, _)| !quoted.added.contains(new)) {
             assert!(old[quoted.original(new)..].starts_with(c), "byte {new}");
         }

@@ -35,6 +35,14 @@ fn number_of(element: Element, length: usize, values: &[f64]) -> usize {
     }
 }
 
+/// What a function is called with.
+pub(super) fn arguments_of(call: &Node, values: &[f64]) -> Vec<f64> {
+    match call {
+        Node::Call { arguments, .. } => arguments.iter().map(|argument| values[*argument]).collect(),
+        _ => Vec::new(),
+    }
+}
+
 impl<'a> Point<'a> {
     /// `states` are those that the section's formulas are about, if there are any.
     pub(super) fn new(statement: &'a Statement, step: Step<'a>, states: Option<&'a [f64]>) -> Self {
@@ -45,11 +53,13 @@ impl<'a> Point<'a> {
             let line = &statement.definitions[definition];
             point.has_states[definition] = line.formula.nodes.iter().any(|node| match node {
                 Node::State { .. } => true,
-                Node::Definition { number, .. } => point.has_states[*number],
+                Node::Definition { number, .. } | Node::Call { number, .. } => point.has_states[*number],
                 _ => false,
             });
-            let value = |number| point.values(&line.formula, number).last().copied().unwrap_or(f64::NAN);
-            point.definitions[definition] = (0..line.coordinates()).map(value).collect();
+            let value = |number| point.values(&line.formula, number, &[]).last().copied().unwrap_or(f64::NAN);
+            // A function has a value where it is called.
+            let coordinates = (0..line.coordinates()).filter(|_| line.arguments.is_empty());
+            point.definitions[definition] = coordinates.map(value).collect();
         }
         point
     }
@@ -59,8 +69,8 @@ impl<'a> Point<'a> {
         self.states.and_then(|states| states.get(number)).copied().unwrap_or(f64::NAN)
     }
 
-    /// The values of all nodes of a formula, as it is for a coordinate of a vector; NaN for what is random.
-    pub(super) fn values(&self, formula: &Formula, number: usize) -> Vec<f64> {
+    /// The values of all nodes of a formula, as it is for a coordinate of a vector or for arguments of a function; NaN for what is random.
+    pub(super) fn values(&self, formula: &Formula, number: usize, arguments: &[f64]) -> Vec<f64> {
         let mut values = Vec::with_capacity(formula.nodes.len());
         for (at, node) in formula.nodes.iter().enumerate() {
             let value = match node {
@@ -70,6 +80,12 @@ impl<'a> Point<'a> {
                 Node::Length => self.step.length,
                 Node::Input(number) => self.step.inputs.get(*number).copied().unwrap_or(f64::NAN),
                 Node::Coordinate => number as f64,
+                Node::Argument(argument) => arguments[*argument],
+                Node::Call { number, .. } => {
+                    let formula = &self.statement.definitions[*number].formula;
+                    let arguments = arguments_of(node, &values);
+                    self.values(formula, 0, &arguments).last().copied().unwrap_or(f64::NAN)
+                }
                 Node::State { first, length, element } => {
                     self.state(first + number_of(*element, *length, &values))
                 }
@@ -93,11 +109,22 @@ impl<'a> Point<'a> {
                 Node::If([condition, then, otherwise]) => {
                     choice(values[*condition], values[*then], values[*otherwise])
                 }
-                Node::Random(..) => f64::NAN,
+                Node::Random(..) | Node::Compound(..) => f64::NAN,
             };
             values.push(value);
         }
         values
+    }
+
+    /// The function that a node calls.
+    pub(super) fn function(&self, node: &Node) -> Option<Place<'a>> {
+        match node {
+            Node::Call { number, .. } => {
+                let line = &self.statement.definitions[*number];
+                Some(Place { section: Section::Definitions, line, number: 0 })
+            }
+            _ => None,
+        }
     }
 
     /// The definition that a node names, and which of its coordinates.
@@ -117,9 +144,12 @@ impl<'a> Point<'a> {
         let formula = &place.line.formula;
         let name = match &formula.nodes[node] {
             Node::Named(_) if formula.text_of(node) == "pi" => return None,
-            Node::Named(_) | Node::Time | Node::Length | Node::Input(_) | Node::Coordinate => {
-                formula.text_of(node).to_string()
-            }
+            Node::Named(_)
+            | Node::Time
+            | Node::Length
+            | Node::Input(_)
+            | Node::Coordinate
+            | Node::Argument(_) => formula.text_of(node).to_string(),
             Node::State { first, length, element } => {
                 self.statement.name_of(first + number_of(*element, *length, values))
             }
@@ -139,6 +169,10 @@ impl<'a> Point<'a> {
             let is_known = match node {
                 Node::State { first, .. } => section != Section::Initial && *first < states,
                 Node::Definition { number, .. } => section != Section::Initial || !self.has_states[*number],
+                Node::Call { number, arguments } => {
+                    (section != Section::Initial || !self.has_states[*number])
+                        && arguments.iter().all(|argument| known[*argument])
+                }
                 Node::Entry { indices, .. } => indices.iter().all(|index| known[*index]),
                 Node::OfOne(_, a) => known[*a],
                 Node::OfTwo(_, a, b) => known[*a] && known[*b],

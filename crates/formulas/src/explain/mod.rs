@@ -16,7 +16,7 @@ use crate::model::FormulaModel;
 use crate::operations::Binary;
 use crate::statement::Line;
 use crate::syntax::{Node, NodeId};
-use crate::tables::{Kind, Range};
+use crate::tables::{Composition, Kind, MOST_OFF, Range};
 
 /// How a number can be out of range.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -92,16 +92,15 @@ fn in_coordinate(
     point: &Point<'_>,
     fault: Fault,
 ) -> Option<DomainError> {
-    let (formula, values) = (&line.formula, point.values(&line.formula, line.first + number));
+    let (formula, values) = (&line.formula, point.values(&line.formula, line.first + number, &[]));
     let place = Place { section, line, number };
     let known = point.are_known(section, formula);
     let origin = |node: NodeId| trace::origin(place, node, &values, point);
     let of_parameter = |node: NodeId, name: &str, expected: &str| {
-        let value = values[node];
-        if !value.is_finite() {
+        if !values[node].is_finite() {
             return origin(node);
         }
-        Origin::of_parameter(place, node, value, [name.to_string(), expected.to_string()])
+        Origin::of_parameter(place, node, &values, [name.to_string(), expected.to_string()])
     };
     let found = formula.nodes.iter().enumerate().find_map(|(at, node)| match node {
         Node::Random(family, arguments) => {
@@ -119,6 +118,26 @@ fn in_coordinate(
                 }
                 _ => None,
             }
+        }
+        Node::Compound(compound, arguments) => {
+            let wrong = |(number, node): &(usize, &NodeId)| {
+                known[**node] && fault.is_in(values[**node], compound.range(*number))
+            };
+            if let Some((number, node)) = arguments.iter().enumerate().find(wrong) {
+                let expected = compound.range(number).words();
+                return Some(of_parameter(*node, compound.parameter(number), expected));
+            }
+            let sum: f64 = arguments.iter().map(|node| values[*node]).sum();
+            let is_off = compound.composition == Composition::Categorical
+                && arguments.iter().all(|node| known[*node])
+                && fault == Fault::NotANumber
+                && (sum - 1.0).abs() > MOST_OFF;
+            is_off.then(|| {
+                let mut values = values.clone();
+                values[at] = sum;
+                let words = ["the sum of the probabilities".to_string(), "1".to_string()];
+                Origin::of_parameter(place, at, &values, words)
+            })
         }
         // What the distribution is shifted or scaled by.
         Node::OfTwo(operation, a, b) if formula.is_random[at] => {

@@ -1,11 +1,12 @@
 //! Makes the graph of a section from its formulas.
 
+use super::compound::Part;
 use super::coordinate::{Coordinate, Output};
 use super::nodes::{Graph, Id, Operation};
 use crate::error::{Fault, Problem, Section};
 use crate::operations::{Binary, Unary};
 use crate::statement::{Line, List, Statement};
-use crate::syntax::{Element, Node, NodeId, Since, Sum};
+use crate::syntax::{Element, Node, NodeId, Since, Total};
 use crate::tables::{Kind, Range, call};
 
 /// How many operations the formulas of a section may come to.
@@ -46,26 +47,27 @@ pub(crate) fn build(statement: &Statement, section: Section) -> Result<Built, Fa
             statement.definitions[number].formula.definitions().for_each(|other| used[other] = true);
         }
     }
-    let mut builder =
-        Builder { graph: Graph::default(), definitions: vec![Vec::new(); used.len()], work: 0, section };
+    let (graph, definitions) = (Graph::default(), vec![Vec::new(); used.len()]);
+    let mut builder = Builder { graph, definitions, work: 0, section, number: 0 };
     for &number in statement.order.iter().filter(|number| used[**number]) {
         let line = &statement.definitions[number];
-        for coordinate in 0..line.coordinates() {
-            let (value, _) = builder.of_line(statement, line, Section::Definitions, coordinate)?;
-            builder.definitions[number].push(value);
+        // A function has a value where it is called.
+        for coordinate in (0..line.coordinates()).filter(|_| line.arguments.is_empty()) {
+            let value = builder.of_line(statement, line, Section::Definitions, coordinate, &[])?.value();
+            builder.definitions[number].extend(value);
         }
     }
     let states: usize = statement.initial.iter().map(Line::coordinates).sum();
-    let sums: usize = statement.sums.iter().map(Sum::coordinates).sum();
-    let mut draws = builder.of_lines(statement, draws, Section::Draws, Some(states + sums))?;
+    let totals: usize = statement.totals.iter().map(Total::coordinates).sum();
+    let mut draws = builder.of_lines(statement, draws, Section::Draws, Some(states + totals))?;
     let in_order = (section == Section::Initial).then_some(0);
     let mut coordinates = builder.of_lines(statement, lines, section, in_order)?;
     match section {
         Section::Initial => {
             let nothing = builder.graph.constant(0.0);
-            coordinates.extend((0..sums).map(|_| Output::Follows(nothing)));
+            coordinates.extend((0..totals).map(|_| Output::Follows(nothing)));
         }
-        Section::Transition => builder.add_sums(statement, &mut draws, &mut coordinates),
+        Section::Transition => builder.add_totals(statement, &mut draws, &mut coordinates),
         _ => {}
     }
     Ok(Built { graph: builder.graph, draws, coordinates })
@@ -78,8 +80,20 @@ fn place_of(line: &Line, state: usize) -> usize {
         _ => false,
     };
     let nodes = &line.formula.nodes;
-    let definition = || nodes.iter().position(|node| matches!(node, Node::Definition { .. }));
+    let definition =
+        || nodes.iter().position(|node| matches!(node, Node::Definition { .. } | Node::Call { .. }));
     nodes.iter().position(names).or_else(definition).map_or(0, |node| line.formula.spans[node].start)
+}
+
+/// The draw of several parts that begins with that state or draw.
+fn parts(statement: &Statement, first: usize) -> Option<&Line> {
+    let mut begin: usize = statement.initial.iter().map(Line::coordinates).sum();
+    let mut of_that_begin = statement.draws.iter().filter(|line| {
+        let own = begin;
+        begin += line.coordinates();
+        own == first
+    });
+    of_that_begin.next().filter(|line| line.formula.has_parts())
 }
 
 struct Builder {
@@ -88,22 +102,24 @@ struct Builder {
     definitions: Vec<Vec<Id>>,
     work: usize,
     section: Section,
+    /// Which coordinate is built, among all that formulas of the section can name.
+    number: usize,
 }
 
 impl Builder {
-    /// Adds the sums over sub-steps behind the coordinates of the state.
-    fn add_sums(&mut self, statement: &Statement, draws: &mut Vec<Output>, coordinates: &mut Vec<Output>) {
+    /// Adds the totals over sub-steps behind the coordinates of the state.
+    fn add_totals(&mut self, statement: &Statement, draws: &mut Vec<Output>, coordinates: &mut Vec<Output>) {
         let states = coordinates.len();
-        let behind = states + statement.sums.iter().map(Sum::coordinates).sum::<usize>();
+        let behind = states + statement.totals.iter().map(Total::coordinates).sum::<usize>();
         let resets = statement.resets();
-        for sum in &statement.sums {
-            for coordinate in sum.first..sum.first + sum.coordinates() {
-                let value = if sum.is_of_draws {
+        for total in &statement.totals {
+            for coordinate in total.first..total.first + total.coordinates() {
+                let value = if total.is_of_draws {
                     self.graph.state(behind + coordinate)
                 } else {
                     match &coordinates[coordinate] {
                         Output::Follows(value) => *value,
-                        drawn @ Output::Drawn(_) => {
+                        drawn @ (Output::Drawn(_) | Output::Computed { .. }) => {
                             // What is drawn has a number only as a draw.
                             draws.push(drawn.clone());
                             let value = self.graph.state(behind + draws.len() - 1);
@@ -114,7 +130,7 @@ impl Builder {
                 };
                 let before = self.graph.state(coordinates.len());
                 let first = self.graph.of_step(Operation::First);
-                let begins = match sum.since {
+                let begins = match total.since {
                     Since::SubStep => {
                         coordinates.push(Output::Follows(value));
                         continue;
@@ -145,8 +161,8 @@ impl Builder {
         let mut outputs: Vec<Output> = Vec::new();
         for line in lines {
             for coordinate in 0..line.coordinates() {
-                let (value, drawn) = self.of_line(statement, line, section, coordinate)?;
-                let output = drawn.map_or(Output::Follows(value), Output::Drawn);
+                self.number = known.unwrap_or_default() + outputs.len();
+                let output = self.of_line(statement, line, section, coordinate, &[])?;
                 if let (Output::Follows(id), false) = (&output, section == Section::Measurement)
                     && let Some(value) = self.graph.value(*id).filter(|value| !value.is_finite())
                 {
@@ -168,14 +184,15 @@ impl Builder {
         Ok(outputs)
     }
 
-    /// The value of a formula for a coordinate of a vector, and its distribution, if it has one.
+    /// What a formula says of a coordinate of a vector, or of a function of `arguments`.
     fn of_line(
         &mut self,
         statement: &Statement,
         line: &Line,
         section: Section,
         coordinate: usize,
-    ) -> Result<(Id, Option<Coordinate>), Fault> {
+        arguments: &[Id],
+    ) -> Result<Output, Fault> {
         let formula = &line.formula;
         self.work += formula.nodes.len();
         if self.work > MOST {
@@ -187,6 +204,16 @@ impl Builder {
         let mut values: Vec<Id> = Vec::with_capacity(formula.nodes.len());
         for (at, node) in formula.nodes.iter().enumerate() {
             let value = match node {
+                Node::Compound(compound, arguments) => {
+                    let arguments: Vec<Id> = arguments.iter().map(|argument| values[*argument]).collect();
+                    let (arguments, number) = (&arguments, self.number);
+                    let part = Part { compound, arguments, part: coordinate, number };
+                    self.work += arguments.len();
+                    // It is all of the formula.
+                    return part
+                        .output(&mut self.graph)
+                        .map_err(|problem| line.fault(section, formula.spans[at].start, problem));
+                }
                 _ if formula.is_random[at] => {
                     self.random(node, &formula.is_random, &values, &mut random);
                     nothing
@@ -199,15 +226,22 @@ impl Builder {
                 Node::Length => self.graph.of_step(Operation::Length),
                 Node::Input(number) => self.graph.of_step(Operation::Input(*number as u32)),
                 Node::Coordinate => self.graph.constant((line.first + coordinate) as f64),
+                Node::Argument(number) => arguments[*number],
+                Node::Call { number, arguments } => {
+                    let function = &statement.definitions[*number];
+                    let arguments: Vec<Id> = arguments.iter().map(|argument| values[*argument]).collect();
+                    let output = self.of_line(statement, function, Section::Definitions, 0, &arguments)?;
+                    output.value().unwrap_or(nothing)
+                }
                 Node::State { first, length, element } => {
                     let element = self
-                        .element(element, *length, &values)
+                        .element(element, *length, parts(statement, *first), &values)
                         .map_err(|problem| line.fault(section, formula.spans[at].start, problem))?;
                     self.graph.state(first + element)
                 }
                 Node::Definition { number, length, element } => {
                     let element = self
-                        .element(element, *length, &values)
+                        .element(element, *length, None, &values)
                         .map_err(|problem| line.fault(section, formula.spans[at].start, problem))?;
                     self.definitions[*number][element]
                 }
@@ -234,7 +268,8 @@ impl Builder {
             }
             coordinate.settle(&mut self.graph);
         }
-        Ok((values.last().copied().unwrap_or(nothing), random.map(|(coordinate, _)| coordinate)))
+        let value = Output::Follows(values.last().copied().unwrap_or(nothing));
+        Ok(random.map_or(value, |(coordinate, _)| Output::Drawn(coordinate)))
     }
 
     /// An entry of a list: chosen among all where an index is not known; NaN where there is none.
@@ -271,12 +306,22 @@ impl Builder {
         Ok(chosen)
     }
 
-    /// Which coordinate of a vector an index means.
-    fn element(&self, element: &Element, length: usize, values: &[Id]) -> Result<usize, Problem> {
+    /// Which coordinate of a vector an index means, which goes round unless it is one of the parts of a line.
+    fn element(
+        &self,
+        element: &Element,
+        length: usize,
+        parts: Option<&Line>,
+        values: &[Id],
+    ) -> Result<usize, Problem> {
         let Element::At(index) = element else { return Ok(0) };
-        // Indices are made of constants.
-        let index = self.graph.value(values[*index]).unwrap_or(f64::NAN);
-        if index.abs() < LARGEST_INDEX {
+        // Indices are made of constants, unless a function is given something else.
+        let no_integer = || Problem::BadIndex("what the function is given".to_string());
+        let index = self.graph.value(values[*index]).ok_or_else(no_integer)?;
+        if let Some(line) = parts.filter(|_| !(0.0..length as f64).contains(&index)) {
+            return Err(Problem::BeyondList { name: line.name.clone(), index, last: length - 1 });
+        }
+        if index.abs() < LARGEST_INDEX && index.fract() == 0.0 {
             return Ok((index as i64).rem_euclid(length as i64) as usize);
         }
         Err(Problem::BadIndex(format!("{index}")))

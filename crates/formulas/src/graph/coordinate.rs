@@ -20,23 +20,46 @@ pub(crate) enum Output {
     Drawn(Coordinate),
     /// It follows, without noise.
     Follows(Id),
+    /// It is computed of what is drawn for it.
+    Computed {
+        coordinate: Coordinate,
+        /// What is drawn.
+        drawn: Id,
+        value: Id,
+    },
 }
 
 impl Output {
     /// Its numbers, those that it has.
     pub(crate) fn numbers(&self) -> impl Iterator<Item = Id> {
-        let (drawn, follows) = match self {
-            Output::Drawn(coordinate) => (Some(coordinate), None),
-            Output::Follows(id) => (None, Some(*id)),
+        let follows = match self {
+            Output::Drawn(_) => None,
+            Output::Follows(value) | Output::Computed { value, .. } => Some(*value),
         };
-        drawn.into_iter().flat_map(Coordinate::numbers).chain(follows)
+        self.drawn_from().into_iter().flat_map(Coordinate::numbers).chain(follows)
     }
 
-    /// Its distribution, if it has one.
+    /// The number that it is, where nothing is drawn.
+    pub(super) fn value(&self) -> Option<Id> {
+        match self {
+            Output::Follows(value) => Some(*value),
+            Output::Drawn(_) | Output::Computed { .. } => None,
+        }
+    }
+
+    /// The distribution that something is drawn from for it, if something is.
+    pub(crate) fn drawn_from(&self) -> Option<&Coordinate> {
+        match self {
+            Output::Drawn(coordinate) | Output::Computed { coordinate, .. } => Some(coordinate),
+            Output::Follows(_) => None,
+        }
+    }
+
+    /// Its distribution, if it is drawn itself.
     pub(crate) fn drawn(&self) -> Option<&Coordinate> {
         match self {
             Output::Drawn(coordinate) => Some(coordinate),
-            Output::Follows(_) => None,
+            Output::Follows(_) | Output::Computed { .. } => None,
         }
     }
 }

@@ -26,6 +26,7 @@ impl Graph {
                 | Operation::Input(_)
                 | Operation::First => Degree::Zero,
                 Operation::State(_) => Degree::One,
+                Operation::Drawn(_) => Degree::Other,
                 Operation::OfOne(Unary::Negative, a) => degrees[a.index()],
                 Operation::OfOne(_, a) | Operation::Integer(a, _) => other(degrees[a.index()]),
                 // Whichever of two is known without states.

@@ -1,6 +1,7 @@
 //! The formulas of a section as one graph, in which what is computed twice stands once.
 
 mod build;
+mod compound;
 mod coordinate;
 mod linear;
 mod nodes;

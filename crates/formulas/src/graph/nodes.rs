@@ -29,6 +29,8 @@ pub(crate) enum Operation {
     /// 1 in the first sub-step of a step, else 0.
     First,
     State(u32),
+    /// What is drawn for the coordinate of that number, of which it is computed.
+    Drawn(u32),
     OfOne(Unary, Id),
     /// A power with an integer exponent.
     Integer(Id, i32),
@@ -46,7 +48,8 @@ impl Operation {
             | Operation::Length
             | Operation::Input(_)
             | Operation::First
-            | Operation::State(_) => [None; 3],
+            | Operation::State(_)
+            | Operation::Drawn(_) => [None; 3],
             Operation::OfOne(_, a) | Operation::Integer(a, _) => [Some(a), None, None],
             Operation::OfTwo(_, a, b) => [Some(a), Some(b), None],
             Operation::If(c, a, b) => [Some(c), Some(a), Some(b)],
@@ -62,6 +65,8 @@ pub(crate) struct Graph {
     known: HashMap<Operation, Id>,
     /// For each, the last of the states that it depends on.
     last_states: Vec<Option<u32>>,
+    /// For each, whether it is another one for each particle.
+    varies: Vec<bool>,
 }
 
 /// Powers up to here are products that other operations can share.
@@ -79,6 +84,9 @@ impl Graph {
         let id = Id(self.operations.len() as u32);
         self.operations.push(operation);
         self.last_states.push(last_state);
+        let varies = matches!(operation, Operation::State(_) | Operation::Drawn(_))
+            || operation.operands().any(|operand| self.varies(operand));
+        self.varies.push(varies);
         self.known.insert(operation, id);
         id
     }
@@ -91,9 +99,9 @@ impl Graph {
         &self.operations
     }
 
-    /// Whether a number depends on states.
+    /// Whether a number depends on states, or on what is drawn.
     pub(crate) fn varies(&self, id: Id) -> bool {
-        self.last_state(id).is_some()
+        self.varies[id.index()]
     }
 
     /// The last of the states that a number depends on.
@@ -124,6 +132,10 @@ impl Graph {
             Operation::Input(number) => Some(number),
             _ => None,
         })
+    }
+
+    pub(crate) fn drawn(&mut self, number: usize) -> Id {
+        self.add(Operation::Drawn(number as u32))
     }
 
     pub(crate) fn choice(&mut self, condition: Id, then: Id, otherwise: Id) -> Id {

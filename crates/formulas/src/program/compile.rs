@@ -1,6 +1,6 @@
 //! Makes a program of a graph: coordinate by coordinate, each number as late as it is needed.
 
-use super::instruction::{self, Instruction, NoiseTerm, Place, PlainStep, Program, Rule, Source};
+use super::instruction::{self, Computed, Instruction, NoiseTerm, Place, PlainStep, Program, Rule, Source};
 use super::registers::Registers;
 use crate::graph::{Built, Coordinate, Graph, Id, Operation, Output};
 use crate::operations::Binary;
@@ -103,13 +103,26 @@ impl Compiler<'_> {
 
     /// The instructions for a coordinate's numbers, and what it is.
     fn output(&mut self, output: &Output) -> instruction::Output {
-        output.numbers().for_each(|number| self.compute(number));
+        let before = output.drawn_from().into_iter().flat_map(Coordinate::numbers);
+        before.for_each(|number| self.compute(number));
+        let mut end = self.instructions.len();
         let rule = match output {
-            Output::Follows(id) => Rule::Formula(self.source(*id)),
             Output::Drawn(coordinate) => Rule::Noise(self.noise_term(coordinate)),
+            Output::Follows(id) => {
+                self.compute(*id);
+                end = self.instructions.len();
+                Rule::Formula(self.source(*id))
+            }
+            Output::Computed { coordinate, drawn, value } => {
+                let (term, register) = (self.noise_term(coordinate), self.registers.take());
+                self.held[drawn.index()] = Some(register);
+                self.compute(*value);
+                let (value, end) = (self.source(*value), self.instructions.len());
+                Rule::Computed(Computed { term, register, end, value })
+            }
         };
         output.numbers().for_each(|number| self.release(number));
-        instruction::Output { end: self.instructions.len(), rule }
+        instruction::Output { end, rule }
     }
 
     /// Where the numbers of a distribution are.
@@ -192,7 +205,8 @@ impl Compiler<'_> {
             | Operation::Length
             | Operation::Input(_)
             | Operation::First
-            | Operation::State(_) => None,
+            | Operation::State(_)
+            | Operation::Drawn(_) => None,
             Operation::OfOne(operation, a) => Some(Instruction::OfOne(operation, out, self.place(a))),
             Operation::Integer(a, n) => Some(Instruction::Integer(out, self.place(a), n)),
             Operation::OfTwo(operation, a, b) => Some(of_two(operation, out, self.source(a), self.source(b))),

@@ -83,6 +83,18 @@ pub(super) struct Output {
 pub(super) enum Rule {
     Noise(NoiseTerm),
     Formula(Source),
+    Computed(Computed),
+}
+
+/// A number that is computed of what is drawn.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Computed {
+    pub(super) term: NoiseTerm,
+    /// The register that what is drawn goes to.
+    pub(super) register: u32,
+    /// The instructions up to here come after the draw.
+    pub(super) end: usize,
+    pub(super) value: Source,
 }
 
 /// The distribution of a coordinate.

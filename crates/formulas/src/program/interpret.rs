@@ -6,7 +6,7 @@ use motes_models::Step;
 use motes_models::batch::by_widest_vectors;
 use motes_models::equations::{Coordinates, Distribution, Draws, Scalar, with_scalars};
 
-use super::instruction::{Instruction, NoiseTerm, Output, Place, PlainStep, Program, Rule, Source};
+use super::instruction::{Computed, Instruction, NoiseTerm, Output, Place, PlainStep, Program, Rule, Source};
 use crate::operations::choice;
 
 /// What numbers that are the same for all particles depend on.
@@ -26,7 +26,7 @@ impl<'a> Moment<'a> {
 }
 
 impl Program {
-    /// Makes the coordinates of a state at a time, given the state before: draws, and what follows.
+    /// Makes the coordinates of a state at a time, after a step of a length, given the state before: draws, and what follows.
     ///
     /// # Panics
     /// If there are fewer states than the model has.
@@ -109,7 +109,7 @@ impl Program {
                         true => match &output.rule {
                             Rule::Noise(term) => run.push(term, coordinates),
                             // A measurement is always drawn.
-                            Rule::Formula(_) => {}
+                            Rule::Formula(_) | Rule::Computed(_) => {}
                         },
                         false => coordinates.pass_over(),
                     }
@@ -213,12 +213,22 @@ impl<S: Scalar> Run<'_, S> {
         *start = output.end;
         match &output.rule {
             Rule::Formula(source) => self.value(*source),
-            Rule::Noise(term) => {
-                let mut one = OneDraw { draws, drawn: S::from(f64::NAN) };
-                self.push(term, &mut one);
-                one.drawn
+            Rule::Noise(term) => self.drawn(term, draws),
+            Rule::Computed(Computed { term, register, end, value }) => {
+                self.registers[*register as usize] = self.drawn(term, draws);
+                self.all(&instructions[*start..*end]);
+                *start = *end;
+                self.value(*value)
             }
         }
+    }
+
+    /// What is drawn from a distribution.
+    #[inline(always)]
+    fn drawn(&mut self, term: &NoiseTerm, draws: &mut impl Draws<S>) -> S {
+        let mut one = OneDraw { draws, drawn: S::from(f64::NAN) };
+        self.push(term, &mut one);
+        one.drawn
     }
 
     #[inline(always)]

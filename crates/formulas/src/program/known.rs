@@ -43,7 +43,7 @@ impl Program {
             let of = |source: Option<Source>, otherwise: f64| source.map_or(Some(otherwise), value);
             let terms = self.coordinates.iter().filter_map(|output| match &output.rule {
                 Rule::Noise(term) => Some(term),
-                Rule::Formula(_) => None,
+                Rule::Formula(_) | Rule::Computed(_) => None,
             });
             let known = terms.map(|term| Known {
                 kind: term.kind,

@@ -3,10 +3,11 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::parameters::Parameters;
-use crate::document::{Entry, Table, Value};
+use crate::document::{Entry, Found, Table, Value};
 use crate::error::{Fault, Problem, Section};
 use crate::names::is_name;
-use crate::tables::reserved;
+use crate::syntax::parts;
+use crate::tables::{family, reserved};
 
 /// How many coordinates a section may have.
 const MOST: usize = 10_000;
@@ -21,6 +22,10 @@ pub(super) struct Key<'t> {
     pub(super) length: Option<usize>,
     /// Where that part begins; none where it is all of it.
     pub(super) part: Option<usize>,
+    /// The names of the arguments of a function; none of what is no function.
+    pub(super) arguments: Vec<String>,
+    /// Whether it is a vector because its distribution has parts.
+    pub(super) has_parts: bool,
     pub(super) at: usize,
     pub(super) value: &'t Value,
 }
@@ -29,7 +34,16 @@ impl<'t> Key<'t> {
     /// That of how an input is simulated.
     pub(super) fn of_input(name: &'t str, entry: &'t Entry) -> Self {
         let (at, value) = (entry.key_at, &entry.value);
-        Key { written: name, name: name.to_string(), length: None, part: None, at, value }
+        Key {
+            written: name,
+            name: name.to_string(),
+            length: None,
+            part: None,
+            at,
+            value,
+            arguments: Vec::new(),
+            has_parts: false,
+        }
     }
 }
 
@@ -68,7 +82,8 @@ pub(super) fn read<'t>(
     let mut keys: Vec<Key<'t>> = Vec::with_capacity(table.len());
     let (mut names, mut coordinates) = (BTreeSet::new(), 0);
     for entry in table {
-        let key = key(entry, parameters)
+        let key = key(entry, section, parameters)
+            .and_then(|key| with_parts(key, section))
             .map_err(|problem| Fault::at(entry.key_at, problem).in_section(section).of_key(&entry.key))?;
         if let Some(problem) = taken(&key.name, section) {
             return Err(key.fault(section, problem));
@@ -117,10 +132,53 @@ fn taken(name: &str, section: Section) -> Option<Problem> {
     what.map(|what| Problem::Reserved { name: name.to_string(), what })
 }
 
-/// `x` or `x[40]`, or a part of a vector: `x[0]`, its first coordinate, or `x[1..4]`, those from 1 on and before 4.
-fn key<'t>(entry: &'t Entry, parameters: &Parameters) -> Result<Key<'t>, Problem> {
+/// A draw with as many coordinates as its distribution has parts.
+fn with_parts(key: Key<'_>, section: Section) -> Result<Key<'_>, Problem> {
+    let parts = match &key.value.found {
+        Found::Text { text, .. } if section == Section::Draws => parts(text),
+        _ => None,
+    };
+    match (parts, key.length) {
+        (None, _) => Ok(key),
+        (Some(_), Some(_)) => Err(Problem::VectorOfParts(key.name)),
+        (Some(parts), None) => Ok(Key { length: Some(parts), has_parts: true, ..key }),
+    }
+}
+
+/// The name of a function and those of its arguments: `f(x, y)`.
+fn function<'t>(written: &'t str, section: Section) -> Result<(&'t str, Vec<String>), Problem> {
+    let bad = || Problem::BadFunction(written.to_string());
+    let (name, rest) = written.split_once('(').ok_or_else(bad)?;
+    let inside = rest.strip_suffix(')').ok_or_else(bad)?;
+    if section != Section::Definitions {
+        return Err(Problem::FunctionElsewhere(written.to_string()));
+    }
+    let name = name.trim_end();
+    if family(name).is_some() {
+        return Err(Problem::Reserved { name: name.to_string(), what: "a distribution" });
+    }
+    let arguments: Vec<String> = inside.split(',').map(|name| name.trim().to_string()).collect();
+    for (number, argument) in arguments.iter().enumerate() {
+        if !is_name(argument) || arguments[..number].contains(argument) {
+            return Err(bad());
+        }
+        if let Some(what) = reserved(argument) {
+            return Err(Problem::Reserved { name: argument.clone(), what });
+        }
+    }
+    Ok((name, arguments))
+}
+
+/// `x` or `x[40]`, or a part of a vector: `x[0]`, its first coordinate, or `x[1..4]`, those from 1 on and before 4. A function is `f(x)`.
+fn key<'t>(entry: &'t Entry, section: Section, parameters: &Parameters) -> Result<Key<'t>, Problem> {
     let written = entry.key.as_str();
+    let mut arguments = Vec::new();
     let (name, length, part) = match written.split_once('[') {
+        None if written.contains('(') => {
+            let (name, names) = function(written, section)?;
+            arguments = names;
+            (name, None, None)
+        }
         None => (written, None, None),
         Some((name, rest)) => {
             let Some(inside) = rest.strip_suffix(']') else {
@@ -148,7 +206,8 @@ fn key<'t>(entry: &'t Entry, parameters: &Parameters) -> Result<Key<'t>, Problem
     if !is_name(name) {
         return Err(Problem::BadName(name.to_string()));
     }
-    Ok(Key { written, name: name.to_string(), length, part, at: entry.key_at, value: &entry.value })
+    let (name, at) = (name.to_string(), entry.key_at);
+    Ok(Key { written, name, length, part, arguments, has_parts: false, at, value: &entry.value })
 }
 
 /// The names of keys with the lengths of their vectors, of which parts are put together.

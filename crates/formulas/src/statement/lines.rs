@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use super::keys::Key;
 use crate::document::Found;
 use crate::error::{Fault, Place, Problem, Section};
-use crate::syntax::{Formula, Meaning, Scope, Sums, parse};
+use crate::syntax::{Formula, Meaning, Scope, Totals, parse};
 
 /// The formula of a coordinate, of all coordinates of a vector, or of a definition.
 #[derive(Debug, Clone)]
@@ -18,6 +18,8 @@ pub(crate) struct Line {
     pub(crate) length: Option<usize>,
     /// The index of the first coordinate.
     pub(crate) first: usize,
+    /// The names of the arguments of a function; none of what is no function.
+    pub(crate) arguments: Vec<String>,
     pub(crate) formula: Formula,
     /// The line of the file, from 1.
     pub(crate) number: usize,
@@ -37,6 +39,7 @@ impl Line {
     pub(crate) fn coordinate(&self, number: usize) -> String {
         match self.length {
             Some(_) => format!("{}[{}]", self.name, self.first + number),
+            None if !self.arguments.is_empty() => self.key.clone(),
             None => self.name.clone(),
         }
     }
@@ -53,7 +56,7 @@ pub(super) struct Reader<'a> {
     pub(super) text: &'a str,
     pub(super) names: &'a BTreeMap<String, Meaning>,
     /// Where measurements keep what they use of the sub-steps.
-    pub(super) sums: Option<&'a RefCell<Sums>>,
+    pub(super) totals: Option<&'a RefCell<Totals>>,
 }
 
 impl Reader<'_> {
@@ -78,8 +81,9 @@ impl Reader<'_> {
             }
             _ => return Err(self.no_formula(key, section)),
         };
-        let sums = self.sums.map(|sums| (before, sums));
-        let scope = Scope { names: self.names, section, is_vector: key.length.is_some(), sums };
+        let totals = self.totals.map(|totals| (before, totals));
+        let is_vector = key.length.is_some() && !key.has_parts;
+        let scope = Scope { names: self.names, section, is_vector, totals, arguments: &key.arguments };
         let parsed = parse(text, scope).and_then(|formula| check_noise(formula, section));
         let formula = parsed.map_err(|fault| {
             let at = match (inner, fault.at) {
@@ -94,6 +98,7 @@ impl Reader<'_> {
             key: key.written.to_string(),
             length: key.length,
             first: key.part.unwrap_or(0),
+            arguments: key.arguments.clone(),
             formula,
             number: Place::line_and_column(self.text, at)[0],
             at,

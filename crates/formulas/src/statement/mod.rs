@@ -15,7 +15,8 @@ use std::collections::BTreeMap;
 use crate::document::{Entry, Table};
 use crate::error::{Fault, Problem, Section};
 use crate::names::is_name;
-use crate::syntax::{Meaning, Since, Sum, Sums};
+use crate::priors::Prior;
+use crate::syntax::{Meaning, Since, Total, Totals};
 use crate::tables::reserved;
 use constant::Constants;
 use keys::Key;
@@ -42,6 +43,7 @@ pub(crate) struct Statement {
     pub(crate) parameters: Vec<(String, f64)>,
     /// Parameters that are lists.
     pub(crate) lists: Vec<List>,
+    pub(crate) priors: Vec<Prior>,
     /// In the order of the file.
     pub(crate) definitions: Vec<Line>,
     /// The numbers of the definitions, each after those that it uses.
@@ -54,22 +56,23 @@ pub(crate) struct Statement {
     pub(crate) transition: Vec<Line>,
     pub(crate) measurement: Vec<Line>,
     /// What measurements use of the sub-steps before: numbers of the state behind those of `initial`.
-    pub(crate) sums: Vec<Sum>,
+    pub(crate) totals: Vec<Total>,
 }
 
 impl Statement {
     /// The names of all coordinates of a state.
     pub(crate) fn states(&self) -> Vec<String> {
         let of_line = |line: &Line| (0..line.coordinates()).map(|at| line.coordinate(at)).collect::<Vec<_>>();
-        let of_sum = |sum: &Sum| (0..sum.coordinates()).map(|at| sum.coordinate(at)).collect::<Vec<_>>();
-        self.initial.iter().flat_map(of_line).chain(self.sums.iter().flat_map(of_sum)).collect()
+        let of_total =
+            |total: &Total| (0..total.coordinates()).map(|at| total.coordinate(at)).collect::<Vec<_>>();
+        self.initial.iter().flat_map(of_line).chain(self.totals.iter().flat_map(of_total)).collect()
     }
 
     /// The measurements, as numbers of entries, of which it matters in a step whether they were there at the row before.
     pub(crate) fn resets(&self) -> Vec<usize> {
         let mut found: Vec<usize> = Vec::new();
-        for sum in &self.sums {
-            if let Since::Measured(entry) = sum.since
+        for total in &self.totals {
+            if let Since::Measured(entry) = total.since
                 && !found.contains(&entry)
             {
                 found.push(entry);
@@ -112,16 +115,16 @@ pub(crate) fn read(text: &str, table: &Table, overrides: &[(String, f64)]) -> Re
 
     let mut names = meanings(&parameters, &inputs, [&states, &definitions, &draws, &measurements])?;
     let known = states.iter().map(Key::coordinates).sum();
-    let sums = RefCell::new(Sums { states: known, ..Sums::default() });
-    let reader = lines::Reader { text, names: &names, sums: Some(&sums) };
+    let totals = RefCell::new(Totals { states: known, ..Totals::default() });
+    let reader = lines::Reader { text, names: &names, totals: Some(&totals) };
     let measurement = reader.lines(&measurements, Section::Measurement)?;
-    let sums = sums.into_inner();
+    let totals = totals.into_inner();
     for meaning in names.values_mut() {
         if let Meaning::Draw { first, .. } = meaning {
-            *first += sums.count();
+            *first += totals.count();
         }
     }
-    let reader = lines::Reader { text, names: &names, sums: None };
+    let reader = lines::Reader { text, names: &names, totals: None };
     let defined = reader.lines(&definitions, Section::Definitions)?;
     let order = order::of(&defined)
         .map_err(|(number, problem)| definitions[number].fault(Section::Definitions, problem))?;
@@ -133,13 +136,14 @@ pub(crate) fn read(text: &str, table: &Table, overrides: &[(String, f64)]) -> Re
         inputs: inputs.into_iter().map(|input| input.rule).collect(),
         parameters: parameters.values.clone(),
         lists: parameters.lists.clone(),
+        priors: parameters.priors.clone(),
         definitions: defined,
         order,
         draws: reader.lines(&draws, Section::Draws)?,
         initial: reader.lines(&states, Section::Initial)?,
         transition: reader.lines(&moves, Section::Transition)?,
         measurement,
-        sums: sums.all,
+        totals: totals.all,
     })
 }
 
@@ -185,7 +189,7 @@ fn simulated(
             keys.push(Key::of_input(&input.rule.name, entry));
         }
     }
-    let reader = lines::Reader { text, names: constants.names, sums: None };
+    let reader = lines::Reader { text, names: constants.names, totals: None };
     Ok((numbers, reader.lines(&keys, Section::Inputs)?))
 }
 
@@ -223,7 +227,10 @@ fn meanings(
         first += length.unwrap_or(1);
     }
     for (number, key) in definitions.iter().enumerate() {
-        let meaning = Meaning::Definition { number, length: key.length };
+        let meaning = match key.arguments.as_slice() {
+            [] => Meaning::Definition { number, length: key.length },
+            arguments => Meaning::Function { number, arguments: arguments.to_vec() },
+        };
         add(key, Section::Definitions, meaning)?;
     }
     for (key, _) in keys::wholes(measurements) {

@@ -12,6 +12,9 @@ enum Mark {
     Done,
 }
 
+/// How deep functions may call each other.
+const DEEPEST: usize = 100;
+
 /// The numbers of the definitions in an order in which they can be computed, or one that is in a circle.
 pub(super) fn of(definitions: &[Line]) -> Result<Vec<usize>, (usize, Problem)> {
     let uses: Vec<Vec<usize>> = definitions.iter().map(|line| line.formula.definitions().collect()).collect();
@@ -40,6 +43,16 @@ pub(super) fn of(definitions: &[Line]) -> Result<Vec<usize>, (usize, Problem)> {
                     return Err((used, Problem::Cycle(names.join(" → "))));
                 }
             }
+        }
+    }
+    let mut depths = vec![0; definitions.len()];
+    for &number in &order {
+        // The value of a definition is known before it is used.
+        if !definitions[number].arguments.is_empty() {
+            depths[number] = 1 + uses[number].iter().map(|used| depths[*used]).max().unwrap_or(0);
+        }
+        if depths[number] > DEEPEST {
+            return Err((number, Problem::CallsTooDeep(DEEPEST)));
         }
     }
     Ok(order)

@@ -7,6 +7,7 @@ pub use interval::{End, Support};
 
 use motes_models::Step;
 
+use crate::priors::Prior;
 use crate::program::{Known, Program};
 use crate::tables::Kind;
 
@@ -55,6 +56,21 @@ fn between(known: &Known) -> Option<Support> {
     let is_wrong = matches!((low, high), (Some(low), Some(high)) if low.at >= high.at);
     let is_nothing = scale == 0.0 || (low.is_none() && high.is_none());
     (!is_wrong && !is_nothing).then_some(Support::Interval { low, high })
+}
+
+impl Prior {
+    /// Where each of its values can lie; none where it can be any number.
+    pub fn support(&self) -> Option<Support> {
+        let [low, high] = self.law.ends();
+        if self.law.is_discrete() {
+            return Some(Support::Counts { most: Some(high).filter(|high| high.is_finite()) });
+        }
+        // An end belongs to it where the density is more than 0 there.
+        let is_in = |at: f64| self.law.log_density(&[at]) > f64::NEG_INFINITY;
+        let end = |at: f64| at.is_finite().then(|| End { at, is_in: is_in(at) });
+        let (low, high) = (end(low), end(high));
+        (low.is_some() || high.is_some()).then_some(Support::Interval { low, high })
+    }
 }
 
 fn finite(value: Option<f64>) -> Option<f64> {

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::operations::{Binary, Unary};
-use crate::tables::Family;
+use crate::tables::{Compound, Family};
 
 /// A node by its number.
 pub(crate) type NodeId = usize;
@@ -42,6 +42,13 @@ pub(crate) enum Node {
         length: usize,
         element: Element,
     },
+    /// An argument of the function whose formula it is.
+    Argument(usize),
+    /// A function of the file, by its number among the definitions.
+    Call {
+        number: usize,
+        arguments: Vec<NodeId>,
+    },
     /// An entry of a list, by its indices.
     Entry {
         list: usize,
@@ -53,6 +60,34 @@ pub(crate) enum Node {
     If([NodeId; 3]),
     /// The one distribution of the formula.
     Random(&'static Family, Vec<NodeId>),
+    /// The formula itself, where it is a distribution that is made of others.
+    Compound(&'static Compound, Vec<NodeId>),
+}
+
+impl Node {
+    /// The nodes that it is made of.
+    pub(crate) fn operands(&self) -> Vec<NodeId> {
+        match self {
+            Node::Number(_)
+            | Node::Named(_)
+            | Node::Time
+            | Node::Length
+            | Node::Input(_)
+            | Node::Coordinate
+            | Node::Argument(_) => Vec::new(),
+            Node::State { element, .. } | Node::Definition { element, .. } => match element {
+                Element::Whole => Vec::new(),
+                Element::At(index) => vec![*index],
+            },
+            Node::OfOne(_, a) => vec![*a],
+            Node::OfTwo(_, a, b) => vec![*a, *b],
+            Node::If(operands) => operands.to_vec(),
+            Node::Call { arguments, .. }
+            | Node::Entry { indices: arguments, .. }
+            | Node::Random(_, arguments)
+            | Node::Compound(_, arguments) => arguments.clone(),
+        }
+    }
 }
 
 /// A formula. Its operands come before the operations on them; the last node is its value.
@@ -77,15 +112,20 @@ impl Formula {
         self.is_random.last() == Some(&true)
     }
 
+    /// Whether its distribution has several parts.
+    pub(crate) fn has_parts(&self) -> bool {
+        matches!(self.nodes.last(), Some(Node::Compound(compound, _)) if compound.parts.is_some())
+    }
+
     /// The node that is its value.
     pub(crate) fn root(&self) -> NodeId {
         self.nodes.len().saturating_sub(1)
     }
 
-    /// The numbers of the definitions that it uses.
+    /// The numbers of the definitions and functions that it uses.
     pub(crate) fn definitions(&self) -> impl Iterator<Item = usize> {
         self.nodes.iter().filter_map(|node| match node {
-            Node::Definition { number, .. } => Some(*number),
+            Node::Definition { number, .. } | Node::Call { number, .. } => Some(*number),
             _ => None,
         })
     }

@@ -5,18 +5,23 @@ use std::f64::consts::PI;
 use super::formula::{Element, Node};
 use super::meaning::Meaning;
 use super::scope::Scope;
-use super::sum::Since;
+use super::total::Since;
 use crate::error::{Problem, Section, nearest};
-use crate::tables::{FAMILIES, FUNCTIONS, Family, Function, call, family, function};
+use crate::tables::{
+    COMPOUNDS, Composition, Compound, FAMILIES, FUNCTIONS, Family, Function, call, compound, family, function,
+};
 
 /// What can be called.
-pub(super) enum Known {
+pub(super) enum Known<'a> {
     Function(&'static Function),
+    /// A function of the file: its number among the definitions, and the names of its arguments.
+    Own(usize, &'a [String]),
     Family(&'static Family),
+    Compound(&'static Compound),
 }
 
 /// What `name(…)` calls.
-pub(super) fn called(name: &str, scope: Scope<'_>) -> Result<Known, Problem> {
+pub(super) fn called<'a>(name: &str, scope: Scope<'a>) -> Result<Known<'a>, Problem> {
     if let Some(function) = function(name) {
         return Ok(Known::Function(function));
     }
@@ -26,12 +31,36 @@ pub(super) fn called(name: &str, scope: Scope<'_>) -> Result<Known, Problem> {
         }
         return Ok(Known::Family(family));
     }
-    if scope.names.contains_key(name) || matches!(name, "t" | "dt" | "i" | "pi") {
+    if let Some(compound) = compound(name) {
+        let is_prior = matches!(compound.composition, Composition::Prior(_));
+        return match scope.section {
+            Section::Parameters if is_prior => Ok(Known::Compound(compound)),
+            Section::Parameters => Err(Problem::NoPrior(name.to_string())),
+            _ if is_prior => Err(Problem::OnlyPrior(name.to_string())),
+            Section::Definitions => Err(Problem::RandomInDefinition(name.to_string())),
+            section if compound.parts.is_some() && section != Section::Draws => {
+                Err(Problem::PartsElsewhere(name.to_string()))
+            }
+            Section::Measurement => Err(Problem::NoMass(name.to_string())),
+            _ => Ok(Known::Compound(compound)),
+        };
+    }
+    if let Some(Meaning::Function { number, arguments }) = scope.names.get(name) {
+        return Ok(Known::Own(*number, arguments));
+    }
+    if scope.names.contains_key(name) || is_argument(name, scope) || matches!(name, "t" | "dt" | "i" | "pi") {
         return Err(Problem::NotAFunction(name.to_string()));
     }
     let functions = FUNCTIONS.iter().map(|function| function.name);
     let families = FAMILIES.iter().map(|family| family.name);
-    let names: Vec<&str> = functions.chain(families).collect();
+    let is_in_priors = scope.section == Section::Parameters;
+    let compounds = COMPOUNDS
+        .iter()
+        .filter(|compound| is_in_priors == matches!(compound.composition, Composition::Prior(_)))
+        .map(|compound| compound.name);
+    let own = scope.names.iter().filter(|(_, meaning)| matches!(meaning, Meaning::Function { .. }));
+    let own = own.map(|(name, _)| name.as_str());
+    let names: Vec<&str> = own.chain(functions).chain(["sum"]).chain(families).chain(compounds).collect();
     let advice = match (name, nearest(name, names.iter().copied())) {
         ("pow" | "power", _) => "a power is written x^2".to_string(),
         ("log10" | "log2", _) => format!("it is log(x)/log({})", &name[3..]),
@@ -41,10 +70,18 @@ pub(super) fn called(name: &str, scope: Scope<'_>) -> Result<Known, Problem> {
     Err(Problem::UnknownName { name: name.to_string(), advice })
 }
 
+fn is_argument(name: &str, scope: Scope<'_>) -> bool {
+    scope.arguments.iter().any(|argument| argument == name)
+}
+
 /// The node of a name that is not called; its index is not read yet.
 pub(super) fn known(name: &str, scope: Scope<'_>, in_index: bool, has_index: bool) -> Result<Node, Problem> {
     let owned = || name.to_string();
+    if let Some(number) = scope.arguments.iter().position(|argument| argument == name) {
+        return if has_index { Err(Problem::NotAVector(owned())) } else { Ok(Node::Argument(number)) };
+    }
     let node = match name {
+        "t" | "dt" if scope.section == Section::Parameters => return Err(unknown(name, scope)),
         "t" => Node::Time,
         "dt" => Node::Length,
         "pi" => Node::Named(PI),
@@ -53,20 +90,20 @@ pub(super) fn known(name: &str, scope: Scope<'_>, in_index: bool, has_index: boo
         _ => match scope.names.get(name) {
             Some(Meaning::Parameter(value)) => Node::Named(*value),
             Some(Meaning::List { .. }) if in_index => return Err(Problem::BadIndex(format!("`{name}`"))),
-            Some(&Meaning::List { dimensions, .. }) if !has_index => {
-                let example = format!("{name}[{}]", vec!["0"; dimensions].join(", "));
+            Some(Meaning::List { lengths, .. }) if !has_index => {
+                let example = format!("{name}[{}]", vec!["0"; lengths.len()].join(", "));
                 return Err(Problem::Indices { name: owned(), example });
             }
             Some(&Meaning::List { number, .. }) => Node::Entry { list: number, indices: Vec::new() },
             Some(&Meaning::Input(number)) => Node::Input(number),
             Some(meaning @ &Meaning::Draw { length, .. }) if !has_draws(scope.section) => {
-                let Some((_, sums)) = scope.sums else { return Err(Problem::DrawElsewhere(owned())) };
+                let Some((_, totals)) = scope.totals else { return Err(Problem::DrawElsewhere(owned())) };
                 check_index(name, length, has_index)?;
                 // Measured is what was drawn in the last sub-step.
-                let mut sums = sums.borrow_mut();
-                let sum = sums.of("", name, Some(meaning), Since::SubStep)?;
+                let mut totals = totals.borrow_mut();
+                let total = totals.of("", name, Some(meaning), Since::SubStep)?;
                 Node::State {
-                    first: sums.place_of(sum),
+                    first: totals.place_of(total),
                     length: length.unwrap_or(1),
                     element: Element::Whole,
                 }
@@ -79,6 +116,11 @@ pub(super) fn known(name: &str, scope: Scope<'_>, in_index: bool, has_index: boo
                 check_index(name, length, has_index)?;
                 Node::Definition { number, length: length.unwrap_or(1), element: Element::Whole }
             }
+            Some(Meaning::Function { arguments, .. }) => {
+                let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+                return Err(Problem::NotCalled { name: owned(), call: call(name, &arguments) });
+            }
+            Some(Meaning::Prior) => return Err(Problem::PriorOfPrior(owned())),
             Some(Meaning::Measurement) => return Err(Problem::MeasurementInFormula(owned())),
             None => return Err(unknown(name, scope)),
         },
@@ -116,6 +158,9 @@ fn unknown(name: &str, scope: Scope<'_>) -> Problem {
         let call = call(name, function.parameters);
         return Problem::NotCalled { name: name.to_string(), call };
     }
+    if let Some(compound) = compound(name) {
+        return Problem::NotCalled { name: name.to_string(), call: call(name, compound.parameters) };
+    }
     if let Some(family) = family(name) {
         return Problem::NotCalled { name: name.to_string(), call: call(name, family.parameters) };
     }
@@ -126,12 +171,18 @@ fn unknown(name: &str, scope: Scope<'_>) -> Problem {
         | Meaning::State { .. }
         | Meaning::Definition { .. } => true,
         Meaning::Draw { .. } => has_draws(scope.section),
-        Meaning::Measurement => false,
+        Meaning::Function { .. } | Meaning::Measurement | Meaning::Prior => false,
     };
     let names = scope.names.iter().filter(|(_, meaning)| usable(meaning)).map(|(name, _)| name.as_str());
-    let names: Vec<&str> = names.chain(["t", "pi"]).collect();
+    // A prior holds at all times.
+    let times = ["t"].into_iter().filter(|_| scope.section != Section::Parameters);
+    let arguments = scope.arguments.iter().map(String::as_str);
+    let names: Vec<&str> = arguments.chain(names).chain(times).chain(["pi"]).collect();
     let advice = match nearest(name, names.iter().copied()) {
         Some(near) => format!("did you mean `{near}`?"),
+        None if scope.section == Section::Parameters => {
+            "a prior is made of numbers and of parameters above it".to_string()
+        }
         None if names.len() <= 12 => format!("known are {}", names.join(", ")),
         None => format!("known are {} and more", names[..12].join(", ")),
     };

@@ -6,8 +6,9 @@ use super::formula::{Element, Formula, Node, NodeId};
 use super::lookup::{Known, called, check_index, known};
 use super::meaning::Meaning;
 use super::scope::Scope;
-use super::sum::{self, Since};
+use super::sums::IndexedSum;
 use super::token::{Token, next};
+use super::total::{self, Since};
 use crate::error::{Fault, Problem};
 use crate::operations::{Binary, Unary};
 use crate::tables::{Family, Function, Operation, call};
@@ -57,7 +58,7 @@ pub(crate) fn parse(text: &str, scope: Scope<'_>) -> Result<Formula, Fault> {
     if ahead == Token::End {
         return Err(Fault::at(0, Problem::Empty));
     }
-    let mut parser = Parser { text, scope, formula, ahead, at, depth: 0, in_index: false };
+    let mut parser = Parser { text, scope, formula, ahead, at, depth: 0, in_index: false, sums: Vec::new() };
     parser.expression(0)?;
     if parser.ahead != Token::End {
         return Err(parser.unexpected("an operator or the end"));
@@ -65,19 +66,21 @@ pub(crate) fn parse(text: &str, scope: Scope<'_>) -> Result<Formula, Fault> {
     Ok(parser.formula)
 }
 
-struct Parser<'a> {
-    text: &'a str,
-    scope: Scope<'a>,
-    formula: Formula,
+pub(super) struct Parser<'a> {
+    pub(super) text: &'a str,
+    pub(super) scope: Scope<'a>,
+    pub(super) formula: Formula,
     /// The next word, and where it is.
-    ahead: Token,
-    at: Range<usize>,
+    pub(super) ahead: Token,
+    pub(super) at: Range<usize>,
     depth: usize,
     in_index: bool,
+    /// The sums that it is in.
+    pub(super) sums: Vec<IndexedSum<'a>>,
 }
 
 impl<'a> Parser<'a> {
-    fn advance(&mut self) -> Result<Range<usize>, Fault> {
+    pub(super) fn advance(&mut self) -> Result<Range<usize>, Fault> {
         let (ahead, at) = next(self.text, self.at.end)?;
         self.ahead = ahead;
         Ok(std::mem::replace(&mut self.at, at))
@@ -97,11 +100,11 @@ impl<'a> Parser<'a> {
     }
 
     /// Takes a word that must be there.
-    fn expect(&mut self, token: Token, expected: &str) -> Result<Range<usize>, Fault> {
+    pub(super) fn expect(&mut self, token: Token, expected: &str) -> Result<Range<usize>, Fault> {
         if self.ahead == token { self.advance() } else { Err(self.unexpected(expected)) }
     }
 
-    fn add(&mut self, node: Node, span: Range<usize>, is_random: bool) -> NodeId {
+    pub(super) fn add(&mut self, node: Node, span: Range<usize>, is_random: bool) -> NodeId {
         self.formula.nodes.push(node);
         self.formula.spans.push(span);
         self.formula.is_random.push(is_random);
@@ -109,7 +112,7 @@ impl<'a> Parser<'a> {
     }
 
     /// An expression whose operators bind at least as strongly as `floor`.
-    fn expression(&mut self, floor: u8) -> Result<NodeId, Fault> {
+    pub(super) fn expression(&mut self, floor: u8) -> Result<NodeId, Fault> {
         self.depth += 1;
         if self.depth > DEEPEST {
             return Err(Fault::at(self.at.start, Problem::TooDeep(DEEPEST)));
@@ -188,23 +191,42 @@ impl<'a> Parser<'a> {
         let span = self.advance()?;
         let name = &self.text[span.clone()];
         let faulty = |problem| Fault::at(span.start, problem);
+        if let Some(value) = self.index_of_sum(name).filter(|_| self.ahead != Token::Open) {
+            return match self.ahead {
+                Token::OpenIndex => Err(faulty(Problem::NotAVector(name.to_string()))),
+                _ => Ok(self.add(Node::Named(value as f64), span.clone(), false)),
+            };
+        }
+        if name == "sum" {
+            return match self.in_index {
+                true => Err(faulty(Problem::BadIndex("`sum(…)`".to_string()))),
+                false => self.sum(span.clone()),
+            };
+        }
         if self.ahead == Token::Open {
-            if let Some(function) = sum::function(name) {
-                return self.sum(function, span);
+            if let Some(function) = total::function(name) {
+                return self.total(function, span);
             }
             return match called(name, self.scope).map_err(faulty)? {
                 _ if self.in_index => Err(faulty(Problem::BadIndex(format!("`{name}(…)`")))),
                 Known::Function(function) => self.function(function, span.clone()),
+                Known::Own(number, arguments) => self.call(name, number, arguments, span.clone()),
                 Known::Family(family) => self.random(family, span.clone()),
+                Known::Compound(compound) => self.compound(compound, span.clone()),
             };
         }
         let node = known(name, self.scope, self.in_index, self.ahead == Token::OpenIndex).map_err(faulty)?;
-        if let (Node::Entry { list, .. }, Some(Meaning::List { dimensions, .. })) =
+        if let (Node::Entry { list, .. }, Some(Meaning::List { lengths, .. })) =
             (&node, self.scope.names.get(name))
         {
-            return self.entry(*list, *dimensions, name, span.clone());
+            return self.entry(*list, lengths, name, span.clone());
         }
         let (element, end) = self.element(span.end)?;
+        if let (Element::At(index), Node::State { length, .. } | Node::Definition { length, .. }) =
+            (element, &node)
+        {
+            self.goes_along(index, *length)?;
+        }
         let node = match node {
             Node::State { first, length, .. } => Node::State { first, length, element },
             Node::Definition { number, length, .. } => Node::Definition { number, length, element },
@@ -227,32 +249,32 @@ impl<'a> Parser<'a> {
     }
 
     /// A sum over the sub-steps of a draw or a state.
-    fn sum(&mut self, function: &'static str, span: Range<usize>) -> Result<NodeId, Fault> {
+    fn total(&mut self, function: &'static str, span: Range<usize>) -> Result<NodeId, Fault> {
         let faulty = |problem| Fault::at(span.start, problem);
-        let Some((measured, sums)) = self.scope.sums else {
-            return Err(faulty(Problem::SumElsewhere(function)));
+        let Some((measured, totals)) = self.scope.totals else {
+            return Err(faulty(Problem::TotalElsewhere(function)));
         };
         let since = match (function, self.scope.is_vector) {
             ("total", _) => Since::Row,
             (_, false) => Since::Measured(measured),
-            (_, true) => return Err(faulty(Problem::SumOfVector)),
+            (_, true) => return Err(faulty(Problem::TotalOfVector)),
         };
         self.advance()?;
         if self.ahead != Token::Name {
-            return Err(faulty(Problem::SumOf { name: function, found: self.found() }));
+            return Err(faulty(Problem::TotalOf { name: function, found: self.found() }));
         }
         let of = self.advance()?;
         let name = &self.text[of.clone()];
-        let sum = sums.borrow().of(function, name, self.scope.names.get(name), since).map_err(faulty)?;
-        let length = sum.length;
+        let total = totals.borrow().of(function, name, self.scope.names.get(name), since).map_err(faulty)?;
+        let length = total.length;
         check_index(name, length, self.ahead == Token::OpenIndex)
             .map_err(|problem| Fault::at(of.start, problem))?;
         let (element, _) = self.element(of.end)?;
         if self.ahead != Token::Close {
-            return Err(faulty(Problem::SumOf { name: function, found: "a formula".into() }));
+            return Err(faulty(Problem::TotalOf { name: function, found: "a formula".into() }));
         }
         let close = self.advance()?;
-        let first = sums.borrow_mut().place_of(sum);
+        let first = totals.borrow_mut().place_of(total);
         let node = Node::State { first, length: length.unwrap_or(1), element };
         Ok(self.add(node, span.start..close.end, false))
     }
@@ -261,7 +283,7 @@ impl<'a> Parser<'a> {
     fn entry(
         &mut self,
         list: usize,
-        dimensions: usize,
+        lengths: &[usize],
         name: &str,
         span: Range<usize>,
     ) -> Result<NodeId, Fault> {
@@ -272,12 +294,15 @@ impl<'a> Parser<'a> {
             indices.push(self.expression(0)?);
         }
         let close = self.expect(Token::CloseIndex, "a comma or a closing bracket ]")?;
-        if indices.len() != dimensions {
-            let example = format!("{name}[{}]", vec!["0"; dimensions].join(", "));
+        if indices.len() != lengths.len() {
+            let example = format!("{name}[{}]", vec!["0"; lengths.len()].join(", "));
             return Err(Fault::at(span.start, Problem::Indices { name: name.to_string(), example }));
         }
         if let Some(random) = indices.iter().find(|index| self.formula.is_random[**index]) {
             return Err(self.random_inside(*random, "an index".into()));
+        }
+        for (index, length) in indices.iter().zip(lengths) {
+            self.goes_along(*index, *length)?;
         }
         Ok(self.add(Node::Entry { list, indices }, span.start..close.end, false))
     }
@@ -298,7 +323,12 @@ impl<'a> Parser<'a> {
     }
 
     /// The arguments of what takes so many, none of them random.
-    fn numbers(&mut self, name: &str, parameters: &[&str], at: usize) -> Result<(Vec<NodeId>, usize), Fault> {
+    pub(super) fn numbers(
+        &mut self,
+        name: &str,
+        parameters: &[&str],
+        at: usize,
+    ) -> Result<(Vec<NodeId>, usize), Fault> {
         let (arguments, end) = self.arguments()?;
         let call = call(name, parameters);
         let is_open = parameters.last() == Some(&"…");
@@ -388,7 +418,7 @@ impl<'a> Parser<'a> {
         inside.unwrap_or_default()
     }
 
-    fn random_inside(&self, random: NodeId, inside: String) -> Fault {
+    pub(super) fn random_inside(&self, random: NodeId, inside: String) -> Fault {
         let (family, at) = self.family_in(random);
         Fault::at(at, Problem::RandomInside { family, inside })
     }

@@ -4,7 +4,7 @@ use std::cell::RefCell;
 use std::collections::BTreeMap;
 
 use super::meaning::Meaning;
-use super::sum::Sums;
+use super::total::Totals;
 use crate::error::Section;
 
 /// What is known to a formula.
@@ -14,6 +14,8 @@ pub(crate) struct Scope<'a> {
     pub(crate) section: Section,
     /// Whether it is the formula of a vector.
     pub(crate) is_vector: bool,
-    /// Of a measurement, which one it is, and the sums over sub-steps so far: it may add others.
-    pub(crate) sums: Option<(usize, &'a RefCell<Sums>)>,
+    /// Of a measurement, which one it is, and the totals over sub-steps so far: it may add others.
+    pub(crate) totals: Option<(usize, &'a RefCell<Totals>)>,
+    /// The arguments of the function whose formula it is; none elsewhere. They come before all other names.
+    pub(crate) arguments: &'a [String],
 }

@@ -151,6 +151,12 @@ pub fn family(name: &str) -> Option<&'static Family> {
     FAMILIES.iter().find(|family| family.name == name)
 }
 
+/// The family of a kind.
+pub(crate) fn of_kind(kind: Kind) -> &'static Family {
+    // Each kind has a row.
+    FAMILIES.iter().find(|family| family.kind == kind).unwrap_or(&FAMILIES[0])
+}
+
 impl Kind {
     /// Pushes the distribution with these parameters, `shift + scale·x` of it where there are such. Parameters that it does not take are ignored.
     #[inline(always)]
@@ -169,7 +175,13 @@ impl Kind {
         }
     }
 
-    fn moved<S: Scalar>(self, [a, b, c]: [S; 3], scale: Option<S>, shift: Option<S>) -> Distribution<S> {
+    /// The distribution with these parameters, as [`Kind::push`] takes them.
+    pub(crate) fn moved<S: Scalar>(
+        self,
+        [a, b, c]: [S; 3],
+        scale: Option<S>,
+        shift: Option<S>,
+    ) -> Distribution<S> {
         let distribution = match self {
             Kind::Normal => normal(a, b),
             Kind::StudentT => student_t(a, b, c),

@@ -1,10 +1,12 @@
 //! What formulas know by name: the parser, its messages and the reference page are all made of these tables.
 
+mod compounds;
 mod families;
 mod functions;
 mod reference;
 
-pub(crate) use families::{FAMILIES, Kind};
+pub(crate) use compounds::{COMPOUNDS, Composition, Compound, MOST_OFF, PriorKind, compound};
+pub(crate) use families::{FAMILIES, Kind, of_kind};
 pub use families::{Family, Range, family};
 pub(crate) use functions::{FUNCTIONS, Function, Operation, function};
 pub use reference::reference;
@@ -14,7 +16,7 @@ pub(crate) fn reserved(name: &str) -> Option<&'static str> {
     match name {
         "t" => Some("the time"),
         "dt" => Some("the length of a sub-step"),
-        "total" | "total_since_measured" => Some("a function"),
+        "total" | "total_since_measured" | "sum" => Some("a function"),
         "i" => Some("the number of a vector's coordinate"),
         "pi" => Some("the circle constant"),
         "and" | "or" | "not" => Some("an operator"),

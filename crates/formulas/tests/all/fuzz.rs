@@ -6,7 +6,7 @@ use proptest::test_runner::RngSeed;
 
 use super::helpers::measuring;
 
-const FILES: [&str; 3] = [
+const FILES: [&str; 4] = [
     r#"
 name = "growth"
 [parameters]
@@ -35,11 +35,29 @@ Q = [[0.1, 0], [0, 0.1]]
 C = [[1, 0]]
 R = [[0.5]]
 "#,
+    r#"
+[parameters]
+w = [[1, 2], [3, 4]]
+r = "truncated(log_normal(log(3), 0.5), 1, inf)"
+p = { prior = "dirichlet(1, 2, 3)", start = [0.2, 0.3, 0.5] }
+[initial]
+S = 5
+k = "categorical(p[0], p[1], p[2])"
+[definitions]
+f(u, v) = "u*w[0, v] + sum(j, w[j, v])"
+[draws]
+out = "euler_multinomial(S, f(r, 1)*dt, 0.5)"
+[transition]
+S = "S - sum(j, out[j])"
+k = "categorical(0.5, if(k > 1, 0.5, 0.25), if(k > 1, 0, 0.25))"
+[measurement]
+y = "normal(S, 1)"
+"#,
     "[initial]\nx = '''\nnormal(0,\n 1)'''\n[transition]\nx.y = 3\n",
 ];
 
 /// Words that files are made of.
-const WORDS: [&str; 40] = [
+const WORDS: [&str; 46] = [
     "x",
     "[40]",
     "[i]",
@@ -71,6 +89,12 @@ const WORDS: [&str; 40] = [
     "[definitions]\n",
     "#",
     "drift",
+    "sum(j, ",
+    "euler_multinomial(",
+    "categorical(",
+    "truncated(",
+    "[draws]\n",
+    "[parameters]\n",
     "²",
     "é",
     "\u{feff}",

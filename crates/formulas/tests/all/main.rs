@@ -3,14 +3,17 @@
 mod arithmetic;
 mod choices;
 mod closed_form;
+mod compounds;
 mod distributions;
 mod examples;
 mod explain;
+mod functions;
 mod fuzz;
 mod growth;
 mod helpers;
 mod matrices;
 mod pages;
+mod priors;
 mod random_formulas;
 mod refusals;
 mod refused;

@@ -60,24 +60,33 @@ fn matrices_are_described() {
 #[test]
 fn the_reference_is_what_the_parser_accepts() {
     let page = reference();
-    let calls =
-        page.lines().filter_map(|line| line.strip_prefix("| `")?.split_once('`').map(|(call, _)| call));
-    let calls: Vec<&str> = calls.collect();
-    assert_eq!(calls.len(), 25 + 1 + 11, "{page}");
-    for call in calls {
+    let rows: Vec<&str> = page.lines().filter(|line| line.starts_with("| `")).collect();
+    assert_eq!(rows.len(), 25 + 2 + 11 + 7, "{page}");
+    for row in rows {
+        let call = row.split('`').nth(1).unwrap();
         let (name, parameters) = call.split_once('(').unwrap_or((call, ")"));
         let parameters = parameters.trim_end_matches(')').split(", ");
         let count = parameters.filter(|name| !name.is_empty() && *name != "…").count();
         let arguments = ["0.25", "0.5", "1"][..count].join(", ");
-        // Trials are an integer.
+        // Trials are an integer, probabilities add up to 1, and a sum goes along a vector.
         let used = format!("{name}({arguments})")
-            .replace("binomial(0.25, 0.5)", "binomial(1, 0.5)")
+            .replace("nomial(0.25, 0.5)", "nomial(1, 0.5)")
+            .replace("categorical(0.25", "categorical(0.5")
+            .replace("truncated(0.25", "truncated(normal(0, 1)")
+            .replace("sum(0.25, 0.5)", "sum(j, x[j])")
             .replace("pi()", "pi");
-        let distributed = page.contains(&format!("| `{call}` |"))
-            && page.split("distribution |").nth(1).unwrap().contains(call);
-        let formula = if distributed { used } else { format!("normal({used}, 1)") };
+        let is_distribution = page.split("distribution |").nth(1).unwrap().contains(row);
+        let is_drawn = row.contains("for draws") || row.contains("states and draws");
+        let (more, formula) = match is_distribution {
+            true if row.contains("for priors") => {
+                (format!("[parameters]\nq = \"{used}\""), "normal(0, 1)".into())
+            }
+            true if is_drawn => (format!("[draws]\nd = \"{used}\""), "normal(0, 1)".into()),
+            true => (String::new(), used),
+            false => (String::new(), format!("normal({used}, 1)")),
+        };
         let text = format!(
-            "[initial]\nx = \"normal(0, 1)\"\n[transition]\nx = \"normal(x, 1)\"\n[measurement]\ny = \"{formula}\"\n"
+            "[initial]\nx[1] = \"normal(0, 1)\"\n[transition]\nx[1] = \"normal(x[0], 1)\"\n[measurement]\ny = \"{formula}\"\n{more}\n"
         );
         if let Err(error) = parse(&text, "m.toml", &[]) {
             panic!("{error}");
@@ -97,5 +106,5 @@ fn the_page_on_model_files_is_current() {
         parse(block, "model-files.md", &[]).unwrap();
         count += 1;
     }
-    assert_eq!(count, 4);
+    assert_eq!(count, 5);
 }

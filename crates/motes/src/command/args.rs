@@ -303,6 +303,9 @@ pub(super) struct SimulateArgs {
     /// The number of series
     #[arg(long, value_name = "S", allow_negative_numbers = true, default_value = "1", value_parser = integer(1..=1_000_000_000_usize))]
     pub(super) series: usize,
+    /// Draw parameters that have a prior anew for each series; each is a column
+    #[arg(long)]
+    pub(super) prior: bool,
     /// Write the table to a file, which is replaced when the table is whole; standard output if absent
     #[arg(long, short = 'o', value_name = "FILE")]
     pub(super) output: Option<PathBuf>,

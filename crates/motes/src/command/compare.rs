@@ -5,7 +5,7 @@ use std::sync::Arc;
 use motes::output::{CardReport, Output, card_json, card_report, card_text};
 use motes::{
     CompareOptions, Comparison, Data, FilterOptions, Model, MotesError, ProposalName, Running, compare,
-    designed, on_threads,
+    designed, of_starts, on_threads,
 };
 use motes_cli::Interrupt;
 
@@ -13,11 +13,12 @@ use super::args::{CompareArgs, ModelArgs};
 use super::failure::Failure;
 use super::input;
 use super::progress::Progress;
-use super::say::{say_ignored, write};
+use super::say::{say_ignored, warn, write};
 use super::summary::command_line;
 
 pub(super) fn run(args: &CompareArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
     let model = args.model.read()?;
+    warn(of_starts(&model).as_slice(), args.model.quiet, false);
     let [output, page] = [&args.output, &args.report].map(|path| path.clone().map(Output::File));
     for output in output.iter().chain(&page) {
         output.check().map_err(|source| MotesError::Output { file: output.name(), source })?;

@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use motes::output::{Output, card_json, card_text};
 use motes::train::Learned;
-use motes::{CompareOptions, LearnOutcome, LearnedProposal, MotesError, compare, learn, on_threads};
+use motes::{
+    CompareOptions, LearnOutcome, LearnedProposal, MotesError, compare, learn, of_starts, on_threads,
+};
 use motes_cli::{Interrupt, status};
 
 use super::args::LearnArgs;
@@ -12,10 +14,11 @@ use super::compare::card_page;
 use super::failure::Failure;
 use super::input;
 use super::progress::Progress;
-use super::say::{say_ignored, write};
+use super::say::{say_ignored, warn, write};
 
 pub(super) fn run(args: &LearnArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
     let model = args.model.read()?;
+    warn(of_starts(&model).as_slice(), args.model.quiet, false);
     let page = args.report.clone().map(Output::File);
     if let Some(page) = &page {
         page.check().map_err(|source| MotesError::Output { file: page.name(), source })?;

@@ -1,12 +1,13 @@
 //! `motes simulate`.
 
 use motes::output::{Output, simulated_table};
-use motes::{Data, MotesError, simulate, simulate_along};
+use motes::{Data, MotesError, of_starts, simulate, simulate_along, simulate_from_priors};
 use motes_cli::Interrupt;
 
 use super::args::SimulateArgs;
 use super::failure::Failure;
 use super::progress::Progress;
+use super::say::warn;
 
 pub(super) fn run(args: &SimulateArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
     let model = args.model.read()?;
@@ -16,13 +17,22 @@ pub(super) fn run(args: &SimulateArgs, interrupt: &Interrupt) -> Result<u8, Fail
     let inputs = args.inputs.as_ref().map(|path| Data::open_inputs(path, &model)).transpose()?;
     let count = args.series * inputs.as_ref().map_or(1, |inputs| inputs.series.len());
     let mut progress = Progress::new(count, args.model.quiet);
+    if args.prior && model.priors().is_empty() {
+        let reason = "--prior: no parameter of the model has a prior, as in q = \"half_normal(1)\"";
+        return Err(MotesError::Setting(reason.to_string()).into());
+    }
+    if !args.prior {
+        warn(of_starts(&model).as_slice(), args.model.quiet, false);
+    }
     let proceed = |done| {
         progress.done(done);
         interrupt.check()
     };
-    let simulated = match &inputs {
-        Some(inputs) => simulate_along(&model, inputs, args.series, args.model.seed, proceed),
-        None => simulate(&model, args.steps.unwrap_or(1), args.series, args.model.seed, proceed),
+    let (steps, series, seed) = (args.steps.unwrap_or(1), args.series, args.model.seed);
+    let simulated = match (args.prior, &inputs) {
+        (true, inputs) => simulate_from_priors(&model, inputs.as_ref(), steps, series, seed, proceed),
+        (false, Some(inputs)) => simulate_along(&model, inputs, series, seed, proceed),
+        (false, None) => simulate(&model, steps, series, seed, proceed),
     };
     progress.finish();
     output.write(&simulated_table(&model, &simulated?)).map_err(failed)?;

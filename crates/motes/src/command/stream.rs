@@ -5,7 +5,7 @@ use std::time::Instant;
 use motes::output::{EstimateTable, Output, Sink, filter_json, filter_summary};
 use motes::{
     Clock, Counted, Data, DataError, Estimate, FilterOptions, Model, MotesError, Row, RowOrder, Rows,
-    Running, SeriesTally, Tally, TimeLabel, Warning, of_proposal, rows_ahead,
+    Running, SeriesTally, Tally, TimeLabel, Warning, of_proposal, of_starts, rows_ahead,
 };
 use motes_cli::{Interrupt, status};
 
@@ -81,6 +81,7 @@ pub(super) fn run(
     let mut forecasts = Vec::new();
     // Those of the order were said as their rows came.
     let said = warnings.len();
+    warnings.extend(of_starts(model));
     warnings.extend(of_proposal(options));
     tally.warn(warnings);
     let mut clocks: Vec<Clock> = (0..series.len()).map(|number| rows.clock(number)).collect();

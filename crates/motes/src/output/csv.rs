@@ -126,15 +126,17 @@ pub fn simulated_table(model: &Model, simulated: &Simulated) -> String {
     let of_inputs = inputs.iter().map(|at| model.input_columns()[*at].clone());
     let time = model.time_column().unwrap_or("t");
     let names = of_inputs.chain(model.states().iter().chain(model.measurements()).cloned());
+    let drawn = simulated.parameters.first().into_iter().flatten().map(|(name, _)| name.clone());
     let header: Vec<String> =
-        [model.series_column(), time].map(String::from).into_iter().chain(names).collect();
+        [model.series_column(), time].map(String::from).into_iter().chain(names).chain(drawn).collect();
     let mut table = line(&header);
     for (series, (trajectory, rows)) in simulated.series.iter().zip(&simulated.rows).enumerate() {
         let numbers = trajectory.states.rows().zip(trajectory.measurements.rows());
         for (row, (state, measurement)) in rows.iter().zip(numbers) {
             let label = row.label.clone().unwrap_or_else(|| row.time().to_string());
             let inputs = inputs.iter().map(|at| row.inputs[*at].map(text).unwrap_or_default());
-            let numbers = state.iter().chain(measurement).map(|value| text(*value));
+            let parameters = simulated.parameters.get(series).into_iter().flatten().map(|(_, value)| value);
+            let numbers = state.iter().chain(measurement).chain(parameters).map(|value| text(*value));
             let cells: Vec<String> =
                 [series.to_string(), label].into_iter().chain(inputs).chain(numbers).collect();
             table += &line(&cells);

@@ -10,7 +10,7 @@ use super::file::InputFile;
 use crate::calendar::time_of;
 
 /// The times and inputs of a model.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct Timeline {
     pub(super) model: FormulaModel,
     pub(super) rule: TimeRule,
@@ -70,6 +70,12 @@ impl Timeline {
         }
         let measurements = measurements.to_vec();
         Ok(Some(Timeline { model: model.clone(), rule, start, files, columns, measurements }))
+    }
+
+    /// The same of the model with other parameters, which do not change its inputs; the length of sub-steps may depend on them.
+    pub(crate) fn of_model(&self, model: &FormulaModel) -> Timeline {
+        let rule = model.time_rule().cloned().unwrap_or_default();
+        Timeline { model: model.clone(), rule, ..self.clone() }
     }
 
     /// Draws what the columns of a row say that inputs come from; a measurement says nothing yet.

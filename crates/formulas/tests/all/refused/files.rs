@@ -80,7 +80,7 @@ fn a_key_with_a_point() {
 
 #[test]
 fn a_parameter_that_is_a_formula() {
-    insta::assert_snapshot!(refused(&changed(FILE, &[("q = 10.0", r#"q = "sqrt(2)""#)])), @r#"m.toml, line 3, column 5, [parameters] q: it is the text "sqrt(2)"; it must be a number; formulas stand in [definitions]"#);
+    insta::assert_snapshot!(refused(&changed(FILE, &[("q = 10.0", r#"q = "sqrt(2)""#)])), @r#"m.toml, line 3, column 5, [parameters] q: it is the text "sqrt(2)"; it must be a number, or a prior as in "normal(0, 1)"; formulas stand in [definitions]"#);
 }
 
 #[test]

@@ -2,11 +2,13 @@
 
 mod files;
 mod formulas;
+mod functions;
 mod matrices;
 mod names;
 mod noise;
 mod overrides;
 mod paths;
+mod priors;
 mod vectors;
 
 use motes_formulas::parse;

@@ -21,7 +21,7 @@ fn a_name_of_elsewhere() {
 
 #[test]
 fn a_function_that_there_is_not() {
-    insta::assert_snapshot!(refused(&transition("normal(softplus(x), 1)")), @"m.toml, line 7, column 13, [transition] x: `softplus` is not known here; there are sqrt, exp, log, abs, sin, cos, tan, tanh, atan, atan2, min, max, floor, ceil, round, mod, sign, log1p, expm1, logit, logistic, lgamma, erf, normal_cdf, if, normal, student_t, laplace, log_normal, exponential, gamma, uniform, poisson, negative_binomial, binomial, bernoulli");
+    insta::assert_snapshot!(refused(&transition("normal(softplus(x), 1)")), @"m.toml, line 7, column 13, [transition] x: `softplus` is not known here; there are sqrt, exp, log, abs, sin, cos, tan, tanh, atan, atan2, min, max, floor, ceil, round, mod, sign, log1p, expm1, logit, logistic, lgamma, erf, normal_cdf, if, sum, normal, student_t, laplace, log_normal, exponential, gamma, uniform, poisson, negative_binomial, binomial, bernoulli, categorical, euler_multinomial");
 }
 
 #[test]
@@ -75,6 +75,11 @@ exp = 1"#)])), @"m.toml, line 4, column 1, [parameters] exp: `exp` is a function
 #[test]
 fn a_name_that_is_the_time() {
     insta::assert_snapshot!(refused(&definitions(r#"t = "x""#)), @"m.toml, line 7, column 1, [definitions] t: `t` is the time; another name is needed");
+}
+
+#[test]
+fn a_name_that_is_the_length_of_a_step() {
+    insta::assert_snapshot!(refused(&changed(FILE, &[("q = 10.0", "q = 10.0\ndt = 1")])), @"m.toml, line 4, column 1, [parameters] dt: `dt` is the length of a step; another name is needed");
 }
 
 #[test]

@@ -113,3 +113,59 @@ fn noise_that_is_multiplied_by_zero() {
 fn noise_that_is_divided_by_zero() {
     insta::assert_snapshot!(refused(&transition("x + exponential(1)/0")), @"m.toml, line 7, column 10, [transition] x: the factor of exponential(mean) is inf; it must be a finite number");
 }
+
+/// [`FILE`] with a draw.
+fn draw(line: &str) -> String {
+    changed(FILE, &[("[transition]", &format!("[draws]\n{line}\n[transition]"))])
+}
+
+#[test]
+fn draws_of_several_parts_as_a_state() {
+    insta::assert_snapshot!(refused(&transition("euler_multinomial(5, 0.1, 0.2)")), @r#"m.toml, line 7, column 6, [transition] x: `euler_multinomial` draws several numbers at once; as a line of [draws], n = "euler_multinomial(…)", they are n[0], n[1], …"#);
+}
+
+#[test]
+fn draws_of_several_parts_with_a_length() {
+    insta::assert_snapshot!(refused(&draw("out[2] = \"euler_multinomial(5, 0.1, 0.2)\"")), @"m.toml, line 7, column 1, [draws] out[2]: `out` has as many coordinates as its distribution has parts; it is written without a length");
+}
+
+#[test]
+fn draws_of_several_parts_in_a_sum() {
+    insta::assert_snapshot!(refused(&draw("out = \"5 - euler_multinomial(5, 0.1, 0.2)\"")), @"m.toml, line 7, column 12, [draws] out: `euler_multinomial` stands alone; as a line of [draws] its values can be part of any formula of [transition]");
+    insta::assert_snapshot!(refused(&draw("out = \"euler_multinomial(5, 0.1, 0.2)/5\"")), @"m.toml, line 7, column 8, [draws] out: `euler_multinomial` stands alone; as a line of [draws] its values can be part of any formula of [transition]");
+}
+
+#[test]
+fn a_part_that_there_is_not() {
+    insta::assert_snapshot!(refused(&changed(&draw("out = \"euler_multinomial(5, 0.1, 0.2)\""), &[(MOVE, "x = \"out[2]\"")])), @"m.toml, line 9, column 6, [transition] x: `out` has no entry 2; its indices are 0 to 1");
+}
+
+#[test]
+fn a_draw_of_several_parts_without_an_index() {
+    insta::assert_snapshot!(refused(&changed(&draw("out = \"euler_multinomial(5, 0.1, 0.2)\""), &[(MOVE, "x = \"x + out\"")])), @"m.toml, line 9, column 10, [transition] x: `out` is a vector of 2; one of its coordinates is written out[0], or out[i] in the formula of a vector");
+}
+
+#[test]
+fn a_rate_below_zero() {
+    insta::assert_snapshot!(refused(&draw("out = \"euler_multinomial(5, 0.1, -0.2)\"")), @"m.toml, line 7, column 8, [draws] out: the rate of euler_multinomial(n, rate, …) is -0.2; it must be at least 0");
+}
+
+#[test]
+fn a_rate_that_is_missing() {
+    insta::assert_snapshot!(refused(&draw("out = \"euler_multinomial(5)\"")), @"m.toml, line 7, column 8, [draws] out: `euler_multinomial(n, rate, …)` takes 2 arguments or more, not 1");
+}
+
+#[test]
+fn probabilities_that_do_not_add_up() {
+    insta::assert_snapshot!(refused(&transition("categorical(0.5, 0.3, 0.1)")), @"m.toml, line 7, column 6, [transition] x: the sum of the probabilities of categorical(p0, p1, …) is 0.9; it must be 1");
+}
+
+#[test]
+fn a_category_with_a_negative_probability() {
+    insta::assert_snapshot!(refused(&transition("categorical(0.5, -0.5, 1)")), @"m.toml, line 7, column 6, [transition] x: the p1 of categorical(p0, p1, …) is -0.5; it must be between 0 and 1");
+}
+
+#[test]
+fn categories_that_are_measured() {
+    insta::assert_snapshot!(refused(&measurement("categorical(0.5, 0.5)")), @"m.toml, line 9, column 6, [measurement] y: `categorical` is for states and draws; a measurement that is one of two things can be a bernoulli(p)");
+}

@@ -140,3 +140,34 @@ fn states_that_index_a_long_list() {
     let list = vec!["1"; 10_000].join(", ");
     insta::assert_snapshot!(refused(&format!("[parameters]\na = [{list}]\n[initial]\nx[10000] = 1\n[transition]\nx[10000] = \"normal(a[x[i]], 1)\"\n[measurement]\ny = \"normal(x[0], 1)\"\n")), @"m.toml, line 6, column 20, [transition] x[10000]: up to here the formulas come to more than 2000000 operations; shorter vectors would do");
 }
+
+#[test]
+fn a_sum_along_nothing() {
+    insta::assert_snapshot!(refused(&changed(VECTOR, &[("normal(x[0], 1)", "normal(sum(j, 2*j), 1)")])), @"m.toml, line 9, column 17, [measurement] y: `j` is the index of a sum, and of no vector or list in it; as in sum(j, x[j]), one says how far it goes");
+    insta::assert_snapshot!(refused(&changed(VECTOR, &[("normal(x[0], 1)", "normal(sum(j, x[j+1]), 1)")])), @"m.toml, line 9, column 17, [measurement] y: `j` is the index of a sum, and of no vector or list in it; as in sum(j, x[j]), one says how far it goes");
+}
+
+#[test]
+fn a_sum_without_an_index() {
+    insta::assert_snapshot!(refused(&changed(VECTOR, &[("normal(x[0], 1)", "normal(sum(x[0]), 1)")])), @"m.toml, line 9, column 13, [measurement] y: `sum` stands alone; it is written sum(j, x[j])");
+    insta::assert_snapshot!(refused(&changed(VECTOR, &[("normal(x[0], 1)", "normal(sum, 1)")])), @"m.toml, line 9, column 13, [measurement] y: `sum` stands alone; it is written sum(j, x[j])");
+    insta::assert_snapshot!(refused(&changed(VECTOR, &[("normal(x[0], 1)", "normal(sum(3, x[0]), 1)")])), @"m.toml, line 9, column 13, [measurement] y: `sum` stands alone; it is written sum(j, x[j])");
+}
+
+#[test]
+fn a_sum_whose_index_is_taken() {
+    insta::assert_snapshot!(refused(&vector("normal(sum(i, x[i]), 1)")), @"m.toml, line 7, column 21, [transition] x[40]: `i` is the number of a vector's coordinate; another name is needed");
+    insta::assert_snapshot!(refused(&vector("normal(sum(q, x[q]), 1)")), @"m.toml, line 7, column 21, [transition] x[40]: `q` is a name that is taken; another name is needed");
+    insta::assert_snapshot!(refused(&vector("normal(sum(t, x[t]), 1)")), @"m.toml, line 7, column 21, [transition] x[40]: `t` is the time; another name is needed");
+}
+
+#[test]
+fn a_sum_along_two_lengths() {
+    let lists = changed(VECTOR, &[("q = 10.0", "q = 10.0\na = [1, 2]")]);
+    insta::assert_snapshot!(refused(&changed(&lists, &[("normal(x[0], 1)", "normal(sum(j, a[j]*x[j]), 1)")])), @"m.toml, line 10, column 27, [measurement] y: `j` goes along vectors or lists of 2 and of 40; they must be of one length");
+}
+
+#[test]
+fn a_distribution_in_a_sum() {
+    insta::assert_snapshot!(refused(&vector("sum(j, normal(x[j], 1))")), @"m.toml, line 7, column 17, [transition] x[40]: `normal` stands inside of a sum; it can be shifted and scaled, as in x + 3*exponential(1); for more, make it a line of [draws] and use its value");
+}

@@ -1,9 +1,9 @@
-//! What measurements use of the sub-steps since the row before: sums, and draws of the last one.
+//! What measurements use of the sub-steps since the row before: totals, and draws of the last one.
 
 use super::meaning::Meaning;
 use crate::error::Problem;
 
-/// When a sum begins anew.
+/// When a total begins anew.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Since {
     /// At each sub-step: it is a value alone, that of the last one.
@@ -14,9 +14,9 @@ pub(crate) enum Since {
     Measured(usize),
 }
 
-/// A sum over sub-steps of a draw or a state, or of all coordinates of a vector one by one.
+/// A total over sub-steps of a draw or a state, or of all coordinates of a vector one by one.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Sum {
+pub(crate) struct Total {
     /// As it is written: `total(x)`.
     pub(crate) name: String,
     pub(crate) since: Since,
@@ -27,7 +27,7 @@ pub(crate) struct Sum {
     pub(crate) length: Option<usize>,
 }
 
-impl Sum {
+impl Total {
     /// How many coordinates it has.
     pub(crate) fn coordinates(&self) -> usize {
         self.length.unwrap_or(1)
@@ -43,50 +43,50 @@ impl Sum {
     }
 }
 
-/// All sums of a model: behind the states, in order.
+/// All totals of a model: behind the states, in order.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Sums {
-    pub(crate) all: Vec<Sum>,
+pub(crate) struct Totals {
+    pub(crate) all: Vec<Total>,
     /// How many states there are.
     pub(crate) states: usize,
 }
 
-impl Sums {
+impl Totals {
     /// How many numbers they are.
     pub(crate) fn count(&self) -> usize {
-        self.all.iter().map(Sum::coordinates).sum()
+        self.all.iter().map(Total::coordinates).sum()
     }
 
-    /// Where the first coordinate of a sum stands behind the states; it is added where it is not there.
-    pub(super) fn place_of(&mut self, sum: Sum) -> usize {
-        let known = self.all.iter().position(|known| *known == sum);
+    /// Where the first coordinate of a total stands behind the states; it is added where it is not there.
+    pub(super) fn place_of(&mut self, total: Total) -> usize {
+        let known = self.all.iter().position(|known| *known == total);
         let before = known.unwrap_or(self.all.len());
-        let place = self.states + self.all[..before].iter().map(Sum::coordinates).sum::<usize>();
+        let place = self.states + self.all[..before].iter().map(Total::coordinates).sum::<usize>();
         if known.is_none() {
-            self.all.push(sum);
+            self.all.push(total);
         }
         place
     }
 
-    /// The sum of what a name means.
+    /// The total of what a name means.
     pub(super) fn of(
         &self,
         function: &'static str,
         name: &str,
         meaning: Option<&Meaning>,
         since: Since,
-    ) -> Result<Sum, Problem> {
+    ) -> Result<Total, Problem> {
         let (is_of_draws, first, length) = match meaning {
             Some(&Meaning::State { first, length }) => (false, first, length),
             Some(&Meaning::Draw { first, length }) => (true, first - self.states, length),
-            _ => return Err(Problem::SumOf { name: function, found: format!("`{name}`") }),
+            _ => return Err(Problem::TotalOf { name: function, found: format!("`{name}`") }),
         };
         let name = if function.is_empty() { name.to_string() } else { format!("{function}({name})") };
-        Ok(Sum { name, since, is_of_draws, first, length })
+        Ok(Total { name, since, is_of_draws, first, length })
     }
 }
 
-/// The functions of sums, with what they mean.
+/// The functions of totals, with what they mean.
 pub(super) fn function(name: &str) -> Option<&'static str> {
     ["total", "total_since_measured"].into_iter().find(|known| *known == name)
 }

@@ -1,0 +1,171 @@
+//! The distributions of priors.
+
+use motes_models::equations::{Distribution, Scalar, gamma, uniform};
+
+/// A distribution of one number, or of several that add up to 1.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Law {
+    Of(Distribution<f64>),
+    /// That of 1/x.
+    Inverse(Distribution<f64>),
+    /// What lies between two numbers of another one.
+    Truncated(Box<Truncated>),
+    /// A dirichlet distribution with these weights.
+    Dirichlet(Vec<f64>),
+}
+
+/// What lies between two numbers of a distribution.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Truncated {
+    law: Law,
+    ends: [f64; 2],
+    /// The probabilities of a standard normal number below those that the ends are made of; below their negatives where that is more accurate.
+    below: [f64; 2],
+    is_mirrored: bool,
+}
+
+impl Truncated {
+    /// None where nothing lies there.
+    pub(crate) fn new(law: Law, ends: [f64; 2]) -> Option<Self> {
+        let [low, high] = ends.map(|end| law.to_normal(end));
+        let is_mirrored = low > 0.0;
+        let [low, high] = if is_mirrored { [-high, -low] } else { [low, high] };
+        let below = [low, high].map(Scalar::normal_cdf);
+        (below[1] > below[0]).then_some(Truncated { law, ends, below, is_mirrored })
+    }
+
+    /// What a standard normal number is turned into.
+    fn at(&self, v: f64) -> f64 {
+        let v = if self.is_mirrored { -v } else { v };
+        let [low, high] = self.below;
+        let p = low + (high - low) * Scalar::normal_cdf(v);
+        let v = uniform(0.0, 1.0).to_normal(p);
+        let x = self.law.at_one(if self.is_mirrored { -v } else { v });
+        x.clamp(self.ends[0], self.ends[1])
+    }
+
+    /// The standard normal number that a value is made of.
+    fn to_normal(&self, x: f64) -> f64 {
+        let v = self.law.to_normal(x.clamp(self.ends[0], self.ends[1]));
+        let [low, high] = self.below;
+        let below = Scalar::normal_cdf(if self.is_mirrored { -v } else { v });
+        let v = uniform(0.0, 1.0).to_normal((below - low) / (high - low));
+        if self.is_mirrored { -v } else { v }
+    }
+
+    fn log_density(&self, x: f64) -> f64 {
+        match x >= self.ends[0] && x <= self.ends[1] {
+            true => self.law.log_density(&[x]) - (self.below[1] - self.below[0]).ln(),
+            false => f64::NEG_INFINITY,
+        }
+    }
+}
+
+impl Law {
+    /// `log p(x)`.
+    pub(crate) fn log_density(&self, values: &[f64]) -> f64 {
+        let x = values.first().copied().unwrap_or(f64::NAN);
+        match self {
+            Law::Of(distribution) => distribution.log_density(x),
+            Law::Inverse(distribution) if x > 0.0 => distribution.log_density(1.0 / x) - 2.0 * x.ln(),
+            Law::Inverse(_) => f64::NEG_INFINITY,
+            Law::Truncated(truncated) => truncated.log_density(x),
+            Law::Dirichlet(weights) => log_dirichlet(weights, values),
+        }
+    }
+
+    /// Values with this distribution, made of as many standard normal numbers.
+    pub(crate) fn at(&self, noise: &[f64]) -> Vec<f64> {
+        let Law::Dirichlet(weights) = self else { return noise.iter().map(|v| self.at_one(*v)).collect() };
+        let of_gamma = |(weight, v): (&f64, &f64)| gamma(*weight, 1.0).from_normal(*v);
+        let parts: Vec<f64> = weights.iter().zip(noise).map(of_gamma).collect();
+        let sum: f64 = parts.iter().sum();
+        parts.iter().map(|part| part / sum).collect()
+    }
+
+    /// The value that a standard normal number is turned into.
+    fn at_one(&self, v: f64) -> f64 {
+        match self {
+            Law::Of(distribution) => distribution.from_normal(v),
+            Law::Inverse(distribution) => 1.0 / distribution.from_normal(-v),
+            Law::Truncated(truncated) => truncated.at(v),
+            Law::Dirichlet(_) => f64::NAN,
+        }
+    }
+
+    /// The standard normal number that a value is made of, where it is one of a density.
+    fn to_normal(&self, x: f64) -> f64 {
+        match self {
+            _ if x.is_infinite() => x,
+            Law::Of(distribution) => distribution.to_normal(x),
+            Law::Inverse(distribution) if x > 0.0 => -distribution.to_normal(1.0 / x),
+            Law::Inverse(_) => f64::NEG_INFINITY,
+            Law::Truncated(truncated) => truncated.to_normal(x),
+            Law::Dirichlet(_) => f64::NAN,
+        }
+    }
+
+    /// The median, or of a dirichlet the mean.
+    pub(crate) fn centre(&self) -> Vec<f64> {
+        match self {
+            Law::Dirichlet(weights) => {
+                let sum: f64 = weights.iter().sum();
+                weights.iter().map(|weight| weight / sum).collect()
+            }
+            one => vec![one.at_one(0.0)],
+        }
+    }
+
+    /// Whether it gives whole numbers.
+    pub(crate) fn is_discrete(&self) -> bool {
+        matches!(self, Law::Of(distribution) if distribution.is_discrete())
+    }
+
+    /// The ends of where a value can lie, infinite ones too.
+    pub(crate) fn ends(&self) -> [f64; 2] {
+        match self {
+            Law::Of(distribution) => ends_of(distribution),
+            Law::Inverse(_) => [0.0, f64::INFINITY],
+            Law::Truncated(truncated) => {
+                let [[low, high], [least, most]] = [truncated.ends, truncated.law.ends()];
+                [low.max(least), high.min(most)]
+            }
+            Law::Dirichlet(_) => [0.0, 1.0],
+        }
+    }
+}
+
+/// The ends of where a number with this distribution can lie.
+fn ends_of(distribution: &Distribution<f64>) -> [f64; 2] {
+    let beyond = |origin: f64, sign: f64| match sign > 0.0 {
+        true => [origin, f64::INFINITY],
+        false => [f64::NEG_INFINITY, origin],
+    };
+    match *distribution {
+        Distribution::Normal { .. } | Distribution::StudentT { .. } | Distribution::Laplace { .. } => {
+            [f64::NEG_INFINITY, f64::INFINITY]
+        }
+        Distribution::LogNormal { origin, sign, .. } => beyond(origin, sign),
+        Distribution::Exponential { origin, mean } => beyond(origin, mean),
+        Distribution::Gamma { origin, scale, .. } => beyond(origin, scale),
+        Distribution::Uniform { low, high } => [low, high],
+        Distribution::Poisson { .. } | Distribution::NegativeBinomial { .. } => [0.0, f64::INFINITY],
+        Distribution::Binomial { n, .. } => [0.0, n],
+    }
+}
+
+/// How far the sum of shares may be from 1.
+const ROUNDED: f64 = 1e-9;
+
+fn log_dirichlet(weights: &[f64], shares: &[f64]) -> f64 {
+    if shares.iter().any(|share| *share < 0.0) || (shares.iter().sum::<f64>() - 1.0).abs() > ROUNDED {
+        return f64::NEG_INFINITY;
+    }
+    let of_share = |(weight, share): (&f64, &f64)| {
+        // 0·log 0 is 0.
+        let power = if *weight == 1.0 { 0.0 } else { (weight - 1.0) * share.ln() };
+        power - Scalar::ln_gamma(*weight)
+    };
+    let sum: f64 = weights.iter().sum();
+    Scalar::ln_gamma(sum) + weights.iter().zip(shares).map(of_share).sum::<f64>()
+}

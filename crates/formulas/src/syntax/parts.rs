@@ -1,0 +1,39 @@
+//! The arguments of a call, before its formula can be read.
+
+use std::ops::Range;
+
+use super::token::{Token, next};
+use crate::tables::compound;
+
+/// How many numbers a formula draws, where its distribution has several parts. What is no formula is refused where it is read.
+pub(crate) fn parts(text: &str) -> Option<usize> {
+    let (_, name) = next(text, 0).ok().filter(|(token, _)| *token == Token::Name)?;
+    let name = &text[name];
+    let before = compound(name)?.parts?;
+    Some(arguments_of_call(name, text)?.len().saturating_sub(before).max(1))
+}
+
+/// Where the arguments of `name(…)` stand in a text that begins with it; none where it does not, or is not closed.
+pub(crate) fn arguments_of_call(name: &str, text: &str) -> Option<Vec<Range<usize>>> {
+    let (_, first) =
+        next(text, 0).ok().filter(|(token, at)| *token == Token::Name && text[at.clone()] == *name)?;
+    let (_, open) = next(text, first.end).ok().filter(|(token, _)| *token == Token::Open)?;
+    let (mut depth, mut arguments, mut begin, mut at) = (1_usize, Vec::new(), open.end, open.end);
+    loop {
+        let (token, span) = next(text, at).ok()?;
+        at = span.end;
+        match token {
+            Token::Open | Token::OpenIndex => depth += 1,
+            Token::Close | Token::CloseIndex => depth -= 1,
+            Token::End => return None,
+            _ => {}
+        }
+        if depth == 0 || (depth == 1 && token == Token::Comma) {
+            arguments.push(begin..span.start);
+            begin = span.end;
+        }
+        if depth == 0 {
+            return Some(arguments);
+        }
+    }
+}

@@ -1,0 +1,61 @@
+//! Parameters that have a prior: their starts, until they are fitted, and draws of them.
+
+use motes_formulas::{Origin, Prior};
+use motes_models::Seed;
+
+use crate::model::Model;
+use crate::warning::Warning;
+
+/// Values are shown with so many digits behind the first.
+const DIGITS: usize = 5;
+
+/// What is to be said of parameters that have a prior and no value of their own: that they begin with its centre.
+pub fn of_starts(model: &Model) -> Option<Warning> {
+    let starts: Vec<&Prior> = model.priors().iter().filter(|prior| prior.origin() != Origin::Set).collect();
+    let value = |prior: &Prior| {
+        prior.start().iter().map(|value| rounded(*value).to_string()).collect::<Vec<_>>().join(", ")
+    };
+    let origin = |prior: &Prior| match prior.origin() {
+        Origin::Median => " (its median)",
+        Origin::Mean => " (its mean)",
+        Origin::Given | Origin::Set => "",
+    };
+    let text = match starts.as_slice() {
+        [] => return None,
+        [one] => {
+            let (name, value, origin) = (one.name(), value(one), origin(one));
+            let entry = &one.entries()[0];
+            let is = if one.start().len() == 1 { "is" } else { "are" };
+            format!(
+                "{name} has a prior; its start {value} {is} used{origin}; give another by --set {entry}=…"
+            )
+        }
+        several => {
+            let names: Vec<&str> = several.iter().map(|prior| prior.name()).collect();
+            let values =
+                several.iter().map(|prior| format!("{} = {}{}", prior.name(), value(prior), origin(prior)));
+            let values: Vec<String> = values.collect();
+            let (last, entry) = (names.len() - 1, &several[0].entries()[0]);
+            format!(
+                "{} and {} have priors; their starts are used: {}; give others by --set {entry}=…",
+                names[..last].join(", "),
+                names[last],
+                values.join("; ")
+            )
+        }
+    };
+    Some(Warning { series: None, text })
+}
+
+/// A number with a few digits, as people write it.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.*e}", DIGITS).parse().unwrap_or(value)
+}
+
+/// Values of the parameters that have a prior and were not set from outside, drawn from their priors.
+pub(crate) fn drawn(model: &Model, seed: &Seed) -> Vec<(String, f64)> {
+    let mut stream = seed.stream();
+    let priors = model.priors().iter().filter(|prior| prior.origin() != Origin::Set);
+    let values = priors.flat_map(|prior| prior.entries().iter().cloned().zip(prior.sample(&mut stream)));
+    values.collect()
+}
