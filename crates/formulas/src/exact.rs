@@ -1,7 +1,7 @@
 //! The matrices behind formulas that are linear with Gaussian noise: such a model has exact answers.
 
 use faer::Mat;
-use motes_models::equations::{Coordinates, Distribution, Draws, Equations};
+use motes_models::equations::{Coordinates, Distribution, Draws, Equations, Normal};
 use motes_models::{Gaussian, LinearGaussian, Step};
 
 use crate::model::FormulaModel;
@@ -19,7 +19,7 @@ impl Draws<f64> for Normals {
 impl Coordinates<f64> for Normals {
     fn push(&mut self, distribution: Distribution<f64>) {
         self.0 = match (self.0.take(), distribution) {
-            (Some([mut means, mut variances]), Distribution::Normal { mean, sd }) => {
+            (Some([mut means, mut variances]), Distribution::Normal(Normal { mean, sd })) => {
                 means.push(mean);
                 variances.push(sd * sd);
                 Some([means, variances])

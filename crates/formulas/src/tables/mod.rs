@@ -4,7 +4,7 @@ mod families;
 mod functions;
 mod reference;
 
-pub(crate) use families::{FAMILIES, Kind};
+pub(crate) use families::{FAMILIES, Kind, Most, Values};
 pub use families::{Family, Range, family};
 pub(crate) use functions::{FUNCTIONS, Function, Operation, function};
 pub use reference::reference;
