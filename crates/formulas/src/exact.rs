@@ -2,7 +2,7 @@
 
 use faer::{Col, Mat};
 use motes_models::batch::LANES;
-use motes_models::equations::{Coordinates, Distribution, Equations, NoiseSpace};
+use motes_models::equations::{Coordinates, Distribution, Equations, NoiseSpace, Normal};
 use motes_models::kalman::{Belief, LinearMap, LinearSystem};
 use motes_models::{StateSpaceModel, Step};
 
@@ -18,7 +18,7 @@ struct Normals {
 impl Coordinates<f64> for Normals {
     fn push(&mut self, distribution: Distribution<f64>) {
         let (mean, sd) = match distribution {
-            Distribution::Normal { mean, sd } => (mean, sd),
+            Distribution::Normal(Normal { mean, sd }) => (mean, sd),
             _ => (f64::NAN, f64::NAN),
         };
         self.means.push(mean);

@@ -5,7 +5,7 @@ use rand_distr::{Exp1, StandardNormal};
 use serde::{Deserialize, Serialize};
 
 use crate::batch::{LANES, squared_norms};
-use crate::equations::{Distribution, Scalar};
+use crate::equations::{Distribution, Exponential, Normal, Scalar, Uniform};
 use crate::gaussian::LN_2PI;
 use crate::{Stream, fill_standard_exponential, fill_standard_normal, fill_uniform};
 
@@ -109,13 +109,13 @@ impl Noise {
     #[inline(always)]
     pub(crate) fn around<S: Scalar>(self, sigma: f64, location: S) -> Distribution<S> {
         match self {
-            Noise::Gaussian => Distribution::Normal { mean: location, sd: S::from(sigma) },
+            Noise::Gaussian => Distribution::Normal(Normal { mean: location, sd: S::from(sigma) }),
             Noise::Exponential => {
-                Distribution::Exponential { origin: location - sigma, mean: S::from(sigma) }
+                Distribution::Exponential(Exponential { origin: location - sigma, mean: S::from(sigma) })
             }
             Noise::Uniform => {
                 let half = sigma * 3.0_f64.sqrt();
-                Distribution::Uniform { low: location - half, high: location + half }
+                Distribution::Uniform(Uniform { low: location - half, high: location + half })
             }
         }
     }

@@ -1,5 +1,7 @@
 //! Equations that are stated for many particles are the model that formulas state, to the last bit.
 
+use std::cell::{Cell, RefCell};
+
 use motes_models::batch::{LANES, Rows};
 use motes_models::equations::{
     BatchDistribution, BatchEquations, Batched, Column, Coordinates, Distribution, Draws, Dual, Equations,
@@ -77,29 +79,18 @@ fn columns(rows: &[Row]) -> Vec<BatchDistribution> {
         let slopes = (0..3).flat_map(|j| numbers.iter().map(move |number| number.derivatives()[j])).collect();
         Column::with_slopes(numbers.iter().map(|number| number.value()).collect(), slopes)
     };
+    let parameters = |distribution: &Distribution<Sloped>| {
+        let found = RefCell::new(Vec::new());
+        distribution.map(|parameter| found.borrow_mut().push(*parameter));
+        found.into_inner()
+    };
     let of = |at: usize| {
         // The parameters of each family by their order.
-        let part = |number: usize| {
-            column(at, &move |distribution| match *distribution {
-                Distribution::Normal { mean, sd } => [mean, sd, sd, sd][number],
-                Distribution::Laplace { location, scale } => [location, scale, scale, scale][number],
-                Distribution::LogNormal { origin, sign, location, scale } => {
-                    [origin, sign, location, scale][number]
-                }
-                Distribution::Poisson { mean } => mean,
-                Distribution::StudentT { df, location, scale } => [df, location, scale, scale][number],
-                _ => panic!("the model has no other family"),
-            })
-        };
-        BatchDistribution::new(match rows[0].0[at] {
-            Distribution::Normal { .. } => Distribution::Normal { mean: part(0), sd: part(1) },
-            Distribution::Laplace { .. } => Distribution::Laplace { location: part(0), scale: part(1) },
-            Distribution::LogNormal { .. } => {
-                Distribution::LogNormal { origin: part(0), sign: part(1), location: part(2), scale: part(3) }
-            }
-            Distribution::Poisson { .. } => Distribution::Poisson { mean: part(0) },
-            _ => Distribution::StudentT { df: part(0), location: part(1), scale: part(2) },
-        })
+        let next = Cell::new(0);
+        BatchDistribution::new(rows[0].0[at].map(|_| {
+            let number = next.replace(next.get() + 1);
+            column(at, &|distribution| parameters(distribution)[number])
+        }))
     };
     (0..rows[0].0.len()).map(of).collect()
 }

@@ -3,12 +3,12 @@
 use motes_models::batch::LANES;
 use motes_models::equations::Transport;
 use motes_models::equations::{
-    Coordinates, Draws, Equations, Lanes, Linearise, Scalar, exponential, gamma, laplace, log_normal, normal,
-    poisson, student_t, uniform,
+    Coordinates, Draws, Equations, Lanes, Linearise, Scalar, beta, exponential, gamma, laplace, log_normal,
+    normal, poisson, student_t, uniform,
 };
 use motes_models::{Seed, Simulator, StateSpaceModel, Step, Stream, fill_standard_normal};
 
-const N: usize = 8;
+const N: usize = 9;
 
 /// A coordinate of every continuous family, whose parameters depend on the state before.
 struct Every;
@@ -31,6 +31,7 @@ impl Equations for Every {
         state[5] = draws.draw(gamma(x[5].exp(), 0.5));
         state[6] = draws.draw(gamma(x[5].exp() + 2.0, 0.5).scaled(-1.0));
         state[7] = draws.draw(uniform(-(x[7].abs()) - 0.2, x[6].abs()));
+        state[8] = draws.draw(beta(x[8].exp() + 0.3, x[0].abs() + 0.5).scaled(-2.0).shifted(x[8]));
     }
 
     fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {

@@ -96,8 +96,7 @@ pub struct Readme;
 /// What a program that filters with a model of its own needs.
 pub mod prelude {
     pub use motes_models::equations::{
-        Coordinates, Distribution, Draws, Equations, Scalar, bernoulli, binomial, exponential, gamma,
-        laplace, log_normal, negative_binomial, normal, poisson, student_t, uniform,
+        Coordinates, Distribution, Draws, Equations, Scalar, distributions::*,
     };
     pub use motes_models::{Measurements, PartialMeasurements, Seed, StateSpaceModel, Step, simulate};
     pub use motes_smc::{

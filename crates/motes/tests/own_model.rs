@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use motes::models::equations::{BatchDistribution, BatchEquations, Batched, Column};
+use motes::models::equations::{BatchDistribution, BatchEquations, Batched, Column, Normal};
 use motes::prelude::*;
 use motes::{
     Data, FilterOptions, LearnOptions, LearnedProposal, Model, MotesError, ProposalName, check, designed,
@@ -37,7 +37,7 @@ impl Equations for Squared {
 struct InColumns;
 
 fn normals(mean: Vec<f64>, sd: f64) -> Option<Vec<BatchDistribution>> {
-    let family = Distribution::Normal { mean: Column::each(mean), sd: Column::same(sd) };
+    let family = Distribution::Normal(Normal { mean: Column::each(mean), sd: Column::same(sd) });
     Some(vec![BatchDistribution::new(family)])
 }
 

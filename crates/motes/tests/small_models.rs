@@ -70,6 +70,24 @@ fn bootstrap_and_linearised_find_the_exact_answers() {
     }
 }
 
+/// Models that are linear with Gaussian noise have exact answers, whatever their times, inputs and shared draws are.
+#[test]
+fn linear_models_are_filtered_exactly() {
+    let folders = ["constant-velocity", "shared-noise", "regressor", "cart", "irregular", "days", "animals"];
+    for folder in folders {
+        let of = MODELS.iter().find(|of| of.folder == folder).unwrap();
+        let (model, data) = of.open();
+        let options = FilterOptions { proposal: ProposalName::Exact, ..Default::default() };
+        let found = filter(&model, &data, &options, |_| ControlFlow::Continue(())).unwrap();
+        assert!((found.log_evidence() - of.log_evidence).abs() < 2e-6, "{folder}: {}", found.log_evidence());
+        let last = found.estimates.last().unwrap().state[of.state].mean;
+        assert!((last - of.last_mean).abs() < 2e-6, "{folder}: {last}");
+        let smoothed = smooth(&model, &data, &options, 20, |_| ControlFlow::Continue(())).unwrap();
+        let last = smoothed.estimates.last().unwrap().state[of.state].mean;
+        assert!((last - of.last_mean).abs() < 2e-6, "{folder}, smoothed: {last}");
+    }
+}
+
 /// What follows without noise does so along each path.
 #[test]
 fn smoothed_paths_keep_to_the_equations() {

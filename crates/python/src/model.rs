@@ -231,7 +231,7 @@ impl Model {
             Some(inputs) => simulate_along(&model, inputs, series, seed, |_| failure.asked()),
             None => simulate(&model, steps, series, seed, |_| failure.asked()),
         })?;
-        let motes::Simulated { series: drawn, rows } = failure.or(drawn)?;
+        let motes::Simulated { series: drawn, rows, .. } = failure.or(drawn)?;
         let states: Vec<f64> = drawn.iter().flat_map(|one| one.states.values().iter().copied()).collect();
         let measurements: Vec<f64> =
             drawn.iter().flat_map(|one| one.measurements.values().iter().copied()).collect();

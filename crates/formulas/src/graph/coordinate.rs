@@ -2,7 +2,7 @@
 
 use super::nodes::{Graph, Id};
 use crate::operations::{Binary, Unary};
-use crate::tables::{Family, Kind};
+use crate::tables::Family;
 
 /// `shift + scale·x` of a distribution of `x`.
 #[derive(Debug, Clone)]
@@ -112,11 +112,7 @@ impl Coordinate {
 
     /// Takes shift and scale into the parameters, where the family has such.
     pub(super) fn settle(&mut self, graph: &mut Graph) {
-        let location = match self.family.kind {
-            Kind::Normal | Kind::Laplace => 0,
-            Kind::StudentT => 1,
-            _ => return,
-        };
+        let Some(location) = self.family.location else { return };
         let [mut at, mut width] = [self.parameters[location], self.parameters[location + 1]];
         if let Some(scale) = self.scale.take() {
             at = graph.of_two(Binary::Multiply, at, scale);

@@ -1,6 +1,8 @@
 //! The distributions of priors.
 
-use motes_models::equations::{Distribution, Scalar, gamma, uniform};
+use motes_models::equations::{
+    Beta, Binomial, Distribution, Exponential, Gamma, LogNormal, Scalar, Uniform, gamma, uniform,
+};
 
 /// A distribution of one number, or of several that add up to 1.
 #[derive(Debug, Clone, PartialEq)]
@@ -145,12 +147,15 @@ fn ends_of(distribution: &Distribution<f64>) -> [f64; 2] {
         Distribution::Normal { .. } | Distribution::StudentT { .. } | Distribution::Laplace { .. } => {
             [f64::NEG_INFINITY, f64::INFINITY]
         }
-        Distribution::LogNormal { origin, sign, .. } => beyond(origin, sign),
-        Distribution::Exponential { origin, mean } => beyond(origin, mean),
-        Distribution::Gamma { origin, scale, .. } => beyond(origin, scale),
-        Distribution::Uniform { low, high } => [low, high],
+        Distribution::LogNormal(LogNormal { origin, sign, .. }) => beyond(origin, sign),
+        Distribution::Exponential(Exponential { origin, mean }) => beyond(origin, mean),
+        Distribution::Gamma(Gamma { origin, scale, .. }) => beyond(origin, scale),
+        Distribution::Beta(Beta { origin, scale, .. }) => {
+            [origin.min(origin + scale), origin.max(origin + scale)]
+        }
+        Distribution::Uniform(Uniform { low, high }) => [low, high],
         Distribution::Poisson { .. } | Distribution::NegativeBinomial { .. } => [0.0, f64::INFINITY],
-        Distribution::Binomial { n, .. } => [0.0, n],
+        Distribution::Binomial(Binomial { n, .. }) => [0.0, n],
     }
 }
 

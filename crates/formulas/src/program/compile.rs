@@ -133,7 +133,7 @@ impl Compiler<'_> {
             *source = self.source(*parameter);
         }
         NoiseTerm {
-            kind: coordinate.family.kind,
+            family: coordinate.family,
             parameters,
             scale: coordinate.scale.map(|scale| self.source(scale)),
             shift: coordinate.shift.map(|shift| self.source(shift)),

@@ -1,7 +1,7 @@
 //! Programs: what is computed once for all particles, and what for each.
 
 use crate::operations::{Binary, Unary};
-use crate::tables::Kind;
+use crate::tables::Family;
 
 /// What a section computes.
 #[derive(Debug, Clone)]
@@ -100,7 +100,7 @@ pub(super) struct Computed {
 /// The distribution of a coordinate.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct NoiseTerm {
-    pub(super) kind: Kind,
+    pub(super) family: &'static Family,
     pub(super) parameters: [Source; 3],
     pub(super) scale: Option<Source>,
     pub(super) shift: Option<Source>,

@@ -236,7 +236,7 @@ impl<S: Scalar> Run<'_, S> {
         let parameters = term.parameters.map(|source| self.value(source));
         let scale = term.scale.map(|source| self.value(source));
         let shift = term.shift.map(|source| self.value(source));
-        term.kind.push(parameters, scale, shift, coordinates);
+        term.family.kind.push(parameters, scale, shift, coordinates);
     }
 }
 

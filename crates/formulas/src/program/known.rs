@@ -5,12 +5,12 @@ use motes_models::equations::with_scalars;
 
 use super::instruction::{PlainStep, Program, Rule, Source};
 use super::interpret::Moment;
-use crate::tables::Kind;
+use crate::tables::Family;
 
 /// The distribution of a coordinate as far as it is the same for all states: a number that depends on them is none.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Known {
-    pub(crate) kind: Kind,
+    pub(crate) family: &'static Family,
     /// What the family does not take is some other number of it.
     pub(crate) parameters: [Option<f64>; 3],
     /// What it is multiplied by: 1 where it is not.
@@ -46,7 +46,7 @@ impl Program {
                 Rule::Formula(_) | Rule::Computed(_) => None,
             });
             let known = terms.map(|term| Known {
-                kind: term.kind,
+                family: term.family,
                 parameters: term.parameters.map(value),
                 scale: of(term.scale, 1.0),
                 shift: of(term.shift, 0.0),

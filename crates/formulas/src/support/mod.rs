@@ -9,7 +9,7 @@ use motes_models::Step;
 
 use crate::priors::Prior;
 use crate::program::{Known, Program};
-use crate::tables::Kind;
+use crate::tables::{Most, Values};
 
 /// The support of each coordinate of a program in a step, as far as it holds for all states.
 pub(crate) fn supports(program: &Program, step: &Step<'_>) -> Vec<Option<Support>> {
@@ -18,19 +18,21 @@ pub(crate) fn supports(program: &Program, step: &Step<'_>) -> Vec<Option<Support
 
 /// The support of a distribution, if it is the same for all states and not the whole line.
 fn of(known: &Known) -> Option<Support> {
-    let counts = |most: Option<f64>| {
-        let most = most.filter(|most| *most >= 0.0 && most.fract() == 0.0);
-        Some(Support::Counts { most })
-    };
-    match known.kind {
-        Kind::Normal | Kind::StudentT | Kind::Laplace => None,
-        Kind::Poisson | Kind::NegativeBinomial => counts(None),
-        Kind::Binomial => counts(known.parameters[0]),
-        Kind::Bernoulli => counts(Some(1.0)),
-        Kind::Exponential => beyond(known, true),
-        // Their densities are 0 at the end itself.
-        Kind::Gamma | Kind::LogNormal => beyond(known, false),
-        Kind::Uniform => between(known),
+    match known.family.values {
+        Values::Any => None,
+        Values::Counts(most) => {
+            let most = match most {
+                Most::Any => None,
+                Most::One => Some(1.0),
+                Most::First => known.parameters[0],
+            };
+            let most = most.filter(|most| *most >= 0.0 && most.fract() == 0.0);
+            Some(Support::Counts { most })
+        }
+        Values::FromZero => beyond(known, true),
+        Values::AboveZero => beyond(known, false),
+        Values::InsideOne => between(known, [Some(0.0), Some(1.0)], false),
+        Values::Between => between(known, [known.parameters[0], known.parameters[1]], true),
     }
 }
 
@@ -45,12 +47,12 @@ fn beyond(known: &Known, is_in: bool) -> Option<Support> {
     }
 }
 
-/// All numbers between two ends, one of which may depend on states.
-fn between(known: &Known) -> Option<Support> {
+/// All numbers between two ends, one of which may depend on states, with these ends or without them.
+fn between(known: &Known, ends: [Option<f64>; 2], is_in: bool) -> Option<Support> {
     let (shift, scale) = (finite(known.shift)?, finite(known.scale)?);
-    let end = |parameter: usize| {
-        let at = finite(known.parameters[parameter])? * scale + shift;
-        at.is_finite().then_some(End { at, is_in: true })
+    let end = |which: usize| {
+        let at = finite(ends[which])? * scale + shift;
+        at.is_finite().then_some(End { at, is_in })
     };
     let [low, high] = if scale > 0.0 { [end(0), end(1)] } else { [end(1), end(0)] };
     let is_wrong = matches!((low, high), (Some(low), Some(high)) if low.at >= high.at);

@@ -1,8 +1,8 @@
 //! The distributions of formulas.
 
 use motes_models::equations::{
-    Coordinates, Distribution, Scalar, bernoulli, binomial, exponential, gamma, laplace, log_normal,
-    negative_binomial, normal, poisson, student_t, uniform,
+    Beta, Binomial, Coordinates, Distribution, Exponential, Gamma, Laplace, LogNormal, NegativeBinomial,
+    Normal, Poisson, Scalar, StudentT, Uniform, normal,
 };
 
 /// Which distribution it is.
@@ -14,6 +14,7 @@ pub(crate) enum Kind {
     LogNormal,
     Exponential,
     Gamma,
+    Beta,
     Uniform,
     Poisson,
     NegativeBinomial,
@@ -61,6 +62,29 @@ impl Range {
     }
 }
 
+/// Which numbers a distribution can give, before it is shifted and scaled.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Values {
+    Any,
+    FromZero,
+    /// Its density is 0 at 0 itself.
+    AboveZero,
+    /// Those between 0 and 1, without these.
+    InsideOne,
+    /// Those from its first parameter to its second.
+    Between,
+    Counts(Most),
+}
+
+/// The largest count.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Most {
+    Any,
+    One,
+    /// The first parameter.
+    First,
+}
+
 /// A distribution: its name, the names and ranges of its parameters, and a line about it.
 #[derive(Debug, PartialEq)]
 pub struct Family {
@@ -73,12 +97,26 @@ pub struct Family {
     /// What it is, in a sentence.
     pub about: &'static str,
     pub(crate) kind: Kind,
+    pub(crate) values: Values,
+    /// Which of its parameters is a location that the next one is the scale to, if there are such.
+    pub(crate) location: Option<usize>,
 }
 
 impl Family {
     /// Whether it is one of counts, which can be neither shifted nor scaled.
     pub fn is_of_counts(&self) -> bool {
-        matches!(self.kind, Kind::Poisson | Kind::NegativeBinomial | Kind::Binomial | Kind::Bernoulli)
+        matches!(self.values, Values::Counts(_))
+    }
+
+    /// The distribution with these parameters, of which there are as many as the family has; `number` makes a parameter of a plain number. Nothing is checked.
+    pub fn distribution<T>(
+        &self,
+        parameters: impl IntoIterator<Item = T>,
+        number: impl Fn(f64) -> T,
+    ) -> Distribution<T> {
+        let mut parameters = parameters.into_iter();
+        let [a, b, c] = std::array::from_fn(|_| parameters.next().unwrap_or_else(|| number(f64::NAN)));
+        self.kind.distribution([a, b, c], number)
     }
 }
 
@@ -88,52 +126,97 @@ const fn row(
     kind: Kind,
     parameters: &'static [&'static str],
     ranges: &'static [Range],
+    values: Values,
     about: &'static str,
 ) -> Family {
-    Family { name, parameters, ranges, about, kind }
+    Family { name, parameters, ranges, about, kind, values, location: None }
+}
+
+impl Family {
+    /// With a parameter that is a location, and the scale behind it.
+    const fn located(self, at: usize) -> Family {
+        Family { location: Some(at), ..self }
+    }
 }
 
 use Range::{AboveZero, Any, Count, FromZero, Probability};
 
 /// All distributions.
-pub(crate) static FAMILIES: [Family; 11] = [
-    row("normal", Kind::Normal, &["mean", "sd"], &[Any, AboveZero], "The normal distribution."),
+pub(crate) static FAMILIES: [Family; 12] = [
+    row("normal", Kind::Normal, &["mean", "sd"], &[Any, AboveZero], Values::Any, "The normal distribution.")
+        .located(0),
     row(
         "student_t",
         Kind::StudentT,
         &["df", "location", "scale"],
         &[AboveZero, Any, AboveZero],
+        Values::Any,
         "Student's t with df degrees of freedom, for noise with outliers.",
-    ),
+    )
+    .located(1),
     row(
         "laplace",
         Kind::Laplace,
         &["location", "scale"],
         &[Any, AboveZero],
+        Values::Any,
         "Laplace's distribution; its standard deviation is √2·scale.",
-    ),
+    )
+    .located(0),
     row(
         "log_normal",
         Kind::LogNormal,
         &["location", "scale"],
         &[Any, AboveZero],
+        Values::AboveZero,
         "That of e^z for a normal z with this mean and standard deviation.",
     ),
-    row("exponential", Kind::Exponential, &["mean"], &[AboveZero], "The exponential distribution."),
+    row(
+        "exponential",
+        Kind::Exponential,
+        &["mean"],
+        &[AboveZero],
+        Values::FromZero,
+        "The exponential distribution.",
+    ),
     row(
         "gamma",
         Kind::Gamma,
         &["shape", "scale"],
         &[AboveZero, AboveZero],
+        Values::AboveZero,
         "The gamma distribution with mean shape·scale.",
     ),
-    row("uniform", Kind::Uniform, &["low", "high"], &[Any, Any], "All numbers from low to high alike."),
-    row("poisson", Kind::Poisson, &["mean"], &[FromZero], "Counts of events, where mean are expected."),
+    row(
+        "beta",
+        Kind::Beta,
+        &["a", "b"],
+        &[AboveZero, AboveZero],
+        Values::InsideOne,
+        "The beta distribution between 0 and 1, with mean a/(a + b).",
+    ),
+    row(
+        "uniform",
+        Kind::Uniform,
+        &["low", "high"],
+        &[Any, Any],
+        Values::Between,
+        "All numbers from low to high alike.",
+    ),
+    row(
+        "poisson",
+        Kind::Poisson,
+        &["mean"],
+        &[FromZero],
+        Values::Counts(Most::Any),
+        "Counts of events, where mean are expected.",
+    ),
     row(
         "negative_binomial",
         Kind::NegativeBinomial,
         &["mean", "size"],
         &[FromZero, AboveZero],
+        Values::Counts(Most::Any),
         "Counts with the variance mean + mean²/size.",
     ),
     row(
@@ -141,9 +224,17 @@ pub(crate) static FAMILIES: [Family; 11] = [
         Kind::Binomial,
         &["n", "p"],
         &[Count, Probability],
+        Values::Counts(Most::First),
         "Successes in n trials with probability p each.",
     ),
-    row("bernoulli", Kind::Bernoulli, &["p"], &[Probability], "1 with probability p, else 0."),
+    row(
+        "bernoulli",
+        Kind::Bernoulli,
+        &["p"],
+        &[Probability],
+        Values::Counts(Most::One),
+        "1 with probability p, else 0.",
+    ),
 ];
 
 /// The distribution of that name.
@@ -178,28 +269,37 @@ impl Kind {
     /// The distribution with these parameters, as [`Kind::push`] takes them.
     pub(crate) fn moved<S: Scalar>(
         self,
-        [a, b, c]: [S; 3],
+        parameters: [S; 3],
         scale: Option<S>,
         shift: Option<S>,
     ) -> Distribution<S> {
-        let distribution = match self {
-            Kind::Normal => normal(a, b),
-            Kind::StudentT => student_t(a, b, c),
-            Kind::Laplace => laplace(a, b),
-            Kind::LogNormal => log_normal(a, b),
-            Kind::Exponential => exponential(a),
-            Kind::Gamma => gamma(a, b),
-            Kind::Uniform => uniform(a, b),
-            Kind::Poisson => poisson(a),
-            Kind::NegativeBinomial => negative_binomial(a, b),
-            Kind::Binomial => binomial(a, b),
-            Kind::Bernoulli => bernoulli(a),
-        };
+        let distribution = self.distribution(parameters, S::from).guarded();
         match (scale, shift) {
             (None, None) => distribution,
             (Some(scale), None) => distribution.scaled(scale),
             (None, Some(shift)) => distribution.shifted(shift),
             (Some(scale), Some(shift)) => distribution.scaled(scale).shifted(shift),
+        }
+    }
+
+    /// With parameters of any kind, which are not checked; `number` makes one of a plain number.
+    fn distribution<T>(self, [a, b, c]: [T; 3], number: impl Fn(f64) -> T) -> Distribution<T> {
+        let (zero, one) = (|| number(0.0), || number(1.0));
+        match self {
+            Kind::Normal => Distribution::Normal(Normal { mean: a, sd: b }),
+            Kind::StudentT => Distribution::StudentT(StudentT { df: a, location: b, scale: c }),
+            Kind::Laplace => Distribution::Laplace(Laplace { location: a, scale: b }),
+            Kind::LogNormal => {
+                Distribution::LogNormal(LogNormal { origin: zero(), sign: one(), location: a, scale: b })
+            }
+            Kind::Exponential => Distribution::Exponential(Exponential { origin: zero(), mean: a }),
+            Kind::Gamma => Distribution::Gamma(Gamma { origin: zero(), shape: a, scale: b }),
+            Kind::Beta => Distribution::Beta(Beta { origin: zero(), scale: one(), a, b }),
+            Kind::Uniform => Distribution::Uniform(Uniform { low: a, high: b }),
+            Kind::Poisson => Distribution::Poisson(Poisson { mean: a }),
+            Kind::NegativeBinomial => Distribution::NegativeBinomial(NegativeBinomial { mean: a, size: b }),
+            Kind::Binomial => Distribution::Binomial(Binomial { n: a, p: b }),
+            Kind::Bernoulli => Distribution::Binomial(Binomial { n: one(), p: a }),
         }
     }
 }

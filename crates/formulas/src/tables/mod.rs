@@ -6,7 +6,7 @@ mod functions;
 mod reference;
 
 pub(crate) use compounds::{COMPOUNDS, Composition, Compound, MOST_OFF, PriorKind, compound};
-pub(crate) use families::{FAMILIES, Kind, of_kind};
+pub(crate) use families::{FAMILIES, Kind, Most, Values, of_kind};
 pub use families::{Family, Range, family};
 pub(crate) use functions::{FUNCTIONS, Function, Operation, function};
 pub use reference::reference;

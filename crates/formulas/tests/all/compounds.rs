@@ -221,7 +221,7 @@ fn category(p: f64, q: f64, uniform: f64) -> f64 {
     struct Uniform(f64);
     impl Draws<f64> for Uniform {
         fn draw(&mut self, distribution: Distribution<f64>) -> f64 {
-            assert_eq!(distribution, Distribution::Uniform { low: 0.0, high: 1.0 });
+            assert_eq!(distribution, motes_models::equations::uniform(0.0, 1.0));
             self.0
         }
     }
@@ -320,7 +320,9 @@ r = "r + 0*k"
 y = "normal(S, 1)"
 "#,
     );
-    let text = |state: [f64; 2]| rates.explain(1, Some(&state), None).map(|error| error.to_string());
+    let text = |state: [f64; 2]| {
+        rates.explain(&Step::of_index(1), Some(&state), None).map(|error| error.to_string())
+    };
     insta::assert_snapshot!(text([4.5, 0.5]).unwrap(), @"m.toml, line 6, [draws] out[0]: n, `S`, is 4.5; it must be an integer of at least 0");
     insta::assert_snapshot!(text([4.0, -1.0]).unwrap(), @"m.toml, line 6, [draws] out[0]: rate, `r`, is -1; it must be at least 0");
     insta::assert_snapshot!(text([4.0, 0.5]).unwrap(), @"m.toml, line 7, [draws] k: the sum of the probabilities, `categorical(r, 0.25)`, is 0.75 where r = 0.5; it must be 1");

@@ -1,7 +1,7 @@
 //! Each distribution of a file is the one of the same name in Rust.
 
 use motes_models::equations::{
-    Distribution, Dual, Lanes, Scalar, bernoulli, binomial, exponential, gamma, laplace, log_normal,
+    Distribution, Dual, Lanes, Scalar, bernoulli, beta, binomial, exponential, gamma, laplace, log_normal,
     negative_binomial, normal, poisson, student_t, uniform,
 };
 
@@ -16,6 +16,7 @@ fn pairs<S: Scalar>(x: S) -> Vec<(&'static str, Distribution<S>)> {
         ("log_normal(x, 0.3)", log_normal(x, 0.3)),
         ("exponential(x)", exponential(x)),
         ("gamma(2, x)", gamma(2.0, x)),
+        ("beta(2, x)", beta(2.0, x)),
         ("uniform(-x, 4*x)", uniform(-x, x * 4.0)),
         ("poisson(x)", poisson(x)),
         ("negative_binomial(x, 3)", negative_binomial(x, 3.0)),
@@ -25,6 +26,7 @@ fn pairs<S: Scalar>(x: S) -> Vec<(&'static str, Distribution<S>)> {
         ("x - exponential(x)", exponential(x).scaled(-1.0).shifted(x)),
         ("2*gamma(2, 1)/x", gamma(2.0, 1.0).scaled(S::from(2.0) / x)),
         ("-log_normal(0, x) + 9", log_normal(0.0, x).scaled(-1.0).shifted(9.0)),
+        ("x - 3*beta(2, 0.5)", beta(2.0, 0.5).scaled(-3.0).shifted(x)),
         ("(uniform(0, 1) - 0.5)*4*x", uniform(0.0, 1.0).scaled(x * 4.0).shifted(x * -2.0)),
         ("-(x + normal(x, 2))", normal(x, 2.0).scaled(-1.0).shifted(-x)),
         ("x + 0.5*normal(0, 2)", normal(x, 1.0)),
@@ -51,7 +53,7 @@ fn densities_are_those_of_the_functions_in_rust() {
 /// Without shift and scale it is the same distribution, to the last bit.
 #[test]
 fn parameters_have_the_same_bits() {
-    for (formula, expected) in pairs(1.3).into_iter().take(11) {
+    for (formula, expected) in pairs(1.3).into_iter().take(12) {
         assert_eq!(measurement(&measuring(formula, ""), 0, &[1.3, 0.0])[0], expected, "{formula}");
     }
 }

@@ -1,5 +1,7 @@
 //! Functions of one's own, against their formulas written out.
 
+use motes_models::Step;
+
 use super::helpers::{measurement, measuring, model, transition};
 
 /// The mean of `z` at `x = 1.7`, `y = −0.4`, `t = 5`.
@@ -65,7 +67,9 @@ y[3] = "normal(slope(i), 1)"
 fn an_error_says_where_in_the_function() {
     let functions = "[definitions]\n\"root(u)\" = \"sqrt(u - 1)\"\nb = \"root(x) + 1\"";
     let text = |formula: &str, state: [f64; 2]| {
-        measuring(formula, functions).explain(3, None, Some(&state)).map(|error| error.to_string())
+        measuring(formula, functions)
+            .explain(&Step::of_index(3), None, Some(&state))
+            .map(|error| error.to_string())
     };
     insta::assert_snapshot!(text("normal(root(x), 1)", [0.5, 0.0]).unwrap(), @"m.toml, line 10, [definitions] root(u): `sqrt(u - 1)` is NaN where u = 0.5");
     insta::assert_snapshot!(text("normal(b, 1)", [0.5, 0.0]).unwrap(), @"m.toml, line 10, [definitions] root(u): `sqrt(u - 1)` is NaN where u = 0.5");

@@ -1,224 +1,133 @@
 //! The distributions of one coordinate, as values: which family, with which parameters.
 
+mod beta;
+mod binomial;
+mod exponential;
+mod gamma;
+mod laplace;
+mod log_normal;
+mod negative_binomial;
+mod normal;
+mod poisson;
+mod student_t;
+mod uniform;
+
+use super::draw::{Needs, OneByOne, Source};
+use super::family::{Family, Score, above_zero};
+use super::quantile::{GuidedCount, Quantile, normal_mass};
 use super::scalar::Scalar;
+use crate::Stream;
 
-/// A distribution of one number, whose parameters may depend on the states.
-///
-/// Any but those of counts can be scaled and then shifted: `exponential(1.0).scaled(3.0).shifted(-3.0)`. Where a parameter is out of range or NaN,
-/// densities and draws are NaN.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Distribution<S> {
-    /// [`normal`].
-    Normal {
-        /// Its mean.
-        mean: S,
-        /// Its standard deviation, above 0.
-        sd: S,
-    },
-    /// [`student_t`].
-    StudentT {
-        /// Degrees of freedom, above 0.
-        df: S,
-        /// Its centre.
-        location: S,
-        /// Its scale, above 0.
-        scale: S,
-    },
-    /// [`laplace`].
-    Laplace {
-        /// Its centre.
-        location: S,
-        /// Its scale, above 0.
-        scale: S,
-    },
-    /// `origin + sign·e^z` of a normal `z`: [`log_normal`].
-    LogNormal {
-        /// The end of its range.
-        origin: S,
-        /// 1, or −1 where it lies below its origin.
-        sign: S,
-        /// The mean of `z`.
-        location: S,
-        /// The standard deviation of `z`, above 0.
-        scale: S,
-    },
-    /// `origin + mean·E` of a standard exponential `E`: [`exponential`].
-    Exponential {
-        /// The end of its range.
-        origin: S,
-        /// The distance of its mean from there; below 0 where it lies below its origin.
-        mean: S,
-    },
-    /// `origin + scale·G` of a standard gamma `G`: [`gamma`].
-    Gamma {
-        /// The end of its range.
-        origin: S,
-        /// Its shape, above 0.
-        shape: S,
-        /// Its scale; below 0 where it lies below its origin.
-        scale: S,
-    },
-    /// [`uniform`].
-    Uniform {
-        /// Its lower end.
-        low: S,
-        /// Its upper end.
-        high: S,
-    },
-    /// [`poisson`].
-    Poisson {
-        /// Its mean, at least 0.
-        mean: S,
-    },
-    /// [`negative_binomial`].
-    NegativeBinomial {
-        /// Its mean, at least 0.
-        mean: S,
-        /// Its size, above 0.
-        size: S,
-    },
-    /// [`binomial`].
-    Binomial {
-        /// The number of trials, an integer of at least 0.
-        n: S,
-        /// The probability of success.
-        p: S,
-    },
-}
+pub use {
+    beta::Beta, binomial::Binomial, exponential::Exponential, gamma::Gamma, laplace::Laplace,
+    log_normal::LogNormal, negative_binomial::NegativeBinomial, normal::Normal, poisson::Poisson,
+    student_t::StudentT, uniform::Uniform,
+};
 
-/// NaN where `value` is not above 0.
-#[inline(always)]
-fn above_zero<S: Scalar>(value: S) -> S {
-    value.where_positive(value, S::from(f64::NAN))
-}
-
-/// 0, or NaN where `value` is NaN.
-#[inline(always)]
-pub(super) fn zero_or_nan<S: Scalar>(value: S) -> S {
-    value.where_positive(S::from(0.0), S::from(0.0))
-}
-
-/// `N(mean, sd²)`: `−½ ((x − mean)/sd)² − log sd − ½ log 2π`.
-#[inline(always)]
-pub fn normal<S: Scalar>(mean: impl Into<S>, sd: impl Into<S>) -> Distribution<S> {
-    Distribution::Normal { mean: mean.into(), sd: above_zero(sd.into()) }
-}
-
-/// Student's t with `df` degrees of freedom: `z = (x − location)/scale` has the density
-/// `Γ((df+1)/2) / (Γ(df/2) √(df π)) · (1 + z²/df)^{−(df+1)/2}`.
-#[inline(always)]
-pub fn student_t<S: Scalar>(
-    df: impl Into<S>,
-    location: impl Into<S>,
-    scale: impl Into<S>,
-) -> Distribution<S> {
-    Distribution::StudentT {
-        df: above_zero(df.into()),
-        location: location.into(),
-        scale: above_zero(scale.into()),
-    }
-}
-
-/// Laplace's distribution: `−|x − location|/scale − log 2 scale`. Its standard deviation is `√2·scale`.
-#[inline(always)]
-pub fn laplace<S: Scalar>(location: impl Into<S>, scale: impl Into<S>) -> Distribution<S> {
-    Distribution::Laplace { location: location.into(), scale: above_zero(scale.into()) }
-}
-
-/// That of `e^z` for `z ~ N(location, scale²)`.
-#[inline(always)]
-pub fn log_normal<S: Scalar>(location: impl Into<S>, scale: impl Into<S>) -> Distribution<S> {
-    let (origin, sign) = (S::from(0.0), S::from(1.0));
-    Distribution::LogNormal { origin, sign, location: location.into(), scale: above_zero(scale.into()) }
-}
-
-/// The exponential distribution: `−x/mean − log mean` for `x ≥ 0`.
-#[inline(always)]
-pub fn exponential<S: Scalar>(mean: impl Into<S>) -> Distribution<S> {
-    Distribution::Exponential { origin: S::from(0.0), mean: above_zero(mean.into()) }
-}
-
-/// The gamma distribution with mean `shape·scale`: `(shape − 1) log x − x/scale − log Γ(shape) − shape log scale` for `x > 0`.
-#[inline(always)]
-pub fn gamma<S: Scalar>(shape: impl Into<S>, scale: impl Into<S>) -> Distribution<S> {
-    let (shape, scale) = (above_zero(shape.into()), above_zero(scale.into()));
-    Distribution::Gamma { origin: S::from(0.0), shape, scale }
-}
-
-/// Uniform on `[low, high]`.
-#[inline(always)]
-pub fn uniform<S: Scalar>(low: impl Into<S>, high: impl Into<S>) -> Distribution<S> {
-    let (low, high): (S, S) = (low.into(), high.into());
-    // The width is NaN where the ends are the wrong way round.
-    Distribution::Uniform { low, high: low + above_zero(high - low) }
-}
-
-/// The number of events where `mean` are expected: `k log mean − mean − log k!` for `k = 0, 1, …`.
-#[inline(always)]
-pub fn poisson<S: Scalar>(mean: impl Into<S>) -> Distribution<S> {
-    Distribution::Poisson { mean: mean.into() }
-}
-
-/// Counts with the given mean and the variance `mean + mean²/size`: a Poisson distribution whose mean is a gamma of shape `size`.
-#[inline(always)]
-pub fn negative_binomial<S: Scalar>(mean: impl Into<S>, size: impl Into<S>) -> Distribution<S> {
-    Distribution::NegativeBinomial { mean: mean.into(), size: above_zero(size.into()) }
-}
-
-/// The number of successes in `n` trials with probability `p` each.
-#[inline(always)]
-pub fn binomial<S: Scalar>(n: impl Into<S>, p: impl Into<S>) -> Distribution<S> {
-    Distribution::Binomial { n: n.into(), p: p.into() }
-}
-
-/// 1 with probability `p`, else 0.
-#[inline(always)]
-pub fn bernoulli<S: Scalar>(p: impl Into<S>) -> Distribution<S> {
-    binomial(1.0, p)
-}
-
-impl<S> Distribution<S> {
-    /// Whether it is one of counts, which can be neither shifted nor scaled.
-    pub fn is_discrete(&self) -> bool {
-        matches!(
-            self,
-            Distribution::Poisson { .. }
-                | Distribution::NegativeBinomial { .. }
-                | Distribution::Binomial { .. }
-        )
-    }
-
-    /// The same family with each parameter replaced by what `of` makes of it.
-    #[inline(always)]
-    pub(super) fn map<T>(&self, of: impl Fn(&S) -> T) -> Distribution<T> {
-        match self {
-            Distribution::Normal { mean, sd } => Distribution::Normal { mean: of(mean), sd: of(sd) },
-            Distribution::StudentT { df, location, scale } => {
-                Distribution::StudentT { df: of(df), location: of(location), scale: of(scale) }
-            }
-            Distribution::Laplace { location, scale } => {
-                Distribution::Laplace { location: of(location), scale: of(scale) }
-            }
-            Distribution::LogNormal { origin, sign, location, scale } => Distribution::LogNormal {
-                origin: of(origin),
-                sign: of(sign),
-                location: of(location),
-                scale: of(scale),
-            },
-            Distribution::Exponential { origin, mean } => {
-                Distribution::Exponential { origin: of(origin), mean: of(mean) }
-            }
-            Distribution::Gamma { origin, shape, scale } => {
-                Distribution::Gamma { origin: of(origin), shape: of(shape), scale: of(scale) }
-            }
-            Distribution::Uniform { low, high } => Distribution::Uniform { low: of(low), high: of(high) },
-            Distribution::Poisson { mean } => Distribution::Poisson { mean: of(mean) },
-            Distribution::NegativeBinomial { mean, size } => {
-                Distribution::NegativeBinomial { mean: of(mean), size: of(size) }
-            }
-            Distribution::Binomial { n, p } => Distribution::Binomial { n: of(n), p: of(p) },
+/// The families, each with the function that makes it and the parameters of this function.
+macro_rules! families {
+    ($d:tt $($(#[$about:meta])* $family:ident = $name:ident($($parameter:ident),+);)+) => {
+        /// A distribution of one number, whose parameters may depend on the states.
+        ///
+        /// Any but those of counts can be scaled and then shifted: `exponential(1.0).scaled(3.0).shifted(-3.0)`. Where a parameter is out of range or NaN,
+        /// densities and draws are NaN.
+        #[derive(Debug, Clone, Copy, PartialEq)]
+        pub enum Distribution<S> {
+            $(
+                #[doc = concat!("[`", stringify!($name), "`](distributions::", stringify!($name), ").")]
+                $family($family<S>),
+            )+
         }
-    }
+
+        /// The functions that make distributions.
+        pub mod distributions {
+            use super::{Binomial, Distribution, Scalar};
+
+            $(
+                $(#[$about])*
+                #[inline(always)]
+                pub fn $name<S: Scalar>($($parameter: impl Into<S>),+) -> Distribution<S> {
+                    Distribution::$family(super::$family::new($($parameter.into()),+))
+                }
+            )+
+
+            /// 1 with probability `p`, else 0.
+            #[inline(always)]
+            pub fn bernoulli<S: Scalar>(p: impl Into<S>) -> Distribution<S> {
+                Distribution::Binomial(Binomial { n: S::from(1.0), p: p.into() })
+            }
+        }
+
+        impl<S> Distribution<S> {
+            /// Whether it is one of counts, which can be neither shifted nor scaled.
+            #[inline(always)]
+            pub fn is_discrete(&self) -> bool {
+                match self {
+                    $(Distribution::$family(_) => <$family<f64> as Family<f64>>::IS_DISCRETE,)+
+                }
+            }
+
+            /// What one draw takes.
+            #[inline(always)]
+            pub(super) fn needs(&self) -> Needs {
+                match self {
+                    $(Distribution::$family(_) => <$family<f64> as Family<f64>>::NEEDS,)+
+                }
+            }
+
+            /// The same family with each parameter replaced by what `of` makes of it.
+            #[inline(always)]
+            pub fn map<T>(&self, of: impl Fn(&S) -> T) -> Distribution<T> {
+                match self {
+                    $(Distribution::$family(family) => Distribution::$family(family.map(of)),)+
+                }
+            }
+        }
+
+        /// What is said of the family of a distribution.
+        macro_rules! of_family {
+            ($d distribution:expr, $d family:ident => $d found:expr) => {
+                match $d distribution {
+                    $(Distribution::$family($d family) => $d found,)+
+                }
+            };
+        }
+
+        /// The distribution of what is said of the family of another.
+        macro_rules! same_family {
+            ($d distribution:expr, $d family:ident => $d found:expr) => {
+                match $d distribution {
+                    $(Distribution::$family($d family) => Distribution::$family($d found),)+
+                }
+            };
+        }
+    };
+}
+
+families! { $
+    /// `N(mean, sd²)`: `−½ ((x − mean)/sd)² − log sd − ½ log 2π`.
+    Normal = normal(mean, sd);
+    /// Student's t with `df` degrees of freedom: `z = (x − location)/scale` has the density
+    /// `Γ((df+1)/2) / (Γ(df/2) √(df π)) · (1 + z²/df)^{−(df+1)/2}`.
+    StudentT = student_t(df, location, scale);
+    /// Laplace's distribution: `−|x − location|/scale − log 2 scale`. Its standard deviation is `√2·scale`.
+    Laplace = laplace(location, scale);
+    /// That of `e^z` for `z ~ N(location, scale²)`.
+    LogNormal = log_normal(location, scale);
+    /// The exponential distribution: `−x/mean − log mean` for `x ≥ 0`.
+    Exponential = exponential(mean);
+    /// The gamma distribution with mean `shape·scale`: `(shape − 1) log x − x/scale − log Γ(shape) − shape log scale` for `x > 0`.
+    Gamma = gamma(shape, scale);
+    /// The beta distribution on `[0, 1]`: `(a − 1) log x + (b − 1) log(1 − x) − log B(a, b)`. Its mean is `a/(a + b)`.
+    Beta = beta(a, b);
+    /// Uniform on `[low, high]`.
+    Uniform = uniform(low, high);
+    /// The number of events where `mean` are expected: `k log mean − mean − log k!` for `k = 0, 1, …`.
+    Poisson = poisson(mean);
+    /// Counts with the given mean and the variance `mean + mean²/size`: a Poisson distribution whose mean is a gamma of shape `size`.
+    NegativeBinomial = negative_binomial(mean, size);
+    /// The number of successes in `n` trials with probability `p` each.
+    Binomial = binomial(n, p);
 }
 
 impl<S: Scalar> Distribution<S> {
@@ -236,67 +145,201 @@ impl<S: Scalar> Distribution<S> {
         self.affine(S::from(0.0), by.into())
     }
 
-    /// The same with parameters that are NaN where they are out of range: for what was not made by the functions of this module.
-    #[inline(always)]
-    pub(super) fn guarded(self) -> Self {
-        match self {
-            Distribution::Normal { mean, sd } => normal(mean, sd),
-            Distribution::StudentT { df, location, scale } => student_t(df, location, scale),
-            Distribution::Laplace { location, scale } => laplace(location, scale),
-            Distribution::LogNormal { origin, sign, location, scale } => {
-                Distribution::LogNormal { origin, sign, location, scale: above_zero(scale) }
-            }
-            Distribution::Exponential { origin, mean } => {
-                Distribution::Exponential { origin, mean: above_zero(mean) }
-            }
-            Distribution::Gamma { origin, shape, scale } => {
-                Distribution::Gamma { origin, shape: above_zero(shape), scale: above_zero(scale) }
-            }
-            Distribution::Uniform { low, high } => uniform(low, high),
-            Distribution::Poisson { mean } => poisson(mean),
-            Distribution::NegativeBinomial { mean, size } => negative_binomial(mean, size),
-            Distribution::Binomial { n, p } => binomial(n, p),
-        }
-    }
-
     /// That of `shift + scale·x`.
     #[inline(always)]
     fn affine(self, shift: S, scale: S) -> Self {
-        let nan = S::from(f64::NAN);
         // NaN for a scale of 0.
         let size = above_zero(scale.abs());
-        match self {
-            Distribution::Normal { mean, sd } => {
-                Distribution::Normal { mean: mean * scale + shift, sd: sd * size }
-            }
-            Distribution::StudentT { df, location, scale: own } => {
-                Distribution::StudentT { df, location: location * scale + shift, scale: own * size }
-            }
-            Distribution::Laplace { location, scale: own } => {
-                Distribution::Laplace { location: location * scale + shift, scale: own * size }
-            }
-            Distribution::LogNormal { origin, sign, location, scale: own } => Distribution::LogNormal {
-                origin: origin * scale + shift,
-                sign: sign * (scale / size),
-                location: location + size.ln(),
-                scale: own,
-            },
-            Distribution::Exponential { origin, mean } => Distribution::Exponential {
-                origin: origin * scale + shift,
-                mean: mean * scale + zero_or_nan(size),
-            },
-            Distribution::Gamma { origin, shape, scale: own } => Distribution::Gamma {
-                origin: origin * scale + shift,
-                shape,
-                scale: own * scale + zero_or_nan(size),
-            },
-            Distribution::Uniform { low, high } => {
-                let (a, b) = (low * scale + shift, high * scale + shift);
-                Distribution::Uniform { low: a.min(b) + zero_or_nan(size), high: a.max(b) }
-            }
-            Distribution::Poisson { .. } => Distribution::Poisson { mean: nan },
-            Distribution::NegativeBinomial { size, .. } => Distribution::NegativeBinomial { mean: nan, size },
-            Distribution::Binomial { n, .. } => Distribution::Binomial { n, p: nan },
+        same_family!(self, family => family.affine(shift, scale, size))
+    }
+
+    /// The same with parameters that are NaN where they are out of range: for what was not made by the functions of [`distributions`].
+    #[inline(always)]
+    #[must_use]
+    pub fn guarded(self) -> Self {
+        same_family!(self, family => family.guarded())
+    }
+
+    /// `log p(x)`; −∞ outside the support, NaN where a parameter is out of range.
+    #[inline(always)]
+    pub fn log_density(&self, x: S) -> S {
+        of_family!(*self, family => family.log_density(x, || (x + 1.0).ln_gamma()))
+    }
+
+    /// `log p(x)` of a number that is the same for all, as a measurement.
+    #[inline(always)]
+    pub(crate) fn log_density_of_one(&self, x: f64) -> S {
+        of_family!(*self, family => family.log_density(S::from(x), || S::from(Scalar::ln_gamma(x + 1.0))))
+    }
+
+    /// A draw; NaN where a parameter is out of range.
+    #[inline(always)]
+    pub(super) fn draw(&self, source: &mut impl Source<S>) -> S {
+        of_family!(*self, family => family.draw(source))
+    }
+
+    /// Mean and variance; location and squared scale where the variance is infinite.
+    #[inline(always)]
+    pub fn moments(&self) -> [S; 2] {
+        of_family!(*self, family => family.moments())
+    }
+
+    /// What the observation `y` says of the location.
+    #[inline(always)]
+    pub fn score(&self, y: S) -> Score<S> {
+        of_family!(*self, family => family.score(y))
+    }
+
+    /// `T(v)` and `log T′(v)` of the families that are formulas of a normal number, and nothing of others.
+    #[inline(always)]
+    pub(super) fn formula(&self, v: S) -> Option<[S; 2]> {
+        of_family!(*self, family => family.formula(v))
+    }
+
+    /// `T⁻¹(x)`: the standard normal quantile of `x`; −∞ and +∞ at and beyond the ends of the range.
+    ///
+    /// NaN for counts, and where a parameter is out of range.
+    #[inline(always)]
+    pub fn to_normal(&self, x: S) -> S {
+        of_family!(*self, family => family.to_normal(x))
+    }
+
+    /// `log P(low < X ≤ high)`, where the ends may be infinite; −∞ where nothing lies there, NaN where a parameter is out of range.
+    ///
+    /// ```
+    /// use motes_models::equations::{Distribution, normal};
+    ///
+    /// let far: Distribution<f64> = normal(0.0, 1.0);
+    /// assert!((far.log_mass(40.0, 41.0) - -804.608442).abs() < 1e-6);
+    /// ```
+    pub fn log_mass(&self, low: S, high: S) -> S {
+        if self.is_discrete() {
+            return of_family!(*self, family => family.count_mass(low, high));
         }
+        // Of nearly the same numbers the density in the middle is as good, and there is no difference to take.
+        let ends = [low, high].map(|end| self.to_normal(end));
+        let mass = normal_mass(ends);
+        let [from, to] = ends.map(|v| v.max(S::from(-1e100)).min(S::from(1e100)));
+        let width = high - low;
+        let is_narrow = ((from - to) * from.abs().max(S::from(1.0)) + NARROW).min(-width + 1e300);
+        is_narrow.where_positive(self.log_density((low + high) * 0.5) + width.ln(), mass)
+    }
+}
+
+/// The width in standard deviations below which an interval is taken for its middle: by then a difference has as few digits.
+const NARROW: f64 = 3e-5;
+
+impl Distribution<f64> {
+    /// Draws a number; NaN where a parameter is out of range.
+    pub fn sample(&self, stream: &mut Stream) -> f64 {
+        self.draw(&mut OneByOne(stream))
+    }
+
+    /// `T(v) = F⁻¹(Φ(v))`: what has this distribution where `v` is standard normal. It grows with `v`.
+    ///
+    /// Of counts it is the smallest whose distribution function reaches `Φ(v)`. NaN where a parameter is out of range. Each tail is computed from its own end of the
+    /// range, so neither loses digits.
+    ///
+    /// ```
+    /// use motes_models::equations::{Distribution, exponential, normal};
+    ///
+    /// let [position, delay]: [Distribution<f64>; 2] = [normal(1.0, 0.5), exponential(2.0)];
+    /// assert_eq!(position.from_normal(-3.0), -0.5);
+    /// // The median of the exponential distribution is log 2 of its mean.
+    /// assert!((delay.from_normal(0.0) - 2.0 * 2.0_f64.ln()).abs() < 1e-15);
+    /// ```
+    pub fn from_normal(&self, v: f64) -> f64 {
+        of_family!(*self, family => family.from_normal(v))
+    }
+
+    /// `T(v)` and `log T′(v)`.
+    pub(super) fn transport(&self, v: f64) -> [f64; 2] {
+        of_family!(*self, family => family.transport(v))
+    }
+
+    /// The count that `v` is transported to, and what the Gaussian `N(centre, scale⁻²)` of `v` says of it; NaN where it cannot be had in floating point.
+    pub(super) fn guided_count(&self, v: f64, centre: f64, scale: f64) -> GuidedCount {
+        of_family!(*self, family => family.guided_count(v, centre, scale))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::distributions::{binomial, negative_binomial, poisson};
+    use super::*;
+    use crate::equations::quantile::normal;
+
+    fn counts() -> [Distribution<f64>; 5] {
+        [poisson(0.3), poisson(40.0), negative_binomial(6.0, 1.5), binomial(15.0, 0.2), binomial(1.0, 0.9)]
+    }
+
+    #[test]
+    fn noise_is_transported_to_the_smallest_count_that_reaches_it() {
+        for distribution in counts() {
+            for v in [-6.0, -2.3, -0.4, 0.0, 0.8, 2.9, 5.5] {
+                let (mut n, mut below) = (0.0, distribution.log_density(0.0).exp());
+                // Φ(v) by its smaller tail; sums from 0 on are exact enough for these.
+                let reached = if v < 0.0 { normal::upper(-v) } else { 1.0 - normal::upper(v) };
+                while below < reached - 1e-13 {
+                    n += 1.0;
+                    below += distribution.log_density(n).exp();
+                }
+                let found = distribution.from_normal(v);
+                assert_eq!(found, n, "{distribution:?} at {v}");
+            }
+        }
+    }
+
+    /// Whatever the Gaussian is, it gives all counts together the mass 1.
+    #[test]
+    fn masses_of_all_counts_add_up_to_one() {
+        for distribution in counts() {
+            for (centre, scale) in [(0.0, 1.0), (1.3, 4.0), (-2.0, 0.7)] {
+                // Of each count that any noise is transported to.
+                let (mut sum, mut count) = (0.0, -1.0);
+                for v in (0..=14_000).map(|i| -14.0 + 2e-3 * f64::from(i)) {
+                    let guided = distribution.guided_count(v, centre, scale);
+                    if guided.count > count {
+                        count = guided.count;
+                        sum += (guided.log_ratio + distribution.log_density(count)).exp();
+                    }
+                }
+                assert!((sum - 1.0).abs() < 1e-9, "{distribution:?}: {sum}");
+            }
+            let prior = distribution.guided_count(0.3, 0.0, 1.0);
+            assert!(prior.log_ratio.abs() < 1e-12, "the noise's own distribution: {prior:?}");
+        }
+    }
+
+    /// Catches a distribution function whose series ends too early.
+    #[test]
+    fn masses_of_large_counts_are_their_probabilities() {
+        for distribution in
+            [binomial(1e7, 0.3), poisson(3e6), negative_binomial(1e5, 1e5), binomial(1e6, 0.999)]
+        {
+            for v in [-5.0, -1.2, -0.01, 0.3, 4.0] {
+                let n = distribution.from_normal(v);
+                let [mean, variance] = distribution.moments();
+                // Nearly normal, but for its skewness.
+                assert!(
+                    (n - mean - variance.sqrt() * v).abs() < 0.2 * variance.sqrt(),
+                    "{distribution:?}: {n}"
+                );
+                let found = distribution.guided_count(v, 0.0, 1.0);
+                assert_eq!(found.count, n);
+                assert!(found.log_ratio.abs() < 1e-6, "{distribution:?} at {v}: {found:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_count_that_floating_point_does_not_have_is_none() {
+        assert!(negative_binomial(0.0, -1.0).from_normal(0.0).is_nan());
+        assert!(poisson(1e17).from_normal(0.0).is_nan());
+        assert!(binomial(2.5, 0.5).from_normal(0.0).is_nan());
+        assert!(binomial(3.0, 1.5).from_normal(0.0).is_nan());
+        assert!(poisson(-1.0).from_normal(0.0).is_nan());
+        assert_eq!(poisson(0.0).from_normal(3.0), 0.0);
+        assert_eq!(binomial(7.0, 1.0).from_normal(-3.0), 7.0);
     }
 }

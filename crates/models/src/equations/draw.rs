@@ -1,10 +1,8 @@
-//! Drawing from a distribution: from numbers of the standard distributions, drawn in bulk, and from the stream where that does not do.
+//! What draws are made of: numbers of the standard distributions, drawn in bulk, and the stream where these do not do.
 
 use rand::RngExt;
 use rand_distr::{Distribution as _, Exp1, StandardNormal};
 
-use super::distribution::Distribution;
-use super::scalar::Scalar;
 use crate::Stream;
 
 /// How many numbers of the standard distributions draws take.
@@ -16,6 +14,11 @@ pub(super) struct Needs {
 }
 
 impl Needs {
+    pub(super) const NOTHING: Needs = Needs { normals: 0, exponentials: 0, uniforms: 0 };
+    pub(super) const NORMAL: Needs = Needs { normals: 1, ..Needs::NOTHING };
+    pub(super) const EXPONENTIAL: Needs = Needs { exponentials: 1, ..Needs::NOTHING };
+    pub(super) const UNIFORM: Needs = Needs { uniforms: 1, ..Needs::NOTHING };
+
     pub(super) fn plus(self, other: Needs) -> Needs {
         Needs {
             normals: self.normals + other.normals,
@@ -27,26 +30,6 @@ impl Needs {
     /// How many numbers in all.
     pub(super) fn count(self) -> usize {
         self.normals + self.exponentials + self.uniforms
-    }
-}
-
-impl<S> Distribution<S> {
-    /// What one draw takes.
-    #[inline(always)]
-    pub(super) fn needs(&self) -> Needs {
-        let none = Needs::default();
-        match self {
-            Distribution::Normal { .. } | Distribution::StudentT { .. } | Distribution::LogNormal { .. } => {
-                Needs { normals: 1, ..none }
-            }
-            Distribution::Laplace { .. } => Needs { exponentials: 2, ..none },
-            Distribution::Exponential { .. } => Needs { exponentials: 1, ..none },
-            Distribution::Uniform { .. } => Needs { uniforms: 1, ..none },
-            Distribution::Gamma { .. }
-            | Distribution::Poisson { .. }
-            | Distribution::NegativeBinomial { .. }
-            | Distribution::Binomial { .. } => none,
-        }
     }
 }
 
@@ -65,37 +48,8 @@ pub(super) trait Source<S> {
     fn by(&mut self, a: S, b: S, draw: fn(f64, f64, &mut Stream) -> f64) -> S;
 }
 
-impl<S: Scalar> Distribution<S> {
-    /// A draw; NaN where a parameter is out of range.
-    #[inline(always)]
-    pub(super) fn draw(&self, source: &mut impl Source<S>) -> S {
-        match *self {
-            Distribution::Normal { mean, sd } => mean + sd * source.normal(),
-            Distribution::LogNormal { origin, sign, location, scale } => {
-                origin + sign * (location + scale * source.normal()).exp()
-            }
-            Distribution::Laplace { location, scale } => {
-                let up = source.exponential();
-                location + scale * (up - source.exponential())
-            }
-            Distribution::Exponential { origin, mean } => origin + mean * source.exponential(),
-            Distribution::Uniform { low, high } => low + (high - low) * source.uniform(),
-            Distribution::StudentT { df, location, scale } => {
-                let normal = source.normal();
-                location + scale * normal * source.by(df, df, student_factor)
-            }
-            Distribution::Gamma { origin, shape, scale } => {
-                origin + scale * source.by(shape, shape, standard_gamma)
-            }
-            Distribution::Poisson { mean } => source.by(mean, mean, count),
-            Distribution::NegativeBinomial { mean, size } => source.by(mean, size, overdispersed_count),
-            Distribution::Binomial { n, p } => source.by(n, p, successes),
-        }
-    }
-}
-
 /// One number at a time from the stream itself.
-struct OneByOne<'a>(&'a mut Stream);
+pub(super) struct OneByOne<'a>(pub(super) &'a mut Stream);
 
 impl Source<f64> for OneByOne<'_> {
     fn normal(&mut self) -> f64 {
@@ -115,44 +69,15 @@ impl Source<f64> for OneByOne<'_> {
     }
 }
 
-impl Distribution<f64> {
-    /// Draws a number; NaN where a parameter is out of range.
-    pub fn sample(&self, stream: &mut Stream) -> f64 {
-        self.draw(&mut OneByOne(stream))
-    }
-}
-
 /// A draw of the gamma distribution with scale 1; NaN for a shape that is out of range.
-fn standard_gamma(shape: f64, _: f64, rng: &mut Stream) -> f64 {
+pub(super) fn standard_gamma(shape: f64, _: f64, rng: &mut Stream) -> f64 {
     rand_distr::Gamma::new(shape, 1.0).map_or(f64::NAN, |gamma| gamma.sample(rng))
 }
 
-/// What a standard normal number is multiplied by to be one of Student's t; NaN for degrees of freedom out of range.
-fn student_factor(df: f64, _: f64, rng: &mut Stream) -> f64 {
-    // χ²(df) is twice a gamma of half its degrees of freedom.
-    (0.5 * df / standard_gamma(0.5 * df, 0.0, rng)).sqrt()
-}
-
 /// A draw of the Poisson distribution; NaN for a mean that is out of range.
-fn count(mean: f64, _: f64, rng: &mut Stream) -> f64 {
+pub(super) fn poisson(mean: f64, _: f64, rng: &mut Stream) -> f64 {
     if mean == 0.0 {
         return 0.0;
     }
     rand_distr::Poisson::new(mean).map_or(f64::NAN, |poisson| poisson.sample(rng))
-}
-
-/// A draw of the negative binomial distribution; NaN for parameters out of range.
-fn overdispersed_count(mean: f64, size: f64, rng: &mut Stream) -> f64 {
-    let of_shape = standard_gamma(size, 0.0, rng);
-    count(mean / size * of_shape, 0.0, rng)
-}
-
-/// A draw of the binomial distribution; NaN for parameters out of range.
-fn successes(n: f64, p: f64, rng: &mut Stream) -> f64 {
-    /// From here on not every integer is a number.
-    const LARGEST: f64 = (1_u64 << 53) as f64;
-    if !((0.0..=LARGEST).contains(&n) && n.fract() == 0.0) {
-        return f64::NAN;
-    }
-    rand_distr::Binomial::new(n as u64, p).map_or(f64::NAN, |binomial| binomial.sample(rng) as f64)
 }

@@ -5,27 +5,8 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use bytemuck::{Pod, Zeroable};
 
-use super::lanes::Lanes;
-use super::scalar::{Scalar, digamma, power};
-
-/// A number without derivatives: what a [`Dual`] is made of.
-pub trait Plain: Scalar {
-    /// `ψ(x) = d log Γ(x) / dx` for `x > 0`, NaN elsewhere.
-    #[must_use]
-    fn digamma(self) -> Self;
-}
-
-impl Plain for f64 {
-    fn digamma(self) -> f64 {
-        digamma(self)
-    }
-}
-
-impl<const W: usize> Plain for Lanes<W> {
-    fn digamma(self) -> Self {
-        Lanes(self.0.map(digamma))
-    }
-}
+use super::plain::Plain;
+use super::scalar::{Scalar, power};
 
 /// A number in the first place, and its derivatives along `E − 1` directions in the others: `f + Σ_i f_i ε_i` with `ε_i ε_j = 0`.
 ///
@@ -327,6 +308,20 @@ impl<S: Plain, const E: usize> Scalar for Dual<S, E> {
         let x = self.value();
         self.chain(x.normal_cdf(), (x * x * -0.5).exp() * (FRAC_2_SQRT_PI * FRAC_1_SQRT_2 * 0.5))
     }
+
+    fn custom<const K: usize>(
+        arguments: [Self; K],
+        of: impl Fn([f64; K]) -> f64,
+        slopes: impl Fn([f64; K], f64) -> [f64; K],
+    ) -> Self {
+        let values = arguments.map(Dual::value);
+        let value = S::custom(values, of, |_, _| [0.0; K]);
+        let (zero, mut sum) = (S::from(0.0), Dual::constant(S::from(0.0)));
+        for (argument, slope) in arguments.iter().zip(S::slopes(values, value, slopes)) {
+            sum = sum.each_pair(*argument, |sum, own| sum + slope.abs().where_positive(own * slope, zero));
+        }
+        sum.with_value(value)
+    }
 }
 
 impl<S: Plain, const E: usize> Dual<S, E> {
@@ -341,6 +336,7 @@ impl<S: Plain, const E: usize> Dual<S, E> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::equations::lanes::Lanes;
 
     type Number = Dual<f64, 3>;
 

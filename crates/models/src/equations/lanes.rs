@@ -170,4 +170,11 @@ impl<const W: usize> Scalar for Lanes<W> {
     fn normal_cdf(self) -> Self {
         self.map(Scalar::normal_cdf)
     }
+    fn custom<const K: usize>(
+        arguments: [Self; K],
+        of: impl Fn([f64; K]) -> f64,
+        _: impl Fn([f64; K], f64) -> [f64; K],
+    ) -> Self {
+        Lanes(std::array::from_fn(|lane| of(arguments.map(|argument| argument.0[lane]))))
+    }
 }

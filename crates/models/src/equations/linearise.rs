@@ -1,11 +1,13 @@
 //! What a linearised proposal asks of a model: moments of the transition, and what a measurement says of states near by.
 
 use super::distribution::Distribution;
+use super::family::Score;
 use super::lanes::Lanes;
 use super::statement::{Coordinates, Draws, Equations};
 use super::tile_states::TileStates;
 use super::tiles::{rows_of, rows_of_mut, with_scalars};
 use super::varied::{SIDE, Side, Varied, put, side, vary};
+use super::wrapped::Wrapped;
 use crate::batch::{LANES, by_widest_vectors};
 use crate::{StateSpaceModel, Step};
 
@@ -66,9 +68,10 @@ pub(super) struct Scores<'a> {
     pub(super) at: usize,
 }
 
-impl<const E: usize> Coordinates<Varied<E>> for Scores<'_> {
+impl Scores<'_> {
+    /// Keeps what the next entry says.
     #[inline(always)]
-    fn push(&mut self, distribution: Distribution<Varied<E>>) {
+    fn keep<const E: usize>(&mut self, of: impl FnOnce(Varied<E>) -> Score<Varied<E>>) {
         let (at, lane) = (self.at, self.lane);
         self.at += 1;
         let Some(entry) = self.measurement.get(at) else { return };
@@ -80,12 +83,24 @@ impl<const E: usize> Coordinates<Varied<E>> for Scores<'_> {
             jacobian.iter_mut().for_each(|place| put(zero, lane, place));
             return;
         };
-        let score = distribution.score(Varied::constant(side(y, lane)));
+        let score = of(Varied::constant(side(y, lane)));
         put(score.slope.value(), lane, &mut self.slopes[at]);
         put(score.information.value(), lane, &mut self.information[at]);
         for (place, derivative) in jacobian.iter_mut().zip(score.location.derivatives()) {
             put(*derivative, lane, place);
         }
+    }
+}
+
+impl<const E: usize> Coordinates<Varied<E>> for Scores<'_> {
+    #[inline(always)]
+    fn push(&mut self, distribution: Distribution<Varied<E>>) {
+        self.keep(|y| distribution.score(y));
+    }
+
+    #[inline(never)]
+    fn push_wrapped(&mut self, wrapped: &Wrapped<'_, Varied<E>>) {
+        self.keep(|y| wrapped.score(y));
     }
 
     /// Its slope and information were found along the first coordinates; along these it does not change.

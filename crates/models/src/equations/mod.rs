@@ -3,18 +3,18 @@
 mod advance;
 mod batched;
 mod check;
-mod density;
 mod distribution;
 mod draw;
 mod dual;
+mod family;
 mod functions;
 mod gradients;
 mod lanes;
 mod lift;
 mod linearise;
 mod model;
-mod moments;
 mod noise_space;
+mod plain;
 mod quantile;
 mod sample;
 mod scalar;
@@ -24,21 +24,22 @@ mod tiles;
 mod transport;
 pub mod triangle;
 mod varied;
+mod wrapped;
 
 pub use batched::{BatchDistribution, BatchEquations, Batched, Column};
-pub use distribution::{
-    Distribution, bernoulli, binomial, exponential, gamma, laplace, log_normal, negative_binomial, normal,
-    poisson, student_t, uniform,
-};
-pub use dual::{Dual, Plain};
+pub use distribution::distributions::*;
+pub use distribution::*;
+pub use dual::Dual;
+pub use family::Score;
 pub use lanes::Lanes;
 pub use linearise::Linearise;
 pub(crate) use linearise::moments_of_states;
-pub use moments::Score;
 pub use noise_space::{Draw, Guide, NoiseSpace};
+pub use plain::Plain;
 pub use scalar::Scalar;
 pub use statement::{Coordinates, Draws, Equations};
 pub(crate) use tile_states::TileStates;
 pub use tiles::with_scalars;
 pub(crate) use tiles::{rows_of, rows_of_mut};
 pub use transport::Transport;
+pub use wrapped::Wrapped;

@@ -8,6 +8,7 @@ use super::sample::{draw_measurements, draw_states, needs_of_draws, needs_of_mea
 use super::scalar::Scalar;
 use super::statement::{Coordinates, Draws, Equations};
 use super::tiles::{rows_of, rows_of_mut};
+use super::wrapped::Wrapped;
 use crate::batch::{LANES, Rows, by_widest_vectors, load, with_scratch};
 use crate::{ModelError, Simulator, StateSpaceModel, Step, Stream, TransitionDensity};
 
@@ -72,6 +73,18 @@ impl<S: Scalar, Y: Copy + Into<Option<f64>>> Coordinates<S> for Likelihood<'_, S
                     self.sum = self.sum + distribution.log_density_of_one(value);
                 }
             }
+        }
+    }
+
+    #[inline(never)]
+    fn push_wrapped(&mut self, wrapped: &Wrapped<'_, S>) {
+        let Some((entry, rest)) = self.entries.split_first() else {
+            self.sum = S::from(f64::NAN);
+            return;
+        };
+        self.entries = rest;
+        if let Some(value) = (*entry).into() {
+            self.sum = self.sum + wrapped.log_density(S::from(value));
         }
     }
 }

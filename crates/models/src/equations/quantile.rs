@@ -1,127 +1,96 @@
 //! Distributions as transports of a standard normal number: `x = T(v) = F⁻¹(Φ(v))`.
 
-mod count;
-mod gamma;
-mod normal;
+pub(super) mod count;
+pub(super) mod gamma;
+pub(super) mod normal;
 mod root;
-mod student;
+pub(super) mod student;
 
-use std::f64::consts::LN_2;
+pub(super) use count::{Count, GuidedCount};
+pub(super) use root::root;
 
-use super::distribution::Distribution;
+use super::family::Family;
 use super::scalar::Scalar;
 
-impl<S: Scalar> Distribution<S> {
-    /// `T(v)` and `log T′(v)` of the families that are formulas of a normal number, and nothing of others.
-    #[inline(always)]
-    pub(super) fn formula(&self, v: S) -> Option<[S; 2]> {
-        match *self {
-            Distribution::Normal { mean, sd } => Some([mean + sd * v, sd.ln()]),
-            Distribution::LogNormal { origin, sign, location, scale } => {
-                let log = location + sign * scale * v;
-                Some([origin + sign * log.exp(), log + scale.ln()])
-            }
-            _ => None,
-        }
+/// What a family is asked with plain numbers.
+pub(super) trait Quantile: Family<f64> {
+    /// `T(v)` and `log T′(v)`; NaN for counts.
+    fn transport(self, v: f64) -> [f64; 2] {
+        self.formula(v).unwrap_or([f64::NAN; 2])
     }
 
-    /// `T⁻¹(x)` of the same families.
-    #[inline(always)]
-    pub(super) fn inverse_formula(&self, x: S) -> Option<S> {
-        match *self {
-            Distribution::Normal { mean, sd } => Some((x - mean) / sd),
-            Distribution::LogNormal { origin, sign, location, scale } => {
-                let size = ((x - origin) * sign).max(S::from(0.0));
-                Some(sign * (size.ln() - location) / scale)
-            }
-            _ => None,
-        }
+    /// `T(v)`: of counts the smallest whose distribution function reaches `Φ(v)`.
+    fn from_normal(self, v: f64) -> f64 {
+        self.transport(v)[0]
+    }
+
+    /// The count that `v` is transported to, and what the Gaussian `N(centre, scale⁻²)` of `v` says of it; NaN where it cannot be had, and for what is no count.
+    fn guided_count(self, _v: f64, _centre: f64, _scale: f64) -> GuidedCount {
+        GuidedCount::NOTHING
     }
 }
 
-impl Distribution<f64> {
-    /// `T(v) = F⁻¹(Φ(v))`: what has this distribution where `v` is standard normal. It grows with `v`.
-    ///
-    /// Of counts it is the smallest whose distribution function reaches `Φ(v)`. NaN where a parameter is out of range. Each tail is computed from its own end of the
-    /// range, so neither loses digits.
-    ///
-    /// ```
-    /// use motes_models::equations::{Distribution, exponential, normal};
-    ///
-    /// let [position, delay]: [Distribution<f64>; 2] = [normal(1.0, 0.5), exponential(2.0)];
-    /// assert_eq!(position.from_normal(-3.0), -0.5);
-    /// // The median of the exponential distribution is log 2 of its mean.
-    /// assert!((delay.from_normal(0.0) - 2.0 * 2.0_f64.ln()).abs() < 1e-15);
-    /// ```
-    pub fn from_normal(&self, v: f64) -> f64 {
-        if self.is_discrete() { count::from_normal(self, v) } else { self.transport(v)[0] }
-    }
+/// What [`Quantile`] asks of a family that is a [`Count`].
+macro_rules! counts {
+    () => {
+        fn from_normal(self, v: f64) -> f64 {
+            crate::equations::quantile::count::from_normal(self, v)
+        }
 
-    /// `T⁻¹(x)`: the standard normal quantile of `x`; −∞ and +∞ at and beyond the ends of the range.
-    ///
-    /// NaN for counts, and where a parameter is out of range.
-    pub fn to_normal(&self, x: f64) -> f64 {
-        if let Some(v) = self.inverse_formula(x) {
-            return v;
+        fn guided_count(self, v: f64, centre: f64, scale: f64) -> crate::equations::quantile::GuidedCount {
+            crate::equations::quantile::count::guided(self, v, centre, scale)
         }
-        match *self {
-            Distribution::StudentT { df, location, scale } => student::to_normal(df, (x - location) / scale),
-            Distribution::Laplace { location, scale } => {
-                let z = (x - location) / scale;
-                normal::from_log_upper(-z.abs() - LN_2).copysign(z)
-            }
-            Distribution::Exponential { origin, mean } => {
-                let z = Scalar::max((x - origin) / mean, 0.0);
-                mean.signum() * normal::from_log_upper(-z)
-            }
-            Distribution::Gamma { origin, shape, scale } => {
-                scale.signum() * gamma::to_normal(shape, (x - origin) / scale)
-            }
-            Distribution::Uniform { low, high } => {
-                let (below, above) = ((x - low) / (high - low), (high - x) / (high - low));
-                let log_upper = |share: f64| Scalar::max(share, 0.0).ln();
-                if below < above {
-                    -normal::from_log_upper(log_upper(below))
-                } else {
-                    normal::from_log_upper(log_upper(above))
-                }
-            }
-            // Counts; the others are formulas.
-            _ => f64::NAN,
-        }
-    }
+    };
+}
 
-    /// `T(v)` and `log T′(v)`.
-    pub(super) fn transport(&self, v: f64) -> [f64; 2] {
-        if let Some(found) = self.formula(v) {
-            return found;
+pub(super) use counts;
+
+/// −1 below 0, else 1; NaN where it is NaN.
+pub(super) fn sign_of<S: Scalar>(value: S) -> S {
+    (-value).where_positive(S::from(-1.0), S::from(1.0))
+}
+
+/// The standard normal quantile that `of` gives for a standardised number and the shapes of its distribution, whose log density there is `log_density`.
+///
+/// Its derivative in the number is a ratio of densities. For those in shapes there is no formula; they are differences.
+pub(super) fn transported<S: Scalar, const K: usize>(
+    arguments: [S; K],
+    of: impl Fn([f64; K]) -> f64,
+    log_density: impl Fn([f64; K]) -> f64,
+) -> S {
+    S::custom(arguments, &of, |at, v| {
+        let mut slopes = [0.0; K];
+        // Beyond the ends of the range nothing changes.
+        if v.is_finite() {
+            slopes[0] = (log_density(at) - normal::log_density(v)).exp();
+            for which in 1..K {
+                slopes[which] = difference(at, which, &of);
+            }
         }
-        match *self {
-            Distribution::StudentT { df, location, scale } => {
-                let [t, log_slope] = student::from_normal(df, v);
-                [location + scale * t, log_slope + scale.ln()]
-            }
-            Distribution::Laplace { location, scale } => {
-                let depth = normal::depth(v.abs());
-                let log_slope = normal::log_density(v) + depth + LN_2 + scale.ln();
-                [location + scale * depth.copysign(v), log_slope]
-            }
-            Distribution::Exponential { origin, mean } => {
-                let v = v * mean.signum();
-                let z = -normal::log_upper(v);
-                [origin + mean * z, normal::log_density(v) + z + mean.abs().ln()]
-            }
-            Distribution::Gamma { origin, shape, scale } => {
-                let [log, log_slope] = gamma::from_normal(shape, v * scale.signum());
-                [origin + scale * log.exp(), log_slope + scale.abs().ln()]
-            }
-            Distribution::Uniform { low, high } => {
-                let share = (high - low) * normal::upper(v.abs());
-                let x = if v < 0.0 { low + share } else { high - share };
-                [x, normal::log_density(v) + (high - low).ln()]
-            }
-            // Counts; the others are formulas.
-            _ => [f64::NAN; 2],
-        }
-    }
+        slopes
+    })
+}
+
+/// `log(Φ(high) − Φ(low))`; −∞ where `high` is not above `low`.
+pub(super) fn normal_mass<S: Scalar>(ends: [S; 2]) -> S {
+    let of =
+        |[low, high]: [f64; 2]| if low >= high { f64::NEG_INFINITY } else { normal::log_mass(low, high) };
+    S::custom(ends, of, |ends, mass| {
+        // No end changes anything where it is infinite, or where there is no mass.
+        let at = |v: f64| {
+            if v.is_finite() && mass.is_finite() { (normal::log_density(v) - mass).exp() } else { 0.0 }
+        };
+        [-at(ends[0]), at(ends[1])]
+    })
+}
+
+/// The derivative of a smooth function of positive numbers along one of them, by differences of the fourth order.
+pub(super) fn difference<const K: usize>(at: [f64; K], which: usize, of: impl Fn([f64; K]) -> f64) -> f64 {
+    let step = 1e-3 * at[which];
+    let moved = |steps: f64| {
+        let mut moved = at;
+        moved[which] += steps * step;
+        of(moved)
+    };
+    (8.0 * (moved(1.0) - moved(-1.0)) - (moved(2.0) - moved(-2.0))) / (12.0 * step)
 }

@@ -5,6 +5,7 @@ use super::draw::{Needs, Source};
 use super::lanes::Lanes;
 use super::statement::{Coordinates, Draws};
 use super::tiles::{rows_of, rows_of_mut};
+use super::wrapped::Wrapped;
 use crate::batch::{LANES, Rows, by_widest_vectors, store, with_scratch};
 use crate::{Stream, fill_standard_exponential, fill_standard_normal, fill_uniform};
 
@@ -27,6 +28,9 @@ impl Coordinates<f64> for Counter {
     fn push(&mut self, distribution: Distribution<f64>) {
         self.0 = self.0.plus(distribution.needs());
     }
+
+    /// It is drawn from the stream itself.
+    fn push_wrapped(&mut self, _: &Wrapped<'_, f64>) {}
 }
 
 /// What the draws of a state (`N`) take.
@@ -117,6 +121,22 @@ impl Coordinates<Lanes> for Entries<'_, '_, '_> {
     #[inline(always)]
     fn push(&mut self, distribution: Distribution<Lanes>) {
         let drawn = distribution.draw(self.noise);
+        self.put(drawn);
+    }
+
+    #[inline(never)]
+    fn push_wrapped(&mut self, wrapped: &Wrapped<'_, Lanes>) {
+        let mut lanes = [0.0; LANES];
+        for (lane, drawn) in lanes[..self.noise.particles].iter_mut().enumerate() {
+            *drawn = wrapped.sample(&|parameter: &Lanes| parameter.0[lane], self.noise.stream);
+        }
+        self.put(Lanes(lanes));
+    }
+}
+
+impl Entries<'_, '_, '_> {
+    #[inline(always)]
+    fn put(&mut self, drawn: Lanes) {
         match std::mem::take(&mut self.rows) {
             [] => self.is_ragged = true,
             [row, rest @ ..] => {

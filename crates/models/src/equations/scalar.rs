@@ -88,6 +88,14 @@ pub trait Scalar:
     /// `Φ(x)`, the distribution function of the standard normal distribution, with all digits in the lower tail.
     #[must_use]
     fn normal_cdf(self) -> Self;
+    /// A function of a few numbers that is no formula: `of` gives its value for plain numbers, and `slopes` its derivative along each of them, given this value. Where a
+    /// derivative is 0, that of the number itself may be NaN.
+    #[must_use]
+    fn custom<const K: usize>(
+        arguments: [Self; K],
+        of: impl Fn([f64; K]) -> f64,
+        slopes: impl Fn([f64; K], f64) -> [f64; K],
+    ) -> Self;
 }
 
 impl Scalar for f64 {
@@ -186,6 +194,15 @@ impl Scalar for f64 {
     #[inline(always)]
     fn normal_cdf(self) -> f64 {
         0.5 * special::Error::compl_error(-self * FRAC_1_SQRT_2)
+    }
+
+    #[inline(always)]
+    fn custom<const K: usize>(
+        arguments: [f64; K],
+        of: impl Fn([f64; K]) -> f64,
+        _: impl Fn([f64; K], f64) -> [f64; K],
+    ) -> f64 {
+        of(arguments)
     }
 }
 

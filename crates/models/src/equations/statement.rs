@@ -3,7 +3,9 @@
 use std::ops::Range;
 
 use super::distribution::Distribution;
+use super::distribution::distributions::normal;
 use super::scalar::Scalar;
+use super::wrapped::Wrapped;
 use crate::Step;
 
 /// A state-space model by its three equations: how `x_0` is made, how `x_t` is made of `x_{t−1}`, and `p(y_t | x_t)`.
@@ -116,6 +118,15 @@ pub trait Draws<S> {
 pub trait Coordinates<S> {
     /// Takes the distribution of the next coordinate.
     fn push(&mut self, distribution: Distribution<S>);
+
+    /// Takes a distribution that is made of others. Who knows only those of families gets one that is NaN.
+    #[inline(always)]
+    fn push_wrapped(&mut self, _wrapped: &Wrapped<'_, S>)
+    where
+        S: Scalar,
+    {
+        self.push(normal(f64::NAN, f64::NAN));
+    }
 
     /// Passes over the next coordinate, of which nothing is wanted.
     #[inline(always)]

@@ -1,6 +1,6 @@
 //! What a proposal made of transformed noise asks of a model: its transition as a transport of standard normal noise.
 
-use super::distribution::Distribution;
+use super::distribution::{Distribution, Normal};
 use super::lanes::Lanes;
 use super::scalar::Scalar;
 use super::statement::Draws;
@@ -66,12 +66,9 @@ impl Distribution<Lanes> {
     /// `T⁻¹(x)` and `log T′` there.
     #[inline(always)]
     fn tile_inverse(&self, x: Lanes) -> [Lanes; 2] {
-        let v = match self.inverse_formula(x) {
-            Some(v) => v,
-            None => self.lane_by_lane(x, |of_lane, x| [of_lane.to_normal(x), 0.0])[0],
-        };
+        let v = self.to_normal(x);
         let log_slope = match self {
-            Distribution::Normal { sd, .. } => sd.ln(),
+            Distribution::Normal(Normal { sd, .. }) => sd.ln(),
             // The density of what is pushed is that of v over the slope.
             _ => v * v * -0.5 - 0.5 * LN_2PI - self.log_density(x),
         };
@@ -102,7 +99,7 @@ impl Draws<Lanes> for Centres<'_> {
     #[inline(always)]
     fn draw(&mut self, distribution: Distribution<Lanes>) -> Lanes {
         let [centre, slope] = match distribution {
-            Distribution::Normal { mean, sd } => [mean, sd],
+            Distribution::Normal(Normal { mean, sd }) => [mean, sd],
             _ => {
                 let [centre, log_slope] = distribution.tile_transport(Lanes::from(0.0));
                 [centre, log_slope.exp()]

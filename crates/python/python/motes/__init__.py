@@ -20,28 +20,16 @@ states and the evidence, and warns when neither can be trusted.
 from ._errors import MotesWarning
 from ._motes import __version__
 from .card import Card
-from .distributions import (
-    Distribution,
-    bernoulli,
-    binomial,
-    exponential,
-    gamma,
-    laplace,
-    log_normal,
-    negative_binomial,
-    normal,
-    poisson,
-    student_t,
-    uniform,
-)
+from . import distributions
+from .distributions import *
 from .functions import of_functions
 from .linear import linear_gaussian
 from .model import FilterSettings, Learned, Model, OnlineFilter, Proposal, Simulated
 from .results import Filtered, Forecast, Smoothed
 
 __all__ = [
+    *distributions.__all__,
     "Card",
-    "Distribution",
     "FilterSettings",
     "Filtered",
     "Forecast",
@@ -53,17 +41,6 @@ __all__ = [
     "Simulated",
     "Smoothed",
     "__version__",
-    "bernoulli",
-    "binomial",
-    "exponential",
-    "gamma",
-    "laplace",
     "linear_gaussian",
-    "log_normal",
-    "negative_binomial",
-    "normal",
     "of_functions",
-    "poisson",
-    "student_t",
-    "uniform",
 ]

@@ -9,6 +9,22 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any
 
+__all__ = [
+    "Distribution",
+    "bernoulli",
+    "beta",
+    "binomial",
+    "exponential",
+    "gamma",
+    "laplace",
+    "log_normal",
+    "negative_binomial",
+    "normal",
+    "poisson",
+    "student_t",
+    "uniform",
+]
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Distribution:
@@ -87,6 +103,11 @@ def exponential(mean: Any) -> Distribution:
 def gamma(shape: Any, scale: Any) -> Distribution:
     """The gamma distribution with mean shape·scale; both are above 0."""
     return Distribution("gamma", (shape, scale))
+
+
+def beta(a: Any, b: Any) -> Distribution:
+    """The beta distribution between 0 and 1, with mean a/(a + b); both are above 0."""
+    return Distribution("beta", (a, b))
 
 
 def uniform(low: Any, high: Any) -> Distribution:

@@ -1,7 +1,7 @@
 //! Distributions as Python functions return them.
 
 use motes::formulas::{Family, family};
-use motes::models::equations::{BatchDistribution, Column, Distribution};
+use motes::models::equations::{BatchDistribution, Column};
 use numpy::{PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::intern;
@@ -183,7 +183,7 @@ impl Stated {
         if !asked.is_padded && self.family.name == "uniform" {
             self.check_ends(asked, &parameters)?;
         }
-        Ok(BatchDistribution::new(self.distribution(parameters)).affine(scale, shift))
+        Ok(BatchDistribution::new(self.family.distribution(parameters, Column::same)).affine(scale, shift))
     }
 
     /// Refuses a parameter that is out of its range.
@@ -216,27 +216,6 @@ impl Stated {
             "high of {}: {high} in row {row}; it must be above low, which is {low}",
             self.name
         )))
-    }
-
-    fn distribution(&self, parameters: Vec<Column>) -> Distribution<Column> {
-        let mut parameters = parameters.into_iter();
-        let mut next = || parameters.next().unwrap_or_else(|| Column::same(f64::NAN));
-        let (zero, one) = (|| Column::same(0.0), || Column::same(1.0));
-        match self.family.name {
-            "normal" => Distribution::Normal { mean: next(), sd: next() },
-            "student_t" => Distribution::StudentT { df: next(), location: next(), scale: next() },
-            "laplace" => Distribution::Laplace { location: next(), scale: next() },
-            "log_normal" => {
-                Distribution::LogNormal { origin: zero(), sign: one(), location: next(), scale: next() }
-            }
-            "exponential" => Distribution::Exponential { origin: zero(), mean: next() },
-            "gamma" => Distribution::Gamma { origin: zero(), shape: next(), scale: next() },
-            "uniform" => Distribution::Uniform { low: next(), high: next() },
-            "poisson" => Distribution::Poisson { mean: next() },
-            "negative_binomial" => Distribution::NegativeBinomial { mean: next(), size: next() },
-            "binomial" => Distribution::Binomial { n: next(), p: next() },
-            _ => Distribution::Binomial { n: one(), p: next() },
-        }
     }
 }
 

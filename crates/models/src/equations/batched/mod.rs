@@ -20,14 +20,14 @@ use memo::Owner;
 /// With the same numbers for parameters draws are the same, too, to the last bit.
 ///
 /// ```
-/// use motes_models::equations::{BatchDistribution, BatchEquations, Batched, Column, Distribution};
+/// use motes_models::equations::{BatchDistribution, BatchEquations, Batched, Column, Distribution, Normal};
 /// use motes_models::{Seed, Step, simulate};
 ///
 /// /// A random walk.
 /// struct Walk;
 ///
 /// fn normal(mean: Column, sd: f64) -> BatchDistribution {
-///     BatchDistribution::new(Distribution::Normal { mean, sd: Column::same(sd) })
+///     BatchDistribution::new(Distribution::Normal(Normal { mean, sd: Column::same(sd) }))
 /// }
 ///
 /// impl BatchEquations for Walk {

@@ -190,7 +190,7 @@ impl TileStates for Batched {
     fn is_affine(&self) -> bool {
         *self.is_affine.get_or_init(|| {
             let are_normal = |stated: &[BatchDistribution]| {
-                stated.iter().all(|one| matches!(one.first(), Distribution::Normal { .. }))
+                stated.iter().all(|one| matches!(one.first(), Distribution::Normal(_)))
             };
             // A state that is likely, from a stream of its own.
             let mut state = vec![0.0; self.state_dim()];

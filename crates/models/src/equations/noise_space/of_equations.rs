@@ -17,7 +17,7 @@ struct DrawList(Vec<Draw>);
 impl Draws<f64> for DrawList {
     fn draw(&mut self, distribution: Distribution<f64>) -> f64 {
         self.0.push(match distribution {
-            Distribution::Normal { .. } => Draw::Normal,
+            Distribution::Normal(_) => Draw::Normal,
             _ if distribution.is_discrete() => Draw::Count,
             _ => Draw::Continuous,
         });

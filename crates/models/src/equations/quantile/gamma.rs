@@ -100,7 +100,7 @@ fn start(shape: f64, v: f64, log: f64) -> f64 {
 }
 
 /// Of the standard gamma `z` of a standard normal `v`: `log z`, and `log dz/dv`; NaN for a shape that is out of range.
-pub(super) fn from_normal(shape: f64, v: f64) -> [f64; 2] {
+pub(in crate::equations) fn from_normal(shape: f64, v: f64) -> [f64; 2] {
     if !(shape > 0.0 && shape < f64::INFINITY) || v.is_nan() {
         return [f64::NAN; 2];
     }
@@ -131,7 +131,7 @@ pub(super) fn from_normal(shape: f64, v: f64) -> [f64; 2] {
 }
 
 /// The standard normal `v` of a standard gamma `z`; −∞ where it is not above 0.
-pub(super) fn to_normal(shape: f64, z: f64) -> f64 {
+pub(in crate::equations) fn to_normal(shape: f64, z: f64) -> f64 {
     if !(shape > 0.0 && shape < f64::INFINITY) || z.is_nan() {
         return f64::NAN;
     }

@@ -12,17 +12,17 @@ use crate::gaussian::LN_2PI;
 const FAR: f64 = 35.0;
 
 /// `log φ(v)`.
-pub(super) fn log_density(v: f64) -> f64 {
+pub(in crate::equations) fn log_density(v: f64) -> f64 {
     -0.5 * v * v - 0.5 * LN_2PI
 }
 
 /// `1 − Φ(v)`.
-pub(super) fn upper(v: f64) -> f64 {
+pub(in crate::equations) fn upper(v: f64) -> f64 {
     (-v).normal_cdf()
 }
 
 /// `log(1 − Φ(v))`.
-pub(super) fn log_upper(v: f64) -> f64 {
+pub(in crate::equations) fn log_upper(v: f64) -> f64 {
     if v < 0.0 {
         (-upper(-v)).ln_1p()
     } else if v < FAR {
@@ -35,7 +35,7 @@ pub(super) fn log_upper(v: f64) -> f64 {
 }
 
 /// `log(Φ(high) − Φ(low))`.
-pub(super) fn log_mass(low: f64, high: f64) -> f64 {
+pub(in crate::equations) fn log_mass(low: f64, high: f64) -> f64 {
     if low > 0.0 {
         let [whole, beyond] = [low, high].map(log_upper);
         whole + (-(beyond - whole).exp()).ln_1p()
@@ -47,12 +47,12 @@ pub(super) fn log_mass(low: f64, high: f64) -> f64 {
 }
 
 /// `−log 2(1 − Φ(v))` for `v ≥ 0`, with all digits near 0.
-pub(super) fn depth(v: f64) -> f64 {
+pub(in crate::equations) fn depth(v: f64) -> f64 {
     if v < 1.0 { -(-(v * FRAC_1_SQRT_2).error()).ln_1p() } else { -log_upper(v) - LN_2 }
 }
 
 /// The `v` with `log(1 − Φ(v)) = log`; NaN for a number above 0.
-pub(super) fn from_log_upper(log: f64) -> f64 {
+pub(in crate::equations) fn from_log_upper(log: f64) -> f64 {
     // The other tail is the smaller one where this one has more than half; a logarithm above 0 becomes NaN.
     if log > -LN_2 { -of_small_tail((-log.exp_m1()).ln()) } else { of_small_tail(log) }
 }

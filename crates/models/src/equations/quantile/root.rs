@@ -10,7 +10,7 @@ const SMALL: f64 = 1e-5;
 ///
 /// `at` gives `g`, `g′` and `g″/g′` at a point. Logarithms of tails are concave where densities are log-concave, so that Newton's steps cannot run away;
 /// the second derivative makes them fewer.
-pub(super) fn root(start: f64, unit: f64, at: impl Fn(f64) -> [f64; 3]) -> f64 {
+pub(in crate::equations) fn root(start: f64, unit: f64, at: impl Fn(f64) -> [f64; 3]) -> f64 {
     let mut x = start;
     for _ in 0..MOST_STEPS {
         let [value, slope, bend] = at(x);

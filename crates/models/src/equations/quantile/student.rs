@@ -90,7 +90,7 @@ fn of_many(df: f64, v: f64) -> [f64; 2] {
 }
 
 /// The standard `t` of a standard normal `v`, and `log dt/dv`; NaN for degrees of freedom that are out of range.
-pub(super) fn from_normal(df: f64, v: f64) -> [f64; 2] {
+pub(in crate::equations) fn from_normal(df: f64, v: f64) -> [f64; 2] {
     if !(df > 0.0 && df < f64::INFINITY) || v.is_nan() {
         return [f64::NAN; 2];
     }
@@ -126,7 +126,7 @@ pub(super) fn from_normal(df: f64, v: f64) -> [f64; 2] {
 }
 
 /// The standard normal `v` of a standard `t`.
-pub(super) fn to_normal(df: f64, t: f64) -> f64 {
+pub(in crate::equations) fn to_normal(df: f64, t: f64) -> f64 {
     if !(df > 0.0 && df < f64::INFINITY) || t.is_nan() {
         return f64::NAN;
     }

@@ -1,0 +1,97 @@
+//! Student's t.
+
+use std::f64::consts::PI;
+
+use crate::Stream;
+use crate::equations::draw::{Needs, Source, standard_gamma};
+use crate::equations::family::{Family, Score, above_zero, parameters};
+use crate::equations::quantile::{Quantile, student, transported};
+use crate::equations::scalar::Scalar;
+
+parameters! {
+    /// The parameters of [`student_t`](super::distributions::student_t).
+    StudentT {
+        /// Degrees of freedom, above 0.
+        df,
+        /// Its centre.
+        location,
+        /// Its scale, above 0.
+        scale,
+    }
+}
+
+impl<S: Scalar> StudentT<S> {
+    #[inline(always)]
+    pub(super) fn new(df: S, location: S, scale: S) -> Self {
+        StudentT { df, location, scale }.guarded()
+    }
+}
+
+impl<S: Scalar> Family<S> for StudentT<S> {
+    const NEEDS: Needs = Needs::NORMAL;
+
+    #[inline(always)]
+    fn guarded(self) -> Self {
+        StudentT { df: above_zero(self.df), location: self.location, scale: above_zero(self.scale) }
+    }
+
+    #[inline(always)]
+    fn affine(self, shift: S, scale: S, size: S) -> Self {
+        StudentT { df: self.df, location: self.location * scale + shift, scale: self.scale * size }
+    }
+
+    #[inline(always)]
+    fn log_density(self, x: S, _: impl FnOnce() -> S) -> S {
+        let StudentT { df, location, scale } = self;
+        let z = (x - location) / scale;
+        let half = (df + 1.0) * 0.5;
+        half.ln_gamma()
+            - (df * 0.5).ln_gamma()
+            - (df * PI).ln() * 0.5
+            - scale.ln()
+            - half * (z * z / df + 1.0).ln()
+    }
+
+    #[inline(always)]
+    fn draw(self, source: &mut impl Source<S>) -> S {
+        let normal = source.normal();
+        self.location + self.scale * normal * source.by(self.df, self.df, factor)
+    }
+
+    #[inline(always)]
+    fn moments(self) -> [S; 2] {
+        let square = self.scale * self.scale;
+        let beyond = self.df - 2.0;
+        [self.location, beyond.where_positive(square * self.df / beyond, square)]
+    }
+
+    #[inline(always)]
+    fn score(self, y: S) -> Score<S> {
+        let StudentT { df, location, scale } = self;
+        let (rest, square) = (y - location, scale * scale);
+        Score {
+            location,
+            slope: (df + 1.0) * rest / (df * square + rest * rest),
+            information: (df + 1.0) / ((df + 3.0) * square),
+        }
+    }
+
+    fn to_normal(self, x: S) -> S {
+        let z = (x - self.location) / self.scale;
+        let density = |[z, df]: [f64; 2]| StudentT { df, location: 0.0, scale: 1.0 }.log_density(z, || z);
+        transported([z, self.df], |[z, df]| student::to_normal(df, z), density)
+    }
+}
+
+impl Quantile for StudentT<f64> {
+    fn transport(self, v: f64) -> [f64; 2] {
+        let [t, log_slope] = student::from_normal(self.df, v);
+        [self.location + self.scale * t, log_slope + Scalar::ln(self.scale)]
+    }
+}
+
+/// What a standard normal number is multiplied by to be one of Student's t; NaN for degrees of freedom out of range.
+fn factor(df: f64, _: f64, rng: &mut Stream) -> f64 {
+    // χ²(df) is twice a gamma of half its degrees of freedom.
+    (0.5 * df / standard_gamma(0.5 * df, 0.0, rng)).sqrt()
+}
