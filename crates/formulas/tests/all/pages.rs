@@ -108,3 +108,15 @@ fn the_page_on_model_files_is_current() {
     }
     assert_eq!(count, 6);
 }
+
+#[test]
+fn the_recipes_are_models() {
+    let page = include_str!("../../../../docs/recipes.md");
+    let blocks: Vec<&str> =
+        page.split("```toml\n").skip(1).map(|block| block.split("```").next().unwrap()).collect();
+    assert_eq!(blocks.len(), page.matches("\n## ").count());
+    for block in blocks {
+        let file = parse(block, "recipes.md", &[]).unwrap();
+        assert!(file.text.lines().count() <= 14, "{block}");
+    }
+}
