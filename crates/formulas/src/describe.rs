@@ -6,7 +6,7 @@ use motes_models::{LinearGaussian, StateSpaceModel};
 
 use crate::file::{FileModel, ModelFile};
 use crate::model::FormulaModel;
-use crate::statement::Line;
+use crate::statement::{Between, InputRule, InputSource, Line, TimeLabel, TimeRule, TimeUnit};
 
 /// A model in groups of lines, each group with its title.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -46,6 +46,43 @@ fn lines(lines: &[Line]) -> Vec<String> {
     lines.iter().map(line).collect()
 }
 
+/// What `[time]` says.
+fn times(rule: &TimeRule) -> Vec<String> {
+    let mut found = Vec::new();
+    let unit = match rule.unit {
+        None => "numbers",
+        Some(TimeUnit::Day) => "dates, in days",
+        Some(TimeUnit::Week) => "dates, in weeks",
+        Some(TimeUnit::Year) => "dates, in years",
+    };
+    found.push(match &rule.column {
+        Some(column) => format!("column {column}: {unit}"),
+        None => "rows are at 0, 1, 2, …".to_string(),
+    });
+    found.extend(rule.step.map(|step| format!("sub-steps of at most {step}")));
+    found.extend(rule.start.as_ref().map(|start| match start {
+        TimeLabel::Number(number) => format!("x_0 is at {number}"),
+        TimeLabel::Date(date) => format!("x_0 is at {date}"),
+    }));
+    found
+}
+
+/// What `[inputs]` says of an input.
+fn input(rule: &InputRule) -> String {
+    let between = match rule.between {
+        Between::Hold => "the value before",
+        Between::Next => "the next value",
+        Between::Linear => "straight lines between values",
+    };
+    let name = &rule.name;
+    match &rule.source {
+        InputSource::Column(column) => format!("{name}: column {column}, {between}"),
+        InputSource::File { path, column } => format!("{name}: column {column} of {path}, {between}"),
+        InputSource::Lag { column, rows: 1, .. } => format!("{name}: column {column}, a row before"),
+        InputSource::Lag { column, rows, .. } => format!("{name}: column {column}, {rows} rows before"),
+    }
+}
+
 impl FormulaModel {
     /// The distributions of the coordinates, the definitions, and the parameters with their values.
     pub fn describe(&self) -> Description {
@@ -53,6 +90,8 @@ impl FormulaModel {
         let statement = self.statement();
         let width = statement.parameters.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
         let parameter = |(name, value): &(String, f64)| format!("{name:width$} = {value}");
+        description.group("times", self.time_rule().map(times).unwrap_or_default());
+        description.group("inputs", self.inputs().iter().map(input).collect());
         description.group("p(x_0)", lines(&statement.initial));
         description.group("draws of a step", lines(&statement.draws));
         description.group("p(x_t | x_{t-1})", lines(&statement.transition));

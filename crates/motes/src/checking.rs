@@ -10,7 +10,7 @@ use crate::error::MotesError;
 use crate::model::{Kind, Model};
 use crate::options::{FilterOptions, ProposalName};
 use crate::priors::of_starts;
-use crate::simulating::simulate;
+use crate::simulating::{schedule, simulate, simulate_along};
 
 /// What was looked at, and what is wrong.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -53,19 +53,37 @@ fn check_until(
 ) -> Result<Checked, MotesError> {
     let mut checked = Checked::default();
     checked.findings.extend(of_starts(model).map(|warning| format!("warning: {warning}")));
-    match simulate(model, STEPS, SERIES, seed, |_| proceed()) {
-        Ok(_) => checked.findings.push(format!("simulations: {SERIES} series of {STEPS} times stay finite")),
+    // Where the model has times or inputs, those of the data, if there are any.
+    let along = data.filter(|_| model.timeline().is_some());
+    let drawn = match along {
+        Some(data) => simulate_along(model, data, 1, seed, |_| proceed()),
+        None => simulate(model, STEPS, SERIES, seed, |_| proceed()),
+    };
+    match drawn {
+        Ok(drawn) => {
+            let (series, times) = (drawn.series.len(), drawn.rows.iter().map(Vec::len).max().unwrap_or(0));
+            checked.findings.push(format!("simulations: {series} series of {times} times stay finite"));
+        }
         Err(MotesError::Interrupted) => return Err(MotesError::Interrupted),
+        Err(MotesError::Timeline(error)) => {
+            checked.findings.push(format!("simulations: none, because {error}"));
+        }
         Err(error) => checked.problems.push(format!("simulations: {error}")),
     }
     let mut stream = Seed::from_u64(seed).child("check").stream();
-    let compared = match model.kind() {
+    let scheduled = schedule(model, along, STEPS, &Seed::from_u64(seed)).ok().flatten();
+    let scheduled = scheduled.and_then(|schedule| model.along(schedule));
+    let compared = match scheduled.as_ref().unwrap_or(model).kind() {
+        Kind::Learnable(_) if model.timeline().is_some() && scheduled.is_none() => None,
         Kind::Learnable(learnable) => {
             learnable.has_gradients().then(|| check_gradients(learnable, TIMES, TOLERANCE, &mut stream))
         }
         Kind::LinearGaussian(linear) => Some(check_gradients(linear, TIMES, TOLERANCE, &mut stream)),
     };
     match compared {
+        None if model.timeline().is_some() => {
+            checked.findings.push("gradients: not compared, because no inputs are known".into());
+        }
         None => checked.findings.push("gradients: the model has none".into()),
         Some(Ok(report)) => checked.findings.push(format!(
             "gradients: {} compared with central differences, the largest relative error is {:.1e}; {} have a kink or an edge",
@@ -80,6 +98,11 @@ fn check_until(
     {
         checked.findings.push(
             "density: none, because states follow without noise, share draws, or are counts; proposals draw the noise, smoothed paths follow ancestors".into(),
+        );
+    }
+    if model.linear_system().is_some() {
+        checked.findings.push(
+            "exact: the model is linear with Gaussian noise; --proposal exact filters and smooths without particles".into(),
         );
     }
     let has = |proposal: ProposalName| {
@@ -108,6 +131,13 @@ fn check_data(model: &Model, data: &Data, checked: &mut Checked, seed: u64) {
         data.rows.len(),
         data.rows.len() * model.measurements().len()
     ));
+    let sub_steps = data.rows.iter().flat_map(|row| row.steps.last()).map(|step| step.step().sub_steps);
+    if let Some(most) = sub_steps.clone().max().filter(|most| *most > 1) {
+        checked.findings.push(format!(
+            "data: up to {most} sub-steps between two rows, {} in all",
+            sub_steps.sum::<usize>()
+        ));
+    }
     if !data.columns.ignored.is_empty() {
         checked
             .findings
