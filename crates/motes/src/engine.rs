@@ -68,7 +68,10 @@ impl<'m> Running<'m> {
         steps: &[StepRecord],
         measurement: &[Option<f64>],
     ) -> Result<(), MotesError> {
-        let Some((last, before)) = steps.split_last() else { return Ok(()) };
+        let Some((last, before)) = steps.split_last() else {
+            let reason = "a row has no steps; times and inputs alone are no data";
+            return Err(MotesError::Setting(reason.into()));
+        };
         let nothing = vec![None; measurement.len()];
         before.iter().try_for_each(|step| self.take_step(&step.step(), &nothing))?;
         self.take_step(&last.step(), measurement)

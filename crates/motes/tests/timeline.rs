@@ -1,0 +1,178 @@
+//! Times and inputs of data: what is wrong with them, in one line; what simulations and forecasts make of them.
+
+use std::ops::ControlFlow;
+
+use motes::{Data, FilterOptions, Model, MotesError, ProposalName, filter, simulate, simulate_along};
+
+const WALK: &str = "[initial]\nx = \"normal(0, 1)\"\n[transition]\nx = \"normal(x, 0.5*sqrt(dt))\"\n[measurement]\ny = \"normal(x, 0.3)\"\n";
+
+fn model(head: &str, body: &str) -> Model {
+    Model::parse(&format!("{head}\n{body}"), "m.toml", &[]).unwrap()
+}
+
+fn read(head: &str, body: &str, data: &str) -> Result<Data, String> {
+    Data::read(data.as_bytes(), "d.csv", &model(head, body)).map_err(|error| error.to_string())
+}
+
+fn refused(head: &str, data: &str) -> String {
+    read(head, WALK, data).unwrap_err()
+}
+
+#[test]
+fn times_that_do_not_come_next_are_refused_with_line_and_column() {
+    let numbers = "[time]\ncolumn = \"h\"";
+    let days = "[time]\ncolumn = \"day\"\nunit = \"day\"";
+    for (head, data, line) in [
+        (numbers, "h,y\n0,1\n2,1\n1,1\n", "d.csv, line 4, column h: 1 comes after 2; within a series times increase"),
+        (numbers, "h,y\n0,1\n,1\n", "d.csv, line 3, column h: an empty cell is no time; it must be a number"),
+        (numbers, "h,y\nnoon,1\n", "d.csv, line 2, column h: noon is no time; it must be a number"),
+        (
+            numbers,
+            "h,y\n2024-03-01,1\n",
+            "d.csv, line 2, column h: 2024-03-01 is no time; for dates give unit = \"day\", \"week\" or \"year\" in [time]",
+        ),
+        (
+            days,
+            "day,y\n2024-03-01,1\n17,1\n",
+            "d.csv, line 3, column day: 17 is no time; it must be a date, as 2024-03-01, since [time] has a unit",
+        ),
+        (
+            days,
+            "day,y\n2024-03-02,1\n2024-03-01,1\n",
+            "d.csv, line 3, column day: -1 comes after 0; within a series times increase",
+        ),
+        (numbers, "t,y\n0,1\n", "d.csv, line 1: there is no column h, which [time] of the model names; there are t, y"),
+        (
+            "[time]\ncolumn = \"h\"\nstart = 5",
+            "h,y\n0,1\n",
+            "d.csv, line 2, column h: the first row is at 0, before the start of [time] at 5",
+        ),
+        (
+            "[time]\ncolumn = \"h\"\nstep = 1e-9",
+            "h,y\n0,1\n1,1\n",
+            "d.csv, line 3, column h: the gap of 1 before this row has 999999000 sub-steps of 0.000000001, more than 1000000; a longer step in [time], or another unit?",
+        ),
+        (
+            "[series]\nby = \"animal\"",
+            "y\n1\n",
+            "d.csv, line 1: there is no column animal, which [series] of the model names; there are y",
+        ),
+    ] {
+        assert_eq!(refused(head, data), line);
+    }
+}
+
+#[test]
+fn inputs_that_are_missing_where_they_are_needed_are_refused() {
+    let body = |used: &str| {
+        format!(
+            "[initial]\nx = \"normal(0, 1)\"\n[transition]\nx = \"normal(x + {used}, 0.5)\"\n[measurement]\ny = \"normal(x, 0.3)\"\n"
+        )
+    };
+    let of = |head: &str, data: &str| read(head, &body("u"), data).map(drop);
+    let hold = "[inputs]\nu = \"hold\"";
+    let missing = |line| {
+        Err(format!("d.csv, line {line}, column u: the input u has no value here, and [transition] needs it"))
+    };
+    // What the row before has is needed at the next one; what the last row has is not.
+    assert_eq!(of(hold, "u,y\n,1\n2,1\n"), missing(3));
+    assert_eq!(of(hold, "u,y\n1,1\n,1\n"), Ok(()));
+    assert_eq!(of("[inputs]\nu = \"next\"", "u,y\n,1\n2,1\n"), Ok(()));
+    assert_eq!(of("[inputs]\nu = \"next\"", "u,y\n1,1\n,1\n"), missing(3));
+    assert_eq!(
+        of(hold, "y\n1\n"),
+        Err("d.csv, line 1: there is no column u, which is an input of the model; there are y".into())
+    );
+    assert_eq!(
+        of(hold, "u,y\n1,1\nx,1\n"),
+        Err("d.csv, line 3, column u: x is no number; leave the cell empty, or write NA, where a measurement is missing".into())
+    );
+    let before = "the input u is needed before it has a value, in the step to this row; give it one by first = … in [inputs]";
+    assert_eq!(of("[inputs]\nu = { column = \"y\", rows = 1 }", "y\n1\n1\n"), Ok(()));
+    let lag = "[inputs]\nu = { column = \"y\", rows = 2 }";
+    assert_eq!(of(lag, "y\n1\n1\n"), Err(format!("d.csv, line 3, column t: {before}")));
+    assert_eq!(of("[inputs]\nu = { column = \"y\", rows = 2, first = 0 }", "y\n1\n1\n"), Ok(()));
+    let start = "[time]\nstart = -1\n[inputs]\nu = \"hold\"";
+    assert_eq!(of(start, "u,y\n1,1\n"), Err(format!("d.csv, line 2, column u: {before}")));
+    assert_eq!(of("[time]\nstart = -1\n[inputs]\nu = { between = \"hold\", first = 3 }", "u,y\n1,1\n"), Ok(()));
+}
+
+#[test]
+fn totals_need_a_step_before_them() {
+    let body = "[initial]\nx = 1\n[draws]\nn = \"poisson(x*dt)\"\n[transition]\nx = \"x\"\n[measurement]\ny = \"poisson(total(n) + 0.1)\"\n";
+    let line = "d.csv, line 2, column y: y is a sum since the row before, and there is none; give the time of x_0 by start = … in [time], or leave the cell empty";
+    assert_eq!(read("", body, "y\n1\n2\n").unwrap_err(), line);
+    assert!(read("", body, "y,z\n,\n2,\n").is_ok());
+    let data = read("[time]\nstart = -1", body, "y\n1\n2\n").unwrap();
+    assert_eq!(data.rows.iter().map(|row| row.steps.len()).collect::<Vec<_>>(), [2, 1]);
+    assert_eq!(data.steps_before(0), 1);
+}
+
+/// Two rows at one time are two measurements of one state.
+#[test]
+fn two_rows_at_one_time_are_one_state() {
+    let head = "[time]\ncolumn = \"h\"";
+    let twice = read(head, WALK, "h,y\n0,0.2\n1,0.5\n1,0.7\n2,0.1\n").unwrap();
+    let walk = model(head, WALK);
+    let options = FilterOptions { proposal: ProposalName::Exact, ..Default::default() };
+    let exact = filter(&walk, &twice, &options, |_| ControlFlow::Continue(())).unwrap();
+    let both = "[initial]\nx = \"normal(0, 1)\"\n[transition]\nx = \"normal(x, 0.5)\"\n[measurement]\ny = \"normal(x, 0.3)\"\nz = \"normal(x, 0.3)\"\n";
+    let columns = read("", both, "y,z\n0.2,\n0.5,0.7\n0.1,\n").unwrap();
+    let expected = filter(&model("", both), &columns, &options, |_| ControlFlow::Continue(())).unwrap();
+    assert!((exact.log_evidence() - expected.log_evidence()).abs() < 1e-9);
+    for proposal in [ProposalName::Bootstrap, ProposalName::Linearised, ProposalName::Optimal] {
+        let options = FilterOptions { proposal, particles: 20_000, ..Default::default() };
+        let found = filter(&walk, &twice, &options, |_| ControlFlow::Continue(())).unwrap();
+        let error = found.log_evidence() - expected.log_evidence();
+        assert!(error.abs() < 4.0 * found.standard_error().unwrap() + 0.005, "{error}");
+    }
+}
+
+/// What `simulate` writes with inputs is data of the model, and its times and inputs are those that were given.
+#[test]
+fn simulations_take_the_times_and_inputs_that_are_given() {
+    let head = "[time]\ncolumn = \"h\"\n[inputs]\nu = \"hold\"";
+    let body = "[initial]\nx = 0\n[transition]\nx = \"x + u*dt\"\n[measurement]\ny = \"normal(x, 0.001)\"\n";
+    let driven = model(head, body);
+    let proceed = |_| ControlFlow::Continue(());
+    let refused = simulate(&driven, 3, 1, 1, proceed).unwrap_err();
+    assert!(matches!(refused, MotesError::Timeline(_)));
+    assert_eq!(
+        refused.to_string(),
+        "the model has the input u; give its values by --inputs, or simulate = \"normal(0, 1)\" in [inputs]"
+    );
+    let inputs = Data::read("h,u,y\n0,1,\n0.5,2,\n2,0,\n".as_bytes(), "inputs.csv", &driven).unwrap();
+    let drawn = simulate_along(&driven, &inputs, 2, 1, proceed).unwrap();
+    assert_eq!(drawn.series[1].states.values(), [0.0, 0.5, 3.5]);
+    let times: Vec<f64> = drawn.rows[0].iter().map(motes::SimulatedRow::time).collect();
+    assert_eq!(times, [0.0, 0.5, 2.0]);
+    let table = motes::output::simulated_table(&driven, &drawn);
+    assert!(table.starts_with("series,h,u,x,y\n0,0,1,0,"), "{table}");
+    let back = Data::read(table.as_bytes(), "simulated.csv", &driven).unwrap();
+    assert_eq!(back.rows[2].steps, inputs.rows[2].steps);
+}
+
+#[test]
+fn forecasts_go_on_by_the_last_gap_or_by_given_rows() {
+    let head = "[time]\ncolumn = \"h\"";
+    let data = read(head, WALK, "h,y\n0,0.2\n1,0.5\n3,0.7\n").unwrap();
+    let walk = model(head, WALK);
+    let options = FilterOptions { forecast: 2, proposal: ProposalName::Exact, ..Default::default() };
+    let proceed = |_| ControlFlow::Continue(());
+    let found = filter(&walk, &data, &options, proceed).unwrap();
+    assert_eq!(found.forecasts[0].iter().map(|ahead| ahead.time).collect::<Vec<_>>(), [5.0, 7.0]);
+    let spread = |at: usize| found.forecasts[0][at].estimate.state[0].sd.powi(2);
+    assert!((spread(1) - spread(0) - 0.5).abs() < 1e-9, "0.25 for each unit of time");
+    let driven = "[inputs]\nu = \"next\"";
+    let body = "[initial]\nx = \"normal(0, 1)\"\n[transition]\nx = \"x + u\"\n[measurement]\ny = \"normal(x, 0.3)\"\n";
+    let data = read(driven, body, "u,y\n0,0.2\n1,0.5\n").unwrap();
+    let pushed = model(driven, body);
+    let refused = filter(&pushed, &data, &options, proceed).unwrap_err().to_string();
+    assert_eq!(refused, "a forecast: the input u is not known ahead; give its values by --inputs");
+    let rows = Data::read("u,y\n5,\n7,\n".as_bytes(), "ahead.csv", &pushed).unwrap();
+    let options = FilterOptions { forecast: 0, ahead: Some(std::sync::Arc::new(rows)), ..options };
+    let found = filter(&pushed, &data, &options, proceed).unwrap();
+    let mean = |at: usize| found.forecasts[0][at].estimate.state[0].mean;
+    let last = found.estimates[1].state[0].mean;
+    assert!((mean(0) - last - 5.0).abs() < 1e-9 && (mean(1) - last - 12.0).abs() < 1e-9);
+}
