@@ -1,12 +1,12 @@
 //! The text of a formula, read.
 
+mod along;
 mod calls;
 mod formula;
 mod lookup;
 mod parser;
 mod parts;
 mod scope;
-mod sums;
 mod token;
 
 pub(crate) use formula::{Element, Formula, Node, NodeId};

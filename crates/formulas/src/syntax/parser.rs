@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::formula::{Element, Formula, Node, NodeId};
 use super::lookup::{Known, called, known};
-use super::scope::{Meaning, Scope, Sum};
+use super::scope::{Along, Meaning, Scope};
 use super::token::{Token, next};
 use crate::error::{Fault, Problem};
 use crate::operations::{Binary, Unary};
@@ -55,7 +55,7 @@ pub(crate) fn parse(text: &str, scope: Scope<'_>) -> Result<Formula, Fault> {
     if ahead == Token::End {
         return Err(Fault::at(0, Problem::Empty));
     }
-    let mut parser = Parser { text, scope, formula, ahead, at, depth: 0, in_index: false, sums: Vec::new() };
+    let mut parser = Parser { text, scope, formula, ahead, at, depth: 0, in_index: false, along: Vec::new() };
     parser.expression(0)?;
     if parser.ahead != Token::End {
         return Err(parser.unexpected("an operator or the end"));
@@ -73,7 +73,7 @@ pub(super) struct Parser<'a> {
     depth: usize,
     in_index: bool,
     /// The sums that it is in.
-    pub(super) sums: Vec<Sum<'a>>,
+    pub(super) along: Vec<Along<'a>>,
 }
 
 impl<'a> Parser<'a> {

@@ -49,7 +49,7 @@ pub(crate) struct Scope<'a> {
 }
 
 /// A sum that is read.
-pub(super) struct Sum<'a> {
+pub(super) struct Along<'a> {
     /// The name of its index.
     pub(super) index: &'a str,
     /// The value of the index now.
