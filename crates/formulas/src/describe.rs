@@ -89,7 +89,11 @@ impl FormulaModel {
         let mut description = Description::default();
         let statement = self.statement();
         let width = statement.parameters.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
-        let parameter = |(name, value): &(String, f64)| format!("{name:width$} = {value}");
+        let parameter = |(name, value): &(String, f64)| {
+            let prior = statement.priors.iter().find(|prior| prior.entries().contains(name));
+            let prior = prior.map_or_else(String::new, |prior| format!(", with the prior {}", prior.text()));
+            format!("{name:width$} = {value}{prior}")
+        };
         description.group("times", self.time_rule().map(times).unwrap_or_default());
         description.group("inputs", self.inputs().iter().map(input).collect());
         description.group("p(x_0)", lines(&statement.initial));

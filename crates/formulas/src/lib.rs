@@ -50,7 +50,7 @@ mod text;
 pub use closed_form::NoClosedForm;
 pub use describe::Description;
 pub use equations::FormulaEquations;
-pub use error::{FileError, Place, Problem};
+pub use error::{ComposedProblem, FileError, Place, Problem};
 pub use explain::DomainError;
 pub use file::{FileModel, ModelFile, parse, parse_generated, read};
 pub use impossible::Impossible;

@@ -23,7 +23,11 @@ fn times_that_do_not_come_next_are_refused_with_line_and_column() {
     let numbers = "[time]\ncolumn = \"h\"";
     let days = "[time]\ncolumn = \"day\"\nunit = \"day\"";
     for (head, data, line) in [
-        (numbers, "h,y\n0,1\n2,1\n1,1\n", "d.csv, line 4, column h: 1 comes after 2; within a series times increase"),
+        (
+            numbers,
+            "h,y\n0,1\n2,1\n1,1\n",
+            "d.csv, line 4, column h: 1 comes after 2; within a series times increase",
+        ),
         (numbers, "h,y\n0,1\n,1\n", "d.csv, line 3, column h: an empty cell is no time; it must be a number"),
         (numbers, "h,y\nnoon,1\n", "d.csv, line 2, column h: noon is no time; it must be a number"),
         (
@@ -41,7 +45,11 @@ fn times_that_do_not_come_next_are_refused_with_line_and_column() {
             "day,y\n2024-03-02,1\n2024-03-01,1\n",
             "d.csv, line 3, column day: -1 comes after 0; within a series times increase",
         ),
-        (numbers, "t,y\n0,1\n", "d.csv, line 1: there is no column h, which [time] of the model names; there are t, y"),
+        (
+            numbers,
+            "t,y\n0,1\n",
+            "d.csv, line 1: there is no column h, which [time] of the model names; there are t, y",
+        ),
         (
             "[time]\ncolumn = \"h\"\nstart = 5",
             "h,y\n0,1\n",
@@ -94,7 +102,10 @@ fn inputs_that_are_missing_where_they_are_needed_are_refused() {
     assert_eq!(of("[inputs]\nu = { column = \"y\", rows = 2, first = 0 }", "y\n1\n1\n"), Ok(()));
     let start = "[time]\nstart = -1\n[inputs]\nu = \"hold\"";
     assert_eq!(of(start, "u,y\n1,1\n"), Err(format!("d.csv, line 2, column u: {before}")));
-    assert_eq!(of("[time]\nstart = -1\n[inputs]\nu = { between = \"hold\", first = 3 }", "u,y\n1,1\n"), Ok(()));
+    assert_eq!(
+        of("[time]\nstart = -1\n[inputs]\nu = { between = \"hold\", first = 3 }", "u,y\n1,1\n"),
+        Ok(())
+    );
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! What can be wrong with a model file, in one line that says where and what would be right.
 
+mod composed;
 mod fault;
 mod nearest;
 mod place;
@@ -7,6 +8,7 @@ mod problem;
 
 use thiserror::Error;
 
+pub use composed::ComposedProblem;
 pub(crate) use fault::{Fault, Section};
 pub(crate) use nearest::nearest;
 pub use place::Place;

@@ -2,6 +2,8 @@
 
 use thiserror::Error;
 
+use super::composed::ComposedProblem;
+
 /// What is wrong, and what would be right.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum Problem {
@@ -102,14 +104,6 @@ pub enum Problem {
         "`{0}` is defined by parts; a definition has one formula for all coordinates, which may use if(i == 0, …)"
     )]
     PartOfDefinition(String),
-    /// The key of a function that is none.
-    #[error(
-        "`{0}` is no function; it is written f(x) or f(x, y), with the names of its arguments, each once"
-    )]
-    BadFunction(String),
-    /// A function where there is none.
-    #[error("`{0}` is written like a function; functions stand in [definitions]")]
-    FunctionElsewhere(String),
     /// A name that has a meaning of its own.
     #[error("`{name}` is {what}; another name is needed")]
     Reserved {
@@ -274,19 +268,6 @@ pub enum Problem {
         /// How an entry is written.
         example: String,
     },
-    /// A sum that has no end.
-    #[error(
-        "`{0}` is the index of a sum, and of no vector or list in it; as in sum({0}, x[{0}]), one says how far it goes"
-    )]
-    SumAlongNothing(String),
-    /// A sum along vectors of two lengths.
-    #[error("`{index}` goes along vectors or lists of {} and of {}; they must be of one length", lengths[0], lengths[1])]
-    SumOfTwoLengths {
-        /// The index.
-        index: String,
-        /// The lengths.
-        lengths: [usize; 2],
-    },
     /// `i` where there is no vector.
     #[error(
         "`i` counts the coordinates of a vector; it has a meaning only in a formula like x[40] = \"…x[i-1]…\""
@@ -356,45 +337,6 @@ pub enum Problem {
         "`{0}` gives counts, which cannot be shifted or scaled; as a line of [draws] it can be part of any formula of [transition]"
     )]
     CountsMoved(String),
-    /// A distribution that is made of others, in a formula.
-    #[error("`{0}` stands alone; as a line of [draws] its values can be part of any formula of [transition]")]
-    CompoundMoved(String),
-    /// A distribution that is only a prior, in a formula.
-    #[error("`{0}` stands alone in a prior; it is not shifted or scaled")]
-    PriorMoved(String),
-    /// A distribution of several parts where one number is.
-    #[error(
-        "`{0}` draws several numbers at once; as a line of [draws], n = \"{0}(…)\", they are n[0], n[1], …"
-    )]
-    PartsElsewhere(String),
-    /// Several draws of several parts each.
-    #[error("`{0}` has as many coordinates as its distribution has parts; it is written without a length")]
-    VectorOfParts(String),
-    /// A distribution that is drawn from only.
-    #[error("`{0}` is for states and draws; a measurement that is one of two things can be a bernoulli(p)")]
-    NoMass(String),
-    /// A distribution that is no prior.
-    #[error("`{0}` is for states and draws; a prior is a distribution of one number, or a dirichlet")]
-    NoPrior(String),
-    /// A distribution that is only a prior.
-    #[error("`{0}` is for priors, in [parameters]")]
-    OnlyPrior(String),
-    /// A prior that needs a parameter with a prior.
-    #[error(
-        "`{0}` has a prior itself; a prior is made of numbers, and of parameters above it that are numbers"
-    )]
-    PriorOfPrior(String),
-    /// A prior with nothing in it.
-    #[error("between {low} and {high} the distribution has no probability")]
-    NothingBetween {
-        /// The lower end.
-        low: f64,
-        /// The upper end.
-        high: f64,
-    },
-    /// A start that the prior does not have.
-    #[error("the start {0} is no value that the prior can give")]
-    StartOutside(f64),
     /// A measurement that is a function of states.
     #[error("a measurement has a distribution, as in \"{example}\"; a formula without noise can be a state")]
     NoNoise {
@@ -419,13 +361,13 @@ pub enum Problem {
     /// Formulas that come to too much.
     #[error("up to here the formulas come to more than {0} operations; shorter vectors would do")]
     TooLarge(usize),
-    /// Functions that call functions without end.
-    #[error("functions call each other more than {0} deep; fewer would do")]
-    CallsTooDeep(usize),
     /// Definitions that need each other.
     #[error("definitions go in a circle: {0}; one of them must do without the others")]
     Cycle(String),
 
+    /// Something in functions of one's own, sums, draws of several parts, or priors.
+    #[error(transparent)]
+    Composed(#[from] ComposedProblem),
     /// Matrices that make no model.
     #[error("{0}")]
     Matrix(String),

@@ -84,6 +84,25 @@ fn in_section(section: Section, lines: &[Line], point: &Point<'_>, fault: Fault)
     })
 }
 
+/// Whether what follows the means is symmetric and positive definite: by its factor.
+fn is_covariance(numbers: &[f64]) -> bool {
+    let size = numbers.len().isqrt();
+    let entry = |row: usize, column: usize| numbers[size + row * size + column];
+    let mut factor = vec![vec![0.0_f64; size]; size];
+    for row in 0..size {
+        for column in 0..=row {
+            let sum: f64 = (0..column).map(|at| factor[row][at] * factor[column][at]).sum();
+            let left = entry(row, column) - sum;
+            factor[row][column] = if row == column { left.sqrt() } else { left / factor[column][column] };
+            let off = (entry(row, column) - entry(column, row)).abs();
+            if !(off <= 1e-9 * entry(row, column).abs()) || (row == column && !(left > 0.0)) {
+                return false;
+            }
+        }
+    }
+    true
+}
+
 /// What is wrong with the distribution of a coordinate.
 fn in_coordinate(
     section: Section,
@@ -132,6 +151,15 @@ fn in_coordinate(
                 && arguments.iter().all(|node| known[*node])
                 && fault == Fault::NotANumber
                 && (sum - 1.0).abs() > MOST_OFF;
+            let all: Vec<f64> = arguments.iter().map(|node| values[*node]).collect();
+            if compound.composition == Composition::MvNormal
+                && arguments.iter().all(|node| known[*node])
+                && fault == Fault::NotANumber
+                && !is_covariance(&all)
+            {
+                let words = ["the covariance".to_string(), "symmetric and positive definite".to_string()];
+                return Some(Origin::of_parameter(place, at, &values, words));
+            }
             is_off.then(|| {
                 let mut values = values.clone();
                 values[at] = sum;

@@ -2,11 +2,11 @@
 
 use super::coordinate::{Coordinate, Output};
 use super::nodes::{Graph, Id, Operation};
-use crate::error::Problem;
+use crate::error::{ComposedProblem, Problem};
 use crate::operations::{Binary, Unary};
 use crate::tables::{Composition, Compound, Kind, MOST_OFF, call, of_kind};
 
-/// By how much constant probabilities may differ from 1 in sum.
+/// By how much constant probabilities may differ from 1 in sum, and entries of a covariance from each other, as a share.
 const ROUNDED: f64 = 1e-9;
 
 /// A coordinate with such a distribution.
@@ -34,6 +34,7 @@ impl Part<'_> {
         match self.compound.composition {
             Composition::EulerMultinomial => Ok(self.euler_multinomial(graph)),
             Composition::Categorical => self.categorical(graph, &call),
+            Composition::MvNormal => self.normal(graph),
             // The parser refuses it.
             Composition::Prior(_) => Ok(Output::Follows(graph.constant(f64::NAN))),
         }
@@ -79,6 +80,65 @@ impl Part<'_> {
             graph.of_two(Binary::Subtract, n, gone)
         });
         drawn(Kind::Binomial, vec![n, p])
+    }
+
+    /// Given the parts before it, a part is normal: with the factor L of the covariance, its mean is that of the list and `L` times the standard normal numbers `z` that
+    /// those before it are made of.
+    fn normal(&self, graph: &mut Graph) -> Result<Output, Problem> {
+        // n means and n² entries.
+        let size = self.arguments.len().isqrt();
+
+        let mut factor: Vec<Vec<Id>> = Vec::with_capacity(self.part + 1);
+        let mut scaled: Vec<Id> = Vec::with_capacity(self.part);
+        let mut mean = self.arguments[0];
+        for row in 0..=self.part {
+            let mut own: Vec<Id> = Vec::with_capacity(row + 1);
+            mean = self.arguments[row];
+            for column in 0..=row {
+                let mut entry = self.covariance(graph, size, [row, column])?;
+                for at in 0..column {
+                    let other = if column == row { own[at] } else { factor[column][at] };
+                    let product = graph.of_two(Binary::Multiply, own[at], other);
+                    entry = graph.of_two(Binary::Subtract, entry, product);
+                }
+                if column == row {
+                    let is_wrong = graph.value(entry).is_some_and(|pivot| pivot.is_nan() || pivot <= 0.0);
+                    if is_wrong {
+                        return Err(Problem::Composed(ComposedProblem::NoCovariance));
+                    }
+                    own.push(graph.of_one(Unary::Sqrt, entry));
+                } else {
+                    own.push(graph.of_two(Binary::Divide, entry, factor[column][column]));
+                    let shift = graph.of_two(Binary::Multiply, own[column], scaled[column]);
+                    mean = graph.of_two(Binary::Add, mean, shift);
+                }
+            }
+            if row < self.part {
+                let value = self.before(graph, row);
+                let off = graph.of_two(Binary::Subtract, value, mean);
+                scaled.push(graph.of_two(Binary::Divide, off, own[row]));
+            }
+            factor.push(own);
+        }
+        Ok(drawn(Kind::Normal, vec![mean, factor[self.part][self.part]]))
+    }
+
+    /// An entry of a covariance; NaN where it is another one on the other side of the diagonal.
+    fn covariance(&self, graph: &mut Graph, size: usize, [row, column]: [usize; 2]) -> Result<Id, Problem> {
+        let [own, other] = [[row, column], [column, row]].map(|[i, j]| self.arguments[size + i * size + j]);
+        if own == other {
+            return Ok(own);
+        }
+        let difference = graph.of_two(Binary::Subtract, own, other);
+        let [size, off] = [own, difference].map(|number| graph.of_one(Unary::Abs, number));
+        let rounded = graph.constant(ROUNDED);
+        let most = graph.of_two(Binary::Multiply, size, rounded);
+        let is_symmetric = graph.of_two(Binary::AtMost, off, most);
+        if graph.value(is_symmetric) == Some(0.0) {
+            return Err(Problem::Composed(ComposedProblem::NoCovariance));
+        }
+        let nothing = graph.constant(f64::NAN);
+        Ok(graph.choice(is_symmetric, own, nothing))
     }
 
     /// The number of sums of probabilities that a uniform number has reached.

@@ -6,7 +6,7 @@ use std::ops::Range as Span;
 use motes_models::equations::{Distribution, Scalar, gamma, normal, student_t};
 
 use super::law::{Law, Truncated};
-use crate::error::{Fault, Problem, Section};
+use crate::error::{ComposedProblem, Fault, Problem, Section};
 use crate::operations::{Binary, Unary, choice, integer_exponent};
 use crate::syntax::{Formula, Meaning, Node, NodeId, Scope, arguments_of_call, parse};
 use crate::tables::{Composition, Kind, PriorKind, Range, call, compound};
@@ -66,7 +66,7 @@ fn truncated(text: &str, at: usize, arguments: &[Span<usize>], names: &Names<'_>
     let [low, high] = [number(text, low, names)?, number(text, high, names)?];
     Truncated::new(law, [low, high])
         .map(|truncated| Law::Truncated(Box::new(truncated)))
-        .ok_or_else(|| Fault::at(at, Problem::NothingBetween { low, high }))
+        .ok_or_else(|| Fault::at(at, Problem::Composed(ComposedProblem::NothingBetween { low, high })))
 }
 
 /// An end of what is truncated.
@@ -197,6 +197,6 @@ fn distribution(formula: &Formula, values: &[f64]) -> Result<Law, (NodeId, Probl
         },
         _ => None,
     };
-    let none = || (node, Problem::NoPrior(name.to_string()));
+    let none = || (node, Problem::Composed(ComposedProblem::NoPrior(name.to_string())));
     law.filter(|law| law.centre().iter().all(|start| start.is_finite())).ok_or_else(none)
 }

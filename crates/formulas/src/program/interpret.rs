@@ -214,13 +214,23 @@ impl<S: Scalar> Run<'_, S> {
         match &output.rule {
             Rule::Formula(source) => self.value(*source),
             Rule::Noise(term) => self.drawn(term, draws),
-            Rule::Computed(Computed { term, register, end, value }) => {
-                self.registers[*register as usize] = self.drawn(term, draws);
-                self.all(&instructions[*start..*end]);
-                *start = *end;
-                self.value(*value)
-            }
+            Rule::Computed(computed) => self.computed(computed, instructions, start, draws),
         }
+    }
+
+    /// What is computed of a draw. Few models have it: it is no part of each loop over outputs.
+    #[inline(never)]
+    fn computed(
+        &mut self,
+        computed: &Computed,
+        instructions: &[Instruction],
+        start: &mut usize,
+        draws: &mut impl Draws<S>,
+    ) -> S {
+        self.registers[computed.register as usize] = self.drawn(&computed.term, draws);
+        self.all(&instructions[*start..computed.end]);
+        *start = computed.end;
+        self.value(computed.value)
     }
 
     /// What is drawn from a distribution.

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::parameters::Parameters;
 use crate::document::{Entry, Found, Table, Value};
-use crate::error::{Fault, Problem, Section};
+use crate::error::{ComposedProblem, Fault, Problem, Section};
 use crate::names::is_name;
 use crate::syntax::parts;
 use crate::tables::{family, reserved};
@@ -140,18 +140,18 @@ fn with_parts(key: Key<'_>, section: Section) -> Result<Key<'_>, Problem> {
     };
     match (parts, key.length) {
         (None, _) => Ok(key),
-        (Some(_), Some(_)) => Err(Problem::VectorOfParts(key.name)),
+        (Some(_), Some(_)) => Err(Problem::Composed(ComposedProblem::VectorOfParts(key.name))),
         (Some(parts), None) => Ok(Key { length: Some(parts), has_parts: true, ..key }),
     }
 }
 
 /// The name of a function and those of its arguments: `f(x, y)`.
 fn function<'t>(written: &'t str, section: Section) -> Result<(&'t str, Vec<String>), Problem> {
-    let bad = || Problem::BadFunction(written.to_string());
+    let bad = || Problem::Composed(ComposedProblem::BadFunction(written.to_string()));
     let (name, rest) = written.split_once('(').ok_or_else(bad)?;
     let inside = rest.strip_suffix(')').ok_or_else(bad)?;
     if section != Section::Definitions {
-        return Err(Problem::FunctionElsewhere(written.to_string()));
+        return Err(Problem::Composed(ComposedProblem::FunctionElsewhere(written.to_string())));
     }
     let name = name.trim_end();
     if family(name).is_some() {

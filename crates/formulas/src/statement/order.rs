@@ -1,7 +1,7 @@
 //! The order of definitions: each after those that it uses.
 
 use super::lines::Line;
-use crate::error::Problem;
+use crate::error::{ComposedProblem, Problem};
 
 /// Whether a definition has been ordered.
 #[derive(Clone, Copy, PartialEq)]
@@ -52,7 +52,7 @@ pub(super) fn of(definitions: &[Line]) -> Result<Vec<usize>, (usize, Problem)> {
             depths[number] = 1 + uses[number].iter().map(|used| depths[*used]).max().unwrap_or(0);
         }
         if depths[number] > DEEPEST {
-            return Err((number, Problem::CallsTooDeep(DEEPEST)));
+            return Err((number, Problem::Composed(ComposedProblem::CallsTooDeep(DEEPEST))));
         }
     }
     Ok(order)

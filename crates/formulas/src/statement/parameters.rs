@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::document::{Entry, Found, Table, Value};
-use crate::error::{Fault, Problem, Section, nearest};
+use crate::error::{ComposedProblem, Fault, Problem, Section, nearest};
 use crate::names::is_name;
 use crate::priors::{Law, Names, Origin, Prior, law_of};
 use crate::syntax::Meaning;
@@ -314,7 +314,7 @@ fn given(start: &Value, law: &Law) -> Result<Vec<f64>, Fault> {
     };
     match values.iter().all(|value| value.is_finite()) && law.log_density(&values) > f64::NEG_INFINITY {
         true => Ok(values),
-        false => Err(Fault::at(start.at, Problem::StartOutside(values[0]))),
+        false => Err(Fault::at(start.at, Problem::Composed(ComposedProblem::StartOutside(values[0])))),
     }
 }
 

@@ -5,8 +5,11 @@ use std::ops::Range;
 use super::formula::{Node, NodeId};
 use super::parser::Parser;
 use super::token::Token;
-use crate::error::{Fault, Problem, Section};
-use crate::tables::Compound;
+use crate::error::{ComposedProblem, Fault, Problem, Section};
+use crate::tables::{Composition, Compound, call};
+
+/// How many parts a normal number may have: each is computed of all before it.
+const MOST: usize = 50;
 
 impl Parser<'_> {
     /// A function of the file.
@@ -28,15 +31,62 @@ impl Parser<'_> {
         compound: &'static Compound,
         span: Range<usize>,
     ) -> Result<NodeId, Fault> {
-        let (arguments, end) = self.numbers(compound.name, compound.parameters, span.start)?;
+        let (arguments, end) = match compound.composition {
+            Composition::MvNormal => self.means_and_covariance(compound, span.start)?,
+            _ => self.numbers(compound.name, compound.parameters, span.start)?,
+        };
         if !self.text[..span.start].trim().is_empty() || self.ahead != Token::End {
             let name = compound.name.to_string();
             let problem = match self.scope.section {
-                Section::Parameters => Problem::PriorMoved(name),
-                _ => Problem::CompoundMoved(name),
+                Section::Parameters => Problem::Composed(ComposedProblem::PriorMoved(name)),
+                _ => Problem::Composed(ComposedProblem::CompoundMoved(name)),
             };
             return Err(Fault::at(span.start, problem));
         }
         Ok(self.add(Node::Compound(compound, arguments), span.start..end, true))
+    }
+
+    /// `([m0, m1], [[a, b], [b, c]])`: all numbers, and the end.
+    fn means_and_covariance(
+        &mut self,
+        compound: &Compound,
+        at: usize,
+    ) -> Result<(Vec<NodeId>, usize), Fault> {
+        self.advance()?;
+        let mut numbers = self.list()?;
+        let count = numbers.len();
+        self.expect(Token::Comma, "a comma and the covariance, by rows")?;
+        self.expect(Token::OpenIndex, "the covariance by rows, as in [[1, 0], [0, 1]],")?;
+        for row in 0..count {
+            if row > 0 {
+                self.expect(Token::Comma, "a comma and the next row of the covariance")?;
+            }
+            let row = self.list()?;
+            if row.len() != count {
+                let problem =
+                    Problem::Composed(ComposedProblem::RowOfCovariance { found: row.len(), expected: count });
+                return Err(Fault::at(self.formula.spans[row[0]].start, problem));
+            }
+            numbers.extend(row);
+        }
+        self.expect(Token::CloseIndex, "a closing bracket ] behind the last row")?;
+        let close = self.expect(Token::Close, "a closing parenthesis")?;
+        match numbers.iter().find(|number| self.formula.is_random[**number]) {
+            Some(random) => Err(self.random_inside(*random, call(compound.name, compound.parameters))),
+            None if count > MOST => Err(Fault::at(at, Problem::TooMany(MOST))),
+            None => Ok((numbers, close.end)),
+        }
+    }
+
+    /// `[a, b]`, one number or more.
+    fn list(&mut self) -> Result<Vec<NodeId>, Fault> {
+        self.expect(Token::OpenIndex, "a list, as in [0, 1],")?;
+        let mut numbers = vec![self.expression(0)?];
+        while self.ahead == Token::Comma {
+            self.advance()?;
+            numbers.push(self.expression(0)?);
+        }
+        self.expect(Token::CloseIndex, "a comma or a closing bracket ]")?;
+        Ok(numbers)
     }
 }

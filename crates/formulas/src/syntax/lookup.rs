@@ -6,7 +6,7 @@ use super::formula::{Element, Node};
 use super::meaning::Meaning;
 use super::scope::Scope;
 use super::total::Since;
-use crate::error::{Problem, Section, nearest};
+use crate::error::{ComposedProblem, Problem, Section, nearest};
 use crate::tables::{
     COMPOUNDS, Composition, Compound, FAMILIES, FUNCTIONS, Family, Function, call, compound, family, function,
 };
@@ -35,13 +35,13 @@ pub(super) fn called<'a>(name: &str, scope: Scope<'a>) -> Result<Known<'a>, Prob
         let is_prior = matches!(compound.composition, Composition::Prior(_));
         return match scope.section {
             Section::Parameters if is_prior => Ok(Known::Compound(compound)),
-            Section::Parameters => Err(Problem::NoPrior(name.to_string())),
-            _ if is_prior => Err(Problem::OnlyPrior(name.to_string())),
+            Section::Parameters => Err(Problem::Composed(ComposedProblem::NoPrior(name.to_string()))),
+            _ if is_prior => Err(Problem::Composed(ComposedProblem::OnlyPrior(name.to_string()))),
             Section::Definitions => Err(Problem::RandomInDefinition(name.to_string())),
             section if compound.parts.is_some() && section != Section::Draws => {
-                Err(Problem::PartsElsewhere(name.to_string()))
+                Err(Problem::Composed(ComposedProblem::PartsElsewhere(name.to_string())))
             }
-            Section::Measurement => Err(Problem::NoMass(name.to_string())),
+            Section::Measurement => Err(Problem::Composed(ComposedProblem::NoMass(name.to_string()))),
             _ => Ok(Known::Compound(compound)),
         };
     }
@@ -120,7 +120,7 @@ pub(super) fn known(name: &str, scope: Scope<'_>, in_index: bool, has_index: boo
                 let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
                 return Err(Problem::NotCalled { name: owned(), call: call(name, &arguments) });
             }
-            Some(Meaning::Prior) => return Err(Problem::PriorOfPrior(owned())),
+            Some(Meaning::Prior) => return Err(Problem::Composed(ComposedProblem::PriorOfPrior(owned()))),
             Some(Meaning::Measurement) => return Err(Problem::MeasurementInFormula(owned())),
             None => return Err(unknown(name, scope)),
         },

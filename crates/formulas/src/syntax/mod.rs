@@ -1,5 +1,6 @@
 //! The text of a formula, read.
 
+mod along;
 mod calls;
 mod formula;
 mod lookup;
@@ -7,7 +8,6 @@ mod meaning;
 mod parser;
 mod parts;
 mod scope;
-mod sums;
 mod token;
 mod total;
 

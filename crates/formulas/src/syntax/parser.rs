@@ -5,8 +5,7 @@ use std::ops::Range;
 use super::formula::{Element, Formula, Node, NodeId};
 use super::lookup::{Known, called, check_index, known};
 use super::meaning::Meaning;
-use super::scope::Scope;
-use super::sums::IndexedSum;
+use super::scope::{Along, Scope};
 use super::token::{Token, next};
 use super::total::{self, Since};
 use crate::error::{Fault, Problem};
@@ -58,7 +57,7 @@ pub(crate) fn parse(text: &str, scope: Scope<'_>) -> Result<Formula, Fault> {
     if ahead == Token::End {
         return Err(Fault::at(0, Problem::Empty));
     }
-    let mut parser = Parser { text, scope, formula, ahead, at, depth: 0, in_index: false, sums: Vec::new() };
+    let mut parser = Parser { text, scope, formula, ahead, at, depth: 0, in_index: false, along: Vec::new() };
     parser.expression(0)?;
     if parser.ahead != Token::End {
         return Err(parser.unexpected("an operator or the end"));
@@ -76,7 +75,7 @@ pub(super) struct Parser<'a> {
     depth: usize,
     in_index: bool,
     /// The sums that it is in.
-    pub(super) sums: Vec<IndexedSum<'a>>,
+    pub(super) along: Vec<Along<'a>>,
 }
 
 impl<'a> Parser<'a> {

@@ -3,14 +3,20 @@
 use std::ops::Range;
 
 use super::token::{Token, next};
-use crate::tables::compound;
+use crate::tables::{Composition, compound};
 
 /// How many numbers a formula draws, where its distribution has several parts. What is no formula is refused where it is read.
 pub(crate) fn parts(text: &str) -> Option<usize> {
     let (_, name) = next(text, 0).ok().filter(|(token, _)| *token == Token::Name)?;
     let name = &text[name];
-    let before = compound(name)?.parts?;
-    Some(arguments_of_call(name, text)?.len().saturating_sub(before).max(1))
+    let compound = compound(name)?;
+    let (before, arguments) = (compound.parts?, arguments_of_call(name, text)?);
+    if compound.composition == Composition::MvNormal {
+        // As many as there are means.
+        let (_, open) = next(text, arguments.first()?.start).ok()?;
+        return Some(separated(text, open.end)?.len());
+    }
+    Some(arguments.len().saturating_sub(before).max(1))
 }
 
 /// Where the arguments of `name(…)` stand in a text that begins with it; none where it does not, or is not closed.
@@ -18,7 +24,12 @@ pub(crate) fn arguments_of_call(name: &str, text: &str) -> Option<Vec<Range<usiz
     let (_, first) =
         next(text, 0).ok().filter(|(token, at)| *token == Token::Name && text[at.clone()] == *name)?;
     let (_, open) = next(text, first.end).ok().filter(|(token, _)| *token == Token::Open)?;
-    let (mut depth, mut arguments, mut begin, mut at) = (1_usize, Vec::new(), open.end, open.end);
+    separated(text, open.end)
+}
+
+/// What commas separate from a byte on, until what was opened before it is closed.
+fn separated(text: &str, from: usize) -> Option<Vec<Range<usize>>> {
+    let (mut depth, mut arguments, mut begin, mut at) = (1_usize, Vec::new(), from, from);
     loop {
         let (token, span) = next(text, at).ok()?;
         at = span.end;

@@ -19,3 +19,13 @@ pub(crate) struct Scope<'a> {
     /// The arguments of the function whose formula it is; none elsewhere. They come before all other names.
     pub(crate) arguments: &'a [String],
 }
+
+/// A sum that is read.
+pub(super) struct Along<'a> {
+    /// The name of its index.
+    pub(super) index: &'a str,
+    /// The value of the index now.
+    pub(super) value: usize,
+    /// How long the vectors and lists are that the index goes along, once there is one.
+    pub(super) length: Option<usize>,
+}

@@ -12,6 +12,8 @@ pub(crate) enum Composition {
     EulerMultinomial,
     /// Where a uniform number lies among the sums of probabilities.
     Categorical,
+    /// Normals, each given those before it; its parameters are the means, then the covariance by rows.
+    MvNormal,
     /// One that is only a prior.
     Prior(PriorKind),
 }
@@ -51,6 +53,8 @@ impl Compound {
     /// What a parameter may be, in words.
     pub(crate) fn words(&self, number: usize) -> &'static str {
         match (self.composition, number) {
+            (Composition::MvNormal, 0) => "finite numbers",
+            (Composition::MvNormal, _) => "positive definite",
             (Composition::Prior(PriorKind::Truncated), 0) => "a distribution with a density",
             (Composition::Prior(PriorKind::Truncated), 1) => "a number, or -inf",
             (Composition::Prior(PriorKind::Truncated), _) => "a number, or inf",
@@ -66,7 +70,7 @@ impl Compound {
 }
 
 /// All of them.
-pub(crate) static COMPOUNDS: [Compound; 7] = [
+pub(crate) static COMPOUNDS: [Compound; 8] = [
     Compound {
         name: "categorical",
         parameters: &["p0", "p1", "…"],
@@ -82,6 +86,14 @@ pub(crate) static COMPOUNDS: [Compound; 7] = [
         about: "How many of n leave by each of several ways during a step, at these rates; for draws.",
         composition: Composition::EulerMultinomial,
         parts: Some(1),
+    },
+    Compound {
+        name: "mvnormal",
+        parameters: &["[m0, …]", "[[S00, …], …]"],
+        ranges: &[Range::Any],
+        about: "Normal numbers with these means and this covariance, by rows; for draws.",
+        composition: Composition::MvNormal,
+        parts: Some(0),
     },
     prior(
         "inverse_gamma",

@@ -2,9 +2,10 @@
 
 use std::collections::BTreeMap;
 
+use faer::mat;
 use motes_formulas::FormulaModel;
 use motes_models::equations::{Distribution, Draws, Equations};
-use motes_models::{Seed, Step};
+use motes_models::{Gaussian, Seed, Step};
 use motes_smc::{Bootstrap, FilterSettings, Linearised, ParticleFilter, Proposal};
 
 use super::helpers::{Kept, measurement, model, transition};
@@ -63,9 +64,8 @@ fn multinomial(n: usize, gone: &[usize], rates: &[f64], dt: f64) -> f64 {
     p
 }
 
-/// A step in which so many of `S` leave, at rates that are states.
-fn leaving(rates: [f64; 3], s: f64, dt: f64, gone: &[f64]) -> Vec<Distribution<f64>> {
-    /// Answers with given values.
+/// What is stated for a step from `previous` where draws have given values.
+fn given(model: &FormulaModel, dt: f64, previous: &mut [f64], values: &[f64]) -> Vec<Distribution<f64>> {
     struct Given<'a>(Kept<f64>, &'a [f64]);
     impl Draws<f64> for Given<'_> {
         fn draw(&mut self, distribution: Distribution<f64>) -> f64 {
@@ -74,6 +74,14 @@ fn leaving(rates: [f64; 3], s: f64, dt: f64, gone: &[f64]) -> Vec<Distribution<f
             value.unwrap_or(f64::NAN)
         }
     }
+    let step = Step { length: dt, ..Step::of_index(1) };
+    let (mut kept, before) = (Given(Kept(Vec::new()), values), previous.to_vec());
+    step.lift(|step| model.equations().transition(step, &before, &mut kept, previous));
+    kept.0.0
+}
+
+/// A step in which so many of `S` leave, at rates that are states.
+fn leaving(rates: [f64; 3], s: f64, dt: f64, gone: &[f64]) -> Vec<Distribution<f64>> {
     let leaving = model(
         r#"
 [initial]
@@ -88,12 +96,10 @@ a[3] = "a[i]"
 y = "normal(S, 1)"
 "#,
     );
-    let step = Step { length: dt, ..Step::of_index(1) };
-    let previous = [s, rates[0], rates[1], rates[2]];
-    let (mut kept, mut state) = (Given(Kept(Vec::new()), gone), previous);
-    step.lift(|step| leaving.equations().transition(step, &previous, &mut kept, &mut state));
+    let mut state = [s, rates[0], rates[1], rates[2]];
+    let parts = given(&leaving, dt, &mut state, gone);
     assert!(state[0] == s - gone.iter().sum::<f64>() || !state[0].is_finite());
-    kept.0.0
+    parts
 }
 
 /// Catches a probability that is not conditional, and a step that is taken for one of length 1.
@@ -183,6 +189,42 @@ fn the_evidence_of_an_epidemic_is_that_of_a_sum() {
     let expected = by_sums(&[((6, 2), 1.0)], moves, likelihood, &rows);
     let found = by_particles(&model(EPIDEMIC), &rows);
     assert!(found.iter().all(|found| (found - expected).abs() < 0.03), "{found:?} for {expected}");
+}
+
+/// Catches a factor that is transposed, and an entry that is not the same on both sides of the diagonal.
+#[test]
+fn correlated_normals_have_the_density_of_all() {
+    let normals = model(
+        r#"
+[initial]
+x = 0
+r = 0
+[draws]
+v = "mvnormal([x, 1, 2*x], [[2, r, 0.3], [r, 1, 0.2], [0.3, 0.4*r, 3]])"
+[transition]
+x = "sum(j, v[j])"
+r = "r"
+[measurement]
+y = "normal(x, 1)"
+"#,
+    );
+    let (values, mut state) = ([0.3, -1.2, 4.0], [1.5, 0.5]);
+    let parts = given(&normals, 1.0, &mut state, &values);
+    let found: f64 = parts.iter().zip(values).map(|(part, value)| part.log_density(value)).sum();
+    let covariance = mat![[2.0, 0.5, 0.3], [0.5, 1.0, 0.2], [0.3, 0.2, 3.0]];
+    let all = Gaussian::new("v", vec![1.5, 1.0, 3.0], covariance).unwrap();
+    assert!((found - all.log_density(&values)).abs() < 1e-13);
+    assert!((state[0] - 3.1).abs() < 1e-15);
+    let wrong = |r: f64| {
+        let parts = given(&normals, 1.0, &mut [1.5, r], &values);
+        let explained =
+            normals.explain(&Step::of_index(1), Some(&[1.5, r]), None).map(|error| error.to_string());
+        (parts.iter().any(|part| part.log_density(0.0).is_nan()), explained)
+    };
+    assert_eq!(wrong(0.5), (false, None));
+    let (is_nan, explained) = wrong(0.6);
+    assert!(is_nan);
+    insta::assert_snapshot!(explained.unwrap(), @"m.toml, line 6, [draws] v[0]: the covariance, `mvnormal([x, 1, 2*x], [[2, r, 0.3], [r, 1, 0.2], [0.3, 0.4*r, 3]])`, is NaN where x = 1.5, r = 0.6; it must be symmetric and positive definite");
 }
 
 const REGIMES: &str = r#"

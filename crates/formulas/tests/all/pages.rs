@@ -61,13 +61,16 @@ fn matrices_are_described() {
 fn the_reference_is_what_the_parser_accepts() {
     let page = reference();
     let rows: Vec<&str> = page.lines().filter(|line| line.starts_with("| `")).collect();
-    assert_eq!(rows.len(), 25 + 2 + 12 + 7, "{page}");
+    assert_eq!(rows.len(), 25 + 2 + 12 + 8, "{page}");
     for row in rows {
         let call = row.split('`').nth(1).unwrap();
         let (name, parameters) = call.split_once('(').unwrap_or((call, ")"));
         let parameters = parameters.trim_end_matches(')').split(", ");
         let count = parameters.filter(|name| !name.is_empty() && *name != "…").count();
-        let arguments = ["0.25", "0.5", "1"][..count].join(", ");
+        let arguments = match name {
+            "mvnormal" => "[0], [[1]]".to_string(),
+            _ => ["0.25", "0.5", "1"][..count].join(", "),
+        };
         // Trials are an integer, probabilities add up to 1, and a sum goes along a vector.
         let used = format!("{name}({arguments})")
             .replace("nomial(0.25, 0.5)", "nomial(1, 0.5)")

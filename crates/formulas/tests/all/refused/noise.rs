@@ -169,3 +169,19 @@ fn a_category_with_a_negative_probability() {
 fn categories_that_are_measured() {
     insta::assert_snapshot!(refused(&measurement("categorical(0.5, 0.5)")), @"m.toml, line 9, column 6, [measurement] y: `categorical` is for states and draws; a measurement that is one of two things can be a bernoulli(p)");
 }
+
+#[test]
+fn a_covariance_that_is_none() {
+    for covariance in ["[[1, 2], [2, 1]]", "[[1, 0.5], [0.4, 1]]", "[[0, 0], [0, 1]]"] {
+        let line = format!("v = \"mvnormal([0, 0], {covariance})\"");
+        assert!(refused(&draw(&line)).ends_with("positive definite; it must be"), "{covariance}");
+    }
+    insta::assert_snapshot!(refused(&draw("v = \"mvnormal([0, 0], [[1, 2], [2, 1]])\"")), @"m.toml, line 7, column 6, [draws] v: the covariance is not symmetric and positive definite; it must be");
+}
+
+#[test]
+fn a_covariance_of_another_size() {
+    insta::assert_snapshot!(refused(&draw("v = \"mvnormal([0, 0], [[1, 2]])\"")), @"m.toml, line 7, column 30, [draws] v: there is `]` where a comma and the next row of the covariance should be");
+    insta::assert_snapshot!(refused(&draw("v = \"mvnormal([0, 0], [[1], [2]])\"")), @"m.toml, line 7, column 25, [draws] v: the row has 1 of 2 numbers; the covariance has as many rows and columns as there are means");
+    insta::assert_snapshot!(refused(&draw("v = \"mvnormal(0, 1)\"")), @"m.toml, line 7, column 15, [draws] v: there is `0` where a list, as in [0, 1], should be");
+}

@@ -4,39 +4,33 @@ use std::ops::Range;
 
 use super::formula::{Node, NodeId};
 use super::parser::Parser;
+use super::scope::Along;
 use super::token::Token;
-use crate::error::{Fault, Problem};
+use crate::error::{ComposedProblem, Fault, Problem};
 use crate::operations::Binary;
 use crate::tables::reserved;
 
 /// How many nodes a formula may have.
 const MOST: usize = 500_000;
 
-/// A sum that is read.
-pub(super) struct IndexedSum<'a> {
-    /// The name of its index.
-    pub(super) index: &'a str,
-    /// The value of the index now.
-    pub(super) value: usize,
-    /// How long the vectors and lists are that the index goes along, once there is one.
-    pub(super) length: Option<usize>,
-}
-
 impl<'a> Parser<'a> {
     /// The value of the index of a sum of that name.
     pub(super) fn index_of_sum(&self, name: &str) -> Option<usize> {
-        self.sums.iter().find(|sum| sum.index == name).map(|sum| sum.value)
+        self.along.iter().find(|sum| sum.index == name).map(|sum| sum.value)
     }
 
     /// Takes notice of an index of a vector: where it is that of a sum alone, the sum goes along the vector.
     pub(super) fn goes_along(&mut self, index: NodeId, length: usize) -> Result<(), Fault> {
         let at = self.formula.spans[index].clone();
         let name = &self.text[at.clone()];
-        let Some(sum) = self.sums.iter_mut().find(|sum| sum.index == name) else { return Ok(()) };
+        let Some(sum) = self.along.iter_mut().find(|sum| sum.index == name) else { return Ok(()) };
         match sum.length {
             Some(other) if other != length => {
                 let index = name.to_string();
-                Err(Fault::at(at.start, Problem::SumOfTwoLengths { index, lengths: [other, length] }))
+                Err(Fault::at(
+                    at.start,
+                    Problem::Composed(ComposedProblem::SumOfTwoLengths { index, lengths: [other, length] }),
+                ))
             }
             _ => {
                 sum.length = Some(length);
@@ -73,7 +67,7 @@ impl<'a> Parser<'a> {
         }
         self.advance()?;
         let start = (self.ahead, self.at.clone());
-        self.sums.push(IndexedSum { index, value: 0, length: None });
+        self.along.push(Along { index, value: 0, length: None });
         let mut all: Option<NodeId> = None;
         loop {
             let term = self.expression(0)?;
@@ -88,9 +82,12 @@ impl<'a> Parser<'a> {
             if self.formula.nodes.len() > MOST {
                 return Err(Fault::at(span.start, Problem::TooLarge(MOST)));
             }
-            let Some(sum) = self.sums.last_mut() else { break };
+            let Some(sum) = self.along.last_mut() else { break };
             let Some(length) = sum.length else {
-                return Err(Fault::at(at.start, Problem::SumAlongNothing(index.to_string())));
+                return Err(Fault::at(
+                    at.start,
+                    Problem::Composed(ComposedProblem::SumAlongNothing(index.to_string())),
+                ));
             };
             sum.value += 1;
             if sum.value == length || self.ahead != Token::Close {
@@ -98,7 +95,7 @@ impl<'a> Parser<'a> {
             }
             (self.ahead, self.at) = start.clone();
         }
-        self.sums.pop();
+        self.along.pop();
         self.expect(Token::Close, "a closing parenthesis")?;
         // There is one term or more.
         Ok(all.unwrap_or_default())
