@@ -5,16 +5,19 @@
 mod arguments;
 mod call;
 mod card;
+mod comparison;
 mod data;
 mod errors;
 mod estimates;
 mod file;
 mod filtered;
 mod functions;
+mod inputs;
 mod learned;
 mod model;
 mod online;
 mod options;
+mod simulated;
 mod work;
 
 use pyo3::prelude::*;
@@ -30,6 +33,8 @@ mod _motes {
     use crate::file::write;
     #[pymodule_export]
     use crate::filtered::Filtered;
+    #[pymodule_export]
+    use crate::inputs::{columns_of_inputs, inputs_of_table, open_inputs};
     #[pymodule_export]
     use crate::learned::Proposal;
     #[pymodule_export]

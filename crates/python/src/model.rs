@@ -6,23 +6,24 @@ use std::time::Instant;
 
 use motes::smc::SmoothedPaths;
 use motes::{
-    Columns, CompareOptions, Comparison, InputTable, LearnOutcome, LearnedProposal, MotesError, ProposalName,
-    Smoothed, Table, check, compare, designed, filter, learn, log_evidence, simulate, simulate_along, smooth,
+    Columns, CompareOptions, LearnOutcome, LearnedProposal, ProposalName, Smoothed, Table, check, designed,
+    filter, learn, log_evidence, simulate, simulate_along, smooth,
 };
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 use crate::arguments::{integer, seed_of, threads_of};
 use crate::call::{ForCall, Made};
-use crate::card::{Card, Compared};
+use crate::card::Card;
+use crate::comparison::carded;
 use crate::data::Data;
 use crate::errors::{in_python, to_python};
 use crate::filtered::Filtered;
 use crate::functions::{Failure, Functions};
 use crate::learned::{LearnArguments, Proposal};
 use crate::options::{FilterOptions, ProposalArgument};
+use crate::simulated::flat;
 use crate::work::without_lock;
 
 /// A state-space model.
@@ -157,35 +158,9 @@ impl Model {
         motes::Data::of_table(&table, &self.model).map(Data).map_err(to_python)
     }
 
-    /// Times and inputs of a CSV file.
-    fn open_inputs(&self, path: PathBuf) -> PyResult<Data> {
-        motes::Data::open_inputs(&path, &self.model).map(Data).map_err(to_python)
-    }
-
     /// Data of a CSV file.
     fn open(&self, path: PathBuf) -> PyResult<Data> {
         motes::Data::open(&path, &self.model).map(Data).map_err(to_python)
-    }
-
-    /// Times and inputs of a table, whose measurements play no part.
-    #[pyo3(signature = (header, count, series, clock, inputs))]
-    fn inputs(
-        &self,
-        header: Vec<String>,
-        count: usize,
-        series: Option<Vec<String>>,
-        clock: Option<Vec<String>>,
-        inputs: PyReadonlyArray1<'_, f64>,
-    ) -> PyResult<Data> {
-        let table = InputTable {
-            name: "inputs",
-            header: &header,
-            rows: count,
-            series: series.as_deref(),
-            clock: clock.as_deref(),
-            inputs: inputs.as_slice()?,
-        };
-        motes::Data::of_inputs(&table, &self.model).map(Data).map_err(to_python)
     }
 
     /// The column of data that tells series apart.
@@ -204,12 +179,6 @@ impl Model {
     #[getter]
     fn input_columns(&self) -> Vec<String> {
         self.model.input_columns().to_vec()
-    }
-
-    /// The columns of a table of times and inputs: the series, the times and the inputs.
-    fn columns_of_inputs(&self, header: Vec<String>) -> PyResult<(Option<usize>, Option<usize>, Vec<usize>)> {
-        let columns = Columns::of_inputs(&header, "inputs", &self.model).map_err(to_python)?;
-        Ok((columns.others()[0], columns.clock(), columns.inputs().to_vec()))
     }
 
     /// States, measurements, times and inputs of simulated series, flat: of `steps` rows, or at the times and with the inputs of data.
@@ -231,15 +200,7 @@ impl Model {
             Some(inputs) => simulate_along(&model, inputs, series, seed, |_| failure.asked()),
             None => simulate(&model, steps, series, seed, |_| failure.asked()),
         })?;
-        let motes::Simulated { series: drawn, rows, .. } = failure.or(drawn)?;
-        let states: Vec<f64> = drawn.iter().flat_map(|one| one.states.values().iter().copied()).collect();
-        let measurements: Vec<f64> =
-            drawn.iter().flat_map(|one| one.measurements.values().iter().copied()).collect();
-        let rows = || rows.iter().flatten();
-        let times: Vec<f64> = rows().map(motes::SimulatedRow::time).collect();
-        let columns = rows().flat_map(|row| &row.inputs);
-        let inputs: Vec<f64> = columns.map(|value| value.unwrap_or(f64::NAN)).collect();
-        Ok([states, measurements, times, inputs].map(|values| values.into_pyarray(py)))
+        Ok(flat(&failure.or(drawn)?).map(|values| values.into_pyarray(py)))
     }
 
     /// What is as it should be, and what is not.
@@ -383,7 +344,7 @@ impl Model {
             timed_threads: threads.unwrap_or(1),
             ..CompareOptions::of_learned(&self.for_call()?.model, learned, particles, seed_of(seed)?)
         };
-        self.carded(py, None, options, threads, Some(training_seconds))
+        carded(&self.for_call()?, py, None, options, threads, Some(training_seconds))
     }
 
     /// Holds proposals against each other; all designed ones that the model has if none is named.
@@ -418,11 +379,16 @@ impl Model {
             references: None,
             timed_threads: threads.unwrap_or(1),
         };
-        self.carded(py, data.map(|data| &data.get().0), options, *threads, None)
+        carded(&call, py, data.map(|data| &data.get().0), options, *threads, None)
     }
 }
 
 impl Model {
+    /// The model itself.
+    pub(crate) fn motes(&self) -> &motes::Model {
+        &self.model
+    }
+
     /// This model for one call.
     pub(crate) fn for_call(&self) -> PyResult<ForCall> {
         ForCall::new(&self.model, &self.made, false)
@@ -444,33 +410,5 @@ impl Model {
     ) -> Filtered {
         let seconds = start.elapsed().as_secs_f64();
         Filtered::new(&self.model, &self.set, data, options, filtered, smoothed, seconds)
-    }
-
-    fn carded(
-        &self,
-        py: Python<'_>,
-        data: Option<&motes::Data>,
-        options: CompareOptions,
-        threads: Option<usize>,
-        training_seconds: Option<f64>,
-    ) -> PyResult<Card> {
-        let mut names: Vec<&str> = options.proposals.iter().map(ProposalName::as_str).collect();
-        names.sort_unstable();
-        if let Some(twice) = names.windows(2).find(|pair| pair[0] == pair[1]) {
-            return Err(PyValueError::new_err(format!(
-                "proposals: {}: there are two of that name",
-                twice[0]
-            )));
-        }
-        let call = self.for_call()?;
-        let (ForCall { model, failure, .. }, threads) = (&call, call.threads(threads));
-        let compared: Result<Comparison, MotesError> =
-            without_lock(py, threads, &failure.stop, || compare(model, data, &options, |_| failure.asked()))?;
-        Ok(Card::of(Compared {
-            model: model.name().to_string(),
-            comparison: failure.or(compared)?,
-            options: options.filter,
-            training_seconds,
-        }))
     }
 }

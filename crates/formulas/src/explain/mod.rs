@@ -95,7 +95,9 @@ fn is_covariance(numbers: &[f64]) -> bool {
             let left = entry(row, column) - sum;
             factor[row][column] = if row == column { left.sqrt() } else { left / factor[column][column] };
             let off = (entry(row, column) - entry(column, row)).abs();
-            if !(off <= 1e-9 * entry(row, column).abs()) || (row == column && !(left > 0.0)) {
+            let is_symmetric = off <= 1e-9 * entry(row, column).abs();
+            let is_positive = row != column || left > 0.0;
+            if !is_symmetric || !is_positive {
                 return false;
             }
         }

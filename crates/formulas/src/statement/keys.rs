@@ -146,7 +146,7 @@ fn with_parts(key: Key<'_>, section: Section) -> Result<Key<'_>, Problem> {
 }
 
 /// The name of a function and those of its arguments: `f(x, y)`.
-fn function<'t>(written: &'t str, section: Section) -> Result<(&'t str, Vec<String>), Problem> {
+fn function(written: &str, section: Section) -> Result<(&str, Vec<String>), Problem> {
     let bad = || Problem::Composed(ComposedProblem::BadFunction(written.to_string()));
     let (name, rest) = written.split_once('(').ok_or_else(bad)?;
     let inside = rest.strip_suffix(')').ok_or_else(bad)?;

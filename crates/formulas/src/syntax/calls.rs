@@ -3,8 +3,10 @@
 use std::ops::Range;
 
 use super::formula::{Node, NodeId};
+use super::lookup::check_index;
 use super::parser::Parser;
 use super::token::Token;
+use super::total::Since;
 use crate::error::{ComposedProblem, Fault, Problem, Section};
 use crate::tables::{Composition, Compound, call};
 
@@ -12,6 +14,37 @@ use crate::tables::{Composition, Compound, call};
 const MOST: usize = 50;
 
 impl Parser<'_> {
+    /// A sum over the sub-steps of a draw or a state.
+    pub(super) fn total(&mut self, function: &'static str, span: Range<usize>) -> Result<NodeId, Fault> {
+        let faulty = |problem| Fault::at(span.start, problem);
+        let Some((measured, totals)) = self.scope.totals else {
+            return Err(faulty(Problem::TotalElsewhere(function)));
+        };
+        let since = match (function, self.scope.is_vector) {
+            ("total", _) => Since::Row,
+            (_, false) => Since::Measured(measured),
+            (_, true) => return Err(faulty(Problem::TotalOfVector)),
+        };
+        self.advance()?;
+        if self.ahead != Token::Name {
+            return Err(faulty(Problem::TotalOf { name: function, found: self.found() }));
+        }
+        let of = self.advance()?;
+        let name = &self.text[of.clone()];
+        let total = totals.borrow().of(function, name, self.scope.names.get(name), since).map_err(faulty)?;
+        let length = total.length;
+        check_index(name, length, self.ahead == Token::OpenIndex)
+            .map_err(|problem| Fault::at(of.start, problem))?;
+        let (element, _) = self.element(of.end)?;
+        if self.ahead != Token::Close {
+            return Err(faulty(Problem::TotalOf { name: function, found: "a formula".into() }));
+        }
+        let close = self.advance()?;
+        let first = totals.borrow_mut().place_of(total);
+        let node = Node::State { first, length: length.unwrap_or(1), element };
+        Ok(self.add(node, span.start..close.end, false))
+    }
+
     /// A function of the file.
     pub(super) fn call(
         &mut self,

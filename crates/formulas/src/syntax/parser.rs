@@ -3,11 +3,11 @@
 use std::ops::Range;
 
 use super::formula::{Element, Formula, Node, NodeId};
-use super::lookup::{Known, called, check_index, known};
+use super::lookup::{Known, called, known};
 use super::meaning::Meaning;
 use super::scope::{Along, Scope};
 use super::token::{Token, next};
-use super::total::{self, Since};
+use super::total;
 use crate::error::{Fault, Problem};
 use crate::operations::{Binary, Unary};
 use crate::tables::{Family, Function, Operation, call};
@@ -86,7 +86,7 @@ impl<'a> Parser<'a> {
     }
 
     /// The next word in quotes.
-    fn found(&self) -> String {
+    pub(super) fn found(&self) -> String {
         match self.ahead {
             Token::End => "the end".to_string(),
             _ => format!("`{}`", &self.text[self.at.clone()]),
@@ -235,7 +235,7 @@ impl<'a> Parser<'a> {
     }
 
     /// The index of a name that ended at a byte, and where that ends.
-    fn element(&mut self, end: usize) -> Result<(Element, usize), Fault> {
+    pub(super) fn element(&mut self, end: usize) -> Result<(Element, usize), Fault> {
         if self.ahead != Token::OpenIndex {
             return Ok((Element::Whole, end));
         }
@@ -245,37 +245,6 @@ impl<'a> Parser<'a> {
         self.in_index = false;
         let close = self.expect(Token::CloseIndex, "a closing bracket ]")?;
         Ok((Element::At(index), close.end))
-    }
-
-    /// A sum over the sub-steps of a draw or a state.
-    fn total(&mut self, function: &'static str, span: Range<usize>) -> Result<NodeId, Fault> {
-        let faulty = |problem| Fault::at(span.start, problem);
-        let Some((measured, totals)) = self.scope.totals else {
-            return Err(faulty(Problem::TotalElsewhere(function)));
-        };
-        let since = match (function, self.scope.is_vector) {
-            ("total", _) => Since::Row,
-            (_, false) => Since::Measured(measured),
-            (_, true) => return Err(faulty(Problem::TotalOfVector)),
-        };
-        self.advance()?;
-        if self.ahead != Token::Name {
-            return Err(faulty(Problem::TotalOf { name: function, found: self.found() }));
-        }
-        let of = self.advance()?;
-        let name = &self.text[of.clone()];
-        let total = totals.borrow().of(function, name, self.scope.names.get(name), since).map_err(faulty)?;
-        let length = total.length;
-        check_index(name, length, self.ahead == Token::OpenIndex)
-            .map_err(|problem| Fault::at(of.start, problem))?;
-        let (element, _) = self.element(of.end)?;
-        if self.ahead != Token::Close {
-            return Err(faulty(Problem::TotalOf { name: function, found: "a formula".into() }));
-        }
-        let close = self.advance()?;
-        let first = totals.borrow_mut().place_of(total);
-        let node = Node::State { first, length: length.unwrap_or(1), element };
-        Ok(self.add(node, span.start..close.end, false))
     }
 
     /// An entry of a list, whose indices are any numbers.

@@ -118,18 +118,18 @@ def _of_columns(model: _motes.Model, columns: list[tuple[str, Callable[[], Any]]
 def inputs_of(model: _motes.Model, data: Any) -> _motes.Data:
     """Times and inputs of rows: of a file, or of columns by name."""
     if isinstance(data, (str, os.PathLike)):
-        return model.open_inputs(os.fspath(data))
+        return _motes.open_inputs(model, os.fspath(data))
     if not _is_frame(data):
         raise ValueError(f"inputs: {type(data).__name__}; they are a file, a data frame, or a dict of columns")
     taken = _taken(data, data if isinstance(data, dict) else data.columns)
     names = [name for name, _ in taken]
-    series, clock, inputs = model.columns_of_inputs(names)
+    series, clock, inputs = _motes.columns_of_inputs(model, names)
     used = {at: _column(taken[at][1](), names[at]) for at in [series, clock, *inputs] if at is not None}
     lengths = {len(column) for column in used.values()}
     if len(lengths) != 1:
         raise ValueError(f"inputs: columns have different lengths: {', '.join(map(str, sorted(lengths)))}")
     texts = [None if at is None else [_text(value) for value in used[at]] for at in (series, clock)]
-    return model.inputs(names, lengths.pop(), *texts, _flat([_numbers(used[at], names[at]) for at in inputs]))
+    return _motes.inputs_of_table(model, names, lengths.pop(), *texts, _flat([_numbers(used[at], names[at]) for at in inputs]))
 
 
 def _flat(columns: list[np.ndarray]) -> np.ndarray:

@@ -1,0 +1,48 @@
+//! Times and inputs of rows, given and simulated.
+
+use std::path::PathBuf;
+
+use motes::{Columns, InputTable};
+use numpy::PyReadonlyArray1;
+use pyo3::prelude::*;
+
+use crate::data::Data;
+use crate::errors::to_python;
+use crate::model::Model;
+
+/// Times and inputs of a CSV file.
+#[pyfunction]
+pub(crate) fn open_inputs(model: &Bound<'_, Model>, path: PathBuf) -> PyResult<Data> {
+    motes::Data::open_inputs(&path, model.get().motes()).map(Data).map_err(to_python)
+}
+
+/// The columns of a table of times and inputs: the series, the times and the inputs.
+#[pyfunction]
+pub(crate) fn columns_of_inputs(
+    model: &Bound<'_, Model>,
+    header: Vec<String>,
+) -> PyResult<(Option<usize>, Option<usize>, Vec<usize>)> {
+    let columns = Columns::of_inputs(&header, "inputs", model.get().motes()).map_err(to_python)?;
+    Ok((columns.others()[0], columns.clock(), columns.inputs().to_vec()))
+}
+
+/// Times and inputs of a table of so many rows, whose measurements play no part.
+#[pyfunction]
+pub(crate) fn inputs_of_table(
+    model: &Bound<'_, Model>,
+    header: Vec<String>,
+    count: usize,
+    series: Option<Vec<String>>,
+    clock: Option<Vec<String>>,
+    inputs: PyReadonlyArray1<'_, f64>,
+) -> PyResult<Data> {
+    let table = InputTable {
+        name: "inputs",
+        header: &header,
+        rows: count,
+        series: series.as_deref(),
+        clock: clock.as_deref(),
+        inputs: inputs.as_slice()?,
+    };
+    motes::Data::of_inputs(&table, model.get().motes()).map(Data).map_err(to_python)
+}
