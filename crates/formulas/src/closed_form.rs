@@ -29,9 +29,17 @@ pub(crate) fn check(file: &str, section: Section, lines: &[Line], built: &Built)
     let names = lines.iter().flat_map(|line| (0..line.coordinates()).map(move |number| (line, number)));
     for ((line, number), output) in names.zip(&built.coordinates) {
         let text = line.formula.text.trim();
-        let Output::Drawn(coordinate) = output else {
-            let reason = format!("`{text}` has no noise; the closed form is for normal distributions");
-            return Err(refusal(file, section, line, number, reason));
+        let coordinate = match output {
+            Output::Drawn(coordinate) => coordinate,
+            Output::Made(made) => {
+                let name = made.wrapper.name;
+                let reason = format!("`{name}` is not normal; the closed form is for normal distributions");
+                return Err(refusal(file, section, line, number, reason));
+            }
+            Output::Follows(_) => {
+                let reason = format!("`{text}` has no noise; the closed form is for normal distributions");
+                return Err(refusal(file, section, line, number, reason));
+            }
         };
         let degree = |parameter: usize| degrees[coordinate.parameters[parameter].index()];
         let name = coordinate.family.name;
@@ -88,6 +96,7 @@ pub(crate) fn is_linear(section: Section, built: &Built) -> bool {
     let is_constant = !built.graph.operations().iter().any(|operation| matches!(operation, Operation::Time));
     is_constant
         && (section == Section::Measurement || has_density(section, built))
+        && !built.coordinates.iter().any(|output| matches!(output, Output::Made(_)))
         && built.coordinates.iter().filter_map(Output::drawn).all(|coordinate| {
             coordinate.family.kind == Kind::Normal
                 && degree(coordinate, 0) <= Degree::One

@@ -1,7 +1,7 @@
 //! The matrices behind formulas that are linear with Gaussian noise: such a model has exact answers.
 
 use faer::Mat;
-use motes_models::equations::{Coordinates, Distribution, Draws, Equations, Normal};
+use motes_models::equations::{Coordinates, Distribution, Draws, Equations, Normal, Wrapped};
 use motes_models::{Gaussian, LinearGaussian, Step};
 
 use crate::model::FormulaModel;
@@ -26,6 +26,10 @@ impl Coordinates<f64> for Normals {
             }
             _ => None,
         };
+    }
+
+    fn push_wrapped(&mut self, _: &Wrapped<'_, f64>) {
+        self.0 = None;
     }
 }
 

@@ -38,6 +38,7 @@ mod model;
 mod names;
 mod operations;
 mod program;
+mod simulation;
 mod state_space;
 mod statement;
 mod support;
@@ -53,6 +54,7 @@ pub use explain::DomainError;
 pub use file::{FileModel, ModelFile, parse, parse_generated, read};
 pub use impossible::Impossible;
 pub use model::FormulaModel;
+pub use simulation::NoSimulation;
 pub use support::{End, Support};
 pub use tables::{Family, Range, family, reference};
 

@@ -9,7 +9,7 @@ use crate::engine::Running;
 use crate::error::MotesError;
 use crate::model::{Kind, Model};
 use crate::options::{FilterOptions, ProposalName};
-use crate::simulating::simulate;
+use crate::simulating::{check_draws, simulate};
 
 /// What was looked at, and what is wrong.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -51,27 +51,9 @@ fn check_until(
     proceed: &mut dyn FnMut() -> ControlFlow<()>,
 ) -> Result<Checked, MotesError> {
     let mut checked = Checked::default();
-    match simulate(model, STEPS, SERIES, seed, |_| proceed()) {
-        Ok(_) => checked.findings.push(format!("simulations: {SERIES} series of {STEPS} times stay finite")),
-        Err(MotesError::Interrupted) => return Err(MotesError::Interrupted),
-        Err(error) => checked.problems.push(format!("simulations: {error}")),
-    }
-    let mut stream = Seed::from_u64(seed).child("check").stream();
-    let compared = match model.kind() {
-        Kind::Learnable(learnable) => {
-            learnable.has_gradients().then(|| check_gradients(learnable, TIMES, TOLERANCE, &mut stream))
-        }
-        Kind::LinearGaussian(linear) => Some(check_gradients(linear, TIMES, TOLERANCE, &mut stream)),
-    };
-    match compared {
-        None => checked.findings.push("gradients: the model has none".into()),
-        Some(Ok(report)) => checked.findings.push(format!(
-            "gradients: {} compared with central differences, the largest relative error is {:.1e}; {} have a kink or an edge",
-            report.compared, report.worst.relative_error, report.skipped
-        )),
-        Some(Err(error @ GradientError::Wrong(_))) => checked.problems.push(format!("gradients: {error}")),
-        // Counts and bounded noise have no differences to compare with.
-        Some(Err(error)) => checked.findings.push(format!("gradients: not compared everywhere: {error}")),
+    match check_draws(model) {
+        Ok(()) => check_drawn(model, seed, &mut checked, proceed)?,
+        Err(error) => checked.findings.push(format!("simulations: {error}")),
     }
     if let Kind::Learnable(learnable) = model.kind()
         && learnable.density().is_none()
@@ -95,6 +77,38 @@ fn check_until(
         check_data(model, data, &mut checked, seed);
     }
     Ok(checked)
+}
+
+/// What is seen where measurements are drawn: whether they stay finite, and whether gradients are those of differences there.
+fn check_drawn(
+    model: &Model,
+    seed: u64,
+    checked: &mut Checked,
+    proceed: &mut dyn FnMut() -> ControlFlow<()>,
+) -> Result<(), MotesError> {
+    match simulate(model, STEPS, SERIES, seed, |_| proceed()) {
+        Ok(_) => checked.findings.push(format!("simulations: {SERIES} series of {STEPS} times stay finite")),
+        Err(MotesError::Interrupted) => return Err(MotesError::Interrupted),
+        Err(error) => checked.problems.push(format!("simulations: {error}")),
+    }
+    let mut stream = Seed::from_u64(seed).child("check").stream();
+    let compared = match model.kind() {
+        Kind::Learnable(learnable) => {
+            learnable.has_gradients().then(|| check_gradients(learnable, TIMES, TOLERANCE, &mut stream))
+        }
+        Kind::LinearGaussian(linear) => Some(check_gradients(linear, TIMES, TOLERANCE, &mut stream)),
+    };
+    match compared {
+        None => checked.findings.push("gradients: the model has none".into()),
+        Some(Ok(report)) => checked.findings.push(format!(
+            "gradients: {} compared with central differences, the largest relative error is {:.1e}; {} have a kink or an edge",
+            report.compared, report.worst.relative_error, report.skipped
+        )),
+        Some(Err(error @ GradientError::Wrong(_))) => checked.problems.push(format!("gradients: {error}")),
+        // Counts and bounded noise have no differences to compare with.
+        Some(Err(error)) => checked.findings.push(format!("gradients: not compared everywhere: {error}")),
+    }
+    Ok(())
 }
 
 /// Whether some particle can explain each measurement: values that no state can give, as a fraction for counts, have density 0 everywhere.

@@ -31,6 +31,15 @@ pub fn simulate(
     simulate_until(model, steps, series, seed, &mut proceed)
 }
 
+/// Refuses a model whose measurements have densities, but cannot be drawn.
+///
+/// # Errors
+/// [`MotesError::Simulation`] names the line.
+pub(crate) fn check_draws(model: &Model) -> Result<(), MotesError> {
+    let Some(formulas) = model.formulas() else { return Ok(()) };
+    formulas.can_be_simulated().map_err(|error| MotesError::Simulation(error.to_string()))
+}
+
 /// [`simulate`], compiled once whatever asks.
 fn simulate_until(
     model: &Model,
@@ -39,6 +48,7 @@ fn simulate_until(
     seed: u64,
     proceed: &mut dyn FnMut(usize) -> ControlFlow<()>,
 ) -> Result<Simulated, MotesError> {
+    check_draws(model)?;
     let width = model.states().len() + model.measurements().len();
     let numbers = steps.checked_mul(series).and_then(|times| times.checked_mul(width));
     // Each number is text of some twenty letters later on.

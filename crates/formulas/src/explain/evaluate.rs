@@ -90,7 +90,8 @@ impl<'a> Point<'a> {
                 Node::If([condition, then, otherwise]) => {
                     choice(values[*condition], values[*then], values[*otherwise])
                 }
-                Node::Random(..) => f64::NAN,
+                // What is measured is not known here.
+                Node::Own | Node::Random(..) | Node::Wrapped(..) => f64::NAN,
             };
             values.push(value);
         }
@@ -134,6 +135,7 @@ impl<'a> Point<'a> {
             let is_known = match node {
                 Node::State { first, .. } => section != Section::Initial && *first < states,
                 Node::Definition { number, .. } => section != Section::Initial || !self.has_states[*number],
+                Node::Own => false,
                 Node::Entry { indices, .. } => indices.iter().all(|index| known[*index]),
                 Node::OfOne(_, a) => known[*a],
                 Node::OfTwo(_, a, b) => known[*a] && known[*b],

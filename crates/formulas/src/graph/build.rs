@@ -1,12 +1,13 @@
 //! Makes the graph of a section from its formulas.
 
-use super::coordinate::{Coordinate, Output};
+use super::coordinate::{Output, Part};
 use super::nodes::{Graph, Id};
+use super::parts::Parts;
 use crate::error::{Fault, Problem, Section};
-use crate::operations::{Binary, Unary};
+use crate::operations::Binary;
 use crate::statement::{Line, List, Statement};
-use crate::syntax::{Element, Node, NodeId};
-use crate::tables::{Kind, Range, call};
+use crate::syntax::{Element, Node};
+use crate::tables::Range;
 
 /// How many operations the formulas of a section may come to.
 const MOST: usize = 2_000_000;
@@ -38,8 +39,9 @@ pub(crate) fn build(statement: &Statement, section: Section) -> Result<Built, Fa
             statement.definitions[number].formula.definitions().for_each(|other| used[other] = true);
         }
     }
-    let mut builder =
-        Builder { graph: Graph::default(), definitions: vec![Vec::new(); used.len()], work: 0, section };
+    let states = statement.initial.iter().map(Line::coordinates).sum();
+    let definitions = vec![Vec::new(); used.len()];
+    let mut builder = Builder { graph: Graph::default(), definitions, work: 0, section, states };
     for &number in statement.order.iter().filter(|number| used[**number]) {
         let line = &statement.definitions[number];
         for coordinate in 0..line.coordinates() {
@@ -47,7 +49,6 @@ pub(crate) fn build(statement: &Statement, section: Section) -> Result<Built, Fa
             builder.definitions[number].push(value);
         }
     }
-    let states = statement.initial.iter().map(Line::coordinates).sum();
     let draws = builder.of_lines(statement, draws, Section::Draws, Some(states))?;
     let in_order = (section == Section::Initial).then_some(0);
     let coordinates = builder.of_lines(statement, lines, section, in_order)?;
@@ -71,6 +72,8 @@ struct Builder {
     definitions: Vec<Vec<Id>>,
     work: usize,
     section: Section,
+    /// How many states there are.
+    states: usize,
 }
 
 impl Builder {
@@ -85,8 +88,8 @@ impl Builder {
         let mut outputs: Vec<Output> = Vec::new();
         for line in lines {
             for coordinate in 0..line.coordinates() {
-                let (value, drawn) = self.of_line(statement, line, section, coordinate)?;
-                let output = drawn.map_or(Output::Follows(value), Output::Drawn);
+                let (value, random) = self.of_line(statement, line, section, coordinate)?;
+                let output = random.map_or(Output::Follows(value), Output::from);
                 if let (Output::Follows(id), false) = (&output, section == Section::Measurement)
                     && let Some(value) = self.graph.value(*id).filter(|value| !value.is_finite())
                 {
@@ -115,7 +118,7 @@ impl Builder {
         line: &Line,
         section: Section,
         coordinate: usize,
-    ) -> Result<(Id, Option<Coordinate>), Fault> {
+    ) -> Result<(Id, Option<Part>), Fault> {
         let formula = &line.formula;
         self.work += formula.nodes.len();
         if self.work > MOST {
@@ -123,12 +126,13 @@ impl Builder {
         }
         // What is random has a number in `random`; the one here is not used.
         let nothing = self.graph.constant(f64::NAN);
-        let mut random = None;
+        let mut parts = Parts::default();
         let mut values: Vec<Id> = Vec::with_capacity(formula.nodes.len());
         for (at, node) in formula.nodes.iter().enumerate() {
             let value = match node {
                 _ if formula.is_random[at] => {
-                    self.random(node, &formula.is_random, &values, &mut random);
+                    let found = parts.add(&mut self.graph, node, at, &formula.is_random, &values);
+                    found.map_err(|(at, problem)| line.fault(section, formula.spans[at].start, problem))?;
                     nothing
                 }
                 Node::Number(value) | Node::Named(value) => self.graph.constant(*value),
@@ -158,19 +162,14 @@ impl Builder {
                 Node::If([condition, then, otherwise]) => {
                     self.graph.choice(values[*condition], values[*then], values[*otherwise])
                 }
-                Node::Random(..) => nothing,
+                Node::Own => self.graph.state(self.states),
+                Node::Random(..) | Node::Wrapped(..) => nothing,
             };
             values.push(value);
         }
-        if let Some((coordinate, at)) = &mut random {
-            let span = &formula.spans[*at];
-            let problem = self.check(coordinate).map(|problem| line.fault(section, span.start, problem));
-            if let Some(fault) = problem {
-                return Err(fault);
-            }
-            coordinate.settle(&mut self.graph);
-        }
-        Ok((values.last().copied().unwrap_or(nothing), random.map(|(coordinate, _)| coordinate)))
+        let random = parts.finish(&mut self.graph, formula.root());
+        let random = random.map_err(|(at, problem)| line.fault(section, formula.spans[at].start, problem))?;
+        Ok((values.last().copied().unwrap_or(nothing), random))
     }
 
     /// An entry of a list: chosen among all where an index is not known; NaN where there is none.
@@ -216,65 +215,5 @@ impl Builder {
             return Ok((index as i64).rem_euclid(length as i64) as usize);
         }
         Err(Problem::BadIndex(format!("{index}")))
-    }
-
-    /// An operation on the distribution of the formula.
-    fn random(
-        &mut self,
-        node: &Node,
-        is_random: &[bool],
-        values: &[Id],
-        random: &mut Option<(Coordinate, NodeId)>,
-    ) {
-        let graph = &mut self.graph;
-        match (node, random) {
-            (Node::Random(family, parameters), random) => {
-                let parameters = parameters.iter().map(|parameter| values[*parameter]).collect();
-                *random = Some((Coordinate::new(family, parameters), values.len()));
-            }
-            (Node::OfOne(Unary::Negative, _), Some((random, _))) => random.negate(graph),
-            (Node::OfTwo(operation, a, b), Some((random, _))) => match (operation, is_random[*a]) {
-                (Binary::Add, true) => random.add(graph, values[*b]),
-                (Binary::Add, false) => random.add(graph, values[*a]),
-                (Binary::Subtract, true) => random.subtract(graph, values[*b]),
-                (Binary::Subtract, false) => {
-                    random.negate(graph);
-                    random.add(graph, values[*a]);
-                }
-                (Binary::Multiply, true) => random.multiply(graph, values[*b]),
-                (Binary::Multiply, false) => random.multiply(graph, values[*a]),
-                (Binary::Divide, _) => random.divide(graph, values[*b]),
-                // The parser refuses the others.
-                _ => {}
-            },
-            _ => {}
-        }
-    }
-
-    /// What is wrong with a distribution, whatever the states are.
-    fn check(&self, coordinate: &Coordinate) -> Option<Problem> {
-        let family = coordinate.family;
-        let call = call(family.name, family.parameters);
-        let out_of_range = |parameter: &str, value, expected: String| {
-            Some(Problem::OutOfRange { what: format!("the {parameter} of {call}"), value, expected })
-        };
-        let values: Vec<Option<f64>> = coordinate.parameters.iter().map(|id| self.graph.value(*id)).collect();
-        for ((value, range), name) in values.iter().zip(family.ranges).zip(family.parameters) {
-            if let Some(value) = value.filter(|value| !range.has(*value)) {
-                return out_of_range(name, value, range.words().to_string());
-            }
-        }
-        match (family.kind, values.as_slice()) {
-            (Kind::Uniform, [Some(low), Some(high)]) if low >= high => {
-                out_of_range("high", *high, format!("above low, which is {low}"))
-            }
-            _ => match coordinate.scale.and_then(|scale| self.graph.value(scale)) {
-                Some(0.0) => Some(Problem::NoNoiseLeft(call)),
-                Some(scale) if !Range::Any.has(scale) => {
-                    out_of_range("factor", scale, Range::Any.words().to_string())
-                }
-                _ => None,
-            },
-        }
     }
 }

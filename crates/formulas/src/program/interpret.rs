@@ -86,6 +86,9 @@ impl Program {
                     match is_all || depends_on.iter().any(|state| along.contains(&(*state as usize))) {
                         true => match &output.rule {
                             Rule::Noise(term) => run.push(term, coordinates),
+                            Rule::Made(term) => {
+                                run.with_made(term, time, &mut |wrapped| coordinates.push_wrapped(wrapped));
+                            }
                             // A measurement is always drawn.
                             Rule::Formula(_) => {}
                         },
@@ -114,8 +117,8 @@ impl Program {
 }
 
 /// The numbers that instructions work on.
-struct Run<'a, S> {
-    given: &'a [S],
+pub(super) struct Run<'a, S> {
+    pub(super) given: &'a [S],
     /// How many numbers are given.
     count: usize,
     plain: &'a [f64],
@@ -135,7 +138,7 @@ impl<S: Scalar> Run<'_, S> {
     }
 
     #[inline(always)]
-    fn value(&self, source: Source) -> S {
+    pub(super) fn value(&self, source: Source) -> S {
         match source {
             Source::Plain(place) => S::from(self.plain(place)),
             Source::Varied(place) => self.varied(place),
@@ -188,6 +191,8 @@ impl<S: Scalar> Run<'_, S> {
         *start = output.end;
         match &output.rule {
             Rule::Formula(source) => self.value(*source),
+            // Measurements alone are made of other distributions.
+            Rule::Made(_) => S::from(f64::NAN),
             Rule::Noise(term) => {
                 let mut one = OneDraw { draws, drawn: S::from(f64::NAN) };
                 self.push(term, &mut one);

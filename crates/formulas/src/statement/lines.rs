@@ -68,7 +68,7 @@ impl Reader<'_> {
             }
             _ => return Err(self.no_formula(key, section)),
         };
-        let scope = Scope { names: self.names, section, is_vector: key.length.is_some() };
+        let scope = Scope { names: self.names, section, own: &key.name, is_vector: key.length.is_some() };
         let parsed = parse(text, scope).and_then(|formula| check_noise(formula, section));
         let formula = parsed.map_err(|fault| {
             let at = match (inner, fault.at) {

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::operations::{Binary, Unary};
-use crate::tables::Family;
+use crate::tables::{Family, Wrapper};
 
 /// A node by its number.
 pub(crate) type NodeId = usize;
@@ -47,8 +47,12 @@ pub(crate) enum Node {
     OfTwo(Binary, NodeId, NodeId),
     /// The second where the first is not 0, else the third.
     If([NodeId; 3]),
-    /// The one distribution of the formula.
+    /// A distribution: the only one, but for those in others.
     Random(&'static Family, Vec<NodeId>),
+    /// A distribution of a measurement that is made of others, with its arguments.
+    Wrapped(&'static Wrapper, Vec<NodeId>),
+    /// The measurement itself, in its own log density.
+    Own,
 }
 
 /// A formula. Its operands come before the operations on them; the last node is its value.

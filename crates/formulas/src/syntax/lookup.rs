@@ -5,12 +5,15 @@ use std::f64::consts::PI;
 use super::formula::{Element, Node};
 use super::scope::{Meaning, Scope};
 use crate::error::{Problem, Section, nearest};
-use crate::tables::{FAMILIES, FUNCTIONS, Family, Function, call, family, function};
+use crate::tables::{
+    FAMILIES, FUNCTIONS, Family, Function, WRAPPERS, Wrapper, call, family, function, wrapper,
+};
 
 /// What can be called.
 pub(super) enum Known {
     Function(&'static Function),
     Family(&'static Family),
+    Wrapper(&'static Wrapper),
 }
 
 /// What `name(…)` calls.
@@ -24,13 +27,23 @@ pub(super) fn called(name: &str, scope: Scope<'_>) -> Result<Known, Problem> {
         }
         return Ok(Known::Family(family));
     }
+    if let Some(wrapper) = wrapper(name) {
+        return match scope.section {
+            Section::Measurement => Ok(Known::Wrapper(wrapper)),
+            Section::Definitions => Err(Problem::RandomInDefinition(name.to_string())),
+            _ => Err(Problem::OnlyMeasured(name.to_string())),
+        };
+    }
     if scope.names.contains_key(name) || matches!(name, "t" | "i" | "pi") {
         return Err(Problem::NotAFunction(name.to_string()));
     }
     let functions = FUNCTIONS.iter().map(|function| function.name);
     let families = FAMILIES.iter().map(|family| family.name);
     let names: Vec<&str> = functions.chain(families).collect();
-    let advice = match (name, nearest(name, names.iter().copied())) {
+    let wrappers =
+        WRAPPERS.iter().map(|wrapper| wrapper.name).filter(|_| scope.section == Section::Measurement);
+    let all = names.iter().copied().chain(wrappers);
+    let advice = match (name, nearest(name, all)) {
         ("pow" | "power", _) => "a power is written x^2".to_string(),
         ("log10" | "log2", _) => format!("it is log(x)/log({})", &name[3..]),
         (_, Some(near)) => format!("did you mean `{near}`?"),
@@ -103,6 +116,13 @@ fn unknown(name: &str, scope: Scope<'_>) -> Problem {
     }
     if let Some(family) = family(name) {
         return Problem::NotCalled { name: name.to_string(), call: call(name, family.parameters) };
+    }
+    if let Some(wrapper) = wrapper(name) {
+        return Problem::NotCalled { name: name.to_string(), call: call(name, wrapper.parameters) };
+    }
+    if name == "inf" {
+        let advice = "it is an end of censored(d, low, high) and of truncated(d, low, high)".to_string();
+        return Problem::UnknownName { name: name.to_string(), advice };
     }
     let usable = |meaning: &Meaning| match meaning {
         Meaning::Parameter(_) | Meaning::List { .. } | Meaning::State { .. } | Meaning::Definition { .. } => {

@@ -35,6 +35,8 @@ pub(crate) enum Meaning {
 pub(crate) struct Scope<'a> {
     pub(crate) names: &'a BTreeMap<String, Meaning>,
     pub(crate) section: Section,
+    /// Whose formula it is.
+    pub(crate) own: &'a str,
     /// Whether it is the formula of a vector.
     pub(crate) is_vector: bool,
 }

@@ -260,7 +260,13 @@ impl Kind {
         }
     }
 
-    fn moved<S: Scalar>(self, parameters: [S; 3], scale: Option<S>, shift: Option<S>) -> Distribution<S> {
+    /// `shift + scale·x` of the distribution with these parameters.
+    pub(crate) fn moved<S: Scalar>(
+        self,
+        parameters: [S; 3],
+        scale: Option<S>,
+        shift: Option<S>,
+    ) -> Distribution<S> {
         let distribution = self.distribution(parameters, S::from).guarded();
         match (scale, shift) {
             (None, None) => distribution,

@@ -16,3 +16,4 @@ mod refusals;
 mod refused;
 mod support;
 mod vectors;
+mod wrapped;

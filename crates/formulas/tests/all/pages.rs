@@ -63,7 +63,7 @@ fn the_reference_is_what_the_parser_accepts() {
     let calls =
         page.lines().filter_map(|line| line.strip_prefix("| `")?.split_once('`').map(|(call, _)| call));
     let calls: Vec<&str> = calls.collect();
-    assert_eq!(calls.len(), 25 + 1 + 12, "{page}");
+    assert_eq!(calls.len(), 25 + 1 + 12 + 8, "{page}");
     for call in calls {
         let (name, parameters) = call.split_once('(').unwrap_or((call, ")"));
         let parameters = parameters.trim_end_matches(')').split(", ");
@@ -73,8 +73,22 @@ fn the_reference_is_what_the_parser_accepts() {
         let used = format!("{name}({arguments})")
             .replace("binomial(0.25, 0.5)", "binomial(1, 0.5)")
             .replace("pi()", "pi");
-        let distributed = page.contains(&format!("| `{call}` |"))
-            && page.split("distribution |").nth(1).unwrap().contains(call);
+        let tables: Vec<&str> = page.split("|---|---|").collect();
+        let wrapped = tables[3].contains(call);
+        // Distributions and ends that are in order.
+        let used = if wrapped {
+            let argument = |name: &str| match name {
+                "d" | "d1" | "d2" => "normal(x, 1)",
+                "low" => "-inf",
+                _ => "0.5",
+            };
+            let (_, rest) = call.split_once('(').unwrap();
+            let arguments: Vec<&str> = rest.trim_end_matches(')').split(", ").map(argument).collect();
+            format!("{name}({})", arguments.join(", "))
+        } else {
+            used
+        };
+        let distributed = wrapped || tables[2].contains(call);
         let formula = if distributed { used } else { format!("normal({used}, 1)") };
         let text = format!(
             "[initial]\nx = \"normal(0, 1)\"\n[transition]\nx = \"normal(x, 1)\"\n[measurement]\ny = \"{formula}\"\n"
@@ -97,5 +111,5 @@ fn the_page_on_model_files_is_current() {
         parse(block, "model-files.md", &[]).unwrap();
         count += 1;
     }
-    assert_eq!(count, 4);
+    assert_eq!(count, 5);
 }

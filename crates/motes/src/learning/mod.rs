@@ -18,6 +18,7 @@ use crate::data::Data;
 use crate::error::MotesError;
 use crate::learned::{LearnedProposal, Notes, learnable, shape_of};
 use crate::model::Model;
+use crate::simulating::check_draws;
 use choice::{Choice, choose};
 use worth::worse_than;
 
@@ -78,6 +79,8 @@ fn learn_until(
     proceed: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
 ) -> Result<LearnOutcome, MotesError> {
     let learnable = learnable(model)?;
+    // It learns from simulations.
+    check_draws(model)?;
     let started = std::time::Instant::now();
     let settings = LearnConfig {
         objective: options.objective,

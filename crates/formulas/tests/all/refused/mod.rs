@@ -8,6 +8,7 @@ mod noise;
 mod overrides;
 mod paths;
 mod vectors;
+mod wrapped;
 
 use motes_formulas::parse;
 
