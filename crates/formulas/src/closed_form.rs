@@ -31,6 +31,11 @@ pub(crate) fn check(file: &str, section: Section, lines: &[Line], built: &Built)
         let text = line.formula.text.trim();
         let coordinate = match output {
             Output::Drawn(coordinate) => coordinate,
+            Output::Made(made) => {
+                let name = made.wrapper.name;
+                let reason = format!("`{name}` is not normal; the closed form is for normal distributions");
+                return Err(refusal(file, section, line, number, reason));
+            }
             other => {
                 let what = if other.drawn_from().is_some() { "is not normal" } else { "has no noise" };
                 let reason = format!("`{text}` {what}; the closed form is for normal distributions");
@@ -97,7 +102,7 @@ pub(crate) fn is_linear(built: &Built) -> bool {
         |coordinate: &Coordinate, parameter: usize| degrees[coordinate.parameters[parameter].index()];
     built.draws.iter().chain(&built.coordinates).all(|output| match output {
         Output::Follows(id) => degrees[id.index()] <= Degree::One,
-        Output::Computed { .. } => false,
+        Output::Computed { .. } | Output::Made(_) => false,
         Output::Drawn(coordinate) => {
             coordinate.family.kind == Kind::Normal
                 && degree(coordinate, 0) <= Degree::One

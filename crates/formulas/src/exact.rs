@@ -2,7 +2,7 @@
 
 use faer::{Col, Mat};
 use motes_models::batch::LANES;
-use motes_models::equations::{Coordinates, Distribution, Equations, NoiseSpace, Normal};
+use motes_models::equations::{Coordinates, Distribution, Equations, NoiseSpace, Normal, Wrapped};
 use motes_models::kalman::{Belief, LinearMap, LinearSystem};
 use motes_models::{StateSpaceModel, Step};
 
@@ -23,6 +23,11 @@ impl Coordinates<f64> for Normals {
         };
         self.means.push(mean);
         self.sds.push(sd);
+    }
+
+    fn push_wrapped(&mut self, _: &Wrapped<'_, f64>) {
+        self.means.push(f64::NAN);
+        self.sds.push(f64::NAN);
     }
 }
 

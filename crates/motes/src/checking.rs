@@ -10,7 +10,7 @@ use crate::error::MotesError;
 use crate::model::{Kind, Model};
 use crate::options::{FilterOptions, ProposalName};
 use crate::priors::of_starts;
-use crate::simulating::{schedule, simulate, simulate_along};
+use crate::simulating::{check_draws, schedule, simulate, simulate_along};
 
 /// What was looked at, and what is wrong.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -53,7 +53,47 @@ fn check_until(
 ) -> Result<Checked, MotesError> {
     let mut checked = Checked::default();
     checked.findings.extend(of_starts(model).map(|warning| format!("warning: {warning}")));
-    // Where the model has times or inputs, those of the data, if there are any.
+    match check_draws(model) {
+        Ok(()) => check_drawn(model, data, seed, &mut checked, proceed)?,
+        Err(error) => checked.findings.push(format!("simulations: {error}")),
+    }
+    if let Kind::Learnable(learnable) = model.kind()
+        && learnable.density().is_none()
+    {
+        checked.findings.push(
+            "density: none, because states follow without noise, share draws, or are counts; proposals draw the noise, smoothed paths follow ancestors".into(),
+        );
+    }
+    if model.linear_system().is_some() {
+        checked.findings.push(
+            "exact: the model is linear with Gaussian noise; --proposal exact filters and smooths without particles".into(),
+        );
+    }
+    let has = |proposal: ProposalName| {
+        let options = FilterOptions { proposal, particles: 1, ..FilterOptions::default() };
+        Running::new(model, &options, 0).map(drop)
+    };
+    let linearised = if has(ProposalName::Linearised).is_ok() { ", linearised" } else { "" };
+    match has(ProposalName::Optimal) {
+        Ok(()) => checked.findings.push(format!("proposals: bootstrap{linearised}, optimal")),
+        Err(error) => {
+            checked.findings.push(format!("proposals: bootstrap{linearised}; no closed form ({error})"))
+        }
+    }
+    if let Some(data) = data {
+        check_data(model, data, &mut checked, seed);
+    }
+    Ok(checked)
+}
+
+/// Simulates the model, and compares its gradients with differences: with the times and inputs of the data, if it has such.
+fn check_drawn(
+    model: &Model,
+    data: Option<&Data>,
+    seed: u64,
+    checked: &mut Checked,
+    proceed: &mut dyn FnMut() -> ControlFlow<()>,
+) -> Result<(), MotesError> {
     let along = data.filter(|_| model.timeline().is_some());
     let drawn = match along {
         Some(data) => simulate_along(model, data, 1, seed, |_| proceed()),
@@ -93,33 +133,7 @@ fn check_until(
         // Counts and bounded noise have no differences to compare with.
         Some(Err(error)) => checked.findings.push(format!("gradients: not compared everywhere: {error}")),
     }
-    if let Kind::Learnable(learnable) = model.kind()
-        && learnable.density().is_none()
-    {
-        checked.findings.push(
-            "density: none, because states follow without noise, share draws, or are counts; proposals draw the noise, smoothed paths follow ancestors".into(),
-        );
-    }
-    if model.linear_system().is_some() {
-        checked.findings.push(
-            "exact: the model is linear with Gaussian noise; --proposal exact filters and smooths without particles".into(),
-        );
-    }
-    let has = |proposal: ProposalName| {
-        let options = FilterOptions { proposal, particles: 1, ..FilterOptions::default() };
-        Running::new(model, &options, 0).map(drop)
-    };
-    let linearised = if has(ProposalName::Linearised).is_ok() { ", linearised" } else { "" };
-    match has(ProposalName::Optimal) {
-        Ok(()) => checked.findings.push(format!("proposals: bootstrap{linearised}, optimal")),
-        Err(error) => {
-            checked.findings.push(format!("proposals: bootstrap{linearised}; no closed form ({error})"))
-        }
-    }
-    if let Some(data) = data {
-        check_data(model, data, &mut checked, seed);
-    }
-    Ok(checked)
+    Ok(())
 }
 
 /// Whether some particle can explain each measurement: values that no state can give, as a fraction for counts, have density 0 everywhere.

@@ -78,6 +78,15 @@ pub fn simulate(
     simulate_all(model, &vec![Plan::Rows(steps); series], seed, false, &mut proceed)
 }
 
+/// Refuses a model whose measurements have densities, but cannot be drawn.
+///
+/// # Errors
+/// [`MotesError::Simulation`] names the line.
+pub(crate) fn check_draws(model: &Model) -> Result<(), MotesError> {
+    let Some(formulas) = model.formulas() else { return Ok(()) };
+    formulas.can_be_simulated().map_err(|error| MotesError::Simulation(error.to_string()))
+}
+
 /// Draws series as [`simulate`], or as [`simulate_along`] where there are times and inputs, but that parameters that have a prior, and were not set from outside, are drawn
 /// anew for each series.
 ///
@@ -121,6 +130,7 @@ fn simulate_all(
     from_priors: bool,
     proceed: &mut dyn FnMut(usize) -> ControlFlow<()>,
 ) -> Result<Simulated, MotesError> {
+    check_draws(model)?;
     let width = model.states().len() + model.measurements().len() + model.input_columns().len();
     let times = plans.iter().try_fold(0_usize, |sum, plan| sum.checked_add(plan.len()));
     let numbers = times.and_then(|times| times.checked_mul(width));

@@ -319,6 +319,37 @@ pub enum Problem {
     /// A distribution in a definition.
     #[error("`{0}` is a distribution; it belongs where the definition is used")]
     RandomInDefinition(String),
+    /// What measurements alone can have, elsewhere.
+    #[error("`{0}` is for measurements; a state or a draw cannot have it")]
+    OnlyMeasured(String),
+    /// A number where a distribution belongs.
+    #[error("`{found}` is no distribution; {parameter} of {call} is one, as in normal(x, 1)")]
+    NoDistribution {
+        /// What is there.
+        found: String,
+        /// The parameter.
+        parameter: &'static str,
+        /// What is called.
+        call: String,
+    },
+    /// A distribution without a distribution function where one is needed.
+    #[error(
+        "`{inner}` has no masses for {call}; those of the table of distributions have, and {others} made of these"
+    )]
+    NoMasses {
+        /// The distribution.
+        inner: &'static str,
+        /// What needs its masses.
+        call: String,
+        /// What else has masses.
+        others: &'static str,
+    },
+    /// What is made of other distributions is shifted or scaled.
+    #[error("`{0}` cannot be shifted or scaled; what stands inside of it can")]
+    WrapperMoved(String),
+    /// Another index of the measurement than its own.
+    #[error("in its own log density `{0}` is the coordinate itself; it is written {0}, or {0}[i]")]
+    OwnIndex(String),
     /// Two distributions in one formula.
     #[error("`{0}` is a second distribution; a coordinate has one, and others stand in [draws]")]
     TwoDistributions(String),

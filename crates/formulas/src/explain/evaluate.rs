@@ -109,7 +109,8 @@ impl<'a> Point<'a> {
                 Node::If([condition, then, otherwise]) => {
                     choice(values[*condition], values[*then], values[*otherwise])
                 }
-                Node::Random(..) | Node::Compound(..) => f64::NAN,
+                // What is measured is not known here.
+                Node::Own | Node::Random(..) | Node::Compound(..) | Node::Wrapped(..) => f64::NAN,
             };
             values.push(value);
         }
@@ -173,6 +174,7 @@ impl<'a> Point<'a> {
                     (section != Section::Initial || !self.has_states[*number])
                         && arguments.iter().all(|argument| known[*argument])
                 }
+                Node::Own => false,
                 Node::Entry { indices, .. } => indices.iter().all(|index| known[*index]),
                 Node::OfOne(_, a) => known[*a],
                 Node::OfTwo(_, a, b) => known[*a] && known[*b],

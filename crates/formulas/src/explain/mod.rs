@@ -15,8 +15,8 @@ use crate::error::Section;
 use crate::model::FormulaModel;
 use crate::operations::Binary;
 use crate::statement::Line;
-use crate::syntax::{Node, NodeId};
-use crate::tables::{Composition, Kind, MOST_OFF, Range};
+use crate::syntax::{Formula, Node, NodeId};
+use crate::tables::{Argument, Composition, Kind, MOST_OFF, Range, Wrapper, Wrapping};
 
 /// How a number can be out of range.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -77,6 +77,20 @@ impl FormulaModel {
     }
 }
 
+/// For each node, whether it stands inside of the distribution of a `floored(d, eps)`.
+fn floored(formula: &Formula) -> Vec<bool> {
+    let mut floored = vec![false; formula.nodes.len()];
+    for node in &formula.nodes {
+        if let Node::Wrapped(Wrapper { wrapping: Wrapping::Floored, .. }, arguments) = node {
+            let outer = &formula.spans[arguments[0]];
+            for (floored, at) in floored.iter_mut().zip(&formula.spans) {
+                *floored |= outer.start <= at.start && at.end <= outer.end;
+            }
+        }
+    }
+    floored
+}
+
 fn in_section(section: Section, lines: &[Line], point: &Point<'_>, fault: Fault) -> Option<DomainError> {
     lines.iter().find_map(|line| {
         let mut coordinates = 0..line.coordinates();
@@ -123,7 +137,27 @@ fn in_coordinate(
         }
         Origin::of_parameter(place, node, &values, [name.to_string(), expected.to_string()])
     };
+    let floored = floored(formula);
     let found = formula.nodes.iter().enumerate().find_map(|(at, node)| match node {
+        // There what is out of range is fine.
+        _ if floored[at] => None,
+        Node::Wrapped(wrapper, arguments) => {
+            let numbers = arguments.iter().zip(wrapper.parameters).zip(wrapper.arguments);
+            let is_wrong = |value: f64, argument: &Argument| match (argument, fault) {
+                (Argument::Number(range), _) => fault.is_in(value, *range),
+                (Argument::End, Fault::NotANumber) => value.is_nan(),
+                _ => false,
+            };
+            let mut wrong =
+                numbers.filter(|((node, _), argument)| known[**node] && is_wrong(values[**node], argument));
+            if let Some(((node, name), argument)) = wrong.next() {
+                return Some(of_parameter(*node, name, argument.words()));
+            }
+            let [low, high] = wrapper.ends()?.map(|end| arguments[end]);
+            let is_wrong =
+                known[low] && known[high] && values[low] >= values[high] && fault == Fault::NotANumber;
+            is_wrong.then(|| of_parameter(high, "high", &format!("above low, which is {}", values[low])))
+        }
         Node::Random(family, arguments) => {
             let parameters = arguments.iter().zip(family.parameters).zip(family.ranges);
             let mut wrong =

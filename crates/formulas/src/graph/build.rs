@@ -1,13 +1,14 @@
 //! Makes the graph of a section from its formulas.
 
-use super::compound::Part;
-use super::coordinate::{Coordinate, Output};
+use super::compound::CompoundPart;
+use super::coordinate::Output;
 use super::nodes::{Graph, Id, Operation};
+use super::parts::Parts;
 use crate::error::{Fault, Problem, Section};
-use crate::operations::{Binary, Unary};
+use crate::operations::Binary;
 use crate::statement::{Line, List, Statement};
-use crate::syntax::{Element, Node, NodeId, Since, Total};
-use crate::tables::{Kind, Range, call};
+use crate::syntax::{Element, Node, Since, Total};
+use crate::tables::Range;
 
 /// How many operations the formulas of a section may come to.
 const MOST: usize = 2_000_000;
@@ -48,7 +49,8 @@ pub(crate) fn build(statement: &Statement, section: Section) -> Result<Built, Fa
         }
     }
     let (graph, definitions) = (Graph::default(), vec![Vec::new(); used.len()]);
-    let mut builder = Builder { graph, definitions, work: 0, section, number: 0 };
+    let states = statement.states().len();
+    let mut builder = Builder { graph, definitions, work: 0, section, number: 0, states };
     for &number in statement.order.iter().filter(|number| used[**number]) {
         let line = &statement.definitions[number];
         // A function has a value where it is called.
@@ -87,7 +89,7 @@ fn place_of(line: &Line, state: usize) -> usize {
 
 /// The draw of several parts that begins with that state or draw.
 fn parts(statement: &Statement, first: usize) -> Option<&Line> {
-    let mut begin: usize = statement.initial.iter().map(Line::coordinates).sum();
+    let mut begin = statement.states().len();
     let mut of_that_begin = statement.draws.iter().filter(|line| {
         let own = begin;
         begin += line.coordinates();
@@ -104,6 +106,8 @@ struct Builder {
     section: Section,
     /// Which coordinate is built, among all that formulas of the section can name.
     number: usize,
+    /// How many states there are.
+    states: usize,
 }
 
 impl Builder {
@@ -119,7 +123,7 @@ impl Builder {
                 } else {
                     match &coordinates[coordinate] {
                         Output::Follows(value) => *value,
-                        drawn @ (Output::Drawn(_) | Output::Computed { .. }) => {
+                        drawn @ (Output::Drawn(_) | Output::Computed { .. } | Output::Made(_)) => {
                             // What is drawn has a number only as a draw.
                             draws.push(drawn.clone());
                             let value = self.graph.state(behind + draws.len() - 1);
@@ -200,14 +204,14 @@ impl Builder {
         }
         // What is random has a number in `random`; the one here is not used.
         let nothing = self.graph.constant(f64::NAN);
-        let mut random = None;
+        let mut distributions = Parts::default();
         let mut values: Vec<Id> = Vec::with_capacity(formula.nodes.len());
         for (at, node) in formula.nodes.iter().enumerate() {
             let value = match node {
                 Node::Compound(compound, arguments) => {
                     let arguments: Vec<Id> = arguments.iter().map(|argument| values[*argument]).collect();
                     let (arguments, number) = (&arguments, self.number);
-                    let part = Part { compound, arguments, part: coordinate, number };
+                    let part = CompoundPart { compound, arguments, part: coordinate, number };
                     self.work += arguments.len();
                     // It is all of the formula.
                     return part
@@ -215,7 +219,8 @@ impl Builder {
                         .map_err(|problem| line.fault(section, formula.spans[at].start, problem));
                 }
                 _ if formula.is_random[at] => {
-                    self.random(node, &formula.is_random, &values, &mut random);
+                    let found = distributions.add(&mut self.graph, node, at, &formula.is_random, &values);
+                    found.map_err(|(at, problem)| line.fault(section, formula.spans[at].start, problem))?;
                     nothing
                 }
                 Node::Number(value) | Node::Named(value) => self.graph.constant(*value),
@@ -256,20 +261,15 @@ impl Builder {
                 Node::If([condition, then, otherwise]) => {
                     self.graph.choice(values[*condition], values[*then], values[*otherwise])
                 }
-                Node::Random(..) => nothing,
+                Node::Own => self.graph.state(self.states),
+                Node::Random(..) | Node::Wrapped(..) => nothing,
             };
             values.push(value);
         }
-        if let Some((coordinate, at)) = &mut random {
-            let span = &formula.spans[*at];
-            let problem = self.check(coordinate).map(|problem| line.fault(section, span.start, problem));
-            if let Some(fault) = problem {
-                return Err(fault);
-            }
-            coordinate.settle(&mut self.graph);
-        }
+        let random = distributions.finish(&mut self.graph, formula.root());
+        let random = random.map_err(|(at, problem)| line.fault(section, formula.spans[at].start, problem))?;
         let value = Output::Follows(values.last().copied().unwrap_or(nothing));
-        Ok(random.map_or(value, |(coordinate, _)| Output::Drawn(coordinate)))
+        Ok(random.map_or(value, Output::from))
     }
 
     /// An entry of a list: chosen among all where an index is not known; NaN where there is none.
@@ -325,65 +325,5 @@ impl Builder {
             return Ok((index as i64).rem_euclid(length as i64) as usize);
         }
         Err(Problem::BadIndex(format!("{index}")))
-    }
-
-    /// An operation on the distribution of the formula.
-    fn random(
-        &mut self,
-        node: &Node,
-        is_random: &[bool],
-        values: &[Id],
-        random: &mut Option<(Coordinate, NodeId)>,
-    ) {
-        let graph = &mut self.graph;
-        match (node, random) {
-            (Node::Random(family, parameters), random) => {
-                let parameters = parameters.iter().map(|parameter| values[*parameter]).collect();
-                *random = Some((Coordinate::new(family, parameters), values.len()));
-            }
-            (Node::OfOne(Unary::Negative, _), Some((random, _))) => random.negate(graph),
-            (Node::OfTwo(operation, a, b), Some((random, _))) => match (operation, is_random[*a]) {
-                (Binary::Add, true) => random.add(graph, values[*b]),
-                (Binary::Add, false) => random.add(graph, values[*a]),
-                (Binary::Subtract, true) => random.subtract(graph, values[*b]),
-                (Binary::Subtract, false) => {
-                    random.negate(graph);
-                    random.add(graph, values[*a]);
-                }
-                (Binary::Multiply, true) => random.multiply(graph, values[*b]),
-                (Binary::Multiply, false) => random.multiply(graph, values[*a]),
-                (Binary::Divide, _) => random.divide(graph, values[*b]),
-                // The parser refuses the others.
-                _ => {}
-            },
-            _ => {}
-        }
-    }
-
-    /// What is wrong with a distribution, whatever the states are.
-    fn check(&self, coordinate: &Coordinate) -> Option<Problem> {
-        let family = coordinate.family;
-        let call = call(family.name, family.parameters);
-        let out_of_range = |parameter: &str, value, expected: String| {
-            Some(Problem::OutOfRange { what: format!("the {parameter} of {call}"), value, expected })
-        };
-        let values: Vec<Option<f64>> = coordinate.parameters.iter().map(|id| self.graph.value(*id)).collect();
-        for ((value, range), name) in values.iter().zip(family.ranges).zip(family.parameters) {
-            if let Some(value) = value.filter(|value| !range.has(*value)) {
-                return out_of_range(name, value, range.words().to_string());
-            }
-        }
-        match (family.kind, values.as_slice()) {
-            (Kind::Uniform, [Some(low), Some(high)]) if low >= high => {
-                out_of_range("high", *high, format!("above low, which is {low}"))
-            }
-            _ => match coordinate.scale.and_then(|scale| self.graph.value(scale)) {
-                Some(0.0) => Some(Problem::NoNoiseLeft(call)),
-                Some(scale) if !Range::Any.has(scale) => {
-                    out_of_range("factor", scale, Range::Any.words().to_string())
-                }
-                _ => None,
-            },
-        }
     }
 }

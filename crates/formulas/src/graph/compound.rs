@@ -10,7 +10,7 @@ use crate::tables::{Composition, Compound, Kind, MOST_OFF, call, of_kind};
 const ROUNDED: f64 = 1e-9;
 
 /// A coordinate with such a distribution.
-pub(super) struct Part<'a> {
+pub(super) struct CompoundPart<'a> {
     pub(super) compound: &'static Compound,
     pub(super) arguments: &'a [Id],
     /// Which part it is, from 0.
@@ -19,7 +19,7 @@ pub(super) struct Part<'a> {
     pub(super) number: usize,
 }
 
-impl Part<'_> {
+impl CompoundPart<'_> {
     /// What the coordinate is, unless constants are wrong whatever the states are.
     pub(super) fn output(&self, graph: &mut Graph) -> Result<Output, Problem> {
         let call = call(self.compound.name, self.compound.parameters);

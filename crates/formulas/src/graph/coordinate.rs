@@ -2,7 +2,7 @@
 
 use super::nodes::{Graph, Id};
 use crate::operations::{Binary, Unary};
-use crate::tables::Family;
+use crate::tables::{Family, Wrapper};
 
 /// `shift + scale·x` of a distribution of `x`.
 #[derive(Debug, Clone)]
@@ -13,11 +13,58 @@ pub(crate) struct Coordinate {
     pub(crate) shift: Option<Id>,
 }
 
+/// A distribution of a measurement that is made of others.
+#[derive(Debug, Clone)]
+pub(crate) struct Made {
+    pub(crate) wrapper: &'static Wrapper,
+    /// Its arguments that are numbers, in order.
+    pub(crate) numbers: Vec<Id>,
+    /// Its arguments that are distributions, in order.
+    pub(crate) parts: Vec<Part>,
+    /// Its log density, which depends on the measurement: a state behind the others.
+    pub(crate) density: Option<Id>,
+}
+
+/// What a distribution of a measurement can be made of.
+#[derive(Debug, Clone)]
+pub(crate) enum Part {
+    Plain(Coordinate),
+    Made(Made),
+}
+
+impl Part {
+    /// Its numbers but for log densities.
+    pub(crate) fn numbers(&self) -> Vec<Id> {
+        match self {
+            Part::Plain(coordinate) => coordinate.numbers().collect(),
+            Part::Made(made) => made.numbers(),
+        }
+    }
+}
+
+impl Made {
+    /// Its numbers, and those of its parts, but for log densities.
+    pub(crate) fn numbers(&self) -> Vec<Id> {
+        self.numbers.iter().copied().chain(self.parts.iter().flat_map(Part::numbers)).collect()
+    }
+
+    /// Its log densities and those of its parts.
+    pub(crate) fn densities(&self) -> Vec<Id> {
+        let of_part = |part: &Part| match part {
+            Part::Plain(_) => Vec::new(),
+            Part::Made(made) => made.densities(),
+        };
+        self.density.into_iter().chain(self.parts.iter().flat_map(of_part)).collect()
+    }
+}
+
 /// What a line says of a coordinate.
 #[derive(Debug, Clone)]
 pub(crate) enum Output {
     /// It is drawn.
     Drawn(Coordinate),
+    /// It is a measurement whose distribution is made of others.
+    Made(Made),
     /// It follows, without noise.
     Follows(Id),
     /// It is computed of what is drawn for it.
@@ -29,21 +76,39 @@ pub(crate) enum Output {
     },
 }
 
+impl From<Part> for Output {
+    fn from(part: Part) -> Output {
+        match part {
+            Part::Plain(coordinate) => Output::Drawn(coordinate),
+            Part::Made(made) => Output::Made(made),
+        }
+    }
+}
+
 impl Output {
-    /// Its numbers, those that it has.
+    /// Its log densities that depend on the measurement.
+    pub(crate) fn densities(&self) -> Vec<Id> {
+        match self {
+            Output::Made(made) => made.densities(),
+            Output::Drawn(_) | Output::Follows(_) | Output::Computed { .. } => Vec::new(),
+        }
+    }
+
+    /// Its numbers, those that it has, but for log densities.
     pub(crate) fn numbers(&self) -> impl Iterator<Item = Id> {
-        let follows = match self {
-            Output::Drawn(_) => None,
-            Output::Follows(value) | Output::Computed { value, .. } => Some(*value),
+        let (made, follows) = match self {
+            Output::Drawn(_) => (Vec::new(), None),
+            Output::Made(made) => (made.numbers(), None),
+            Output::Follows(value) | Output::Computed { value, .. } => (Vec::new(), Some(*value)),
         };
-        self.drawn_from().into_iter().flat_map(Coordinate::numbers).chain(follows)
+        self.drawn_from().into_iter().flat_map(Coordinate::numbers).chain(made).chain(follows)
     }
 
     /// The number that it is, where nothing is drawn.
     pub(super) fn value(&self) -> Option<Id> {
         match self {
             Output::Follows(value) => Some(*value),
-            Output::Drawn(_) | Output::Computed { .. } => None,
+            Output::Drawn(_) | Output::Made(_) | Output::Computed { .. } => None,
         }
     }
 
@@ -51,7 +116,7 @@ impl Output {
     pub(crate) fn drawn_from(&self) -> Option<&Coordinate> {
         match self {
             Output::Drawn(coordinate) | Output::Computed { coordinate, .. } => Some(coordinate),
-            Output::Follows(_) => None,
+            Output::Follows(_) | Output::Made(_) => None,
         }
     }
 
@@ -59,7 +124,7 @@ impl Output {
     pub(crate) fn drawn(&self) -> Option<&Coordinate> {
         match self {
             Output::Drawn(coordinate) => Some(coordinate),
-            Output::Follows(_) | Output::Computed { .. } => None,
+            Output::Made(_) | Output::Follows(_) | Output::Computed { .. } => None,
         }
     }
 }

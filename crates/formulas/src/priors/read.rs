@@ -31,6 +31,7 @@ fn law_within(text: &str, span: Span<usize>, names: &Names<'_>) -> Result<Option
         return truncated(text, span.start, &arguments.collect::<Vec<_>>(), names).map(Some);
     }
     let scope = Scope {
+        own: "",
         names: names.names,
         section: Section::Parameters,
         is_vector: false,
@@ -78,6 +79,7 @@ fn number(text: &str, span: &Span<usize>, names: &Names<'_>) -> Result<f64, Faul
         _ => {}
     }
     let scope = Scope {
+        own: "",
         names: names.names,
         section: Section::Parameters,
         is_vector: false,

@@ -1,15 +1,27 @@
 //! Makes a program of a graph: coordinate by coordinate, each number as late as it is needed.
 
-use super::instruction::{self, Computed, Instruction, NoiseTerm, Place, PlainStep, Program, Rule, Source};
+use super::instruction::{
+    self, Computed, Instruction, MadeTerm, NoiseTerm, PartTerm, Place, PlainStep, Program, Rule, Source,
+};
 use super::registers::Registers;
-use crate::graph::{Built, Coordinate, Graph, Id, Operation, Output};
+use crate::graph::{Built, Coordinate, Graph, Id, Made, Operation, Output, Part};
 use crate::operations::Binary;
 
 /// Compiles the graph of a section of a model with so many states; `in_order` gives each coordinate to those below it.
 pub(crate) fn compile(built: &Built, states: usize, in_order: bool) -> Program {
-    let graph = &built.graph;
-    let uses = count_uses(built);
-    let given = states + built.draws.len();
+    of_outputs(&built.graph, &built.draws, &built.coordinates, states, in_order)
+}
+
+/// Compiles what is needed for some outputs.
+fn of_outputs(
+    graph: &Graph,
+    draws: &[Output],
+    coordinates: &[Output],
+    states: usize,
+    in_order: bool,
+) -> Program {
+    let uses = count_uses(graph, draws, coordinates);
+    let given = states + draws.len();
     let mut compiler = Compiler {
         graph,
         given: given as u32,
@@ -20,10 +32,12 @@ pub(crate) fn compile(built: &Built, states: usize, in_order: bool) -> Program {
         instructions: Vec::new(),
     };
     let (constants, steps) = compiler.plain_numbers();
-    let draws = built.draws.iter().map(|output| compiler.output(output)).collect();
-    let coordinates = built.coordinates.iter().map(|output| compiler.output(output)).collect();
-    let depends_on: Vec<Vec<u32>> =
-        built.coordinates.iter().map(|output| graph.states_of(output.numbers())).collect();
+    let depends_on: Vec<Vec<u32>> = coordinates
+        .iter()
+        .map(|output| graph.states_of(output.numbers().chain(output.densities())))
+        .collect();
+    let draws = draws.iter().map(|output| compiler.output(output)).collect();
+    let coordinates = coordinates.iter().map(|output| compiler.output(output)).collect();
     Program {
         given,
         constants,
@@ -38,12 +52,12 @@ pub(crate) fn compile(built: &Built, states: usize, in_order: bool) -> Program {
 }
 
 /// How often each number is an operand of what is needed, or needed itself.
-fn count_uses(built: &Built) -> Vec<u32> {
-    let mut uses = vec![0; built.graph.operations().len()];
-    for id in built.draws.iter().chain(&built.coordinates).flat_map(Output::numbers) {
+fn count_uses(graph: &Graph, draws: &[Output], coordinates: &[Output]) -> Vec<u32> {
+    let mut uses = vec![0; graph.operations().len()];
+    for id in draws.iter().chain(coordinates).flat_map(Output::numbers) {
         uses[id.index()] += 1;
     }
-    for (at, operation) in built.graph.operations().iter().enumerate().rev() {
+    for (at, operation) in graph.operations().iter().enumerate().rev() {
         if uses[at] > 0 {
             operation.operands().for_each(|operand| uses[operand.index()] += 1);
         }
@@ -103,7 +117,11 @@ impl Compiler<'_> {
 
     /// The instructions for a coordinate's numbers, and what it is.
     fn output(&mut self, output: &Output) -> instruction::Output {
-        let before = output.drawn_from().into_iter().flat_map(Coordinate::numbers);
+        let made = match output {
+            Output::Made(made) => made.numbers(),
+            _ => Vec::new(),
+        };
+        let before = output.drawn_from().into_iter().flat_map(Coordinate::numbers).chain(made);
         before.for_each(|number| self.compute(number));
         let mut end = self.instructions.len();
         let rule = match output {
@@ -120,9 +138,32 @@ impl Compiler<'_> {
                 let (value, end) = (self.source(*value), self.instructions.len());
                 Rule::Computed(Computed { term, register, end, value })
             }
+            Output::Made(made) => Rule::Made(Box::new(self.made_term(made))),
         };
         output.numbers().for_each(|number| self.release(number));
         instruction::Output { end, rule }
+    }
+
+    /// Where the numbers of a distribution that is made of others are.
+    fn made_term(&self, made: &Made) -> MadeTerm {
+        // What it does not have is some other number.
+        let mut numbers = [Source::Plain(0); 2];
+        for (source, number) in numbers.iter_mut().zip(&made.numbers) {
+            *source = self.source(*number);
+        }
+        let part = |part: &Part| match part {
+            Part::Plain(coordinate) => PartTerm::Plain(self.noise_term(coordinate)),
+            Part::Made(made) => PartTerm::Made(self.made_term(made)),
+        };
+        // The measurement is one state more.
+        let states = self.given as usize + 1;
+        let program = |id: Id| of_outputs(self.graph, &[], &[Output::Follows(id)], states, false);
+        MadeTerm {
+            wrapping: made.wrapper.wrapping,
+            numbers,
+            parts: made.parts.iter().map(part).collect(),
+            density: made.density.map(program),
+        }
     }
 
     /// Where the numbers of a distribution are.

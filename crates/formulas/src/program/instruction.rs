@@ -1,7 +1,7 @@
 //! Programs: what is computed once for all particles, and what for each.
 
 use crate::operations::{Binary, Unary};
-use crate::tables::Family;
+use crate::tables::{Family, Wrapping};
 
 /// What a section computes.
 #[derive(Debug, Clone)]
@@ -71,7 +71,7 @@ pub(super) enum Instruction {
 }
 
 /// What a coordinate is.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(super) struct Output {
     /// The instructions up to here come before it.
     pub(super) end: usize,
@@ -79,9 +79,10 @@ pub(super) struct Output {
 }
 
 /// What makes a coordinate: noise, or a number without it.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(super) enum Rule {
     Noise(NoiseTerm),
+    Made(Box<MadeTerm>),
     Formula(Source),
     Computed(Computed),
 }
@@ -95,6 +96,24 @@ pub(super) struct Computed {
     /// The instructions up to here come after the draw.
     pub(super) end: usize,
     pub(super) value: Source,
+}
+
+/// A distribution that is made of others.
+#[derive(Debug, Clone)]
+pub(super) struct MadeTerm {
+    pub(super) wrapping: Wrapping,
+    /// Its numbers, in order; what it does not have is some other one.
+    pub(super) numbers: [Source; 2],
+    pub(super) parts: Vec<PartTerm>,
+    /// The log density as a program of the states and, behind them, the measurement.
+    pub(super) density: Option<Program>,
+}
+
+/// What it is made of.
+#[derive(Debug, Clone)]
+pub(super) enum PartTerm {
+    Plain(NoiseTerm),
+    Made(MadeTerm),
 }
 
 /// The distribution of a coordinate.

@@ -108,6 +108,9 @@ impl Program {
                     match is_all || depends_on.iter().any(|state| along.contains(&(*state as usize))) {
                         true => match &output.rule {
                             Rule::Noise(term) => run.push(term, coordinates),
+                            Rule::Made(term) => {
+                                run.with_made(term, step, &mut |wrapped| coordinates.push_wrapped(wrapped));
+                            }
                             // A measurement is always drawn.
                             Rule::Formula(_) | Rule::Computed(_) => {}
                         },
@@ -139,8 +142,8 @@ impl Program {
 }
 
 /// The numbers that instructions work on.
-struct Run<'a, S> {
-    given: &'a [S],
+pub(super) struct Run<'a, S> {
+    pub(super) given: &'a [S],
     /// How many numbers are given.
     count: usize,
     plain: &'a [f64],
@@ -160,7 +163,7 @@ impl<S: Scalar> Run<'_, S> {
     }
 
     #[inline(always)]
-    fn value(&self, source: Source) -> S {
+    pub(super) fn value(&self, source: Source) -> S {
         match source {
             Source::Plain(place) => S::from(self.plain(place)),
             Source::Varied(place) => self.varied(place),
@@ -213,6 +216,8 @@ impl<S: Scalar> Run<'_, S> {
         *start = output.end;
         match &output.rule {
             Rule::Formula(source) => self.value(*source),
+            // Measurements alone are made of other distributions.
+            Rule::Made(_) => S::from(f64::NAN),
             Rule::Noise(term) => self.drawn(term, draws),
             Rule::Computed(computed) => self.computed(computed, instructions, start, draws),
         }

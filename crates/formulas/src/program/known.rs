@@ -3,9 +3,9 @@
 use motes_models::Step;
 use motes_models::equations::with_scalars;
 
-use super::instruction::{PlainStep, Program, Rule, Source};
+use super::instruction::{MadeTerm, NoiseTerm, PartTerm, PlainStep, Program, Rule, Source};
 use super::interpret::Moment;
-use crate::tables::Family;
+use crate::tables::{Family, Wrapping};
 
 /// The distribution of a coordinate as far as it is the same for all states: a number that depends on them is none.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,6 +17,36 @@ pub(crate) struct Known {
     pub(crate) scale: Option<f64>,
     /// What is added then: 0 where nothing is.
     pub(crate) shift: Option<f64>,
+}
+
+/// What is known of a distribution, or of those that it is made of.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum KnownPart {
+    Plain(Known),
+    Made {
+        wrapping: Wrapping,
+        /// Its ends, if it has such.
+        ends: [Option<f64>; 2],
+        parts: Vec<KnownPart>,
+    },
+}
+
+fn of_made(
+    term: &MadeTerm,
+    value: &impl Fn(Source) -> Option<f64>,
+    of_term: &impl Fn(&NoiseTerm) -> Known,
+) -> KnownPart {
+    let part = |part: &PartTerm| match part {
+        PartTerm::Plain(term) => KnownPart::Plain(of_term(term)),
+        PartTerm::Made(term) => of_made(term, value, of_term),
+    };
+    // The ends alone are asked for.
+    let has_ends = matches!(term.wrapping, Wrapping::Censored | Wrapping::Truncated);
+    KnownPart::Made {
+        wrapping: term.wrapping,
+        ends: if has_ends { term.numbers.map(value) } else { [None; 2] },
+        parts: term.parts.iter().map(part).collect(),
+    }
 }
 
 impl Program {
@@ -33,7 +63,7 @@ impl Program {
     }
 
     /// What is known of the distribution of each coordinate that has one in a step.
-    pub(crate) fn known(&self, step: &Step<'_>) -> Vec<Known> {
+    pub(crate) fn known(&self, step: &Step<'_>) -> Vec<KnownPart> {
         with_scalars::<f64, _>(self.constants.len() + self.steps.len(), |plain| {
             self.plain(Moment::of(step), plain);
             let value = |source: Source| match source {
@@ -41,15 +71,16 @@ impl Program {
                 Source::Varied(_) => None,
             };
             let of = |source: Option<Source>, otherwise: f64| source.map_or(Some(otherwise), value);
-            let terms = self.coordinates.iter().filter_map(|output| match &output.rule {
-                Rule::Noise(term) => Some(term),
-                Rule::Formula(_) | Rule::Computed(_) => None,
-            });
-            let known = terms.map(|term| Known {
+            let of_term = |term: &NoiseTerm| Known {
                 family: term.family,
                 parameters: term.parameters.map(value),
                 scale: of(term.scale, 1.0),
                 shift: of(term.shift, 0.0),
+            };
+            let known = self.coordinates.iter().filter_map(|output| match &output.rule {
+                Rule::Noise(term) => Some(KnownPart::Plain(of_term(term))),
+                Rule::Made(term) => Some(of_made(term, &value, &of_term)),
+                Rule::Formula(_) | Rule::Computed(_) => None,
             });
             known.collect()
         })

@@ -4,8 +4,9 @@ mod compile;
 mod instruction;
 mod interpret;
 mod known;
+mod made;
 mod registers;
 
 pub(crate) use compile::compile;
 pub(crate) use instruction::Program;
-pub(crate) use known::Known;
+pub(crate) use known::{Known, KnownPart};

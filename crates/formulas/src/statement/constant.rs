@@ -17,7 +17,10 @@ pub(super) struct Constants<'a> {
 impl Constants<'_> {
     /// The formula of a text.
     pub(super) fn parse(&self, text: &str, section: Section) -> Result<Formula, Fault> {
-        parse(text, Scope { names: self.names, section, is_vector: false, totals: None, arguments: &[] })
+        parse(
+            text,
+            Scope { names: self.names, own: "", section, is_vector: false, totals: None, arguments: &[] },
+        )
     }
 
     /// The number of an entry: one, or a formula of constants in quotes.

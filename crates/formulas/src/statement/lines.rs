@@ -83,7 +83,8 @@ impl Reader<'_> {
         };
         let totals = self.totals.map(|totals| (before, totals));
         let is_vector = key.length.is_some() && !key.has_parts;
-        let scope = Scope { names: self.names, section, is_vector, totals, arguments: &key.arguments };
+        let (names, own, arguments) = (self.names, key.name.as_str(), key.arguments.as_slice());
+        let scope = Scope { names, section, own, is_vector, totals, arguments };
         let parsed = parse(text, scope).and_then(|formula| check_noise(formula, section));
         let formula = parsed.map_err(|fault| {
             let at = match (inner, fault.at) {

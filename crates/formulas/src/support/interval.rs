@@ -19,6 +19,13 @@ pub enum Support {
         /// The largest of them, if there is one.
         most: Option<f64>,
     },
+    /// The whole numbers from one on to another.
+    Integers {
+        /// The smallest of them, if there is one.
+        least: Option<f64>,
+        /// The largest of them, if there is one.
+        most: Option<f64>,
+    },
     /// All numbers between two ends.
     Interval {
         /// The lower end; none where it goes down without end.
@@ -34,6 +41,11 @@ impl Support {
         match *self {
             Support::Counts { most } => {
                 value >= 0.0 && value.fract() == 0.0 && most.is_none_or(|most| value <= most)
+            }
+            Support::Integers { least, most } => {
+                value.fract() == 0.0
+                    && least.is_none_or(|least| value >= least)
+                    && most.is_none_or(|most| value <= most)
             }
             Support::Interval { low, high } => {
                 let is_above = |end: End| value > end.at || (end.is_in && value == end.at);
@@ -53,6 +65,11 @@ impl fmt::Display for Support {
             Support::Counts { most: Some(1.0) } => formatter.write_str("it can only be 0 or 1"),
             Support::Counts { most: Some(most) } => {
                 write!(formatter, "a count is a whole number from 0 to {}", Digits(most))
+            }
+            Support::Integers { least, most } => {
+                formatter.write_str("it is a whole number")?;
+                least.map_or(Ok(()), |least| write!(formatter, ", {} or more", Digits(least)))?;
+                most.map_or(Ok(()), |most| write!(formatter, ", {} or less", Digits(most)))
             }
             Support::Interval { low: None, high: None } => formatter.write_str("it can be any number"),
             Support::Interval { low: Some(low), high: Some(high) } => {

@@ -1,6 +1,8 @@
 //! Where measurements can lie whatever the states are: what lies elsewhere has density 0 for every particle.
 
+mod family;
 mod interval;
+mod made;
 
 pub(crate) use interval::Digits;
 pub use interval::{End, Support};
@@ -8,56 +10,18 @@ pub use interval::{End, Support};
 use motes_models::Step;
 
 use crate::priors::Prior;
-use crate::program::{Known, Program};
-use crate::tables::{Most, Values};
+use crate::program::{KnownPart, Program};
 
 /// The support of each coordinate of a program in a step, as far as it holds for all states.
 pub(crate) fn supports(program: &Program, step: &Step<'_>) -> Vec<Option<Support>> {
-    program.known(step).iter().map(of).collect()
+    program.known(step).iter().map(of_part).collect()
 }
 
-/// The support of a distribution, if it is the same for all states and not the whole line.
-fn of(known: &Known) -> Option<Support> {
-    match known.family.values {
-        Values::Any => None,
-        Values::Counts(most) => {
-            let most = match most {
-                Most::Any => None,
-                Most::One => Some(1.0),
-                Most::First => known.parameters[0],
-            };
-            let most = most.filter(|most| *most >= 0.0 && most.fract() == 0.0);
-            Some(Support::Counts { most })
-        }
-        Values::FromZero => beyond(known, true),
-        Values::AboveZero => beyond(known, false),
-        Values::InsideOne => between(known, [Some(0.0), Some(1.0)], false),
-        Values::Between => between(known, [known.parameters[0], known.parameters[1]], true),
+fn of_part(known: &KnownPart) -> Option<Support> {
+    match known {
+        KnownPart::Plain(known) => family::of(known),
+        KnownPart::Made { .. } => made::Set::of(known).support(),
     }
-}
-
-/// All numbers on one side of the point where a distribution begins, with that point or without it.
-fn beyond(known: &Known, is_in: bool) -> Option<Support> {
-    let (at, scale) = (finite(known.shift)?, finite(known.scale)?);
-    let end = Some(End { at, is_in });
-    match scale {
-        0.0 => None,
-        _ if scale > 0.0 => Some(Support::Interval { low: end, high: None }),
-        _ => Some(Support::Interval { low: None, high: end }),
-    }
-}
-
-/// All numbers between two ends, one of which may depend on states, with these ends or without them.
-fn between(known: &Known, ends: [Option<f64>; 2], is_in: bool) -> Option<Support> {
-    let (shift, scale) = (finite(known.shift)?, finite(known.scale)?);
-    let end = |which: usize| {
-        let at = finite(ends[which])? * scale + shift;
-        at.is_finite().then_some(End { at, is_in })
-    };
-    let [low, high] = if scale > 0.0 { [end(0), end(1)] } else { [end(1), end(0)] };
-    let is_wrong = matches!((low, high), (Some(low), Some(high)) if low.at >= high.at);
-    let is_nothing = scale == 0.0 || (low.is_none() && high.is_none());
-    (!is_wrong && !is_nothing).then_some(Support::Interval { low, high })
 }
 
 impl Prior {
@@ -73,8 +37,4 @@ impl Prior {
         let (low, high) = (end(low), end(high));
         (low.is_some() || high.is_some()).then_some(Support::Interval { low, high })
     }
-}
-
-fn finite(value: Option<f64>) -> Option<f64> {
-    value.filter(|value| value.is_finite())
 }

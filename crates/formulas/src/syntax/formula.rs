@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::operations::{Binary, Unary};
-use crate::tables::{Compound, Family};
+use crate::tables::{Compound, Family, Wrapper};
 
 /// A node by its number.
 pub(crate) type NodeId = usize;
@@ -58,10 +58,14 @@ pub(crate) enum Node {
     OfTwo(Binary, NodeId, NodeId),
     /// The second where the first is not 0, else the third.
     If([NodeId; 3]),
-    /// The one distribution of the formula.
+    /// A distribution: the only one, but for those in others.
     Random(&'static Family, Vec<NodeId>),
     /// The formula itself, where it is a distribution that is made of others.
     Compound(&'static Compound, Vec<NodeId>),
+    /// A distribution of a measurement that is made of others, with its arguments.
+    Wrapped(&'static Wrapper, Vec<NodeId>),
+    /// The measurement itself, in its own log density.
+    Own,
 }
 
 impl Node {
@@ -74,6 +78,7 @@ impl Node {
             | Node::Length
             | Node::Input(_)
             | Node::Coordinate
+            | Node::Own
             | Node::Argument(_) => Vec::new(),
             Node::State { element, .. } | Node::Definition { element, .. } => match element {
                 Element::Whole => Vec::new(),
@@ -85,6 +90,7 @@ impl Node {
             Node::Call { arguments, .. }
             | Node::Entry { indices: arguments, .. }
             | Node::Random(_, arguments)
+            | Node::Wrapped(_, arguments)
             | Node::Compound(_, arguments) => arguments.clone(),
         }
     }

@@ -8,7 +8,8 @@ use super::scope::Scope;
 use super::total::Since;
 use crate::error::{ComposedProblem, Problem, Section, nearest};
 use crate::tables::{
-    COMPOUNDS, Composition, Compound, FAMILIES, FUNCTIONS, Family, Function, call, compound, family, function,
+    COMPOUNDS, Composition, Compound, FAMILIES, FUNCTIONS, Family, Function, WRAPPERS, Wrapper, call,
+    compound, family, function, wrapper,
 };
 
 /// What can be called.
@@ -18,6 +19,7 @@ pub(super) enum Known<'a> {
     Own(usize, &'a [String]),
     Family(&'static Family),
     Compound(&'static Compound),
+    Wrapper(&'static Wrapper),
 }
 
 /// What `name(…)` calls.
@@ -30,6 +32,13 @@ pub(super) fn called<'a>(name: &str, scope: Scope<'a>) -> Result<Known<'a>, Prob
             return Err(Problem::RandomInDefinition(name.to_string()));
         }
         return Ok(Known::Family(family));
+    }
+    if let Some(wrapper) = wrapper(name).filter(|_| scope.section != Section::Parameters) {
+        return match scope.section {
+            Section::Measurement => Ok(Known::Wrapper(wrapper)),
+            Section::Definitions => Err(Problem::RandomInDefinition(name.to_string())),
+            _ => Err(Problem::OnlyMeasured(name.to_string())),
+        };
     }
     if let Some(compound) = compound(name) {
         let is_prior = matches!(compound.composition, Composition::Prior(_));
@@ -61,7 +70,10 @@ pub(super) fn called<'a>(name: &str, scope: Scope<'a>) -> Result<Known<'a>, Prob
     let own = scope.names.iter().filter(|(_, meaning)| matches!(meaning, Meaning::Function { .. }));
     let own = own.map(|(name, _)| name.as_str());
     let names: Vec<&str> = own.chain(functions).chain(["sum"]).chain(families).chain(compounds).collect();
-    let advice = match (name, nearest(name, names.iter().copied())) {
+    let wrappers =
+        WRAPPERS.iter().map(|wrapper| wrapper.name).filter(|_| scope.section == Section::Measurement);
+    let all = names.iter().copied().chain(wrappers);
+    let advice = match (name, nearest(name, all)) {
         ("pow" | "power", _) => "a power is written x^2".to_string(),
         ("log10" | "log2", _) => format!("it is log(x)/log({})", &name[3..]),
         (_, Some(near)) => format!("did you mean `{near}`?"),
@@ -163,6 +175,13 @@ fn unknown(name: &str, scope: Scope<'_>) -> Problem {
     }
     if let Some(family) = family(name) {
         return Problem::NotCalled { name: name.to_string(), call: call(name, family.parameters) };
+    }
+    if let Some(wrapper) = wrapper(name) {
+        return Problem::NotCalled { name: name.to_string(), call: call(name, wrapper.parameters) };
+    }
+    if name == "inf" {
+        let advice = "it is an end of censored(d, low, high) and of truncated(d, low, high)".to_string();
+        return Problem::UnknownName { name: name.to_string(), advice };
     }
     let usable = |meaning: &Meaning| match meaning {
         Meaning::Parameter(_)

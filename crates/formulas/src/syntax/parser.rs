@@ -1,5 +1,7 @@
 //! Reads a formula: a Pratt parser, in which each operator binds its operands with a strength of its own.
 
+mod wrapped;
+
 use std::ops::Range;
 
 use super::formula::{Element, Formula, Node, NodeId};
@@ -10,7 +12,7 @@ use super::token::{Token, next};
 use super::total;
 use crate::error::{Fault, Problem};
 use crate::operations::{Binary, Unary};
-use crate::tables::{Family, Function, Operation, call};
+use crate::tables::{Argument, Family, Function, Operation, call};
 
 /// How deep parentheses, signs and powers may be nested.
 const DEEPEST: usize = 100;
@@ -57,7 +59,17 @@ pub(crate) fn parse(text: &str, scope: Scope<'_>) -> Result<Formula, Fault> {
     if ahead == Token::End {
         return Err(Fault::at(0, Problem::Empty));
     }
-    let mut parser = Parser { text, scope, formula, ahead, at, depth: 0, in_index: false, along: Vec::new() };
+    let mut parser = Parser {
+        text,
+        scope,
+        formula,
+        ahead,
+        at,
+        depth: 0,
+        in_index: false,
+        along: Vec::new(),
+        argument: None,
+    };
     parser.expression(0)?;
     if parser.ahead != Token::End {
         return Err(parser.unexpected("an operator or the end"));
@@ -76,6 +88,8 @@ pub(super) struct Parser<'a> {
     in_index: bool,
     /// The sums that it is in.
     pub(super) along: Vec<Along<'a>>,
+    /// What argument of a distribution of measurements it is in.
+    pub(super) argument: Option<Argument>,
 }
 
 impl<'a> Parser<'a> {
@@ -212,7 +226,15 @@ impl<'a> Parser<'a> {
                 Known::Own(number, arguments) => self.call(name, number, arguments, span.clone()),
                 Known::Family(family) => self.random(family, span.clone()),
                 Known::Compound(compound) => self.compound(compound, span.clone()),
+                Known::Wrapper(wrapper) => self.wrapped(wrapper, span.clone()),
             };
+        }
+        let is_end = self.argument == Some(Argument::End) && !self.in_index;
+        if name == "inf" && is_end && !self.scope.names.contains_key(name) {
+            return Ok(self.add(Node::Number(f64::INFINITY), span, false));
+        }
+        if name == self.scope.own && self.argument == Some(Argument::Formula) {
+            return self.own(span);
         }
         let node = known(name, self.scope, self.in_index, self.ahead == Token::OpenIndex).map_err(faulty)?;
         if let (Node::Entry { list, .. }, Some(Meaning::List { lengths, .. })) =
@@ -377,6 +399,9 @@ impl<'a> Parser<'a> {
     /// The name of the distribution in a node, and where it is.
     fn family_in(&self, random: NodeId) -> (String, usize) {
         let span = &self.formula.spans[random];
+        if let Node::Wrapped(wrapper, _) = &self.formula.nodes[random] {
+            return (wrapper.name.to_string(), span.start);
+        }
         let inside = self.formula.nodes.iter().zip(&self.formula.spans).find_map(|(node, at)| match node {
             Node::Random(family, _) if at.start >= span.start && at.end <= span.end => {
                 Some((family.name.to_string(), at.start))
@@ -391,13 +416,16 @@ impl<'a> Parser<'a> {
         Fault::at(at, Problem::RandomInside { family, inside })
     }
 
-    /// Counts stand alone.
+    /// Counts stand alone, and what is made of other distributions.
     fn refuse_moved_counts(&self, left: NodeId, right: NodeId) -> Result<(), Fault> {
         let random = [left, right].into_iter().find(|operand| self.formula.is_random[*operand]);
         let Some(random) = random else { return Ok(()) };
         match self.formula.nodes[random] {
             Node::Random(family, _) if family.is_of_counts() => {
                 Err(Fault::at(self.formula.spans[random].start, Problem::CountsMoved(family.name.into())))
+            }
+            Node::Wrapped(wrapper, _) => {
+                Err(Fault::at(self.formula.spans[random].start, Problem::WrapperMoved(wrapper.name.into())))
             }
             _ => Ok(()),
         }

@@ -12,6 +12,8 @@ use crate::error::Section;
 pub(crate) struct Scope<'a> {
     pub(crate) names: &'a BTreeMap<String, Meaning>,
     pub(crate) section: Section,
+    /// Whose formula it is.
+    pub(crate) own: &'a str,
     /// Whether it is the formula of a vector.
     pub(crate) is_vector: bool,
     /// Of a measurement, which one it is, and the totals over sub-steps so far: it may add others.

@@ -266,7 +266,7 @@ impl Kind {
         }
     }
 
-    /// The distribution with these parameters, as [`Kind::push`] takes them.
+    /// `shift + scale·x` of the distribution with these parameters.
     pub(crate) fn moved<S: Scalar>(
         self,
         parameters: [S; 3],

@@ -4,8 +4,9 @@ use super::call;
 use super::compounds::COMPOUNDS;
 use super::families::FAMILIES;
 use super::functions::FUNCTIONS;
+use super::wrappers::WRAPPERS;
 
-/// Two tables in Markdown of all that formulas know by name: functions, then distributions.
+/// Three tables in Markdown of all that formulas know by name: functions, distributions, and what measurements alone can have.
 pub fn reference() -> String {
     let mut page = String::from("| function | value |\n|---|---|\n");
     for function in &FUNCTIONS {
@@ -26,6 +27,14 @@ pub fn reference() -> String {
             names.map(|(number, name)| format!("{name}: {}", compound.words(number))).collect();
         let (call, about) = (call(compound.name, compound.parameters), compound.about);
         page += &format!("| `{call}` | {about} | {} |\n", ranges.join("; "));
+    }
+    page += "\n| for measurements | what it is | parameters |\n|---|---|---|\n";
+    for wrapper in &WRAPPERS {
+        let arguments = wrapper.parameters.iter().zip(wrapper.arguments);
+        let words: Vec<_> =
+            arguments.map(|(name, argument)| format!("{name}: {}", argument.words())).collect();
+        let call = call(wrapper.name, wrapper.parameters);
+        page += &format!("| `{call}` | {} | {} |\n", wrapper.about, words.join("; "));
     }
     page
 }

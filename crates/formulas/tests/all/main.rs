@@ -19,3 +19,4 @@ mod refusals;
 mod refused;
 mod support;
 mod vectors;
+mod wrapped;

@@ -61,7 +61,7 @@ fn matrices_are_described() {
 fn the_reference_is_what_the_parser_accepts() {
     let page = reference();
     let rows: Vec<&str> = page.lines().filter(|line| line.starts_with("| `")).collect();
-    assert_eq!(rows.len(), 25 + 2 + 12 + 8, "{page}");
+    assert_eq!(rows.len(), 25 + 2 + 12 + 8 + 8, "{page}");
     for row in rows {
         let call = row.split('`').nth(1).unwrap();
         let (name, parameters) = call.split_once('(').unwrap_or((call, ")"));
@@ -78,7 +78,22 @@ fn the_reference_is_what_the_parser_accepts() {
             .replace("truncated(0.25", "truncated(normal(0, 1)")
             .replace("sum(0.25, 0.5)", "sum(j, x[j])")
             .replace("pi()", "pi");
-        let is_distribution = page.split("distribution |").nth(1).unwrap().contains(row);
+        let tables: Vec<&str> = page.split("|---|---|").collect();
+        let wrapped = tables[3].contains(row);
+        // Distributions and ends that are in order.
+        let used = if wrapped {
+            let argument = |name: &str| match name {
+                "d" | "d1" | "d2" => "normal(x[0], 1)",
+                "low" => "-inf",
+                _ => "0.5",
+            };
+            let (_, rest) = call.split_once('(').unwrap();
+            let arguments: Vec<&str> = rest.trim_end_matches(')').split(", ").map(argument).collect();
+            format!("{name}({})", arguments.join(", "))
+        } else {
+            used
+        };
+        let is_distribution = wrapped || tables[2].contains(row);
         let is_drawn = row.contains("for draws") || row.contains("states and draws");
         let (more, formula) = match is_distribution {
             true if row.contains("for priors") => {

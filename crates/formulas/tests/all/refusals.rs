@@ -3,13 +3,14 @@
 use std::fmt::Write;
 
 /// What the files are about, their names and texts.
-const FILES: [(&str, &str, &str); 10] = [
+const FILES: [(&str, &str, &str); 11] = [
     ("Files", "paths", include_str!("refused/paths.rs")),
     ("TOML", "files", include_str!("refused/files.rs")),
     ("Grammar", "formulas", include_str!("refused/formulas.rs")),
     ("Names", "names", include_str!("refused/names.rs")),
     ("Functions of one's own", "functions", include_str!("refused/functions.rs")),
     ("Distributions", "noise", include_str!("refused/noise.rs")),
+    ("Distributions of measurements", "wrapped", include_str!("refused/wrapped.rs")),
     ("Vectors and indices", "vectors", include_str!("refused/vectors.rs")),
     ("Matrices", "matrices", include_str!("refused/matrices.rs")),
     ("Priors", "priors", include_str!("refused/priors.rs")),

@@ -18,7 +18,7 @@ use crate::data::Data;
 use crate::error::MotesError;
 use crate::learned::{LearnedProposal, Notes, learnable, shape_of};
 use crate::model::Model;
-use crate::simulating::schedule;
+use crate::simulating::{check_draws, schedule};
 use choice::{Choice, choose};
 use worth::worse_than;
 
@@ -78,6 +78,8 @@ fn learn_until(
     options: &LearnOptions,
     proceed: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
 ) -> Result<LearnOutcome, MotesError> {
+    // It learns from simulations.
+    check_draws(model)?;
     let started = std::time::Instant::now();
     let seed = Seed::from_u64(options.seed).child("learn");
     let scheduled = schedule(model, data, options.steps, &seed)?.and_then(|schedule| model.along(schedule));

@@ -10,6 +10,7 @@ mod overrides;
 mod paths;
 mod priors;
 mod vectors;
+mod wrapped;
 
 use motes_formulas::parse;
 
