@@ -14,6 +14,34 @@ use crate::tables::{Composition, Compound, call};
 const MOST: usize = 50;
 
 impl Parser<'_> {
+    /// An entry of a list, whose indices are any numbers.
+    pub(super) fn entry(
+        &mut self,
+        list: usize,
+        lengths: &[usize],
+        name: &str,
+        span: Range<usize>,
+    ) -> Result<NodeId, Fault> {
+        self.advance()?;
+        let mut indices = vec![self.expression(0)?];
+        while self.ahead == Token::Comma {
+            self.advance()?;
+            indices.push(self.expression(0)?);
+        }
+        let close = self.expect(Token::CloseIndex, "a comma or a closing bracket ]")?;
+        if indices.len() != lengths.len() {
+            let example = format!("{name}[{}]", vec!["0"; lengths.len()].join(", "));
+            return Err(Fault::at(span.start, Problem::Indices { name: name.to_string(), example }));
+        }
+        if let Some(random) = indices.iter().find(|index| self.formula.is_random[**index]) {
+            return Err(self.random_inside(*random, "an index".into()));
+        }
+        for (index, length) in indices.iter().zip(lengths) {
+            self.goes_along(*index, *length)?;
+        }
+        Ok(self.add(Node::Entry { list, indices }, span.start..close.end, false))
+    }
+
     /// A sum over the sub-steps of a draw or a state.
     pub(super) fn total(&mut self, function: &'static str, span: Range<usize>) -> Result<NodeId, Fault> {
         let faulty = |problem| Fault::at(span.start, problem);

@@ -269,34 +269,6 @@ impl<'a> Parser<'a> {
         Ok((Element::At(index), close.end))
     }
 
-    /// An entry of a list, whose indices are any numbers.
-    fn entry(
-        &mut self,
-        list: usize,
-        lengths: &[usize],
-        name: &str,
-        span: Range<usize>,
-    ) -> Result<NodeId, Fault> {
-        self.advance()?;
-        let mut indices = vec![self.expression(0)?];
-        while self.ahead == Token::Comma {
-            self.advance()?;
-            indices.push(self.expression(0)?);
-        }
-        let close = self.expect(Token::CloseIndex, "a comma or a closing bracket ]")?;
-        if indices.len() != lengths.len() {
-            let example = format!("{name}[{}]", vec!["0"; lengths.len()].join(", "));
-            return Err(Fault::at(span.start, Problem::Indices { name: name.to_string(), example }));
-        }
-        if let Some(random) = indices.iter().find(|index| self.formula.is_random[**index]) {
-            return Err(self.random_inside(*random, "an index".into()));
-        }
-        for (index, length) in indices.iter().zip(lengths) {
-            self.goes_along(*index, *length)?;
-        }
-        Ok(self.add(Node::Entry { list, indices }, span.start..close.end, false))
-    }
-
     /// The arguments of what is called, and the end of its closing parenthesis.
     fn arguments(&mut self) -> Result<(Vec<NodeId>, usize), Fault> {
         self.advance()?;

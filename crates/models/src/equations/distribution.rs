@@ -249,7 +249,7 @@ impl Distribution<f64> {
     /// assert!((delay.from_normal(0.0) - 2.0 * 2.0_f64.ln()).abs() < 1e-15);
     /// ```
     pub fn from_normal(&self, v: f64) -> f64 {
-        of_family!(*self, family => family.from_normal(v))
+        of_family!(*self, family => family.value_at(v))
     }
 
     /// `T(v)` and `log T′(v)`.

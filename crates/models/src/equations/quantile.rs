@@ -20,7 +20,7 @@ pub(super) trait Quantile: Family<f64> {
     }
 
     /// `T(v)`: of counts the smallest whose distribution function reaches `Φ(v)`.
-    fn from_normal(self, v: f64) -> f64 {
+    fn value_at(self, v: f64) -> f64 {
         self.transport(v)[0]
     }
 
@@ -33,7 +33,7 @@ pub(super) trait Quantile: Family<f64> {
 /// What [`Quantile`] asks of a family that is a [`Count`].
 macro_rules! counts {
     () => {
-        fn from_normal(self, v: f64) -> f64 {
+        fn value_at(self, v: f64) -> f64 {
             crate::equations::quantile::count::from_normal(self, v)
         }
 
@@ -63,8 +63,8 @@ pub(super) fn transported<S: Scalar, const K: usize>(
         // Beyond the ends of the range nothing changes.
         if v.is_finite() {
             slopes[0] = (log_density(at) - normal::log_density(v)).exp();
-            for which in 1..K {
-                slopes[which] = difference(at, which, &of);
+            for (which, slope) in slopes.iter_mut().enumerate().skip(1) {
+                *slope = difference(at, which, &of);
             }
         }
         slopes

@@ -23,7 +23,7 @@ impl<S: Scalar> Wrapped<'_, S> {
             Wrapped::Truncated { low, high, of: inner } => {
                 let (low, high) = (of(low), of(high));
                 match inner.noise_within(of, low, high) {
-                    Some(ends) => inner.from_normal(of, normal_within(ends, stream)),
+                    Some(ends) => inner.value_at(of, normal_within(ends, stream)),
                     None => {
                         let mut tries = (0..MOST_TRIES).map(|_| inner.sample(of, stream));
                         tries.find(|drawn| (low..=high).contains(drawn)).unwrap_or(f64::NAN)
@@ -75,10 +75,10 @@ impl<S: Scalar> Wrapped<'_, S> {
     }
 
     /// What a normal number becomes, for what [`Wrapped::noise_within`] knows.
-    fn from_normal(&self, of: &impl Fn(&S) -> f64, v: f64) -> f64 {
+    fn value_at(&self, of: &impl Fn(&S) -> f64, v: f64) -> f64 {
         match self {
             Wrapped::Plain(distribution) => distribution.map(of).from_normal(v),
-            Wrapped::Rounded(inner) => rounded(inner.from_normal(of, v)),
+            Wrapped::Rounded(inner) => rounded(inner.value_at(of, v)),
             _ => f64::NAN,
         }
     }
@@ -101,7 +101,7 @@ fn is_first(probability: f64, stream: &mut Stream) -> bool {
 
 /// A standard normal number between two ends, by its distribution function, from the nearer tail.
 fn normal_within([low, high]: [f64; 2], stream: &mut Stream) -> f64 {
-    if !(low < high) {
+    if low.partial_cmp(&high) != Some(std::cmp::Ordering::Less) {
         return f64::NAN;
     }
     if low < 0.0 && -low > high {
