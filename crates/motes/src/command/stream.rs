@@ -50,7 +50,9 @@ pub(super) fn run(
             series.push(Series { name, running, tally });
         }
         let of = &mut series[row.series];
-        let label = rows.columns().carried().zip(row.label.as_deref());
+        // Where the model names the column of times, a wrong order is an error.
+        let carried = rows.columns().carried().filter(|_| rows.columns().clock().is_none());
+        let label = carried.zip(row.label.as_deref());
         let said = label.and_then(|(column, label)| order.next(column, row.series, row.line, label));
         if let Some(text) = said {
             let warning = Warning { series: rows.columns().has_series().then(|| of.name.clone()), text };

@@ -26,7 +26,12 @@ impl Data {
     /// Looked at is what labels the rows: the carried column, and an index. Where they are dates, months, quarters, or numbers that are evidently times, it warns of rows in
     /// a wrong order, of times that are there twice, and of steps that are not equal; months of unequal length and weekends that are passed over are no such steps. Where
     /// they may tell sequences apart that are not told apart by a column `series`, it warns of that.
+    ///
+    /// Where the model names the column of times, steps are as long as they are, and there is nothing to say.
     pub fn warnings(&self) -> Vec<Warning> {
+        if self.columns.clock().is_some() {
+            return Vec::new();
+        }
         self.labels().iter().flat_map(|labels| self.of_labels(labels)).collect()
     }
 
