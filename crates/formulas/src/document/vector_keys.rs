@@ -63,21 +63,3 @@ fn vector_key(line: &str) -> Option<usize> {
     let value = after.trim_start_matches([' ', '\t']).strip_prefix('=')?;
     (!value.starts_with('=')).then(|| line.len() - after.len())
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn places_are_those_of_the_old_text() {
-        let old = "a = 1\n  x[40] = \"y\"\nb[n] = 2\n[x]\nc = [1]\nf(x) = 3\nx[0] == 1\n";
-        let quoted = Quoted::of(old);
-        assert_eq!(
-            quoted.text(),
-            "a = 1\n  \"x[40]\" = \"y\"\n\"b[n]\" = 2\n[x]\nc = [1]\n\"f(x)\" = 3\nx[0] == 1\n"
-        );
-        for (new, c) in quoted.text().char_indices().filter(|(new, _)| !quoted.added.contains(new)) {
-            assert!(old[quoted.original(new)..].starts_with(c), "byte {new}");
-        }
-    }
-}

@@ -42,20 +42,3 @@ pub(crate) fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) 
     let near = near.filter(|&(distance, other)| distance <= allowed && distance < other.chars().count());
     near.min().map(|(_, other)| other.to_string())
 }
-
-#[cfg(test)]
-mod tests {
-    use super::nearest;
-
-    #[test]
-    fn it_is_near_or_none() {
-        let known = ["drift", "normal", "log", "x", "t"];
-        assert_eq!(nearest("drfit", known).as_deref(), Some("drift"));
-        assert_eq!(nearest("Normal", known).as_deref(), Some("normal"));
-        assert_eq!(nearest("ln", known).as_deref(), Some("log"));
-        assert_eq!(nearest("ln", ["exp"]), None);
-        // A name of one letter is near to every other one.
-        assert_eq!(nearest("q", known), None);
-        assert_eq!(nearest("volatility", known), None);
-    }
-}

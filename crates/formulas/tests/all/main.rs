@@ -5,6 +5,7 @@ mod choices;
 mod closed_form;
 mod compounds;
 mod distributions;
+mod exact;
 mod examples;
 mod explain;
 mod functions;

@@ -66,3 +66,30 @@ fn quotes_around_a_key_are_allowed() {
     let quoted = LORENZ.replace("\nx[40] =", "\n\"x[40]\" =").replace("y[20] =", "'y[20]' =");
     assert_eq!(parse(&quoted, "m.toml", &[]).unwrap().states, parse(LORENZ, "m.toml", &[]).unwrap().states);
 }
+
+/// Keys of vectors are no TOML until they are quoted: what an error says of a place is counted in the text as it was written.
+#[test]
+fn errors_behind_keys_of_vectors_are_where_they_stand() {
+    let text = "[parameters]\nn = 2\n[definitions]\n\"f(x)\" = \"3*x\"\n[initial]\n  x[40] = \"normal(0, 1)\"\n[transition]\nx[40] = \"normal(x[i], 1)\"\n[measurement]\ny[n] = \"normal(x[i] + z, 1)\"\n";
+    let error = motes_formulas::parse(text, "m.toml", &[]).unwrap_err().to_string();
+    assert!(
+        error.starts_with("m.toml, line 10, column 23, [measurement] y[n]: `z` is not known here"),
+        "{error}"
+    );
+}
+
+#[test]
+fn a_name_that_is_near_is_suggested() {
+    let advice = |name: &str| {
+        let text = format!(
+            "[definitions]\ndrift = \"1\"\n[initial]\nx = \"normal(0, 1)\"\n[transition]\nx = \"normal({name}, 1)\"\n[measurement]\ny = \"normal(x, 1)\"\n"
+        );
+        motes_formulas::parse(&text, "m.toml", &[]).unwrap_err().to_string()
+    };
+    assert!(advice("drfit").ends_with("did you mean `drift`?"));
+    assert!(advice("Drift").ends_with("did you mean `drift`?"));
+    // A name of one letter is near to every other one.
+    for far in ["q", "volatility"] {
+        assert!(!advice(far).contains("did you mean"), "{far}");
+    }
+}
