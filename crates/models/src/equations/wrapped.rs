@@ -1,13 +1,14 @@
 //! Distributions of measurements that are made of others: rounded, censored, mixed.
 
 mod circle;
+mod logs;
 mod mass;
 mod sample;
 mod score;
 
 use super::distribution::Distribution;
 use super::scalar::Scalar;
-use mass::log_sum;
+use logs::{log_sum, log_sum_of};
 
 /// A distribution of an entry of a measurement that no single family gives.
 ///
@@ -183,7 +184,7 @@ fn floored<S: Scalar>(density: S, floor: S) -> S {
         [density, floor],
         |[density, floor]| {
             let floor = Scalar::ln(floor);
-            if density.is_nan() { floor } else { mass::log_sum_of(density, floor) }
+            if density.is_nan() { floor } else { log_sum_of(density, floor) }
         },
         |[density, floor], sum| {
             let share = (density - sum).exp();
