@@ -86,7 +86,7 @@ impl FormulaModel {
     /// Compiles the formulas of a file.
     pub(crate) fn new(statement: Statement, Text { file, has_lines }: Text<'_>) -> Result<Self, Fault> {
         let coordinates = |lines: &[Line]| lines.iter().map(Line::coordinates).sum();
-        let states = statement.states().len();
+        let states = statement.dimension();
         let inputs = statement.inputs.len() + statement.resets().len();
         let mut uses = vec![InputUse::default(); inputs];
         let (mut closed_form, mut is_linear, mut has_density) = (Ok(()), true, true);

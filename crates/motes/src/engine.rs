@@ -87,7 +87,9 @@ impl<'m> Running<'m> {
         let steps = self.model.next_steps(&mut clock, row);
         let steps = steps.and_then(|steps| self.model.measured(&mut clock, measurement).map(|()| steps));
         let steps = steps.map_err(|error| MotesError::Timeline(Box::new(error)))?;
-        self.clock = clock;
+        if self.filter.failure().is_none() {
+            self.clock = clock;
+        }
         Ok(steps)
     }
 

@@ -61,7 +61,7 @@ fn a_filter_that_failed_has_failed_when_it_is_resumed() {
     let mut running = Running::new(&model, &options, 0).unwrap();
     running.step(&[Some(50.0)]).unwrap_err();
     let error = running.step(&[Some(0.0)]).unwrap_err().to_string();
-    assert!(error.starts_with("t = 0: the filter failed in an earlier step: "), "{error}");
+    assert!(error.starts_with("t = 1: the filter failed in an earlier step: "), "{error}");
     let mut resumed = Running::resume(&model, &options, &running.checkpoint().unwrap()).unwrap();
     assert_eq!(resumed.step(&[Some(0.0)]).unwrap_err().to_string(), error);
 }

@@ -30,7 +30,7 @@ const MODELS: [SmallModel; 16] = [
     SmallModel { folder: "irregular", log_evidence: 1.511210, state: 0, last_mean: 2.959446 },
     SmallModel { folder: "surveys", log_evidence: -9.361729, state: 0, last_mean: 1.888761 },
     SmallModel { folder: "days", log_evidence: -4.739309, state: 0, last_mean: 2.210098 },
-    SmallModel { folder: "animals", log_evidence: -3.795256, state: 0, last_mean: -1.167130 },
+    SmallModel { folder: "animals", log_evidence: -3.795256, state: 0, last_mean: -1.167161 },
     SmallModel { folder: "delay-line", log_evidence: -12.861669, state: 0, last_mean: 9.170960 },
 ];
 

@@ -111,8 +111,11 @@ fn inputs_that_are_missing_where_they_are_needed_are_refused() {
 #[test]
 fn totals_need_a_step_before_them() {
     let body = "[initial]\nx = 1\n[draws]\nn = \"poisson(x*dt)\"\n[transition]\nx = \"x\"\n[measurement]\ny = \"poisson(total(n) + 0.1)\"\n";
-    let line = "d.csv, line 2, column y: y is a sum since the row before, and there is none; give the time of x_0 by start = … in [time], or leave the cell empty";
-    assert_eq!(read("", body, "y\n1\n2\n").unwrap_err(), line);
+    let line = "d.csv, line 2, column y: y looks back at the sub-steps since the row before, and there are none; give the time of x_0 by start = … in [time], or leave the cell empty";
+    let last = body.replace("total(n)", "n");
+    for body in [body, &last] {
+        assert_eq!(read("", body, "y\n1\n2\n").unwrap_err(), line);
+    }
     assert!(read("", body, "y,z\n,\n2,\n").is_ok());
     let data = read("[time]\nstart = -1", body, "y\n1\n2\n").unwrap();
     assert_eq!(data.rows.iter().map(|row| row.steps.len()).collect::<Vec<_>>(), [2, 1]);

@@ -49,7 +49,7 @@ pub(crate) fn build(statement: &Statement, section: Section) -> Result<Built, Fa
         }
     }
     let (graph, definitions) = (Graph::default(), vec![Vec::new(); used.len()]);
-    let states = statement.states().len();
+    let states = statement.dimension();
     let mut builder = Builder { graph, definitions, work: 0, section, number: 0, states };
     for &number in statement.order.iter().filter(|number| used[**number]) {
         let line = &statement.definitions[number];
@@ -59,9 +59,8 @@ pub(crate) fn build(statement: &Statement, section: Section) -> Result<Built, Fa
             builder.definitions[number].extend(value);
         }
     }
-    let states: usize = statement.initial.iter().map(Line::coordinates).sum();
     let totals: usize = statement.totals.iter().map(Total::coordinates).sum();
-    let mut draws = builder.of_lines(statement, draws, Section::Draws, Some(states + totals))?;
+    let mut draws = builder.of_lines(statement, draws, Section::Draws, Some(states))?;
     let in_order = (section == Section::Initial).then_some(0);
     let mut coordinates = builder.of_lines(statement, lines, section, in_order)?;
     match section {
@@ -89,7 +88,7 @@ fn place_of(line: &Line, state: usize) -> usize {
 
 /// The draw of several parts that begins with that state or draw.
 fn parts(statement: &Statement, first: usize) -> Option<&Line> {
-    let mut begin = statement.states().len();
+    let mut begin = statement.dimension();
     let mut of_that_begin = statement.draws.iter().filter(|line| {
         let own = begin;
         begin += line.coordinates();

@@ -68,6 +68,12 @@ impl Statement {
         self.initial.iter().flat_map(of_line).chain(self.totals.iter().flat_map(of_total)).collect()
     }
 
+    /// How many coordinates a state has.
+    pub(crate) fn dimension(&self) -> usize {
+        let of_lines: usize = self.initial.iter().map(Line::coordinates).sum();
+        of_lines + self.totals.iter().map(Total::coordinates).sum::<usize>()
+    }
+
     /// The measurements, as numbers of entries, of which it matters in a step whether they were there at the row before.
     pub(crate) fn resets(&self) -> Vec<usize> {
         let mut found: Vec<usize> = Vec::new();

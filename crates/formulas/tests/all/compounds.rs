@@ -313,7 +313,7 @@ w = [[1, 10, 100], [2, 20, 200]]
 x[3] = 1
 u[2] = 1
 [definitions]
-total = "sum(i, x[i])"
+whole = "sum(i, x[i])"
 square(z) = "z^2"
 [draws]
 e[2] = "normal(u[i], 1)"
@@ -321,7 +321,7 @@ e[2] = "normal(u[i], 1)"
 x[3] = "sum(j, w[j, i]*u[j])"
 u[2] = "sum(k, w[i, k]*x[k]) + sum(j, e[j])"
 [measurement]
-y = "normal(total + sum(i, sum(j, w[i, j]*square(u[i])*j)), 1)"
+y = "normal(whole + sum(i, sum(j, w[i, j]*square(u[i])*j)), 1)"
 "#,
     );
     let state = [1.0, 2.0, 4.0, 3.0, 5.0];

@@ -83,7 +83,8 @@ mod tests {
         assert_eq!(days("2024-03-01") - days("2024-02-28"), 2.0);
         assert_eq!(days("2024-03-01T12:00") - days("2024-03-01"), 0.5);
         // Where the zone is known, clocks that change do not matter.
-        assert_eq!(days("2024-03-31T12:00+02:00") - days("2024-03-30T12:00+01:00"), 23.0 / 24.0);
+        let day = days("2024-03-31T12:00+02:00") - days("2024-03-30T12:00+01:00");
+        assert!((day - 23.0 / 24.0).abs() < 1e-9);
         assert_eq!(days("2024-01-01T00:30+01:00"), days("2023-12-31T23:30Z"));
         assert!((at("2024-01-22", TimeUnit::Week) - at("2024-01-01", TimeUnit::Week) - 3.0).abs() < 1e-9);
         assert_eq!(at("1950-07-02T12:00", TimeUnit::Year), 1950.5);

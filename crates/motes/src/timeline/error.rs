@@ -80,7 +80,7 @@ pub enum TimelineError {
     },
     /// A measurement is of the time since the row before, and there is none.
     #[error(
-        "{entry} is a sum since the row before, and there is none; give the time of x_0 by start = … in [time], or leave the cell empty"
+        "{entry} looks back at the sub-steps since the row before, and there are none; give the time of x_0 by start = … in [time], or leave the cell empty"
     )]
     NoStepBefore {
         /// The measurement.

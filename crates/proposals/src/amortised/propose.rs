@@ -27,9 +27,14 @@ impl<M: Linearise + Transport + ?Sized> Proposal<M> for Amortised {
     }
 
     fn is_for_step(&self, model: &M, step: &Step<'_>) -> bool {
-        // There are more or fewer sub-steps where rows lie farther apart or nearer. Whether it is for the model is seen at the start.
+        // There are more or fewer sub-steps where rows lie farther apart or nearer. A number of draws that no number of sub-steps explains is
+        // that of another model, which is refused.
         match (model.noise_without_density(), self.draws) {
-            (Some(noise), Some([_, later])) if step.index > 0 => noise.draws(step).len() == later,
+            (Some(noise), Some([_, learned])) if step.index > 0 => {
+                let draws = noise.draws(step).len();
+                let of_sub_step = draws / step.sub_steps.max(1);
+                draws == learned || of_sub_step == 0 || learned % of_sub_step != 0
+            }
             _ => true,
         }
     }

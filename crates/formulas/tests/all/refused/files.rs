@@ -43,7 +43,7 @@ fn a_section_with_another_name() {
 #[test]
 fn a_key_that_there_is_not() {
     insta::assert_snapshot!(refused(&(r#"author = "me"
-"#.to_string() + FILE)), @"m.toml, line 1, column 1: a model file has no `author` here; it has name, kind, [parameters], [initial], [definitions], [draws], [transition], [measurement]");
+"#.to_string() + FILE)), @"m.toml, line 1, column 1: a model file has no `author` here; it has name, kind, [series], [time], [inputs], [parameters], [initial], [definitions], [draws], [transition], [measurement]");
 }
 
 #[test]

@@ -46,7 +46,7 @@ fn a_name_that_is_called() {
 
 #[test]
 fn a_measurement_in_a_formula() {
-    insta::assert_snapshot!(refused(&transition("normal(y, 1)")), @"m.toml, line 7, column 13, [transition] x: `y` is a measurement; formulas are made of states, draws, parameters, definitions and t");
+    insta::assert_snapshot!(refused(&transition("normal(y, 1)")), @"m.toml, line 7, column 13, [transition] x: `y` is a measurement; formulas are made of states, draws, inputs, parameters, definitions and t");
 }
 
 #[test]
@@ -79,7 +79,7 @@ fn a_name_that_is_the_time() {
 
 #[test]
 fn a_name_that_is_the_length_of_a_step() {
-    insta::assert_snapshot!(refused(&changed(FILE, &[("q = 10.0", "q = 10.0\ndt = 1")])), @"m.toml, line 4, column 1, [parameters] dt: `dt` is the length of a step; another name is needed");
+    insta::assert_snapshot!(refused(&changed(FILE, &[("q = 10.0", "q = 10.0\ndt = 1")])), @"m.toml, line 4, column 1, [parameters] dt: `dt` is the length of a sub-step; another name is needed");
 }
 
 #[test]

@@ -60,11 +60,6 @@ fn counts_with_a_sign() {
 }
 
 #[test]
-fn a_draw_in_a_measurement() {
-    insta::assert_snapshot!(refused(&changed(FILE, &[("[transition]", "[draws]\ne = \"normal(0, 1)\"\n[transition]"), (MEASURE, r#"y = "normal(x + e, 1)""#)])), @"m.toml, line 11, column 17, [measurement] y: `e` is a draw of a step; [draws] and [transition] can use it, and a state can keep it");
-}
-
-#[test]
 fn a_draw_in_a_definition() {
     insta::assert_snapshot!(refused(&changed(FILE, &[("[transition]", "[draws]\ne = \"normal(0, 1)\"\n[definitions]\nd = \"2*e\"\n[transition]")])), @"m.toml, line 9, column 8, [definitions] d: `e` is a draw of a step; [draws] and [transition] can use it, and a state can keep it");
 }

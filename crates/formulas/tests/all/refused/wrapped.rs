@@ -74,12 +74,12 @@ fn an_infinite_number_elsewhere() {
 
 #[test]
 fn a_measurement_outside_of_its_log_density() {
-    insta::assert_snapshot!(refused(&measurement("normal(y, 1)")), @"m.toml, line 9, column 13, [measurement] y: `y` is a measurement; formulas are made of states, draws, parameters, definitions and t");
+    insta::assert_snapshot!(refused(&measurement("normal(y, 1)")), @"m.toml, line 9, column 13, [measurement] y: `y` is a measurement; formulas are made of states, draws, inputs, parameters, definitions and t");
 }
 
 #[test]
 fn another_measurement_in_a_log_density() {
-    insta::assert_snapshot!(refused(&changed(FILE, &[(MEASURE, "y = \"normal(x, 1)\"\nz = \"log_density(-y^2)\"")])), @"m.toml, line 10, column 19, [measurement] z: `y` is a measurement; formulas are made of states, draws, parameters, definitions and t");
+    insta::assert_snapshot!(refused(&changed(FILE, &[(MEASURE, "y = \"normal(x, 1)\"\nz = \"log_density(-y^2)\"")])), @"m.toml, line 10, column 19, [measurement] z: `y` is a measurement; formulas are made of states, draws, inputs, parameters, definitions and t");
 }
 
 #[test]
