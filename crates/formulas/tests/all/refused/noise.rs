@@ -1,6 +1,6 @@
 //! Distributions: catches a coordinate whose density would be another one, or none.
 
-use super::{FILE, MEASURE, MOVE, START, changed, measurement, refused, transition};
+use super::{FILE, MOVE, START, changed, measurement, refused, transition};
 
 #[test]
 fn a_coordinate_that_is_no_number() {
