@@ -177,9 +177,11 @@ impl Online {
         let estimate = without_lock(py, self.threads, &self.failure.stop, move || {
             running.with_dependent_mut(|_, running| step(running))
         });
+        // A row that was refused has changed nothing: another can come in its place.
+        let is_refused = matches!(estimate, Ok(Err(MotesError::Timeline(_) | MotesError::Ahead(_))));
         let estimate = estimate.and_then(|estimate| self.failure.or(estimate));
         let estimate = estimate.inspect_err(|_| {
-            self.has_failed.store(true, Ordering::Relaxed);
+            self.has_failed.store(!is_refused, Ordering::Relaxed);
             // The model can be asked again: a checkpoint is one of a filter that failed, too.
             self.failure.stop.withdraw();
         })?;

@@ -358,12 +358,15 @@ def test_draws_lists_and_known_starts():
         found = epidemic.filter([2, 3, 3, 6, 4, 5, 2], particles=5000, proposal=proposal)
         # By the sum over all numbers of people.
         assert abs(found.log_evidence + 13.400815) < 5 * found.standard_error
-    with pytest.raises(ValueError, match="`infections` is a draw of a step"):
-        motes.Model(
-            {
-                "initial": {"x": 0},
-                "draws": {"infections": "poisson(1)"},
-                "transition": {"x": "x + infections"},
-                "measurement": {"y": "poisson(infections + 0.1)"},
-            }
-        )
+    reported = motes.Model(
+        {
+            "initial": {"x": 0},
+            "draws": {"infections": "poisson(1)"},
+            "transition": {"x": "x + infections"},
+            "measurement": {"y": "poisson(infections + 0.1)"},
+        }
+    )
+    # The first row has no step before it.
+    with pytest.raises(ValueError, match="y looks back at the sub-steps since the row before, and there are none"):
+        reported.filter([1, 2])
+    assert np.isfinite(reported.filter([np.nan, 2], particles=100).log_evidence)
