@@ -1,6 +1,6 @@
 """Data of the models whose data no package ships: simulated by `motes` from the model files, with fixed seeds.
 
-`python3 simulate.py MOTES`, where MOTES is the program. It needs nothing but Python's standard library."""
+`python3 simulate.py MOTES [FOLDER …]`, where MOTES is the program. It needs nothing but Python's standard library."""
 
 import csv
 import io
@@ -51,14 +51,14 @@ def out_of_sight(row):
     return {name: "" if name[-2:-1] in far and "[" in name else cell for name, cell in row.items()}
 
 
-# Folder, inputs or a number of rows, the measurements, and what is done to a row.
+# Folder, inputs or a number of rows, and the measurements.
 MODELS = [
     ("bearings-only", 25, ["bearing"]),
     ("lorenz63", times("time", 0.25, 120), ["x_measured", "y_measured", "z_measured"]),
     ("malaria", surveys, ["positive"]),
     ("nelson-siegel", 348, [f"y[{i}]" for i in range(8)]),
     ("neural-decoding", 100, [f"spikes[{i}]" for i in range(10)]),
-    ("quad-tank", voltages, ["y[0]", "y[1]"]),
+    ("quad-tank", voltages, ["y1", "y2"]),
     ("quasar", nights, ["magnitude"]),
     ("robot", drive, [f"{name}[{i}]" for name in ("range", "bearing") for i in range(8)]),
 ]
@@ -82,13 +82,15 @@ def simulate(motes, folder, source, measurements):
     command = [motes, "simulate", str(folder / "model.toml"), *options, "--seed", "46"]
     drawn = subprocess.run(command, check=True, capture_output=True, text=True).stdout
     drawn = list(csv.DictReader(io.StringIO(drawn)))
-    rows = [{**first, **{name: row[name] for name in measurements}} for first, row in zip(known, drawn, strict=True)]
+    rows = [{**first, **{name: f"{float(row[name]):.6g}" for name in measurements}} for first, row in zip(known, drawn, strict=True)]
     if folder.name == "robot":
         rows = [out_of_sight(row) for row in rows]
     write(folder / "data.csv", rows)
 
 
 if __name__ == "__main__":
+    motes, *only = sys.argv[1:]
     for model in MODELS:
-        simulate(sys.argv[1], *model)
-        print(model[0])
+        if not only or model[0] in only:
+            simulate(motes, *model)
+            print(model[0])
