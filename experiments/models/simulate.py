@@ -82,7 +82,8 @@ def simulate(motes, folder, source, measurements):
     command = [motes, "simulate", str(folder / "model.toml"), *options, "--seed", "46"]
     drawn = subprocess.run(command, check=True, capture_output=True, text=True).stdout
     drawn = list(csv.DictReader(io.StringIO(drawn)))
-    rows = [{**first, **{name: f"{float(row[name]):.6g}" for name in measurements}} for first, row in zip(known, drawn, strict=True)]
+    measured = [{name: f"{float(row[name]):.6g}" for name in measurements} for row in drawn]
+    rows = [{**first, **row} for first, row in zip(known, measured, strict=True)]
     if folder.name == "robot":
         rows = [out_of_sight(row) for row in rows]
     write(folder / "data.csv", rows)
