@@ -1,6 +1,7 @@
 //! Times and inputs of data: what is wrong with them, in one line; what simulations and forecasts make of them.
 
 use std::ops::ControlFlow;
+use std::path::Path;
 
 use motes::{Data, FilterOptions, Model, MotesError, ProposalName, filter, simulate, simulate_along};
 
@@ -164,6 +165,21 @@ fn simulations_take_the_times_and_inputs_that_are_given() {
     assert!(table.starts_with("series,h,u,x,y\n0,0,1,0,"), "{table}");
     let back = Data::read(table.as_bytes(), "simulated.csv", &driven).unwrap();
     assert_eq!(back.rows[2].steps, inputs.rows[2].steps);
+}
+
+/// Where a measurement can lie depends on an input, which a file of inputs has no measurement beside.
+#[test]
+fn inputs_that_measurements_use_are_given_by_a_file() {
+    let home = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/models/surveys");
+    let surveys = Model::read(&home.join("model.toml"), &[]).unwrap();
+    let inputs = Data::open_inputs(&home.join("inputs.csv"), &surveys).unwrap();
+    let drawn = simulate_along(&surveys, &inputs, 2, 1, |_| ControlFlow::Continue(())).unwrap();
+    let table = motes::output::simulated_table(&surveys, &drawn);
+    let data = Data::read(table.as_bytes(), "simulated.csv", &surveys).unwrap();
+    assert_eq!(data.rows.len(), 6);
+    let too_many = "tested,positive\n10,11\n";
+    let refused = Data::read(too_many.as_bytes(), "d.csv", &surveys).unwrap_err().to_string();
+    assert!(refused.starts_with("d.csv, line 2, column positive: 11 is no value of binomial"), "{refused}");
 }
 
 #[test]

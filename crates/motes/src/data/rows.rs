@@ -152,14 +152,17 @@ impl<R: Read> Rows<R> {
             true => self.steps_to(line, series, row, &measurement)?,
             false => vec![],
         };
-        let last = steps.last().cloned().unwrap_or_default();
-        let step = last.step();
-        if let Some(impossible) = self.model.impossible(&step, &measurement) {
+        // A row of times and inputs alone has no steps, and nothing is measured there.
+        let step = steps.last().map(StepRecord::step);
+        if let Some(step) = &step
+            && let Some(impossible) = self.model.impossible(step, &measurement)
+        {
             let place = self.place(line, self.columns.measurements[impossible.coordinate]);
             return Err(DataError::Impossible { place, impossible: impossible.into() });
         }
         self.series.add(series);
-        Ok(Some(Row { line, series, time: step.time, label, written_time, inputs, measurement, steps }))
+        let time = step.map_or(0.0, |step| step.time);
+        Ok(Some(Row { line, series, time, label, written_time, inputs, measurement, steps }))
     }
 
     /// What the columns of a row say that inputs come from.
