@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use motes_models::{GradientError, Seed, check_gradients};
+use motes_models::{GradientError, Seed, StepRecord, check_gradients};
 
 use crate::data::Data;
 use crate::engine::Running;
@@ -145,7 +145,9 @@ fn check_data(model: &Model, data: &Data, checked: &mut Checked, seed: u64) {
         data.rows.len(),
         data.rows.len() * model.measurements().len()
     ));
-    let sub_steps = data.rows.iter().flat_map(|row| row.steps.last()).map(|step| step.step().sub_steps);
+    let steps = data.rows.iter().flat_map(|row| row.steps.last()).map(StepRecord::step);
+    // The first state is drawn without one.
+    let sub_steps = steps.filter(|step| step.index > 0).map(|step| step.sub_steps);
     if let Some(most) = sub_steps.clone().max().filter(|most| *most > 1) {
         checked.findings.push(format!(
             "data: up to {most} sub-steps between two rows, {} in all",

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use motes::{Data, FilterOptions, Model, MotesError, ProposalName, filter, simulate, simulate_along};
+use motes::{Data, FilterOptions, Model, MotesError, ProposalName, check, filter, simulate, simulate_along};
 
 const WALK: &str = "[initial]\nx = \"normal(0, 1)\"\n[transition]\nx = \"normal(x, 0.5*sqrt(dt))\"\n[measurement]\ny = \"normal(x, 0.3)\"\n";
 
@@ -165,6 +165,17 @@ fn simulations_take_the_times_and_inputs_that_are_given() {
     assert!(table.starts_with("series,h,u,x,y\n0,0,1,0,"), "{table}");
     let back = Data::read(table.as_bytes(), "simulated.csv", &driven).unwrap();
     assert_eq!(back.rows[2].steps, inputs.rows[2].steps);
+}
+
+#[test]
+fn check_counts_the_sub_steps_between_rows() {
+    for (start, count) in [("", 6), ("start = -0.5\n", 7)] {
+        let head = format!("[time]\ncolumn = \"h\"\nstep = 0.5\n{start}");
+        let data = read(&head, WALK, "h,y\n0,0.2\n1,0.5\n3,0.7\n").unwrap();
+        let found = check(&model(&head, WALK), Some(&data), 1, || ControlFlow::Continue(())).unwrap();
+        let line = format!("data: up to 4 sub-steps between two rows, {count} in all");
+        assert!(found.findings.contains(&line), "{:?}", found.findings);
+    }
 }
 
 /// Where a measurement can lie depends on an input, which a file of inputs has no measurement beside.
