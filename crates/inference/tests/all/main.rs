@@ -1,0 +1,5 @@
+//! Posteriors that are known, and chains whose diagnostics are known.
+
+mod diagnostics;
+mod known;
+mod posterior;
