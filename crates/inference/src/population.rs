@@ -97,7 +97,8 @@ impl Population {
     fn next_power(&self) -> f64 {
         let is_enough = |more: f64| {
             let log_weights = self.members.iter().map(|member| more * member.log_likelihood);
-            effective_size(&log_weights.collect::<Vec<f64>>()) >= 0.5 * self.members.len() as f64 * self.possible
+            effective_size(&log_weights.collect::<Vec<f64>>())
+                >= 0.5 * self.members.len() as f64 * self.possible
         };
         let left = 1.0 - self.power;
         if is_enough(left) {
@@ -114,7 +115,8 @@ impl Population {
 
     /// Draws members by their likelihoods to the power `more`, systematically.
     fn resample(&mut self, more: f64, seed: &Seed) {
-        let weights = weights(&self.members.iter().map(|member| more * member.log_likelihood).collect::<Vec<f64>>());
+        let weights =
+            weights(&self.members.iter().map(|member| more * member.log_likelihood).collect::<Vec<f64>>());
         let count = self.members.len() as f64;
         let offset = seed.child("resampling").stream().random::<f64>();
         let (mut sum, mut drawn) = (0.0, Vec::with_capacity(self.members.len()));
@@ -137,7 +139,8 @@ impl Population {
             return Ok(());
         }
         let each = self.members.len() / ASKED;
-        let asked: Vec<&[f64]> = self.members.iter().step_by(each).take(ASKED).map(|member| member.v.as_slice()).collect();
+        let asked: Vec<&[f64]> =
+            self.members.iter().step_by(each).take(ASKED).map(|member| member.v.as_slice()).collect();
         let variance = mean_variance(likelihood, &asked, self.estimator, ESTIMATES, &seed.child("variance"))?;
         let is_enough = self.power * self.power * variance <= MOST_VARIANCE;
         if is_enough || self.estimator.particles >= MOST_PARTICLES {

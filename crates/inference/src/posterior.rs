@@ -147,6 +147,11 @@ impl Posterior {
         [self.walk, self.independent]
     }
 
+    /// The number of chains.
+    pub fn chains(&self) -> usize {
+        self.draws.len()
+    }
+
     /// The number of kept draws of each chain.
     pub fn kept(&self) -> usize {
         if matches!(self.stage, Stage::Sampling | Stage::Done) { self.draws[0].len() } else { 0 }
@@ -194,7 +199,8 @@ impl Posterior {
         let positions: Vec<&[f64]> = members.iter().map(|member| member.v.as_slice()).collect();
         let asked: Vec<&[f64]> = spread(&positions, ASKED);
         let tuned = self.tuned(likelihood, &asked, self.population.estimator().particles, seed)?;
-        let starts: Vec<Vec<f64>> = spread(&positions, self.settings.chains).iter().map(|v| v.to_vec()).collect();
+        let starts: Vec<Vec<f64>> =
+            spread(&positions, self.settings.chains).iter().map(|v| v.to_vec()).collect();
         let normal = NormalFit::of(&positions).unwrap_or_else(|| self.kernel.normal.clone());
         self.here = estimated(likelihood, &starts, tuned.estimator, &seed.child("chains"))?;
         (self.estimator, self.variance) = (tuned.estimator, tuned.variance);
@@ -216,7 +222,8 @@ impl Posterior {
             chosen => {
                 let mut tuned = tune(likelihood, asked, particles, &seed.child("tuning"))?;
                 if let Some(EstimatorChoice::Particles(particles)) = chosen {
-                    tuned = Tuned { estimator: Estimator { particles, ..tuned.estimator }, variance: f64::NAN };
+                    tuned =
+                        Tuned { estimator: Estimator { particles, ..tuned.estimator }, variance: f64::NAN };
                 }
                 Ok(tuned)
             }
@@ -224,7 +231,12 @@ impl Posterior {
     }
 
     /// A round of all chains.
-    fn round<L: Likelihood>(&self, likelihood: &L, seed: &Seed, moves: usize) -> Result<Vec<Round>, L::Error> {
+    fn round<L: Likelihood>(
+        &self,
+        likelihood: &L,
+        seed: &Seed,
+        moves: usize,
+    ) -> Result<Vec<Round>, L::Error> {
         let mover = Mover { likelihood, estimator: self.estimator, kernel: &self.kernel };
         let chains: Vec<(usize, &Member)> = self.here.iter().enumerate().collect();
         let seed = seed.nth(self.rounds as u64);
@@ -284,7 +296,11 @@ impl Posterior {
         let moves = MOVES.min(most - self.draws[0].len());
         let rounds = self.round(likelihood, seed, moves)?;
         self.rounds += 1;
-        self.here = rounds.iter().zip(&self.here).map(|(round, here)| round.members.last().unwrap_or(here).clone()).collect();
+        self.here = rounds
+            .iter()
+            .zip(&self.here)
+            .map(|(round, here)| round.members.last().unwrap_or(here).clone())
+            .collect();
         for (draws, round) in self.draws.iter_mut().zip(rounds) {
             draws.extend(round.members);
             self.walk.add(round.walk);

@@ -50,7 +50,8 @@ pub(crate) fn tune<L: Likelihood>(
         // No more particles than would cost as much as the best one so far.
         let most = best.map_or(PARTICLES[1], |(cost_of_best, _)| cost_of_best / cost.per_particle);
         let seed = seed.nth(index as u64);
-        let Some(tuned) = tune_one(likelihood, positions, Estimator { index, particles }, most, &seed)? else {
+        let Some(tuned) = tune_one(likelihood, positions, Estimator { index, particles }, most, &seed)?
+        else {
             continue;
         };
         let work = tuned.estimator.particles as f64 * cost.per_particle;

@@ -25,7 +25,10 @@ fn the_effective_size_of_autoregressive_chains_is_what_their_correlation_says() 
         let summary = ParameterSummary::of(&chains(4, 20_000, correlation)).expect("there are draws");
         let expected = 80_000.0 * (1.0 - correlation) / (1.0 + correlation);
         assert!((summary.ess_bulk / expected - 1.0).abs() < 0.15, "{correlation}: {summary:?}, {expected}");
-        assert!((summary.mcse - 1.0 / expected.sqrt()).abs() < 0.1 * summary.mcse, "{correlation}: {summary:?}");
+        assert!(
+            (summary.mcse - 1.0 / expected.sqrt()).abs() < 0.1 * summary.mcse,
+            "{correlation}: {summary:?}"
+        );
         assert!(summary.mean.abs() < 4.0 * summary.mcse, "{summary:?}");
         assert!((summary.q95 - 1.645).abs() < 0.1 && (summary.q05 + 1.645).abs() < 0.1, "{summary:?}");
         assert!(summary.rhat < 1.01, "{summary:?}");
@@ -49,7 +52,8 @@ fn chains_that_disagree_have_a_large_r_hat() {
     let drifts = vec![(0..1000).map(|at| at as f64 / 1000.0).collect::<Vec<f64>>()];
     assert!(r_hat(&drifts) > 1.5);
     // Infinite variances are no trouble.
-    let heavy: Vec<Vec<f64>> = agreeing.iter().map(|chain| chain.iter().map(|v| v / (v.abs() - 0.5)).collect()).collect();
+    let heavy: Vec<Vec<f64>> =
+        agreeing.iter().map(|chain| chain.iter().map(|v| v / (v.abs() - 0.5)).collect()).collect();
     assert!(r_hat(&heavy) < 1.02);
 }
 

@@ -122,7 +122,8 @@ fn what_the_prior_makes_impossible_is_said() {
     let some = Posterior::new(&half(0.0), PosteriorSettings::default(), 1).expect("half of it is possible");
     assert!((some.possible() - 0.5).abs() < 0.3, "{}", some.possible());
     // The posterior is a normal distribution above 0, with mean √(2/π).
-    let posterior = fitted(&half(0.0), PosteriorSettings { draws: Some(4000), ..PosteriorSettings::default() }, 7);
+    let posterior =
+        fitted(&half(0.0), PosteriorSettings { draws: Some(4000), ..PosteriorSettings::default() }, 7);
     let summary = ParameterSummary::of(&posterior.coordinate(0)).expect("there are draws");
     assert!((summary.mean - (2.0 / std::f64::consts::PI).sqrt()).abs() < 4.0 * summary.mcse, "{summary:?}");
 }

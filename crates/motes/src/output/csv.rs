@@ -4,6 +4,7 @@ use super::number::text;
 use crate::data::{Columns, Data, Row};
 use crate::estimate::{Coordinate, Estimate, OF_COORDINATE, OF_WEIGHTS};
 use crate::filtered::Filtered;
+use crate::mixture::Mixed;
 use crate::model::Model;
 use crate::simulating::Simulated;
 
@@ -93,6 +94,17 @@ impl EstimateTable {
         table
     }
 
+    /// The whole table over the posterior of parameters: rows in the order of the data, then what is predicted.
+    pub fn mixed(&self, data: &Data, mixed: &Mixed) -> String {
+        let mut table = self.smoothed(data, &mixed.estimates);
+        for (series, forecasts) in mixed.forecasts.iter().enumerate() {
+            for forecast in forecasts {
+                table += &self.row(&data.series[series], None, forecast.time, &forecast.estimate);
+            }
+        }
+        table
+    }
+
     /// What is predicted after each series and nothing else, with the label of each row if there are any.
     pub fn forecasts(&self, data: &Data, filtered: &Filtered, labels: &[String]) -> String {
         let (mut table, mut labels) = (self.header(), labels.iter());
@@ -151,7 +163,7 @@ fn text_or_nothing(value: f64) -> String {
 }
 
 /// Cells separated by commas, in quotes where they have to be.
-fn line(cells: &[String]) -> String {
+pub(super) fn line(cells: &[String]) -> String {
     let cell = |cell: &String| match cell.contains([',', '"', '\n', '\r']) {
         true => format!("\"{}\"", cell.replace('"', "\"\"")),
         false => cell.clone(),
