@@ -51,19 +51,22 @@ impl Program {
                     return;
                 }
                 given[..previous.len()].copy_from_slice(previous);
-                let first = self.given - self.draws.len();
+                let (first, count) = (self.given - self.draws.len(), self.draws.len());
                 let mut start = 0;
-                let mut next = |given: &[S], output: &Output| {
+                // One loop over both: what an output takes of code is there once.
+                for (number, output) in self.draws.iter().chain(&self.coordinates).enumerate() {
                     let mut run = Run { given, count: self.given, plain, registers: &mut *registers };
-                    run.output(&self.instructions, &mut start, output, draws)
-                };
-                for (number, output) in self.draws.iter().enumerate() {
-                    given[first + number] = next(given, output);
-                }
-                for (number, (output, coordinate)) in self.coordinates.iter().zip(state).enumerate() {
-                    *coordinate = next(given, output);
-                    if self.in_order {
-                        given[number] = *coordinate;
+                    let value = run.output(&self.instructions, &mut start, output, draws);
+                    match number.checked_sub(count) {
+                        None => given[first + number] = value,
+                        Some(coordinate) => {
+                            if self.in_order {
+                                given[coordinate] = value;
+                            }
+                            if let Some(place) = state.get_mut(coordinate) {
+                                *place = value;
+                            }
+                        }
                     }
                 }
             });
@@ -170,7 +173,8 @@ impl<S: Scalar> Run<'_, S> {
         }
     }
 
-    /// Carries out instructions, with the widest vectors that the machine has.
+    /// Carries out instructions, with the widest vectors that the machine has. It is compiled for each scalar, and not again for each use of what a program makes.
+    #[inline(never)]
     fn all(&mut self, instructions: &[Instruction]) {
         by_widest_vectors(
             #[inline(always)]

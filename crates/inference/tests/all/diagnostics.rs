@@ -46,7 +46,7 @@ fn chains_that_disagree_have_a_large_r_hat() {
         };
         agreeing.iter().enumerate().map(of_chain).collect::<Vec<Vec<f64>>>()
     };
-    assert!(r_hat(&shift(1.0, 1.0)) > 1.1, "one chain elsewhere");
+    assert!(r_hat(&shift(2.0, 1.0)) > 1.1, "one chain elsewhere");
     assert!(r_hat(&shift(0.0, 4.0)) > 1.1, "one chain wider, with the same centre");
     // One that drifts disagrees with itself.
     let drifts = vec![(0..1000).map(|at| at as f64 / 1000.0).collect::<Vec<f64>>()];

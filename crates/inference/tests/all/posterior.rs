@@ -44,8 +44,8 @@ fn an_exact_likelihood_gives_the_posterior_and_the_marginal_likelihood() {
 
 #[test]
 fn noise_of_the_likelihood_changes_nothing_but_the_number_of_draws() {
-    for particles in [None, Some(10)] {
-        // Of 10 particles the variance of log ẑ is 6.
+    for particles in [None, Some(15)] {
+        // Of 15 particles the variance of log ẑ is 4.
         let line = Line::new(60.0);
         let (means, sds, log_marginal) = line.on_a_grid();
         let estimator = particles.map(EstimatorChoice::Particles);
@@ -57,7 +57,7 @@ fn noise_of_the_likelihood_changes_nothing_but_the_number_of_draws() {
         let variance = posterior.variance();
         match particles {
             None => assert!((0.5..4.0).contains(&variance), "{variance}"),
-            Some(_) => assert!((3.0..12.0).contains(&variance), "{variance}"),
+            Some(_) => assert!((2.0..8.0).contains(&variance), "{variance}"),
         }
     }
 }
@@ -96,8 +96,9 @@ fn a_fit_that_is_written_down_goes_on_to_the_same_draws() {
     let mut posterior = Posterior::new(&line, settings, 5).expect("it can be fitted");
     while posterior.stage() != Stage::Done {
         posterior.advance(&line).expect("nothing can fail");
-        let written = serde_json::to_string(&posterior).expect("it can be written");
-        posterior = serde_json::from_str(&written).expect("it can be read");
+        let mut written = Vec::new();
+        ciborium::into_writer(&posterior, &mut written).expect("it can be written");
+        posterior = ciborium::from_reader(written.as_slice()).expect("it can be read");
     }
     assert_eq!(posterior.coordinate(0), whole.coordinate(0));
     assert_eq!(posterior.marginal_likelihood(), whole.marginal_likelihood());
