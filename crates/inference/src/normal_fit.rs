@@ -49,6 +49,11 @@ impl NormalFit {
         &self.mean
     }
 
+    /// `L` (`D×D`), row after row.
+    pub(crate) fn lower(&self) -> &[f64] {
+        &self.lower
+    }
+
     /// `centre + scale · L ε`.
     fn shifted(&self, centre: &[f64], scale: f64, noise: &[f64]) -> Vec<f64> {
         let d = self.dimension();

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use motes_inference::Posterior;
 
 use crate::error::MotesError;
-use crate::fitting::{DRAWS, FitRecord, Fitted, RECORD};
-use crate::output::{Output, fit_draws, fit_json};
+use crate::fitting::{DRAWS, FitRecord, Fitted, MAXIMUM, Maximised, RECORD};
+use crate::output::{Output, fit_draws, fit_json, maximum_json, maximum_table};
 use crate::packed::{pack, unpack};
 
 /// The figures of all parameters.
@@ -33,8 +33,9 @@ impl FitFolder {
     pub fn open(path: &Path, record: FitRecord) -> Result<Self, MotesError> {
         let failed = |source| MotesError::Output { file: path.display().to_string(), source };
         std::fs::create_dir_all(path).map_err(failed)?;
-        let is_of_a_fit =
-            |name: &std::ffi::OsStr| [DRAWS, RECORD, SUMMARY, PROGRESS].iter().any(|file| name == *file);
+        let is_of_a_fit = |name: &std::ffi::OsStr| {
+            [DRAWS, MAXIMUM, RECORD, SUMMARY, PROGRESS].iter().any(|file| name == *file)
+        };
         let names =
             std::fs::read_dir(path).map_err(failed)?.filter_map(Result::ok).map(|entry| entry.file_name());
         let names: Vec<std::ffi::OsString> = names.collect();
@@ -81,24 +82,40 @@ impl FitFolder {
         part.persist(&file).map(drop).map_err(|refused| failed(refused.error))
     }
 
-    /// Writes what was found, and removes where the fit stood.
+    /// Writes the draws that were found, and removes where the fit stood.
     ///
     /// # Errors
     /// [`MotesError::Output`] if it cannot be written.
     pub fn finish(&self, fitted: &Fitted) -> Result<(), MotesError> {
+        self.write(&[(DRAWS, fit_draws(fitted)), (SUMMARY, fit_json(fitted, None))])
+    }
+
+    /// Writes the maximum that was found.
+    ///
+    /// # Errors
+    /// [`MotesError::Output`] if it cannot be written.
+    pub fn finish_maximum(&self, found: &Maximised) -> Result<(), MotesError> {
+        self.write(&[(MAXIMUM, maximum_table(found)), (SUMMARY, maximum_json(found, None))])
+    }
+
+    /// Writes files and what they were made with, and removes those of a fit before.
+    fn write(&self, files: &[(&str, String)]) -> Result<(), MotesError> {
         let record = toml::to_string(&self.record)
             .map_err(|error| MotesError::Packed { what: RECORD.into(), reason: error.to_string() })?;
-        let files = [(RECORD, record), (DRAWS, fit_draws(fitted)), (SUMMARY, fit_json(fitted, None))];
-        for (name, text) in files {
+        for (name, text) in files.iter().chain([&(RECORD, record)]) {
             let output = Output::File(self.path.join(name));
-            output.write(&text).map_err(|source| MotesError::Output { file: output.name(), source })?;
+            output.write(text).map_err(|source| MotesError::Output { file: output.name(), source })?;
         }
-        let file = self.path.join(PROGRESS);
-        match std::fs::remove_file(&file) {
-            Err(source) if source.kind() != ErrorKind::NotFound => {
-                Err(MotesError::Output { file: file.display().to_string(), source })
+        let is_written = |name: &&str| files.iter().any(|(written, _)| written == name);
+        for name in [DRAWS, MAXIMUM, PROGRESS].iter().filter(|name| !is_written(name)) {
+            let file = self.path.join(name);
+            match std::fs::remove_file(&file) {
+                Err(source) if source.kind() != ErrorKind::NotFound => {
+                    return Err(MotesError::Output { file: file.display().to_string(), source });
+                }
+                _ => {}
             }
-            _ => Ok(()),
         }
+        Ok(())
     }
 }

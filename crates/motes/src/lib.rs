@@ -72,7 +72,8 @@ pub use filtered::Filtered;
 pub use filtering::{filter, of_proposal, rows_ahead};
 pub use fit_folder::FitFolder;
 pub use fitting::{
-    FitOptions, FitProgress, FitRecord, Fitted, FittedChain, FittedDraws, FreeParameters, fit, fit_from,
+    FitOptions, FitProgress, FitRecord, Fitted, FittedChain, FittedDraws, FreeParameters, Maximised,
+    MaximisedParameter, fit, fit_from, maximise,
 };
 pub use learned::{LearnedProposal, Notes};
 pub use learning::{LearnOptions, LearnOutcome, base_named, head_named, learn, network_named};

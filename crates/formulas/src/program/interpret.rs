@@ -6,7 +6,7 @@ use motes_models::Step;
 use motes_models::batch::by_widest_vectors;
 use motes_models::equations::{Coordinates, Distribution, Draws, Scalar, with_scalars};
 
-use super::instruction::{Computed, Instruction, NoiseTerm, Output, Place, PlainStep, Program, Rule, Source};
+use super::instruction::{Instruction, NoiseTerm, Output, Place, PlainStep, Program, Rule, Source};
 use crate::operations::choice;
 
 /// What numbers that are the same for all particles depend on.
@@ -218,25 +218,16 @@ impl<S: Scalar> Run<'_, S> {
     ) -> S {
         self.all(&instructions[*start..output.end]);
         *start = output.end;
-        match &output.rule {
-            Rule::Formula(source) => self.value(*source),
+        let (term, computed) = match &output.rule {
+            Rule::Formula(source) => return self.value(*source),
             // Measurements alone are made of other distributions.
-            Rule::Made(_) => S::from(f64::NAN),
-            Rule::Noise(term) => self.drawn(term, draws),
-            Rule::Computed(computed) => self.computed(computed, instructions, start, draws),
-        }
-    }
-
-    /// What is computed of a draw. Few models have it: it is no part of each loop over outputs.
-    #[inline(never)]
-    fn computed(
-        &mut self,
-        computed: &Computed,
-        instructions: &[Instruction],
-        start: &mut usize,
-        draws: &mut impl Draws<S>,
-    ) -> S {
-        self.registers[computed.register as usize] = self.drawn(&computed.term, draws);
+            Rule::Made(_) => return S::from(f64::NAN),
+            Rule::Noise(term) => (term, None),
+            Rule::Computed(computed) => (&computed.term, Some(computed)),
+        };
+        let drawn = self.drawn(term, draws);
+        let Some(computed) = computed else { return drawn };
+        self.registers[computed.register as usize] = drawn;
         self.all(&instructions[*start..computed.end]);
         *start = computed.end;
         self.value(computed.value)

@@ -2,4 +2,5 @@
 
 mod diagnostics;
 mod known;
+mod maximum;
 mod posterior;

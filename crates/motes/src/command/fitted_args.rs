@@ -12,6 +12,8 @@ pub(super) enum At {
     Draws,
     /// The posterior's mean
     Mean,
+    /// The maximum of the likelihood
+    Maximum,
 }
 
 #[derive(Args)]
@@ -19,9 +21,9 @@ pub(super) struct FittedArgs {
     /// Take the parameters that motes fit found, from its folder
     #[arg(long, value_name = "FOLDER")]
     pub(super) parameters: Option<PathBuf>,
-    /// Which of them: draws averages over the posterior and has no log-evidence, mean takes its mean
-    #[arg(long, value_name = "WHICH", default_value = "draws", requires = "parameters")]
-    at: At,
+    /// Which of them: draws averages over the posterior and has no log-evidence, mean takes its mean, maximum that of the likelihood; if absent what was found
+    #[arg(long, value_name = "WHICH", requires = "parameters")]
+    at: Option<At>,
 }
 
 /// The draws of the posterior that results are averaged over.
@@ -40,9 +42,19 @@ impl FittedArgs {
     pub(super) fn of(&self, model: &Model) -> Result<Parametrised, MotesError> {
         let Some(folder) = &self.parameters else { return Ok(Parametrised::Model(model.clone())) };
         let draws = FittedDraws::load(folder, model)?;
-        match self.at {
-            At::Mean => Ok(Parametrised::Model(draws.at_mean(model)?)),
-            At::Draws => Ok(Parametrised::Draws(draws)),
+        let refused = |reason: &str| MotesError::Fit {
+            folder: folder.display().to_string(),
+            reason: reason.to_string(),
+        };
+        match (self.at, draws.is_maximum) {
+            (None | Some(At::Maximum), true) | (Some(At::Mean), false) => {
+                Ok(Parametrised::Model(draws.at_mean(model)?))
+            }
+            (None | Some(At::Draws), false) => Ok(Parametrised::Draws(draws)),
+            (Some(_), true) => Err(refused("it has the maximum of the likelihood alone; take --at maximum")),
+            (Some(At::Maximum), false) => {
+                Err(refused("it has draws of the posterior; --at maximum needs a fit by --method maximum"))
+            }
         }
     }
 }

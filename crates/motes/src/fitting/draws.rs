@@ -2,16 +2,20 @@
 
 use std::path::Path;
 
-use super::record::FitRecord;
+use super::record::{FitRecord, MAXIMUM_METHOD};
 use crate::error::MotesError;
 use crate::model::Model;
 
 /// The files of a folder that say what was found, and with what.
 pub(crate) const DRAWS: &str = "draws.csv";
+pub(crate) const MAXIMUM: &str = "maximum.csv";
 pub(crate) const RECORD: &str = "fit.toml";
 
 /// The columns of draws before the parameters.
 pub(crate) const OF_DRAW: [&str; 3] = ["chain", "draw", "log_evidence"];
+
+/// The columns of a maximum.
+pub(crate) const OF_MAXIMUM: [&str; 4] = ["parameter", "estimate", "low", "high"];
 
 /// The draws of the parameters of a model.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,6 +26,8 @@ pub struct FittedDraws {
     pub values: Vec<Vec<f64>>,
     /// Parameters that were given a value before.
     pub set: Vec<(String, f64)>,
+    /// Whether it is the maximum of the likelihood, as the only draw.
+    pub is_maximum: bool,
 }
 
 impl FittedDraws {
@@ -49,33 +55,15 @@ impl FittedDraws {
             );
             return Err(refused(reason));
         }
-        let text = read(DRAWS)?;
-        let mut table = csv::Reader::from_reader(text.as_bytes());
-        let wrong = |line: u64, reason: &str| refused(format!("{DRAWS}, line {line}: {reason}"));
-        let header = table.headers().map_err(|error| wrong(1, &error.to_string()))?.clone();
-        if header.len() <= OF_DRAW.len() || header.iter().zip(OF_DRAW).any(|(found, name)| found != name) {
-            return Err(wrong(
-                1,
-                "it must begin with chain,draw,log_evidence and name a parameter after them",
-            ));
-        }
-        let names: Vec<String> = header.iter().skip(OF_DRAW.len()).map(String::from).collect();
-        let mut values = Vec::new();
-        for (at, row) in table.records().enumerate() {
-            let line = at as u64 + 2;
-            let row = row.map_err(|error| wrong(line, &error.to_string()))?;
-            let numbers = row.iter().skip(OF_DRAW.len()).map(str::parse::<f64>);
-            let numbers =
-                numbers.collect::<Result<Vec<f64>, _>>().map_err(|_| wrong(line, "a value is no number"))?;
-            if numbers.iter().any(|value| !value.is_finite()) {
-                return Err(wrong(line, "a value is not finite"));
-            }
-            values.push(numbers);
-        }
-        if values.is_empty() {
-            return Err(wrong(2, "there are no draws"));
-        }
-        Ok(FittedDraws { names, values, set: record.set.into_iter().collect() })
+        let is_maximum = record.method == MAXIMUM_METHOD;
+        let name = if is_maximum { MAXIMUM } else { DRAWS };
+        let wrong = |line: u64, reason: &str| refused(format!("{name}, line {line}: {reason}"));
+        let text = read(name)?;
+        let (names, values) = match is_maximum {
+            true => maximum(&text, &wrong)?,
+            false => draws(&text, &wrong)?,
+        };
+        Ok(FittedDraws { names, values, set: record.set.into_iter().collect(), is_maximum })
     }
 
     /// Parameters by their names: those of a draw, and those that were given.
@@ -119,4 +107,53 @@ impl FittedDraws {
         let places = (0..count).map(|at| (2 * at + 1) * all / (2 * count));
         places.map(|at| Ok(model.with_parameters(&self.draw(at))?)).collect()
     }
+}
+
+/// How something in a line is wrong.
+type Wrong<'a> = &'a dyn Fn(u64, &str) -> MotesError;
+
+/// Names and values of parameters.
+type Values = (Vec<String>, Vec<Vec<f64>>);
+
+/// The rows of a table whose header begins with these columns, as texts, and the header.
+fn rows(
+    text: &str,
+    begins: &[&str],
+    wrong: Wrong<'_>,
+) -> Result<(Vec<String>, Vec<Vec<String>>), MotesError> {
+    let mut table = csv::Reader::from_reader(text.as_bytes());
+    let header = table.headers().map_err(|error| wrong(1, &error.to_string()))?.clone();
+    if header.len() < begins.len() || header.iter().zip(begins).any(|(found, name)| found != *name) {
+        return Err(wrong(1, &format!("it must begin with {}", begins.join(","))));
+    }
+    let texts = |row: &csv::StringRecord| row.iter().map(String::from).collect::<Vec<String>>();
+    let mut found = Vec::new();
+    for (at, row) in table.records().enumerate() {
+        found.push(texts(&row.map_err(|error| wrong(at as u64 + 2, &error.to_string()))?));
+    }
+    if found.is_empty() {
+        return Err(wrong(2, "there is nothing in it"));
+    }
+    Ok((texts(&header), found))
+}
+
+fn number(text: &str, line: u64, wrong: Wrong<'_>) -> Result<f64, MotesError> {
+    let value = text.parse().ok().filter(|value: &f64| value.is_finite());
+    value.ok_or_else(|| wrong(line, &format!("{text:?} is no finite number")))
+}
+
+fn draws(text: &str, wrong: Wrong<'_>) -> Result<Values, MotesError> {
+    let (header, rows) = rows(text, &OF_DRAW, wrong)?;
+    let names = header.into_iter().skip(OF_DRAW.len()).collect();
+    let numbers = rows.iter().enumerate().map(|(at, row)| {
+        row.iter().skip(OF_DRAW.len()).map(|text| number(text, at as u64 + 2, wrong)).collect()
+    });
+    Ok((names, numbers.collect::<Result<_, _>>()?))
+}
+
+fn maximum(text: &str, wrong: Wrong<'_>) -> Result<Values, MotesError> {
+    let (_, rows) = rows(text, &OF_MAXIMUM, wrong)?;
+    let names = rows.iter().map(|row| row[0].clone()).collect();
+    let numbers = rows.iter().enumerate().map(|(at, row)| number(&row[1], at as u64 + 2, wrong));
+    Ok((names, vec![numbers.collect::<Result<_, _>>()?]))
 }

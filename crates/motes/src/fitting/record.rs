@@ -11,6 +11,10 @@ use crate::error::MotesError;
 use crate::model::Model;
 use crate::packed::pack;
 
+/// What the methods are called.
+pub(super) const POSTERIOR_METHOD: &str = "posterior";
+pub(super) const MAXIMUM_METHOD: &str = "maximum";
+
 /// What all draws of a fit depend on.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FitRecord {
@@ -55,7 +59,7 @@ impl FitRecord {
             model: model.name().into(),
             model_hash: hash_of_model(model),
             data_hash: blake3::hash(&pack("data", 1, data)?).to_hex().to_string(),
-            method: "posterior".into(),
+            method: POSTERIOR_METHOD.into(),
             proposal: options.proposal.as_ref().map(ToString::to_string),
             particles: options.particles,
             chains: options.chains,
@@ -63,6 +67,14 @@ impl FitRecord {
             seed: options.seed,
             set: set.collect(),
         })
+    }
+
+    /// That of a search for the maximum.
+    ///
+    /// # Errors
+    /// As [`FitRecord::of`].
+    pub fn of_maximum(model: &Model, data: &Data, options: &FitOptions) -> Result<Self, MotesError> {
+        Ok(FitRecord { method: MAXIMUM_METHOD.into(), draws: None, ..FitRecord::of(model, data, options)? })
     }
 
     /// Whether it was made for this model file.

@@ -87,16 +87,6 @@ pub fn fit_from(
     let likelihood = ModelLikelihood::new(model, data, &free, options, proceed);
     check(model, options)?;
     let start = Instant::now();
-    let failed = |error: FitError<MotesError>| match error {
-        FitError::Likelihood(error) => error,
-        FitError::Impossible => {
-            let reason = likelihood.reason().unwrap_or_else(|| "the log-evidence is −∞".into());
-            MotesError::Setting(format!(
-                "the likelihood is 0 at every draw from the prior: the model cannot give these data; the first time: {reason}"
-            ))
-        }
-        FitError::Nothing => MotesError::Setting("the number of chains is 0; it must be 1 at least".into()),
-    };
     let settings = PosteriorSettings {
         chains: options.chains,
         draws: options.draws,
@@ -105,11 +95,12 @@ pub fn fit_from(
     };
     let mut posterior = match before {
         Some(posterior) => posterior,
-        None => Posterior::new(&likelihood, settings, options.seed).map_err(failed)?,
+        None => Posterior::new(&likelihood, settings, options.seed)
+            .map_err(|error| refused(error, &likelihood))?,
     };
     while posterior.stage() != Stage::Done {
         observe(FitProgress { posterior: &posterior })?;
-        posterior.advance(&likelihood).map_err(failed)?;
+        posterior.advance(&likelihood).map_err(|error| refused(error, &likelihood))?;
         if options.seconds.is_some_and(|seconds| start.elapsed().as_secs_f64() >= seconds)
             && posterior.finish()
         {
@@ -119,8 +110,22 @@ pub fn fit_from(
     fitted(&posterior, &free, &likelihood, options.seed)
 }
 
+/// Why there is no fit, in words.
+pub(super) fn refused(error: FitError<MotesError>, likelihood: &ModelLikelihood<'_>) -> MotesError {
+    match error {
+        FitError::Likelihood(error) => error,
+        FitError::Impossible => {
+            let reason = likelihood.reason().unwrap_or_else(|| "the log-evidence is −∞".into());
+            MotesError::Setting(format!(
+                "the likelihood is 0 at every draw from the prior: the model cannot give these data; the first time: {reason}"
+            ))
+        }
+        FitError::Nothing => MotesError::Setting("the number of chains is 0; it must be 1 at least".into()),
+    }
+}
+
 /// Refuses a proposal that the model does not have, before there is any work.
-fn check(model: &Model, options: &FitOptions) -> Result<(), MotesError> {
+pub(super) fn check(model: &Model, options: &FitOptions) -> Result<(), MotesError> {
     let proposal = options.proposal.clone().unwrap_or_default();
     let options =
         FilterOptions { proposal, particles: options.particles.unwrap_or(1), ..FilterOptions::default() };

@@ -63,6 +63,15 @@ pub(super) fn of_prior(name: &str, prior: &str, positions: &[f64]) -> Option<War
         .then(|| warning(format!("the data say nothing about {name}: its posterior is its prior {prior}")))
 }
 
+/// Where fewer than half of the searches came as high as the best one.
+pub(super) fn of_starts(agreeing: usize, searches: usize) -> Option<Warning> {
+    (2 * agreeing < searches || agreeing < 2).then(|| {
+        warning(format!(
+            "{agreeing} of {searches} searches came as high as the best one: there may be higher maxima; take more --chains, or narrower priors"
+        ))
+    })
+}
+
 /// The share of draws from the prior at which the data are impossible, if it is large.
 pub(super) fn of_possible(possible: f64, reason: Option<&str>) -> Option<Warning> {
     let share = 100.0 * (1.0 - possible);

@@ -4,7 +4,7 @@ use crate::fitting::Fitted;
 use crate::output::table::{Table, markdown};
 
 /// Four significant digits, or powers of ten where nobody could read so many zeros.
-fn digits(value: f64) -> String {
+pub(super) fn digits(value: f64) -> String {
     let size = value.abs();
     if size == 0.0 || !value.is_finite() {
         return value.to_string();
