@@ -1,8 +1,12 @@
 //! A model of formulas is a state-space model: what follows from its equations, by functions that are not generic, so that it is compiled here and nowhere else.
 
+use std::ops::Range;
+
 use motes_models::batch::Rows;
 use motes_models::equations::{Draw, Equations, Guide, Lanes, Linearise, NoiseSpace, Transport};
-use motes_models::{ModelError, Simulator, StateGradients, StateSpaceModel, Step, Stream, TransitionDensity};
+use motes_models::{
+    ModelError, Simulator, StateGradients, StateSpaceModel, Step, Stream, TransitionDensity,
+};
 
 use crate::model::FormulaModel;
 
@@ -29,6 +33,11 @@ impl StateSpaceModel for FormulaModel {
                 ..Step::of_index(index)
             },
         }
+    }
+
+    /// Those of its schedule.
+    fn own_sequences(&self) -> &[Range<usize>] {
+        self.1.as_ref().map_or(&[], |schedule| schedule.sequences())
     }
 
     fn sample_states(

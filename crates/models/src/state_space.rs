@@ -1,5 +1,7 @@
 //! The traits of a state-space model: what a filter needs, and what training and designed proposals add.
 
+use std::ops::Range;
+
 use faer::MatRef;
 
 use crate::batch::{Rows, load, store, with_scratch};
@@ -29,6 +31,12 @@ pub trait StateSpaceModel: Sync {
     /// How many parameters it has is how many the model takes.
     fn step_of_index(&self, index: usize) -> Step<'_> {
         Step::of_index(index)
+    }
+
+    /// The sequences that its own steps are of, where it has several or their ends are known: ranges of indices one behind the other, the first step of each of which has
+    /// the index 0. None where one sequence goes on for ever.
+    fn own_sequences(&self) -> &[Range<usize>] {
+        &[]
     }
 
     /// Draws `x_t ~ p(x_t | x_{t−1})` for each of `K` rows into `states` (`K×N`), or `x_0 ~ p(x_0)` where there are no previous states. Those may be picked from others
