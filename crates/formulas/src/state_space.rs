@@ -5,7 +5,7 @@ use std::ops::Range;
 use motes_models::batch::Rows;
 use motes_models::equations::{Draw, Equations, Guide, Lanes, Linearise, NoiseSpace, Transport};
 use motes_models::{
-    ModelError, Simulator, StateGradients, StateSpaceModel, Step, Stream, TransitionDensity,
+    Marginal, ModelError, Simulator, StateGradients, StateSpaceModel, Step, Stream, TransitionDensity,
 };
 
 use crate::model::FormulaModel;
@@ -88,6 +88,17 @@ impl TransitionDensity for FormulaModel {
 impl Simulator for FormulaModel {
     fn sample_measurements(&self, step: &Step<'_>, states: &[f64], streams: &mut [Stream], out: &mut [f64]) {
         self.equations().sample_measurements(step, states, streams, out);
+    }
+
+    fn marginals(
+        &self,
+        step: &Step<'_>,
+        states: &[f64],
+        measurement: &[Option<f64>],
+        stream: &mut Stream,
+        out: &mut [Marginal],
+    ) {
+        self.equations().marginals(step, states, measurement, stream, out);
     }
 }
 
