@@ -1,33 +1,62 @@
-//! The steps of a sequence, as a model has them where nobody gives others.
+//! The steps of sequences, as a model has them where nobody gives others.
+
+use std::ops::Range;
 
 use motes_models::{Step, StepRecord};
 
 /// The most sub-steps that a step can have.
 pub const MOST_SUB_STEPS: usize = 1_000_000;
 
-/// The steps of a sequence, one after another. A sequence that is longer goes on with those behind the first one again.
+/// The steps of sequences, one after another.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Schedule(Vec<StepRecord>);
+pub struct Schedule {
+    steps: Vec<StepRecord>,
+    /// The ranges of sequences that end; none where one goes on for ever.
+    sequences: Vec<Range<usize>>,
+}
 
 impl Schedule {
-    /// The schedule of these steps; none where there is no step.
-    pub fn new(steps: Vec<StepRecord>) -> Option<Self> {
-        (!steps.is_empty()).then_some(Schedule(steps))
+    /// The schedule of one sequence, which goes on with the steps behind the first one again; none where there is no step.
+    pub fn endless(steps: Vec<StepRecord>) -> Option<Self> {
+        (!steps.is_empty()).then_some(Schedule { steps, sequences: vec![] })
     }
 
-    /// How many steps it has.
+    /// The schedule of several sequences, longer ones first; none where there is no step.
+    pub fn of_sequences(mut sequences: Vec<Vec<StepRecord>>) -> Option<Self> {
+        sequences.retain(|steps| !steps.is_empty());
+        // Who asks for the first two steps finds them in one sequence, if any has so many.
+        sequences.sort_by_key(|steps| std::cmp::Reverse(steps.len()));
+        let mut end = 0;
+        let ranges = sequences.iter().map(|steps| {
+            end += steps.len();
+            end - steps.len()..end
+        });
+        let ranges = ranges.collect();
+        let steps: Vec<StepRecord> = sequences.into_iter().flatten().collect();
+        (!steps.is_empty()).then_some(Schedule { steps, sequences: ranges })
+    }
+
+    /// All steps.
     pub fn steps(&self) -> &[StepRecord] {
-        &self.0
+        &self.steps
+    }
+
+    /// The ranges of sequences that end.
+    pub(crate) fn sequences(&self) -> &[Range<usize>] {
+        &self.sequences
     }
 
     /// The step of an index.
     pub(crate) fn step_of_index(&self, index: usize) -> Step<'_> {
-        let again = self.0.len() - 1;
+        if let Some(step) = self.steps.get(index).filter(|_| !self.sequences.is_empty()) {
+            return step.step();
+        }
+        let again = self.steps.len() - 1;
         let at = match index {
             0 => 0,
             _ if again == 0 => 0,
             _ => 1 + (index - 1) % again,
         };
-        Step { index, ..self.0[at].step() }
+        Step { index, ..self.steps[at].step() }
     }
 }

@@ -1,8 +1,12 @@
 //! A model of formulas is a state-space model: what follows from its equations, by functions that are not generic, so that it is compiled here and nowhere else.
 
+use std::ops::Range;
+
 use motes_models::batch::Rows;
 use motes_models::equations::{Draw, Equations, Guide, Lanes, Linearise, NoiseSpace, Transport};
-use motes_models::{ModelError, Simulator, StateGradients, StateSpaceModel, Step, Stream, TransitionDensity};
+use motes_models::{
+    Marginal, ModelError, Simulator, StateGradients, StateSpaceModel, Step, Stream, TransitionDensity,
+};
 
 use crate::model::FormulaModel;
 
@@ -29,6 +33,11 @@ impl StateSpaceModel for FormulaModel {
                 ..Step::of_index(index)
             },
         }
+    }
+
+    /// Those of its schedule.
+    fn own_sequences(&self) -> &[Range<usize>] {
+        self.1.as_ref().map_or(&[], |schedule| schedule.sequences())
     }
 
     fn sample_states(
@@ -79,6 +88,17 @@ impl TransitionDensity for FormulaModel {
 impl Simulator for FormulaModel {
     fn sample_measurements(&self, step: &Step<'_>, states: &[f64], streams: &mut [Stream], out: &mut [f64]) {
         self.equations().sample_measurements(step, states, streams, out);
+    }
+
+    fn marginals(
+        &self,
+        step: &Step<'_>,
+        states: &[f64],
+        measurement: &[Option<f64>],
+        stream: &mut Stream,
+        out: &mut [Marginal],
+    ) {
+        self.equations().marginals(step, states, measurement, stream, out);
     }
 }
 

@@ -38,6 +38,7 @@ mod graph_diffusion;
 pub mod kalman;
 mod linear_gaussian;
 mod linear_measurements;
+mod marginal;
 mod noise;
 mod noise_rows;
 mod normals;
@@ -59,6 +60,7 @@ pub use gradient_check::{Comparison, Derivative, GradientError, GradientReport, 
 pub use graph::RandomGeometricGraph;
 pub use graph_diffusion::{Drift, GraphDiffusion, GraphDiffusionConfig};
 pub use linear_gaussian::LinearGaussian;
+pub use marginal::Marginal;
 pub use noise::Noise;
 pub use normals::{fill_standard_exponential, fill_standard_normal, fill_uniform};
 pub use own_steps::{OwnModel, OwnStep, OwnSteps};

@@ -1,14 +1,18 @@
 //! The linear Gaussian model with dense covariances: the one with exact answers.
 
+use std::slice::from_mut;
+
 use faer::{Mat, MatRef};
 
 use crate::batch::{
     LANES, Rows, TileMatrix, draw_rows, draw_single_rows, load, store, with_noise, with_scratch,
 };
+use crate::equations::{Coordinates, Marginals, normal};
 use crate::error::check_matrix;
+use crate::marginal::by_draws;
 use crate::{
-    AdditiveGaussian, Gaussian, ModelError, Simulator, StateGradients, StateSpaceModel, Step, Stream,
-    TransitionDensity, fill_standard_normal,
+    AdditiveGaussian, Gaussian, Marginal, ModelError, Simulator, StateGradients, StateSpaceModel, Step,
+    Stream, TransitionDensity, fill_standard_normal,
 };
 
 /// `x_0 ~ N(μ₀, P₀)`, `x_t = A x_{t−1} + v_t`, `v_t ~ N(0, Q)`, `y_t = C x_t + w_t`, `w_t ~ N(0, R)`.
@@ -223,6 +227,25 @@ impl Simulator for LinearGaussian {
                 *value += row_times(&self.measurement_matrix, i, &states[row * n..(row + 1) * n]);
             }
         });
+    }
+
+    fn marginals(
+        &self,
+        step: &Step<'_>,
+        states: &[f64],
+        measurement: &[Option<f64>],
+        stream: &mut Stream,
+        out: &mut [Marginal],
+    ) {
+        let (n, m) = (self.state_dim(), self.measurement_dim());
+        by_draws(measurement, out, |drawn| self.sample_measurements(step, states, from_mut(stream), drawn));
+        for (state, out) in states.chunks_exact(n).zip(out.chunks_exact_mut(m)) {
+            let mut marginals = Marginals::of(measurement, out);
+            for i in 0..m {
+                let mean = row_times(&self.measurement_matrix, i, state);
+                marginals.push(normal(mean, self.measurement_covariance()[(i, i)].sqrt()));
+            }
+        }
     }
 }
 

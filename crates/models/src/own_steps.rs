@@ -1,6 +1,9 @@
 //! Steps that a model draws for itself, many sequences side by side: what proposals are learned from.
 
+use std::ops::Range;
 use std::slice::from_mut;
+
+use rand::RngExt;
 
 use crate::batch::{Rows, there_is_memory_for};
 use crate::equations::{Linearise, Transport};
@@ -19,8 +22,11 @@ impl<M: Simulator + Transport + Linearise + ?Sized> OwnModel for M {}
 /// No constructor takes states from elsewhere: what learns from these steps has never seen the truth behind measurements that are to be filtered.
 pub struct OwnSteps<'m, M: ?Sized> {
     model: &'m M,
+    seed: Seed,
     stream: Stream,
-    time: usize,
+    /// The index of the model's own step that comes next, and at which its sequence ends.
+    next: usize,
+    end: usize,
     step: StepRecord,
     /// `x_{t−1}` and `x_t`, `S×N`.
     previous: Vec<f64>,
@@ -67,8 +73,10 @@ impl<'m, M: Simulator + ?Sized> OwnSteps<'m, M> {
         }
         Ok(OwnSteps {
             model,
+            seed: seed.clone(),
             stream: seed.stream(),
-            time: 0,
+            next: 0,
+            end: usize::MAX,
             step: StepRecord::default(),
             previous: Vec::new(),
             states: vec![0.0; sequences * n],
@@ -85,22 +93,56 @@ impl<'m, M: Simulator + ?Sized> OwnSteps<'m, M> {
         OwnSteps { largest_state, ..self }
     }
 
+    /// The same sequences in so many rows of one of the model's own sequences, drawn so that each row is as likely to be among them as another, but for those near the
+    /// ends ([`StateSpaceModel::own_sequences`](crate::StateSpaceModel::own_sequences)). The states before the window are drawn, too. Where a model has no such sequences,
+    /// nothing changes.
+    #[must_use]
+    pub fn in_window(mut self, rows: usize) -> Self {
+        let mut stream = self.seed.child("window").stream();
+        let Some(own) = self.drawn_sequence(&mut stream) else { return self };
+        let first = own.start + stream.random_range(0..=own.len().saturating_sub(rows));
+        (self.next, self.end) = (own.start, own.end.min(first + rows));
+        while self.next < first && self.advance().is_some() {}
+        self
+    }
+
+    /// The same sequences from the beginning of one of the model's own sequences on, drawn likewise.
+    #[must_use]
+    pub fn at_beginning(mut self) -> Self {
+        let mut stream = self.seed.child("window").stream();
+        let Some(own) = self.drawn_sequence(&mut stream) else { return self };
+        (self.next, self.end) = (own.start, own.end);
+        self
+    }
+
+    /// One of the model's own sequences, longer ones more often.
+    fn drawn_sequence(&self, stream: &mut Stream) -> Option<Range<usize>> {
+        let own = self.model.own_sequences();
+        let at = stream.random_range(0..own.last()?.end);
+        // They lie one behind the other from 0 on.
+        own.iter().find(|own| at < own.end).cloned()
+    }
+
     /// How many sequences ended because a state or a measurement was not a finite number, or a state too large.
     pub fn lost(&self) -> usize {
         self.lost
     }
 
-    /// Draws the next time of all sequences that go on; none if no sequence is left.
+    /// Draws the next time of all sequences that go on; none if no sequence is left, or the window ends.
     pub fn advance(&mut self) -> Option<OwnStep<'_>> {
         let (n, m) = (self.model.state_dim(), self.model.measurement_dim());
-        self.step.keep(&self.model.step_of_index(self.time));
+        if self.next == self.end || self.states.is_empty() {
+            return None;
+        }
+        self.step.keep(&self.model.step_of_index(self.next));
         let step = self.step.step();
+        let is_start = step.index == 0;
         let stream = from_mut(&mut self.stream);
-        if self.time > 0 {
+        if !is_start {
             std::mem::swap(&mut self.previous, &mut self.states);
             self.states.resize(self.previous.len(), 0.0);
         }
-        let previous = (self.time > 0).then(|| Rows::all(&self.previous, n));
+        let previous = (!is_start).then(|| Rows::all(&self.previous, n));
         let noise_space = self.model.noise_without_density();
         let q = noise_space.map_or(0, |model| model.draws(&step).len());
         match noise_space {
@@ -132,16 +174,15 @@ impl<'m, M: Simulator + ?Sized> OwnSteps<'m, M> {
             remove_row(&mut self.states, n, row);
             remove_row(&mut self.noise, q, row);
             remove_row(&mut self.measurements, m, row);
-            if self.time > 0 {
+            if !is_start {
                 remove_row(&mut self.previous, n, row);
             }
         }
         if self.states.is_empty() {
             return None;
         }
-        let time = self.time;
-        self.time += 1;
-        let previous = (time > 0).then_some(self.previous.as_slice());
+        self.next += 1;
+        let previous = (!is_start).then_some(self.previous.as_slice());
         let noise = noise_space.map(|_| self.noise.as_slice());
         Some(OwnStep { step, previous, states: &self.states, noise, measurements: &self.measurements })
     }

@@ -1,10 +1,14 @@
 //! The traits of a state-space model: what a filter needs, and what training and designed proposals add.
 
+use std::ops::Range;
+use std::slice::from_mut;
+
 use faer::MatRef;
 
 use crate::batch::{Rows, load, store, with_scratch};
 use crate::equations::NoiseSpace;
-use crate::{Gaussian, ModelError, Step, Stream};
+use crate::marginal::by_draws;
+use crate::{Gaussian, Marginal, ModelError, Step, Stream};
 
 /// A hidden Markov model on ℝᴺ, measured in ℝᴹ: `p(x_0)`, `p(x_t | x_{t−1})`, `p(y_t | x_t)`.
 ///
@@ -29,6 +33,12 @@ pub trait StateSpaceModel: Sync {
     /// How many parameters it has is how many the model takes.
     fn step_of_index(&self, index: usize) -> Step<'_> {
         Step::of_index(index)
+    }
+
+    /// The sequences that its own steps are of, where it has several or their ends are known: ranges of indices one behind the other, the first step of each of which has
+    /// the index 0. None where one sequence goes on for ever.
+    fn own_sequences(&self) -> &[Range<usize>] {
+        &[]
     }
 
     /// Draws `x_t ~ p(x_t | x_{t−1})` for each of `K` rows into `states` (`K×N`), or `x_0 ~ p(x_0)` where there are no previous states. Those may be picked from others
@@ -167,6 +177,20 @@ pub trait Simulator: StateSpaceModel {
     /// # Panics
     /// If `K` is not a multiple of the number of streams.
     fn sample_measurements(&self, step: &Step<'_>, states: &[f64], streams: &mut [Stream], out: &mut [f64]);
+
+    /// What is expected of each of the `M` entries of `y_t` at each of `K` rows of `states` (`K×N`), into `out` (`K×M`), and where what was measured (`M`) lies in it.
+    ///
+    /// Draws say so where a model does not know better.
+    fn marginals(
+        &self,
+        step: &Step<'_>,
+        states: &[f64],
+        measurement: &[Option<f64>],
+        stream: &mut Stream,
+        out: &mut [Marginal],
+    ) {
+        by_draws(measurement, out, |drawn| self.sample_measurements(step, states, from_mut(stream), drawn));
+    }
 }
 
 /// The gradients of a model's log densities with respect to states, which is all that training asks of it.

@@ -7,7 +7,7 @@ use motes_models::equations::{
     Coordinates, Distribution, Draws, Equations, Lanes, Linearise, Scalar, Wrapped, beta, binomial,
     exponential, gamma, laplace, log_normal, negative_binomial, normal, poisson, student_t, uniform,
 };
-use motes_models::{Seed, Simulator, StateGradients, StateSpaceModel, Step};
+use motes_models::{Marginal, Seed, Simulator, StateGradients, StateSpaceModel, Step};
 
 /// What a case is called, its atoms, and the intervals in which it has a density, of which all but the first atom may be few.
 type Case = (&'static str, &'static [f64], &'static [[f64; 2]]);
@@ -212,6 +212,43 @@ fn draws_are_distributed_as_densities_say() {
             }
         }
         assert!(drawn.iter().all(|y| y.is_finite()), "{name}");
+    }
+}
+
+/// Catches a distribution function, or moments, of another distribution than the one that is drawn.
+#[test]
+fn marginals_are_those_of_draws() {
+    const DRAWS: usize = 40_000;
+    for (case, (name, atoms, ranges)) in CASES.iter().enumerate() {
+        let (step, measured) = (Step::of_index(0), Measured(case));
+        let mut drawn = vec![f64::NAN; DRAWS];
+        let streams = &mut [Seed::from_u64(81).child(name).stream()];
+        measured.sample_measurements(&step, &vec![1.1; DRAWS], streams, &mut drawn);
+        let share = |of: &dyn Fn(f64) -> bool| drawn.iter().filter(|y| of(**y)).count() as f64 / DRAWS as f64;
+        let mut out = [Marginal::of_draw(f64::NAN, None)];
+        for y in values(atoms, ranges) {
+            measured.marginals(&step, &[1.1], &[Some(y)], &mut streams[0], &mut out);
+            let [Marginal { mean, variance, below, at, is_angle, .. }] = out;
+            if is_angle {
+                assert!(name.ends_with("mises"), "{name}");
+                continue;
+            }
+            for (what, found, probability) in
+                [("below", below, share(&|drawn| drawn < y)), ("at", at, share(&|drawn| drawn == y))]
+            {
+                let error = (found * (1.0 - found) / DRAWS as f64).sqrt() + 1e-5;
+                let z = (probability - found) / error;
+                assert!(z.abs() < 4.5, "{name}, {what} {y}: {found}, of draws {probability}");
+            }
+            // A draw stands for the others.
+            if variance > 0.0 {
+                let error = (variance / DRAWS as f64).sqrt();
+                let of_draws = drawn.iter().sum::<f64>() / DRAWS as f64;
+                assert!((of_draws - mean).abs() < 4.5 * error, "{name}: {mean}, of draws {of_draws}");
+                let squares = drawn.iter().map(|y| (y - mean) * (y - mean)).sum::<f64>() / DRAWS as f64;
+                assert!((squares / variance).ln().abs() < 0.1, "{name}: {variance}, of draws {squares}");
+            }
+        }
     }
 }
 

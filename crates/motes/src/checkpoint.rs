@@ -107,7 +107,7 @@ impl<'m> Running<'m> {
         }
         let RunningState { filter, time, before, clock } = state;
         let filter = filter_of(model, options, Start::State(Box::new(filter)))?;
-        Ok(Running { model, filter, kind: options.proposal.kind(), time, before, clock })
+        Ok(Running { time, before, clock, ..Running::of(model, options, filter) })
     }
 }
 

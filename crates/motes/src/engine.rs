@@ -4,12 +4,12 @@ use std::ops::ControlFlow;
 
 use motes_models::{Seed, Step, StepRecord};
 use motes_smc::{
-    Bootstrap, EvidenceWarning, FilterError, FilterHistory, Linearised, MinDegeneracy, SmoothedPaths,
-    SmoothingError, Verdict, WeightDiagnosis,
+    Bootstrap, EvidenceWarning, FilterError, FilterHistory, Linearised, MinDegeneracy, Predictive,
+    SmoothedPaths, SmoothingError, Verdict, WeightDiagnosis,
 };
 
 use crate::error::MotesError;
-use crate::estimate::{Estimate, Forecast};
+use crate::estimate::Estimate;
 use crate::exact::{Exact, not_linear};
 use crate::model::{Kind, Model};
 use crate::options::{FilterOptions, ProposalName};
@@ -30,6 +30,12 @@ pub struct Running<'m> {
     pub(crate) before: f64,
     /// Where its series is, for who gives rows one by one.
     pub(crate) clock: Clock,
+    /// Whether each measurement is predicted before it is used.
+    pub(crate) is_predictive: bool,
+    /// What was expected of the last measurement, where it is.
+    pub(crate) predictive: Vec<Predictive>,
+    /// An input that the last forecast of a measurement lacked.
+    pub(crate) unknown: Option<String>,
 }
 
 impl<'m> Running<'m> {
@@ -39,15 +45,22 @@ impl<'m> Running<'m> {
     /// [`MotesError::Proposal`] if the model has no such proposal, [`MotesError::Setting`] if an option is out of range.
     pub fn new(model: &'m Model, options: &FilterOptions, series: usize) -> Result<Self, MotesError> {
         let seed = Seed::from_u64(options.seed).child("filter").nth(series as u64);
-        let filter = filter_of(model, options, Start::Seed(seed))?;
-        Ok(Running {
+        Ok(Running::of(model, options, filter_of(model, options, Start::Seed(seed))?))
+    }
+
+    /// That of a filter before its first step.
+    pub(crate) fn of(model: &'m Model, options: &FilterOptions, filter: Box<dyn Steps + 'm>) -> Self {
+        Running {
             model,
             filter,
             kind: options.proposal.kind(),
             time: 0,
             before: 0.0,
             clock: Clock::default(),
-        })
+            is_predictive: options.predictive,
+            predictive: vec![],
+            unknown: None,
+        }
     }
 
     /// Takes in the measurement of the next row, whose time follows from the rows before.
@@ -72,9 +85,13 @@ impl<'m> Running<'m> {
             let reason = "a row has no steps; times and inputs alone are no data";
             return Err(MotesError::Setting(reason.into()));
         };
-        let nothing = vec![None; measurement.len()];
+        let (last, nothing) = (last.step(), vec![None; measurement.len()]);
         before.iter().try_for_each(|step| self.take_step(&step.step(), &nothing))?;
-        self.take_step(&last.step(), measurement)
+        if self.is_predictive && self.filter.failure().is_none() {
+            let ahead = self.filter.measurement_ahead(&last, measurement);
+            self.predictive = ahead.map_err(|error| self.explain(&error, &last, &nothing))?;
+        }
+        self.take_step(&last, measurement)
     }
 
     /// The steps to the next row of who gives rows one by one.
@@ -149,26 +166,6 @@ impl<'m> Running<'m> {
         self.step_by(&steps, measurement)
     }
 
-    /// Predicts the next row, at which nothing is measured, a gap as the last one ahead.
-    ///
-    /// # Errors
-    /// As [`Running::predict_row`].
-    pub fn predict(&mut self) -> Result<Estimate, MotesError> {
-        self.predict_row(None).map(|forecast| forecast.estimate)
-    }
-
-    /// Predicts the next row, at which nothing is measured: one with this time and these inputs, or a gap as the last one ahead.
-    ///
-    /// # Errors
-    /// As [`Running::step_row`], and [`MotesError::Ahead`] if an input is not known then.
-    pub fn predict_row(&mut self, row: Option<RowTime<'_>>) -> Result<Forecast, MotesError> {
-        let mut clock = self.clock.clone();
-        let forecast = self.predict_by(&mut clock, row)?;
-        self.clock = clock;
-        self.clock.comes_back();
-        Ok(forecast)
-    }
-
     /// [`Running::step`], and what its weights say about how far they can be trusted: at once, where there are many particles.
     ///
     /// # Errors
@@ -191,23 +188,8 @@ impl<'m> Running<'m> {
             state: self.filter.state(),
             ess: self.effective_sample_size(),
             log_evidence: Some(self.last_increment()),
+            predictive: self.predictive.clone(),
         }
-    }
-
-    /// [`Running::predict_row`] where a clock says where the series is.
-    ///
-    /// # Errors
-    /// As [`Running::step`], and [`MotesError::Ahead`] if an input is not known then.
-    pub fn predict_by(
-        &mut self,
-        clock: &mut Clock,
-        row: Option<RowTime<'_>>,
-    ) -> Result<Forecast, MotesError> {
-        let nothing = vec![None; self.model.measurements().len()];
-        let steps = self.model.steps_ahead(clock, row).map_err(|error| MotesError::Ahead(Box::new(error)))?;
-        let time = steps.last().map_or(0.0, |step| step.step().time);
-        let estimate = self.step_by(&steps, &nothing)?;
-        Ok(Forecast { time, estimate: Estimate { ess: None, log_evidence: None, ..estimate } })
     }
 
     /// The standard error of the log-evidence of all steps so far; none without [`FilterOptions::check`], or of too few particles to tell.

@@ -1,5 +1,6 @@
 //! What a filter says of the state at one time.
 
+use motes_smc::Predictive;
 use serde::{Deserialize, Serialize};
 
 /// The probabilities of the quantiles that are given of each coordinate.
@@ -7,6 +8,9 @@ pub const PROBABILITIES: [f64; 3] = [0.05, 0.5, 0.95];
 
 /// What tables call the figures of a coordinate, behind its name and `_`.
 pub(crate) const OF_COORDINATE: [&str; 5] = ["mean", "sd", "q05", "q50", "q95"];
+
+/// What they call the figures of a measurement that is expected, behind its name and `_`.
+pub(crate) const OF_MEASUREMENT: [&str; 6] = ["mean", "sd", "q05", "q50", "q95", "pit"];
 
 /// What they call the figures of a filter's weights.
 pub(crate) const OF_WEIGHTS: [&str; 2] = ["ess", "log_evidence"];
@@ -31,6 +35,16 @@ pub struct Estimate {
     pub ess: Option<f64>,
     /// `log p(y_t | y_{0:t−1})`; 0 where nothing was measured, none in a forecast.
     pub log_evidence: Option<f64>,
+    /// What was expected of each of the `M` entries of the measurement before it was used ([`FilterOptions::predictive`](crate::FilterOptions::predictive)), or is
+    /// expected in a forecast; empty elsewhere.
+    pub predictive: Vec<Predictive>,
+}
+
+impl Estimate {
+    /// A state alone.
+    pub(crate) fn of_state(state: Vec<Coordinate>) -> Self {
+        Estimate { state, ess: None, log_evidence: None, predictive: vec![] }
+    }
 }
 
 /// What is predicted for a row at which nothing was measured.
@@ -38,6 +52,8 @@ pub struct Estimate {
 pub struct Forecast {
     /// Its time.
     pub time: f64,
-    /// The state then, without an effective sample size and evidence.
+    /// Its time as it is written, where rows were given with their times.
+    pub label: Option<String>,
+    /// The state and the measurement then, without an effective sample size and evidence.
     pub estimate: Estimate,
 }

@@ -60,7 +60,7 @@ fn log_evidence_until(
     options: &FilterOptions,
     proceed: &mut dyn FnMut(usize) -> ControlFlow<()>,
 ) -> Result<LogEvidence, MotesError> {
-    let options = FilterOptions { check: false, forecast: 0, ..options.clone() };
+    let options = FilterOptions { check: false, predictive: false, forecast: 0, ..options.clone() };
     let (mut per_series, mut done) = (Vec::new(), 0);
     for (series, (name, places)) in data.series.iter().zip(data.by_series()).enumerate() {
         let name = data.columns.has_series().then_some(name);

@@ -4,10 +4,12 @@ use std::ops::ControlFlow;
 use std::slice::from_mut;
 
 use motes_models::batch::Rows;
+use motes_models::equations::normal;
 use motes_models::kalman::{Belief, Filtered, KalmanFilter, LinearSystem, smooth};
 use motes_models::{ModelError, Seed, Step, StepRecord, Stream};
 use motes_smc::{
-    EvidenceWarning, FilterError, FilterHistory, SmoothedPaths, SmoothingError, Verdict, WeightDiagnosis,
+    EvidenceWarning, FilterError, FilterHistory, Predictive, SmoothedPaths, SmoothingError, Verdict,
+    WeightDiagnosis,
 };
 
 use crate::error::MotesError;
@@ -18,6 +20,7 @@ use crate::steps::Steps;
 
 /// A Kalman filter in the place of particles.
 pub(crate) struct Exact<'m> {
+    linear: &'m dyn LinearSystem,
     filter: KalmanFilter<&'m dyn LinearSystem>,
     means: Vec<f64>,
     log_evidence: f64,
@@ -26,8 +29,9 @@ pub(crate) struct Exact<'m> {
 impl<'m> Exact<'m> {
     /// Before the first measurement; none of a model that has no exact answers.
     pub(crate) fn new(model: &'m Model) -> Option<Self> {
-        let filter = KalmanFilter::new(model.linear_system()?);
-        Some(Exact { filter, means: vec![0.0; model.states().len()], log_evidence: 0.0 })
+        let linear = model.linear_system()?;
+        let filter = KalmanFilter::new(linear);
+        Some(Exact { linear, filter, means: vec![0.0; model.states().len()], log_evidence: 0.0 })
     }
 
     /// Where it was written down.
@@ -42,7 +46,7 @@ impl<'m> Exact<'m> {
             Some(_) => return None,
         };
         let means = belief.as_ref().map_or(vec![0.0; n], |belief| belief.mean.iter().copied().collect());
-        Some(Exact { filter: KalmanFilter::resume(linear, time, belief), means, log_evidence })
+        Some(Exact { linear, filter: KalmanFilter::resume(linear, time, belief), means, log_evidence })
     }
 }
 
@@ -56,6 +60,27 @@ fn coordinates(belief: &Belief) -> Vec<Coordinate> {
     (0..belief.mean.nrows()).map(of).collect()
 }
 
+/// What a Gaussian belief about the state says of each entry of the measurement.
+fn measured(
+    linear: &dyn LinearSystem,
+    step: &Step<'_>,
+    belief: &Belief,
+    measurement: &[Option<f64>],
+) -> Vec<Predictive> {
+    let belief = linear.measurement_map(step).of_belief(belief);
+    let of = |(i, value): (usize, &Option<f64>)| {
+        let (mean, sd) = (belief.mean[i], belief.standard_deviation(i));
+        let below = |value: f64| normal::<f64>(mean, sd).log_mass(f64::NEG_INFINITY, value).exp();
+        Predictive {
+            mean,
+            sd,
+            quantiles: PROBABILITIES.map(|probability| belief.quantile(i, probability)),
+            pit: value.map(below).filter(|pit| !pit.is_nan()),
+        }
+    };
+    measurement.iter().enumerate().map(of).collect()
+}
+
 impl Steps for Exact<'_> {
     fn step(&mut self, step: &Step<'_>, measurement: &[Option<f64>]) -> Result<(), FilterError> {
         let step = self.filter.step_at(step, measurement)?;
@@ -63,6 +88,20 @@ impl Steps for Exact<'_> {
         self.means.clear();
         self.means.extend(step.filtered.mean.iter());
         Ok(())
+    }
+
+    fn measurement_ahead(
+        &self,
+        step: &Step<'_>,
+        measurement: &[Option<f64>],
+    ) -> Result<Vec<Predictive>, FilterError> {
+        let mut ahead = self.filter.clone();
+        let predicted = ahead.step_at(step, &vec![None; measurement.len()])?.predicted;
+        Ok(measured(self.linear, step, &predicted, measurement))
+    }
+
+    fn measurement(&self, step: &Step<'_>, measurement: &[Option<f64>]) -> Vec<Predictive> {
+        self.filter.belief().map_or(vec![], |belief| measured(self.linear, step, belief, measurement))
     }
 
     fn verdict(&self) -> Option<Verdict> {
@@ -226,7 +265,7 @@ pub(crate) fn smooth_exactly(
     let smoothed = smooth(&filter_series(linear, steps, rows)?)?;
     // Steps before the first row have estimates that nobody asked for.
     let before = steps.first().map_or(0, |steps| steps.len().saturating_sub(1));
-    let estimate = |belief| Estimate { state: coordinates(belief), ess: None, log_evidence: None };
+    let estimate = |belief| Estimate::of_state(coordinates(belief));
     let estimates = smoothed.beliefs.iter().skip(before).map(estimate).collect();
     let times = smoothed.beliefs.len();
     let mut states = Vec::with_capacity(paths * times * n);

@@ -2,16 +2,16 @@
 
 use std::ops::ControlFlow;
 
-use crate::data::{Data, Row};
+use crate::data::Data;
 use crate::engine::Running;
 use crate::error::MotesError;
 use crate::estimate::Estimate;
 use crate::filtered::Filtered;
+use crate::forecasting::rows_ahead;
 use crate::model::Model;
 use crate::options::{FilterOptions, ProposalName};
 use crate::priors::of_starts;
 use crate::tally::{SeriesTally, Tally, TimeLabel};
-use crate::timeline::RowTime;
 use crate::warning::Warning;
 
 /// Filters each series of `data`; `proceed` is asked after each row, and after each time of a forecast, with how many rows are done.
@@ -64,19 +64,10 @@ fn filter_until(
                 return Err(MotesError::Interrupted);
             }
         }
+        tally.warn(running.forecast_warning(name));
         forecasts.push(forecast);
     }
     Ok(tally.into_filtered(estimates.into_iter().flatten().collect(), forecasts))
-}
-
-/// The rows that are predicted after a series: with times and inputs where they are known.
-pub fn rows_ahead<'o>(options: &'o FilterOptions, series: Option<&str>) -> Vec<Option<RowTime<'o>>> {
-    let Some(ahead) = &options.ahead else { return vec![None; options.forecast] };
-    let is_of_series = |row: &&Row| {
-        !ahead.columns.has_series() || series.is_none_or(|name| ahead.series[row.series] == name)
-    };
-    let rows = ahead.rows.iter().filter(is_of_series);
-    rows.map(|row| Some(RowTime { label: row.written_time.as_deref(), columns: &row.inputs })).collect()
 }
 
 /// What was measured in a row of data.

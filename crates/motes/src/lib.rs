@@ -37,6 +37,7 @@ mod filtered;
 mod filtering;
 mod fit_folder;
 mod fitting;
+mod forecasting;
 mod learned;
 mod learning;
 mod mixture;
@@ -69,17 +70,18 @@ pub use error::MotesError;
 pub use estimate::{Coordinate, Estimate, Forecast};
 pub use evidence::{LogEvidence, log_evidence};
 pub use filtered::Filtered;
-pub use filtering::{filter, of_proposal, rows_ahead};
+pub use filtering::{filter, of_proposal};
 pub use fit_folder::FitFolder;
 pub use fitting::{
     FitOptions, FitProgress, FitRecord, Fitted, FittedChain, FittedDraws, FreeParameters, Maximised,
     MaximisedParameter, fit, fit_from, maximise,
 };
+pub use forecasting::rows_ahead;
 pub use learned::{LearnedProposal, Notes};
 pub use learning::{LearnOptions, LearnOutcome, base_named, head_named, learn, network_named};
 pub use mixture::{Mixed, filter_draws, smooth_draws};
 pub use model::{LearnableModel, Model};
-pub use names::ModelNames;
+pub use names::{FileInput, ModelNames};
 pub use options::{DEFENSIVE_SHARE, FilterOptions, ProposalName};
 pub use packed::{pack, unpack};
 pub use priors::of_starts;

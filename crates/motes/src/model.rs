@@ -265,7 +265,8 @@ impl Model {
         }
     }
 
-    /// The steps to a row after the last one, at which nothing is measured: one with this time and these inputs, or a gap as the last one ahead.
+    /// The steps to a row after the last one, at which nothing is measured: one with this time and these inputs, or a gap as the last one ahead. An input of the measurement
+    /// that is not known then is NaN.
     ///
     /// # Errors
     /// [`TimelineError::Ahead`] if an input is not known then, and as [`Model::next_steps`].
@@ -278,6 +279,14 @@ impl Model {
             Some(timeline) => clock.ahead(timeline, row),
             None => Ok(vec![StepRecord::of(&self.step_of_index(clock.count()))]),
         }
+    }
+
+    /// An input of the measurement that is not known at the end of a step.
+    pub(crate) fn unknown_input(&self, step: &Step<'_>) -> Option<String> {
+        let formulas = self.formulas()?;
+        let of_measurement = step.end(formulas.input_dim()).inputs;
+        let unknown = of_measurement.iter().position(|value| value.is_nan())?;
+        formulas.inputs().get(unknown).map(|input| input.name.clone())
     }
 
     /// Takes in what was measured at the row that [`Model::next_steps`] led to.

@@ -89,7 +89,9 @@ pub struct FilterOptions {
     pub resampling: Resampling,
     /// All random numbers come from it.
     pub seed: u64,
-    /// For how many times after the last measurement states are predicted.
+    /// Whether each measurement is predicted by those before it, and its place in this prediction is given ([`Estimate::predictive`](crate::Estimate::predictive)).
+    pub predictive: bool,
+    /// For how many times after the last measurement states and measurements are predicted.
     pub forecast: usize,
     /// The times and inputs of the rows that are predicted; they are those of the last gap where there are none.
     pub ahead: Option<Arc<Data>>,
@@ -107,6 +109,7 @@ impl Default for FilterOptions {
             resample_below: 0.5,
             resampling: Resampling::Systematic,
             seed: 1,
+            predictive: false,
             forecast: 0,
             ahead: None,
             check: true,
@@ -124,6 +127,11 @@ impl FilterOptions {
     /// The share where none is given.
     fn default_share(&self) -> Option<f64> {
         matches!(self.proposal, ProposalName::Learned(_)).then_some(DEFENSIVE_SHARE)
+    }
+
+    /// Whether anything is predicted after the last measurement.
+    pub fn has_forecasts(&self) -> bool {
+        self.forecast > 0 || self.ahead.is_some()
     }
 
     /// The settings of a filter that these options ask for.

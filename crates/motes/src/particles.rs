@@ -5,7 +5,7 @@ use std::ops::{ControlFlow, Range};
 use motes_models::{Seed, Simulator, StateSpaceModel, Step};
 use motes_smc::{
     Bootstrap, EvidenceCheck, EvidenceWarning, FilterError, FilterHistory, FilterSettings, ParticleFilter,
-    Proposal, SecondOpinion, SmoothedPaths, SmoothingError, Verdict, WeightDiagnosis,
+    Predictive, Proposal, SecondOpinion, SmoothedPaths, SmoothingError, Verdict, WeightDiagnosis,
     backward_simulation_while,
 };
 
@@ -77,7 +77,7 @@ impl<M: StateSpaceModel + ?Sized, P: Proposal<M>> Filter<'_, M, P> {
 impl<M, P> Steps for Filter<'_, M, P>
 where
     M: Simulator + ?Sized,
-    P: Proposal<M, Memory = ()> + Send,
+    P: Proposal<M, Memory = ()> + Clone + Send,
 {
     fn step(&mut self, step: &Step<'_>, measurement: &[Option<f64>]) -> Result<(), FilterError> {
         let Filter { filter, check, second, .. } = self;
@@ -99,6 +99,18 @@ where
             Some(Second { bootstrap, opinion }) => opinion.step(filter, bootstrap),
             None => Ok(()),
         }
+    }
+
+    fn measurement_ahead(
+        &self,
+        step: &Step<'_>,
+        measurement: &[Option<f64>],
+    ) -> Result<Vec<Predictive>, FilterError> {
+        self.filter.measurement_ahead(step, measurement)
+    }
+
+    fn measurement(&self, step: &Step<'_>, measurement: &[Option<f64>]) -> Vec<Predictive> {
+        self.filter.measurement(step, measurement)
     }
 
     fn difference(&self) -> f64 {

@@ -92,7 +92,7 @@ pub(crate) fn check_draws(model: &Model) -> Result<(), MotesError> {
 /// anew for each series.
 ///
 /// # Errors
-/// As [`simulate`], and [`MotesError::Model`] if the file is no model with what was drawn.
+/// As [`simulate`], and [`MotesError::Setting`] if no parameter has a prior, [`MotesError::Model`] if the file is no model with what was drawn.
 pub fn simulate_from_priors(
     model: &Model,
     inputs: Option<&Data>,
@@ -101,6 +101,10 @@ pub fn simulate_from_priors(
     seed: u64,
     mut proceed: impl FnMut(usize) -> ControlFlow<()>,
 ) -> Result<Simulated, MotesError> {
+    if model.priors().is_empty() {
+        let reason = "--prior: no parameter of the model has a prior, as in q = \"half_normal(1)\"";
+        return Err(MotesError::Setting(reason.to_string()));
+    }
     let plans = inputs.map_or_else(|| vec![Plan::Rows(steps); series], |inputs| plans_along(inputs, series));
     simulate_all(model, &plans, seed, &Parameters::Prior, &mut proceed)
 }
@@ -208,7 +212,7 @@ fn simulate_all(
     }
 }
 
-/// Draws `series` series of `steps` rows, or with the times and inputs of the first series of `data` where the model has such; those that run to numbers that are not finite are left out.
+/// Draws `series` series of `steps` rows, or with the times and inputs of the series of `data`, one after the other, where the model has such; those that run to numbers that are not finite are left out.
 ///
 /// # Errors
 /// [`MotesError::Simulation`] if none is left, and as [`simulate`].
@@ -220,11 +224,14 @@ pub(crate) fn simulate_some(
     seed: &Seed,
 ) -> Result<Simulated, MotesError> {
     let data = data.filter(|_| model.timeline().is_some());
-    let plan = data.map_or(Plan::Rows(steps), |data| Plan::Along(data, 0));
+    let plan = |number: usize| match data {
+        Some(data) => Plan::Along(data, number % data.series.len()),
+        None => Plan::Rows(steps),
+    };
     let mut drawn = Simulated { series: Vec::new(), rows: Vec::new(), parameters: Vec::new() };
     for number in 0..series {
         let mut stream = seed.nth(number as u64).stream();
-        match draw_one(model, plan, &mut stream, &mut || ControlFlow::Continue(())) {
+        match draw_one(model, plan(number), &mut stream, &mut || ControlFlow::Continue(())) {
             Ok(None) | Err(Failure::Model(_)) => {}
             Ok(Some((trajectory, rows))) => {
                 drawn.series.push(trajectory);
@@ -329,7 +336,7 @@ fn draw_rows(
     Ok(Some((trajectory, rows)))
 }
 
-/// The steps of a series of so many rows, with the times and inputs of the first series of `data` if there are any: those of many simulations at once.
+/// The steps of a series of so many rows, or those of all series of `data`, with their times and inputs: those of many simulations at once.
 ///
 /// # Errors
 /// [`MotesError::Timeline`] as [`simulate`], and [`MotesError::Setting`] if inputs are measurements, which each simulation has its own of.
@@ -348,13 +355,21 @@ pub(crate) fn schedule(
         );
         return Err(MotesError::Setting(reason));
     }
-    let plan = data.map_or(Plan::Rows(rows), |data| Plan::Along(data, 0));
-    let (mut course, mut stream) = (Course::of(model, plan), seed.child("inputs").stream());
-    let mut steps = Vec::new();
-    for _ in 0..plan.len() {
-        steps.extend(course.next(&mut stream).map_err(Failure::Timeline)?.steps);
+    let steps = |plan: Plan<'_>| -> Result<Vec<StepRecord>, MotesError> {
+        let (mut course, mut stream) = (Course::of(model, plan), seed.child("inputs").stream());
+        let mut steps = Vec::new();
+        for _ in 0..plan.len() {
+            steps.extend(course.next(&mut stream).map_err(Failure::Timeline)?.steps);
+        }
+        Ok(steps)
+    };
+    match data {
+        None => Ok(Schedule::endless(steps(Plan::Rows(rows))?)),
+        Some(data) => {
+            let sequences = (0..data.series.len()).map(|series| steps(Plan::Along(data, series)));
+            Ok(Schedule::of_sequences(sequences.collect::<Result<_, _>>()?))
+        }
     }
-    Ok(Schedule::new(steps))
 }
 
 /// The rows of a series, one after another.

@@ -137,7 +137,7 @@ fn estimate(paths: &SmoothedPaths, time: usize, n: usize) -> Estimate {
             quantiles: [quantiles[0], quantiles[1], quantiles[2]],
         }
     };
-    Estimate { state: (0..n).map(of_coordinate).collect(), ess: None, log_evidence: None }
+    Estimate::of_state((0..n).map(of_coordinate).collect())
 }
 
 impl From<SmoothingError> for MotesError {

@@ -4,7 +4,8 @@ use std::ops::ControlFlow;
 
 use motes_models::{Seed, Step};
 use motes_smc::{
-    EvidenceWarning, FilterError, FilterHistory, SmoothedPaths, SmoothingError, Verdict, WeightDiagnosis,
+    EvidenceWarning, FilterError, FilterHistory, Predictive, SmoothedPaths, SmoothingError, Verdict,
+    WeightDiagnosis,
 };
 
 use crate::estimate::Coordinate;
@@ -13,6 +14,14 @@ use crate::running_state::FilterState;
 /// A filter with the types of its model and proposal put aside.
 pub(crate) trait Steps: Send + Sync {
     fn step(&mut self, step: &Step<'_>, measurement: &[Option<f64>]) -> Result<(), FilterError>;
+    /// What is expected of the measurement that a step would take in, and where it lies in that.
+    fn measurement_ahead(
+        &self,
+        step: &Step<'_>,
+        measurement: &[Option<f64>],
+    ) -> Result<Vec<Predictive>, FilterError>;
+    /// What would be measured now, at the end of that step.
+    fn measurement(&self, step: &Step<'_>, measurement: &[Option<f64>]) -> Vec<Predictive>;
     /// What a bootstrap filter beside it says so far, if there is one.
     fn verdict(&self) -> Option<Verdict>;
     /// By how much that one's log-evidence is larger.

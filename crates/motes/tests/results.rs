@@ -48,12 +48,23 @@ fn the_table_has_the_columns_that_scripts_rely_on() {
     place.write("d.csv", "\u{feff}date,y,note\r\n\"1, may\",0.5,a\r\n2 may,NA,b\r\n");
     let table = place.printed(&["filter", "walk.toml", "d.csv", "--forecast", "2", "-q"]);
     let lines: Vec<&str> = table.lines().collect();
-    assert_eq!(lines[0], "date,t,x_mean,x_sd,x_q05,x_q50,x_q95,ess,log_evidence");
-    assert!(
-        lines[1].starts_with("\"1, may\",0,") && lines[2].starts_with("2 may,1,") && lines[2].ends_with(",0")
+    assert_eq!(
+        lines[0],
+        "date,t,x_mean,x_sd,x_q05,x_q50,x_q95,ess,log_evidence,y_mean,y_sd,y_q05,y_q50,y_q95"
     );
-    assert!(lines[3].starts_with(",2,") && lines[4].starts_with(",3,") && lines[4].ends_with(",,"));
+    assert!(lines[1].starts_with("\"1, may\",0,") && lines[1].ends_with(",,,,,"));
+    assert!(lines[2].starts_with("2 may,1,") && lines[2].ends_with(",0,,,,,"));
+    assert!(lines[3].starts_with(",2,") && lines[4].starts_with(",3,"));
+    let ahead: Vec<&str> = lines[4].split(',').collect();
+    assert!(ahead[7..9].iter().all(|cell| cell.is_empty()) && ahead[9..].iter().all(|cell| !cell.is_empty()));
     assert_eq!(lines.len(), 5);
+    let predicted = place.printed(&["filter", "walk.toml", "d.csv", "--predictive", "-q"]);
+    let rows: Vec<&str> = predicted.lines().collect();
+    assert_eq!(rows[0], "date,t,x_mean,x_sd,x_q05,x_q50,x_q95,ess,log_evidence,y_mean,y_sd,y_pit");
+    // Where nothing was measured there is no place, but what was expected.
+    let cells = |row: &str| row.rsplit(',').map(|cell| cell.parse().ok()).collect::<Vec<Option<f64>>>();
+    assert!(cells(rows[1])[..3].iter().all(Option::is_some), "{predicted}");
+    assert!(cells(rows[2])[0].is_none() && cells(rows[2])[1..3].iter().all(Option::is_some), "{predicted}");
     let smoothed = place.printed(&["smooth", "walk.toml", "d.csv", "-q"]);
     assert_eq!(smoothed.lines().next(), Some("date,t,x_mean,x_sd,x_q05,x_q50,x_q95"));
     let simulated = place.printed(&["simulate", "walk.toml", "--steps", "3", "--series", "2"]);
@@ -89,6 +100,11 @@ fn the_same_seed_gives_the_same_bytes_on_any_number_of_threads() {
     let run = |threads: &str, command: &str| {
         place.printed(&[command, "walk.toml", "d.csv", "--particles", "5000", "--threads", threads, "-q"])
     };
+    let predicted = |threads: &str| {
+        let more = ["--predictive", "--forecast", "3", "--particles", "5000", "--threads", threads, "-q"];
+        place.printed(&[&["filter", "walk.toml", "d.csv"], &more[..]].concat())
+    };
+    assert_eq!(predicted("1"), predicted("3"));
     assert_eq!(run("1", "filter"), run("3", "filter"));
     assert_eq!(run("1", "smooth"), run("3", "smooth"));
     let other = place.printed(&["filter", "walk.toml", "d.csv", "--particles", "5000", "--seed", "2", "-q"]);
@@ -104,13 +120,16 @@ fn a_series_does_not_depend_on_the_others_nor_on_their_order() {
     let [first, second] =
         ["a.csv", "b.csv"].map(|data| sorted(place.printed(&["filter", "walk.toml", data, "-q"])));
     assert_eq!(first, second);
-    let stream = |data: &str| {
-        let mut command = place.motes(&["filter", "walk.toml", "-", "-q"]);
+    let stream = |data: &str, more: &[&str]| {
+        let mut command = place.motes(&[&["filter", "walk.toml", "-", "-q"], more].concat());
         let input = std::fs::File::open(place.path(data)).unwrap();
         String::from_utf8(command.stdin(input).output().unwrap().stdout).unwrap()
     };
     // On-line the same numbers come, in the order of the rows.
-    assert_eq!(stream("b.csv"), place.printed(&["filter", "walk.toml", "b.csv", "-q"]));
+    for more in [&[][..], &["--predictive", "--forecast", "2"], &["--predictive", "--proposal", "exact"]] {
+        let whole = place.printed(&[&["filter", "walk.toml", "b.csv", "-q"], more].concat());
+        assert_eq!(stream("b.csv", more), whole);
+    }
 }
 
 #[test]

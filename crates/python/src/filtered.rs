@@ -11,10 +11,10 @@ use pyo3::types::PyBytes;
 
 use crate::data::Data;
 use crate::errors::{in_python, to_python};
-use crate::estimates::{States, states};
+use crate::estimates::{Expected, States, measurements, states};
 
 /// What errors call its bytes, and the version of these.
-const PACKED: (&str, u32) = ("a result of a filter", 2);
+const PACKED: (&str, u32) = ("a result of a filter", 3);
 
 /// The result of a filter, or of a smoother.
 #[pyclass(frozen, module = "motes._motes")]
@@ -90,10 +90,36 @@ impl Filtered {
         states(py, &all)
     }
 
+    /// What was expected of the measurements of each row, where it was asked for: means, standard deviations, quantiles and places.
+    fn predictive<'py>(&self, py: Python<'py>) -> Expected<'py> {
+        measurements(py, self.filtered.estimates.iter())
+    }
+
+    /// Whether that was asked for.
+    #[getter]
+    fn is_predictive(&self) -> bool {
+        self.filtered.estimates.iter().any(|estimate| !estimate.predictive.is_empty())
+    }
+
+    /// The same of the measurements that are predicted after each series, which have no places.
+    fn forecast_measurements<'py>(&self, py: Python<'py>) -> Expected<'py> {
+        measurements(py, self.filtered.forecasts.iter().flatten().map(|forecast| &forecast.estimate))
+    }
+
     /// The times of what is predicted, likewise.
     fn forecast_times<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         let times = self.filtered.forecasts.iter().flatten().map(|forecast| forecast.time);
         times.collect::<Vec<_>>().into_pyarray(py)
+    }
+
+    /// How many rows are predicted after each series.
+    fn forecast_counts(&self) -> Vec<usize> {
+        self.filtered.forecasts.iter().map(Vec::len).collect()
+    }
+
+    /// The times of what is predicted as they were given; none where they were not.
+    fn forecast_labels(&self) -> Option<Vec<String>> {
+        self.filtered.forecasts.iter().flatten().map(|forecast| forecast.label.clone()).collect()
     }
 
     /// The effective sample size of each row, in particles.
@@ -164,19 +190,19 @@ impl Filtered {
     /// The table that the command writes.
     fn csv(&self) -> String {
         let data = &self.data.get().0;
-        let has_weights = self.smoothed.is_none();
-        let table = EstimateTable::of_states(&self.names.states, &data.columns, has_weights);
-        match &self.smoothed {
-            Some((estimates, _)) => table.smoothed(data, estimates),
-            None => table.filtered(data, &self.filtered),
+        if let Some((estimates, _)) = &self.smoothed {
+            return EstimateTable::new(&self.names, &data.columns).smoothed(data, estimates);
         }
+        let has_forecasts = self.filtered.forecasts.iter().any(|forecasts| !forecasts.is_empty());
+        EstimateTable::of_filter(&self.names, &data.columns, self.is_predictive(), has_forecasts)
+            .filtered(data, &self.filtered)
     }
 
     /// What is predicted after each series as a table, with the label of each row in a column of that name if there are any.
     fn forecast_csv(&self, labels: Option<(String, Vec<String>)>) -> String {
         let data = &self.data.get().0;
         let (name, labels) = labels.map_or((None, Vec::new()), |(name, labels)| (Some(name), labels));
-        EstimateTable::of_forecasts(&self.names.states, &data.columns, name.as_deref()).forecasts(
+        EstimateTable::of_forecasts(&self.names, &data.columns, name.as_deref()).forecasts(
             data,
             &self.filtered,
             &labels,

@@ -7,7 +7,7 @@ use std::time::Instant;
 use motes::smc::SmoothedPaths;
 use motes::{
     Columns, CompareOptions, LearnOutcome, LearnedProposal, ProposalName, Smoothed, Table, check, designed,
-    filter, learn, log_evidence, simulate, simulate_along, smooth,
+    filter, learn, log_evidence, simulate, simulate_along, simulate_from_priors, smooth,
 };
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
@@ -181,8 +181,8 @@ impl Model {
         self.model.input_columns().to_vec()
     }
 
-    /// States, measurements, times and inputs of simulated series, flat: of `steps` rows, or at the times and with the inputs of data.
-    #[pyo3(signature = (steps, series, seed, inputs=None))]
+    /// Simulated series, flat, of `steps` rows or at the times and with the inputs of data; and the parameters of each that were drawn from their priors.
+    #[pyo3(signature = (steps, series, seed, inputs=None, prior=false))]
     fn simulate<'py>(
         &self,
         py: Python<'py>,
@@ -190,17 +190,20 @@ impl Model {
         series: i64,
         seed: i128,
         inputs: Option<&Bound<'_, Data>>,
-    ) -> PyResult<Simulated<'py>> {
+        prior: bool,
+    ) -> PyResult<(Simulated<'py>, Vec<Vec<(String, f64)>>)> {
         let steps = integer("steps", steps, 1, 1_000_000_000)?;
         let inputs = inputs.map(|data| &data.get().0);
         let series = integer("series", series, 1, 1_000_000_000)?;
         let seed = seed_of(seed)?;
         let ForCall { model, failure, .. } = self.for_simulations()?;
-        let drawn = without_lock(py, Some(1), &failure.stop, || match inputs {
-            Some(inputs) => simulate_along(&model, inputs, series, seed, |_| failure.asked()),
-            None => simulate(&model, steps, series, seed, |_| failure.asked()),
+        let drawn = without_lock(py, Some(1), &failure.stop, || match (prior, inputs) {
+            (true, inputs) => simulate_from_priors(&model, inputs, steps, series, seed, |_| failure.asked()),
+            (false, Some(inputs)) => simulate_along(&model, inputs, series, seed, |_| failure.asked()),
+            (false, None) => simulate(&model, steps, series, seed, |_| failure.asked()),
         })?;
-        Ok(flat(&failure.or(drawn)?).map(|values| values.into_pyarray(py)))
+        let drawn = failure.or(drawn)?;
+        Ok((flat(&drawn).map(|values| values.into_pyarray(py)), drawn.parameters))
     }
 
     /// What is as it should be, and what is not.

@@ -11,6 +11,7 @@ use pyo3::types::PyBytes;
 use self_cell::self_cell;
 
 use crate::call::ForCall;
+use crate::estimates::{Expected, measurements};
 use crate::functions::Failure;
 use crate::model::Model;
 use crate::options::FilterOptions;
@@ -35,13 +36,14 @@ pub(crate) struct Online {
     threads: Option<usize>,
 }
 
-/// What is known after a step: means, standard deviations, quantiles, the effective sample size and the log-evidence of the measurement.
+/// What is known after a step: means, standard deviations, quantiles, the effective sample size and the log-evidence of the measurement; and what was expected of it.
 type Known<'py> = (
     Bound<'py, PyArray1<f64>>,
     Bound<'py, PyArray1<f64>>,
     Bound<'py, PyArray1<f64>>,
     Option<f64>,
     Option<f64>,
+    Expected<'py>,
 );
 
 #[pymethods]
@@ -186,6 +188,7 @@ impl Online {
             self.failure.stop.withdraw();
         })?;
         let (means, sds, quantiles) = crate::estimates::states(py, std::slice::from_ref(&estimate));
-        Ok((means, sds, quantiles, estimate.ess, estimate.log_evidence))
+        let expected = measurements(py, std::iter::once(&estimate));
+        Ok((means, sds, quantiles, estimate.ess, estimate.log_evidence, expected))
     }
 }

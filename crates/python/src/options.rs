@@ -1,10 +1,13 @@
 //! What a filter is made with.
 
+use std::sync::Arc;
+
 use motes::ProposalName;
 use motes::smc::Resampling;
 use pyo3::prelude::*;
 
 use crate::arguments::{integer, seed_of, share_of, threads_of};
+use crate::data::Data;
 use crate::errors::refused;
 use crate::learned::Proposal;
 
@@ -41,7 +44,7 @@ impl ProposalArgument<'_> {
 impl FilterOptions {
     /// What is not given is as in the command.
     #[new]
-    #[pyo3(signature = (*, proposal=None, particles=None, defensive=None, resample_below=None, resampling=None, seed=None, check=None, threads=None, forecast=None))]
+    #[pyo3(signature = (*, proposal=None, particles=None, defensive=None, resample_below=None, resampling=None, seed=None, check=None, threads=None, forecast=None, predictive=None, ahead=None))]
     #[expect(clippy::too_many_arguments, reason = "each is an argument of the Python function with its name")]
     fn new(
         proposal: Option<ProposalArgument<'_>>,
@@ -53,6 +56,8 @@ impl FilterOptions {
         check: Option<bool>,
         threads: Option<i64>,
         forecast: Option<i64>,
+        predictive: Option<bool>,
+        ahead: Option<&Bound<'_, Data>>,
     ) -> PyResult<Self> {
         let mut options = motes::FilterOptions::default();
         if let Some(proposal) = proposal {
@@ -90,6 +95,8 @@ impl FilterOptions {
         if let Some(times) = forecast {
             options.forecast = integer("forecast", times, 0, 1_000_000)?;
         }
+        options.predictive = predictive.unwrap_or_default();
+        options.ahead = ahead.map(|ahead| Arc::new(ahead.get().0.clone()));
         Ok(FilterOptions { options, threads: threads_of(threads)? })
     }
 }

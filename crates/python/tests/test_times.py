@@ -65,3 +65,63 @@ def test_series_are_told_apart_by_any_column():
     filtered = motes.Model({"series": {"by": "animal"}, **walk}).filter(animals, proposal="exact")
     assert filtered.series_names == ["a", "b"]
     assert filtered.log_evidence == pytest.approx(-3.795256, abs=1e-6)
+
+
+def test_measurements_are_predicted_one_step_ahead():
+    model = motes.Model(DRIVEN)
+    plain = model.filter(ROWS, proposal="exact")
+    with pytest.raises(ValueError, match="predictive: nobody asked for it"):
+        plain.pit
+    found = model.filter(ROWS, proposal="exact", predictive=True)
+    assert found.predictive_mean[:, 0] == pytest.approx([0.0, 0.5, 3.5])
+    assert found.predictive_sd[:, 0] == pytest.approx(np.sqrt([0.04, 0.045, 0.06]))
+    assert np.isnan(found.pit[1, 0]) and found.pit[0, 0] == pytest.approx(0.6914625, abs=1e-6)
+    header = found.to_csv().splitlines()[0].split(",")
+    assert header[-3:] == ["y_mean", "y_sd", "y_pit"] and "y_pit" not in plain.to_csv()
+    online = model.online(proposal="exact", predictive=True)
+    for row, (hours, u, w, y) in enumerate(zip(*ROWS.values(), strict=True)):
+        online.step([y], time=hours, inputs={"u": u, "w": w})
+        assert online.measurement_mean[0] == found.predictive_mean[row, 0]
+        assert np.array_equal(online.pit, found.pit[row], equal_nan=True)
+    assert "pit" in found.to_html()
+    pandas = pytest.importorskip("pandas")
+    table = found.to_pandas()
+    assert isinstance(table, pandas.DataFrame) and list(table.columns) == header
+
+
+def test_forecasts_take_times_and_inputs():
+    model = motes.Model(DRIVEN)
+    ahead = {"hours": [3.0, 5.0], "u": [0.5, 0.0], "w": [0.0, 0.0]}
+    found = model.forecast(ROWS, inputs=ahead, proposal="exact")
+    assert found.time.tolist() == [[3.0, 5.0]]
+    # The last row says u = 0 for the first gap.
+    rise = found.mean[0, :, 0] - found.filtered.mean[-1, 0]
+    assert rise == pytest.approx([0.0, 1.0])
+    assert found.measurement_mean[0, :, 0] == pytest.approx(found.mean[0, :, 0])
+    assert found.measurement_sd[0, :, 0] == pytest.approx(np.sqrt(found.sd[0, :, 0] ** 2 + 0.04))
+    assert found.measurement_quantiles.shape == (1, 2, 1, 3)
+    lines = [line.split(",") for line in found.to_csv().splitlines()]
+    assert lines[0][-5:] == ["y_mean", "y_sd", "y_q05", "y_q50", "y_q95"]
+    assert [float(line[0]) for line in lines[1:]] == [3.0, 5.0]
+    with pytest.raises(ValueError, match="steps: either how many times are predicted"):
+        model.forecast(ROWS)
+    with pytest.raises(ValueError, match="5 comes after 6"):
+        model.forecast(ROWS, inputs={**ahead, "hours": [6.0, 5.0]})
+
+
+def test_parameters_are_drawn_from_their_priors():
+    walk = {
+        "parameters": {"q": "half_normal(1)"},
+        "initial": {"x": "normal(0, 1)"},
+        "transition": {"x": "normal(x, q)"},
+        "measurement": {"y": "normal(x, 1)"},
+    }
+    drawn = motes.Model(walk).simulate(4, series=3, prior=True)
+    assert len(set(drawn.parameters["q"].tolist())) == 3
+    assert motes.Model(walk).simulate(4).parameters == {}
+    known = {**walk, "parameters": {"q": 1.0}}
+    with pytest.raises(ValueError, match="prior: no parameter of the model has a prior"):
+        motes.Model(known).simulate(4, prior=True)
+    pandas = pytest.importorskip("pandas")
+    table = drawn.to_pandas()
+    assert isinstance(table, pandas.DataFrame) and table.groupby("series")["q"].nunique().tolist() == [1, 1, 1]

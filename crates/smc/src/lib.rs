@@ -18,6 +18,7 @@ mod filter_snapshot;
 mod fixed_lag;
 mod memory;
 mod parallel;
+mod predictive;
 mod proposal;
 mod proposal_error;
 mod proposals;
@@ -41,6 +42,7 @@ pub use filter_snapshot::FilterSnapshot;
 pub use fixed_lag::FixedLagSmoother;
 pub use memory::{MemoryRows, ParticleMemory};
 pub use motes_models::batch::{Rows, particles_by_stream};
+pub use predictive::Predictive;
 pub use proposal::{Conditional, Context, Proposal};
 pub use proposal_error::ProposalError;
 pub use proposals::{

@@ -18,6 +18,7 @@ mod priors;
 mod random_formulas;
 mod refusals;
 mod refused;
+mod schedule;
 mod support;
 mod vectors;
 mod wrapped;

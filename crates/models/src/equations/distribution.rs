@@ -252,6 +252,23 @@ impl Distribution<f64> {
         of_family!(*self, family => family.value_at(v))
     }
 
+    /// Mean and variance; NaN where the mean, or the variance, is none or infinite.
+    pub(super) fn mean_and_variance(&self) -> [f64; 2] {
+        let [mean, variance] = self.moments();
+        match self {
+            Distribution::StudentT(StudentT { df, .. }) if *df <= 1.0 => [f64::NAN; 2],
+            Distribution::StudentT(StudentT { df, .. }) if *df <= 2.0 => [mean, f64::NAN],
+            _ => [mean, variance],
+        }
+    }
+
+    /// `P(X < x)` and `P(X = x)`; NaN where a parameter is out of range.
+    pub(super) fn place(&self, x: f64) -> [f64; 2] {
+        let at = if self.is_discrete() { self.log_density(x).exp() } else { 0.0 };
+        let up_to = self.log_mass(f64::NEG_INFINITY, x).exp();
+        [if at > 0.0 { (up_to - at).max(0.0) } else { up_to }, at]
+    }
+
     /// `T(v)` and `log T′(v)`.
     pub(super) fn transport(&self, v: f64) -> [f64; 2] {
         of_family!(*self, family => family.transport(v))

@@ -1,8 +1,11 @@
 //! What states its equations is a state-space model.
 
+use std::slice::from_mut;
+
 use super::advance::make_state;
 use super::distribution::Distribution;
 use super::lanes::Lanes;
+use super::marginals::Marginals;
 use super::noise_space::NoiseSpace;
 use super::sample::{draw_measurements, draw_states, needs_of_draws, needs_of_measurement};
 use super::scalar::Scalar;
@@ -10,7 +13,8 @@ use super::statement::{Coordinates, Draws, Equations};
 use super::tiles::{rows_of, rows_of_mut};
 use super::wrapped::Wrapped;
 use crate::batch::{LANES, Rows, by_widest_vectors, load, with_scratch};
-use crate::{ModelError, Simulator, StateSpaceModel, Step, Stream, TransitionDensity};
+use crate::marginal::by_draws;
+use crate::{Marginal, ModelError, Simulator, StateSpaceModel, Step, Stream, TransitionDensity};
 
 /// Answers draws with given values, and adds up their log densities; NaN where there are more or fewer draws than values.
 #[derive(Debug)]
@@ -266,5 +270,22 @@ impl<E: Equations> Simulator for E {
                 self.measurement(step, state, sink);
             });
         });
+    }
+
+    /// By plain numbers: it is asked for once a row of data.
+    fn marginals(
+        &self,
+        step: &Step<'_>,
+        states: &[f64],
+        measurement: &[Option<f64>],
+        stream: &mut Stream,
+        out: &mut [Marginal],
+    ) {
+        let [n, m] = self.dimensions();
+        let end = step.end(self.inputs().len());
+        by_draws(measurement, out, |drawn| self.sample_measurements(step, states, from_mut(stream), drawn));
+        for (state, out) in states.chunks_exact(n).zip(out.chunks_exact_mut(m)) {
+            self.measurement(&end, state, &mut Marginals::of(measurement, out));
+        }
     }
 }

@@ -3,6 +3,7 @@
 mod circle;
 mod logs;
 mod mass;
+mod moments;
 mod sample;
 mod score;
 

@@ -1,8 +1,10 @@
 //! Times as they are written: numbers, dates, months and quarters.
 
 mod label;
+mod marks;
 mod numbers;
 
 pub(crate) use label::{Time, months};
+pub(crate) use marks::{days_of, marks};
 pub use numbers::NoTime;
 pub(crate) use numbers::time_of;

@@ -160,6 +160,7 @@ impl FilterSettingsArgs {
             resample_below: self.resample_below,
             resampling: self.resampling,
             seed,
+            predictive: false,
             forecast,
             ahead: None,
             check: !self.no_check,
@@ -214,7 +215,10 @@ pub(super) struct FilterArgs {
     pub(super) fitted: FittedArgs,
     #[command(flatten)]
     pub(super) settings: FilterSettingsArgs,
-    /// Predict the states of so many times after the last measurement
+    /// Predict each measurement from those before it: columns with its mean, its standard deviation, and the place of what was measured (pit), which is uniform between 0 and 1 where the model is right
+    #[arg(long)]
+    pub(super) predictive: bool,
+    /// Predict the states and measurements of so many times after the last measurement
     #[arg(long, value_name = "H", allow_negative_numbers = true, default_value = "0", value_parser = integer(0..=1_000_000_usize))]
     pub(super) forecast: usize,
     /// Times and inputs of the rows after the last one, which are predicted: a CSV file with the columns that the model's [time] and [inputs] name

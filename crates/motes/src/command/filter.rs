@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use motes::output::{EstimateTable, Output, filter_json, filter_summary};
-use motes::{Data, FilterOptions, filter, on_threads};
+use motes::{Data, FilterOptions, ModelNames, filter, on_threads};
 use motes_cli::{Interrupt, status};
 
 use super::args::FilterArgs;
@@ -28,13 +28,18 @@ pub(super) fn run(args: &FilterArgs, interrupt: &Interrupt) -> Result<u8, Failur
     };
     let ahead = args.inputs.as_ref().map(|path| Data::open_inputs(path, &model)).transpose()?;
     let options = args.settings.options(&model, args.model.seed, args.forecast)?;
-    let options = FilterOptions { ahead: ahead.map(Arc::new), ..options };
-    if args.data == Path::new("-") {
-        if matches!(parametrised, Parametrised::Draws(_)) {
-            let line =
-                "--parameters: rows that come one by one are filtered at one point alone; take --at mean";
-            return Err(Failure::new(2, line));
+    let options = FilterOptions { ahead: ahead.map(Arc::new), predictive: args.predictive, ..options };
+    if matches!(parametrised, Parametrised::Draws(_)) {
+        let alone = match (args.data == Path::new("-"), args.predictive) {
+            (true, _) => Some("--parameters: rows that come one by one are filtered at one point alone"),
+            (_, true) => Some("--predictive: what was expected of a measurement is said at one point alone"),
+            _ => None,
+        };
+        if let Some(line) = alone {
+            return Err(Failure::new(2, format!("{line}; take --at mean")));
         }
+    }
+    if args.data == Path::new("-") {
         return Ok(on_threads(args.model.threads, || stream::run(args, &model, &options, interrupt))??);
     }
     let data = Data::open(&args.data, &model)?;
@@ -63,7 +68,8 @@ pub(super) fn run(args: &FilterArgs, interrupt: &Interrupt) -> Result<u8, Failur
     let filtered = filtered??;
     let seconds = start.elapsed().as_secs_f64();
     if let Some(output) = args.output.table() {
-        let table = EstimateTable::new(&model, &data.columns, true);
+        let (names, has_forecasts) = (ModelNames::from(&model), options.has_forecasts());
+        let table = EstimateTable::of_filter(&names, &data.columns, options.predictive, has_forecasts);
         write(&output, &table.filtered(&data, &filtered))?;
     }
     if let Some(path) = &args.output.report {

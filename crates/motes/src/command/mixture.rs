@@ -38,7 +38,11 @@ pub(super) fn run(asked: &Asked<'_>, interrupt: &Interrupt) -> Result<u8, Failur
     let mixed = mixed(asked, &models, interrupt)?;
     let seconds = start.elapsed().as_secs_f64();
     if let Some(output) = asked.output.table() {
-        let table = EstimateTable::new(asked.model, &asked.data.columns, asked.paths.is_none());
+        let (names, columns) = (ModelNames::from(asked.model), &asked.data.columns);
+        let table = match asked.paths {
+            None => EstimateTable::of_filter(&names, columns, false, asked.options.has_forecasts()),
+            Some(_) => EstimateTable::new(&names, columns),
+        };
         write(&output, &table.mixed(asked.data, &mixed))?;
     }
     if let Some(path) = &asked.output.report {

@@ -24,10 +24,6 @@ pub(super) fn run(args: &SimulateArgs, interrupt: &Interrupt) -> Result<u8, Fail
     let inputs = args.inputs.as_ref().map(|path| Data::open_inputs(path, &model)).transpose()?;
     let count = args.series * inputs.as_ref().map_or(1, |inputs| inputs.series.len());
     let mut progress = Progress::new(count, args.model.quiet);
-    if args.prior && model.priors().is_empty() {
-        let reason = "--prior: no parameter of the model has a prior, as in q = \"half_normal(1)\"";
-        return Err(MotesError::Setting(reason.to_string()).into());
-    }
     if !args.prior && draws.is_none() {
         warn(of_starts(&model).as_slice(), args.model.quiet, false);
     }

@@ -53,7 +53,7 @@ pub(super) fn run(args: &SmoothArgs, interrupt: &Interrupt) -> Result<u8, Failur
     let smoothed = smoothed??;
     let seconds = start.elapsed().as_secs_f64();
     if let Some(output) = args.output.table() {
-        let table = EstimateTable::new(&model, &data.columns, false);
+        let table = EstimateTable::new(&ModelNames::from(&model), &data.columns);
         write(&output, &table.smoothed(&data, &smoothed.estimates))?;
     }
     if let Some(path) = &args.output.report {

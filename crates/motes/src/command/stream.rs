@@ -4,8 +4,8 @@ use std::time::Instant;
 
 use motes::output::{EstimateTable, Output, Sink, filter_json, filter_summary};
 use motes::{
-    Clock, Counted, Data, DataError, Estimate, FilterOptions, Model, MotesError, Row, RowOrder, Rows,
-    Running, SeriesTally, Tally, TimeLabel, Warning, of_proposal, of_starts, rows_ahead,
+    Clock, Counted, Data, DataError, Estimate, FilterOptions, Model, ModelNames, MotesError, Row, RowOrder,
+    Rows, Running, SeriesTally, Tally, TimeLabel, Warning, of_proposal, of_starts, rows_ahead,
 };
 use motes_cli::{Interrupt, status};
 
@@ -33,7 +33,8 @@ pub(super) fn run(
     let of_input = |error: DataError| stopped(error.into(), interrupt);
     let mut rows = Rows::new(Standard::new(interrupt), STANDARD, model).map_err(of_input)?;
     say_ignored(rows.columns(), args.model.quiet);
-    let table = EstimateTable::new(model, rows.columns(), true);
+    let (names, has_forecasts) = (ModelNames::from(model), options.has_forecasts());
+    let table = EstimateTable::of_filter(&names, rows.columns(), options.predictive, has_forecasts);
     let mut answers = Answers::to(args.output.table())?;
     answers.say(&table.header())?;
     let mut series: Vec<Series<'_>> = Vec::new();
@@ -94,9 +95,10 @@ pub(super) fn run(
         let mut forecast = Vec::new();
         for row in rows_ahead(options, named) {
             let ahead = running.predict_by(clock, row)?;
-            answers.say(&table.row(name, None, ahead.time, &ahead.estimate))?;
+            answers.say(&table.row(name, ahead.label.as_deref(), ahead.time, &ahead.estimate))?;
             forecast.push(ahead);
         }
+        tally.warn(running.forecast_warning(named));
         forecasts.push(forecast);
     }
     answers.finish()?;

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::error::DataError;
-use crate::estimate::{OF_COORDINATE, OF_WEIGHTS};
+use crate::estimate::{OF_COORDINATE, OF_MEASUREMENT, OF_WEIGHTS};
 use crate::model::Model;
 
 /// The place of each column that is used.
@@ -102,7 +102,7 @@ impl Columns {
             is_measured(&names[at]) || states.contains(&names[at]) || inputs.contains(&at) || is_time(at)
         };
         let carried = clock.or(first).filter(|&at| !is_known(at));
-        if let Some(column) = carried.map(|at| &names[at]).filter(|name| is_result(name, states)) {
+        if let Some(column) = carried.map(|at| &names[at]).filter(|name| is_result(name, model)) {
             return Err(DataError::ColumnOfResults { header: place.into(), column: column.clone() });
         }
         let used = |at: usize| {
@@ -144,6 +144,11 @@ impl Columns {
         &self.inputs
     }
 
+    /// Their names, in that order.
+    pub fn input_names(&self) -> Vec<&str> {
+        self.inputs.iter().map(|at| self.names[*at].as_str()).collect()
+    }
+
     /// The name of the column that is carried to the output.
     pub fn carried(&self) -> Option<&str> {
         self.carried.map(|at| self.names[at].as_str())
@@ -151,12 +156,14 @@ impl Columns {
 }
 
 /// Whether tables of results have a column of this name beside the carried one.
-fn is_result(name: &str, states: &[String]) -> bool {
-    let of_state = |state: &String| {
-        let figure = name.strip_prefix(state.as_str()).and_then(|rest| rest.strip_prefix('_'));
-        figure.is_some_and(|figure| OF_COORDINATE.contains(&figure))
+fn is_result(name: &str, model: &Model) -> bool {
+    let is_of = |coordinate: &String, figures: &[&str]| {
+        let figure = name.strip_prefix(coordinate.as_str()).and_then(|rest| rest.strip_prefix('_'));
+        figure.is_some_and(|figure| figures.contains(&figure))
     };
-    OF_WEIGHTS.contains(&name) || states.iter().any(of_state)
+    OF_WEIGHTS.contains(&name)
+        || model.states().iter().any(|state| is_of(state, &OF_COORDINATE))
+        || model.measurements().iter().any(|measured| is_of(measured, &OF_MEASUREMENT))
 }
 
 /// In how many places two names differ, capitals aside.

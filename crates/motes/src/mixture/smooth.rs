@@ -56,7 +56,7 @@ pub fn smooth_draws(
             let variance = of.values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / count;
             mixed(&[&AtDraw { mean, sd: variance.sqrt(), values: of.values.clone() }])
         };
-        Estimate { state: row.iter().map(coordinate).collect(), ess: None, log_evidence: None }
+        Estimate::of_state(row.iter().map(coordinate).collect())
     };
     let estimates = rows.iter().map(estimate).collect();
     Ok(Mixed { estimates, forecasts: vec![], draws: draws.len(), warnings })

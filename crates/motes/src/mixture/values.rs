@@ -1,5 +1,7 @@
 //! A coordinate of a mixture, of what is known of it at each draw.
 
+use motes_models::equations::uniform;
+
 use crate::estimate::{Coordinate, PROBABILITIES};
 
 /// The quantiles of each draw that stand for its distribution: in the middles of intervals of equal probability.
@@ -8,6 +10,17 @@ const POINTS: usize = 40;
 /// Their probabilities.
 pub(super) fn probabilities() -> Vec<f64> {
     (0..POINTS).map(|at| (at as f64 + 0.5) / POINTS as f64).collect()
+}
+
+/// Values of equal weight of a distribution of which the quantiles at 5, 50 and 95 % are known: in between, and beyond, they go on as those of normal distributions.
+pub(super) fn of_quantiles([low, middle, high]: [f64; 3]) -> Vec<f64> {
+    let standard = uniform(0.0, 1.0);
+    let end = standard.to_normal(PROBABILITIES[2]);
+    let at = |probability: f64| {
+        let z = standard.to_normal(probability) / end;
+        middle + z.abs() * if z < 0.0 { low - middle } else { high - middle }
+    };
+    probabilities().into_iter().map(at).collect()
 }
 
 /// A coordinate at one draw.

@@ -1,11 +1,14 @@
 //! Tables of estimates and of simulated series.
 
+use motes_smc::Predictive;
+
 use super::number::text;
 use crate::data::{Columns, Data, Row};
-use crate::estimate::{Coordinate, Estimate, OF_COORDINATE, OF_WEIGHTS};
+use crate::estimate::{Coordinate, Estimate, OF_COORDINATE, OF_MEASUREMENT, OF_WEIGHTS};
 use crate::filtered::Filtered;
 use crate::mixture::Mixed;
 use crate::model::Model;
+use crate::names::ModelNames;
 use crate::simulating::Simulated;
 
 /// A table of estimates: its header and its rows, each a line that ends.
@@ -14,33 +17,51 @@ pub struct EstimateTable {
     series: Option<String>,
     carried: Option<String>,
     states: Vec<String>,
-    /// Whether rows end with the effective sample size and the log-evidence.
+    /// Whether rows have the effective sample size and the log-evidence.
     has_weights: bool,
+    measurements: Vec<String>,
+    /// The figures of each measurement that is expected, by their places in [`OF_MEASUREMENT`]; none where nothing is said of it.
+    of_measurement: Vec<usize>,
 }
 
 impl EstimateTable {
-    /// That of a model's states for data with such columns; a filter's has weights, a smoother's none.
-    pub fn new(model: &Model, columns: &Columns, has_weights: bool) -> Self {
-        EstimateTable::of_states(model.states(), columns, has_weights)
-    }
-
-    /// The same by the states' names.
-    pub fn of_states(states: &[String], columns: &Columns, has_weights: bool) -> Self {
+    /// That of a model's states for data with such columns: a smoother's.
+    pub fn new(names: &ModelNames, columns: &Columns) -> Self {
         EstimateTable {
             series: columns.series().map(String::from),
             carried: columns.carried().map(String::from),
-            states: states.to_vec(),
-            has_weights,
+            states: names.states.clone(),
+            has_weights: false,
+            measurements: names.measurements.clone(),
+            of_measurement: vec![],
+        }
+    }
+
+    /// That of a filter: with what weights say, and with what is expected of measurements, one step ahead or in forecasts, as far as it is there.
+    pub fn of_filter(
+        names: &ModelNames,
+        columns: &Columns,
+        is_predictive: bool,
+        has_forecasts: bool,
+    ) -> Self {
+        let is_shown = |at: &usize| match at {
+            0 | 1 => is_predictive || has_forecasts,
+            2..=4 => has_forecasts,
+            _ => is_predictive,
+        };
+        EstimateTable {
+            has_weights: true,
+            of_measurement: (0..OF_MEASUREMENT.len()).filter(is_shown).collect(),
+            ..EstimateTable::new(names, columns)
         }
     }
 
     /// That of what is predicted after the last measurements, whose rows are labelled in a column of that name if there is one.
-    pub fn of_forecasts(states: &[String], columns: &Columns, label: Option<&str>) -> Self {
+    pub fn of_forecasts(names: &ModelNames, columns: &Columns, label: Option<&str>) -> Self {
         EstimateTable {
-            series: columns.series().map(String::from),
             carried: label.map(String::from),
-            states: states.to_vec(),
             has_weights: false,
+            ..EstimateTable::of_filter(names, columns, false, true)
         }
     }
 
@@ -54,6 +75,9 @@ impl EstimateTable {
         }
         if self.has_weights {
             cells.extend(OF_WEIGHTS.map(String::from));
+        }
+        for name in &self.measurements {
+            cells.extend(self.of_measurement.iter().map(|at| format!("{name}_{}", OF_MEASUREMENT[*at])));
         }
         line(&cells)
     }
@@ -77,6 +101,10 @@ impl EstimateTable {
                 [estimate.ess, estimate.log_evidence].map(|value| value.map(text).unwrap_or_default()),
             );
         }
+        for entry in 0..self.measurements.len() {
+            let figures = estimate.predictive.get(entry).map_or([f64::NAN; 6], figures);
+            cells.extend(self.of_measurement.iter().map(|at| text_or_nothing(figures[*at])));
+        }
         line(&cells)
     }
 
@@ -88,7 +116,8 @@ impl EstimateTable {
         }
         for (series, forecasts) in filtered.forecasts.iter().enumerate() {
             for forecast in forecasts {
-                table += &self.row(&data.series[series], None, forecast.time, &forecast.estimate);
+                let label = forecast.label.as_deref();
+                table += &self.row(&data.series[series], label, forecast.time, &forecast.estimate);
             }
         }
         table
@@ -99,7 +128,8 @@ impl EstimateTable {
         let mut table = self.smoothed(data, &mixed.estimates);
         for (series, forecasts) in mixed.forecasts.iter().enumerate() {
             for forecast in forecasts {
-                table += &self.row(&data.series[series], None, forecast.time, &forecast.estimate);
+                let label = forecast.label.as_deref();
+                table += &self.row(&data.series[series], label, forecast.time, &forecast.estimate);
             }
         }
         table
@@ -155,6 +185,12 @@ pub fn simulated_table(model: &Model, simulated: &Simulated) -> String {
         }
     }
     table
+}
+
+/// What is expected of a measurement, in the order of [`OF_MEASUREMENT`]; NaN where there is none.
+fn figures(predictive: &Predictive) -> [f64; 6] {
+    let Predictive { mean, sd, quantiles: [low, middle, high], pit } = *predictive;
+    [mean, sd, low, middle, high, pit.unwrap_or(f64::NAN)]
 }
 
 /// A number, or an empty cell where there is none.

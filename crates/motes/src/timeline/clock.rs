@@ -242,8 +242,14 @@ impl Clock {
         values: &mut Vec<f64>,
     ) -> Result<(), TimelineError> {
         for (number, input) in timeline.model.inputs().iter().enumerate() {
-            let is_used = timeline.model.input_use(number).measurement && !self.is_ahead;
-            values.push(if is_used { self.value(timeline, number, input, moment)? } else { 0.0 });
+            let is_used = timeline.model.input_use(number).measurement;
+            let value = is_used.then(|| self.value(timeline, number, input, moment));
+            values.push(match value {
+                // Nothing is measured yet: only a forecast of the measurement lacks it.
+                Some(Err(_)) if self.is_ahead => f64::NAN,
+                Some(value) => value?,
+                None => 0.0,
+            });
         }
         values.extend(timeline.model.resets().iter().map(|_| 1.0));
         Ok(())

@@ -82,6 +82,8 @@ class FilterSettings(TypedDict, total=False):
     #: Whether small filters run beside it, and a bootstrap filter beside any other proposal: they give the log-evidence its standard
     #: error, and warn where it cannot be trusted.
     check: bool
+    #: Whether each measurement is predicted from those before it: then results have `predictive_mean`, `predictive_sd` and `pit`.
+    predictive: bool
     #: All that the machine has if None.
     threads: int | None
 
@@ -117,6 +119,7 @@ class Simulated:
         inputs: dict[str, np.ndarray],
         names: tuple[list[str], list[str]],
         columns: tuple[str, str],
+        parameters: dict[str, np.ndarray],
     ):
         #: States, `(S, T, N)`.
         self.states = states
@@ -126,10 +129,12 @@ class Simulated:
         self.time = time
         #: The columns that inputs come from, by name, `(S, T)` each.
         self.inputs = inputs
+        #: The parameters that were drawn for each series from their priors, by name, `(S,)` each; none where they were not.
+        self.parameters = parameters
         self._names, self._columns = names, columns
 
     def to_pandas(self) -> Any:
-        """A data frame of pandas with the columns series, the times, the inputs, the states and the measurements: data for `Model.filter`."""
+        """A data frame of pandas with the columns series, the times, the inputs, the states, the measurements and the parameters that were drawn: data for `Model.filter`."""
         from .results import _module
 
         pandas = _module("pandas", "to_pandas")
@@ -138,6 +143,7 @@ class Simulated:
         columns.update({name: values.reshape(-1) for name, values in self.inputs.items()})
         for names, values in zip(self._names, (self.states, self.measurements), strict=True):
             columns.update({name: values[:, :, at].reshape(-1) for at, name in enumerate(names)})
+        columns.update({name: np.repeat(values, steps) for name, values in self.parameters.items()})
         return pandas.DataFrame(columns)
 
     def __repr__(self) -> str:
@@ -163,6 +169,14 @@ class OnlineFilter:
         self.ess: float | None = None
         #: The estimate of `log p(y_t | y_0 … y_{t−1})` of the last step.
         self.log_evidence_increment: float | None = None
+        #: What was expected of the measurement before it was used, `(M,)`, where the filter was made with `predictive=True`; after `predict`, what is expected then.
+        self.measurement_mean = np.full(self._width, np.nan)
+        #: Its standard deviation, `(M,)`.
+        self.measurement_sd = self.measurement_mean.copy()
+        #: Its quantiles at 5, 50 and 95 %, `(M, 3)`.
+        self.measurement_quantiles = np.full((self._width, 3), np.nan)
+        #: Where the measurement lay in that, `P(Y < y) + P(Y = y)/2`, `(M,)`; NaN where it was missing.
+        self.pit = self.measurement_mean.copy()
 
     def step(
         self, measurement: Any, *, time: Any = None, inputs: Mapping[str, float] | None = None
@@ -237,8 +251,14 @@ class OnlineFilter:
         return made
 
     def _known(self, known: tuple[Any, ...]) -> "OnlineFilter":
-        self.mean, self.sd, quantiles, self.ess, self.log_evidence_increment = known
+        self.mean, self.sd, quantiles, self.ess, self.log_evidence_increment, expected = known
         self.quantiles = quantiles.reshape(-1, 3)
+        # Nothing is expected where nobody asked.
+        self.measurement_mean, self.measurement_sd, quantiles, self.pit = (
+            values if len(values) > 0 else np.full(size, np.nan)
+            for values, size in zip(expected, (self._width, self._width, 3 * self._width, self._width), strict=True)
+        )
+        self.measurement_quantiles = quantiles.reshape(-1, 3)
         return self
 
 
@@ -321,8 +341,12 @@ class Model:
 
         return f"<pre>{_escaped(repr(self))}</pre>"
 
-    def simulate(self, steps: int | None = None, series: int = 1, *, seed: int = 1, inputs: Any = None) -> Simulated:
+    def simulate(
+        self, steps: int | None = None, series: int = 1, *, seed: int = 1, inputs: Any = None, prior: bool = False
+    ) -> Simulated:
         """Draws `series` series of `steps` rows, or at the times and with the inputs of `inputs`: a file, a data frame, or a dict of columns.
+
+        With `prior`, parameters that have one are drawn anew for each series.
 
         >>> import motes
         >>> walk = {"initial": {"x": "normal(0, 1)"}, "transition": {"x": "normal(x, 1)"}, "measurement": {"y": "normal(x, 1)"}}
@@ -332,7 +356,7 @@ class Model:
         if (steps is None) == (inputs is None):
             raise ValueError("steps: either how many rows a series has, or inputs with their times; one of the two is needed")
         along = None if inputs is None else inputs_of(self._model, inputs)
-        flat = self._model.simulate(1 if steps is None else steps, series, seed, along)
+        flat, drawn = self._model.simulate(1 if steps is None else steps, series, seed, along, prior)
         rows = len(flat[2])
         if steps is None:
             steps = rows // series
@@ -346,6 +370,7 @@ class Model:
             {name: known[..., at] for at, name in enumerate(columns) if name not in self.measurements},
             (self.states, self.measurements),
             (self._model.series_column, self._model.time_column or "t"),
+            {name: np.array([dict(one)[name] for one in drawn]) for name, _ in (drawn[0] if drawn else [])},
         )
 
     def check(self, data: Any = None, *, seed: int = 1) -> tuple[list[str], list[str]]:
@@ -363,7 +388,7 @@ class Model:
         measurements, `series`, `t`, and a first column of another name that is carried along; or the path of a CSV file.
         NaN and None are missing.
 
-        `settings` are `proposal`, `particles`, `defensive`, `resample_below`, `resampling`, `seed`, `check` and `threads`;
+        `settings` are `proposal`, `particles`, `defensive`, `resample_below`, `resampling`, `seed`, `check`, `predictive` and `threads`;
         `FilterSettings` says what they are. What is not given is as in the command `motes filter`. The same seed gives
         the same bytes there, and on any number of threads.
 
@@ -391,23 +416,30 @@ class Model:
         True
         """
         rows = data_of(self._model, data)
-        found, impossible = self._model.log_evidence(rows.found, _options(settings, check=False))
+        found, impossible = self._model.log_evidence(rows.found, _options(settings, check=False, predictive=False))
         if impossible is not None:
             warn(impossible)
         return found
 
-    def forecast(self, data: Any, steps: int, **settings: Unpack[FilterSettings]) -> Forecast:
-        """Predicts the states of `steps` times after the last measurement of each series; settings are those of `filter`.
+    def forecast(
+        self, data: Any, steps: int | None = None, *, inputs: Any = None, **settings: Unpack[FilterSettings]
+    ) -> Forecast:
+        """Predicts states and measurements of `steps` times after the last measurement of each series, or at the times and with
+        the inputs of `inputs`: a file, a data frame, or a dict of columns. Settings are those of `filter`.
 
         Rows of data with dates in equal steps, in an index of pandas or in the column that is carried along, are followed by
         rows with the dates after them. Where dates are there and it is not known which ones follow, it warns.
         """
-        return Forecast(self._filtered(data, _options(settings, forecast=steps)), steps)
+        if (steps is None) == (inputs is None):
+            raise ValueError("steps: either how many times are predicted, or inputs with their times; one of the two is needed")
+        if inputs is None:
+            return Forecast(self._filtered(data, _options(settings, forecast=steps)), steps)
+        return Forecast(self._filtered(data, _options(settings, ahead=inputs_of(self._model, inputs))))
 
     def smooth(self, data: Any, *, paths: int = 200, **settings: Unpack[FilterSettings]) -> Smoothed:
         """Estimates the states given all measurements, by `paths` trajectories drawn backwards; settings are those of `filter`."""
         rows = data_of(self._model, data)
-        found = self._model.smooth(rows.found, _options(settings), paths)
+        found = self._model.smooth(rows.found, _options(settings, predictive=False), paths)
         return _warned(Smoothed(found, rows, self.states, self.measurements))
 
     def online(self, **settings: Unpack[FilterSettings]) -> OnlineFilter:
@@ -542,7 +574,7 @@ class Model:
         rows = None if data is None else data_of(self._model, data).found
         asked = [proposals] if isinstance(proposals, (str, Proposal)) else proposals
         named = [_proposal(proposal, "proposals") for proposal in asked]
-        options = _options({"particles": 100, **settings}, proposal="bootstrap")
+        options = _options({"particles": 100, **settings}, proposal="bootstrap", predictive=False)
         return Card(self._model.compare(rows, named, options, list(at), sequences, steps))
 
     def _filtered(self, data: Any, options: _motes.FilterOptions) -> Filtered:

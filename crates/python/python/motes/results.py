@@ -241,8 +241,42 @@ class Filtered(_Estimates):
         """The estimate of `log p(y_t | y_0 … y_{t−1})` of each row, `(rows,)`; 0 where all is missing."""
         return self._found.log_evidence_increments()
 
+    @cached_property
+    def _expected(self) -> tuple[np.ndarray, ...]:
+        mean, sd, quantiles, pit = self._found.predictive()
+        if len(mean) == 0:
+            raise ValueError("predictive: nobody asked for it; filter(…, predictive=True) does")
+        m = len(self._measured)
+        return mean.reshape(-1, m), sd.reshape(-1, m), quantiles.reshape(-1, m, 3), pit.reshape(-1, m)
+
+    @property
+    def predictive_mean(self) -> np.ndarray:
+        """What was expected of each measurement given those before it, where the filter was asked to be `predictive`, `(rows, M)`."""
+        return self._expected[0]
+
+    @property
+    def predictive_sd(self) -> np.ndarray:
+        """Its standard deviation, `(rows, M)`."""
+        return self._expected[1]
+
+    @property
+    def predictive_quantiles(self) -> np.ndarray:
+        """Its quantiles at 5, 50 and 95 %, `(rows, M, 3)`."""
+        return self._expected[2]
+
+    @property
+    def pit(self) -> np.ndarray:
+        """Where each measurement lies among what was expected, `P(Y < y) + P(Y = y)/2`, `(rows, M)`; NaN where it is missing."""
+        return self._expected[3]
+
     def _columns(self, labels: dict[str, list[Any]]) -> dict[str, Any]:
-        return {**super()._columns(labels), "ess": self.ess, "log_evidence": self.log_evidence_increments}
+        columns = {**super()._columns(labels), "ess": self.ess, "log_evidence": self.log_evidence_increments}
+        if not self._found.is_predictive:
+            return columns
+        for at, name in enumerate(self._measured):
+            columns[f"{name}_mean"], columns[f"{name}_sd"] = self.predictive_mean[:, at], self.predictive_sd[:, at]
+            columns[f"{name}_pit"] = self.pit[:, at]
+        return columns
 
 
 class Smoothed(_Estimates):
@@ -258,14 +292,20 @@ class Smoothed(_Estimates):
 
 
 class Forecast:
-    """What is predicted after the last measurement of each series.
+    """What is predicted after the last measurement of each series: states and measurements.
 
     Where rows of the data have dates with equal steps, as an index of pandas or in the column that is carried along, its
     rows have those that follow.
     """
 
-    def __init__(self, filtered: Filtered, steps: int):
+    def __init__(self, filtered: Filtered, steps: int | None = None):
         n, (mean, sd, quantiles) = len(filtered.states), filtered._found.forecasts()
+        counts = sorted(set(filtered._found.forecast_counts()))
+        if steps is None:
+            if len(counts) > 1:
+                said = ", ".join(map(str, counts))
+                raise ValueError(f"inputs: series have {said} rows ahead; a forecast has as many of each")
+            steps = counts[0]
         series = len(filtered.log_evidence_per_series)
         #: The filter up to the last measurement.
         self.filtered = filtered
@@ -277,9 +317,22 @@ class Forecast:
         self.sd = sd.reshape(series, steps, n)
         #: Quantiles at 5, 50 and 95 %, `(S, steps, N, 3)`.
         self.quantiles = quantiles.reshape(series, steps, n, 3)
+        #: The names of the `M` coordinates of a measurement.
+        self.measurements = filtered._measured
+        m, (mean, sd, quantiles, _) = len(self.measurements), filtered._found.forecast_measurements()
+        #: Means of the measurements, `(S, steps, M)`.
+        self.measurement_mean = mean.reshape(series, steps, m)
+        #: Their standard deviations, `(S, steps, M)`.
+        self.measurement_sd = sd.reshape(series, steps, m)
+        #: Their quantiles at 5, 50 and 95 %, `(S, steps, M, 3)`.
+        self.measurement_quantiles = quantiles.reshape(series, steps, m, 3)
         #: The times, which go on from the last measurement, `(S, steps)`.
         self.time = _whole(filtered._found.forecast_times()).reshape(series, steps)
-        self._index, self._carried = filtered._followed(steps)
+        written = filtered._found.forecast_labels()
+        if written and filtered._data.carried is not None:
+            self._index, self._carried = None, written
+        else:
+            self._index, self._carried = filtered._followed(steps)
 
     def _columns(self, labels: list[Any] | None) -> dict[str, Any]:
         """The columns of its table, with `labels` in the column that is carried along."""
@@ -290,8 +343,16 @@ class Forecast:
         if labels is not None:
             columns[self.filtered._data.carried[0]] = labels
         columns["t"] = self.time.reshape(-1)
-        return columns | _of_states(
-            self.states, self.mean.reshape(-1, n), self.sd.reshape(-1, n), self.quantiles.reshape(-1, n, 3)
+        m = len(self.measurements)
+        expected = (
+            self.measurement_mean.reshape(-1, m),
+            self.measurement_sd.reshape(-1, m),
+            self.measurement_quantiles.reshape(-1, m, 3),
+        )
+        return (
+            columns
+            | _of_states(self.states, self.mean.reshape(-1, n), self.sd.reshape(-1, n), self.quantiles.reshape(-1, n, 3))
+            | _of_states(self.measurements, *expected)
         )
 
     def to_pandas(self) -> Any:
@@ -377,7 +438,7 @@ def _whole(times: np.ndarray) -> np.ndarray:
 
 
 def _of_states(states: list[str], mean: np.ndarray, sd: np.ndarray, quantiles: np.ndarray) -> dict[str, np.ndarray]:
-    """The columns of the states, from `(rows, N)`, `(rows, N)` and `(rows, N, 3)`."""
+    """The columns of states, or of measurements, from `(rows, N)`, `(rows, N)` and `(rows, N, 3)`."""
     columns = {}
     for at, state in enumerate(states):
         columns[f"{state}_mean"], columns[f"{state}_sd"] = mean[:, at], sd[:, at]

@@ -2,7 +2,7 @@
 
 use std::ops::Deref;
 
-use motes_models::{StateSpaceModel, Step};
+use motes_models::{StateSpaceModel, Step, Stream};
 
 use super::filter_bank::FilterBank;
 use crate::diagnosis::{WeightDiagnosis, tail_length, tail_within, upper_end_of_sorted};
@@ -14,6 +14,11 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
     /// `B`, the number of filters.
     pub fn filters(&self) -> usize {
         self.streams.len()
+    }
+
+    /// What each filter draws from.
+    pub(crate) fn streams(&self) -> &[Stream] {
+        &self.streams
     }
 
     /// How many steps have been taken.

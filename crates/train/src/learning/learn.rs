@@ -3,12 +3,13 @@
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use motes_models::{ModelError, OwnModel, OwnSteps, PartialMeasurements, Seed, StateGradients};
+use motes_models::{ModelError, OwnModel, PartialMeasurements, Seed, StateGradients};
 use motes_proposals::Amortised;
 
 use super::course::Learned;
 use super::held_out::HeldOut;
 use super::objective::LearnObjective;
+use super::rows::whole;
 use super::settings::LearnConfig;
 use super::{fivo, inclusive, wake};
 use crate::dropout::Dropout;
@@ -131,13 +132,14 @@ fn standardise(
     config: &LearnConfig,
     seed: &Seed,
 ) -> Result<(), TrainError> {
-    let within = config.largest_state.unwrap_or(f64::INFINITY);
-    let mut steps = OwnSteps::new(model, STANDARDISING, seed)?.within(within);
+    let mut windows = whole(model, STANDARDISING, config, seed)?;
     proposal.fit_inputs(model, |add| {
-        for _ in 0..config.horizon {
-            match steps.advance() {
-                Some(step) => add(&step)?,
-                None => break,
+        for steps in &mut windows {
+            for _ in 0..config.horizon {
+                match steps.advance() {
+                    Some(step) => add(&step)?,
+                    None => break,
+                }
             }
         }
         Ok(())

@@ -9,6 +9,9 @@ use super::settings::LearnConfig;
 /// Sequences whose first state alone is wanted, for each whole one.
 const BEGINNINGS: usize = 8;
 
+/// Windows that the sequences of a supply are dealt to: few, since the states before each are drawn as well, and others in the next supply.
+const WINDOWS: usize = 8;
+
 /// A supply of rows, and what became of the sequences that they come from.
 pub(super) struct Supply {
     pub(super) examples: Examples,
@@ -36,20 +39,57 @@ pub(super) fn drawn(
 ) -> Result<Supply, ModelError> {
     let mut examples = Examples::default();
     let sequences = config.sequences;
-    let within = config.largest_state.unwrap_or(f64::INFINITY);
-    let mut whole = OwnSteps::new(model, sequences, &seed.child("sequences"))?.within(within);
-    for _ in 0..config.horizon {
-        match whole.advance() {
-            Some(step) => proposal.encode(model, &step, &mut examples)?,
-            None => break,
+    let mut lost = 0;
+    for mut whole in whole(model, sequences, config, &seed.child("sequences"))? {
+        for _ in 0..config.horizon {
+            match whole.advance() {
+                Some(step) => proposal.encode(model, &step, &mut examples)?,
+                None => break,
+            }
+        }
+        lost += whole.lost();
+    }
+    for mut beginnings in windows(model, BEGINNINGS * sequences, config, &seed.child("beginnings"), None)? {
+        if let Some(step) = beginnings.advance() {
+            proposal.encode(model, &step, &mut examples)?;
         }
     }
-    let mut beginnings =
-        OwnSteps::new(model, BEGINNINGS * sequences, &seed.child("beginnings"))?.within(within);
-    if let Some(step) = beginnings.advance() {
-        proposal.encode(model, &step, &mut examples)?;
+    Ok(Supply { examples, lost, sequences })
+}
+
+/// So many sequences of as many times as the horizon is long: side by side, or where the model has sequences of its own, in some windows of these.
+pub(super) fn whole<'m, M: OwnModel + ?Sized>(
+    model: &'m M,
+    sequences: usize,
+    config: &LearnConfig,
+    seed: &Seed,
+) -> Result<Vec<OwnSteps<'m, M>>, ModelError> {
+    windows(model, sequences, config, seed, Some(config.horizon))
+}
+
+/// Sequences in windows of so many rows of the model's own sequences, or from the beginning of these on.
+fn windows<'m, M: OwnModel + ?Sized>(
+    model: &'m M,
+    sequences: usize,
+    config: &LearnConfig,
+    seed: &Seed,
+    rows: Option<usize>,
+) -> Result<Vec<OwnSteps<'m, M>>, ModelError> {
+    let within = config.largest_state.unwrap_or(f64::INFINITY);
+    if model.own_sequences().is_empty() {
+        return Ok(vec![OwnSteps::new(model, sequences, seed)?.within(within)]);
     }
-    Ok(Supply { examples, lost: whole.lost(), sequences })
+    let windows = WINDOWS.min(sequences);
+    let of_window = |number: usize| {
+        // As evenly as they can be dealt.
+        let share = (sequences + number) / windows;
+        let steps = OwnSteps::new(model, share, &seed.nth(number as u64))?.within(within);
+        Ok(match rows {
+            Some(rows) => steps.in_window(rows),
+            None => steps.at_beginning(),
+        })
+    };
+    (0..windows).map(of_window).collect()
 }
 
 /// One stage of a supply, dealt out in batches until it is used up.

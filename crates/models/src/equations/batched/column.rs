@@ -108,7 +108,13 @@ impl BatchDistribution {
 
     /// That of the first particle.
     pub(super) fn first(&self) -> Distribution<f64> {
-        self.of(|column| column.values.first().copied().unwrap_or(f64::NAN))
+        self.row(0)
+    }
+
+    /// That of one particle.
+    pub(super) fn row(&self, particle: usize) -> Distribution<f64> {
+        let at = |values: &[f64]| if values.len() == 1 { 0 } else { particle };
+        self.of(|column| column.values.get(at(&column.values)).copied().unwrap_or(f64::NAN))
     }
 }
 

@@ -5,6 +5,7 @@ use std::slice::from_mut;
 
 use super::super::distribution::Distribution;
 use super::super::lanes::Lanes;
+use super::super::marginals::Marginals;
 use super::super::model::{Likelihood, Replay};
 use super::super::sample::{draw_measurements, draw_states, needs_of_draws, needs_of_measurement};
 use super::super::statement::{Coordinates, Draws};
@@ -15,7 +16,8 @@ use super::Batched;
 use super::column::{BatchDistribution, draw_tile, push_tile};
 use super::memo::{self, Answer, Asked};
 use crate::batch::{LANES, Rows, load, store, with_scratch};
-use crate::{ModelError, Seed, Simulator, StateSpaceModel, Step, Stream, TransitionDensity};
+use crate::marginal::by_draws;
+use crate::{Marginal, ModelError, Seed, Simulator, StateSpaceModel, Step, Stream, TransitionDensity};
 
 /// Transitions whose families are looked at, as for [`Equations`](super::super::Equations).
 const PROBES: usize = 8;
@@ -183,6 +185,22 @@ impl Simulator for Batched {
         draw_measurements(needs, self.measurement_dim(), None, streams, out, |first, _, entries| {
             push_tile(&stated, first, entries);
         });
+    }
+
+    fn marginals(
+        &self,
+        step: &Step<'_>,
+        states: &[f64],
+        measurement: &[Option<f64>],
+        stream: &mut Stream,
+        out: &mut [Marginal],
+    ) {
+        by_draws(measurement, out, |drawn| self.sample_measurements(step, states, from_mut(stream), drawn));
+        let Some(stated) = self.of_rows(Asked::Measurement, step, states) else { return };
+        for (row, out) in out.chunks_exact_mut(self.measurement_dim()).enumerate() {
+            let mut marginals = Marginals::of(measurement, out);
+            stated.iter().for_each(|distribution| marginals.push(distribution.row(row)));
+        }
     }
 }
 

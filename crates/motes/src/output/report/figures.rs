@@ -6,6 +6,7 @@ use plotters::coord::Shift;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
+use super::axis::{Marked, TimeAxis};
 use super::style::{Drawn, FONT, INK, label};
 
 const BLUE: RGBColor = RGBColor(31, 90, 160);
@@ -32,23 +33,30 @@ impl Band {
     }
 }
 
-type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<Marked, RangedCoordf64>>;
 
-/// A state over `length` times with data and those predicted after them, with measurements of it if there are any.
-pub(super) fn band_figure(title: &str, band: &Band, length: usize, points: &[Option<f64>]) -> Drawn<String> {
+/// A state or a measurement over time, and what is predicted after the last row, with what was measured if there is anything.
+pub(super) fn band_figure(
+    title: &str,
+    axis: &TimeAxis,
+    band: &Band,
+    points: &[Option<f64>],
+) -> Drawn<String> {
     let lines = [&band.low, &band.high, &band.middle].into_iter().flatten();
     let all = lines.copied().chain(points.iter().flatten().copied());
-    figure(title, band.middle.len(), all, |chart| {
+    figure(title, axis, all, |chart| {
         for part in band.parts() {
-            let limit = |values: &[f64]| at_times(&values[part.clone()], part.start);
+            let limit = |values: &[f64]| at_places(axis, &values[part.clone()], part.start);
             let outline: Vec<_> =
                 limit(&band.low).into_iter().chain(limit(&band.high).into_iter().rev()).collect();
             chart.draw_series([Polygon::new(outline, BLUE.mix(0.18))])?;
         }
-        chart.draw_series(LineSeries::new(at_times(&band.middle, 0), BLUE.stroke_width(2)))?;
-        draw_points(chart, points)?;
-        if length < band.middle.len() {
-            let x = length as f64 - 0.5;
+        for part in parts(&band.middle) {
+            let line = at_places(axis, &band.middle[part.clone()], part.start);
+            chart.draw_series(LineSeries::new(line, BLUE.stroke_width(2)))?;
+        }
+        draw_points(chart, axis, points)?;
+        if let Some(x) = axis.edge() {
             let (low, high) = (chart.y_range().start, chart.y_range().end);
             chart.draw_series(DashedLineSeries::new([(x, low), (x, high)], 3, 3, INK.mix(0.5).into()))?;
         }
@@ -56,23 +64,38 @@ pub(super) fn band_figure(title: &str, band: &Band, length: usize, points: &[Opt
     })
 }
 
-/// Measurements over time; missing ones leave gaps.
-pub(super) fn point_figure(title: &str, points: &[Option<f64>]) -> Drawn<String> {
-    figure(title, points.len(), points.iter().flatten().copied(), |chart| draw_points(chart, points))
+/// An input over time; missing values leave gaps.
+pub(super) fn input_figure(title: &str, axis: &TimeAxis, values: &[Option<f64>]) -> Drawn<String> {
+    let numbers: Vec<f64> = values.iter().map(|value| value.unwrap_or(f64::NAN)).collect();
+    line_figure(title, axis, &numbers)
 }
 
 /// A figure of a filter over time.
-pub(super) fn line_figure(title: &str, values: &[f64]) -> Drawn<String> {
-    figure(title, values.len(), values.iter().copied(), |chart| {
-        chart.draw_series(LineSeries::new(at_times(values, 0), INK.stroke_width(1)))?;
+pub(super) fn line_figure(title: &str, axis: &TimeAxis, values: &[f64]) -> Drawn<String> {
+    figure(title, axis, values.iter().copied(), |chart| {
+        for part in parts(values) {
+            let line = at_places(axis, &values[part.clone()], part.start);
+            // A row between two gaps has no line.
+            match line.as_slice() {
+                [alone] => chart.draw_series([Circle::new(*alone, 1, INK.filled())]).map(drop)?,
+                _ => chart.draw_series(LineSeries::new(line, INK.stroke_width(1))).map(drop)?,
+            }
+        }
         Ok(())
     })
 }
 
-/// A line's points from the time `first` on. Where there are more than a figure can show, the smallest and the largest of neighbours stand for all of them.
-fn at_times(values: &[f64], first: usize) -> Vec<(f64, f64)> {
+/// The stretches of rows that have a number which can be shown.
+fn parts(values: &[f64]) -> Vec<Range<usize>> {
+    let gaps = (0..values.len()).filter(|row| !is_shown(values[*row])).chain([values.len()]);
+    let mut start = 0;
+    gaps.map(|gap| std::mem::replace(&mut start, gap + 1)..gap).filter(|part| !part.is_empty()).collect()
+}
+
+/// A line's points from the row `first` on. Where there are more than a figure can show, the smallest and the largest of neighbours stand for all of them.
+fn at_places(axis: &TimeAxis, values: &[f64], first: usize) -> Vec<(f64, f64)> {
     let finite = values.iter().enumerate().filter(|(_, value)| is_shown(**value));
-    let points: Vec<(f64, f64)> = finite.map(|(time, value)| ((first + time) as f64, *value)).collect();
+    let points: Vec<(f64, f64)> = finite.map(|(row, value)| (axis.place(first + row), *value)).collect();
     if points.len() <= MOST_POINTS {
         return points;
     }
@@ -88,13 +111,13 @@ fn at_times(values: &[f64], first: usize) -> Vec<(f64, f64)> {
     neighbours.flat_map(ends).collect()
 }
 
-fn draw_points(chart: &mut Chart<'_, '_>, points: &[Option<f64>]) -> Drawn<()> {
+fn draw_points(chart: &mut Chart<'_, '_>, axis: &TimeAxis, points: &[Option<f64>]) -> Drawn<()> {
     let every = points.len().div_ceil(MOST_POINTS).max(1);
     let there = points
         .iter()
         .enumerate()
         .step_by(every)
-        .filter_map(|(time, value)| Some((time as f64, value.filter(|value| is_shown(*value))?)));
+        .filter_map(|(row, value)| Some((axis.place(row), value.filter(|value| is_shown(*value))?)));
     chart.draw_series(there.map(|at| Circle::new(at, 2, RED.filled())))?;
     Ok(())
 }
@@ -102,7 +125,7 @@ fn draw_points(chart: &mut Chart<'_, '_>, points: &[Option<f64>]) -> Drawn<()> {
 /// Axes and a title around what `draw` draws.
 fn figure(
     title: &str,
-    length: usize,
+    axis: &TimeAxis,
     values: impl Iterator<Item = f64>,
     draw: impl FnOnce(&mut Chart<'_, '_>) -> Drawn<()>,
 ) -> Drawn<String> {
@@ -116,16 +139,15 @@ fn figure(
         let mut chart = ChartBuilder::on(&root)
             .caption(title, (FONT, 15).into_font().color(&INK))
             .margin(6)
-            .margin_right(14)
+            .margin_right(34)
             .x_label_area_size(36)
             .y_label_area_size(62)
-            .build_cartesian_2d(-0.5..length.max(1) as f64 - 0.5, low - margin..high + margin)?;
+            .build_cartesian_2d(axis.coordinate(), low - margin..high + margin)?;
         chart
             .configure_mesh()
-            .x_desc("t")
-            .x_labels(10)
+            .x_desc(axis.name())
             .y_labels(5)
-            .x_label_formatter(&|x| format!("{x:.0}"))
+            .x_label_formatter(&|x| axis.mark(*x))
             .y_label_formatter(&|y| label(*y))
             .light_line_style(TRANSPARENT)
             .bold_line_style(INK.mix(0.12))
@@ -163,26 +185,33 @@ fn extent(values: impl Iterator<Item = f64>) -> (f64, f64) {
 mod tests {
     use super::*;
 
+    fn axis(rows: usize) -> TimeAxis {
+        let times: Vec<f64> = (0..rows).map(|row| row as f64).collect();
+        TimeAxis::of(&times, &vec![None; rows], None, &[])
+    }
+
     #[test]
     fn a_long_line_keeps_its_peaks_in_order_of_time() {
         let mut values = vec![0.0; 100_000];
         (values[12_345], values[67_890]) = (9.0, -9.0);
-        let points = at_times(&values, 0);
+        let points = at_places(&axis(100_000), &values, 0);
         assert!(points.len() <= MOST_POINTS, "{}", points.len());
         assert!(points.contains(&(12_345.0, 9.0)) && points.contains(&(67_890.0, -9.0)));
         assert!(points.windows(2).all(|pair| pair[0].0 <= pair[1].0));
     }
 
     #[test]
-    fn a_band_is_not_drawn_across_its_gaps() {
+    fn nothing_is_drawn_across_gaps() {
         let low = vec![f64::NAN, f64::NAN, 1.0, 1.0, f64::NAN, 1.0];
         let high = vec![f64::NAN, f64::NAN, 2.0, 2.0, f64::NAN, 2.0];
+        assert_eq!(parts(&low), [2..4, 5..6]);
         let band = Band { low, high, middle: vec![1.5; 6] };
         assert_eq!(band.parts(), [2..4, 5..6]);
         let gap = Band { low: vec![f64::NAN; 3], high: vec![f64::NAN; 3], middle: vec![7.0, 8.0, 9.0] };
         assert!(gap.parts().is_empty());
         // The mean alone says how far the axis goes.
-        assert!(band_figure("state", &gap, 3, &[]).unwrap().contains("8.0"));
+        assert!(band_figure("state", &axis(3), &gap, &[]).unwrap().contains("8.0"));
+        input_figure("input", &axis(3), &[Some(1.0), None, Some(2.0)]).unwrap();
     }
 
     #[test]
@@ -194,9 +223,10 @@ mod tests {
             vec![f64::NAN, 1e308, -1e308, f64::INFINITY],
             vec![1e-300, 2e-300],
         ] {
-            line_figure("a <title>", &values).unwrap();
+            let axis = axis(values.len().max(2));
+            line_figure("a <title>", &axis, &values).unwrap();
             let band = Band { low: values.clone(), high: values.clone(), middle: values.clone() };
-            band_figure("state", &band, 1, &[Some(1.0), None]).unwrap();
+            band_figure("state", &axis, &band, &[Some(1.0), None]).unwrap();
         }
     }
 }

@@ -1,10 +1,13 @@
 //! Small models of all kinds with exact answers: counts, regimes, known starts, coordinates without noise, shared draws, lists, conditions, delays, inputs, irregular
 //! times, sub-steps.
 
+mod predictive;
+mod shipped;
+
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use motes::{Data, FilterOptions, Filtered, Model, ProposalName, filter, smooth};
+use motes::{Data, FilterOptions, Filtered, Model, ProposalName, designed, filter, smooth};
 
 /// A model with its data, the exact log-evidence, and the exact mean of a state at the last row.
 struct SmallModel {
@@ -57,11 +60,12 @@ impl SmallModel {
     }
 }
 
+/// By every proposal that a model has: bootstrap and linearised, optimal where there is a closed form.
 #[test]
-fn bootstrap_and_linearised_find_the_exact_answers() {
+fn particles_find_the_exact_answers() {
     for of in &MODELS {
         let (model, data) = of.open();
-        for proposal in [ProposalName::Bootstrap, ProposalName::Linearised] {
+        for proposal in designed(&model, &FilterOptions::default()) {
             let options =
                 FilterOptions { proposal: proposal.clone(), particles: 20_000, ..Default::default() };
             let found = filter(&model, &data, &options, |_| ControlFlow::Continue(())).unwrap();
@@ -73,7 +77,17 @@ fn bootstrap_and_linearised_find_the_exact_answers() {
 /// Models that are linear with Gaussian noise have exact answers, whatever their times, inputs and shared draws are.
 #[test]
 fn linear_models_are_filtered_exactly() {
-    let folders = ["constant-velocity", "shared-noise", "regressor", "cart", "irregular", "days", "animals"];
+    let folders = [
+        "constant-velocity",
+        "shared-noise",
+        "leak",
+        "regressor",
+        "cart",
+        "irregular",
+        "days",
+        "animals",
+        "delay-line",
+    ];
     for folder in folders {
         let of = MODELS.iter().find(|of| of.folder == folder).unwrap();
         let (model, data) = of.open();

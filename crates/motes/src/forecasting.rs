@@ -1,0 +1,83 @@
+//! What is predicted after the last row of a series.
+
+use motes_models::{Step, StepRecord};
+
+use crate::data::Row;
+use crate::engine::Running;
+use crate::error::MotesError;
+use crate::estimate::{Estimate, Forecast};
+use crate::options::FilterOptions;
+use crate::timeline::{Clock, RowTime};
+use crate::warning::Warning;
+
+impl Running<'_> {
+    /// Predicts the next row, at which nothing is measured, a gap as the last one ahead.
+    ///
+    /// # Errors
+    /// As [`Running::predict_row`].
+    pub fn predict(&mut self) -> Result<Estimate, MotesError> {
+        self.predict_row(None).map(|forecast| forecast.estimate)
+    }
+
+    /// Predicts the next row, at which nothing is measured: one with this time and these inputs, or a gap as the last one ahead.
+    ///
+    /// # Errors
+    /// As [`Running::step_row`], and [`MotesError::Ahead`] if an input is not known then.
+    pub fn predict_row(&mut self, row: Option<RowTime<'_>>) -> Result<Forecast, MotesError> {
+        let mut clock = self.clock.clone();
+        let forecast = self.predict_by(&mut clock, row)?;
+        self.clock = clock;
+        self.clock.comes_back();
+        Ok(forecast)
+    }
+
+    /// [`Running::predict_row`] where a clock says where the series is.
+    ///
+    /// # Errors
+    /// As [`Running::step`], and [`MotesError::Ahead`] if an input is not known then.
+    pub fn predict_by(
+        &mut self,
+        clock: &mut Clock,
+        row: Option<RowTime<'_>>,
+    ) -> Result<Forecast, MotesError> {
+        let steps = self.model.steps_ahead(clock, row).map_err(|error| MotesError::Ahead(Box::new(error)))?;
+        // What a measurement needs and nobody knows is no number there; states do without it.
+        let known: Vec<StepRecord> = steps.iter().map(|step| without_unknown(&step.step())).collect();
+        let nothing = vec![None; self.model.measurements().len()];
+        let is_predictive = std::mem::take(&mut self.is_predictive);
+        let estimate = self.step_by(&known, &nothing);
+        self.is_predictive = is_predictive;
+        let (estimate, last) = (estimate?, steps.last().cloned().unwrap_or_default());
+        let predictive = self.filter.measurement(&last.step(), &nothing);
+        self.unknown = self.unknown.take().or_else(|| self.model.unknown_input(&last.step()));
+        let estimate = Estimate { ess: None, log_evidence: None, predictive, ..estimate };
+        let label = row.and_then(|row| row.label).map(String::from);
+        Ok(Forecast { time: last.step().time, label, estimate })
+    }
+
+    /// What is to be said of forecasts of measurements that need an input which nobody gave.
+    pub fn forecast_warning(&self, series: Option<&str>) -> Option<Warning> {
+        let input = self.unknown.as_ref()?;
+        let text = format!(
+            "forecasts of measurements that need the input {input} are empty: it is not known ahead; give its values by --inputs"
+        );
+        Some(Warning { series: series.map(String::from), text })
+    }
+}
+
+/// The step with 0 where an input is not known.
+fn without_unknown(step: &Step<'_>) -> StepRecord {
+    let inputs: Vec<f64> =
+        step.inputs.iter().map(|value| if value.is_nan() { 0.0 } else { *value }).collect();
+    StepRecord::of(&Step { inputs: &inputs, ..*step })
+}
+
+/// The rows that are predicted after a series: with times and inputs where they are known.
+pub fn rows_ahead<'o>(options: &'o FilterOptions, series: Option<&str>) -> Vec<Option<RowTime<'o>>> {
+    let Some(ahead) = &options.ahead else { return vec![None; options.forecast] };
+    let is_of_series = |row: &&Row| {
+        !ahead.columns.has_series() || series.is_none_or(|name| ahead.series[row.series] == name)
+    };
+    let rows = ahead.rows.iter().filter(is_of_series);
+    rows.map(|row| Some(RowTime { label: row.written_time.as_deref(), columns: &row.inputs })).collect()
+}
