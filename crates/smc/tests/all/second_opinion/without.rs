@@ -7,7 +7,7 @@ use motes_smc::{
     Proposal, ProposalError, SecondOpinion, Verdict, particles_by_stream,
 };
 
-use crate::models::{Linear, judge, judge_all};
+use super::models::{Linear, judge, judge_all};
 
 /// A walk that is measured within narrow bounds.
 struct Narrow;

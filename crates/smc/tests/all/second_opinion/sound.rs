@@ -4,7 +4,7 @@ use motes_models::Simulator;
 use motes_models::equations::Linearise;
 use motes_smc::{Bootstrap, FilterSettings, Linearised, Proposal, ResampleWhen, Verdict};
 
-use crate::models::{Growth, Linear, Volatility, judge_all};
+use super::models::{Growth, Linear, Volatility, judge_all};
 
 /// Sequences that are judged, and of how many there was a warning.
 struct Trial {

@@ -1,8 +1,6 @@
 //! A proposal learned once: chosen, saved, used by the other commands, and refused where it does not fit.
 
-mod common;
-
-use common::{Workplace, stderr};
+use crate::common::{Workplace, stderr};
 use serde_json::Value;
 
 /// The square hides the sign of the state: two modes.

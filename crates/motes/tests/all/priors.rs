@@ -1,8 +1,6 @@
 //! Parameters with priors in commands: their starts are used and said, values from outside are not, and simulations can draw them.
 
-mod common;
-
-use common::{Workplace, stderr};
+use crate::common::{Workplace, stderr};
 
 const MODEL: &str = r#"
 [parameters]

@@ -1,11 +1,9 @@
 //! Parameters from data: posteriors against sums over grids, what is refused, what goes on after it was stopped.
 
-mod common;
-
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use common::{Workplace, stderr};
+use crate::common::{Workplace, stderr};
 use motes::inference::ParameterSummary;
 use motes::{
     Data, FilterOptions, FitFolder, FitOptions, FitRecord, Fitted, FreeParameters, Model, MotesError,

@@ -6,7 +6,7 @@ use motes_smc::{
     AncestryVariance, Bootstrap, FilterBank, FilterSettings, Linearised, Proposal, ResampleWhen,
 };
 
-use crate::models::{Linear, Volatility};
+use super::models::{Linear, Volatility};
 
 const RUNS: usize = 800;
 

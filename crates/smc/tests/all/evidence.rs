@@ -109,7 +109,7 @@ fn a_constant_that_ran_out_of_values_is_named_and_a_coordinate_that_moves_is_not
         found.collect::<Vec<_>>()
     };
     assert_eq!(named(&with_constant(1e-10)), [1]);
-    assert_eq!(named(&with_constant(0.09)), []);
+    assert_eq!(named(&with_constant(0.09)), [0; 0]);
 }
 
 #[test]

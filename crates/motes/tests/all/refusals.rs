@@ -1,8 +1,6 @@
 //! Bad input: one line, an exit status, nothing written.
 
-mod common;
-
-use common::{Workplace, stderr};
+use crate::common::{Workplace, stderr};
 
 /// Runs, and expects a status and a line; nothing is on standard output, and the files that were there are as they were.
 fn refused(place: &Workplace, arguments: &[&str], status: i32, line: &str) {
@@ -150,7 +148,7 @@ fn a_formula_that_leaves_its_domain_is_named() {
 #[test]
 fn a_proposal_that_the_model_does_not_have() {
     let place = Workplace::new();
-    place.write("square.toml", common::WALK.replace("normal(x, noise)", "normal(x^2, noise)"));
+    place.write("square.toml", crate::common::WALK.replace("normal(x, noise)", "normal(x^2, noise)"));
     let line = "--proposal optimal: square.toml, line 9, [measurement] y: the mean of `normal(x^2, noise)` is not linear in the states; the closed form \
                 needs it to be; take --proposal linearised";
     refused(&place, &["filter", "square.toml", "d.csv", "--proposal", "optimal"], 2, line);

@@ -1,12 +1,10 @@
 //! What the command gives: tables, figures of the whole run, reports; the same for any number of threads.
 
-mod common;
-
 use std::collections::BTreeSet;
 use std::io::{BufRead, BufReader, Write};
 use std::process::Stdio;
 
-use common::{Workplace, stderr};
+use crate::common::{Workplace, stderr};
 use motes::models::{Gaussian, LinearGaussian, PartialMeasurements, kalman};
 use motes::{Data, Model};
 use serde_json::Value;
@@ -232,7 +230,7 @@ fn check_says_what_a_model_is_and_whether_data_fit() {
     ] {
         assert!(said.contains(part), "{part}: {said}");
     }
-    place.write("counts.toml", common::WALK.replace("normal(x, noise)", "poisson(exp(x)*noise)"));
+    place.write("counts.toml", crate::common::WALK.replace("normal(x, noise)", "poisson(exp(x)*noise)"));
     let output = place.run(&["check", "counts.toml", "d.csv"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(
@@ -240,7 +238,7 @@ fn check_says_what_a_model_is_and_whether_data_fit() {
         "{}",
         stderr(&output)
     );
-    place.write("edges.toml", common::WALK.replace("normal(x, noise)", "uniform(x, x + noise)"));
+    place.write("edges.toml", crate::common::WALK.replace("normal(x, noise)", "uniform(x, x + noise)"));
     place.write("d.csv", "y\n500\n");
     let output = place.run(&["check", "edges.toml", "d.csv"]);
     assert_eq!(output.status.code(), Some(2));

@@ -5,7 +5,7 @@ use motes_smc::{
     Conditional, Context, FilterSettings, Proposal, ProposalError, Transition, Verdict, particles_by_stream,
 };
 
-use crate::models::{Growth, judge_all};
+use super::models::{Growth, judge_all};
 
 /// A proposal of the growth model that draws positive states only.
 #[derive(Clone, Copy)]

@@ -1,11 +1,9 @@
 //! Data are read as they are meant, or a warning says what was assumed; what no state can give is refused.
 
-mod common;
-
 use std::io::Write;
 use std::process::Stdio;
 
-use common::{Workplace, stderr};
+use crate::common::{Workplace, stderr};
 use motes::{Data, Model};
 use serde_json::Value;
 
@@ -20,7 +18,7 @@ const SUCCESSES: &str = "[initial]\np = \"uniform(0.4, 0.6)\"\n[transition]\np =
 
 /// What is said of a CSV text of the walk's.
 fn said(text: &str) -> Vec<String> {
-    let model = Model::parse(common::WALK, "walk.toml", &[]).unwrap();
+    let model = Model::parse(crate::common::WALK, "walk.toml", &[]).unwrap();
     let data = Data::read(text.as_bytes(), "d.csv", &model).unwrap();
     data.warnings().iter().map(ToString::to_string).collect()
 }

@@ -1,10 +1,8 @@
 //! What a smoother says where its trajectories rest on few particles, and where they do not.
 
-mod common;
-
 use std::ops::ControlFlow;
 
-use common::{Workplace, stderr};
+use crate::common::{Workplace, stderr};
 use motes::{Data, FilterOptions, Model, MotesError, Smoothed, smooth};
 use serde_json::Value;
 
