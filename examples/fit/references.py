@@ -1,0 +1,159 @@
+"""Posteriors of the models beside this file, by sums over grids: exact means and standard deviations for what `motes fit` finds.
+
+    python examples/fit/references.py                     prints them
+    python examples/fit/references.py ricker ricker-fit   prints them beside the draws in a folder of a fit
+
+It needs NumPy. The states of Ricker's map and of the pound's volatility are summed over a grid, the Nile's are a Kalman filter's; parameters are
+summed over a box of 4.5 standard deviations around the posterior, which is found in two rounds.
+"""
+
+import csv
+import json
+import math
+import sys
+from pathlib import Path
+
+import numpy as np
+
+HERE = Path(__file__).parent
+LOG_2PI = math.log(2 * math.pi)
+
+
+def column(path, name):
+    with open(path) as file:
+        return np.array([float(row[name]) for row in csv.DictReader(file)])
+
+
+def normal(x, mean, sd):
+    return -0.5 * ((x - mean) / sd) ** 2 - np.log(sd) - 0.5 * LOG_2PI
+
+
+def log_normal(x, location, scale):
+    return normal(np.log(x), location, scale) - np.log(x)
+
+
+class Nile:
+    names = ["measurement_variance", "level_variance"]
+    start, spread = [9.6, 7.2], [0.3, 1.0]
+    flow = column(HERE.parent / "nile.csv", "flow")
+
+    def values(self, u):
+        return np.exp(u)
+
+    def log_joint(self, u):
+        r, q = np.exp(u)
+        # Densities of the logarithms, which the sum is over.
+        found = normal(u[0], math.log(10000), 1.5) + normal(u[1], math.log(1000), 1.5)
+        mean, variance = 1000.0, 1000.0**2
+        for number, y in enumerate(self.flow):
+            variance += q if number else 0.0
+            total = variance + r
+            found += normal(y, mean, math.sqrt(total))
+            gain = variance / total
+            mean, variance = mean + gain * (y - mean), variance * (1 - gain)
+        return found
+
+
+class Ricker:
+    names = ["log_r", "sigma", "phi"]
+    start, spread = [3.8, math.log(0.2), math.log(10)], [0.1, 0.25, 0.04]
+    counts = column(HERE / "ricker.csv", "y")
+    grid = np.arange(-45.0, 6.0, 0.04)
+
+    def values(self, u):
+        return np.array([u[0], math.exp(u[1]), math.exp(u[2])])
+
+    def log_joint(self, u):
+        log_r, sigma, phi = self.values(u)
+        found = normal(log_r, 3.5, 1.0) + math.log(2) + normal(sigma, 0.0, 0.5) + u[1] + normal(u[2], math.log(10), 0.7)
+        x, step = self.grid, self.grid[1] - self.grid[0]
+        log_mean = math.log(phi) + x
+        factorials = np.array([math.lgamma(y + 1) for y in self.counts])
+        # p(y_t | x) for all points of the grid.
+        weigh = [np.exp(y * log_mean - np.exp(log_mean) - factorial) for y, factorial in zip(self.counts, factorials)]
+        centres = log_r + x - np.exp(x)
+        move = np.exp(normal(x[:, None], centres[None, :], sigma)) * step
+        first = math.log(7)
+        found += self.counts[0] * (math.log(phi) + first) - phi * math.exp(first) - factorials[0]
+        density = np.exp(normal(x, log_r + first - math.exp(first), sigma))
+        for number, weights in enumerate(weigh[1:]):
+            if number:
+                density = move @ density
+            density = density * weights
+            total = density.sum() * step
+            found += math.log(total)
+            density /= total
+        return found
+
+
+class Pound:
+    names = ["mu", "phi", "sigma"]
+    start, spread = [-1.73, 0.24, -0.45], [0.08, 0.22, 0.17]
+    returns = column(HERE / "pound.csv", "return")
+
+    def values(self, u):
+        return np.array([u[0], math.tanh(u[1]), math.exp(u[2])])
+
+    def log_joint(self, u):
+        mu, phi, sigma = self.values(u)
+        # The prior of phi is uniform on (−1, 1); the derivatives of tanh and exp make densities of what the sum is over.
+        found = normal(mu, -1.0, 1.0) + math.log(0.5) + math.log(1 - phi * phi) + math.log(2) + normal(sigma, 0.0, 1.0) + u[2]
+        sd = sigma / math.sqrt(1 - phi * phi)
+        x = mu + sd * np.linspace(-7.0, 7.0, 141)
+        step = x[1] - x[0]
+        move = np.exp(normal(x[:, None], mu + phi * (x[None, :] - mu), sigma)) * step
+        density = np.exp(normal(x, mu, sd))
+        for number, y in enumerate(self.returns):
+            if number:
+                density = move @ density
+            density = density * np.exp(normal(y, 0.0, np.exp(x / 2)))
+            total = density.sum() * step
+            found += math.log(total)
+            density /= total
+        return found
+
+
+MODELS = {"nile": Nile, "ricker": Ricker, "pound": Pound}
+
+
+def posterior(model, points=13):
+    """Means, standard deviations and log p(y); the box is moved and scaled once by what a first sum finds."""
+    centre, spread = np.array(model.start, float), np.array(model.spread, float)
+    for count in (7, points):
+        ends = 4.5 if count == points else 3.5
+        line = np.linspace(-ends, ends, count)
+        places = np.stack(np.meshgrid(*[line] * len(centre), indexing="ij"), -1).reshape(-1, len(centre))
+        positions = centre + places * spread
+        logs = np.array([model.log_joint(u) for u in positions])
+        weights = np.exp(logs - logs.max())
+        cell = np.prod(spread * (line[1] - line[0]))
+        log_marginal = logs.max() + math.log(weights.sum() * cell)
+        weights /= weights.sum()
+        centre = weights @ positions
+        spread = np.sqrt(weights @ (positions - centre) ** 2)
+    values = np.array([model.values(u) for u in positions])
+    means = weights @ values
+    return means, np.sqrt(weights @ (values - means) ** 2), log_marginal
+
+
+def main():
+    named = sys.argv[1:2] or list(MODELS)
+    for name in named:
+        model = MODELS[name]()
+        means, sds, log_marginal = posterior(model)
+        print(f"{name}: log marginal likelihood {log_marginal:.3f}")
+        found = {}
+        if len(sys.argv) > 2:
+            found = json.loads((Path(sys.argv[2]) / "summary.json").read_text())
+            print(f"  the fit has {found['log_marginal_likelihood']:.3f} ± {found['log_marginal_likelihood_error']:.3f}")
+        for at, parameter in enumerate(model.names):
+            line = f"  {parameter}: {means[at]:.5g} ± {sds[at]:.4g}"
+            if found:
+                of = found["parameters"][parameter]
+                errors = (of["mean"] - means[at]) / of["mcse"]
+                line += f"; the fit has {of['mean']:.5g} ± {of['sd']:.4g}, {errors:+.1f} Monte Carlo standard errors off"
+            print(line)
+
+
+if __name__ == "__main__":
+    main()
