@@ -81,8 +81,9 @@ fn graphics(root: &Path) -> Result<(), ExitCode> {
 
 /// Packs the crates as they would be published: all files there, descriptions whole.
 fn package(root: &Path, more: &[&str]) -> Result<(), ExitCode> {
-    let crates = ["cli", "models", "formulas", "smc", "networks", "proposals", "train", "bench", "speed"]
-        .map(|name| format!("motes-{name}"));
+    let crates =
+        ["cli", "models", "formulas", "inference", "smc", "networks", "proposals", "train", "bench", "speed"]
+            .map(|name| format!("motes-{name}"));
     let chosen = crates.iter().flat_map(|name| ["--package", name]).chain(["--package", "motes"]);
     let arguments: Vec<&str> = ["package", "--locked", "--allow-dirty"]
         .into_iter()

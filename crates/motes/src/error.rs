@@ -58,6 +58,14 @@ pub enum MotesError {
         /// What is the matter.
         reason: String,
     },
+    /// A folder has no fit for this model.
+    #[error("--parameters {folder}: {reason}")]
+    Fit {
+        /// The folder.
+        folder: String,
+        /// What is the matter.
+        reason: String,
+    },
     /// Something could not be written.
     #[error("{file}: {source}")]
     Output {

@@ -35,9 +35,12 @@ mod exact;
 mod few_ancestors;
 mod filtered;
 mod filtering;
+mod fit_folder;
+mod fitting;
 mod forecasting;
 mod learned;
 mod learning;
+mod mixture;
 mod model;
 mod names;
 mod options;
@@ -68,15 +71,23 @@ pub use estimate::{Coordinate, Estimate, Forecast};
 pub use evidence::{LogEvidence, log_evidence};
 pub use filtered::Filtered;
 pub use filtering::{filter, of_proposal};
+pub use fit_folder::FitFolder;
+pub use fitting::{
+    FitOptions, FitProgress, FitRecord, Fitted, FittedChain, FittedDraws, FreeParameters, Maximised,
+    MaximisedParameter, fit, fit_from, maximise,
+};
 pub use forecasting::rows_ahead;
 pub use learned::{LearnedProposal, Notes};
 pub use learning::{LearnOptions, LearnOutcome, base_named, head_named, learn, network_named};
+pub use mixture::{Mixed, filter_draws, smooth_draws};
 pub use model::{LearnableModel, Model};
 pub use names::{FileInput, ModelNames};
 pub use options::{DEFENSIVE_SHARE, FilterOptions, ProposalName};
 pub use packed::{pack, unpack};
 pub use priors::of_starts;
-pub use simulating::{Simulated, SimulatedRow, simulate, simulate_along, simulate_from_priors};
+pub use simulating::{
+    Simulated, SimulatedRow, simulate, simulate_along, simulate_from_draws, simulate_from_priors,
+};
 pub use smoothing::{Smoothed, smooth};
 pub use tally::{SeriesTally, Tally, TimeLabel};
 pub use threads::{on_threads, thread_pool};
@@ -84,6 +95,7 @@ pub use timeline::{Clock, RowTime, TimelineError};
 pub use warning::Warning;
 
 pub use motes_formulas as formulas;
+pub use motes_inference as inference;
 pub use motes_models as models;
 pub use motes_proposals as proposals;
 pub use motes_smc as smc;

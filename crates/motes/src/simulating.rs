@@ -11,6 +11,7 @@ use motes_models::{
 
 use crate::data::Data;
 use crate::error::MotesError;
+use crate::fitting::FittedDraws;
 use crate::model::{Kind, Model};
 use crate::priors;
 use crate::timeline::{Clock, RowTime, Timeline, TimelineError};
@@ -75,7 +76,7 @@ pub fn simulate(
     seed: u64,
     mut proceed: impl FnMut(usize) -> ControlFlow<()>,
 ) -> Result<Simulated, MotesError> {
-    simulate_all(model, &vec![Plan::Rows(steps); series], seed, false, &mut proceed)
+    simulate_all(model, &vec![Plan::Rows(steps); series], seed, &Parameters::Given, &mut proceed)
 }
 
 /// Refuses a model whose measurements have densities, but cannot be drawn.
@@ -105,7 +106,7 @@ pub fn simulate_from_priors(
         return Err(MotesError::Setting(reason.to_string()));
     }
     let plans = inputs.map_or_else(|| vec![Plan::Rows(steps); series], |inputs| plans_along(inputs, series));
-    simulate_all(model, &plans, seed, true, &mut proceed)
+    simulate_all(model, &plans, seed, &Parameters::Prior, &mut proceed)
 }
 
 /// Draws `series` series at the times and with the inputs of each series of `data`, whose measurements play no part.
@@ -119,7 +120,34 @@ pub fn simulate_along(
     seed: u64,
     mut proceed: impl FnMut(usize) -> ControlFlow<()>,
 ) -> Result<Simulated, MotesError> {
-    simulate_all(model, &plans_along(data, series), seed, false, &mut proceed)
+    simulate_all(model, &plans_along(data, series), seed, &Parameters::Given, &mut proceed)
+}
+
+/// Draws series as [`simulate_from_priors`], but that parameters are those of draws of a fit, evenly spread over all of them.
+///
+/// # Errors
+/// As [`simulate_from_priors`].
+pub fn simulate_from_draws(
+    model: &Model,
+    draws: &FittedDraws,
+    inputs: Option<&Data>,
+    steps: usize,
+    series: usize,
+    seed: u64,
+    mut proceed: impl FnMut(usize) -> ControlFlow<()>,
+) -> Result<Simulated, MotesError> {
+    let plans = inputs.map_or_else(|| vec![Plan::Rows(steps); series], |inputs| plans_along(inputs, series));
+    simulate_all(model, &plans, seed, &Parameters::Posterior(draws), &mut proceed)
+}
+
+/// Where the parameters of a series come from.
+enum Parameters<'a> {
+    /// They are those of the model.
+    Given,
+    /// Those that have a prior are drawn from it.
+    Prior,
+    /// They are draws of a fit.
+    Posterior(&'a FittedDraws),
 }
 
 fn plans_along(data: &Data, series: usize) -> Vec<Plan<'_>> {
@@ -131,7 +159,7 @@ fn simulate_all(
     model: &Model,
     plans: &[Plan<'_>],
     seed: u64,
-    from_priors: bool,
+    parameters: &Parameters<'_>,
     proceed: &mut dyn FnMut(usize) -> ControlFlow<()>,
 ) -> Result<Simulated, MotesError> {
     check_draws(model)?;
@@ -151,12 +179,13 @@ fn simulate_all(
     let (mut first, mut failures) = (None, 0);
     for (number, plan) in plans.iter().enumerate() {
         let mut stream = seed.nth(number as u64).stream();
-        let mut own = None;
-        if from_priors {
-            let values = priors::drawn(model, &seed.child("priors").nth(number as u64));
-            own = Some(model.with_parameters(&values)?);
-            drawn.parameters.push(values);
-        }
+        let values = match parameters {
+            Parameters::Given => None,
+            Parameters::Prior => Some(priors::drawn(model, &seed.child("priors").nth(number as u64))),
+            Parameters::Posterior(draws) => Some(draws.draw((2 * number + 1) * draws.len() / (2 * series))),
+        };
+        let own = values.as_ref().map(|values| model.with_parameters(values)).transpose()?;
+        drawn.parameters.extend(values);
         let model = own.as_ref().unwrap_or(model);
         match draw_one(model, *plan, &mut stream, &mut || proceed(number)) {
             Ok(Some((trajectory, rows))) => {

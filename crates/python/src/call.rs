@@ -8,6 +8,7 @@ use crate::errors::to_python;
 use crate::functions::{Failure, Functions};
 
 /// What a model is made of.
+#[derive(Clone)]
 pub(crate) enum Made {
     /// A text that errors call so; whether a program wrote it.
     Text {

@@ -11,6 +11,7 @@ mod errors;
 mod estimates;
 mod file;
 mod filtered;
+mod fitted;
 mod functions;
 mod inputs;
 mod learned;
@@ -33,6 +34,8 @@ mod _motes {
     use crate::file::write;
     #[pymodule_export]
     use crate::filtered::Filtered;
+    #[pymodule_export]
+    use crate::fitted::{Fitted, fit, with_parameters};
     #[pymodule_export]
     use crate::inputs::{columns_of_inputs, inputs_of_table, open_inputs};
     #[pymodule_export]

@@ -29,10 +29,10 @@ use crate::work::without_lock;
 /// A state-space model.
 #[pyclass(frozen, module = "motes._motes")]
 pub(crate) struct Model {
-    model: Arc<motes::Model>,
+    pub(crate) model: Arc<motes::Model>,
     /// Parameters that were given other values.
-    set: Vec<(String, f64)>,
-    made: Made,
+    pub(crate) set: Vec<(String, f64)>,
+    pub(crate) made: Made,
 }
 
 /// Which columns measurements are, which ones `series`, `t`, the times and the carried one are, which ones are inputs, and which ones are not used.

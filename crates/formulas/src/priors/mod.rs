@@ -67,10 +67,20 @@ impl Prior {
         self.law.log_density(values)
     }
 
+    /// The values, one for each entry, that as many independent standard normal numbers are turned into: `F⁻¹(Φ(v))` with the distribution function F of a
+    /// number; of a dirichlet the shares of gamma variables that are made so.
+    ///
+    /// # Panics
+    /// If there is not one number for each entry.
+    pub fn at(&self, noise: &[f64]) -> Vec<f64> {
+        assert_eq!(noise.len(), self.entries.len(), "one number for each of {:?}", self.entries);
+        self.law.at(noise)
+    }
+
     /// Values that are drawn from it, one for each entry.
     pub fn sample(&self, stream: &mut Stream) -> Vec<f64> {
         let mut noise = vec![0.0; self.entries.len()];
         fill_standard_normal(stream, &mut noise);
-        self.law.at(&noise)
+        self.at(&noise)
     }
 }

@@ -6,7 +6,7 @@ use motes_models::Step;
 use motes_models::batch::by_widest_vectors;
 use motes_models::equations::{Coordinates, Distribution, Draws, Scalar, with_scalars};
 
-use super::instruction::{Computed, Instruction, NoiseTerm, Output, Place, PlainStep, Program, Rule, Source};
+use super::instruction::{Instruction, NoiseTerm, Output, Place, PlainStep, Program, Rule, Source};
 use crate::operations::choice;
 
 /// What numbers that are the same for all particles depend on.
@@ -51,19 +51,22 @@ impl Program {
                     return;
                 }
                 given[..previous.len()].copy_from_slice(previous);
-                let first = self.given - self.draws.len();
+                let (first, count) = (self.given - self.draws.len(), self.draws.len());
                 let mut start = 0;
-                let mut next = |given: &[S], output: &Output| {
+                // One loop over both: what an output takes of code is there once.
+                for (number, output) in self.draws.iter().chain(&self.coordinates).enumerate() {
                     let mut run = Run { given, count: self.given, plain, registers: &mut *registers };
-                    run.output(&self.instructions, &mut start, output, draws)
-                };
-                for (number, output) in self.draws.iter().enumerate() {
-                    given[first + number] = next(given, output);
-                }
-                for (number, (output, coordinate)) in self.coordinates.iter().zip(state).enumerate() {
-                    *coordinate = next(given, output);
-                    if self.in_order {
-                        given[number] = *coordinate;
+                    let value = run.output(&self.instructions, &mut start, output, draws);
+                    match number.checked_sub(count) {
+                        None => given[first + number] = value,
+                        Some(coordinate) => {
+                            if self.in_order {
+                                given[coordinate] = value;
+                            }
+                            if let Some(place) = state.get_mut(coordinate) {
+                                *place = value;
+                            }
+                        }
                     }
                 }
             });
@@ -170,7 +173,8 @@ impl<S: Scalar> Run<'_, S> {
         }
     }
 
-    /// Carries out instructions, with the widest vectors that the machine has.
+    /// Carries out instructions, with the widest vectors that the machine has. It is compiled for each scalar, and not again for each use of what a program makes.
+    #[inline(never)]
     fn all(&mut self, instructions: &[Instruction]) {
         by_widest_vectors(
             #[inline(always)]
@@ -214,25 +218,16 @@ impl<S: Scalar> Run<'_, S> {
     ) -> S {
         self.all(&instructions[*start..output.end]);
         *start = output.end;
-        match &output.rule {
-            Rule::Formula(source) => self.value(*source),
+        let (term, computed) = match &output.rule {
+            Rule::Formula(source) => return self.value(*source),
             // Measurements alone are made of other distributions.
-            Rule::Made(_) => S::from(f64::NAN),
-            Rule::Noise(term) => self.drawn(term, draws),
-            Rule::Computed(computed) => self.computed(computed, instructions, start, draws),
-        }
-    }
-
-    /// What is computed of a draw. Few models have it: it is no part of each loop over outputs.
-    #[inline(never)]
-    fn computed(
-        &mut self,
-        computed: &Computed,
-        instructions: &[Instruction],
-        start: &mut usize,
-        draws: &mut impl Draws<S>,
-    ) -> S {
-        self.registers[computed.register as usize] = self.drawn(&computed.term, draws);
+            Rule::Made(_) => return S::from(f64::NAN),
+            Rule::Noise(term) => (term, None),
+            Rule::Computed(computed) => (&computed.term, Some(computed)),
+        };
+        let drawn = self.drawn(term, draws);
+        let Some(computed) = computed else { return drawn };
+        self.registers[computed.register as usize] = drawn;
         self.all(&instructions[*start..computed.end]);
         *start = computed.end;
         self.value(computed.value)

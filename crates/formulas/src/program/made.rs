@@ -1,7 +1,7 @@
 //! Distributions of measurements that are made of others, with the numbers of particles.
 
 use motes_models::Step;
-use motes_models::equations::{Distribution, Draws, Scalar, Wrapped, with_scalars};
+use motes_models::equations::{Distribution, Replay, Scalar, Wrapped, with_scalars};
 
 use super::instruction::{MadeTerm, NoiseTerm, PartTerm, Program};
 use super::interpret::Run;
@@ -67,17 +67,9 @@ impl<S: Scalar> Run<'_, S> {
             given[..states].copy_from_slice(&self.given[..states]);
             given[states] = y;
             let mut found = [S::from(f64::NAN)];
-            program.make(step, given, &mut Nothing, &mut found);
+            // A log density asks for no draws. That of states has the same code.
+            program.make(step, given, &mut Replay::of(&[]), &mut found);
             found[0]
         })
-    }
-}
-
-/// Draws that a log density does not ask for.
-struct Nothing;
-
-impl<S: Scalar> Draws<S> for Nothing {
-    fn draw(&mut self, _: Distribution<S>) -> S {
-        S::from(f64::NAN)
     }
 }

@@ -36,6 +36,7 @@ pub use lanes::Lanes;
 pub use linearise::Linearise;
 pub(crate) use linearise::moments_of_states;
 pub(crate) use marginals::Marginals;
+pub use model::Replay;
 pub use noise_space::{Draw, Guide, NoiseSpace};
 pub use plain::Plain;
 pub use scalar::Scalar;

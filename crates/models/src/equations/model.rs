@@ -17,19 +17,22 @@ use crate::marginal::by_draws;
 use crate::{Marginal, ModelError, Simulator, StateSpaceModel, Step, Stream, TransitionDensity};
 
 /// Answers draws with given values, and adds up their log densities; NaN where there are more or fewer draws than values.
-pub(super) struct Replay<'a, S> {
+#[derive(Debug)]
+pub struct Replay<'a, S> {
     values: &'a [S],
     sum: S,
 }
 
 impl<'a, S: Scalar> Replay<'a, S> {
+    /// Before the first draw.
     #[inline(always)]
-    pub(super) fn of(values: &'a [S]) -> Self {
+    pub fn of(values: &'a [S]) -> Self {
         Replay { values, sum: S::from(0.0) }
     }
 
+    /// The sum; NaN where values are left.
     #[inline(always)]
-    pub(super) fn finish(self) -> S {
+    pub fn finish(self) -> S {
         if self.values.is_empty() { self.sum } else { S::from(f64::NAN) }
     }
 }

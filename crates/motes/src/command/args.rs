@@ -9,6 +9,8 @@ use motes::smc::Resampling;
 use motes::{FilterOptions, LearnOptions, LearnedProposal, Model, MotesError, ProposalName};
 use motes_cli::{integer, one_of};
 
+use super::fit_args::FitArgs;
+use super::fitted_args::FittedArgs;
 use super::kind_args::KindArgs;
 use super::objective_args::ObjectiveArgs;
 use super::share::share;
@@ -44,6 +46,9 @@ pub(super) enum Command {
     /// Draw series of states and measurements from a model
     #[command(after_help = "Example:\n  motes simulate growth.toml --steps 100 --series 20 -o data.csv")]
     Simulate(SimulateArgs),
+    /// Find the parameters of a model from data: draws from the posterior of all that have a prior
+    #[command(after_help = "Example:\n  motes fit ricker.toml ricker.csv -o ricker-fit")]
+    Fit(FitArgs),
     /// Learn a proposal for a model from sequences that it draws for itself, and hold it against designed ones
     #[command(
         after_help = "Examples:\n  motes learn growth.toml -o growth-proposal\n  motes filter growth.toml data.csv --proposal growth-proposal\n  motes learn returns.toml returns.csv -o tuned"
@@ -207,6 +212,8 @@ pub(super) struct FilterArgs {
     /// The data, a CSV file with a header; - reads standard input and answers line by line
     pub(super) data: PathBuf,
     #[command(flatten)]
+    pub(super) fitted: FittedArgs,
+    #[command(flatten)]
     pub(super) settings: FilterSettingsArgs,
     /// Predict each measurement from those before it: columns with its mean, its standard deviation, and the place of what was measured (pit), which is uniform between 0 and 1 where the model is right
     #[arg(long)]
@@ -227,6 +234,8 @@ pub(super) struct SmoothArgs {
     pub(super) model: ModelArgs,
     /// The data, a CSV file with a header; - is standard input
     pub(super) data: PathBuf,
+    #[command(flatten)]
+    pub(super) fitted: FittedArgs,
     #[command(flatten)]
     pub(super) settings: FilterSettingsArgs,
     /// The number of trajectories
@@ -298,6 +307,8 @@ impl LearnArgs {
 pub(super) struct SimulateArgs {
     #[command(flatten)]
     pub(super) model: ModelArgs,
+    #[command(flatten)]
+    pub(super) fitted: FittedArgs,
     /// The number of times in each series
     #[arg(long, value_name = "T", allow_negative_numbers = true, required_unless_present = "inputs", value_parser = integer(1..=1_000_000_000_usize))]
     pub(super) steps: Option<usize>,
@@ -308,7 +319,7 @@ pub(super) struct SimulateArgs {
     #[arg(long, value_name = "S", allow_negative_numbers = true, default_value = "1", value_parser = integer(1..=1_000_000_000_usize))]
     pub(super) series: usize,
     /// Draw parameters that have a prior anew for each series; each is a column
-    #[arg(long)]
+    #[arg(long, conflicts_with = "parameters")]
     pub(super) prior: bool,
     /// Write the table to a file, which is replaced when the table is whole; standard output if absent
     #[arg(long, short = 'o', value_name = "FILE")]
@@ -382,7 +393,7 @@ fn fraction(text: &str) -> Result<f64, String> {
     fraction.ok_or_else(|| "it must be a number above 0 and at most 1".into())
 }
 
-fn seconds(text: &str) -> Result<f64, String> {
+pub(super) fn seconds(text: &str) -> Result<f64, String> {
     let seconds = text.parse().ok().filter(|seconds: &f64| *seconds > 0.0 && seconds.is_finite());
     seconds.ok_or_else(|| "it must be a number above 0".into())
 }

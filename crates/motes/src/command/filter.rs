@@ -11,22 +11,51 @@ use motes_cli::{Interrupt, status};
 use super::args::FilterArgs;
 use super::failure::Failure;
 use super::filter_page::page;
+use super::fitted_args::Parametrised;
+use super::mixture::{self, Asked};
 use super::progress::Progress;
 use super::say::{say_ignored, warn, write};
 use super::stream;
 use super::summary::in_one_line;
 
 pub(super) fn run(args: &FilterArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
-    let model = args.model.read()?;
+    let file = args.model.read()?;
     args.output.check()?;
+    let parametrised = args.fitted.of(&file)?;
+    let model = match &parametrised {
+        Parametrised::Model(model) => model.clone(),
+        Parametrised::Draws(_) => file,
+    };
     let ahead = args.inputs.as_ref().map(|path| Data::open_inputs(path, &model)).transpose()?;
     let options = args.settings.options(&model, args.model.seed, args.forecast)?;
     let options = FilterOptions { ahead: ahead.map(Arc::new), predictive: args.predictive, ..options };
+    if matches!(parametrised, Parametrised::Draws(_)) {
+        let alone = match (args.data == Path::new("-"), args.predictive) {
+            (true, _) => Some("--parameters: rows that come one by one are filtered at one point alone"),
+            (_, true) => Some("--predictive: what was expected of a measurement is said at one point alone"),
+            _ => None,
+        };
+        if let Some(line) = alone {
+            return Err(Failure::new(2, format!("{line}; take --at mean")));
+        }
+    }
     if args.data == Path::new("-") {
         return Ok(on_threads(args.model.threads, || stream::run(args, &model, &options, interrupt))??);
     }
     let data = Data::open(&args.data, &model)?;
     say_ignored(&data.columns, args.model.quiet);
+    if let Parametrised::Draws(draws) = &parametrised {
+        let asked = Asked {
+            model: &model,
+            draws,
+            data: &data,
+            options: &options,
+            args: &args.model,
+            output: &args.output,
+            paths: None,
+        };
+        return mixture::run(&asked, interrupt);
+    }
     let start = Instant::now();
     let mut progress = Progress::new(data.rows.len(), args.model.quiet);
     let filtered = on_threads(args.model.threads, || {

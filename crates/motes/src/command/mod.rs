@@ -6,15 +6,20 @@ mod compare;
 mod failure;
 mod filter;
 mod filter_page;
+mod fit;
+mod fit_args;
+mod fitted_args;
 mod input;
 mod kind_args;
 mod learn;
+mod mixture;
 mod objective_args;
 mod progress;
 mod say;
 mod share;
 mod simulate;
 mod smooth;
+mod spinner;
 mod stream;
 mod summary;
 
@@ -44,6 +49,7 @@ pub(crate) fn run() -> ExitCode {
         Command::Filter(args) => filter::run(&args, &interrupt),
         Command::Check(args) => check::run(&args, &interrupt),
         Command::Compare(args) => compare::run(&args, &interrupt),
+        Command::Fit(args) => fit::run(&args, &interrupt),
         Command::Learn(args) => learn::run(&args, &interrupt),
         Command::Simulate(args) => simulate::run(&args, &interrupt),
         Command::Smooth(args) => smooth::run(&args, &interrupt),

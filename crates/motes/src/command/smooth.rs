@@ -8,7 +8,9 @@ use motes_cli::{Interrupt, status};
 
 use super::args::SmoothArgs;
 use super::failure::Failure;
+use super::fitted_args::Parametrised;
 use super::input;
+use super::mixture::{self, Asked};
 use super::progress::Progress;
 use super::say::{say_ignored, warn, write};
 use super::summary::{command_line, in_one_line};
@@ -17,11 +19,28 @@ use super::summary::{command_line, in_one_line};
 const PARTS: usize = 10_000;
 
 pub(super) fn run(args: &SmoothArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
-    let model = args.model.read()?;
+    let file = args.model.read()?;
     args.output.check()?;
+    let parametrised = args.fitted.of(&file)?;
+    let model = match &parametrised {
+        Parametrised::Model(model) => model.clone(),
+        Parametrised::Draws(_) => file,
+    };
     let options = args.settings.options(&model, args.model.seed, 0)?;
     let data = input::data(&args.data, &model, interrupt)?;
     say_ignored(&data.columns, args.model.quiet);
+    if let Parametrised::Draws(draws) = &parametrised {
+        let asked = Asked {
+            model: &model,
+            draws,
+            data: &data,
+            options: &options,
+            args: &args.model,
+            output: &args.output,
+            paths: Some(args.paths),
+        };
+        return mixture::run(&asked, interrupt);
+    }
     let start = Instant::now();
     let mut progress = Progress::new(PARTS, args.model.quiet);
     let smoothed = on_threads(args.model.threads, || {

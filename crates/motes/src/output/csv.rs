@@ -6,6 +6,7 @@ use super::number::text;
 use crate::data::{Columns, Data, Row};
 use crate::estimate::{Coordinate, Estimate, OF_COORDINATE, OF_MEASUREMENT, OF_WEIGHTS};
 use crate::filtered::Filtered;
+use crate::mixture::Mixed;
 use crate::model::Model;
 use crate::names::ModelNames;
 use crate::simulating::Simulated;
@@ -122,6 +123,18 @@ impl EstimateTable {
         table
     }
 
+    /// The whole table over the posterior of parameters: rows in the order of the data, then what is predicted.
+    pub fn mixed(&self, data: &Data, mixed: &Mixed) -> String {
+        let mut table = self.smoothed(data, &mixed.estimates);
+        for (series, forecasts) in mixed.forecasts.iter().enumerate() {
+            for forecast in forecasts {
+                let label = forecast.label.as_deref();
+                table += &self.row(&data.series[series], label, forecast.time, &forecast.estimate);
+            }
+        }
+        table
+    }
+
     /// What is predicted after each series and nothing else, with the label of each row if there are any.
     pub fn forecasts(&self, data: &Data, filtered: &Filtered, labels: &[String]) -> String {
         let (mut table, mut labels) = (self.header(), labels.iter());
@@ -186,7 +199,7 @@ fn text_or_nothing(value: f64) -> String {
 }
 
 /// Cells separated by commas, in quotes where they have to be.
-fn line(cells: &[String]) -> String {
+pub(super) fn line(cells: &[String]) -> String {
     let cell = |cell: &String| match cell.contains([',', '"', '\n', '\r']) {
         true => format!("\"{}\"", cell.replace('"', "\"\"")),
         false => cell.clone(),

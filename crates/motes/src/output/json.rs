@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use crate::filtered::Filtered;
+use crate::mixture::Mixed;
 use crate::options::FilterOptions;
 
 #[derive(Serialize)]
@@ -32,6 +33,27 @@ pub fn filter_json(filtered: &Filtered, options: &FilterOptions, seconds: f64) -
         ess_min: filtered.least_ess,
         pareto_k: filtered.weights.pareto_k(),
         warnings: filtered.warnings.iter().map(ToString::to_string).collect(),
+        particles: options.particles,
+        seconds,
+    };
+    serde_json::to_string(&object).expect("numbers and texts") + "\n"
+}
+
+#[derive(Serialize)]
+struct MixtureObject {
+    log_evidence: Option<f64>,
+    draws: usize,
+    warnings: Vec<String>,
+    particles: usize,
+    seconds: f64,
+}
+
+/// The object of a filter or a smoother over the posterior of parameters, which has no log-evidence.
+pub fn mixture_json(mixed: &Mixed, options: &FilterOptions, seconds: f64) -> String {
+    let object = MixtureObject {
+        log_evidence: None,
+        draws: mixed.draws,
+        warnings: mixed.warnings.iter().map(ToString::to_string).collect(),
         particles: options.particles,
         seconds,
     };

@@ -3,14 +3,19 @@
 mod card;
 mod csv;
 mod file;
+mod fit;
 mod json;
 mod number;
 mod report;
 mod summary;
+mod table;
 
 pub use card::{card_json, card_text};
 pub use csv::{EstimateTable, simulated_table};
 pub use file::{Output, Sink};
-pub use json::filter_json;
+pub use fit::{
+    fit_draws, fit_json, fit_summary, fit_text, maximum_json, maximum_summary, maximum_table, maximum_text,
+};
+pub use json::{filter_json, mixture_json};
 pub use report::{CardReport, Report, card_report, error_figure, report};
 pub use summary::{filter_settings, filter_summary};

@@ -14,6 +14,7 @@ from ._errors import warn
 from ._table import _numbers, _text, data_of, inputs_of
 from ._toml import text_of
 from .card import Card
+from .fitted import Fitted
 from .results import Filtered, Forecast, Smoothed, _whole
 
 if TYPE_CHECKING:
@@ -455,6 +456,55 @@ class Model:
         (1,)
         """
         return OnlineFilter(self, {"threads": 1, **settings})
+
+    def fit(
+        self,
+        data: Any,
+        *,
+        proposal: str | Proposal | None = None,
+        particles: int | None = None,
+        chains: int = 4,
+        draws: int | None = None,
+        budget: float | None = None,
+        seed: int = 1,
+        threads: int | None = None,
+    ) -> Fitted:
+        """Draws from the posterior of the parameters that have a prior and no value, by particle Markov chain Monte Carlo.
+
+        Starts, step sizes, the estimator of the likelihood and its number of particles are found. Chains go on until the R-hat of each
+        parameter is below 1.01 and its effective sample size 400 at least, or for `draws` each; `budget` ends them after so many seconds.
+
+        >>> import motes
+        >>> model = motes.Model({
+        ...     "parameters": {"sd": "half_normal(2)"},
+        ...     "initial": {"x": "normal(0, 1)"},
+        ...     "transition": {"x": "normal(x, sd)"},
+        ...     "measurement": {"y": "normal(x, 1)"},
+        ... })
+        >>> fitted = model.fit([0.3, 1.2, 0.7, 2.4, 1.8], draws=100)
+        >>> fitted.draws["sd"].shape
+        (4, 100)
+        """
+        arguments = {
+            "proposal": None if proposal is None else _proposal(proposal, "proposal"),
+            "particles": particles,
+            "chains": chains,
+            "draws": draws,
+            "budget": budget,
+            "seed": seed,
+        }
+        rows = data_of(self._model, data)
+        fitted = Fitted(_motes.fit(self._model, rows.found, arguments, threads), self)
+        for text in fitted.warnings:
+            warn(text)
+        return fitted
+
+    def with_parameters(self, values: Mapping[str, float]) -> "Model":
+        """The same model with other values of parameters."""
+        model = type(self).__new__(type(self))
+        model.__dict__.update(self.__dict__)
+        model._model = _motes.with_parameters(self._model, _parameters(values))
+        return model
 
     def learn(
         self,

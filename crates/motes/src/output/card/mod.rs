@@ -5,9 +5,10 @@ mod tables;
 
 pub use json::card_json;
 pub(super) use tables::{
-    ABOUT_ERRORS, Table, about, about_differences, about_reaching, differences, errors, figures,
+    ABOUT_ERRORS, about, about_differences, about_reaching, differences, errors, figures,
 };
 
+use super::table::markdown;
 use crate::comparing::Comparison;
 
 /// The card as tables for a person.
@@ -21,26 +22,4 @@ pub fn card_text(comparison: &Comparison, particles: usize) -> String {
         text += &format!("\n{}\n{}\n", comparison.equal_time, about_reaching(comparison));
     }
     text
-}
-
-/// Cells in columns, as Markdown has them.
-fn markdown(Table { header, rows }: &Table) -> String {
-    let width = |column: usize| {
-        let cells = rows.iter().map(|row| &row[column]).chain([&header[column]]);
-        cells.map(|cell| cell.chars().count()).max().unwrap_or(0)
-    };
-    let widths: Vec<usize> = (0..header.len()).map(width).collect();
-    let line = |cells: &[String]| {
-        let padded = cells.iter().zip(&widths).enumerate().map(|(column, (cell, &width))| match column {
-            0 => format!("{cell:<width$}"),
-            _ => format!("{cell:>width$}"),
-        });
-        format!("| {} |\n", padded.collect::<Vec<_>>().join(" | "))
-    };
-    let rule = widths.iter().enumerate().map(|(column, width)| match column {
-        0 => format!("{}-", "-".repeat(width + 1)),
-        _ => format!("{}:", "-".repeat(width + 1)),
-    });
-    let rule = format!("|{}|\n", rule.collect::<Vec<_>>().join("|"));
-    std::iter::once(line(header)).chain([rule]).chain(rows.iter().map(|row| line(row))).collect()
 }

@@ -1,12 +1,7 @@
 //! What a report card shows, cell by cell.
 
 use crate::comparing::{Comparison, Figure};
-
-/// A table: the first column names rows, the others are numbers.
-pub(in crate::output) struct Table {
-    pub(in crate::output) header: Vec<String>,
-    pub(in crate::output) rows: Vec<Vec<String>>,
-}
+use crate::output::table::Table;
 
 /// What was compared, and with what.
 pub(in crate::output) fn about(comparison: &Comparison, particles: usize) -> String {

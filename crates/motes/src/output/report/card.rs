@@ -4,8 +4,9 @@ use super::error_figure::error_figure;
 use super::page::Page;
 use crate::comparing::Comparison;
 use crate::output::card::{
-    ABOUT_ERRORS, Table, about, about_differences, about_reaching, differences, errors, figures,
+    ABOUT_ERRORS, about, about_differences, about_reaching, differences, errors, figures,
 };
+use crate::output::table::Table;
 
 /// What a page of a report card shows.
 pub struct CardReport<'a> {

@@ -1,0 +1,43 @@
+//! What parameters are fitted to.
+
+use motes_models::Seed;
+use serde::{Deserialize, Serialize};
+
+/// The likelihood of data as a function of `D` parameters, or an unbiased estimate of it.
+///
+/// Parameters are positions `v` in ℝᴰ, whose prior is `N(0, I)`: each parameter is a quantile of its prior, `θ = F⁻¹(Φ(v))`. So every prior with a quantile
+/// function is covered, parameters stay within their support, and no density of a transformation is needed.
+pub trait Likelihood: Sync {
+    /// Why it cannot be had at all; a likelihood of 0 is none.
+    type Error: Send;
+
+    /// `D`, the number of parameters.
+    fn dimension(&self) -> usize;
+
+    /// The estimators that there are, at least one.
+    fn estimators(&self) -> &[EstimatorCost];
+
+    /// `log ẑ(θ(v))` where E[ẑ] is the likelihood: an independent estimate for each seed, −∞ where it is 0.
+    ///
+    /// # Errors
+    /// Those of the implementation.
+    fn log_likelihood(&self, v: &[f64], estimator: Estimator, seed: &Seed) -> Result<f64, Self::Error>;
+}
+
+/// What an estimator costs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EstimatorCost {
+    /// The work of a particle, in any unit that the estimators of a likelihood share; it is counted, never measured by a clock.
+    pub per_particle: f64,
+    /// Whether it is the likelihood itself, whatever the number of particles.
+    pub is_exact: bool,
+}
+
+/// One of a likelihood's estimators.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Estimator {
+    /// Its place in [`Likelihood::estimators`].
+    pub index: usize,
+    /// `K`, the number of particles; without meaning where it is exact.
+    pub particles: usize,
+}

@@ -1,0 +1,13 @@
+//! The maximum of a likelihood of which there are estimates alone.
+
+mod hill;
+mod point;
+mod profile;
+mod quadratic;
+mod search;
+mod settings;
+
+pub use point::Maximum;
+pub use profile::Interval;
+pub use search::MaximumSearch;
+pub use settings::MaximumSettings;

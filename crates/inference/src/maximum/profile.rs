@@ -1,0 +1,183 @@
+//! Intervals by profiles of the likelihood, wider by what its estimates do not tell (Ionides, Breto, Park, Smith and King, 2017).
+
+use motes_models::Seed;
+use serde::{Deserialize, Serialize};
+
+use super::hill::Hill;
+use super::point::Maximum;
+use super::quadratic::Quadratic;
+use crate::likelihood::{Estimator, EstimatorCost, Likelihood};
+
+/// Points of a profile on either side, and how far apart they are in units of the spread.
+const POINTS: (i32, f64) = (5, 0.6);
+
+/// Rounds uphill at each point.
+const ROUNDS: usize = 2;
+
+/// The interval of a parameter, as coordinates of positions.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Interval {
+    /// Its lower end.
+    pub low: f64,
+    /// Its upper end.
+    pub high: f64,
+}
+
+/// A likelihood with one of its parameters given.
+struct Given<'a, L> {
+    likelihood: &'a L,
+    at: usize,
+    value: f64,
+}
+
+impl<L> Given<'_, L> {
+    fn all(&self, rest: &[f64]) -> Vec<f64> {
+        let mut v = rest.to_vec();
+        v.insert(self.at, self.value);
+        v
+    }
+}
+
+impl<L: Likelihood> Likelihood for Given<'_, L> {
+    type Error = L::Error;
+
+    fn dimension(&self) -> usize {
+        self.likelihood.dimension() - 1
+    }
+
+    fn estimators(&self) -> &[EstimatorCost] {
+        self.likelihood.estimators()
+    }
+
+    fn log_likelihood(&self, v: &[f64], estimator: Estimator, seed: &Seed) -> Result<f64, L::Error> {
+        self.likelihood.log_likelihood(&self.all(v), estimator, seed)
+    }
+}
+
+/// The interval of coordinate `at` with probability `level`: where the profile is at most `δ` below its largest value, with `δ` from the curvature of a quadratic that is
+/// like the profile and from how surely it is known.
+pub(super) fn profile<L: Likelihood>(
+    likelihood: &L,
+    best: &Maximum,
+    at: usize,
+    level: f64,
+    seed: &Seed,
+) -> Result<Interval, L::Error> {
+    let d = best.v.len();
+    let row = &best.spread[at * d..(at + 1) * d];
+    let sd = row.iter().map(|value| value * value).sum::<f64>().sqrt();
+    // Covariances of the others with this one: where they go as it goes.
+    let slope =
+        |i: usize| (0..d).map(|k| best.spread[i * d + k] * best.spread[at * d + k]).sum::<f64>() / (sd * sd);
+    let others: Vec<usize> = (0..d).filter(|i| *i != at).collect();
+    let mut points = Vec::new();
+    for step in -POINTS.0..=POINTS.0 {
+        let u = f64::from(step) * POINTS.1;
+        let value = best.v[at] + u * sd;
+        let given = Given { likelihood, at, value };
+        let seed = seed.nth((step + POINTS.0) as u64);
+        let (height, error) = match others.is_empty() {
+            true => alone(&given, best.estimator, &seed)?,
+            false => {
+                let centre = others.iter().map(|i| best.v[*i] + slope(*i) * u * sd).collect();
+                let Some(spread) = conditional(best, at, &others) else { continue };
+                let mut hill = Hill::new(centre, spread);
+                for round in 0..ROUNDS {
+                    hill.climb(&given, best.estimator, &seed.nth(round as u64))?;
+                }
+                match &hill.quadratic {
+                    Some((quadratic, step)) => (quadratic.at(step), quadratic.error_at(step)),
+                    None => continue,
+                }
+            }
+        };
+        points.push((vec![u], height, 1.0 / (error * error + 0.05)));
+    }
+    let around = |u: f64| best.v[at] + u * sd;
+    let z = motes_models::equations::uniform(0.0, 1.0).to_normal(0.5 + 0.5 * level);
+    let end = f64::from(POINTS.0) * POINTS.1;
+    // Weights as they would be of a profile that is known at its top above all.
+    let top = points.iter().map(|(_, height, _)| *height).fold(f64::NEG_INFINITY, f64::max);
+    for (_, height, weight) in &mut points {
+        *weight *= (-0.25 * (top - *height)).exp();
+    }
+    let Some(fitted) = Quadratic::fit(&points) else {
+        return Ok(Interval { low: around(-end), high: around(end) });
+    };
+    let curvature = (-fitted.curvature[(0, 0)]).max(1e-3);
+    let centre = (fitted.b[0] / curvature).clamp(-end, end);
+    // How far the top itself may lie from where it was found.
+    let error = slope_error(&fitted, centre) / curvature;
+    let delta = 0.5 * z * z * (1.0 + curvature * error * error);
+    let reach =
+        |side: f64| centre + side * reach(&points, fitted.at(&[centre]), centre, side, delta).min(end);
+    Ok(Interval { low: around(reach(-1.0)), high: around(reach(1.0)) })
+}
+
+/// The standard error of the slope of a fitted parabola at a point.
+fn slope_error(fitted: &Quadratic, at: f64) -> f64 {
+    // By values a little to either side: errors of a slope are those of differences.
+    let h = 0.5;
+    (fitted.error_at(&[at + h]).powi(2) + fitted.error_at(&[at - h]).powi(2)).sqrt()
+        / (2.0 * h)
+        / 2.0_f64.sqrt()
+}
+
+/// How far from `centre` the profile is `δ` below its top on one side: by `√(top − height) = αt + βt²`, which is a line where the profile is a parabola.
+fn reach(points: &[(Vec<f64>, f64, f64)], top: f64, centre: f64, side: f64, delta: f64) -> f64 {
+    let there = points.iter().map(|(u, height, weight)| (side * (u[0] - centre), *height, *weight));
+    let [mut tt, mut ttt, mut tttt, mut tr, mut ttr] = [0.0; 5];
+    for (t, height, weight) in there.filter(|(t, ..)| *t > 0.0) {
+        let root = (top - height).max(0.0).sqrt();
+        tt += weight * t * t;
+        ttt += weight * t.powi(3);
+        tttt += weight * t.powi(4);
+        tr += weight * t * root;
+        ttr += weight * t * t * root;
+    }
+    let determinant = tt * tttt - ttt * ttt;
+    let (alpha, beta) = match determinant > 1e-9 * tt * tttt {
+        true => ((tr * tttt - ttr * ttt) / determinant, (ttr * tt - tr * ttt) / determinant),
+        false => (tr / tt, 0.0),
+    };
+    let level = delta.sqrt();
+    // The first of the roots of `βt² + αt = level`, in the form that loses no digits.
+    let inside = alpha * alpha + 4.0 * beta * level;
+    let found = 2.0 * level / (alpha + inside.max(0.0).sqrt());
+    if found.is_finite() && found > 0.0 && inside >= 0.0 { found } else { f64::INFINITY }
+}
+
+/// The spread of the others where coordinate `at` is given: `L'` of `Σ_oo − Σ_oa Σ_ao / Σ_aa`, row after row.
+fn conditional(best: &Maximum, at: usize, others: &[usize]) -> Option<Vec<f64>> {
+    let d = best.v.len();
+    let covariance =
+        |i: usize, j: usize| (0..d).map(|k| best.spread[i * d + k] * best.spread[j * d + k]).sum::<f64>();
+    let n = others.len();
+    let matrix = faer::Mat::from_fn(n, n, |i, j| {
+        covariance(others[i], others[j])
+            - covariance(others[i], at) * covariance(others[j], at) / covariance(at, at)
+    });
+    let factor = matrix.llt(faer::Side::Lower).ok()?;
+    let lower = factor.L();
+    Some(
+        (0..n * n)
+            .map(|place| if place % n <= place / n { lower[(place / n, place % n)] } else { 0.0 })
+            .collect(),
+    )
+}
+
+/// The log-likelihood where nothing is left to be found: the mean of some estimates, and its error.
+fn alone<L: Likelihood>(
+    given: &Given<'_, L>,
+    estimator: Estimator,
+    seed: &Seed,
+) -> Result<(f64, f64), L::Error> {
+    const ESTIMATES: u64 = 20;
+    let count = if given.estimators()[estimator.index].is_exact { 1 } else { ESTIMATES };
+    let found = (0..count).map(|number| given.log_likelihood(&[], estimator, &seed.nth(number)));
+    let found = found.collect::<Result<Vec<f64>, L::Error>>()?;
+    let n = found.len() as f64;
+    let mean = found.iter().sum::<f64>() / n;
+    let variance = found.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
+    Ok((mean, (variance / n).sqrt()))
+}

@@ -1,0 +1,6 @@
+//! Posteriors that are known, and chains whose diagnostics are known.
+
+mod diagnostics;
+mod known;
+mod maximum;
+mod posterior;

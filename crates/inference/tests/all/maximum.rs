@@ -1,0 +1,70 @@
+//! Maxima that are known.
+
+use motes_inference::{FitError, MaximumSearch, MaximumSettings};
+
+use crate::known::{EXACT, Half, Line};
+
+fn found(line: &Line, settings: MaximumSettings, seed: u64) -> MaximumSearch {
+    let mut search = MaximumSearch::new(settings, seed);
+    while !search.is_done(2) {
+        search.advance(line).expect("nothing can fail");
+    }
+    search
+}
+
+/// The least squares of [`Line`], and the standard errors of both coordinates.
+fn least_squares(line: &Line) -> ([f64; 2], [f64; 2]) {
+    let sum = |of: &dyn Fn(&[f64; 3]) -> f64| line.rows.iter().map(of).sum::<f64>();
+    let (aa, ab, bb) = (sum(&|r| r[0] * r[0]), sum(&|r| r[0] * r[1]), sum(&|r| r[1] * r[1]));
+    let (ay, by) = (sum(&|r| r[0] * r[2]), sum(&|r| r[1] * r[2]));
+    let determinant = aa * bb - ab * ab;
+    let at = [(bb * ay - ab * by) / determinant, (aa * by - ab * ay) / determinant];
+    (at, [bb, aa].map(|other| line.sd * (other / determinant).sqrt()))
+}
+
+#[test]
+fn an_exact_likelihood_has_its_maximum_and_its_intervals_found_from_every_start() {
+    let line = Line::new(0.0);
+    let (at, errors) = least_squares(&line);
+    for seed in 0..5 {
+        let search = found(&line, MaximumSettings::default(), seed);
+        let best = search.best().expect("searches have ended");
+        assert_eq!((search.agreeing(), search.searches()), (4, 4));
+        assert_eq!(best.standard_error, 0.0);
+        assert!(line.exact(&at) - best.log_likelihood < 1e-6, "{best:?} beside {at:?}");
+        for (i, interval) in search.intervals().iter().enumerate() {
+            // 1.645 standard errors to either side.
+            let expected = [at[i] - 1.645 * errors[i], at[i] + 1.645 * errors[i]];
+            let off = (interval.low - expected[0]).abs().max((interval.high - expected[1]).abs());
+            assert!(off < 0.03 * errors[i], "{interval:?} beside {expected:?}");
+        }
+    }
+}
+
+#[test]
+fn noise_of_the_likelihood_makes_intervals_wider_and_moves_the_maximum_little() {
+    let line = Line::new(60.0);
+    let (at, errors) = least_squares(&line);
+    for seed in 0..5 {
+        let search = found(&line, MaximumSettings::default(), seed);
+        let best = search.best().expect("searches have ended");
+        assert!(search.agreeing() >= 3, "{}", search.agreeing());
+        assert!(line.exact(&at) - line.exact(&best.v) < 0.2, "{best:?} beside {at:?}");
+        let off = (best.log_likelihood - line.exact(&best.v)).abs();
+        assert!(off < 4.0 * best.standard_error && best.standard_error < 0.2, "{best:?}");
+        for (i, interval) in search.intervals().iter().enumerate() {
+            let half = 0.5 * (interval.high - interval.low) / errors[i];
+            assert!((1.3..2.6).contains(&half), "{interval:?}: {half} standard errors");
+            assert!(interval.low < at[i] && at[i] < interval.high, "{interval:?} beside {at:?}");
+        }
+    }
+}
+
+#[test]
+fn what_is_impossible_is_said() {
+    let half = Half { above: 9.0, costs: vec![EXACT] };
+    let mut search = MaximumSearch::new(MaximumSettings::default(), 1);
+    assert_eq!(search.advance(&half), Err(FitError::Impossible));
+    let mut none = MaximumSearch::new(MaximumSettings { starts: 0, ..MaximumSettings::default() }, 1);
+    assert_eq!(none.advance(&half), Err(FitError::Nothing));
+}

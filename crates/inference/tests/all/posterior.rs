@@ -1,0 +1,130 @@
+//! Posteriors against sums over grids.
+
+use motes_inference::{
+    EstimatorChoice, FitError, Likelihood, ParameterSummary, Posterior, PosteriorSettings, Stage,
+};
+
+use crate::known::{EXACT, Half, Line, TwoModes};
+
+fn fitted<L: Likelihood<Error = std::convert::Infallible>>(
+    likelihood: &L,
+    settings: PosteriorSettings,
+    seed: u64,
+) -> Posterior {
+    let mut posterior = Posterior::new(likelihood, settings, seed).expect("it can be fitted");
+    while posterior.stage() != Stage::Done {
+        posterior.advance(likelihood).expect("nothing can fail");
+    }
+    posterior
+}
+
+/// Means and standard deviations within four Monte Carlo standard errors.
+fn agrees(posterior: &Posterior, means: [f64; 2], sds: [f64; 2]) {
+    for at in 0..2 {
+        let summary = ParameterSummary::of(&posterior.coordinate(at)).expect("there are draws");
+        assert!(summary.rhat < 1.01, "{summary:?}");
+        assert!((summary.mean - means[at]).abs() < 4.0 * summary.mcse, "{summary:?} beside {means:?}");
+        // That of the standard deviation is at most about as large where tails are normal.
+        let error = summary.sd / (2.0 * summary.ess_bulk.min(summary.ess_tail)).sqrt();
+        assert!((summary.sd - sds[at]).abs() < 4.0 * error, "{summary:?} beside {sds:?}");
+    }
+}
+
+#[test]
+fn an_exact_likelihood_gives_the_posterior_and_the_marginal_likelihood() {
+    let line = Line::new(0.0);
+    let (means, sds, log_marginal) = line.on_a_grid();
+    let settings = PosteriorSettings { draws: Some(4000), ..PosteriorSettings::default() };
+    let posterior = fitted(&line, settings, 1);
+    agrees(&posterior, means, sds);
+    let found = posterior.marginal_likelihood().expect("half of the moves are independent");
+    assert!(found.standard_error < 0.02, "{found:?}");
+    assert!((found.log - log_marginal).abs() < 4.0 * found.standard_error, "{found:?} beside {log_marginal}");
+}
+
+#[test]
+fn noise_of_the_likelihood_changes_nothing_but_the_number_of_draws() {
+    for particles in [None, Some(15)] {
+        // Of 15 particles the variance of log ẑ is 4.
+        let line = Line::new(60.0);
+        let (means, sds, log_marginal) = line.on_a_grid();
+        let estimator = particles.map(EstimatorChoice::Particles);
+        let settings = PosteriorSettings { draws: Some(25_000), estimator, ..PosteriorSettings::default() };
+        let posterior = fitted(&line, settings, 2);
+        agrees(&posterior, means, sds);
+        let found = posterior.marginal_likelihood().expect("half of the moves are independent");
+        assert!((found.log - log_marginal).abs() < 4.0 * found.standard_error, "{found:?} {log_marginal}");
+        let variance = posterior.variance();
+        match particles {
+            None => assert!((0.5..4.0).contains(&variance), "{variance}"),
+            Some(_) => assert!((2.0..8.0).contains(&variance), "{variance}"),
+        }
+    }
+}
+
+#[test]
+fn both_modes_have_their_share() {
+    let two = TwoModes { costs: vec![EXACT] };
+    let posterior = fitted(&two, PosteriorSettings { draws: Some(5000), ..PosteriorSettings::default() }, 3);
+    let draws = posterior.coordinate(0);
+    let above = draws.iter().flatten().filter(|value| **value > 0.0).count() as f64;
+    let share = above / draws.iter().flatten().count() as f64;
+    let signs: Vec<Vec<f64>> =
+        draws.iter().map(|chain| chain.iter().map(|value| f64::from(*value > 0.0)).collect()).collect();
+    let summary = ParameterSummary::of(&signs).expect("there are draws");
+    assert!((share - 0.7).abs() < 4.0 * summary.mcse, "{share} ± {}", summary.mcse);
+    assert!(summary.mcse < 0.03, "{summary:?}");
+}
+
+#[test]
+fn it_ends_where_the_gates_hold() {
+    let line = Line::new(60.0);
+    let posterior = fitted(&line, PosteriorSettings::default(), 4);
+    assert!(posterior.gates_hold());
+    assert!(posterior.kept() < 20_000);
+    for at in 0..2 {
+        let summary = ParameterSummary::of(&posterior.coordinate(at)).expect("there are draws");
+        assert!(summary.rhat < 1.01 && summary.ess_bulk >= 400.0 && summary.ess_tail >= 400.0, "{summary:?}");
+    }
+}
+
+#[test]
+fn a_fit_that_is_written_down_goes_on_to_the_same_draws() {
+    let line = Line::new(60.0);
+    let settings = PosteriorSettings { draws: Some(300), ..PosteriorSettings::default() };
+    let whole = fitted(&line, settings, 5);
+    let mut posterior = Posterior::new(&line, settings, 5).expect("it can be fitted");
+    while posterior.stage() != Stage::Done {
+        posterior.advance(&line).expect("nothing can fail");
+        let mut written = Vec::new();
+        ciborium::into_writer(&posterior, &mut written).expect("it can be written");
+        posterior = ciborium::from_reader(written.as_slice()).expect("it can be read");
+    }
+    assert_eq!(posterior.coordinate(0), whole.coordinate(0));
+    assert_eq!(posterior.marginal_likelihood(), whole.marginal_likelihood());
+}
+
+#[test]
+fn threads_change_nothing() {
+    let line = Line::new(60.0);
+    let settings = PosteriorSettings { draws: Some(200), ..PosteriorSettings::default() };
+    let [one, four] = [1, 4].map(|threads| {
+        let pool = rayon_core::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads start");
+        pool.install(|| fitted(&line, settings, 6)).coordinate(1)
+    });
+    assert_eq!(one, four);
+}
+
+#[test]
+fn what_the_prior_makes_impossible_is_said() {
+    let half = |above| Half { above, costs: vec![EXACT] };
+    let refused = Posterior::new(&half(9.0), PosteriorSettings::default(), 1);
+    assert_eq!(refused.err(), Some(FitError::Impossible));
+    let some = Posterior::new(&half(0.0), PosteriorSettings::default(), 1).expect("half of it is possible");
+    assert!((some.possible() - 0.5).abs() < 0.3, "{}", some.possible());
+    // The posterior is a normal distribution above 0, with mean √(2/π).
+    let posterior =
+        fitted(&half(0.0), PosteriorSettings { draws: Some(4000), ..PosteriorSettings::default() }, 7);
+    let summary = ParameterSummary::of(&posterior.coordinate(0)).expect("there are draws");
+    assert!((summary.mean - (2.0 / std::f64::consts::PI).sqrt()).abs() < 4.0 * summary.mcse, "{summary:?}");
+}

@@ -1,0 +1,13 @@
+//! Distributions, equations, batches, exact inference: what models are held against.
+
+mod batched;
+mod batches;
+mod distributions;
+mod equations;
+mod exact_inference;
+mod experiments_as_transports;
+mod gradients;
+mod normals;
+mod quantiles;
+mod transports;
+mod wrapped;

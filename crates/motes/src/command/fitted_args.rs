@@ -1,0 +1,65 @@
+//! The arguments that say which parameters of a fit are taken.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use motes::{FittedDraws, Model, MotesError};
+
+/// Which of the parameters that were found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum At {
+    /// Draws of the posterior, which results are averaged over
+    Draws,
+    /// The posterior's mean
+    Mean,
+    /// The maximum of the likelihood
+    Maximum,
+}
+
+#[derive(Args)]
+pub(super) struct FittedArgs {
+    /// Take the parameters that motes fit found, from its folder
+    #[arg(long, value_name = "FOLDER")]
+    pub(super) parameters: Option<PathBuf>,
+    /// Which of them: draws averages over the posterior and has no log-evidence, mean takes its mean, maximum that of the likelihood; if absent what was found
+    #[arg(long, value_name = "WHICH", requires = "parameters")]
+    at: Option<At>,
+}
+
+/// The draws of the posterior that results are averaged over.
+const DRAWS: usize = 100;
+
+/// A model with the parameters that were asked for.
+pub(super) enum Parametrised {
+    /// Those of the file, or the mean of a fit.
+    Model(Model),
+    /// Draws of a fit.
+    Draws(FittedDraws),
+}
+
+impl FittedArgs {
+    /// The model with the parameters that are asked for.
+    pub(super) fn of(&self, model: &Model) -> Result<Parametrised, MotesError> {
+        let Some(folder) = &self.parameters else { return Ok(Parametrised::Model(model.clone())) };
+        let draws = FittedDraws::load(folder, model)?;
+        let refused = |reason: &str| MotesError::Fit {
+            folder: folder.display().to_string(),
+            reason: reason.to_string(),
+        };
+        match (self.at, draws.is_maximum) {
+            (None | Some(At::Maximum), true) | (Some(At::Mean), false) => {
+                Ok(Parametrised::Model(draws.at_mean(model)?))
+            }
+            (None | Some(At::Draws), false) => Ok(Parametrised::Draws(draws)),
+            (Some(_), true) => Err(refused("it has the maximum of the likelihood alone; take --at maximum")),
+            (Some(At::Maximum), false) => {
+                Err(refused("it has draws of the posterior; --at maximum needs a fit by --method maximum"))
+            }
+        }
+    }
+}
+
+/// The models of some draws, evenly spread over all.
+pub(super) fn spread(draws: &FittedDraws, model: &Model) -> Result<Vec<Model>, MotesError> {
+    draws.spread(model, DRAWS.min(draws.len()))
+}

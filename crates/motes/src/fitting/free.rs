@@ -1,0 +1,73 @@
+//! The parameters that are fitted.
+
+use motes_formulas::{Origin, Prior};
+
+use crate::error::MotesError;
+use crate::model::Model;
+
+/// The parameters of a model that have a prior and were given no value: those that a fit finds.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FreeParameters {
+    priors: Vec<Prior>,
+}
+
+impl FreeParameters {
+    /// Those of a model.
+    ///
+    /// # Errors
+    /// [`MotesError::Setting`] if it has none.
+    pub fn of(model: &Model) -> Result<Self, MotesError> {
+        let priors: Vec<Prior> =
+            model.priors().iter().filter(|prior| prior.origin() != Origin::Set).cloned().collect();
+        if !priors.is_empty() {
+            return Ok(FreeParameters { priors });
+        }
+        let reason = match (model.priors().is_empty(), model.parameters().first()) {
+            (false, _) => {
+                "every parameter that has a prior was given a value by --set; leave one of them free"
+                    .to_string()
+            }
+            (true, Some((name, value))) => format!(
+                "no parameter of {} has a prior, so there is nothing to fit; write what is known of one before the data instead of its value, as in \
+                 {name} = \"log_normal(log({value}), 1)\"",
+                model.name()
+            ),
+            (true, None) => format!(
+                "{} has no parameters, so there is nothing to fit; name the unknown numbers in [parameters], as in q = \"half_normal(1)\"",
+                model.name()
+            ),
+        };
+        Err(MotesError::Setting(reason))
+    }
+
+    /// The priors, in the order of the file.
+    pub fn priors(&self) -> &[Prior] {
+        &self.priors
+    }
+
+    /// The names of the parameters, those of entries of lists one by one: `D` of them.
+    pub fn names(&self) -> Vec<String> {
+        self.priors.iter().flat_map(|prior| prior.entries().iter().cloned()).collect()
+    }
+
+    /// `D`.
+    pub fn len(&self) -> usize {
+        self.priors.iter().map(|prior| prior.entries().len()).sum()
+    }
+
+    /// Whether there are none, which is never so.
+    pub fn is_empty(&self) -> bool {
+        self.priors.is_empty()
+    }
+
+    /// The values (`D`) at a position `v` (`D`) of standard normal numbers: each a quantile of its prior.
+    pub fn at(&self, v: &[f64]) -> Vec<f64> {
+        let mut rest = v;
+        let of_prior = |prior: &Prior| {
+            let (of_this, others) = rest.split_at(prior.entries().len());
+            rest = others;
+            prior.at(of_this)
+        };
+        self.priors.iter().flat_map(of_prior).collect()
+    }
+}

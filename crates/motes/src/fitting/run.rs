@@ -1,0 +1,202 @@
+//! Fits the parameters of a model to data.
+
+use std::ops::ControlFlow;
+use std::time::Instant;
+
+use motes_inference::{
+    Estimator, EstimatorChoice, FitError, ParameterSummary, Posterior, PosteriorSettings, Stage,
+};
+use motes_models::Seed;
+
+use super::fitted::{Fitted, FittedChain};
+use super::free::FreeParameters;
+use super::likelihood::ModelLikelihood;
+use super::options::FitOptions;
+use super::trust;
+use crate::data::Data;
+use crate::engine::Running;
+use crate::error::MotesError;
+use crate::model::Model;
+use crate::options::{FilterOptions, ProposalName};
+
+/// Estimates of the likelihood at the posterior's mean.
+const ESTIMATES: u64 = 32;
+
+/// A fit under way, between two pieces of its work.
+#[derive(Debug)]
+pub struct FitProgress<'a> {
+    /// All of it, which can be written down.
+    pub posterior: &'a Posterior,
+}
+
+impl FitProgress<'_> {
+    /// What is being done, in a few words.
+    pub fn describe(&self) -> String {
+        let posterior = self.posterior;
+        match posterior.stage() {
+            Stage::Starting => {
+                format!("from the prior to the posterior: {:.0} %", 100.0 * posterior.power().powf(0.25))
+            }
+            Stage::WarmUp => "warm-up".into(),
+            Stage::Sampling | Stage::Done => {
+                let worst = |worst: (f64, f64), i: usize| {
+                    let summary = ParameterSummary::of(&posterior.coordinate(i));
+                    summary.map_or(worst, |summary| {
+                        let size = summary.ess_bulk.min(summary.ess_tail);
+                        (worst.0.max(summary.rhat), worst.1.min(size))
+                    })
+                };
+                let dimension = posterior.draws(0).next().map_or(0, |(v, _)| v.len());
+                let (rhat, size) = (0..dimension).fold((1.0, f64::INFINITY), worst);
+                let size = if size.is_finite() { format!(", ESS at least {size:.0}") } else { String::new() };
+                format!("{} draws of each chain, R̂ at most {rhat:.3}{size}", posterior.kept())
+            }
+        }
+    }
+}
+
+/// Draws from the posterior of the free parameters of `model`, those with a prior that were given no value, by particle Markov chain Monte Carlo. `proceed` is
+/// asked all the time, from any thread; `observe` sees the fit between two pieces of work.
+///
+/// # Errors
+/// [`MotesError::Setting`] if there is nothing to fit, or the likelihood is 0 at every draw from the prior, with the reason at the first;
+/// [`MotesError::Proposal`] if the model has no such proposal; [`MotesError::Interrupted`] if `proceed` or `observe` said to stop.
+pub fn fit(
+    model: &Model,
+    data: &Data,
+    options: &FitOptions,
+    proceed: &(dyn Fn() -> ControlFlow<()> + Sync),
+    observe: &mut dyn FnMut(FitProgress<'_>) -> Result<(), MotesError>,
+) -> Result<Fitted, MotesError> {
+    fit_from(model, data, options, None, proceed, observe)
+}
+
+/// [`fit`] that goes on from where one with the same model, data and options was: it ends with the same draws.
+///
+/// # Errors
+/// As [`fit`].
+pub fn fit_from(
+    model: &Model,
+    data: &Data,
+    options: &FitOptions,
+    before: Option<Posterior>,
+    proceed: &(dyn Fn() -> ControlFlow<()> + Sync),
+    observe: &mut dyn FnMut(FitProgress<'_>) -> Result<(), MotesError>,
+) -> Result<Fitted, MotesError> {
+    let free = FreeParameters::of(model)?;
+    let likelihood = ModelLikelihood::new(model, data, &free, options, proceed);
+    check(model, options)?;
+    let start = Instant::now();
+    let settings = PosteriorSettings {
+        chains: options.chains,
+        draws: options.draws,
+        estimator: options.particles.map(EstimatorChoice::Particles),
+        ..PosteriorSettings::default()
+    };
+    let mut posterior = match before {
+        Some(posterior) => posterior,
+        None => Posterior::new(&likelihood, settings, options.seed)
+            .map_err(|error| refused(error, &likelihood))?,
+    };
+    while posterior.stage() != Stage::Done {
+        observe(FitProgress { posterior: &posterior })?;
+        posterior.advance(&likelihood).map_err(|error| refused(error, &likelihood))?;
+        if options.seconds.is_some_and(|seconds| start.elapsed().as_secs_f64() >= seconds)
+            && posterior.finish()
+        {
+            break;
+        }
+    }
+    fitted(&posterior, &free, &likelihood, options.seed)
+}
+
+/// Why there is no fit, in words.
+pub(super) fn refused(error: FitError<MotesError>, likelihood: &ModelLikelihood<'_>) -> MotesError {
+    match error {
+        FitError::Likelihood(error) => error,
+        FitError::Impossible => {
+            let reason = likelihood.reason().unwrap_or_else(|| "the log-evidence is −∞".into());
+            MotesError::Setting(format!(
+                "the likelihood is 0 at every draw from the prior: the model cannot give these data; the first time: {reason}"
+            ))
+        }
+        FitError::Nothing => MotesError::Setting("the number of chains is 0; it must be 1 at least".into()),
+    }
+}
+
+/// Refuses a proposal that the model does not have, before there is any work.
+pub(super) fn check(model: &Model, options: &FitOptions) -> Result<(), MotesError> {
+    let proposal = options.proposal.clone().unwrap_or_default();
+    let options =
+        FilterOptions { proposal, particles: options.particles.unwrap_or(1), ..FilterOptions::default() };
+    Running::new(model, &options, 0).map(drop)
+}
+
+/// What there is to say of a posterior that is done.
+fn fitted(
+    posterior: &Posterior,
+    free: &FreeParameters,
+    likelihood: &ModelLikelihood<'_>,
+    seed: u64,
+) -> Result<Fitted, MotesError> {
+    let (names, d) = (free.names(), free.len());
+    let mut chains = Vec::with_capacity(posterior.chains());
+    for chain in 0..posterior.chains() {
+        let mut of_chain = FittedChain::default();
+        for (v, log_evidence) in posterior.draws(chain) {
+            of_chain.values.extend(free.at(v));
+            of_chain.log_evidence.push(log_evidence);
+        }
+        chains.push(of_chain);
+    }
+    let estimator = posterior.estimator();
+    let mut found = Fitted {
+        names,
+        chains,
+        parameters: Vec::new(),
+        log_likelihood: f64::NAN,
+        log_likelihood_error: 0.0,
+        marginal_likelihood: posterior.marginal_likelihood(),
+        acceptance: posterior.moves().map(|moves| moves.acceptance()),
+        proposal: likelihood.proposal(estimator).to_string(),
+        particles: estimator.particles,
+        variance: posterior.variance(),
+        warnings: Vec::new(),
+    };
+    found.parameters = (0..d)
+        .map(|at| ParameterSummary::of(&found.of_parameter(at)).ok_or_else(too_few))
+        .collect::<Result<Vec<ParameterSummary>, MotesError>>()?;
+    let means: Vec<f64> = found.parameters.iter().map(|summary| summary.mean).collect();
+    (found.log_likelihood, found.log_likelihood_error) = at_mean(likelihood, &means, estimator, seed)?;
+    let positions = |at: usize| posterior.coordinate(at).concat();
+    found.warnings.extend(trust::of_chains(&found.names, &found.parameters));
+    found.warnings.extend(trust::of_priors(free, &positions));
+    found.warnings.extend(trust::of_possible(posterior.possible(), likelihood.reason().as_deref()));
+    Ok(found)
+}
+
+fn too_few() -> MotesError {
+    MotesError::Setting("--draws: chains of fewer than 4 draws say nothing of their convergence".into())
+}
+
+/// The log-likelihood at the posterior's mean, and its standard error.
+fn at_mean(
+    likelihood: &ModelLikelihood<'_>,
+    means: &[f64],
+    estimator: Estimator,
+    seed: u64,
+) -> Result<(f64, f64), MotesError> {
+    let seed = Seed::from_u64(seed).child("fit").child("mean");
+    let is_exact = *likelihood.proposal(estimator) == ProposalName::Exact;
+    if is_exact {
+        return Ok((likelihood.at(means, estimator, &seed)?, 0.0));
+    }
+    let estimates = (0..ESTIMATES).map(|number| likelihood.at(means, estimator, &seed.nth(number)));
+    let estimates = estimates.collect::<Result<Vec<f64>, MotesError>>()?;
+    let largest = estimates.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let ratios: Vec<f64> = estimates.iter().map(|value| (value - largest).exp()).collect();
+    let n = ratios.len() as f64;
+    let mean = ratios.iter().sum::<f64>() / n;
+    let variance = ratios.iter().map(|ratio| (ratio - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    Ok((largest + mean.ln(), (variance / n).sqrt() / mean))
+}

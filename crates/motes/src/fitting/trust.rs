@@ -1,0 +1,98 @@
+//! Whether a fit can be trusted.
+
+use motes_inference::ParameterSummary;
+
+use super::free::FreeParameters;
+use crate::warning::Warning;
+
+/// What R̂ is to be below, and effective sample sizes at least.
+const GATES: (f64, f64) = (1.01, 400.0);
+
+/// A posterior whose mean lies further out in the prior than this, in standard deviations of a normal distribution, lies at its edge.
+const EDGE: f64 = 3.0;
+
+/// A posterior that is as wide as the prior, and in the same place: the data say nothing.
+const SAME: (f64, f64) = (0.95, 0.1);
+
+/// Below this share of possible draws from the prior it is worth a word.
+const MOSTLY_POSSIBLE: f64 = 0.95;
+
+fn warning(text: String) -> Warning {
+    Warning { series: None, text }
+}
+
+/// Where chains have not converged; the worst parameter is named.
+pub(super) fn of_chains(names: &[String], summaries: &[ParameterSummary]) -> Option<Warning> {
+    let worst = |figure: fn(&ParameterSummary) -> f64| {
+        let of_all = names.iter().zip(summaries).map(|(name, summary)| (name, figure(summary)));
+        of_all.max_by(|a, b| a.1.total_cmp(&b.1))
+    };
+    let (rhat_of, rhat) = worst(|summary| if summary.rhat.is_nan() { f64::INFINITY } else { summary.rhat })?;
+    let (ess_of, fewest) = worst(|summary| {
+        let least = summary.ess_bulk.min(summary.ess_tail);
+        if least.is_nan() { 0.0 } else { -least }
+    })?;
+    let size = -fewest;
+    let mut faults = Vec::new();
+    if rhat >= GATES.0 {
+        faults.push(match rhat.is_finite() {
+            true => format!("R̂ of {rhat_of} is {rhat:.3}, not below {}", GATES.0),
+            false => format!("chains of {rhat_of} stand still"),
+        });
+    }
+    if size < GATES.1 {
+        faults.push(format!("{ess_of} has an effective sample size of {size:.0}, below {}", GATES.1));
+    }
+    let faults = faults.join(", and ");
+    (!faults.is_empty())
+        .then(|| warning(format!("the chains have not converged: {faults}; take more --draws")))
+}
+
+/// What each parameter's place in its prior says: `positions` are its draws as standard normal numbers, were they drawn from the prior.
+pub(super) fn of_prior(name: &str, prior: &str, positions: &[f64]) -> Option<Warning> {
+    let n = positions.len() as f64;
+    let mean = positions.iter().sum::<f64>() / n;
+    let sd = (positions.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt();
+    if mean.abs() > EDGE {
+        let side = if mean > 0.0 { "upper" } else { "lower" };
+        return Some(warning(format!(
+            "{name} lies at the {side} edge of its prior {prior}: the prior and the data disagree; widen it, or look at the model"
+        )));
+    }
+    (sd > SAME.0 && mean.abs() < SAME.1)
+        .then(|| warning(format!("the data say nothing about {name}: its posterior is its prior {prior}")))
+}
+
+/// Where fewer than half of the searches came as high as the best one.
+pub(super) fn of_starts(agreeing: usize, searches: usize) -> Option<Warning> {
+    (2 * agreeing < searches || agreeing < 2).then(|| {
+        warning(format!(
+            "{agreeing} of {searches} searches came as high as the best one: there may be higher maxima; take more --chains, or narrower priors"
+        ))
+    })
+}
+
+/// The share of draws from the prior at which the data are impossible, if it is large.
+pub(super) fn of_possible(possible: f64, reason: Option<&str>) -> Option<Warning> {
+    let share = 100.0 * (1.0 - possible);
+    (possible < MOSTLY_POSSIBLE).then(|| {
+        let reason = reason.map_or(String::new(), |reason| format!("; the first time: {reason}"));
+        warning(format!("at {share:.0} % of draws from the prior the likelihood is 0{reason}"))
+    })
+}
+
+/// Warnings of each free parameter; `positions` are its draws as [`of_prior`] takes them.
+pub(super) fn of_priors(free: &FreeParameters, positions: &dyn Fn(usize) -> Vec<f64>) -> Vec<Warning> {
+    let mut found = Vec::new();
+    let mut at = 0;
+    for prior in free.priors() {
+        for name in prior.entries() {
+            // A share of a dirichlet has no number of its own.
+            if prior.entries().len() == 1 {
+                found.extend(of_prior(name, prior.text(), &positions(at)));
+            }
+            at += 1;
+        }
+    }
+    found
+}

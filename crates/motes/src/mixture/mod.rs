@@ -1,0 +1,8 @@
+//! States over the posterior of parameters: filters and smoothers at draws of it, mixed.
+
+mod filter;
+mod smooth;
+mod values;
+
+pub use filter::{Mixed, filter_draws};
+pub use smooth::smooth_draws;

@@ -1,0 +1,66 @@
+//! Smoothers at draws of the posterior.
+
+use std::ops::ControlFlow;
+
+use super::filter::Mixed;
+use super::values::{AtDraw, mixed};
+use crate::data::Data;
+use crate::error::MotesError;
+use crate::estimate::Estimate;
+use crate::model::Model;
+use crate::options::FilterOptions;
+use crate::smoothing::smooth;
+
+/// Smooths `data` with the model at each draw, `paths` trajectories in all and at least one of each, and puts all trajectories together: `p(x_t | y_{0:T−1})` whatever the
+/// parameters are. `proceed` is asked with the share of the work that is done.
+///
+/// # Errors
+/// As [`crate::smooth`].
+pub fn smooth_draws(
+    draws: &[Model],
+    data: &Data,
+    options: &FilterOptions,
+    paths: usize,
+    mut proceed: impl FnMut(f64) -> ControlFlow<()>,
+) -> Result<Mixed, MotesError> {
+    let each = paths.div_ceil(draws.len().max(1));
+    let n = draws.first().map_or(0, |model| model.states().len());
+    let mut rows: Vec<Vec<AtDraw>> = Vec::new();
+    let nothing = AtDraw { mean: 0.0, sd: 0.0, values: Vec::new() };
+    rows.resize(data.rows.len(), vec![nothing; n]);
+    let mut warnings = data.warnings();
+    for (number, model) in draws.iter().enumerate() {
+        let seed = options.seed.wrapping_add((number as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15));
+        let options = FilterOptions { check: false, seed, ..options.clone() };
+        let smoothed = smooth(model, data, &options, each, |share| {
+            proceed((number as f64 + share) / draws.len() as f64)
+        })?;
+        for (paths, places) in smoothed.paths.iter().zip(data.by_series()) {
+            for path in 0..paths.len() {
+                for (state, row) in paths.path(path).chunks_exact(n).zip(&places) {
+                    rows[*row].iter_mut().zip(state).for_each(|(of, value)| of.values.push(*value));
+                }
+            }
+        }
+        // The same of each draw is said once.
+        for warning in smoothed.filtered.warnings {
+            if !warnings.contains(&warning) && warnings.len() < MOST_WARNINGS {
+                warnings.push(warning);
+            }
+        }
+    }
+    let estimate = |row: &Vec<AtDraw>| {
+        let coordinate = |of: &AtDraw| {
+            let count = of.values.len() as f64;
+            let mean = of.values.iter().sum::<f64>() / count;
+            let variance = of.values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / count;
+            mixed(&[&AtDraw { mean, sd: variance.sqrt(), values: of.values.clone() }])
+        };
+        Estimate::of_state(row.iter().map(coordinate).collect())
+    };
+    let estimates = rows.iter().map(estimate).collect();
+    Ok(Mixed { estimates, forecasts: vec![], draws: draws.len(), warnings })
+}
+
+/// Warnings of smoothers that are passed on.
+const MOST_WARNINGS: usize = 5;

@@ -1,0 +1,85 @@
+//! The maximum of a likelihood as a table, as JSON and for a person.
+
+use serde::Serialize;
+use serde_json::{Map, Value};
+
+use super::text::digits;
+use crate::fitting::{Maximised, OF_MAXIMUM};
+use crate::output::csv::line;
+use crate::output::number::text;
+use crate::output::table::{Table, markdown};
+
+/// A line for each parameter: `parameter`, `estimate`, `low`, `high`.
+pub fn maximum_table(found: &Maximised) -> String {
+    let rows = found
+        .names
+        .iter()
+        .zip(&found.parameters)
+        .map(|(name, of)| line(&[name.clone(), text(of.estimate), text(of.low), text(of.high)]));
+    std::iter::once(line(&OF_MAXIMUM.map(String::from))).chain(rows).collect()
+}
+
+/// The same for a person.
+pub fn maximum_text(found: &Maximised) -> String {
+    let percent = 100.0 * found.level;
+    let header = ["".to_string(), "estimate".into(), format!("{percent:.0} % interval from"), "to".into()];
+    let rows = found.names.iter().zip(&found.parameters).map(|(name, of)| {
+        std::iter::once(name.clone()).chain([of.estimate, of.low, of.high].map(digits)).collect()
+    });
+    markdown(&Table { header: header.to_vec(), rows: rows.collect() })
+}
+
+/// The figures of the whole search, a name and a value each.
+pub fn maximum_summary(found: &Maximised) -> Vec<(String, String)> {
+    let error = match found.log_likelihood_error {
+        0.0 => ", exact".to_string(),
+        error => format!(" ± {error:.3}"),
+    };
+    let likelihood = match found.proposal.as_str() {
+        "exact" => "exact".to_string(),
+        proposal => format!("{} particles, {proposal}", found.particles),
+    };
+    let [searches, agreeing] = found.starts;
+    let figures = [
+        ("log-likelihood", format!("{:.3}{error}", found.log_likelihood)),
+        ("AIC", format!("{:.2}", found.aic())),
+        ("searches", format!("{agreeing} of {searches} came as high")),
+        ("likelihood", likelihood),
+    ];
+    figures.map(|(name, value)| (name.to_string(), value)).to_vec()
+}
+
+#[derive(Serialize)]
+struct MaximumObject<'a> {
+    parameters: Map<String, Value>,
+    level: f64,
+    log_likelihood: f64,
+    log_likelihood_error: f64,
+    aic: f64,
+    searches: usize,
+    agreeing: usize,
+    proposal: &'a str,
+    particles: usize,
+    warnings: Vec<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    seconds: Option<f64>,
+}
+
+/// The object of a maximum: each parameter with its interval, the log-likelihood, how it was found, and how long it took if that is said.
+pub fn maximum_json(found: &Maximised, seconds: Option<f64>) -> String {
+    let of_parameter = |of: &_| serde_json::to_value(of).unwrap_or(Value::Null);
+    let object = MaximumObject {
+        parameters: found.names.iter().cloned().zip(found.parameters.iter().map(of_parameter)).collect(),
+        level: found.level,
+        log_likelihood: found.log_likelihood,
+        log_likelihood_error: found.log_likelihood_error,
+        aic: found.aic(),
+        searches: found.starts[0],
+        agreeing: found.starts[1],
+        proposal: &found.proposal,
+        particles: found.particles,
+        warnings: found.warnings.iter().map(ToString::to_string).collect(),
+        seconds,
+    };
+    serde_json::to_string(&object).expect("numbers and texts") + "\n"
+}

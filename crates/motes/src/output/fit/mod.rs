@@ -1,0 +1,11 @@
+//! What a fit found, as tables and as JSON.
+
+mod draws;
+mod json;
+mod maximum;
+mod text;
+
+pub use draws::fit_draws;
+pub use json::fit_json;
+pub use maximum::{maximum_json, maximum_summary, maximum_table, maximum_text};
+pub use text::{fit_summary, fit_text};

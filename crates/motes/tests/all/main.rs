@@ -1,0 +1,18 @@
+//! The command and its library, from files to tables.
+
+mod another_model;
+mod bounded_optimum;
+mod checkpoint;
+mod common;
+mod data_as_meant;
+mod fitting;
+mod learning;
+mod log_evidence;
+mod own_model;
+mod priors;
+mod refusals;
+mod results;
+mod small_models;
+mod smoothing;
+mod timeline;
+mod trust;

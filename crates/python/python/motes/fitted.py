@@ -1,0 +1,85 @@
+"""Parameters that were found from data."""
+
+from __future__ import annotations
+
+import json
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from . import _motes
+
+if TYPE_CHECKING:
+    from .model import Model
+
+
+class Fitted:
+    """The posterior of a model's parameters, by draws."""
+
+    def __init__(self, found: _motes.Fitted, model: "Model"):
+        self._found, self._model = found, model
+
+    @property
+    def parameters(self) -> list[str]:
+        """The names of the `D` parameters."""
+        return self._found.names
+
+    @cached_property
+    def _values(self) -> np.ndarray:
+        return self._found.values().reshape(self._found.chains, -1, len(self.parameters))
+
+    @property
+    def draws(self) -> dict[str, np.ndarray]:
+        """The draws of each parameter by its name, `(chains, draws)`."""
+        return {name: self._values[:, :, at] for at, name in enumerate(self.parameters)}
+
+    @cached_property
+    def log_evidence(self) -> np.ndarray:
+        """The estimate of the log-likelihood at each draw, `(chains, draws)`."""
+        return self._found.log_evidence().reshape(self._found.chains, -1)
+
+    @property
+    def mean(self) -> dict[str, float]:
+        """The mean of each parameter: values for `Model.with_parameters`."""
+        return {name: found["mean"] for name, found in self.to_json()["parameters"].items()}
+
+    @property
+    def warnings(self) -> list[str]:
+        """Reasons not to trust it."""
+        return self._found.warnings
+
+    def to_json(self) -> dict[str, Any]:
+        """The object that the command prints with `--json`."""
+        return json.loads(self._found.json())
+
+    def summary(self) -> Any:
+        """A data frame of pandas with a row for each parameter: mean, sd, quantiles, R-hat, effective sample sizes, Monte Carlo error."""
+        from .results import _module
+
+        pandas = _module("pandas", "summary")
+        return pandas.DataFrame.from_dict(self.to_json()["parameters"], orient="index")
+
+    def to_arviz(self) -> Any:
+        """The draws as ArviZ has them: the group `posterior`, and the log-likelihoods in `sample_stats`."""
+        from .results import _module
+
+        arviz = _module("arviz", "to_arviz")
+        return arviz.from_dict(posterior=self.draws, sample_stats={"log_evidence": self.log_evidence})
+
+    def models(self, count: int) -> list["Model"]:
+        """The model at `count` draws, evenly spread over all of them."""
+        flat = self._values.reshape(-1, len(self.parameters))
+        places = (2 * np.arange(count) + 1) * len(flat) // (2 * count)
+        return [self._model.with_parameters(dict(zip(self.parameters, flat[at].tolist(), strict=True))) for at in places]
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {"_found": self._found, "_model": self._model}
+
+    def __repr__(self) -> str:
+        return self._found.text().rstrip()
+
+    def _repr_html_(self) -> str:
+        from .results import _escaped
+
+        return f"<pre>{_escaped(self._found.text())}</pre>"

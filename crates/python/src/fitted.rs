@@ -1,0 +1,156 @@
+//! What a fit found.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use motes::output::{fit_json, fit_summary, fit_text};
+use motes::{FitOptions, MotesError, ProposalName, pack, unpack};
+use numpy::{IntoPyArray, PyArray1};
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+
+use crate::arguments::{integer, seed_of, threads_of};
+use crate::call::ForCall;
+use crate::data::Data;
+use crate::errors::{in_python, refused, to_python};
+use crate::model::Model;
+use crate::options::ProposalArgument;
+use crate::work::without_lock;
+
+/// What errors call its bytes, and the version of these.
+const PACKED: (&str, u32) = ("a fit", 1);
+
+/// The posterior of parameters by draws.
+#[pyclass(frozen, module = "motes._motes")]
+pub(crate) struct Fitted {
+    found: Arc<motes::Fitted>,
+    seconds: f64,
+}
+
+#[pymethods]
+impl Fitted {
+    /// That of which `__getnewargs__` gives the bytes: for pickles and copies.
+    #[new]
+    fn new(bytes: &[u8]) -> PyResult<Self> {
+        let (found, seconds) = unpack(PACKED.0, PACKED.1, bytes).map_err(to_python)?;
+        Ok(Fitted { found: Arc::new(found), seconds })
+    }
+
+    fn __getnewargs__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyBytes>,)> {
+        let bytes = pack(PACKED.0, PACKED.1, &(&*self.found, self.seconds)).map_err(to_python)?;
+        Ok((PyBytes::new(py, &bytes),))
+    }
+
+    /// The names of the parameters.
+    #[getter]
+    fn names(&self) -> Vec<String> {
+        self.found.names.clone()
+    }
+
+    /// The values of the parameters, flat: chain by chain, draw by draw.
+    fn values<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        let values: Vec<f64> =
+            self.found.chains.iter().flat_map(|chain| chain.values.iter().copied()).collect();
+        values.into_pyarray(py)
+    }
+
+    /// The estimates of the log-likelihood, flat: chain by chain.
+    fn log_evidence<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        let of_chain = |chain: &motes::FittedChain| chain.log_evidence.clone();
+        let values: Vec<f64> = self.found.chains.iter().flat_map(of_chain).collect();
+        values.into_pyarray(py)
+    }
+
+    /// The number of chains.
+    #[getter]
+    fn chains(&self) -> usize {
+        self.found.chains.len()
+    }
+
+    /// Reasons not to trust it.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.found.warnings.iter().map(|warning| in_python(&warning.to_string())).collect()
+    }
+
+    /// The object that the command prints with --json.
+    fn json(&self) -> String {
+        fit_json(&self.found, Some(self.seconds))
+    }
+
+    /// The table that the command prints, and its figures.
+    fn text(&self) -> String {
+        let figures = fit_summary(&self.found);
+        let figures: Vec<String> = figures.iter().map(|(name, value)| format!("{name}: {value}")).collect();
+        format!("{}\n{}", fit_text(&self.found), figures.join("\n"))
+    }
+}
+
+/// The arguments of a fit as Python hands them over.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub(crate) struct FitArguments<'py> {
+    proposal: Option<ProposalArgument<'py>>,
+    particles: Option<i64>,
+    chains: i64,
+    draws: Option<i64>,
+    budget: Option<f64>,
+    seed: i128,
+}
+
+impl FitArguments<'_> {
+    fn options(&self) -> PyResult<FitOptions> {
+        let count = |name: &str, value: Option<i64>, least: i64| {
+            value.map(|value| integer(name, value, least, 1_000_000_000)).transpose()
+        };
+        let proposal: Option<ProposalName> =
+            self.proposal.as_ref().map(ProposalArgument::name).transpose()?;
+        if let Some(budget) = self.budget
+            && !(budget > 0.0 && budget.is_finite())
+        {
+            return Err(refused("budget", budget, "a number of seconds above 0"));
+        }
+        Ok(FitOptions {
+            proposal,
+            particles: count("particles", self.particles, 1)?,
+            chains: integer("chains", self.chains, 1, 1000)?,
+            draws: count("draws", self.draws, 4)?,
+            seconds: self.budget,
+            seed: seed_of(self.seed)?,
+        })
+    }
+}
+
+/// Draws from the posterior of the parameters of a model that have a prior; `arguments` are those of the Python function.
+#[pyfunction]
+pub(crate) fn fit(
+    py: Python<'_>,
+    model: &Bound<'_, Model>,
+    data: &Bound<'_, Data>,
+    arguments: FitArguments<'_>,
+    threads: Option<i64>,
+) -> PyResult<Fitted> {
+    let options = arguments.options()?;
+    let call = model.get().for_call()?;
+    let (ForCall { model, failure, .. }, threads) = (&call, call.threads(threads_of(threads)?));
+    let (data, start) = (&data.get().0, Instant::now());
+    let found: Result<motes::Fitted, MotesError> = without_lock(py, threads, &failure.stop, || {
+        motes::fit(model, data, &options, &|| failure.asked(), &mut |_| match failure.asked().is_break() {
+            true => Err(MotesError::Interrupted),
+            false => Ok(()),
+        })
+    })?;
+    let found = failure.or(found)?;
+    Ok(Fitted { found: Arc::new(found), seconds: start.elapsed().as_secs_f64() })
+}
+
+/// The same model with other values of parameters.
+#[pyfunction]
+pub(crate) fn with_parameters(model: &Bound<'_, Model>, values: Vec<(String, f64)>) -> PyResult<Model> {
+    let Model { model, set, made } = model.get();
+    let model = Arc::new(model.with_parameters(&values).map_err(to_python)?);
+    let mut all = set.clone();
+    all.retain(|(name, _)| values.iter().all(|(other, _)| other != name));
+    all.extend(values);
+    Ok(Model { model, set: all, made: made.clone() })
+}

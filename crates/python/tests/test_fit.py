@@ -1,0 +1,79 @@
+"""Parameters from data."""
+
+import csv
+import json
+import os
+import pickle
+import subprocess
+
+import numpy as np
+import pytest
+
+import motes
+
+COMMAND = os.environ.get("MOTES_COMMAND")
+FLOWS = [1120, 1160, 963, 1210, 1160, 1160, 813, 1230, 1370, 1140]
+
+
+@pytest.fixture
+def model(examples):
+    return motes.Model(examples / "fit/nile.toml")
+
+
+def fitted_of(model, **more):
+    with pytest.warns(motes.MotesWarning, match="have not converged"):
+        return model.fit(FLOWS, draws=50, **more)
+
+
+def test_draws_have_names_and_shapes(model):
+    fitted = fitted_of(model)
+    assert fitted.parameters == ["measurement_variance", "level_variance"]
+    assert fitted.draws["level_variance"].shape == fitted.log_evidence.shape == (4, 50)
+    assert fitted.mean["level_variance"] == pytest.approx(fitted.draws["level_variance"].mean())
+    assert "ESS bulk" in repr(fitted) and "<pre>" in fitted._repr_html_()
+    found = fitted.to_json()
+    assert set(found["parameters"]["level_variance"]) >= {"mean", "sd", "q05", "q50", "q95", "rhat", "ess_bulk", "ess_tail", "mcse"}
+    assert pickle.loads(pickle.dumps(fitted)).draws["level_variance"].tolist() == fitted.draws["level_variance"].tolist()
+
+
+def test_a_model_at_what_was_found(model):
+    fitted = fitted_of(model)
+    at_mean = model.with_parameters(fitted.mean)
+    assert at_mean.parameters == pytest.approx(fitted.mean)
+    assert np.isfinite(at_mean.filter(FLOWS, proposal="exact").log_evidence)
+    models = fitted.models(10)
+    values = [one.parameters["level_variance"] for one in models]
+    assert len(set(values)) > 3 and set(values) <= set(fitted.draws["level_variance"].reshape(-1).tolist())
+    # The model itself is as it was, and a copy goes through a pickle.
+    assert model.parameters["level_variance"] != at_mean.parameters["level_variance"]
+    assert pickle.loads(pickle.dumps(at_mean)).parameters == at_mean.parameters
+
+
+def test_seeds_and_threads(model):
+    one, two, other = fitted_of(model, threads=1), fitted_of(model, threads=2), fitted_of(model, seed=2)
+    assert one.draws["level_variance"].tolist() == two.draws["level_variance"].tolist()
+    assert one.draws["level_variance"].tolist() != other.draws["level_variance"].tolist()
+
+
+def test_what_cannot_be_fitted(model, examples):
+    with pytest.raises(ValueError, match="no parameter of nile has a prior"):
+        motes.Model(examples / "nile.toml").fit(FLOWS)
+    with pytest.raises(ValueError, match="draws: 3; it must be"):
+        model.fit(FLOWS, draws=3)
+    with pytest.raises(ValueError, match="budget: 0"):
+        model.fit(FLOWS, budget=0)
+    with pytest.raises(ValueError, match="nothing"):
+        model.with_parameters({"nothing": 1.0})
+
+
+@pytest.mark.skipif(COMMAND is None, reason="MOTES_COMMAND does not name the command motes")
+def test_the_same_as_the_command(model, examples, tmp_path):
+    data = examples / "nile.csv"
+    arguments = ["fit", examples / "fit/nile.toml", data, "-o", tmp_path / "fit", "--draws", "60", "--json"]
+    printed = subprocess.run([COMMAND, *map(str, arguments)], capture_output=True, text=True, check=True).stdout
+    with pytest.warns(motes.MotesWarning):
+        fitted = model.fit(data, draws=60)
+    assert json.loads(printed)["parameters"] == fitted.to_json()["parameters"]
+    with open(tmp_path / "fit/draws.csv") as file:
+        rows = list(csv.DictReader(file))
+    assert [float(row["level_variance"]) for row in rows] == fitted.draws["level_variance"].reshape(-1).tolist()
