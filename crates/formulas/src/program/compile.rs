@@ -34,7 +34,12 @@ fn of_outputs(
     let (constants, steps) = compiler.plain_numbers();
     let depends_on: Vec<Vec<u32>> = coordinates
         .iter()
-        .map(|output| graph.states_of(output.numbers().chain(output.densities())))
+        .map(|output| {
+            let mut states = graph.states_of(output.numbers().chain(output.densities()));
+            // Behind the states stands what was measured, in a log density.
+            states.retain(|state| *state < given as u32);
+            states
+        })
         .collect();
     let draws = draws.iter().map(|output| compiler.output(output)).collect();
     let coordinates = coordinates.iter().map(|output| compiler.output(output)).collect();

@@ -22,7 +22,7 @@ enum Every {
 
 impl Every {
     /// From small to large.
-    const ALL: [Every; 28] = [
+    const ALL: [Every; 27] = [
         Every::Seconds(1),
         Every::Seconds(5),
         Every::Seconds(15),
@@ -38,7 +38,6 @@ impl Every {
         Every::Days(1),
         Every::Days(2),
         Every::Days(7),
-        Every::Days(14),
         Every::Months(1),
         Every::Months(2),
         Every::Months(3),

@@ -125,7 +125,9 @@ fn round_numbers(low: f64, high: f64) -> Vec<(f64, String)> {
     let Some(step) = step.filter(|step| step.is_normal()) else { return vec![] };
     let decimals = (-step.log10().floor()).clamp(0.0, 12.0) as usize;
     let first = (low / step).ceil();
-    let all = (0..=2 * MARKS).map(|at| (first + at as f64) * step).take_while(|mark| *mark <= high);
+    let all = (0..=2 * MARKS).map(|at| (first + at as f64) * step);
+    // A hair behind the end is rounding.
+    let all = all.take_while(|mark| *mark <= high + 1e-9 * step);
     all.map(|mark| (mark, format!("{mark:.decimals$}"))).collect()
 }
 

@@ -2,6 +2,7 @@
 //! times, sub-steps.
 
 mod predictive;
+mod reports;
 mod shipped;
 
 use std::ops::ControlFlow;
