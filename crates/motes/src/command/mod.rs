@@ -3,14 +3,19 @@
 mod args;
 mod check;
 mod compare;
+mod evidence;
+mod evidence_args;
 mod failure;
 mod filter;
 mod filter_page;
 mod input;
 mod kind_args;
 mod learn;
+mod model_args;
+mod numbers;
 mod objective_args;
 mod progress;
+mod proposal_arg;
 mod say;
 mod share;
 mod simulate;
@@ -45,6 +50,7 @@ pub(crate) fn run() -> ExitCode {
         Command::Check(args) => check::run(&args, &interrupt),
         Command::Compare(args) => compare::run(&args, &interrupt),
         Command::Learn(args) => learn::run(&args, &interrupt),
+        Command::Evidence(args) => evidence::run(&args, &interrupt),
         Command::Simulate(args) => simulate::run(&args, &interrupt),
         Command::Smooth(args) => smooth::run(&args, &interrupt),
         Command::Completions { shell } => {

@@ -151,7 +151,7 @@ fn text_or_nothing(value: f64) -> String {
 }
 
 /// Cells separated by commas, in quotes where they have to be.
-fn line(cells: &[String]) -> String {
+pub(super) fn line(cells: &[String]) -> String {
     let cell = |cell: &String| match cell.contains([',', '"', '\n', '\r']) {
         true => format!("\"{}\"", cell.replace('"', "\"\"")),
         false => cell.clone(),

@@ -1,0 +1,4 @@
+//! Filters that look ahead: exact where all is linear, unbiased everywhere, and right where a bootstrap filter is wrong in silence.
+
+mod common;
+mod exact;
