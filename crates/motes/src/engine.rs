@@ -38,8 +38,12 @@ impl<'m> Running<'m> {
     /// # Errors
     /// [`MotesError::Proposal`] if the model has no such proposal, [`MotesError::Setting`] if an option is out of range.
     pub fn new(model: &'m Model, options: &FilterOptions, series: usize) -> Result<Self, MotesError> {
-        let seed = Seed::from_u64(options.seed).child("filter").nth(series as u64);
-        Running::with_seed(model, options, seed, None)
+        Running::with_seed(model, options, Running::seed(options, series), None)
+    }
+
+    /// What the random numbers of a series come from.
+    pub(crate) fn seed(options: &FilterOptions, series: usize) -> Seed {
+        Seed::from_u64(options.seed).child("filter").nth(series as u64)
     }
 
     /// A filter whose random numbers come from `seed`; `ahead` are the potentials of what it will take in, for a proposal that looks ahead.

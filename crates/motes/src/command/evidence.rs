@@ -53,8 +53,7 @@ fn in_one_line(found: &Evidence, is_chosen: bool) -> String {
             let pilots = found.pilots.iter().map(|pilot| format!("{} {:.2}", pilot.proposal, pilot.log_evidence));
             format!(" (of pilots: {})", pilots.collect::<Vec<_>>().join(", "))
         }
-        (true, false) => " (the only one for this model)".into(),
-        (false, _) => String::new(),
+        _ => String::new(),
     };
     format!("log-evidence {:.3}{error}{runs}, proposal {}{choice}", found.log_evidence(), found.proposal)
 }

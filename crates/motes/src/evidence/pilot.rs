@@ -40,8 +40,7 @@ impl Candidate {
         model: &Model,
         sequences: &[Sequence],
     ) -> Result<Self, MotesError> {
-        let looks_ahead = proposal == ProposalName::LookAhead && matches!(model.kind(), Kind::Learnable(_));
-        let ahead = match looks_ahead {
+        let ahead = match proposal == ProposalName::LookAhead {
             true => Some(sequences.iter().map(|sequence| sequence.look_ahead(model)).collect::<Result<_, _>>()?),
             false => None,
         };

@@ -9,10 +9,9 @@ use crate::data::Data;
 use crate::engine::Running;
 use crate::error::MotesError;
 use crate::filtering::of_series;
-use crate::learned::learnable;
 use crate::model::Model;
 use crate::options::FilterOptions;
-use crate::recorded::recorded_steps;
+use crate::recorded::{look_ahead, recorded_steps};
 
 /// A series of data.
 pub(super) struct Sequence {
@@ -42,8 +41,7 @@ impl Sequence {
     /// # Errors
     /// [`MotesError::Proposal`] if there are none.
     pub(super) fn look_ahead(&self, model: &Model) -> Result<LookAhead, MotesError> {
-        LookAhead::new(learnable(model)?, &self.steps)
-            .map_err(|error| MotesError::Proposal { proposal: "look-ahead".into(), reason: error.to_string() })
+        look_ahead(model, &self.steps)
     }
 
     /// The log-evidence that one filter estimates; −∞ where no particle explains a measurement.

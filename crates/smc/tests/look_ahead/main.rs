@@ -2,3 +2,8 @@
 
 mod common;
 mod exact;
+mod models;
+mod planted;
+mod silent;
+mod smoothing;
+mod unbiased;
