@@ -184,6 +184,30 @@ impl NoiseSpace for FormulaModel {
     ) {
         self.equations().tile_noise_scores(step, previous, measurement, slopes, information, jacobian);
     }
+
+    fn tile_linearised(
+        &self,
+        step: &Step<'_>,
+        previous: Option<&[f64]>,
+        noise: &[f64],
+        particles: usize,
+        states: &mut [f64],
+        jacobian: &mut [f64],
+    ) {
+        self.equations().tile_linearised(step, previous, noise, particles, states, jacobian);
+    }
+
+    fn tile_sites(
+        &self,
+        step: &Step<'_>,
+        states: &[f64],
+        measurement: &[Option<Lanes>],
+        particles: usize,
+        slopes: &mut [f64],
+        roots: &mut [f64],
+    ) {
+        self.equations().tile_sites(step, states, measurement, particles, slopes, roots);
+    }
 }
 
 impl Transport for FormulaModel {

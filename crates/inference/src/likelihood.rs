@@ -29,8 +29,17 @@ pub trait Likelihood: Sync {
 pub struct EstimatorCost {
     /// The work of a particle, in any unit that the estimators of a likelihood share; it is counted, never measured by a clock.
     pub per_particle: f64,
+    /// The work of an estimate besides, however few particles there are.
+    pub fixed: f64,
     /// Whether it is the likelihood itself, whatever the number of particles.
     pub is_exact: bool,
+}
+
+impl EstimatorCost {
+    /// The work of an estimate with so many particles.
+    pub fn of(&self, particles: usize) -> f64 {
+        self.fixed + self.per_particle * particles as f64
+    }
 }
 
 /// One of a likelihood's estimators.

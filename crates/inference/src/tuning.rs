@@ -48,13 +48,13 @@ pub(crate) fn tune<L: Likelihood>(
     let mut best: Option<(f64, Tuned)> = None;
     for (index, cost) in costs.iter().enumerate() {
         // No more particles than would cost as much as the best one so far.
-        let most = best.map_or(PARTICLES[1], |(cost_of_best, _)| cost_of_best / cost.per_particle);
+        let most = best.map_or(PARTICLES[1], |(least, _)| (least - cost.fixed) / cost.per_particle);
         let seed = seed.nth(index as u64);
         let Some(tuned) = tune_one(likelihood, positions, Estimator { index, particles }, most, &seed)?
         else {
             continue;
         };
-        let work = tuned.estimator.particles as f64 * cost.per_particle;
+        let work = cost.of(tuned.estimator.particles);
         if best.is_none_or(|(least, _)| work < least) {
             best = Some((work, tuned));
         }

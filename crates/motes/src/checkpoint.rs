@@ -106,7 +106,7 @@ impl<'m> Running<'m> {
             return refused("its parts are of different times".into());
         }
         let RunningState { filter, time, before, clock } = state;
-        let filter = filter_of(model, options, Start::State(Box::new(filter)))?;
+        let filter = filter_of(model, options, Start::State(Box::new(filter)), None)?;
         Ok(Running { time, before, clock, ..Running::of(model, options, filter) })
     }
 }

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use motes_models::{Seed, Step, StepRecord};
 use motes_smc::{
-    Bootstrap, EvidenceWarning, FilterError, FilterHistory, Linearised, MinDegeneracy, Predictive,
+    Bootstrap, EvidenceWarning, FilterError, FilterHistory, Linearised, LookAhead, MinDegeneracy, Predictive,
     SmoothedPaths, SmoothingError, Verdict, WeightDiagnosis,
 };
 
@@ -44,8 +44,25 @@ impl<'m> Running<'m> {
     /// # Errors
     /// [`MotesError::Proposal`] if the model has no such proposal, [`MotesError::Setting`] if an option is out of range.
     pub fn new(model: &'m Model, options: &FilterOptions, series: usize) -> Result<Self, MotesError> {
-        let seed = Seed::from_u64(options.seed).child("filter").nth(series as u64);
-        Ok(Running::of(model, options, filter_of(model, options, Start::Seed(seed))?))
+        Running::with_seed(model, options, Running::seed(options, series), None)
+    }
+
+    /// What the random numbers of a series come from.
+    pub(crate) fn seed(options: &FilterOptions, series: usize) -> Seed {
+        Seed::from_u64(options.seed).child("filter").nth(series as u64)
+    }
+
+    /// A filter whose random numbers come from `seed`; `ahead` are the potentials of what it will take in, for a proposal that looks ahead.
+    ///
+    /// # Errors
+    /// As [`Running::new`].
+    pub(crate) fn with_seed(
+        model: &'m Model,
+        options: &FilterOptions,
+        seed: Seed,
+        ahead: Option<&LookAhead>,
+    ) -> Result<Self, MotesError> {
+        Ok(Running::of(model, options, filter_of(model, options, Start::Seed(seed), ahead)?))
     }
 
     /// That of a filter before its first step.
@@ -316,6 +333,7 @@ pub(crate) fn filter_of<'m>(
     model: &'m Model,
     options: &FilterOptions,
     start: Start,
+    ahead: Option<&LookAhead>,
 ) -> Result<Box<dyn Steps + 'm>, MotesError> {
     let refused =
         |proposal: &str, reason: String| Err(MotesError::Proposal { proposal: proposal.to_string(), reason });
@@ -334,6 +352,17 @@ pub(crate) fn filter_of<'m>(
         (Kind::Learnable(learnable), ProposalName::Learned(learned)) => {
             learned.check(learnable).map_err(|error| learned.refused(&error))?;
             boxed(learnable, learned.proposal().clone(), options, start)
+        }
+        (Kind::Learnable(learnable), ProposalName::LookAhead) => match ahead {
+            Some(ahead) => boxed(learnable, ahead.clone(), options, start),
+            None => refused(
+                "look-ahead",
+                "it knows all data before it starts, which a filter does not; take motes evidence or motes smooth, or --proposal linearised"
+                    .into(),
+            ),
+        },
+        (Kind::LinearGaussian(_), ProposalName::LookAhead) => {
+            refused("look-ahead", "kind = \"linear-gaussian\" has exact answers; take --proposal exact".into())
         }
         (Kind::Learnable(learnable), name) => {
             if !learnable.has_gradients() {

@@ -49,6 +49,7 @@ mod packed;
 mod particles;
 mod prediction;
 mod priors;
+mod recorded;
 mod running_state;
 mod simulating;
 mod smoothing;
@@ -68,7 +69,9 @@ pub use data::{Columns, Counted, Data, DataError, InputTable, Place, Row, RowOrd
 pub use engine::Running;
 pub use error::MotesError;
 pub use estimate::{Coordinate, Estimate, Forecast};
-pub use evidence::{LogEvidence, log_evidence};
+pub use evidence::{
+    Evidence, EvidenceEstimator, EvidenceOptions, LogEvidence, Pilot, evidence, log_evidence,
+};
 pub use filtered::Filtered;
 pub use filtering::{filter, of_proposal};
 pub use fit_folder::FitFolder;

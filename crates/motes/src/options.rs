@@ -20,6 +20,8 @@ pub enum ProposalName {
     Optimal,
     /// One that was learned for the model.
     Learned(LearnedProposal),
+    /// By potentials of a whole recorded sequence: for its evidence and for smoothing, not for filtering.
+    LookAhead,
     /// No particles: the Kalman filter and smoother, for linear Gaussian models.
     Exact,
 }
@@ -36,6 +38,7 @@ impl ProposalName {
             ProposalName::Linearised => "linearised",
             ProposalName::Optimal => "optimal",
             ProposalName::Learned(learned) => learned.name(),
+            ProposalName::LookAhead => "look-ahead",
             ProposalName::Exact => "exact",
         }
     }
@@ -49,6 +52,7 @@ impl ProposalName {
             ProposalName::Linearised => "linearised",
             ProposalName::Optimal => "optimal",
             ProposalName::Learned(_) => "learned",
+            ProposalName::LookAhead => "look-ahead",
             ProposalName::Exact => "exact",
         }
     }
@@ -64,9 +68,12 @@ impl FromStr for ProposalName {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let mut named = ProposalName::DESIGNED.into_iter().chain([ProposalName::Exact]);
+        let mut named =
+            ProposalName::DESIGNED.into_iter().chain([ProposalName::LookAhead, ProposalName::Exact]);
         let found = named.find(|name| name.as_str() == text);
-        found.ok_or_else(|| motes_cli::one_of(text, ["bootstrap", "linearised", "optimal", "exact"]))
+        found.ok_or_else(|| {
+            motes_cli::one_of(text, ["bootstrap", "linearised", "optimal", "look-ahead", "exact"])
+        })
     }
 }
 

@@ -239,7 +239,9 @@ pub(crate) fn boxed<'m, M: Simulator + ?Sized>(
         false => None,
     };
     let filter = ParticleFilter::new(model, proposal, settings, seed.stream())?;
-    let second = match options.check && options.proposal != ProposalName::Bootstrap {
+    // What looks ahead has the evidence of all data from the start, which no filter can be held against step by step.
+    let is_alone = matches!(options.proposal, ProposalName::Bootstrap | ProposalName::LookAhead);
+    let second = match options.check && !is_alone {
         true => {
             let stream = seed.child("second opinion").stream();
             let settings = FilterSettings { defensive_weight: None, ..settings };

@@ -6,7 +6,6 @@ use motes_models::{Seed, StepRecord};
 use motes_smc::{DENSITIES_PER_MOVE, FilterHistory, SmoothedPaths, SmoothingError};
 
 use crate::data::Data;
-use crate::engine::Running;
 use crate::error::MotesError;
 use crate::estimate::{Coordinate, Estimate, PROBABILITIES};
 use crate::exact::smooth_exactly;
@@ -16,6 +15,7 @@ use crate::filtering::{measured, of_proposal, of_series};
 use crate::model::Model;
 use crate::options::{FilterOptions, ProposalName};
 use crate::priors::of_starts;
+use crate::recorded::running_over;
 use crate::tally::{SeriesTally, Tally};
 
 /// What smoothers made of data.
@@ -62,7 +62,7 @@ fn smooth_until(
     let mut work = Work::of(data.rows.len(), options.particles, paths);
     for (series, (name, places)) in data.series.iter().zip(data.by_series()).enumerate() {
         let name = data.columns.has_series().then_some(name.as_str());
-        let mut running = Running::new(model, options, series)?;
+        let mut running = running_over(model, options, series, data, &places)?;
         let (mut of_this, mut history) = (SeriesTally::new(model, options), FilterHistory::new());
         for &at in &places {
             let row = &data.rows[at];

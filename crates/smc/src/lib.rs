@@ -16,6 +16,7 @@ mod evidence;
 mod filter;
 mod filter_snapshot;
 mod fixed_lag;
+mod look_ahead;
 mod memory;
 mod parallel;
 mod predictive;
@@ -40,6 +41,7 @@ pub use evidence::{
 pub use filter::ParticleFilter;
 pub use filter_snapshot::FilterSnapshot;
 pub use fixed_lag::FixedLagSmoother;
+pub use look_ahead::{LookAhead, LookAheadBatch, LookAheadError, LookAheadScratch, RecordedStep};
 pub use memory::{MemoryRows, ParticleMemory};
 pub use motes_models::batch::{Rows, particles_by_stream};
 pub use predictive::Predictive;

@@ -70,6 +70,17 @@ pub trait Proposal<Model: ?Sized>: Sync {
         true
     }
 
+    /// Whether it knows what comes later. It is then asked at every step, also where nothing is measured or no time passes, and by [`Proposal::prepare_partial`] alone.
+    fn looks_ahead(&self) -> bool {
+        false
+    }
+
+    /// Where weights after step `index` have a part of what comes later, the logarithm of this part at each of `K` rows of states (`K×N`) into `out` (`K`): what to take off where weights
+    /// shall say what is known until then. `false`, the default, says that they have none.
+    fn log_look_ahead(&self, _model: &Model, _index: usize, _states: &[f64], _out: &mut [f64]) -> bool {
+        false
+    }
+
     /// Computes what all particles of a step have in common, from `y_t` (`M` numbers).
     ///
     /// # Errors

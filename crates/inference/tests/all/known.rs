@@ -17,7 +17,7 @@ impl Line {
     /// With three measurements; `noise` is `K` times the variance of `log ẑ`, 0 where it is exact.
     pub(crate) fn new(noise: f64) -> Self {
         let rows = vec![[1.0, 0.0, 0.7], [1.0, 1.0, 2.0], [0.5, -1.0, -0.3]];
-        let costs = vec![EstimatorCost { per_particle: 1.0, is_exact: noise == 0.0 }];
+        let costs = vec![EstimatorCost { per_particle: 1.0, fixed: 0.0, is_exact: noise == 0.0 }];
         Line { rows, sd: 0.4, noise, costs }
     }
 
@@ -120,4 +120,4 @@ impl Likelihood for Half {
     }
 }
 
-pub(crate) const EXACT: EstimatorCost = EstimatorCost { per_particle: 1.0, is_exact: true };
+pub(crate) const EXACT: EstimatorCost = EstimatorCost { per_particle: 1.0, fixed: 0.0, is_exact: true };

@@ -190,6 +190,12 @@ impl<S: Scalar> Distribution<S> {
         of_family!(*self, family => family.score(y))
     }
 
+    /// The logarithm of the scale and its Fisher information, of families that have a scale beside their location.
+    #[inline(always)]
+    pub(super) fn spread(&self) -> Option<[S; 2]> {
+        of_family!(*self, family => family.spread())
+    }
+
     /// `T(v)` and `log T′(v)` of the families that are formulas of a normal number, and nothing of others.
     #[inline(always)]
     pub(super) fn formula(&self, v: S) -> Option<[S; 2]> {

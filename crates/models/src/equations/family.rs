@@ -48,6 +48,12 @@ pub(in crate::equations) trait Family<S: Scalar>: Copy {
         Score { location: mean, slope: (y - mean) * information, information }
     }
 
+    /// The logarithm of a scale that does not change the location, and its Fisher information; none of families whose scale follows from the location.
+    #[inline(always)]
+    fn spread(self) -> Option<[S; 2]> {
+        None
+    }
+
     /// `T(v) = F⁻¹(Φ(v))` and `log T′(v)` where these are formulas of `v`; none of others.
     #[inline(always)]
     fn formula(self, _v: S) -> Option<[S; 2]> {

@@ -1,8 +1,10 @@
 //! A model in the space of its noise: states as a map of standard normal numbers, and what a measurement says of these.
 
 mod guided;
+mod linearised;
 mod of_equations;
 mod scores;
+mod sites;
 
 use super::lanes::Lanes;
 use crate::Step;
@@ -46,6 +48,33 @@ pub trait NoiseSpace: Sync {
         slopes: &mut [f64],
         information: &mut [f64],
         jacobian: &mut [f64],
+    );
+
+    /// `g(x_{t−1}, v_t)` of the first `particles` of a tile into `states` (`N × LANES`), and its derivatives into `jacobian`: along the noise (`N × Q × LANES`), along the
+    /// noise and then along the previous state (`N × (Q + N) × LANES`), or none (empty). Other lanes are left as they were.
+    ///
+    /// A count is taken to be `mean + sd·v` here, so that there are derivatives.
+    fn tile_linearised(
+        &self,
+        step: &Step<'_>,
+        previous: Option<&[f64]>,
+        noise: &[f64],
+        particles: usize,
+        states: &mut [f64],
+        jacobian: &mut [f64],
+    );
+
+    /// What a measurement (`M`, one number for each particle) says at the `states` (`N × LANES`) of the first `particles` of a tile: `slopes` gets the score
+    /// `∂ log p(y | x)/∂x` (`N × LANES`), and `roots` gets `R` (`2M × N × LANES`), of which `Rᵀ R` is the Fisher information of `x` by locations and scales. What is missing, or not
+    /// finite, says nothing. Other lanes are left as they were.
+    fn tile_sites(
+        &self,
+        step: &Step<'_>,
+        states: &[f64],
+        measurement: &[Option<Lanes>],
+        particles: usize,
+        slopes: &mut [f64],
+        roots: &mut [f64],
     );
 }
 

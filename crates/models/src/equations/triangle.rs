@@ -1,8 +1,7 @@
-//! Small triangular matrices of the particles of a tile: factored and solved, one particle in each lane.
+//! Small triangular matrices of numbers, or of the particles of a tile: factored and solved, one particle in each lane.
 //!
 //! A lower triangle of `N(N+1)/2` entries stands row after row; [`at`] says where.
 
-use super::lanes::Lanes;
 use super::scalar::Scalar;
 
 /// Where entry `(i, j)` of a lower triangle stands, row after row.
@@ -13,7 +12,7 @@ pub fn at(i: usize, j: usize) -> usize {
 
 /// Replaces the lower triangle of `Λ` (`N(N+1)/2`) by its Cholesky factor `L`, `Λ = L Lᵀ`; NaN where it is not positive definite.
 #[inline(always)]
-pub fn factor(n: usize, lower: &mut [Lanes]) {
+pub fn factor<S: Scalar>(n: usize, lower: &mut [S]) {
     for j in 0..n {
         let mut pivot = lower[at(j, j)];
         for k in 0..j {
@@ -35,7 +34,7 @@ pub fn factor(n: usize, lower: &mut [Lanes]) {
 ///
 /// With `b` standard normal, `L⁻¹ b` has the precision `Λ`, and its entry `i` is made of the first `i` entries of `b`: each is drawn given those before it.
 #[inline(always)]
-pub fn factor_from_last(n: usize, lower: &mut [Lanes]) {
+pub fn factor_from_last<S: Scalar>(n: usize, lower: &mut [S]) {
     for j in (0..n).rev() {
         let mut pivot = lower[at(j, j)];
         for k in j + 1..n {
@@ -55,7 +54,7 @@ pub fn factor_from_last(n: usize, lower: &mut [Lanes]) {
 
 /// Replaces `b` by `L⁻¹ b`.
 #[inline(always)]
-pub fn solve_lower(n: usize, lower: &[Lanes], b: &mut [Lanes]) {
+pub fn solve_lower<S: Scalar>(n: usize, lower: &[S], b: &mut [S]) {
     for i in 0..n {
         let mut sum = b[i];
         for k in 0..i {
@@ -67,7 +66,7 @@ pub fn solve_lower(n: usize, lower: &[Lanes], b: &mut [Lanes]) {
 
 /// Replaces `b` by `L⁻ᵀ b`.
 #[inline(always)]
-pub fn solve_upper(n: usize, lower: &[Lanes], b: &mut [Lanes]) {
+pub fn solve_upper<S: Scalar>(n: usize, lower: &[S], b: &mut [S]) {
     for i in (0..n).rev() {
         let mut sum = b[i];
         for k in i + 1..n {
@@ -79,7 +78,7 @@ pub fn solve_upper(n: usize, lower: &[Lanes], b: &mut [Lanes]) {
 
 /// Replaces `b` by `Lᵀ b`.
 #[inline(always)]
-pub fn times_upper(n: usize, lower: &[Lanes], b: &mut [Lanes]) {
+pub fn times_upper<S: Scalar>(n: usize, lower: &[S], b: &mut [S]) {
     for i in 0..n {
         let mut sum = lower[at(i, i)] * b[i];
         for k in i + 1..n {
@@ -92,6 +91,7 @@ pub fn times_upper(n: usize, lower: &[Lanes], b: &mut [Lanes]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::equations::lanes::Lanes;
 
     #[test]
     fn a_factor_from_the_last_row_gives_its_matrix_back() {

@@ -1,18 +1,21 @@
 //! The arguments of each command.
 
 use std::path::PathBuf;
-use std::str::FromStr;
 
 use clap::{Args, Parser, Subcommand};
 use motes::output::Output;
 use motes::smc::Resampling;
-use motes::{FilterOptions, LearnOptions, LearnedProposal, Model, MotesError, ProposalName};
-use motes_cli::{integer, one_of};
+use motes::{FilterOptions, LearnOptions, LearnedProposal, Model, MotesError};
+use motes_cli::integer;
 
+use super::evidence_args::EvidenceArgs;
 use super::fit_args::FitArgs;
 use super::fitted_args::FittedArgs;
 use super::kind_args::KindArgs;
+use super::model_args::ModelArgs;
+use super::numbers::{fraction, resampling, seconds};
 use super::objective_args::ObjectiveArgs;
+use super::proposal_arg::ProposalArg;
 use super::share::share;
 
 /// Particle filters for state-space models: hidden states, evidence and warnings from a model file and a CSV file.
@@ -43,6 +46,11 @@ pub(super) enum Command {
     /// Estimate the hidden states of data given all of them, by trajectories drawn backwards
     #[command(after_help = "Example:\n  motes smooth nile.toml nile.csv --paths 500 -o smoothed.csv")]
     Smooth(SmoothArgs),
+    /// Estimate the log-evidence of recorded data with its standard error, by particles that look ahead where that is worth it
+    #[command(
+        after_help = "Examples:\n  motes evidence whiskers.toml data.csv\n  motes evidence growth.toml data.csv --proposal linearised --particles 5000 --runs 8 --json"
+    )]
+    Evidence(EvidenceArgs),
     /// Draw series of states and measurements from a model
     #[command(after_help = "Example:\n  motes simulate growth.toml --steps 100 --series 20 -o data.csv")]
     Simulate(SimulateArgs),
@@ -66,64 +74,10 @@ pub(super) enum Command {
     },
 }
 
-/// The model, and what of it is changed.
-#[derive(Args)]
-pub(super) struct ModelArgs {
-    /// The model file
-    pub(super) model: PathBuf,
-    /// Give a parameter of the model another value
-    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = parameter)]
-    pub(super) set: Vec<(String, f64)>,
-    /// The seed that every random number comes from
-    #[arg(long, default_value = "1", allow_negative_numbers = true, value_parser = integer(0..=u64::MAX))]
-    pub(super) seed: u64,
-    /// Threads; as many as there are cores if absent
-    #[arg(long, value_name = "J", allow_negative_numbers = true, value_parser = integer(1..=1024_usize))]
-    pub(super) threads: Option<usize>,
-    /// Say nothing but errors
-    #[arg(long, short)]
-    pub(super) quiet: bool,
-}
-
-impl ModelArgs {
-    pub(super) fn read(&self) -> Result<Model, MotesError> {
-        Ok(Model::read(&self.model, &self.set)?)
-    }
-}
-
-/// A proposal by its name, or the folder that it was learned into.
-#[derive(Debug, Clone)]
-pub(super) enum ProposalArg {
-    Designed(ProposalName),
-    Folder(PathBuf),
-}
-
-impl FromStr for ProposalArg {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        match text.parse() {
-            Ok(name) => Ok(ProposalArg::Designed(name)),
-            Err(_) if std::path::Path::new(text).is_dir() => Ok(ProposalArg::Folder(text.into())),
-            Err(reason) => Err(format!("{reason}, and there is no such folder")),
-        }
-    }
-}
-
-impl ProposalArg {
-    /// The proposal, read if it is in a folder.
-    pub(super) fn of(&self, model: &Model) -> Result<ProposalName, MotesError> {
-        match self {
-            ProposalArg::Designed(name) => Ok(name.clone()),
-            ProposalArg::Folder(folder) => Ok(ProposalName::Learned(LearnedProposal::load(folder, model)?)),
-        }
-    }
-}
-
 /// How to filter.
 #[derive(Args)]
 pub(super) struct FilterSettingsArgs {
-    /// What particles are drawn from: bootstrap, linearised, optimal, or a folder that learn wrote; exact takes the Kalman filter in their place, for linear Gaussian models
+    /// What particles are drawn from: bootstrap, linearised, optimal, or a folder that learn wrote; look-ahead to smooth; exact takes the Kalman filter in their place, for linear Gaussian models
     #[arg(long, value_name = "P", default_value = "bootstrap")]
     pub(super) proposal: ProposalArg,
     /// The number of particles
@@ -376,34 +330,4 @@ pub(super) struct CompareArgs {
     /// Write the card as a page with a figure, an HTML file that needs nothing else
     #[arg(long, value_name = "FILE.html")]
     pub(super) report: Option<PathBuf>,
-}
-
-fn parameter(text: &str) -> Result<(String, f64), String> {
-    let (name, value) = text.split_once('=').ok_or("it must be NAME=VALUE")?;
-    let number: f64 =
-        value.trim().parse().map_err(|_| format!("{value} is no number; it must be NAME=VALUE"))?;
-    match number.is_finite() {
-        true => Ok((name.trim().to_string(), number)),
-        false => Err(format!("{value} is not finite")),
-    }
-}
-
-fn fraction(text: &str) -> Result<f64, String> {
-    let fraction = text.parse().ok().filter(|fraction| *fraction > 0.0 && *fraction <= 1.0);
-    fraction.ok_or_else(|| "it must be a number above 0 and at most 1".into())
-}
-
-pub(super) fn seconds(text: &str) -> Result<f64, String> {
-    let seconds = text.parse().ok().filter(|seconds: &f64| *seconds > 0.0 && seconds.is_finite());
-    seconds.ok_or_else(|| "it must be a number above 0".into())
-}
-
-fn resampling(text: &str) -> Result<Resampling, String> {
-    match text {
-        "multinomial" => Ok(Resampling::Multinomial),
-        "systematic" => Ok(Resampling::Systematic),
-        "stratified" => Ok(Resampling::Stratified),
-        "residual" => Ok(Resampling::Residual),
-        other => Err(one_of(other, ["multinomial", "systematic", "stratified", "residual"])),
-    }
 }

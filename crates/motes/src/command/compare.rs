@@ -9,9 +9,10 @@ use motes::{
 };
 use motes_cli::Interrupt;
 
-use super::args::{CompareArgs, ModelArgs};
+use super::args::CompareArgs;
 use super::failure::Failure;
 use super::input;
+use super::model_args::ModelArgs;
 use super::progress::Progress;
 use super::say::{say_ignored, warn, write};
 use super::summary::command_line;

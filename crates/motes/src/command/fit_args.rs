@@ -6,7 +6,9 @@ use clap::{Args, ValueEnum};
 use motes::{FitOptions, Model, MotesError};
 use motes_cli::integer;
 
-use super::args::{ModelArgs, ProposalArg, seconds};
+use super::model_args::ModelArgs;
+use super::numbers::seconds;
+use super::proposal_arg::ProposalArg;
 
 /// What a fit finds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -29,7 +31,7 @@ pub(super) struct FitArgs {
     /// What is found: draws of the posterior, or the maximum of the likelihood with intervals by its profile
     #[arg(long, value_name = "METHOD", default_value = "posterior")]
     pub(super) method: Method,
-    /// The estimator of the likelihood: bootstrap, linearised, optimal, exact, or a folder that learn wrote; if absent exact where there is one, else that which costs the least
+    /// The estimator of the likelihood: bootstrap, linearised, optimal, look-ahead, exact, or a folder that learn wrote; if absent exact where there is one, else that which costs the least
     #[arg(long, value_name = "P")]
     pub(super) proposal: Option<ProposalArg>,
     /// The number of particles; found in the warm-up if absent

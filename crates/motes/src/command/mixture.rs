@@ -9,9 +9,10 @@ use motes::{
 };
 use motes_cli::{Interrupt, status};
 
-use super::args::{ModelArgs, OutputArgs};
+use super::args::OutputArgs;
 use super::failure::Failure;
 use super::fitted_args::spread;
+use super::model_args::ModelArgs;
 use super::progress::Progress;
 use super::say::{warn, write};
 use super::summary::command_line;

@@ -3,6 +3,8 @@
 mod args;
 mod check;
 mod compare;
+mod evidence;
+mod evidence_args;
 mod failure;
 mod filter;
 mod filter_page;
@@ -13,8 +15,11 @@ mod input;
 mod kind_args;
 mod learn;
 mod mixture;
+mod model_args;
+mod numbers;
 mod objective_args;
 mod progress;
+mod proposal_arg;
 mod say;
 mod share;
 mod simulate;
@@ -51,6 +56,7 @@ pub(crate) fn run() -> ExitCode {
         Command::Compare(args) => compare::run(&args, &interrupt),
         Command::Fit(args) => fit::run(&args, &interrupt),
         Command::Learn(args) => learn::run(&args, &interrupt),
+        Command::Evidence(args) => evidence::run(&args, &interrupt),
         Command::Simulate(args) => simulate::run(&args, &interrupt),
         Command::Smooth(args) => smooth::run(&args, &interrupt),
         Command::Completions { shell } => {

@@ -9,10 +9,9 @@ use rand::Rng;
 
 use super::free::FreeParameters;
 use super::options::FitOptions;
-use crate::comparing::designed;
 use crate::data::Data;
 use crate::error::MotesError;
-use crate::evidence::log_evidence;
+use crate::evidence::{EvidenceEstimator, EvidenceOptions, candidates, cost, log_evidence};
 use crate::model::Model;
 use crate::options::{FilterOptions, ProposalName};
 
@@ -28,15 +27,15 @@ pub(super) struct ModelLikelihood<'a> {
     reason: Mutex<Option<String>>,
 }
 
-/// The work of a particle beside that of a bootstrap filter.
-fn cost(proposal: &ProposalName) -> EstimatorCost {
-    let per_particle = match proposal {
-        ProposalName::Bootstrap | ProposalName::Exact => 1.0,
-        ProposalName::Optimal => 2.0,
-        ProposalName::Linearised => 3.0,
-        ProposalName::Learned(_) => 10.0,
+/// The work of the smoother before a filter that looks ahead, in particles of a bootstrap filter for each coordinate of the state: about.
+const SMOOTHER: f64 = 100.0;
+
+fn cost_of(proposal: &ProposalName, model: &Model) -> EstimatorCost {
+    let fixed = match proposal {
+        ProposalName::LookAhead => SMOOTHER * model.states().len() as f64,
+        _ => 0.0,
     };
-    EstimatorCost { per_particle, is_exact: *proposal == ProposalName::Exact }
+    EstimatorCost { per_particle: cost(proposal), fixed, is_exact: *proposal == ProposalName::Exact }
 }
 
 impl<'a> ModelLikelihood<'a> {
@@ -50,9 +49,9 @@ impl<'a> ModelLikelihood<'a> {
         let proposals = match &options.proposal {
             Some(proposal) => vec![proposal.clone()],
             None if model.linear_system().is_some() => vec![ProposalName::Exact],
-            None => designed(model, &FilterOptions::default()),
+            None => candidates(model),
         };
-        let costs = proposals.iter().map(cost).collect();
+        let costs = proposals.iter().map(|proposal| cost_of(proposal, model)).collect();
         ModelLikelihood { model, data, free, proposals, costs, proceed, reason: Mutex::new(None) }
     }
 
@@ -74,21 +73,52 @@ impl<'a> ModelLikelihood<'a> {
             Ok(model) => model,
             Err(error) => return Ok(self.impossible(|| error.to_string())),
         };
+        match self.by(&model, self.proposal(estimator), estimator.particles, seed) {
+            Ok(found) => Ok(found),
+            Err(MotesError::Interrupted) => Err(MotesError::Interrupted),
+            // Where a proposal fails at some values, the transition gives an estimate that is unbiased, too.
+            Err(_) if *self.proposal(estimator) != ProposalName::Bootstrap => {
+                match self.by(&model, &ProposalName::Bootstrap, estimator.particles, seed) {
+                    Err(MotesError::Interrupted) => Err(MotesError::Interrupted),
+                    found => Ok(found.unwrap_or_else(|error| self.impossible(|| error.to_string()))),
+                }
+            }
+            Err(error) => Ok(self.impossible(|| error.to_string())),
+        }
+    }
+
+    /// `log ẑ` of a model by a proposal.
+    fn by(
+        &self,
+        model: &Model,
+        proposal: &ProposalName,
+        particles: usize,
+        seed: &Seed,
+    ) -> Result<f64, MotesError> {
+        if *proposal == ProposalName::LookAhead {
+            let options =
+                EvidenceOptions { proposal: Some(proposal.clone()), particles, ..EvidenceOptions::default() };
+            let estimator = EvidenceEstimator::while_proceeding(model, self.data, &options, self.proceed)?;
+            let found: f64 = estimator.per_series_while(seed, self.proceed)?.into_iter().sum();
+            return Ok(match found.is_finite() {
+                true => found,
+                false => self.impossible(|| "no particle explains some measurement".into()),
+            });
+        }
         let options = FilterOptions {
-            proposal: self.proposal(estimator).clone(),
-            particles: estimator.particles,
+            proposal: proposal.clone(),
+            particles,
             seed: seed.stream().next_u64(),
             check: false,
             ..FilterOptions::default()
         };
-        match log_evidence(&model, self.data, &options, |_| (self.proceed)()) {
-            Ok(found) if found.value.is_finite() => Ok(found.value),
-            Ok(found) => Ok(self.impossible(|| {
+        let found = log_evidence(model, self.data, &options, |_| (self.proceed)())?;
+        Ok(match found.value.is_finite() {
+            true => found.value,
+            false => self.impossible(|| {
                 found.impossible.map_or("the log-evidence is no number".into(), |warning| warning.to_string())
-            })),
-            Err(MotesError::Interrupted) => Err(MotesError::Interrupted),
-            Err(error) => Ok(self.impossible(|| error.to_string())),
-        }
+            }),
+        })
     }
 
     fn impossible(&self, reason: impl FnOnce() -> String) -> f64 {

@@ -70,7 +70,7 @@ pub fn maximise(
 ) -> Result<Maximised, MotesError> {
     let free = FreeParameters::of(model)?;
     let likelihood = ModelLikelihood::new(model, data, &free, options, proceed);
-    check(model, options)?;
+    check(model, data, options)?;
     let settings = MaximumSettings {
         starts: options.chains,
         estimator: options.particles.map(EstimatorChoice::Particles),

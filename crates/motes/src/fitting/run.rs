@@ -16,6 +16,7 @@ use super::trust;
 use crate::data::Data;
 use crate::engine::Running;
 use crate::error::MotesError;
+use crate::evidence::{EvidenceEstimator, EvidenceOptions};
 use crate::model::Model;
 use crate::options::{FilterOptions, ProposalName};
 
@@ -85,7 +86,7 @@ pub fn fit_from(
 ) -> Result<Fitted, MotesError> {
     let free = FreeParameters::of(model)?;
     let likelihood = ModelLikelihood::new(model, data, &free, options, proceed);
-    check(model, options)?;
+    check(model, data, options)?;
     let start = Instant::now();
     let settings = PosteriorSettings {
         chains: options.chains,
@@ -125,10 +126,14 @@ pub(super) fn refused(error: FitError<MotesError>, likelihood: &ModelLikelihood<
 }
 
 /// Refuses a proposal that the model does not have, before there is any work.
-pub(super) fn check(model: &Model, options: &FitOptions) -> Result<(), MotesError> {
-    let proposal = options.proposal.clone().unwrap_or_default();
-    let options =
-        FilterOptions { proposal, particles: options.particles.unwrap_or(1), ..FilterOptions::default() };
+pub(super) fn check(model: &Model, data: &Data, options: &FitOptions) -> Result<(), MotesError> {
+    let (proposal, particles) =
+        (options.proposal.clone().unwrap_or_default(), options.particles.unwrap_or(1));
+    if proposal == ProposalName::LookAhead {
+        let options = EvidenceOptions { proposal: Some(proposal), particles, ..EvidenceOptions::default() };
+        return EvidenceEstimator::new(model, data, &options).map(drop);
+    }
+    let options = FilterOptions { proposal, particles, ..FilterOptions::default() };
     Running::new(model, &options, 0).map(drop)
 }
 

@@ -2,6 +2,7 @@
 
 mod card;
 mod csv;
+mod evidence;
 mod file;
 mod fit;
 mod json;
@@ -12,6 +13,7 @@ mod table;
 
 pub use card::{card_json, card_text};
 pub use csv::{EstimateTable, simulated_table};
+pub use evidence::{evidence_json, evidence_table};
 pub use file::{Output, Sink};
 pub use fit::{
     fit_draws, fit_json, fit_summary, fit_text, maximum_json, maximum_summary, maximum_table, maximum_text,

@@ -73,6 +73,12 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
         &self.ancestors
     }
 
+    /// What the weights of all particles of the bank (`B·K`) have of later measurements, into `out`; whether they have something.
+    pub(crate) fn log_look_ahead(&self, out: &mut [f64]) -> bool {
+        let index = self.time.saturating_sub(1);
+        self.proposal.log_look_ahead(&*self.model, index, &self.states, out)
+    }
+
     /// Whether a filter drew ancestors in the last step; if not, weights go on from the step before.
     ///
     /// # Panics

@@ -54,6 +54,7 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
         let done = self.attempt(step, |bank| {
             let (model, proposal) = (&*bank.model, &mut bank.proposal);
             let prepared = match known {
+                _ if proposal.looks_ahead() => proposal.prepare_partial(model, step, entries),
                 0 => Ok(false),
                 // Without a sub-step the state stays what it is.
                 _ if step.sub_steps == 0 || !proposal.is_for_step(model, step) => Ok(false),

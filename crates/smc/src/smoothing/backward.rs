@@ -35,6 +35,8 @@ const BLOCKS_AT_ONCE: usize = 1 << 10;
 /// Where the ancestor itself cannot lead to `x_{t+1}^j`, by the rounding of a density or because draws and densities of a model disagree, the particle is
 /// drawn from `π` exactly.
 ///
+/// Where a filter looks ahead ([`LookAhead`](crate::LookAhead)), `W_t^k` has a part of what comes later, which is taken off the density of the transition.
+///
 /// A model without a density of its transition ([`StateSpaceModel::density`]) has no `π`: paths follow the filter's ancestors, and
 /// [`SmoothedPaths::follow_ancestors`] says so. They share ancestors soon, so that early states rest on few particles.
 ///

@@ -26,9 +26,16 @@ pub(crate) struct Generation {
     pub(crate) log_weights: Vec<f64>,
     /// The particle of the time before that each was drawn from, `K`; nothing where no trajectories are to be drawn.
     pub(crate) ancestors: Vec<usize>,
+    /// The logarithms of what weights have of later measurements ([`Proposal::log_look_ahead`]), `K`; nothing where they have none.
+    pub(crate) look_ahead: Vec<f64>,
 }
 
 impl Generation {
+    /// What the weight of a particle has of later measurements.
+    pub(super) fn log_look_ahead(&self, particle: usize) -> f64 {
+        self.look_ahead.get(particle).copied().unwrap_or(0.0)
+    }
+
     /// The state (`N`) of a particle.
     pub(crate) fn state(&self, particle: usize, width: usize) -> &[f64] {
         &self.states[particle * width..][..width]
@@ -57,11 +64,17 @@ impl FilterHistory {
         if !there_is_memory_for(numbers) {
             return Err(SmoothingError::Memory { numbers });
         }
+        let step = StepRecord::of(&filter.bank().last_step());
+        let mut look_ahead = vec![0.0; log_weights.len()];
+        if !filter.bank().log_look_ahead(&mut look_ahead) {
+            look_ahead = Vec::new();
+        }
         self.generations.push(Generation {
-            step: StepRecord::of(&filter.bank().last_step()),
+            step,
             states: states.to_vec(),
             log_weights: log_weights.to_vec(),
             ancestors: filter.ancestors().to_vec(),
+            look_ahead,
         });
         Ok(())
     }
@@ -101,7 +114,13 @@ impl FilterHistory {
         }
         let log_weights = vec![-(count as f64).ln(); count];
         let step = StepRecord::of(&filter.bank().last_step());
-        self.generations.push(Generation { step, states: kept, log_weights, ancestors: vec![] });
+        self.generations.push(Generation {
+            step,
+            states: kept,
+            log_weights,
+            ancestors: vec![],
+            look_ahead: vec![],
+        });
         Ok(())
     }
 

@@ -51,6 +51,10 @@ impl Moves<'_> {
             }
             let from = Rows::picked(&self.generation.states, width, candidates.as_flattened());
             self.density.log_densities(&next.step.step(), Some(from), states, log_densities);
+            // Where weights know what comes later, densities must not say it again.
+            for (log_density, particle) in log_densities.iter_mut().zip(candidates.as_flattened()) {
+                *log_density -= self.generation.log_look_ahead(*particle);
+            }
             let (log_densities, _) = log_densities.as_chunks::<EACH>();
             for ((path, candidates), log_densities) in paths.iter_mut().zip(&*candidates).zip(log_densities) {
                 // An infinite density is one of a model that is none, as it is for a filter.
@@ -75,9 +79,14 @@ impl Moves<'_> {
             states.chunks_exact_mut(width).for_each(|row| row.copy_from_slice(state));
             let from = Rows::all(&generation.states, width);
             self.density.log_densities(&self.next.step.step(), Some(from), states, log_weights);
-            for (log_weight, own) in log_weights.iter_mut().zip(&generation.log_weights) {
+            for (particle, (log_weight, own)) in
+                log_weights.iter_mut().zip(&generation.log_weights).enumerate()
+            {
                 // A particle without weight is none, whatever its density.
-                *log_weight = if *own == f64::NEG_INFINITY { *own } else { *log_weight + own };
+                *log_weight = match *own == f64::NEG_INFINITY {
+                    true => *own,
+                    false => *log_weight + own - generation.log_look_ahead(particle),
+                };
             }
             let by_weight =
                 ByWeight::new(log_weights).ok_or(SmoothingError::NoAncestor { time: self.time })?;
@@ -124,6 +133,7 @@ mod tests {
             states,
             log_weights: weights.iter().map(|weight| weight.ln()).collect(),
             ancestors,
+            look_ahead: vec![],
         }
     }
 

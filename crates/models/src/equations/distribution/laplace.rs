@@ -61,6 +61,11 @@ impl<S: Scalar> Family<S> for Laplace<S> {
         Score { location: self.location, slope: sign / self.scale, information }
     }
 
+    #[inline(always)]
+    fn spread(self) -> Option<[S; 2]> {
+        Some([self.scale.ln(), S::from(1.0)])
+    }
+
     fn to_normal(self, x: S) -> S {
         let z = (x - self.location) / self.scale;
         let of = |[z]: [f64; 1]| normal::from_log_upper(-z.abs() - LN_2).copysign(z);

@@ -76,6 +76,11 @@ impl<S: Scalar> Family<S> for LogNormal<S> {
     }
 
     #[inline(always)]
+    fn spread(self) -> Option<[S; 2]> {
+        Some([self.scale.ln(), S::from(2.0)])
+    }
+
+    #[inline(always)]
     fn formula(self, v: S) -> Option<[S; 2]> {
         let log = self.location + self.sign * self.scale * v;
         Some([self.origin + self.sign * log.exp(), log + self.scale.ln()])

@@ -53,6 +53,11 @@ impl<S: Scalar> Family<S> for Normal<S> {
     }
 
     #[inline(always)]
+    fn spread(self) -> Option<[S; 2]> {
+        Some([self.sd.ln(), S::from(2.0)])
+    }
+
+    #[inline(always)]
     fn formula(self, v: S) -> Option<[S; 2]> {
         Some([self.mean + self.sd * v, self.sd.ln()])
     }

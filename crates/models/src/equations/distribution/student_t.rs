@@ -76,6 +76,11 @@ impl<S: Scalar> Family<S> for StudentT<S> {
         }
     }
 
+    #[inline(always)]
+    fn spread(self) -> Option<[S; 2]> {
+        Some([self.scale.ln(), self.df * 2.0 / (self.df + 3.0)])
+    }
+
     fn to_normal(self, x: S) -> S {
         let z = (x - self.location) / self.scale;
         let density = |[z, df]: [f64; 2]| StudentT { df, location: 0.0, scale: 1.0 }.log_density(z, || z);

@@ -1,7 +1,9 @@
 //! The noise of models that are stated by equations.
 
 use super::guided::{Guide, GuidedDraws};
+use super::linearised::Linearisation;
 use super::scores::NoiseScores;
+use super::sites::SitesAsked;
 use super::{Draw, NoiseSpace};
 use crate::batch::{LANES, by_widest_vectors};
 use crate::equations::advance::make_state;
@@ -110,6 +112,59 @@ impl<M: Equations> NoiseSpace for M {
             0 => {}
             1 => scores.along::<2>(),
             _ => scores.along::<5>(),
+        }
+    }
+
+    fn tile_linearised(
+        &self,
+        step: &Step<'_>,
+        previous: Option<&[f64]>,
+        noise: &[f64],
+        particles: usize,
+        states: &mut [f64],
+        jacobian: &mut [f64],
+    ) {
+        let directions = jacobian.len() / states.len().max(1);
+        let mut asked = Linearisation {
+            model: self,
+            step,
+            previous: previous.map(rows_of),
+            noise: rows_of(noise),
+            particles,
+            directions,
+            states: rows_of_mut(states),
+            jacobian: rows_of_mut(jacobian),
+        };
+        match directions {
+            0 | 1 => asked.along::<2>(),
+            2 => asked.along::<3>(),
+            _ => asked.along::<5>(),
+        }
+    }
+
+    fn tile_sites(
+        &self,
+        step: &Step<'_>,
+        states: &[f64],
+        measurement: &[Option<Lanes>],
+        particles: usize,
+        slopes: &mut [f64],
+        roots: &mut [f64],
+    ) {
+        let mut asked = SitesAsked {
+            model: self,
+            step: &step.end(self.inputs().len()),
+            states: rows_of(states),
+            measurement,
+            particles,
+            slopes: rows_of_mut(slopes),
+            roots: rows_of_mut(roots),
+        };
+        match asked.states.len() {
+            0 => {}
+            1 => asked.along::<2>(),
+            2 => asked.along::<3>(),
+            _ => asked.along::<5>(),
         }
     }
 }

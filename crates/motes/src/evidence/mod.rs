@@ -1,0 +1,15 @@
+//! The log-evidence of data and nothing else.
+
+mod estimate;
+mod estimator;
+mod log_evidence;
+mod options;
+mod pilot;
+mod sequence;
+
+pub use estimate::{Evidence, evidence};
+pub use estimator::EvidenceEstimator;
+pub use log_evidence::{LogEvidence, log_evidence};
+pub use options::EvidenceOptions;
+pub use pilot::Pilot;
+pub(crate) use pilot::{candidates, cost};

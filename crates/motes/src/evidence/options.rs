@@ -1,0 +1,50 @@
+//! What can be said of an estimate of the log-evidence.
+
+use motes_smc::Resampling;
+
+use crate::options::{FilterOptions, ProposalName};
+
+/// How the log-evidence of recorded data is estimated. [`EvidenceOptions::default`] is what the command takes where nothing else is said.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EvidenceOptions {
+    /// What particles are drawn from. If none is given, `exact` where a model has exact answers, else what pilots choose.
+    pub proposal: Option<ProposalName>,
+    /// `K`, the number of particles of a run.
+    pub particles: usize,
+    /// `R`, the number of independent runs.
+    pub runs: usize,
+    /// The share of particles that are drawn from the transition whatever the proposal is, as [`FilterOptions::defensive`].
+    pub defensive: Option<f64>,
+    /// Resample where the effective sample size is below this share of `K`; at each step where it is 1.
+    pub resample_below: f64,
+    /// How ancestors are drawn.
+    pub resampling: Resampling,
+    /// All random numbers come from it.
+    pub seed: u64,
+}
+
+impl Default for EvidenceOptions {
+    fn default() -> Self {
+        let FilterOptions { particles, defensive, resample_below, resampling, seed, .. } =
+            FilterOptions::default();
+        EvidenceOptions { proposal: None, particles, runs: 4, defensive, resample_below, resampling, seed }
+    }
+}
+
+impl EvidenceOptions {
+    /// Those of a filter of so many particles with this proposal, with nothing beside it.
+    pub(super) fn of_filter(&self, proposal: ProposalName, particles: usize) -> FilterOptions {
+        FilterOptions {
+            proposal,
+            particles,
+            defensive: self.defensive,
+            resample_below: self.resample_below,
+            resampling: self.resampling,
+            seed: self.seed,
+            forecast: 0,
+            ahead: None,
+            check: false,
+            predictive: false,
+        }
+    }
+}

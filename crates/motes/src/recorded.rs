@@ -1,0 +1,78 @@
+//! A series of data as a filter takes it, step by step, and a filter that may know all of it before it starts.
+
+use motes_smc::{LookAhead, RecordedStep};
+
+use crate::data::Data;
+use crate::engine::Running;
+use crate::error::MotesError;
+use crate::model::{Kind, Model};
+use crate::options::{FilterOptions, ProposalName};
+
+/// The steps of a series whose rows stand at `places`, each with what is measured then: the last one to a row with all of it, those before with nothing.
+pub(crate) fn recorded_steps(data: &Data, places: &[usize]) -> Vec<RecordedStep> {
+    let mut recorded = Vec::with_capacity(places.len());
+    for row in places.iter().map(|at| &data.rows[*at]) {
+        for (number, step) in row.steps.iter().enumerate() {
+            let is_last = number + 1 == row.steps.len();
+            let measurement =
+                if is_last { row.measurement.clone() } else { vec![None; row.measurement.len()] };
+            recorded.push(RecordedStep { step: step.clone(), measurement });
+        }
+    }
+    recorded
+}
+
+/// Potentials of a series.
+///
+/// # Errors
+/// [`MotesError::Proposal`] for a model without derivatives, and where a linearised smoother does not come through.
+pub(crate) fn look_ahead(model: &Model, steps: &[RecordedStep]) -> Result<LookAhead, MotesError> {
+    let reason = match model.kind() {
+        Kind::LinearGaussian(_) => {
+            "kind = \"linear-gaussian\" has exact answers; take --proposal exact".into()
+        }
+        Kind::Learnable(learnable) if learnable.has_gradients() => match LookAhead::new(learnable, steps) {
+            Ok(ahead) => return Ok(ahead),
+            Err(error) => format!("{error}; take --proposal linearised or bootstrap"),
+        },
+        Kind::Learnable(_) => {
+            "the model has no derivatives; take --proposal bootstrap, or one that is learned".into()
+        }
+    };
+    Err(MotesError::Proposal { proposal: ProposalName::LookAhead.to_string(), reason })
+}
+
+/// A filter for the series of that number, which will take in just its rows, at `places`.
+///
+/// # Errors
+/// As [`Running::new`], and as [`look_ahead`] for a proposal that does.
+pub(crate) fn running_over<'m>(
+    model: &'m Model,
+    options: &FilterOptions,
+    series: usize,
+    data: &Data,
+    places: &[usize],
+) -> Result<Running<'m>, MotesError> {
+    let ahead = match options.proposal {
+        ProposalName::LookAhead => Some(look_ahead(model, &recorded_steps(data, places))?),
+        _ => None,
+    };
+    Running::with_seed(model, options, Running::seed(options, series), ahead.as_ref())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_before_a_row_have_no_measurement() {
+        let text = "[time]\ncolumn = \"time\"\nstep = 1\n[initial]\nx = \"normal(0, 1)\"\n[transition]\nx = \"normal(x, 1)\"\n[measurement]\ny = \"normal(x, 1)\"\n";
+        let model = Model::parse(text, "walk", &[]).unwrap();
+        let data = Data::read("time,y\n0,1\n1,\n3,2\n".as_bytes(), "y.csv", &model).unwrap();
+        let steps = recorded_steps(&data, &[0, 1, 2]);
+        let measured: Vec<Option<f64>> = steps.iter().map(|step| step.measurement[0]).collect();
+        assert_eq!(measured.iter().flatten().count(), 2);
+        assert_eq!(measured.first().zip(measured.last()), Some((&Some(1.0), &Some(2.0))));
+        assert!(steps.iter().enumerate().all(|(at, step)| step.step.step().index == at));
+    }
+}

@@ -1,0 +1,103 @@
+//! From the last step to the first: potentials of a path, and how it is to be moved.
+
+use motes_models::StateSpaceModel;
+
+use super::dense::{add_product_of_transposed, add_times, product};
+use super::error::LookAheadError;
+use super::local::{Local, LocalMap, LocalSite};
+use super::path::{Path, Policy};
+use super::potential::{Guidance, Potential};
+use super::recorded::RecordedStep;
+
+/// A path with its model linearised along it.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Linearised {
+    /// Of each step.
+    pub(super) maps: Vec<LocalMap>,
+    sites: Vec<LocalSite>,
+}
+
+impl Linearised {
+    /// Linearises a model along a path.
+    ///
+    /// # Errors
+    /// [`LookAheadError::NotFinite`] with the step where that cannot be done.
+    pub(super) fn along(
+        &mut self,
+        local: &mut Local<'_>,
+        recorded: &[RecordedStep],
+        path: &Path,
+    ) -> Result<(), LookAheadError> {
+        self.maps.resize_with(path.len(), LocalMap::default);
+        self.sites.resize_with(path.len(), LocalSite::default);
+        for (index, RecordedStep { step, measurement }) in recorded.iter().enumerate() {
+            let (map, step) = (&mut self.maps[index], step.step());
+            if !local.map(&step, path.previous(index), path.noise(index), map) {
+                return Err(LookAheadError::NotFinite { index });
+            }
+            local.site(&step, path.state(index), measurement, &mut self.sites[index]);
+        }
+        Ok(())
+    }
+
+    /// The potentials of a path, the first first, and how the path is to be moved.
+    ///
+    /// # Errors
+    /// [`LookAheadError::NotFinite`] where numbers are too large.
+    pub(super) fn potentials(&self, path: &Path) -> Result<(Vec<Potential>, Policy), LookAheadError> {
+        let (n, steps) = (path.width, path.len());
+        let mut potentials: Vec<Potential> = Vec::with_capacity(steps);
+        let mut policy =
+            Policy { moves: vec![0.0; path.noise.len()], feedback: vec![0.0; path.noise.len() * n] };
+        let (mut guidance, mut at_zero) = (Guidance::default(), vec![0.0; n]);
+        for index in (0..steps).rev() {
+            let LocalSite { slope, roots } = &self.sites[index];
+            let mut potential = Potential {
+                reference: path.state(index).to_vec(),
+                curvature: vec![0.0; n * n],
+                slope: slope.clone(),
+            };
+            add_product_of_transposed(roots, roots, [n, roots.len() / n, n], &mut potential.curvature);
+            if let Some(next) = self.maps.get(index + 1) {
+                // Of the step after this one, from the turn before.
+                guidance.add_through(&next.along_previous, &at_zero, &mut potential);
+            }
+            if !potential.is_finite() {
+                return Err(LookAheadError::NotFinite { index });
+            }
+            let (map, noise) = (&self.maps[index], path.noise(index));
+            let q = noise.len();
+            for ((at_zero, value), reference) in at_zero.iter_mut().zip(&map.value).zip(&potential.reference)
+            {
+                *at_zero = value - reference;
+            }
+            let turned: Vec<f64> = noise.iter().map(|v| -v).collect();
+            add_times(&map.along_noise, &turned, &mut at_zero);
+            guidance.find(&potential, &map.along_noise);
+            // w = κ − K d₀ − v̂, and C = K F.
+            let begin = path.starts[index];
+            let moves = &mut policy.moves[begin..begin + q];
+            let turned: Vec<f64> = at_zero.iter().map(|d| -d).collect();
+            add_times(&guidance.gain, &turned, moves);
+            for ((moved, offset), noise) in moves.iter_mut().zip(&guidance.offset).zip(noise) {
+                *moved += offset - noise;
+            }
+            if index > 0 {
+                let feedback = &mut policy.feedback[begin * n..(begin + q) * n];
+                product(&guidance.gain, &map.along_previous, [q, n, n], feedback);
+            }
+            potentials.push(potential);
+        }
+        potentials.reverse();
+        Ok((potentials, policy))
+    }
+}
+
+/// What a model says of itself as a map of noise.
+///
+/// # Errors
+/// [`LookAheadError::NoNoise`].
+pub(super) fn local<M: StateSpaceModel + ?Sized>(model: &M) -> Result<Local<'_>, LookAheadError> {
+    let noise = model.noise_space().ok_or(LookAheadError::NoNoise)?;
+    Ok(Local::new(noise, model.state_dim()))
+}

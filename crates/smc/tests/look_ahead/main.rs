@@ -1,0 +1,9 @@
+//! Filters that look ahead: exact where all is linear, unbiased everywhere, and right where a bootstrap filter is wrong in silence.
+
+mod common;
+mod exact;
+mod models;
+mod planted;
+mod silent;
+mod smoothing;
+mod unbiased;
