@@ -100,7 +100,7 @@ pub(crate) struct FitArguments<'py> {
 
 impl FitArguments<'_> {
     fn options(&self) -> PyResult<FitOptions> {
-        let count = |name: &str, value: Option<i64>, least: i64| {
+        let count = |name: &str, value: Option<i64>, least: usize| {
             value.map(|value| integer(name, value, least, 1_000_000_000)).transpose()
         };
         let proposal: Option<ProposalName> =

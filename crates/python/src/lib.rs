@@ -9,6 +9,7 @@ mod comparison;
 mod data;
 mod errors;
 mod estimates;
+mod evidence;
 mod file;
 mod filtered;
 mod fitted;
@@ -30,6 +31,8 @@ mod _motes {
     use crate::card::Card;
     #[pymodule_export]
     use crate::data::Data;
+    #[pymodule_export]
+    use crate::evidence::evidence;
     #[pymodule_export]
     use crate::file::write;
     #[pymodule_export]

@@ -66,6 +66,23 @@ def test_what_cannot_be_fitted(model, examples):
         model.with_parameters({"nothing": 1.0})
 
 
+def test_evidence(nile, examples):
+    found = nile.evidence(examples / "nile.csv")
+    assert found["proposal"] == "exact" and found["standard_error"] == 0.0
+    counts = motes.Model({
+        "initial": {"x": "normal(0, 1)"},
+        "transition": {"x": "normal(x, 0.1)"},
+        "measurement": {"y": "poisson(exp(x))"},
+    })
+    ahead, blind = counts.evidence([1, 0, 2, 9]), counts.evidence([1, 0, 2, 9], proposal="bootstrap", particles=20_000)
+    assert ahead["proposal"] == "look-ahead"
+    errors = np.hypot(ahead["standard_error"], blind["standard_error"])
+    assert abs(ahead["log_evidence"] - blind["log_evidence"]) < 4 * errors + 0.02
+    assert ahead["standard_error"] < blind["standard_error"]
+    with pytest.raises(ValueError, match="runs: 0"):
+        counts.evidence([1], runs=0)
+
+
 @pytest.mark.skipif(COMMAND is None, reason="MOTES_COMMAND does not name the command motes")
 def test_the_same_as_the_command(model, examples, tmp_path):
     data = examples / "nile.csv"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import json
 import os
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypedDict, TypeVar
@@ -456,6 +457,32 @@ class Model:
         (1,)
         """
         return OnlineFilter(self, {"threads": 1, **settings})
+
+    def evidence(
+        self,
+        data: Any,
+        *,
+        proposal: str | Proposal | None = None,
+        particles: int = 1000,
+        runs: int = 4,
+        seed: int = 1,
+        threads: int | None = None,
+    ) -> dict[str, Any]:
+        """The log-evidence of recorded data with its standard error, by independent runs: the object that the command prints with `--json`.
+
+        Without a `proposal` the exact answer is taken where there is one, else what small pilots choose; `look-ahead` knows all data before it starts.
+
+        >>> import motes
+        >>> walk = {"initial": {"x": "normal(0, 1)"}, "transition": {"x": "normal(x, 0.1)"}, "measurement": {"y": "poisson(exp(x))"}}
+        >>> motes.Model(walk).evidence([1, 0, 2, 9], particles=50)["proposal"]
+        'look-ahead'
+        """
+        named = None if proposal is None else _proposal(proposal, "proposal")
+        rows = data_of(self._model, data)
+        found, warning = _motes.evidence(self._model, rows.found, named, particles, runs, seed, threads)
+        if warning is not None:
+            warn(warning)
+        return json.loads(found)
 
     def fit(
         self,
