@@ -41,6 +41,9 @@ type Places = (Vec<usize>, [Option<usize>; 4], Vec<usize>, Vec<String>);
 /// States, measurements, times and inputs of simulated series, flat.
 type Simulated<'py> = [Bound<'py, PyArray1<f64>>; 4];
 
+/// The parameters that were drawn for a series, with their values.
+type Drawn = Vec<(String, f64)>;
+
 /// What a model was parsed of: the text, what errors call it, parameters with other values, and whether a program wrote it.
 type Parsed = (String, String, Vec<(String, f64)>, bool);
 
@@ -191,7 +194,7 @@ impl Model {
         seed: i128,
         inputs: Option<&Bound<'_, Data>>,
         prior: bool,
-    ) -> PyResult<(Simulated<'py>, Vec<Vec<(String, f64)>>)> {
+    ) -> PyResult<(Simulated<'py>, Vec<Drawn>)> {
         let steps = integer("steps", steps, 1, 1_000_000_000)?;
         let inputs = inputs.map(|data| &data.get().0);
         let series = integer("series", series, 1, 1_000_000_000)?;
