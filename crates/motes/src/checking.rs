@@ -2,15 +2,19 @@
 
 use std::ops::ControlFlow;
 
-use motes_models::{GradientError, Seed, StepRecord, check_gradients};
+use motes_models::{GradientError, Seed, StepRecord, check_gradients, check_gradients_from};
 
 use crate::data::Data;
 use crate::engine::Running;
 use crate::error::MotesError;
+use crate::exact_system::ExactSystem;
+use crate::long_step::of_step;
 use crate::model::{Kind, Model};
 use crate::options::{FilterOptions, ProposalName};
 use crate::priors::of_starts;
 use crate::simulating::{check_draws, schedule, simulate, simulate_along};
+use crate::timeline::Timeline;
+use crate::warning::Warning;
 
 /// What was looked at, and what is wrong.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -64,26 +68,45 @@ fn check_until(
             "density: none, because states follow without noise, share draws, or are counts; proposals draw the noise, smoothed paths follow ancestors".into(),
         );
     }
-    if model.linear_system().is_some() {
-        checked.findings.push(
-            "exact: the model is linear with Gaussian noise; --proposal exact filters and smooths without particles".into(),
-        );
-    }
+    checked.findings.extend(exactly(model, data));
     let has = |proposal: ProposalName| {
         let options = FilterOptions { proposal, particles: 1, ..FilterOptions::default() };
         Running::new(model, &options, 0).map(drop)
     };
     let linearised = if has(ProposalName::Linearised).is_ok() { ", linearised" } else { "" };
-    match has(ProposalName::Optimal) {
-        Ok(()) => checked.findings.push(format!("proposals: bootstrap{linearised}, optimal")),
-        Err(error) => {
-            checked.findings.push(format!("proposals: bootstrap{linearised}; no closed form ({error})"))
-        }
-    }
+    checked.findings.push(match (model.measured_exactly(), has(ProposalName::Optimal)) {
+        (Some(reason), _) => format!("proposals: exact alone, because {reason}"),
+        (None, Ok(())) => format!("proposals: bootstrap{linearised}, optimal"),
+        (None, Err(error)) => format!("proposals: bootstrap{linearised}; no closed form ({error})"),
+    });
     if let Some(data) = data {
         check_data(model, data, &mut checked, seed);
     }
     Ok(checked)
+}
+
+/// Whether the model has exact answers, over the rows of the data, or else over so many as are drawn.
+fn exactly(model: &Model, data: Option<&Data>) -> Option<String> {
+    let answers = "--proposal exact filters and smooths without particles";
+    let ExactSystem::Finite(_) = model.exact_system()? else {
+        return Some(format!("exact: the model is linear with Gaussian noise; {answers}"));
+    };
+    let options = FilterOptions { proposal: ProposalName::Exact, ..FilterOptions::default() };
+    let mut running = Running::new(model, &options, 0).ok()?;
+    let nothing = vec![None; model.measurements().len()];
+    let reached = match data {
+        Some(data) => {
+            let rows = data.of_series(0).take(STEPS);
+            rows.map(|row| running.advance_by(&row.steps, &nothing)).collect::<Result<Vec<()>, _>>()
+        }
+        // Neither times nor inputs are known.
+        None if model.time_column().is_some() || !model.input_columns().is_empty() => return None,
+        None => (0..STEPS).map(|_| running.advance(&nothing)).collect(),
+    };
+    Some(match reached {
+        Ok(_) => format!("exact: the states are discrete, and few can be reached; {answers}"),
+        Err(error) => format!("exact: no, although the states are discrete: {error}"),
+    })
 }
 
 /// Simulates the model, and compares its gradients with differences: with the times and inputs of the data, if it has such.
@@ -113,21 +136,31 @@ fn check_drawn(
     let mut stream = Seed::from_u64(seed).child("check").stream();
     let scheduled = schedule(model, along, STEPS, &Seed::from_u64(seed)).ok().flatten();
     let scheduled = scheduled.and_then(|schedule| model.along(schedule));
+    if let Some(reason) = model.measured_exactly() {
+        checked.findings.push(format!("gradients: not compared, because {reason}"));
+        return Ok(());
+    }
     let compared = match scheduled.as_ref().unwrap_or(model).kind() {
         Kind::Learnable(_) if model.timeline().is_some() && scheduled.is_none() => None,
         Kind::Learnable(learnable) => {
-            learnable.has_gradients().then(|| check_gradients(learnable, TIMES, TOLERANCE, &mut stream))
+            // x_0 is not measured where it comes before the first row.
+            let measured = usize::from(model.timeline().is_some_and(Timeline::has_start));
+            let compare = || check_gradients_from(learnable, measured, TIMES, TOLERANCE, &mut stream);
+            learnable.has_gradients().then(compare)
         }
         Kind::LinearGaussian(linear) => Some(check_gradients(linear, TIMES, TOLERANCE, &mut stream)),
     };
     match compared {
         None if model.timeline().is_some() => {
-            checked.findings.push("gradients: not compared, because no inputs are known".into());
+            checked.findings.push("gradients: not compared, because times or inputs are not known".into());
         }
         None => checked.findings.push("gradients: the model has none".into()),
         Some(Ok(report)) => checked.findings.push(format!(
-            "gradients: {} compared with central differences, the largest relative error is {:.1e}; {} have a kink or an edge",
-            report.compared, report.worst.relative_error, report.skipped
+            "gradients{}: {} compared with central differences, the largest relative error is {:.1e}; {} have a kink or an edge",
+            if report.of_states { "" } else { " of the measurement" },
+            report.compared,
+            report.worst.relative_error,
+            report.skipped
         )),
         Some(Err(error @ GradientError::Wrong(_))) => checked.problems.push(format!("gradients: {error}")),
         // Counts and bounded noise have no differences to compare with.
@@ -159,9 +192,17 @@ fn check_data(model: &Model, data: &Data, checked: &mut Checked, seed: u64) {
             .findings
             .push(format!("data: columns that are not used: {}", data.columns.ignored.join(", ")));
     }
-    let warnings = data.warnings();
+    let warnings: Vec<Warning> = of_step(model, data).into_iter().chain(data.warnings()).collect();
     checked.findings.extend(warnings.iter().map(|warning| format!("warning: {warning}")));
-    let options = FilterOptions { seed, ..FilterOptions::default() };
+    let proposal = match model.measured_exactly() {
+        Some(_) => ProposalName::Exact,
+        None => ProposalName::Bootstrap,
+    };
+    let gets_through = match proposal {
+        ProposalName::Exact => "data: the exact filter gets through them",
+        _ => "data: a bootstrap filter gets through them",
+    };
+    let options = FilterOptions { seed, proposal, ..FilterOptions::default() };
     for (series, name) in data.series.iter().enumerate() {
         let Ok(mut running) = Running::new(model, &options, series) else { return };
         for row in data.of_series(series) {
@@ -173,6 +214,6 @@ fn check_data(model: &Model, data: &Data, checked: &mut Checked, seed: u64) {
         }
     }
     if checked.problems.is_empty() {
-        checked.findings.push("data: a bootstrap filter gets through them".into());
+        checked.findings.push(gets_through.into());
     }
 }

@@ -10,12 +10,12 @@ use motes_smc::{
 
 use crate::error::MotesError;
 use crate::estimate::Estimate;
-use crate::exact::{Exact, not_linear};
+use crate::exact::{exact_filter, not_exact, restored};
+use crate::exact_system::ExactSystem;
 use crate::model::{Kind, Model};
 use crate::options::{FilterOptions, ProposalName};
 use crate::particles::{Start, boxed, of_another_kind};
 use crate::prediction::{MOST, beside_prediction};
-use crate::running_state::FilterState;
 use crate::steps::Steps;
 use crate::timeline::{Clock, RowTime};
 
@@ -310,6 +310,11 @@ impl Running<'_> {
                 beside_prediction(model, step, previous.as_deref(), measurement, names)
             }
         };
+        if self.kind == ProposalName::Exact.kind() {
+            return format!(
+                "no state explains the measurement: {beside}; correct it if it is wrong, else give the measurement more noise or heavier tails"
+            );
+        }
         format!(
             "no particle explains the measurement: {beside} (the effective sample size before was {ess_before:.0}); correct it if it is wrong, else \
              take more particles or --proposal linearised, or give the measurement more noise or heavier tails"
@@ -338,14 +343,13 @@ pub(crate) fn filter_of<'m>(
     let refused =
         |proposal: &str, reason: String| Err(MotesError::Proposal { proposal: proposal.to_string(), reason });
     if options.proposal == ProposalName::Exact {
-        let exact = match start {
-            Start::Seed(_) => Exact::new(model),
-            Start::State(state) => match *state {
-                FilterState::Exact(state) => Exact::restore(model, state),
-                FilterState::Particles(_) => return Err(of_another_kind()),
-            },
+        return match start {
+            Start::Seed(_) => exact_filter(model).ok_or_else(|| not_exact(model)),
+            Start::State(state) => restored(model, *state).ok_or_else(of_another_kind),
         };
-        return exact.map(|exact| Box::new(exact) as Box<dyn Steps>).ok_or_else(|| not_linear(model));
+    }
+    if let Some(reason) = model.measured_exactly() {
+        return refused(options.proposal.as_str(), format!("{reason}; take --proposal exact"));
     }
     match (model.kind(), &options.proposal) {
         (Kind::Learnable(learnable), ProposalName::Bootstrap) => boxed(learnable, Bootstrap, options, start),
@@ -373,6 +377,8 @@ pub(crate) fn filter_of<'m>(
             if *name == ProposalName::Optimal {
                 let reason = match model.formulas().map(|formulas| formulas.closed_form()) {
                     Some(Ok(())) => None,
+                    // Of the noise, what is linear and Gaussian has one.
+                    Some(Err(_)) if matches!(model.exact_system(), Some(ExactSystem::Linear(_))) => None,
                     Some(Err(reason)) => Some(reason.to_string()),
                     None => Some("nobody knows whether functions have one".into()),
                 };
@@ -390,6 +396,6 @@ pub(crate) fn filter_of<'m>(
         (Kind::LinearGaussian(_), ProposalName::Learned(learned)) => {
             refused(learned.name(), "it was learned for a model of formulas".into())
         }
-        (_, ProposalName::Exact) => Err(not_linear(model)),
+        (_, ProposalName::Exact) => Err(not_exact(model)),
     }
 }

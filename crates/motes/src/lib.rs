@@ -32,6 +32,7 @@ mod error;
 mod estimate;
 mod evidence;
 mod exact;
+mod exact_system;
 mod few_ancestors;
 mod filtered;
 mod filtering;
@@ -40,6 +41,7 @@ mod fitting;
 mod forecasting;
 mod learned;
 mod learning;
+mod long_step;
 mod mixture;
 mod model;
 mod names;
@@ -94,7 +96,7 @@ pub use simulating::{
 pub use smoothing::{Smoothed, smooth};
 pub use tally::{SeriesTally, Tally, TimeLabel};
 pub use threads::{on_threads, thread_pool};
-pub use timeline::{Clock, RowTime, TimelineError};
+pub use timeline::{BeyondFile, Clock, RowTime, TimelineError};
 pub use warning::Warning;
 
 pub use motes_formulas as formulas;

@@ -8,12 +8,12 @@ use std::sync::Arc;
 use motes_formulas::{
     Description, FileError, FileModel, FormulaModel, Impossible, ModelFile, Prior, Schedule,
 };
-use motes_models::kalman::LinearSystem;
 use motes_models::{
     LinearGaussian, OwnModel, Simulator, StateGradients, StateSpaceModel, Step, StepRecord, Stream,
 };
 
 use crate::error::MotesError;
+use crate::exact_system::ExactSystem;
 use crate::timeline::{Clock, RowTime, Timeline, TimelineError};
 
 /// A model that proposals can be learned for: it simulates itself, its noise can be transported, its measurements linearised. What states its
@@ -356,12 +356,21 @@ impl Model {
         }
     }
 
-    /// The model as one that is linear with Gaussian noise, if it is: it has exact answers.
-    pub(crate) fn linear_system(&self) -> Option<&dyn LinearSystem> {
-        match self.kind() {
-            Kind::LinearGaussian(linear) => Some(linear),
-            Kind::Learnable(_) => self.formulas()?.linear_system(),
+    /// The model as one that has exact answers, if it is: it is linear with Gaussian noise, or its states are discrete.
+    pub(crate) fn exact_system(&self) -> Option<ExactSystem<'_>> {
+        if let Kind::LinearGaussian(linear) = self.kind() {
+            return Some(ExactSystem::Linear(linear));
         }
+        let formulas = self.formulas()?;
+        let linear = formulas.linear_system().map(ExactSystem::Linear);
+        linear.or_else(|| formulas.finite_system().map(ExactSystem::Finite))
+    }
+
+    /// Why no particle meets a measurement, where one is without error.
+    pub(crate) fn measured_exactly(&self) -> Option<String> {
+        let entry = self.formulas()?.measured_exactly()?;
+        let name = &self.measurements()[entry];
+        Some(format!("{name} is measured without error, as R says, and no particle is where it was measured"))
     }
 
     /// Its formulas, if it is a file of them.

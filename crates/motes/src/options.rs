@@ -22,7 +22,7 @@ pub enum ProposalName {
     Learned(LearnedProposal),
     /// By potentials of a whole recorded sequence: for its evidence and for smoothing, not for filtering.
     LookAhead,
-    /// No particles: the Kalman filter and smoother, for linear Gaussian models.
+    /// No particles: the Kalman filter and smoother for linear Gaussian models, the forward algorithm for those of few discrete states.
     Exact,
 }
 

@@ -75,18 +75,6 @@ pub enum Problem {
         /// The first coordinate behind it.
         end: usize,
     },
-    /// One coordinate that is written like the length of a vector.
-    #[error(
-        "`{name}[{index}]` is a vector of {index}; one coordinate of `{name}` is written {name}[{index}..{after}]"
-    )]
-    OneCoordinate {
-        /// The vector.
-        name: String,
-        /// The coordinate.
-        index: usize,
-        /// The next one.
-        after: usize,
-    },
     /// A part of a vector that does not go on where the one before ends.
     #[error(
         "parts of a vector go on without gaps: this one of `{name}` must begin at {expected}, not at {found}"
@@ -210,6 +198,16 @@ pub enum Problem {
         name: String,
         /// What was meant, or what there is.
         advice: String,
+    },
+    /// A name that is a column of the data, and no input.
+    #[error(
+        "`{name}` is a column of {data}; formulas can use it where [inputs] has it, as in {name} = \"hold\""
+    )]
+    Undeclared {
+        /// The name.
+        name: String,
+        /// The data.
+        data: String,
     },
     /// A function with too many or too few arguments.
     #[error("`{call}` takes {expected}, not {found}")]

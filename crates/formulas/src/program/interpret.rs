@@ -225,6 +225,9 @@ impl<S: Scalar> Run<'_, S> {
             Rule::Noise(term) => (term, None),
             Rule::Computed(computed) => (&computed.term, Some(computed)),
         };
+        if let Some(computed) = computed {
+            draws.among(computed.shares.len(), |share| self.value(computed.shares[share]));
+        }
         let drawn = self.drawn(term, draws);
         let Some(computed) = computed else { return drawn };
         self.registers[computed.register as usize] = drawn;

@@ -19,6 +19,7 @@ mod random_formulas;
 mod refusals;
 mod refused;
 mod schedule;
+mod shares;
 mod support;
 mod vectors;
 mod wrapped;

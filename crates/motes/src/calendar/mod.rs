@@ -7,4 +7,4 @@ mod numbers;
 pub(crate) use label::{Time, months};
 pub(crate) use marks::{days_of, marks};
 pub use numbers::NoTime;
-pub(crate) use numbers::time_of;
+pub(crate) use numbers::{has_zone, label_of, time_of};

@@ -12,7 +12,7 @@ use super::input;
 use super::say::{say_ignored, warn, write};
 
 pub(super) fn run(args: &EvidenceArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
-    let model = args.model.read()?;
+    let model = args.model.read_beside(Some(&args.data))?;
     let output = match (&args.output, args.json) {
         (Some(path), _) => Some(Output::File(path.clone())),
         (None, false) => Some(Output::Standard),

@@ -19,7 +19,7 @@ use super::stream;
 use super::summary::in_one_line;
 
 pub(super) fn run(args: &FilterArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
-    let file = args.model.read()?;
+    let file = args.model.read_beside(Some(&args.data))?;
     args.output.check()?;
     let parametrised = args.fitted.of(&file)?;
     let model = match &parametrised {

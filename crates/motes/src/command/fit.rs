@@ -20,7 +20,7 @@ use super::summary::in_one_line;
 const EVERY: Duration = Duration::from_secs(5);
 
 pub(super) fn run(args: &FitArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
-    let model = args.model.read()?;
+    let model = args.model.read_beside(Some(&args.data))?;
     let options = args.options(&model)?;
     let data = input::data(&args.data, &model, interrupt)?;
     say_ignored(&data.columns, args.model.quiet);

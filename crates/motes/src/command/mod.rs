@@ -27,6 +27,7 @@ mod smooth;
 mod spinner;
 mod stream;
 mod summary;
+mod undeclared;
 
 use std::process::ExitCode;
 

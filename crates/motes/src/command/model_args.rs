@@ -1,10 +1,12 @@
 //! The arguments that say which model, and how.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use motes::{Model, MotesError};
 use motes_cli::integer;
+
+use super::undeclared::undeclared;
 
 /// The model, and what of it is changed.
 #[derive(Args)]
@@ -27,7 +29,12 @@ pub(super) struct ModelArgs {
 
 impl ModelArgs {
     pub(super) fn read(&self) -> Result<Model, MotesError> {
-        Ok(Model::read(&self.model, &self.set)?)
+        self.read_beside(None)
+    }
+
+    /// The model that data are for.
+    pub(super) fn read_beside(&self, data: Option<&Path>) -> Result<Model, MotesError> {
+        Ok(Model::read(&self.model, &self.set).map_err(|error| undeclared(error, data))?)
     }
 }
 

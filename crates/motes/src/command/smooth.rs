@@ -19,7 +19,7 @@ use super::summary::{command_line, in_one_line};
 const PARTS: usize = 10_000;
 
 pub(super) fn run(args: &SmoothArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
-    let file = args.model.read()?;
+    let file = args.model.read_beside(Some(&args.data))?;
     args.output.check()?;
     let parametrised = args.fitted.of(&file)?;
     let model = match &parametrised {

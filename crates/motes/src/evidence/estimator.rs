@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 
 use motes_models::Seed;
 
+use super::exact::is_exact;
 use super::options::EvidenceOptions;
 use super::pilot::{Candidate, Pilot, choose};
 use super::sequence::{Proceed, Sequence, sequences};
@@ -64,7 +65,7 @@ impl<'m> EvidenceEstimator<'m> {
         let sequences = sequences(data);
         let (candidate, pilots) = match &options.proposal {
             Some(proposal) => (Candidate::of(proposal.clone(), model, &sequences)?, vec![]),
-            None if model.linear_system().is_some() => {
+            None if is_exact(model, data) => {
                 (Candidate { proposal: ProposalName::Exact, ahead: None }, vec![])
             }
             None => {

@@ -2,6 +2,7 @@
 
 mod estimate;
 mod estimator;
+mod exact;
 mod log_evidence;
 mod options;
 mod pilot;
@@ -9,6 +10,7 @@ mod sequence;
 
 pub use estimate::{Evidence, evidence};
 pub use estimator::EvidenceEstimator;
+pub(crate) use exact::is_exact;
 pub use log_evidence::{LogEvidence, log_evidence};
 pub use options::EvidenceOptions;
 pub use pilot::Pilot;

@@ -11,7 +11,7 @@ use super::free::FreeParameters;
 use super::options::FitOptions;
 use crate::data::Data;
 use crate::error::MotesError;
-use crate::evidence::{EvidenceEstimator, EvidenceOptions, candidates, cost, log_evidence};
+use crate::evidence::{EvidenceEstimator, EvidenceOptions, candidates, cost, is_exact, log_evidence};
 use crate::model::Model;
 use crate::options::{FilterOptions, ProposalName};
 
@@ -48,7 +48,7 @@ impl<'a> ModelLikelihood<'a> {
     ) -> Self {
         let proposals = match &options.proposal {
             Some(proposal) => vec![proposal.clone()],
-            None if model.linear_system().is_some() => vec![ProposalName::Exact],
+            None if is_exact(model, data) => vec![ProposalName::Exact],
             None => candidates(model),
         };
         let costs = proposals.iter().map(|proposal| cost_of(proposal, model)).collect();

@@ -6,5 +6,5 @@ mod file;
 mod load;
 
 pub use clock::{Clock, RowTime};
-pub use error::TimelineError;
+pub use error::{BeyondFile, TimelineError};
 pub(crate) use load::Timeline;

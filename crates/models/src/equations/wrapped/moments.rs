@@ -1,6 +1,6 @@
 //! Mean, variance and distribution function of what is made of other distributions, where there are formulas.
 
-use super::Wrapped;
+use super::{Wrapped, shares};
 
 impl Wrapped<'_, f64> {
     /// Mean and variance; none where draws must say so. NaN where there is no mean, or no variance.
@@ -13,6 +13,7 @@ impl Wrapped<'_, f64> {
             Wrapped::Mixture { weight, first, second } => {
                 Some(mixed(weight, first.moments()?, second.moments()?))
             }
+            Wrapped::Categorical(shares) => Some(shares::moments(shares)),
             Wrapped::VonMises { .. }
             | Wrapped::Rounded(_)
             | Wrapped::Censored { .. }
@@ -28,6 +29,7 @@ impl Wrapped<'_, f64> {
         match *self {
             Wrapped::Plain(distribution) => Some(distribution.place(y)),
             Wrapped::Floored { of, .. } => of.place(y),
+            Wrapped::Categorical(shares) => Some(shares::place(shares, y)),
             _ => {
                 let (at, up_to) = (self.log_atom(y).exp(), self.log_mass(f64::NEG_INFINITY, y).exp());
                 let place = [(up_to - at).max(0.0), at];
@@ -40,7 +42,7 @@ impl Wrapped<'_, f64> {
     pub(in crate::equations) fn is_angle(&self) -> bool {
         match *self {
             Wrapped::VonMises { .. } => true,
-            Wrapped::Plain(_) | Wrapped::LogDensity(_) => false,
+            Wrapped::Plain(_) | Wrapped::Categorical(_) | Wrapped::LogDensity(_) => false,
             Wrapped::Rounded(of)
             | Wrapped::Censored { of, .. }
             | Wrapped::Truncated { of, .. }
