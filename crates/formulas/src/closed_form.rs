@@ -104,9 +104,26 @@ pub(crate) fn is_linear(built: &Built) -> bool {
         Output::Follows(id) => degrees[id.index()] <= Degree::One,
         Output::Computed { .. } | Output::Made(_) => false,
         Output::Drawn(coordinate) => {
-            coordinate.family.kind == Kind::Normal
+            matches!(coordinate.family.kind, Kind::Normal | Kind::Exact)
                 && degree(coordinate, 0) <= Degree::One
                 && degree(coordinate, 1) == Degree::Zero
         }
+    })
+}
+
+/// The first coordinate whose standard deviation is 0, whatever the states are.
+pub(crate) fn without_noise(built: &Built) -> Option<usize> {
+    built.coordinates.iter().position(|output| match output {
+        Output::Drawn(coordinate) => coordinate.family.kind == Kind::Exact,
+        _ => false,
+    })
+}
+
+/// Whether all that is drawn has finitely many values: it is a bernoulli, a binomial, or made of such, or a categorical.
+pub(crate) fn is_finite(built: &Built) -> bool {
+    built.draws.iter().chain(&built.coordinates).all(|output| match output {
+        Output::Follows(_) | Output::Computed { .. } => true,
+        Output::Drawn(coordinate) => matches!(coordinate.family.kind, Kind::Bernoulli | Kind::Binomial),
+        Output::Made(_) => false,
     })
 }

@@ -31,6 +31,7 @@ mod error;
 mod exact;
 mod explain;
 mod file;
+mod finite;
 mod graph;
 mod impossible;
 mod matrices;

@@ -79,7 +79,10 @@ pub(crate) struct Programs {
     supports: Option<Vec<Option<Support>>>,
     closed_form: Result<(), NoClosedForm>,
     is_linear: bool,
+    is_finite: bool,
     pub(crate) has_density: bool,
+    /// The first entry of a measurement that is without error.
+    exact_entry: Option<usize>,
 }
 
 impl FormulaModel {
@@ -90,12 +93,17 @@ impl FormulaModel {
         let inputs = statement.inputs.len() + statement.resets().len();
         let mut uses = vec![InputUse::default(); inputs];
         let (mut closed_form, mut is_linear, mut has_density) = (Ok(()), true, true);
+        let (mut exact_entry, mut is_finite) = (None, true);
         let mut program = |section, lines: &[Line]| {
             let built = build(&statement, section)?;
             if closed_form.is_ok() {
                 closed_form = closed_form::check(file, section, lines, &built);
             }
             is_linear &= closed_form::is_linear(&built);
+            match section {
+                Section::Measurement => exact_entry = closed_form::without_noise(&built),
+                _ => is_finite &= closed_form::is_finite(&built),
+            }
             for (number, input) in uses.iter_mut().enumerate() {
                 *input.of_mut(section) |= built.inputs().contains(&(number as u32));
             }
@@ -131,7 +139,9 @@ impl FormulaModel {
                 measurement,
                 closed_form,
                 is_linear,
+                is_finite,
                 has_density: has_density && !has_sub_steps,
+                exact_entry,
                 file: file.to_string(),
                 has_lines,
                 statement,
@@ -213,9 +223,19 @@ impl FormulaModel {
         &self.statement().priors
     }
 
+    /// The first entry of a measurement that is without error, so that no particle meets it: only exact filters take it.
+    pub fn measured_exactly(&self) -> Option<usize> {
+        self.0.exact_entry
+    }
+
     /// Whether all of it is linear with Gaussian noise.
     pub(crate) fn is_linear(&self) -> bool {
         self.0.is_linear
+    }
+
+    /// Whether all that states are made of is drawn from distributions of finitely many values.
+    pub(crate) fn is_finite(&self) -> bool {
+        self.0.is_finite
     }
 
     /// Whether `p(x_t | x_{t−1}, y_t)` is Gaussian: `p(x_0)` and `p(x_t | x_{t−1})` are normal, and `p(y_t | x_t)` is normal with a mean that is linear in the

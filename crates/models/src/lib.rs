@@ -31,6 +31,7 @@ pub mod elementary;
 mod epidemic;
 pub mod equations;
 mod error;
+pub mod forward;
 mod gaussian;
 mod gradient_check;
 mod graph;

@@ -7,6 +7,8 @@ use motes_models::{GradientError, Seed, StepRecord, check_gradients};
 use crate::data::Data;
 use crate::engine::Running;
 use crate::error::MotesError;
+use crate::exact_system::ExactSystem;
+use crate::long_step::of_step;
 use crate::model::{Kind, Model};
 use crate::options::{FilterOptions, ProposalName};
 use crate::priors::of_starts;
@@ -64,11 +66,7 @@ fn check_until(
             "density: none, because states follow without noise, share draws, or are counts; proposals draw the noise, smoothed paths follow ancestors".into(),
         );
     }
-    if model.linear_system().is_some() {
-        checked.findings.push(
-            "exact: the model is linear with Gaussian noise; --proposal exact filters and smooths without particles".into(),
-        );
-    }
+    checked.findings.extend(exactly(model, data));
     let has = |proposal: ProposalName| {
         let options = FilterOptions { proposal, particles: 1, ..FilterOptions::default() };
         Running::new(model, &options, 0).map(drop)
@@ -87,6 +85,30 @@ fn check_until(
 }
 
 /// Simulates the model, and compares its gradients with differences: with the times and inputs of the data, if it has such.
+/// Whether the model has exact answers, over the rows of the data, or else over so many as are drawn.
+fn exactly(model: &Model, data: Option<&Data>) -> Option<String> {
+    let answers = "--proposal exact filters and smooths without particles";
+    let ExactSystem::Finite(_) = model.exact_system()? else {
+        return Some(format!("exact: the model is linear with Gaussian noise; {answers}"));
+    };
+    let options = FilterOptions { proposal: ProposalName::Exact, ..FilterOptions::default() };
+    let mut running = Running::new(model, &options, 0).ok()?;
+    let nothing = vec![None; model.measurements().len()];
+    let reached = match data {
+        Some(data) => {
+            let rows = data.of_series(0).take(STEPS);
+            rows.map(|row| running.advance_by(&row.steps, &nothing)).collect::<Result<Vec<()>, _>>()
+        }
+        // Neither times nor inputs are known.
+        None if model.time_column().is_some() || !model.input_columns().is_empty() => return None,
+        None => (0..STEPS).map(|_| running.advance(&nothing)).collect(),
+    };
+    Some(match reached {
+        Ok(_) => format!("exact: the states are discrete, and few can be reached; {answers}"),
+        Err(error) => format!("exact: no, although the states are discrete: {error}"),
+    })
+}
+
 fn check_drawn(
     model: &Model,
     data: Option<&Data>,

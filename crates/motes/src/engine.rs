@@ -10,12 +10,12 @@ use motes_smc::{
 
 use crate::error::MotesError;
 use crate::estimate::{Estimate, Forecast};
-use crate::exact::{Exact, not_linear};
+use crate::exact::{exact_filter, not_exact, restored};
+use crate::exact_system::ExactSystem;
 use crate::model::{Kind, Model};
 use crate::options::{FilterOptions, ProposalName};
 use crate::particles::{Start, boxed, of_another_kind};
 use crate::prediction::{MOST, beside_prediction};
-use crate::running_state::FilterState;
 use crate::steps::Steps;
 use crate::timeline::{Clock, RowTime};
 
@@ -311,6 +311,11 @@ impl Running<'_> {
                 beside_prediction(model, step, previous.as_deref(), measurement, names)
             }
         };
+        if self.kind == ProposalName::Exact.kind() {
+            return format!(
+                "no state explains the measurement: {beside}; correct it if it is wrong, else give the measurement more noise or heavier tails"
+            );
+        }
         format!(
             "no particle explains the measurement: {beside} (the effective sample size before was {ess_before:.0}); correct it if it is wrong, else \
              take more particles or --proposal linearised, or give the measurement more noise or heavier tails"
@@ -338,12 +343,9 @@ pub(crate) fn filter_of<'m>(
     let refused =
         |proposal: &str, reason: String| Err(MotesError::Proposal { proposal: proposal.to_string(), reason });
     if options.proposal == ProposalName::Exact {
-        let exact = match start {
-            Start::Seed(_) => Exact::new(model),
-            Start::State(state) => match *state {
-                FilterState::Exact(state) => Exact::restore(model, state),
-                FilterState::Particles(_) => return Err(of_another_kind()),
-            },
+        return match start {
+            Start::Seed(_) => exact_filter(model).ok_or_else(|| not_exact(model)),
+            Start::State(state) => restored(model, *state).ok_or_else(of_another_kind),
         };
         return exact.map(|exact| Box::new(exact) as Box<dyn Steps>).ok_or_else(|| not_linear(model));
     }
@@ -364,6 +366,8 @@ pub(crate) fn filter_of<'m>(
                     Some(Ok(())) => None,
                     Some(Err(reason)) => Some(reason.to_string()),
                     None => Some("nobody knows whether functions have one".into()),
+                    // Of the noise, what is linear and Gaussian has one.
+                    Some(Err(_)) if matches!(model.exact_system(), Some(ExactSystem::Linear(_))) => None,
                 };
                 if let Some(reason) = reason {
                     return refused(name.as_str(), format!("{reason}; take --proposal linearised"));
@@ -379,6 +383,6 @@ pub(crate) fn filter_of<'m>(
         (Kind::LinearGaussian(_), ProposalName::Learned(learned)) => {
             refused(learned.name(), "it was learned for a model of formulas".into())
         }
-        (_, ProposalName::Exact) => Err(not_linear(model)),
+        (_, ProposalName::Exact) => Err(not_exact(model)),
     }
 }

@@ -8,12 +8,12 @@ use std::sync::Arc;
 use motes_formulas::{
     Description, FileError, FileModel, FormulaModel, Impossible, ModelFile, Prior, Schedule,
 };
-use motes_models::kalman::LinearSystem;
 use motes_models::{
     LinearGaussian, OwnModel, Simulator, StateGradients, StateSpaceModel, Step, StepRecord, Stream,
 };
 
 use crate::error::MotesError;
+use crate::exact_system::ExactSystem;
 use crate::timeline::{Clock, RowTime, Timeline, TimelineError};
 
 /// A model that proposals can be learned for: it simulates itself, its noise can be transported, its measurements linearised. What states its
@@ -347,11 +347,10 @@ impl Model {
         }
     }
 
-    /// The model as one that is linear with Gaussian noise, if it is: it has exact answers.
-    pub(crate) fn linear_system(&self) -> Option<&dyn LinearSystem> {
-        match self.kind() {
-            Kind::LinearGaussian(linear) => Some(linear),
-            Kind::Learnable(_) => self.formulas()?.linear_system(),
+    /// The model as one that has exact answers, if it is: it is linear with Gaussian noise, or its states are discrete.
+    pub(crate) fn exact_system(&self) -> Option<ExactSystem<'_>> {
+        if let Kind::LinearGaussian(linear) = self.kind() {
+            return Some(ExactSystem::Linear(linear));
         }
     }
 

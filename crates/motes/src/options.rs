@@ -20,7 +20,7 @@ pub enum ProposalName {
     Optimal,
     /// One that was learned for the model.
     Learned(LearnedProposal),
-    /// No particles: the Kalman filter and smoother, for linear Gaussian models.
+    /// No particles: the Kalman filter and smoother for linear Gaussian models, the forward algorithm for those of few discrete states.
     Exact,
 }
 

@@ -12,6 +12,17 @@ pub(crate) enum FilterState {
     Particles(Box<ParticleState>),
     /// A Kalman filter.
     Exact(ExactState),
+    /// One of the probabilities of few states.
+    Forward(ForwardState),
+}
+
+/// A filter of probabilities between two steps.
+#[derive(Serialize, Deserialize)]
+pub(crate) struct ForwardState {
+    pub(crate) time: usize,
+    pub(crate) log_evidence: f64,
+    /// The states (`K×N`) and their probabilities (`K`), from the first step on.
+    pub(crate) belief: Option<(Vec<f64>, Vec<f64>)>,
 }
 
 /// A Kalman filter between two steps.
@@ -52,7 +63,7 @@ impl RunningState {
     pub(crate) fn settings(&self) -> Option<&FilterSettings> {
         match &self.filter {
             FilterState::Particles(state) => Some(state.filter.settings()),
-            FilterState::Exact(_) => None,
+            FilterState::Exact(_) | FilterState::Forward(_) => None,
         }
     }
 
@@ -60,7 +71,7 @@ impl RunningState {
     pub(crate) fn is_checked(&self) -> Option<bool> {
         match &self.filter {
             FilterState::Particles(state) => Some(state.check.is_some()),
-            FilterState::Exact(_) => None,
+            FilterState::Exact(_) | FilterState::Forward(_) => None,
         }
     }
 
@@ -70,6 +81,7 @@ impl RunningState {
             == match &self.filter {
                 FilterState::Particles(state) => state.filter.time(),
                 FilterState::Exact(state) => state.time,
+                FilterState::Forward(state) => state.time,
             }
     }
 }

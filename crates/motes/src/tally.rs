@@ -71,8 +71,8 @@ impl Tally {
             let size = diagnosis.effective_sample_size;
             self.least_ess = Some(self.least_ess.map_or(size, |least| least.min(size)));
         }
-        // A matrix that cannot be factored has no exact answer.
-        if series.exact.as_mut().is_some_and(|exact| exact.row(steps, measurement).is_err()) {
+        // Where a matrix cannot be factored, or there are too many states, there is no exact answer.
+        if series.exact.as_mut().is_some_and(|exact| !exact.row(steps, measurement)) {
             series.exact = None;
         }
     }
@@ -95,13 +95,13 @@ impl Tally {
         let of_evidence = running.evidence_warnings();
         self.warnings
             .extend(of_evidence.iter().map(|found| warning(of_evidence_warning(found, states, &at))));
-        if let Some(exact) = exact {
+        if let Some((exact, by)) = exact.zip(series.exact.as_ref().map(ExactEvidence::name)) {
             let most = standard_error
                 .map_or(MOST_DIFFERENCE, |error| (ERRORS * error).clamp(LEAST_DIFFERENCE, MOST_DIFFERENCE));
             let difference = log_evidence - exact;
             if difference.abs() > most {
                 self.warnings.push(warning(format!(
-                    "the log-evidence is off by {difference:.1}: the Kalman filter, which is exact for this model, has {exact:.3}; take \
+                    "the log-evidence is off by {difference:.1}: {by}, which is exact for this model, has {exact:.3}; take \
                      --proposal exact"
                 )));
             }

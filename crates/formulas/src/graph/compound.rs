@@ -172,7 +172,7 @@ impl CompoundPart<'_> {
         let nothing = graph.constant(f64::NAN);
         let value = graph.choice(is_right, value, nothing);
         let uniform = Coordinate::new(of_kind(Kind::Uniform), vec![zero, one]);
-        Ok(Output::Computed { coordinate: uniform, drawn, value })
+        Ok(Output::Computed { coordinate: uniform, drawn, value, shares: probabilities.to_vec() })
     }
 }
 

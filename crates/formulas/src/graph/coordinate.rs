@@ -73,6 +73,8 @@ pub(crate) enum Output {
         /// What is drawn.
         drawn: Id,
         value: Id,
+        /// What it chooses among, in proportion to these numbers.
+        shares: Vec<Id>,
     },
 }
 
@@ -99,7 +101,8 @@ impl Output {
         let (made, follows) = match self {
             Output::Drawn(_) => (Vec::new(), None),
             Output::Made(made) => (made.numbers(), None),
-            Output::Follows(value) | Output::Computed { value, .. } => (Vec::new(), Some(*value)),
+            Output::Follows(value) => (Vec::new(), Some(*value)),
+            Output::Computed { value, shares, .. } => (shares.clone(), Some(*value)),
         };
         self.drawn_from().into_iter().flat_map(Coordinate::numbers).chain(made).chain(follows)
     }

@@ -119,7 +119,8 @@ impl Compiler<'_> {
     fn output(&mut self, output: &Output) -> instruction::Output {
         let made = match output {
             Output::Made(made) => made.numbers(),
-            _ => Vec::new(),
+            Output::Computed { shares, .. } => shares.clone(),
+            Output::Drawn(_) | Output::Follows(_) => Vec::new(),
         };
         let before = output.drawn_from().into_iter().flat_map(Coordinate::numbers).chain(made);
         before.for_each(|number| self.compute(number));
@@ -131,12 +132,13 @@ impl Compiler<'_> {
                 end = self.instructions.len();
                 Rule::Formula(self.source(*id))
             }
-            Output::Computed { coordinate, drawn, value } => {
+            Output::Computed { coordinate, drawn, value, shares } => {
+                let shares = shares.iter().map(|share| self.source(*share)).collect();
                 let (term, register) = (self.noise_term(coordinate), self.registers.take());
                 self.held[drawn.index()] = Some(register);
                 self.compute(*value);
                 let (value, end) = (self.source(*value), self.instructions.len());
-                Rule::Computed(Computed { term, register, end, value })
+                Rule::Computed(Computed { term, shares, register, end, value })
             }
             Output::Made(made) => Rule::Made(Box::new(self.made_term(made))),
         };

@@ -91,6 +91,8 @@ pub(super) enum Rule {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Computed {
     pub(super) term: NoiseTerm,
+    /// What it chooses among, in proportion to these numbers.
+    pub(super) shares: Vec<Source>,
     /// The register that what is drawn goes to.
     pub(super) register: u32,
     /// The instructions up to here come after the draw.

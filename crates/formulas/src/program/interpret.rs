@@ -232,6 +232,7 @@ impl<S: Scalar> Run<'_, S> {
         start: &mut usize,
         draws: &mut impl Draws<S>,
     ) -> S {
+        draws.among(computed.shares.len(), |share| self.value(computed.shares[share]));
         self.registers[computed.register as usize] = self.drawn(&computed.term, draws);
         self.all(&instructions[*start..computed.end]);
         *start = computed.end;

@@ -9,6 +9,8 @@ use motes_models::equations::{
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kind {
     Normal,
+    /// A normal distribution whose standard deviation may be 0.
+    Exact,
     StudentT,
     Laplace,
     LogNormal,
@@ -237,6 +239,17 @@ pub(crate) static FAMILIES: [Family; 12] = [
     ),
 ];
 
+/// A measurement without error, which has no row of its own: it is written as a normal number.
+pub(crate) static EXACT: Family = row(
+    "normal",
+    Kind::Exact,
+    &["mean", "sd"],
+    &[Any, FromZero],
+    Values::Any,
+    "A normal number without spread.",
+)
+.located(0);
+
 /// The distribution of that name.
 pub fn family(name: &str) -> Option<&'static Family> {
     FAMILIES.iter().find(|family| family.name == name)
@@ -262,6 +275,7 @@ impl Kind {
         // What takes it is compiled once for the common one, which it then knows, and once for all others.
         match self {
             Kind::Normal => coordinates.push(normal(a, b)),
+            Kind::Exact => coordinates.push(Distribution::Normal(Normal { mean: a, sd: b })),
             _ => coordinates.push(self.moved(parameters, scale, shift)),
         }
     }
@@ -286,7 +300,7 @@ impl Kind {
     fn distribution<T>(self, [a, b, c]: [T; 3], number: impl Fn(f64) -> T) -> Distribution<T> {
         let (zero, one) = (|| number(0.0), || number(1.0));
         match self {
-            Kind::Normal => Distribution::Normal(Normal { mean: a, sd: b }),
+            Kind::Normal | Kind::Exact => Distribution::Normal(Normal { mean: a, sd: b }),
             Kind::StudentT => Distribution::StudentT(StudentT { df: a, location: b, scale: c }),
             Kind::Laplace => Distribution::Laplace(Laplace { location: a, scale: b }),
             Kind::LogNormal => {

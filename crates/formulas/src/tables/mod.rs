@@ -7,7 +7,7 @@ mod reference;
 mod wrappers;
 
 pub(crate) use compounds::{COMPOUNDS, Composition, Compound, MOST_OFF, PriorKind, compound};
-pub(crate) use families::{FAMILIES, Kind, Most, Values, of_kind};
+pub(crate) use families::{EXACT, FAMILIES, Kind, Most, Values, of_kind};
 pub use families::{Family, Range, family};
 pub(crate) use functions::{FUNCTIONS, Function, Operation, function};
 pub use reference::reference;

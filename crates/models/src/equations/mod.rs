@@ -2,6 +2,7 @@
 
 mod advance;
 mod batched;
+mod branches;
 mod check;
 mod distribution;
 mod draw;
@@ -27,6 +28,7 @@ mod varied;
 mod wrapped;
 
 pub use batched::{BatchDistribution, BatchEquations, Batched, Column};
+pub use branches::branches;
 pub use distribution::distributions::*;
 pub use distribution::*;
 pub use dual::Dual;

@@ -112,6 +112,11 @@ pub trait Equations: Sync {
 pub trait Draws<S> {
     /// The next draw, from this distribution.
     fn draw(&mut self, distribution: Distribution<S>) -> S;
+
+    /// Hears that the next draw, which is uniform on `[0, 1)`, chooses among so many things in proportion to their shares, the first of which lies at 0. Who draws does not
+    /// care.
+    #[inline(always)]
+    fn among(&mut self, _count: usize, _share: impl Fn(usize) -> S) {}
 }
 
 /// What takes the distributions of the entries of a measurement, one after another.

@@ -118,7 +118,7 @@ impl ProposalArg {
 /// How to filter.
 #[derive(Args)]
 pub(super) struct FilterSettingsArgs {
-    /// What particles are drawn from: bootstrap, linearised, optimal, or a folder that learn wrote; exact takes the Kalman filter in their place, for linear Gaussian models
+    /// What particles are drawn from: bootstrap, linearised, optimal, or a folder that learn wrote; exact takes the Kalman filter or the forward algorithm in their place, for models that are linear with Gaussian noise or of few discrete states
     #[arg(long, value_name = "P", default_value = "bootstrap")]
     pub(super) proposal: ProposalArg,
     /// The number of particles

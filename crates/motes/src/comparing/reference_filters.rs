@@ -30,7 +30,7 @@ fn candidates(options: &CompareOptions) -> Vec<ProposalName> {
 
 /// The particles of all filters behind a reference for one sequence; the exact filter counts as one.
 pub(super) fn particles(model: &Model, options: &CompareOptions) -> usize {
-    if model.linear_system().is_some() {
+    if model.exact_system().is_some() {
         return 1;
     }
     let more = if options.reference_filters > 1 { options.reference_filters } else { 0 };
@@ -62,21 +62,21 @@ fn computed(
     options: &CompareOptions,
     number: usize,
 ) -> Result<Reference, MotesError> {
-    if let Some(linear) = model.linear_system() {
+    if let Some(system) = model.exact_system() {
         // Steps before the first row, where x_0 comes before it.
         let before = sequence.steps.first().map_or(0, |steps| steps.len().saturating_sub(1));
         let steps: Vec<&[StepRecord]> = sequence.steps.iter().map(Vec::as_slice).collect();
         let rows: Vec<&[Option<f64>]> = sequence.measurements.iter().map(Vec::as_slice).collect();
-        let exact = filter_series(linear, &steps, &rows)?;
-        let steps = &exact.steps[before..];
-        let increments: Vec<f64> = steps.iter().map(|step| step.log_evidence_increment).collect();
-        return Ok(Reference {
-            name: "the Kalman filter, which is exact".into(),
-            means: steps.iter().map(|step| step.filtered.mean.iter().copied().collect()).collect(),
-            log_evidence: increments.iter().sum(),
-            increments,
-            error: None,
-        });
+        if let Some(exact) = filter_series(system, &steps, &rows)? {
+            let increments = exact.increments[before..].to_vec();
+            return Ok(Reference {
+                name: format!("{}, which is exact", system.name()),
+                means: exact.means[before..].to_vec(),
+                log_evidence: increments.iter().sum(),
+                increments,
+                error: None,
+            });
+        }
     }
     // A filter that misses mass has too little evidence: the one with most is nearest to the truth.
     let filter = FilterOptions {

@@ -65,7 +65,7 @@ class Proposal:
 class FilterSettings(TypedDict, total=False):
     """The settings of a filter; what is not given is as in the command."""
 
-    #: `bootstrap`, `linearised`, `optimal`, a `Proposal`, or `exact`, which takes the Kalman filter in the place of particles.
+    #: `bootstrap`, `linearised`, `optimal`, a `Proposal`, or `exact`, which takes the Kalman filter, or for discrete states the forward algorithm, in the place of particles.
     proposal: str | Proposal
     #: `K`.
     particles: int

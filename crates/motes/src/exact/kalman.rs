@@ -1,4 +1,4 @@
-//! Linear Gaussian models have exact answers: a filter without particles, and what particles are held against.
+//! The Kalman filter and smoother in the place of particles.
 
 use std::ops::ControlFlow;
 use std::slice::from_mut;
@@ -16,24 +16,25 @@ use crate::model::Model;
 use crate::running_state::{ExactState, FilterState};
 use crate::steps::Steps;
 
+use super::rows::series;
+
 /// A Kalman filter in the place of particles.
-pub(crate) struct Exact<'m> {
+pub(super) struct Kalman<'m> {
     filter: KalmanFilter<&'m dyn LinearSystem>,
     means: Vec<f64>,
     log_evidence: f64,
 }
 
-impl<'m> Exact<'m> {
-    /// Before the first measurement; none of a model that has no exact answers.
-    pub(crate) fn new(model: &'m Model) -> Option<Self> {
-        let filter = KalmanFilter::new(model.linear_system()?);
-        Some(Exact { filter, means: vec![0.0; model.states().len()], log_evidence: 0.0 })
+impl<'m> Kalman<'m> {
+    /// Before the first measurement.
+    pub(super) fn new(linear: &'m dyn LinearSystem) -> Self {
+        Kalman { filter: KalmanFilter::new(linear), means: vec![0.0; linear.state_dim()], log_evidence: 0.0 }
     }
 
-    /// Where it was written down.
-    pub(crate) fn restore(model: &'m Model, state: ExactState) -> Option<Self> {
+    /// Where it was written down; none of another model.
+    pub(super) fn restore(linear: &'m dyn LinearSystem, state: ExactState) -> Option<Self> {
         let ExactState { time, log_evidence, belief } = state;
-        let (linear, n) = (model.linear_system()?, model.states().len());
+        let n = linear.state_dim();
         let belief = match belief {
             Some((mean, covariance)) if mean.len() == n && covariance.len() == n * n => {
                 Some(Belief::of(&mean, &covariance))
@@ -42,7 +43,7 @@ impl<'m> Exact<'m> {
             Some(_) => return None,
         };
         let means = belief.as_ref().map_or(vec![0.0; n], |belief| belief.mean.iter().copied().collect());
-        Some(Exact { filter: KalmanFilter::resume(linear, time, belief), means, log_evidence })
+        Some(Kalman { filter: KalmanFilter::resume(linear, time, belief), means, log_evidence })
     }
 }
 
@@ -56,7 +57,7 @@ fn coordinates(belief: &Belief) -> Vec<Coordinate> {
     (0..belief.mean.nrows()).map(of).collect()
 }
 
-impl Steps for Exact<'_> {
+impl Steps for Kalman<'_> {
     fn step(&mut self, step: &Step<'_>, measurement: &[Option<f64>]) -> Result<(), FilterError> {
         let step = self.filter.step_at(step, measurement)?;
         self.log_evidence += step.log_evidence_increment;
@@ -146,58 +147,8 @@ impl Steps for Exact<'_> {
     }
 }
 
-/// The exact log-evidence of a series beside its particles, as far as it has come.
-pub struct ExactEvidence<'m> {
-    filter: KalmanFilter<&'m dyn LinearSystem>,
-    log_evidence: f64,
-}
-
-impl<'m> ExactEvidence<'m> {
-    /// That of a linear Gaussian model, where it costs next to nothing beside so many particles; none of any other.
-    pub fn beside(model: &'m Model, particles: usize) -> Option<Self> {
-        let n = model.states().len();
-        let linear = if n * n <= particles { model.linear_system()? } else { return None };
-        Some(ExactEvidence { filter: KalmanFilter::new(linear), log_evidence: 0.0 })
-    }
-
-    /// Takes in the measurement of a row by the steps that lead to it.
-    ///
-    /// # Errors
-    /// As [`KalmanFilter::step_at`].
-    pub fn row(&mut self, steps: &[StepRecord], measurement: &[Option<f64>]) -> Result<(), ModelError> {
-        for (step, measurement) in with_measurements(steps, measurement) {
-            self.log_evidence += self.filter.step_at(&step.step(), &measurement)?.log_evidence_increment;
-        }
-        Ok(())
-    }
-
-    /// `log p(y_{0:t})`.
-    pub fn log_evidence(&self) -> f64 {
-        self.log_evidence
-    }
-}
-
-/// The steps to a row, each with what is measured then: the last one with all of it, the others with nothing.
-fn with_measurements<'a>(
-    steps: &'a [StepRecord],
-    measurement: &'a [Option<f64>],
-) -> impl Iterator<Item = (&'a StepRecord, Vec<Option<f64>>)> {
-    steps.iter().enumerate().map(move |(number, step)| {
-        let is_last = number + 1 == steps.len();
-        (step, if is_last { measurement.to_vec() } else { vec![None; measurement.len()] })
-    })
-}
-
-/// All steps of a series with what is measured then.
-fn series<'a>(
-    steps: &'a [&'a [StepRecord]],
-    rows: &'a [&'a [Option<f64>]],
-) -> Vec<(&'a StepRecord, Vec<Option<f64>>)> {
-    steps.iter().zip(rows).flat_map(|(steps, row)| with_measurements(steps, row)).collect()
-}
-
 /// The Kalman filter over a series.
-pub(crate) fn filter_series(
+pub(super) fn filter_linear(
     linear: &dyn LinearSystem,
     steps: &[&[StepRecord]],
     rows: &[&[Option<f64>]],
@@ -212,18 +163,17 @@ pub(crate) fn filter_series(
 /// corrected by what the smoother makes of its difference from the data (Durbin and Koopman 2002).
 ///
 /// # Errors
-/// [`MotesError`] for a model that is not linear and Gaussian, as the Kalman filter, or if `proceed` said to stop.
-pub(crate) fn smooth_exactly(
+/// [`MotesError`] as the Kalman filter, or if `proceed` said to stop.
+pub(super) fn smooth_linear(
     model: &Model,
-    steps: &[&[StepRecord]],
-    rows: &[&[Option<f64>]],
+    linear: &dyn LinearSystem,
+    (steps, rows): (&[&[StepRecord]], &[&[Option<f64>]]),
     paths: usize,
     seed: &Seed,
     proceed: &mut dyn FnMut() -> ControlFlow<()>,
 ) -> Result<(Vec<Estimate>, SmoothedPaths), MotesError> {
-    let linear = model.linear_system().ok_or_else(|| not_linear(model))?;
     let n = model.states().len();
-    let smoothed = smooth(&filter_series(linear, steps, rows)?)?;
+    let smoothed = smooth(&filter_linear(linear, steps, rows)?)?;
     // Steps before the first row have estimates that nobody asked for.
     let before = steps.first().map_or(0, |steps| steps.len().saturating_sub(1));
     let estimate = |belief| Estimate { state: coordinates(belief), ess: None, log_evidence: None };
@@ -235,7 +185,7 @@ pub(crate) fn smooth_exactly(
         let (drawn, measured) = drawn(linear, model, steps, rows, &mut stream);
         let measured: Vec<&[Option<f64>]> = measured.iter().map(Vec::as_slice).collect();
         // Linear maps of the data: the smoother of a difference is the difference of smoothers, but for the prior's mean, which counts twice.
-        let of_drawn = smooth(&filter_series(linear, steps, &measured)?)?;
+        let of_drawn = smooth(&filter_linear(linear, steps, &measured)?)?;
         let beliefs = smoothed.beliefs.iter().zip(&of_drawn.beliefs);
         for ((belief, of_drawn), state) in beliefs.zip(drawn.chunks_exact(n)) {
             states.extend((0..n).map(|i| state[i] + belief.mean[i] - of_drawn.mean[i]));
@@ -271,13 +221,4 @@ fn drawn(
         measured.push(row.iter().zip(&measurement).map(|(there, drawn)| there.map(|_| *drawn)).collect());
     }
     (states, measured)
-}
-
-/// Why there is nothing exact.
-pub(crate) fn not_linear(model: &Model) -> MotesError {
-    let reason = format!(
-        "{} is not linear with Gaussian noise; take --proposal linearised or bootstrap",
-        model.name()
-    );
-    MotesError::Proposal { proposal: "exact".into(), reason }
 }
