@@ -6,7 +6,7 @@ use motes_models::LinearGaussian;
 
 use crate::document::{self, Table};
 use crate::error::{Fault, FileError, Problem};
-use crate::matrices::{self, Matrices};
+use crate::matrices::{self, Matrices, Model};
 use crate::model::FormulaModel;
 use crate::statement::{self, Line};
 use crate::text::Text;
@@ -115,7 +115,7 @@ fn of_table(
     match table.iter().find(|entry| entry.key == "kind").map(|entry| &entry.value) {
         None => of_formulas(text, of, table, overrides),
         Some(kind) => match kind.text("kind")? {
-            "linear-gaussian" => of_matrices(text, of.file, table, overrides),
+            "linear-gaussian" => of_matrices(text, of, table, overrides),
             other => Err(Fault::at(kind.at, Problem::UnknownKind(other.to_string())).of_key("kind")),
         },
     }
@@ -144,18 +144,24 @@ fn of_formulas(
 
 fn of_matrices(
     text: &str,
-    file: &str,
+    of: Text<'_>,
     table: &Table,
     overrides: &[(String, f64)],
 ) -> Result<ModelFile, Fault> {
-    let Matrices { name, states, measurements, model } = matrices::read(table, overrides)?;
+    let Matrices { name, states, measurements, model } = matrices::read(text, table, overrides)?;
+    let (parameters, model) = match model {
+        Model::Plain(model) => (Vec::new(), FileModel::LinearGaussian(Box::new(model))),
+        Model::Formulas(statement) => {
+            (statement.parameters.clone(), FileModel::Formulas(FormulaModel::new(*statement, of)?))
+        }
+    };
     Ok(ModelFile {
-        name: name.unwrap_or_else(|| stem(file)),
+        name: name.unwrap_or_else(|| stem(of.file)),
         states,
         measurements,
-        parameters: Vec::new(),
+        parameters,
         text: text.to_string(),
-        model: FileModel::LinearGaussian(Box::new(model)),
+        model,
     })
 }
 

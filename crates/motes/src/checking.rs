@@ -72,12 +72,11 @@ fn check_until(
         Running::new(model, &options, 0).map(drop)
     };
     let linearised = if has(ProposalName::Linearised).is_ok() { ", linearised" } else { "" };
-    match has(ProposalName::Optimal) {
-        Ok(()) => checked.findings.push(format!("proposals: bootstrap{linearised}, optimal")),
-        Err(error) => {
-            checked.findings.push(format!("proposals: bootstrap{linearised}; no closed form ({error})"))
-        }
-    }
+    checked.findings.push(match (model.measured_exactly(), has(ProposalName::Optimal)) {
+        (Some(reason), _) => format!("proposals: exact alone, because {reason}"),
+        (None, Ok(())) => format!("proposals: bootstrap{linearised}, optimal"),
+        (None, Err(error)) => format!("proposals: bootstrap{linearised}; no closed form ({error})"),
+    });
     if let Some(data) = data {
         check_data(model, data, &mut checked, seed);
     }
@@ -137,6 +136,10 @@ fn check_drawn(
     let scheduled = scheduled.and_then(|schedule| model.along(schedule));
     let compared = match scheduled.as_ref().unwrap_or(model).kind() {
         Kind::Learnable(_) if model.timeline().is_some() && scheduled.is_none() => None,
+    if let Some(reason) = model.measured_exactly() {
+        checked.findings.push(format!("gradients: not compared, because {reason}"));
+        return Ok(());
+    }
         Kind::Learnable(learnable) => {
             learnable.has_gradients().then(|| check_gradients(learnable, TIMES, TOLERANCE, &mut stream))
         }
@@ -183,7 +186,15 @@ fn check_data(model: &Model, data: &Data, checked: &mut Checked, seed: u64) {
     }
     let warnings = data.warnings();
     checked.findings.extend(warnings.iter().map(|warning| format!("warning: {warning}")));
-    let options = FilterOptions { seed, ..FilterOptions::default() };
+    let proposal = match model.measured_exactly() {
+        Some(_) => ProposalName::Exact,
+        None => ProposalName::Bootstrap,
+    };
+    let gets_through = match proposal {
+        ProposalName::Exact => "data: the exact filter gets through them",
+        _ => "data: a bootstrap filter gets through them",
+    };
+    let options = FilterOptions { seed, proposal, ..FilterOptions::default() };
     for (series, name) in data.series.iter().enumerate() {
         let Ok(mut running) = Running::new(model, &options, series) else { return };
         for row in data.of_series(series) {
@@ -195,6 +206,6 @@ fn check_data(model: &Model, data: &Data, checked: &mut Checked, seed: u64) {
         }
     }
     if checked.problems.is_empty() {
-        checked.findings.push("data: a bootstrap filter gets through them".into());
+        checked.findings.push(gets_through.into());
     }
 }

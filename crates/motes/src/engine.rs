@@ -347,7 +347,9 @@ pub(crate) fn filter_of<'m>(
             Start::Seed(_) => exact_filter(model).ok_or_else(|| not_exact(model)),
             Start::State(state) => restored(model, *state).ok_or_else(of_another_kind),
         };
-        return exact.map(|exact| Box::new(exact) as Box<dyn Steps>).ok_or_else(|| not_linear(model));
+    }
+    if let Some(reason) = model.measured_exactly() {
+        return refused(options.proposal.as_str(), format!("{reason}; take --proposal exact"));
     }
     match (model.kind(), &options.proposal) {
         (Kind::Learnable(learnable), ProposalName::Bootstrap) => boxed(learnable, Bootstrap, options, start),

@@ -352,6 +352,16 @@ impl Model {
         if let Kind::LinearGaussian(linear) = self.kind() {
             return Some(ExactSystem::Linear(linear));
         }
+        let formulas = self.formulas()?;
+        let linear = formulas.linear_system().map(ExactSystem::Linear);
+        linear.or_else(|| formulas.finite_system().map(ExactSystem::Finite))
+    }
+
+    /// Why no particle meets a measurement, where one is without error.
+    pub(crate) fn measured_exactly(&self) -> Option<String> {
+        let entry = self.formulas()?.measured_exactly()?;
+        let name = &self.measurements()[entry];
+        Some(format!("{name} is measured without error, as R says, and no particle is where it was measured"))
     }
 
     /// Its formulas, if it is a file of them.

@@ -88,6 +88,82 @@ fn linear_models_are_filtered_exactly() {
     }
 }
 
+/// Matrices with intercepts and correlated noise of measurements, as formulas: the same answers exactly, by particles, and by smoothing.
+#[test]
+fn matrices_with_intercepts_are_filtered() {
+    let of = SmallModel { folder: "intercept", log_evidence: -1.001385, state: 0, last_mean: 2.729888 };
+    let (model, data) = of.open();
+    assert_eq!(model.states(), ["x", "noise(y1)", "noise(y2)"]);
+    for proposal in
+        [ProposalName::Exact, ProposalName::Bootstrap, ProposalName::Linearised, ProposalName::Optimal]
+    {
+        let options = FilterOptions { proposal: proposal.clone(), particles: 20_000, ..Default::default() };
+        let found = filter(&model, &data, &options, |_| ControlFlow::Continue(())).unwrap();
+        of.check(&proposal, &found);
+        if proposal == ProposalName::Exact {
+            assert!((found.log_evidence() - of.log_evidence).abs() < 2e-6, "{}", found.log_evidence());
+            let last = found.estimates.last().unwrap().state[0];
+            assert!((last.mean - of.last_mean).abs() < 2e-6 && (last.sd - 0.176563).abs() < 2e-6, "{last:?}");
+        }
+        let smoothed = smooth(&model, &data, &options, 50, |_| ControlFlow::Continue(())).unwrap();
+        let last = smoothed.estimates.last().unwrap().state[0];
+        assert!((last.mean - of.last_mean).abs() < 0.12, "{proposal}: {last:?}");
+    }
+}
+
+/// Noise without a density, and measurements without error, which no particle meets.
+#[test]
+fn singular_matrices_are_filtered_exactly() {
+    let of = SmallModel { folder: "singular", log_evidence: -7.977668, state: 1, last_mean: 0.276084 };
+    let (model, data) = of.open();
+    let options = FilterOptions { proposal: ProposalName::Exact, ..Default::default() };
+    let found = filter(&model, &data, &options, |_| ControlFlow::Continue(())).unwrap();
+    assert!((found.log_evidence() - of.log_evidence).abs() < 2e-6, "{}", found.log_evidence());
+    let last = &found.estimates.last().unwrap().state;
+    assert!((last[0].mean - 0.27).abs() < 1e-9 && (last[1].mean - of.last_mean).abs() < 2e-6, "{last:?}");
+    let smoothed = smooth(&model, &data, &options, 20, |_| ControlFlow::Continue(())).unwrap();
+    // What is measured without error is what it was on each path.
+    for (row, estimate) in data.rows.iter().zip(&smoothed.estimates) {
+        if let Some(y) = row.measurement[0] {
+            assert!((estimate.state[0].mean - y).abs() < 1e-9, "{estimate:?}");
+        }
+    }
+    let error = filter(&model, &data, &FilterOptions::default(), |_| ControlFlow::Continue(())).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "--proposal bootstrap: y is measured without error, as R says, and no particle is where it was measured; take --proposal exact"
+    );
+}
+
+/// Sums over all states that can be reached, of regimes and of counts.
+#[test]
+fn models_of_discrete_states_are_filtered_exactly() {
+    for folder in ["chain-binomial", "two-regimes"] {
+        let of = MODELS.iter().find(|of| of.folder == folder).unwrap();
+        let (model, data) = of.open();
+        let options = FilterOptions { proposal: ProposalName::Exact, ..Default::default() };
+        let found = filter(&model, &data, &options, |_| ControlFlow::Continue(())).unwrap();
+        assert!((found.log_evidence() - of.log_evidence).abs() < 2e-6, "{folder}: {}", found.log_evidence());
+        let last = found.estimates.last().unwrap().state[of.state].mean;
+        assert!((last - of.last_mean).abs() < 2e-5, "{folder}: {last}");
+        let smoothed = smooth(&model, &data, &options, 2000, |_| ControlFlow::Continue(())).unwrap();
+        let last = smoothed.estimates.last().unwrap().state[of.state].mean;
+        assert!((last - of.last_mean).abs() < 2e-5, "{folder}, smoothed: {last}");
+        // Trajectories are drawn from these probabilities.
+        for (time, estimate) in smoothed.estimates.iter().enumerate() {
+            for (coordinate, of) in estimate.state.iter().enumerate() {
+                let off = (smoothed.paths[0].mean(time, coordinate) - of.mean).abs();
+                assert!(off <= 5.0 * of.sd / 2000_f64.sqrt() + 1e-9, "{folder}, {time}, {coordinate}: {off}");
+            }
+        }
+        // A filter of particles is held against it unasked.
+        let options = FilterOptions { particles: 40_000, ..Default::default() };
+        let beside = filter(&model, &data, &options, |_| ControlFlow::Continue(())).unwrap();
+        let [Some(exact)] = beside.exact_log_evidence_per_series[..] else { panic!("{folder}") };
+        assert!((exact - found.log_evidence()).abs() < 1e-12, "{folder}: {exact}");
+    }
+}
+
 /// What follows without noise does so along each path.
 #[test]
 fn smoothed_paths_keep_to_the_equations() {

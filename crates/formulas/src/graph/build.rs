@@ -50,7 +50,8 @@ pub(crate) fn build(statement: &Statement, section: Section) -> Result<Built, Fa
     }
     let (graph, definitions) = (Graph::default(), vec![Vec::new(); used.len()]);
     let states = statement.dimension();
-    let mut builder = Builder { graph, definitions, work: 0, section, number: 0, states };
+    let may_be_exact = statement.may_be_exact && section == Section::Measurement;
+    let mut builder = Builder { graph, definitions, work: 0, section, number: 0, states, may_be_exact };
     for &number in statement.order.iter().filter(|number| used[**number]) {
         let line = &statement.definitions[number];
         // A function has a value where it is called.
@@ -107,6 +108,8 @@ struct Builder {
     number: usize,
     /// How many states there are.
     states: usize,
+    /// Whether what is drawn may have a standard deviation of 0.
+    may_be_exact: bool,
 }
 
 impl Builder {
@@ -203,7 +206,7 @@ impl Builder {
         }
         // What is random has a number in `random`; the one here is not used.
         let nothing = self.graph.constant(f64::NAN);
-        let mut distributions = Parts::default();
+        let mut distributions = Parts::of(self.may_be_exact);
         let mut values: Vec<Id> = Vec::with_capacity(formula.nodes.len());
         for (at, node) in formula.nodes.iter().enumerate() {
             let value = match node {

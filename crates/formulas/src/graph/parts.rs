@@ -7,16 +7,23 @@ use super::nodes::{Graph, Id};
 use crate::error::Problem;
 use crate::operations::{Binary, Unary};
 use crate::syntax::{Node, NodeId};
-use crate::tables::{Argument, Kind, Range, Wrapper, Wrapping, call};
+use crate::tables::{Argument, EXACT, Kind, Range, Wrapper, Wrapping, call};
 
 /// Where something is wrong, and what.
 type Wrong = (NodeId, Problem);
 
 /// The distributions that nothing is made of yet, each at the node that is its value, with the node that it began with.
-#[derive(Default)]
-pub(super) struct Parts(HashMap<NodeId, (Part, NodeId)>);
+pub(super) struct Parts {
+    open: HashMap<NodeId, (Part, NodeId)>,
+    /// Whether a normal one may have a standard deviation of 0.
+    may_be_exact: bool,
+}
 
 impl Parts {
+    pub(super) fn of(may_be_exact: bool) -> Self {
+        Parts { open: HashMap::new(), may_be_exact }
+    }
+
     /// Adds a node `at` its place; `values` are the numbers of the nodes before.
     pub(super) fn add(
         &mut self,
@@ -29,12 +36,12 @@ impl Parts {
         match node {
             Node::Random(family, parameters) => {
                 let parameters = parameters.iter().map(|parameter| values[*parameter]).collect();
-                self.0.insert(at, (Part::Plain(Coordinate::new(family, parameters)), at));
+                self.open.insert(at, (Part::Plain(Coordinate::new(family, parameters)), at));
             }
             Node::Wrapped(wrapper, arguments) => {
                 let made = self.made(graph, wrapper, arguments, values)?;
                 check_made(graph, &made).map_or(Ok(()), |problem| Err((at, problem)))?;
-                self.0.insert(at, (Part::Made(made), at));
+                self.open.insert(at, (Part::Made(made), at));
             }
             Node::OfOne(Unary::Negative, a) => self.change(*a, at, |random| random.negate(graph)),
             Node::OfTwo(operation, a, b) => {
@@ -59,24 +66,30 @@ impl Parts {
 
     /// The distribution of a formula, whose value is this node.
     pub(super) fn finish(mut self, graph: &mut Graph, root: NodeId) -> Result<Option<Part>, Wrong> {
-        if self.0.contains_key(&root) { self.take(graph, root).map(Some) } else { Ok(None) }
+        if self.open.contains_key(&root) { self.take(graph, root).map(Some) } else { Ok(None) }
     }
 
     /// Shifts or scales what is the value of a node, which becomes that of another.
     fn change(&mut self, from: NodeId, to: NodeId, change: impl FnOnce(&mut Coordinate)) {
-        if let Some((mut part, began)) = self.0.remove(&from) {
+        if let Some((mut part, began)) = self.open.remove(&from) {
             if let Part::Plain(coordinate) = &mut part {
                 change(coordinate);
             }
-            self.0.insert(to, (part, began));
+            self.open.insert(to, (part, began));
         }
     }
 
     /// What is the value of a node, when nothing shifts or scales it any more.
     fn take(&mut self, graph: &mut Graph, at: NodeId) -> Result<Part, Wrong> {
         // The parser says which nodes are random.
-        let (mut part, began) = self.0.remove(&at).ok_or((at, Problem::Empty))?;
+        let (mut part, began) = self.open.remove(&at).ok_or((at, Problem::Empty))?;
         if let Part::Plain(coordinate) = &mut part {
+            let is_exact = self.may_be_exact
+                && coordinate.family.kind == Kind::Normal
+                && graph.value(coordinate.parameters[1]) == Some(0.0);
+            if is_exact {
+                coordinate.family = &EXACT;
+            }
             check(graph, coordinate).map_or(Ok(()), |problem| Err((began, problem)))?;
             coordinate.settle(graph);
         }

@@ -5,7 +5,8 @@ use std::collections::BTreeSet;
 use faer::Mat;
 
 use crate::document::{Found, Value};
-use crate::error::{Fault, Problem};
+use crate::error::{Fault, Problem, Section};
+use crate::statement::Constants;
 
 /// The fault of a value that is something else.
 fn fault(value: &Value, expected: String) -> Fault {
@@ -51,36 +52,55 @@ pub(super) fn count(number: usize, thing: &str) -> String {
     if number == 1 { format!("1 {thing}") } else { format!("{number} {thing}s") }
 }
 
-/// `length` numbers, for the reason `why`.
-pub(super) fn vector(value: &Value, length: usize, why: &str) -> Result<Vec<f64>, Fault> {
-    let Found::List(list) = &value.found else {
-        return Err(fault(value, format!("a list of {}, {why}", count(length, "number"))));
-    };
-    let number = |value: &Value| match value.found {
-        Found::Number(number, _) if number.is_finite() => Ok(number),
-        _ => Err(fault(value, "a finite number".to_string())),
-    };
-    let numbers: Vec<f64> = list.iter().map(number).collect::<Result<_, Fault>>()?;
-    if numbers.len() == length {
-        return Ok(numbers);
-    }
-    let found = count(numbers.len(), "number");
-    Err(misfit(value, format!("it has {found}; it must have {length}, {why}")))
+/// Reads numbers: each is written as one, or as a formula of parameters in quotes.
+#[derive(Clone, Copy)]
+pub(super) struct Entries<'a> {
+    /// Why there must be so many.
+    pub(super) why: &'a str,
+    pub(super) constants: Constants<'a>,
 }
 
-/// A matrix, row by row.
-pub(super) fn matrix(value: &Value, [rows, columns]: [usize; 2], why: &str) -> Result<Mat<f64>, Fault> {
-    let size = format!("{} of {}", count(rows, "row"), count(columns, "number"));
-    let Found::List(list) = &value.found else {
-        return Err(fault(value, format!("a list of {size}, {why}; rows are lists")));
-    };
-    if list.len() != rows {
-        return Err(misfit(
-            value,
-            format!("it has {}; it must have {size}, {why}", count(list.len(), "row")),
-        ));
+impl Entries<'_> {
+    /// `length` numbers.
+    pub(super) fn vector(&self, value: &Value, length: usize) -> Result<Vec<f64>, Fault> {
+        let why = self.why;
+        let Found::List(list) = &value.found else {
+            return Err(fault(value, format!("a list of {}, {why}", count(length, "number"))));
+        };
+        let numbers: Vec<f64> = list.iter().map(|value| self.number(value)).collect::<Result<_, Fault>>()?;
+        if numbers.len() == length {
+            return Ok(numbers);
+        }
+        let found = count(numbers.len(), "number");
+        Err(misfit(value, format!("it has {found}; it must have {length}, {why}")))
     }
-    let rows: Vec<Vec<f64>> =
-        list.iter().map(|row| vector(row, columns, why)).collect::<Result<_, Fault>>()?;
-    Ok(Mat::from_fn(rows.len(), columns, |i, j| rows[i][j]))
+
+    /// A matrix, row by row.
+    pub(super) fn matrix(&self, value: &Value, [rows, columns]: [usize; 2]) -> Result<Mat<f64>, Fault> {
+        let (why, size) = (self.why, format!("{} of {}", count(rows, "row"), count(columns, "number")));
+        let Found::List(list) = &value.found else {
+            return Err(fault(value, format!("a list of {size}, {why}; rows are lists")));
+        };
+        if list.len() != rows {
+            return Err(misfit(
+                value,
+                format!("it has {}; it must have {size}, {why}", count(list.len(), "row")),
+            ));
+        }
+        let rows: Vec<Vec<f64>> =
+            list.iter().map(|row| self.vector(row, columns)).collect::<Result<_, Fault>>()?;
+        Ok(Mat::from_fn(rows.len(), columns, |i, j| rows[i][j]))
+    }
+
+    fn number(&self, value: &Value) -> Result<f64, Fault> {
+        match &value.found {
+            Found::Number(number, _) if number.is_finite() => Ok(*number),
+            Found::Text { .. } => self.constants.number(value, Section::Parameters).map_err(|found| {
+                let Problem::UnknownName { name, .. } = *found.problem else { return found };
+                let advice = "an entry is a number, or a formula of numbers and of [parameters]".to_string();
+                Fault { problem: Box::new(Problem::UnknownName { name, advice }), ..found }
+            }),
+            _ => Err(fault(value, "a finite number, or a formula of parameters in quotes".to_string())),
+        }
+    }
 }

@@ -18,14 +18,13 @@ use crate::names::is_name;
 use crate::priors::Prior;
 use crate::syntax::{Meaning, Since, Total, Totals};
 use crate::tables::reserved;
-use constant::Constants;
 use keys::Key;
-use parameters::Parameters;
 use sections::Sections;
 
+pub(crate) use constant::Constants;
 pub use inputs::{Between, InputRule, InputSource};
 pub(crate) use lines::Line;
-pub(crate) use parameters::List;
+pub(crate) use parameters::{List, Parameters};
 pub use time::{TimeLabel, TimeRule, TimeUnit};
 
 /// The formulas of a model.
@@ -57,6 +56,8 @@ pub(crate) struct Statement {
     pub(crate) measurement: Vec<Line>,
     /// What measurements use of the sub-steps before: numbers of the state behind those of `initial`.
     pub(crate) totals: Vec<Total>,
+    /// Whether a measurement may have a standard deviation of 0, so that only exact filters take it.
+    pub(crate) may_be_exact: bool,
 }
 
 impl Statement {
@@ -109,7 +110,7 @@ pub(crate) fn read(text: &str, table: &Table, overrides: &[(String, f64)]) -> Re
     let sections = Sections::of(table)?;
     let parameters = Parameters::read(&sections.parameters, overrides)?;
     let constants = parameters.meanings();
-    let constants = Constants { names: &constants };
+    let constants = Constants { names: &constants, lists: &parameters.lists };
     let time = sections.has_time.then(|| time::read(&sections.time, constants)).transpose()?;
     let inputs = inputs_of(&sections, constants)?;
     let states = keys::read(&sections.initial, Section::Initial, &parameters)?;
@@ -150,6 +151,7 @@ pub(crate) fn read(text: &str, table: &Table, overrides: &[(String, f64)]) -> Re
         transition: reader.lines(&moves, Section::Transition)?,
         measurement,
         totals: totals.all,
+        may_be_exact: false,
     })
 }
 

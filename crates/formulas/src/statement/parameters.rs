@@ -11,10 +11,10 @@ use crate::tables::reserved;
 
 /// The parameters of a file.
 #[derive(Debug)]
-pub(super) struct Parameters {
+pub(crate) struct Parameters {
     /// Numbers, and the entries of lists: `a`, `b[0]`, `c[0,1]`.
     pub(super) values: Vec<(String, f64)>,
-    pub(super) lists: Vec<List>,
+    pub(crate) lists: Vec<List>,
     pub(super) priors: Vec<Prior>,
 }
 
@@ -102,7 +102,7 @@ const DEEPEST: usize = 3;
 
 impl Parameters {
     /// Reads them, and replaces the values of those that are set from outside; of two such values the last counts.
-    pub(super) fn read(table: &Table, overrides: &[(String, f64)]) -> Result<Self, Fault> {
+    pub(crate) fn read(table: &Table, overrides: &[(String, f64)]) -> Result<Self, Fault> {
         let mut parameters =
             Parameters { values: Vec::with_capacity(table.len()), lists: Vec::new(), priors: Vec::new() };
         for entry in table {
@@ -230,7 +230,7 @@ impl Parameters {
     }
 
     /// What their names mean.
-    pub(super) fn meanings(&self) -> BTreeMap<String, Meaning> {
+    pub(crate) fn meanings(&self) -> BTreeMap<String, Meaning> {
         // Entries of lists have names with brackets, which no formula can mean.
         let values = self.values.iter().filter(|(name, _)| !name.contains('['));
         let mut names: BTreeMap<String, Meaning> =

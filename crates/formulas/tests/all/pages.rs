@@ -124,7 +124,7 @@ fn the_page_on_model_files_is_current() {
         parse(block, "model-files.md", &[]).unwrap();
         count += 1;
     }
-    assert_eq!(count, 7);
+    assert_eq!(count, 8);
 }
 
 #[test]

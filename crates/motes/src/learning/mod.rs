@@ -80,6 +80,9 @@ fn learn_until(
 ) -> Result<LearnOutcome, MotesError> {
     // It learns from simulations.
     check_draws(model)?;
+    if let Some(reason) = model.measured_exactly() {
+        return Err(MotesError::Setting(format!("{reason}; take --proposal exact, which needs no learning")));
+    }
     let started = std::time::Instant::now();
     let seed = Seed::from_u64(options.seed).child("learn");
     let scheduled = schedule(model, data, options.steps, &seed)?.and_then(|schedule| model.along(schedule));

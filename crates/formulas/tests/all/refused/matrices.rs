@@ -25,12 +25,12 @@ fn a_row_that_is_too_short() {
 
 #[test]
 fn an_entry_that_is_text() {
-    insta::assert_snapshot!(refused(&changed(MATRICES, &[("A = [[1, 0.1], [0, 1]]", r#"A = [[1, "a"], [0, 1]]"#)])), @r#"m.toml, line 6, column 10, A: it is the text "a"; it must be a finite number"#);
+    insta::assert_snapshot!(refused(&changed(MATRICES, &[("A = [[1, 0.1], [0, 1]]", r#"A = [[1, "a"], [0, 1]]"#)])), @r#"m.toml, line 6, column 10, A: `a` is not known here; an entry is a number, or a formula of numbers and of [parameters]"#);
 }
 
 #[test]
 fn an_entry_that_is_infinite() {
-    insta::assert_snapshot!(refused(&changed(MATRICES, &[("C = [[1, 0]]", "C = [[1, inf]]")])), @"m.toml, line 8, column 10, C: it is the number inf; it must be a finite number");
+    insta::assert_snapshot!(refused(&changed(MATRICES, &[("C = [[1, 0]]", "C = [[1, inf]]")])), @"m.toml, line 8, column 10, C: it is the number inf; it must be a finite number, or a formula of parameters in quotes");
 }
 
 #[test]
@@ -40,7 +40,7 @@ fn a_covariance_that_is_not_symmetric() {
 
 #[test]
 fn a_covariance_that_is_not_positive() {
-    insta::assert_snapshot!(refused(&changed(MATRICES, &[("R = [[0.5]]", "R = [[-0.5]]")])), @"m.toml, line 9, column 5, R: it has the smallest eigenvalue -5.00e-1; it must be positive definite");
+    insta::assert_snapshot!(refused(&changed(MATRICES, &[("R = [[0.5]]", "R = [[-0.5]]")])), @"m.toml, line 9, column 5, R: it has the smallest eigenvalue -5.00e-1; it must be positive semi-definite");
 }
 
 #[test]
@@ -72,5 +72,30 @@ fn names_that_are_no_list() {
 fn a_section_of_formulas() {
     insta::assert_snapshot!(refused(&(MATRICES.to_string() + r#"[transition]
 x = "normal(x, 1)"
-"#)), @r#"m.toml, line 10, column 2: a model file has no `transition` here; of kind "linear-gaussian" it has name, states, measurements, m0, P0, A, Q, C, R"#);
+"#)), @r#"m.toml, line 10, column 2: a model file has no `transition` here; of kind "linear-gaussian" it has name, states, measurements, m0, P0, A, Q, C, R, b, B, d, D, S, [parameters], [inputs], [series]"#);
+}
+
+#[test]
+fn inputs_that_are_not_declared() {
+    insta::assert_snapshot!(refused(&changed(MATRICES, &[("C = ", "D = [[1]]\nC = ")])), @r#"m.toml, line 8, column 5, D: there is no [inputs]; it is needed: it names what B and D multiply, column by column, as in u = "hold""#);
+}
+
+#[test]
+fn inputs_that_nothing_multiplies() {
+    insta::assert_snapshot!(refused(&format!("{MATRICES}[inputs]\nu = \"hold\"\n")), @"m.toml: there is no B or D; it is needed: what an input adds to states or measurements, as in D = [[1.0]]");
+}
+
+#[test]
+fn inputs_with_another_number_of_columns() {
+    insta::assert_snapshot!(refused(&format!("{}[inputs]\nu = \"hold\"\n", changed(MATRICES, &[("C = ", "D = [[1, 2]]\nC = ")]))), @"m.toml, line 8, column 6, D: it has 2 numbers; it must have 1, as there are 2 states and 1 measurement, and 1 input");
+}
+
+#[test]
+fn noise_that_is_shared_too_much() {
+    insta::assert_snapshot!(refused(&changed(MATRICES, &[("C = ", "S = [[0.3], [0]]\nC = ")])), @"m.toml, line 8, column 5, S: with Q and R it makes the covariance [[Q, S], [Sᵀ, R]], which has the smallest eigenvalue -6.06e-2; it must be positive semi-definite");
+}
+
+#[test]
+fn an_entry_that_is_a_distribution() {
+    insta::assert_snapshot!(refused(&changed(MATRICES, &[("A = [[1, 0.1], [0, 1]]", r#"A = [[1, "normal(0, 1)"], [0, 1]]"#)])), @r#"m.toml, line 6, column 10, A: it is the text "normal(0, 1)"; it must be a number, or a formula of numbers and parameters"#);
 }
