@@ -53,9 +53,6 @@ pub enum ComposedProblem {
     /// Several draws of several parts each.
     #[error("`{0}` has as many coordinates as its distribution has parts; it is written without a length")]
     VectorOfParts(String),
-    /// A distribution that is drawn from only.
-    #[error("`{0}` is for states and draws; a measurement that is one of two things can be a bernoulli(p)")]
-    NoMass(String),
     /// A distribution that is no prior.
     #[error("`{0}` is for states and draws; a prior is a distribution of one number, or a dirichlet")]
     NoPrior(String),

@@ -213,7 +213,8 @@ impl Builder {
                 Node::Compound(compound, arguments) => {
                     let arguments: Vec<Id> = arguments.iter().map(|argument| values[*argument]).collect();
                     let (arguments, number) = (&arguments, self.number);
-                    let part = CompoundPart { compound, arguments, part: coordinate, number };
+                    let is_measured = self.section == Section::Measurement;
+                    let part = CompoundPart { compound, arguments, part: coordinate, number, is_measured };
                     self.work += arguments.len();
                     // It is all of the formula.
                     return part

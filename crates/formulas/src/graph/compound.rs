@@ -1,10 +1,10 @@
 //! Distributions that are made of others, as numbers of a graph.
 
-use super::coordinate::{Coordinate, Output};
+use super::coordinate::{Coordinate, Made, Output};
 use super::nodes::{Graph, Id, Operation};
 use crate::error::{ComposedProblem, Problem};
 use crate::operations::{Binary, Unary};
-use crate::tables::{Composition, Compound, Kind, MOST_OFF, call, of_kind};
+use crate::tables::{Composition, Compound, Kind, MEASURED_CATEGORICAL, MOST_OFF, call, of_kind};
 
 /// By how much constant probabilities may differ from 1 in sum, and entries of a covariance from each other, as a share.
 const ROUNDED: f64 = 1e-9;
@@ -17,6 +17,8 @@ pub(super) struct CompoundPart<'a> {
     pub(super) part: usize,
     /// The number of the coordinate among all that formulas of the section can name.
     pub(super) number: usize,
+    /// Whether it is a measurement.
+    pub(super) is_measured: bool,
 }
 
 impl CompoundPart<'_> {
@@ -34,6 +36,7 @@ impl CompoundPart<'_> {
         match self.compound.composition {
             Composition::EulerMultinomial => Ok(self.euler_multinomial(graph)),
             Composition::Categorical => self.categorical(graph, &call),
+            Composition::Dirichlet => Ok(self.dirichlet(graph)),
             Composition::MvNormal => self.normal(graph),
             // The parser refuses it.
             Composition::Prior(_) => Ok(Output::Follows(graph.constant(f64::NAN))),
@@ -141,6 +144,29 @@ impl CompoundPart<'_> {
         Ok(graph.choice(is_symmetric, own, nothing))
     }
 
+    /// Of what is left by the shares before it, a share is a beta; the last one is what is left.
+    fn dirichlet(&self, graph: &mut Graph) -> Output {
+        let one = graph.constant(1.0);
+        let left = (0..self.part).fold(one, |left, part| {
+            let gone = self.before(graph, part);
+            graph.of_two(Binary::Subtract, left, gone)
+        });
+        let later = &self.arguments[self.part + 1..];
+        let Some((first, rest)) = later.split_first() else {
+            let zero = graph.constant(0.0);
+            return Output::Follows(graph.of_two(Binary::Max, left, zero));
+        };
+        let others = rest.iter().fold(*first, |sum, other| graph.of_two(Binary::Add, sum, *other));
+        let mut share = Coordinate::new(of_kind(Kind::Beta), vec![self.arguments[self.part], others]);
+        if self.part > 0 {
+            // Where rounding leaves nothing, next to nothing is shared.
+            let least = graph.constant(f64::MIN_POSITIVE);
+            let left = graph.of_two(Binary::Max, left, least);
+            share.multiply(graph, left);
+        }
+        Output::Drawn(share)
+    }
+
     /// The number of sums of probabilities that a uniform number has reached.
     fn categorical(&self, graph: &mut Graph, call: &str) -> Result<Output, Problem> {
         let probabilities = self.arguments;
@@ -155,6 +181,10 @@ impl CompoundPart<'_> {
         if let Some(value) = graph.value(total).filter(|total| (total - 1.0).abs() > ROUNDED) {
             let what = format!("the sum of the probabilities of {call}");
             return Err(Problem::OutOfRange { what, value, expected: "1".to_string() });
+        }
+        if self.is_measured {
+            let (wrapper, numbers) = (&MEASURED_CATEGORICAL, probabilities.to_vec());
+            return Ok(Output::Made(Made { wrapper, numbers, parts: Vec::new(), density: None }));
         }
         let drawn = graph.drawn(self.number);
         // In units of the sum, so that the last one with a probability of 0 is never reached.

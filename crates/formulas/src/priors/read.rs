@@ -192,9 +192,7 @@ fn distribution(formula: &Formula, values: &[f64]) -> Result<Law, (NodeId, Probl
             Composition::Prior(PriorKind::InverseGamma) => Some(Law::Inverse(gamma(at(0), 1.0 / at(1)))),
             Composition::Prior(PriorKind::HalfNormal) => half(normal(0.0, at(0))),
             Composition::Prior(PriorKind::HalfCauchy) => half(student_t(1.0, 0.0, at(0))),
-            Composition::Prior(PriorKind::Dirichlet) => {
-                Some(Law::Dirichlet((0..arguments.len()).map(at).collect()))
-            }
+            Composition::Dirichlet => Some(Law::Dirichlet((0..arguments.len()).map(at).collect())),
             _ => None,
         },
         _ => None,

@@ -6,6 +6,7 @@ use super::instruction::{
 use super::registers::Registers;
 use crate::graph::{Built, Coordinate, Graph, Id, Made, Operation, Output, Part};
 use crate::operations::Binary;
+use crate::tables::Wrapping;
 
 /// Compiles the graph of a section of a model with so many states; `in_order` gives each coordinate to those below it.
 pub(crate) fn compile(built: &Built, states: usize, in_order: bool) -> Program {
@@ -163,6 +164,10 @@ impl Compiler<'_> {
         MadeTerm {
             wrapping: made.wrapper.wrapping,
             numbers,
+            shares: match made.wrapper.wrapping {
+                Wrapping::Categorical => made.numbers.iter().map(|share| self.source(*share)).collect(),
+                _ => Vec::new(),
+            },
             parts: made.parts.iter().map(part).collect(),
             density: made.density.map(program),
         }

@@ -88,7 +88,7 @@ pub(super) enum Rule {
 }
 
 /// A number that is computed of what is drawn.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(super) struct Computed {
     pub(super) term: NoiseTerm,
     /// What it chooses among, in proportion to these numbers.
@@ -106,6 +106,8 @@ pub(super) struct MadeTerm {
     pub(super) wrapping: Wrapping,
     /// Its numbers, in order; what it does not have is some other one.
     pub(super) numbers: [Source; 2],
+    /// Of a categorical, its probabilities.
+    pub(super) shares: Vec<Source>,
     pub(super) parts: Vec<PartTerm>,
     /// The log density as a program of the states and, behind them, the measurement.
     pub(super) density: Option<Program>,

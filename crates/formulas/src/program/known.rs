@@ -25,7 +25,7 @@ pub(crate) enum KnownPart {
     Plain(Known),
     Made {
         wrapping: Wrapping,
-        /// Its ends, if it has such.
+        /// Its ends, if it has such; of a categorical, its first number and its last.
         ends: [Option<f64>; 2],
         parts: Vec<KnownPart>,
     },
@@ -41,12 +41,12 @@ fn of_made(
         PartTerm::Made(term) => of_made(term, value, of_term),
     };
     // The ends alone are asked for.
-    let has_ends = matches!(term.wrapping, Wrapping::Censored | Wrapping::Truncated);
-    KnownPart::Made {
-        wrapping: term.wrapping,
-        ends: if has_ends { term.numbers.map(value) } else { [None; 2] },
-        parts: term.parts.iter().map(part).collect(),
-    }
+    let ends = match term.wrapping {
+        Wrapping::Censored | Wrapping::Truncated => term.numbers.map(value),
+        Wrapping::Categorical => [Some(0.0), Some(term.shares.len() as f64 - 1.0)],
+        _ => [None; 2],
+    };
+    KnownPart::Made { wrapping: term.wrapping, ends, parts: term.parts.iter().map(part).collect() }
 }
 
 impl Program {

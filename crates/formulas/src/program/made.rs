@@ -45,6 +45,10 @@ impl<S: Scalar> Run<'_, S> {
                 let floor = self.value(a);
                 part(0, &mut |of| take(&Wrapped::Floored { floor, of }));
             }
+            Wrapping::Categorical => with_scalars::<S, _>(term.shares.len(), |shares| {
+                shares.iter_mut().zip(&term.shares).for_each(|(share, source)| *share = self.value(*source));
+                take(&Wrapped::Categorical(shares));
+            }),
             Wrapping::LogDensity => {
                 let nothing = S::from(f64::NAN);
                 let formula =

@@ -65,6 +65,10 @@ impl Set {
                 of_part(0).or(Set { are_integers: true, low: Some(zero), high: Some(zero) })
             }
             Wrapping::Mixture => of_part(0).or(of_part(1)),
+            Wrapping::Categorical => {
+                let end = |at: Option<f64>| at.map(|at| End { at, is_in: true });
+                Set { are_integers: true, low: end(ends[0]), high: end(ends[1]) }
+            }
         }
     }
 

@@ -41,16 +41,15 @@ pub(super) fn called<'a>(name: &str, scope: Scope<'a>) -> Result<Known<'a>, Prob
         };
     }
     if let Some(compound) = compound(name) {
-        let is_prior = matches!(compound.composition, Composition::Prior(_));
+        let is_only_prior = matches!(compound.composition, Composition::Prior(_));
         return match scope.section {
-            Section::Parameters if is_prior => Ok(Known::Compound(compound)),
+            Section::Parameters if compound.composition.is_prior() => Ok(Known::Compound(compound)),
             Section::Parameters => Err(Problem::Composed(ComposedProblem::NoPrior(name.to_string()))),
-            _ if is_prior => Err(Problem::Composed(ComposedProblem::OnlyPrior(name.to_string()))),
+            _ if is_only_prior => Err(Problem::Composed(ComposedProblem::OnlyPrior(name.to_string()))),
             Section::Definitions => Err(Problem::RandomInDefinition(name.to_string())),
             section if compound.parts.is_some() && section != Section::Draws => {
                 Err(Problem::Composed(ComposedProblem::PartsElsewhere(name.to_string())))
             }
-            Section::Measurement => Err(Problem::Composed(ComposedProblem::NoMass(name.to_string()))),
             _ => Ok(Known::Compound(compound)),
         };
     }
@@ -65,7 +64,10 @@ pub(super) fn called<'a>(name: &str, scope: Scope<'a>) -> Result<Known<'a>, Prob
     let is_in_priors = scope.section == Section::Parameters;
     let compounds = COMPOUNDS
         .iter()
-        .filter(|compound| is_in_priors == matches!(compound.composition, Composition::Prior(_)))
+        .filter(|compound| match is_in_priors {
+            true => compound.composition.is_prior(),
+            false => !matches!(compound.composition, Composition::Prior(_)),
+        })
         .map(|compound| compound.name);
     let own = scope.names.iter().filter(|(_, meaning)| matches!(meaning, Meaning::Function { .. }));
     let own = own.map(|(name, _)| name.as_str());

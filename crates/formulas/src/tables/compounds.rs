@@ -5,6 +5,13 @@ use super::families::Range;
 /// By how much the probabilities of a particle may differ from 1 in sum.
 pub(crate) const MOST_OFF: f64 = 1e-6;
 
+impl Composition {
+    /// Whether parameters can have it as a prior.
+    pub(crate) fn is_prior(self) -> bool {
+        matches!(self, Composition::Prior(_) | Composition::Dirichlet)
+    }
+}
+
 /// How a distribution is made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Composition {
@@ -14,6 +21,8 @@ pub(crate) enum Composition {
     Categorical,
     /// Normals, each given those before it; its parameters are the means, then the covariance by rows.
     MvNormal,
+    /// Betas, each of the share that is left; a prior of lists, too.
+    Dirichlet,
     /// One that is only a prior.
     Prior(PriorKind),
 }
@@ -24,7 +33,6 @@ pub(crate) enum PriorKind {
     InverseGamma,
     HalfNormal,
     HalfCauchy,
-    Dirichlet,
     /// Its first parameter is another distribution.
     Truncated,
 }
@@ -75,7 +83,7 @@ pub(crate) static COMPOUNDS: [Compound; 8] = [
         name: "categorical",
         parameters: &["p0", "p1", "…"],
         ranges: &[Range::Probability],
-        about: "0, 1, … with these probabilities, which add up to 1; for states and draws.",
+        about: "0, 1, … with these probabilities, which add up to 1; for states, draws and measurements.",
         composition: Composition::Categorical,
         parts: None,
     },
@@ -93,6 +101,14 @@ pub(crate) static COMPOUNDS: [Compound; 8] = [
         ranges: &[Range::Any],
         about: "Normal numbers with these means and this covariance, by rows; for draws.",
         composition: Composition::MvNormal,
+        parts: Some(0),
+    },
+    Compound {
+        name: "dirichlet",
+        parameters: &["a0", "a1", "…"],
+        ranges: &[Range::AboveZero],
+        about: "Shares that add up to 1, with means in the ratio of these numbers; for draws, and priors of lists.",
+        composition: Composition::Dirichlet,
         parts: Some(0),
     },
     prior(
@@ -122,13 +138,6 @@ pub(crate) static COMPOUNDS: [Compound; 8] = [
         &["d", "low", "high"],
         &[Range::Any],
         "What lies between two numbers of a distribution d; for priors.",
-    ),
-    prior(
-        "dirichlet",
-        PriorKind::Dirichlet,
-        &["a0", "a1", "…"],
-        &[Range::AboveZero],
-        "Shares that add up to 1, with means in the ratio of these numbers; for priors of lists.",
     ),
 ];
 

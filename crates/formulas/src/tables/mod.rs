@@ -11,7 +11,7 @@ pub(crate) use families::{EXACT, FAMILIES, Kind, Most, Values, of_kind};
 pub use families::{Family, Range, family};
 pub(crate) use functions::{FUNCTIONS, Function, Operation, function};
 pub use reference::reference;
-pub(crate) use wrappers::{Argument, WRAPPERS, Wrapper, Wrapping, wrapper};
+pub(crate) use wrappers::{Argument, MEASURED_CATEGORICAL, WRAPPERS, Wrapper, Wrapping, wrapper};
 
 /// What a name means wherever it stands, in words. Those of distributions are free: they are always called, and gamma is a common rate.
 pub(crate) fn reserved(name: &str) -> Option<&'static str> {

@@ -13,6 +13,8 @@ pub(crate) enum Wrapping {
     Mixture,
     Floored,
     LogDensity,
+    /// A categorical that is measured: its arguments are probabilities.
+    Categorical,
 }
 
 /// What an argument is.
@@ -69,7 +71,7 @@ impl Wrapper {
         match self.wrapping {
             Wrapping::Rounded | Wrapping::Truncated | Wrapping::Mixture => true,
             Wrapping::Censored | Wrapping::ZeroInflated => outer == Wrapping::Rounded,
-            Wrapping::VonMises | Wrapping::Floored | Wrapping::LogDensity => false,
+            Wrapping::VonMises | Wrapping::Floored | Wrapping::LogDensity | Wrapping::Categorical => false,
         }
     }
 
@@ -153,6 +155,15 @@ pub(crate) static WRAPPERS: [Wrapper; 8] = [
         "The log density itself; f may use the measurement by its name. It filters and cannot be simulated.",
     ),
 ];
+
+/// What a categorical is to measurements, whose row is among the distributions that states have, too.
+pub(crate) static MEASURED_CATEGORICAL: Wrapper = row(
+    "categorical",
+    Wrapping::Categorical,
+    &["p0", "p1", "…"],
+    &[Number(Range::Probability)],
+    "0, 1, … with these probabilities.",
+);
 
 /// The one of that name.
 pub(crate) fn wrapper(name: &str) -> Option<&'static Wrapper> {

@@ -18,6 +18,7 @@ mod priors;
 mod random_formulas;
 mod refusals;
 mod refused;
+mod shares;
 mod support;
 mod vectors;
 mod wrapped;

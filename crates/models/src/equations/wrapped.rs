@@ -5,6 +5,7 @@ mod logs;
 mod mass;
 mod sample;
 mod score;
+mod shares;
 
 use super::distribution::Distribution;
 use super::scalar::Scalar;
@@ -67,6 +68,8 @@ pub enum Wrapped<'a, S> {
         /// What is drawn.
         of: &'a Wrapped<'a, S>,
     },
+    /// 0, 1, … with these probabilities, which add up to 1 up to a millionth.
+    Categorical(&'a [S]),
     /// A log density that is a formula of `y`. It cannot be drawn from: what is drawn is NaN.
     LogDensity(&'a dyn Fn(S) -> S),
 }
@@ -78,6 +81,7 @@ impl<S: Scalar> Wrapped<'_, S> {
         match *self {
             Wrapped::Plain(distribution) => distribution.log_density(y),
             Wrapped::VonMises { mu, kappa } => circle::log_density(mu, kappa, y),
+            Wrapped::Categorical(shares) => shares::log_density(shares, y),
             Wrapped::LogDensity(formula) => formula(y),
             Wrapped::Rounded(of) => {
                 let off = (y - y.floor()).abs();
@@ -141,7 +145,10 @@ impl<S: Scalar> Wrapped<'_, S> {
         match *self {
             Wrapped::Plain(distribution) => distribution.is_discrete(),
             Wrapped::VonMises { .. } | Wrapped::LogDensity(_) => false,
-            Wrapped::Rounded(_) | Wrapped::Censored { .. } | Wrapped::ZeroInflated { .. } => true,
+            Wrapped::Rounded(_)
+            | Wrapped::Categorical(_)
+            | Wrapped::Censored { .. }
+            | Wrapped::ZeroInflated { .. } => true,
             Wrapped::Truncated { of, .. } | Wrapped::Floored { of, .. } => of.has_atoms(),
             Wrapped::Mixture { first, second, .. } => first.has_atoms() || second.has_atoms(),
         }
@@ -152,7 +159,7 @@ impl<S: Scalar> Wrapped<'_, S> {
         match *self {
             Wrapped::Plain(distribution) => distribution.is_discrete(),
             Wrapped::VonMises { .. } | Wrapped::LogDensity(_) => false,
-            Wrapped::Rounded(_) => true,
+            Wrapped::Rounded(_) | Wrapped::Categorical(_) => true,
             // The ends may be any numbers.
             Wrapped::Censored { .. } => false,
             Wrapped::Truncated { of, .. }

@@ -161,11 +161,6 @@ fn a_category_with_a_negative_probability() {
 }
 
 #[test]
-fn categories_that_are_measured() {
-    insta::assert_snapshot!(refused(&measurement("categorical(0.5, 0.5)")), @"m.toml, line 9, column 6, [measurement] y: `categorical` is for states and draws; a measurement that is one of two things can be a bernoulli(p)");
-}
-
-#[test]
 fn a_covariance_that_is_none() {
     for covariance in ["[[1, 2], [2, 1]]", "[[1, 0.5], [0.4, 1]]", "[[0, 0], [0, 1]]"] {
         let line = format!("v = \"mvnormal([0, 0], {covariance})\"");

@@ -32,7 +32,10 @@ impl<S: Scalar> Wrapped<'_, S> {
                 let masses = [first, second].map(|of| of.log_mass(low, high));
                 log_sum(weight.ln() + masses[0], (-weight + 1.0).ln() + masses[1])
             }
-            Wrapped::Floored { .. } | Wrapped::VonMises { .. } | Wrapped::LogDensity(_) => S::from(f64::NAN),
+            Wrapped::Floored { .. }
+            | Wrapped::VonMises { .. }
+            | Wrapped::Categorical(_)
+            | Wrapped::LogDensity(_) => S::from(f64::NAN),
         }
     }
 }

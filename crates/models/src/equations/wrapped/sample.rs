@@ -2,7 +2,7 @@
 
 use rand::RngExt;
 
-use super::{Wrapped, circle};
+use super::{Wrapped, circle, shares};
 use crate::Stream;
 use crate::equations::quantile::normal;
 use crate::equations::scalar::Scalar;
@@ -45,6 +45,7 @@ impl<S: Scalar> Wrapped<'_, S> {
                 }
             }
             Wrapped::Floored { of: inner, .. } => inner.sample(of, stream),
+            Wrapped::Categorical(all) => shares::sample(all, of, stream),
             Wrapped::LogDensity(_) => f64::NAN,
         }
     }

@@ -1,6 +1,6 @@
 //! What a measurement says of its location, about: a guide for proposals, whose weights are exact anyway.
 
-use super::{Wrapped, circle};
+use super::{Wrapped, circle, shares};
 use crate::equations::family::Score;
 use crate::equations::quantile::normal;
 use crate::equations::scalar::Scalar;
@@ -53,6 +53,7 @@ impl<S: Scalar> Wrapped<'_, S> {
             }
             Wrapped::Floored { floor, of } => of.score(y).times(share(of.log_density(y), floor.ln())),
             // The formula itself is what changes; the square of its derivative stands for the information.
+            Wrapped::Categorical(all) => shares::score(all, y),
             Wrapped::LogDensity(formula) => {
                 Score { location: formula(y), slope: S::from(1.0), information: S::from(1.0) }
             }
