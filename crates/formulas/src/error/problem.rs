@@ -75,18 +75,6 @@ pub enum Problem {
         /// The first coordinate behind it.
         end: usize,
     },
-    /// One coordinate that is written like the length of a vector.
-    #[error(
-        "`{name}[{index}]` is a vector of {index}; one coordinate of `{name}` is written {name}[{index}..{after}]"
-    )]
-    OneCoordinate {
-        /// The vector.
-        name: String,
-        /// The coordinate.
-        index: usize,
-        /// The next one.
-        after: usize,
-    },
     /// A part of a vector that does not go on where the one before ends.
     #[error(
         "parts of a vector go on without gaps: this one of `{name}` must begin at {expected}, not at {found}"

@@ -48,6 +48,16 @@ impl<'t> Key<'t> {
 }
 
 impl Key<'_> {
+    /// The same where a part of the vector stands above it, by its beginning and its length: `x[3]` is one coordinate there where three others come before it.
+    fn after(self, before: Option<(usize, usize)>) -> Self {
+        match (self.part, before) {
+            (None, Some((before, length))) if self.length == Some(before + length) => {
+                Key { part: self.length, length: Some(1), ..self }
+            }
+            _ => self,
+        }
+    }
+
     /// How many coordinates it has.
     pub(super) fn coordinates(&self) -> usize {
         self.length.unwrap_or(1)
@@ -89,7 +99,9 @@ pub(super) fn read<'t>(
             return Err(key.fault(section, problem));
         }
         let goes_on = keys.last().filter(|before| before.name == key.name);
-        match (key.part, goes_on.and_then(|before| before.part.zip(before.length))) {
+        let before = goes_on.and_then(|before| before.part.zip(before.length));
+        let key = key.after(before);
+        match (key.part, before) {
             (Some(_), _) if section == Section::Definitions => {
                 return Err(key.fault(section, Problem::PartOfDefinition(key.name.clone())));
             }
@@ -104,10 +116,9 @@ pub(super) fn read<'t>(
                 let name = key.name.clone();
                 return Err(key.fault(section, Problem::PartApart { name, found: first, expected: 0 }));
             }
-            (None, Some(_)) if key.length.is_some() => {
-                let index = key.coordinates();
-                let name = key.name.clone();
-                return Err(key.fault(section, Problem::OneCoordinate { name, index, after: index + 1 }));
+            (None, Some((before, length))) if key.length.is_some() => {
+                let (found, expected, name) = (key.coordinates(), before + length, key.name.clone());
+                return Err(key.fault(section, Problem::PartApart { name, found, expected }));
             }
             _ if !names.insert(key.name.clone()) => return Err(key.twice(section, section)),
             _ => {}

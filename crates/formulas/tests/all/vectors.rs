@@ -93,3 +93,20 @@ fn a_name_that_is_near_is_suggested() {
         assert!(!advice(far).contains("did you mean"), "{far}");
     }
 }
+
+/// `x[1]` is one coordinate where the one before it has a line, and a vector of one coordinate elsewhere.
+#[test]
+fn coordinates_may_have_a_line_each() {
+    let one_by_one = model(
+        "[initial]\nx[4] = 1\n[transition]\nx[0] = \"x[3]\"\nx[1] = \"normal(x[0], 1)\"\nx[2..3] = \"x[i-1]\"\nx[3] = \"normal(2*x[i], 3)\"\n[measurement]\ny[0] = \"normal(x[1], 1)\"\ny[1] = \"normal(x[2], 2)\"\n",
+    );
+    let moved = transition(&one_by_one, 1, &[1.0, 2.0, 3.0, 4.0]);
+    assert_eq!(moved, [normal(1.0, 1.0), normal(8.0, 3.0)]);
+    assert_eq!(measurement(&one_by_one, 1, &[1.0, 2.0, 3.0, 4.0]), [normal(2.0, 1.0), normal(3.0, 2.0)]);
+    let of_one = parse(
+        "[initial]\nx[1] = 1\n[transition]\nx[1] = 1\n[measurement]\ny = \"normal(x[0], 1)\"\n",
+        "m.toml",
+        &[],
+    );
+    assert_eq!(of_one.unwrap().states, ["x[0]"]);
+}

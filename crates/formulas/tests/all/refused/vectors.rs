@@ -131,8 +131,8 @@ fn an_empty_list() {
 }
 
 #[test]
-fn one_coordinate_without_its_end() {
-    insta::assert_snapshot!(refused("[initial]\nx[0] = 1\nx[1] = 2\n[transition]\nx[2] = 1\n[measurement]\ny = \"normal(x[0], 1)\"\n"), @"m.toml, line 3, column 1, [initial] x[1]: `x[1]` is a vector of 1; one coordinate of `x` is written x[1..2]");
+fn one_coordinate_that_does_not_come_next() {
+    insta::assert_snapshot!(refused("[initial]\nx[0] = 1\nx[2] = 2\n[transition]\nx[2] = 1\n[measurement]\ny = \"normal(x[0], 1)\"\n"), @"m.toml, line 3, column 1, [initial] x[2]: parts of a vector go on without gaps: this one of `x` must begin at 1, not at 2");
 }
 
 #[test]
