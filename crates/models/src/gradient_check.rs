@@ -1,10 +1,12 @@
 //! A check of state gradients written by hand, against central differences of the log densities.
 
 use std::fmt;
+use std::slice::from_mut;
 
 use thiserror::Error;
 
-use crate::{ModelError, Simulator, StateGradients, Stream, Trajectory, simulate};
+use crate::batch::Rows;
+use crate::{ModelError, Simulator, StateGradients, Stream, check_model};
 
 /// A derivative that [`StateGradients`] gives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,6 +55,8 @@ pub struct Comparison {
 /// What a check found where all gradients are right.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GradientReport {
+    /// Whether derivatives of densities of states were compared: a model may have none.
+    pub of_states: bool,
     /// How many coordinates were compared.
     pub compared: usize,
     /// How many had no central difference, because the density has a kink or an edge near the point.
@@ -73,9 +77,6 @@ pub enum GradientError {
     /// A derivative could be compared nowhere: no point lies inside the support, or the density is smooth at none.
     #[error("{0} has a central difference at no point that was drawn")]
     NotCompared(Derivative),
-    /// The model has no density of states that gradients could be compared with.
-    #[error("the model has no transition density")]
-    NoDensity,
     /// The model cannot be simulated.
     #[error(transparent)]
     Model(#[from] ModelError),
@@ -90,7 +91,8 @@ const STEP: f64 = 1e-5;
 /// Rounding errors of a log density, in units in its last place.
 const ROUNDING: f64 = 32.0;
 
-/// Compares all gradients of `model` with central differences, at the states of four trajectories of `horizon` times.
+/// Compares all gradients of `model` with central differences, at the states of four trajectories of `horizon` times: of a model without a transition density, those of
+/// the measurement alone.
 ///
 /// A relative error of 1e-5 is a good `tolerance`: right gradients stay below it, and wrong ones rarely do.
 ///
@@ -102,52 +104,70 @@ const ROUNDING: f64 = 32.0;
 /// let model = LinearGaussian::new(initial, mat![[0.9]], mat![[1.0]], mat![[1.0]], mat![[0.5]])?;
 /// let report = check_gradients(&model, 3, 1e-5, &mut Seed::from_u64(1).stream())?;
 /// assert!(report.worst.relative_error < 1e-5);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// # Ok::<(), motes_models::ModelError>(())
 /// ```
 ///
 /// # Errors
 /// - [`GradientError::Wrong`] with the worst coordinate, if a relative error is above `tolerance` or not a number.
 /// - [`GradientError::NotCompared`] if a derivative could not be checked.
-/// - [`GradientError::Model`] as [`simulate`].
+/// - [`GradientError::Model`] as [`simulate`](crate::simulate).
 pub fn check_gradients(
     model: &(impl StateGradients + Simulator + ?Sized),
     horizon: usize,
     tolerance: f64,
     stream: &mut Stream,
 ) -> Result<GradientReport, GradientError> {
-    let trajectories: Vec<Trajectory> =
-        (0..TRAJECTORIES).map(|_| simulate(model, horizon.max(2), stream)).collect::<Result<_, _>>()?;
+    check_gradients_from(model, 0, horizon, tolerance, stream)
+}
+
+/// [`check_gradients`] of a model that is measured from the time `measured` on only: measurements before it need not have a density.
+///
+/// # Errors
+/// As [`check_gradients`].
+pub fn check_gradients_from(
+    model: &(impl StateGradients + Simulator + ?Sized),
+    measured: usize,
+    horizon: usize,
+    tolerance: f64,
+    stream: &mut Stream,
+) -> Result<GradientReport, GradientError> {
+    let horizon = horizon.max(measured + 2);
+    let trajectories: Vec<Drawn> =
+        (0..TRAJECTORIES).map(|_| drawn(model, measured, horizon, stream)).collect::<Result<_, _>>()?;
     let n = model.state_dim();
     let states = |time: usize| -> Vec<f64> {
-        trajectories.iter().flat_map(|trajectory| trajectory.states.row(time)).copied().collect()
+        trajectories.iter().flat_map(|trajectory| &trajectory.states[time]).copied().collect()
     };
     let mut check = Check { steps: steps(&trajectories, n), tolerance, skipped: 0, found: Vec::new() };
     // What a model does not write is NaN, and an error.
     let unwritten = || vec![f64::NAN; TRAJECTORIES * n];
 
-    let (initial, mut d_states) = (states(0), unwritten());
-    let density = model.density().ok_or(GradientError::NoDensity)?;
-    let start = model.step_of_index(0);
-    model.initial_gradients(&start, &initial, &mut d_states);
-    check.compare(Derivative::Initial, 0, &initial, &d_states, |_, x| density.log_density(&start, None, x));
-    for time in 1..horizon.max(2) {
-        let step = model.step_of_index(time);
-        let (previous, now) = (states(time - 1), states(time));
-        let mut d_previous = unwritten();
-        d_states = unwritten();
-        model.transition_gradients(&step, &previous, &now, &mut d_previous, &mut d_states);
-        let row = |of: &[f64], at: usize| of[at * n..(at + 1) * n].to_vec();
-        check.compare(Derivative::TransitionByPrevious, time, &previous, &d_previous, |at, x| {
-            density.log_density(&step, Some(x), &row(&now, at))
+    if let Some(density) = model.density() {
+        let (initial, mut d_states) = (states(0), unwritten());
+        let start = model.step_of_index(0);
+        model.initial_gradients(&start, &initial, &mut d_states);
+        check.compare(Derivative::Initial, 0, &initial, &d_states, |_, x| {
+            density.log_density(&start, None, x)
         });
-        check.compare(Derivative::TransitionByState, time, &now, &d_states, |at, x| {
-            density.log_density(&step, Some(&row(&previous, at)), x)
-        });
-    }
-    for time in 0..horizon.max(2) {
-        let (step, now) = (model.step_of_index(time), states(time));
-        for measurement in trajectories.iter().map(|trajectory| trajectory.measurements.row(time)) {
+        for time in 1..horizon {
+            let step = model.step_of_index(time);
+            let (previous, now) = (states(time - 1), states(time));
+            let mut d_previous = unwritten();
             d_states = unwritten();
+            model.transition_gradients(&step, &previous, &now, &mut d_previous, &mut d_states);
+            let row = |of: &[f64], at: usize| of[at * n..(at + 1) * n].to_vec();
+            check.compare(Derivative::TransitionByPrevious, time, &previous, &d_previous, |at, x| {
+                density.log_density(&step, Some(x), &row(&now, at))
+            });
+            check.compare(Derivative::TransitionByState, time, &now, &d_states, |at, x| {
+                density.log_density(&step, Some(&row(&previous, at)), x)
+            });
+        }
+    }
+    for time in measured..horizon {
+        let (step, now) = (model.step_of_index(time), states(time));
+        for measurement in trajectories.iter().map(|trajectory| &trajectory.measurements[time]) {
+            let mut d_states = unwritten();
             model.likelihood_gradients(&step, &now, measurement, &mut d_states);
             check.compare(Derivative::Likelihood, time, &now, &d_states, |_, x| {
                 // What cannot be had is NaN, and an error.
@@ -155,12 +175,45 @@ pub fn check_gradients(
             });
         }
     }
-    check.report()
+    check.report(model.density().is_some())
+}
+
+/// A trajectory, time by time.
+struct Drawn {
+    states: Vec<Vec<f64>>,
+    measurements: Vec<Vec<f64>>,
+}
+
+/// A trajectory of so many times, whose measurements are numbers from the time `measured` on.
+fn drawn(
+    model: &(impl Simulator + ?Sized),
+    measured: usize,
+    horizon: usize,
+    stream: &mut Stream,
+) -> Result<Drawn, ModelError> {
+    check_model(model)?;
+    let (n, m) = (model.state_dim(), model.measurement_dim());
+    let mut drawn = Drawn { states: Vec::new(), measurements: Vec::new() };
+    for time in 0..horizon {
+        let step = model.step_of_index(time);
+        let (mut state, mut measurement) = (vec![0.0; n], vec![0.0; m]);
+        let previous = drawn.states.last().map(|before: &Vec<f64>| Rows::all(before, n));
+        model.sample_states(&step, previous, from_mut(stream), &mut state);
+        model.sample_measurements(&step, &state, from_mut(stream), &mut measurement);
+        let is_measured = time < measured || measurement.iter().all(|value| value.is_finite());
+        if !is_measured || !state.iter().all(|value| value.is_finite()) {
+            let reason = format!("state {state:?}, measurement {measurement:?}");
+            return Err(ModelError::Numerical { computation: "simulating the system", time, reason });
+        }
+        drawn.states.push(state);
+        drawn.measurements.push(measurement);
+    }
+    Ok(drawn)
 }
 
 /// The step of each coordinate, by its standard deviation over all states.
-fn steps(trajectories: &[Trajectory], n: usize) -> Vec<f64> {
-    let rows = || trajectories.iter().flat_map(|trajectory| trajectory.states.rows());
+fn steps(trajectories: &[Drawn], n: usize) -> Vec<f64> {
+    let rows = || trajectories.iter().flat_map(|trajectory| &trajectory.states);
     let count = rows().count() as f64;
     let deviation = |i: usize| {
         let mean = rows().map(|row| row[i] / count).sum::<f64>();
@@ -234,13 +287,14 @@ impl Check {
         }
     }
 
-    fn report(self) -> Result<GradientReport, GradientError> {
-        for derivative in [
+    fn report(self, of_states: bool) -> Result<GradientReport, GradientError> {
+        let all = [
+            Derivative::Likelihood,
             Derivative::Initial,
             Derivative::TransitionByPrevious,
             Derivative::TransitionByState,
-            Derivative::Likelihood,
-        ] {
+        ];
+        for derivative in all.into_iter().take(if of_states { all.len() } else { 1 }) {
             if self.found.iter().all(|comparison| comparison.derivative != derivative) {
                 return Err(GradientError::NotCompared(derivative));
             }
@@ -251,10 +305,10 @@ impl Check {
         let worst = self.found.into_iter().max_by(|a, b| size(a).total_cmp(&size(b)));
         match worst {
             Some(worst) if worst.relative_error <= self.tolerance => {
-                Ok(GradientReport { compared, skipped: self.skipped, worst })
+                Ok(GradientReport { of_states, compared, skipped: self.skipped, worst })
             }
             Some(worst) => Err(GradientError::Wrong(Box::new(worst))),
-            None => Err(GradientError::NotCompared(Derivative::Initial)),
+            None => Err(GradientError::NotCompared(Derivative::Likelihood)),
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use motes_models::{GradientError, Seed, StepRecord, check_gradients};
+use motes_models::{GradientError, Seed, StepRecord, check_gradients, check_gradients_from};
 
 use crate::data::Data;
 use crate::engine::Running;
@@ -13,6 +13,8 @@ use crate::model::{Kind, Model};
 use crate::options::{FilterOptions, ProposalName};
 use crate::priors::of_starts;
 use crate::simulating::{check_draws, schedule, simulate, simulate_along};
+use crate::timeline::Timeline;
+use crate::warning::Warning;
 
 /// What was looked at, and what is wrong.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -141,18 +143,24 @@ fn check_drawn(
         return Ok(());
     }
         Kind::Learnable(learnable) => {
-            learnable.has_gradients().then(|| check_gradients(learnable, TIMES, TOLERANCE, &mut stream))
+            // x_0 is not measured where it comes before the first row.
+            let measured = usize::from(model.timeline().is_some_and(Timeline::has_start));
+            let compare = || check_gradients_from(learnable, measured, TIMES, TOLERANCE, &mut stream);
+            learnable.has_gradients().then(compare)
         }
         Kind::LinearGaussian(linear) => Some(check_gradients(linear, TIMES, TOLERANCE, &mut stream)),
     };
     match compared {
         None if model.timeline().is_some() => {
-            checked.findings.push("gradients: not compared, because no inputs are known".into());
+            checked.findings.push("gradients: not compared, because times or inputs are not known".into());
         }
         None => checked.findings.push("gradients: the model has none".into()),
         Some(Ok(report)) => checked.findings.push(format!(
-            "gradients: {} compared with central differences, the largest relative error is {:.1e}; {} have a kink or an edge",
-            report.compared, report.worst.relative_error, report.skipped
+            "gradients{}: {} compared with central differences, the largest relative error is {:.1e}; {} have a kink or an edge",
+            if report.of_states { "" } else { " of the measurement" },
+            report.compared,
+            report.worst.relative_error,
+            report.skipped
         )),
         Some(Err(error @ GradientError::Wrong(_))) => checked.problems.push(format!("gradients: {error}")),
         // Counts and bounded noise have no differences to compare with.

@@ -109,6 +109,11 @@ impl Timeline {
         }
     }
 
+    /// Whether `x_0` has a time of its own.
+    pub(crate) fn has_start(&self) -> bool {
+        self.start.is_some()
+    }
+
     /// The column of times, if there is one.
     pub(crate) fn time_column(&self) -> Option<&str> {
         self.rule.column.as_deref()
