@@ -85,7 +85,6 @@ fn check_until(
     Ok(checked)
 }
 
-/// Simulates the model, and compares its gradients with differences: with the times and inputs of the data, if it has such.
 /// Whether the model has exact answers, over the rows of the data, or else over so many as are drawn.
 fn exactly(model: &Model, data: Option<&Data>) -> Option<String> {
     let answers = "--proposal exact filters and smooths without particles";
@@ -110,6 +109,7 @@ fn exactly(model: &Model, data: Option<&Data>) -> Option<String> {
     })
 }
 
+/// Simulates the model, and compares its gradients with differences: with the times and inputs of the data, if it has such.
 fn check_drawn(
     model: &Model,
     data: Option<&Data>,
@@ -136,12 +136,12 @@ fn check_drawn(
     let mut stream = Seed::from_u64(seed).child("check").stream();
     let scheduled = schedule(model, along, STEPS, &Seed::from_u64(seed)).ok().flatten();
     let scheduled = scheduled.and_then(|schedule| model.along(schedule));
-    let compared = match scheduled.as_ref().unwrap_or(model).kind() {
-        Kind::Learnable(_) if model.timeline().is_some() && scheduled.is_none() => None,
     if let Some(reason) = model.measured_exactly() {
         checked.findings.push(format!("gradients: not compared, because {reason}"));
         return Ok(());
     }
+    let compared = match scheduled.as_ref().unwrap_or(model).kind() {
+        Kind::Learnable(_) if model.timeline().is_some() && scheduled.is_none() => None,
         Kind::Learnable(learnable) => {
             // x_0 is not measured where it comes before the first row.
             let measured = usize::from(model.timeline().is_some_and(Timeline::has_start));
@@ -192,7 +192,7 @@ fn check_data(model: &Model, data: &Data, checked: &mut Checked, seed: u64) {
             .findings
             .push(format!("data: columns that are not used: {}", data.columns.ignored.join(", ")));
     }
-    let warnings = data.warnings();
+    let warnings: Vec<Warning> = of_step(model, data).into_iter().chain(data.warnings()).collect();
     checked.findings.extend(warnings.iter().map(|warning| format!("warning: {warning}")));
     let proposal = match model.measured_exactly() {
         Some(_) => ProposalName::Exact,

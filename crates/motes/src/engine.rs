@@ -366,10 +366,10 @@ pub(crate) fn filter_of<'m>(
             if *name == ProposalName::Optimal {
                 let reason = match model.formulas().map(|formulas| formulas.closed_form()) {
                     Some(Ok(())) => None,
-                    Some(Err(reason)) => Some(reason.to_string()),
-                    None => Some("nobody knows whether functions have one".into()),
                     // Of the noise, what is linear and Gaussian has one.
                     Some(Err(_)) if matches!(model.exact_system(), Some(ExactSystem::Linear(_))) => None,
+                    Some(Err(reason)) => Some(reason.to_string()),
+                    None => Some("nobody knows whether functions have one".into()),
                 };
                 if let Some(reason) = reason {
                     return refused(name.as_str(), format!("{reason}; take --proposal linearised"));

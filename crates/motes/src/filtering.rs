@@ -7,6 +7,7 @@ use crate::engine::Running;
 use crate::error::MotesError;
 use crate::estimate::Estimate;
 use crate::filtered::Filtered;
+use crate::long_step::of_step;
 use crate::model::Model;
 use crate::options::{FilterOptions, ProposalName};
 use crate::priors::of_starts;
@@ -35,8 +36,14 @@ fn filter_until(
     proceed: &mut dyn FnMut(usize) -> ControlFlow<()>,
 ) -> Result<Filtered, MotesError> {
     let mut estimates: Vec<Option<Estimate>> = vec![None; data.rows.len()];
-    let mut tally =
-        Tally::new(of_starts(model).into_iter().chain(of_proposal(options)).chain(data.warnings()).collect());
+    let mut tally = Tally::new(
+        of_starts(model)
+            .into_iter()
+            .chain(of_proposal(options))
+            .chain(of_step(model, data))
+            .chain(data.warnings())
+            .collect(),
+    );
     let (mut forecasts, mut done) = (vec![], 0);
     for (series, (name, places)) in data.series.iter().zip(data.by_series()).enumerate() {
         let name = data.columns.has_series().then_some(name.as_str());

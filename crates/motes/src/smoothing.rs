@@ -13,6 +13,7 @@ use crate::exact::smooth_exactly;
 use crate::few_ancestors::of_paths;
 use crate::filtered::Filtered;
 use crate::filtering::{measured, of_proposal, of_series};
+use crate::long_step::of_step;
 use crate::model::Model;
 use crate::options::{FilterOptions, ProposalName};
 use crate::priors::of_starts;
@@ -55,8 +56,14 @@ fn smooth_until(
     proceed: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Result<Smoothed, MotesError> {
     let mut estimates: Vec<Option<Estimate>> = vec![None; data.rows.len()];
-    let mut tally =
-        Tally::new(of_starts(model).into_iter().chain(of_proposal(options)).chain(data.warnings()).collect());
+    let mut tally = Tally::new(
+        of_starts(model)
+            .into_iter()
+            .chain(of_proposal(options))
+            .chain(of_step(model, data))
+            .chain(data.warnings())
+            .collect(),
+    );
     let mut drawn = vec![];
     let nothing = vec![None; model.measurements().len()];
     let mut work = Work::of(data.rows.len(), options.particles, paths);

@@ -155,3 +155,110 @@ fn a_proposal_that_the_model_does_not_have() {
                 needs it to be; take --proposal linearised";
     refused(&place, &["filter", "square.toml", "d.csv", "--proposal", "optimal"], 2, line);
 }
+
+#[test]
+fn states_that_are_too_many_for_exact_answers() {
+    let place = Workplace::new();
+    place.write(
+        "epidemic.toml",
+        "[initial]\nI = 2000\n[transition]\nI = \"binomial(2*I, 0.6)\"\n[measurement]\ny = \"poisson(I + 1)\"\n",
+    );
+    let rows = vec!["2000"; 4].join("\n");
+    place.write("d.csv", format!("y\n{rows}\n"));
+    let output = place.run(&["filter", "epidemic.toml", "d.csv", "--proposal", "exact"]);
+    assert_eq!(output.status.code(), Some(2));
+    let said = stderr(&output);
+    assert!(said.contains("; take --proposal bootstrap") && said.contains(" is above "), "{said}");
+    let checked = place.printed(&["check", "epidemic.toml"]);
+    assert!(checked.contains("exact: no, although the states are discrete: t = "), "{checked}");
+}
+
+/// A name that formulas do not know may be a column of the data.
+#[test]
+fn a_column_that_is_no_input() {
+    let place = Workplace::new();
+    place.write("walk.toml", common::WALK.replace("0.9*x", "0.9*x + u"));
+    place.write("d.csv", "y,u\n1,2\n");
+    let line = "walk.toml, line 7, column 21, [transition] x: `u` is a column of d.csv; formulas can use it where [inputs] has it, as in u = \"hold\"";
+    for command in ["filter", "smooth", "check"] {
+        refused(&place, &[command, "walk.toml", "d.csv"], 2, line);
+    }
+    let line =
+        "walk.toml, line 7, column 21, [transition] x: `u` is not known here; known are noise, x, t, pi";
+    refused(&place, &["check", "walk.toml"], 2, line);
+}
+
+/// Each of what `[time]` and `[inputs]` can get wrong with a file of inputs.
+#[test]
+fn a_file_of_inputs_that_does_not_reach() {
+    let place = Workplace::new();
+    let model = |rule: &str| {
+        format!(
+            "[time]\ncolumn = \"day\"\nunit = \"day\"\n[inputs]\nu = {{ file = \"u.csv\", between = \"linear\"{rule} }}\n[initial]\nx = 0\n[transition]\nx = \"x + u\"\n[measurement]\ny = \"normal(x, 1)\"\n"
+        )
+    };
+    place.write("d.csv", "day,y\n2024-03-01,1\n2024-03-02,1\n2024-03-03,1\n2024-03-04,1\n");
+    place.write("u.csv", "day,u\n2024-03-01,1\n2024-03-02,2\n");
+    place.write("m.toml", model(""));
+    let cure =
+        "give it more rows, or beyond = \"hold\" in [inputs], which takes its first and its last value there";
+    let line = format!(
+        "d.csv, line 5, column day: u.csv has u from 2024-03-01 to 2024-03-02, and 2024-03-03 is needed; {cure}"
+    );
+    refused(&place, &["filter", "m.toml", "d.csv"], 2, &line);
+    place.write("m.toml", model(", lag = 4"));
+    let line = format!(
+        "d.csv, line 3, column day: u.csv has u from 2024-03-01 to 2024-03-02, and 2024-02-26 is needed, as it lags by 4; {cure}"
+    );
+    refused(&place, &["filter", "m.toml", "d.csv"], 2, &line);
+    place.write("u.csv", "day,u\n2024-03-01,1\n2024-03-02,\n");
+    let line = "u.csv: line 3, column u: an empty cell is no number; an input has one in each row";
+    refused(&place, &["filter", "m.toml", "d.csv"], 2, line);
+}
+
+/// Probabilities and indices at a particle.
+#[test]
+fn numbers_that_particles_cannot_have() {
+    let place = Workplace::new();
+    let model = |step: &str, y: &str| {
+        format!(
+            "[parameters]\nm = [1, 2]\n[initial]\nx = 0\n[transition]\nx = \"{step}\"\n[measurement]\ny = \"{y}\"\n"
+        )
+    };
+    place.write("d.csv", "y\n1\n2\n3\n");
+    for (step, y, line) in [
+        (
+            "x + 1",
+            "normal(m[x], 1)",
+            "line 4, t = 2: m.toml, line 8, [measurement] y: an index of m[x], `x`, is 2; it must be an integer from 0 to 1",
+        ),
+        (
+            "x + 0.5",
+            "normal(m[x], 1)",
+            "line 3, t = 1: m.toml, line 8, [measurement] y: an index of m[x], `x`, is 0.5; it must be an integer from 0 to 1",
+        ),
+        (
+            "categorical(0.6, 0.6 + 0*x)",
+            "normal(x, 1)",
+            "line 3, t = 1: m.toml, line 6, [transition] x: the sum of the probabilities, `categorical(0.6, 0.6 + 0*x)`, is 1.2 where x = 0; it must be 1",
+        ),
+        (
+            "categorical(0.6, 0.6)",
+            "normal(x, 1)",
+            "m.toml, line 6, column 6, [transition] x: the sum of the probabilities of categorical(p0, p1, …) is 1.2; it must be 1",
+        ),
+    ] {
+        place.write("m.toml", model(step, y));
+        for proposal in ["bootstrap", "exact"] {
+            refused(&place, &["filter", "m.toml", "d.csv", "--proposal", proposal], 2, line);
+        }
+    }
+    place.write("m.toml", model("x", "binomial(10, 0.5)"));
+    for value in ["4.5", "11", "-1"] {
+        place.write("d.csv", format!("y\n5\n{value}\n"));
+        let line = format!(
+            "d.csv, line 3, column y: {value} is no value of binomial(10, 0.5): a count is a whole number from 0 to 10"
+        );
+        refused(&place, &["filter", "m.toml", "d.csv"], 2, &line);
+    }
+}

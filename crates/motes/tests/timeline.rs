@@ -44,7 +44,22 @@ fn times_that_do_not_come_next_are_refused_with_line_and_column() {
         (
             days,
             "day,y\n2024-03-02,1\n2024-03-01,1\n",
-            "d.csv, line 3, column day: -1 comes after 0; within a series times increase",
+            "d.csv, line 3, column day: 2024-03-01 comes after 2024-03-02; within a series times increase",
+        ),
+        (
+            days,
+            "day,y\n2024-03-01T12:00Z,1\n2024-03-02,1\n",
+            "d.csv, line 3, column day: 2024-03-02 has no zone, and a row before has one: which is earlier is not known; write a zone, as +01:00 or Z, in all rows or in none",
+        ),
+        (
+            days,
+            "day,y\n2024-03-01 12:00 CET,1\n",
+            "d.csv, line 2, column day: 2024-03-01 12:00 CET is no time; a time of a day is written 2024-03-01T12:00, and its zone +01:00 or Z",
+        ),
+        (
+            "[time]\ncolumn = \"day\"\nunit = \"week\"\nstart = \"2024-03-01\"",
+            "day,y\n2024-02-01,1\n",
+            "d.csv, line 2, column day: the first row is at 2024-02-01, before the start of [time] at 2024-03-01",
         ),
         (
             numbers,
@@ -84,7 +99,15 @@ fn inputs_that_are_missing_where_they_are_needed_are_refused() {
         Err(format!("d.csv, line {line}, column u: the input u has no value here, and [transition] needs it"))
     };
     // What the row before has is needed at the next one; what the last row has is not.
-    assert_eq!(of(hold, "u,y\n,1\n2,1\n"), missing(3));
+    assert_eq!(
+        of(hold, "u,y\n,1\n2,1\n"),
+        Err("d.csv, line 3, column u: the input u has no value in the row before this one, and [transition] needs it in the step to this row".into())
+    );
+    assert_eq!(
+        of("[inputs]\nu = \"next\"", "u,y\n1,1\nNaN,1\n"),
+        Err("d.csv, line 3, column u: NaN is no number; leave the cell empty where the input is not needed"
+            .into())
+    );
     assert_eq!(of(hold, "u,y\n1,1\n,1\n"), Ok(()));
     assert_eq!(of("[inputs]\nu = \"next\"", "u,y\n,1\n2,1\n"), Ok(()));
     assert_eq!(of("[inputs]\nu = \"next\"", "u,y\n1,1\n,1\n"), missing(3));
@@ -216,4 +239,45 @@ fn forecasts_go_on_by_the_last_gap_or_by_given_rows() {
     let mean = |at: usize| found.forecasts[0][at].estimate.state[0].mean;
     let last = found.estimates[1].state[0].mean;
     assert!((mean(0) - last - 5.0).abs() < 1e-9 && (mean(1) - last - 12.0).abs() < 1e-9);
+}
+
+/// A step in another unit than the times cuts no gap.
+#[test]
+fn a_step_that_is_longer_than_all_gaps_is_said() {
+    let said = |step: &str| {
+        let head = format!("[time]\ncolumn = \"h\"\nstep = {step}");
+        let data = read(&head, WALK, "h,y\n0,0.2\n1,0.5\n3,0.7\n").unwrap();
+        let walk = model(&head, WALK);
+        let found = filter(&walk, &data, &FilterOptions::default(), |_| ControlFlow::Continue(())).unwrap();
+        let checked = check(&walk, Some(&data), 1, || ControlFlow::Continue(())).unwrap();
+        let warnings: Vec<String> = found.warnings.iter().map(|warning| warning.text.clone()).collect();
+        assert_eq!(
+            checked.findings.iter().any(|line| line.contains("each gap is one step")),
+            !warnings.is_empty()
+        );
+        warnings
+    };
+    assert!(said("2").is_empty());
+    assert_eq!(
+        said("24"),
+        [
+            "the step of [time] is 24, and the longest gap between rows 2: each gap is one step; is it in the unit of the times?"
+        ]
+    );
+}
+
+/// Where x_0 comes before the first row, a total has no value there, and derivatives of measurements are compared from the first row on.
+#[test]
+fn gradients_are_compared_where_totals_have_a_value() {
+    let model = model(
+        "[time]\nstart = -1",
+        "[initial]\nx = 2\n[draws]\ne = \"gamma(2, 1)\"\n[transition]\nx = \"0.5*x + e\"\n[measurement]\ny = \"gamma(total(e), x)\"\n",
+    );
+    let found = check(&model, None, 1, || ControlFlow::Continue(())).unwrap();
+    assert!(found.problems.is_empty(), "{found:?}");
+    let line = found.findings.iter().find(|line| line.starts_with("gradients")).unwrap();
+    assert!(
+        line.starts_with("gradients of the measurement: ") && line.contains(" compared with central"),
+        "{line}"
+    );
 }

@@ -199,6 +199,16 @@ pub enum Problem {
         /// What was meant, or what there is.
         advice: String,
     },
+    /// A name that is a column of the data, and no input.
+    #[error(
+        "`{name}` is a column of {data}; formulas can use it where [inputs] has it, as in {name} = \"hold\""
+    )]
+    Undeclared {
+        /// The name.
+        name: String,
+        /// The data.
+        data: String,
+    },
     /// A function with too many or too few arguments.
     #[error("`{call}` takes {expected}, not {found}")]
     Arity {

@@ -69,6 +69,25 @@ impl<'a> Point<'a> {
         self.states.and_then(|states| states.get(number)).copied().unwrap_or(f64::NAN)
     }
 
+    /// Of an entry that its list does not have, the index because of which it does not, what it is called, and what would be right.
+    pub(super) fn index_of_nothing(
+        &self,
+        formula: &Formula,
+        node: usize,
+        values: &[f64],
+    ) -> Option<(usize, [String; 2])> {
+        let Node::Entry { list, indices } = &formula.nodes[node] else { return None };
+        let list = self.statement.lists.get(*list)?;
+        let is_none = |(index, length): &(&usize, &usize)| {
+            let value = values[**index];
+            value.fract() != 0.0 || !(0.0..**length as f64).contains(&value)
+        };
+        let (index, length) = indices.iter().zip(&list.lengths).find(is_none)?;
+        let of = format!("an index of {}", formula.text_of(node));
+        let words = [of, format!("an integer from 0 to {}", length - 1)];
+        Some((*index, words))
+    }
+
     /// The values of all nodes of a formula, as it is for a coordinate of a vector or for arguments of a function; NaN for what is random.
     pub(super) fn values(&self, formula: &Formula, number: usize, arguments: &[f64]) -> Vec<f64> {
         let mut values = Vec::with_capacity(formula.nodes.len());

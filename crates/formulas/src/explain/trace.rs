@@ -99,7 +99,10 @@ pub(super) fn origin<'a>(place: Place<'a>, node: NodeId, values: &[f64], point: 
         };
         match operands.into_iter().flatten().find(is_alike) {
             Some(operand) => node = operand,
-            None => return Origin { place, node, values, parameter: None },
+            None => {
+                let (at, parameter) = point.index_of_nothing(&place.line.formula, node, &values).unzip();
+                return Origin { place, node: at.unwrap_or(node), values, parameter };
+            }
         }
     }
 }

@@ -5,4 +5,4 @@ mod numbers;
 
 pub(crate) use label::{Time, months};
 pub use numbers::NoTime;
-pub(crate) use numbers::time_of;
+pub(crate) use numbers::{has_zone, label_of, time_of};

@@ -36,6 +36,10 @@ pub(crate) fn time_of(label: &str, unit: Option<TimeUnit>) -> Result<f64, NoTime
     // Eight digits may be a date.
     let date = Time::in_digits(label).or(found).and_then(date_of);
     let Some((date, microseconds)) = date else {
+        let day = label.trim().get(..10).and_then(Time::read);
+        if matches!(day, Some(Time::Moment { .. })) {
+            return refuse("a time of a day is written 2024-03-01T12:00, and its zone +01:00 or Z");
+        }
         return refuse("it must be a date, as 2024-03-01, since [time] has a unit");
     };
     let days = f64::from(date.num_days_from_ce()) + microseconds / MICROSECONDS_OF_A_DAY;
@@ -47,6 +51,31 @@ pub(crate) fn time_of(label: &str, unit: Option<TimeUnit>) -> Result<f64, NoTime
             f64::from(date.year()) + of_year / f64::from(days_in_year(date.year()))
         }
     })
+}
+
+/// Whether a label that is a date says by which clock, in a zone.
+pub(crate) fn has_zone(label: &str) -> Option<bool> {
+    match Time::read(label) {
+        Some(Time::Moment { ahead, .. }) => Some(ahead.is_some()),
+        _ => None,
+    }
+}
+
+/// The label of a time, as [`time_of`] reads it: a date where times are days or weeks, else the number.
+pub(crate) fn label_of(time: f64, unit: Option<TimeUnit>) -> String {
+    let days = match unit {
+        Some(TimeUnit::Day) => time,
+        Some(TimeUnit::Week) => time * 7.0,
+        None | Some(TimeUnit::Year) => return time.to_string(),
+    };
+    let day = (days + 1e-6).floor();
+    let date = NaiveDate::from_num_days_from_ce_opt(day as i32);
+    let seconds = ((days - day).max(0.0) * 86_400.0).round() as u32;
+    match date {
+        Some(date) if seconds == 0 => date.to_string(),
+        Some(date) => format!("{date}T{:02}:{:02}", seconds / 3600, seconds / 60 % 60),
+        None => time.to_string(),
+    }
 }
 
 fn days_in_year(year: i32) -> u32 {

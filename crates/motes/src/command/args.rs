@@ -1,6 +1,6 @@
 //! The arguments of each command.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use clap::{Args, Parser, Subcommand};
@@ -12,6 +12,7 @@ use motes_cli::{integer, one_of};
 use super::kind_args::KindArgs;
 use super::objective_args::ObjectiveArgs;
 use super::share::share;
+use super::undeclared::undeclared;
 
 /// Particle filters for state-space models: hidden states, evidence and warnings from a model file and a CSV file.
 #[derive(Parser)]
@@ -82,7 +83,12 @@ pub(super) struct ModelArgs {
 
 impl ModelArgs {
     pub(super) fn read(&self) -> Result<Model, MotesError> {
-        Ok(Model::read(&self.model, &self.set)?)
+        self.read_beside(None)
+    }
+
+    /// The model that data are for.
+    pub(super) fn read_beside(&self, data: Option<&Path>) -> Result<Model, MotesError> {
+        Ok(Model::read(&self.model, &self.set).map_err(|error| undeclared(error, data))?)
     }
 }
 

@@ -10,7 +10,7 @@ use super::input;
 use super::say::write;
 
 pub(super) fn run(args: &CheckArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
-    let model = args.model.read()?;
+    let model = args.model.read_beside(args.data.as_deref())?;
     let data = args.data.as_ref().map(|path| input::data(path, &model, interrupt)).transpose()?;
     let checked = on_threads(args.model.threads, || {
         check(&model, data.as_ref(), args.model.seed, || interrupt.check())

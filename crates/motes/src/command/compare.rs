@@ -17,7 +17,7 @@ use super::say::{say_ignored, warn, write};
 use super::summary::command_line;
 
 pub(super) fn run(args: &CompareArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
-    let model = args.model.read()?;
+    let model = args.model.read_beside(args.data.as_deref())?;
     warn(of_starts(&model).as_slice(), args.model.quiet, false);
     let [output, page] = [&args.output, &args.report].map(|path| path.clone().map(Output::File));
     for output in output.iter().chain(&page) {

@@ -17,7 +17,7 @@ use super::stream;
 use super::summary::in_one_line;
 
 pub(super) fn run(args: &FilterArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
-    let model = args.model.read()?;
+    let model = args.model.read_beside(Some(&args.data))?;
     args.output.check()?;
     let ahead = args.inputs.as_ref().map(|path| Data::open_inputs(path, &model)).transpose()?;
     let options = args.settings.options(&model, args.model.seed, args.forecast)?;

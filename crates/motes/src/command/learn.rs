@@ -17,7 +17,7 @@ use super::progress::Progress;
 use super::say::{say_ignored, warn, write};
 
 pub(super) fn run(args: &LearnArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
-    let model = args.model.read()?;
+    let model = args.model.read_beside(args.data.as_deref())?;
     warn(of_starts(&model).as_slice(), args.model.quiet, false);
     let page = args.report.clone().map(Output::File);
     if let Some(page) = &page {

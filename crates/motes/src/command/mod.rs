@@ -17,6 +17,7 @@ mod simulate;
 mod smooth;
 mod stream;
 mod summary;
+mod undeclared;
 
 use std::process::ExitCode;
 

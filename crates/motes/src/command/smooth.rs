@@ -17,7 +17,7 @@ use super::summary::{command_line, in_one_line};
 const PARTS: usize = 10_000;
 
 pub(super) fn run(args: &SmoothArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
-    let model = args.model.read()?;
+    let model = args.model.read_beside(Some(&args.data))?;
     args.output.check()?;
     let options = args.settings.options(&model, args.model.seed, 0)?;
     let data = input::data(&args.data, &model, interrupt)?;

@@ -1,5 +1,8 @@
 //! One cell: a number, or nothing.
 
+const NO_MEASUREMENT: &str = "is no measurement; leave the cell empty where one is missing";
+const NOT_FINITE: &str = "is not finite; leave the cell empty where a measurement is missing";
+
 /// What stands in a cell: a number, or none where it is empty or `NA`.
 ///
 /// # Errors
@@ -14,10 +17,19 @@ pub(super) fn number(text: &str) -> Result<Option<f64>, &'static str> {
     match text.parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(Some(value)),
         Ok(_) if has_digit => Err("is beyond the largest number of 64 bits, 1.8e308"),
-        Ok(value) if value.is_nan() => Err("is no measurement; leave the cell empty where one is missing"),
-        Ok(_) => Err("is not finite; leave the cell empty where a measurement is missing"),
+        Ok(value) if value.is_nan() => Err(NO_MEASUREMENT),
+        Ok(_) => Err(NOT_FINITE),
         Err(_) if has_decimal_comma(text) => Err("has a decimal comma; write a point"),
         Err(_) => Err("is no number; leave the cell empty, or write NA, where a measurement is missing"),
+    }
+}
+
+/// The same of a cell that is an input.
+pub(super) fn of_input(problem: &'static str) -> &'static str {
+    match problem {
+        NO_MEASUREMENT => "is no number; leave the cell empty where the input is not needed",
+        NOT_FINITE => "is not finite; leave the cell empty where the input is not needed",
+        other => other,
     }
 }
 

@@ -6,7 +6,7 @@ use csv::{ByteRecord, Reader, ReaderBuilder, Trim};
 use motes_models::StepRecord;
 use serde::{Deserialize, Serialize};
 
-use super::cell::number;
+use super::cell::{number, of_input};
 use super::columns::Columns;
 use super::error::{Counted, DataError, Place};
 use super::seen::SeenSeries;
@@ -172,7 +172,7 @@ impl<R: Read> Rows<R> {
             number(text).map_err(|problem| DataError::Cell {
                 place: self.place(line, *at),
                 value: shown(text),
-                problem,
+                problem: of_input(problem),
             })
         };
         self.columns.inputs.iter().map(input).collect()

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::error::TimelineError;
 use super::load::Timeline;
-use crate::calendar::time_of;
+use crate::calendar::{has_zone, label_of, time_of};
 
 /// What a row says of its time and its inputs.
 #[derive(Debug, Clone, Copy)]
@@ -29,6 +29,9 @@ pub struct Clock {
     /// What times are counted from, where they are days or weeks.
     origin: f64,
     previous: Option<PreviousRow>,
+    /// Whether times of a day have a zone, once there was one.
+    #[serde(default)]
+    has_zones: Option<bool>,
     /// Whether the rows are behind: nothing is measured any more.
     is_ahead: bool,
     /// The columns of the rows before, the last one first, as many as an input looks back.
@@ -91,6 +94,16 @@ impl Clock {
             None => self.rows as f64,
             Some(_) => time_of(row.label.unwrap_or_default(), timeline.rule.unit)?,
         };
+        if timeline.rule.unit.is_some()
+            && let Some(label) = row.label
+            && let Some(has) = has_zone(label)
+        {
+            if self.has_zones.is_some_and(|before| before != has) {
+                let [this, other] = if has { ["a", "none"] } else { ["no", "one"] };
+                return Err(TimelineError::Zones { label: label.trim().to_string(), this, other });
+            }
+            self.has_zones = Some(has);
+        }
         let is_counted = !matches!(timeline.rule.unit, None | Some(motes_formulas::TimeUnit::Year));
         if is_counted && self.rows == 0 {
             self.origin = time;
@@ -150,6 +163,7 @@ impl Clock {
         let from = match (&self.previous, start) {
             (Some(previous), _) => Some(previous.time),
             (None, Some(start)) if start > time => {
+                let [time, start] = [time, start].map(|time| self.label(timeline, time));
                 return Err(TimelineError::BeforeStart { time, start });
             }
             (None, Some(start)) if start < time => Some(start),
@@ -191,7 +205,8 @@ impl Clock {
         if let Some(from) = from {
             let gap = time - from;
             if gap < 0.0 {
-                return Err(TimelineError::Backwards { time, before: from });
+                let [time, before] = [time, from].map(|time| self.label(timeline, time));
+                return Err(TimelineError::Backwards { time, before });
             }
             let count = if gap == 0.0 { 0.0 } else { timeline.rule.sub_steps(gap) };
             if count > MOST_SUB_STEPS as f64 {
@@ -249,6 +264,11 @@ impl Clock {
         Ok(())
     }
 
+    /// A time as the rows write theirs.
+    fn label(&self, timeline: &Timeline, time: f64) -> String {
+        label_of(time + self.origin, timeline.rule.unit)
+    }
+
     /// The value of an input.
     fn value(
         &self,
@@ -258,6 +278,10 @@ impl Clock {
         moment: &Moment<'_>,
     ) -> Result<f64, TimelineError> {
         let missing = || TimelineError::Missing { input: input.name.clone(), place: moment.place };
+        let before = |rows: usize| {
+            let rows = if rows == 1 { "in the row".to_string() } else { format!("{rows} rows") };
+            TimelineError::MissingBefore { input: input.name.clone(), rows, place: moment.place }
+        };
         let no_first = || TimelineError::NoFirst { input: input.name.clone() };
         let at = |column: &str| timeline.columns.iter().position(|known| known == column);
         match &input.source {
@@ -265,14 +289,14 @@ impl Clock {
                 let Some(file) = timeline.files.get(number).and_then(Option::as_ref) else {
                     return Err(missing());
                 };
-                let time = moment.time + self.origin - input.lag;
+                let time = (moment.time + self.origin, input.lag);
                 file.value(&input.name, &self.series, time, input.between, input.holds_beyond)
             }
             InputSource::Lag { column, rows, first } => {
                 let behind = self.past.get(rows - 1);
                 match (behind, at(column)) {
                     (None, _) => first.ok_or_else(no_first),
-                    (Some(row), Some(at)) => row.get(at).copied().flatten().ok_or_else(missing),
+                    (Some(row), Some(at)) => row.get(at).copied().flatten().ok_or_else(|| before(*rows)),
                     (Some(_), None) => Err(missing()),
                 }
             }
@@ -283,7 +307,7 @@ impl Clock {
                     return after();
                 }
                 let before = match moment.before {
-                    Some(row) => of(row).ok_or_else(missing)?,
+                    Some(row) => of(row).ok_or_else(|| before(1))?,
                     None => input.first.ok_or_else(no_first)?,
                 };
                 match input.between {

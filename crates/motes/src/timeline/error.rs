@@ -14,17 +14,29 @@ pub enum TimelineError {
     #[error("{time} comes after {before}; within a series times increase")]
     Backwards {
         /// Its time.
-        time: f64,
+        time: String,
         /// That of the row before.
-        before: f64,
+        before: String,
     },
     /// The first row is earlier than the start.
     #[error("the first row is at {time}, before the start of [time] at {start}")]
     BeforeStart {
         /// Its time.
-        time: f64,
+        time: String,
         /// The start.
-        start: f64,
+        start: String,
+    },
+    /// Some times have a zone, and others do not.
+    #[error(
+        "{label} has {this} zone, and a row before has {other}: which is earlier is not known; write a zone, as +01:00 or Z, in all rows or in none"
+    )]
+    Zones {
+        /// The time.
+        label: String,
+        /// `a` or `no`.
+        this: &'static str,
+        /// `none` or `one`.
+        other: &'static str,
     },
     /// A gap has more sub-steps than anybody waits for.
     #[error(
@@ -46,6 +58,18 @@ pub enum TimelineError {
         /// Who needs it.
         place: &'static str,
     },
+    /// An input was missing in a row before, whose value holds in this step.
+    #[error(
+        "the input {input} has no value {rows} before this one, and {place} needs it in the step to this row"
+    )]
+    MissingBefore {
+        /// The input.
+        input: String,
+        /// Which row: `in the row`, or `2 rows`.
+        rows: String,
+        /// Who needs it.
+        place: &'static str,
+    },
     /// An input is needed before the first row.
     #[error(
         "the input {input} is needed before it has a value, in the step to this row; give it one by first = … in [inputs]"
@@ -56,19 +80,21 @@ pub enum TimelineError {
     },
     /// An input is needed at a time that its file does not have.
     #[error(
-        "{file} has {input} from {first} to {last}, and {time} is needed; give it more rows, or beyond = \"hold\" in [inputs]"
+        "{file} has {input} from {first} to {last}, and {time} is needed{lag}; give it more rows, or beyond = \"hold\" in [inputs], which takes its first and its last value there"
     )]
     BeyondFile {
         /// The file.
         file: String,
         /// The input.
         input: String,
-        /// The first time of the file.
-        first: f64,
+        /// The first time of the file, as it is written.
+        first: String,
         /// The last time of the file.
-        last: f64,
+        last: String,
         /// The time that is needed.
-        time: f64,
+        time: String,
+        /// By how much that is earlier than the step, in words, if it is.
+        lag: String,
     },
     /// A file has nothing for a series.
     #[error("{file} has no rows of series {series}")]
@@ -110,7 +136,9 @@ impl TimelineError {
     pub(crate) fn column(&self, names: &[String], clock: Option<usize>) -> String {
         let of_name = |name: &String| names.iter().find(|known| *known == name).cloned();
         let found = match self {
-            TimelineError::Missing { input, .. } | TimelineError::NoFirst { input } => of_name(input),
+            TimelineError::Missing { input, .. }
+            | TimelineError::MissingBefore { input, .. }
+            | TimelineError::NoFirst { input } => of_name(input),
             TimelineError::NoStepBefore { entry } => of_name(entry),
             _ => None,
         };

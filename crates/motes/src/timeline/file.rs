@@ -7,7 +7,7 @@ use csv::ReaderBuilder;
 use motes_formulas::{Between, TimeUnit};
 
 use super::error::TimelineError;
-use crate::calendar::time_of;
+use crate::calendar::{label_of, time_of};
 
 /// The values of a column at increasing times.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -21,6 +21,7 @@ struct Values {
 pub(super) struct InputFile {
     file: String,
     has_series: bool,
+    unit: Option<TimeUnit>,
     series: BTreeMap<String, Values>,
 }
 
@@ -79,10 +80,10 @@ impl InputFile {
         if series.is_empty() {
             return Err("there are no rows".to_string());
         }
-        Ok(InputFile { file: path.display().to_string(), has_series: series_at.is_some(), series })
+        Ok(InputFile { file: path.display().to_string(), has_series: series_at.is_some(), unit, series })
     }
 
-    /// The value at a time.
+    /// The value at a time less a lag.
     ///
     /// # Errors
     /// [`TimelineError::BeyondFile`] if the file does not have it, [`TimelineError::NoSeries`] if it has nothing of the series.
@@ -90,10 +91,11 @@ impl InputFile {
         &self,
         input: &str,
         series: &str,
-        time: f64,
+        (time, lag): (f64, f64),
         between: Between,
         holds_beyond: bool,
     ) -> Result<f64, TimelineError> {
+        let time = time - lag;
         let name = if self.has_series { series } else { "" };
         let Some(Values { times, values }) = self.series.get(name) else {
             return Err(TimelineError::NoSeries { file: self.file.clone(), series: series.into() });
@@ -103,7 +105,9 @@ impl InputFile {
         let slack = 1e-9 * time.abs().max(last - first).max(1.0);
         if !holds_beyond && (time < first - slack || time > last + slack) {
             let (file, input) = (self.file.clone(), input.to_string());
-            return Err(TimelineError::BeyondFile { file, input, first, last, time });
+            let [first, last, time] = [first, last, time].map(|time| label_of(time, self.unit));
+            let lag = if lag == 0.0 { String::new() } else { format!(", as it lags by {lag}") };
+            return Err(TimelineError::BeyondFile { file, input, first, last, time, lag });
         }
         // How many times are at or before it.
         let before = times.partition_point(|known| *known <= time);
