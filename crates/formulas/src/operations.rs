@@ -70,9 +70,9 @@ impl Unary {
             }
             Unary::Expm1 => (a * 0.5).tanh() * (a.exp() + 1.0),
             Unary::Logit => (a / (-a + 1.0)).ln(),
-            // The exponential of what is negative stays finite, and its derivative with it.
+            // The exponential of what is negative stays finite, and its derivative with it. At 0 it is that of a: an absolute value has none there.
             Unary::Logistic => {
-                let small = (-a.abs()).exp();
+                let small = (-a).min(a).exp();
                 a.where_positive(one, small) / (small + 1.0)
             }
             Unary::LogGamma => a.ln_gamma(),

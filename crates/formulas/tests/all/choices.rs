@@ -1,8 +1,8 @@
 //! Functions, comparisons and choices against the standard library, draws and lists against what they mean.
 
-use motes_models::Step;
 use motes_models::batch::LANES;
 use motes_models::equations::{Dual, Lanes};
+use motes_models::{StateGradients, Step};
 
 use super::helpers::{measurement, measuring, model, transition, value};
 
@@ -126,4 +126,13 @@ fn an_entry_can_be_set_from_outside() {
     );
     let motes_formulas::FileModel::Formulas(lists) = file.model else { panic!("formulas") };
     assert_eq!(transition(&lists, 4, &[1.0, 2.0])[0].moments()[0], 7.0 + 9.0);
+}
+
+/// At 0 the logistic function is steepest; an absolute value in it would have no derivative there.
+#[test]
+fn the_logistic_function_has_its_derivative_at_zero() {
+    let model = measuring("normal(logistic(x), 1)", "");
+    let mut gradient = [0.0; 2];
+    model.likelihood_gradients(&Step::of_index(1), &[0.0, 0.3], &[2.5], &mut gradient);
+    assert_eq!(gradient, [(2.5 - 0.5) * 0.25, 0.0]);
 }

@@ -5,6 +5,7 @@ mod bounded_optimum;
 mod checkpoint;
 mod common;
 mod data_as_meant;
+mod evidence;
 mod fitting;
 mod learning;
 mod log_evidence;

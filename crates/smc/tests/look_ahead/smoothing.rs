@@ -21,7 +21,7 @@ fn smoothed_means_are_those_of_the_kalman_smoother() {
         history.record(&filter).unwrap();
     }
     let paths = backward_simulation(&Level, &history, PATHS, &seed.child("paths")).unwrap();
-    assert!(!paths.follow_ancestors);
+    assert!(!paths.follow_ancestors());
     for (time, exact) in ahead.path().enumerate() {
         let (mean, sd) = (paths.mean(time, 0), paths.standard_deviation(time, 0));
         // Half as many paths are independent, at the least.
