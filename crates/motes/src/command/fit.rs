@@ -2,9 +2,13 @@
 
 use std::time::{Duration, Instant};
 
-use motes::output::{Output, fit_json, fit_summary, fit_text, maximum_json, maximum_summary, maximum_text};
+use motes::output::{
+    FitReport, Output, fit_json, fit_report, fit_summary, fit_text, maximum_json, maximum_summary,
+    maximum_text,
+};
 use motes::{
-    Data, FitFolder, FitOptions, FitProgress, FitRecord, Model, MotesError, fit_from, maximise, on_threads,
+    Data, FitFolder, FitOptions, FitProgress, FitRecord, Fitted, Model, MotesError, fit_from, maximise,
+    on_threads,
 };
 use motes_cli::{Interrupt, status};
 
@@ -14,7 +18,7 @@ use super::input;
 use super::progress::Progress;
 use super::say::{say_ignored, warn, write};
 use super::spinner::Spinner;
-use super::summary::in_one_line;
+use super::summary::{command_line, in_one_line};
 
 /// Where a fit stands is written down so often.
 const EVERY: Duration = Duration::from_secs(5);
@@ -24,6 +28,10 @@ pub(super) fn run(args: &FitArgs, interrupt: &Interrupt) -> Result<u8, Failure> 
     let options = args.options(&model)?;
     let data = input::data(&args.data, &model, interrupt)?;
     say_ignored(&data.columns, args.model.quiet);
+    if let Some(path) = &args.report {
+        let output = Output::File(path.clone());
+        output.check().map_err(|source| MotesError::Output { file: output.name(), source })?;
+    }
     match args.method {
         Method::Posterior => posterior(args, &model, &data, &options, interrupt),
         Method::Maximum => maximum(args, &model, &data, &options, interrupt),
@@ -61,6 +69,9 @@ fn posterior(
     let fitted = fitted??;
     let seconds = start.elapsed().as_secs_f64();
     folder.finish(&fitted)?;
+    if let Some(path) = &args.report {
+        write(&Output::File(path.clone()), &page(args, model, options, &fitted)?)?;
+    }
     let exit_status = warn(&fitted.warnings, args.model.quiet, args.strict);
     match args.json {
         true => write(&Output::Standard, &fit_json(&fitted, Some(seconds)))?,
@@ -72,6 +83,19 @@ fn posterior(
     Ok(exit_status)
 }
 
+/// The report of a posterior.
+fn page(args: &FitArgs, model: &Model, options: &FitOptions, fitted: &Fitted) -> Result<String, MotesError> {
+    let mut settings = vec![
+        ("model".to_string(), args.model.model.display().to_string()),
+        ("data".into(), args.data.display().to_string()),
+        ("chains".into(), options.chains.to_string()),
+        ("seed".into(), options.seed.to_string()),
+    ];
+    settings.extend(args.model.set.iter().map(|(name, value)| (format!("--set {name}"), value.to_string())));
+    fit_report(&FitReport { model: model.name(), fitted, settings: &settings, command: &command_line() })
+        .map_err(|error| MotesError::Report(error.to_string()))
+}
+
 fn maximum(
     args: &FitArgs,
     model: &Model,
@@ -79,8 +103,8 @@ fn maximum(
     options: &FitOptions,
     interrupt: &Interrupt,
 ) -> Result<u8, Failure> {
-    if args.draws.is_some() || args.budget.is_some() {
-        let line = "--method maximum draws nothing: leave --draws and --budget out; --chains is its number of searches";
+    if args.draws.is_some() || args.budget.is_some() || args.report.is_some() {
+        let line = "--method maximum draws nothing: leave --draws, --budget and --report out; --chains is its number of searches";
         return Err(Failure::new(2, line));
     }
     let folder = FitFolder::open(&args.output, FitRecord::of_maximum(model, data, options)?)?;

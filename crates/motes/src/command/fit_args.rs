@@ -49,6 +49,9 @@ pub(super) struct FitArgs {
     /// Print one JSON object with all figures
     #[arg(long)]
     pub(super) json: bool,
+    /// Write a report with figures of the posterior, an HTML file that needs nothing else
+    #[arg(long, value_name = "FILE.html")]
+    pub(super) report: Option<PathBuf>,
     /// Exit with status 1 if a warning fired
     #[arg(long)]
     pub(super) strict: bool,

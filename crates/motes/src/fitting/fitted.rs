@@ -37,6 +37,8 @@ pub struct Fitted {
     pub particles: usize,
     /// The variance of its log-likelihood near the posterior's mean; NaN where it was not asked.
     pub variance: f64,
+    /// Quantiles of the prior of each parameter, in the middles of intervals of equal probability; none of a share of a dirichlet.
+    pub prior_quantiles: Vec<Vec<f64>>,
     /// Reasons not to trust it.
     pub warnings: Vec<Warning>,
 }

@@ -23,6 +23,9 @@ use crate::options::{FilterOptions, ProposalName};
 /// Estimates of the likelihood at the posterior's mean.
 const ESTIMATES: u64 = 32;
 
+/// Quantiles by which a prior is drawn beside the posterior.
+const QUANTILES: usize = 400;
+
 /// A fit under way, between two pieces of its work.
 #[derive(Debug)]
 pub struct FitProgress<'a> {
@@ -166,6 +169,7 @@ fn fitted(
         proposal: likelihood.proposal(estimator).to_string(),
         particles: estimator.particles,
         variance: posterior.variance(),
+        prior_quantiles: free.quantiles(QUANTILES),
         warnings: Vec::new(),
     };
     found.parameters = (0..d)

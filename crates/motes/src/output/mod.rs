@@ -19,5 +19,5 @@ pub use fit::{
     fit_draws, fit_json, fit_summary, fit_text, maximum_json, maximum_summary, maximum_table, maximum_text,
 };
 pub use json::{filter_json, mixture_json};
-pub use report::{CardReport, Report, card_report, error_figure, report};
+pub use report::{CardReport, FitReport, Report, card_report, error_figure, fit_report, report};
 pub use summary::{filter_settings, filter_summary};

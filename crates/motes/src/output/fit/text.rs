@@ -18,6 +18,11 @@ pub(super) fn digits(value: f64) -> String {
 
 /// The posterior of each parameter: mean, standard deviation, quantiles, and how far they can be trusted.
 pub fn fit_text(fitted: &Fitted) -> String {
+    markdown(&fit_figures(fitted))
+}
+
+/// The same as cells.
+pub(in crate::output) fn fit_figures(fitted: &Fitted) -> Table {
     let header = ["", "mean", "sd", "5 %", "50 %", "95 %", "R̂", "ESS bulk", "ESS tail", "error of mean"];
     let rows = fitted.names.iter().zip(&fitted.parameters).map(|(name, summary)| {
         let of = [summary.mean, summary.sd, summary.q05, summary.q50, summary.q95].map(digits);
@@ -29,7 +34,7 @@ pub fn fit_text(fitted: &Fitted) -> String {
         cells.push(digits(summary.mcse));
         cells
     });
-    markdown(&Table { header: header.map(String::from).to_vec(), rows: rows.collect() })
+    Table { header: header.map(String::from).to_vec(), rows: rows.collect() }
 }
 
 /// The figures of the whole fit, a name and a value each.

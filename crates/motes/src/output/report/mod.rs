@@ -4,12 +4,15 @@ mod axis;
 mod card;
 mod error_figure;
 mod figures;
+mod fit;
 mod histogram;
 mod page;
+mod posterior_figures;
 mod style;
 
 pub use card::{CardReport, card_report};
 pub use error_figure::error_figure;
+pub use fit::{FitReport, fit_report};
 
 use motes_smc::Predictive;
 
