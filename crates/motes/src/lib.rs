@@ -54,6 +54,7 @@ mod priors;
 mod recorded;
 mod running_state;
 mod simulating;
+mod simulation_failure;
 mod smoothing;
 mod steps;
 mod tally;

@@ -14,6 +14,7 @@ use crate::error::MotesError;
 use crate::fitting::FittedDraws;
 use crate::model::{Kind, Model};
 use crate::priors;
+use crate::simulation_failure::SimulationFailure;
 use crate::timeline::{Clock, RowTime, Timeline, TimelineError};
 
 /// Series of states and measurements that a model drew.
@@ -193,7 +194,7 @@ fn simulate_all(
                 drawn.rows.push(rows);
             }
             Ok(None) => return Err(MotesError::Interrupted),
-            Err(Failure::Model(ModelError::Numerical { time, .. })) => {
+            Err(SimulationFailure::Model(ModelError::Numerical { time, .. })) => {
                 failures += 1;
                 first.get_or_insert((number, time));
             }
@@ -232,7 +233,7 @@ pub(crate) fn simulate_some(
     for number in 0..series {
         let mut stream = seed.nth(number as u64).stream();
         match draw_one(model, plan(number), &mut stream, &mut || ControlFlow::Continue(())) {
-            Ok(None) | Err(Failure::Model(_)) => {}
+            Ok(None) | Err(SimulationFailure::Model(_)) => {}
             Ok(Some((trajectory, rows))) => {
                 drawn.series.push(trajectory);
                 drawn.rows.push(rows);
@@ -248,40 +249,13 @@ pub(crate) fn simulate_some(
     }
 }
 
-/// Why a series cannot be drawn.
-enum Failure {
-    Model(ModelError),
-    Timeline(TimelineError),
-}
-
-impl From<ModelError> for Failure {
-    fn from(error: ModelError) -> Self {
-        Failure::Model(error)
-    }
-}
-
-impl From<TimelineError> for Failure {
-    fn from(error: TimelineError) -> Self {
-        Failure::Timeline(error)
-    }
-}
-
-impl From<Failure> for MotesError {
-    fn from(failure: Failure) -> Self {
-        match failure {
-            Failure::Model(error) => error.into(),
-            Failure::Timeline(error) => MotesError::Timeline(Box::new(error)),
-        }
-    }
-}
-
 /// A series, or none where `proceed` said to stop.
 fn draw_one(
     model: &Model,
     plan: Plan<'_>,
     stream: &mut Stream,
     proceed: &mut dyn FnMut() -> ControlFlow<()>,
-) -> Result<Option<(Trajectory, Vec<SimulatedRow>)>, Failure> {
+) -> Result<Option<(Trajectory, Vec<SimulatedRow>)>, SimulationFailure> {
     match model.kind() {
         Kind::Learnable(learnable) => draw_rows(model, learnable, plan, stream, proceed),
         Kind::LinearGaussian(linear) => draw_rows(model, linear, plan, stream, proceed),
@@ -297,7 +271,7 @@ fn draw_rows(
     plan: Plan<'_>,
     stream: &mut Stream,
     proceed: &mut dyn FnMut() -> ControlFlow<()>,
-) -> Result<Option<(Trajectory, Vec<SimulatedRow>)>, Failure> {
+) -> Result<Option<(Trajectory, Vec<SimulatedRow>)>, SimulationFailure> {
     check_model(simulator)?;
     let (n, m, count) = (simulator.state_dim(), simulator.measurement_dim(), plan.len());
     let (mut states, mut measurements) = (Vec::with_capacity(count * n), vec![0.0; count * m]);
@@ -359,7 +333,7 @@ pub(crate) fn schedule(
         let (mut course, mut stream) = (Course::of(model, plan), seed.child("inputs").stream());
         let mut steps = Vec::new();
         for _ in 0..plan.len() {
-            steps.extend(course.next(&mut stream).map_err(Failure::Timeline)?.steps);
+            steps.extend(course.next(&mut stream).map_err(SimulationFailure::Timeline)?.steps);
         }
         Ok(steps)
     };
