@@ -206,8 +206,7 @@ impl<E: Equations> Linearise for E {
         match asked.states.len() {
             0 => {}
             1 => asked.along::<2>(),
-            2 => asked.along::<3>(),
-            _ => asked.along::<5>(),
+            _ => asked.along::<3>(),
         }
     }
 }

@@ -111,7 +111,7 @@ impl<M: Equations> NoiseSpace for M {
         match draws {
             0 => {}
             1 => scores.along::<2>(),
-            _ => scores.along::<5>(),
+            _ => scores.along::<3>(),
         }
     }
 
@@ -137,8 +137,7 @@ impl<M: Equations> NoiseSpace for M {
         };
         match directions {
             0 | 1 => asked.along::<2>(),
-            2 => asked.along::<3>(),
-            _ => asked.along::<5>(),
+            _ => asked.along::<3>(),
         }
     }
 
@@ -163,8 +162,7 @@ impl<M: Equations> NoiseSpace for M {
         match asked.states.len() {
             0 => {}
             1 => asked.along::<2>(),
-            2 => asked.along::<3>(),
-            _ => asked.along::<5>(),
+            _ => asked.along::<3>(),
         }
     }
 }
