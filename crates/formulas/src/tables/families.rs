@@ -272,12 +272,27 @@ impl Kind {
         coordinates: &mut impl Coordinates<S>,
     ) {
         let [a, b, _] = parameters;
-        // What takes it is compiled once for the common one, which it then knows, and once for all others.
+        // What takes it is compiled once for the common one, which it then knows, and once for all others: apart, because the compiler takes minutes for functions that are
+        // too large.
         match self {
             Kind::Normal => coordinates.push(normal(a, b)),
-            Kind::Exact => coordinates.push(Distribution::Normal(Normal { mean: a, sd: b })),
-            _ => coordinates.push(self.moved(parameters, scale, shift)),
+            _ => self.push_apart(parameters, scale, shift, coordinates),
         }
+    }
+
+    #[inline(never)]
+    fn push_apart<S: Scalar>(
+        self,
+        parameters: [S; 3],
+        scale: Option<S>,
+        shift: Option<S>,
+        coordinates: &mut impl Coordinates<S>,
+    ) {
+        let [mean, sd, _] = parameters;
+        coordinates.push(match self {
+            Kind::Exact => Distribution::Normal(Normal { mean, sd }),
+            _ => self.moved(parameters, scale, shift),
+        });
     }
 
     /// `shift + scale·x` of the distribution with these parameters.
