@@ -147,6 +147,7 @@ mod tests {
             states: vec![0.0; PATHS],
             log_weights: vec![],
             ancestors,
+            look_ahead: vec![],
         };
         let mut log_weights = from.log_weights.clone();
         let by_weight = ByWeight::new(&mut log_weights).unwrap();
