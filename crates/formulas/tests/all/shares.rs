@@ -100,10 +100,10 @@ fn all_states_are_reached() {
     found.sort_by(|a, b| a.0.partial_cmp(&b.0).unwrap());
     let (start, g) = ([0.5, 0.25, 0.25], [[0.8, 0.15, 0.05], [0.1, 0.9, 0.0], [0.3, 0.3, 0.4]]);
     let mut right = Vec::new();
-    for next in 0..3 {
-        for before in 0..3 {
-            if g[before][next] > 0.0 {
-                right.push((vec![next as f64, before as f64], start[before] * g[before][next]));
+    for next in 0..3_usize {
+        for (before, (start, shares)) in start.iter().zip(g).enumerate() {
+            if shares[next] > 0.0 {
+                right.push((vec![next as f64, before as f64], start * shares[next]));
             }
         }
     }
