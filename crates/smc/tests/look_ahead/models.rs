@@ -91,7 +91,8 @@ pub fn evidence_on_grid<M: Equations>(
             _ => {
                 let mut predicted = vec![0.0; count];
                 let mut out = vec![0.0; count];
-                for (at, mass) in belief.iter().enumerate().filter(|(_, mass)| **mass > 1e-18) {
+                // However small: where a rate jumps, what comes next is said by the far tail.
+                for (at, mass) in belief.iter().enumerate().filter(|(_, mass)| **mass > 0.0) {
                     let previous = vec![grid[at]; count];
                     let previous = motes_models::batch::Rows::all(&previous, 1);
                     density.log_densities(&step, Some(previous), &grid, &mut out);

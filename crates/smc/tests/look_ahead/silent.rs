@@ -61,11 +61,16 @@ impl Equations for Season {
     }
 }
 
-/// Look-ahead filters of 32 particles are within 0.1, bootstrap filters of 1000 are too low by more than 10.
-fn check(model: &impl Equations, rows: &[RecordedStep], exact: f64) {
+/// Look-ahead filters of 32 particles are within 0.1.
+fn check_look_ahead(model: &impl Equations, rows: &[RecordedStep], exact: f64) {
     for found in evidence_of_runs(model, rows, 32, 5, None) {
         assert!((found - exact).abs() < 0.1, "{found} and {exact}");
     }
+}
+
+/// So they are, and bootstrap filters of 1000 are too low by more than 10.
+fn check(model: &impl Equations, rows: &[RecordedStep], exact: f64) {
+    check_look_ahead(model, rows, exact);
     for found in evidence_by(model, Bootstrap, rows, settings(1000, None), 3, 1) {
         assert!(found < exact - 10.0, "{found} and {exact}");
     }
@@ -92,7 +97,8 @@ fn a_level_that_jumps() {
 fn an_amplitude_that_hardly_moves() {
     let season = |t: usize| 0.4 * (std::f64::consts::TAU * t as f64 / 12.0).cos();
     let rows = recorded(noise(180).iter().enumerate().map(|(t, z)| Some(season(t) + 0.08 * z)));
-    check(&Season, &rows, gaussian_evidence(&Season, &rows));
+    // Bootstrap filters are too low here as well, but by less than 10.
+    check_look_ahead(&Season, &rows, gaussian_evidence(&Season, &rows));
 }
 
 #[test]
@@ -103,7 +109,7 @@ fn a_rate_that_jumps() {
     let counts =
         counts.iter().enumerate().map(|(t, z)| Some((rate(t) + rate(t).sqrt() * z).round().max(0.0)));
     let rows = recorded(counts);
-    check(&model, &rows, evidence_on_grid(&model, &rows, [-2.0, 6.0], 3000));
+    check(&model, &rows, evidence_on_grid(&model, &rows, [-2.0, 6.0], 1200));
 }
 
 #[test]
@@ -114,7 +120,7 @@ fn returns_of_an_unheard_of_size() {
     let rows = recorded(
         returns.iter().enumerate().map(|(t, z)| Some(size(t) * if size(t) > 1.0 { 1.0 } else { *z })),
     );
-    let exact = evidence_on_grid(&model, &rows, [-8.0, 10.0], 3000);
+    let exact = evidence_on_grid(&model, &rows, [-8.0, 10.0], 1200);
     for found in evidence_of_runs(&model, &rows, 32, 5, None) {
         assert!((found - exact).abs() < 0.3, "{found} and {exact}");
     }

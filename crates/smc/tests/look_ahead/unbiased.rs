@@ -89,13 +89,29 @@ fn the_expectation_of_the_next_step_left_out_is_seen() {
     assert!(off.abs() > 4.0, "{off}");
 }
 
+/// Potentials of other times are potentials, too: the evidence stays unbiased, and its variance tells.
 #[test]
 fn potentials_shifted_by_a_step_are_seen() {
     let model = Counts { sd: 0.3 };
     let rows = rows(&model, 15, 1);
     let exact = evidence_on_grid(&model, &rows, [-6.0, 8.0], 1500);
-    let off = off_with(&model, &rows, exact, Bug::Shifted);
-    assert!(off.abs() > 4.0, "{off}");
+    let logs = |shifted: bool| {
+        let ahead = LookAhead::new(&model, &rows).unwrap();
+        match shifted {
+            false => evidence_by(&model, ahead, &rows, settings(PARTICLES, Some(0.0)), RUNS, 5),
+            true => {
+                let wrong = Wrong { ahead, bug: Bug::Shifted };
+                evidence_by(&model, wrong, &rows, settings(PARTICLES, Some(0.0)), RUNS, 5)
+            }
+        }
+    };
+    let variance = |logs: &[f64]| {
+        let mean = logs.iter().sum::<f64>() / logs.len() as f64;
+        logs.iter().map(|log| (log - mean).powi(2)).sum::<f64>() / logs.len() as f64
+    };
+    let [right, shifted] = [false, true].map(logs);
+    assert!(bias(&shifted, exact).abs() < 4.0, "{}", bias(&shifted, exact));
+    assert!(variance(&shifted) > 5.0 * variance(&right), "{} and {}", variance(&shifted), variance(&right));
 }
 
 #[test]
