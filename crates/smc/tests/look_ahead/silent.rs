@@ -5,7 +5,7 @@ use motes_models::{Seed, Step};
 use motes_smc::{Bootstrap, RecordedStep};
 use rand::RngExt;
 
-use crate::common::{evidence_by, evidence_of_runs, gaussian_evidence, recorded, settings};
+use crate::common::{bias, evidence_by, evidence_of_runs, gaussian_evidence, recorded, settings};
 use crate::models::{Counts, Volatility, evidence_on_grid};
 
 /// A slow level.
@@ -121,7 +121,9 @@ fn returns_of_an_unheard_of_size() {
         returns.iter().enumerate().map(|(t, z)| Some(size(t) * if size(t) > 1.0 { 1.0 } else { *z })),
     );
     let exact = evidence_on_grid(&model, &rows, [-8.0, 10.0], 1200);
-    for found in evidence_of_runs(&model, &rows, 32, 5, None) {
-        assert!((found - exact).abs() < 0.3, "{found} and {exact}");
+    let runs = evidence_of_runs(&model, &rows, 32, 100, None);
+    assert!(bias(&runs, exact).abs() < 4.0, "{}", bias(&runs, exact));
+    for found in runs {
+        assert!((found - exact).abs() < 1.0, "{found} and {exact}");
     }
 }
