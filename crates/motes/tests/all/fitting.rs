@@ -5,6 +5,7 @@ use std::path::Path;
 
 use crate::common::{Workplace, stderr};
 use motes::inference::ParameterSummary;
+use motes::models::equations::Scalar;
 use motes::{
     Data, FilterOptions, FitFolder, FitOptions, FitRecord, Fitted, FreeParameters, Model, MotesError,
     ProposalName, filter, filter_draws, fit, fit_from, log_evidence,
@@ -137,19 +138,24 @@ fn a_filter_over_the_posterior_is_a_mixture_of_filters() {
         .collect();
     let mixed = filter_draws(&draws, &data, &options, &|_| never()).unwrap();
     let last = data.rows.len() - 1;
-    let [mut mean, mut square] = [0.0; 2];
+    let ([mut mean, mut square], mut parts) = ([0.0; 2], Vec::new());
     for (at, _, weight) in grid.iter().filter(|(.., weight)| *weight > 1e-7) {
         let found =
             filter(at, &data, &FilterOptions { check: false, ..options.clone() }, |_| never()).unwrap();
         let state = found.forecasts[0][4].estimate.state[0];
         mean += weight * state.mean;
         square += weight * (state.sd * state.sd + state.mean * state.mean);
+        parts.push((weight, state.mean, state.sd));
     }
     let sd = (square - mean * mean).sqrt();
     let state = mixed.forecasts[0][4].estimate.state[0];
     assert!((state.mean - mean).abs() < 0.1 * sd, "{} beside {mean} ± {sd}", state.mean);
     assert!((state.sd / sd - 1.0).abs() < 0.1, "{} beside {sd}", state.sd);
-    assert!(state.quantiles[0] < mean - 1.3 * sd && state.quantiles[2] > mean + 1.3 * sd, "{state:?}");
+    for (quantile, probability) in state.quantiles.iter().zip([0.05, 0.5, 0.95]) {
+        let below = |(weight, mean, sd): &(&f64, f64, f64)| *weight * ((quantile - mean) / sd).normal_cdf();
+        let found: f64 = parts.iter().map(below).sum();
+        assert!((found - probability).abs() < 0.02, "{quantile} has {found} below it, not {probability}");
+    }
     assert!(mixed.estimates[last].log_evidence.is_none());
 }
 
@@ -309,10 +315,11 @@ fn what_data_say_nothing_about_and_what_lies_at_an_edge_is_said() {
     assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
     let said = "motes: warning: the data say nothing about idle: its posterior is its prior normal(0, 1)";
     assert!(stderr(&output).contains(said), "{}", stderr(&output));
-    let edge = NILE.replace("log_normal(log(10000), 1.5)", "uniform(0, 20)");
+    let edge = NILE.replace("log_normal(log(10000), 1.5)", "log_normal(log(300), 0.5)");
+    let edge = edge.replace("log_normal(log(1000), 1.5)", "log_normal(log(10), 0.3)");
     place.write("edge.toml", edge);
     let output = place.run(&["fit", "edge.toml", "nile.csv", "-o", "edge", "--draws", "400"]);
-    let said = "the prior and the data disagree";
+    let said = "measurement_variance lies at the upper edge of its prior log_normal(log(300), 0.5): the prior and the data disagree";
     assert!(stderr(&output).contains(said), "{}", stderr(&output));
     let few = place.run(&["fit", "nile.toml", "nile.csv", "-o", "few", "--draws", "20", "--strict"]);
     assert_eq!(few.status.code(), Some(1));

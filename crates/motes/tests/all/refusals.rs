@@ -69,11 +69,11 @@ fn options_that_cannot_be() {
         (&["--particles", "ten"], "--particles ten: it must be an integer from 1 to 1000000000"),
         (
             &["--proposal", "foo"],
-            "--proposal foo: there are bootstrap, linearised, optimal, exact, and there is no such folder",
+            "--proposal foo: there are bootstrap, linearised, optimal, look-ahead, exact, and there is no such folder",
         ),
         (
             &["--proposal", "linearized"],
-            "--proposal linearized: did you mean linearised? there are bootstrap, linearised, optimal, exact, and there is no such folder",
+            "--proposal linearized: did you mean linearised? there are bootstrap, linearised, optimal, look-ahead, exact, and there is no such folder",
         ),
         (&["--defensive", "1"], "--defensive 1: it must be a number from 0 to below 1"),
         (&["--resample-below", "0"], "--resample-below 0: it must be a number above 0 and at most 1"),

@@ -7,8 +7,8 @@ use motes::{Data, FilterOptions, Model, MotesError, Smoothed, smooth};
 use serde_json::Value;
 
 /// A level that wanders, and a cycle of 12 times that hardly changes: only its own ancestor leads to a state.
-const CYCLE: &str = include_str!("cycle/model.toml");
-const CYCLE_DATA: &str = include_str!("cycle/data.csv");
+const CYCLE: &str = include_str!("../cycle/model.toml");
+const CYCLE_DATA: &str = include_str!("../cycle/data.csv");
 
 fn cycle() -> Workplace {
     let place = Workplace::new();

@@ -101,8 +101,7 @@ fn a_model_without_exact_answers_says_what_to_take() {
     let model = Model::parse(text, "waves", &[]).unwrap();
     let options = FilterOptions { proposal: ProposalName::Exact, ..FilterOptions::default() };
     let refused = Running::new(&model, &options, 0).err().unwrap();
-    let expected =
-        "--proposal exact: waves is not linear with Gaussian noise; take --proposal linearised or bootstrap";
+    let expected = "--proposal exact: waves is neither linear with Gaussian noise nor a model of discrete states; take --proposal linearised or bootstrap";
     assert_eq!(refused.to_string(), expected);
     assert!(matches!(refused, MotesError::Proposal { .. }));
 }
