@@ -1,4 +1,8 @@
-#![doc = include_str!("../README.md")]
+//! Parameters of state-space models from data: posteriors by particle Markov chain Monte Carlo, maxima of likelihoods that are estimated, and how far chains can be
+//! trusted.
+//!
+//! A [`Likelihood`] is the exact one or an unbiased estimate of it, such as the evidence of a particle filter. [`Posterior`] and [`MaximumSearch`] do a piece of work at a
+//! time, and can be written down between two pieces.
 
 mod chain;
 mod diagnostics;
