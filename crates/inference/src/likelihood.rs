@@ -17,7 +17,7 @@ pub trait Likelihood: Sync {
     /// The estimators that there are, at least one.
     fn estimators(&self) -> &[EstimatorCost];
 
-    /// `log ẑ(θ(v))` where E[ẑ] is the likelihood: an independent estimate for each seed, −∞ where it is 0.
+    /// `log ẑ(θ(v))` where the expectation of ẑ is the likelihood: an independent estimate for each seed, −∞ where it is 0.
     ///
     /// # Errors
     /// Those of the implementation.
