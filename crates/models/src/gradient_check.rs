@@ -104,7 +104,7 @@ const ROUNDING: f64 = 32.0;
 /// let model = LinearGaussian::new(initial, mat![[0.9]], mat![[1.0]], mat![[1.0]], mat![[0.5]])?;
 /// let report = check_gradients(&model, 3, 1e-5, &mut Seed::from_u64(1).stream())?;
 /// assert!(report.worst.relative_error < 1e-5);
-/// # Ok::<(), motes_models::ModelError>(())
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
 /// # Errors
