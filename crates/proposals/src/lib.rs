@@ -63,6 +63,7 @@ pub use potentials::{
 pub use psi::{Psi, PsiConfig, PsiScratch};
 pub use rnn::{Rnn, RnnConfig, RnnNetworks};
 pub use saved::{
-    Fingerprint, OtherSystem, SAVED_FORMAT, SavedError, SavedFiles, load, load_to_tune, notes, save,
+    Fingerprint, OtherSystem, SAVED_FORMAT, SavedError, SavedFiles, holds, load, load_to_tune, notes, save,
+    save_both,
 };
 pub use standardised::{Frame, Frames, Origin, Standardised, StandardisedConfig, StandardisedScratch};

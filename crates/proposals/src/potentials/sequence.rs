@@ -137,6 +137,7 @@ impl Parametric for SequencePotentials {
 
 impl Family for SequencePotentials {
     const NAME: &'static str = "sequence-potentials";
+    const FILES: [&'static str; 2] = ["potentials.toml", "potentials.safetensors"];
     type Config = SequencePotentialsConfig;
 
     /// It has no use for `horizon`.

@@ -1,6 +1,6 @@
 //! A block of particles that look ahead: draws and weights.
 
-use motes_models::batch::{LANES, load, particles_by_stream, store};
+use motes_models::batch::{LANES, by_widest_vectors, load, particles_by_stream, store};
 use motes_models::equations::triangle::at;
 use motes_models::equations::{Guide, Lanes, Linearise, NoiseSpace, Scalar};
 use motes_models::{Stream, fill_standard_normal, fill_uniform};
@@ -42,11 +42,16 @@ impl<M: Linearise + ?Sized> LookAheadBatch<'_, M> {
     ) -> Lanes {
         let Numbers { normals, is_from_prior, uniforms } = numbers;
         if self.now.components.len() > 1 {
-            guide.choose(expected, uniforms);
+            guide.choose(uniforms);
             guide.draw_chosen(is_from_prior, normals);
             let step = &self.context.step;
             self.noise_space.tile_states(step, previous, normals, states);
-            return guide.log_mixture(&self.now.components, self.now.variances.is_some(), normals) - expected;
+            let StepAhead { components, variances, .. } = self.now;
+            let log = by_widest_vectors(
+                #[inline(always)]
+                || guide.log_mixture(components, variances.is_some(), normals),
+            );
+            return log - expected;
         }
         let TileGuide { centres, jacobian, mean, lower, .. } = guide;
         if self.now.variances.is_some() {

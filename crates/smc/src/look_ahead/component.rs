@@ -54,6 +54,7 @@ pub(super) struct Component {
     pub(super) potential: Potential,
     /// The `L` with `Λ = I + S A S = Lᵀ L` at the variances of the step; nothing where it has none.
     pub(super) lower: Vec<f64>,
+    is_flat: bool,
 }
 
 impl Component {
@@ -71,6 +72,12 @@ impl Component {
             }
             factor_from_last(n, &mut lower);
         }
-        Component { log_weight, potential, lower }
+        let is_flat = potential.curvature.iter().chain(&potential.slope).all(|entry| *entry == 0.0);
+        Component { log_weight, potential, lower, is_flat }
+    }
+
+    /// Whether it is the same for all states.
+    pub(super) fn is_flat(&self) -> bool {
+        self.is_flat
     }
 }

@@ -1,19 +1,19 @@
 //! Noise from a mixture of Gaussians, where a potential is the sum of several quadratics.
 
 use motes_models::batch::LANES;
-use motes_models::equations::Lanes;
 use motes_models::equations::triangle::at;
+use motes_models::equations::{Lanes, Scalar};
 
 use super::component::Component;
 use super::scratch::TileGuide;
-use super::tile::pull_of;
-use crate::proposals::{lanes, log_add};
+use super::tile::{LEAST, exponentials, pull_of};
+use crate::proposals::lanes;
 
 impl TileGuide {
-    /// Chooses a quadratic for each particle of the tile, with probability `w_j Z̃_j / Z̃` where `expected` is `log Z̃`, by a uniform number of each.
-    pub(super) fn choose(&mut self, expected: Lanes, uniforms: &[f64; LANES]) {
-        let TileGuide { logs, mean, lower, chosen: [chosen_mean, chosen_lower], .. } = self;
-        let count = logs.len() / LANES;
+    /// Chooses a quadratic for each particle of the tile, with probability `w_j Z̃_j / Z̃`, by a uniform number of each.
+    pub(super) fn choose(&mut self, uniforms: &[f64; LANES]) {
+        let TileGuide { shares, mean, lower, chosen: [chosen_mean, chosen_lower], .. } = self;
+        let count = shares.len() / LANES;
         let (q, entries) = (mean.len() / count, lower.len() / count);
         chosen_mean.resize(q, 0.0);
         chosen_lower.resize(entries, 0.0);
@@ -21,7 +21,7 @@ impl TileGuide {
             let mut rest = *uniform;
             // The last is taken where rounding leaves something.
             let place = (0..count - 1).find(|place| {
-                rest -= (logs[place * LANES + lane] - expected.0[lane]).exp();
+                rest -= shares[place * LANES + lane];
                 rest < 0.0
             });
             let place = place.unwrap_or(count - 1);
@@ -49,13 +49,14 @@ impl TileGuide {
     }
 
     /// `log ψ̃(v) = log Σ_j w_j ψ_j(c + J v)` of noise (`Q × LANES`).
+    #[inline(always)]
     pub(super) fn log_mixture(
         &mut self,
         components: &[Component],
         is_diagonal: bool,
         noise: &mut [f64],
     ) -> Lanes {
-        let TileGuide { centres, jacobian, spare, .. } = self;
+        let TileGuide { centres, jacobian, spare, shares, .. } = self;
         let (centres, jacobian, noise) = (lanes(centres), lanes(jacobian), lanes(noise));
         let (n, q) = (centres.len(), noise.len());
         for (i, centre) in centres.iter_mut().enumerate() {
@@ -68,17 +69,14 @@ impl TileGuide {
             }
         }
         let (d, rest) = lanes(spare).split_at_mut(n);
-        let mut sum: Option<Lanes> = None;
-        for Component { log_weight, potential, .. } in components {
+        // Shares are used up.
+        let logs = lanes(shares);
+        for (log, Component { log_weight, potential, .. }) in logs.iter_mut().zip(components) {
             for ((d, state), reference) in d.iter_mut().zip(&*centres).zip(&potential.reference) {
                 *d = *state - *reference;
             }
-            let log = pull_of(potential, d, &mut rest[..n]) + *log_weight;
-            sum = Some(match sum {
-                None => log,
-                Some(sum) => Lanes(std::array::from_fn(|lane| log_add(sum.0[lane], log.0[lane]))),
-            });
+            *log = (pull_of(potential, d, &mut rest[..n]) + *log_weight).max(Lanes::from(LEAST));
         }
-        sum.unwrap_or(Lanes::from(0.0))
+        exponentials(logs).0
     }
 }

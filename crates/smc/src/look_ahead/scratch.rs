@@ -31,8 +31,8 @@ pub(super) struct TileGuide {
     pub(super) mean: Vec<f64>,
     /// The `L` with `Λ = Lᵀ L`, `J × Q(Q+1)/2 × LANES`.
     pub(super) lower: Vec<f64>,
-    /// `log w_j Z̃_j`, `J × LANES`; one quadratic alone has none.
-    pub(super) logs: Vec<f64>,
+    /// The shares `w_j Z̃_j / Z̃` of several quadratics, `J × LANES`.
+    pub(super) shares: Vec<f64>,
     /// Mean and `L` of the quadratic that each particle draws from, where there are several.
     pub(super) chosen: [Vec<f64>; 2],
 }

@@ -9,10 +9,10 @@ use super::ahead::StepAhead;
 use super::component::Component;
 use super::potential::Potential;
 use super::scratch::TileGuide;
-use crate::proposals::{lanes, log_add};
+use crate::proposals::lanes;
 
 /// The least logarithm of an expectation: one that is 0 for a particle far away would be divided by.
-const LEAST: f64 = -1e250;
+pub(super) const LEAST: f64 = -1e250;
 
 impl TileGuide {
     /// Finds the Gaussians of the noise of each particle, `N(v; m_j, Λ_j⁻¹)`, and the logarithm of `Z̃(x') = Σ_j w_j Z̃_j(x')`.
@@ -28,7 +28,7 @@ impl TileGuide {
         self.centres.resize(n * LANES, 0.0);
         self.mean.resize(count * q * LANES, 0.0);
         self.lower.resize(count * q * (q + 1) / 2 * LANES, 0.0);
-        self.logs.resize(count * LANES, 0.0);
+        self.shares.resize(count * LANES, 0.0);
         match &ahead.variances {
             Some(variances) => {
                 self.jacobian.resize(n * LANES, 0.0);
@@ -63,19 +63,14 @@ impl TileGuide {
             is_known &= sd.0.iter().all(|found| found == variance);
             *sd = sd.sqrt();
         }
-        let mut sum = None;
-        for (number, component) in components.iter().enumerate() {
-            let log = self.of_diagonal(number, component, is_known);
-            sum = Some(self.add(number, components.len(), log, sum));
-        }
-        sum.unwrap_or(Lanes::from(0.0))
+        self.of_all(components, |guide, number, component| guide.of_diagonal(number, component, is_known))
     }
 
     /// Of one quadratic, where `x = c + S v`; `is_known` says whether the `L` of the step is that of these particles.
     #[inline(always)]
     fn of_diagonal(&mut self, number: usize, component: &Component, is_known: bool) -> Lanes {
         let TileGuide { centres, jacobian, spare, mean, lower, .. } = self;
-        let Component { log_weight, potential, lower: known } = component;
+        let Component { log_weight, potential, lower: known, .. } = component;
         let (centres, sds) = (lanes(centres), lanes(jacobian));
         let n = centres.len();
         let (d, pull) = lanes(spare).split_at_mut(n);
@@ -120,12 +115,7 @@ impl TileGuide {
                 *centre = *centre - *entry * *v;
             }
         }
-        let mut sum = None;
-        for (number, component) in components.iter().enumerate() {
-            let log = self.of_line(number, component, q);
-            sum = Some(self.add(number, components.len(), log, sum));
-        }
-        sum.unwrap_or(Lanes::from(0.0))
+        self.of_all(components, |guide, number, component| guide.of_line(number, component, q))
     }
 
     /// Of one quadratic, where `x = c + J v` with `q` numbers of noise.
@@ -178,18 +168,54 @@ impl TileGuide {
         log + completed(mean, lower) + *log_weight
     }
 
-    /// Keeps the logarithm of `w_j Z̃_j` of one of `count` quadratics, and adds it to those before.
+    /// `log Z̃` of all quadratics, each by `of_one`, and their shares of it.
     #[inline(always)]
-    fn add(&mut self, number: usize, count: usize, log: Lanes, before: Option<Lanes>) -> Lanes {
-        let log = log.max(Lanes::from(LEAST));
-        if count > 1 {
-            lanes(&mut self.logs)[number] = log;
+    fn of_all(
+        &mut self,
+        components: &[Component],
+        of_one: impl Fn(&mut Self, usize, &Component) -> Lanes,
+    ) -> Lanes {
+        if let [one] = components {
+            return of_one(self, 0, one).max(Lanes::from(LEAST));
         }
-        match before {
-            None => log,
-            Some(before) => Lanes(std::array::from_fn(|lane| log_add(before.0[lane], log.0[lane]))),
+        for (number, component) in components.iter().enumerate() {
+            let log = match component.is_flat() {
+                true => self.of_flat(number, component),
+                false => of_one(self, number, component),
+            };
+            lanes(&mut self.shares)[number] = log.max(Lanes::from(LEAST));
         }
+        let (sum, total) = exponentials(lanes(&mut self.shares));
+        for share in lanes(&mut self.shares) {
+            *share = *share / total;
+        }
+        sum
     }
+
+    /// Of a flat one, which says nothing of the noise.
+    #[inline(always)]
+    fn of_flat(&mut self, number: usize, component: &Component) -> Lanes {
+        let count = self.shares.len() / LANES;
+        let (mean, lower) = (lanes(&mut self.mean), lanes(&mut self.lower));
+        let (q, entries) = (mean.len() / count, lower.len() / count);
+        mean[number * q..][..q].fill(Lanes::from(0.0));
+        let lower = &mut lower[number * entries..][..entries];
+        lower.fill(Lanes::from(0.0));
+        (0..q).for_each(|i| lower[at(i, i)] = Lanes::from(1.0));
+        Lanes::from(component.log_weight)
+    }
+}
+
+/// Replaces logarithms by numbers that are as large as each other, with `log Σ` of what the logarithms stand for and the sum of the numbers.
+#[inline(always)]
+pub(super) fn exponentials(logs: &mut [Lanes]) -> (Lanes, Lanes) {
+    let most = logs.iter().skip(1).fold(logs[0], |most, log| most.max(*log));
+    let mut total = Lanes::from(0.0);
+    for log in logs.iter_mut() {
+        *log = (*log - most).exp();
+        total = total + *log;
+    }
+    (most + total.ln(), total)
 }
 
 /// `b − A d` into `pull`, and `log ψ` at `d`.
