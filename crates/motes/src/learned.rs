@@ -13,6 +13,7 @@ use motes_smc::{LookAhead, LookAheadError, RecordedStep};
 use serde::{Deserialize, Serialize};
 
 use crate::error::MotesError;
+use crate::evidence::EvidenceWorth;
 use crate::model::{Kind, LearnableModel, Model};
 use crate::packed::{pack, unpack};
 
@@ -44,6 +45,18 @@ pub struct PotentialNotes {
     pub seconds: f64,
     /// The gain over the transition on validation sequences, in nats for a step.
     pub gain: f64,
+    /// How well the evidence of recorded sequences is estimated with designed proposals and, last, with the potentials.
+    #[serde(default)]
+    pub worth: Vec<EvidenceWorth>,
+}
+
+impl PotentialNotes {
+    /// The best designed proposal, and how many times its squared error times work is that of the potentials: above 1, learning pays.
+    pub fn advantage(&self) -> Option<(&str, f64)> {
+        let (learned, designed) = self.worth.split_last()?;
+        let best = designed.iter().min_by(|a, b| a.inefficiency().total_cmp(&b.inefficiency()))?;
+        Some((&best.proposal, best.inefficiency() / learned.inefficiency()))
+    }
 }
 
 /// What the folder of a learned proposal says beside its weights.
@@ -117,6 +130,14 @@ impl LearnedProposal {
     /// What was written down of its potentials when they were learned.
     pub fn potential_notes(&self) -> Option<&PotentialNotes> {
         self.potentials.as_ref().map(|learned| &learned.notes)
+    }
+
+    /// The same with other notes of its potentials.
+    pub(crate) fn with_potential_notes(self, notes: PotentialNotes) -> Self {
+        let with_notes = |learned: &LearnedPotentials| {
+            Arc::new(LearnedPotentials { potentials: learned.potentials.clone(), notes })
+        };
+        LearnedProposal { potentials: self.potentials.as_deref().map(with_notes), ..self }
     }
 
     /// The potentials of a recorded series, where they were learned.

@@ -73,7 +73,7 @@ pub use engine::Running;
 pub use error::MotesError;
 pub use estimate::{Coordinate, Estimate, Forecast};
 pub use evidence::{
-    Evidence, EvidenceEstimator, EvidenceOptions, LogEvidence, Pilot, evidence, log_evidence,
+    Evidence, EvidenceEstimator, EvidenceOptions, EvidenceWorth, LogEvidence, Pilot, evidence, log_evidence,
 };
 pub use filtered::Filtered;
 pub use filtering::{filter, of_proposal};
@@ -83,7 +83,7 @@ pub use fitting::{
     PosteriorChain, PosteriorFit, fit, fit_from, maximise,
 };
 pub use forecasting::rows_ahead;
-pub use learned::{LearnedProposal, Notes};
+pub use learned::{LearnedProposal, Notes, PotentialNotes};
 pub use learning::{LearnOptions, LearnOutcome, base_named, head_named, learn, network_named};
 pub use mixture::{PosteriorEstimates, filter_draws, smooth_draws};
 pub use model::{LearnableModel, Model};

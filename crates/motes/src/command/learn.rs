@@ -5,7 +5,8 @@ use std::sync::Arc;
 use motes::output::{Output, card_json, card_text};
 use motes::train::Learned;
 use motes::{
-    CompareOptions, LearnOutcome, LearnedProposal, MotesError, compare, learn, of_starts, on_threads,
+    CompareOptions, LearnOutcome, LearnedProposal, MotesError, PotentialNotes, compare, learn, of_starts,
+    on_threads,
 };
 use motes_cli::{Interrupt, status};
 
@@ -102,10 +103,7 @@ fn said(proposal: &LearnedProposal, history: &Learned, seconds: f64) -> (Vec<Str
         format!("{} updates, the best after {}; {seconds:.1} s; {figure}", history.steps, history.best_step),
     ];
     if let Some(potentials) = proposal.potential_notes() {
-        notes.push(format!(
-            "potentials for motes evidence and motes smooth: {} updates, {:.1} s, gain over the transition {:.3} nats a step",
-            potentials.updates, potentials.seconds, potentials.gain
-        ));
+        notes.push(of_potentials(potentials));
     }
     if history.overflowed > 0.0 {
         notes.push(format!(
@@ -126,5 +124,33 @@ fn said(proposal: &LearnedProposal, history: &Learned, seconds: f64) -> (Vec<Str
     if let Some(designed) = &proposal.notes().worse_than {
         warnings.push(format!("{designed} did better on validation sequences; take --proposal {designed}"));
     }
+    if let Some((designed, advantage)) = proposal.potential_notes().and_then(PotentialNotes::advantage)
+        && advantage < 1.0
+    {
+        warnings.push(format!(
+            "the evidence of recorded data has less error by {designed} at equal work; take --proposal {designed} for motes evidence"
+        ));
+    }
     (notes, warnings)
+}
+
+/// What there is to say of potentials.
+fn of_potentials(notes: &PotentialNotes) -> String {
+    let begin = format!(
+        "evidence of recorded data: potentials learned in {:.1} s ({} updates, gain over the transition {:.3} nats a step)",
+        notes.seconds, notes.updates, notes.gain
+    );
+    let Some((designed, advantage)) = notes.advantage() else { return begin };
+    let errors: Vec<String> =
+        notes.worth.iter().map(|worth| format!("{} {:.3}", worth.proposal, worth.error)).collect();
+    format!(
+        "{begin}; at equal work {} times the precision of {designed}; error of the log-evidence with 100 particles: {}",
+        number(advantage),
+        errors.join(", ")
+    )
+}
+
+/// Two digits.
+fn number(value: f64) -> String {
+    if value >= 10.0 { format!("{value:.0}") } else { format!("{value:.1}") }
 }

@@ -3,6 +3,7 @@
 mod estimate;
 mod estimator;
 mod exact;
+mod judged;
 mod log_evidence;
 mod options;
 mod pilot;
@@ -11,7 +12,9 @@ mod sequence;
 pub use estimate::{Evidence, evidence};
 pub use estimator::EvidenceEstimator;
 pub(crate) use exact::is_exact;
+pub use judged::EvidenceWorth;
+pub(crate) use judged::judged;
 pub use log_evidence::{LogEvidence, log_evidence};
 pub use options::EvidenceOptions;
 pub use pilot::Pilot;
-pub(crate) use pilot::{candidates, cost};
+pub(crate) use pilot::{candidates, cost, fixed_cost};

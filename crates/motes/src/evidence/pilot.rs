@@ -55,8 +55,23 @@ pub(crate) fn cost(proposal: &ProposalName) -> f64 {
         ProposalName::Bootstrap => 1.0,
         ProposalName::Linearised | ProposalName::Optimal => 3.0,
         ProposalName::LookAhead => 4.0,
-        ProposalName::Learned(learned) if learned.has_potentials() => 12.0,
+        ProposalName::Learned(learned) if learned.has_potentials() => 6.0,
         ProposalName::Learned(_) => 30.0,
+    }
+}
+
+/// The work of a smoother, for each coordinate of the state and time step, in particles of a bootstrap filter: about.
+const SMOOTHER: f64 = 100.0;
+
+/// The work of networks that emit potentials, for each time step.
+const NETWORKS: f64 = 130.0;
+
+/// What potentials cost at a step, however few particles there are, in those of a bootstrap filter: about, and the same on any machine.
+pub(crate) fn fixed_cost(proposal: &ProposalName, model: &Model) -> f64 {
+    match proposal {
+        ProposalName::LookAhead => SMOOTHER * model.states().len() as f64,
+        ProposalName::Learned(learned) if learned.has_potentials() => NETWORKS,
+        _ => 0.0,
     }
 }
 

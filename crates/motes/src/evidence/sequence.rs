@@ -36,6 +36,11 @@ pub(super) fn sequences(data: &Data) -> Vec<Sequence> {
 }
 
 impl Sequence {
+    /// One without a name.
+    pub(super) fn of_steps(steps: Vec<RecordedStep>) -> Self {
+        Sequence { name: None, steps }
+    }
+
     /// Potentials of all of it, if the proposal has any.
     ///
     /// # Errors

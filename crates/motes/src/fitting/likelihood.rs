@@ -11,7 +11,9 @@ use super::free::FreeParameters;
 use super::options::FitOptions;
 use crate::data::Data;
 use crate::error::MotesError;
-use crate::evidence::{EvidenceEstimator, EvidenceOptions, candidates, cost, is_exact, log_evidence};
+use crate::evidence::{
+    EvidenceEstimator, EvidenceOptions, candidates, cost, fixed_cost, is_exact, log_evidence,
+};
 use crate::model::Model;
 use crate::options::{FilterOptions, ProposalName};
 
@@ -27,15 +29,12 @@ pub(super) struct ModelLikelihood<'a> {
     reason: Mutex<Option<String>>,
 }
 
-/// The work of the smoother before a filter that looks ahead, in particles of a bootstrap filter for each coordinate of the state: about.
-const SMOOTHER: f64 = 100.0;
-
 fn cost_of(proposal: &ProposalName, model: &Model) -> EstimatorCost {
-    let fixed = match proposal {
-        ProposalName::LookAhead => SMOOTHER * model.states().len() as f64,
-        _ => 0.0,
-    };
-    EstimatorCost { per_particle: cost(proposal), fixed, is_exact: *proposal == ProposalName::Exact }
+    EstimatorCost {
+        per_particle: cost(proposal),
+        fixed: fixed_cost(proposal, model),
+        is_exact: *proposal == ProposalName::Exact,
+    }
 }
 
 impl<'a> ModelLikelihood<'a> {

@@ -21,7 +21,7 @@ use crate::learned::{LearnedProposal, Notes, learnable, shape_of};
 use crate::model::Model;
 use crate::simulating::{check_draws, schedule};
 use choice::{Choice, choose};
-use potentials::{learns_potentials, potentials};
+use potentials::{judge, learns_potentials, potentials};
 use worth::worse_than;
 
 /// Learning ends where after such a share of its updates nothing was better than the base.
@@ -157,6 +157,9 @@ fn learn_until(
         learned =
             found.into_iter().fold(learned, |learned, (found, notes)| learned.with_potentials(found, notes));
     }
+    let learned = judge(model, learned, data, options.steps, &seed.child("recorded worth"), &|| {
+        ControlFlow::Continue(())
+    })?;
     let worse_than = worse_than(model, &learned, data, options, &seed.child("worth"))?;
     let training_seconds = started.elapsed().as_secs_f64();
     let notes = Notes { worse_than, seconds: training_seconds, ..learned.notes().clone() };

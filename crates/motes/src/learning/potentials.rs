@@ -4,12 +4,17 @@ use std::ops::ControlFlow;
 
 use motes_models::Seed;
 use motes_proposals::{Backend, Family, SequencePotentials, SequencePotentialsConfig};
+use motes_smc::RecordedStep;
 use motes_train::{LearnObjective, PotentialLearnConfig, TrainError, learn_potentials};
 
 use super::options::LearnOptions;
+use crate::data::Data;
 use crate::error::MotesError;
-use crate::learned::{PotentialNotes, shape_of};
-use crate::model::LearnableModel;
+use crate::evidence::{candidates, judged};
+use crate::learned::{LearnedProposal, PotentialNotes, shape_of};
+use crate::model::{LearnableModel, Model};
+use crate::options::ProposalName;
+use crate::simulating::simulate_some;
 
 /// Whether potentials are learned: from simulations, for a model that says how its states are made of noise.
 pub(super) fn learns_potentials(model: &dyn LearnableModel, options: &LearnOptions) -> bool {
@@ -55,7 +60,47 @@ pub(super) fn potentials(
         learned => {
             let learned = learned?;
             let gain = learned.best_gain();
-            Ok(Some((potentials, PotentialNotes { updates: learned.steps, seconds: learned.seconds, gain })))
+            let (updates, seconds) = (learned.steps, learned.seconds);
+            Ok(Some((potentials, PotentialNotes { updates, seconds, gain, worth: vec![] })))
         }
     }
+}
+
+/// Sequences by which potentials are judged.
+const SEQUENCES: usize = 20;
+
+/// How well the evidence of recorded sequences is estimated with potentials and with designed proposals, on sequences that nothing was learned from.
+///
+/// # Errors
+/// [`MotesError::Interrupted`], and [`MotesError::Simulation`] where no sequence stays finite.
+pub(super) fn judge(
+    model: &Model,
+    learned: LearnedProposal,
+    data: Option<&Data>,
+    steps: usize,
+    seed: &Seed,
+    proceed: &(dyn Fn() -> ControlFlow<()> + Sync),
+) -> Result<LearnedProposal, MotesError> {
+    let Some(notes) = learned.potential_notes().cloned() else { return Ok(learned) };
+    let drawn = simulate_some(model, data, steps, SEQUENCES, &seed.child("sequences"))?;
+    let recorded = |number: usize| -> Vec<RecordedStep> {
+        let mut recorded = Vec::new();
+        for (row, measurement) in drawn.rows[number].iter().zip(drawn.series[number].measurements.rows()) {
+            let nothing = vec![None; measurement.len()];
+            recorded.extend(
+                row.steps
+                    .iter()
+                    .map(|step| RecordedStep { step: step.clone(), measurement: nothing.clone() }),
+            );
+            if let Some(last) = recorded.last_mut() {
+                last.measurement = measurement.iter().copied().map(Some).collect();
+            }
+        }
+        recorded
+    };
+    let sequences = (0..drawn.series.len()).map(recorded).collect();
+    let mut proposals = candidates(model);
+    proposals.push(ProposalName::Learned(learned.clone()));
+    let worth = judged(model, &proposals, sequences, &seed.child("runs"), proceed)?;
+    Ok(learned.with_potential_notes(PotentialNotes { worth, ..notes }))
 }
