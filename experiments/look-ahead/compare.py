@@ -1,8 +1,9 @@
-"""Variance of the log-evidence and time of designed proposals on simulated sequences: the table of docs/look-ahead.md.
+"""Error of the log-evidence and time of designed and learned proposals on simulated sequences: the table of docs/look-ahead.md.
 
 `python3 compare.py MOTES [RUNS]`, where MOTES is the program; it writes table.md beside itself. It needs nothing but Python's standard library."""
 
 import json
+import math
 import subprocess
 import sys
 import tempfile
@@ -13,33 +14,49 @@ ROOT = HERE.parent.parent
 PARTICLES = 100
 SERIES = 10
 MODELS = [
-    ("whisker counts", "experiments/models/whiskers/model.toml", 500),
-    ("volatility", "examples/volatility.toml", 500),
     ("growth", "examples/growth.toml", 100),
+    ("volatility", "examples/volatility.toml", 1000),
+    ("whisker counts", "experiments/models/whiskers/model.toml", 3000),
+    ("range and bearing", "examples/tracking.toml", 50),
+    ("Ricker", "examples/ricker.toml", 50),
     ("Lorenz 96, N = 10", "examples/lorenz96.toml", 50),
+    ("bounded noise", "examples/bounded.toml", 100),
 ]
-PROPOSALS = ["bootstrap", "linearised", "look-ahead"]
+DESIGNED = ["bootstrap", "linearised", "look-ahead"]
 
 
 def motes(program, *arguments):
     found = subprocess.run([program, *map(str, arguments)], capture_output=True, text=True, check=False)
     if found.returncode != 0:
-        sys.exit(f"{' '.join(map(str, arguments))}: {found.stderr.strip()}")
+        raise RuntimeError(f"{' '.join(map(str, arguments))}: {found.stderr.strip()}")
     return found.stdout
 
 
 def figures(program, model, data, proposal, runs):
-    """Variance of log ẑ of a sequence, and milliseconds of a run of one, smoothers included."""
+    """The log-evidence of each sequence, the variance of a run, and the milliseconds of a run of one sequence, smoothers and networks included."""
     asked = ["--proposal", proposal, "--particles", PARTICLES, "--runs", runs, "--threads", 1, "--json", "--quiet"]
-    found = json.loads(motes(program, "evidence", model, data, *asked))
+    try:
+        found = json.loads(motes(program, "evidence", model, data, *asked))
+    except RuntimeError:
+        return None
     variance = found["variance_per_run"]
-    return (None if variance is None else variance / SERIES), 1000 * found["seconds"] / runs / SERIES
+    if variance is None or None in found["log_evidence_per_series"]:
+        return None
+    return found["log_evidence_per_series"], variance / SERIES, 1000 * found["seconds"] / runs / SERIES
 
 
-def choice(program, model, data):
-    """What pilots choose."""
-    asked = ["--particles", PARTICLES, "--runs", 1, "--threads", 1, "--json", "--quiet"]
-    return json.loads(motes(program, "evidence", model, data, *asked))["proposal"]
+def errors(found):
+    """The root-mean-square error of log ẑ of each proposal, and its milliseconds. The reference of a sequence is the largest of the log-evidences: that of the mean over runs is too low in
+    the mean, by more the more it varies."""
+    there = [figures for figures in found.values() if figures]
+    reference = [max(logs) for logs in zip(*(logs for logs, _, _ in there))]
+    of = {}
+    for proposal, figures in found.items():
+        if figures:
+            logs, variance, milliseconds = figures
+            bias = sum((log - best) ** 2 for log, best in zip(logs, reference)) / SERIES
+            of[proposal] = math.sqrt(variance + bias), milliseconds
+    return of
 
 
 def number(value):
@@ -52,16 +69,19 @@ def main():
     rows = []
     with tempfile.TemporaryDirectory() as folder:
         for name, model, steps in MODELS:
-            model, data = ROOT / model, Path(folder) / "data.csv"
+            model, data, learned = ROOT / model, Path(folder) / "data.csv", Path(folder) / "learned"
             motes(program, "simulate", model, "--steps", steps, "--series", SERIES, "--seed", 7, "-o", data, "--quiet")
-            found = {proposal: figures(program, model, data, proposal, runs) for proposal in PROPOSALS}
-            of = lambda proposal: found[proposal][0] * found[proposal][1]
-            cells = [f"{number(found[p][0])} ({found[p][1]:.1f})" for p in PROPOSALS]
-            gain = number(of("bootstrap") / of("look-ahead"))
-            rows.append([f"{name}, T = {steps}", *cells, gain, choice(program, model, data)])
+            motes(program, "learn", model, "-o", learned, "--sequences", 0, "--quiet")
+            found = {p: figures(program, model, data, p, runs) for p in [*DESIGNED, learned]}
+            of = errors(found)
+            cells = [f"{number(of[p][0])} ({of[p][1]:.1f})" if p in of else "–" for p in found]
+            cost = {p: error * error * milliseconds for p, (error, milliseconds) in of.items()}
+            best = min((p for p in DESIGNED if p in cost), key=cost.get)
+            gain = f"{number(cost[best] / cost[learned])} (`{best}`)" if learned in cost else "–"
+            rows.append([f"{name}, T = {steps}", *cells, gain])
             print(rows[-1], file=sys.stderr)
-    header = ["", *(f"`{p}`" for p in PROPOSALS), "gain", "pilots choose"]
-    lines = [header, ["---"] + ["--:"] * 4 + ["---"], *rows]
+    header = ["", *(f"`{p}`" for p in DESIGNED), "learned", "gain over the best designed"]
+    lines = [header, ["---"] + ["--:"] * 5, *rows]
     text = "".join("| " + " | ".join(line) + " |\n" for line in lines)
     (HERE / "table.md").write_text(text, encoding="utf-8")
     print(text, end="")

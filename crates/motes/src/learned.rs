@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use motes_models::{ModelShape, Seed};
 use motes_proposals::{
-    Amortised, Backend, Fingerprint, OtherSystem, SavedError, SavedFiles, SequencePotentials, holds, load,
+    Amortised, Backend, Fingerprint, LearnedPotentials, OtherSystem, SavedError, SavedFiles, holds, load,
     load_to_tune, notes, save, save_both,
 };
 use motes_smc::{LookAhead, LookAheadError, RecordedStep};
@@ -23,7 +23,7 @@ pub struct LearnedProposal {
     name: String,
     proposal: Arc<Amortised>,
     /// Learned beside it, for recorded data.
-    potentials: Option<Arc<LearnedPotentials>>,
+    potentials: Option<Arc<PotentialsWithNotes>>,
     notes: Arc<Notes>,
     /// Of the model that it was learned or loaded for.
     fingerprint: Arc<Fingerprint>,
@@ -31,8 +31,8 @@ pub struct LearnedProposal {
 
 /// Potentials of whole recorded sequences, which were learned beside a proposal.
 #[derive(Clone)]
-struct LearnedPotentials {
-    potentials: SequencePotentials,
+struct PotentialsWithNotes {
+    potentials: LearnedPotentials,
     notes: PotentialNotes,
 }
 
@@ -45,6 +45,8 @@ pub struct PotentialNotes {
     pub seconds: f64,
     /// The gain over the transition on validation sequences, in nats for a step.
     pub gain: f64,
+    /// The same of potentials that see the measurement of their step alone.
+    pub gain_now: f64,
     /// How well the evidence of recorded sequences is estimated with designed proposals and, last, with the potentials.
     #[serde(default)]
     pub worth: Vec<EvidenceWorth>,
@@ -118,8 +120,8 @@ impl LearnedProposal {
     }
 
     /// The same with potentials beside it.
-    pub(crate) fn with_potentials(self, potentials: SequencePotentials, notes: PotentialNotes) -> Self {
-        LearnedProposal { potentials: Some(Arc::new(LearnedPotentials { potentials, notes })), ..self }
+    pub(crate) fn with_potentials(self, potentials: LearnedPotentials, notes: PotentialNotes) -> Self {
+        LearnedProposal { potentials: Some(Arc::new(PotentialsWithNotes { potentials, notes })), ..self }
     }
 
     /// Whether there are potentials for recorded data.
@@ -134,8 +136,8 @@ impl LearnedProposal {
 
     /// The same with other notes of its potentials.
     pub(crate) fn with_potential_notes(self, notes: PotentialNotes) -> Self {
-        let with_notes = |learned: &LearnedPotentials| {
-            Arc::new(LearnedPotentials { potentials: learned.potentials.clone(), notes })
+        let with_notes = |learned: &PotentialsWithNotes| {
+            Arc::new(PotentialsWithNotes { potentials: learned.potentials.clone(), notes })
         };
         LearnedProposal { potentials: self.potentials.as_deref().map(with_notes), ..self }
     }
@@ -192,11 +194,11 @@ impl LearnedProposal {
         let shape = shape_of(learnable);
         let proposal = load(folder, learnable, &shape, Backend::Native.into())?;
         let learned = LearnedProposal::named(folder, proposal, learnable)?;
-        if !holds::<SequencePotentials>(folder) {
+        if !holds::<LearnedPotentials>(folder) {
             return Ok(learned);
         }
-        let potentials: SequencePotentials = load(folder, learnable, &shape, Backend::Native.into())?;
-        Ok(learned.with_potentials(potentials, notes::<SequencePotentials, _>(folder)?))
+        let potentials: LearnedPotentials = load(folder, learnable, &shape, Backend::Native.into())?;
+        Ok(learned.with_potentials(potentials, notes::<LearnedPotentials, _>(folder)?))
     }
 
     /// Reads the proposal in `folder` to be learned further for `model`, whose parameters may be others than those it was learned for.
@@ -226,7 +228,7 @@ impl LearnedProposal {
         let (shape, proposal) = (shape_of(learnable), &*self.proposal);
         match self.potentials.as_deref() {
             None => save(folder, proposal, learnable, &shape, &*self.notes)?,
-            Some(LearnedPotentials { potentials, notes }) => {
+            Some(PotentialsWithNotes { potentials, notes }) => {
                 save_both(folder, (proposal, &*self.notes), (potentials, notes), learnable, &shape)?;
             }
         }
@@ -243,7 +245,7 @@ impl LearnedProposal {
         let shape = shape_of(learnable);
         let place = Path::new(IN_BYTES);
         let files = SavedFiles::of(&*self.proposal, learnable, &shape, &*self.notes, place)?;
-        let of_potentials = |LearnedPotentials { potentials, notes }: &LearnedPotentials| {
+        let of_potentials = |PotentialsWithNotes { potentials, notes }: &PotentialsWithNotes| {
             SavedFiles::of(potentials, learnable, &shape, notes, place)
         };
         let potentials = self.potentials.as_deref().map(of_potentials).transpose()?;

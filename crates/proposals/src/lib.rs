@@ -58,7 +58,8 @@ pub use motes_networks::{
 };
 pub use over_time::OverTime;
 pub use potentials::{
-    PotentialStandards, SequenceBatch, SequencePotentials, SequencePotentialsConfig, StepFeatures,
+    LearnedPotentials, LearnedPotentialsConfig, OnLinePotentials, PotentialStandards, SequenceBatch,
+    StepFeatures,
 };
 pub use psi::{Psi, PsiConfig, PsiScratch};
 pub use rnn::{Rnn, RnnConfig, RnnNetworks};

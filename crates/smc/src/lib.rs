@@ -42,7 +42,8 @@ pub use filter::ParticleFilter;
 pub use filter_snapshot::FilterSnapshot;
 pub use fixed_lag::FixedLagSmoother;
 pub use look_ahead::{
-    LookAhead, LookAheadBatch, LookAheadError, LookAheadScratch, PotentialComponent, RecordedStep,
+    ByPotential, LookAhead, LookAheadBatch, LookAheadError, LookAheadScratch, PotentialComponent,
+    RecordedStep, StepPotentials,
 };
 pub use memory::{MemoryRows, ParticleMemory};
 pub use motes_models::batch::{Rows, particles_by_stream};

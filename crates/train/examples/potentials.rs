@@ -1,11 +1,12 @@
 //! Learns potentials of the growth model and compares evidence with them to evidence by bootstrap: `cargo run --release -p motes-train --example potentials`.
 
 use std::ops::ControlFlow;
+use std::sync::Arc;
 use std::time::Instant;
 
 use motes_models::equations::{Coordinates, Draws, Equations, Scalar, normal};
 use motes_models::{ModelShape, Seed, Step, StepRecord, simulate};
-use motes_proposals::{Backend, Family, SequencePotentials, SequencePotentialsConfig};
+use motes_proposals::{Backend, Family, LearnedPotentials, LearnedPotentialsConfig};
 use motes_smc::{Bootstrap, FilterBank, FilterSettings, Linearised, LookAhead, Proposal, RecordedStep};
 use motes_train::{PotentialLearnConfig, learn_potentials};
 
@@ -77,9 +78,9 @@ fn runs<M: Equations, P: Proposal<M, Memory = ()> + Send>(
 fn study<M: Equations>(name: &str, model: &M, times: usize) -> Result<(), Box<dyn std::error::Error>> {
     let seed = Seed::from_u64(1);
     let shape = ModelShape::of(model);
-    let config = SequencePotentialsConfig::default();
+    let config = LearnedPotentialsConfig::default();
     let mut potentials =
-        SequencePotentials::create(&config, &shape, 0, Backend::Native.into(), &seed.child("weights"))?;
+        LearnedPotentials::create(&config, &shape, 0, Backend::Native.into(), &seed.child("weights"))?;
     let settings = PotentialLearnConfig::new();
     let learned = learn_potentials(&mut potentials, model, &settings, &seed.child("learn"), |_, _| {
         ControlFlow::Continue(())
@@ -97,11 +98,13 @@ fn study<M: Equations>(name: &str, model: &M, times: usize) -> Result<(), Box<dy
             })
             .collect();
         let started = Instant::now();
+        let now = Arc::new(potentials.clone()).on_line();
         let ahead = potentials.look_ahead(model, &rows)?;
         let seconds = started.elapsed().as_secs_f64();
         print!("  networks {:.2} ms;", 1e3 * seconds);
         for (name, (mean, variance, seconds)) in [
-            ("learned", runs(model, ahead, &rows)?),
+            ("ahead", runs(model, ahead, &rows)?),
+            ("now", runs(model, now, &rows)?),
             ("designed", runs(model, LookAhead::new(model, &rows)?, &rows)?),
             ("linearised", runs(model, Linearised::new(model)?, &rows)?),
             ("bootstrap", runs(model, Bootstrap, &rows)?),

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use motes_models::Seed;
-use motes_proposals::{Backend, Family, SequencePotentials, SequencePotentialsConfig};
+use motes_proposals::{Backend, Family, LearnedPotentials, LearnedPotentialsConfig};
 use motes_smc::RecordedStep;
 use motes_train::{LearnObjective, PotentialLearnConfig, TrainError, learn_potentials};
 
@@ -30,15 +30,15 @@ pub(super) fn potentials(
     options: &LearnOptions,
     seed: &Seed,
     proceed: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
-) -> Result<Option<(SequencePotentials, PotentialNotes)>, MotesError> {
+) -> Result<Option<(LearnedPotentials, PotentialNotes)>, MotesError> {
     let settings = PotentialLearnConfig {
         horizon: options.steps,
         seconds: options.seconds,
         ..PotentialLearnConfig::new()
     };
     let seed = seed.child("potentials");
-    let config = SequencePotentialsConfig::default();
-    let mut potentials = SequencePotentials::create(
+    let config = LearnedPotentialsConfig::default();
+    let mut potentials = LearnedPotentials::create(
         &config,
         &shape_of(model),
         0,
@@ -59,9 +59,9 @@ pub(super) fn potentials(
         Err(TrainError::Setting { .. }) => Ok(None),
         learned => {
             let learned = learned?;
-            let gain = learned.best_gain();
+            let [gain, gain_now] = learned.best_gains();
             let (updates, seconds) = (learned.steps, learned.seconds);
-            Ok(Some((potentials, PotentialNotes { updates, seconds, gain, worth: vec![] })))
+            Ok(Some((potentials, PotentialNotes { updates, seconds, gain, gain_now, worth: vec![] })))
         }
     }
 }

@@ -5,16 +5,16 @@ use serde::{Deserialize, Serialize};
 /// What learned potentials are made from.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct SequencePotentialsConfig {
+pub struct LearnedPotentialsConfig {
     /// `H`, the units of each of the two recurrent layers, and of the hidden layer of the network that reads both.
     pub hidden: usize,
     /// `J`, the quadratics of a potential beside the flat one.
     pub components: usize,
 }
 
-impl Default for SequencePotentialsConfig {
+impl Default for LearnedPotentialsConfig {
     /// 24 units and three quadratics.
     fn default() -> Self {
-        SequencePotentialsConfig { hidden: 24, components: 3 }
+        LearnedPotentialsConfig { hidden: 24, components: 3 }
     }
 }

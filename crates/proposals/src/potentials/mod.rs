@@ -1,15 +1,17 @@
-//! Learned potentials: networks that see a whole recorded sequence and say, once for each step, where all that is measured from then on wants the state to be.
+//! Learned potentials: networks that say, once for each step, which states the measurements make likely: those of a whole recorded sequence, or that of the step alone.
 
 mod config;
 mod decoded;
 mod features;
+mod learned;
 mod loss;
 mod networks;
-mod sequence;
+mod on_line;
 mod standards;
 mod tape;
 
-pub use config::SequencePotentialsConfig;
+pub use config::LearnedPotentialsConfig;
 pub use features::{SequenceBatch, StepFeatures};
-pub use sequence::SequencePotentials;
+pub use learned::LearnedPotentials;
+pub use on_line::OnLinePotentials;
 pub use standards::PotentialStandards;

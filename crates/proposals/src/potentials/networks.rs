@@ -1,10 +1,11 @@
-//! The networks: a recurrent layer in each direction of time, and one that reads both.
+//! The networks: a recurrent layer in each direction of time and one that reads both, and one of a single step.
 
 use motes_models::Seed;
 use motes_networks::layers::{Cell, Mlp, RecurrentLayer};
 use motes_networks::{Arithmetic, Known, Networks, Outputs, Parameters};
 
 use super::decoded::Layout;
+use crate::settings::count_affine;
 
 /// A recurrent layer that emits its hidden state. Its first step, without rows, makes the state that a sequence begins with.
 #[derive(Clone)]
@@ -32,7 +33,7 @@ impl Networks for OneWay {
     }
 }
 
-/// What reads the hidden states of both directions and the features of a step, and emits its potential.
+/// What reads the hidden states of both directions and the features of a step, or its features alone, and emits its potential.
 #[derive(Clone)]
 pub(super) struct Reader {
     network: Mlp,
@@ -59,6 +60,8 @@ pub(super) struct PotentialNetworks {
     /// From the first step on, and from the last step back.
     pub(super) ways: [OneWay; 2],
     pub(super) reader: Reader,
+    /// Of a step alone.
+    pub(super) now: Reader,
 }
 
 impl PotentialNetworks {
@@ -73,19 +76,29 @@ impl PotentialNetworks {
         let ways = ["forwards", "backwards"].map(|name| OneWay {
             layer: RecurrentLayer::draw(parameters, name, Cell::Gru, [features, hidden], seed),
         });
-        let widths = [2 * hidden + features, hidden, layout.outputs()];
-        let network = Mlp::draw(parameters, "reader", &widths, seed);
-        // At the beginning quadratics lie side by side.
-        let bias = parameters.len() - 1;
-        let _ = parameters.set_host(bias, &layout.start());
-        PotentialNetworks { ways, reader: Reader { network } }
+        let mut reader = |name: &str, widths: &[usize]| {
+            let network = Mlp::draw(parameters, name, widths, seed);
+            // At the beginning quadratics lie side by side.
+            let bias = parameters.len() - 1;
+            let _ = parameters.set_host(bias, &layout.start());
+            Reader { network }
+        };
+        let [of_both, alone] = widths(features, hidden, layout);
+        PotentialNetworks { ways, reader: reader("reader", &of_both), now: reader("now", &alone) }
     }
 
     /// The number of their weights.
     pub(super) fn count(features: usize, hidden: usize, layout: Layout) -> Option<usize> {
         let way = Cell::Gru.count([features, hidden])?;
-        let inputs = hidden.checked_mul(2)?.checked_add(features)?;
-        let reader = crate::settings::count_affine(&[inputs, hidden, layout.outputs()], 1)?;
-        way.checked_mul(2)?.checked_add(reader)
+        hidden.checked_mul(2)?.checked_add(features)?;
+        let [of_both, alone] = widths(features, hidden, layout);
+        let readers = count_affine(&of_both, 1)?.checked_add(count_affine(&alone, 1)?)?;
+        way.checked_mul(2)?.checked_add(readers)
     }
+}
+
+/// The widths of what reads both directions, and of what sees a step alone.
+fn widths(features: usize, hidden: usize, layout: Layout) -> [Vec<usize>; 2] {
+    let outputs = layout.outputs();
+    [vec![2 * hidden + features, hidden, outputs], vec![features, hidden, hidden, outputs]]
 }

@@ -5,7 +5,7 @@ use motes_networks::{Inference, Inputs, NetworkError, NetworkTape, Parameters, V
 use super::decoded::Layout;
 use super::features::SequenceBatch;
 use super::loss::{LossScratch, Transition, log_ratio};
-use super::networks::{OneWay, PotentialNetworks};
+use super::networks::{OneWay, PotentialNetworks, Reader};
 
 /// What networks see of nothing: their inputs have no measurement of their own.
 const NOTHING: [f64; 1] = [0.0];
@@ -36,6 +36,18 @@ impl Sizes {
         }
     }
 
+    /// What a network sees that reads the features of each step alone.
+    pub(super) fn of_features(self, features: &[f64]) -> Inputs<'_> {
+        let particles = self.steps * self.sequences;
+        Inputs { time: 1, width: self.features, previous: Some(features), measurement: &NOTHING, particles }
+    }
+
+    /// What the reader of both directions sees.
+    fn of_both(self, read: &[f64]) -> Inputs<'_> {
+        let particles = self.steps * self.sequences;
+        Inputs { time: 1, width: self.read(), previous: Some(read), measurement: &NOTHING, particles }
+    }
+
     /// Which step comes at which place of a direction.
     fn step(self, way: usize, place: usize) -> usize {
         if way == 0 { place } else { self.steps - 1 - place }
@@ -58,6 +70,17 @@ impl Sizes {
     }
 }
 
+/// What a reader emits for rows, into `outputs`.
+pub(super) fn read(
+    reader: &Reader,
+    parameters: &Parameters,
+    inputs: Inputs<'_>,
+    inference: &mut Inference,
+    outputs: &mut [f64],
+) -> Result<(), NetworkError> {
+    inference.run(reader, parameters, &inputs, &mut [], &mut [outputs])
+}
+
 /// The outputs (`T·S×O`) for features (`T×S×F`).
 pub(super) fn outputs(
     networks: &PotentialNetworks,
@@ -67,7 +90,7 @@ pub(super) fn outputs(
     features: &[f64],
 ) -> Result<Vec<f64>, NetworkError> {
     let Sizes { steps, sequences, features: width, hidden } = sizes;
-    let mut read = sizes.with_features(features);
+    let mut seen = sizes.with_features(features);
     let mut inference = Inference::default();
     let mut emitted = vec![0.0; sequences * hidden];
     for (way, network) in networks.ways.iter().enumerate() {
@@ -80,20 +103,13 @@ pub(super) fn outputs(
             let step = sizes.step(way, place);
             let of_step = &features[step * sequences * width..][..sequences * width];
             run(sizes.inputs(Some(of_step), 1 + place), &mut emitted)?;
-            for (row, hidden) in sizes.hidden_rows(&mut read, way, step).zip(emitted.chunks_exact(hidden)) {
+            for (row, hidden) in sizes.hidden_rows(&mut seen, way, step).zip(emitted.chunks_exact(hidden)) {
                 row.copy_from_slice(hidden);
             }
         }
     }
     let mut outputs = vec![0.0; steps * sequences * layout.outputs()];
-    let all = Inputs {
-        time: 1,
-        width: sizes.read(),
-        previous: Some(&read),
-        measurement: &NOTHING,
-        particles: steps * sequences,
-    };
-    inference.run(&networks.reader, parameters, &all, &mut [], &mut [&mut outputs])?;
+    read(&networks.reader, parameters, sizes.of_both(&seen), &mut inference, &mut outputs)?;
     Ok(outputs)
 }
 
@@ -115,18 +131,18 @@ pub(super) fn gain(batch: &SequenceBatch, layout: Layout, outputs: &[f64], d_out
     sum / rows as f64
 }
 
-/// The gain of a batch, and its derivative along the weights, turned round: of each direction, and of the reader.
+/// The gains of a batch, ahead and now, and the derivative of their sum along the weights, turned round: of each direction, of the reader, and of the network of a step alone.
 pub(super) fn differentiate(
     networks: &PotentialNetworks,
     parameters: &Parameters,
     batch: &SequenceBatch,
     layout: Layout,
     sizes: Sizes,
-    memory: [Workspace; 3],
-) -> Result<(f64, [Workspace; 3]), NetworkError> {
+    memory: [Workspace; 4],
+) -> Result<([f64; 2], [Workspace; 4]), NetworkError> {
     let Sizes { steps, sequences, features: width, hidden } = sizes;
-    let [forwards, backwards, of_reader] = memory;
-    let mut read = sizes.with_features(&batch.features);
+    let [forwards, backwards, of_reader, of_now] = memory;
+    let mut seen = sizes.with_features(&batch.features);
     let mut emitted = vec![0.0; sequences * hidden];
     let mut record = |way: usize, network, memory| -> Result<NetworkTape<'_, OneWay>, NetworkError> {
         let mut tape = NetworkTape::new(network, parameters, sequences, memory)?;
@@ -135,7 +151,7 @@ pub(super) fn differentiate(
             let step = sizes.step(way, place);
             let of_step = &batch.features[step * sequences * width..][..sequences * width];
             tape.forward(&sizes.inputs(Some(of_step), 1 + place), &mut [&mut emitted])?;
-            for (row, hidden) in sizes.hidden_rows(&mut read, way, step).zip(emitted.chunks_exact(hidden)) {
+            for (row, hidden) in sizes.hidden_rows(&mut seen, way, step).zip(emitted.chunks_exact(hidden)) {
                 row.copy_from_slice(hidden);
             }
         }
@@ -143,26 +159,30 @@ pub(super) fn differentiate(
     };
     let [of_first, of_last] = &networks.ways;
     let tapes = [record(0, of_first, forwards)?, record(1, of_last, backwards)?];
-    let rows = steps * sequences;
-    let mut outputs = vec![0.0; rows * layout.outputs()];
-    let mut d_outputs = outputs.clone();
-    let mut d_read = vec![0.0; read.len()];
-    let mut reader = NetworkTape::new(&networks.reader, parameters, rows, of_reader)?;
-    let all = Inputs {
-        time: 1,
-        width: sizes.read(),
-        previous: Some(&read),
-        measurement: &NOTHING,
-        particles: rows,
-    };
-    reader.forward(&all, &mut [&mut outputs])?;
-    let gain = gain(batch, layout, &outputs, &mut d_outputs);
-    reader.backward(&[&d_outputs], &mut d_read)?;
+    let mut d_seen = vec![0.0; seen.len()];
+    let (ahead, reader) = read_back(
+        &networks.reader,
+        parameters,
+        batch,
+        layout,
+        sizes.of_both(&seen),
+        Some(&mut d_seen),
+        of_reader,
+    )?;
+    let (now, of_now) = read_back(
+        &networks.now,
+        parameters,
+        batch,
+        layout,
+        sizes.of_features(&batch.features),
+        None,
+        of_now,
+    )?;
     let [forwards, backwards] = tapes;
     let mut undone = |way: usize, mut tape: NetworkTape<'_, OneWay>| -> Result<Workspace, NetworkError> {
         for place in (0..steps).rev() {
             let step = sizes.step(way, place);
-            for (row, d) in sizes.hidden_rows(&mut d_read, way, step).zip(emitted.chunks_exact_mut(hidden)) {
+            for (row, d) in sizes.hidden_rows(&mut d_seen, way, step).zip(emitted.chunks_exact_mut(hidden)) {
                 d.copy_from_slice(row);
             }
             tape.backward_to_weights(&[&emitted])?;
@@ -171,6 +191,27 @@ pub(super) fn differentiate(
         tape.backward_to_weights(&[&emitted])?;
         Ok(tape.finish())
     };
-    let found = [undone(0, forwards)?, undone(1, backwards)?, reader.finish()];
-    Ok((gain, found))
+    Ok(([ahead, now], [undone(0, forwards)?, undone(1, backwards)?, reader, of_now]))
+}
+
+/// The gain of a reader on what it sees, and its derivatives along its weights and, where they are asked for, along what it sees.
+fn read_back(
+    reader: &Reader,
+    parameters: &Parameters,
+    batch: &SequenceBatch,
+    layout: Layout,
+    seen: Inputs<'_>,
+    d_seen: Option<&mut [f64]>,
+    memory: Workspace,
+) -> Result<(f64, Workspace), NetworkError> {
+    let mut outputs = vec![0.0; seen.particles * layout.outputs()];
+    let mut d_outputs = outputs.clone();
+    let mut tape = NetworkTape::new(reader, parameters, seen.particles, memory)?;
+    tape.forward(&seen, &mut [&mut outputs])?;
+    let gain = gain(batch, layout, &outputs, &mut d_outputs);
+    match d_seen {
+        Some(d_seen) => tape.backward(&[&d_outputs], d_seen)?,
+        None => tape.backward_to_weights(&[&d_outputs])?,
+    }
+    Ok((gain, tape.finish()))
 }

@@ -12,7 +12,7 @@ use super::error::SavedError;
 use super::files::SavedFiles;
 use crate::amortised::Amortised;
 use crate::family::Family;
-use crate::potentials::SequencePotentials;
+use crate::potentials::LearnedPotentials;
 
 /// Writes `proposal`, made for `shape` and trained for `model` with the given settings, into `folder`, replacing a proposal that is there.
 ///
@@ -97,7 +97,7 @@ fn write(folder: &Path, name: &str, bytes: &[u8]) -> Result<(), SavedError> {
 
 /// All files that folders of proposals hold.
 fn known() -> impl Iterator<Item = &'static str> {
-    Amortised::FILES.into_iter().chain(SequencePotentials::FILES)
+    Amortised::FILES.into_iter().chain(LearnedPotentials::FILES)
 }
 
 /// Puts `new` in the place of `folder`.

@@ -7,7 +7,7 @@ use motes_models::{Step, StepRecord};
 use super::backward::local;
 use super::component::{Component, PotentialComponent};
 use super::error::LookAheadError;
-use super::local::LocalMap;
+use super::local::{Local, LocalMap};
 use super::recorded::RecordedStep;
 use super::smoother::{Smoothed, smooth};
 use crate::proposals::{log_add, noise_share};
@@ -33,9 +33,9 @@ impl StepAhead {
         self.noise.len()
     }
 
-    /// `N`.
-    pub(super) fn width(&self) -> usize {
-        self.components[0].potential.reference.len()
+    /// What its first quadratic is about, `N`.
+    pub(super) fn centre(&self) -> &[f64] {
+        &self.components[0].potential.reference
     }
 
     /// `log ψ(x)`.
@@ -83,7 +83,7 @@ pub(super) fn look_by<M: Linearise + ?Sized>(
     recorded: &[RecordedStep],
     potentials: &[Vec<PotentialComponent>],
 ) -> Result<Vec<StepAhead>, LookAheadError> {
-    let (draws, n) = (draws_of_all(model, recorded)?, model.state_dim());
+    let draws = draws_of_all(model, recorded)?;
     if potentials.len() != recorded.len() {
         let (found, expected) = (potentials.len(), recorded.len());
         return Err(LookAheadError::Step {
@@ -94,37 +94,45 @@ pub(super) fn look_by<M: Linearise + ?Sized>(
         });
     }
     let mut local = local(model)?;
-    let mut map = LocalMap::default();
     let mut steps: Vec<StepAhead> = Vec::with_capacity(recorded.len());
-    for (index, (RecordedStep { step, measurement }, components)) in
-        recorded.iter().zip(potentials).enumerate()
-    {
-        if components.is_empty() {
-            return Err(LookAheadError::Step {
-                index,
-                what: "the number of quadratics",
-                found: 0,
-                expected: 1,
-            });
-        }
-        let noise = vec![0.0; draws[index].len()];
-        let near = steps.last().map(|last| last.components[0].potential.reference.clone());
-        local.map(&step.step(), near.as_deref(), &noise, &mut map);
-        let variances = normal_variances(model, &step.step(), near.as_deref(), &draws[index], &map);
-        let of_one = |component: &PotentialComponent| {
-            let potential = component.potential(index, n)?;
-            Ok(Component::new(component.log_weight, potential, variances.as_deref()))
-        };
-        steps.push(StepAhead {
-            step: step.clone(),
-            measurement: measurement.clone(),
-            components: components.iter().map(of_one).collect::<Result<_, LookAheadError>>()?,
-            noise,
-            share: noise_share(&draws[index]),
-            variances,
-        });
+    for ((recorded, components), draws) in recorded.iter().zip(potentials).zip(&draws) {
+        let near = steps.last().map(StepAhead::centre);
+        steps.push(step_by(model, &mut local, recorded, draws, near, components)?);
     }
     Ok(steps)
+}
+
+/// A step with these quadratics, linearised `near` a previous state.
+///
+/// # Errors
+/// [`LookAheadError`] if quadratics do not fit it.
+pub(super) fn step_by<M: Linearise + ?Sized>(
+    model: &M,
+    local: &mut Local<'_>,
+    RecordedStep { step, measurement }: &RecordedStep,
+    draws: &[Draw],
+    near: Option<&[f64]>,
+    components: &[PotentialComponent],
+) -> Result<StepAhead, LookAheadError> {
+    let (index, n) = (step.step().index, model.state_dim());
+    if components.is_empty() {
+        return Err(LookAheadError::Step { index, what: "the number of quadratics", found: 0, expected: 1 });
+    }
+    let (noise, mut map) = (vec![0.0; draws.len()], LocalMap::default());
+    local.map(&step.step(), near, &noise, &mut map);
+    let variances = normal_variances(model, &step.step(), near, draws, &map);
+    let of_one = |component: &PotentialComponent| {
+        let potential = component.potential(index, n)?;
+        Ok(Component::new(component.log_weight, potential, variances.as_deref()))
+    };
+    Ok(StepAhead {
+        step: step.clone(),
+        measurement: measurement.clone(),
+        components: components.iter().map(of_one).collect::<Result<_, LookAheadError>>()?,
+        noise,
+        share: noise_share(draws),
+        variances,
+    })
 }
 
 /// The draws of each step of a sequence that is as one of the model is.
@@ -153,7 +161,7 @@ fn draws_of_all<M: Linearise + ?Sized>(
 }
 
 /// The draws of a step: none where no time passes.
-fn draws_of(model: &dyn motes_models::equations::NoiseSpace, step: &Step<'_>) -> Vec<Draw> {
+pub(super) fn draws_of(model: &dyn motes_models::equations::NoiseSpace, step: &Step<'_>) -> Vec<Draw> {
     if step.index > 0 && step.sub_steps == 0 { Vec::new() } else { model.draws(step) }
 }
 

@@ -18,6 +18,8 @@ pub struct LookAheadBatch<'a, M: ?Sized> {
     pub(super) now: &'a StepAhead,
     /// The step after this one, if there is one.
     pub(super) next: Option<&'a StepAhead>,
+    /// Whether weights have `Z̃_t(x_{t−1})`, which is so where no potential before this one stood for it.
+    pub(super) is_alone: bool,
     pub(super) scratch: &'a mut LookAheadScratch,
 }
 
@@ -102,7 +104,7 @@ impl<M: Linearise + ?Sized> Conditional for LookAheadBatch<'_, M> {
         Transition::new(self.model, self.context).log_density(states, log_densities);
     }
 
-    /// Beside the ratio of densities the weights have `Z̃_{t+1}(x_t) / Z̃_t(x_{t−1})`, and at the start `Z̃_1(x_0)` alone.
+    /// Beside the ratio of densities the weights of a look-ahead filter have `Z̃_{t+1}(x_t) / Z̃_t(x_{t−1})`, and at the start `Z̃_1(x_0)` alone.
     fn sample_by_noise(
         &mut self,
         share: Option<f64>,
@@ -144,7 +146,7 @@ impl<M: Linearise + ?Sized> Conditional for LookAheadBatch<'_, M> {
             let numbers = Numbers { normals, is_from_prior: &is_from_prior, uniforms: &rest };
             let mut weight = self.draw_tile(guide, previous, numbers, expected, now);
             weigh_with_share(&mut weight.0, share);
-            if previous.is_some() {
+            if previous.is_some() && !self.is_alone {
                 weight = weight - expected;
             }
             if let Some(next) = self.next {

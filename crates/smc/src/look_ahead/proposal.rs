@@ -101,7 +101,7 @@ impl LookAhead {
 
     /// What potentials are about: `x̂_t` (`N`) of each step of the smoothed path, or the centre of the first quadratic of each.
     pub fn path(&self) -> impl Iterator<Item = &[f64]> {
-        self.steps.iter().map(|step| step.components[0].potential.reference.as_slice())
+        self.steps.iter().map(StepAhead::centre)
     }
 
     /// `log ψ_t` of a state (`N`), but for a constant; none past the last step.
@@ -162,7 +162,7 @@ impl<M: Linearise + ?Sized> Proposal<M> for LookAhead {
     ) -> Result<bool, ProposalError> {
         let (horizon, time) = (self.steps.len(), step.index);
         let ahead = self.steps.get(time).ok_or(ProposalError::PastHorizon { horizon, time })?;
-        ProposalError::unless_same("the state dimension N", ahead.width(), model.state_dim())?;
+        ProposalError::unless_same("the state dimension N", ahead.centre().len(), model.state_dim())?;
         if ahead.measurement != measurement || ahead.step.step() != *step {
             let reason = "it looks ahead of another step or measurement than this one".into();
             return Err(ProposalError::Measurement { time, reason });
@@ -183,7 +183,7 @@ impl<M: Linearise + ?Sized> Proposal<M> for LookAhead {
         match (self.at == Some(time), self.steps.get(time)) {
             (true, Some(now)) => {
                 let next = self.steps.get(time + 1);
-                Ok(LookAheadBatch { model, noise_space, context, now, next, scratch })
+                Ok(LookAheadBatch { model, noise_space, context, now, next, is_alone: false, scratch })
             }
             _ => Err(ProposalError::NotPrepared { time }),
         }

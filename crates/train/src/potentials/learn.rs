@@ -5,7 +5,7 @@ use std::sync::mpsc::sync_channel;
 use std::time::Instant;
 
 use motes_models::{OwnModel, Seed};
-use motes_proposals::{Parametric, SequenceBatch, SequencePotentials, Workspace};
+use motes_proposals::{LearnedPotentials, Parametric, SequenceBatch, Workspace};
 
 use super::settings::PotentialLearnConfig;
 use super::supply::{drawn, standards};
@@ -17,26 +17,34 @@ const VALIDATION: usize = 64;
 
 /// What came of learning.
 #[derive(Debug, Clone, PartialEq)]
-pub struct LearnedPotentials {
+pub struct PotentialHistory {
     /// Steps that were taken.
     pub steps: usize,
-    /// The gain on validation sequences after so many steps, in nats for a step of a sequence.
-    pub validation: Vec<(usize, f64)>,
+    /// The gains on validation sequences after so many steps, in nats for a step of a sequence: of potentials that see all measurements, and of those that see that of their step.
+    pub validation: Vec<(usize, [f64; 2])>,
     /// How long it took.
     pub seconds: f64,
 }
 
-impl LearnedPotentials {
-    /// The gain of the weights that were kept.
-    pub fn best_gain(&self) -> f64 {
-        self.validation.iter().map(|(_, gain)| *gain).fold(f64::NEG_INFINITY, f64::max)
+impl PotentialHistory {
+    /// The gains of the weights that were kept.
+    pub fn best_gains(&self) -> [f64; 2] {
+        let best = self.validation.iter().max_by(|(_, a), (_, b)| sum(*a).total_cmp(&sum(*b)));
+        best.map_or([f64::NAN; 2], |(_, gains)| *gains)
     }
+}
+
+/// By what weights are chosen.
+fn sum([ahead, now]: [f64; 2]) -> f64 {
+    ahead + now
 }
 
 /// Learns potentials of any sequence of `model` from sequences that it draws for itself, by maximising the mean of `log ψ_t(x_t) − log Z_t(x_{t−1})`: the inclusive Kullback–Leibler
 /// divergence from the model's own path, given all measurements, but for its sign and a constant.
 ///
-/// The weights with the best gain on validation sequences are kept. A step whose gain or gradient is not finite ends learning. The same seed gives the same weights, unless there is a
+/// Potentials that see the measurement of their step alone are learned from the same sequences, by networks of their own.
+///
+/// The weights with the best sum of gains on validation sequences are kept. A step whose gain or gradient is not finite ends learning. The same seed gives the same weights, unless there is a
 /// budget in seconds. `observe` is shown each step with the last figure of validation, and ends learning by breaking.
 ///
 /// # Errors
@@ -44,22 +52,22 @@ impl LearnedPotentials {
 /// - [`TrainError::Model`] for a model that cannot be simulated.
 /// - [`TrainError::Networks`] if the networks fail.
 pub fn learn_potentials<M: OwnModel + ?Sized>(
-    potentials: &mut SequencePotentials,
+    potentials: &mut LearnedPotentials,
     model: &M,
     config: &PotentialLearnConfig,
     seed: &Seed,
     mut observe: impl FnMut(usize, f64) -> ControlFlow<()>,
-) -> Result<LearnedPotentials, TrainError> {
+) -> Result<PotentialHistory, TrainError> {
     config.check()?;
     let mut adam = Adam::new(&config.adam)?;
     let started = Instant::now();
     potentials.set_standards(&standards(model, STANDARDISING, config, &seed.child("standards"))?)?;
     let units = potentials.standards();
     let held_out = drawn(model, VALIDATION, config, &units, &seed.child("validation"))?;
-    let mut last = potentials.gain(&held_out)?;
-    let mut learned = LearnedPotentials { steps: 0, validation: vec![(0, last)], seconds: 0.0 };
-    let mut best = (last, potentials.parameters().values().clone());
-    let mut memory = [0, 1, 2].map(|_| Workspace::new(potentials.parameters()));
+    let mut last = potentials.gains(&held_out)?;
+    let mut learned = PotentialHistory { steps: 0, validation: vec![(0, last)], seconds: 0.0 };
+    let mut best = (sum(last), potentials.parameters().values().clone());
+    let mut memory = [0, 1, 2, 3].map(|_| Workspace::new(potentials.parameters()));
     std::thread::scope(|scope| -> Result<(), TrainError> {
         // One batch is used while the next is simulated.
         let (sender, supplies) = sync_channel::<Result<SequenceBatch, TrainError>>(1);
@@ -76,10 +84,10 @@ pub fn learn_potentials<M: OwnModel + ?Sized>(
                 break;
             }
             let Ok(batch) = supplies.recv() else { break };
-            let (gain, found) = potentials.differentiate_gain(&batch?, memory)?;
+            let (gains, found) = potentials.differentiate_gains(&batch?, memory)?;
             memory = found;
             let norm = memory.iter_mut().map(|part| part.gradients().norm().powi(2)).sum::<f64>().sqrt();
-            if !gain.is_finite() || !norm.is_finite() {
+            if !sum(gains).is_finite() || !norm.is_finite() {
                 break;
             }
             adam.set_learning_rate(config.adam.learning_rate * Schedule::Cosine.share(progress));
@@ -91,13 +99,13 @@ pub fn learn_potentials<M: OwnModel + ?Sized>(
             }
             learned.steps = step + 1;
             if (step + 1) % config.validate_every == 0 || step + 1 == config.steps {
-                last = potentials.gain(&held_out)?;
+                last = potentials.gains(&held_out)?;
                 learned.validation.push((step + 1, last));
-                if last > best.0 {
-                    best = (last, potentials.parameters().values().clone());
+                if sum(last) > best.0 {
+                    best = (sum(last), potentials.parameters().values().clone());
                 }
             }
-            if observe(step, last).is_break() {
+            if observe(step, sum(last)).is_break() {
                 break;
             }
         }

@@ -4,5 +4,5 @@ mod learn;
 mod settings;
 mod supply;
 
-pub use learn::{LearnedPotentials, learn_potentials};
+pub use learn::{PotentialHistory, learn_potentials};
 pub use settings::PotentialLearnConfig;

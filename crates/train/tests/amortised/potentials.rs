@@ -4,23 +4,23 @@ use std::ops::ControlFlow;
 
 use motes_models::equations::Equations;
 use motes_models::{ModelShape, Seed, Step, StepRecord, simulate};
-use motes_proposals::{Backend, Family, Parametric, SequencePotentials, SequencePotentialsConfig};
+use motes_proposals::{Backend, Family, LearnedPotentials, LearnedPotentialsConfig, Parametric};
 use motes_smc::{Bootstrap, FilterBank, FilterSettings, LookAhead, LookAheadError, Proposal, RecordedStep};
-use motes_train::{LearnedPotentials, PotentialLearnConfig, TrainError, learn_potentials};
+use motes_train::{PotentialHistory, PotentialLearnConfig, TrainError, learn_potentials};
 
 use crate::models::{Growth, Linear};
 
-fn untrained<M: Equations>(model: &M) -> SequencePotentials {
-    let config = SequencePotentialsConfig { hidden: 16, components: 2 };
+fn untrained<M: Equations>(model: &M) -> LearnedPotentials {
+    let config = LearnedPotentialsConfig { hidden: 16, components: 2 };
     let shape = ModelShape::of(model);
-    SequencePotentials::create(&config, &shape, 0, Backend::Native.into(), &Seed::from_u64(1)).unwrap()
+    LearnedPotentials::create(&config, &shape, 0, Backend::Native.into(), &Seed::from_u64(1)).unwrap()
 }
 
 fn few(steps: usize) -> PotentialLearnConfig {
     PotentialLearnConfig { steps, horizon: 50, validate_every: 50, ..PotentialLearnConfig::new() }
 }
 
-fn learned<M: Equations>(model: &M, steps: usize) -> (SequencePotentials, LearnedPotentials) {
+fn learned<M: Equations>(model: &M, steps: usize) -> (LearnedPotentials, PotentialHistory) {
     let mut potentials = untrained(model);
     let seed = Seed::from_u64(2);
     let found =
@@ -72,7 +72,7 @@ fn log_mean(logs: &[f64]) -> (f64, f64) {
 #[test]
 fn with_two_modes_they_have_a_hundredth_of_the_variance_of_bootstrap() {
     let (potentials, found) = learned(&Growth, 400);
-    assert!(found.best_gain() > found.validation[0].1 + 0.5, "{:?}", found.validation);
+    assert!(found.best_gains()[0] > found.validation[0].1[0] + 0.5, "{:?}", found.validation);
     // Longer than those that were learned from, with gaps.
     for number in 0..3 {
         let rows = rows(&Growth, 100, number, number == 1);

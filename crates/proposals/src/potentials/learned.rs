@@ -1,28 +1,34 @@
 //! The potentials of a whole sequence by networks: their weights, and how they are made.
 
-use motes_models::{ModelShape, OwnModel, Seed};
-use motes_networks::{Compute, Parameters, Workspace};
-use motes_smc::{LookAhead, LookAheadError, ProposalError, RecordedStep};
+use std::sync::Arc;
 
-use super::config::SequencePotentialsConfig;
+use motes_models::equations::NoiseSpace;
+use motes_models::{ModelShape, OwnModel, Seed, Step};
+use motes_networks::{Compute, Inference, Parameters, Workspace};
+use motes_smc::{ByPotential, LookAhead, LookAheadError, PotentialComponent, ProposalError, RecordedStep};
+
+use super::config::LearnedPotentialsConfig;
 use super::decoded::Layout;
 use super::features::{SequenceBatch, StepFeatures, count};
 use super::networks::PotentialNetworks;
+use super::on_line::{OnLineMemory, OnLinePotentials};
 use super::standards::PotentialStandards;
-use super::tape::{Sizes, differentiate, gain, outputs};
+use super::tape::{Sizes, differentiate, gain, outputs, read};
 use crate::family::{Family, Parametric};
 use crate::settings::{check_compute, check_shape, check_weights, check_widths, of_networks};
 
-/// Potentials `ψ_t(x) = Σ_j w_j ψ_j(x) + w_0` of each step of a recorded sequence, learned once for any sequence of a model.
+/// Potentials `ψ_t(x) = Σ_j w_j ψ_j(x) + w_0` of the steps of any sequence of a model, learned once: `J` Gaussian functions of the state and a constant, which networks emit once for each
+/// step, whatever the number of particles.
 ///
-/// A recurrent layer runs from the first step on and one from the last step back, over the measurements, which of them are missing, and where the model moves the middle of all states at
-/// each step, so that times and inputs are seen. A network reads both and emits `J` Gaussian functions of the state and a constant. They are evaluated once for each step, whatever the
-/// number of particles. [`SequencePotentials::look_ahead`] makes a proposal of them, whose evidence is unbiased whatever the weights are.
+/// - **Ahead**, of a recorded sequence ([`LearnedPotentials::look_ahead`]): a recurrent layer runs from the first step on and one from the last step back, over the measurements, which of
+///   them are missing, and where the model moves the middle of all states at each step, so that times and inputs are seen. A network reads both.
+/// - **Now**, of a step when its measurement is there ([`LearnedPotentials::on_line`]): a network sees the same of this step alone.
 ///
-/// They are learned from simulated sequences alone: the mean of `log ψ_t(x_t) − log Z_t(x_{t−1})` is the log-density of the proposal against that of the transition.
+/// The evidence is unbiased whatever the weights are. They are learned from simulated sequences alone: the mean of `log ψ_t(x_t) − log Z_t(x_{t−1})` is the log-density of the proposal
+/// against that of the transition.
 #[derive(Clone)]
-pub struct SequencePotentials {
-    config: SequencePotentialsConfig,
+pub struct LearnedPotentials {
+    config: LearnedPotentialsConfig,
     state_dim: usize,
     measurement_dim: usize,
     networks: PotentialNetworks,
@@ -32,7 +38,7 @@ pub struct SequencePotentials {
 /// The matrices that are no weights, after all others: middles and spreads of measurements and states.
 const STANDARDS: usize = 4;
 
-impl SequencePotentials {
+impl LearnedPotentials {
     fn layout(&self) -> Layout {
         Layout { n: self.state_dim, components: self.config.components }
     }
@@ -87,33 +93,61 @@ impl SequencePotentials {
         LookAhead::from_potentials(model, recorded, &potentials)
     }
 
-    /// The mean of `log ψ_t(x_t) − log Z_t(x_{t−1})` over a batch, in nats: by how much their proposal finds what was drawn more likely than the transition does.
+    /// The proposal of a filter that takes measurements as they come; it shares the weights.
+    pub fn on_line(self: &Arc<Self>) -> ByPotential<OnLinePotentials> {
+        ByPotential::new(OnLinePotentials::new(Arc::clone(self)))
+    }
+
+    /// The quadratics of a step by its own measurement; `memory` is worked in.
+    pub(super) fn components_now(
+        &self,
+        noise_space: &dyn NoiseSpace,
+        step: &Step<'_>,
+        measurement: &[Option<f64>],
+        standards: &PotentialStandards,
+        memory: &mut OnLineMemory,
+    ) -> Result<Vec<PotentialComponent>, ProposalError> {
+        let OnLineMemory { of_step, features, inference } = memory;
+        features.clear();
+        of_step.of_recorded(noise_space, step, measurement, standards, features);
+        let (sizes, layout) = (self.sizes(1, 1), self.layout());
+        let mut outputs = vec![0.0; layout.outputs()];
+        read(&self.networks.now, &self.parameters, sizes.of_features(features), inference, &mut outputs)
+            .map_err(of_networks)?;
+        Ok(layout.components(&outputs, &standards.state))
+    }
+
+    /// The means of `log ψ_t(x_t) − log Z_t(x_{t−1})` over a batch, ahead and now, in nats: by how much their proposals find what was drawn more likely than the transition does.
     ///
     /// # Errors
     /// [`ProposalError`] if the networks fail.
-    pub fn gain(&self, batch: &SequenceBatch) -> Result<f64, ProposalError> {
+    pub fn gains(&self, batch: &SequenceBatch) -> Result<[f64; 2], ProposalError> {
         let (sizes, layout) = (self.sizes(batch.steps, batch.sequences), self.layout());
-        let outputs = outputs(&self.networks, &self.parameters, sizes, layout, &batch.features);
-        let outputs = outputs.map_err(of_networks)?;
-        Ok(gain(batch, layout, &outputs, &mut vec![0.0; outputs.len()]))
+        let ahead = outputs(&self.networks, &self.parameters, sizes, layout, &batch.features);
+        let ahead = ahead.map_err(of_networks)?;
+        let mut now = ahead.clone();
+        let inputs = sizes.of_features(&batch.features);
+        read(&self.networks.now, &self.parameters, inputs, &mut Inference::default(), &mut now)
+            .map_err(of_networks)?;
+        Ok([ahead, now].map(|outputs| gain(batch, layout, &outputs, &mut vec![0.0; outputs.len()])))
     }
 
-    /// The gain, and its derivatives along the weights, turned round: in three parts of the networks, each in memory of its own.
+    /// The gains, and the derivatives of their sum along the weights, turned round: in four parts of the networks, each in memory of its own.
     ///
     /// # Errors
-    /// As [`SequencePotentials::gain`].
-    pub fn differentiate_gain(
+    /// As [`LearnedPotentials::gains`].
+    pub fn differentiate_gains(
         &self,
         batch: &SequenceBatch,
-        memory: [Workspace; 3],
-    ) -> Result<(f64, [Workspace; 3]), ProposalError> {
+        memory: [Workspace; 4],
+    ) -> Result<([f64; 2], [Workspace; 4]), ProposalError> {
         let sizes = self.sizes(batch.steps, batch.sequences);
         differentiate(&self.networks, &self.parameters, batch, self.layout(), sizes, memory)
             .map_err(of_networks)
     }
 }
 
-impl Parametric for SequencePotentials {
+impl Parametric for LearnedPotentials {
     fn parameters(&self) -> &Parameters {
         &self.parameters
     }
@@ -135,14 +169,14 @@ impl Parametric for SequencePotentials {
     }
 }
 
-impl Family for SequencePotentials {
-    const NAME: &'static str = "sequence-potentials";
+impl Family for LearnedPotentials {
+    const NAME: &'static str = "potentials";
     const FILES: [&'static str; 2] = ["potentials.toml", "potentials.safetensors"];
-    type Config = SequencePotentialsConfig;
+    type Config = LearnedPotentialsConfig;
 
     /// It has no use for `horizon`.
     fn create(
-        config: &SequencePotentialsConfig,
+        config: &LearnedPotentialsConfig,
         shape: &ModelShape,
         _horizon: usize,
         compute: Compute,
@@ -160,7 +194,7 @@ impl Family for SequencePotentials {
             parameters.add(format!("{name}.middles"), [1, width], &vec![0.0; width]);
             parameters.add(format!("{name}.spreads"), [1, width], &vec![1.0; width]);
         }
-        Ok(SequencePotentials {
+        Ok(LearnedPotentials {
             config: config.clone(),
             state_dim: n,
             measurement_dim: m,
@@ -169,14 +203,14 @@ impl Family for SequencePotentials {
         })
     }
 
-    fn count(config: &SequencePotentialsConfig, shape: &ModelShape, _horizon: usize) -> Option<usize> {
+    fn count(config: &LearnedPotentialsConfig, shape: &ModelShape, _horizon: usize) -> Option<usize> {
         let &ModelShape { state_dim: n, measurement_dim: m, .. } = shape;
         let layout = Layout { n, components: config.components };
         let standards = n.checked_add(m)?.checked_mul(2)?;
         PotentialNetworks::count(count(n, m), config.hidden, layout)?.checked_add(standards)
     }
 
-    fn config(&self) -> &SequencePotentialsConfig {
+    fn config(&self) -> &LearnedPotentialsConfig {
         &self.config
     }
 }

@@ -1,0 +1,53 @@
+//! Potentials of steps as their measurements arrive.
+
+use std::fmt;
+use std::sync::Arc;
+
+use motes_models::{OwnModel, Step};
+use motes_networks::Inference;
+use motes_smc::{PotentialComponent, ProposalError, StepPotentials};
+
+use super::features::StepFeatures;
+use super::learned::LearnedPotentials;
+use super::standards::PotentialStandards;
+
+/// What a step is computed in.
+#[derive(Default, Clone)]
+pub(super) struct OnLineMemory {
+    pub(super) of_step: StepFeatures,
+    pub(super) features: Vec<f64>,
+    pub(super) inference: Inference,
+}
+
+/// Learned potentials as a filter takes them on-line.
+#[derive(Clone)]
+pub struct OnLinePotentials {
+    potentials: Arc<LearnedPotentials>,
+    standards: PotentialStandards,
+    memory: OnLineMemory,
+}
+
+impl OnLinePotentials {
+    pub(super) fn new(potentials: Arc<LearnedPotentials>) -> Self {
+        let standards = potentials.standards();
+        OnLinePotentials { potentials, standards, memory: OnLineMemory::default() }
+    }
+}
+
+impl fmt::Debug for OnLinePotentials {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.debug_struct("OnLinePotentials").finish_non_exhaustive()
+    }
+}
+
+impl<M: OwnModel + ?Sized> StepPotentials<M> for OnLinePotentials {
+    fn components(
+        &mut self,
+        model: &M,
+        step: &Step<'_>,
+        measurement: &[Option<f64>],
+    ) -> Result<Vec<PotentialComponent>, ProposalError> {
+        let noise_space = model.noise_space().ok_or(ProposalError::NoDensity)?;
+        self.potentials.components_now(noise_space, step, measurement, &self.standards, &mut self.memory)
+    }
+}
