@@ -360,7 +360,10 @@ pub(crate) fn filter_of<'m>(
         (Kind::Learnable(learnable), ProposalName::Bootstrap) => boxed(learnable, Bootstrap, options, start),
         (Kind::Learnable(learnable), ProposalName::Learned(learned)) => {
             learned.check(learnable).map_err(|error| learned.refused(&error))?;
-            boxed(learnable, learned.proposal().clone(), options, start)
+            match learned.on_line() {
+                Some(potentials) => boxed(learnable, potentials, options, start),
+                None => boxed(learnable, learned.proposal().clone(), options, start),
+            }
         }
         (Kind::Learnable(_), ProposalName::LookAhead) => refused(
             "look-ahead",

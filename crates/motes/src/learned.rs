@@ -6,14 +6,15 @@ use std::sync::Arc;
 
 use motes_models::{ModelShape, Seed};
 use motes_proposals::{
-    Amortised, Backend, Fingerprint, LearnedPotentials, OtherSystem, SavedError, SavedFiles, holds, load,
-    load_to_tune, notes, save, save_both,
+    Amortised, Backend, Fingerprint, LearnedPotentials, OnLinePotentials, OtherSystem, SavedError,
+    SavedFiles, holds, load, load_to_tune, notes, save, save_both,
 };
-use motes_smc::{LookAhead, LookAheadError, RecordedStep};
+use motes_smc::{ByPotential, LookAhead, LookAheadError, RecordedStep};
 use serde::{Deserialize, Serialize};
 
 use crate::error::MotesError;
 use crate::evidence::EvidenceWorth;
+use crate::learning::{AHEAD, NETWORK, NOW};
 use crate::model::{Kind, LearnableModel, Model};
 use crate::packed::{pack, unpack};
 
@@ -32,7 +33,7 @@ pub struct LearnedProposal {
 /// Potentials of whole recorded sequences, which were learned beside a proposal.
 #[derive(Clone)]
 struct PotentialsWithNotes {
-    potentials: LearnedPotentials,
+    potentials: Arc<LearnedPotentials>,
     notes: PotentialNotes,
 }
 
@@ -47,17 +48,21 @@ pub struct PotentialNotes {
     pub gain: f64,
     /// The same of potentials that see the measurement of their step alone.
     pub gain_now: f64,
-    /// How well the evidence of recorded sequences is estimated with designed proposals and, last, with the potentials.
+    /// Whether filters draw by potentials of their step, instead of by a network for each particle.
+    pub filters: bool,
+    /// How well the evidence of simulated sequences is estimated with designed proposals, and with each that was learned.
     #[serde(default)]
     pub worth: Vec<EvidenceWorth>,
 }
 
 impl PotentialNotes {
-    /// The best designed proposal, and how many times its squared error times work is that of the potentials: above 1, learning pays.
+    /// The best designed proposal for recorded data, and how many times its squared error times work is that of the potentials: above 1, learning pays.
     pub fn advantage(&self) -> Option<(&str, f64)> {
-        let (learned, designed) = self.worth.split_last()?;
-        let best = designed.iter().min_by(|a, b| a.inefficiency().total_cmp(&b.inefficiency()))?;
-        Some((&best.proposal, best.inefficiency() / learned.inefficiency()))
+        let ahead = self.worth.iter().find(|worth| worth.proposal == AHEAD)?;
+        let designed =
+            self.worth.iter().filter(|worth| ![AHEAD, NOW, NETWORK].contains(&worth.proposal.as_str()));
+        let best = designed.min_by(|a, b| a.inefficiency().total_cmp(&b.inefficiency()))?;
+        Some((&best.proposal, best.inefficiency() / ahead.inefficiency()))
     }
 }
 
@@ -121,7 +126,31 @@ impl LearnedProposal {
 
     /// The same with potentials beside it.
     pub(crate) fn with_potentials(self, potentials: LearnedPotentials, notes: PotentialNotes) -> Self {
-        LearnedProposal { potentials: Some(Arc::new(PotentialsWithNotes { potentials, notes })), ..self }
+        LearnedProposal {
+            potentials: Some(Arc::new(PotentialsWithNotes { potentials: Arc::new(potentials), notes })),
+            ..self
+        }
+    }
+
+    /// The same without potentials.
+    pub(crate) fn without_potentials(self) -> Self {
+        LearnedProposal { potentials: None, ..self }
+    }
+
+    /// The same, by whose potentials filters draw, or do not.
+    pub(crate) fn filtering_by_potential(self, filters: bool) -> Self {
+        match self.potential_notes().cloned() {
+            Some(notes) => self.with_potential_notes(PotentialNotes { filters, ..notes }),
+            None => self,
+        }
+    }
+
+    /// The potentials by which a filter draws as measurements come, if it does.
+    pub(crate) fn on_line(&self) -> Option<ByPotential<OnLinePotentials>> {
+        self.potentials
+            .as_ref()
+            .filter(|learned| learned.notes.filters)
+            .map(|learned| learned.potentials.on_line())
     }
 
     /// Whether there are potentials for recorded data.
@@ -229,7 +258,7 @@ impl LearnedProposal {
         match self.potentials.as_deref() {
             None => save(folder, proposal, learnable, &shape, &*self.notes)?,
             Some(PotentialsWithNotes { potentials, notes }) => {
-                save_both(folder, (proposal, &*self.notes), (potentials, notes), learnable, &shape)?;
+                save_both(folder, (proposal, &*self.notes), (&**potentials, notes), learnable, &shape)?;
             }
         }
         Ok(())
@@ -246,7 +275,7 @@ impl LearnedProposal {
         let place = Path::new(IN_BYTES);
         let files = SavedFiles::of(&*self.proposal, learnable, &shape, &*self.notes, place)?;
         let of_potentials = |PotentialsWithNotes { potentials, notes }: &PotentialsWithNotes| {
-            SavedFiles::of(potentials, learnable, &shape, notes, place)
+            SavedFiles::of(&**potentials, learnable, &shape, notes, place)
         };
         let potentials = self.potentials.as_deref().map(of_potentials).transpose()?;
         pack(IN_BYTES, BYTES_VERSION, &NamedFiles { name: self.name.clone(), files, potentials })

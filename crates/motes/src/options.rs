@@ -133,7 +133,11 @@ impl FilterOptions {
 
     /// The share where none is given.
     fn default_share(&self) -> Option<f64> {
-        matches!(self.proposal, ProposalName::Learned(_)).then_some(DEFENSIVE_SHARE)
+        // A potential has a flat part of its own.
+        match &self.proposal {
+            ProposalName::Learned(learned) if learned.on_line().is_none() => Some(DEFENSIVE_SHARE),
+            _ => None,
+        }
     }
 
     /// Whether anything is predicted after the last measurement.

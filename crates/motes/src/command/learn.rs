@@ -143,10 +143,11 @@ fn of_potentials(notes: &PotentialNotes) -> String {
     let Some((designed, advantage)) = notes.advantage() else { return begin };
     let errors: Vec<String> =
         notes.worth.iter().map(|worth| format!("{} {:.3}", worth.proposal, worth.error)).collect();
+    let filters = if notes.filters { "potentials of their step" } else { "a network for each particle" };
     format!(
-        "{begin}; at equal work {} times the precision of {designed}; error of the log-evidence with 100 particles: {}",
+        "{begin}; at equal work {} times the precision of {designed}; filters draw by {filters}; error of the log-evidence with 100 particles: {}",
         number(advantage),
-        errors.join(", ")
+        errors.join("; ")
     )
 }
 

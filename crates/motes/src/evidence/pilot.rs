@@ -66,6 +66,9 @@ const SMOOTHER: f64 = 100.0;
 /// The work of networks that emit potentials, for each time step.
 const NETWORKS: f64 = 130.0;
 
+/// The work of a potential on-line: of its network for each time step, and of a particle.
+pub(crate) const ON_LINE: [f64; 2] = [60.0, 4.0];
+
 /// What potentials cost at a step, however few particles there are, in those of a bootstrap filter: about, and the same on any machine.
 pub(crate) fn fixed_cost(proposal: &ProposalName, model: &Model) -> f64 {
     match proposal {

@@ -10,7 +10,7 @@ use motes_train::{LearnObjective, PotentialLearnConfig, TrainError, learn_potent
 use super::options::LearnOptions;
 use crate::data::Data;
 use crate::error::MotesError;
-use crate::evidence::{candidates, judged};
+use crate::evidence::{Contender, EvidenceWorth, ON_LINE, candidates, cost, fixed_cost, judged};
 use crate::learned::{LearnedProposal, PotentialNotes, shape_of};
 use crate::model::{LearnableModel, Model};
 use crate::options::ProposalName;
@@ -61,10 +61,18 @@ pub(super) fn potentials(
             let learned = learned?;
             let [gain, gain_now] = learned.best_gains();
             let (updates, seconds) = (learned.steps, learned.seconds);
-            Ok(Some((potentials, PotentialNotes { updates, seconds, gain, gain_now, worth: vec![] })))
+            Ok(Some((
+                potentials,
+                PotentialNotes { updates, seconds, gain, gain_now, filters: false, worth: vec![] },
+            )))
         }
     }
 }
+
+/// What is learned, as it is judged: a network for each particle, potentials of a step alone, and potentials of whole sequences.
+pub(crate) const NETWORK: &str = "learned, per particle";
+pub(crate) const NOW: &str = "learned, now";
+pub(crate) const AHEAD: &str = "learned, ahead";
 
 /// Sequences by which potentials are judged.
 const SEQUENCES: usize = 20;
@@ -99,8 +107,28 @@ pub(super) fn judge(
         recorded
     };
     let sequences = (0..drawn.series.len()).map(recorded).collect();
-    let mut proposals = candidates(model);
-    proposals.push(ProposalName::Learned(learned.clone()));
-    let worth = judged(model, &proposals, sequences, &seed.child("runs"), proceed)?;
-    Ok(learned.with_potential_notes(PotentialNotes { worth, ..notes }))
+    let of_designed = |proposal: ProposalName| Contender {
+        name: proposal.to_string(),
+        looks_ahead: true,
+        work: [fixed_cost(&proposal, model), cost(&proposal)],
+        proposal,
+    };
+    let mut contenders: Vec<Contender> = candidates(model).into_iter().map(of_designed).collect();
+    let by = |name: &str, learned: LearnedProposal, looks_ahead: bool, work: [f64; 2]| Contender {
+        name: name.into(),
+        proposal: ProposalName::Learned(learned),
+        looks_ahead,
+        work,
+    };
+    let (ahead, network) = (ProposalName::Learned(learned.clone()), learned.clone().without_potentials());
+    let of_network = [0.0, cost(&ProposalName::Learned(network.clone()))];
+    contenders.push(by(NETWORK, network, false, of_network));
+    contenders.push(by(NOW, learned.clone().filtering_by_potential(true), false, ON_LINE));
+    contenders.push(by(AHEAD, learned.clone(), true, [fixed_cost(&ahead, model), cost(&ahead)]));
+    let worth = judged(model, &contenders, sequences, &seed.child("runs"), proceed)?;
+    let of = |name: &str| worth.iter().find(|worth| worth.proposal == name).map(EvidenceWorth::inefficiency);
+    let filters = of(NOW) < of(NETWORK);
+    let learned = learned.filtering_by_potential(filters);
+    let notes = PotentialNotes { worth, filters, ..notes };
+    Ok(learned.with_potential_notes(notes))
 }

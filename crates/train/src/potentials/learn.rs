@@ -39,6 +39,11 @@ fn sum([ahead, now]: [f64; 2]) -> f64 {
     ahead + now
 }
 
+/// The Euclidean norm of gradients in several parts.
+fn norm(parts: &mut [&mut Workspace]) -> f64 {
+    parts.iter_mut().map(|part| part.gradients().norm().powi(2)).sum::<f64>().sqrt()
+}
+
 /// Learns potentials of any sequence of `model` from sequences that it draws for itself, by maximising the mean of `log ψ_t(x_t) − log Z_t(x_{t−1})`: the inclusive Kullback–Leibler
 /// divergence from the model's own path, given all measurements, but for its sign and a constant.
 ///
@@ -86,12 +91,15 @@ pub fn learn_potentials<M: OwnModel + ?Sized>(
             let Ok(batch) = supplies.recv() else { break };
             let (gains, found) = potentials.differentiate_gains(&batch?, memory)?;
             memory = found;
-            let norm = memory.iter_mut().map(|part| part.gradients().norm().powi(2)).sum::<f64>().sqrt();
-            if !sum(gains).is_finite() || !norm.is_finite() {
+            // What sees all measurements and what sees those of a step share no weight.
+            let [forwards, backwards, reader, now] = &mut memory;
+            let norms = [norm(&mut [forwards, backwards, reader]), norm(&mut [now])];
+            if !sum(gains).is_finite() || !sum(norms).is_finite() {
                 break;
             }
             adam.set_learning_rate(config.adam.learning_rate * Schedule::Cosine.share(progress));
-            for part in &mut memory {
+            for (number, part) in memory.iter_mut().enumerate() {
+                let norm = norms[usize::from(number == 3)];
                 if norm > config.clip_norm {
                     part.gradients().scale(config.clip_norm / norm);
                 }
