@@ -36,6 +36,13 @@ impl Proposal {
         self.0.notes().seconds
     }
 
+    /// The root-mean-square error of the log-evidence of simulated sequences with 100 particles, and the work of a time step, of each that was judged.
+    #[getter]
+    fn evidence_errors(&self) -> Vec<(String, f64, f64)> {
+        let worth = self.0.potential_notes().map(|notes| notes.worth.as_slice()).unwrap_or_default();
+        worth.iter().map(|worth| (worth.proposal.clone(), worth.error, worth.work)).collect()
+    }
+
     /// The designed proposal that did better on validation sequences, if one did.
     #[getter]
     fn worse_than(&self) -> Option<&str> {
