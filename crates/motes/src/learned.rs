@@ -16,6 +16,7 @@ use crate::error::MotesError;
 use crate::evidence::EvidenceWorth;
 use crate::learning::{AHEAD, NETWORK, NOW};
 use crate::model::{Kind, LearnableModel, Model};
+use crate::options::ProposalName;
 use crate::packed::{pack, unpack};
 
 /// A proposal that was learned for a model; copies share it.
@@ -143,6 +144,14 @@ impl LearnedProposal {
             Some(notes) => self.with_potential_notes(PotentialNotes { filters, ..notes }),
             None => self,
         }
+    }
+
+    /// Whether the designed potentials did better on simulated sequences, so that recorded data are better looked at by these.
+    pub(crate) fn hands_out_look_ahead(&self) -> bool {
+        let advantage = self.potential_notes().and_then(PotentialNotes::advantage);
+        advantage.is_some_and(|(designed, advantage)| {
+            advantage < 1.0 && designed == ProposalName::LookAhead.as_str()
+        })
     }
 
     /// The potentials by which a filter draws as measurements come, if it does.

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use motes::output::{Output, card_json, card_text};
 use motes::train::Learned;
 use motes::{
-    CompareOptions, LearnOutcome, LearnedProposal, MotesError, PotentialNotes, compare, learn, of_starts,
-    on_threads,
+    CompareOptions, LearnOutcome, LearnedProposal, MotesError, PotentialNotes, ProposalName, compare, learn,
+    of_starts, on_threads,
 };
 use motes_cli::{Interrupt, status};
 
@@ -127,9 +127,12 @@ fn said(proposal: &LearnedProposal, history: &Learned, seconds: f64) -> (Vec<Str
     if let Some((designed, advantage)) = proposal.potential_notes().and_then(PotentialNotes::advantage)
         && advantage < 1.0
     {
-        warnings.push(format!(
-            "the evidence of recorded data has less error by {designed} at equal work; take --proposal {designed} for motes evidence"
-        ));
+        warnings.push(match designed == ProposalName::LookAhead.as_str() {
+            true => "potentials by a smoother have less error at equal work; motes evidence and motes smooth take those of --proposal look-ahead with this folder".into(),
+            false => format!(
+                "the evidence of recorded data has less error by {designed} at equal work; take --proposal {designed} for motes evidence"
+            ),
+        });
     }
     (notes, warnings)
 }

@@ -40,6 +40,10 @@ impl Candidate {
         model: &Model,
         sequences: &[Sequence],
     ) -> Result<Self, MotesError> {
+        let proposal = match proposal {
+            ProposalName::Learned(learned) if learned.hands_out_look_ahead() => ProposalName::LookAhead,
+            proposal => proposal,
+        };
         let ahead = sequences
             .iter()
             .map(|sequence| sequence.look_ahead(&proposal, model))

@@ -15,6 +15,9 @@ use crate::{Adam, Schedule, TrainError};
 const STANDARDISING: usize = 64;
 const VALIDATION: usize = 64;
 
+/// The gain, in nats for a step, that learning comes to within its patience or ends.
+const LEAST_GAIN: f64 = 0.01;
+
 /// What came of learning.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PotentialHistory {
@@ -113,7 +116,8 @@ pub fn learn_potentials<M: OwnModel + ?Sized>(
                     best = (sum(last), potentials.parameters().values().clone());
                 }
             }
-            if observe(step, sum(last)).is_break() {
+            let has_failed = step + 1 >= config.patience && best.0 < LEAST_GAIN;
+            if has_failed || observe(step, sum(last)).is_break() {
                 break;
             }
         }

@@ -21,6 +21,8 @@ pub struct PotentialLearnConfig {
     pub clip_norm: f64,
     /// How many steps lie between two looks at validation.
     pub validate_every: usize,
+    /// Learning ends where after so many steps the gains have not come to more than a hundredth of a nat: there is nothing to learn, or it is too hard.
+    pub patience: usize,
     /// Learning ends after so many seconds, whatever its steps; the number of steps then depends on the machine.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seconds: Option<f64>,
@@ -37,6 +39,7 @@ impl PotentialLearnConfig {
             adam: AdamConfig { learning_rate: 5e-3, ..AdamConfig::paper() },
             clip_norm: 1.0,
             validate_every: 100,
+            patience: 300,
             seconds: None,
         }
     }
