@@ -5,7 +5,7 @@ use std::process::{Command, ExitCode};
 use std::time::Instant;
 
 use crate::process::{built, cargo, run};
-use crate::{python, slurm};
+use crate::{docs, python, slurm};
 
 /// burn's backends, which tests hold ours against.
 const WITH_BURN: [&str; 2] = ["--features", "burn"];
@@ -63,6 +63,7 @@ fn thorough(root: &Path) -> Result<(), ExitCode> {
         cargo(root, &[&properties[..], &WITH_BURN].concat(), &[("PROPTEST_CASES", MANY_CASES)])
     })?;
     step("crates built from their packages", || package(root, &[]))?;
+    step("pages and their site", || docs::check(root))?;
     step("graphics processors", || graphics(root))?;
     step("sweeps on a real Slurm", || slurm::check(root))
 }
