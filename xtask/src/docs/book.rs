@@ -26,7 +26,7 @@ pub(super) fn assemble(
     write(&folder.join("book.toml"), read(&root.join("docs/book.toml"))?.as_bytes())?;
     let contents = Page { file: CONTENTS.into(), place: "SUMMARY.md".into() };
     for page in pages.all.iter().chain([&contents]) {
-        let text = read(&root.join(&page.file))?;
+        let text = with_files(root, &read(&root.join(&page.file))?)?;
         let text =
             markdown::rewrite_links(&text, &mut |link| led(root, &sources, pages, page, repository, link))?;
         write(&sources.join(&page.place), text.replace(HELP, help).as_bytes())?;
