@@ -11,9 +11,6 @@ use super::snippets::Python;
 use super::transcript::{self, is_as_shown};
 use super::{read, write};
 
-/// How pages that come before the installation call the command.
-const BUILT_ON_THE_WAY: &str = "cargo run --release -p motes --";
-
 /// What is run; installations and long runs are not.
 const PROGRAMS: [&str; 4] = ["motes", "python3", "cut", "grep"];
 
@@ -72,13 +69,13 @@ impl<'a> Run<'a> {
             written.extend(lines[from..block.lines.start].iter().map(|line| line.to_string()));
             from = block.lines.end;
             for mut command in transcript::commands(content) {
-                if let Some(line) = self.line(&command.line) {
-                    let Some(printed) = self.run(&line)? else {
+                if command.line.split(' ').next().is_some_and(|program| PROGRAMS.contains(&program)) {
+                    let Some(printed) = self.run(&command.line)? else {
                         println!("docs: the rest of {} is left out: {} failed", self.page, command.line);
                         return Ok(());
                     };
                     self.compare(&mut command, &printed)?;
-                    report = report_of(&line).map(|name| self.folder.join(name)).or(report);
+                    report = report_of(&command.line).map(|name| self.folder.join(name)).or(report);
                     count += 1;
                 }
                 written.push(format!("$ {}", command.line));
@@ -98,14 +95,6 @@ impl<'a> Run<'a> {
             println!("docs: {} ran in {:.0} s", self.page, start.elapsed().as_secs_f64());
         }
         Ok(())
-    }
-
-    /// The command as it is run, if it is one that is.
-    fn line(&self, shown: &str) -> Option<String> {
-        if let Some(rest) = shown.strip_prefix(BUILT_ON_THE_WAY) {
-            return Some(format!("motes{rest}"));
-        }
-        PROGRAMS.contains(&shown.split(' ').next()?).then(|| shown.to_string())
     }
 
     /// What a command prints; nothing where data cannot be fetched, as without a network.
