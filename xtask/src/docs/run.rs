@@ -172,3 +172,46 @@ fn copy(from: &Path, to: &Path) -> std::io::Result<()> {
     }
     Ok(())
 }
+
+#[cfg(all(test, unix))]
+mod tests {
+    use std::os::unix::fs::PermissionsExt;
+    use std::path::Path;
+
+    use super::pages;
+
+    const REPORT: &str = "<svg><text>level</text></svg>";
+
+    /// A project of one page, and a command that writes a report and prints what it was asked for.
+    fn project(folder: &Path) -> std::path::PathBuf {
+        let write = |name: &str, text: &str| super::write(&folder.join(name), text.as_bytes()).unwrap();
+        write("docs/SUMMARY.md", "- [A](a.md)\n");
+        write("examples/a.toml", "");
+        write("experiments/models/b.toml", "");
+        write("docs/a.svg", REPORT);
+        write(
+            "docs/a.md",
+            "# A\n\n```console\n$ motes a --report r.html\na\n$ cargo xtask ci\n```\n![a](a.svg \"level\")\n",
+        );
+        write("bin/motes", &format!("#!/bin/sh\necho \"$1\"\nls examples >&2\necho '{REPORT}' >r.html\n"));
+        let motes = folder.join("bin/motes");
+        std::fs::set_permissions(&motes, std::fs::Permissions::from_mode(0o755)).unwrap();
+        motes
+    }
+
+    #[test]
+    fn a_page_is_held_against_what_its_commands_print() {
+        let folder = tempfile::tempdir().unwrap();
+        let motes = project(folder.path());
+        let run = |update: bool| pages(folder.path(), &motes, &[], update);
+        let error = run(false).unwrap_err();
+        let place = "docs/a.md: motes a --report r.html\nis said to print\na\nand prints\na\na.toml\n";
+        assert_eq!(error, place);
+        run(true).unwrap();
+        let page = std::fs::read_to_string(folder.path().join("docs/a.md")).unwrap();
+        assert!(page.contains("r.html\na\na.toml\n$ cargo xtask ci\n```\n![a]"), "{page}");
+        run(false).unwrap();
+        std::fs::write(folder.path().join("docs/a.svg"), "another").unwrap();
+        assert!(run(false).unwrap_err().contains("another picture"));
+    }
+}
