@@ -5,7 +5,7 @@ use std::process::Command;
 use std::time::Instant;
 
 use super::blocks::blocks;
-use super::pages::{Pages, resolve};
+use super::pages::{CONTENTS, Pages, resolve};
 use super::pictures::{figure, pictures};
 use super::snippets::Python;
 use super::transcript::{self, is_as_shown};
@@ -23,7 +23,11 @@ pub(super) fn pages(root: &Path, motes: &Path, only: &[String], update: bool) ->
     if python.is_none() {
         println!("docs: Python code is left out: cargo xtask python has not built the package here");
     }
-    for page in &Pages::read(root)?.all {
+    let all = Pages::read(root)?.all;
+    if let Some(unknown) = only.iter().find(|name| !all.iter().any(|page| page.file == **name)) {
+        return Err(format!("{unknown} is no page; {CONTENTS} names them"));
+    }
+    for page in &all {
         if only.is_empty() || only.contains(&page.file) {
             Run::new(root, motes, &page.file, update)?.page(python.as_ref())?;
         }
@@ -157,7 +161,7 @@ impl<'a> Run<'a> {
 
 /// The report that a command writes.
 fn report_of(line: &str) -> Option<&str> {
-    line.split_once("--report ")?.1.split(' ').next()
+    line.split_once("--report ")?.1.split_whitespace().next()
 }
 
 fn copy(from: &Path, to: &Path) -> std::io::Result<()> {

@@ -1,6 +1,6 @@
 //! What a page shows of a terminal: commands, and what they print.
 
-/// A command, and the lines below it.
+/// A command, which may go on after a backslash at the end of a line, and the lines below it.
 #[derive(Debug, PartialEq)]
 pub(super) struct Command {
     pub(super) line: String,
@@ -13,6 +13,9 @@ pub(super) fn commands(lines: &[&str]) -> Vec<Command> {
     for line in lines {
         match (line.strip_prefix("$ "), commands.last_mut()) {
             (Some(line), _) => commands.push(Command { line: line.into(), prints: vec![] }),
+            (None, Some(command)) if command.line.ends_with('\\') && command.prints.is_empty() => {
+                command.line += &format!("\n{line}");
+            }
             (None, Some(command)) => command.prints.push((*line).into()),
             (None, None) => {}
         }
@@ -48,12 +51,12 @@ mod tests {
 
     #[test]
     fn commands_have_what_they_print() {
-        let found = commands(&["$ motes a", "one", "two", "$ motes b"]);
+        let found = commands(&["$ motes a", "one", "two", "$ motes \\", "  b"]);
         let command = |line: &str, prints: &[&str]| Command {
             line: line.into(),
             prints: prints.iter().map(|line| line.to_string()).collect(),
         };
-        assert_eq!(found, [command("motes a", &["one", "two"]), command("motes b", &[])]);
+        assert_eq!(found, [command("motes a", &["one", "two"]), command("motes \\\n  b", &[])]);
     }
 
     #[test]
