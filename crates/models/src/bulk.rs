@@ -190,9 +190,9 @@ mod tests {
     }
 
     /// Everything that a distribution is made of.
-    struct Mixed;
+    struct PosteriorEstimates;
 
-    impl Transform for Mixed {
+    impl Transform for PosteriorEstimates {
         #[inline(always)]
         fn pairs<const L: usize>(a: &[u64; L], b: &[u64; L], x: &mut [f64; L], y: &mut [f64; L]) {
             for i in 0..L {
@@ -208,8 +208,8 @@ mod tests {
             let (mut narrow, mut wide) = (vec![0.0; count], vec![0.0; count]);
             let mut streams = [Stream::from_seed([5; 32]), Stream::from_seed([5; 32])];
             let [first, second] = &mut streams;
-            fill::<Mixed>(first, &mut wide);
-            let op = Fill::<Mixed> { stream: second, out: &mut narrow, transform: PhantomData };
+            fill::<PosteriorEstimates>(first, &mut wide);
+            let op = Fill::<PosteriorEstimates> { stream: second, out: &mut narrow, transform: PhantomData };
             pulp::Scalar::new().vectorize(op);
             assert_eq!(narrow, wide);
         }

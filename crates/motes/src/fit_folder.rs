@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use motes_inference::Posterior;
 
 use crate::error::MotesError;
-use crate::fitting::{DRAWS, FitRecord, Fitted, MAXIMUM, Maximised, RECORD};
+use crate::fitting::{DRAWS, FitRecord, MAXIMUM, MaximumFit, PosteriorFit, RECORD};
 use crate::output::{Output, fit_draws, fit_json, maximum_json, maximum_table};
 use crate::packed::{pack, unpack};
 
@@ -86,7 +86,7 @@ impl FitFolder {
     ///
     /// # Errors
     /// [`MotesError::Output`] if it cannot be written.
-    pub fn finish(&self, fitted: &Fitted) -> Result<(), MotesError> {
+    pub fn finish(&self, fitted: &PosteriorFit) -> Result<(), MotesError> {
         self.write(&[(DRAWS, fit_draws(fitted)), (SUMMARY, fit_json(fitted, None))])
     }
 
@@ -94,7 +94,7 @@ impl FitFolder {
     ///
     /// # Errors
     /// [`MotesError::Output`] if it cannot be written.
-    pub fn finish_maximum(&self, found: &Maximised) -> Result<(), MotesError> {
+    pub fn finish_maximum(&self, found: &MaximumFit) -> Result<(), MotesError> {
         self.write(&[(MAXIMUM, maximum_table(found)), (SUMMARY, maximum_json(found, None))])
     }
 

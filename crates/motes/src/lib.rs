@@ -79,13 +79,13 @@ pub use filtered::Filtered;
 pub use filtering::{filter, of_proposal};
 pub use fit_folder::FitFolder;
 pub use fitting::{
-    FitOptions, FitProgress, FitRecord, Fitted, FittedChain, FittedDraws, FreeParameters, Maximised,
-    MaximisedParameter, fit, fit_from, maximise,
+    FitOptions, FitParameters, FitProgress, FitRecord, FreeParameters, MaximumFit, MaximumParameter,
+    PosteriorChain, PosteriorFit, fit, fit_from, maximise,
 };
 pub use forecasting::rows_ahead;
 pub use learned::{LearnedProposal, Notes};
 pub use learning::{LearnOptions, LearnOutcome, base_named, head_named, learn, network_named};
-pub use mixture::{Mixed, filter_draws, smooth_draws};
+pub use mixture::{PosteriorEstimates, filter_draws, smooth_draws};
 pub use model::{LearnableModel, Model};
 pub use names::{FileInput, ModelNames};
 pub use options::{DEFENSIVE_SHARE, FilterOptions, ProposalName};

@@ -11,7 +11,7 @@ use motes_models::{
 
 use crate::data::Data;
 use crate::error::MotesError;
-use crate::fitting::FittedDraws;
+use crate::fitting::FitParameters;
 use crate::model::{Kind, Model};
 use crate::priors;
 use crate::simulation_failure::SimulationFailure;
@@ -130,7 +130,7 @@ pub fn simulate_along(
 /// As [`simulate_from_priors`].
 pub fn simulate_from_draws(
     model: &Model,
-    draws: &FittedDraws,
+    draws: &FitParameters,
     inputs: Option<&Data>,
     steps: usize,
     series: usize,
@@ -148,7 +148,7 @@ enum Parameters<'a> {
     /// Those that have a prior are drawn from it.
     Prior,
     /// They are draws of a fit.
-    Posterior(&'a FittedDraws),
+    Posterior(&'a FitParameters),
 }
 
 fn plans_along(data: &Data, series: usize) -> Vec<Plan<'_>> {

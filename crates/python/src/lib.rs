@@ -12,13 +12,13 @@ mod estimates;
 mod evidence;
 mod file;
 mod filtered;
-mod fitted;
 mod functions;
 mod inputs;
 mod learned;
 mod model;
 mod online;
 mod options;
+mod posterior_fit;
 mod simulated;
 mod work;
 
@@ -38,8 +38,6 @@ mod _motes {
     #[pymodule_export]
     use crate::filtered::Filtered;
     #[pymodule_export]
-    use crate::fitted::{Fitted, fit, with_parameters};
-    #[pymodule_export]
     use crate::inputs::{columns_of_inputs, inputs_of_table, open_inputs};
     #[pymodule_export]
     use crate::learned::Proposal;
@@ -49,6 +47,8 @@ mod _motes {
     use crate::online::Online;
     #[pymodule_export]
     use crate::options::FilterOptions;
+    #[pymodule_export]
+    use crate::posterior_fit::{PosteriorFit, fit, with_parameters};
 
     use pyo3::prelude::*;
 

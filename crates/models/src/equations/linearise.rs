@@ -114,7 +114,7 @@ impl<const E: usize> Coordinates<Varied<E>> for Scores<'_> {
 }
 
 /// What [`Linearise::tile_scores`] asks for.
-struct Asked<'a, M> {
+struct ScoreQuery<'a, M> {
     model: &'a M,
     step: &'a Step<'a>,
     states: &'a [Lanes],
@@ -124,10 +124,10 @@ struct Asked<'a, M> {
     jacobian: &'a mut [Lanes],
 }
 
-impl<M: Equations> Asked<'_, M> {
+impl<M: Equations> ScoreQuery<'_, M> {
     /// Finds it along `E − 1` coordinates at a time.
     fn along<const E: usize>(&mut self) {
-        let Asked { model, step, states, measurement, slopes, information, jacobian } = self;
+        let ScoreQuery { model, step, states, measurement, slopes, information, jacobian } = self;
         let n = states.len();
         step.lift(|step| {
             with_scalars::<Varied<E>, _>(n, |point| {
@@ -194,7 +194,7 @@ impl<E: Equations> Linearise for E {
         information: &mut [f64],
         jacobian: &mut [f64],
     ) {
-        let mut asked = Asked {
+        let mut asked = ScoreQuery {
             model: self,
             step: &step.end(self.inputs().len()),
             states: rows_of(states),

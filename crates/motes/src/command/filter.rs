@@ -12,7 +12,7 @@ use super::args::FilterArgs;
 use super::failure::Failure;
 use super::filter_page::page;
 use super::fitted_args::Parametrised;
-use super::mixture::{self, Asked};
+use super::mixture::{self, MixtureRequest};
 use super::progress::Progress;
 use super::say::{say_ignored, warn, write};
 use super::stream;
@@ -45,7 +45,7 @@ pub(super) fn run(args: &FilterArgs, interrupt: &Interrupt) -> Result<u8, Failur
     let data = Data::open(&args.data, &model)?;
     say_ignored(&data.columns, args.model.quiet);
     if let Parametrised::Draws(draws) = &parametrised {
-        let asked = Asked {
+        let asked = MixtureRequest {
             model: &model,
             draws,
             data: &data,

@@ -7,7 +7,7 @@ use motes::output::{
     maximum_text,
 };
 use motes::{
-    Data, FitFolder, FitOptions, FitProgress, FitRecord, Fitted, Model, MotesError, fit_from, maximise,
+    Data, FitFolder, FitOptions, FitProgress, FitRecord, Model, MotesError, PosteriorFit, fit_from, maximise,
     on_threads,
 };
 use motes_cli::{Interrupt, status};
@@ -84,7 +84,12 @@ fn posterior(
 }
 
 /// The report of a posterior.
-fn page(args: &FitArgs, model: &Model, options: &FitOptions, fitted: &Fitted) -> Result<String, MotesError> {
+fn page(
+    args: &FitArgs,
+    model: &Model,
+    options: &FitOptions,
+    fitted: &PosteriorFit,
+) -> Result<String, MotesError> {
     let mut settings = vec![
         ("model".to_string(), args.model.model.display().to_string()),
         ("data".into(), args.data.display().to_string()),

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use motes::{FittedDraws, Model, MotesError};
+use motes::{FitParameters, Model, MotesError};
 
 /// Which of the parameters that were found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -34,14 +34,14 @@ pub(super) enum Parametrised {
     /// Those of the file, or the mean of a fit.
     Model(Model),
     /// Draws of a fit.
-    Draws(FittedDraws),
+    Draws(FitParameters),
 }
 
 impl FittedArgs {
     /// The model with the parameters that are asked for.
     pub(super) fn of(&self, model: &Model) -> Result<Parametrised, MotesError> {
         let Some(folder) = &self.parameters else { return Ok(Parametrised::Model(model.clone())) };
-        let draws = FittedDraws::load(folder, model)?;
+        let draws = FitParameters::load(folder, model)?;
         let refused = |reason: &str| MotesError::Fit {
             folder: folder.display().to_string(),
             reason: reason.to_string(),
@@ -60,6 +60,6 @@ impl FittedArgs {
 }
 
 /// The models of some draws, evenly spread over all.
-pub(super) fn spread(draws: &FittedDraws, model: &Model) -> Result<Vec<Model>, MotesError> {
+pub(super) fn spread(draws: &FitParameters, model: &Model) -> Result<Vec<Model>, MotesError> {
     draws.spread(model, DRAWS.min(draws.len()))
 }

@@ -4,8 +4,8 @@ use std::time::Instant;
 
 use motes::output::{EstimateTable, Output, Report, mixture_json, report};
 use motes::{
-    Data, FilterOptions, FittedDraws, Mixed, Model, ModelNames, MotesError, filter_draws, on_threads,
-    smooth_draws,
+    Data, FilterOptions, FitParameters, Model, ModelNames, MotesError, PosteriorEstimates, filter_draws,
+    on_threads, smooth_draws,
 };
 use motes_cli::{Interrupt, status};
 
@@ -18,9 +18,9 @@ use super::say::{warn, write};
 use super::summary::command_line;
 
 /// What is asked for.
-pub(super) struct Asked<'a> {
+pub(super) struct MixtureRequest<'a> {
     pub(super) model: &'a Model,
-    pub(super) draws: &'a FittedDraws,
+    pub(super) draws: &'a FitParameters,
     pub(super) data: &'a Data,
     pub(super) options: &'a FilterOptions,
     pub(super) args: &'a ModelArgs,
@@ -33,7 +33,7 @@ pub(super) struct Asked<'a> {
 const PARTS: usize = 10_000;
 
 /// Filters, or smooths, at draws of the posterior, and writes what they say.
-pub(super) fn run(asked: &Asked<'_>, interrupt: &Interrupt) -> Result<u8, Failure> {
+pub(super) fn run(asked: &MixtureRequest<'_>, interrupt: &Interrupt) -> Result<u8, Failure> {
     let models = spread(asked.draws, asked.model)?;
     let start = Instant::now();
     let mixed = mixed(asked, &models, interrupt)?;
@@ -62,8 +62,12 @@ pub(super) fn run(asked: &Asked<'_>, interrupt: &Interrupt) -> Result<u8, Failur
     Ok(warn(&mixed.warnings, asked.args.quiet, asked.output.strict))
 }
 
-fn mixed(asked: &Asked<'_>, models: &[Model], interrupt: &Interrupt) -> Result<Mixed, MotesError> {
-    let Asked { data, options, args, .. } = asked;
+fn mixed(
+    asked: &MixtureRequest<'_>,
+    models: &[Model],
+    interrupt: &Interrupt,
+) -> Result<PosteriorEstimates, MotesError> {
+    let MixtureRequest { data, options, args, .. } = asked;
     let mut progress = Progress::new(PARTS, args.quiet);
     let mixed = match asked.paths {
         None => {
@@ -81,7 +85,7 @@ fn mixed(asked: &Asked<'_>, models: &[Model], interrupt: &Interrupt) -> Result<M
     mixed?
 }
 
-fn page(asked: &Asked<'_>, mixed: &Mixed) -> Result<String, MotesError> {
+fn page(asked: &MixtureRequest<'_>, mixed: &PosteriorEstimates) -> Result<String, MotesError> {
     let warnings: Vec<String> = mixed.warnings.iter().map(ToString::to_string).collect();
     let title =
         if asked.paths.is_some() { "Smoother over the posterior" } else { "Filter over the posterior" };

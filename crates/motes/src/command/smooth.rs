@@ -10,7 +10,7 @@ use super::args::SmoothArgs;
 use super::failure::Failure;
 use super::fitted_args::Parametrised;
 use super::input;
-use super::mixture::{self, Asked};
+use super::mixture::{self, MixtureRequest};
 use super::progress::Progress;
 use super::say::{say_ignored, warn, write};
 use super::summary::{command_line, in_one_line};
@@ -30,7 +30,7 @@ pub(super) fn run(args: &SmoothArgs, interrupt: &Interrupt) -> Result<u8, Failur
     let data = input::data(&args.data, &model, interrupt)?;
     say_ignored(&data.columns, args.model.quiet);
     if let Parametrised::Draws(draws) = &parametrised {
-        let asked = Asked {
+        let asked = MixtureRequest {
             model: &model,
             draws,
             data: &data,

@@ -19,7 +19,7 @@ pub(crate) const OF_MAXIMUM: [&str; 4] = ["parameter", "estimate", "low", "high"
 
 /// The draws of the parameters of a model.
 #[derive(Debug, Clone, PartialEq)]
-pub struct FittedDraws {
+pub struct FitParameters {
     /// The names of the `D` parameters.
     pub names: Vec<String>,
     /// The values (`D`) of each draw, all chains one after the other.
@@ -30,7 +30,7 @@ pub struct FittedDraws {
     pub is_maximum: bool,
 }
 
-impl FittedDraws {
+impl FitParameters {
     /// Those in a folder of a fit.
     ///
     /// # Errors
@@ -63,7 +63,7 @@ impl FittedDraws {
             true => maximum(&text, &wrong)?,
             false => draws(&text, &wrong)?,
         };
-        Ok(FittedDraws { names, values, set: record.set.into_iter().collect(), is_maximum })
+        Ok(FitParameters { names, values, set: record.set.into_iter().collect(), is_maximum })
     }
 
     /// Parameters by their names: those of a draw, and those that were given.

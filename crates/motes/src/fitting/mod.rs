@@ -1,20 +1,20 @@
 //! Parameters from data.
 
 mod draws;
-mod fitted;
 mod free;
 mod likelihood;
-mod maximised;
+mod maximum_fit;
 mod options;
+mod posterior_fit;
 mod record;
 mod run;
 mod trust;
 
-pub use draws::FittedDraws;
+pub use draws::FitParameters;
 pub(crate) use draws::{DRAWS, MAXIMUM, OF_DRAW, OF_MAXIMUM, RECORD};
-pub use fitted::{Fitted, FittedChain};
 pub use free::FreeParameters;
-pub use maximised::{Maximised, MaximisedParameter, maximise};
+pub use maximum_fit::{MaximumFit, MaximumParameter, maximise};
 pub use options::FitOptions;
+pub use posterior_fit::{PosteriorChain, PosteriorFit};
 pub use record::FitRecord;
 pub use run::{FitProgress, fit, fit_from};

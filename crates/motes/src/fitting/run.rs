@@ -8,10 +8,10 @@ use motes_inference::{
 };
 use motes_models::Seed;
 
-use super::fitted::{Fitted, FittedChain};
 use super::free::FreeParameters;
 use super::likelihood::ModelLikelihood;
 use super::options::FitOptions;
+use super::posterior_fit::{PosteriorChain, PosteriorFit};
 use super::trust;
 use crate::data::Data;
 use crate::engine::Running;
@@ -71,7 +71,7 @@ pub fn fit(
     options: &FitOptions,
     proceed: &(dyn Fn() -> ControlFlow<()> + Sync),
     observe: &mut dyn FnMut(FitProgress<'_>) -> Result<(), MotesError>,
-) -> Result<Fitted, MotesError> {
+) -> Result<PosteriorFit, MotesError> {
     fit_from(model, data, options, None, proceed, observe)
 }
 
@@ -86,7 +86,7 @@ pub fn fit_from(
     before: Option<Posterior>,
     proceed: &(dyn Fn() -> ControlFlow<()> + Sync),
     observe: &mut dyn FnMut(FitProgress<'_>) -> Result<(), MotesError>,
-) -> Result<Fitted, MotesError> {
+) -> Result<PosteriorFit, MotesError> {
     let free = FreeParameters::of(model)?;
     let likelihood = ModelLikelihood::new(model, data, &free, options, proceed);
     check(model, data, options)?;
@@ -146,11 +146,11 @@ fn fitted(
     free: &FreeParameters,
     likelihood: &ModelLikelihood<'_>,
     seed: u64,
-) -> Result<Fitted, MotesError> {
+) -> Result<PosteriorFit, MotesError> {
     let (names, d) = (free.names(), free.len());
     let mut chains = Vec::with_capacity(posterior.chains());
     for chain in 0..posterior.chains() {
-        let mut of_chain = FittedChain::default();
+        let mut of_chain = PosteriorChain::default();
         for (v, log_evidence) in posterior.draws(chain) {
             of_chain.values.extend(free.at(v));
             of_chain.log_evidence.push(log_evidence);
@@ -158,7 +158,7 @@ fn fitted(
         chains.push(of_chain);
     }
     let estimator = posterior.estimator();
-    let mut found = Fitted {
+    let mut found = PosteriorFit {
         names,
         chains,
         parameters: Vec::new(),

@@ -18,7 +18,7 @@ use crate::warning::Warning;
 
 /// States given data alone, parameters drawn from their posterior.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Mixed {
+pub struct PosteriorEstimates {
     /// The estimate of each row of the data, in their order; it has no effective sample size and no evidence.
     pub estimates: Vec<Estimate>,
     /// What is predicted after the last measurement of each series.
@@ -48,7 +48,7 @@ struct DrawEstimates {
     warnings: Vec<Warning>,
 }
 
-/// Filters `data` with the model at each draw ([`FittedDraws::spread`](crate::FittedDraws::spread)), and mixes what they say: `p(x_t | y_{0:t})` with parameters
+/// Filters `data` with the model at each draw ([`FitParameters::spread`](crate::FitParameters::spread)), and mixes what they say: `p(x_t | y_{0:t})` with parameters
 /// drawn from `p(θ | y_{0:T−1})`, all of the data that were fitted. `proceed` is asked after each row, with how many rows of all draws are done.
 ///
 /// # Errors
@@ -58,7 +58,7 @@ pub fn filter_draws(
     data: &Data,
     options: &FilterOptions,
     proceed: &(dyn Fn(usize) -> ControlFlow<()> + Sync),
-) -> Result<Mixed, MotesError> {
+) -> Result<PosteriorEstimates, MotesError> {
     let done = AtomicUsize::new(0);
     let proceed = || proceed(done.fetch_add(1, Ordering::Relaxed) + 1);
     let all = of_all(draws, 0, &|number, model| at_draw(model, number, data, options, &proceed));
@@ -84,7 +84,7 @@ pub fn filter_draws(
         };
         first.iter().enumerate().map(forecast).collect()
     };
-    Ok(Mixed {
+    Ok(PosteriorEstimates {
         estimates: estimates.collect(),
         forecasts: (0..data.series.len()).map(ahead).collect(),
         draws: draws.len(),

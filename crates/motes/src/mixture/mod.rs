@@ -4,5 +4,5 @@ mod filter;
 mod smooth;
 mod values;
 
-pub use filter::{Mixed, filter_draws};
+pub use filter::{PosteriorEstimates, filter_draws};
 pub use smooth::smooth_draws;

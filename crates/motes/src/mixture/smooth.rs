@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use super::filter::Mixed;
+use super::filter::PosteriorEstimates;
 use super::values::{AtDraw, mixed};
 use crate::data::Data;
 use crate::error::MotesError;
@@ -22,7 +22,7 @@ pub fn smooth_draws(
     options: &FilterOptions,
     paths: usize,
     mut proceed: impl FnMut(f64) -> ControlFlow<()>,
-) -> Result<Mixed, MotesError> {
+) -> Result<PosteriorEstimates, MotesError> {
     let each = paths.div_ceil(draws.len().max(1));
     let n = draws.first().map_or(0, |model| model.states().len());
     let mut rows: Vec<Vec<AtDraw>> = Vec::new();
@@ -59,7 +59,7 @@ pub fn smooth_draws(
         Estimate::of_state(row.iter().map(coordinate).collect())
     };
     let estimates = rows.iter().map(estimate).collect();
-    Ok(Mixed { estimates, forecasts: vec![], draws: draws.len(), warnings })
+    Ok(PosteriorEstimates { estimates, forecasts: vec![], draws: draws.len(), warnings })
 }
 
 /// Warnings of smoothers that are passed on.

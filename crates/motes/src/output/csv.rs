@@ -6,7 +6,7 @@ use super::number::text;
 use crate::data::{Columns, Data, Row};
 use crate::estimate::{Coordinate, Estimate, OF_COORDINATE, OF_MEASUREMENT, OF_WEIGHTS};
 use crate::filtered::Filtered;
-use crate::mixture::Mixed;
+use crate::mixture::PosteriorEstimates;
 use crate::model::Model;
 use crate::names::ModelNames;
 use crate::simulating::Simulated;
@@ -124,7 +124,7 @@ impl EstimateTable {
     }
 
     /// The whole table over the posterior of parameters: rows in the order of the data, then what is predicted.
-    pub fn mixed(&self, data: &Data, mixed: &Mixed) -> String {
+    pub fn mixed(&self, data: &Data, mixed: &PosteriorEstimates) -> String {
         let mut table = self.smoothed(data, &mixed.estimates);
         for (series, forecasts) in mixed.forecasts.iter().enumerate() {
             for forecast in forecasts {

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::filtered::Filtered;
-use crate::mixture::Mixed;
+use crate::mixture::PosteriorEstimates;
 use crate::options::FilterOptions;
 
 #[derive(Serialize)]
@@ -49,7 +49,7 @@ struct MixtureObject {
 }
 
 /// The object of a filter or a smoother over the posterior of parameters, which has no log-evidence.
-pub fn mixture_json(mixed: &Mixed, options: &FilterOptions, seconds: f64) -> String {
+pub fn mixture_json(mixed: &PosteriorEstimates, options: &FilterOptions, seconds: f64) -> String {
     let object = MixtureObject {
         log_evidence: None,
         draws: mixed.draws,

@@ -7,7 +7,7 @@ use crate::common::{Workplace, stderr};
 use motes::inference::ParameterSummary;
 use motes::models::equations::Scalar;
 use motes::{
-    Data, FilterOptions, FitFolder, FitOptions, FitRecord, Fitted, FreeParameters, Model, MotesError,
+    Data, FilterOptions, FitFolder, FitOptions, FitRecord, FreeParameters, Model, MotesError, PosteriorFit,
     ProposalName, filter, filter_draws, fit, fit_from, log_evidence,
 };
 
@@ -37,7 +37,7 @@ fn never() -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
 
-fn fitted(model: &Model, data: &Data, options: &FitOptions) -> Fitted {
+fn fitted(model: &Model, data: &Data, options: &FitOptions) -> PosteriorFit {
     fit(model, data, options, &never, &mut |_| Ok(())).unwrap()
 }
 
@@ -77,7 +77,7 @@ fn moments(grid: &[(Model, Vec<f64>, f64)], at: usize) -> (f64, f64) {
     (mean, variance.sqrt())
 }
 
-fn agrees(fitted: &Fitted, grid: &[(Model, Vec<f64>, f64)], log_marginal: f64) {
+fn agrees(fitted: &PosteriorFit, grid: &[(Model, Vec<f64>, f64)], log_marginal: f64) {
     for (at, summary) in fitted.parameters.iter().enumerate() {
         let (mean, sd) = moments(grid, at);
         assert!(summary.rhat < 1.01, "{summary:?}");

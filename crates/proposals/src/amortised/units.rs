@@ -6,7 +6,7 @@ use motes_models::equations::triangle::{at, solve_lower, solve_upper, times_uppe
 use motes_models::equations::{Lanes, Linearise, NoiseSpace, Scalar, Transport};
 use motes_models::{LN_2PI, Step};
 
-use super::base::{Base, Said};
+use super::base::{Base, Site};
 use super::inputs::innovation;
 
 /// Memory of numbers lent as lanes.
@@ -139,7 +139,7 @@ impl<'a> Units<'a> {
                 for (j, found) in innovations.iter_mut().enumerate() {
                     *found = innovation(said[j], information[j], &jacobian[j * q..][..q]);
                 }
-                let said = Said { slopes: said, information, jacobian };
+                let said = Site { slopes: said, information, jacobian };
                 base.place(said, self.shift, self.lower, pull);
             },
         );

@@ -20,7 +20,7 @@ states and the evidence, and warns when neither can be trusted.
 from ._errors import MotesWarning
 from ._motes import __version__
 from .card import Card
-from .fitted import Fitted
+from .posterior_fit import PosteriorFit
 from . import distributions
 from .distributions import *
 from .functions import of_functions
@@ -33,7 +33,7 @@ __all__ = [
     "Card",
     "FilterSettings",
     "Filtered",
-    "Fitted",
+    "PosteriorFit",
     "Forecast",
     "Learned",
     "Model",

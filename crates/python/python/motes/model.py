@@ -15,7 +15,7 @@ from ._errors import warn
 from ._table import _numbers, _text, data_of, inputs_of
 from ._toml import text_of
 from .card import Card
-from .fitted import Fitted
+from .posterior_fit import PosteriorFit
 from .results import Filtered, Forecast, Smoothed, _whole
 
 if TYPE_CHECKING:
@@ -495,7 +495,7 @@ class Model:
         budget: float | None = None,
         seed: int = 1,
         threads: int | None = None,
-    ) -> Fitted:
+    ) -> PosteriorFit:
         """Draws from the posterior of the parameters that have a prior and no value, by particle Markov chain Monte Carlo.
 
         Starts, step sizes, the estimator of the likelihood and its number of particles are found. Chains go on until the R-hat of each
@@ -521,7 +521,7 @@ class Model:
             "seed": seed,
         }
         rows = data_of(self._model, data)
-        fitted = Fitted(_motes.fit(self._model, rows.found, arguments, threads), self)
+        fitted = PosteriorFit(_motes.fit(self._model, rows.found, arguments, threads), self)
         for text in fitted.warnings:
             warn(text)
         return fitted

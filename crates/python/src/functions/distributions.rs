@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyFloat, PyList, PyTuple};
 
 /// What was asked of a function.
-pub(super) struct Asked<'a> {
+pub(super) struct FunctionCall<'a> {
     pub(super) function: &'a str,
     pub(super) time: Option<usize>,
     /// The names of the coordinates whose distributions it is to return.
@@ -26,7 +26,7 @@ pub(super) struct Asked<'a> {
 /// Numbers that are larger have run away: to add 1 to them changes nothing.
 const LARGEST: f64 = (1_u64 << 53) as f64;
 
-impl Asked<'_> {
+impl FunctionCall<'_> {
     /// Whether a number that is out of range comes of a state that ran away in a simulation.
     fn overflows(&self, row: usize, value: f64) -> bool {
         let Some(rows) = self.may_overflow else { return false };
@@ -47,7 +47,7 @@ impl Asked<'_> {
 /// A list has one for each, with parameters of shape `()`, `(K,)` or `(K, 1)`. A single one has parameters that can be broadcast to `(K, N)`.
 pub(super) fn columns(
     py: Python<'_>,
-    asked: &Asked<'_>,
+    asked: &FunctionCall<'_>,
     found: &Bound<'_, PyAny>,
     slopes: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Vec<BatchDistribution>> {
@@ -97,7 +97,7 @@ enum Numbers {
 }
 
 impl Stated {
-    fn of(py: Python<'_>, asked: &Asked<'_>, found: &Bound<'_, PyAny>, name: &str) -> PyResult<Self> {
+    fn of(py: Python<'_>, asked: &FunctionCall<'_>, found: &Bound<'_, PyAny>, name: &str) -> PyResult<Self> {
         let of_name = found.getattr(intern!(py, "family")).and_then(|family| family.extract::<String>());
         let Some(family) = of_name.ok().and_then(|name| family(&name)) else {
             let kind = found.get_type().name()?;
@@ -130,7 +130,7 @@ impl Stated {
     /// That of coordinate `at` of `width` ones, with the derivatives of its parameters.
     fn coordinate(
         &self,
-        asked: &Asked<'_>,
+        asked: &FunctionCall<'_>,
         at: usize,
         width: usize,
         slopes: Option<&Stated>,
@@ -189,7 +189,7 @@ impl Stated {
     /// Refuses a parameter that is out of its range.
     fn check(
         &self,
-        asked: &Asked<'_>,
+        asked: &FunctionCall<'_>,
         column: &Column,
         what: &str,
         is_right: impl Fn(f64) -> bool,
@@ -202,7 +202,7 @@ impl Stated {
         Err(asked.refused(&format!("{what} of {}: {value}{at}; it must be {words}", self.name)))
     }
 
-    fn check_ends(&self, asked: &Asked<'_>, parameters: &[Column]) -> PyResult<()> {
+    fn check_ends(&self, asked: &FunctionCall<'_>, parameters: &[Column]) -> PyResult<()> {
         let [low, high] = parameters else { return Ok(()) };
         let of = |column: &Column, row: usize| *column.values().get(row).unwrap_or(&column.values()[0]);
         let rows = low.values().len().max(high.values().len());

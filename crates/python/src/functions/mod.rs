@@ -10,7 +10,7 @@ use motes::models::equations::{BatchDistribution, BatchEquations, Batched};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 
-use distributions::{Asked, columns};
+use distributions::{FunctionCall, columns};
 pub(crate) use failure::Failure;
 
 /// The functions of a model, with the names of its coordinates.
@@ -36,7 +36,7 @@ impl Functions {
         [transition, measurement]: [Py<PyAny>; 2],
         slopes: Option<[Py<PyAny>; 2]>,
     ) -> PyResult<Self> {
-        let asked = Asked {
+        let asked = FunctionCall {
             function: "initial",
             time: None,
             names: &states,
@@ -89,7 +89,7 @@ impl Called {
         }
         let Functions { states, measurements, transition, measurement, slopes, .. } = &*self.functions;
         let (particles, at) = (rows.len() / states.len(), function as usize);
-        let asked = Asked {
+        let asked = FunctionCall {
             function: ["transition", "measurement"][at],
             time: Some(time),
             names: [states, measurements][at],

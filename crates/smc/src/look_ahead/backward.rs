@@ -11,13 +11,13 @@ use super::recorded::RecordedStep;
 
 /// A path with its model linearised along it.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Linearised {
+pub(super) struct LinearisedPath {
     /// Of each step.
     pub(super) maps: Vec<LocalMap>,
     sites: Vec<LocalSite>,
 }
 
-impl Linearised {
+impl LinearisedPath {
     /// Linearises a model along a path.
     ///
     /// # Errors

@@ -11,7 +11,7 @@ use super::recorded::RecordedStep;
 pub(super) const SHARES: [f64; 8] = [1.0, 0.7, 0.4, 0.2, 0.1, 0.03, 0.003, 0.0];
 
 /// A path that was moved.
-pub(super) struct Rolled {
+pub(super) struct Rollout {
     /// The path, through which the model leads.
     pub(super) path: Path,
     /// `Σ_t log p(y_t | x_t) − ½ |v_t|²` along it; −∞ where no share leads to a number.
@@ -28,7 +28,7 @@ pub(super) fn roll<M: StateSpaceModel + ?Sized>(
     recorded: &[RecordedStep],
     path: &Path,
     policy: &Policy,
-) -> Result<Rolled, ModelError> {
+) -> Result<Rollout, ModelError> {
     const COUNT: usize = SHARES.len();
     let n = path.width;
     let most = path.starts.windows(2).map(|pair| pair[1] - pair[0]).max().unwrap_or(0);
@@ -76,5 +76,5 @@ pub(super) fn roll<M: StateSpaceModel + ?Sized>(
         starts: path.starts.clone(),
         width: n,
     };
-    Ok(Rolled { path, objective: value(best) })
+    Ok(Rollout { path, objective: value(best) })
 }

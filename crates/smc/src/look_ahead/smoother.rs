@@ -2,13 +2,13 @@
 
 use motes_models::StateSpaceModel;
 
-use super::backward::{Linearised, local};
+use super::backward::{LinearisedPath, local};
 use super::error::LookAheadError;
 use super::local::{Local, LocalMap};
 use super::path::{Path, Policy};
 use super::potential::Potential;
 use super::recorded::RecordedStep;
-use super::rollout::{Rolled, roll};
+use super::rollout::{Rollout, roll};
 use super::start::filtered_means;
 
 /// Iterations of one start at the most.
@@ -90,12 +90,12 @@ fn from_start<M: StateSpaceModel + ?Sized>(
             path = roll(model, noise_space, recorded, &path, &still)?.path;
         }
     }
-    let mut linearised = Linearised::default();
+    let mut linearised = LinearisedPath::default();
     let (mut objective, mut has_converged) = (f64::NEG_INFINITY, false);
     for _ in 0..MOST_ITERATIONS {
         linearised.along(&mut local, recorded, &path)?;
         let (_, policy) = linearised.potentials(&path)?;
-        let Rolled { path: moved, objective: found } = roll(model, noise_space, recorded, &path, &policy)?;
+        let Rollout { path: moved, objective: found } = roll(model, noise_space, recorded, &path, &policy)?;
         if found == f64::NEG_INFINITY {
             break;
         }

@@ -7,11 +7,11 @@ use motes_smc::RecordedStep;
 use crate::common::{evidence_of_runs, gaussian_evidence, moments, recorded};
 
 /// A position without noise of its own, moved by a velocity that is reduced by a half within a unit of time; the position is measured. Where it starts is known.
-struct Moved {
+struct DampedMotion {
     start_is_known: bool,
 }
 
-impl Equations for Moved {
+impl Equations for DampedMotion {
     fn dimensions(&self) -> [usize; 2] {
         [2, 1]
     }
@@ -82,7 +82,7 @@ fn a_coordinate_without_noise() {
         let mut rows = recorded((0..40).map(|t| Some((f64::from(t) * 0.4).sin())));
         rows[0].measurement[0] = None;
         rows[20].measurement[0] = None;
-        check(&Moved { start_is_known }, &rows);
+        check(&DampedMotion { start_is_known }, &rows);
     }
 }
 
@@ -99,6 +99,6 @@ fn irregular_times_and_sub_steps() {
         rows.push(RecordedStep { step: StepRecord::of(&step), measurement });
     }
     for start_is_known in [false, true] {
-        check(&Moved { start_is_known }, &rows);
+        check(&DampedMotion { start_is_known }, &rows);
     }
 }

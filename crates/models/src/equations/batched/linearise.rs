@@ -5,7 +5,7 @@ use super::super::linearise::{Linearise, moments_of_states};
 use super::super::tiles::rows_of_mut;
 use super::super::varied::{SIDE, Varied, put, side};
 use super::Batched;
-use super::memo::Asked;
+use super::memo::BatchQuery;
 use crate::batch::LANES;
 use crate::{StateSpaceModel, Step};
 
@@ -42,7 +42,7 @@ impl Linearise for Batched {
             let Some(y) = is_known(at) else { continue };
             let score = one.tile(first).score(y);
             (slopes[at], information[at]) = (score.slope, score.information);
-            if asked != Asked::Slopes {
+            if asked != BatchQuery::Slopes {
                 continue;
             }
             for lane in (0..LANES).step_by(SIDE) {

@@ -21,7 +21,7 @@ impl Owner {
 
 /// Which function was asked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Asked {
+pub(super) enum BatchQuery {
     Transition,
     Measurement,
     /// The measurement with derivatives.
@@ -70,7 +70,7 @@ thread_local! {
 /// The answer for these rows: the one that is known, or what `ask` says, which is then known. `is_block` says that tiles of these rows come next.
 pub(super) fn of_rows(
     owner: &Owner,
-    asked: Asked,
+    asked: BatchQuery,
     step: &Step<'_>,
     rows: &[f64],
     is_block: bool,
@@ -80,7 +80,7 @@ pub(super) fn of_rows(
         let memo = memos[asked as usize].as_mut();
         let memo = memo.filter(|memo| memo.is_of(owner, step) && are_same(&memo.rows, rows))?;
         // What was asked where no particle is, was not looked at closely.
-        if memo.is_block && !is_block && asked != Asked::Transition {
+        if memo.is_block && !is_block && asked != BatchQuery::Transition {
             return None;
         }
         memo.is_block |= is_block;
@@ -105,7 +105,7 @@ pub(super) fn of_rows(
 /// says of the tile's rows.
 pub(super) fn of_tile(
     owner: &Owner,
-    asked: Asked,
+    asked: BatchQuery,
     step: &Step<'_>,
     tile: &[f64],
     ask: impl FnOnce(&[f64]) -> Option<Vec<BatchDistribution>>,

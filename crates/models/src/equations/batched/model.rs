@@ -14,7 +14,7 @@ use super::super::tiles::{rows_of, rows_of_mut};
 use super::super::transport::centres_of;
 use super::Batched;
 use super::column::{BatchDistribution, draw_tile, push_tile};
-use super::memo::{self, Answer, Asked};
+use super::memo::{self, Answer, BatchQuery};
 use crate::batch::{LANES, Rows, load, store, with_scratch};
 use crate::marginal::by_draws;
 use crate::{Marginal, ModelError, Seed, Simulator, StateSpaceModel, Step, Stream, TransitionDensity};
@@ -26,20 +26,20 @@ impl Batched {
     /// Asks a function.
     fn ask(
         &self,
-        asked: Asked,
+        asked: BatchQuery,
         step: &Step<'_>,
         rows: &[f64],
         is_padded: bool,
     ) -> Option<Vec<BatchDistribution>> {
         match asked {
-            Asked::Transition => self.equations.transition(step, rows, is_padded),
-            Asked::Measurement => self.equations.measurement(step, rows, is_padded),
-            Asked::Slopes => self.equations.measurement_slopes(step, rows, is_padded),
+            BatchQuery::Transition => self.equations.transition(step, rows, is_padded),
+            BatchQuery::Measurement => self.equations.measurement(step, rows, is_padded),
+            BatchQuery::Slopes => self.equations.measurement_slopes(step, rows, is_padded),
         }
     }
 
     /// What is stated for each row of particles.
-    fn of_rows(&self, asked: Asked, step: &Step<'_>, rows: &[f64]) -> Answer {
+    fn of_rows(&self, asked: BatchQuery, step: &Step<'_>, rows: &[f64]) -> Answer {
         memo::of_rows(&self.owner, asked, step, rows, false, || self.ask(asked, step, rows, false))
     }
 
@@ -48,20 +48,20 @@ impl Batched {
         match previous {
             None => self.equations.initial().map(Rc::new),
             Some(previous) => {
-                previous.with_contiguous(|previous| self.of_rows(Asked::Transition, step, previous))
+                previous.with_contiguous(|previous| self.of_rows(BatchQuery::Transition, step, previous))
             }
         }
     }
 
     /// What is stated for the particles of a tile, and the number of the first of them.
-    pub(super) fn of_tile(&self, asked: Asked, step: &Step<'_>, tile: &[f64]) -> (Answer, usize) {
+    pub(super) fn of_tile(&self, asked: BatchQuery, step: &Step<'_>, tile: &[f64]) -> (Answer, usize) {
         // Nobody said that this tile would come, or how many of its lanes have a particle.
         memo::of_tile(&self.owner, asked, step, tile, |rows| self.ask(asked, step, rows, true))
     }
 
     /// What a measurement is scored by.
-    pub(super) fn scored_by(&self) -> Asked {
-        if self.equations.has_slopes() { Asked::Slopes } else { Asked::Measurement }
+    pub(super) fn scored_by(&self) -> BatchQuery {
+        if self.equations.has_slopes() { BatchQuery::Slopes } else { BatchQuery::Measurement }
     }
 }
 
@@ -116,7 +116,7 @@ impl StateSpaceModel for Batched {
         if out.is_empty() {
             return Ok(());
         }
-        let stated = self.of_rows(Asked::Measurement, step, states);
+        let stated = self.of_rows(BatchQuery::Measurement, step, states);
         weigh(stated.as_ref().map(|stated| &stated[..]), out, |stated, first| {
             let mut likelihood = Likelihood::of(measurement);
             push_tile(stated, first, &mut likelihood);
@@ -132,8 +132,8 @@ impl StateSpaceModel for Batched {
     fn foresee(&self, step: &Step<'_>, previous: Rows<'_>) {
         let n = self.state_dim();
         let stated = previous.with_contiguous(|rows| {
-            let ask = || self.ask(Asked::Transition, step, rows, false);
-            memo::of_rows(&self.owner, Asked::Transition, step, rows, true, ask)
+            let ask = || self.ask(BatchQuery::Transition, step, rows, false);
+            memo::of_rows(&self.owner, BatchQuery::Transition, step, rows, true, ask)
         });
         let Some(stated) = stated else { return };
         // Where the measurement will be looked at first.
@@ -178,7 +178,9 @@ impl Simulator for Batched {
         if out.is_empty() {
             return;
         }
-        let Some(stated) = self.of_rows(Asked::Measurement, step, states) else { return out.fill(f64::NAN) };
+        let Some(stated) = self.of_rows(BatchQuery::Measurement, step, states) else {
+            return out.fill(f64::NAN);
+        };
         let needs = needs_of_measurement(|counter| {
             stated.iter().for_each(|distribution| counter.push(distribution.first()))
         });
@@ -196,7 +198,7 @@ impl Simulator for Batched {
         out: &mut [Marginal],
     ) {
         by_draws(measurement, out, |drawn| self.sample_measurements(step, states, from_mut(stream), drawn));
-        let Some(stated) = self.of_rows(Asked::Measurement, step, states) else { return };
+        let Some(stated) = self.of_rows(BatchQuery::Measurement, step, states) else { return };
         for (row, out) in out.chunks_exact_mut(self.measurement_dim()).enumerate() {
             let mut marginals = Marginals::of(measurement, out);
             stated.iter().for_each(|distribution| marginals.push(distribution.row(row)));
@@ -231,7 +233,7 @@ impl TileStates for Batched {
     ) {
         let (stated, first) = match previous {
             None => (self.equations.initial().map(Rc::new), 0),
-            Some(previous) => self.of_tile(Asked::Transition, step, previous),
+            Some(previous) => self.of_tile(BatchQuery::Transition, step, previous),
         };
         if let Some(stated) = stated {
             draw_tile(&stated, first, draws, states);

@@ -3,7 +3,7 @@
 use super::guided::{Guide, GuidedDraws};
 use super::linearised::Linearisation;
 use super::scores::NoiseScores;
-use super::sites::SitesAsked;
+use super::sites::SiteQuery;
 use super::{Draw, NoiseSpace};
 use crate::batch::{LANES, by_widest_vectors};
 use crate::equations::advance::make_state;
@@ -150,7 +150,7 @@ impl<M: Equations> NoiseSpace for M {
         slopes: &mut [f64],
         roots: &mut [f64],
     ) {
-        let mut asked = SitesAsked {
+        let mut asked = SiteQuery {
             model: self,
             step: &step.end(self.inputs().len()),
             states: rows_of(states),

@@ -26,7 +26,7 @@ struct Sites<'a> {
 }
 
 /// What an entry says.
-struct Said<const E: usize> {
+struct EntryTerms<const E: usize> {
     density: Varied<E>,
     /// Whether the density has no derivatives to go by, as where its range alone depends on the state.
     is_flat: bool,
@@ -43,7 +43,7 @@ fn finite(value: Side) -> Side {
 impl Sites<'_> {
     /// Keeps what the next entry says.
     #[inline(always)]
-    fn keep<const E: usize>(&mut self, of: impl FnOnce(Varied<E>) -> Said<E>) {
+    fn keep<const E: usize>(&mut self, of: impl FnOnce(Varied<E>) -> EntryTerms<E>) {
         let (at, lane) = (self.at, self.lane);
         self.at += 1;
         let Some(entry) = self.measurement.get(at) else { return };
@@ -56,7 +56,7 @@ impl Sites<'_> {
             }
             return;
         };
-        let Said { density, is_flat, score, spread } = of(Varied::constant(side(y, lane)));
+        let EntryTerms { density, is_flat, score, spread } = of(Varied::constant(side(y, lane)));
         let information = finite(score.information.value()).max(zero).sqrt();
         let (log_scale, of_scale) = match spread {
             Some([log_scale, information]) => (log_scale, information.value().sqrt()),
@@ -82,7 +82,7 @@ impl Sites<'_> {
 impl<const E: usize> Coordinates<Varied<E>> for Sites<'_> {
     #[inline(always)]
     fn push(&mut self, distribution: Distribution<Varied<E>>) {
-        self.keep(|y| Said {
+        self.keep(|y| EntryTerms {
             density: distribution.log_density(y),
             is_flat: matches!(distribution, Distribution::Uniform(_)),
             score: distribution.score(y),
@@ -92,7 +92,7 @@ impl<const E: usize> Coordinates<Varied<E>> for Sites<'_> {
 
     #[inline(never)]
     fn push_wrapped(&mut self, wrapped: &Wrapped<'_, Varied<E>>) {
-        self.keep(|y| Said {
+        self.keep(|y| EntryTerms {
             density: wrapped.log_density(y),
             is_flat: false,
             score: wrapped.score(y),
@@ -114,7 +114,7 @@ impl<const E: usize> Coordinates<Varied<E>> for Sites<'_> {
 }
 
 /// What [`NoiseSpace::tile_sites`](super::NoiseSpace::tile_sites) is asked.
-pub(super) struct SitesAsked<'a, M> {
+pub(super) struct SiteQuery<'a, M> {
     pub(super) model: &'a M,
     /// The end of the step.
     pub(super) step: &'a Step<'a>,
@@ -125,10 +125,10 @@ pub(super) struct SitesAsked<'a, M> {
     pub(super) roots: &'a mut [Lanes],
 }
 
-impl<M: Equations> SitesAsked<'_, M> {
+impl<M: Equations> SiteQuery<'_, M> {
     /// Finds it along `E − 1` coordinates at a time.
     pub(super) fn along<const E: usize>(&mut self) {
-        let SitesAsked { model, step, states, measurement, particles, slopes, roots } = self;
+        let SiteQuery { model, step, states, measurement, particles, slopes, roots } = self;
         let n = states.len();
         let sides = (*particles).min(LANES).next_multiple_of(SIDE);
         step.lift(|step| {

@@ -1,11 +1,11 @@
 //! The draws of a fit as a table.
 
-use crate::fitting::{Fitted, OF_DRAW};
+use crate::fitting::{OF_DRAW, PosteriorFit};
 use crate::output::csv::line;
 use crate::output::number::text;
 
 /// A line for each draw: `chain`, `draw`, `log_evidence` and the parameters.
-pub fn fit_draws(fitted: &Fitted) -> String {
+pub fn fit_draws(fitted: &PosteriorFit) -> String {
     let header: Vec<String> =
         OF_DRAW.map(String::from).into_iter().chain(fitted.names.iter().cloned()).collect();
     let mut table = line(&header);

@@ -3,7 +3,7 @@
 use serde::Serialize;
 use serde_json::Value;
 
-use crate::fitting::Fitted;
+use crate::fitting::PosteriorFit;
 
 #[derive(Serialize)]
 struct FitObject<'a> {
@@ -25,7 +25,7 @@ struct FitObject<'a> {
 
 /// The object of a fit: each parameter with its figures, the log-likelihood at their means, the marginal likelihood, how it was found, warnings, and how long it took if that is
 /// said.
-pub fn fit_json(fitted: &Fitted, seconds: Option<f64>) -> String {
+pub fn fit_json(fitted: &PosteriorFit, seconds: Option<f64>) -> String {
     let of_parameter = |summary: &_| serde_json::to_value(summary).unwrap_or(Value::Null);
     let marginal = fitted.marginal_likelihood;
     let object = FitObject {

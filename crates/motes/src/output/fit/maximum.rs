@@ -4,13 +4,13 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 
 use super::text::digits;
-use crate::fitting::{Maximised, OF_MAXIMUM};
+use crate::fitting::{MaximumFit, OF_MAXIMUM};
 use crate::output::csv::line;
 use crate::output::number::text;
 use crate::output::table::{Table, markdown};
 
 /// A line for each parameter: `parameter`, `estimate`, `low`, `high`.
-pub fn maximum_table(found: &Maximised) -> String {
+pub fn maximum_table(found: &MaximumFit) -> String {
     let rows = found
         .names
         .iter()
@@ -20,7 +20,7 @@ pub fn maximum_table(found: &Maximised) -> String {
 }
 
 /// The same for a person.
-pub fn maximum_text(found: &Maximised) -> String {
+pub fn maximum_text(found: &MaximumFit) -> String {
     let percent = 100.0 * found.level;
     let header = ["".to_string(), "estimate".into(), format!("{percent:.0} % interval from"), "to".into()];
     let rows = found.names.iter().zip(&found.parameters).map(|(name, of)| {
@@ -30,7 +30,7 @@ pub fn maximum_text(found: &Maximised) -> String {
 }
 
 /// The figures of the whole search, a name and a value each.
-pub fn maximum_summary(found: &Maximised) -> Vec<(String, String)> {
+pub fn maximum_summary(found: &MaximumFit) -> Vec<(String, String)> {
     let error = match found.log_likelihood_error {
         0.0 => ", exact".to_string(),
         error => format!(" ± {error:.3}"),
@@ -66,7 +66,7 @@ struct MaximumObject<'a> {
 }
 
 /// The object of a maximum: each parameter with its interval, the log-likelihood, how it was found, and how long it took if that is said.
-pub fn maximum_json(found: &Maximised, seconds: Option<f64>) -> String {
+pub fn maximum_json(found: &MaximumFit, seconds: Option<f64>) -> String {
     let of_parameter = |of: &_| serde_json::to_value(of).unwrap_or(Value::Null);
     let object = MaximumObject {
         parameters: found.names.iter().cloned().zip(found.parameters.iter().map(of_parameter)).collect(),

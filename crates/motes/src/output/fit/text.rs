@@ -1,6 +1,6 @@
 //! A fit for a person.
 
-use crate::fitting::Fitted;
+use crate::fitting::PosteriorFit;
 use crate::output::table::{Table, markdown};
 
 /// Four significant digits, or powers of ten where nobody could read so many zeros.
@@ -17,12 +17,12 @@ pub(super) fn digits(value: f64) -> String {
 }
 
 /// The posterior of each parameter: mean, standard deviation, quantiles, and how far they can be trusted.
-pub fn fit_text(fitted: &Fitted) -> String {
+pub fn fit_text(fitted: &PosteriorFit) -> String {
     markdown(&fit_figures(fitted))
 }
 
 /// The same as cells.
-pub(in crate::output) fn fit_figures(fitted: &Fitted) -> Table {
+pub(in crate::output) fn fit_figures(fitted: &PosteriorFit) -> Table {
     let header = ["", "mean", "sd", "5 %", "50 %", "95 %", "R̂", "ESS bulk", "ESS tail", "error of mean"];
     let rows = fitted.names.iter().zip(&fitted.parameters).map(|(name, summary)| {
         let of = [summary.mean, summary.sd, summary.q05, summary.q50, summary.q95].map(digits);
@@ -38,7 +38,7 @@ pub(in crate::output) fn fit_figures(fitted: &Fitted) -> Table {
 }
 
 /// The figures of the whole fit, a name and a value each.
-pub fn fit_summary(fitted: &Fitted) -> Vec<(String, String)> {
+pub fn fit_summary(fitted: &PosteriorFit) -> Vec<(String, String)> {
     let error = |error: f64| if error == 0.0 { ", exact".to_string() } else { format!(" ± {error:.3}") };
     let mut figures = vec![
         ("draws", format!("{} of each of {} chains", fitted.draws(), fitted.chains.len())),
@@ -58,7 +58,7 @@ pub fn fit_summary(fitted: &Fitted) -> Vec<(String, String)> {
 }
 
 /// How the likelihood was had.
-fn likelihood(fitted: &Fitted) -> String {
+fn likelihood(fitted: &PosteriorFit) -> String {
     if fitted.proposal == "exact" {
         return "exact".into();
     }

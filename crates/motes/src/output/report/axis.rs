@@ -84,8 +84,11 @@ impl TimeAxis {
     }
 
     /// For drawing.
-    pub(super) fn coordinate(&self) -> Marked {
-        Marked { numbers: self.range().into(), marks: self.marks.iter().map(|(place, _)| *place).collect() }
+    pub(super) fn coordinate(&self) -> MarkedAxis {
+        MarkedAxis {
+            numbers: self.range().into(),
+            marks: self.marks.iter().map(|(place, _)| *place).collect(),
+        }
     }
 
     /// What a mark is called.
@@ -95,12 +98,12 @@ impl TimeAxis {
 }
 
 /// Numbers on an axis that has its marks at given places.
-pub(super) struct Marked {
+pub(super) struct MarkedAxis {
     numbers: RangedCoordf64,
     marks: Vec<f64>,
 }
 
-impl Ranged for Marked {
+impl Ranged for MarkedAxis {
     type FormatOption = DefaultFormatting;
     type ValueType = f64;
 

@@ -6,7 +6,7 @@ use plotters::coord::Shift;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
-use super::axis::{Marked, TimeAxis};
+use super::axis::{MarkedAxis, TimeAxis};
 use super::style::{Drawn, FONT, INK, label};
 
 const BLUE: RGBColor = RGBColor(31, 90, 160);
@@ -33,7 +33,7 @@ impl Band {
     }
 }
 
-type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<Marked, RangedCoordf64>>;
+type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<MarkedAxis, RangedCoordf64>>;
 
 /// A state or a measurement over time, and what is predicted after the last row, with what was measured if there is anything.
 pub(super) fn band_figure(

@@ -2,7 +2,7 @@
 
 use super::page::Page;
 use super::posterior_figures::{marginal_figure, pair_figure, trace_figure};
-use crate::fitting::Fitted;
+use crate::fitting::PosteriorFit;
 use crate::output::fit::{fit_figures, fit_summary};
 use crate::output::table::Table;
 
@@ -18,7 +18,7 @@ pub struct FitReport<'a> {
     /// The model's name.
     pub model: &'a str,
     /// What was found.
-    pub fitted: &'a Fitted,
+    pub fitted: &'a PosteriorFit,
     /// Settings, a name and a value each.
     pub settings: &'a [(String, String)],
     /// The command that made the report.

@@ -4,11 +4,11 @@ use motes_models::equations::Lanes;
 use motes_models::equations::triangle::at;
 use motes_smc::fisher_scoring;
 
-use super::said::Said;
+use super::site::Site;
 
 /// `L Lᵀ = I + Σ_j I_j J_j J_jᵀ` and `b = (L Lᵀ)⁻¹ Σ_j s_j J_j`: [`motes_smc::Linearised`] with the noise in the place of the state.
 #[inline(always)]
-pub(super) fn place(said: Said<'_>, shift: &mut [Lanes], lower: &mut [Lanes], scratch: &mut [Lanes]) {
+pub(super) fn place(said: Site<'_>, shift: &mut [Lanes], lower: &mut [Lanes], scratch: &mut [Lanes]) {
     shift.fill(Lanes::from(0.0));
     lower.fill(Lanes::from(0.0));
     for i in 0..shift.len() {

@@ -3,12 +3,12 @@
 //! A base is one file with one function, and one line in [`Base`].
 
 mod linearised;
-mod said;
+mod site;
 mod transition;
 
 use motes_models::equations::Lanes;
-pub(super) use said::Said;
 use serde::{Deserialize, Serialize};
+pub(super) use site::Site;
 
 /// The designed proposal around which a learned one is built: `x = T(x_{t−1}, v)`, `v = b + L⁻ᵀ u`.
 ///
@@ -28,7 +28,7 @@ impl Base {
     #[inline(always)]
     pub(super) fn place(
         self,
-        said: Said<'_>,
+        said: Site<'_>,
         shift: &mut [Lanes],
         lower: &mut [Lanes],
         scratch: &mut [Lanes],

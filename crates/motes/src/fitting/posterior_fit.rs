@@ -7,7 +7,7 @@ use crate::warning::Warning;
 
 /// The draws of a chain, in order.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct FittedChain {
+pub struct PosteriorChain {
     /// The values of the `D` parameters at each draw, one draw after the other.
     pub values: Vec<f64>,
     /// The estimate of the log-likelihood at each draw.
@@ -16,11 +16,11 @@ pub struct FittedChain {
 
 /// The posterior of parameters by draws.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Fitted {
+pub struct PosteriorFit {
     /// The names of the `D` parameters.
     pub names: Vec<String>,
     /// The draws of each chain, as many of each.
-    pub chains: Vec<FittedChain>,
+    pub chains: Vec<PosteriorChain>,
     /// What they say of each parameter.
     pub parameters: Vec<ParameterSummary>,
     /// The log-likelihood at the posterior's mean: `log` of the average of some estimates.
@@ -43,7 +43,7 @@ pub struct Fitted {
     pub warnings: Vec<Warning>,
 }
 
-impl Fitted {
+impl PosteriorFit {
     /// The number of draws of each chain.
     pub fn draws(&self) -> usize {
         self.chains.first().map_or(0, |chain| chain.log_evidence.len())
@@ -59,7 +59,7 @@ impl Fitted {
     pub fn of_parameter(&self, parameter: usize) -> Vec<Vec<f64>> {
         let d = self.names.len();
         let of_chain =
-            |chain: &FittedChain| chain.values.iter().skip(parameter).step_by(d).copied().collect();
+            |chain: &PosteriorChain| chain.values.iter().skip(parameter).step_by(d).copied().collect();
         self.chains.iter().map(of_chain).collect()
     }
 

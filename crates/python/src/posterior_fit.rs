@@ -22,18 +22,18 @@ const PACKED: (&str, u32) = ("a fit", 1);
 
 /// The posterior of parameters by draws.
 #[pyclass(frozen, module = "motes._motes")]
-pub(crate) struct Fitted {
-    found: Arc<motes::Fitted>,
+pub(crate) struct PosteriorFit {
+    found: Arc<motes::PosteriorFit>,
     seconds: f64,
 }
 
 #[pymethods]
-impl Fitted {
+impl PosteriorFit {
     /// That of which `__getnewargs__` gives the bytes: for pickles and copies.
     #[new]
     fn new(bytes: &[u8]) -> PyResult<Self> {
         let (found, seconds) = unpack(PACKED.0, PACKED.1, bytes).map_err(to_python)?;
-        Ok(Fitted { found: Arc::new(found), seconds })
+        Ok(PosteriorFit { found: Arc::new(found), seconds })
     }
 
     fn __getnewargs__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyBytes>,)> {
@@ -56,7 +56,7 @@ impl Fitted {
 
     /// The estimates of the log-likelihood, flat: chain by chain.
     fn log_evidence<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        let of_chain = |chain: &motes::FittedChain| chain.log_evidence.clone();
+        let of_chain = |chain: &motes::PosteriorChain| chain.log_evidence.clone();
         let values: Vec<f64> = self.found.chains.iter().flat_map(of_chain).collect();
         values.into_pyarray(py)
     }
@@ -129,19 +129,19 @@ pub(crate) fn fit(
     data: &Bound<'_, Data>,
     arguments: FitArguments<'_>,
     threads: Option<i64>,
-) -> PyResult<Fitted> {
+) -> PyResult<PosteriorFit> {
     let options = arguments.options()?;
     let call = model.get().for_call()?;
     let (ForCall { model, failure, .. }, threads) = (&call, call.threads(threads_of(threads)?));
     let (data, start) = (&data.get().0, Instant::now());
-    let found: Result<motes::Fitted, MotesError> = without_lock(py, threads, &failure.stop, || {
+    let found: Result<motes::PosteriorFit, MotesError> = without_lock(py, threads, &failure.stop, || {
         motes::fit(model, data, &options, &|| failure.asked(), &mut |_| match failure.asked().is_break() {
             true => Err(MotesError::Interrupted),
             false => Ok(()),
         })
     })?;
     let found = failure.or(found)?;
-    Ok(Fitted { found: Arc::new(found), seconds: start.elapsed().as_secs_f64() })
+    Ok(PosteriorFit { found: Arc::new(found), seconds: start.elapsed().as_secs_f64() })
 }
 
 /// The same model with other values of parameters.

@@ -17,7 +17,7 @@ use crate::warning::Warning;
 
 /// A parameter at the maximum of the likelihood, with its interval by the profile.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct MaximisedParameter {
+pub struct MaximumParameter {
     /// Its value at the maximum.
     pub estimate: f64,
     /// The lower end of its interval.
@@ -28,11 +28,11 @@ pub struct MaximisedParameter {
 
 /// The maximum of the likelihood over the free parameters of a model.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Maximised {
+pub struct MaximumFit {
     /// The names of the `D` parameters.
     pub names: Vec<String>,
     /// Each of them.
-    pub parameters: Vec<MaximisedParameter>,
+    pub parameters: Vec<MaximumParameter>,
     /// The probability of the intervals.
     pub level: f64,
     /// The log-likelihood at the maximum: `log` of the average of some estimates.
@@ -49,7 +49,7 @@ pub struct Maximised {
     pub warnings: Vec<Warning>,
 }
 
-impl Maximised {
+impl MaximumFit {
     /// Akaike's information criterion, `2 D − 2 log L`.
     pub fn aic(&self) -> f64 {
         2.0 * self.names.len() as f64 - 2.0 * self.log_likelihood
@@ -67,7 +67,7 @@ pub fn maximise(
     options: &FitOptions,
     proceed: &(dyn Fn() -> ControlFlow<()> + Sync),
     observe: &mut dyn FnMut(usize, usize) -> Result<(), MotesError>,
-) -> Result<Maximised, MotesError> {
+) -> Result<MaximumFit, MotesError> {
     let free = FreeParameters::of(model)?;
     let likelihood = ModelLikelihood::new(model, data, &free, options, proceed);
     check(model, data, options)?;
@@ -93,13 +93,13 @@ pub fn maximise(
         let interval = search.intervals()[at];
         let (low, high) = (end(at, interval.low), end(at, interval.high));
         // A share of a dirichlet falls where its own number rises, if others do.
-        MaximisedParameter { estimate: *estimate, low: low.min(high), high: low.max(high) }
+        MaximumParameter { estimate: *estimate, low: low.min(high), high: low.max(high) }
     };
     let mut warnings =
         trust::of_starts(search.agreeing(), search.searches()).into_iter().collect::<Vec<Warning>>();
     warnings.extend(trust::of_priors(&free, &|at| vec![best.v[at]]));
     warnings.extend(trust::of_possible(search.possible(), likelihood.reason().as_deref()));
-    Ok(Maximised {
+    Ok(MaximumFit {
         names: free.names(),
         parameters: estimates.iter().enumerate().map(parameter).collect(),
         level: settings.level,

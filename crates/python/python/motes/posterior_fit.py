@@ -14,10 +14,10 @@ if TYPE_CHECKING:
     from .model import Model
 
 
-class Fitted:
+class PosteriorFit:
     """The posterior of a model's parameters, by draws."""
 
-    def __init__(self, found: _motes.Fitted, model: "Model"):
+    def __init__(self, found: _motes.PosteriorFit, model: "Model"):
         self._found, self._model = found, model
 
     @property
