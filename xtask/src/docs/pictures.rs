@@ -9,11 +9,12 @@ pub(super) struct Picture<'a> {
 
 /// The pictures of a page: those whose title, as in `![a river](nile.svg "level")`, names a figure.
 pub(super) fn pictures(page: &str) -> Vec<Picture<'_>> {
-    let links = page.split("](").skip(1).filter_map(|rest| rest.split(')').next());
+    let links = page.split("](").skip(1);
     links
         .filter_map(|link| {
-            let (file, title) = link.split_once(" \"")?;
-            Some(Picture { file, figure: title.strip_suffix('"')? })
+            let (file, rest) = link.split_once(" \"")?;
+            let (figure, _) = rest.split_once("\")")?;
+            (!file.contains([')', '\n'])).then_some(Picture { file, figure })
         })
         .collect()
 }
@@ -37,8 +38,8 @@ mod tests {
 
     #[test]
     fn a_picture_is_a_figure_of_the_report() {
-        let page = "![a river](nile.svg \"level\") [no](other.md)\n";
-        assert_eq!(pictures(page), [Picture { file: "nile.svg", figure: "level" }]);
+        let page = "[no](other.md) \"no\")\n![a river](nile.svg \"flow (measured)\")\n";
+        assert_eq!(pictures(page), [Picture { file: "nile.svg", figure: "flow (measured)" }]);
         let report = "<svg a=\"1\"><text x=\"2\">\nflow\n</text></svg><svg b=\"1\"><text>\nlevel\n</text><text>t</text></svg>";
         assert_eq!(figure(report, "level"), Some("<svg b=\"1\"><text>\nlevel\n</text><text>t</text></svg>"));
         assert_eq!(figure(report, "t"), None);
