@@ -5,7 +5,7 @@ use std::process::Command;
 use std::time::Instant;
 
 use super::blocks::blocks;
-use super::pages::{CONTENTS, Pages, resolve};
+use super::pages::{CONTENTS, Page, Pages, resolve};
 use super::pictures::{figure, pictures};
 use super::snippets::Python;
 use super::transcript::{self, is_as_shown};
@@ -27,12 +27,10 @@ pub(super) fn pages(root: &Path, motes: &Path, only: &[String], update: bool) ->
     if let Some(unknown) = only.iter().find(|name| !all.iter().any(|page| page.file == **name)) {
         return Err(format!("{unknown} is no page; {CONTENTS} names them"));
     }
-    for page in &all {
-        if only.is_empty() || only.contains(&page.file) {
-            Run::new(root, motes, &page.file, update)?.page(python.as_ref())?;
-        }
-    }
-    Ok(())
+    let chosen = all.iter().filter(|page| only.is_empty() || only.contains(&page.file));
+    let run = |page: &Page| Run::new(root, motes, &page.file, update)?.page(python.as_ref());
+    let failed: Vec<String> = chosen.filter_map(|page| run(page).err()).collect();
+    if failed.is_empty() { Ok(()) } else { Err(failed.join("\n")) }
 }
 
 /// A page that is run.
