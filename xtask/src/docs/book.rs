@@ -23,7 +23,9 @@ pub(super) fn assemble(
     if sources.exists() {
         std::fs::remove_dir_all(&sources).map_err(|error| format!("{}: {error}", sources.display()))?;
     }
-    write(&folder.join("book.toml"), read(&root.join("docs/book.toml"))?.as_bytes())?;
+    for settings in ["book.toml", "site.css"] {
+        write(&folder.join(settings), read(&root.join("docs").join(settings))?.as_bytes())?;
+    }
     let contents = Page { file: CONTENTS.into(), place: "SUMMARY.md".into() };
     for page in pages.all.iter().chain([&contents]) {
         let text = with_files(root, &read(&root.join(&page.file))?)?;
