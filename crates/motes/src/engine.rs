@@ -351,20 +351,22 @@ pub(crate) fn filter_of<'m>(
     if let Some(reason) = model.measured_exactly() {
         return refused(options.proposal.as_str(), format!("{reason}; take --proposal exact"));
     }
+    if let (Kind::Learnable(learnable), Some(ahead)) = (model.kind(), ahead) {
+        // Whoever the potentials are of, it is they that draw.
+        let options = FilterOptions { proposal: ProposalName::LookAhead, ..options.clone() };
+        return boxed(learnable, ahead.clone(), &options, start);
+    }
     match (model.kind(), &options.proposal) {
         (Kind::Learnable(learnable), ProposalName::Bootstrap) => boxed(learnable, Bootstrap, options, start),
         (Kind::Learnable(learnable), ProposalName::Learned(learned)) => {
             learned.check(learnable).map_err(|error| learned.refused(&error))?;
             boxed(learnable, learned.proposal().clone(), options, start)
         }
-        (Kind::Learnable(learnable), ProposalName::LookAhead) => match ahead {
-            Some(ahead) => boxed(learnable, ahead.clone(), options, start),
-            None => refused(
-                "look-ahead",
-                "it knows all data before it starts, which a filter does not; take motes evidence or motes smooth, or --proposal linearised"
-                    .into(),
-            ),
-        },
+        (Kind::Learnable(_), ProposalName::LookAhead) => refused(
+            "look-ahead",
+            "it knows all data before it starts, which a filter does not; take motes evidence or motes smooth, or --proposal linearised"
+                .into(),
+        ),
         (Kind::LinearGaussian(_), ProposalName::LookAhead) => {
             refused("look-ahead", "kind = \"linear-gaussian\" has exact answers; take --proposal exact".into())
         }

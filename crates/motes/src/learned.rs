@@ -6,8 +6,10 @@ use std::sync::Arc;
 
 use motes_models::{ModelShape, Seed};
 use motes_proposals::{
-    Amortised, Backend, Fingerprint, OtherSystem, SavedError, SavedFiles, load, load_to_tune, save,
+    Amortised, Backend, Fingerprint, OtherSystem, SavedError, SavedFiles, SequencePotentials, holds, load,
+    load_to_tune, notes, save, save_both,
 };
+use motes_smc::{LookAhead, LookAheadError, RecordedStep};
 use serde::{Deserialize, Serialize};
 
 use crate::error::MotesError;
@@ -19,9 +21,29 @@ use crate::packed::{pack, unpack};
 pub struct LearnedProposal {
     name: String,
     proposal: Arc<Amortised>,
+    /// Learned beside it, for recorded data.
+    potentials: Option<Arc<LearnedPotentials>>,
     notes: Arc<Notes>,
     /// Of the model that it was learned or loaded for.
     fingerprint: Arc<Fingerprint>,
+}
+
+/// Potentials of whole recorded sequences, which were learned beside a proposal.
+#[derive(Clone)]
+struct LearnedPotentials {
+    potentials: SequencePotentials,
+    notes: PotentialNotes,
+}
+
+/// What the folder of a learned proposal says of its potentials.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PotentialNotes {
+    /// Gradient steps that were taken.
+    pub updates: usize,
+    /// How long they took.
+    pub seconds: f64,
+    /// The gain over the transition on validation sequences, in nats for a step.
+    pub gain: f64,
 }
 
 /// What the folder of a learned proposal says beside its weights.
@@ -42,13 +64,14 @@ pub struct Notes {
 const IN_BYTES: &str = "a learned proposal";
 
 /// The version of what the bytes hold, beside that of the files in them.
-const BYTES_VERSION: u32 = 1;
+const BYTES_VERSION: u32 = 2;
 
 /// What the bytes of a proposal hold.
 #[derive(Serialize, Deserialize)]
 struct NamedFiles {
     name: String,
     files: SavedFiles,
+    potentials: Option<SavedFiles>,
 }
 
 impl fmt::Debug for LearnedProposal {
@@ -72,7 +95,46 @@ impl PartialEq for LearnedProposal {
 impl LearnedProposal {
     pub(crate) fn new(name: String, proposal: Amortised, notes: Notes, model: &dyn LearnableModel) -> Self {
         let fingerprint = Arc::new(Fingerprint::of(model, None));
-        LearnedProposal { name, proposal: Arc::new(proposal), notes: Arc::new(notes), fingerprint }
+        LearnedProposal {
+            name,
+            proposal: Arc::new(proposal),
+            potentials: None,
+            notes: Arc::new(notes),
+            fingerprint,
+        }
+    }
+
+    /// The same with potentials beside it.
+    pub(crate) fn with_potentials(self, potentials: SequencePotentials, notes: PotentialNotes) -> Self {
+        LearnedProposal { potentials: Some(Arc::new(LearnedPotentials { potentials, notes })), ..self }
+    }
+
+    /// Whether there are potentials for recorded data.
+    pub fn has_potentials(&self) -> bool {
+        self.potentials.is_some()
+    }
+
+    /// What was written down of its potentials when they were learned.
+    pub fn potential_notes(&self) -> Option<&PotentialNotes> {
+        self.potentials.as_ref().map(|learned| &learned.notes)
+    }
+
+    /// The potentials of a recorded series, where they were learned.
+    ///
+    /// # Errors
+    /// [`MotesError::Proposal`] if `model` is another one than it was learned for, or the networks fail.
+    pub(crate) fn look_ahead(
+        &self,
+        model: &Model,
+        steps: &[RecordedStep],
+    ) -> Result<Option<LookAhead>, MotesError> {
+        let Some(learned) = &self.potentials else { return Ok(None) };
+        let learnable = learnable(model)?;
+        self.check(learnable).map_err(|error| self.refused(&error))?;
+        let found = learned.potentials.look_ahead(learnable, steps);
+        let reason = |error: LookAheadError| error.to_string();
+        let refused = |reason| MotesError::Proposal { proposal: self.name.clone(), reason };
+        found.map(Some).map_err(|error| refused(reason(error)))
     }
 
     /// The same with other notes.
@@ -108,7 +170,12 @@ impl LearnedProposal {
         let learnable = learnable(model)?;
         let shape = shape_of(learnable);
         let proposal = load(folder, learnable, &shape, Backend::Native.into())?;
-        LearnedProposal::named(folder, proposal, learnable)
+        let learned = LearnedProposal::named(folder, proposal, learnable)?;
+        if !holds::<SequencePotentials>(folder) {
+            return Ok(learned);
+        }
+        let potentials: SequencePotentials = load(folder, learnable, &shape, Backend::Native.into())?;
+        Ok(learned.with_potentials(potentials, notes::<SequencePotentials, _>(folder)?))
     }
 
     /// Reads the proposal in `folder` to be learned further for `model`, whose parameters may be others than those it was learned for.
@@ -123,7 +190,7 @@ impl LearnedProposal {
 
     /// What a folder is called, with what it says beside the weights.
     fn named(folder: &Path, proposal: Amortised, model: &dyn LearnableModel) -> Result<Self, MotesError> {
-        let notes = motes_proposals::notes(folder)?;
+        let notes = notes::<Amortised, _>(folder)?;
         let name = folder.file_name().unwrap_or(folder.as_os_str()).to_string_lossy().into_owned();
         Ok(LearnedProposal::new(name, proposal, notes, model))
     }
@@ -135,7 +202,14 @@ impl LearnedProposal {
     pub fn save(&self, folder: &Path, model: &Model) -> Result<(), MotesError> {
         self.check_model(model)?;
         let learnable = learnable(model)?;
-        Ok(save(folder, &*self.proposal, learnable, &shape_of(learnable), &*self.notes)?)
+        let (shape, proposal) = (shape_of(learnable), &*self.proposal);
+        match self.potentials.as_deref() {
+            None => save(folder, proposal, learnable, &shape, &*self.notes)?,
+            Some(LearnedPotentials { potentials, notes }) => {
+                save_both(folder, (proposal, &*self.notes), (potentials, notes), learnable, &shape)?;
+            }
+        }
+        Ok(())
     }
 
     /// It as bytes, for who keeps it elsewhere than in a folder; `model` is the one that it was learned for.
@@ -146,8 +220,13 @@ impl LearnedProposal {
         self.check_model(model)?;
         let learnable = learnable(model)?;
         let shape = shape_of(learnable);
-        let files = SavedFiles::of(&*self.proposal, learnable, &shape, &*self.notes, Path::new(IN_BYTES))?;
-        pack(IN_BYTES, BYTES_VERSION, &NamedFiles { name: self.name.clone(), files })
+        let place = Path::new(IN_BYTES);
+        let files = SavedFiles::of(&*self.proposal, learnable, &shape, &*self.notes, place)?;
+        let of_potentials = |LearnedPotentials { potentials, notes }: &LearnedPotentials| {
+            SavedFiles::of(potentials, learnable, &shape, notes, place)
+        };
+        let potentials = self.potentials.as_deref().map(of_potentials).transpose()?;
+        pack(IN_BYTES, BYTES_VERSION, &NamedFiles { name: self.name.clone(), files, potentials })
     }
 
     /// The proposal of which [`LearnedProposal::to_bytes`] made `bytes`, to the last bit.
@@ -155,11 +234,14 @@ impl LearnedProposal {
     /// # Errors
     /// [`MotesError::Packed`] if they were damaged or are of another version; [`MotesError::Saved`] if it was learned for another model.
     pub fn from_bytes(bytes: &[u8], model: &Model) -> Result<Self, MotesError> {
-        let NamedFiles { name, files } = unpack(IN_BYTES, BYTES_VERSION, bytes)?;
+        let NamedFiles { name, files, potentials } = unpack(IN_BYTES, BYTES_VERSION, bytes)?;
         let (learnable, place) = (learnable(model)?, Path::new(IN_BYTES));
         let shape = shape_of(learnable);
         let proposal = files.proposal(place, learnable, &shape, Backend::Native.into())?;
-        Ok(LearnedProposal::new(name, proposal, files.notes(place)?, learnable))
+        let learned = LearnedProposal::new(name, proposal, files.notes(place)?, learnable);
+        let Some(files) = potentials else { return Ok(learned) };
+        let potentials = files.proposal(place, learnable, &shape, Backend::Native.into())?;
+        Ok(learned.with_potentials(potentials, files.notes(place)?))
     }
 
     /// What it is called on a card.

@@ -22,11 +22,24 @@ pub(crate) fn recorded_steps(data: &Data, places: &[usize]) -> Vec<RecordedStep>
     recorded
 }
 
-/// Potentials of a series.
+/// Potentials of a series, if the proposal has any: by a smoother, or by networks that were learned for the model.
 ///
 /// # Errors
-/// [`MotesError::Proposal`] for a model without derivatives, and where a linearised smoother does not come through.
-pub(crate) fn look_ahead(model: &Model, steps: &[RecordedStep]) -> Result<LookAhead, MotesError> {
+/// [`MotesError::Proposal`] for a model without derivatives or another one than networks were learned for, and where a linearised smoother does not come through.
+pub(crate) fn look_ahead(
+    proposal: &ProposalName,
+    model: &Model,
+    steps: &[RecordedStep],
+) -> Result<Option<LookAhead>, MotesError> {
+    match proposal {
+        ProposalName::LookAhead => designed(model, steps).map(Some),
+        ProposalName::Learned(learned) => learned.look_ahead(model, steps),
+        _ => Ok(None),
+    }
+}
+
+/// Potentials by a smoother.
+fn designed(model: &Model, steps: &[RecordedStep]) -> Result<LookAhead, MotesError> {
     let reason = match model.kind() {
         Kind::LinearGaussian(_) => {
             "kind = \"linear-gaussian\" has exact answers; take --proposal exact".into()
@@ -53,10 +66,7 @@ pub(crate) fn running_over<'m>(
     data: &Data,
     places: &[usize],
 ) -> Result<Running<'m>, MotesError> {
-    let ahead = match options.proposal {
-        ProposalName::LookAhead => Some(look_ahead(model, &recorded_steps(data, places))?),
-        _ => None,
-    };
+    let ahead = look_ahead(&options.proposal, model, &recorded_steps(data, places))?;
     Running::with_seed(model, options, Running::seed(options, series), ahead.as_ref())
 }
 

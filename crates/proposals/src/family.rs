@@ -6,6 +6,12 @@ use motes_smc::ProposalError;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+/// The file of a proposal's description.
+const DESCRIPTION: &str = "proposal.toml";
+
+/// The file of its weights.
+const WEIGHTS: &str = "weights.safetensors";
+
 /// A proposal with weights.
 pub trait Parametric {
     /// The weights.
@@ -39,6 +45,9 @@ pub trait Parametric {
 pub trait Family: Parametric + Sized {
     /// Its name in configurations and saved files.
     const NAME: &'static str;
+
+    /// What its description and its weights are called in a folder.
+    const FILES: [&'static str; 2] = [DESCRIPTION, WEIGHTS];
 
     /// Its settings.
     type Config: Serialize + DeserializeOwned + Clone + Send + Sync;

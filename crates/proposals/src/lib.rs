@@ -32,6 +32,7 @@ mod gnn;
 mod lanes;
 mod learnable;
 mod over_time;
+mod potentials;
 mod psi;
 mod rnn;
 mod saved;
@@ -56,9 +57,13 @@ pub use motes_networks::{
     Backend, Compute, GradientPart, Gradients, HiddenReader, Parameters, Precision, Slice, Values, Workspace,
 };
 pub use over_time::OverTime;
+pub use potentials::{
+    PotentialStandards, SequenceBatch, SequencePotentials, SequencePotentialsConfig, StepFeatures,
+};
 pub use psi::{Psi, PsiConfig, PsiScratch};
 pub use rnn::{Rnn, RnnConfig, RnnNetworks};
 pub use saved::{
-    Fingerprint, OtherSystem, SAVED_FORMAT, SavedError, SavedFiles, load, load_to_tune, notes, save,
+    Fingerprint, OtherSystem, SAVED_FORMAT, SavedError, SavedFiles, holds, load, load_to_tune, notes, save,
+    save_both,
 };
 pub use standardised::{Frame, Frames, Origin, Standardised, StandardisedConfig, StandardisedScratch};

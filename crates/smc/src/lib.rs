@@ -41,7 +41,9 @@ pub use evidence::{
 pub use filter::ParticleFilter;
 pub use filter_snapshot::FilterSnapshot;
 pub use fixed_lag::FixedLagSmoother;
-pub use look_ahead::{LookAhead, LookAheadBatch, LookAheadError, LookAheadScratch, RecordedStep};
+pub use look_ahead::{
+    LookAhead, LookAheadBatch, LookAheadError, LookAheadScratch, PotentialComponent, RecordedStep,
+};
 pub use memory::{MemoryRows, ParticleMemory};
 pub use motes_models::batch::{Rows, particles_by_stream};
 pub use predictive::Predictive;

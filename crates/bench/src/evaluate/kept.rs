@@ -62,7 +62,7 @@ impl Kept {
         let folder = folder.join(key);
         let read = || {
             let proposal = load::<F>(&folder, model, shape, backend.into())?;
-            Ok::<_, motes_proposals::SavedError>((proposal, notes::<Notes>(&folder)?))
+            Ok::<_, motes_proposals::SavedError>((proposal, notes::<F, Notes>(&folder)?))
         };
         self.known.of(key, || {
             if read().is_ok() {

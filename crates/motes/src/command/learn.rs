@@ -101,6 +101,12 @@ fn said(proposal: &LearnedProposal, history: &Learned, seconds: f64) -> (Vec<Str
         format!("chosen: {}", proposal.notes().choice),
         format!("{} updates, the best after {}; {seconds:.1} s; {figure}", history.steps, history.best_step),
     ];
+    if let Some(potentials) = proposal.potential_notes() {
+        notes.push(format!(
+            "potentials for motes evidence and motes smooth: {} updates, {:.1} s, gain over the transition {:.3} nats a step",
+            potentials.updates, potentials.seconds, potentials.gain
+        ));
+    }
     if history.overflowed > 0.0 {
         notes.push(format!(
             "{:.2} % of the simulated sequences ran to numbers that are not finite and were cut there; take fewer --steps, or look at the \

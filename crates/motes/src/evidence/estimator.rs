@@ -66,7 +66,7 @@ impl<'m> EvidenceEstimator<'m> {
         let (candidate, pilots) = match &options.proposal {
             Some(proposal) => (Candidate::of(proposal.clone(), model, &sequences)?, vec![]),
             None if is_exact(model, data) => {
-                (Candidate { proposal: ProposalName::Exact, ahead: None }, vec![])
+                (Candidate { proposal: ProposalName::Exact, ahead: vec![] }, vec![])
             }
             None => {
                 let seed = Seed::from_u64(options.seed).child("evidence").child("pilot");
@@ -117,7 +117,7 @@ impl<'m> EvidenceEstimator<'m> {
     pub(crate) fn per_series_while(&self, seed: &Seed, proceed: Proceed<'_>) -> Result<Vec<f64>, MotesError> {
         let EvidenceEstimator { model, sequences, candidate, filter, .. } = self;
         let of_series = |(number, sequence): (usize, &Sequence)| {
-            let ahead = candidate.ahead.as_ref().map(|ahead| &ahead[number]);
+            let ahead = candidate.ahead.get(number).and_then(Option::as_ref);
             sequence.log_evidence(model, filter, seed.nth(number as u64), ahead, proceed)
         };
         sequences.iter().enumerate().map(of_series).collect()

@@ -24,10 +24,10 @@ pub struct Pilot {
     pub log_evidence: f64,
 }
 
-/// A proposal and, where it looks ahead, its potentials of each series.
+/// A proposal and, where it looks ahead, its potentials of each series; an exact one has no series.
 pub(super) struct Candidate {
     pub(super) proposal: ProposalName,
-    pub(super) ahead: Option<Vec<LookAhead>>,
+    pub(super) ahead: Vec<Option<LookAhead>>,
 }
 
 impl Candidate {
@@ -40,12 +40,10 @@ impl Candidate {
         model: &Model,
         sequences: &[Sequence],
     ) -> Result<Self, MotesError> {
-        let ahead = match proposal == ProposalName::LookAhead {
-            true => {
-                Some(sequences.iter().map(|sequence| sequence.look_ahead(model)).collect::<Result<_, _>>()?)
-            }
-            false => None,
-        };
+        let ahead = sequences
+            .iter()
+            .map(|sequence| sequence.look_ahead(&proposal, model))
+            .collect::<Result<_, _>>()?;
         Ok(Candidate { proposal, ahead })
     }
 }
@@ -57,6 +55,7 @@ pub(crate) fn cost(proposal: &ProposalName) -> f64 {
         ProposalName::Bootstrap => 1.0,
         ProposalName::Linearised | ProposalName::Optimal => 3.0,
         ProposalName::LookAhead => 4.0,
+        ProposalName::Learned(learned) if learned.has_potentials() => 12.0,
         ProposalName::Learned(_) => 30.0,
     }
 }
@@ -130,7 +129,7 @@ fn of_candidate(
     let filter = options.of_filter(candidate.proposal.clone(), PARTICLES);
     let seed = seed.child(candidate.proposal.kind());
     let of_series = |(number, sequence): (usize, &Sequence)| {
-        let ahead = candidate.ahead.as_ref().map(|ahead| &ahead[number]);
+        let ahead = candidate.ahead.get(number).and_then(Option::as_ref);
         sequence.log_evidence(model, &filter, seed.nth(number as u64), ahead, proceed)
     };
     sequences.iter().enumerate().map(of_series).sum()

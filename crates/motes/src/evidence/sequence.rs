@@ -10,7 +10,7 @@ use crate::engine::Running;
 use crate::error::MotesError;
 use crate::filtering::of_series;
 use crate::model::Model;
-use crate::options::FilterOptions;
+use crate::options::{FilterOptions, ProposalName};
 use crate::recorded::{look_ahead, recorded_steps};
 
 /// A series of data.
@@ -36,12 +36,16 @@ pub(super) fn sequences(data: &Data) -> Vec<Sequence> {
 }
 
 impl Sequence {
-    /// Potentials of all of it.
+    /// Potentials of all of it, if the proposal has any.
     ///
     /// # Errors
-    /// [`MotesError::Proposal`] if there are none.
-    pub(super) fn look_ahead(&self, model: &Model) -> Result<LookAhead, MotesError> {
-        look_ahead(model, &self.steps)
+    /// [`MotesError::Proposal`] if they cannot be had.
+    pub(super) fn look_ahead(
+        &self,
+        proposal: &ProposalName,
+        model: &Model,
+    ) -> Result<Option<LookAhead>, MotesError> {
+        look_ahead(proposal, model, &self.steps)
     }
 
     /// The log-evidence that one filter estimates; −∞ where no particle explains a measurement.

@@ -3,6 +3,7 @@
 mod choice;
 mod names;
 mod options;
+mod potentials;
 mod worth;
 
 use std::ops::ControlFlow;
@@ -20,6 +21,7 @@ use crate::learned::{LearnedProposal, Notes, learnable, shape_of};
 use crate::model::Model;
 use crate::simulating::{check_draws, schedule};
 use choice::{Choice, choose};
+use potentials::{learns_potentials, potentials};
 use worth::worse_than;
 
 /// Learning ends where after such a share of its updates nothing was better than the base.
@@ -123,22 +125,24 @@ fn learn_until(
     if options.objective == LearnObjective::Fivo && matches!(options.head, Some(HeadConfig::Mixture { .. })) {
         return Err(TrainError::Draws.into());
     }
+    let has_potentials = learns_potentials(learnable, options);
+    // A bar of three parts, choosing and twice as long training; then one of potentials.
+    let parts = if has_potentials { 4 } else { 3 };
     let (reason, mut proposal) = match &options.start {
         Some(start) => {
             start.check(learnable).map_err(|error| MotesError::Setting(format!("start: {error}")))?;
             (format!("{}, learned further", start.name()), start.proposal().clone())
         }
         None => {
-            // A third of the bar is for choosing.
             let Choice { config, reason } =
-                choose(learnable, options, &settings, &seed, |done, total| proceed(done, 3 * total))?;
+                choose(learnable, options, &settings, &seed, |done, total| proceed(done, parts * total))?;
             let (shape, compute) = (shape_of(learnable), Backend::Native.into());
             (reason, Amortised::create(&config, &shape, 0, compute, &seed.child("weights"))?)
         }
     };
     let mut is_stopped = false;
     let history = train(&mut proposal, learnable, &recorded, &settings, &seed, |done, _| {
-        let asked = proceed(settings.steps + 2 * done, 3 * settings.steps);
+        let asked = proceed(settings.steps + 2 * done, parts * settings.steps);
         is_stopped = asked.is_break();
         asked
     })?;
@@ -146,7 +150,13 @@ fn learn_until(
         return Err(MotesError::Interrupted);
     }
     let notes = Notes { choice: reason, updates: history.steps, seconds: history.seconds, worse_than: None };
-    let learned = LearnedProposal::new("learned".into(), proposal, notes, learnable);
+    let mut learned = LearnedProposal::new("learned".into(), proposal, notes, learnable);
+    if has_potentials {
+        let found =
+            potentials(learnable, options, &seed, &mut |done, total| proceed(3 * total + done, 4 * total))?;
+        learned =
+            found.into_iter().fold(learned, |learned, (found, notes)| learned.with_potentials(found, notes));
+    }
     let worse_than = worse_than(model, &learned, data, options, &seed.child("worth"))?;
     let training_seconds = started.elapsed().as_secs_f64();
     let notes = Notes { worse_than, seconds: training_seconds, ..learned.notes().clone() };

@@ -1,4 +1,4 @@
-//! `proposal.toml`.
+//! The description of a proposal: `proposal.toml`, or what the family calls it.
 
 use motes_models::{StateSpaceModel, SystemGraph};
 use serde::de::DeserializeOwned;
@@ -9,9 +9,6 @@ use crate::family::Family;
 
 /// The version of the folder's layout and of what its entries mean.
 pub const SAVED_FORMAT: u32 = 3;
-
-/// The file's name.
-pub(super) const DESCRIPTION: &str = "proposal.toml";
 
 /// The whole file but for its first line.
 #[derive(Serialize, Deserialize)]

@@ -1,4 +1,4 @@
-//! The two files of a saved proposal, in memory.
+//! The two files of a saved family, in memory.
 
 use std::path::Path;
 
@@ -7,19 +7,19 @@ use motes_networks::Compute;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use super::description::{DESCRIPTION, Description, SAVED_FORMAT};
+use super::description::{Description, SAVED_FORMAT};
 use super::error::SavedError;
 use super::fingerprint::Fingerprint;
 use super::seal::{seal, unsealed};
-use super::weights::{self, WEIGHTS};
+use super::weights;
 use crate::family::Family;
 
 /// The two files of a saved proposal: what [`crate::save`] writes into a folder, for who keeps it elsewhere.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SavedFiles {
-    /// `proposal.toml`, whose first line is a hash of all the rest.
+    /// The description, whose first line is a hash of all the rest.
     pub description: String,
-    /// `weights.safetensors`.
+    /// The weights, a safetensors file.
     #[serde(with = "serde_bytes")]
     pub weights: Vec<u8>,
 }
@@ -43,23 +43,25 @@ impl SavedFiles {
         place: &Path,
     ) -> Result<Self, SavedError> {
         let damaged = |name: &str, reason| SavedError::Damaged { path: place.join(name), reason };
-        let weights = weights::encode(proposal.parameters()).map_err(|reason| damaged(WEIGHTS, reason))?;
-        let description = Description::of(proposal, model, shape.graph.as_ref(), training)
-            .map_err(|reason| damaged(DESCRIPTION, reason))?;
-        Ok(SavedFiles { description: seal(&description, &weights), weights })
+        let [description, weights] = F::FILES;
+        let bytes = weights::encode(proposal.parameters()).map_err(|reason| damaged(weights, reason))?;
+        let text = Description::of(proposal, model, shape.graph.as_ref(), training)
+            .map_err(|reason| damaged(description, reason))?;
+        Ok(SavedFiles { description: seal(&text, &bytes), weights: bytes })
     }
 
-    /// Reads both files of a folder.
-    pub(super) fn read(folder: &Path) -> Result<Self, SavedError> {
+    /// Reads both files of a family from a folder.
+    pub(super) fn read<F: Family>(folder: &Path) -> Result<Self, SavedError> {
+        let [description, weights] = F::FILES;
         let read = |name: &str| {
             let path = folder.join(name);
             std::fs::read(&path).map_err(|source| SavedError::Io { path, source })
         };
-        let description = String::from_utf8(read(DESCRIPTION)?).map_err(|_| SavedError::Damaged {
-            path: folder.join(DESCRIPTION),
+        let text = String::from_utf8(read(description)?).map_err(|_| SavedError::Damaged {
+            path: folder.join(description),
             reason: "it is not text".into(),
         })?;
-        Ok(SavedFiles { description, weights: read(WEIGHTS)? })
+        Ok(SavedFiles { description: text, weights: read(weights)? })
     }
 
     /// The proposal of family `F` for `model`; `shape` is what it was made for. Errors call the files `place`.
@@ -80,7 +82,7 @@ impl SavedFiles {
                 return Ok(());
             }
             let reason = format!("the fingerprint has {} entries instead of {}", saved.len(), given.len());
-            Err(SavedError::Damaged { path: place.join(DESCRIPTION), reason })
+            Err(SavedError::Damaged { path: place.join(F::FILES[0]), reason })
         })
     }
 
@@ -115,10 +117,11 @@ impl SavedFiles {
         compute: Compute,
         check: impl FnOnce(&Fingerprint) -> Result<(), SavedError>,
     ) -> Result<F, SavedError> {
+        let [description_file, weights_file] = F::FILES;
         let damaged = |name: &str, reason| SavedError::Damaged { path: place.join(name), reason };
         let unfit = |what, found, expected| SavedError::Unfit { path: place.into(), what, found, expected };
         let (format, family) =
-            Description::peek(&self.description).map_err(|reason| damaged(DESCRIPTION, reason))?;
+            Description::peek(&self.description).map_err(|reason| damaged(description_file, reason))?;
         if format != SAVED_FORMAT {
             return Err(unfit("the format version", format.to_string(), SAVED_FORMAT.to_string()));
         }
@@ -126,16 +129,17 @@ impl SavedFiles {
             return Err(unfit("the family", family, F::NAME.into()));
         }
         let Some(description) = unsealed(&self.description, &self.weights) else {
-            let reason =
-                "its files are not as they were saved: the hash in the first line of proposal.toml says so";
-            return Err(SavedError::Damaged { path: place.into(), reason: reason.into() });
+            let reason = format!(
+                "its files are not as they were saved: the hash in the first line of {description_file} says so"
+            );
+            return Err(SavedError::Damaged { path: place.into(), reason });
         };
         // Nothing was damaged: the settings are those of something else, such as a family with standardised inputs.
         let saved: Description<F::Config> = Description::parse(description).map_err(|reason| {
             unfit("the proposal that its settings describe", format!("another ({reason})"), F::NAME.into())
         })?;
         check(&saved.system)?;
-        let matrices = weights::decode(&self.weights).map_err(|reason| damaged(WEIGHTS, reason))?;
+        let matrices = weights::decode(&self.weights).map_err(|reason| damaged(weights_file, reason))?;
 
         // Before anything is allocated by sizes that a file claims.
         let found: usize = matrices.iter().map(|matrix| matrix.values.len()).sum();
@@ -152,7 +156,8 @@ impl SavedFiles {
             let text = |horizon: Option<usize>| horizon.map_or("none".into(), |horizon| horizon.to_string());
             return Err(unfit("the horizon", text(saved.horizon), text(proposal.horizon())));
         }
-        weights::place(&matrices, proposal.parameters_mut()).map_err(|reason| damaged(WEIGHTS, reason))?;
+        weights::place(&matrices, proposal.parameters_mut())
+            .map_err(|reason| damaged(weights_file, reason))?;
         Ok(proposal)
     }
 }
@@ -162,14 +167,11 @@ fn check_system(place: &Path, saved: &Fingerprint, given: &Fingerprint) -> Resul
     saved.check(given).map_err(|source| SavedError::OtherSystem { path: place.into(), source })
 }
 
-/// What a description says about training.
-pub(super) fn notes_of<Notes: DeserializeOwned>(
-    description: &str,
-    place: &Path,
-) -> Result<Notes, SavedError> {
+/// What a description says about training; errors call it `path`.
+pub(super) fn notes_of<Notes: DeserializeOwned>(description: &str, path: &Path) -> Result<Notes, SavedError> {
     let damaged = |reason: toml::de::Error| {
         let reason = reason.message().lines().collect::<Vec<_>>().join(" ");
-        SavedError::Damaged { path: place.join(DESCRIPTION), reason }
+        SavedError::Damaged { path: path.into(), reason }
     };
     let Training { training } = toml::from_str(description).map_err(damaged)?;
     training.try_into().map_err(damaged)

@@ -6,7 +6,6 @@ use motes_models::{ModelShape, StateSpaceModel};
 use motes_networks::Compute;
 use serde::de::DeserializeOwned;
 
-use super::description::DESCRIPTION;
 use super::error::SavedError;
 use super::files::{SavedFiles, notes_of};
 use crate::family::Family;
@@ -22,7 +21,7 @@ pub fn load<F: Family>(
     shape: &ModelShape,
     compute: Compute,
 ) -> Result<F, SavedError> {
-    SavedFiles::read(folder)?.proposal(folder, model, shape, compute)
+    SavedFiles::read::<F>(folder)?.proposal(folder, model, shape, compute)
 }
 
 /// Reads a proposal of family `F` from `folder` to be trained further, perhaps for another system of the same sizes: one with other parameters.
@@ -32,15 +31,21 @@ pub fn load<F: Family>(
 /// # Errors
 /// As [`load`], but that a system is another one only where its states or measurements have other numbers of coordinates.
 pub fn load_to_tune<F: Family>(folder: &Path, shape: &ModelShape, compute: Compute) -> Result<F, SavedError> {
-    SavedFiles::read(folder)?.proposal_to_tune(folder, shape, compute)
+    SavedFiles::read::<F>(folder)?.proposal_to_tune(folder, shape, compute)
 }
 
-/// Reads what was written down about the training of the proposal in `folder`.
+/// Reads what was written down about the training of the proposal of family `F` in `folder`.
 ///
 /// # Errors
 /// [`SavedError`] if the description is missing, damaged, or says something else.
-pub fn notes<Notes: DeserializeOwned>(folder: &Path) -> Result<Notes, SavedError> {
-    let path = folder.join(DESCRIPTION);
-    let text = std::fs::read_to_string(&path).map_err(|source| SavedError::Io { path, source })?;
-    notes_of(&text, folder)
+pub fn notes<F: Family, Notes: DeserializeOwned>(folder: &Path) -> Result<Notes, SavedError> {
+    let path = folder.join(F::FILES[0]);
+    let text = std::fs::read_to_string(&path);
+    let text = text.map_err(|source| SavedError::Io { path: path.clone(), source })?;
+    notes_of(&text, &path)
+}
+
+/// Whether there is something of family `F` in `folder`.
+pub fn holds<F: Family>(folder: &Path) -> bool {
+    folder.join(F::FILES[0]).exists()
 }

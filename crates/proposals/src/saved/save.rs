@@ -8,11 +8,11 @@ use motes_models::{ModelShape, StateSpaceModel};
 use serde::Serialize;
 use tempfile::TempDir;
 
-use super::description::DESCRIPTION;
 use super::error::SavedError;
 use super::files::SavedFiles;
-use super::weights::WEIGHTS;
+use crate::amortised::Amortised;
 use crate::family::Family;
+use crate::potentials::SequencePotentials;
 
 /// Writes `proposal`, made for `shape` and trained for `model` with the given settings, into `folder`, replacing a proposal that is there.
 ///
@@ -29,14 +29,42 @@ pub fn save<F: Family>(
     shape: &ModelShape,
     training: &impl Serialize,
 ) -> Result<(), SavedError> {
-    // Without a trailing separator, so that names beside it can be made.
-    let folder: PathBuf = folder.components().collect();
-    let SavedFiles { description, weights } = SavedFiles::of(proposal, model, shape, training, &folder)?;
-    let files = [(WEIGHTS, weights.as_slice()), (DESCRIPTION, description.as_bytes())];
+    let folder = without_trailing_separator(folder);
+    let saved = SavedFiles::of(proposal, model, shape, training, &folder)?;
+    save_files(&folder, &[(F::FILES, &saved)])
+}
+
+/// [`save`] of a proposal and of potentials that were learned beside it, together.
+///
+/// # Errors
+/// As [`save`].
+pub fn save_both<F: Family, G: Family>(
+    folder: &Path,
+    (proposal, training): (&F, &impl Serialize),
+    (potentials, training_of_potentials): (&G, &impl Serialize),
+    model: &dyn StateSpaceModel,
+    shape: &ModelShape,
+) -> Result<(), SavedError> {
+    let folder = without_trailing_separator(folder);
+    let saved = SavedFiles::of(proposal, model, shape, training, &folder)?;
+    let beside = SavedFiles::of(potentials, model, shape, training_of_potentials, &folder)?;
+    save_files(&folder, &[(F::FILES, &saved), (G::FILES, &beside)])
+}
+
+/// So that names beside it can be made.
+fn without_trailing_separator(folder: &Path) -> PathBuf {
+    folder.components().collect()
+}
+
+/// Writes files, by the names of their descriptions and weights, into a folder that takes the place of what is there.
+fn save_files(folder: &Path, files: &[([&str; 2], &SavedFiles)]) -> Result<(), SavedError> {
     // Removed if it does not come to take its place.
-    let new = empty_beside(&folder).map_err(|source| SavedError::Io { path: folder.clone(), source })?;
-    write(new.path(), files)?;
-    replace(new.path(), &folder)?;
+    let new = empty_beside(folder).map_err(|source| SavedError::Io { path: folder.into(), source })?;
+    for ([description, weights], saved) in files {
+        write(new.path(), weights, &saved.weights)?;
+        write(new.path(), description, saved.description.as_bytes())?;
+    }
+    replace(new.path(), folder)?;
     drop(new.keep());
     Ok(())
 }
@@ -58,25 +86,24 @@ fn beside(folder: &Path, what: &str) -> PathBuf {
     folder.with_file_name(format!(".{name}.{what}-{}", std::process::id()))
 }
 
-fn write(folder: &Path, files: [(&str, &[u8]); 2]) -> Result<(), SavedError> {
-    let io = |path: &Path, result: std::io::Result<()>| {
-        result.map_err(|source| SavedError::Io { path: path.into(), source })
-    };
-    for (name, bytes) in files {
-        let path = folder.join(name);
-        let written = File::create(&path).and_then(|mut file| {
-            file.write_all(bytes)?;
-            file.sync_all()
-        });
-        io(&path, written)?;
-    }
-    Ok(())
+fn write(folder: &Path, name: &str, bytes: &[u8]) -> Result<(), SavedError> {
+    let path = folder.join(name);
+    let written = File::create(&path).and_then(|mut file| {
+        file.write_all(bytes)?;
+        file.sync_all()
+    });
+    written.map_err(|source| SavedError::Io { path, source })
+}
+
+/// All files that folders of proposals hold.
+fn known() -> impl Iterator<Item = &'static str> {
+    Amortised::FILES.into_iter().chain(SequencePotentials::FILES)
 }
 
 /// Puts `new` in the place of `folder`.
 fn replace(new: &Path, folder: &Path) -> Result<(), SavedError> {
     let io = |source| SavedError::Io { path: folder.into(), source };
-    if !folder.join(DESCRIPTION).exists() {
+    if !folder.join(Amortised::FILES[0]).exists() {
         // Nothing there, or an empty folder; any other is refused by the operating system.
         return std::fs::rename(new, folder).map_err(io);
     }
@@ -91,7 +118,7 @@ fn replace(new: &Path, folder: &Path) -> Result<(), SavedError> {
         std::fs::rename(&old, folder).map_err(io)?;
         return Err(io(error));
     }
-    for name in [DESCRIPTION, WEIGHTS] {
+    for name in known() {
         let _ = std::fs::remove_file(old.join(name));
     }
     // Anything else that lay there stays, under this name.

@@ -1,11 +1,8 @@
-//! `weights.safetensors`: the matrices by name.
+//! The weights: matrices by name, in a safetensors file.
 
 use motes_networks::{Parameters, Precision};
 use safetensors::tensor::{SafeTensors, TensorView};
 use safetensors::{Dtype, serialize};
-
-/// The file's name.
-pub(super) const WEIGHTS: &str = "weights.safetensors";
 
 /// A named matrix as it was read.
 pub(super) struct Matrix {

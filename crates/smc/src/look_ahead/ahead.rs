@@ -1,44 +1,48 @@
 //! What a filter needs of each step to look ahead.
 
 use motes_models::batch::LANES;
-use motes_models::equations::triangle::{at, factor_from_last};
 use motes_models::equations::{Draw, Linearise};
 use motes_models::{Step, StepRecord};
 
+use super::backward::local;
+use super::component::{Component, PotentialComponent};
 use super::error::LookAheadError;
 use super::local::LocalMap;
-use super::potential::Potential;
 use super::recorded::RecordedStep;
 use super::smoother::{Smoothed, smooth};
-use crate::proposals::noise_share;
+use crate::proposals::{log_add, noise_share};
 
 /// One step.
 #[derive(Debug, Clone)]
 pub(super) struct StepAhead {
     pub(super) step: StepRecord,
     pub(super) measurement: Vec<Option<f64>>,
-    pub(super) potential: Potential,
+    /// The quadratics that its potential is the sum of, at least one.
+    pub(super) components: Vec<Component>,
     /// `v̂`, about which the map is linearised, `Q`.
     pub(super) noise: Vec<f64>,
     /// The share of particles that is drawn from the noise's own distribution where nobody says another.
     pub(super) share: f64,
-    /// Where each coordinate is a normal draw of its own, in order.
-    pub(super) diagonal: Option<Diagonal>,
-}
-
-/// `Λ = I + S A S` of normal draws with these variances.
-#[derive(Debug, Clone)]
-pub(super) struct Diagonal {
-    /// The squares of `S`, `N`.
-    pub(super) variances: Vec<f64>,
-    /// The `L` with `Λ = Lᵀ L`.
-    pub(super) lower: Vec<f64>,
+    /// Where each coordinate is a normal draw of its own, in order, its variances near the path: the squares of `S`, `N`.
+    pub(super) variances: Option<Vec<f64>>,
 }
 
 impl StepAhead {
     /// `Q`.
     pub(super) fn draws(&self) -> usize {
         self.noise.len()
+    }
+
+    /// `N`.
+    pub(super) fn width(&self) -> usize {
+        self.components[0].potential.reference.len()
+    }
+
+    /// `log ψ(x)`.
+    pub(super) fn log_potential(&self, state: &[f64]) -> f64 {
+        let log = |component: &Component| component.log_weight + component.potential.log(state);
+        let sum = |sum: f64, component| log_add(sum, log(component));
+        self.components[1..].iter().fold(log(&self.components[0]), sum)
     }
 }
 
@@ -50,6 +54,87 @@ pub(super) fn look<M: Linearise + ?Sized>(
     model: &M,
     recorded: &[RecordedStep],
 ) -> Result<(Vec<StepAhead>, bool), LookAheadError> {
+    let draws = draws_of_all(model, recorded)?;
+    let counts: Vec<usize> = draws.iter().map(Vec::len).collect();
+    let Smoothed { path, potentials, maps, has_converged, .. } = smooth(model, recorded, &counts)?;
+    let mut steps = Vec::with_capacity(recorded.len());
+    for (index, potential) in potentials.into_iter().enumerate() {
+        let RecordedStep { step, measurement } = &recorded[index];
+        let variances =
+            normal_variances(model, &step.step(), path.previous(index), &draws[index], &maps[index]);
+        steps.push(StepAhead {
+            step: step.clone(),
+            measurement: measurement.clone(),
+            components: vec![Component::new(0.0, potential, variances.as_deref())],
+            noise: path.noise(index).to_vec(),
+            share: noise_share(&draws[index]),
+            variances,
+        });
+    }
+    Ok((steps, has_converged))
+}
+
+/// Steps with potentials that came from elsewhere. The map of noise is linearised where there is none, `v̂ = 0`.
+///
+/// # Errors
+/// [`LookAheadError`] if the model has no such map, the steps are none, or potentials do not fit them.
+pub(super) fn look_by<M: Linearise + ?Sized>(
+    model: &M,
+    recorded: &[RecordedStep],
+    potentials: &[Vec<PotentialComponent>],
+) -> Result<Vec<StepAhead>, LookAheadError> {
+    let (draws, n) = (draws_of_all(model, recorded)?, model.state_dim());
+    if potentials.len() != recorded.len() {
+        let (found, expected) = (potentials.len(), recorded.len());
+        return Err(LookAheadError::Step {
+            index: 0,
+            what: "the number of steps with potentials",
+            found,
+            expected,
+        });
+    }
+    let mut local = local(model)?;
+    let mut map = LocalMap::default();
+    let mut steps: Vec<StepAhead> = Vec::with_capacity(recorded.len());
+    for (index, (RecordedStep { step, measurement }, components)) in
+        recorded.iter().zip(potentials).enumerate()
+    {
+        if components.is_empty() {
+            return Err(LookAheadError::Step {
+                index,
+                what: "the number of quadratics",
+                found: 0,
+                expected: 1,
+            });
+        }
+        let noise = vec![0.0; draws[index].len()];
+        let near = steps.last().map(|last| last.components[0].potential.reference.clone());
+        local.map(&step.step(), near.as_deref(), &noise, &mut map);
+        let variances = normal_variances(model, &step.step(), near.as_deref(), &draws[index], &map);
+        let of_one = |component: &PotentialComponent| {
+            let potential = component.potential(index, n)?;
+            Ok(Component::new(component.log_weight, potential, variances.as_deref()))
+        };
+        steps.push(StepAhead {
+            step: step.clone(),
+            measurement: measurement.clone(),
+            components: components.iter().map(of_one).collect::<Result<_, LookAheadError>>()?,
+            noise,
+            share: noise_share(&draws[index]),
+            variances,
+        });
+    }
+    Ok(steps)
+}
+
+/// The draws of each step of a sequence that is as one of the model is.
+///
+/// # Errors
+/// [`LookAheadError`] if the model has no map of noise, there is no step, or one does not fit.
+fn draws_of_all<M: Linearise + ?Sized>(
+    model: &M,
+    recorded: &[RecordedStep],
+) -> Result<Vec<Vec<Draw>>, LookAheadError> {
     let noise_space = model.noise_space().ok_or(LookAheadError::NoNoise)?;
     if recorded.is_empty() {
         return Err(LookAheadError::Empty);
@@ -64,24 +149,7 @@ pub(super) fn look<M: Linearise + ?Sized>(
             return wrong("the number of entries of its measurement", measurement.len(), width);
         }
     }
-    let draws: Vec<Vec<Draw>> = recorded.iter().map(|row| draws_of(noise_space, &row.step.step())).collect();
-    let counts: Vec<usize> = draws.iter().map(Vec::len).collect();
-    let Smoothed { path, potentials, maps, has_converged, .. } = smooth(model, recorded, &counts)?;
-    let mut steps = Vec::with_capacity(recorded.len());
-    for (index, potential) in potentials.into_iter().enumerate() {
-        let RecordedStep { step, measurement } = &recorded[index];
-        let diagonal =
-            diagonal(model, &step.step(), path.previous(index), &draws[index], &maps[index], &potential);
-        steps.push(StepAhead {
-            step: step.clone(),
-            measurement: measurement.clone(),
-            potential,
-            noise: path.noise(index).to_vec(),
-            share: noise_share(&draws[index]),
-            diagonal,
-        });
-    }
-    Ok((steps, has_converged))
+    Ok(recorded.iter().map(|row| draws_of(noise_space, &row.step.step())).collect())
 }
 
 /// The draws of a step: none where no time passes.
@@ -89,15 +157,14 @@ fn draws_of(model: &dyn motes_models::equations::NoiseSpace, step: &Step<'_>) ->
     if step.index > 0 && step.sub_steps == 0 { Vec::new() } else { model.draws(step) }
 }
 
-/// What is known of normal draws that are the coordinates themselves.
-fn diagonal<M: Linearise + ?Sized>(
+/// The variances of normal draws that are the coordinates themselves, near a state.
+fn normal_variances<M: Linearise + ?Sized>(
     model: &M,
     step: &Step<'_>,
     previous: Option<&[f64]>,
     draws: &[Draw],
     map: &LocalMap,
-    potential: &Potential,
-) -> Option<Diagonal> {
+) -> Option<Vec<f64>> {
     let n = model.state_dim();
     let is_plain = draws.len() == n && draws.iter().all(|draw| *draw == Draw::Normal);
     let is_diagonal = |place: usize| place / n == place % n || map.along_noise[place] == 0.0;
@@ -107,14 +174,5 @@ fn diagonal<M: Linearise + ?Sized>(
     let tile: Option<Vec<f64>> = previous.map(|previous| previous.iter().flat_map(|x| [*x; LANES]).collect());
     let (mut means, mut variances) = (vec![0.0; n * LANES], vec![0.0; n * LANES]);
     model.tile_moments(step, tile.as_deref(), &mut means, &mut variances);
-    let variances: Vec<f64> = variances.iter().step_by(LANES).copied().collect();
-    let mut lower = vec![0.0; n * (n + 1) / 2];
-    for i in 0..n {
-        for j in 0..=i {
-            let scaled = variances[i].sqrt() * potential.curvature[i * n + j] * variances[j].sqrt();
-            lower[at(i, j)] = if i == j { 1.0 + scaled } else { scaled };
-        }
-    }
-    factor_from_last(n, &mut lower);
-    Some(Diagonal { variances, lower })
+    Some(variances.iter().step_by(LANES).copied().collect())
 }

@@ -1,6 +1,6 @@
 //! A block of particles that look ahead: draws and weights.
 
-use motes_models::batch::{LANES, load, particles_by_stream, store};
+use motes_models::batch::{LANES, by_widest_vectors, load, particles_by_stream, store};
 use motes_models::equations::triangle::at;
 use motes_models::equations::{Guide, Lanes, Linearise, NoiseSpace, Scalar};
 use motes_models::{Stream, fill_standard_normal, fill_uniform};
@@ -21,10 +21,13 @@ pub struct LookAheadBatch<'a, M: ?Sized> {
     pub(super) scratch: &'a mut LookAheadScratch,
 }
 
-/// What of a step's standard normal numbers is drawn from where.
-struct Drawn<'a> {
+/// What particles of a tile are drawn with.
+struct Numbers<'a> {
+    /// Standard normal, `Q × LANES`.
     normals: &'a mut [f64],
     is_from_prior: &'a [bool; LANES],
+    /// Of each particle, to choose one of several quadratics by.
+    uniforms: &'a [f64; LANES],
 }
 
 impl<M: Linearise + ?Sized> LookAheadBatch<'_, M> {
@@ -33,12 +36,25 @@ impl<M: Linearise + ?Sized> LookAheadBatch<'_, M> {
         &self,
         guide: &mut TileGuide,
         previous: Option<&[f64]>,
-        drawn: Drawn<'_>,
+        numbers: Numbers<'_>,
+        expected: Lanes,
         states: &mut [f64],
     ) -> Lanes {
-        let Drawn { normals, is_from_prior } = drawn;
+        let Numbers { normals, is_from_prior, uniforms } = numbers;
+        if self.now.components.len() > 1 {
+            guide.choose(uniforms);
+            guide.draw_chosen(is_from_prior, normals);
+            let step = &self.context.step;
+            self.noise_space.tile_states(step, previous, normals, states);
+            let StepAhead { components, variances, .. } = self.now;
+            let log = by_widest_vectors(
+                #[inline(always)]
+                || guide.log_mixture(components, variances.is_some(), normals),
+            );
+            return log - expected;
+        }
         let TileGuide { centres, jacobian, mean, lower, .. } = guide;
-        if self.now.diagonal.is_some() {
+        if self.now.variances.is_some() {
             let guide = Guide { means: lanes(mean), lower: lanes(lower), is_from_prior };
             return draw_coordinates(guide, lanes(centres), lanes(jacobian), lanes(normals), lanes(states));
         }
@@ -105,7 +121,8 @@ impl<M: Linearise + ?Sized> Conditional for LookAheadBatch<'_, M> {
         }
         uniforms.clear();
         uniforms.resize(particles, 1.0);
-        if share > 0.0 {
+        let is_mixed = self.now.components.len() > 1;
+        if share > 0.0 || is_mixed {
             for (stream, uniforms) in particles_by_stream(streams, uniforms, 1, particles) {
                 fill_uniform(stream, uniforms);
             }
@@ -114,17 +131,18 @@ impl<M: Linearise + ?Sized> Conditional for LookAheadBatch<'_, M> {
         for first in (0..particles).step_by(LANES) {
             let last = (first + LANES).min(particles);
             load(&noise[first * q..last * q], q, normals);
-            let mut is_from_prior = [false; LANES];
-            for (is_from_prior, uniform) in is_from_prior.iter_mut().zip(&uniforms[first..last]) {
-                *is_from_prior = *uniform < share;
+            let (mut is_from_prior, mut rest) = ([false; LANES], [0.0; LANES]);
+            for (lane, uniform) in uniforms[first..last].iter().enumerate() {
+                is_from_prior[lane] = *uniform < share;
+                rest[lane] = (uniform - share) / (1.0 - share);
             }
             let previous = self.context.previous.map(|rows| {
                 rows.load(first, before);
                 before.as_slice()
             });
             let expected = guide.find(self.model, self.noise_space, self.now, &step, previous);
-            let drawn = Drawn { normals, is_from_prior: &is_from_prior };
-            let mut weight = self.draw_tile(guide, previous, drawn, now);
+            let numbers = Numbers { normals, is_from_prior: &is_from_prior, uniforms: &rest };
+            let mut weight = self.draw_tile(guide, previous, numbers, expected, now);
             weigh_with_share(&mut weight.0, share);
             if previous.is_some() {
                 weight = weight - expected;

@@ -32,6 +32,18 @@ pub enum LookAheadError {
         /// The step.
         index: usize,
     },
+    /// A potential that came from elsewhere is not finite.
+    #[error("the potential of step {index} is not finite")]
+    Potential {
+        /// The step.
+        index: usize,
+    },
+    /// Networks that emit potentials failed.
+    #[error("{reason}")]
+    Networks {
+        /// Why.
+        reason: String,
+    },
     /// The density of a measurement cannot be had.
     #[error(transparent)]
     Model(#[from] ModelError),

@@ -20,15 +20,20 @@
 //!
 //! and `A_{t−1} = Λ_{t−1} + FᵀMF`. No covariance is inverted, so that coordinates without noise, known starts, gaps and steps of any number of draws need nothing of their own.
 //!
+//! A potential may also be a sum of quadratics `ψ = Σ_j w_j ψ_j` that came from elsewhere ([`LookAhead::from_potentials`]), as from a network. Then `Z̃ = Σ_j w_j Z̃_j`, and noise is drawn
+//! from the mixture of the Gaussians `N(v; 0, I) ψ̃_j / Z̃_j` with shares `w_j Z̃_j / Z̃`.
+//!
 //! Guarniero, Johansen and Lee, The iterated auxiliary particle filter, Journal of the American Statistical Association 112 (2017); Heng, Bishop, Deligiannidis and Doucet, Controlled
 //! sequential Monte Carlo, Annals of Statistics 48 (2020).
 
 mod ahead;
 mod backward;
 mod batch;
+mod component;
 mod dense;
 mod error;
 mod local;
+mod mixture;
 mod path;
 mod potential;
 mod proposal;
@@ -40,6 +45,7 @@ mod start;
 mod tile;
 
 pub use batch::LookAheadBatch;
+pub use component::PotentialComponent;
 pub use error::LookAheadError;
 pub use proposal::LookAhead;
 pub use recorded::RecordedStep;

@@ -6,8 +6,9 @@ use motes_models::Step;
 use motes_models::batch::{LANES, Rows};
 use motes_models::equations::{Lanes, Linearise};
 
-use super::ahead::{StepAhead, look};
+use super::ahead::{StepAhead, look, look_by};
 use super::batch::LookAheadBatch;
+use super::component::PotentialComponent;
 use super::error::LookAheadError;
 use super::recorded::RecordedStep;
 use super::scratch::{LookAheadScratch, TileGuide};
@@ -80,19 +81,32 @@ impl LookAhead {
         Ok(LookAhead { steps: Arc::new(steps), has_converged, at: None })
     }
 
+    /// Potentials that came from elsewhere, of these steps of `model` from `t = 0` on: each the sum of at least one quadratic. Any potentials leave the evidence unbiased.
+    ///
+    /// # Errors
+    /// [`LookAheadError`] if the model does not say how its states are made of noise, there is no step, or potentials do not fit the steps.
+    pub fn from_potentials<M: Linearise + ?Sized>(
+        model: &M,
+        recorded: &[RecordedStep],
+        potentials: &[Vec<PotentialComponent>],
+    ) -> Result<Self, LookAheadError> {
+        let steps = look_by(model, recorded, potentials)?;
+        Ok(LookAhead { steps: Arc::new(steps), has_converged: true, at: None })
+    }
+
     /// Whether the smoother has converged. If not, potentials are what its last iteration gave, and the evidence is as unbiased.
     pub fn has_converged(&self) -> bool {
         self.has_converged
     }
 
-    /// The smoothed path that potentials are about: `x̂_t` (`N`) of each step.
+    /// What potentials are about: `x̂_t` (`N`) of each step of the smoothed path, or the centre of the first quadratic of each.
     pub fn path(&self) -> impl Iterator<Item = &[f64]> {
-        self.steps.iter().map(|step| step.potential.reference.as_slice())
+        self.steps.iter().map(|step| step.components[0].potential.reference.as_slice())
     }
 
     /// `log ψ_t` of a state (`N`), but for a constant; none past the last step.
     pub fn log_potential(&self, index: usize, state: &[f64]) -> Option<f64> {
-        self.steps.get(index).map(|step| step.potential.log(state))
+        self.steps.get(index).map(|step| step.log_potential(state))
     }
 
     /// `log Z̃_t(x_{t−1})` of each of `K` rows `x_{t−1}` (`K×N`) of the step before `index`, into `out` (`K`); 0 past the last step, beyond which nothing is measured.
@@ -148,11 +162,7 @@ impl<M: Linearise + ?Sized> Proposal<M> for LookAhead {
     ) -> Result<bool, ProposalError> {
         let (horizon, time) = (self.steps.len(), step.index);
         let ahead = self.steps.get(time).ok_or(ProposalError::PastHorizon { horizon, time })?;
-        ProposalError::unless_same(
-            "the state dimension N",
-            ahead.potential.reference.len(),
-            model.state_dim(),
-        )?;
+        ProposalError::unless_same("the state dimension N", ahead.width(), model.state_dim())?;
         if ahead.measurement != measurement || ahead.step.step() != *step {
             let reason = "it looks ahead of another step or measurement than this one".into();
             return Err(ProposalError::Measurement { time, reason });

@@ -16,21 +16,25 @@ pub struct LookAheadScratch {
     pub(super) guide: TileGuide,
 }
 
-/// What a potential says of the noise of the particles of a tile.
+/// What the potential of a step says of the noise of the particles of a tile: of each of its `J` quadratics a Gaussian, one after the other.
 #[derive(Debug, Clone, Default)]
 pub(super) struct TileGuide {
     /// `v̂`, `Q × LANES`.
     pub(super) points: Vec<f64>,
-    /// `g(x', v̂)`, or of normal draws their means: `N × LANES`.
+    /// What the line through `g(x', v̂)` is at `v = 0`, or of normal draws their means: `N × LANES`.
     pub(super) centres: Vec<f64>,
     /// `J` (`N × Q × LANES`), or of normal draws their standard deviations (`N × LANES`).
     pub(super) jacobian: Vec<f64>,
     /// What is computed on the way.
     pub(super) spare: Vec<f64>,
-    /// The mean of the noise, `Q × LANES`.
+    /// The mean of the noise, `J × Q × LANES`.
     pub(super) mean: Vec<f64>,
-    /// The `L` with `Λ = Lᵀ L`, `Q(Q+1)/2 × LANES`.
+    /// The `L` with `Λ = Lᵀ L`, `J × Q(Q+1)/2 × LANES`.
     pub(super) lower: Vec<f64>,
+    /// The shares `w_j Z̃_j / Z̃` of several quadratics, `J × LANES`.
+    pub(super) shares: Vec<f64>,
+    /// Mean and `L` of the quadratic that each particle draws from, where there are several.
+    pub(super) chosen: [Vec<f64>; 2],
 }
 
 impl LookAheadScratch {

@@ -5,16 +5,17 @@ use motes_models::batch::{LANES, by_widest_vectors};
 use motes_models::equations::triangle::{at, factor_from_last, solve_lower, solve_upper};
 use motes_models::equations::{Lanes, Linearise, NoiseSpace, Scalar};
 
-use super::ahead::{Diagonal, StepAhead};
+use super::ahead::StepAhead;
+use super::component::Component;
 use super::potential::Potential;
 use super::scratch::TileGuide;
 use crate::proposals::lanes;
 
 /// The least logarithm of an expectation: one that is 0 for a particle far away would be divided by.
-const LEAST: f64 = -1e250;
+pub(super) const LEAST: f64 = -1e250;
 
 impl TileGuide {
-    /// Finds the Gaussian of the noise of each particle, `N(v; m, Λ⁻¹)`, and the logarithm of `Z̃(x')`.
+    /// Finds the Gaussians of the noise of each particle, `N(v; m_j, Λ_j⁻¹)`, and the logarithm of `Z̃(x') = Σ_j w_j Z̃_j(x')`.
     pub(super) fn find<M: Linearise + ?Sized>(
         &mut self,
         model: &M,
@@ -23,18 +24,19 @@ impl TileGuide {
         step: &Step<'_>,
         previous: Option<&[f64]>,
     ) -> Lanes {
-        let (n, q) = (model.state_dim(), ahead.draws());
+        let (n, q, count) = (model.state_dim(), ahead.draws(), ahead.components.len());
         self.centres.resize(n * LANES, 0.0);
-        self.mean.resize(q * LANES, 0.0);
-        self.lower.resize(q * (q + 1) / 2 * LANES, 0.0);
-        let log = match &ahead.diagonal {
-            Some(diagonal) => {
+        self.mean.resize(count * q * LANES, 0.0);
+        self.lower.resize(count * q * (q + 1) / 2 * LANES, 0.0);
+        self.shares.resize(count * LANES, 0.0);
+        match &ahead.variances {
+            Some(variances) => {
                 self.jacobian.resize(n * LANES, 0.0);
                 self.spare.resize(2 * n * LANES, 0.0);
                 model.tile_moments(step, previous, &mut self.centres, &mut self.jacobian);
                 by_widest_vectors(
                     #[inline(always)]
-                    || self.of_diagonal(&ahead.potential, diagonal),
+                    || self.of_normal_draws(&ahead.components, variances),
                 )
             }
             None => {
@@ -46,35 +48,43 @@ impl TileGuide {
                 noise_space.tile_linearised(step, previous, &self.points, LANES, states, jacobian);
                 by_widest_vectors(
                     #[inline(always)]
-                    || self.of_map(ahead),
+                    || self.of_map(&ahead.components, &ahead.noise),
                 )
             }
-        };
-        log.max(Lanes::from(LEAST))
+        }
     }
 
     /// Where `x = c + S v`; what stands for `S²` becomes `S`.
     #[inline(always)]
-    fn of_diagonal(&mut self, potential: &Potential, diagonal: &Diagonal) -> Lanes {
-        let TileGuide { centres, jacobian, spare, mean, lower, .. } = self;
-        let (centres, sds) = (lanes(centres), lanes(jacobian));
-        let n = centres.len();
-        let (d, pull) = lanes(spare).split_at_mut(n);
-        let (mean, lower) = (lanes(mean), lanes(lower));
-        for ((d, centre), reference) in d.iter_mut().zip(&*centres).zip(&potential.reference) {
-            *d = *centre - *reference;
-        }
-        let mut log = pull_of(potential, d, pull);
+    fn of_normal_draws(&mut self, components: &[Component], variances: &[f64]) -> Lanes {
+        let sds = lanes(&mut self.jacobian);
         let mut is_known = true;
-        for (sd, variance) in sds.iter_mut().zip(&diagonal.variances) {
+        for (sd, variance) in sds.iter_mut().zip(variances) {
             is_known &= sd.0.iter().all(|found| found == variance);
             *sd = sd.sqrt();
         }
+        self.of_all(components, |guide, number, component| guide.of_diagonal(number, component, is_known))
+    }
+
+    /// Of one quadratic, where `x = c + S v`; `is_known` says whether the `L` of the step is that of these particles.
+    #[inline(always)]
+    fn of_diagonal(&mut self, number: usize, component: &Component, is_known: bool) -> Lanes {
+        let TileGuide { centres, jacobian, spare, mean, lower, .. } = self;
+        let Component { log_weight, potential, lower: known, .. } = component;
+        let (centres, sds) = (lanes(centres), lanes(jacobian));
+        let n = centres.len();
+        let (d, pull) = lanes(spare).split_at_mut(n);
+        let mean = &mut lanes(mean)[number * n..][..n];
+        let lower = &mut lanes(lower)[number * at(n, 0)..][..at(n, 0)];
+        for ((d, centre), reference) in d.iter_mut().zip(&*centres).zip(&potential.reference) {
+            *d = *centre - *reference;
+        }
+        let log = pull_of(potential, d, pull);
         for ((mean, sd), pull) in mean.iter_mut().zip(&*sds).zip(&*pull) {
             *mean = *sd * *pull;
         }
         if is_known {
-            for (entry, known) in lower.iter_mut().zip(&diagonal.lower) {
+            for (entry, known) in lower.iter_mut().zip(known) {
                 *entry = Lanes::from(*known);
             }
         } else {
@@ -86,31 +96,41 @@ impl TileGuide {
             }
             factor_from_last(n, lower);
         }
-        log = log + completed(mean, lower);
-        log
+        log + completed(mean, lower) + *log_weight
     }
 
-    /// Where `x = c + J (v − v̂)`.
+    /// Where `x = c + J (v − v̂)`; `c` becomes what the line is at `v = 0`.
     #[inline(always)]
-    fn of_map(&mut self, ahead: &StepAhead) -> Lanes {
-        let TileGuide { centres, jacobian, spare, mean, lower, .. } = self;
-        let potential = &ahead.potential;
-        let (centres, jacobian) = (lanes(centres), lanes(jacobian));
-        let (n, q) = (centres.len(), ahead.draws());
-        let (d, rest) = lanes(spare).split_at_mut(n);
-        let (pull, curved) = rest.split_at_mut(n);
-        let (mean, lower) = (lanes(mean), lanes(lower));
+    fn of_map(&mut self, components: &[Component], noise: &[f64]) -> Lanes {
+        let (centres, jacobian) = (lanes(&mut self.centres), lanes(&mut self.jacobian));
         // A derivative that is no number says nothing.
         for entry in jacobian.iter_mut() {
             for value in &mut entry.0 {
                 *value = if value.is_finite() { *value } else { 0.0 };
             }
         }
-        for (i, d) in d.iter_mut().enumerate() {
-            *d = centres[i] - potential.reference[i];
-            for (entry, v) in jacobian[i * q..][..q].iter().zip(&ahead.noise) {
-                *d = *d - *entry * *v;
+        let q = noise.len();
+        for (i, centre) in centres.iter_mut().enumerate() {
+            for (entry, v) in jacobian[i * q..][..q].iter().zip(noise) {
+                *centre = *centre - *entry * *v;
             }
+        }
+        self.of_all(components, |guide, number, component| guide.of_line(number, component, q))
+    }
+
+    /// Of one quadratic, where `x = c + J v` with `q` numbers of noise.
+    #[inline(always)]
+    fn of_line(&mut self, number: usize, component: &Component, q: usize) -> Lanes {
+        let TileGuide { centres, jacobian, spare, mean, lower, .. } = self;
+        let Component { log_weight, potential, .. } = component;
+        let (centres, jacobian) = (lanes(centres), lanes(jacobian));
+        let n = centres.len();
+        let (d, rest) = lanes(spare).split_at_mut(n);
+        let (pull, curved) = rest.split_at_mut(n);
+        let mean = &mut lanes(mean)[number * q..][..q];
+        let lower = &mut lanes(lower)[number * at(q, 0)..][..at(q, 0)];
+        for ((d, centre), reference) in d.iter_mut().zip(&*centres).zip(&potential.reference) {
+            *d = *centre - *reference;
         }
         let log = pull_of(potential, d, pull);
         // A J, of what is not 0.
@@ -145,13 +165,62 @@ impl TileGuide {
             lower[at(k, k)] = lower[at(k, k)] + 1.0;
         }
         factor_from_last(q, lower);
-        log + completed(mean, lower)
+        log + completed(mean, lower) + *log_weight
     }
+
+    /// `log Z̃` of all quadratics, each by `of_one`, and their shares of it.
+    #[inline(always)]
+    fn of_all(
+        &mut self,
+        components: &[Component],
+        of_one: impl Fn(&mut Self, usize, &Component) -> Lanes,
+    ) -> Lanes {
+        if let [one] = components {
+            return of_one(self, 0, one).max(Lanes::from(LEAST));
+        }
+        for (number, component) in components.iter().enumerate() {
+            let log = match component.is_flat() {
+                true => self.of_flat(number, component),
+                false => of_one(self, number, component),
+            };
+            lanes(&mut self.shares)[number] = log.max(Lanes::from(LEAST));
+        }
+        let (sum, total) = exponentials(lanes(&mut self.shares));
+        for share in lanes(&mut self.shares) {
+            *share = *share / total;
+        }
+        sum
+    }
+
+    /// Of a flat one, which says nothing of the noise.
+    #[inline(always)]
+    fn of_flat(&mut self, number: usize, component: &Component) -> Lanes {
+        let count = self.shares.len() / LANES;
+        let (mean, lower) = (lanes(&mut self.mean), lanes(&mut self.lower));
+        let (q, entries) = (mean.len() / count, lower.len() / count);
+        mean[number * q..][..q].fill(Lanes::from(0.0));
+        let lower = &mut lower[number * entries..][..entries];
+        lower.fill(Lanes::from(0.0));
+        (0..q).for_each(|i| lower[at(i, i)] = Lanes::from(1.0));
+        Lanes::from(component.log_weight)
+    }
+}
+
+/// Replaces logarithms by numbers that are as large as each other, with `log Σ` of what the logarithms stand for and the sum of the numbers.
+#[inline(always)]
+pub(super) fn exponentials(logs: &mut [Lanes]) -> (Lanes, Lanes) {
+    let most = logs.iter().skip(1).fold(logs[0], |most, log| most.max(*log));
+    let mut total = Lanes::from(0.0);
+    for log in logs.iter_mut() {
+        *log = (*log - most).exp();
+        total = total + *log;
+    }
+    (most + total.ln(), total)
 }
 
 /// `b − A d` into `pull`, and `log ψ` at `d`.
 #[inline(always)]
-fn pull_of(potential: &Potential, d: &[Lanes], pull: &mut [Lanes]) -> Lanes {
+pub(super) fn pull_of(potential: &Potential, d: &[Lanes], pull: &mut [Lanes]) -> Lanes {
     let n = d.len();
     let mut log = Lanes::from(0.0);
     for (i, pull) in pull.iter_mut().enumerate() {

@@ -2,7 +2,7 @@
 
 /// `log(eᵃ + eᵇ)`; −∞ where both are.
 #[inline(always)]
-pub(super) fn log_add(a: f64, b: f64) -> f64 {
+pub(crate) fn log_add(a: f64, b: f64) -> f64 {
     let largest = a.max(b);
     match largest == f64::NEG_INFINITY {
         true => largest,

@@ -4,6 +4,7 @@ mod common;
 mod exact;
 mod models;
 mod planted;
+mod several;
 mod silent;
 mod smoothing;
 mod unbiased;

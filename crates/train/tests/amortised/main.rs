@@ -7,3 +7,4 @@ mod heads;
 mod learning;
 mod models;
 mod objectives;
+mod potentials;

@@ -1,0 +1,182 @@
+//! The potentials of a whole sequence by networks: their weights, and how they are made.
+
+use motes_models::{ModelShape, OwnModel, Seed};
+use motes_networks::{Compute, Parameters, Workspace};
+use motes_smc::{LookAhead, LookAheadError, ProposalError, RecordedStep};
+
+use super::config::SequencePotentialsConfig;
+use super::decoded::Layout;
+use super::features::{SequenceBatch, StepFeatures, count};
+use super::networks::PotentialNetworks;
+use super::standards::PotentialStandards;
+use super::tape::{Sizes, differentiate, gain, outputs};
+use crate::family::{Family, Parametric};
+use crate::settings::{check_compute, check_shape, check_weights, check_widths, of_networks};
+
+/// Potentials `ψ_t(x) = Σ_j w_j ψ_j(x) + w_0` of each step of a recorded sequence, learned once for any sequence of a model.
+///
+/// A recurrent layer runs from the first step on and one from the last step back, over the measurements, which of them are missing, and where the model moves the middle of all states at
+/// each step, so that times and inputs are seen. A network reads both and emits `J` Gaussian functions of the state and a constant. They are evaluated once for each step, whatever the
+/// number of particles. [`SequencePotentials::look_ahead`] makes a proposal of them, whose evidence is unbiased whatever the weights are.
+///
+/// They are learned from simulated sequences alone: the mean of `log ψ_t(x_t) − log Z_t(x_{t−1})` is the log-density of the proposal against that of the transition.
+#[derive(Clone)]
+pub struct SequencePotentials {
+    config: SequencePotentialsConfig,
+    state_dim: usize,
+    measurement_dim: usize,
+    networks: PotentialNetworks,
+    parameters: Parameters,
+}
+
+/// The matrices that are no weights, after all others: middles and spreads of measurements and states.
+const STANDARDS: usize = 4;
+
+impl SequencePotentials {
+    fn layout(&self) -> Layout {
+        Layout { n: self.state_dim, components: self.config.components }
+    }
+
+    fn sizes(&self, steps: usize, sequences: usize) -> Sizes {
+        let features = count(self.state_dim, self.measurement_dim);
+        Sizes { steps, sequences, features, hidden: self.config.hidden }
+    }
+
+    /// The units of measurements and states.
+    pub fn standards(&self) -> PotentialStandards {
+        let first = self.parameters.len() - STANDARDS;
+        let [a, b, c, d] = [0, 1, 2, 3].map(|at| self.parameters.host(first + at));
+        PotentialStandards { measurement: [a, b], state: [c, d] }
+    }
+
+    /// Sets the units of measurements and states, before anything is learned.
+    ///
+    /// # Errors
+    /// [`ProposalError::Mismatch`] if they are not those of so many coordinates.
+    pub fn set_standards(&mut self, standards: &PotentialStandards) -> Result<(), ProposalError> {
+        let first = self.parameters.len() - STANDARDS;
+        let PotentialStandards { measurement, state } = standards;
+        for (at, values) in measurement.iter().chain(state).enumerate() {
+            self.parameters.set_host(first + at, values).map_err(of_networks)?;
+        }
+        Ok(())
+    }
+
+    /// The proposal of a recorded sequence, which the networks see once.
+    ///
+    /// # Errors
+    /// [`LookAheadError`] if the model does not say how its states are made of noise, there is no step, or the networks fail.
+    pub fn look_ahead<M: OwnModel + ?Sized>(
+        &self,
+        model: &M,
+        recorded: &[RecordedStep],
+    ) -> Result<LookAhead, LookAheadError> {
+        let noise_space = model.noise_space().ok_or(LookAheadError::NoNoise)?;
+        let (standards, layout) = (self.standards(), self.layout());
+        let (mut features, mut of_step) = (Vec::new(), StepFeatures::default());
+        for RecordedStep { step, measurement } in recorded {
+            of_step.of_recorded(noise_space, &step.step(), measurement, &standards, &mut features);
+        }
+        let sizes = self.sizes(recorded.len(), 1);
+        let outputs = outputs(&self.networks, &self.parameters, sizes, layout, &features)
+            .map_err(|error| LookAheadError::Networks { reason: error.to_string() })?;
+        let potentials: Vec<_> = outputs
+            .chunks_exact(layout.outputs())
+            .map(|row| layout.components(row, &standards.state))
+            .collect();
+        LookAhead::from_potentials(model, recorded, &potentials)
+    }
+
+    /// The mean of `log ψ_t(x_t) − log Z_t(x_{t−1})` over a batch, in nats: by how much their proposal finds what was drawn more likely than the transition does.
+    ///
+    /// # Errors
+    /// [`ProposalError`] if the networks fail.
+    pub fn gain(&self, batch: &SequenceBatch) -> Result<f64, ProposalError> {
+        let (sizes, layout) = (self.sizes(batch.steps, batch.sequences), self.layout());
+        let outputs = outputs(&self.networks, &self.parameters, sizes, layout, &batch.features);
+        let outputs = outputs.map_err(of_networks)?;
+        Ok(gain(batch, layout, &outputs, &mut vec![0.0; outputs.len()]))
+    }
+
+    /// The gain, and its derivatives along the weights, turned round: in three parts of the networks, each in memory of its own.
+    ///
+    /// # Errors
+    /// As [`SequencePotentials::gain`].
+    pub fn differentiate_gain(
+        &self,
+        batch: &SequenceBatch,
+        memory: [Workspace; 3],
+    ) -> Result<(f64, [Workspace; 3]), ProposalError> {
+        let sizes = self.sizes(batch.steps, batch.sequences);
+        differentiate(&self.networks, &self.parameters, batch, self.layout(), sizes, memory)
+            .map_err(of_networks)
+    }
+}
+
+impl Parametric for SequencePotentials {
+    fn parameters(&self) -> &Parameters {
+        &self.parameters
+    }
+
+    fn parameters_mut(&mut self) -> &mut Parameters {
+        &mut self.parameters
+    }
+
+    fn horizon(&self) -> Option<usize> {
+        None
+    }
+
+    fn state_dim(&self) -> usize {
+        self.state_dim
+    }
+
+    fn measurement_dim(&self) -> usize {
+        self.measurement_dim
+    }
+}
+
+impl Family for SequencePotentials {
+    const NAME: &'static str = "sequence-potentials";
+    const FILES: [&'static str; 2] = ["potentials.toml", "potentials.safetensors"];
+    type Config = SequencePotentialsConfig;
+
+    /// It has no use for `horizon`.
+    fn create(
+        config: &SequencePotentialsConfig,
+        shape: &ModelShape,
+        _horizon: usize,
+        compute: Compute,
+        seed: &Seed,
+    ) -> Result<Self, ProposalError> {
+        check_compute(compute)?;
+        check_shape(shape)?;
+        check_widths("the hidden width and the number of quadratics", &[config.hidden, config.components])?;
+        check_weights(Self::count(config, shape, 0))?;
+        let &ModelShape { state_dim: n, measurement_dim: m, .. } = shape;
+        let mut parameters = Parameters::new(compute);
+        let layout = Layout { n, components: config.components };
+        let networks = PotentialNetworks::draw(&mut parameters, count(n, m), config.hidden, layout, seed);
+        for (name, width) in [("measurement", m), ("state", n)] {
+            parameters.add(format!("{name}.middles"), [1, width], &vec![0.0; width]);
+            parameters.add(format!("{name}.spreads"), [1, width], &vec![1.0; width]);
+        }
+        Ok(SequencePotentials {
+            config: config.clone(),
+            state_dim: n,
+            measurement_dim: m,
+            networks,
+            parameters,
+        })
+    }
+
+    fn count(config: &SequencePotentialsConfig, shape: &ModelShape, _horizon: usize) -> Option<usize> {
+        let &ModelShape { state_dim: n, measurement_dim: m, .. } = shape;
+        let layout = Layout { n, components: config.components };
+        let standards = n.checked_add(m)?.checked_mul(2)?;
+        PotentialNetworks::count(count(n, m), config.hidden, layout)?.checked_add(standards)
+    }
+
+    fn config(&self) -> &SequencePotentialsConfig {
+        &self.config
+    }
+}

@@ -1,0 +1,8 @@
+//! Learning potentials of whole sequences from a model's own simulations.
+
+mod learn;
+mod settings;
+mod supply;
+
+pub use learn::{LearnedPotentials, learn_potentials};
+pub use settings::PotentialLearnConfig;
