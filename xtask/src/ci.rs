@@ -5,7 +5,7 @@ use std::process::{Command, ExitCode};
 use std::time::Instant;
 
 use crate::process::{built, cargo, run};
-use crate::{python, slurm};
+use crate::{docs, python, slurm};
 
 /// burn's backends, which tests hold ours against.
 const WITH_BURN: [&str; 2] = ["--features", "burn"];
@@ -63,6 +63,7 @@ fn thorough(root: &Path) -> Result<(), ExitCode> {
         cargo(root, &[&properties[..], &WITH_BURN].concat(), &[("PROPTEST_CASES", MANY_CASES)])
     })?;
     step("crates built from their packages", || package(root, &[]))?;
+    step("pages and their site", || docs::check(root))?;
     step("graphics processors", || graphics(root))?;
     step("sweeps on a real Slurm", || slurm::check(root))
 }
@@ -79,18 +80,10 @@ fn graphics(root: &Path) -> Result<(), ExitCode> {
     cargo(root, &[&tests[..], &["--", "gradients::backends", "resume::"]].concat(), &[])
 }
 
-/// Packs the crates as they would be published: all files there, descriptions whole.
+/// Packs all crates that are published as they would be: all files there, descriptions whole.
 fn package(root: &Path, more: &[&str]) -> Result<(), ExitCode> {
-    let crates =
-        ["cli", "models", "formulas", "inference", "smc", "networks", "proposals", "train", "bench", "speed"]
-            .map(|name| format!("motes-{name}"));
-    let chosen = crates.iter().flat_map(|name| ["--package", name]).chain(["--package", "motes"]);
-    let arguments: Vec<&str> = ["package", "--locked", "--allow-dirty"]
-        .into_iter()
-        .chain(chosen)
-        .chain(more.iter().copied())
-        .collect();
-    cargo(root, &arguments, &[])
+    let arguments = ["publish", "--workspace", "--dry-run", "--locked", "--allow-dirty"];
+    cargo(root, &[&arguments, more].concat(), &[])
 }
 
 /// Inputs that each property is held against in the thorough run, instead of 256.

@@ -1,6 +1,7 @@
 //! `cargo xtask …`: builds the program that does the work and becomes it.
 
 mod ci;
+mod docs;
 mod process;
 mod python;
 mod runner;
@@ -34,6 +35,8 @@ enum Command {
     Bench(Handed),
     /// Build the Python package into a virtual environment and test it, or build its wheel
     Python(python::PythonArgs),
+    /// Build the site of the pages, follow its links, and run the commands and Python code of the pages
+    Docs(docs::DocsArgs),
     /// Run a sweep on a real Slurm of this machine, with faults, and hold its tables against those of a local run
     SlurmTest(slurm::SlurmArgs),
     /// Everything that has to hold before a change lands: format, lints, tests, docs, regression run
@@ -72,6 +75,7 @@ fn main() -> ExitCode {
         Command::Verify(handed) => runner::verify(&root, &handed.arguments),
         Command::Bench(handed) => runner::measure(&root, &handed.arguments),
         Command::Python(args) => python::python(&root, &args),
+        Command::Docs(args) => docs::docs(&root, &args),
         Command::SlurmTest(args) => slurm::test(&root, &args),
         Command::Ci { thorough, update_expectations } => ci::check(&root, thorough, update_expectations),
     }
