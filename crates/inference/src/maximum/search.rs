@@ -19,6 +19,9 @@ use crate::tuning::tune;
 /// Rounds of a search uphill.
 const ROUNDS: usize = 8;
 
+/// How far the last quadratics of an exact likelihood reach, in units of the spread.
+const REACHES: [f64; 3] = [0.5, 0.3, 0.3];
+
 /// The estimates of the log-likelihood at a maximum have particles by this factor, and are so many.
 const LAST: (usize, usize) = (8, 64);
 
@@ -174,11 +177,30 @@ impl MaximumSearch {
         for round in 0..ROUNDS {
             hill.climb(likelihood, estimator, &seed.child("round").nth(round as u64))?;
         }
-        let Hill { centre, spread, .. } = hill;
+        let Hill { mut centre, spread, .. } = hill;
+        if likelihood.estimators()[estimator.index].is_exact {
+            centre = refined(likelihood, centre, &spread, estimator, &seed.child("refined"))?;
+        }
         let (log_likelihood, standard_error) = at(likelihood, &centre, estimator, &seed.child("last"))?;
         let found = Maximum { v: centre, log_likelihood, standard_error, spread, estimator };
         Ok((found, possible, impossible))
     }
+}
+
+/// The maximum of an exact likelihood to more digits: what quadratics leave out falls with the square of their reach.
+fn refined<L: Likelihood>(
+    likelihood: &L,
+    mut centre: Vec<f64>,
+    spread: &[f64],
+    estimator: Estimator,
+    seed: &Seed,
+) -> Result<Vec<f64>, L::Error> {
+    for (round, reach) in REACHES.iter().enumerate() {
+        let mut hill = Hill::new(centre, spread.iter().map(|value| reach * value).collect());
+        hill.climb(likelihood, estimator, &seed.nth(round as u64))?;
+        centre = hill.centre;
+    }
+    Ok(centre)
 }
 
 /// The log-likelihood at a point, by many estimates with many particles, and its standard error.

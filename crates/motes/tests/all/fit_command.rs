@@ -175,7 +175,7 @@ fn two_fitted_models_are_held_beside_each_other() {
     assert!((score - plain).abs() < 1.0, "{score} beside {plain}");
     let table = compare(&[]);
     assert!(
-        table.contains("| log marginal likelihood |") && table.contains("| one-step-ahead log score |"),
+        table.contains("| log marginal likelihood ") && table.contains("| one-step-ahead log score "),
         "{table}"
     );
     let refused = |arguments: &[&str]| stderr(&place.run(arguments));

@@ -79,7 +79,8 @@ fn moments(grid: &[(Model, Vec<f64>, f64)], at: usize) -> (f64, f64) {
 fn agrees(fitted: &PosteriorFit, grid: &[(Model, Vec<f64>, f64)], log_marginal: f64) {
     for (at, summary) in fitted.parameters.iter().enumerate() {
         let (mean, sd) = moments(grid, at);
-        assert!(summary.rhat < 1.01, "{summary:?}");
+        // Of fewer effective draws R̂ itself is too rough for its gate.
+        assert!(summary.ess_bulk >= 4000.0 && summary.rhat < 1.01, "{summary:?}");
         assert!((summary.mean - mean).abs() < 4.0 * summary.mcse, "{summary:?} beside {mean} and {sd}");
         let squares: Vec<Vec<f64>> = fitted
             .of_parameter(at)
@@ -102,19 +103,19 @@ fn agrees(fitted: &PosteriorFit, grid: &[(Model, Vec<f64>, f64)], log_marginal: 
 fn the_posterior_of_the_nile_is_that_of_a_grid_by_the_kalman_filter_and_by_particles() {
     let (model, data) = nile();
     let (grid, log_marginal) = grid(&model, &data);
-    let exactly = fitted(&model, &data, &FitOptions { draws: Some(2500), ..FitOptions::default() });
+    let exactly = fitted(&model, &data, &FitOptions { draws: Some(5000), ..FitOptions::default() });
     assert_eq!(exactly.proposal, "exact");
     agrees(&exactly, &grid, log_marginal);
     let proposal = Some(ProposalName::Bootstrap);
     let by_particles =
-        fitted(&model, &data, &FitOptions { proposal, draws: Some(2500), ..FitOptions::default() });
+        fitted(&model, &data, &FitOptions { proposal, draws: Some(15_000), ..FitOptions::default() });
     assert_eq!(by_particles.proposal, "bootstrap");
     agrees(&by_particles, &grid, log_marginal);
     // Exact whatever the number of particles is.
     let few = FitOptions {
         proposal: Some(ProposalName::Bootstrap),
         particles: Some(by_particles.particles.div_ceil(2)),
-        draws: Some(5000),
+        draws: Some(20_000),
         ..FitOptions::default()
     };
     agrees(&fitted(&model, &data, &few), &grid, log_marginal);

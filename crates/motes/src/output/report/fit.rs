@@ -3,6 +3,7 @@
 use super::estimates::{Report, all_series};
 use super::page::Page;
 use super::posterior_figures::{marginal_figure, pair_figure, rank_figure, trace_figure};
+use super::style::Drawn;
 use crate::fitting::PosteriorFit;
 use crate::output::fit::{fit_figures, fit_summary};
 use crate::output::table::Table;
@@ -64,8 +65,10 @@ pub fn fit_report(report: &FitReport<'_>) -> Result<String, Box<dyn std::error::
         page.figure(&pair_figure(names, &pooled[i], &pooled[j])?, &format!("Correlation {correlation:.2}."));
     }
     page.heading("Chains beside each other");
-    for (at, name) in fitted.names.iter().enumerate().take(SHOWN) {
-        page.figure(&rank_figure(name, &chains[at])?, "");
+    let shown: Vec<usize> = (0..fitted.names.len().min(SHOWN)).collect();
+    for beside in shown.chunks(2) {
+        let figures = beside.iter().map(|at| rank_figure(&fitted.names[*at], &chains[*at]));
+        page.figure(&figures.collect::<Drawn<String>>()?, "");
     }
     page.note("How many draws of each chain lie in each twentieth of all draws in order: where chains agree, they keep near the dotted line.");
     if let Some(states) = &report.states {
