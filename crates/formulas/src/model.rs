@@ -228,6 +228,11 @@ impl FormulaModel {
         self.0.exact_entry
     }
 
+    /// Whether `p(x_t | x_{t−1})` and `p(y_t | x_t)` are the same in all steps, as long as these have no sub-steps.
+    pub fn is_time_invariant(&self) -> bool {
+        !self.0.transition.depends_on_step() && !self.0.measurement.depends_on_step()
+    }
+
     /// Whether all of it is linear with Gaussian noise.
     pub(crate) fn is_linear(&self) -> bool {
         self.0.is_linear

@@ -2,15 +2,17 @@
 
 use thiserror::Error;
 
+use crate::population::PriorDraw;
+
 /// Why there is no fit; `E` is the error of the likelihood.
-#[derive(Debug, Error, PartialEq, Eq)]
+#[derive(Debug, Error, PartialEq)]
 pub enum FitError<E> {
     /// There is no parameter, no chain, or no estimator.
     #[error("there is nothing to fit")]
     Nothing,
-    /// The likelihood is 0 at every draw from the prior.
+    /// The likelihood is 0 at every draw from the prior; this is the first one.
     #[error("the likelihood is 0 at every draw from the prior")]
-    Impossible,
+    Impossible(Box<PriorDraw>),
     /// The likelihood cannot be had.
     #[error(transparent)]
     Likelihood(#[from] E),

@@ -2,14 +2,28 @@
 
 use rayon_core::join;
 
-/// What `work` makes of each item, in their order, whatever thread did it.
-pub(crate) fn map<T: Sync, R: Send>(items: &[T], work: &(impl Fn(&T) -> R + Sync)) -> Vec<R> {
+/// What `work` makes of each item and its number, in their order, whatever thread did it: a piece that takes its random numbers from its number gives the same on any
+/// number of threads.
+///
+/// ```
+/// use motes_inference::map_on_threads;
+///
+/// assert_eq!(map_on_threads(&[3, 1, 2], |number, item| number + item), [3, 2, 4]);
+/// ```
+pub fn map_on_threads<T: Sync, R: Send>(items: &[T], work: impl Fn(usize, &T) -> R + Sync) -> Vec<R> {
+    map_from(0, items, &work)
+}
+
+/// [`map_on_threads`] of items of which the first has this number.
+fn map_from<T: Sync, R: Send>(first: usize, items: &[T], work: &(impl Fn(usize, &T) -> R + Sync)) -> Vec<R> {
     match items {
         [] => Vec::new(),
-        [one] => vec![work(one)],
+        [one] => vec![work(first, one)],
         _ => {
-            let (left, right) = items.split_at(items.len() / 2);
-            let (mut done, rest) = join(|| map(left, work), || map(right, work));
+            let half = items.len() / 2;
+            let (left, right) = items.split_at(half);
+            let (mut done, rest) =
+                join(|| map_from(first, left, work), || map_from(first + half, right, work));
             done.extend(rest);
             done
         }

@@ -5,9 +5,11 @@ use rand::RngExt;
 use serde::{Deserialize, Serialize};
 
 use crate::chain::{Member, Moves};
+use crate::error::FitError;
 use crate::likelihood::{Estimator, Likelihood};
+use crate::log_mean::LogMean;
 use crate::normal_fit::{NormalFit, log_prior};
-use crate::parallel::map;
+use crate::parallel::map_on_threads;
 
 /// Moves of each member at each power.
 const MOVES: usize = 4;
@@ -42,6 +44,32 @@ pub(crate) struct Population {
     estimator: Estimator,
     /// The share of draws from the prior at which the likelihood is not 0.
     possible: f64,
+    /// The first draw at which it is.
+    impossible: Option<DrawNumber>,
+}
+
+/// A draw from the prior, with the estimate of the likelihood there: who asks once more, with the same estimator and the same random numbers, finds the same.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PriorDraw {
+    /// Its position (`D`).
+    pub v: Vec<f64>,
+    /// The estimator of the likelihood.
+    pub estimator: Estimator,
+    /// What the estimate took its random numbers from.
+    pub seed: Seed,
+}
+
+/// Where a draw from the prior is, for what is written down: its number, and its estimator.
+pub(crate) type DrawNumber = (u64, Estimator);
+
+impl PriorDraw {
+    /// The draw of that number from the prior of `d` parameters.
+    pub(crate) fn of(d: usize, (number, estimator): DrawNumber, seed: &Seed) -> Self {
+        let seed = seed.child("prior").nth(number);
+        let mut v = vec![0.0; d];
+        fill_standard_normal(&mut seed.stream(), &mut v);
+        PriorDraw { v, estimator, seed: seed.child("likelihood") }
+    }
 }
 
 impl Population {
@@ -50,23 +78,41 @@ impl Population {
         let d = likelihood.dimension();
         let count = 64.max(16 * d);
         let estimator = Estimator { index, particles: PARTICLES };
-        let numbers: Vec<u64> = (0..count as u64).collect();
-        let drawn = map(&numbers, &|&number| {
-            let seed = seed.child("prior").nth(number);
-            let mut v = vec![0.0; d];
-            fill_standard_normal(&mut seed.stream(), &mut v);
-            let log_likelihood = likelihood.log_likelihood(&v, estimator, &seed.child("likelihood"))?;
+        let members = map_on_threads(&vec![(); count], |number, ()| {
+            let PriorDraw { v, seed, .. } = PriorDraw::of(d, (number as u64, estimator), seed);
+            let log_likelihood = likelihood.log_likelihood(&v, estimator, &seed)?;
             Ok(Member { v, log_likelihood })
         });
-        let members = drawn.into_iter().collect::<Result<Vec<Member>, L::Error>>()?;
-        let possible = members.iter().filter(|member| member.log_likelihood > f64::NEG_INFINITY).count();
+        let members = members.into_iter().collect::<Result<Vec<Member>, L::Error>>()?;
+        let is_possible = |member: &Member| member.log_likelihood > f64::NEG_INFINITY;
+        let possible = members.iter().filter(|member| is_possible(member)).count();
+        let impossible =
+            members.iter().position(|member| !is_possible(member)).map(|at| (at as u64, estimator));
         let (possible, scale) = (possible as f64 / count as f64, 2.38 / (d as f64).sqrt());
-        Ok(Population { members, power: 0.0, step: 0, scale, estimator, possible })
+        Ok(Population { members, power: 0.0, step: 0, scale, estimator, possible, impossible })
     }
 
     /// The share of draws from the prior at which the likelihood is not 0.
     pub(crate) fn possible(&self) -> f64 {
         self.possible
+    }
+
+    /// The first draw from the prior at which it is; `seed` is that of [`Population::new`].
+    pub(crate) fn impossible(&self, seed: &Seed) -> Option<PriorDraw> {
+        Some(PriorDraw::of(self.members.first()?.v.len(), self.impossible?, seed))
+    }
+
+    /// Which one that is.
+    pub(crate) fn impossible_number(&self) -> Option<DrawNumber> {
+        self.impossible
+    }
+
+    /// Why there is nothing to go on from, where no draw is possible.
+    pub(crate) fn refuse_impossible<E>(&self, seed: &Seed) -> Result<(), FitError<E>> {
+        match self.impossible(seed).filter(|_| self.possible == 0.0) {
+            Some(draw) => Err(FitError::Impossible(Box::new(draw))),
+            None => Ok(()),
+        }
     }
 
     pub(crate) fn power(&self) -> f64 {
@@ -97,7 +143,7 @@ impl Population {
     fn next_power(&self) -> f64 {
         let is_enough = |more: f64| {
             let log_weights = self.members.iter().map(|member| more * member.log_likelihood);
-            effective_size(&log_weights.collect::<Vec<f64>>())
+            LogMean::of(&log_weights.collect::<Vec<f64>>()).effective()
                 >= 0.5 * self.members.len() as f64 * self.possible
         };
         let left = 1.0 - self.power;
@@ -115,12 +161,12 @@ impl Population {
 
     /// Draws members by their likelihoods to the power `more`, systematically.
     fn resample(&mut self, more: f64, seed: &Seed) {
-        let weights =
-            weights(&self.members.iter().map(|member| more * member.log_likelihood).collect::<Vec<f64>>());
+        let log_weights = self.members.iter().map(|member| more * member.log_likelihood);
+        let weights = LogMean::of(&log_weights.collect::<Vec<f64>>());
         let count = self.members.len() as f64;
         let offset = seed.child("resampling").stream().random::<f64>();
         let (mut sum, mut drawn) = (0.0, Vec::with_capacity(self.members.len()));
-        for (member, weight) in self.members.iter().zip(weights) {
+        for (member, weight) in self.members.iter().zip(weights.shares()) {
             sum += weight * count;
             while (drawn.len() as f64 + offset) < sum && drawn.len() < self.members.len() {
                 drawn.push(member.clone());
@@ -147,9 +193,8 @@ impl Population {
             return Ok(());
         }
         self.estimator.particles *= 2;
-        let numbered: Vec<(usize, &Member)> = self.members.iter().enumerate().collect();
-        let again = map(&numbered, &|(number, member)| {
-            let seed = seed.child("again").nth(*number as u64);
+        let again = map_on_threads(&self.members, |number, member| {
+            let seed = seed.child("again").nth(number as u64);
             let log_likelihood = likelihood.log_likelihood(&member.v, self.estimator, &seed)?;
             Ok(Member { v: member.v.clone(), log_likelihood })
         });
@@ -164,10 +209,9 @@ impl Population {
     fn rejuvenate<L: Likelihood>(&mut self, likelihood: &L, seed: &Seed) -> Result<(), L::Error> {
         let positions: Vec<&[f64]> = self.members.iter().map(|member| member.v.as_slice()).collect();
         let normal = NormalFit::of(&positions).unwrap_or_else(|| NormalFit::standard(likelihood.dimension()));
-        let numbered: Vec<(usize, &Member)> = self.members.iter().enumerate().collect();
-        let moved = map(&numbered, &|(number, member)| {
-            let seed = seed.child("moves").nth(*number as u64);
-            let (mut here, mut stream, mut moves) = ((*member).clone(), seed.stream(), Moves::default());
+        let moved = map_on_threads(&self.members, |number, member| {
+            let seed = seed.child("moves").nth(number as u64);
+            let (mut here, mut stream, mut moves) = (member.clone(), seed.stream(), Moves::default());
             for at in 0..MOVES {
                 let v = normal.walk(&here.v, self.scale, &mut stream);
                 let chance = stream.random::<f64>().ln();
@@ -190,22 +234,6 @@ impl Population {
     }
 }
 
-/// Weights that add up to 1, of their logarithms; equal ones where all are 0.
-fn weights(log_weights: &[f64]) -> Vec<f64> {
-    let largest = log_weights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    if largest == f64::NEG_INFINITY {
-        return vec![1.0 / log_weights.len() as f64; log_weights.len()];
-    }
-    let weights: Vec<f64> = log_weights.iter().map(|value| (value - largest).exp()).collect();
-    let sum: f64 = weights.iter().sum();
-    weights.into_iter().map(|weight| weight / sum).collect()
-}
-
-/// `1/Σ w²` of normalised weights.
-fn effective_size(log_weights: &[f64]) -> f64 {
-    1.0 / weights(log_weights).iter().map(|weight| weight * weight).sum::<f64>()
-}
-
 /// The mean over positions of the variance of `log ẑ` over estimates; infinite where most estimates of a position are 0.
 pub(crate) fn mean_variance<L: Likelihood>(
     likelihood: &L,
@@ -216,7 +244,7 @@ pub(crate) fn mean_variance<L: Likelihood>(
 ) -> Result<f64, L::Error> {
     let all: Vec<(usize, usize)> =
         (0..positions.len()).flat_map(|at| (0..estimates).map(move |number| (at, number))).collect();
-    let found = map(&all, &|&(at, number)| {
+    let found = map_on_threads(&all, |_, &(at, number)| {
         likelihood.log_likelihood(positions[at], estimator, &seed.nth(at as u64).nth(number as u64))
     });
     let found = found.into_iter().collect::<Result<Vec<f64>, L::Error>>()?;

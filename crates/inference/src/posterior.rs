@@ -9,8 +9,8 @@ use crate::error::FitError;
 use crate::likelihood::{Estimator, Likelihood};
 use crate::marginal::MarginalLikelihood;
 use crate::normal_fit::NormalFit;
-use crate::parallel::map;
-use crate::population::{Population, mean_variance};
+use crate::parallel::map_on_threads;
+use crate::population::{Population, PriorDraw, mean_variance};
 use crate::settings::{EstimatorChoice, PosteriorSettings};
 use crate::tuning::{Tuned, tune};
 
@@ -96,9 +96,7 @@ impl Posterior {
         };
         let root = Seed::from_u64(seed).child("fit");
         let population = Population::new(likelihood, index, &root)?;
-        if population.possible() == 0.0 {
-            return Err(FitError::Impossible);
-        }
+        population.refuse_impossible(&root)?;
         Ok(Posterior {
             settings,
             seed,
@@ -125,6 +123,16 @@ impl Posterior {
     /// The share of draws from the prior at which the likelihood is not 0.
     pub fn possible(&self) -> f64 {
         self.population.possible()
+    }
+
+    /// The first draw from the prior at which it is; none where it is at none.
+    pub fn impossible(&self) -> Option<PriorDraw> {
+        self.population.impossible(&self.root())
+    }
+
+    /// What all random numbers come from.
+    fn root(&self) -> Seed {
+        Seed::from_u64(self.seed).child("fit")
     }
 
     /// The power of the likelihood up to which positions have come from the prior.
@@ -178,7 +186,7 @@ impl Posterior {
     /// # Errors
     /// [`FitError::Likelihood`] as the likelihood says; the fit is then as it was before.
     pub fn advance<L: Likelihood>(&mut self, likelihood: &L) -> Result<(), FitError<L::Error>> {
-        let seed = Seed::from_u64(self.seed).child("fit");
+        let seed = self.root();
         match self.stage {
             Stage::Starting if self.population.power() < 1.0 => {
                 let mut population = self.population.clone();
@@ -238,9 +246,9 @@ impl Posterior {
         moves: usize,
     ) -> Result<Vec<Round>, L::Error> {
         let mover = Mover { likelihood, estimator: self.estimator, kernel: &self.kernel };
-        let chains: Vec<(usize, &Member)> = self.here.iter().enumerate().collect();
         let seed = seed.nth(self.rounds as u64);
-        let rounds = map(&chains, &|(chain, here)| mover.round(here, moves, &seed.nth(*chain as u64)));
+        let rounds =
+            map_on_threads(&self.here, |chain, here| mover.round(here, moves, &seed.nth(chain as u64)));
         rounds.into_iter().collect()
     }
 
@@ -359,8 +367,7 @@ fn estimated<L: Likelihood>(
     estimator: Estimator,
     seed: &Seed,
 ) -> Result<Vec<Member>, L::Error> {
-    let numbered: Vec<(usize, &Vec<f64>)> = positions.iter().enumerate().collect();
-    let members = map(&numbered, &|&(number, v)| {
+    let members = map_on_threads(positions, |number, v| {
         let log_likelihood = likelihood.log_likelihood(v, estimator, &seed.nth(number as u64))?;
         Ok(Member { v: v.clone(), log_likelihood })
     });

@@ -281,7 +281,12 @@ impl<'m> Running<'m> {
     }
 
     /// What a failure means for who wrote the model and the data.
-    fn explain(&self, error: &FilterError, step: &Step<'_>, measurement: &[Option<f64>]) -> MotesError {
+    pub(crate) fn explain(
+        &self,
+        error: &FilterError,
+        step: &Step<'_>,
+        measurement: &[Option<f64>],
+    ) -> MotesError {
         let place = format!("t = {}", step.time);
         let reason = match error {
             FilterError::Collapse { ess_before, .. } => self.explain_collapse(*ess_before, step, measurement),

@@ -3,20 +3,23 @@
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use motes_inference::Posterior;
+use ciborium::Value;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 
 use crate::error::MotesError;
-use crate::fitting::{DRAWS, FitRecord, MAXIMUM, MaximumFit, PosteriorFit, RECORD};
-use crate::output::{Output, fit_draws, fit_json, maximum_json, maximum_table};
+use crate::fitting::{DRAWS, FitRecord, MAXIMUM, MaximumFit, PosteriorFit, RECORD, SUMMARY};
+use crate::output::{Output, fit_draws, fit_json, maximum_json, maximum_table, profile_table};
 use crate::packed::{pack, unpack};
 
-/// The figures of all parameters.
-const SUMMARY: &str = "summary.json";
+/// The profiles of parameters at the maximum.
+const PROFILE: &str = "profile.csv";
 /// Where it stands; removed when it is done.
 const PROGRESS: &str = "progress.cbor";
 
-/// The version of what is written down of a fit under way.
-const VERSION: u32 = 1;
+/// What a fit under way is called where it is written down, and the version of that.
+const FIT: &str = "fit";
+const VERSION: u32 = 2;
 
 /// The folder of a fit.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,19 +29,20 @@ pub struct FitFolder {
 }
 
 impl FitFolder {
-    /// A folder for a fit, which is made if there is none; one with another fit is written over, one with anything else is refused.
+    /// A folder for a fit, which is made when something is written into it; one with another fit is written over, one with anything else is refused.
     ///
     /// # Errors
-    /// [`MotesError::Output`] if it cannot be made, or has something else in it.
+    /// [`MotesError::Output`] if it cannot be read, or has something else in it.
     pub fn open(path: &Path, record: FitRecord) -> Result<Self, MotesError> {
         let failed = |source| MotesError::Output { file: path.display().to_string(), source };
-        std::fs::create_dir_all(path).map_err(failed)?;
         let is_of_a_fit = |name: &std::ffi::OsStr| {
-            [DRAWS, MAXIMUM, RECORD, SUMMARY, PROGRESS].iter().any(|file| name == *file)
+            [DRAWS, MAXIMUM, PROFILE, RECORD, SUMMARY, PROGRESS].iter().any(|file| name == *file)
         };
-        let names =
-            std::fs::read_dir(path).map_err(failed)?.filter_map(Result::ok).map(|entry| entry.file_name());
-        let names: Vec<std::ffi::OsString> = names.collect();
+        let names: Vec<std::ffi::OsString> = match std::fs::read_dir(path) {
+            Ok(entries) => entries.filter_map(Result::ok).map(|entry| entry.file_name()).collect(),
+            Err(error) if error.kind() == ErrorKind::NotFound => vec![],
+            Err(error) => return Err(failed(error)),
+        };
         if !names.is_empty() && !names.iter().any(|name| is_of_a_fit(name)) {
             let reason = "it has files in it, and none of a fit; name a new folder, or an empty one";
             return Err(failed(std::io::Error::new(ErrorKind::AlreadyExists, reason)));
@@ -46,11 +50,12 @@ impl FitFolder {
         Ok(FitFolder { path: path.into(), record })
     }
 
-    /// Where the same fit stood when it was stopped; none where there is none, or that of another one.
+    /// Where the same fit stood when it was stopped, a [`Posterior`](motes_inference::Posterior) or a [`MaximumSearch`](motes_inference::MaximumSearch); none where there is none,
+    /// or that of another one.
     ///
     /// # Errors
     /// [`MotesError::Output`] if it cannot be read, [`MotesError::Packed`] if it was damaged.
-    pub fn progress(&self) -> Result<Option<Posterior>, MotesError> {
+    pub fn progress<S: DeserializeOwned>(&self) -> Result<Option<S>, MotesError> {
         let file = self.path.join(PROGRESS);
         let bytes = match std::fs::read(&file) {
             Ok(bytes) => bytes,
@@ -65,16 +70,24 @@ impl FitFolder {
             }
             other => other,
         };
-        let (record, posterior): (FitRecord, Posterior) = unpack("fit", VERSION, &bytes).map_err(damaged)?;
-        Ok((record == self.record).then_some(posterior))
+        let (record, state): (FitRecord, Value) = unpack(FIT, VERSION, &bytes).map_err(damaged)?;
+        match state {
+            Value::Bytes(state) if record == self.record => {
+                unpack(&record.method, VERSION, &state).map(Some).map_err(damaged)
+            }
+            _ => Ok(None),
+        }
     }
 
     /// Writes down where the fit stands.
     ///
     /// # Errors
     /// [`MotesError::Output`] if it cannot be written.
-    pub fn keep(&self, posterior: &Posterior) -> Result<(), MotesError> {
-        let bytes = pack("fit", VERSION, &(&self.record, posterior))?;
+    pub fn keep(&self, state: &impl Serialize) -> Result<(), MotesError> {
+        // The record comes first: the state of another method has another form.
+        let state = pack(&self.record.method, VERSION, state)?;
+        let bytes = pack(FIT, VERSION, &(&self.record, Value::Bytes(state)))?;
+        self.make()?;
         let file = self.path.join(PROGRESS);
         let failed = |source| MotesError::Output { file: file.display().to_string(), source };
         let mut part = tempfile::NamedTempFile::new_in(&self.path).map_err(failed)?;
@@ -82,12 +95,30 @@ impl FitFolder {
         part.persist(&file).map(drop).map_err(|refused| failed(refused.error))
     }
 
+    fn make(&self) -> Result<(), MotesError> {
+        let failed = |source| MotesError::Output { file: self.path.display().to_string(), source };
+        std::fs::create_dir_all(&self.path).map_err(failed)
+    }
+
     /// Writes the draws that were found, and removes where the fit stood.
     ///
     /// # Errors
     /// [`MotesError::Output`] if it cannot be written.
     pub fn finish(&self, fitted: &PosteriorFit) -> Result<(), MotesError> {
-        self.write(&[(DRAWS, fit_draws(fitted)), (SUMMARY, fit_json(fitted, None))])
+        self.write(&Self::files(fitted))?;
+        self.remove(PROGRESS)
+    }
+
+    /// Writes the draws that there were when the fit was stopped, and leaves where it stood, so that it can go on.
+    ///
+    /// # Errors
+    /// [`MotesError::Output`] if it cannot be written.
+    pub fn write_so_far(&self, fitted: &PosteriorFit) -> Result<(), MotesError> {
+        self.write(&Self::files(fitted))
+    }
+
+    fn files(fitted: &PosteriorFit) -> [(&'static str, String); 2] {
+        [(DRAWS, fit_draws(fitted)), (SUMMARY, fit_json(fitted, None))]
     }
 
     /// Writes the maximum that was found.
@@ -95,27 +126,38 @@ impl FitFolder {
     /// # Errors
     /// [`MotesError::Output`] if it cannot be written.
     pub fn finish_maximum(&self, found: &MaximumFit) -> Result<(), MotesError> {
-        self.write(&[(MAXIMUM, maximum_table(found)), (SUMMARY, maximum_json(found, None))])
+        let files = [
+            (MAXIMUM, maximum_table(found)),
+            (PROFILE, profile_table(found)),
+            (SUMMARY, maximum_json(found, None)),
+        ];
+        self.write(&files)?;
+        self.remove(PROGRESS)
     }
 
-    /// Writes files and what they were made with, and removes those of a fit before.
+    /// Writes files and what they were made with, and removes those of another method.
     fn write(&self, files: &[(&str, String)]) -> Result<(), MotesError> {
         let record = toml::to_string(&self.record)
             .map_err(|error| MotesError::Packed { what: RECORD.into(), reason: error.to_string() })?;
+        self.make()?;
         for (name, text) in files.iter().chain([&(RECORD, record)]) {
             let output = Output::File(self.path.join(name));
             output.write(text).map_err(|source| MotesError::Output { file: output.name(), source })?;
         }
         let is_written = |name: &&str| files.iter().any(|(written, _)| written == name);
-        for name in [DRAWS, MAXIMUM, PROGRESS].iter().filter(|name| !is_written(name)) {
-            let file = self.path.join(name);
-            match std::fs::remove_file(&file) {
-                Err(source) if source.kind() != ErrorKind::NotFound => {
-                    return Err(MotesError::Output { file: file.display().to_string(), source });
-                }
-                _ => {}
+        [DRAWS, MAXIMUM, PROFILE]
+            .iter()
+            .filter(|name| !is_written(name))
+            .try_for_each(|name| self.remove(name))
+    }
+
+    fn remove(&self, name: &str) -> Result<(), MotesError> {
+        let file = self.path.join(name);
+        match std::fs::remove_file(&file) {
+            Err(source) if source.kind() != ErrorKind::NotFound => {
+                Err(MotesError::Output { file: file.display().to_string(), source })
             }
+            _ => Ok(()),
         }
-        Ok(())
     }
 }

@@ -36,6 +36,7 @@ mod exact_system;
 mod few_ancestors;
 mod filtered;
 mod filtering;
+mod fit_comparison;
 mod fit_folder;
 mod fitting;
 mod forecasting;
@@ -74,13 +75,15 @@ pub use error::MotesError;
 pub use estimate::{Coordinate, Estimate, Forecast};
 pub use evidence::{
     Evidence, EvidenceEstimator, EvidenceOptions, EvidenceWorth, LogEvidence, Pilot, evidence, log_evidence,
+    log_evidence_at,
 };
 pub use filtered::Filtered;
 pub use filtering::{filter, of_proposal};
+pub use fit_comparison::{FitComparison, FittedModel, FittedScore, compare_fits};
 pub use fit_folder::FitFolder;
 pub use fitting::{
     FitOptions, FitParameters, FitProgress, FitRecord, FreeParameters, MaximumFit, MaximumParameter,
-    PosteriorChain, PosteriorFit, fit, fit_from, maximise,
+    MaximumProfilePoint, PosteriorChain, PosteriorFit, SearchProgress, fit, fit_from, maximise,
 };
 pub use forecasting::rows_ahead;
 pub use learned::{LearnedProposal, Notes, PotentialNotes};

@@ -2,6 +2,7 @@
 
 use std::ops::{ControlFlow, Range};
 
+use motes_inference::map_on_threads;
 use motes_models::{Seed, Simulator, StateSpaceModel, Step};
 use motes_smc::{
     Bootstrap, EvidenceCheck, EvidenceWarning, FilterError, FilterHistory, FilterSettings, ParticleFilter,
@@ -49,13 +50,7 @@ fn of_all(
     if !is_large || coordinates.len() < 2 {
         return coordinates.map(of).collect();
     }
-    let half = coordinates.start + coordinates.len() / 2;
-    let (mut first, rest) = rayon_core::join(
-        || of_all(coordinates.start..half, is_large, of),
-        || of_all(half..coordinates.end, is_large, of),
-    );
-    first.extend(rest);
-    first
+    map_on_threads(&coordinates.collect::<Vec<usize>>(), |_, coordinate| of(*coordinate))
 }
 
 impl<M: StateSpaceModel + ?Sized, P: Proposal<M>> Filter<'_, M, P> {

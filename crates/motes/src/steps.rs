@@ -11,7 +11,7 @@ use motes_smc::{
 use crate::estimate::Coordinate;
 use crate::running_state::FilterState;
 
-/// A filter with the types of its model and proposal put aside.
+/// A filter with the types of its model and proposal put aside. What has an answer here is that of an exact filter: it has no particles, and no error.
 pub(crate) trait Steps: Send + Sync {
     fn step(&mut self, step: &Step<'_>, measurement: &[Option<f64>]) -> Result<(), FilterError>;
     /// What is expected of the measurement that a step would take in, and where it lies in that.
@@ -23,34 +23,70 @@ pub(crate) trait Steps: Send + Sync {
     /// What would be measured now, at the end of that step.
     fn measurement(&self, step: &Step<'_>, measurement: &[Option<f64>]) -> Vec<Predictive>;
     /// What a bootstrap filter beside it says so far, if there is one.
-    fn verdict(&self) -> Option<Verdict>;
+    fn verdict(&self) -> Option<Verdict> {
+        None
+    }
+
     /// By how much that one's log-evidence is larger.
-    fn difference(&self) -> f64;
+    fn difference(&self) -> f64 {
+        0.0
+    }
+
     /// The standard error of the log-evidence, if there are small filters beside it and particles enough.
-    fn standard_error(&self) -> Option<f64>;
+    fn standard_error(&self) -> Option<f64> {
+        Some(0.0)
+    }
+
     /// What the small filters beside it warn of.
-    fn evidence_warnings(&self) -> Vec<EvidenceWarning>;
+    fn evidence_warnings(&self) -> Vec<EvidenceWarning> {
+        vec![]
+    }
+
     fn state(&self) -> Vec<Coordinate>;
     /// How many numbers the states of all particles are.
-    fn particles(&self) -> usize;
+    fn particles(&self) -> usize {
+        0
+    }
+
     /// Whether there is much to look at after a step.
-    fn is_large(&self) -> bool;
+    fn is_large(&self) -> bool {
+        false
+    }
+
     fn means(&self) -> &[f64];
     fn quantiles(&self, coordinate: usize, probabilities: &[f64]) -> Vec<f64>;
     /// What its weights say, if it has particles.
-    fn diagnosis(&self) -> Option<WeightDiagnosis>;
-    fn effective_sample_size(&self) -> Option<f64>;
+    fn diagnosis(&self) -> Option<WeightDiagnosis> {
+        None
+    }
+
+    /// In particles, if it has any.
+    fn effective_sample_size(&self) -> Option<f64> {
+        None
+    }
+
     fn log_evidence(&self) -> f64;
-    fn record(&self, history: &mut FilterHistory) -> Result<(), SmoothingError>;
+    /// Keeps its particles, if it has any.
+    fn record(&self, _history: &mut FilterHistory) -> Result<(), SmoothingError> {
+        Ok(())
+    }
+
+    /// Draws trajectories backwards through particles.
     fn backward(
         &self,
-        history: &FilterHistory,
-        paths: usize,
-        seed: &Seed,
-        proceed: &mut dyn FnMut(usize) -> ControlFlow<()>,
-    ) -> Result<SmoothedPaths, SmoothingError>;
+        _history: &FilterHistory,
+        _paths: usize,
+        _seed: &Seed,
+        _proceed: &mut dyn FnMut(usize) -> ControlFlow<()>,
+    ) -> Result<SmoothedPaths, SmoothingError> {
+        Err(SmoothingError::Nothing { name: "the number of particles" })
+    }
+
     /// Why it failed, if it has.
-    fn failure(&self) -> Option<&FilterError>;
+    fn failure(&self) -> Option<&FilterError> {
+        None
+    }
+
     /// All that later steps depend on.
     fn snapshot(&self) -> FilterState;
     /// The state of one particle, and the one that it was drawn from, in the step that failed.

@@ -48,7 +48,9 @@ mod _motes {
     #[pymodule_export]
     use crate::options::FilterOptions;
     #[pymodule_export]
-    use crate::posterior_fit::{PosteriorFit, fit, with_parameters};
+    use crate::posterior_fit::{
+        PosteriorFit, filter_over, fit, free_parameters, log_evidence_at, with_parameters,
+    };
 
     use pyo3::prelude::*;
 

@@ -4,8 +4,8 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use motes::output::{fit_json, fit_summary, fit_text};
-use motes::{FitOptions, MotesError, ProposalName, pack, unpack};
-use numpy::{IntoPyArray, PyArray1};
+use motes::{FitOptions, FreeParameters, MotesError, ProposalName, filter_draws, pack, unpack};
+use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
@@ -13,8 +13,9 @@ use crate::arguments::{integer, seed_of, threads_of};
 use crate::call::ForCall;
 use crate::data::Data;
 use crate::errors::{in_python, refused, to_python};
+use crate::filtered::Filtered;
 use crate::model::Model;
-use crate::options::ProposalArgument;
+use crate::options::{FilterOptions, ProposalArgument};
 use crate::work::without_lock;
 
 /// What errors call its bytes, and the version of these.
@@ -115,6 +116,7 @@ impl FitArguments<'_> {
             particles: count("particles", self.particles, 1)?,
             chains: integer("chains", self.chains, 1, 1000)?,
             draws: count("draws", self.draws, 4)?,
+            profiles: vec![],
             seconds: self.budget,
             seed: seed_of(self.seed)?,
         })
@@ -142,6 +144,58 @@ pub(crate) fn fit(
     })?;
     let found = failure.or(found)?;
     Ok(PosteriorFit { found: Arc::new(found), seconds: start.elapsed().as_secs_f64() })
+}
+
+/// Filters and forecasts at `draws` draws of a posterior, mixed: an average has no log-evidence.
+#[pyfunction]
+pub(crate) fn filter_over(
+    py: Python<'_>,
+    model: &Bound<'_, Model>,
+    fitted: &Bound<'_, PosteriorFit>,
+    data: Py<Data>,
+    options: &Bound<'_, FilterOptions>,
+    draws: i64,
+) -> PyResult<Filtered> {
+    let draws = integer("draws", draws, 1, 1_000_000)?;
+    let FilterOptions { options, threads } = options.get();
+    let call = model.get().for_call()?;
+    let (ForCall { model: of_call, failure, .. }, threads) = (&call, call.threads(*threads));
+    let (rows, start) = (&data.get().0, Instant::now());
+    let values = fitted.get().found.draw_values();
+    let models = values.spread(of_call, draws.min(values.len())).map_err(to_python)?;
+    let mixed = without_lock(py, threads, &failure.stop, || {
+        filter_draws(&models, rows, options, &|_| failure.asked())
+    })?;
+    let mixed = failure.or(mixed)?.into_filtered(rows.series.len());
+    let Model { model, set, .. } = model.get();
+    let seconds = start.elapsed().as_secs_f64();
+    Ok(Filtered::new(model, set, data, options, mixed, None, seconds))
+}
+
+/// The names of the parameters that a fit finds; none where no prior is left.
+#[pyfunction]
+pub(crate) fn free_parameters(model: &Bound<'_, Model>) -> Vec<String> {
+    FreeParameters::of(model.get().motes()).map(|free| free.names()).unwrap_or_default()
+}
+
+/// The log-evidence at each row of `values`, flat, of the parameters `names`.
+#[pyfunction]
+pub(crate) fn log_evidence_at<'py>(
+    py: Python<'py>,
+    model: &Bound<'py, Model>,
+    data: &Bound<'py, Data>,
+    options: &Bound<'py, FilterOptions>,
+    names: Vec<String>,
+    values: PyReadonlyArray1<'py, f64>,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let FilterOptions { options, threads } = options.get();
+    let (call, rows) = (model.get().for_call()?, &data.get().0);
+    let (ForCall { model, failure, .. }, threads) = (&call, call.threads(*threads));
+    let values = values.as_slice()?;
+    let found = without_lock(py, threads, &failure.stop, || {
+        motes::log_evidence_at(model, rows, options, &names, values, &|| failure.asked())
+    })?;
+    Ok(failure.or(found)?.into_pyarray(py))
 }
 
 /// The same model with other values of parameters.

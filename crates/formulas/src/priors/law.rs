@@ -1,7 +1,7 @@
 //! The distributions of priors.
 
 use motes_models::equations::{
-    Beta, Binomial, Distribution, Exponential, Gamma, LogNormal, Scalar, Uniform, gamma, uniform,
+    Beta, Binomial, Distribution, Exponential, Gamma, LogNormal, Scalar, Uniform, gamma, normal_quantile,
 };
 
 /// A distribution of one number, or of several that add up to 1.
@@ -41,7 +41,8 @@ impl Truncated {
         let v = if self.is_mirrored { -v } else { v };
         let [low, high] = self.below;
         let p = low + (high - low) * Scalar::normal_cdf(v);
-        let v = uniform(0.0, 1.0).to_normal(p);
+        // Rounding can lead past the end.
+        let v = normal_quantile(p.min(1.0));
         let x = self.law.at_one(if self.is_mirrored { -v } else { v });
         x.clamp(self.ends[0], self.ends[1])
     }
@@ -51,7 +52,7 @@ impl Truncated {
         let v = self.law.to_normal(x.clamp(self.ends[0], self.ends[1]));
         let [low, high] = self.below;
         let below = Scalar::normal_cdf(if self.is_mirrored { -v } else { v });
-        let v = uniform(0.0, 1.0).to_normal((below - low) / (high - low));
+        let v = normal_quantile(((below - low) / (high - low)).clamp(0.0, 1.0));
         if self.is_mirrored { -v } else { v }
     }
 

@@ -1,6 +1,6 @@
 //! Draws by their ranks.
 
-use motes_models::equations::uniform;
+use motes_models::equations::normal_quantile;
 
 /// The normal scores of all draws of all chains, `Φ⁻¹((r − 3/8)/(S + 1/4))` with `r` the rank among all `S`, the mean one of ties.
 pub(super) fn normal_scores(chains: &[Vec<f64>]) -> Vec<Vec<f64>> {
@@ -14,7 +14,7 @@ pub(super) fn normal_scores(chains: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let mut before = 0;
     for ties in order.chunk_by(|a, b| a.0 == b.0) {
         let rank = before as f64 + (ties.len() as f64 + 1.0) / 2.0;
-        let score = uniform(0.0, 1.0).to_normal((rank - 0.375) / (count + 0.25));
+        let score = normal_quantile((rank - 0.375) / (count + 0.25));
         ties.iter().for_each(|(_, chain, at)| scores[*chain][*at] = score);
         before += ties.len();
     }

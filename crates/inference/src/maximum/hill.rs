@@ -6,7 +6,7 @@ use motes_models::{Seed, fill_standard_normal};
 
 use super::quadratic::{Quadratic, coefficients};
 use crate::likelihood::{Estimator, Likelihood};
-use crate::parallel::map;
+use crate::parallel::map_on_threads;
 
 /// Points of a round, for each coefficient of a quadratic, and at least.
 const POINTS: (usize, usize) = (4, 40);
@@ -54,11 +54,12 @@ impl Hill {
         let count = (POINTS.0 * coefficients(d)).max(POINTS.1);
         let mut noise = vec![0.0; count * d];
         fill_standard_normal(&mut seed.child("points").stream(), &mut noise);
-        let points: Vec<(usize, Vec<f64>)> = noise.chunks(d).map(|u| self.place(u)).enumerate().collect();
-        let found =
-            map(&points, &|(number, v)| likelihood.log_likelihood(v, estimator, &seed.nth(*number as u64)));
+        let points: Vec<Vec<f64>> = noise.chunks(d).map(|u| self.place(u)).collect();
+        let found = map_on_threads(&points, |number, v| {
+            likelihood.log_likelihood(v, estimator, &seed.nth(number as u64))
+        });
         let found = found.into_iter().collect::<Result<Vec<f64>, L::Error>>()?;
-        self.asked.extend(points.into_iter().map(|(_, v)| v).zip(found));
+        self.asked.extend(points.into_iter().zip(found));
         if let Some(inverse) = inverse(&self.spread, d) {
             self.step(&inverse);
         }

@@ -8,6 +8,6 @@ mod search;
 mod settings;
 
 pub use point::Maximum;
-pub use profile::Interval;
+pub use profile::{Profile, ProfilePoint};
 pub use search::MaximumSearch;
 pub use settings::MaximumSettings;

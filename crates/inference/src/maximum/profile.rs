@@ -1,6 +1,7 @@
 //! Intervals by profiles of the likelihood, wider by what its estimates do not tell (Ionides, Breto, Park, Smith and King, 2017).
 
 use motes_models::Seed;
+use motes_models::equations::normal_quantile;
 use serde::{Deserialize, Serialize};
 
 use super::hill::Hill;
@@ -14,13 +15,28 @@ const POINTS: (i32, f64) = (5, 0.6);
 /// Rounds uphill at each point.
 const ROUNDS: usize = 2;
 
-/// The interval of a parameter, as coordinates of positions.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Interval {
-    /// Its lower end.
+/// The largest log-likelihood that there is where one coordinate of positions is given, as a function of that coordinate, and the interval that follows.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Profile {
+    /// Which coordinate it is.
+    pub at: usize,
+    /// The lower end of its interval.
     pub low: f64,
-    /// Its upper end.
+    /// The upper end.
     pub high: f64,
+    /// What was found, in the order of the coordinate.
+    pub points: Vec<ProfilePoint>,
+}
+
+/// A point of a profile.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct ProfilePoint {
+    /// The coordinate.
+    pub v: f64,
+    /// The largest log-likelihood over the others.
+    pub log_likelihood: f64,
+    /// Its standard error.
+    pub standard_error: f64,
 }
 
 /// A likelihood with one of its parameters given.
@@ -54,7 +70,7 @@ impl<L: Likelihood> Likelihood for Given<'_, L> {
     }
 }
 
-/// The interval of coordinate `at` with probability `level`: where the profile is at most `δ` below its largest value, with `δ` from the curvature of a quadratic that is
+/// The profile of coordinate `at`, with the interval of probability `level`: where the profile is at most `δ` below its largest value, with `δ` from the curvature of a quadratic that is
 /// like the profile and from how surely it is known.
 pub(super) fn profile<L: Likelihood>(
     likelihood: &L,
@@ -62,7 +78,7 @@ pub(super) fn profile<L: Likelihood>(
     at: usize,
     level: f64,
     seed: &Seed,
-) -> Result<Interval, L::Error> {
+) -> Result<Profile, L::Error> {
     let d = best.v.len();
     let row = &best.spread[at * d..(at + 1) * d];
     let sd = row.iter().map(|value| value * value).sum::<f64>().sqrt();
@@ -70,7 +86,7 @@ pub(super) fn profile<L: Likelihood>(
     let slope =
         |i: usize| (0..d).map(|k| best.spread[i * d + k] * best.spread[at * d + k]).sum::<f64>() / (sd * sd);
     let others: Vec<usize> = (0..d).filter(|i| *i != at).collect();
-    let mut points = Vec::new();
+    let (mut points, mut found) = (Vec::new(), Vec::new());
     for step in -POINTS.0..=POINTS.0 {
         let u = f64::from(step) * POINTS.1;
         let value = best.v[at] + u * sd;
@@ -92,9 +108,10 @@ pub(super) fn profile<L: Likelihood>(
             }
         };
         points.push((vec![u], height, 1.0 / (error * error + 0.05)));
+        found.push(ProfilePoint { v: value, log_likelihood: height, standard_error: error });
     }
     let around = |u: f64| best.v[at] + u * sd;
-    let z = motes_models::equations::uniform(0.0, 1.0).to_normal(0.5 + 0.5 * level);
+    let z = normal_quantile(0.5 + 0.5 * level);
     let end = f64::from(POINTS.0) * POINTS.1;
     // Weights as they would be of a profile that is known at its top above all.
     let top = points.iter().map(|(_, height, _)| *height).fold(f64::NEG_INFINITY, f64::max);
@@ -102,25 +119,16 @@ pub(super) fn profile<L: Likelihood>(
         *weight *= (-0.25 * (top - *height)).exp();
     }
     let Some(fitted) = Quadratic::fit(&points) else {
-        return Ok(Interval { low: around(-end), high: around(end) });
+        return Ok(Profile { at, low: around(-end), high: around(end), points: found });
     };
     let curvature = (-fitted.curvature[(0, 0)]).max(1e-3);
     let centre = (fitted.b[0] / curvature).clamp(-end, end);
     // How far the top itself may lie from where it was found.
-    let error = slope_error(&fitted, centre) / curvature;
+    let error = fitted.slope_error_at(&[centre], 0) / curvature;
     let delta = 0.5 * z * z * (1.0 + curvature * error * error);
     let reach =
         |side: f64| centre + side * reach(&points, fitted.at(&[centre]), centre, side, delta).min(end);
-    Ok(Interval { low: around(reach(-1.0)), high: around(reach(1.0)) })
-}
-
-/// The standard error of the slope of a fitted parabola at a point.
-fn slope_error(fitted: &Quadratic, at: f64) -> f64 {
-    // By values a little to either side: errors of a slope are those of differences.
-    let h = 0.5;
-    (fitted.error_at(&[at + h]).powi(2) + fitted.error_at(&[at - h]).powi(2)).sqrt()
-        / (2.0 * h)
-        / 2.0_f64.sqrt()
+    Ok(Profile { at, low: around(reach(-1.0)), high: around(reach(1.0)), points: found })
 }
 
 /// How far from `centre` the profile is `δ` below its top on one side: by `√(top − height) = αt + βt²`, which is a line where the profile is a parabola.

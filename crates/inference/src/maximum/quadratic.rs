@@ -20,6 +20,15 @@ fn features(u: &[f64]) -> Vec<f64> {
     std::iter::once(1.0).chain(u.iter().copied()).chain(squares).chain(products).collect()
 }
 
+/// The derivatives of [`features`] in coordinate `i`.
+fn slopes(u: &[f64], i: usize) -> Vec<f64> {
+    let d = u.len();
+    let is_it = |at: usize| f64::from(at == i);
+    let products = (0..d).flat_map(|j| (j + 1..d).map(move |k| is_it(j) * u[k] + is_it(k) * u[j]));
+    let squares = (0..d).map(|at| is_it(at) * u[at]);
+    std::iter::once(0.0).chain((0..d).map(is_it)).chain(squares).chain(products).collect()
+}
+
 /// The number of coefficients of a quadratic of `d` variables.
 pub(super) fn coefficients(d: usize) -> usize {
     (d + 1) * (d + 2) / 2
@@ -82,11 +91,20 @@ impl Quadratic {
 
     /// The standard error of that value.
     pub(super) fn error_at(&self, u: &[f64]) -> f64 {
-        let row = features(u);
-        let n = row.len();
-        let variance: f64 =
-            (0..n).map(|i| (0..n).map(|j| row[i] * self.covariance[(i, j)] * row[j]).sum::<f64>()).sum();
-        variance.max(0.0).sqrt()
+        self.error_of(&features(u))
+    }
+
+    /// The standard error of its derivative in coordinate `i` at a point.
+    pub(super) fn slope_error_at(&self, u: &[f64], i: usize) -> f64 {
+        self.error_of(&slopes(u, i))
+    }
+
+    /// The standard error of a linear function of all coefficients, `√(wᵀ Cov w)`.
+    fn error_of(&self, w: &[f64]) -> f64 {
+        let of_row = |(i, w_i): (usize, &f64)| {
+            w.iter().enumerate().map(|(j, w_j)| w_i * self.covariance[(i, j)] * w_j).sum::<f64>()
+        };
+        w.iter().enumerate().map(of_row).sum::<f64>().max(0.0).sqrt()
     }
 
     /// Where it is largest within `radius` of 0, and `−A`'s eigenvalues and eigenvectors, eigenvalues at least `least`.

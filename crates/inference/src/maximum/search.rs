@@ -5,18 +5,22 @@ use serde::{Deserialize, Serialize};
 
 use super::hill::Hill;
 use super::point::Maximum;
-use super::profile::{Interval, profile};
+use super::profile::{Profile, profile};
 use super::settings::MaximumSettings;
 use crate::error::FitError;
 use crate::likelihood::{Estimator, Likelihood};
+use crate::log_mean::LogMean;
 use crate::normal_fit::NormalFit;
-use crate::parallel::map;
-use crate::population::Population;
+use crate::parallel::map_on_threads;
+use crate::population::{DrawNumber, Population, PriorDraw};
 use crate::settings::EstimatorChoice;
 use crate::tuning::tune;
 
 /// Rounds of a search uphill.
 const ROUNDS: usize = 8;
+
+/// How far the last quadratics of an exact likelihood reach, in units of the spread.
+const REACHES: [f64; 3] = [0.5, 0.3, 0.3];
 
 /// The estimates of the log-likelihood at a maximum have particles by this factor, and are so many.
 const LAST: (usize, usize) = (8, 64);
@@ -24,25 +28,44 @@ const LAST: (usize, usize) = (8, 64);
 /// A maximum is the same as the best one if its log-likelihood is this close.
 const CLOSE: f64 = 0.5;
 
-/// Searches from draws of the prior, and intervals around the best of what they found, search by search.
+/// Searches from draws of the prior, and profiles around the best of what they found, search by search.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MaximumSearch {
     settings: MaximumSettings,
     seed: u64,
     found: Vec<Maximum>,
-    intervals: Vec<Interval>,
+    profiles: Vec<Profile>,
     possible: f64,
+    /// The first draw at which the likelihood was 0, and the number of its search.
+    impossible: Option<(u64, DrawNumber)>,
 }
 
 impl MaximumSearch {
     /// Before the first search.
     pub fn new(settings: MaximumSettings, seed: u64) -> Self {
-        MaximumSearch { settings, seed, found: Vec::new(), intervals: Vec::new(), possible: 0.0 }
+        MaximumSearch {
+            settings,
+            seed,
+            found: Vec::new(),
+            profiles: Vec::new(),
+            possible: 0.0,
+            impossible: None,
+        }
     }
 
-    /// The number of searches and intervals that are done, and that of all.
+    /// The number of searches and profiles that are done, and that of all.
     pub fn progress(&self, dimension: usize) -> (usize, usize) {
-        (self.found.len() + self.intervals.len(), self.settings.starts + dimension)
+        let profiled = self.settings.profiled.as_ref().map_or(dimension, Vec::len);
+        (self.found.len() + self.profiles.len(), self.settings.starts + profiled)
+    }
+
+    /// The coordinate whose profile is sought next; none where all are there.
+    fn next_profile(&self, dimension: usize) -> Option<usize> {
+        let place = self.profiles.len();
+        match &self.settings.profiled {
+            Some(profiled) => profiled.get(place).copied(),
+            None => (place < dimension).then_some(place),
+        }
     }
 
     /// Whether all is done.
@@ -71,9 +94,9 @@ impl MaximumSearch {
         self.found.len()
     }
 
-    /// The interval of each parameter, once they are there.
-    pub fn intervals(&self) -> &[Interval] {
-        &self.intervals
+    /// The profile of each parameter of which it was asked, as far as they are there.
+    pub fn profiles(&self) -> &[Profile] {
+        &self.profiles
     }
 
     /// The share of draws from the prior at which the likelihood is not 0.
@@ -81,7 +104,18 @@ impl MaximumSearch {
         self.possible
     }
 
-    /// Does the next search, or finds the next interval; nothing where all is done.
+    /// The first draw from the prior at which it is; none where it was at none.
+    pub fn impossible(&self) -> Option<PriorDraw> {
+        let (number, draw) = self.impossible?;
+        Some(PriorDraw::of(self.best()?.v.len(), draw, &self.root().nth(number)))
+    }
+
+    /// What all random numbers come from.
+    fn root(&self) -> Seed {
+        Seed::from_u64(self.seed).child("maximum")
+    }
+
+    /// Does the next search, or finds the next profile; nothing where all is done.
     ///
     /// # Errors
     /// [`FitError::Nothing`] if there is no parameter or no search, [`FitError::Impossible`] if the likelihood is 0 at every draw, [`FitError::Likelihood`] as it
@@ -91,19 +125,19 @@ impl MaximumSearch {
         if d == 0 || self.settings.starts == 0 || likelihood.estimators().is_empty() {
             return Err(FitError::Nothing);
         }
-        let seed = Seed::from_u64(self.seed).child("maximum");
+        let seed = self.root();
         if self.found.len() < self.settings.starts {
             let number = self.found.len() as u64;
-            let (found, possible) = self.search(likelihood, &seed.nth(number))?;
+            let (found, possible, impossible) = self.search(likelihood, &seed.nth(number))?;
             self.possible += possible / self.settings.starts as f64;
+            if self.impossible.is_none() {
+                self.impossible = impossible.map(|draw| (number, draw));
+            }
             self.found.push(found);
-        } else if self.intervals.len() < d
-            && let Some(best) = self.best()
-        {
-            let at = self.intervals.len();
+        } else if let (Some(at), Some(best)) = (self.next_profile(d), self.best()) {
             let seed = seed.child("interval").nth(at as u64);
-            let interval = profile(likelihood, best, at, self.settings.level, &seed)?;
-            self.intervals.push(interval);
+            let profile = profile(likelihood, best, at, self.settings.level, &seed)?;
+            self.profiles.push(profile);
         }
         Ok(())
     }
@@ -112,16 +146,15 @@ impl MaximumSearch {
         &self,
         likelihood: &L,
         seed: &Seed,
-    ) -> Result<(Maximum, f64), FitError<L::Error>> {
+    ) -> Result<(Maximum, f64, Option<DrawNumber>), FitError<L::Error>> {
         let exact = likelihood.estimators().iter().position(|cost| cost.is_exact);
         let index = match self.settings.estimator {
             Some(EstimatorChoice::Estimator(estimator)) => estimator.index,
             _ => exact.unwrap_or(0),
         };
         let mut population = Population::new(likelihood, index, seed)?;
-        if population.possible() == 0.0 {
-            return Err(FitError::Impossible);
-        }
+        population.refuse_impossible(seed)?;
+        let (possible, impossible) = (population.possible(), population.impossible_number());
         while population.power() < 1.0 {
             population.advance(likelihood, seed)?;
         }
@@ -144,11 +177,30 @@ impl MaximumSearch {
         for round in 0..ROUNDS {
             hill.climb(likelihood, estimator, &seed.child("round").nth(round as u64))?;
         }
-        let Hill { centre, spread, .. } = hill;
+        let Hill { mut centre, spread, .. } = hill;
+        if likelihood.estimators()[estimator.index].is_exact {
+            centre = refined(likelihood, centre, &spread, estimator, &seed.child("refined"))?;
+        }
         let (log_likelihood, standard_error) = at(likelihood, &centre, estimator, &seed.child("last"))?;
         let found = Maximum { v: centre, log_likelihood, standard_error, spread, estimator };
-        Ok((found, population.possible()))
+        Ok((found, possible, impossible))
     }
+}
+
+/// The maximum of an exact likelihood to more digits: what quadratics leave out falls with the square of their reach.
+fn refined<L: Likelihood>(
+    likelihood: &L,
+    mut centre: Vec<f64>,
+    spread: &[f64],
+    estimator: Estimator,
+    seed: &Seed,
+) -> Result<Vec<f64>, L::Error> {
+    for (round, reach) in REACHES.iter().enumerate() {
+        let mut hill = Hill::new(centre, spread.iter().map(|value| reach * value).collect());
+        hill.climb(likelihood, estimator, &seed.nth(round as u64))?;
+        centre = hill.centre;
+    }
+    Ok(centre)
 }
 
 /// The log-likelihood at a point, by many estimates with many particles, and its standard error.
@@ -162,13 +214,9 @@ fn at<L: Likelihood>(
         return Ok((likelihood.log_likelihood(v, estimator, seed)?, 0.0));
     }
     let estimator = Estimator { particles: estimator.particles * LAST.0, ..estimator };
-    let numbers: Vec<u64> = (0..LAST.1 as u64).collect();
-    let found = map(&numbers, &|number| likelihood.log_likelihood(v, estimator, &seed.nth(*number)));
-    let found = found.into_iter().collect::<Result<Vec<f64>, L::Error>>()?;
-    let largest = found.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let ratios: Vec<f64> = found.iter().map(|value| (value - largest).exp()).collect();
-    let n = ratios.len() as f64;
-    let mean = ratios.iter().sum::<f64>() / n;
-    let variance = ratios.iter().map(|ratio| (ratio - mean).powi(2)).sum::<f64>() / (n - 1.0);
-    Ok((largest + mean.ln(), (variance / n).sqrt() / mean))
+    let found = map_on_threads(&[(); LAST.1], |number, ()| {
+        likelihood.log_likelihood(v, estimator, &seed.nth(number as u64))
+    });
+    let mean = LogMean::of(&found.into_iter().collect::<Result<Vec<f64>, L::Error>>()?);
+    Ok((mean.log(), mean.standard_error().unwrap_or(f64::NAN)))
 }

@@ -1,6 +1,8 @@
 //! Posteriors that are known, and chains whose diagnostics are known.
 
 mod diagnostics;
+mod exactness;
 mod known;
+mod log_mean;
 mod maximum;
 mod posterior;

@@ -32,7 +32,7 @@ fn an_exact_likelihood_has_its_maximum_and_its_intervals_found_from_every_start(
         assert_eq!((search.agreeing(), search.searches()), (4, 4));
         assert_eq!(best.standard_error, 0.0);
         assert!(line.exact(&at) - best.log_likelihood < 1e-6, "{best:?} beside {at:?}");
-        for (i, interval) in search.intervals().iter().enumerate() {
+        for (i, interval) in search.profiles().iter().enumerate() {
             // 1.645 standard errors to either side.
             let expected = [at[i] - 1.645 * errors[i], at[i] + 1.645 * errors[i]];
             let off = (interval.low - expected[0]).abs().max((interval.high - expected[1]).abs());
@@ -52,7 +52,7 @@ fn noise_of_the_likelihood_makes_intervals_wider_and_moves_the_maximum_little() 
         assert!(line.exact(&at) - line.exact(&best.v) < 0.2, "{best:?} beside {at:?}");
         let off = (best.log_likelihood - line.exact(&best.v)).abs();
         assert!(off < 4.0 * best.standard_error && best.standard_error < 0.2, "{best:?}");
-        for (i, interval) in search.intervals().iter().enumerate() {
+        for (i, interval) in search.profiles().iter().enumerate() {
             let half = 0.5 * (interval.high - interval.low) / errors[i];
             assert!((1.3..2.6).contains(&half), "{interval:?}: {half} standard errors");
             assert!(interval.low < at[i] && at[i] < interval.high, "{interval:?} beside {at:?}");
@@ -64,7 +64,8 @@ fn noise_of_the_likelihood_makes_intervals_wider_and_moves_the_maximum_little() 
 fn what_is_impossible_is_said() {
     let half = Half { above: 9.0, costs: vec![EXACT] };
     let mut search = MaximumSearch::new(MaximumSettings::default(), 1);
-    assert_eq!(search.advance(&half), Err(FitError::Impossible));
+    let impossible = search.advance(&half);
+    assert!(matches!(&impossible, Err(FitError::Impossible(draw)) if draw.v[0] < 9.0), "{impossible:?}");
     let mut none = MaximumSearch::new(MaximumSettings { starts: 0, ..MaximumSettings::default() }, 1);
     assert_eq!(none.advance(&half), Err(FitError::Nothing));
 }

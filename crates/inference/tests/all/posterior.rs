@@ -119,9 +119,11 @@ fn threads_change_nothing() {
 fn what_the_prior_makes_impossible_is_said() {
     let half = |above| Half { above, costs: vec![EXACT] };
     let refused = Posterior::new(&half(9.0), PosteriorSettings::default(), 1);
-    assert_eq!(refused.err(), Some(FitError::Impossible));
+    assert!(matches!(&refused, Err(FitError::Impossible(draw)) if draw.v[0] < 9.0), "{refused:?}");
     let some = Posterior::new(&half(0.0), PosteriorSettings::default(), 1).expect("half of it is possible");
     assert!((some.possible() - 0.5).abs() < 0.3, "{}", some.possible());
+    let impossible = some.impossible().expect("half of it is impossible");
+    assert!(impossible.v[0] <= 0.0, "{impossible:?}");
     // The posterior is a normal distribution above 0, with mean √(2/π).
     let posterior =
         fitted(&half(0.0), PosteriorSettings { draws: Some(4000), ..PosteriorSettings::default() }, 7);

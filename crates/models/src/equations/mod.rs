@@ -41,6 +41,7 @@ pub(crate) use marginals::Marginals;
 pub use model::Replay;
 pub use noise_space::{Draw, Guide, NoiseSpace};
 pub use plain::Plain;
+pub use quantile::normal::normal_quantile;
 pub use scalar::Scalar;
 pub use statement::{Coordinates, Draws, Equations};
 pub(crate) use tile_states::TileStates;

@@ -2,7 +2,7 @@
 
 use motes_models::equations::{
     Distribution, Dual, Scalar, beta, binomial, exponential, gamma, laplace, log_normal, negative_binomial,
-    normal, poisson, student_t, uniform,
+    normal, normal_quantile, poisson, student_t, uniform,
 };
 use motes_models::{Seed, fill_standard_normal};
 
@@ -208,6 +208,18 @@ fn beyond_the_range_is_infinite_and_out_of_range_is_nan() {
     for distribution in continuous() {
         assert!(distribution.from_normal(f64::NAN).is_nan() && distribution.to_normal(f64::NAN).is_nan());
     }
+}
+
+/// Catches a tail without digits, and a share that is none.
+#[test]
+fn the_standard_normal_quantile_undoes_the_distribution_function() {
+    for p in [1e-300, 1e-20, 1e-3, 0.3, 0.5, 0.7] {
+        let v = normal_quantile(p);
+        assert!((v.normal_cdf() / p - 1.0).abs() < 1e-12, "{p}: {v}");
+    }
+    assert!((normal_quantile(0.999) + normal_quantile(0.001)).abs() < 1e-12);
+    assert_eq!([0.0, 1.0].map(normal_quantile), [f64::NEG_INFINITY, f64::INFINITY]);
+    assert!([-0.1, 1.1, f64::NAN].map(normal_quantile).iter().all(|v| v.is_nan()));
 }
 
 /// Catches a quantile whose derivatives are not its own: in its argument, in where and how wide a distribution is, and in its shapes.

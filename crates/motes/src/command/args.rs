@@ -292,8 +292,13 @@ pub(super) struct CheckArgs {
 pub(super) struct CompareArgs {
     #[command(flatten)]
     pub(super) model: ModelArgs,
-    /// Data whose series are filtered, instead of simulated sequences; - is standard input
+    /// Data whose series are filtered, instead of simulated sequences; - is standard input. With another argument behind it: a second model
     pub(super) data: Option<PathBuf>,
+    /// The data that both models were fitted to, where there are two; the table then has their marginal likelihoods and how well each expects the next measurement
+    pub(super) data_of_both: Option<PathBuf>,
+    /// Take the parameters that motes fit found, from its folder: the posterior's mean, or the maximum; for two models one folder each, in their order
+    #[arg(long, value_name = "FOLDER")]
+    pub(super) parameters: Vec<PathBuf>,
     /// Proposals, separated by commas: bootstrap, linearised, optimal, folders that learn wrote; all that are designed and the model has if absent
     #[arg(long, value_name = "P,P", value_delimiter = ',')]
     pub(super) proposals: Vec<ProposalArg>,

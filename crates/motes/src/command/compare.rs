@@ -4,12 +4,13 @@ use std::sync::Arc;
 
 use motes::output::{CardReport, Output, card_json, card_report, card_text};
 use motes::{
-    CompareOptions, Comparison, Data, FilterOptions, Model, MotesError, ProposalName, Running, compare,
-    designed, of_starts, on_threads,
+    CompareOptions, Comparison, Data, FilterOptions, FitParameters, Model, MotesError, ProposalName, Running,
+    compare, designed, of_starts, on_threads,
 };
 use motes_cli::Interrupt;
 
 use super::args::CompareArgs;
+use super::compare_fits;
 use super::failure::Failure;
 use super::input;
 use super::model_args::ModelArgs;
@@ -18,12 +19,6 @@ use super::say::{say_ignored, warn, write};
 use super::summary::command_line;
 
 pub(super) fn run(args: &CompareArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
-    let model = args.model.read_beside(args.data.as_deref())?;
-    warn(of_starts(&model).as_slice(), args.model.quiet, false);
-    let [output, page] = [&args.output, &args.report].map(|path| path.clone().map(Output::File));
-    for output in output.iter().chain(&page) {
-        output.check().map_err(|source| MotesError::Output { file: output.name(), source })?;
-    }
     let filter = FilterOptions {
         particles: args.particles,
         defensive: args.defensive,
@@ -32,6 +27,23 @@ pub(super) fn run(args: &CompareArgs, interrupt: &Interrupt) -> Result<u8, Failu
         seed: args.model.seed,
         ..FilterOptions::default()
     };
+    if let (Some(other), Some(data)) = (&args.data, &args.data_of_both) {
+        return compare_fits::run(args, [other, data], &filter, interrupt);
+    }
+    let file = args.model.read_beside(args.data.as_deref())?;
+    let model = match args.parameters.as_slice() {
+        [] => file,
+        [folder] => FitParameters::load(folder, &file)?.at_mean(&file)?,
+        _ => {
+            let line = "--parameters: there is one model, and more than one folder of a fit; two models are compared by motes compare MODEL MODEL DATA";
+            return Err(Failure::new(2, line));
+        }
+    };
+    warn(of_starts(&model).as_slice(), args.model.quiet, false);
+    let [output, page] = [&args.output, &args.report].map(|path| path.clone().map(Output::File));
+    for output in output.iter().chain(&page) {
+        output.check().map_err(|source| MotesError::Output { file: output.name(), source })?;
+    }
     let data = args.data.as_ref().map(|path| input::data(path, &model, interrupt)).transpose()?;
     if let Some(data) = &data {
         say_ignored(&data.columns, args.model.quiet);
@@ -51,7 +63,7 @@ pub(super) fn run(args: &CompareArgs, interrupt: &Interrupt) -> Result<u8, Failu
         // On one thread unless others are asked for: times are those of one.
         timed_threads: args.model.threads.unwrap_or(1),
     };
-    let mut progress = Progress::new(1000, args.model.quiet);
+    let progress = Progress::new(1000, args.model.quiet);
     let compared = on_threads(args.model.threads, || {
         compare(&model, data.as_ref(), &options, |compared| {
             progress.done((1000.0 * compared.share) as usize);

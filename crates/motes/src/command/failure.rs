@@ -17,6 +17,11 @@ impl Failure {
         Failure { exit_status, line: line.to_string(), is_interrupt: false }
     }
 
+    /// It was asked to stop; the line says what is left.
+    pub(super) fn stopped(line: impl fmt::Display) -> Self {
+        Failure { exit_status: 1, line: line.to_string(), is_interrupt: true }
+    }
+
     pub(super) fn exit_status(&self) -> u8 {
         self.exit_status
     }
@@ -35,7 +40,9 @@ impl fmt::Display for Failure {
 impl<E: Into<MotesError>> From<E> for Failure {
     fn from(error: E) -> Self {
         let error = error.into();
-        let is_interrupt = matches!(error, MotesError::Interrupted);
-        Failure { exit_status: error.exit_status(), line: error.to_string(), is_interrupt }
+        match error {
+            MotesError::Interrupted => Failure::stopped("stopped; no file was written"),
+            error => Failure::new(error.exit_status(), error),
+        }
     }
 }

@@ -19,32 +19,21 @@ use super::stream;
 use super::summary::in_one_line;
 
 pub(super) fn run(args: &FilterArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
-    let file = args.model.read_beside(Some(&args.data))?;
     args.output.check()?;
-    let parametrised = args.fitted.of(&file)?;
-    let model = match &parametrised {
-        Parametrised::Model(model) => model.clone(),
-        Parametrised::Draws(_) => file,
-    };
+    let Parametrised { model, draws } = args.fitted.of(args.model.read_beside(Some(&args.data))?)?;
     let ahead = args.inputs.as_ref().map(|path| Data::open_inputs(path, &model)).transpose()?;
     let options = args.settings.options(&model, args.model.seed, args.forecast)?;
     let options = FilterOptions { ahead: ahead.map(Arc::new), predictive: args.predictive, ..options };
-    if matches!(parametrised, Parametrised::Draws(_)) {
-        let alone = match (args.data == Path::new("-"), args.predictive) {
-            (true, _) => Some("--parameters: rows that come one by one are filtered at one point alone"),
-            (_, true) => Some("--predictive: what was expected of a measurement is said at one point alone"),
-            _ => None,
-        };
-        if let Some(line) = alone {
-            return Err(Failure::new(2, format!("{line}; take --at mean")));
-        }
+    if draws.is_some() && args.data == Path::new("-") {
+        let line = "--parameters: rows that come one by one are filtered at one point alone; take --at mean";
+        return Err(Failure::new(2, line));
     }
     if args.data == Path::new("-") {
         return Ok(on_threads(args.model.threads, || stream::run(args, &model, &options, interrupt))??);
     }
     let data = Data::open(&args.data, &model)?;
     say_ignored(&data.columns, args.model.quiet);
-    if let Parametrised::Draws(draws) = &parametrised {
+    if let Some(draws) = &draws {
         let asked = MixtureRequest {
             model: &model,
             draws,
@@ -57,7 +46,7 @@ pub(super) fn run(args: &FilterArgs, interrupt: &Interrupt) -> Result<u8, Failur
         return mixture::run(&asked, interrupt);
     }
     let start = Instant::now();
-    let mut progress = Progress::new(data.rows.len(), args.model.quiet);
+    let progress = Progress::new(data.rows.len(), args.model.quiet);
     let filtered = on_threads(args.model.threads, || {
         filter(&model, &data, &options, |done| {
             progress.done(done);

@@ -1,16 +1,18 @@
 //! `motes fit`.
 
+use std::cell::Cell;
 use std::time::{Duration, Instant};
 
 use motes::output::{
-    FitReport, Output, fit_json, fit_report, fit_summary, fit_text, maximum_json, maximum_summary,
-    maximum_text,
+    FitReport, MaximumReport, Output, Report, fit_json, fit_report, fit_summary, fit_text, maximum_json,
+    maximum_report, maximum_summary, maximum_text,
 };
 use motes::{
-    Data, FitFolder, FitOptions, FitProgress, FitRecord, Model, MotesError, PosteriorFit, fit_from, maximise,
-    on_threads,
+    Data, FilterOptions, FitFolder, FitOptions, FitRecord, Model, ModelNames, MotesError, PosteriorEstimates,
+    PosteriorFit, ProposalName, Warning, filter_draws, fit_from, maximise, on_threads,
 };
 use motes_cli::{Interrupt, status};
+use serde::Serialize;
 
 use super::failure::Failure;
 use super::fit_args::{FitArgs, Method};
@@ -20,8 +22,11 @@ use super::say::{say_ignored, warn, write};
 use super::spinner::Spinner;
 use super::summary::{command_line, in_one_line};
 
-/// Where a fit stands is written down so often.
-const EVERY: Duration = Duration::from_secs(5);
+/// Draws at which the page shows states.
+const DRAWS: usize = 50;
+
+/// Where a fit stands is written down so often at most, and so seldom that writing is at most this share of the work.
+const EVERY: (Duration, u32) = (Duration::from_millis(200), 50);
 
 pub(super) fn run(args: &FitArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
     let model = args.model.read_beside(Some(&args.data))?;
@@ -32,107 +37,236 @@ pub(super) fn run(args: &FitArgs, interrupt: &Interrupt) -> Result<u8, Failure> 
         let output = Output::File(path.clone());
         output.check().map_err(|source| MotesError::Output { file: output.name(), source })?;
     }
-    match args.method {
-        Method::Posterior => posterior(args, &model, &data, &options, interrupt),
-        Method::Maximum => maximum(args, &model, &data, &options, interrupt),
-    }
-}
-
-fn posterior(
-    args: &FitArgs,
-    model: &Model,
-    data: &Data,
-    options: &FitOptions,
-    interrupt: &Interrupt,
-) -> Result<u8, Failure> {
-    let folder = FitFolder::open(&args.output, FitRecord::of(model, data, options)?)?;
-    let before = folder.progress()?;
-    if before.is_some() && !args.model.quiet {
-        status(&format!("motes: {}: going on from where it was stopped", args.output.display()));
-    }
-    let (start, mut spinner) = (Instant::now(), Spinner::new(args.model.quiet));
-    let mut kept = Instant::now();
-    let fitted = on_threads(args.model.threads, || {
-        fit_from(model, data, options, before, &|| interrupt.check(), &mut |progress: FitProgress<'_>| {
-            spinner.say(&|| progress.describe());
-            if kept.elapsed() >= EVERY {
-                folder.keep(progress.posterior)?;
-                kept = Instant::now();
-            }
-            match interrupt.check().is_break() {
-                true => Err(MotesError::Interrupted),
-                false => Ok(()),
-            }
-        })
-    });
-    spinner.finish();
-    let fitted = fitted??;
+    let asked = Asked { args, model: &model, data: &data, options: &options, interrupt };
+    let start = Instant::now();
+    let found = match args.method {
+        Method::Posterior => asked.posterior(),
+        Method::Maximum => asked.maximum(),
+    }?;
     let seconds = start.elapsed().as_secs_f64();
-    folder.finish(&fitted)?;
-    if let Some(path) = &args.report {
-        write(&Output::File(path.clone()), &page(args, model, options, &fitted)?)?;
-    }
-    let exit_status = warn(&fitted.warnings, args.model.quiet, args.strict);
-    match args.json {
-        true => write(&Output::Standard, &fit_json(&fitted, Some(seconds)))?,
-        false => write(&Output::Standard, &fit_text(&fitted))?,
-    }
-    if !args.model.quiet {
-        status(&format!("motes: {}; {seconds:.1} s", in_one_line(&fit_summary(&fitted))));
-    }
-    Ok(exit_status)
-}
-
-/// The report of a posterior.
-fn page(
-    args: &FitArgs,
-    model: &Model,
-    options: &FitOptions,
-    fitted: &PosteriorFit,
-) -> Result<String, MotesError> {
-    let mut settings = vec![
-        ("model".to_string(), args.model.model.display().to_string()),
-        ("data".into(), args.data.display().to_string()),
-        ("chains".into(), options.chains.to_string()),
-        ("seed".into(), options.seed.to_string()),
-    ];
-    settings.extend(args.model.set.iter().map(|(name, value)| (format!("--set {name}"), value.to_string())));
-    fit_report(&FitReport { model: model.name(), fitted, settings: &settings, command: &command_line() })
-        .map_err(|error| MotesError::Report(error.to_string()))
-}
-
-fn maximum(
-    args: &FitArgs,
-    model: &Model,
-    data: &Data,
-    options: &FitOptions,
-    interrupt: &Interrupt,
-) -> Result<u8, Failure> {
-    if args.draws.is_some() || args.budget.is_some() || args.report.is_some() {
-        let line = "--method maximum draws nothing: leave --draws, --budget and --report out; --chains is its number of searches";
-        return Err(Failure::new(2, line));
-    }
-    let folder = FitFolder::open(&args.output, FitRecord::of_maximum(model, data, options)?)?;
-    let (start, mut progress) = (Instant::now(), Progress::new(PARTS, args.model.quiet));
-    let found = on_threads(args.model.threads, || {
-        maximise(model, data, options, &|| interrupt.check(), &mut |done, all| {
-            progress.done(PARTS * done / all);
-            Ok(())
-        })
-    });
-    progress.finish();
-    let found = found??;
-    let seconds = start.elapsed().as_secs_f64();
-    folder.finish_maximum(&found)?;
     let exit_status = warn(&found.warnings, args.model.quiet, args.strict);
-    match args.json {
-        true => write(&Output::Standard, &maximum_json(&found, Some(seconds)))?,
-        false => write(&Output::Standard, &maximum_text(&found))?,
-    }
+    write(&Output::Standard, &if args.json { (found.json)(Some(seconds)) } else { found.text })?;
     if !args.model.quiet {
-        status(&format!("motes: {}; {seconds:.1} s", in_one_line(&maximum_summary(&found))));
+        status(&format!("motes: {}; {seconds:.1} s", in_one_line(&found.figures)));
     }
     Ok(exit_status)
+}
+
+/// What a fit found, as it is said.
+struct Found {
+    text: String,
+    json: Box<dyn Fn(Option<f64>) -> String>,
+    figures: Vec<(String, String)>,
+    warnings: Vec<Warning>,
+}
+
+/// What is to be fitted.
+struct Asked<'a> {
+    args: &'a FitArgs,
+    model: &'a Model,
+    data: &'a Data,
+    options: &'a FitOptions,
+    interrupt: &'a Interrupt,
+}
+
+/// Where a fit stands, written down now and then, and where it is stopped.
+struct Kept<'a> {
+    folder: &'a FitFolder,
+    interrupt: &'a Interrupt,
+    last: Cell<Instant>,
+    /// How long it took to write it down.
+    cost: Cell<Duration>,
+    is_stopped: Cell<bool>,
+}
+
+impl Kept<'_> {
+    /// Writes it down if it is time to, or if it stops here.
+    fn keep(&self, state: &impl Serialize, is_stopped: bool) -> Result<(), MotesError> {
+        let is_interrupted = self.interrupt.check().is_break();
+        let is_stopped = is_stopped || is_interrupted;
+        if is_stopped || self.last.get().elapsed() >= EVERY.0.max(self.cost.get() * EVERY.1) {
+            let start = Instant::now();
+            self.folder.keep(state)?;
+            self.cost.set(start.elapsed());
+            self.last.set(Instant::now());
+        }
+        self.is_stopped.set(is_stopped);
+        match is_interrupted {
+            true => Err(MotesError::Interrupted),
+            false => Ok(()),
+        }
+    }
+}
+
+impl Asked<'_> {
+    fn folder(&self, record: FitRecord) -> Result<FitFolder, MotesError> {
+        FitFolder::open(&self.args.output, record)
+    }
+
+    /// Says that a fit goes on, where it does.
+    fn say_before<S>(&self, before: &Option<S>) {
+        if before.is_some() && !self.args.model.quiet {
+            status(&format!("motes: {}: going on from where it was stopped", self.args.output.display()));
+        }
+    }
+
+    /// Does the work of a fit that writes down where it stands, and says how one goes on that was stopped.
+    fn fitted<R: Send>(
+        &self,
+        folder: &FitFolder,
+        work: impl FnOnce(&Kept<'_>) -> Result<R, MotesError> + Send,
+    ) -> Result<(R, bool), Failure> {
+        let (fitted, is_stopped) = on_threads(self.args.model.threads, || {
+            let (interrupt, last) = (self.interrupt, Cell::new(Instant::now()));
+            let cost = Cell::new(Duration::ZERO);
+            let kept = Kept { folder, interrupt, last, cost, is_stopped: Cell::new(false) };
+            let fitted = work(&kept);
+            (fitted, kept.is_stopped.get())
+        })?;
+        let on = format!(
+            "{} keeps where it stood: the same command goes on from there",
+            self.args.output.display()
+        );
+        match fitted {
+            Ok(fitted) => {
+                if is_stopped && !self.args.model.quiet {
+                    status(&format!("motes: --budget ended it; {on}"));
+                }
+                Ok((fitted, is_stopped))
+            }
+            Err(MotesError::Interrupted) if is_stopped => Err(Failure::stopped(format!("stopped; {on}"))),
+            Err(error) if is_stopped => {
+                let failure = Failure::from(error);
+                Err(Failure::new(failure.exit_status(), format!("{failure}; {on}")))
+            }
+            Err(error) => Err(error.into()),
+        }
+    }
+
+    fn posterior(&self) -> Result<Found, Failure> {
+        let Asked { args, model, data, options, interrupt } = self;
+        if !options.profiles.is_empty() {
+            return Err(Failure::new(
+                2,
+                "--profile: draws of the posterior have no profiles; take --method maximum",
+            ));
+        }
+        let folder = self.folder(FitRecord::of(model, data, options)?)?;
+        let before = folder.progress()?;
+        self.say_before(&before);
+        let (fitted, is_stopped) = self.fitted(&folder, |kept| {
+            let mut spinner = Spinner::new(args.model.quiet);
+            let fitted = fit_from(model, data, options, before, &|| interrupt.check(), &mut |progress| {
+                spinner.say(&|| progress.describe());
+                kept.keep(progress.posterior, progress.is_stopped)
+            });
+            spinner.finish();
+            fitted
+        })?;
+        match is_stopped {
+            true => folder.write_so_far(&fitted)?,
+            false => folder.finish(&fitted)?,
+        }
+        if let Some(path) = &args.report {
+            let states = self.states(&fitted)?;
+            write(&Output::File(path.clone()), &self.page(&fitted, &states)?)?;
+        }
+        Ok(Found {
+            text: fit_text(&fitted),
+            figures: fit_summary(&fitted),
+            warnings: fitted.warnings.clone(),
+            json: Box::new(move |seconds| fit_json(&fitted, seconds)),
+        })
+    }
+
+    fn maximum(&self) -> Result<Found, Failure> {
+        let Asked { args, model, data, options, interrupt } = self;
+        if args.draws.is_some() || args.budget.is_some() {
+            let line = "--method maximum draws nothing: leave --draws and --budget out; --chains is its number of searches";
+            return Err(Failure::new(2, line));
+        }
+        let folder = self.folder(FitRecord::of_maximum(model, data, options)?)?;
+        let before = folder.progress()?;
+        self.say_before(&before);
+        let (found, _) = self.fitted(&folder, |kept| {
+            let progress = Progress::new(PARTS, args.model.quiet);
+            let found = maximise(model, data, options, before, &|| interrupt.check(), &mut |search| {
+                progress.done((search.share() * PARTS as f64) as usize);
+                kept.keep(search.search, search.is_stopped)
+            });
+            progress.finish();
+            found
+        })?;
+        folder.finish_maximum(&found)?;
+        if let Some(path) = &args.report {
+            let report = MaximumReport {
+                model: model.name(),
+                found: &found,
+                settings: &self.settings(),
+                command: &command_line(),
+            };
+            let page = maximum_report(&report).map_err(|error| MotesError::Report(error.to_string()))?;
+            write(&Output::File(path.clone()), &page)?;
+        }
+        Ok(Found {
+            text: maximum_text(&found),
+            figures: maximum_summary(&found),
+            warnings: found.warnings.clone(),
+            json: Box::new(move |seconds| maximum_json(&found, seconds)),
+        })
+    }
+
+    /// What a page says that it was made with.
+    fn settings(&self) -> Vec<(String, String)> {
+        let Asked { args, options, .. } = self;
+        let mut settings = vec![
+            ("model".to_string(), args.model.model.display().to_string()),
+            ("data".into(), args.data.display().to_string()),
+            ("chains".into(), options.chains.to_string()),
+            ("seed".into(), options.seed.to_string()),
+        ];
+        settings
+            .extend(args.model.set.iter().map(|(name, value)| (format!("--set {name}"), value.to_string())));
+        settings
+    }
+
+    /// The data filtered at draws of a posterior, with what was expected of each measurement.
+    fn states(&self, fitted: &PosteriorFit) -> Result<PosteriorEstimates, MotesError> {
+        let Asked { args, model, data, options, interrupt } = self;
+        let draws = fitted.draw_values();
+        let models = draws.spread(model, DRAWS.min(draws.len()))?;
+        let proposal = match fitted.proposal.as_str() {
+            "exact" => ProposalName::Exact,
+            _ => ProposalName::Bootstrap,
+        };
+        let options =
+            FilterOptions { proposal, predictive: true, seed: options.seed, ..FilterOptions::default() };
+        on_threads(args.model.threads, || filter_draws(&models, data, &options, &|_| interrupt.check()))?
+    }
+
+    /// The report of a posterior.
+    fn page(&self, fitted: &PosteriorFit, states: &PosteriorEstimates) -> Result<String, MotesError> {
+        let Asked { model, data, .. } = self;
+        let names = ModelNames::from(*model);
+        fit_report(&FitReport {
+            model: model.name(),
+            fitted,
+            states: Some(Report {
+                title: "Filter over the posterior",
+                names: &names,
+                data,
+                estimates: &states.estimates,
+                forecasts: &states.forecasts,
+                summary: &[],
+                settings: &[],
+                warnings: &[],
+                command: "",
+            }),
+            settings: &self.settings(),
+            command: &command_line(),
+        })
+        .map_err(|error| MotesError::Report(error.to_string()))
+    }
 }
 
 /// Parts that the progress of a search is told in.

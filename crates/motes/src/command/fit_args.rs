@@ -43,6 +43,9 @@ pub(super) struct FitArgs {
     /// The draws of each chain; if absent they go on until R̂ is below 1.01 and each parameter has an effective sample size of 400, 20,000 at most
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = integer(4..=1_000_000_000_usize))]
     pub(super) draws: Option<usize>,
+    /// By --method maximum, a parameter whose profile and interval are sought, and may be given several times; if absent all
+    #[arg(long, value_name = "NAME")]
+    profile: Vec<String>,
     /// End with the draws that there are after so many seconds; they then depend on the machine
     #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = seconds)]
     pub(super) budget: Option<f64>,
@@ -64,6 +67,7 @@ impl FitArgs {
             particles: self.particles,
             chains: self.chains,
             draws: self.draws,
+            profiles: self.profile.clone(),
             seconds: self.budget,
             seed: self.model.seed,
         })

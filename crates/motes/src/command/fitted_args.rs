@@ -30,27 +30,27 @@ pub(super) struct FittedArgs {
 const DRAWS: usize = 100;
 
 /// A model with the parameters that were asked for.
-pub(super) enum Parametrised {
-    /// Those of the file, or the mean of a fit.
-    Model(Model),
-    /// Draws of a fit.
-    Draws(FitParameters),
+pub(super) struct Parametrised {
+    /// With those of the file, or those at one point of a fit.
+    pub(super) model: Model,
+    /// The draws of a fit that results are to be averaged over, where they are.
+    pub(super) draws: Option<FitParameters>,
 }
 
 impl FittedArgs {
-    /// The model with the parameters that are asked for.
-    pub(super) fn of(&self, model: &Model) -> Result<Parametrised, MotesError> {
-        let Some(folder) = &self.parameters else { return Ok(Parametrised::Model(model.clone())) };
-        let draws = FitParameters::load(folder, model)?;
+    /// The model of a file with the parameters that are asked for.
+    pub(super) fn of(&self, file: Model) -> Result<Parametrised, MotesError> {
+        let Some(folder) = &self.parameters else { return Ok(Parametrised { model: file, draws: None }) };
+        let draws = FitParameters::load(folder, &file)?;
         let refused = |reason: &str| MotesError::Fit {
             folder: folder.display().to_string(),
             reason: reason.to_string(),
         };
         match (self.at, draws.is_maximum) {
             (None | Some(At::Maximum), true) | (Some(At::Mean), false) => {
-                Ok(Parametrised::Model(draws.at_mean(model)?))
+                Ok(Parametrised { model: draws.at_mean(&file)?, draws: None })
             }
-            (None | Some(At::Draws), false) => Ok(Parametrised::Draws(draws)),
+            (None | Some(At::Draws), false) => Ok(Parametrised { model: file, draws: Some(draws) }),
             (Some(_), true) => Err(refused("it has the maximum of the likelihood alone; take --at maximum")),
             (Some(At::Maximum), false) => {
                 Err(refused("it has draws of the posterior; --at maximum needs a fit by --method maximum"))

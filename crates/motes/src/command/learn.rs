@@ -35,7 +35,7 @@ pub(super) fn run(args: &LearnArgs, interrupt: &Interrupt) -> Result<u8, Failure
         say_ignored(&data.columns, args.model.quiet);
     }
     let options = args.options(&model)?;
-    let mut progress = Progress::new(1000, args.model.quiet);
+    let progress = Progress::new(1000, args.model.quiet);
     let outcome = on_threads(args.model.threads, || {
         learn(&model, data.as_ref(), &options, |done, total| {
             progress.done(1000 * done / total.max(1));
@@ -63,7 +63,7 @@ pub(super) fn run(args: &LearnArgs, interrupt: &Interrupt) -> Result<u8, Failure
         timed_threads: args.model.threads.unwrap_or(1),
         ..CompareOptions::of_learned(&model, proposal, args.particles, args.model.seed)
     };
-    let mut progress = Progress::new(1000, args.model.quiet);
+    let progress = Progress::new(1000, args.model.quiet);
     let compared = on_threads(args.model.threads, || {
         compare(&model, None, &card, |compared| {
             progress.done((1000.0 * compared.share) as usize);

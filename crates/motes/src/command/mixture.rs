@@ -41,10 +41,13 @@ pub(super) fn run(asked: &MixtureRequest<'_>, interrupt: &Interrupt) -> Result<u
     if let Some(output) = asked.output.table() {
         let (names, columns) = (ModelNames::from(asked.model), &asked.data.columns);
         let table = match asked.paths {
-            None => EstimateTable::of_filter(&names, columns, false, asked.options.has_forecasts()),
+            None => {
+                let options = asked.options;
+                EstimateTable::of_filter(&names, columns, options.predictive, options.has_forecasts())
+            }
             Some(_) => EstimateTable::new(&names, columns),
         };
-        write(&output, &table.mixed(asked.data, &mixed))?;
+        write(&output, &table.of_posterior(asked.data, &mixed))?;
     }
     if let Some(path) = &asked.output.report {
         write(&Output::File(path.clone()), &page(asked, &mixed)?)?;
@@ -68,12 +71,15 @@ fn mixed(
     interrupt: &Interrupt,
 ) -> Result<PosteriorEstimates, MotesError> {
     let MixtureRequest { data, options, args, .. } = asked;
-    let mut progress = Progress::new(PARTS, args.quiet);
+    let rows = data.rows.len() * models.len();
+    let progress = Progress::new(PARTS, args.quiet);
     let mixed = match asked.paths {
-        None => {
-            // Rows are done on all threads; the bar belongs to one of them.
-            on_threads(args.threads, || filter_draws(models, data, options, &|_| interrupt.check()))
-        }
+        None => on_threads(args.threads, || {
+            filter_draws(models, data, options, &|done| {
+                progress.done(PARTS * done / rows);
+                interrupt.check()
+            })
+        }),
         Some(paths) => on_threads(args.threads, || {
             smooth_draws(models, data, options, paths, |share| {
                 progress.done((share * PARTS as f64) as usize);

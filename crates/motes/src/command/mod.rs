@@ -3,6 +3,7 @@
 mod args;
 mod check;
 mod compare;
+mod compare_fits;
 mod evidence;
 mod evidence_args;
 mod failure;
@@ -71,7 +72,7 @@ pub(crate) fn run() -> ExitCode {
     match done {
         Ok(exit_status) => ExitCode::from(exit_status),
         Err(failure) if failure.is_interrupt() => {
-            status("motes: stopped; no file was written");
+            status(&format!("motes: {failure}"));
             ExitCode::from(interrupt.exit_status())
         }
         Err(failure) => refuse(&failure),

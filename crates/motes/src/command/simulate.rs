@@ -13,17 +13,13 @@ use super::progress::Progress;
 use super::say::warn;
 
 pub(super) fn run(args: &SimulateArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
-    let file = args.model.read()?;
-    let (model, draws) = match args.fitted.of(&file)? {
-        Parametrised::Model(model) => (model, None),
-        Parametrised::Draws(draws) => (file, Some(draws)),
-    };
+    let Parametrised { model, draws } = args.fitted.of(args.model.read()?)?;
     let output = args.output.clone().map_or(Output::Standard, Output::File);
     let failed = |source| MotesError::Output { file: output.name(), source };
     output.check().map_err(failed)?;
     let inputs = args.inputs.as_ref().map(|path| Data::open_inputs(path, &model)).transpose()?;
     let count = args.series * inputs.as_ref().map_or(1, |inputs| inputs.series.len());
-    let mut progress = Progress::new(count, args.model.quiet);
+    let progress = Progress::new(count, args.model.quiet);
     if !args.prior && draws.is_none() {
         warn(of_starts(&model).as_slice(), args.model.quiet, false);
     }

@@ -19,17 +19,12 @@ use super::summary::{command_line, in_one_line};
 const PARTS: usize = 10_000;
 
 pub(super) fn run(args: &SmoothArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
-    let file = args.model.read_beside(Some(&args.data))?;
     args.output.check()?;
-    let parametrised = args.fitted.of(&file)?;
-    let model = match &parametrised {
-        Parametrised::Model(model) => model.clone(),
-        Parametrised::Draws(_) => file,
-    };
+    let Parametrised { model, draws } = args.fitted.of(args.model.read_beside(Some(&args.data))?)?;
     let options = args.settings.options(&model, args.model.seed, 0)?;
     let data = input::data(&args.data, &model, interrupt)?;
     say_ignored(&data.columns, args.model.quiet);
-    if let Parametrised::Draws(draws) = &parametrised {
+    if let Some(draws) = &draws {
         let asked = MixtureRequest {
             model: &model,
             draws,
@@ -42,7 +37,7 @@ pub(super) fn run(args: &SmoothArgs, interrupt: &Interrupt) -> Result<u8, Failur
         return mixture::run(&asked, interrupt);
     }
     let start = Instant::now();
-    let mut progress = Progress::new(PARTS, args.model.quiet);
+    let progress = Progress::new(PARTS, args.model.quiet);
     let smoothed = on_threads(args.model.threads, || {
         smooth(&model, &data, &options, args.paths, |share| {
             progress.done((share * PARTS as f64) as usize);

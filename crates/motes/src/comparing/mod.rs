@@ -1,6 +1,5 @@
 //! The report card of proposals side by side, on sequences whose truth is known or on data.
 
-mod averages;
 mod card;
 mod designed;
 mod equal_time;

@@ -1,8 +1,8 @@
 //! How references are made: by the exact filter where there is one, else by filters with many particles.
 
+use motes_inference::LogMean;
 use motes_models::{Seed, StepRecord};
 
-use super::averages::{average, standard_error};
 use super::kept;
 use super::options::{CompareOptions, MOST_REFERENCE_FILTERS};
 use super::reference::Reference;
@@ -163,7 +163,7 @@ fn computed(
 /// Whether the standard error of the mean of these filters is too large, and more may be added.
 fn is_rough(all: &[Answers], wanted: Option<f64>) -> bool {
     // What is no number, of filters that all collapsed, is not small.
-    let is_known = |wanted: f64| standard_error(&evidence_of(all)) <= wanted;
+    let is_known = |wanted: f64| Estimated::of(&evidence_of(all)).error <= wanted;
     wanted.is_some_and(|wanted| all.len() < MOST_REFERENCE_FILTERS && !is_known(wanted))
 }
 
@@ -179,16 +179,16 @@ fn mean_of(all: &[Answers], name: String) -> Reference {
     let (mut means, mut increments, mut before) = (Vec::new(), Vec::new(), 0.0);
     for time in 0..times {
         sums.iter_mut().zip(all).for_each(|(sum, (_, increments))| *sum += increments[time]);
-        let (now, shares) = average(&sums);
+        let now = LogMean::of(&sums);
         let mut mean = vec![0.0; all[0].0[time].len()];
-        for ((of_filter, _), share) in all.iter().zip(&shares) {
+        for ((of_filter, _), share) in all.iter().zip(now.shares()) {
             mean.iter_mut().zip(&of_filter[time]).for_each(|(mean, x)| *mean += share * x);
         }
         means.push(mean);
-        increments.push(now - before);
-        before = now;
+        increments.push(now.log() - before);
+        before = now.log();
     }
-    let error = Some(standard_error(&evidence_of(all)));
+    let error = Some(Estimated::of(&evidence_of(all)).error);
     Reference { name, means, increments, log_evidence: before, error }
 }
 

@@ -1,9 +1,9 @@
 //! The log-evidence of a sequence by twisted filters, which look ahead.
 
+use motes_inference::LogMean;
 use motes_models::{PartialMeasurements, Seed};
 use motes_smc::{FilterError, Twisting};
 
-use super::averages::{average, standard_error};
 use super::options::{CompareOptions, MOST_REFERENCE_FILTERS};
 use super::sequence::Sequence;
 use crate::model::{Kind, Model};
@@ -27,7 +27,8 @@ pub(super) struct Estimated {
 impl Estimated {
     /// That of the average evidence of some filters.
     pub(super) fn of(logarithms: &[f64]) -> Self {
-        Estimated { log_evidence: average(logarithms).0, error: standard_error(logarithms) }
+        let mean = LogMean::of(logarithms);
+        Estimated { log_evidence: mean.log(), error: mean.standard_error().unwrap_or(f64::NAN) }
     }
 
     /// Whether this one is to be believed rather than `other`: it is surer, and no mass is missing in it that the other has found.

@@ -2,6 +2,7 @@
 
 use std::ops::ControlFlow;
 
+use motes_inference::{LogMean, map_on_threads};
 use motes_models::Seed;
 
 use super::estimator::EvidenceEstimator;
@@ -83,16 +84,10 @@ fn variance(values: &[f64]) -> Option<f64> {
 /// The logarithm of the mean of `ẑ` over runs, and its standard error: that of the mean, or of the mean of `log ẑ` where that is larger. The first cannot be above 1 whatever was
 /// missed.
 fn mean_of_runs(logs: &[f64]) -> (f64, Option<f64>) {
-    let count = logs.len() as f64;
-    let most = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    if most == f64::NEG_INFINITY {
-        return (most, None);
-    }
-    let shares: Vec<f64> = logs.iter().map(|log| (log - most).exp()).collect();
-    let mean = shares.iter().sum::<f64>() / count;
-    let of_mean = variance(&shares).map(|variance| (variance / count).sqrt() / mean);
-    let of_logs = variance(logs).map(|variance| (variance / count).sqrt());
-    (most + mean.ln(), of_mean.zip(of_logs).map(|(of_mean, of_logs)| of_mean.max(of_logs)))
+    let mean = LogMean::of(logs);
+    let of_logs = variance(logs).map(|variance| (variance / logs.len() as f64).sqrt());
+    let error = mean.standard_error().zip(of_logs).map(|(of_mean, of_logs)| of_mean.max(of_logs));
+    (mean.log(), error)
 }
 
 /// Estimates the log-evidence of all series of `data` by [`EvidenceOptions::runs`] independent runs. `proceed` is asked now and then, from any thread.
@@ -133,7 +128,10 @@ fn evidence_while(
     let estimator = EvidenceEstimator::while_proceeding(model, data, options, proceed)?;
     let seed = Seed::from_u64(options.seed).child("evidence").child("runs");
     let count = if estimator.is_exact() { 1 } else { options.runs };
-    let runs = all_runs(&estimator, &seed, 0, count, proceed)?;
+    let runs = map_on_threads(&vec![(); count], |number, ()| {
+        estimator.per_series_while(&seed.nth(number as u64), proceed)
+    });
+    let runs = runs.into_iter().collect::<Result<Vec<Vec<f64>>, MotesError>>()?;
     let of_series = |series: usize| -> (f64, Option<f64>) {
         let logs: Vec<f64> = runs.iter().map(|run| run[series]).collect();
         let (log, error) = mean_of_runs(&logs);
@@ -147,26 +145,4 @@ fn evidence_while(
         standard_error_per_series,
         runs: runs.iter().map(|run| run.iter().sum()).collect(),
     })
-}
-
-/// Consecutive runs, each of all series, on the threads that have time.
-fn all_runs(
-    estimator: &EvidenceEstimator<'_>,
-    seed: &Seed,
-    first: usize,
-    count: usize,
-    proceed: Proceed<'_>,
-) -> Result<Vec<Vec<f64>>, MotesError> {
-    if count == 1 {
-        return Ok(vec![estimator.per_series_while(&seed.nth(first as u64), proceed)?]);
-    }
-    let half = count / 2;
-    let (mut runs, rest) = rayon_core::join(
-        || all_runs(estimator, seed, first, half, proceed),
-        || all_runs(estimator, seed, first + half, count - half, proceed),
-    );
-    if let Ok(runs) = &mut runs {
-        runs.extend(rest?);
-    }
-    runs
 }

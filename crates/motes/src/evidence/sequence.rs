@@ -5,32 +5,41 @@ use std::ops::ControlFlow;
 use motes_models::Seed;
 use motes_smc::{FilterError, LookAhead, RecordedStep};
 
-use crate::data::Data;
+use crate::data::{Counted, Data};
 use crate::engine::Running;
 use crate::error::MotesError;
+use crate::exact::log_evidence_alone;
 use crate::filtering::of_series;
 use crate::model::Model;
 use crate::options::{FilterOptions, ProposalName};
 use crate::recorded::{look_ahead, recorded_steps};
 
-/// A series of data.
-pub(super) struct Sequence {
+/// A series of data, prepared once for many filters.
+pub(crate) struct Sequence {
     /// Its name, where the data have several.
     name: Option<String>,
     steps: Vec<RecordedStep>,
+    /// Where the row that each step leads to stands in the data, and what is counted there.
+    lines: Vec<u64>,
+    counted: Counted,
 }
 
 /// What is asked on the way, from any thread.
-pub(super) type Proceed<'p> = &'p (dyn Fn() -> ControlFlow<()> + Sync);
+pub(crate) type Proceed<'p> = &'p (dyn Fn() -> ControlFlow<()> + Sync);
 
 /// Steps after which it is asked.
 const STEPS_AT_ONCE: usize = 64;
 
 /// All series of some data.
-pub(super) fn sequences(data: &Data) -> Vec<Sequence> {
-    let of_series = |(name, places): (&String, Vec<usize>)| Sequence {
-        name: data.columns.has_series().then(|| name.clone()),
-        steps: recorded_steps(data, &places),
+pub(crate) fn sequences(data: &Data) -> Vec<Sequence> {
+    let of_series = |(name, places): (&String, Vec<usize>)| {
+        let rows = places.iter().map(|at| &data.rows[*at]);
+        Sequence {
+            name: data.columns.has_series().then(|| name.clone()),
+            steps: recorded_steps(data, &places),
+            lines: rows.flat_map(|row| vec![row.line; row.steps.len()]).collect(),
+            counted: data.counted,
+        }
     };
     data.series.iter().zip(data.by_series()).map(of_series).collect()
 }
@@ -38,7 +47,8 @@ pub(super) fn sequences(data: &Data) -> Vec<Sequence> {
 impl Sequence {
     /// One without a name.
     pub(super) fn of_steps(steps: Vec<RecordedStep>) -> Self {
-        Sequence { name: None, steps }
+        let lines = (0..steps.len() as u64).collect();
+        Sequence { name: None, steps, lines, counted: Counted::Row }
     }
 
     /// Potentials of all of it, if the proposal has any.
@@ -51,6 +61,26 @@ impl Sequence {
         model: &Model,
     ) -> Result<Option<LookAhead>, MotesError> {
         look_ahead(proposal, model, &self.steps)
+    }
+
+    /// The log-evidence that one filter estimates, with potentials of its own where it looks ahead; −∞ where no particle explains a measurement.
+    ///
+    /// # Errors
+    /// As [`Sequence::log_evidence`], and [`MotesError::Proposal`] if there are no potentials.
+    pub(crate) fn log_evidence_alone(
+        &self,
+        model: &Model,
+        options: &FilterOptions,
+        seed: Seed,
+        proceed: Proceed<'_>,
+    ) -> Result<f64, MotesError> {
+        if options.proposal == ProposalName::Exact
+            && let Some(found) = log_evidence_alone(model, &self.steps)
+        {
+            return Ok(found);
+        }
+        let ahead = self.look_ahead(&options.proposal, model)?;
+        self.log_evidence(model, options, seed, ahead.as_ref(), proceed)
     }
 
     /// The log-evidence that one filter estimates; −∞ where no particle explains a measurement.
@@ -67,16 +97,37 @@ impl Sequence {
     ) -> Result<f64, MotesError> {
         let mut running = Running::with_seed(model, options, seed, ahead)?;
         for (number, RecordedStep { step, measurement }) in self.steps.iter().enumerate() {
-            if let Err(error) = running.take_step(&step.step(), measurement) {
-                return match running.filter.failure() {
-                    Some(FilterError::Collapse { .. }) => Ok(f64::NEG_INFINITY),
-                    _ => Err(of_series(self.name.as_deref(), error)),
-                };
+            let step = step.step();
+            match running.filter.step(&step, measurement) {
+                Ok(()) => {}
+                // Nobody reads why, so that it is not looked for.
+                Err(FilterError::Collapse { .. }) => return Ok(f64::NEG_INFINITY),
+                Err(error) => return Err(self.placed(number, running.explain(&error, &step, measurement))),
             }
             if number % STEPS_AT_ONCE == 0 && proceed().is_break() {
                 return Err(MotesError::Interrupted);
             }
         }
         Ok(running.log_evidence())
+    }
+
+    /// An error at the step of that number, with the series and the row.
+    fn placed(&self, number: usize, error: MotesError) -> MotesError {
+        of_series(self.name.as_deref(), error.at_row(self.counted, self.lines[number]))
+    }
+
+    /// Why the evidence of [`Sequence::log_evidence_alone`] is 0, or there is none: the row, and what is wrong with it; none where all is well.
+    pub(crate) fn failure(&self, model: &Model, options: &FilterOptions, seed: Seed) -> Option<String> {
+        let ahead = self.look_ahead(&options.proposal, model);
+        let running = ahead.and_then(|ahead| Running::with_seed(model, options, seed, ahead.as_ref()));
+        let mut running = match running {
+            Ok(running) => running,
+            Err(error) => return Some(error.to_string()),
+        };
+        self.steps.iter().enumerate().find_map(|(number, RecordedStep { step, measurement })| {
+            let step = step.step();
+            let error = running.filter.step(&step, measurement).err()?;
+            Some(self.placed(number, running.explain(&error, &step, measurement)).to_string())
+        })
     }
 }

@@ -6,10 +6,7 @@ use motes_models::forward::{
     FiniteSystem, ForwardError, ForwardFilter, ForwardStep, Limits, StateProbabilities, smooth_states,
 };
 use motes_models::{ModelError, Seed, Step, StepRecord, Stream};
-use motes_smc::{
-    EvidenceWarning, FilterError, FilterHistory, Predictive, SmoothedPaths, SmoothingError, Verdict,
-    WeightDiagnosis,
-};
+use motes_smc::{FilterError, Predictive, SmoothedPaths};
 
 use super::rows::series;
 use crate::error::MotesError;
@@ -178,22 +175,6 @@ impl Steps for Forward<'_> {
         self.filter.belief().map_or(vec![], |belief| self.measured(step, belief, measurement))
     }
 
-    fn verdict(&self) -> Option<Verdict> {
-        None
-    }
-
-    fn difference(&self) -> f64 {
-        0.0
-    }
-
-    fn standard_error(&self) -> Option<f64> {
-        Some(0.0)
-    }
-
-    fn evidence_warnings(&self) -> Vec<EvidenceWarning> {
-        vec![]
-    }
-
     fn state(&self) -> Vec<Coordinate> {
         self.filter.belief().map(coordinates).unwrap_or_default()
     }
@@ -201,10 +182,6 @@ impl Steps for Forward<'_> {
     /// Those that say what is predicted, where a step failed.
     fn particles(&self) -> usize {
         if self.before.is_empty() { MOST_BEFORE * self.width } else { self.before.len() }
-    }
-
-    fn is_large(&self) -> bool {
-        false
     }
 
     fn means(&self) -> &[f64] {
@@ -216,30 +193,8 @@ impl Steps for Forward<'_> {
         probabilities.iter().map(|probability| belief.quantile(coordinate, *probability)).collect()
     }
 
-    fn diagnosis(&self) -> Option<WeightDiagnosis> {
-        None
-    }
-
-    fn effective_sample_size(&self) -> Option<f64> {
-        None
-    }
-
     fn log_evidence(&self) -> f64 {
         self.log_evidence
-    }
-
-    fn record(&self, _history: &mut FilterHistory) -> Result<(), SmoothingError> {
-        Ok(())
-    }
-
-    fn backward(
-        &self,
-        _history: &FilterHistory,
-        _paths: usize,
-        _seed: &Seed,
-        _proceed: &mut dyn FnMut(usize) -> ControlFlow<()>,
-    ) -> Result<SmoothedPaths, SmoothingError> {
-        Err(SmoothingError::Nothing { name: "the number of particles" })
     }
 
     fn failure(&self) -> Option<&FilterError> {

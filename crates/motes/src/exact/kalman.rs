@@ -7,10 +7,7 @@ use motes_models::batch::Rows;
 use motes_models::equations::normal;
 use motes_models::kalman::{Belief, Filtered, KalmanFilter, LinearSystem, smooth};
 use motes_models::{ModelError, Seed, Step, StepRecord, Stream};
-use motes_smc::{
-    EvidenceWarning, FilterError, FilterHistory, Predictive, SmoothedPaths, SmoothingError, Verdict,
-    WeightDiagnosis,
-};
+use motes_smc::{FilterError, Predictive, SmoothedPaths};
 
 use crate::error::MotesError;
 use crate::estimate::{Coordinate, Estimate, PROBABILITIES};
@@ -105,32 +102,8 @@ impl Steps for Kalman<'_> {
         self.filter.belief().map_or(vec![], |belief| measured(self.linear, step, belief, measurement))
     }
 
-    fn verdict(&self) -> Option<Verdict> {
-        None
-    }
-
-    fn difference(&self) -> f64 {
-        0.0
-    }
-
-    fn standard_error(&self) -> Option<f64> {
-        Some(0.0)
-    }
-
-    fn evidence_warnings(&self) -> Vec<EvidenceWarning> {
-        vec![]
-    }
-
     fn state(&self) -> Vec<Coordinate> {
         self.filter.belief().map(coordinates).unwrap_or_default()
-    }
-
-    fn particles(&self) -> usize {
-        0
-    }
-
-    fn is_large(&self) -> bool {
-        false
     }
 
     fn means(&self) -> &[f64] {
@@ -142,34 +115,8 @@ impl Steps for Kalman<'_> {
         probabilities.iter().map(|probability| belief.quantile(coordinate, *probability)).collect()
     }
 
-    fn diagnosis(&self) -> Option<WeightDiagnosis> {
-        None
-    }
-
-    fn effective_sample_size(&self) -> Option<f64> {
-        None
-    }
-
     fn log_evidence(&self) -> f64 {
         self.log_evidence
-    }
-
-    fn record(&self, _history: &mut FilterHistory) -> Result<(), SmoothingError> {
-        Ok(())
-    }
-
-    fn backward(
-        &self,
-        _history: &FilterHistory,
-        _paths: usize,
-        _seed: &Seed,
-        _proceed: &mut dyn FnMut(usize) -> ControlFlow<()>,
-    ) -> Result<SmoothedPaths, SmoothingError> {
-        Err(SmoothingError::Nothing { name: "the number of particles" })
-    }
-
-    fn failure(&self) -> Option<&FilterError> {
-        None
     }
 
     fn snapshot(&self) -> FilterState {

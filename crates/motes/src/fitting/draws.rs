@@ -11,6 +11,9 @@ pub(crate) const DRAWS: &str = "draws.csv";
 pub(crate) const MAXIMUM: &str = "maximum.csv";
 pub(crate) const RECORD: &str = "fit.toml";
 
+/// The figures of all parameters.
+pub(crate) const SUMMARY: &str = "summary.json";
+
 /// The columns of draws before the parameters.
 pub(crate) const OF_DRAW: [&str; 3] = ["chain", "draw", "log_evidence"];
 

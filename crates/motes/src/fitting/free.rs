@@ -1,6 +1,7 @@
 //! The parameters that are fitted.
 
 use motes_formulas::{Origin, Prior};
+use motes_models::equations::normal_quantile;
 
 use crate::error::MotesError;
 use crate::model::Model;
@@ -73,8 +74,7 @@ impl FreeParameters {
 
     /// `count` quantiles of the prior of each parameter, in the middles of intervals of equal probability; none of a share of a dirichlet, which has no number of its own.
     pub fn quantiles(&self, count: usize) -> Vec<Vec<f64>> {
-        let standard = motes_models::equations::uniform(0.0, 1.0);
-        let at = |place: usize| standard.to_normal((place as f64 + 0.5) / count as f64);
+        let at = |place: usize| normal_quantile((place as f64 + 0.5) / count as f64);
         let of_prior = |prior: &Prior| match prior.entries().len() {
             1 => vec![(0..count).flat_map(|place| prior.at(&[at(place)])).collect()],
             several => vec![Vec::new(); several],

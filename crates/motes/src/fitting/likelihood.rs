@@ -1,32 +1,27 @@
 //! The likelihood of data as a function of a model's free parameters.
 
 use std::ops::ControlFlow;
-use std::sync::Mutex;
 
-use motes_inference::{Estimator, EstimatorCost, Likelihood};
+use motes_inference::{Estimator, EstimatorCost, Likelihood, PriorDraw};
 use motes_models::Seed;
-use rand::Rng;
 
 use super::free::FreeParameters;
 use super::options::FitOptions;
 use crate::data::Data;
 use crate::error::MotesError;
-use crate::evidence::{
-    EvidenceEstimator, EvidenceOptions, candidates, cost, fixed_cost, is_exact, log_evidence,
-};
+use crate::evidence::{Sequence, candidates, cost, fixed_cost, is_exact, sequences};
 use crate::model::Model;
 use crate::options::{FilterOptions, ProposalName};
 
 /// The likelihood of data by filters of a model.
 pub(super) struct ModelLikelihood<'a> {
     model: &'a Model,
-    data: &'a Data,
     free: &'a FreeParameters,
+    names: Vec<String>,
+    sequences: Vec<Sequence>,
     proposals: Vec<ProposalName>,
     costs: Vec<EstimatorCost>,
     proceed: &'a (dyn Fn() -> ControlFlow<()> + Sync),
-    /// Why the likelihood was 0 when it first was.
-    reason: Mutex<Option<String>>,
 }
 
 fn cost_of(proposal: &ProposalName, model: &Model) -> EstimatorCost {
@@ -40,7 +35,7 @@ fn cost_of(proposal: &ProposalName, model: &Model) -> EstimatorCost {
 impl<'a> ModelLikelihood<'a> {
     pub(super) fn new(
         model: &'a Model,
-        data: &'a Data,
+        data: &Data,
         free: &'a FreeParameters,
         options: &FitOptions,
         proceed: &'a (dyn Fn() -> ControlFlow<()> + Sync),
@@ -51,7 +46,8 @@ impl<'a> ModelLikelihood<'a> {
             None => candidates(model),
         };
         let costs = proposals.iter().map(|proposal| cost_of(proposal, model)).collect();
-        ModelLikelihood { model, data, free, proposals, costs, proceed, reason: Mutex::new(None) }
+        let (names, sequences) = (free.names(), sequences(data));
+        ModelLikelihood { model, free, names, sequences, proposals, costs, proceed }
     }
 
     /// The proposal of an estimator.
@@ -59,31 +55,37 @@ impl<'a> ModelLikelihood<'a> {
         &self.proposals[estimator.index]
     }
 
-    /// Why the likelihood was 0 when it first was; none where it never was.
-    pub(super) fn reason(&self) -> Option<String> {
-        self.reason.lock().map_or(None, |reason| reason.clone())
+    /// The model at values of the free parameters; what it is not at some values, the data cannot come from.
+    fn model_at(&self, values: &[f64]) -> Result<Model, MotesError> {
+        let named: Vec<(String, f64)> = self.names.iter().cloned().zip(values.iter().copied()).collect();
+        Ok(self.model.with_parameters(&named)?)
     }
 
     /// `log ẑ` at values of the free parameters.
     pub(super) fn at(&self, values: &[f64], estimator: Estimator, seed: &Seed) -> Result<f64, MotesError> {
-        let named: Vec<(String, f64)> = self.free.names().into_iter().zip(values.iter().copied()).collect();
-        // What a model is not at some values, the data cannot come from.
-        let model = match self.model.with_parameters(&named) {
-            Ok(model) => model,
-            Err(error) => return Ok(self.impossible(|| error.to_string())),
+        let Ok(model) = self.model_at(values) else { return Ok(f64::NEG_INFINITY) };
+        let or_nothing = |found: Result<f64, MotesError>| match found {
+            Ok(found) if !found.is_nan() => Ok(found),
+            Err(MotesError::Interrupted) => Err(MotesError::Interrupted),
+            _ => Ok(f64::NEG_INFINITY),
         };
         match self.by(&model, self.proposal(estimator), estimator.particles, seed) {
-            Ok(found) => Ok(found),
-            Err(MotesError::Interrupted) => Err(MotesError::Interrupted),
             // Where a proposal fails at some values, the transition gives an estimate that is unbiased, too.
-            Err(_) if *self.proposal(estimator) != ProposalName::Bootstrap => {
-                match self.by(&model, &ProposalName::Bootstrap, estimator.particles, seed) {
-                    Err(MotesError::Interrupted) => Err(MotesError::Interrupted),
-                    found => Ok(found.unwrap_or_else(|error| self.impossible(|| error.to_string()))),
-                }
+            Err(error) if !matches!(error, MotesError::Interrupted) && self.is_guided(estimator) => {
+                or_nothing(self.by(&model, &ProposalName::Bootstrap, estimator.particles, seed))
             }
-            Err(error) => Ok(self.impossible(|| error.to_string())),
+            found => or_nothing(found),
         }
+    }
+
+    /// Whether there is another proposal to fall back on.
+    fn is_guided(&self, estimator: Estimator) -> bool {
+        *self.proposal(estimator) != ProposalName::Bootstrap
+    }
+
+    /// What a filter of some proposal and number of particles is run with.
+    fn filter(proposal: &ProposalName, particles: usize) -> FilterOptions {
+        FilterOptions { proposal: proposal.clone(), particles, check: false, ..FilterOptions::default() }
     }
 
     /// `log ẑ` of a model by a proposal.
@@ -94,37 +96,33 @@ impl<'a> ModelLikelihood<'a> {
         particles: usize,
         seed: &Seed,
     ) -> Result<f64, MotesError> {
-        if *proposal == ProposalName::LookAhead {
-            let options =
-                EvidenceOptions { proposal: Some(proposal.clone()), particles, ..EvidenceOptions::default() };
-            let estimator = EvidenceEstimator::while_proceeding(model, self.data, &options, self.proceed)?;
-            let found: f64 = estimator.per_series_while(seed, self.proceed)?.into_iter().sum();
-            return Ok(match found.is_finite() {
-                true => found,
-                false => self.impossible(|| "no particle explains some measurement".into()),
-            });
+        let options = Self::filter(proposal, particles);
+        let mut sum = 0.0;
+        for (number, sequence) in self.sequences.iter().enumerate() {
+            sum += sequence.log_evidence_alone(model, &options, seed.nth(number as u64), self.proceed)?;
+            if sum == f64::NEG_INFINITY {
+                break;
+            }
         }
-        let options = FilterOptions {
-            proposal: proposal.clone(),
-            particles,
-            seed: seed.stream().next_u64(),
-            check: false,
-            ..FilterOptions::default()
-        };
-        let found = log_evidence(model, self.data, &options, |_| (self.proceed)())?;
-        Ok(match found.value.is_finite() {
-            true => found.value,
-            false => self.impossible(|| {
-                found.impossible.map_or("the log-evidence is no number".into(), |warning| warning.to_string())
-            }),
-        })
+        Ok(sum)
     }
 
-    fn impossible(&self, reason: impl FnOnce() -> String) -> f64 {
-        if let Ok(mut known) = self.reason.lock() {
-            known.get_or_insert_with(reason);
-        }
-        f64::NEG_INFINITY
+    /// Why the likelihood is 0 at a draw from the prior; none where it is not.
+    pub(super) fn reason(&self, draw: &PriorDraw) -> Option<String> {
+        let PriorDraw { v, estimator, seed } = draw;
+        let model = match self.model_at(&self.free.at(v)) {
+            Ok(model) => model,
+            Err(error) => return Some(error.to_string()),
+        };
+        let proposal = match self.by(&model, self.proposal(*estimator), estimator.particles, seed) {
+            Err(_) if self.is_guided(*estimator) => &ProposalName::Bootstrap,
+            _ => self.proposal(*estimator),
+        };
+        let options = Self::filter(proposal, estimator.particles);
+        let of_series = |(number, sequence): (usize, &Sequence)| {
+            sequence.failure(&model, &options, seed.nth(number as u64))
+        };
+        self.sequences.iter().enumerate().find_map(of_series)
     }
 }
 
@@ -132,7 +130,7 @@ impl Likelihood for ModelLikelihood<'_> {
     type Error = MotesError;
 
     fn dimension(&self) -> usize {
-        self.free.len()
+        self.names.len()
     }
 
     fn estimators(&self) -> &[EstimatorCost] {

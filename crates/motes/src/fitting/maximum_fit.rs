@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use motes_inference::{EstimatorChoice, MaximumSearch, MaximumSettings};
+use motes_inference::{EstimatorChoice, FitError, MaximumSearch, MaximumSettings, ProfilePoint};
 use serde::{Deserialize, Serialize};
 
 use super::free::FreeParameters;
@@ -20,10 +20,21 @@ use crate::warning::Warning;
 pub struct MaximumParameter {
     /// Its value at the maximum.
     pub estimate: f64,
-    /// The lower end of its interval.
-    pub low: f64,
+    /// The lower end of its interval; none where its profile was not sought.
+    pub low: Option<f64>,
     /// The upper end.
-    pub high: f64,
+    pub high: Option<f64>,
+}
+
+/// A point of the profile of a parameter.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct MaximumProfilePoint {
+    /// The parameter's value.
+    pub value: f64,
+    /// The largest log-likelihood over all other parameters.
+    pub log_likelihood: f64,
+    /// Its standard error; 0 where it is exact.
+    pub standard_error: f64,
 }
 
 /// The maximum of the likelihood over the free parameters of a model.
@@ -33,6 +44,8 @@ pub struct MaximumFit {
     pub names: Vec<String>,
     /// Each of them.
     pub parameters: Vec<MaximumParameter>,
+    /// The profile of each parameter; nothing where it was not sought.
+    pub profiles: Vec<Vec<MaximumProfilePoint>>,
     /// The probability of the intervals.
     pub level: f64,
     /// The log-likelihood at the maximum: `log` of the average of some estimates.
@@ -56,8 +69,41 @@ impl MaximumFit {
     }
 }
 
+/// Searches for a maximum under way, between two pieces of their work.
+#[derive(Debug)]
+pub struct SearchProgress<'a> {
+    /// All of them, which can be written down.
+    pub search: &'a MaximumSearch,
+    dimension: usize,
+    /// Whether they stop here, before they are done: what is not written down now is lost.
+    pub is_stopped: bool,
+}
+
+impl SearchProgress<'_> {
+    /// The share of the work that is done.
+    pub fn share(&self) -> f64 {
+        let (done, all) = self.search.progress(self.dimension);
+        done as f64 / all as f64
+    }
+}
+
+/// The places of the parameters whose profiles were asked for by name; none where all are wanted.
+fn profiled(names: &[String], asked: &[String]) -> Result<Option<Vec<usize>>, MotesError> {
+    let place = |name: &String| {
+        names.iter().position(|other| other == name).ok_or_else(|| {
+            let reason =
+                format!("--profile {name}: that is no free parameter; there are {}", names.join(", "));
+            MotesError::Setting(reason)
+        })
+    };
+    let mut places = asked.iter().map(place).collect::<Result<Vec<usize>, MotesError>>()?;
+    places.sort_unstable();
+    places.dedup();
+    Ok((!asked.is_empty()).then_some(places))
+}
+
 /// Finds the maximum of the likelihood over the free parameters of `model`, and the interval of each. The priors say where searches start and in which coordinates
-/// they go, and nothing else. `observe` is shown the search between two pieces of its work.
+/// they go, and nothing else. Goes on from where the same search was `before`, if it was stopped; `observe` is shown it between two pieces of its work.
 ///
 /// # Errors
 /// As [`crate::fit`].
@@ -65,22 +111,31 @@ pub fn maximise(
     model: &Model,
     data: &Data,
     options: &FitOptions,
+    before: Option<MaximumSearch>,
     proceed: &(dyn Fn() -> ControlFlow<()> + Sync),
-    observe: &mut dyn FnMut(usize, usize) -> Result<(), MotesError>,
+    observe: &mut dyn FnMut(SearchProgress<'_>) -> Result<(), MotesError>,
 ) -> Result<MaximumFit, MotesError> {
     let free = FreeParameters::of(model)?;
     let likelihood = ModelLikelihood::new(model, data, &free, options, proceed);
     check(model, data, options)?;
+    let names = free.names();
     let settings = MaximumSettings {
         starts: options.chains,
+        profiled: profiled(&names, &options.profiles)?,
         estimator: options.particles.map(EstimatorChoice::Particles),
         ..MaximumSettings::default()
     };
-    let mut search = MaximumSearch::new(settings, options.seed);
+    let mut search = before.unwrap_or_else(|| MaximumSearch::new(settings.clone(), options.seed));
     while !search.is_done(free.len()) {
-        let (done, all) = search.progress(free.len());
-        observe(done, all)?;
-        search.advance(&likelihood).map_err(|error| refused(error, &likelihood))?;
+        observe(SearchProgress { search: &search, dimension: free.len(), is_stopped: false })?;
+        match search.advance(&likelihood) {
+            Ok(()) => {}
+            Err(FitError::Likelihood(MotesError::Interrupted)) => {
+                observe(SearchProgress { search: &search, dimension: free.len(), is_stopped: true })?;
+                return Err(MotesError::Interrupted);
+            }
+            Err(error) => return Err(refused(error, &likelihood)),
+        }
     }
     let Some(best) = search.best() else { return Err(MotesError::Interrupted) };
     let estimates = free.at(&best.v);
@@ -89,18 +144,31 @@ pub fn maximise(
         v[at] = value;
         free.at(&v)[at]
     };
+    let of_parameter = |at: usize| search.profiles().iter().find(|profile| profile.at == at);
     let parameter = |(at, estimate): (usize, &f64)| {
-        let interval = search.intervals()[at];
-        let (low, high) = (end(at, interval.low), end(at, interval.high));
-        // A share of a dirichlet falls where its own number rises, if others do.
-        MaximumParameter { estimate: *estimate, low: low.min(high), high: low.max(high) }
+        let ends = of_parameter(at).map(|profile| [profile.low, profile.high].map(|v| end(at, v)));
+        MaximumParameter {
+            estimate: *estimate,
+            // A share of a dirichlet falls where its own number rises, if others do.
+            low: ends.map(|[one, other]| one.min(other)),
+            high: ends.map(|[one, other]| one.max(other)),
+        }
+    };
+    let profile = |at: usize| {
+        let point = |point: &ProfilePoint| MaximumProfilePoint {
+            value: end(at, point.v),
+            log_likelihood: point.log_likelihood,
+            standard_error: point.standard_error,
+        };
+        of_parameter(at).map_or(vec![], |profile| profile.points.iter().map(point).collect())
     };
     let mut warnings =
         trust::of_starts(search.agreeing(), search.searches()).into_iter().collect::<Vec<Warning>>();
     warnings.extend(trust::of_priors(&free, &|at| vec![best.v[at]]));
-    warnings.extend(trust::of_possible(search.possible(), likelihood.reason().as_deref()));
+    warnings.extend(trust::of_possible(search.possible(), || likelihood.reason(&search.impossible()?)));
     Ok(MaximumFit {
-        names: free.names(),
+        profiles: (0..names.len()).map(profile).collect(),
+        names,
         parameters: estimates.iter().enumerate().map(parameter).collect(),
         level: settings.level,
         log_likelihood: best.log_likelihood,

@@ -11,9 +11,9 @@ mod run;
 mod trust;
 
 pub use draws::FitParameters;
-pub(crate) use draws::{DRAWS, MAXIMUM, OF_DRAW, OF_MAXIMUM, RECORD};
+pub(crate) use draws::{DRAWS, MAXIMUM, OF_DRAW, OF_MAXIMUM, RECORD, SUMMARY};
 pub use free::FreeParameters;
-pub use maximum_fit::{MaximumFit, MaximumParameter, maximise};
+pub use maximum_fit::{MaximumFit, MaximumParameter, MaximumProfilePoint, SearchProgress, maximise};
 pub use options::FitOptions;
 pub use posterior_fit::{PosteriorChain, PosteriorFit};
 pub use record::FitRecord;

@@ -14,6 +14,8 @@ pub struct FitOptions {
     pub chains: usize,
     /// The draws of each chain; where none are given it goes on until R̂ is below 1.01 and the effective sample sizes are 400 at least, or 20,000 are drawn.
     pub draws: Option<usize>,
+    /// Of the maximum, the parameters whose profiles are sought; all if none are named.
+    pub profiles: Vec<String>,
     /// Ends sampling after so many seconds; the draws then depend on the machine.
     pub seconds: Option<f64>,
     /// All random numbers come from it.
@@ -22,6 +24,14 @@ pub struct FitOptions {
 
 impl Default for FitOptions {
     fn default() -> Self {
-        FitOptions { proposal: None, particles: None, chains: 4, draws: None, seconds: None, seed: 1 }
+        FitOptions {
+            proposal: None,
+            particles: None,
+            chains: 4,
+            draws: None,
+            profiles: Vec::new(),
+            seconds: None,
+            seed: 1,
+        }
     }
 }

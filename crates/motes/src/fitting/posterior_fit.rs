@@ -3,6 +3,7 @@
 use motes_inference::{MarginalLikelihood, ParameterSummary};
 use serde::{Deserialize, Serialize};
 
+use super::draws::FitParameters;
 use crate::warning::Warning;
 
 /// The draws of a chain, in order.
@@ -61,6 +62,15 @@ impl PosteriorFit {
         let of_chain =
             |chain: &PosteriorChain| chain.values.iter().skip(parameter).step_by(d).copied().collect();
         self.chains.iter().map(of_chain).collect()
+    }
+
+    /// All draws, for [`FitParameters::spread`].
+    pub fn draw_values(&self) -> FitParameters {
+        let d = self.names.len();
+        let of_chain =
+            |chain: &PosteriorChain| chain.values.chunks(d).map(<[f64]>::to_vec).collect::<Vec<_>>();
+        let values = self.chains.iter().flat_map(of_chain).collect();
+        FitParameters { names: self.names.clone(), values, set: vec![], is_maximum: false }
     }
 
     /// The mean of each parameter.

@@ -39,6 +39,9 @@ pub struct FitRecord {
     /// The number of draws of each that was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub draws: Option<usize>,
+    /// Of a maximum, the parameters whose profiles were asked for; none where all were.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub profiles: Vec<String>,
     /// The seed.
     pub seed: u64,
     /// Parameters that have a prior and were given a value.
@@ -58,12 +61,13 @@ impl FitRecord {
             motes: env!("CARGO_PKG_VERSION").into(),
             model: model.name().into(),
             model_hash: hash_of_model(model),
-            data_hash: blake3::hash(&pack("data", 1, data)?).to_hex().to_string(),
+            data_hash: hash_of_data(data)?,
             method: POSTERIOR_METHOD.into(),
             proposal: options.proposal.as_ref().map(ToString::to_string),
             particles: options.particles,
             chains: options.chains,
             draws: options.draws,
+            profiles: Vec::new(),
             seed: options.seed,
             set: set.collect(),
         })
@@ -74,13 +78,30 @@ impl FitRecord {
     /// # Errors
     /// As [`FitRecord::of`].
     pub fn of_maximum(model: &Model, data: &Data, options: &FitOptions) -> Result<Self, MotesError> {
-        Ok(FitRecord { method: MAXIMUM_METHOD.into(), draws: None, ..FitRecord::of(model, data, options)? })
+        Ok(FitRecord {
+            method: MAXIMUM_METHOD.into(),
+            draws: None,
+            profiles: options.profiles.clone(),
+            ..FitRecord::of(model, data, options)?
+        })
+    }
+
+    /// Whether it was made for these data.
+    ///
+    /// # Errors
+    /// [`MotesError::Packed`] if data cannot be hashed.
+    pub fn is_of_data(&self, data: &Data) -> Result<bool, MotesError> {
+        Ok(self.data_hash == hash_of_data(data)?)
     }
 
     /// Whether it was made for this model file.
     pub fn is_of(&self, model: &Model) -> bool {
         self.model_hash == hash_of_model(model)
     }
+}
+
+fn hash_of_data(data: &Data) -> Result<String, MotesError> {
+    Ok(blake3::hash(&pack("data", 1, data)?).to_hex().to_string())
 }
 
 fn hash_of_model(model: &Model) -> String {

@@ -4,7 +4,8 @@ use std::ops::ControlFlow;
 use std::time::Instant;
 
 use motes_inference::{
-    Estimator, EstimatorChoice, FitError, ParameterSummary, Posterior, PosteriorSettings, Stage,
+    Estimator, EstimatorChoice, FitError, LogMean, ParameterSummary, Posterior, PosteriorSettings, Stage,
+    map_on_threads,
 };
 use motes_models::Seed;
 
@@ -21,7 +22,7 @@ use crate::model::Model;
 use crate::options::{FilterOptions, ProposalName};
 
 /// Estimates of the likelihood at the posterior's mean.
-const ESTIMATES: u64 = 32;
+const ESTIMATES: usize = 32;
 
 /// Quantiles by which a prior is drawn beside the posterior.
 const QUANTILES: usize = 400;
@@ -31,6 +32,8 @@ const QUANTILES: usize = 400;
 pub struct FitProgress<'a> {
     /// All of it, which can be written down.
     pub posterior: &'a Posterior,
+    /// Whether it stops here, before it is done: what is not written down now is lost.
+    pub is_stopped: bool,
 }
 
 impl FitProgress<'_> {
@@ -103,23 +106,47 @@ pub fn fit_from(
             .map_err(|error| refused(error, &likelihood))?,
     };
     while posterior.stage() != Stage::Done {
-        observe(FitProgress { posterior: &posterior })?;
-        posterior.advance(&likelihood).map_err(|error| refused(error, &likelihood))?;
-        if options.seconds.is_some_and(|seconds| start.elapsed().as_secs_f64() >= seconds)
-            && posterior.finish()
+        observe(FitProgress { posterior: &posterior, is_stopped: false })?;
+        match posterior.advance(&likelihood) {
+            Ok(()) => {}
+            // It is as it was before the piece of work that was not done.
+            Err(FitError::Likelihood(MotesError::Interrupted)) => {
+                observe(FitProgress { posterior: &posterior, is_stopped: true })?;
+                return Err(MotesError::Interrupted);
+            }
+            Err(error) => return Err(refused(error, &likelihood)),
+        }
+        let is_over = |seconds: &f64| start.elapsed().as_secs_f64() >= *seconds;
+        if posterior.stage() != Stage::Done
+            && let Some(seconds) = options.seconds.filter(is_over)
         {
-            break;
+            observe(FitProgress { posterior: &posterior, is_stopped: true })?;
+            if !posterior.finish() {
+                return Err(too_short(seconds, posterior.stage()));
+            }
         }
     }
     fitted(&posterior, &free, &likelihood, options.seed)
+}
+
+/// Why there are no draws after a budget.
+fn too_short(seconds: f64, stage: Stage) -> MotesError {
+    let place = match stage {
+        Stage::Starting => "while starts were sought",
+        Stage::WarmUp => "in the warm-up",
+        Stage::Sampling | Stage::Done => "at the first draws",
+    };
+    MotesError::Setting(format!(
+        "--budget: {seconds} seconds ended {place}, before there were draws to keep; take more seconds"
+    ))
 }
 
 /// Why there is no fit, in words.
 pub(super) fn refused(error: FitError<MotesError>, likelihood: &ModelLikelihood<'_>) -> MotesError {
     match error {
         FitError::Likelihood(error) => error,
-        FitError::Impossible => {
-            let reason = likelihood.reason().unwrap_or_else(|| "the log-evidence is −∞".into());
+        FitError::Impossible(draw) => {
+            let reason = likelihood.reason(&draw).unwrap_or_else(|| "the log-evidence is −∞".into());
             MotesError::Setting(format!(
                 "the likelihood is 0 at every draw from the prior: the model cannot give these data; the first time: {reason}"
             ))
@@ -180,7 +207,9 @@ fn fitted(
     let positions = |at: usize| posterior.coordinate(at).concat();
     found.warnings.extend(trust::of_chains(&found.names, &found.parameters));
     found.warnings.extend(trust::of_priors(free, &positions));
-    found.warnings.extend(trust::of_possible(posterior.possible(), likelihood.reason().as_deref()));
+    found
+        .warnings
+        .extend(trust::of_possible(posterior.possible(), || likelihood.reason(&posterior.impossible()?)));
     Ok(found)
 }
 
@@ -200,12 +229,9 @@ fn at_mean(
     if is_exact {
         return Ok((likelihood.at(means, estimator, &seed)?, 0.0));
     }
-    let estimates = (0..ESTIMATES).map(|number| likelihood.at(means, estimator, &seed.nth(number)));
-    let estimates = estimates.collect::<Result<Vec<f64>, MotesError>>()?;
-    let largest = estimates.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let ratios: Vec<f64> = estimates.iter().map(|value| (value - largest).exp()).collect();
-    let n = ratios.len() as f64;
-    let mean = ratios.iter().sum::<f64>() / n;
-    let variance = ratios.iter().map(|ratio| (ratio - mean).powi(2)).sum::<f64>() / (n - 1.0);
-    Ok((largest + mean.ln(), (variance / n).sqrt() / mean))
+    let estimates = map_on_threads(&[(); ESTIMATES], |number, ()| {
+        likelihood.at(means, estimator, &seed.nth(number as u64))
+    });
+    let mean = LogMean::of(&estimates.into_iter().collect::<Result<Vec<f64>, MotesError>>()?);
+    Ok((mean.log(), mean.standard_error().unwrap_or(f64::NAN)))
 }

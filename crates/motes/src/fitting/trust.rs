@@ -73,10 +73,10 @@ pub(super) fn of_starts(agreeing: usize, searches: usize) -> Option<Warning> {
 }
 
 /// The share of draws from the prior at which the data are impossible, if it is large.
-pub(super) fn of_possible(possible: f64, reason: Option<&str>) -> Option<Warning> {
+pub(super) fn of_possible(possible: f64, reason: impl FnOnce() -> Option<String>) -> Option<Warning> {
     let share = 100.0 * (1.0 - possible);
     (possible < MOSTLY_POSSIBLE).then(|| {
-        let reason = reason.map_or(String::new(), |reason| format!("; the first time: {reason}"));
+        let reason = reason().map_or(String::new(), |reason| format!("; the first time: {reason}"));
         warning(format!("at {share:.0} % of draws from the prior the likelihood is 0{reason}"))
     })
 }

@@ -3,13 +3,16 @@
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use motes_smc::Predictive;
+use motes_inference::map_on_threads;
+use motes_smc::{Predictive, WeightReport};
 
+use super::draw::options_of_draw;
 use super::values::{AtDraw, mixed, of_quantiles, probabilities};
 use crate::data::Data;
 use crate::engine::Running;
 use crate::error::MotesError;
 use crate::estimate::{Coordinate, Estimate, Forecast};
+use crate::filtered::Filtered;
 use crate::filtering::of_series;
 use crate::forecasting::rows_ahead;
 use crate::model::Model;
@@ -29,20 +32,49 @@ pub struct PosteriorEstimates {
     pub warnings: Vec<Warning>,
 }
 
+impl PosteriorEstimates {
+    /// The same as what one filter of so many series made of data: an average has no log-evidence, which is NaN here, and no weights.
+    pub fn into_filtered(self, series: usize) -> Filtered {
+        Filtered {
+            estimates: self.estimates,
+            forecasts: self.forecasts,
+            log_evidence_per_series: vec![f64::NAN; series],
+            standard_error_per_series: vec![None; series],
+            exact_log_evidence_per_series: vec![None; series],
+            weights: WeightReport::default(),
+            least_ess: None,
+            warnings: self.warnings,
+            opinions: vec![None; series],
+        }
+    }
+}
+
 /// What a filter at one draw says of a row: each coordinate.
 type RowAtDraw = Vec<AtDraw>;
 
-/// What a filter at one draw predicts of a row after a series: each coordinate of the state, and each entry of the measurement.
+/// What it expects of an entry of a measurement, and where that lies in it.
+struct ExpectedAtDraw {
+    expected: AtDraw,
+    pit: Option<f64>,
+}
+
+/// What it says of a row of the data, or of one that is predicted: each coordinate of the state, and each entry of the measurement, where it is expected.
+#[derive(Default)]
+struct EstimateAtDraw {
+    state: RowAtDraw,
+    expected: Vec<ExpectedAtDraw>,
+}
+
+/// What it predicts of a row after a series.
 struct AheadAtDraw {
     time: f64,
     label: Option<String>,
-    state: RowAtDraw,
-    measurement: RowAtDraw,
+    estimate: EstimateAtDraw,
 }
 
 /// What filters at one draw say: of each row of the data, and of those that are predicted after each series.
 struct DrawEstimates {
-    rows: Vec<RowAtDraw>,
+    rows: Vec<EstimateAtDraw>,
     ahead: Vec<Vec<AheadAtDraw>>,
     /// What is to be said of forecasts.
     warnings: Vec<Warning>,
@@ -61,25 +93,15 @@ pub fn filter_draws(
 ) -> Result<PosteriorEstimates, MotesError> {
     let done = AtomicUsize::new(0);
     let proceed = || proceed(done.fetch_add(1, Ordering::Relaxed) + 1);
-    let all = of_all(draws, 0, &|number, model| at_draw(model, number, data, options, &proceed));
+    let all = map_on_threads(draws, |number, model| at_draw(model, number, data, options, &proceed));
     let all = all.into_iter().collect::<Result<Vec<DrawEstimates>, MotesError>>()?;
-    let state = |rows: &[&RowAtDraw]| {
-        let n = rows.first().map_or(0, |row| row.len());
-        let of = |at: usize| mixed(&rows.iter().map(|row| &row[at]).collect::<Vec<&AtDraw>>());
-        (0..n).map(of).collect::<Vec<Coordinate>>()
-    };
-    let estimates = (0..data.rows.len()).map(|row| {
-        Estimate::of_state(state(&all.iter().map(|draw| &draw.rows[row]).collect::<Vec<&RowAtDraw>>()))
-    });
+    let estimates = (0..data.rows.len())
+        .map(|row| over_draws(&all.iter().map(|draw| &draw.rows[row]).collect::<Vec<&EstimateAtDraw>>()));
     let ahead = |series: usize| {
         let first = all.first().map_or(&[][..], |draw| draw.ahead[series].as_slice());
         let forecast = |(row, first): (usize, &AheadAtDraw)| {
-            let rows: Vec<&AheadAtDraw> = all.iter().map(|draw| &draw.ahead[series][row]).collect();
-            let states: Vec<&RowAtDraw> = rows.iter().map(|row| &row.state).collect();
-            let entries: Vec<&RowAtDraw> = rows.iter().map(|row| &row.measurement).collect();
-            let of_entry = |Coordinate { mean, sd, quantiles }| Predictive { mean, sd, quantiles, pit: None };
-            let predictive = state(&entries).into_iter().map(of_entry).collect();
-            let estimate = Estimate { predictive, ..Estimate::of_state(state(&states)) };
+            let rows = all.iter().map(|draw| &draw.ahead[series][row].estimate);
+            let estimate = over_draws(&rows.collect::<Vec<&EstimateAtDraw>>());
             Forecast { time: first.time, label: first.label.clone(), estimate }
         };
         first.iter().enumerate().map(forecast).collect()
@@ -97,20 +119,21 @@ pub fn filter_draws(
     })
 }
 
-/// What `work` makes of each, on all threads.
-fn of_all<R: Send>(draws: &[Model], first: usize, work: &(impl Fn(usize, &Model) -> R + Sync)) -> Vec<R> {
-    match draws {
-        [] => vec![],
-        [one] => vec![work(first, one)],
-        _ => {
-            let half = draws.len() / 2;
-            let (mut done, rest) = rayon_core::join(
-                || of_all(&draws[..half], first, work),
-                || of_all(&draws[half..], first + half, work),
-            );
-            done.extend(rest);
-            done
-        }
+/// A row over all draws, of equal weights.
+fn over_draws(draws: &[&EstimateAtDraw]) -> Estimate {
+    let coordinate = |at: usize| mixed(&draws.iter().map(|draw| &draw.state[at]).collect::<Vec<&AtDraw>>());
+    let entry = |at: usize| {
+        let of_draws: Vec<&ExpectedAtDraw> = draws.iter().map(|draw| &draw.expected[at]).collect();
+        let Coordinate { mean, sd, quantiles } =
+            mixed(&of_draws.iter().map(|of| &of.expected).collect::<Vec<&AtDraw>>());
+        // The distribution function of a mixture is the mean of those that are mixed.
+        let pit = of_draws.iter().map(|of| of.pit).sum::<Option<f64>>();
+        Predictive { mean, sd, quantiles, pit: pit.map(|sum| sum / of_draws.len() as f64) }
+    };
+    let (n, m) = draws.first().map_or((0, 0), |draw| (draw.state.len(), draw.expected.len()));
+    Estimate {
+        predictive: (0..m).map(entry).collect(),
+        ..Estimate::of_state((0..n).map(coordinate).collect())
     }
 }
 
@@ -122,17 +145,24 @@ fn at_draw(
     proceed: &(dyn Fn() -> ControlFlow<()> + Sync),
 ) -> Result<DrawEstimates, MotesError> {
     let probabilities = probabilities();
-    let seed = options.seed.wrapping_add((number as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15));
-    let options = FilterOptions { check: false, predictive: false, seed, ..options.clone() };
-    let coordinates = |running: &Running<'_>, estimate: &Estimate| {
-        let of = |(at, of): (usize, &Coordinate)| AtDraw {
+    let options = options_of_draw(options, number);
+    let at_draw = |running: &Running<'_>, estimate: &Estimate| {
+        let of_coordinate = |(at, of): (usize, &Coordinate)| AtDraw {
             mean: of.mean,
             sd: of.sd,
             values: running.quantiles(at, &probabilities),
         };
-        estimate.state.iter().enumerate().map(of).collect::<RowAtDraw>()
+        let of_entry = |of: &Predictive| ExpectedAtDraw {
+            expected: AtDraw { mean: of.mean, sd: of.sd, values: of_quantiles(of.quantiles) },
+            pit: of.pit,
+        };
+        EstimateAtDraw {
+            state: estimate.state.iter().enumerate().map(of_coordinate).collect(),
+            expected: estimate.predictive.iter().map(of_entry).collect(),
+        }
     };
-    let (mut rows, mut ahead, mut warnings) = (vec![Vec::new(); data.rows.len()], Vec::new(), Vec::new());
+    let mut rows: Vec<EstimateAtDraw> = data.rows.iter().map(|_| EstimateAtDraw::default()).collect();
+    let (mut ahead, mut warnings) = (Vec::new(), Vec::new());
     for (series, (name, places)) in data.series.iter().zip(data.by_series()).enumerate() {
         let name = data.columns.has_series().then_some(name.as_str());
         let mut running = Running::new(model, &options, series)?;
@@ -141,7 +171,7 @@ fn at_draw(
             let estimate = running
                 .step_by(&row.steps, &row.measurement)
                 .map_err(|error| of_series(name, error.at_row(data.counted, row.line)))?;
-            rows[at] = coordinates(&running, &estimate);
+            rows[at] = at_draw(&running, &estimate);
             if proceed().is_break() {
                 return Err(MotesError::Interrupted);
             }
@@ -149,12 +179,8 @@ fn at_draw(
         let (mut of_series_ahead, mut clock) = (Vec::new(), data.clocks[series].clone());
         for row in rows_ahead(&options, name) {
             let forecast = running.predict_by(&mut clock, row).map_err(|error| of_series(name, error))?;
-            let state = coordinates(&running, &forecast.estimate);
-            let of_entry =
-                |of: &Predictive| AtDraw { mean: of.mean, sd: of.sd, values: of_quantiles(of.quantiles) };
-            let measurement = forecast.estimate.predictive.iter().map(of_entry).collect();
-            let (time, label) = (forecast.time, forecast.label);
-            of_series_ahead.push(AheadAtDraw { time, label, state, measurement });
+            let estimate = at_draw(&running, &forecast.estimate);
+            of_series_ahead.push(AheadAtDraw { time: forecast.time, label: forecast.label, estimate });
         }
         ahead.push(of_series_ahead);
         warnings.extend(running.forecast_warning(name));

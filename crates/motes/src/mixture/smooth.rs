@@ -2,6 +2,7 @@
 
 use std::ops::ControlFlow;
 
+use super::draw::options_of_draw;
 use super::filter::PosteriorEstimates;
 use super::values::{AtDraw, mixed};
 use crate::data::Data;
@@ -30,9 +31,7 @@ pub fn smooth_draws(
     rows.resize(data.rows.len(), vec![nothing; n]);
     let mut warnings = data.warnings();
     for (number, model) in draws.iter().enumerate() {
-        let seed = options.seed.wrapping_add((number as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15));
-        let options = FilterOptions { check: false, seed, ..options.clone() };
-        let smoothed = smooth(model, data, &options, each, |share| {
+        let smoothed = smooth(model, data, &options_of_draw(options, number), each, |share| {
             proceed((number as f64 + share) / draws.len() as f64)
         })?;
         for (paths, places) in smoothed.paths.iter().zip(data.by_series()) {

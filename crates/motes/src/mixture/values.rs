@@ -1,6 +1,6 @@
 //! A coordinate of a mixture, of what is known of it at each draw.
 
-use motes_models::equations::uniform;
+use motes_models::equations::normal_quantile;
 
 use crate::estimate::{Coordinate, PROBABILITIES};
 
@@ -14,10 +14,9 @@ pub(super) fn probabilities() -> Vec<f64> {
 
 /// Values of equal weight of a distribution of which the quantiles at 5, 50 and 95 % are known: in between, and beyond, they go on as those of normal distributions.
 pub(super) fn of_quantiles([low, middle, high]: [f64; 3]) -> Vec<f64> {
-    let standard = uniform(0.0, 1.0);
-    let end = standard.to_normal(PROBABILITIES[2]);
+    let end = normal_quantile(PROBABILITIES[2]);
     let at = |probability: f64| {
-        let z = standard.to_normal(probability) / end;
+        let z = normal_quantile(probability) / end;
         middle + z.abs() * if z < 0.0 { low - middle } else { high - middle }
     };
     probabilities().into_iter().map(at).collect()

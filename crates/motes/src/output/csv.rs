@@ -4,7 +4,7 @@ use motes_smc::Predictive;
 
 use super::number::text;
 use crate::data::{Columns, Data, Row};
-use crate::estimate::{Coordinate, Estimate, OF_COORDINATE, OF_MEASUREMENT, OF_WEIGHTS};
+use crate::estimate::{Coordinate, Estimate, Forecast, OF_COORDINATE, OF_MEASUREMENT, OF_WEIGHTS};
 use crate::filtered::Filtered;
 use crate::mixture::PosteriorEstimates;
 use crate::model::Model;
@@ -110,29 +110,24 @@ impl EstimateTable {
 
     /// The whole table of a filter: rows in the order of the data, then what is predicted.
     pub fn filtered(&self, data: &Data, filtered: &Filtered) -> String {
-        let mut table = self.header();
-        for (row, estimate) in data.rows.iter().zip(&filtered.estimates) {
-            table += &self.row_of(data, row, estimate);
-        }
-        for (series, forecasts) in filtered.forecasts.iter().enumerate() {
-            for forecast in forecasts {
-                let label = forecast.label.as_deref();
-                table += &self.row(&data.series[series], label, forecast.time, &forecast.estimate);
-            }
-        }
-        table
+        self.with_forecasts(data, &filtered.estimates, &filtered.forecasts)
     }
 
     /// The whole table over the posterior of parameters: rows in the order of the data, then what is predicted.
-    pub fn mixed(&self, data: &Data, mixed: &PosteriorEstimates) -> String {
-        let mut table = self.smoothed(data, &mixed.estimates);
-        for (series, forecasts) in mixed.forecasts.iter().enumerate() {
-            for forecast in forecasts {
-                let label = forecast.label.as_deref();
-                table += &self.row(&data.series[series], label, forecast.time, &forecast.estimate);
-            }
-        }
-        table
+    pub fn of_posterior(&self, data: &Data, posterior: &PosteriorEstimates) -> String {
+        self.with_forecasts(data, &posterior.estimates, &posterior.forecasts)
+    }
+
+    /// The rows of the data, then what is predicted after each series.
+    fn with_forecasts(&self, data: &Data, estimates: &[Estimate], forecasts: &[Vec<Forecast>]) -> String {
+        let of_series = |(name, ahead): (&String, &Vec<Forecast>)| -> String {
+            ahead
+                .iter()
+                .map(|ahead| self.row(name, ahead.label.as_deref(), ahead.time, &ahead.estimate))
+                .collect()
+        };
+        let ahead = data.series.iter().zip(forecasts).map(of_series);
+        self.smoothed(data, estimates) + &ahead.collect::<String>()
     }
 
     /// What is predicted after each series and nothing else, with the label of each row if there are any.

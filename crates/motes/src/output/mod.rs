@@ -5,6 +5,7 @@ mod csv;
 mod evidence;
 mod file;
 mod fit;
+mod fit_comparison;
 mod json;
 mod number;
 mod report;
@@ -17,7 +18,12 @@ pub use evidence::{evidence_json, evidence_table};
 pub use file::{Output, Sink};
 pub use fit::{
     fit_draws, fit_json, fit_summary, fit_text, maximum_json, maximum_summary, maximum_table, maximum_text,
+    profile_table,
 };
+pub use fit_comparison::{fit_comparison_json, fit_comparison_text};
 pub use json::{filter_json, mixture_json};
-pub use report::{CardReport, FitReport, Report, card_report, error_figure, fit_report, report};
+pub use report::{
+    CardReport, FitReport, MaximumReport, Report, card_report, error_figure, fit_report, maximum_report,
+    report,
+};
 pub use summary::{filter_settings, filter_summary};

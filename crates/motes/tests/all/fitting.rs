@@ -3,7 +3,6 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use crate::common::{Workplace, stderr};
 use motes::inference::ParameterSummary;
 use motes::models::equations::Scalar;
 use motes::{
@@ -11,7 +10,7 @@ use motes::{
     ProposalName, filter, filter_draws, fit, fit_from, log_evidence,
 };
 
-const NILE: &str = r#"
+pub(crate) const NILE: &str = r#"
 [parameters]
 measurement_variance = "log_normal(log(10000), 1.5)"
 level_variance = "log_normal(log(1000), 1.5)"
@@ -80,7 +79,8 @@ fn moments(grid: &[(Model, Vec<f64>, f64)], at: usize) -> (f64, f64) {
 fn agrees(fitted: &PosteriorFit, grid: &[(Model, Vec<f64>, f64)], log_marginal: f64) {
     for (at, summary) in fitted.parameters.iter().enumerate() {
         let (mean, sd) = moments(grid, at);
-        assert!(summary.rhat < 1.01, "{summary:?}");
+        // Of fewer effective draws R̂ itself is too rough for its gate.
+        assert!(summary.ess_bulk >= 4000.0 && summary.rhat < 1.01, "{summary:?}");
         assert!((summary.mean - mean).abs() < 4.0 * summary.mcse, "{summary:?} beside {mean} and {sd}");
         let squares: Vec<Vec<f64>> = fitted
             .of_parameter(at)
@@ -103,19 +103,19 @@ fn agrees(fitted: &PosteriorFit, grid: &[(Model, Vec<f64>, f64)], log_marginal: 
 fn the_posterior_of_the_nile_is_that_of_a_grid_by_the_kalman_filter_and_by_particles() {
     let (model, data) = nile();
     let (grid, log_marginal) = grid(&model, &data);
-    let exactly = fitted(&model, &data, &FitOptions { draws: Some(2500), ..FitOptions::default() });
+    let exactly = fitted(&model, &data, &FitOptions { draws: Some(5000), ..FitOptions::default() });
     assert_eq!(exactly.proposal, "exact");
     agrees(&exactly, &grid, log_marginal);
     let proposal = Some(ProposalName::Bootstrap);
     let by_particles =
-        fitted(&model, &data, &FitOptions { proposal, draws: Some(2500), ..FitOptions::default() });
+        fitted(&model, &data, &FitOptions { proposal, draws: Some(15_000), ..FitOptions::default() });
     assert_eq!(by_particles.proposal, "bootstrap");
     agrees(&by_particles, &grid, log_marginal);
     // Exact whatever the number of particles is.
     let few = FitOptions {
         proposal: Some(ProposalName::Bootstrap),
         particles: Some(by_particles.particles.div_ceil(2)),
-        draws: Some(5000),
+        draws: Some(20_000),
         ..FitOptions::default()
     };
     agrees(&fitted(&model, &data, &few), &grid, log_marginal);
@@ -191,137 +191,4 @@ fn a_fit_that_was_stopped_goes_on_to_the_same_bytes() {
     folder(&parts).finish(&found).unwrap();
     assert_eq!(files(&whole), files(&parts));
     assert!(!parts.join("progress.cbor").exists());
-}
-
-fn place() -> Workplace {
-    let place = Workplace::new();
-    place.write("nile.toml", NILE);
-    place.write("nile.csv", "flow\n1120\n1160\n963\n1210\n1160\n1160\n813\n1230\n1370\n1140\n");
-    place
-}
-
-#[test]
-fn a_fit_is_a_table_a_folder_and_parameters_for_other_commands() {
-    let place = place();
-    let fit = ["fit", "nile.toml", "nile.csv", "-o", "fit", "--draws", "200"];
-    let table = place.printed(&fit);
-    assert!(table.contains("| measurement_variance |") && table.contains("ESS bulk"), "{table}");
-    let draws = place.read("fit/draws.csv");
-    assert!(
-        draws.starts_with("chain,draw,log_evidence,measurement_variance,level_variance\n0,0,"),
-        "{draws}"
-    );
-    assert_eq!(draws.lines().count(), 801);
-    let json: serde_json::Value = serde_json::from_str(&place.read("fit/summary.json")).unwrap();
-    for key in ["mean", "sd", "q05", "q50", "q95", "rhat", "ess_bulk", "ess_tail", "mcse"] {
-        assert!(json["parameters"]["level_variance"][key].is_number(), "{key}: {json}");
-    }
-    for key in ["log_likelihood", "log_likelihood_error", "log_marginal_likelihood", "acceptance"] {
-        assert!(json[key].is_number(), "{key}: {json}");
-    }
-    // The same seed on another number of threads.
-    let threads = place.printed(&[&fit[..4], &["other", "--draws", "200", "--threads", "1"]].concat());
-    assert_eq!((threads, place.read("other/draws.csv")), (table, draws));
-    let over = ["filter", "nile.toml", "nile.csv", "--parameters", "fit", "--json"];
-    let over: serde_json::Value = serde_json::from_str(&place.printed(&over)).unwrap();
-    assert!(over["log_evidence"].is_null() && over["draws"] == 100, "{over}");
-    let at_mean = ["filter", "nile.toml", "nile.csv", "--parameters", "fit", "--at", "mean", "--json"];
-    let at_mean: serde_json::Value = serde_json::from_str(&place.printed(&at_mean)).unwrap();
-    assert!(at_mean["log_evidence"].is_number(), "{at_mean}");
-    let table = place.printed(&["filter", "nile.toml", "nile.csv", "--parameters", "fit", "--forecast", "3"]);
-    assert_eq!(table.lines().count(), 14, "{table}");
-    let smoothed = place.printed(&["smooth", "nile.toml", "nile.csv", "--parameters", "fit"]);
-    assert_eq!(smoothed.lines().count(), 11, "{smoothed}");
-    let simulated =
-        place.printed(&["simulate", "nile.toml", "--steps", "2", "--series", "3", "--parameters", "fit"]);
-    let header = "series,t,level,flow,measurement_variance,level_variance";
-    assert!(simulated.starts_with(header), "{simulated}");
-}
-
-#[test]
-fn what_cannot_be_fitted_is_refused_in_one_line() {
-    let place = place();
-    place.write(
-        "known.toml",
-        NILE.replace("\"log_normal(log(10000), 1.5)\"", "10000")
-            .replace("\"log_normal(log(1000), 1.5)\"", "1000"),
-    );
-    place.write(
-        "uniform.toml",
-        NILE.replace("normal(level, sqrt(measurement_variance))", "uniform(level, level + 1e-9)"),
-    );
-    let refused = |arguments: &[&str]| {
-        let output = place.run(arguments);
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {}", stderr(&output));
-        stderr(&output)
-    };
-    assert_eq!(
-        refused(&["fit", "known.toml", "nile.csv", "-o", "fit"]),
-        "motes: no parameter of known has a prior, so there is nothing to fit; write what is known of one before the data instead of its value, as in \
-         measurement_variance = \"log_normal(log(10000), 1)\""
-    );
-    assert_eq!(
-        refused(&["fit", "walk.toml", "d.csv", "-o", "fit", "--set", "noise=2"]),
-        "motes: no parameter of walk has a prior, so there is nothing to fit; write what is known of one before the data instead of its value, as in \
-         noise = \"log_normal(log(2), 1)\""
-    );
-    let all = [
-        "fit",
-        "nile.toml",
-        "nile.csv",
-        "-o",
-        "fit",
-        "--set",
-        "measurement_variance=1",
-        "--set",
-        "level_variance=1",
-    ];
-    assert_eq!(
-        refused(&all),
-        "motes: every parameter that has a prior was given a value by --set; leave one of them free"
-    );
-    let impossible = refused(&["fit", "uniform.toml", "nile.csv", "-o", "fit"]);
-    assert!(
-        impossible.starts_with("motes: the likelihood is 0 at every draw from the prior: the model cannot give these data; the first time: line 2"),
-        "{impossible}"
-    );
-    place.printed(&["fit", "nile.toml", "nile.csv", "-o", "fit", "--draws", "100"]);
-    place.write("other.toml", NILE.replace("1000, 1000", "1000, 900"));
-    assert_eq!(
-        refused(&["filter", "other.toml", "nile.csv", "--parameters", "fit"]),
-        "motes: --parameters fit: it is a fit of nile, or of this model before its file was changed; fit it again"
-    );
-    let nothing = refused(&["filter", "nile.toml", "nile.csv", "--parameters", "nowhere"]);
-    assert_eq!(
-        nothing,
-        "motes: --parameters nowhere: there is no fit.toml in it; motes fit writes such folders with -o"
-    );
-    place.write("other-folder", "");
-    std::fs::create_dir(place.path("mine")).unwrap();
-    place.write("mine/thesis.tex", "");
-    let output = place.run(&["fit", "nile.toml", "nile.csv", "-o", "mine"]);
-    assert_eq!(output.status.code(), Some(3));
-    assert!(stderr(&output).contains("it has files in it, and none of a fit"), "{}", stderr(&output));
-    let exactly = refused(&["fit", "uniform.toml", "nile.csv", "-o", "fit", "--proposal", "exact"]);
-    assert!(exactly.starts_with("motes: --proposal exact:"), "{exactly}");
-}
-
-#[test]
-fn what_data_say_nothing_about_and_what_lies_at_an_edge_is_said() {
-    let place = place();
-    let unknown = NILE.replace("[initial]", "idle = \"normal(0, 1)\"\n[initial]");
-    place.write("unknown.toml", unknown);
-    let output = place.run(&["fit", "unknown.toml", "nile.csv", "-o", "fit", "--draws", "400", "--strict"]);
-    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
-    let said = "motes: warning: the data say nothing about idle: its posterior is its prior normal(0, 1)";
-    assert!(stderr(&output).contains(said), "{}", stderr(&output));
-    let edge = NILE.replace("log_normal(log(10000), 1.5)", "log_normal(log(300), 0.5)");
-    let edge = edge.replace("log_normal(log(1000), 1.5)", "log_normal(log(10), 0.3)");
-    place.write("edge.toml", edge);
-    let output = place.run(&["fit", "edge.toml", "nile.csv", "-o", "edge", "--draws", "400"]);
-    let said = "measurement_variance lies at the upper edge of its prior log_normal(log(300), 0.5): the prior and the data disagree";
-    assert!(stderr(&output).contains(said), "{}", stderr(&output));
-    let few = place.run(&["fit", "nile.toml", "nile.csv", "-o", "few", "--draws", "20", "--strict"]);
-    assert_eq!(few.status.code(), Some(1));
-    assert!(stderr(&few).contains("the chains have not converged: "), "{}", stderr(&few));
 }

@@ -2,10 +2,12 @@
 
 mod another_model;
 mod bounded_optimum;
+mod calibration;
 mod checkpoint;
 mod common;
 mod data_as_meant;
 mod evidence;
+mod fit_command;
 mod fitting;
 mod learning;
 mod log_evidence;

@@ -409,7 +409,7 @@ class Model:
         """
         return self._filtered(data, _options(settings))
 
-    def log_evidence(self, data: Any, **settings: Unpack[FilterSettings]) -> float:
+    def log_evidence(self, data: Any, parameters: Any = None, **settings: Unpack[FilterSettings]) -> Any:
         """The estimate of `log p(y)` of all series, and nothing else: what a search over parameters and particle MCMC ask for.
 
         It is that of `filter` with the same settings, which has no `check` here, to the last bit; what costs time beside it is
@@ -421,8 +421,21 @@ class Model:
         >>> model = motes.Model(walk)
         >>> model.log_evidence([0.1, None, 0.4]) == model.filter([0.1, None, 0.4]).log_evidence
         True
+
+        With `parameters`, at each of `n` values of them, as an array of shape `(n,)`: a dict of arrays or a data frame by their names, or
+        an array of shape `(n, D)` whose columns are the parameters that have a prior, or all if none has one, in the order of the
+        model. All have the same random numbers, and all threads are used: that is what an optimiser or a sampler of one's own asks
+        for. It is −∞ where no particle explains a measurement, and where there is no such model.
+
+        >>> walk = {"parameters": {"sd": "half_normal(2)"}, **walk, "transition": {"x": "normal(x, sd)"}}
+        >>> motes.Model(walk).log_evidence([0.1, None, 0.4], parameters={"sd": [0.5, 1.0, 2.0]}).shape
+        (3,)
         """
         rows = data_of(self._model, data)
+        if parameters is not None:
+            options = _options(settings, check=False, predictive=False)
+            names, values = _rows_of(parameters, _motes.free_parameters(self._model) or [name for name, _ in self._model.parameters])
+            return _motes.log_evidence_at(self._model, rows.found, options, names, values.reshape(-1))
         found, impossible = self._model.log_evidence(rows.found, _options(settings, check=False, predictive=False))
         if impossible is not None:
             warn(impossible)
@@ -614,6 +627,20 @@ class Model:
         rows = data_of(self._model, data)
         found = self._model.filter(rows.found, options)
         return _warned(Filtered(found, rows, self.states, self.measurements))
+
+
+def _rows_of(parameters: Any, names: list[str]) -> tuple[list[str], np.ndarray]:
+    """The names of some parameters, and a row of values for each place where the evidence is wanted, `(n, D)`."""
+    if hasattr(parameters, "keys") and hasattr(parameters, "__getitem__"):
+        names = [str(name) for name in parameters.keys()]
+        columns = [np.asarray(parameters[name], dtype=np.float64).reshape(-1) for name in parameters.keys()]
+        if len({len(column) for column in columns}) != 1:
+            raise ValueError("parameters: there must be as many values of each parameter, at least of one")
+        return names, np.ascontiguousarray(np.stack(columns, axis=1))
+    values = np.ascontiguousarray(parameters, dtype=np.float64)
+    if values.ndim != 2 or values.shape[1] != len(names):
+        raise ValueError(f"parameters: shape {values.shape}; it must be (n, {len(names)}) for {', '.join(names)}, or a dict of arrays")
+    return names, values
 
 
 def _parameters(set: Mapping[str, float] | None) -> list[tuple[str, float]]:

@@ -9,9 +9,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _motes
+from ._table import data_of, inputs_of
+from .results import Filtered, Forecast, _escaped, _module
 
 if TYPE_CHECKING:
-    from .model import Model
+    from typing_extensions import Unpack
+
+    from .model import FilterSettings, Model
 
 
 class PosteriorFit:
@@ -55,17 +59,32 @@ class PosteriorFit:
 
     def summary(self) -> Any:
         """A data frame of pandas with a row for each parameter: mean, sd, quantiles, R-hat, effective sample sizes, Monte Carlo error."""
-        from .results import _module
-
         pandas = _module("pandas", "summary")
         return pandas.DataFrame.from_dict(self.to_json()["parameters"], orient="index")
 
     def to_arviz(self) -> Any:
         """The draws as ArviZ has them: the group `posterior`, and the log-likelihoods in `sample_stats`."""
-        from .results import _module
-
         arviz = _module("arviz", "to_arviz")
         return arviz.from_dict(posterior=self.draws, sample_stats={"log_evidence": self.log_evidence})
+
+    def predict(
+        self, data: Any, steps: int | None = None, *, inputs: Any = None, draws: int = 100, **settings: "Unpack[FilterSettings]"
+    ) -> Forecast:
+        """Predicts states and measurements of `steps` times after the last measurement of each series, or at the times and with the
+        inputs of `inputs`, with parameters drawn from the posterior: bands know how unsure they are.
+
+        It is an average over `draws` draws, evenly spread; `settings` are those of `Model.filter`, of each of them. An average has no
+        log-evidence.
+        """
+        from .model import _options, _warned
+
+        if (steps is None) == (inputs is None):
+            raise ValueError("steps: either how many times are predicted, or inputs with their times; one of the two is needed")
+        ahead = {"forecast": steps} if inputs is None else {"ahead": inputs_of(self._model._model, inputs)}
+        rows = data_of(self._model._model, data)
+        options = _options(settings, check=False, **ahead)
+        found = _motes.filter_over(self._model._model, self._found, rows.found, options, draws)
+        return Forecast(_warned(Filtered(found, rows, self._model.states, self._model.measurements)), steps)
 
     def models(self, count: int) -> list["Model"]:
         """The model at `count` draws, evenly spread over all of them."""
@@ -80,6 +99,4 @@ class PosteriorFit:
         return self._found.text().rstrip()
 
     def _repr_html_(self) -> str:
-        from .results import _escaped
-
         return f"<pre>{_escaped(self._found.text())}</pre>"

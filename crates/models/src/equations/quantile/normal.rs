@@ -11,6 +11,25 @@ use crate::gaussian::LN_2PI;
 /// From here on the tail's expansion has all digits; further out the tail itself is no number any more.
 const FAR: f64 = 35.0;
 
+/// The standard normal quantile `v = Φ⁻¹(p)`: the number that a share `p` of a standard normal distribution lies below. −∞ at 0, ∞ at 1, NaN for what is no
+/// probability.
+///
+/// ```
+/// use motes_models::equations::{Scalar, normal_quantile};
+///
+/// let v = normal_quantile(0.95);
+/// assert!((v - 1.6448536269514722).abs() < 1e-14);
+/// assert!((v.normal_cdf() - 0.95).abs() < 1e-15);
+/// assert!(normal_quantile(0.5).abs() < 1e-15);
+/// ```
+pub fn normal_quantile(p: f64) -> f64 {
+    if !(0.0..=1.0).contains(&p) {
+        return f64::NAN;
+    }
+    // From the end that is nearer: the smaller share has the digits.
+    if p < 0.5 { -from_log_upper(p.ln()) } else { from_log_upper((1.0 - p).ln()) }
+}
+
 /// `log φ(v)`.
 pub(in crate::equations) fn log_density(v: f64) -> f64 {
     -0.5 * v * v - 0.5 * LN_2PI

@@ -4,29 +4,47 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 
 use super::text::digits;
-use crate::fitting::{MaximumFit, OF_MAXIMUM};
+use crate::fitting::{MaximumFit, MaximumProfilePoint, OF_MAXIMUM};
 use crate::output::csv::line;
 use crate::output::number::text;
 use crate::output::table::{Table, markdown};
 
 /// A line for each parameter: `parameter`, `estimate`, `low`, `high`.
 pub fn maximum_table(found: &MaximumFit) -> String {
-    let rows = found
-        .names
-        .iter()
-        .zip(&found.parameters)
-        .map(|(name, of)| line(&[name.clone(), text(of.estimate), text(of.low), text(of.high)]));
+    let rows = found.names.iter().zip(&found.parameters).map(|(name, of)| {
+        let ends = [of.low, of.high].map(|end| end.map(text).unwrap_or_default());
+        line(&[vec![name.clone(), text(of.estimate)], ends.to_vec()].concat())
+    });
     std::iter::once(line(&OF_MAXIMUM.map(String::from))).chain(rows).collect()
 }
 
-/// The same for a person.
+/// The profiles: a line for each point, `parameter`, `value`, `log_likelihood`, `standard_error`.
+pub fn profile_table(found: &MaximumFit) -> String {
+    let of_parameter = |(name, points): (&String, &Vec<MaximumProfilePoint>)| {
+        let of_point = |point: &MaximumProfilePoint| {
+            let figures = [point.value, point.log_likelihood, point.standard_error].map(text);
+            line(&[vec![name.clone()], figures.to_vec()].concat())
+        };
+        points.iter().map(of_point).collect::<String>()
+    };
+    let header = line(&["parameter", "value", "log_likelihood", "standard_error"].map(String::from));
+    header + &found.names.iter().zip(&found.profiles).map(of_parameter).collect::<String>()
+}
+
+/// The maximum for a person.
 pub fn maximum_text(found: &MaximumFit) -> String {
+    markdown(&maximum_figures(found))
+}
+
+/// The same as cells.
+pub(in crate::output) fn maximum_figures(found: &MaximumFit) -> Table {
     let percent = 100.0 * found.level;
     let header = ["".to_string(), "estimate".into(), format!("{percent:.0} % interval from"), "to".into()];
     let rows = found.names.iter().zip(&found.parameters).map(|(name, of)| {
-        std::iter::once(name.clone()).chain([of.estimate, of.low, of.high].map(digits)).collect()
+        let of_value = |value: Option<f64>| value.map(digits).unwrap_or_default();
+        std::iter::once(name.clone()).chain([Some(of.estimate), of.low, of.high].map(of_value)).collect()
     });
-    markdown(&Table { header: header.to_vec(), rows: rows.collect() })
+    Table { header: header.to_vec(), rows: rows.collect() }
 }
 
 /// The figures of the whole search, a name and a value each.

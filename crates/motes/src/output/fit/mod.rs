@@ -7,6 +7,7 @@ mod text;
 
 pub use draws::fit_draws;
 pub use json::fit_json;
-pub use maximum::{maximum_json, maximum_summary, maximum_table, maximum_text};
+pub(super) use maximum::maximum_figures;
+pub use maximum::{maximum_json, maximum_summary, maximum_table, maximum_text, profile_table};
 pub(super) use text::fit_figures;
 pub use text::{fit_summary, fit_text};

@@ -2,20 +2,10 @@
 
 use plotters::prelude::*;
 
-use super::style::{Drawn, FONT, INK, label};
+use super::style::{COLOURS, Drawn, INK, label, mesh, text};
 use crate::comparing::EqualTime;
 
 const SIZE: (u32, u32) = (900, 420);
-
-/// Colours that people with any sight tell apart (Okabe and Ito), and that print.
-const COLOURS: [RGBColor; 6] = [
-    RGBColor(0, 114, 178),
-    RGBColor(213, 94, 0),
-    RGBColor(0, 158, 115),
-    RGBColor(204, 121, 167),
-    RGBColor(86, 180, 233),
-    RGBColor(0, 0, 0),
-];
 
 /// The root mean square error of the log-evidence over milliseconds a step, a line for each proposal, both in logarithms.
 pub fn error_figure(equal_time: &EqualTime) -> Drawn<String> {
@@ -43,16 +33,11 @@ pub fn error_figure(equal_time: &EqualTime) -> Drawn<String> {
                 decades(points.iter().map(|point| point.1)).log_scale(),
                 decades(points.iter().map(|point| point.2)).log_scale(),
             )?;
-        chart
-            .configure_mesh()
+        mesh(&mut chart)
             .x_desc("milliseconds a step, one thread")
             .y_desc("error of the log-evidence")
             .x_label_formatter(&|x| label(*x))
             .y_label_formatter(&|y| label(*y))
-            .light_line_style(TRANSPARENT)
-            .bold_line_style(INK.mix(0.12))
-            .axis_style(INK.mix(0.6))
-            .label_style((FONT, 12).into_font().color(&INK))
             .draw()?;
         for (name, colour) in names.iter().zip(COLOURS.into_iter().cycle()) {
             let own = || points.iter().filter(|point| point.0 == *name).map(|point| (point.1, point.2));
@@ -67,7 +52,7 @@ pub fn error_figure(equal_time: &EqualTime) -> Drawn<String> {
             .position(SeriesLabelPosition::UpperRight)
             .background_style(WHITE.mix(0.85))
             .border_style(INK.mix(0.3))
-            .label_font((FONT, 13).into_font().color(&INK))
+            .label_font(text(13))
             .draw()?;
         root.present()?;
     }

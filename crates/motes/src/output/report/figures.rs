@@ -7,10 +7,8 @@ use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
 use super::axis::{MarkedAxis, TimeAxis};
-use super::style::{Drawn, FONT, INK, label};
+use super::style::{BLUE, Drawn, INK, RED, TITLE, extent, is_shown, label, mesh, text};
 
-const BLUE: RGBColor = RGBColor(31, 90, 160);
-const RED: RGBColor = RGBColor(192, 60, 40);
 const SIZE: (u32, u32) = (900, 230);
 
 /// Points that are drawn one by one; more of them would only be a blot.
@@ -137,48 +135,22 @@ fn figure(
         root.fill(&WHITE)?;
         let margin = 0.05 * (high - low);
         let mut chart = ChartBuilder::on(&root)
-            .caption(title, (FONT, 15).into_font().color(&INK))
+            .caption(title, text(TITLE))
             .margin(6)
             .margin_right(34)
             .x_label_area_size(36)
             .y_label_area_size(62)
             .build_cartesian_2d(axis.coordinate(), low - margin..high + margin)?;
-        chart
-            .configure_mesh()
+        mesh(&mut chart)
             .x_desc(axis.name())
             .y_labels(5)
             .x_label_formatter(&|x| axis.mark(*x))
             .y_label_formatter(&|y| label(*y))
-            .light_line_style(TRANSPARENT)
-            .bold_line_style(INK.mix(0.12))
-            .axis_style(INK.mix(0.6))
-            .label_style((FONT, 12).into_font().color(&INK))
             .draw()?;
         draw(&mut chart)?;
         root.present()?;
     }
     Ok(svg)
-}
-
-/// Larger numbers are left out: axes have no room for them.
-const LARGEST: f64 = 1e100;
-
-fn is_shown(value: f64) -> bool {
-    value.abs() <= LARGEST
-}
-
-/// Smallest and largest finite value, a little apart at least.
-fn extent(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    let finite = values.filter(|value| is_shown(*value));
-    let (low, high) = finite
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
-    match low <= high {
-        false => (0.0, 1.0),
-        true => {
-            let least = 1e-6 * (1.0 + low.abs().max(high.abs()));
-            if high - low < least { (low - least, high + least) } else { (low, high) }
-        }
-    }
 }
 
 #[cfg(test)]

@@ -1,7 +1,9 @@
 //! A fit as a page.
 
+use super::estimates::{Report, all_series};
 use super::page::Page;
-use super::posterior_figures::{marginal_figure, pair_figure, trace_figure};
+use super::posterior_figures::{marginal_figure, pair_figure, rank_figure, trace_figure};
+use super::style::Drawn;
 use crate::fitting::PosteriorFit;
 use crate::output::fit::{fit_figures, fit_summary};
 use crate::output::table::Table;
@@ -19,6 +21,8 @@ pub struct FitReport<'a> {
     pub model: &'a str,
     /// What was found.
     pub fitted: &'a PosteriorFit,
+    /// The data, filtered over the posterior, with what was expected of measurements where that was asked for.
+    pub states: Option<Report<'a>>,
     /// Settings, a name and a value each.
     pub settings: &'a [(String, String)],
     /// The command that made the report.
@@ -32,10 +36,7 @@ pub struct FitReport<'a> {
 pub fn fit_report(report: &FitReport<'_>) -> Result<String, Box<dyn std::error::Error>> {
     let fitted = report.fitted;
     let mut page = Page::new(&format!("Parameters of {}", report.model));
-    let rows = |pairs: &[(String, String)]| {
-        pairs.iter().map(|(name, value)| vec![name.clone(), value.clone()]).collect::<Vec<Vec<String>>>()
-    };
-    page.table(&["", ""], rows(&fit_summary(fitted)).into_iter());
+    page.pairs(&fit_summary(fitted));
     let warnings: Vec<String> = fitted.warnings.iter().map(ToString::to_string).collect();
     page.warnings(&warnings);
     page.heading("Posterior");
@@ -63,8 +64,19 @@ pub fn fit_report(report: &FitReport<'_>) -> Result<String, Box<dyn std::error::
         let names = [fitted.names[i].as_str(), fitted.names[j].as_str()];
         page.figure(&pair_figure(names, &pooled[i], &pooled[j])?, &format!("Correlation {correlation:.2}."));
     }
+    page.heading("Chains beside each other");
+    let shown: Vec<usize> = (0..fitted.names.len().min(SHOWN)).collect();
+    for beside in shown.chunks(2) {
+        let figures = beside.iter().map(|at| rank_figure(&fitted.names[*at], &chains[*at]));
+        page.figure(&figures.collect::<Drawn<String>>()?, "");
+    }
+    page.note("How many draws of each chain lie in each twentieth of all draws in order: where chains agree, they keep near the dotted line.");
+    if let Some(states) = &report.states {
+        page.heading("States and measurements over the posterior");
+        all_series(&mut page, states)?;
+    }
     page.heading("Settings");
-    page.table(&["", ""], rows(report.settings).into_iter());
+    page.pairs(report.settings);
     page.command(report.command);
     Ok(page.finish())
 }

@@ -2,11 +2,10 @@
 
 use plotters::prelude::*;
 
-use super::style::{Drawn, FONT, INK, label};
+use super::style::{BLUE, Drawn, INK, TITLE, label, mesh, text};
 
 const SIZE: (u32, u32) = (900, 200);
 const BARS: usize = 20;
-const BLUE: RGBColor = RGBColor(31, 90, 160);
 
 /// Bars of how many of the places lie between 0 and 0.05, and so on up to 1, with what an even spread would give.
 pub(super) fn histogram(title: &str, places: impl Iterator<Item = f64>) -> Drawn<String> {
@@ -19,23 +18,18 @@ pub(super) fn histogram(title: &str, places: impl Iterator<Item = f64>) -> Drawn
         let root = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
         root.fill(&WHITE)?;
         let mut chart = ChartBuilder::on(&root)
-            .caption(title, (FONT, 15).into_font().color(&INK))
+            .caption(title, text(TITLE))
             .margin(6)
             .margin_right(34)
             .x_label_area_size(24)
             .y_label_area_size(62)
             .build_cartesian_2d(0.0..1.0, 0.0..1.08 * most)?;
-        chart
-            .configure_mesh()
+        mesh(&mut chart)
             .disable_x_mesh()
             .x_labels(11)
             .y_labels(4)
             .x_label_formatter(&|x| format!("{x:.1}"))
             .y_label_formatter(&|y| label(*y))
-            .light_line_style(TRANSPARENT)
-            .bold_line_style(INK.mix(0.12))
-            .axis_style(INK.mix(0.6))
-            .label_style((FONT, 12).into_font().color(&INK))
             .draw()?;
         let width = 1.0 / BARS as f64;
         let bar = |(at, count): (usize, &f64)| {

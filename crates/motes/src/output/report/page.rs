@@ -73,6 +73,11 @@ impl Page {
         self.text += "</table>\n";
     }
 
+    /// Names and values.
+    pub(super) fn pairs(&mut self, pairs: &[(String, String)]) {
+        self.table(&["", ""], pairs.iter().map(|(name, value)| vec![name.clone(), value.clone()]));
+    }
+
     pub(super) fn finish(mut self) -> String {
         self.text += "</body>\n</html>\n";
         self.text
