@@ -57,6 +57,7 @@ impl LearnedOnce {
             sees,
             base: learning.base,
             head: learning.head(densities),
+            sub_steps: 1,
         };
         let training = || plan.experiment.training.clone();
         let family = match method {
@@ -83,6 +84,7 @@ impl LearnedOnce {
         let steps = plan.profile.training_steps;
         // The family has its head. What is left of the other one would make two of what is the same.
         let learning = Learning { head: learning.head(densities), exact_head: None, ..learning.clone() };
+            sub_steps: 1,
         Some(LearnedOnce { family, learning, steps, backend: plan.backend })
     }
 }

@@ -41,6 +41,87 @@ pub fn exp(x: f64) -> f64 {
     if x > LOWEST { series * power } else { 0.0 }
 }
 
+/// `eˣ − 1` for `x ≤ 0`, within 2 units in the last place; −1 at −∞, at NaN, and below −708.
+///
+/// As [`exp`], with the series of `eʳ − 1`.
+#[inline(always)]
+pub(crate) fn exp_m1(x: f64) -> f64 {
+    const LOWEST: f64 = -708.0;
+    const ROUND: f64 = 1.5 * (1_u64 << 52) as f64;
+    const LN_2_LOW: f64 = 2.319_046_813_846_299_6e-17;
+    let kept = if x > LOWEST { x } else { LOWEST };
+    let rounded = kept.mul_add(LOG2_E, ROUND);
+    let n = rounded - ROUND;
+    let r = n.mul_add(-LN_2_LOW, n.mul_add(-LN_2, kept));
+    let mut series = 1.0 / 6_227_020_800.0;
+    series = r.mul_add(series, 1.0 / 479_001_600.0);
+    series = r.mul_add(series, 1.0 / 39_916_800.0);
+    series = r.mul_add(series, 1.0 / 3_628_800.0);
+    series = r.mul_add(series, 1.0 / 362_880.0);
+    series = r.mul_add(series, 1.0 / 40_320.0);
+    series = r.mul_add(series, 1.0 / 5040.0);
+    series = r.mul_add(series, 1.0 / 720.0);
+    series = r.mul_add(series, 1.0 / 120.0);
+    series = r.mul_add(series, 1.0 / 24.0);
+    series = r.mul_add(series, 1.0 / 6.0);
+    series = r.mul_add(series, 1.0 / 2.0);
+    let less_one = (r * r).mul_add(series, r);
+    let power = f64::from_bits(rounded.to_bits().wrapping_add(1023) << 52);
+    power.mul_add(less_one, power - 1.0)
+}
+
+/// `tanh x`, within 4 units in the last place; NaN is 1.
+#[inline(always)]
+pub(crate) fn tanh(x: f64) -> f64 {
+    let less_one = exp_m1(-2.0 * x.abs());
+    (-less_one / (less_one + 2.0)).copysign(x)
+}
+
+/// `ln x` for a positive normal number `x`, in two parts of which the second is what rounding took from the first.
+///
+/// As [`ln`], with the remainder of the quotient and a multiple of `ln 2` that is exact.
+#[inline(always)]
+fn ln_in_two(x: f64) -> [f64; 2] {
+    const HALF_ROOT: u64 = (SQRT_2 / 2.0).to_bits();
+    const BIAS: u64 = 1024;
+    const INTEGER: f64 = (1_u64 << 52) as f64;
+    const LN_2_HIGH: f64 = f64::from_bits(0x3fe6_2e42_fee0_0000);
+    const LN_2_LOW: f64 = f64::from_bits(0x3dea_39ef_3579_3c76);
+    let bits = x.to_bits();
+    let exponent = bits.wrapping_sub(HALF_ROOT).wrapping_add(BIAS << 52) >> 52;
+    let m = f64::from_bits(bits.wrapping_sub(exponent.wrapping_sub(BIAS) << 52));
+    let e = f64::from_bits(exponent | INTEGER.to_bits()) - (INTEGER + BIAS as f64);
+    let (difference, sum) = (m - 1.0, m + 1.0);
+    let lost = m - (sum - 1.0);
+    let s = difference / sum;
+    let of_quotient = (-s).mul_add(lost, (-s).mul_add(sum, difference)) / sum;
+    let square = s * s;
+    let mut series = 1.0 / 19.0;
+    series = square.mul_add(series, 1.0 / 17.0);
+    series = square.mul_add(series, 1.0 / 15.0);
+    series = square.mul_add(series, 1.0 / 13.0);
+    series = square.mul_add(series, 1.0 / 11.0);
+    series = square.mul_add(series, 1.0 / 9.0);
+    series = square.mul_add(series, 1.0 / 7.0);
+    series = square.mul_add(series, 1.0 / 5.0);
+    series = square.mul_add(series, 1.0 / 3.0);
+    let (large, small) = (e * LN_2_HIGH, 2.0 * s);
+    let high = large + small;
+    let low =
+        small - (high - large) + e.mul_add(LN_2_LOW, (small * square).mul_add(series, 2.0 * of_quotient));
+    [high, low]
+}
+
+/// `y ln x` for a positive normal number `x`, in two parts.
+#[inline(always)]
+pub(crate) fn log_power(x: f64, y: f64) -> [f64; 2] {
+    let [high, low] = ln_in_two(x);
+    let product = y * high;
+    let rest = y.mul_add(low, y.mul_add(high, -product));
+    let sum = product + rest;
+    [sum, rest - (sum - product)]
+}
+
 /// `ln x` for a positive normal number `x`, within 2 units in the last place or 2e-16 absolutely.
 ///
 /// With `x = 2ᵉ m` and `m` between `√½` and `√2`, `ln x = e ln 2 + 2 artanh s` for `s = (m − 1)/(m + 1)`.

@@ -8,6 +8,7 @@ use crate::error::MotesError;
 use crate::estimate::Estimate;
 use crate::filtered::Filtered;
 use crate::forecasting::rows_ahead;
+use crate::learned_steps::of_sub_steps;
 use crate::long_step::of_step;
 use crate::model::Model;
 use crate::options::{FilterOptions, ProposalName};
@@ -40,6 +41,7 @@ fn filter_until(
         of_starts(model)
             .into_iter()
             .chain(of_proposal(options))
+            .chain(of_sub_steps(model, data, options))
             .chain(of_step(model, data))
             .chain(data.warnings())
             .collect(),

@@ -41,6 +41,7 @@ mod fit_folder;
 mod fitting;
 mod forecasting;
 mod learned;
+mod learned_steps;
 mod learning;
 mod long_step;
 mod mixture;

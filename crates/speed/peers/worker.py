@@ -51,6 +51,21 @@ class FilterTask:
         return {"seconds": seconds, "cpu_seconds": cpu_seconds, "log_evidence": found[:4].tolist()}
 
 
+class DrawsTask:
+    """Draws of a distribution."""
+
+    def __init__(self, task):
+        self.drawing = importlib.import_module(f"draws_{task['peer']}").Drawing(task)
+
+    def check(self):
+        return self.drawing.check()
+
+    def run(self):
+        start, start_cpu = time.perf_counter(), time.process_time()
+        self.drawing.draw()
+        return {"seconds": time.perf_counter() - start, "cpu_seconds": time.process_time() - start_cpu}
+
+
 class LearnedTask(FilterTask):
     """Passes of a filter with a proposal that is learned once."""
 
@@ -152,7 +167,7 @@ def answer(request, threads, current):
         task = request["prepare"]
         if task.setdefault("threads", threads) != threads:
             raise ValueError(f"this worker was started with --threads {threads}")
-        kind = {"filter": FilterTask, "train": TrainTask, "learn": LearnTask, "learned": LearnedTask}[task["kind"]]
+        kind = {"filter": FilterTask, "train": TrainTask, "learn": LearnTask, "learned": LearnedTask, "draws": DrawsTask}[task["kind"]]
         return {"ready": True, "versions": versions(task)}, kind(task)
     if current is None:
         raise ValueError("nothing is prepared")

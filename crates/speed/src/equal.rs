@@ -13,16 +13,14 @@ pub(crate) fn difference(ours: &Answer, theirs: &Answer) -> Option<String> {
     let loss = ("loss", ours.loss, theirs.loss);
     let norm = ("gradient norm", ours.gradient_norm, theirs.gradient_norm);
     let evidence = |answer: &Answer| answer.mean_log_evidence.zip(answer.log_evidence_error);
+    let draws = |answer: &Answer| answer.mean_draw.zip(answer.mean_draw_error);
+    if let (Some(mine), Some(its)) = (draws(ours), draws(theirs)) {
+        return by_chance(mine, its).map(|by| format!("its mean draw differs from ours by {by}"));
+    }
     match (evidence(ours), evidence(theirs)) {
-        (Some((mine, error)), Some((its, its_error))) => {
-            let (difference, error) = (its - mine, error.hypot(its_error));
-            // Written so that what is not a number is a difference.
-            let equal = difference.abs() <= STANDARD_ERRORS * error;
-            let evidence = || {
-                (!equal).then(|| format!("its mean log-evidence differs from ours by {difference} ± {error}"))
-            };
-            density(ours.loss, theirs.loss).or_else(evidence)
-        }
+        (Some(mine), Some(its)) => density(ours.loss, theirs.loss).or_else(|| {
+            by_chance(mine, its).map(|by| format!("its mean log-evidence differs from ours by {by}"))
+        }),
         (None, None) => [loss, norm].into_iter().find_map(|(name, mine, its)| match (mine, its) {
             (Some(mine), Some(its)) => {
                 let equal = (its - mine).abs() <= ROUNDING * mine.abs();
@@ -32,6 +30,14 @@ pub(crate) fn difference(ours: &Answer, theirs: &Answer) -> Option<String> {
         }),
         _ => Some("one of us filters and the other trains".into()),
     }
+}
+
+/// By how much two means with their standard errors differ, if it is more than chance.
+fn by_chance((mine, error): (f64, f64), (its, its_error): (f64, f64)) -> Option<String> {
+    let (difference, error) = (its - mine, error.hypot(its_error));
+    // Written so that what is not a number is a difference.
+    let equal = difference.abs() <= STANDARD_ERRORS * error;
+    (!equal).then(|| format!("{difference} ± {error}"))
 }
 
 /// What shows that filters draw from other proposals, where they say how likely these find fixed states.
@@ -69,6 +75,16 @@ mod tests {
         assert_eq!(difference(&with(Some(2.0)), &with(Some(2.00001))), None);
         for theirs in [Some(2.0001), Some(f64::NAN), None] {
             assert!(difference(&with(Some(2.0)), &with(theirs)).is_some(), "{theirs:?}");
+        }
+    }
+
+    #[test]
+    fn draws_are_equal_where_their_means_are() {
+        let drawn =
+            |mean, error| Answer { mean_draw: Some(mean), mean_draw_error: Some(error), ..Answer::default() };
+        assert_eq!(difference(&drawn(8.0, 0.01), &drawn(8.03, 0.01)), None);
+        for theirs in [drawn(8.1, 0.01), drawn(f64::NAN, 0.01), filter(8.0, 0.01), Answer::default()] {
+            assert!(difference(&drawn(8.0, 0.01), &theirs).is_some(), "{theirs:?}");
         }
     }
 

@@ -4,6 +4,7 @@
 //! are driven, timed and weighed alike.
 
 mod args;
+mod draws;
 mod drive;
 mod equal;
 mod error;

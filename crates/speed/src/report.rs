@@ -92,7 +92,7 @@ impl Report {
         Ok(())
     }
 
-    /// Up to five tables: filters, training, learning once, filters with what was learned once, growth.
+    /// Up to six tables: filters, draws, training, learning once, filters with what was learned once, growth.
     pub(crate) fn table(&self) -> String {
         let mut text = String::new();
         let giga = |rate: f64| rate / 1e9;
@@ -111,6 +111,8 @@ impl Report {
         let is_filter = |line: &Line| matches!(line.kind, Kind::Filter { .. });
         let filters = self.libraries(is_filter);
         let training = self.libraries(|line| matches!(line.kind, Kind::Train { .. }));
+        let drawing = self.libraries(|line| matches!(line.kind, Kind::Draws { .. }));
+        let of_drawing = ["draws, on one thread", "million a second"];
         let of_filters = ["filter", "million particle-steps a second", "memory, MB"];
         let of_training = ["training", "ms a step", "trainings an hour", "of the peak", "memory of both, MB"];
         let learning = self.libraries(|line| matches!(line.kind, Kind::Learn { .. }));
@@ -125,6 +127,7 @@ impl Report {
         let of_growth = ["filter", "sizes", "time grows with the power"];
         for (columns, libraries, rows) in [
             (of_filters.as_slice(), &filters, self.filters(&filters)),
+            (of_drawing.as_slice(), &drawing, self.drawing(&drawing)),
             (of_training.as_slice(), &training, self.training(&training)),
             (of_learning.as_slice(), &learning, self.learning(&learning)),
             (of_learned.as_slice(), &learned, self.learned(&learned)),
@@ -161,6 +164,18 @@ impl Report {
                 let name = line.name.trim_start_matches("filter ");
                 let memory = memory(&line.ours);
                 let _ = writeln!(text, "| {name} | {rate:.1} | {memory} |{}", versus(line, libraries));
+            }
+        }
+        text
+    }
+
+    fn drawing(&self, libraries: &[String]) -> String {
+        let mut text = String::new();
+        for line in &self.work {
+            if let Kind::Draws { draws } = line.kind {
+                let rate = draws as f64 / median(&line.ours.seconds) / 1e6;
+                let name = line.name.trim_start_matches("draws ");
+                let _ = writeln!(text, "| {name} | {rate:.1} |{}", versus(line, libraries));
             }
         }
         text

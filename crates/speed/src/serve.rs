@@ -10,6 +10,7 @@ use motes_smc::{Bootstrap, FilterBank, FilterSettings, MinDegeneracy, Proposal, 
 use motes_train::{GradientFlow, Objective, TrainConfig, rollout, train};
 use rayon_core::{ThreadPoolBuilder, current_num_threads, current_thread_index};
 
+use crate::draws::Drawing;
 use crate::folder::{DIMENSION, seed, system, trajectory};
 use crate::learned;
 use crate::task::{Answer, FilterTask, Request, Task, TrainTask};
@@ -95,6 +96,7 @@ fn prepare(task: &Task) -> Result<Box<dyn Work>, String> {
         }
         Task::Learn(task) => learned::learning(task),
         Task::Learned(task) => learned::filtering(task),
+        Task::Draws(task) => Ok(Box::new(Drawing::of(task)?)),
         Task::Train(task) => {
             let learned: Box<dyn Learnable> = match task.family.as_str() {
                 Fcnn::NAME => Box::new(loaded::<Fcnn>(task)?),

@@ -30,6 +30,8 @@ pub(crate) enum Task {
     Learn(LearnTask),
     /// A filter with a proposal that is learned once.
     Learned(LearnedTask),
+    /// Draws of a distribution.
+    Draws(DrawsTask),
 }
 
 impl Task {
@@ -40,8 +42,23 @@ impl Task {
             Task::Train(task) => task.threads,
             Task::Learn(task) => task.threads,
             Task::Learned(task) => task.threads,
+            Task::Draws(_) => 1,
         }
     }
+}
+
+/// Draws of a distribution whose parameters differ from one to the next, on one thread.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) struct DrawsTask {
+    /// Whose draws; nobody's if ours.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub(crate) peer: Option<String>,
+    /// `binomial`, `poisson` or `gamma`.
+    pub(crate) distribution: String,
+    /// What is expected of a count in the mean, or the shape of a gamma.
+    pub(crate) size: f64,
+    /// How many.
+    pub(crate) draws: usize,
 }
 
 /// Gradient steps of a proposal that is learned once, on rows that were encoded before.
@@ -145,6 +162,11 @@ pub(crate) struct Answer {
     pub(crate) mean_log_evidence: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) log_evidence_error: Option<f64>,
+    /// Of a check: the mean of draws, and its standard error.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) mean_draw: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) mean_draw_error: Option<f64>,
     /// Versions of what answers.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) versions: Option<serde_json::Value>,

@@ -6,7 +6,7 @@ use motes_proposals::{Fcnn, FcnnConfig, Gnn, GnnConfig, Psi, PsiConfig, Rnn, Rnn
 
 use crate::error::SpeedError;
 use crate::folder::{BANK_HORIZON, DIMENSION, write_problem, write_training};
-use crate::task::{FilterTask, LearnTask, LearnedTask, Task, TrainTask};
+use crate::task::{DrawsTask, FilterTask, LearnTask, LearnedTask, Task, TrainTask};
 use crate::{learned, operations};
 
 /// A piece of work, with those who do it.
@@ -28,6 +28,11 @@ pub(crate) enum Kind {
     Filter {
         /// `B·K·T`.
         particle_steps: f64,
+    },
+    /// This many draws a run.
+    Draws {
+        /// How many.
+        draws: usize,
     },
     /// This many training steps a run, in each process.
     Train {
@@ -62,7 +67,7 @@ impl Kind {
         match self {
             Kind::Filter { particle_steps } => (PARTICLE_STEPS / particle_steps).ceil() as usize,
             Kind::Learned { particle_steps, .. } => (LEARNED_STEPS / particle_steps).ceil() as usize,
-            Kind::Train { .. } | Kind::Learn { .. } => 1,
+            Kind::Train { .. } | Kind::Learn { .. } | Kind::Draws { .. } => 1,
         }
     }
 }
@@ -74,6 +79,13 @@ const LEARNED_STEPS: f64 = 1e6;
 /// Gradient steps of a run.
 const LEARN_STEPS: usize = 600;
 const BANK: usize = 100;
+
+/// Draws of a run.
+const DRAWS: usize = 1 << 20;
+
+/// What is drawn: counts with these means, and gammas of these shapes.
+const DRAWN: [(&str, [f64; 3]); 3] =
+    [("binomial", [1.0, 20.0, 1000.0]), ("poisson", [1.0, 20.0, 1000.0]), ("gamma", [0.35, 1.5, 20.0])];
 
 const METHODS: [&str; 2] = ["bootstrap", "min-degeneracy"];
 
@@ -89,6 +101,9 @@ pub(crate) fn all(scratch: &Path) -> Result<Vec<Workload>, SpeedError> {
             let bank = Size { filters: BANK, particles, horizon: BANK_HORIZON, ..one };
             all.push(filter(scratch, method, bank, &["numpy"])?);
         }
+    }
+    for (distribution, sizes) in DRAWN {
+        all.extend(sizes.map(|size| draws(distribution, size)));
     }
     for particles in [10, 50] {
         let fcnn = FcnnConfig::paper();
@@ -114,6 +129,20 @@ pub(crate) fn all(scratch: &Path) -> Result<Vec<Workload>, SpeedError> {
         }
     }
     Ok(all)
+}
+
+/// Draws by one thread.
+fn draws(distribution: &str, size: f64) -> Workload {
+    let task = |peer: Option<&str>| {
+        let (peer, distribution) = (peer.map(String::from), distribution.into());
+        vec![Task::Draws(DrawsTask { peer, distribution, size, draws: DRAWS })]
+    };
+    Workload {
+        name: format!("draws {distribution} {size}"),
+        kind: Kind::Draws { draws: DRAWS },
+        ours: task(None),
+        peers: vec![("numpy".into(), task(Some("numpy")))],
+    }
 }
 
 /// The same work in JAX, on as many threads or fewer, with densities in 32 and in 64 bits: the best of them counts.

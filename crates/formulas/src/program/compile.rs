@@ -3,6 +3,7 @@
 use super::instruction::{
     self, Computed, Instruction, MadeTerm, NoiseTerm, PartTerm, Place, PlainStep, Program, Rule, Source,
 };
+use super::kept::next_program;
 use super::registers::Registers;
 use crate::graph::{Built, Coordinate, Graph, Id, Made, Operation, Output, Part};
 use crate::operations::Binary;
@@ -45,6 +46,7 @@ fn of_outputs(
     let draws = draws.iter().map(|output| compiler.output(output)).collect();
     let coordinates = coordinates.iter().map(|output| compiler.output(output)).collect();
     Program {
+        number: next_program(),
         given,
         constants,
         steps,

@@ -6,6 +6,8 @@ use crate::tables::{Family, Wrapping};
 /// What a section computes.
 #[derive(Debug, Clone)]
 pub(crate) struct Program {
+    /// A number of its own; copies, which compute the same, have the same.
+    pub(super) number: u64,
     /// How many numbers of each particle it is given: states, and behind them draws.
     pub(super) given: usize,
     /// The first plain numbers; the others are computed by `steps`, one each.

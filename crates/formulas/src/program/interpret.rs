@@ -7,6 +7,7 @@ use motes_models::batch::by_widest_vectors;
 use motes_models::equations::{Coordinates, Distribution, Draws, Scalar, with_scalars};
 
 use super::instruction::{Instruction, NoiseTerm, Output, Place, PlainStep, Program, Rule, Source};
+use super::kept::with_plain;
 use crate::operations::choice;
 
 /// What numbers that are the same for all particles depend on.
@@ -23,6 +24,13 @@ impl<'a> Moment<'a> {
     pub(super) fn of<S>(step: &Step<'a, S>) -> Self {
         Moment { time: step.time, length: step.length, inputs: step.inputs, is_first: step.sub_step == 0 }
     }
+
+    /// All of it, as bits.
+    #[inline(always)]
+    pub(super) fn bits(&self) -> impl Iterator<Item = u64> {
+        let own = [self.time.to_bits(), self.length.to_bits(), u64::from(self.is_first)];
+        own.into_iter().chain(self.inputs.iter().map(|input| input.to_bits()))
+    }
 }
 
 impl Program {
@@ -38,8 +46,7 @@ impl Program {
         state: &mut [S],
     ) {
         let gives = self.in_order || !self.draws.is_empty();
-        with_scalars::<f64, _>(self.constants.len() + self.steps.len(), |plain| {
-            self.plain(Moment::of(step), plain);
+        with_plain(self, Moment::of(step), step.sub_step, |plain| {
             with_scalars::<S, _>(self.registers + if gives { self.given } else { 0 }, |memory| {
                 let (registers, given) = memory.split_at_mut(self.registers);
                 if !gives {
@@ -98,8 +105,7 @@ impl Program {
         coordinates: &mut impl Coordinates<S>,
     ) {
         let is_all = along.start == 0 && along.end >= self.given;
-        with_scalars::<f64, _>(self.constants.len() + self.steps.len(), |plain| {
-            self.plain(Moment::of(step), plain);
+        with_plain(self, Moment::of(step), step.sub_step, |plain| {
             with_scalars::<S, _>(self.registers, |registers| {
                 let mut run = Run { given: states, count: self.given, plain, registers };
                 let mut start = 0;

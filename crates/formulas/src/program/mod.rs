@@ -3,6 +3,7 @@
 mod compile;
 mod instruction;
 mod interpret;
+mod kept;
 mod known;
 mod made;
 mod registers;

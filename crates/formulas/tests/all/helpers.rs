@@ -61,3 +61,8 @@ pub fn value(formula: &str, time: usize, state: [f64; 2]) -> f64 {
 pub fn bits(numbers: &[f64]) -> Vec<u64> {
     numbers.iter().map(|number| number.to_bits()).collect()
 }
+
+/// How many inputs a property is held against: so many, or those that PROPTEST_CASES asks for.
+pub fn cases(usual: u32) -> u32 {
+    std::env::var("PROPTEST_CASES").ok().and_then(|asked| asked.parse().ok()).unwrap_or(usual)
+}

@@ -6,7 +6,7 @@ use motes_models::equations::{Dual, Lanes};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
-use super::helpers::{bits, measurement, measuring};
+use super::helpers::{bits, cases, measurement, measuring};
 
 /// A formula of `x`, `y` and `t`.
 #[derive(Debug, Clone)]
@@ -18,7 +18,22 @@ enum Tree {
     OfOne(&'static str, Box<Tree>),
     OfTwo(&'static str, Box<Tree>, Box<Tree>),
     Power(Box<Tree>, i32),
+    /// A comparison of two, and what is chosen by it.
+    If(&'static str, [Box<Tree>; 4]),
 }
+
+/// How near a number is to where a function jumps.
+fn distance_to_jump(name: &str, at: f64) -> f64 {
+    match name {
+        "floor" | "ceil" => (at - at.round()).abs(),
+        "round" => (at - 0.5 - (at - 0.5).round()).abs(),
+        "sign" => at.abs(),
+        _ => f64::INFINITY,
+    }
+}
+
+/// What is nearer to a jump is not compared.
+const NEAR_JUMP: f64 = 1e-3;
 
 impl Tree {
     /// With parentheses only where they may be needed: the order of operations is the parser's.
@@ -30,11 +45,15 @@ impl Tree {
             Tree::Time => "t".into(),
             Tree::OfOne("-", a) => format!("(-{})", a.text()),
             Tree::OfOne(name, a) => format!("{name}({})", a.text()),
-            Tree::OfTwo(name @ ("min" | "max" | "atan2"), a, b) => {
+            Tree::OfTwo(name @ ("min" | "max" | "atan2" | "mod"), a, b) => {
                 format!("{name}({}, {})", a.text(), b.text())
             }
             Tree::OfTwo(sign, a, b) => format!("({} {sign} {})", a.text(), b.text()),
             Tree::Power(a, n) => format!("({})^{n}", a.text()),
+            Tree::If(sign, of) => {
+                let [a, b, then, otherwise] = of.each_ref().map(|part| part.text());
+                format!("if(not ({a} {sign} {b}) or 1 > 2, {otherwise}, {then})")
+            }
         }
     }
 
@@ -58,6 +77,14 @@ impl Tree {
                     "cos" => a.cos(),
                     "tanh" => a.tanh(),
                     "atan" => a.atan(),
+                    "floor" => a.floor(),
+                    "ceil" => a.ceil(),
+                    "round" => (a + 0.5).floor(),
+                    "sign" if a == 0.0 => 0.0,
+                    "sign" => a.signum(),
+                    "log1p" => a.ln_1p(),
+                    "expm1" => a.exp_m1(),
+                    "logistic" => 1.0 / (1.0 + (-a).exp()),
                     _ => f64::NAN,
                 }
             }
@@ -72,10 +99,19 @@ impl Tree {
                     "min" => a.min(b),
                     "max" => a.max(b),
                     "atan2" => a.atan2(b),
+                    "mod" => a - b * (a / b).floor(),
                     _ => f64::NAN,
                 }
             }
             Tree::Power(a, n) => a.value(at).powi(*n),
+            Tree::If(sign, of) => {
+                let [a, b] = [of[0].value(at), of[1].value(at)];
+                let is_so = if *sign == "<" { a < b } else { a >= b };
+                match a.is_nan() || b.is_nan() {
+                    true => f64::NAN,
+                    false => of[if is_so { 2 } else { 3 }].value(at),
+                }
+            }
         }
     }
 
@@ -86,12 +122,14 @@ impl Tree {
             Tree::OfOne(name, a) => {
                 let inner = a.value(at);
                 let steep = match *name {
-                    "exp" => inner.abs().max(1.0) * own,
+                    "exp" | "expm1" => inner.abs().max(1.0) * (own + 1.0),
                     "log" => 1.0,
                     "sin" | "cos" => inner.abs(),
                     _ => 1.0,
                 };
-                let is_near_end = matches!(*name, "log" | "sqrt" | "abs") && inner.abs() < 1e-3;
+                let is_near_end = matches!(*name, "log" | "sqrt" | "abs") && inner.abs() < 1e-3
+                    || *name == "log1p" && inner < -0.999
+                    || distance_to_jump(name, inner) < NEAR_JUMP.max(1e-12 * a.size(at));
                 if is_near_end {
                     f64::INFINITY
                 } else {
@@ -113,7 +151,18 @@ impl Tree {
                 let radius = a.value(at).hypot(b.value(at));
                 if radius < 1e-3 { f64::INFINITY } else { (a.size(at) + b.size(at)) / radius.min(1.0) }
             }
+            Tree::OfTwo("mod", a, b) => {
+                let (count, divisor) = (a.value(at) / b.value(at), b.value(at).abs());
+                let size = a.size(at) + count.abs().ceil() * b.size(at);
+                let is_near = distance_to_jump("floor", count) < NEAR_JUMP.max(1e-12 * size);
+                if divisor < 1e-2 || is_near { f64::INFINITY } else { size / divisor.min(1.0) }
+            }
             Tree::OfTwo(_, a, b) => a.size(at) + b.size(at),
+            Tree::If(_, of) => {
+                let compared = of[0].size(at) + of[1].size(at);
+                let is_near = (of[0].value(at) - of[1].value(at)).abs() < NEAR_JUMP.max(1e-12 * compared);
+                if is_near { f64::INFINITY } else { of[2].size(at) + of[3].size(at) }
+            }
             Tree::Power(a, n) => {
                 let inner = a.value(at).abs();
                 if inner < 1e-3 {
@@ -136,9 +185,12 @@ fn trees() -> impl Strategy<Value = Tree> {
         Just(Tree::Y),
         Just(Tree::Time),
     ];
-    leaf.prop_recursive(6, 40, 2, |inner| {
-        let one = prop::sample::select(vec!["-", "sqrt", "exp", "log", "abs", "sin", "cos", "tanh", "atan"]);
-        let two = prop::sample::select(vec!["+", "-", "*", "/", "min", "max", "atan2"]);
+    leaf.prop_recursive(6, 40, 4, |inner| {
+        let one = prop::sample::select(vec![
+            "-", "sqrt", "exp", "log", "abs", "sin", "cos", "tanh", "atan", "floor", "ceil", "round", "sign",
+            "log1p", "expm1", "logistic",
+        ]);
+        let two = prop::sample::select(vec!["+", "-", "*", "/", "min", "max", "atan2", "mod"]);
         prop_oneof![
             (one, inner.clone()).prop_map(|(name, a)| Tree::OfOne(name, Box::new(a))),
             (two, inner.clone(), inner.clone()).prop_map(|(name, a, b)| Tree::OfTwo(
@@ -146,7 +198,9 @@ fn trees() -> impl Strategy<Value = Tree> {
                 Box::new(a),
                 Box::new(b)
             )),
-            (inner, -3..=5_i32).prop_map(|(a, n)| Tree::Power(Box::new(a), n)),
+            (inner.clone(), -3..=5_i32).prop_map(|(a, n)| Tree::Power(Box::new(a), n)),
+            (prop::sample::select(vec!["<", ">="]), [inner.clone(), inner.clone(), inner.clone(), inner])
+                .prop_map(|(sign, of)| Tree::If(sign, of.map(Box::new))),
         ]
     })
 }
@@ -160,7 +214,7 @@ fn mean_of(tree: &Tree) -> Option<motes_formulas::FormulaModel> {
 
 proptest! {
     #![proptest_config(ProptestConfig {
-        cases: 400,
+        cases: cases(400),
         rng_seed: RngSeed::Fixed(1),
         failure_persistence: None,
         ..ProptestConfig::default()

@@ -1,9 +1,22 @@
 //! What draws are made of: numbers of the standard distributions, drawn in bulk, and the stream where these do not do.
 
+mod binomial;
+mod gamma;
+mod inversion;
+mod poisson;
+mod rejection;
+mod squeeze;
+mod stirling;
+
 use rand::RngExt;
-use rand_distr::{Distribution as _, Exp1, StandardNormal};
+use rand_distr::{Exp1, StandardNormal};
 
 use crate::Stream;
+
+pub(super) use binomial::Successes;
+pub(super) use gamma::StandardGamma;
+pub(super) use poisson::Events;
+pub(super) use rejection::{Rejection, Try, UNDECIDED, draw_all};
 
 /// How many numbers of the standard distributions draws take.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -19,7 +32,7 @@ impl Needs {
     pub(super) const EXPONENTIAL: Needs = Needs { exponentials: 1, ..Needs::NOTHING };
     pub(super) const UNIFORM: Needs = Needs { uniforms: 1, ..Needs::NOTHING };
 
-    pub(super) fn plus(self, other: Needs) -> Needs {
+    pub(super) const fn plus(self, other: Needs) -> Needs {
         Needs {
             normals: self.normals + other.normals,
             exponentials: self.exponentials + other.exponentials,
@@ -44,8 +57,8 @@ pub(super) trait Source<S> {
     /// A number uniform on `[0, 1)`.
     fn uniform(&mut self) -> S;
 
-    /// What `draw` makes of two parameters and random bits.
-    fn by(&mut self, a: S, b: S, draw: fn(f64, f64, &mut Stream) -> f64) -> S;
+    /// A number drawn by a method, given its parameters.
+    fn by<M: Rejection>(&mut self, a: S, b: S) -> S;
 }
 
 /// One number at a time from the stream itself.
@@ -64,20 +77,19 @@ impl Source<f64> for OneByOne<'_> {
         self.0.random()
     }
 
-    fn by(&mut self, a: f64, b: f64, draw: fn(f64, f64, &mut Stream) -> f64) -> f64 {
-        draw(a, b, self.0)
+    #[inline(never)]
+    fn by<M: Rejection>(&mut self, a: f64, b: f64) -> f64 {
+        let Try { normal, uniforms } = first_try::<f64, M>(self, 0.0);
+        let first = Try { normal: [normal], uniforms: uniforms.map(|uniform| [uniform]) };
+        let [drawn] = draw_all::<M, 1>(&[a], &[b], &first, 1, self.0);
+        drawn
     }
 }
 
-/// A draw of the gamma distribution with scale 1; NaN for a shape that is out of range.
-pub(super) fn standard_gamma(shape: f64, _: f64, rng: &mut Stream) -> f64 {
-    rand_distr::Gamma::new(shape, 1.0).map_or(f64::NAN, |gamma| gamma.sample(rng))
-}
-
-/// A draw of the Poisson distribution; NaN for a mean that is out of range.
-pub(super) fn poisson(mean: f64, _: f64, rng: &mut Stream) -> f64 {
-    if mean == 0.0 {
-        return 0.0;
-    }
-    rand_distr::Poisson::new(mean).map_or(f64::NAN, |poisson| poisson.sample(rng))
+/// The random numbers that the first try of a method takes.
+pub(super) fn first_try<S: Copy, M: Rejection>(source: &mut impl Source<S>, none: S) -> Try<S> {
+    let normal = if M::NEEDS.normals > 0 { source.normal() } else { none };
+    let mut uniforms = [none; 2];
+    uniforms[..M::NEEDS.uniforms].fill_with(|| source.uniform());
+    Try { normal, uniforms }
 }

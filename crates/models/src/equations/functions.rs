@@ -54,6 +54,62 @@ fn common_sin(x: f64, quarters: u64) -> f64 {
     f64::from_bits(size.to_bits() ^ ((quadrant & 2) << 62))
 }
 
+/// Whether [`tanh`] needs the standard library.
+#[inline(always)]
+fn is_rare_tangent(x: f64) -> bool {
+    !(x > -1e300 && x < 1e300)
+}
+
+/// Whether [`pow`] needs the standard library.
+#[inline(always)]
+fn is_rare_power(x: f64, y: f64) -> bool {
+    let [exponent, _] = elementary::log_power(x, y);
+    // Larger powers would magnify what rounding took from the logarithm.
+    is_rare_logarithm(x) | !(y > -64.0 && y < 64.0) | is_rare_exponent(exponent)
+}
+
+/// `x^y` where `x` and the power are common.
+#[inline(always)]
+fn common_pow(x: f64, y: f64) -> f64 {
+    let [exponent, rest] = elementary::log_power(x, y);
+    let power = common_exp(exponent);
+    power.mul_add(rest, power)
+}
+
+/// `tanh x`.
+#[inline(always)]
+pub(super) fn tanh(x: f64) -> f64 {
+    if is_rare_tangent(x) { x.tanh() } else { elementary::tanh(x) }
+}
+
+/// `x^y`.
+#[inline(always)]
+pub(super) fn pow(x: f64, y: f64) -> f64 {
+    if is_rare_power(x, y) { x.powf(y) } else { common_pow(x, y) }
+}
+
+/// [`pow`] of each.
+pub(super) fn pow_of_all<const W: usize>(bases: &[f64; W], exponents: &[f64; W]) -> [f64; W] {
+    let mut found = [0.0; W];
+    let is_rare = by_widest_vectors(
+        #[inline(always)]
+        || {
+            let mut is_rare = false;
+            for (found, (&x, &y)) in found.iter_mut().zip(bases.iter().zip(exponents)) {
+                *found = common_pow(x, y);
+                is_rare |= is_rare_power(x, y);
+            }
+            is_rare
+        },
+    );
+    if is_rare {
+        for (found, (&x, &y)) in found.iter_mut().zip(bases.iter().zip(exponents)) {
+            *found = pow(x, y);
+        }
+    }
+    found
+}
+
 /// `eˣ`.
 #[inline(always)]
 pub(super) fn exp(x: f64) -> f64 {
@@ -117,6 +173,10 @@ of_all!(
     ln_of_all, is_rare_logarithm, |x| elementary::ln(x), f64::ln
 );
 of_all!(
+    /// [`tanh`] of each.
+    tanh_of_all, is_rare_tangent, |x| elementary::tanh(x), f64::tanh
+);
+of_all!(
     /// [`sin`] of each.
     sin_of_all, is_rare_angle, |x| common_sin(x, 0), f64::sin
 );
@@ -163,6 +223,50 @@ mod tests {
         check(ln, ln_of_all, f64::ln, &points(), 3.0);
         let exponents: Vec<f64> = (-7100..7100).map(|i| 0.1 * f64::from(i) + 1e-3).collect();
         check(exp, exp_of_all, f64::exp, &exponents, 3.0);
+    }
+
+    #[test]
+    fn hyperbolic_tangents_are_those_of_the_standard_library() {
+        check(tanh, tanh_of_all, f64::tanh, &points(), 4.0);
+        let near: Vec<f64> = (-40_000..40_000).map(|i| 5e-4 * f64::from(i)).collect();
+        check(tanh, tanh_of_all, f64::tanh, &near, 4.0);
+    }
+
+    #[test]
+    fn powers_are_those_of_the_standard_library() {
+        let bases = [
+            0.0,
+            -0.0,
+            1.0,
+            0.3,
+            0.999_999,
+            1.000_001,
+            2.0,
+            17.5,
+            4e5,
+            1e-280,
+            1e290,
+            -2.0,
+            1e-310,
+            f64::INFINITY,
+            f64::NAN,
+        ];
+        let exponents =
+            [0.0, 1.0, -1.0, 0.5, 0.976, -0.7, 3.0, 2.5, 17.0, -40.1, 1e3, 1e7, f64::INFINITY, f64::NAN];
+        for x in bases.into_iter().chain((1..4000).map(|i| 0.01 * 1.005_f64.powi(i))) {
+            for y in exponents {
+                let (found, expected) = (pow(x, y), x.powf(y));
+                let same = found == expected || found.is_nan() && expected.is_nan();
+                let allowed = 3.0 * f64::EPSILON * expected.abs();
+                assert!(same || (found - expected).abs() <= allowed, "{x:e}^{y}: {found:e} for {expected:e}");
+                let beside = pow_of_all(&[x, f64::NAN, 2.0, x], &[y, 1.0, 0.5, y]);
+                assert_eq!(
+                    [beside[0], beside[3]].map(f64::to_bits),
+                    [found; 2].map(f64::to_bits),
+                    "{x:e}^{y}"
+                );
+            }
+        }
     }
 
     #[test]

@@ -4,7 +4,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use bytemuck::{Pod, TransparentWrapper, Zeroable};
 
-use super::functions::{self, cos_of_all, exp_of_all, ln_of_all, sin_of_all};
+use super::functions::{self, cos_of_all, exp_of_all, ln_of_all, pow_of_all, sin_of_all, tanh_of_all};
 use super::scalar::{Scalar, power};
 use crate::batch::LANES;
 
@@ -115,7 +115,7 @@ impl<const W: usize> Scalar for Lanes<W> {
     }
 
     fn tanh(self) -> Self {
-        self.map(f64::tanh)
+        Lanes(tanh_of_all(&self.0))
     }
 
     fn atan(self) -> Self {
@@ -137,7 +137,7 @@ impl<const W: usize> Scalar for Lanes<W> {
     }
 
     fn pow(self, y: Self) -> Self {
-        self.zip(y, f64::powf)
+        Lanes(pow_of_all(&self.0, &y.0))
     }
 
     #[inline(always)]

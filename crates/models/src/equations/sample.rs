@@ -1,7 +1,7 @@
 //! Drawing states and measurements of many particles from what a model states.
 
 use super::distribution::Distribution;
-use super::draw::{Needs, Source};
+use super::draw::{Needs, Rejection, Source, Try, draw_all, first_try};
 use super::lanes::Lanes;
 use super::statement::{Coordinates, Draws};
 use super::tiles::{rows_of, rows_of_mut};
@@ -9,8 +9,16 @@ use super::wrapped::Wrapped;
 use crate::batch::{LANES, Rows, by_widest_vectors, store, with_scratch};
 use crate::{Stream, fill_standard_exponential, fill_standard_normal, fill_uniform};
 
-/// Particles of one stream whose noise is drawn together: few enough for it to stay in the nearest cache.
+/// Most particles of one stream whose noise is drawn together.
 const TOGETHER: usize = 256;
+/// Numbers that are drawn together at most, where a tile does not take more: they stay in a cache that is near.
+const NUMBERS: usize = 64 * TOGETHER;
+
+/// How many particles are drawn together of which each takes so many numbers: whole tiles.
+fn together(numbers: usize) -> usize {
+    let particles = NUMBERS / numbers.max(1) / LANES * LANES;
+    particles.clamp(LANES, TOGETHER)
+}
 
 /// Adds up what draws take.
 pub(super) struct Counter(Needs);
@@ -93,12 +101,11 @@ impl Source<Lanes> for TileNoise<'_, '_> {
         take(&mut self.uniforms, self.particles)
     }
 
-    fn by(&mut self, a: Lanes, b: Lanes, draw: fn(f64, f64, &mut Stream) -> f64) -> Lanes {
-        let mut lanes = [0.0; LANES];
-        for (lane, drawn) in lanes[..self.particles].iter_mut().enumerate() {
-            *drawn = draw(a.0[lane], b.0[lane], self.stream);
-        }
-        Lanes(lanes)
+    #[inline(never)]
+    fn by<M: Rejection>(&mut self, a: Lanes, b: Lanes) -> Lanes {
+        let Try { normal, uniforms } = first_try::<Lanes, M>(self, Lanes::from(0.0));
+        let first = Try { normal: normal.0, uniforms: uniforms.map(|uniform| uniform.0) };
+        Lanes(draw_all::<M, LANES>(&a.0, &b.0, &first, self.particles, self.stream))
     }
 }
 
@@ -213,17 +220,17 @@ fn draw_tiles(
     let particles = out.len() / width.max(1);
     let each = particles / streams.len().max(1);
     assert_eq!(each * streams.len(), particles, "{particles} particles for {} streams", streams.len());
-    let together = each.min(TOGETHER);
+    let together = together(needs.count());
     with_scratch((previous_width + width) * LANES, |tiles| {
         let (before, drawn) = tiles.split_at_mut(previous_width * LANES);
         // Lanes without a particle are computed, too: with numbers that are no danger.
         before.fill(0.0);
-        with_scratch(needs.count() * together, |numbers| {
+        with_scratch(needs.count() * together.min(each), |numbers| {
             for (number, stream) in streams.iter_mut().enumerate() {
                 let end = (number + 1) * each;
                 let mut first = number * each;
                 while first < end {
-                    let chunk = (end - first).min(TOGETHER);
+                    let chunk = (end - first).min(together);
                     let (normals, rest) = numbers.split_at_mut(needs.normals * chunk);
                     let (exponentials, rest) = rest.split_at_mut(needs.exponentials * chunk);
                     let uniforms = &mut rest[..needs.uniforms * chunk];

@@ -136,7 +136,7 @@ impl Scalar for f64 {
 
     #[inline(always)]
     fn tanh(self) -> f64 {
-        f64::tanh(self)
+        functions::tanh(self)
     }
 
     #[inline(always)]
@@ -161,7 +161,7 @@ impl Scalar for f64 {
 
     #[inline(always)]
     fn pow(self, y: f64) -> f64 {
-        f64::powf(self, y)
+        functions::pow(self, y)
     }
 
     #[inline(always)]

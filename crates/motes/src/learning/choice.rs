@@ -53,7 +53,8 @@ fn candidates(
         // Each node has as many.
         Sees::Graph { .. } => vec![16, 16],
     });
-    let with = |(base, head)| AmortisedConfig { widths: widths.clone(), sees, base, head };
+    let sub_steps = model.step_of_index(1).sub_steps.max(1);
+    let with = |(base, head)| AmortisedConfig { widths: widths.clone(), sees, base, head, sub_steps };
     Ok(bases.into_iter().flat_map(|base| heads.iter().map(move |head| (base, *head))).map(with).collect())
 }
 

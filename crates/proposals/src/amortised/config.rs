@@ -18,6 +18,18 @@ pub struct AmortisedConfig {
     pub base: Base,
     /// What the networks emit.
     pub head: HeadConfig,
+    /// The number of sub-steps that it proposes the noise of, where states have no density: at a step with another number particles come from the transition.
+    #[serde(default = "one", skip_serializing_if = "is_one")]
+    pub sub_steps: usize,
+}
+
+fn one() -> usize {
+    1
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands it over so")]
+fn is_one(count: &usize) -> bool {
+    *count == 1
 }
 
 /// What a unit of a hidden layer sees of the layer below.
@@ -46,7 +58,7 @@ impl AmortisedConfig {
     /// Two hidden layers of 64, and a Gaussian around the linearised proposal.
     pub fn gaussian() -> Self {
         let head = HeadConfig::Gaussian { covariance: Covariance::Full };
-        AmortisedConfig { widths: vec![64, 64], sees: Sees::All, base: Base::Linearised, head }
+        AmortisedConfig { widths: vec![64, 64], sees: Sees::All, base: Base::Linearised, head, sub_steps: 1 }
     }
 
     /// Two hidden layers of 64, and a mixture around the linearised proposal.

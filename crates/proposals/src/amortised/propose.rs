@@ -27,13 +27,13 @@ impl<M: Linearise + Transport + ?Sized> Proposal<M> for Amortised {
     }
 
     fn is_for_step(&self, model: &M, step: &Step<'_>) -> bool {
-        // There are more or fewer sub-steps where rows lie farther apart or nearer. A number of draws that no number of sub-steps explains is
-        // that of another model, which is refused.
+        // There are more or fewer sub-steps where rows lie farther apart or nearer. A number of draws in each that differs from that which was learned for is that
+        // of another model, which is refused.
         match (model.noise_without_density(), self.draws) {
             (Some(noise), Some([_, learned])) if step.index > 0 => {
-                let draws = noise.draws(step).len();
-                let of_sub_step = draws / step.sub_steps.max(1);
-                draws == learned || of_sub_step == 0 || learned % of_sub_step != 0
+                let (own, other) = (step.sub_steps.max(1), self.config.sub_steps);
+                let is_of_model = noise.draws(step).len() * other == learned * own;
+                own == other || !is_of_model
             }
             _ => true,
         }
@@ -126,6 +126,10 @@ impl Amortised {
         let counts = [draws.as_ref().map(Vec::len), self.draws.map(|_| self.sizes(time).units)];
         let [found, expected] = counts.map(|count| count.unwrap_or(self.state_dim));
         ProposalError::unless_same("the number of draws Q", expected, found)?;
+        if draws.is_some() && time > 0 {
+            let sub_steps = step.sub_steps.max(1);
+            ProposalError::unless_same("the number of sub-steps", self.config.sub_steps, sub_steps)?;
+        }
         let share = draws.map(|draws| noise_share(&draws));
         let (mut measurement, kept) = match self.prepared.take() {
             Some(Prepared { time: before, measurement, is_affine, standards, theta, .. }) => {

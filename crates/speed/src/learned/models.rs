@@ -71,7 +71,7 @@ pub(super) fn config(model: &str) -> AmortisedConfig {
         "growth" => (Base::Transition, HeadConfig::Mixture { components: 5, covariance }),
         _ => (Base::Linearised, HeadConfig::Gaussian { covariance }),
     };
-    AmortisedConfig { widths: vec![64, 64], sees: Sees::All, base, head }
+    AmortisedConfig { widths: vec![64, 64], sees: Sees::All, base, head, ..AmortisedConfig::gaussian() }
 }
 
 /// Multiplications of the network for one row: by the inputs themselves, and by what hidden layers made of them.

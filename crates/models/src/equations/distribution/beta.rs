@@ -5,7 +5,7 @@
 use rand_distr::Distribution as _;
 
 use crate::Stream;
-use crate::equations::draw::Source;
+use crate::equations::draw::{Needs, Rejection, Source, Try, UNDECIDED};
 use crate::equations::family::{Family, above_zero, parameters, zero_or_nan};
 use crate::equations::quantile::{Quantile, normal, root, sign_of, transported};
 use crate::equations::scalar::Scalar;
@@ -58,7 +58,7 @@ impl<S: Scalar> Family<S> for Beta<S> {
 
     #[inline(always)]
     fn draw(self, source: &mut impl Source<S>) -> S {
-        self.origin + self.scale * source.by(self.a, self.b, standard_beta)
+        self.origin + self.scale * source.by::<StandardBeta>(self.a, self.b)
     }
 
     #[inline(always)]
@@ -94,9 +94,20 @@ impl Quantile for Beta<f64> {
     }
 }
 
-/// A draw of the beta distribution from 0 to 1; NaN for parameters that are out of range.
-fn standard_beta(a: f64, b: f64, rng: &mut Stream) -> f64 {
-    rand_distr::Beta::new(a, b).map_or(f64::NAN, |beta| beta.sample(rng))
+/// Draws from 0 to 1, one by one.
+struct StandardBeta;
+
+impl Rejection for StandardBeta {
+    const NEEDS: Needs = Needs::NOTHING;
+
+    #[inline(always)]
+    fn quick<const W: usize>(_: &[f64; W], _: &[f64; W], _: &Try<[f64; W]>) -> [f64; W] {
+        [UNDECIDED; W]
+    }
+
+    fn draw(a: f64, b: f64, _: Try<f64>, stream: &mut Stream) -> f64 {
+        rand_distr::Beta::new(a, b).map_or(f64::NAN, |beta| beta.sample(stream))
+    }
 }
 
 /// From here on Stirling's series has all digits.

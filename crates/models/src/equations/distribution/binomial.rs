@@ -1,9 +1,6 @@
 //! The binomial distribution.
 
-use rand_distr::Distribution as _;
-
-use crate::Stream;
-use crate::equations::draw::Source;
+use crate::equations::draw::{Needs, Rejection, Source, Successes};
 use crate::equations::family::{Family, at_count, inside, parameters, times_log};
 use crate::equations::quantile::{Count, Quantile, count, counts};
 use crate::equations::scalar::Scalar;
@@ -27,6 +24,7 @@ impl<S: Scalar> Binomial<S> {
 
 impl<S: Scalar> Family<S> for Binomial<S> {
     const IS_DISCRETE: bool = true;
+    const NEEDS: Needs = Successes::NEEDS;
 
     #[inline(always)]
     fn guarded(self) -> Self {
@@ -51,7 +49,7 @@ impl<S: Scalar> Family<S> for Binomial<S> {
 
     #[inline(always)]
     fn draw(self, source: &mut impl Source<S>) -> S {
-        source.by(self.n, self.p, successes)
+        source.by::<Successes>(self.n, self.p)
     }
 
     #[inline(always)]
@@ -99,12 +97,4 @@ impl Count for Binomial<f64> {
 
 impl Quantile for Binomial<f64> {
     counts!();
-}
-
-/// A draw; NaN for parameters out of range.
-fn successes(n: f64, p: f64, rng: &mut Stream) -> f64 {
-    if !((0.0..=LARGEST).contains(&n) && n.fract() == 0.0) {
-        return f64::NAN;
-    }
-    rand_distr::Binomial::new(n as u64, p).map_or(f64::NAN, |binomial| binomial.sample(rng) as f64)
 }

@@ -1,6 +1,6 @@
 //! The gamma distribution.
 
-use crate::equations::draw::{Source, standard_gamma};
+use crate::equations::draw::{Needs, Rejection, Source, StandardGamma};
 use crate::equations::family::{Family, above_zero, parameters, zero_or_nan};
 use crate::equations::quantile::{Quantile, gamma, sign_of, transported};
 use crate::equations::scalar::Scalar;
@@ -25,6 +25,8 @@ impl<S: Scalar> Gamma<S> {
 }
 
 impl<S: Scalar> Family<S> for Gamma<S> {
+    const NEEDS: Needs = StandardGamma::NEEDS;
+
     #[inline(always)]
     fn guarded(self) -> Self {
         Gamma { origin: self.origin, shape: above_zero(self.shape), scale: above_zero(self.scale) }
@@ -49,7 +51,7 @@ impl<S: Scalar> Family<S> for Gamma<S> {
 
     #[inline(always)]
     fn draw(self, source: &mut impl Source<S>) -> S {
-        self.origin + self.scale * source.by(self.shape, self.shape, standard_gamma)
+        self.origin + self.scale * source.by::<StandardGamma>(self.shape, self.shape)
     }
 
     #[inline(always)]

@@ -1,7 +1,6 @@
 //! The negative binomial distribution.
 
-use crate::Stream;
-use crate::equations::draw::{Source, poisson, standard_gamma};
+use crate::equations::draw::{Events, Needs, Rejection, Source, StandardGamma};
 use crate::equations::family::{Family, MOST_EXPECTED, above_zero, at_count, parameters, times_log};
 use crate::equations::quantile::{Count, Quantile, count, counts, difference};
 use crate::equations::scalar::Scalar;
@@ -25,6 +24,7 @@ impl<S: Scalar> NegativeBinomial<S> {
 
 impl<S: Scalar> Family<S> for NegativeBinomial<S> {
     const IS_DISCRETE: bool = true;
+    const NEEDS: Needs = StandardGamma::NEEDS.plus(Events::NEEDS);
 
     #[inline(always)]
     fn guarded(self) -> Self {
@@ -48,7 +48,9 @@ impl<S: Scalar> Family<S> for NegativeBinomial<S> {
 
     #[inline(always)]
     fn draw(self, source: &mut impl Source<S>) -> S {
-        source.by(self.mean, self.size, overdispersed_count)
+        let of_size = source.by::<StandardGamma>(self.size, self.size);
+        let mean = self.mean / self.size * of_size;
+        source.by::<Events>(mean, mean)
     }
 
     #[inline(always)]
@@ -85,10 +87,4 @@ impl Count for NegativeBinomial<f64> {
 
 impl Quantile for NegativeBinomial<f64> {
     counts!();
-}
-
-/// A draw; NaN for parameters out of range.
-fn overdispersed_count(mean: f64, size: f64, rng: &mut Stream) -> f64 {
-    let of_shape = standard_gamma(size, 0.0, rng);
-    poisson(mean / size * of_shape, 0.0, rng)
 }

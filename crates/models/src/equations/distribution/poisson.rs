@@ -1,6 +1,6 @@
 //! The Poisson distribution.
 
-use crate::equations::draw::{Source, poisson};
+use crate::equations::draw::{Events, Needs, Rejection, Source};
 use crate::equations::family::{Family, MOST_EXPECTED, at_count, parameters, times_log};
 use crate::equations::quantile::{Count, Quantile, count, counts};
 use crate::equations::scalar::Scalar;
@@ -22,6 +22,7 @@ impl<S: Scalar> Poisson<S> {
 
 impl<S: Scalar> Family<S> for Poisson<S> {
     const IS_DISCRETE: bool = true;
+    const NEEDS: Needs = Events::NEEDS;
 
     #[inline(always)]
     fn guarded(self) -> Self {
@@ -42,7 +43,7 @@ impl<S: Scalar> Family<S> for Poisson<S> {
 
     #[inline(always)]
     fn draw(self, source: &mut impl Source<S>) -> S {
-        source.by(self.mean, self.mean, poisson)
+        source.by::<Events>(self.mean, self.mean)
     }
 
     #[inline(always)]

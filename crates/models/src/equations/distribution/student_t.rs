@@ -2,8 +2,7 @@
 
 use std::f64::consts::PI;
 
-use crate::Stream;
-use crate::equations::draw::{Needs, Source, standard_gamma};
+use crate::equations::draw::{Needs, Rejection, Source, StandardGamma};
 use crate::equations::family::{Family, Score, above_zero, parameters};
 use crate::equations::quantile::{Quantile, student, transported};
 use crate::equations::scalar::Scalar;
@@ -28,7 +27,7 @@ impl<S: Scalar> StudentT<S> {
 }
 
 impl<S: Scalar> Family<S> for StudentT<S> {
-    const NEEDS: Needs = Needs::NORMAL;
+    const NEEDS: Needs = Needs::NORMAL.plus(StandardGamma::NEEDS);
 
     #[inline(always)]
     fn guarded(self) -> Self {
@@ -55,7 +54,10 @@ impl<S: Scalar> Family<S> for StudentT<S> {
     #[inline(always)]
     fn draw(self, source: &mut impl Source<S>) -> S {
         let normal = source.normal();
-        self.location + self.scale * normal * source.by(self.df, self.df, factor)
+        // χ²(df) is twice a gamma of half its degrees of freedom.
+        let half = self.df * 0.5;
+        let factor = (half / source.by::<StandardGamma>(half, half)).sqrt();
+        self.location + self.scale * normal * factor
     }
 
     #[inline(always)]
@@ -93,10 +95,4 @@ impl Quantile for StudentT<f64> {
         let [t, log_slope] = student::from_normal(self.df, v);
         [self.location + self.scale * t, log_slope + Scalar::ln(self.scale)]
     }
-}
-
-/// What a standard normal number is multiplied by to be one of Student's t; NaN for degrees of freedom out of range.
-fn factor(df: f64, _: f64, rng: &mut Stream) -> f64 {
-    // χ²(df) is twice a gamma of half its degrees of freedom.
-    (0.5 * df / standard_gamma(0.5 * df, 0.0, rng)).sqrt()
 }

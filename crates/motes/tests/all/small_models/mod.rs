@@ -1,6 +1,7 @@
 //! Small models of all kinds with exact answers: counts, regimes, known starts, coordinates without noise, shared draws, lists, conditions, delays, inputs, irregular
 //! times, sub-steps.
 
+mod evidence;
 mod predictive;
 mod reports;
 mod shipped;
@@ -148,6 +149,30 @@ fn singular_matrices_are_filtered_exactly() {
         error.to_string(),
         "--proposal bootstrap: y is measured without error, as R says, and no particle is where it was measured; take --proposal exact"
     );
+}
+
+/// The Nile with the noises that make its data most likely: by Kalman's filter, and by particles.
+#[test]
+fn the_nile_is_filtered_at_its_maximum() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
+    let text = std::fs::read_to_string(root.join("nile.toml")).unwrap();
+    for (level, right) in [(500.0, -641.3951), (1000.0, -640.5231), (1469.1, -640.3805), (3000.0, -641.0196)]
+    {
+        let set = [("measurement_variance".to_string(), 15099.0), ("level_variance".to_string(), level)];
+        let model = Model::parse(&text, "nile.toml", &set).unwrap();
+        let data = Data::open(&root.join("nile.csv"), &model).unwrap();
+        let options = FilterOptions { proposal: ProposalName::Exact, ..Default::default() };
+        let exact = filter(&model, &data, &options, |_| ControlFlow::Continue(())).unwrap();
+        assert!((exact.log_evidence() - right).abs() < 6e-5, "{level}: {}", exact.log_evidence());
+        for proposal in designed(&model, &FilterOptions::default()) {
+            let options =
+                FilterOptions { proposal: proposal.clone(), particles: 5000, ..FilterOptions::default() };
+            let found = filter(&model, &data, &options, |_| ControlFlow::Continue(())).unwrap();
+            let off = found.log_evidence() - right;
+            let error = found.standard_error().unwrap();
+            assert!(off.abs() < 4.0 * error + 1e-4, "{level}, {proposal}: {off} ± {error}");
+        }
+    }
 }
 
 /// Sums over all states that can be reached, of regimes and of counts.

@@ -6,7 +6,9 @@ use std::path::{Path, PathBuf};
 
 use motes::formulas::FileError;
 use motes::output::simulated_table;
-use motes::{Data, FilterOptions, Model, check, filter, simulate};
+use motes::{Data, FilterOptions, Model, check, filter, simulate, simulate_along};
+
+use crate::common::Workplace;
 
 /// A page that people read at once.
 const LINES: usize = 45;
@@ -17,6 +19,19 @@ const FETCHED: [&str; 2] = ["dacca-cholera", "london-measles"];
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+/// Where the models of other packages and papers are.
+pub(super) fn models() -> PathBuf {
+    root().join("experiments/models")
+}
+
+/// Where the data of one of them are, if they are.
+pub(super) fn data_of(name: &str) -> PathBuf {
+    match name {
+        "leverage" => root().join("examples/returns.csv"),
+        _ => models().join(name).join("data.csv"),
+    }
 }
 
 /// What is in a folder, in order.
@@ -62,7 +77,7 @@ fn go_through(path: &Path, model: &Model, data: &Data) {
 #[test]
 fn models_of_other_packages_are_checked_and_filtered() {
     let mut models = 0;
-    for folder in listed(&root().join("experiments/models")) {
+    for folder in listed(&models()) {
         let path = folder.join("model.toml");
         if !path.exists() {
             continue;
@@ -75,8 +90,7 @@ fn models_of_other_packages_are_checked_and_filtered() {
             Err(FileError::Inputs { .. }) if FETCHED.contains(&name) => continue,
             Err(error) => panic!("{error}"),
         };
-        let own = folder.join("data.csv");
-        let data = if name == "leverage" { root().join("examples/returns.csv") } else { own };
+        let data = data_of(name);
         if data.exists() {
             let data = Data::open(&data, &model).unwrap_or_else(|error| panic!("{error}"));
             go_through(&path, &model, &data);
@@ -108,4 +122,43 @@ fn examples_are_checked_and_filtered() {
         models += 1;
     }
     assert!(models >= 14, "{models}");
+}
+
+/// A model whose inputs nobody may ship, with made-up ones of the same columns, and data that it draws by them.
+fn with_made_up_inputs(name: &str, file: &str, inputs: &str, times: &str) {
+    let place = Workplace::new();
+    let text = std::fs::read(models().join(name).join("model.toml")).unwrap();
+    place.write("model.toml", text);
+    place.write(file, inputs);
+    place.write("times.csv", times);
+    let path = place.path("model.toml");
+    let model = Model::read(&path, &[]).unwrap_or_else(|error| panic!("{error}"));
+    let times = Data::open_inputs(&place.path("times.csv"), &model).unwrap();
+    let drawn = simulate_along(&model, &times, 2, 1, |_| ControlFlow::Continue(())).unwrap();
+    let data = Data::read(simulated_table(&model, &drawn).as_bytes(), "simulated.csv", &model).unwrap();
+    assert!(data.rows.iter().flat_map(|row| &row.measurement).flatten().any(|count| *count > 0.0), "{name}");
+    go_through(&path, &model, &data);
+}
+
+/// Measles and cholera without their data: formulas, inputs from files, sub-steps, totals.
+#[test]
+fn models_of_fetched_data_are_filtered_with_made_up_data() {
+    let demography: String = (1944..1953)
+        .map(|year| format!("{year},{},{}\n", 2_400_000 + 90_000 * (year - 1944), 50_000))
+        .collect();
+    let weeks: String =
+        (0..30).map(|week| format!("{}\n", 1950.0 + (5.0 + 7.0 * f64::from(week)) / 365.25)).collect();
+    with_made_up_inputs(
+        "london-measles",
+        "demography.csv",
+        &format!("year,pop,births\n{demography}"),
+        &format!("year\n{weeks}"),
+    );
+    let months: String = (1..=24).map(|month| format!("{}\n", 1891.0 + f64::from(month) / 12.0)).collect();
+    with_made_up_inputs(
+        "dacca-cholera",
+        "population.csv",
+        "year,pop,dpopdt\n1891,2420656,19623\n1893,2460000,19600\n",
+        &format!("year\n{months}"),
+    );
 }

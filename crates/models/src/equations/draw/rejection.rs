@@ -1,0 +1,108 @@
+//! Draws that may need several tries: the first ones of many particles side by side, the last ones one by one.
+
+use rand::RngExt;
+use rand_distr::StandardNormal;
+
+use super::Needs;
+use crate::Stream;
+
+/// Random numbers of one try: a standard normal one, and two that are uniform on `[0, 1)`. Those that [`Rejection::NEEDS`] does not name are 0.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::equations) struct Try<T> {
+    pub(in crate::equations) normal: T,
+    pub(in crate::equations) uniforms: [T; 2],
+}
+
+impl<const W: usize> Try<[f64; W]> {
+    /// What one particle has of it.
+    #[inline(always)]
+    fn of(&self, lane: usize) -> Try<f64> {
+        Try { normal: self.normal[lane], uniforms: self.uniforms.map(|uniform| uniform[lane]) }
+    }
+}
+
+/// What a first try has come to where it is not accepted, in the place of a number; what is drawn is never negative.
+pub(in crate::equations) const UNDECIDED: f64 = -1.0;
+
+/// A way to draw a number of a distribution with up to two parameters by trying until a try is accepted.
+pub(in crate::equations) trait Rejection {
+    /// What a try takes.
+    const NEEDS: Needs;
+
+    /// A try of each particle: [`UNDECIDED`] where the quick tests do not say whether it is accepted, NaN where it is rejected or a parameter is out of range. Without
+    /// branches, for vector instructions.
+    fn quick<const W: usize>(a: &[f64; W], b: &[f64; W], random: &Try<[f64; W]>) -> [f64; W];
+
+    /// A draw, of which the first try is given; NaN where a parameter is out of range.
+    fn draw(a: f64, b: f64, first: Try<f64>, stream: &mut Stream) -> f64;
+}
+
+/// Particles that are rejected and tried again side by side.
+const AGAIN: usize = 8;
+
+/// Draws of the first `particles`, of which the first try is given; the others hold anything.
+#[inline(always)]
+pub(in crate::equations) fn draw_all<M: Rejection, const W: usize>(
+    a: &[f64; W],
+    b: &[f64; W],
+    first: &Try<[f64; W]>,
+    particles: usize,
+    stream: &mut Stream,
+) -> [f64; W] {
+    let mut drawn = M::quick(a, b, first);
+    let (mut rejected, mut count) = ([0; W], 0);
+    for lane in 0..particles.min(W) {
+        if drawn[lane] >= 0.0 {
+            continue;
+        }
+        if drawn[lane] == UNDECIDED {
+            drawn[lane] = M::draw(a[lane], b[lane], first.of(lane), stream);
+        } else {
+            rejected[count] = lane;
+            count += 1;
+        }
+    }
+    for lanes in rejected[..count].chunks(AGAIN) {
+        again::<M, W>(a, b, lanes, &mut drawn, stream);
+    }
+    drawn
+}
+
+/// Tries of some particles that were rejected, once side by side, and then one by one.
+fn again<M: Rejection, const W: usize>(
+    a: &[f64; W],
+    b: &[f64; W],
+    lanes: &[usize],
+    drawn: &mut [f64; W],
+    stream: &mut Stream,
+) {
+    let mut random = Try { normal: [0.0; AGAIN], uniforms: [[0.0; AGAIN]; 2] };
+    let mut found = [f64::NAN; AGAIN];
+    let is_together = lanes.len() > AGAIN / 4;
+    // Places without a particle do what the first one does.
+    let [mut own_a, mut own_b] = [a, b].map(|of_all| [of_all[lanes[0]]; AGAIN]);
+    for (at, lane) in lanes.iter().enumerate() {
+        let Try { normal, uniforms } = fresh::<M>(stream);
+        random.normal[at] = normal;
+        [random.uniforms[0][at], random.uniforms[1][at]] = uniforms;
+        [own_a[at], own_b[at]] = [a[*lane], b[*lane]];
+    }
+    if is_together {
+        found = M::quick(&own_a, &own_b, &random);
+    }
+    for (at, lane) in lanes.iter().enumerate() {
+        drawn[*lane] = match found[at] {
+            accepted if accepted >= 0.0 => accepted,
+            undecided if undecided == UNDECIDED || !is_together => {
+                M::draw(own_a[at], own_b[at], random.of(at), stream)
+            }
+            _ => M::draw(own_a[at], own_b[at], fresh::<M>(stream), stream),
+        };
+    }
+}
+
+/// Random numbers of another try.
+fn fresh<M: Rejection>(stream: &mut Stream) -> Try<f64> {
+    let normal = if M::NEEDS.normals > 0 { stream.sample(StandardNormal) } else { 0.0 };
+    Try { normal, uniforms: [stream.random(), stream.random()] }
+}
