@@ -158,9 +158,8 @@ fn learn_until(
         learned =
             found.into_iter().fold(learned, |learned, (found, notes)| learned.with_potentials(found, notes));
     }
-    let learned = judge(model, learned, data, options.steps, &seed.child("recorded worth"), &|| {
-        ControlFlow::Continue(())
-    })?;
+    let learned =
+        judge(model, learned, data, options, &seed.child("recorded worth"), &|| ControlFlow::Continue(()))?;
     let worse_than = worse_than(model, &learned, data, options, &seed.child("worth"))?;
     let training_seconds = started.elapsed().as_secs_f64();
     let notes = Notes { worse_than, seconds: training_seconds, ..learned.notes().clone() };

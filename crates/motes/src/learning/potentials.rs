@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use motes_models::Seed;
-use motes_proposals::{Backend, Family, LearnedPotentials, LearnedPotentialsConfig};
+use motes_proposals::{Backend, Family, LearnedPotentials, LearnedPotentialsConfig, Sees};
 use motes_smc::RecordedStep;
 use motes_train::{LearnObjective, PotentialLearnConfig, TrainError, learn_potentials};
 
@@ -15,6 +15,9 @@ use crate::learned::{LearnedProposal, PotentialNotes, shape_of};
 use crate::model::{LearnableModel, Model};
 use crate::options::ProposalName;
 use crate::simulating::simulate_some;
+
+/// Updates of potentials, each of whole sequences, for one of a network for each particle.
+const SHARE: f64 = 0.3;
 
 /// Whether potentials are learned: from simulations, for a model that says how its states are made of noise.
 pub(super) fn learns_potentials(model: &dyn LearnableModel, options: &LearnOptions) -> bool {
@@ -32,6 +35,7 @@ pub(super) fn potentials(
     proceed: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
 ) -> Result<Option<(LearnedPotentials, PotentialNotes)>, MotesError> {
     let settings = PotentialLearnConfig {
+        steps: (options.updates as f64 * SHARE).ceil() as usize,
         horizon: options.steps,
         seconds: options.seconds,
         ..PotentialLearnConfig::new()
@@ -85,12 +89,12 @@ pub(super) fn judge(
     model: &Model,
     learned: LearnedProposal,
     data: Option<&Data>,
-    steps: usize,
+    options: &LearnOptions,
     seed: &Seed,
     proceed: &(dyn Fn() -> ControlFlow<()> + Sync),
 ) -> Result<LearnedProposal, MotesError> {
     let Some(notes) = learned.potential_notes().cloned() else { return Ok(learned) };
-    let drawn = simulate_some(model, data, steps, SEQUENCES, &seed.child("sequences"))?;
+    let drawn = simulate_some(model, data, options.steps, SEQUENCES, &seed.child("sequences"))?;
     let recorded = |number: usize| -> Vec<RecordedStep> {
         let mut recorded = Vec::new();
         for (row, measurement) in drawn.rows[number].iter().zip(drawn.series[number].measurements.rows()) {
@@ -127,7 +131,9 @@ pub(super) fn judge(
     contenders.push(by(AHEAD, learned.clone(), true, [fixed_cost(&ahead, model), cost(&ahead)]));
     let worth = judged(model, &contenders, sequences, &seed.child("runs"), proceed)?;
     let of = |name: &str| worth.iter().find(|worth| worth.proposal == name).map(EvidenceWorth::inefficiency);
-    let filters = of(NOW) < of(NETWORK);
+    // Who asks for a network of some kind filters with that.
+    let is_asked = options.base.is_some() || options.head.is_some() || options.widths.is_some();
+    let filters = !is_asked && options.sees == Sees::All && of(NOW) < of(NETWORK);
     let learned = learned.filtering_by_potential(filters);
     let notes = PotentialNotes { worth, filters, ..notes };
     Ok(learned.with_potential_notes(notes))
