@@ -34,7 +34,7 @@ MODELS = [
     ("neural-decoding", "x[0]", K5, "A coordinate of a hand, from the spikes of ten neurons."),
     ("lorenz63", "x", K5, "A coordinate of Lorenz's equations."),
     ("nelson-siegel", "f[0]", EXACT, "The level of the yield curve."),
-    ("quasar", "x", EXACT, "The brightness of a quasar; the band opens where nothing is measured."),
+    ("quasar", "x", EXACT, "The brightness of a quasar, at the irregular times of its measurements."),
     ("fishery", "log_P", K5, "The logarithm of the biomass, as a share of what the sea can carry."),
     ("whiskers", "x", K5, "The log-odds of a spike."),
 ]

@@ -107,7 +107,8 @@ fn ln_in_two(x: f64) -> [f64; 2] {
     series = square.mul_add(series, 1.0 / 3.0);
     let (large, small) = (e * LN_2_HIGH, 2.0 * s);
     let high = large + small;
-    let low = small - (high - large) + e.mul_add(LN_2_LOW, (small * square).mul_add(series, 2.0 * of_quotient));
+    let low =
+        small - (high - large) + e.mul_add(LN_2_LOW, (small * square).mul_add(series, 2.0 * of_quotient));
     [high, low]
 }
 

@@ -2,14 +2,14 @@
 
 use std::ops::ControlFlow;
 
-use motes_models::{GradientError, Seed, StepRecord, check_gradients, check_gradients_from};
+use motes_models::{GradientError, ModelShape, Seed, StepRecord, check_gradients, check_gradients_from};
 
 use crate::data::Data;
 use crate::engine::Running;
 use crate::error::MotesError;
 use crate::exact_system::ExactSystem;
 use crate::long_step::of_step;
-use crate::model::{Kind, Model};
+use crate::model::{Kind, LearnableModel, Model};
 use crate::options::{FilterOptions, ProposalName};
 use crate::priors::of_starts;
 use crate::simulating::{check_draws, schedule, simulate, simulate_along};
@@ -61,12 +61,13 @@ fn check_until(
         Ok(()) => check_drawn(model, data, seed, &mut checked, proceed)?,
         Err(error) => checked.findings.push(format!("simulations: {error}")),
     }
-    if let Kind::Learnable(learnable) = model.kind()
-        && learnable.density().is_none()
-    {
-        checked.findings.push(
-            "density: none, because states follow without noise, share draws, or are counts; proposals draw the noise, smoothed paths follow ancestors".into(),
-        );
+    if let Kind::Learnable(learnable) = model.kind() {
+        if learnable.density().is_none() {
+            checked.findings.push(
+                "density: none, because states follow without noise, share draws, or are counts; proposals draw the noise, smoothed paths follow ancestors".into(),
+            );
+        }
+        checked.findings.extend(of_learning(model, learnable));
     }
     checked.findings.extend(exactly(model, data));
     let has = |proposal: ProposalName| {
@@ -83,6 +84,27 @@ fn check_until(
         check_data(model, data, &mut checked, seed);
     }
     Ok(checked)
+}
+
+/// What a proposal can be learned of, and how trajectories are smoothed.
+fn of_learning(model: &Model, learnable: &dyn LearnableModel) -> [String; 2] {
+    let draws = ModelShape::of(learnable).draws.map_or(0, |[_, later]| later);
+    let learned = match (model.measured_exactly(), check_draws(model)) {
+        (Some(reason), _) => format!("nothing, because {reason}"),
+        (None, Err(error)) => format!("nothing, because {error}"),
+        (None, Ok(())) if learnable.density().is_some() => "a proposal of the states".to_string(),
+        (None, Ok(())) if draws == 0 => "nothing, because no state is drawn after the first".to_string(),
+        (None, Ok(())) => format!("a proposal of the noise, {draws} numbers for a step of one unit of time"),
+    };
+    // Of discrete states it is said below whether they are few enough.
+    let linear = model.exact_system().filter(|system| !matches!(system, ExactSystem::Finite(_)));
+    let smoothed = match (linear, learnable.density()) {
+        (Some(_), Some(_)) => "backward simulation, or exactly by --proposal exact",
+        (Some(_), None) => "along the filter's ancestors, or exactly by --proposal exact",
+        (None, Some(_)) => "backward simulation",
+        (None, None) => "along the filter's ancestors",
+    };
+    [format!("learned: {learned}"), format!("smoothed: {smoothed}")]
 }
 
 /// Whether the model has exact answers, over the rows of the data, or else over so many as are drawn.

@@ -16,10 +16,8 @@ pub(crate) fn of_sub_steps(model: &Model, data: &Data, options: &FilterOptions) 
     }
     let own = learned.proposal().config().sub_steps;
     let steps = data.rows.iter().flat_map(|row| &row.steps).map(|step| step.step());
-    let counts: Vec<usize> = steps
-        .filter(|step| step.index > 0 && step.sub_steps > 0)
-        .map(|step| step.sub_steps)
-        .collect();
+    let counts: Vec<usize> =
+        steps.filter(|step| step.index > 0 && step.sub_steps > 0).map(|step| step.sub_steps).collect();
     let others = counts.iter().filter(|count| **count != own).count();
     let word = if own == 1 { "sub-step" } else { "sub-steps" };
     let text = format!(

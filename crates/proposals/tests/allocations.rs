@@ -39,7 +39,13 @@ impl Equations for Bent {
 fn allocations(head: HeadConfig, filters: usize, particles: usize, pool: &ThreadPool) -> u64 {
     let seed = Seed::from_u64(60);
     let data = simulate(&Bent, STEPS, &mut seed.child("data").stream()).unwrap();
-    let config = AmortisedConfig { widths: vec![64, 64], sees: Sees::All, base: Base::Linearised, head, ..AmortisedConfig::gaussian() };
+    let config = AmortisedConfig {
+        widths: vec![64, 64],
+        sees: Sees::All,
+        base: Base::Linearised,
+        head,
+        ..AmortisedConfig::gaussian()
+    };
     let shape = ModelShape::of(&Bent);
     let proposal = Amortised::create(&config, &shape, 0, Backend::Native.into(), &seed).unwrap();
     let settings = FilterSettings {

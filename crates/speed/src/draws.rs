@@ -30,7 +30,13 @@ impl Equations for OneDraw {
         state.fill(S::from(0.0));
     }
 
-    fn transition<S: Scalar>(&self, _: &Step<'_, S>, before: &[S], draws: &mut impl Draws<S>, state: &mut [S]) {
+    fn transition<S: Scalar>(
+        &self,
+        _: &Step<'_, S>,
+        before: &[S],
+        draws: &mut impl Draws<S>,
+        state: &mut [S],
+    ) {
         let [a, b] = [before[0], before[1]];
         let drawn = match self.0 {
             Drawn::Binomial => draws.draw(binomial(a, b)),
@@ -47,7 +53,8 @@ impl Equations for OneDraw {
 
 /// The parameters of one particle; `draws_numpy.py` has the same.
 fn parameters(drawn: Drawn, size: f64, particle: usize) -> [f64; 2] {
-    let [u, v] = [0.618_033_988_749_894_9, 0.754_877_666_246_692_7].map(|step| (step * particle as f64).fract());
+    let [u, v] =
+        [0.618_033_988_749_894_9, 0.754_877_666_246_692_7].map(|step| (step * particle as f64).fract());
     let size = size * (0.8 + 0.4 * u);
     match drawn {
         Drawn::Binomial => {

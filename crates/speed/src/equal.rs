@@ -80,11 +80,8 @@ mod tests {
 
     #[test]
     fn draws_are_equal_where_their_means_are() {
-        let drawn = |mean, error| Answer {
-            mean_draw: Some(mean),
-            mean_draw_error: Some(error),
-            ..Answer::default()
-        };
+        let drawn =
+            |mean, error| Answer { mean_draw: Some(mean), mean_draw_error: Some(error), ..Answer::default() };
         assert_eq!(difference(&drawn(8.0, 0.01), &drawn(8.03, 0.01)), None);
         for theirs in [drawn(8.1, 0.01), drawn(f64::NAN, 0.01), filter(8.0, 0.01), Answer::default()] {
             assert!(difference(&drawn(8.0, 0.01), &theirs).is_some(), "{theirs:?}");

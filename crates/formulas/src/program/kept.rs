@@ -23,7 +23,9 @@ struct Kept {
 
 impl Kept {
     fn is_of(&self, program: u64, moment: &Moment<'_>) -> bool {
-        self.program == program && self.moment.len() == moment.bits().count() && moment.bits().eq(self.moment.iter().copied())
+        self.program == program
+            && self.moment.len() == moment.bits().count()
+            && moment.bits().eq(self.moment.iter().copied())
     }
 }
 

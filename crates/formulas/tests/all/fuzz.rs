@@ -226,7 +226,8 @@ fn run(model: &FormulaModel) {
         let mut logs = vec![0.0; PARTICLES];
         for shift in [0.0, 0.5, -1e9] {
             let row: Vec<f64> = drawn[..m].iter().map(|y| y + shift).collect();
-            let gaps: Vec<Option<f64>> = row.iter().enumerate().map(|(at, y)| (at % 2 == 0).then_some(*y)).collect();
+            let gaps: Vec<Option<f64>> =
+                row.iter().enumerate().map(|(at, y)| (at % 2 == 0).then_some(*y)).collect();
             let _ = model.log_likelihoods(&step, &states, &gaps, &mut logs);
             let _ = model.log_likelihood(&step, &states[..n], &row);
             model.likelihood_gradients(&step, &states, &row, &mut slopes[0]);
@@ -298,7 +299,12 @@ proptest! {
 #[test]
 fn files_without_a_mistake_are_run() {
     for (number, text) in FILES.iter().enumerate() {
-        assert_eq!(parse(text, "m.toml", &[]).is_ok(), number != 3, "{number}: {:?}", parse(text, "m.toml", &[]).err());
+        assert_eq!(
+            parse(text, "m.toml", &[]).is_ok(),
+            number != 3,
+            "{number}: {:?}",
+            parse(text, "m.toml", &[]).err()
+        );
         read_and_run(text, &[]);
     }
 }

@@ -234,8 +234,25 @@ mod tests {
 
     #[test]
     fn powers_are_those_of_the_standard_library() {
-        let bases = [0.0, -0.0, 1.0, 0.3, 0.999_999, 1.000_001, 2.0, 17.5, 4e5, 1e-280, 1e290, -2.0, 1e-310, f64::INFINITY, f64::NAN];
-        let exponents = [0.0, 1.0, -1.0, 0.5, 0.976, -0.7, 3.0, 2.5, 17.0, -40.1, 1e3, 1e7, f64::INFINITY, f64::NAN];
+        let bases = [
+            0.0,
+            -0.0,
+            1.0,
+            0.3,
+            0.999_999,
+            1.000_001,
+            2.0,
+            17.5,
+            4e5,
+            1e-280,
+            1e290,
+            -2.0,
+            1e-310,
+            f64::INFINITY,
+            f64::NAN,
+        ];
+        let exponents =
+            [0.0, 1.0, -1.0, 0.5, 0.976, -0.7, 3.0, 2.5, 17.0, -40.1, 1e3, 1e7, f64::INFINITY, f64::NAN];
         for x in bases.into_iter().chain((1..4000).map(|i| 0.01 * 1.005_f64.powi(i))) {
             for y in exponents {
                 let (found, expected) = (pow(x, y), x.powf(y));
@@ -243,7 +260,11 @@ mod tests {
                 let allowed = 3.0 * f64::EPSILON * expected.abs();
                 assert!(same || (found - expected).abs() <= allowed, "{x:e}^{y}: {found:e} for {expected:e}");
                 let beside = pow_of_all(&[x, f64::NAN, 2.0, x], &[y, 1.0, 0.5, y]);
-                assert_eq!([beside[0], beside[3]].map(f64::to_bits), [found; 2].map(f64::to_bits), "{x:e}^{y}");
+                assert_eq!(
+                    [beside[0], beside[3]].map(f64::to_bits),
+                    [found; 2].map(f64::to_bits),
+                    "{x:e}^{y}"
+                );
             }
         }
     }

@@ -66,6 +66,10 @@ fn counts() -> Vec<Case> {
         case!("poisson", |p| poisson(p[0] * p[1]), [1.5, 2.0], [0.0, 40.0]),
         case!("negative_binomial", |p| negative_binomial(p[0], p[1]), [3.5, 2.2], [0.0, 150.0]),
         case!("binomial", |p| binomial(12.0, p[0] + p[1]), [0.2, 0.15], [0.0, 12.0]),
+        // Of many the draws are made in other ways.
+        case!("poisson of many", |p| poisson(p[0] * p[1]), [16.0, 5.0], [0.0, 200.0]),
+        case!("binomial of many", |p| binomial(300.0, p[0] + p[1]), [0.2, 0.15], [0.0, 300.0]),
+        case!("binomial of many successes", |p| binomial(300.0, p[0] + p[1]), [0.5, 0.25], [0.0, 300.0]),
         case!("bernoulli", |p| bernoulli(p[0] * p[1]), [0.6, 0.5], [0.0, 1.0]),
     ]
 }

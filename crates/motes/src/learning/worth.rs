@@ -95,7 +95,13 @@ mod tests {
                     [measurement]\ny = \"normal(x^2/20, 1)\"\n";
         let model = Model::parse(text, "growth", &[]).unwrap();
         let head = HeadConfig::Gaussian { covariance: Covariance::Full };
-        let config = AmortisedConfig { widths: vec![4], sees: Sees::All, base: Base::Transition, head, ..AmortisedConfig::gaussian() };
+        let config = AmortisedConfig {
+            widths: vec![4],
+            sees: Sees::All,
+            base: Base::Transition,
+            head,
+            ..AmortisedConfig::gaussian()
+        };
         let shape = ModelShape::of(learnable(&model).unwrap());
         let mut proposal =
             Amortised::create(&config, &shape, 0, Backend::Native.into(), &Seed::from_u64(1)).unwrap();

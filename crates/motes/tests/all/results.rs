@@ -226,6 +226,8 @@ fn check_says_what_a_model_is_and_whether_data_fit() {
         "x ~ normal(0.9*x, 1)",
         "noise = 1",
         "proposals: bootstrap, linearised, optimal",
+        "learned: a proposal of the states",
+        "smoothed: backward simulation, or exactly by --proposal exact",
         "a bootstrap filter gets through",
     ] {
         assert!(said.contains(part), "{part}: {said}");

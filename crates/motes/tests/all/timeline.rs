@@ -3,7 +3,11 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use motes::{Data, FilterOptions, Model, MotesError, ProposalName, check, filter, simulate, simulate_along};
+use motes::proposals::Family;
+use motes::{
+    Data, FilterOptions, LearnOptions, Model, MotesError, ProposalName, check, filter, learn, simulate,
+    simulate_along,
+};
 
 const WALK: &str = "[initial]\nx = \"normal(0, 1)\"\n[transition]\nx = \"normal(x, 0.5*sqrt(dt))\"\n[measurement]\ny = \"normal(x, 0.3)\"\n";
 
@@ -279,5 +283,37 @@ fn gradients_are_compared_where_totals_have_a_value() {
     assert!(
         line.starts_with("gradients of the measurement: ") && line.contains(" compared with central"),
         "{line}"
+    );
+}
+
+/// The noise of a step is learned for a number of sub-steps, which the proposal keeps; steps with another number are said.
+#[test]
+fn a_learned_proposal_is_for_its_number_of_sub_steps() {
+    let head = "[time]\ncolumn = \"h\"\nstep = 0.5";
+    let body = "[initial]\nx = 0\nv = \"normal(0, 1)\"\n[transition]\nx = \"x + v*dt\"\nv = \"normal(v, sqrt(dt))\"\n\
+                [measurement]\ny = \"normal(x, 0.5)\"\n";
+    let model = model(head, body);
+    let even = read(head, body, "h,y\n0,0.1\n1,0.5\n2,0.4\n3,1\n").unwrap();
+    let options = LearnOptions { updates: 20, steps: 4, ..LearnOptions::default() };
+    let learned = learn(&model, Some(&even), &options, |_, _| ControlFlow::Continue(())).unwrap().proposal;
+    assert_eq!(learned.proposal().config().sub_steps, 2);
+    let said = |data: &Data| -> Vec<String> {
+        let proposal = ProposalName::Learned(learned.clone());
+        let options = FilterOptions { proposal, particles: 200, ..FilterOptions::default() };
+        let found = filter(&model, data, &options, |_| ControlFlow::Continue(())).unwrap();
+        found
+            .warnings
+            .into_iter()
+            .map(|warning| warning.text)
+            .filter(|text| text.contains("sub-step"))
+            .collect()
+    };
+    assert_eq!(said(&even), [""; 0]);
+    let uneven = read(head, body, "h,y\n0,0.1\n1,0.5\n1.5,0.4\n3,1\n").unwrap();
+    assert_eq!(
+        said(&uneven),
+        [
+            "--proposal learned was learned for steps of 2 sub-steps, and 2 of 3 have another number: there particles come from the transition"
+        ]
     );
 }

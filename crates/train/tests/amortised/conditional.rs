@@ -13,7 +13,11 @@ use crate::models::{Awkward, Linear, Noise};
 
 /// An amortised proposal whose weights are random: anything that learning could make of it.
 pub(crate) fn random<M: Equations>(model: &M, base: Base, head: HeadConfig, size: f64) -> Amortised {
-    random_of(model, AmortisedConfig { widths: vec![8], sees: Sees::All, base, head, ..AmortisedConfig::gaussian() }, size)
+    random_of(
+        model,
+        AmortisedConfig { widths: vec![8], sees: Sees::All, base, head, ..AmortisedConfig::gaussian() },
+        size,
+    )
 }
 
 /// [`random`] with any settings.

@@ -42,7 +42,13 @@ fn unbiased<M: Equations>(model: &M, rows: &[Vec<Option<f64>>], exact: f64) {
         proposals.push((format!("{base:?}, {head:?}"), random(model, base, head, 0.15)));
     }
     for (base, head) in BASES.into_iter().zip(HEADS) {
-        let config = AmortisedConfig { widths: vec![4, 4], sees: Sees::Graph { order: 1 }, base, head, ..AmortisedConfig::gaussian() };
+        let config = AmortisedConfig {
+            widths: vec![4, 4],
+            sees: Sees::Graph { order: 1 },
+            base,
+            head,
+            ..AmortisedConfig::gaussian()
+        };
         proposals.push((format!("{base:?}, {head:?}, graph"), random_of(model, config, 0.15)));
     }
     proposals.push(("learned".into(), learned(model, Base::Linearised, HEADS[1], 100).0));

@@ -15,7 +15,12 @@ use crate::models::{Awkward, Growth, Linear, Noise};
 /// In 64 bits, so that differences have digits.
 fn proposal<M: Equations>(model: &M, base: Base, head: HeadConfig) -> Amortised {
     let compute = Compute { backend: Backend::Native, precision: Precision::F64 };
-    random_in(model, AmortisedConfig { widths: vec![4], sees: Sees::All, base, head, ..AmortisedConfig::gaussian() }, 0.3, compute)
+    random_in(
+        model,
+        AmortisedConfig { widths: vec![4], sees: Sees::All, base, head, ..AmortisedConfig::gaussian() },
+        0.3,
+        compute,
+    )
 }
 
 /// A filter after two measurements, and what its last step says.

@@ -18,7 +18,8 @@ pub(crate) fn learned<M: Equations>(
     head: HeadConfig,
     steps: usize,
 ) -> (Amortised, Learned) {
-    let config = AmortisedConfig { widths: vec![32, 32], sees: Sees::All, base, head, ..AmortisedConfig::gaussian() };
+    let config =
+        AmortisedConfig { widths: vec![32, 32], sees: Sees::All, base, head, ..AmortisedConfig::gaussian() };
     let seed = Seed::from_u64(1);
     let shape = ModelShape::of(model);
     let mut proposal = Amortised::create(&config, &shape, 0, Backend::Native.into(), &seed).unwrap();
@@ -83,8 +84,13 @@ fn the_best_weights_on_validation_are_kept() {
 #[test]
 fn it_comes_back_from_steps_that_are_too_long() {
     let seed = Seed::from_u64(1);
-    let config =
-        AmortisedConfig { widths: vec![32, 32], sees: Sees::All, base: Base::Transition, head: HEADS[0], ..AmortisedConfig::gaussian() };
+    let config = AmortisedConfig {
+        widths: vec![32, 32],
+        sees: Sees::All,
+        base: Base::Transition,
+        head: HEADS[0],
+        ..AmortisedConfig::gaussian()
+    };
     let settings = LearnConfig {
         steps: 400,
         sequences: 64,
@@ -106,7 +112,13 @@ fn it_comes_back_from_steps_that_are_too_long() {
 fn it_ends_where_nothing_becomes_better_and_changes_nothing_else() {
     let with = |model_is_linear: bool, patience: Option<usize>| {
         let base = if model_is_linear { Base::Linearised } else { Base::Transition };
-        let config = AmortisedConfig { widths: vec![16], sees: Sees::All, base, head: HEADS[0], ..AmortisedConfig::gaussian() };
+        let config = AmortisedConfig {
+            widths: vec![16],
+            sees: Sees::All,
+            base,
+            head: HEADS[0],
+            ..AmortisedConfig::gaussian()
+        };
         let seed = Seed::from_u64(1);
         let settings = LearnConfig {
             steps: 300,

@@ -45,7 +45,13 @@ fn settings(objective: LearnObjective) -> LearnConfig {
 }
 
 fn learned_for_the_thought(head: HeadConfig) -> Amortised {
-    let config = AmortisedConfig { widths: vec![16], sees: Sees::All, base: Base::Transition, head, ..AmortisedConfig::gaussian() };
+    let config = AmortisedConfig {
+        widths: vec![16],
+        sees: Sees::All,
+        base: Base::Transition,
+        head,
+        ..AmortisedConfig::gaussian()
+    };
     let seed = Seed::from_u64(42);
     let shape = ModelShape::of(&THOUGHT);
     let mut proposal = Amortised::create(&config, &shape, 0, Backend::Native.into(), &seed).unwrap();

@@ -19,7 +19,8 @@ const FLOW: HeadConfig = HeadConfig::Flow { pieces: 6, covariance: Covariance::F
 
 /// A proposal of the noise, learned in a few steps.
 fn learned<M: Equations>(model: &M, base: Base, head: HeadConfig) -> Amortised {
-    let config = AmortisedConfig { widths: vec![16, 16], sees: Sees::All, base, head, ..AmortisedConfig::gaussian() };
+    let config =
+        AmortisedConfig { widths: vec![16, 16], sees: Sees::All, base, head, ..AmortisedConfig::gaussian() };
     let seed = Seed::from_u64(1);
     let shape = ModelShape::of(model);
     let mut proposal = Amortised::create(&config, &shape, 0, Backend::Native.into(), &seed).unwrap();

@@ -207,8 +207,7 @@ fn is_below_share_of_mode(log: f64, n: f64, p: f64, hat: &Hat, count: f64) -> bo
 fn log_share_of_mode(n: f64, p: f64, m: f64, k: f64) -> f64 {
     let (of_mode, of_count) = (n - m + 1.0, n - k + 1.0);
     let away = k - m;
-    away * ln(of_count / (k + 1.0) * (p / (1.0 - p)))
-        + (of_mode - 0.5) * elementary::ln_1p(away / of_count)
+    away * ln(of_count / (k + 1.0) * (p / (1.0 - p))) + (of_mode - 0.5) * elementary::ln_1p(away / of_count)
         - (m + 0.5) * elementary::ln_1p(away / (m + 1.0))
         + beyond_stirling(m)
         + beyond_stirling(n - m)
@@ -224,7 +223,15 @@ mod tests {
     /// Catches a squeeze that decides what the probabilities do not say, and a product of other ratios.
     #[test]
     fn squeezes_decide_as_probabilities_do() {
-        for (n, p) in [(100.0, 0.5), (120.0, 0.45), (5000.0, 0.0101), (1e5, 0.3), (1e9, 0.2), (3e13, 0.5), (3e13, 2e-12)] {
+        for (n, p) in [
+            (100.0, 0.5),
+            (120.0, 0.45),
+            (5000.0, 0.0101),
+            (1e5, 0.3),
+            (1e9, 0.2),
+            (3e13, 0.5),
+            (3e13, 2e-12),
+        ] {
             let hat = Hat::of(n, p);
             let mode = hat.mode;
             for steps in -600..=600 {
@@ -258,8 +265,13 @@ mod tests {
         let mut stream = Seed::from_u64(1).stream();
         let random = Try { normal: 0.0, uniforms: [0.5, 0.99] };
         let mut drawn = |n, p| Successes::draw(n, p, random, &mut stream);
-        assert_eq!([drawn(0.0, 0.3), drawn(7.0, 0.0), drawn(7.0, 1.0), drawn(1e15, 1.0)], [0.0, 0.0, 7.0, 1e15]);
-        for (n, p) in [(2.5, 0.3), (-1.0, 0.3), (3.0, 1.1), (3.0, -0.1), (f64::NAN, 0.5), (3.0, f64::NAN), (1e16, 0.5)] {
+        assert_eq!(
+            [drawn(0.0, 0.3), drawn(7.0, 0.0), drawn(7.0, 1.0), drawn(1e15, 1.0)],
+            [0.0, 0.0, 7.0, 1e15]
+        );
+        for (n, p) in
+            [(2.5, 0.3), (-1.0, 0.3), (3.0, 1.1), (3.0, -0.1), (f64::NAN, 0.5), (3.0, f64::NAN), (1e16, 0.5)]
+        {
             assert!(drawn(n, p).is_nan(), "{n}, {p}");
         }
         for p in [1e-300, 1e-12, 0.5, 1.0 - 1e-12] {

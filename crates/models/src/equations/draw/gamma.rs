@@ -3,8 +3,8 @@
 use rand::RngExt;
 use rand_distr::StandardNormal;
 
-use super::rejection::{Rejection, Try, UNDECIDED};
 use super::Needs;
+use super::rejection::{Rejection, Try, UNDECIDED};
 use crate::Stream;
 use crate::batch::by_widest_vectors;
 use crate::equations::functions::{exp, exp_of_all, ln, ln_of_all};
@@ -40,8 +40,8 @@ impl Rejection for StandardGamma {
                     let root = 1.0 + width * x;
                     let square = x * x;
                     let is_accepted = (root > 0.0) & (u[i] < 1.0 - 0.0331 * square * square);
-                    // NaN where d is.
-                    drawn[i] = d * if is_accepted { root * root * root } else { UNDECIDED / d };
+                    let found = if is_accepted { d * (root * root * root) } else { UNDECIDED };
+                    drawn[i] = if d > 0.0 { found } else { f64::NAN };
                     base[i] = 1.0 - w[i];
                     is_small |= shape[i] < 1.0;
                 }
@@ -77,5 +77,56 @@ impl Rejection for StandardGamma {
             u = stream.random();
         };
         if shape < 1.0 { drawn * exp(ln(1.0 - w) / shape) } else { drawn }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use statrs::function::gamma::gamma_lr;
+
+    use super::super::rejection::draw_all;
+    use super::*;
+    use crate::Seed;
+
+    /// Catches a first try that is thrown away where the quick test does not decide it: what is left would be another distribution.
+    #[test]
+    fn draws_of_all_shapes_have_their_distribution() {
+        const TILES: usize = 10_000;
+        let mut stream = Seed::from_u64(3).stream();
+        for shape in [0.05, 0.355, 0.9, 1.0, 1.7, 6.0, 250.0] {
+            let mut drawn = Vec::new();
+            for _ in 0..TILES {
+                let normal = [(); 32].map(|()| stream.sample(StandardNormal));
+                let uniforms = [[(); 32]; 2].map(|lanes| lanes.map(|()| stream.random()));
+                let random = Try { normal, uniforms };
+                drawn.extend(draw_all::<StandardGamma, 32>(
+                    &[shape; 32],
+                    &[shape; 32],
+                    &random,
+                    32,
+                    &mut stream,
+                ));
+            }
+            let count = drawn.len() as f64;
+            for part in [0.3, 0.8, 1.0, 1.1, 2.5] {
+                let p = gamma_lr(shape, part * shape);
+                let below = drawn.iter().filter(|drawn| **drawn < part * shape).count() as f64;
+                let z = (below - p * count) / (p * (1.0 - p) * count).sqrt().max(1.0);
+                assert!(z.abs() < 4.0, "shape {shape}, below {part}: z = {z}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_shape_out_of_range_is_no_number() {
+        let mut stream = Seed::from_u64(3).stream();
+        let random = Try { normal: 0.1, uniforms: [0.5; 2] };
+        for shape in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            assert!(StandardGamma::draw(shape, shape, random, &mut stream).is_nan(), "{shape}");
+            let side_by_side = Try { normal: [0.1; 4], uniforms: [[0.5; 4]; 2] };
+            let [first, ..] =
+                draw_all::<StandardGamma, 4>(&[shape; 4], &[shape; 4], &side_by_side, 4, &mut stream);
+            assert!(first.is_nan(), "{shape}");
+        }
     }
 }

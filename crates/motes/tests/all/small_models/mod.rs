@@ -156,7 +156,8 @@ fn singular_matrices_are_filtered_exactly() {
 fn the_nile_is_filtered_at_its_maximum() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
     let text = std::fs::read_to_string(root.join("nile.toml")).unwrap();
-    for (level, right) in [(500.0, -641.3951), (1000.0, -640.5231), (1469.1, -640.3805), (3000.0, -641.0196)] {
+    for (level, right) in [(500.0, -641.3951), (1000.0, -640.5231), (1469.1, -640.3805), (3000.0, -641.0196)]
+    {
         let set = [("measurement_variance".to_string(), 15099.0), ("level_variance".to_string(), level)];
         let model = Model::parse(&text, "nile.toml", &set).unwrap();
         let data = Data::open(&root.join("nile.csv"), &model).unwrap();

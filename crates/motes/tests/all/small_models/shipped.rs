@@ -146,7 +146,8 @@ fn models_of_fetched_data_are_filtered_with_made_up_data() {
     let demography: String = (1944..1953)
         .map(|year| format!("{year},{},{}\n", 2_400_000 + 90_000 * (year - 1944), 50_000))
         .collect();
-    let weeks: String = (0..30).map(|week| format!("{}\n", 1950.0 + (5.0 + 7.0 * f64::from(week)) / 365.25)).collect();
+    let weeks: String =
+        (0..30).map(|week| format!("{}\n", 1950.0 + (5.0 + 7.0 * f64::from(week)) / 365.25)).collect();
     with_made_up_inputs(
         "london-measles",
         "demography.csv",
