@@ -84,7 +84,6 @@ impl LearnedOnce {
         let steps = plan.profile.training_steps;
         // The family has its head. What is left of the other one would make two of what is the same.
         let learning = Learning { head: learning.head(densities), exact_head: None, ..learning.clone() };
-            sub_steps: 1,
         Some(LearnedOnce { family, learning, steps, backend: plan.backend })
     }
 }

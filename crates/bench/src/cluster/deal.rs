@@ -106,7 +106,13 @@ mod tests {
     fn a_proposal_that_is_learned_once_is_learned_by_one_task() {
         let learning: Learning = toml::from_str(LEARNING).unwrap();
         let (base, head) = (learning.base, learning.head);
-        let family = OnceFamily::Fcnn(AmortisedConfig { widths: vec![4], sees: Sees::All, base, head, ..AmortisedConfig::gaussian() });
+        let family = OnceFamily::Fcnn(AmortisedConfig {
+            widths: vec![4],
+            sees: Sees::All,
+            base,
+            head,
+            ..AmortisedConfig::gaussian()
+        });
         let once = LearnedOnce { family, learning, steps: 5, backend: Backend::Native };
         let once = UnitConfig { method: MethodConfig::Once(Box::new(once)), ..unit(10, 12, 10) };
         let units: Vec<UnitConfig> =
