@@ -25,7 +25,7 @@ pub(super) struct ModelLikelihood<'a> {
 }
 
 /// The work of the smoother before a filter that looks ahead, in particles of a bootstrap filter: at least, and for each coordinate of the state. Counted by
-/// `experiments/look-ahead/smoother.py`: 355 to 502 in four models of 1 to 4 coordinates, 1235, 2418 and 4498 in Lorenz 96 with 6, 10 and 20.
+/// `experiments/look-ahead/smoother.py`: 355 to 502 in four models of 1 to 4 coordinates, 1233, 2096 and 4497 in Lorenz 96 with 6, 10 and 20.
 const SMOOTHER: (f64, f64) = (450.0, 225.0);
 
 fn cost_of(proposal: &ProposalName, model: &Model) -> EstimatorCost {
