@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use crate::population::PriorDraw;
+use crate::prior_draw::PriorDraw;
 
 /// Why there is no fit; `E` is the error of the likelihood.
 #[derive(Debug, Error, PartialEq)]

@@ -15,6 +15,7 @@ mod normal_fit;
 mod parallel;
 mod population;
 mod posterior;
+mod prior_draw;
 mod settings;
 mod tuning;
 
@@ -26,6 +27,6 @@ pub use log_mean::LogMean;
 pub use marginal::MarginalLikelihood;
 pub use maximum::{Maximum, MaximumSearch, MaximumSettings, Profile, ProfilePoint};
 pub use parallel::map_on_threads;
-pub use population::PriorDraw;
 pub use posterior::{Posterior, Stage};
+pub use prior_draw::PriorDraw;
 pub use settings::{EstimatorChoice, PosteriorSettings};

@@ -1,6 +1,6 @@
 //! Starts in the bulk of the posterior: sequential Monte Carlo over parameters from the prior, through powers of the likelihood (Del Moral, Doucet and Jasra, 2006).
 
-use motes_models::{Seed, fill_standard_normal};
+use motes_models::Seed;
 use rand::RngExt;
 use serde::{Deserialize, Serialize};
 
@@ -10,6 +10,7 @@ use crate::likelihood::{Estimator, Likelihood};
 use crate::log_mean::LogMean;
 use crate::normal_fit::{NormalFit, log_prior};
 use crate::parallel::map_on_threads;
+use crate::prior_draw::{DrawNumber, PriorDraw};
 
 /// Moves of each member at each power.
 const MOVES: usize = 4;
@@ -46,30 +47,6 @@ pub(crate) struct Population {
     possible: f64,
     /// The first draw at which it is.
     impossible: Option<DrawNumber>,
-}
-
-/// A draw from the prior, with the estimate of the likelihood there: who asks once more, with the same estimator and the same random numbers, finds the same.
-#[derive(Debug, Clone, PartialEq)]
-pub struct PriorDraw {
-    /// Its position (`D`).
-    pub v: Vec<f64>,
-    /// The estimator of the likelihood.
-    pub estimator: Estimator,
-    /// What the estimate took its random numbers from.
-    pub seed: Seed,
-}
-
-/// Where a draw from the prior is, for what is written down: its number, and its estimator.
-pub(crate) type DrawNumber = (u64, Estimator);
-
-impl PriorDraw {
-    /// The draw of that number from the prior of `d` parameters.
-    pub(crate) fn of(d: usize, (number, estimator): DrawNumber, seed: &Seed) -> Self {
-        let seed = seed.child("prior").nth(number);
-        let mut v = vec![0.0; d];
-        fill_standard_normal(&mut seed.stream(), &mut v);
-        PriorDraw { v, estimator, seed: seed.child("likelihood") }
-    }
 }
 
 impl Population {

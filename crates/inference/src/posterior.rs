@@ -10,7 +10,8 @@ use crate::likelihood::{Estimator, Likelihood};
 use crate::marginal::MarginalLikelihood;
 use crate::normal_fit::NormalFit;
 use crate::parallel::map_on_threads;
-use crate::population::{Population, PriorDraw, mean_variance};
+use crate::population::{Population, mean_variance};
+use crate::prior_draw::PriorDraw;
 use crate::settings::{EstimatorChoice, PosteriorSettings};
 use crate::tuning::{Tuned, tune};
 

@@ -12,7 +12,8 @@ use crate::likelihood::{Estimator, Likelihood};
 use crate::log_mean::LogMean;
 use crate::normal_fit::NormalFit;
 use crate::parallel::map_on_threads;
-use crate::population::{DrawNumber, Population, PriorDraw};
+use crate::population::Population;
+use crate::prior_draw::{DrawNumber, PriorDraw};
 use crate::settings::EstimatorChoice;
 use crate::tuning::tune;
 

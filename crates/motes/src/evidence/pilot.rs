@@ -65,7 +65,7 @@ pub(crate) fn cost(proposal: &ProposalName) -> f64 {
 }
 
 /// The work of a smoother for a time step, in particles of a bootstrap filter: at least, and for each coordinate of the state. Counted by
-/// `experiments/look-ahead/smoother.py`: 355 to 502 in four models of 1 to 4 coordinates, 1235, 2418 and 4498 in Lorenz 96 with 6, 10 and 20.
+/// `experiments/look-ahead/smoother.py`: 355 to 502 in four models of 1 to 4 coordinates, 1233, 2096 and 4497 in Lorenz 96 with 6, 10 and 20.
 const SMOOTHER: [f64; 2] = [450.0, 225.0];
 
 /// The work of networks that emit potentials, for each time step.

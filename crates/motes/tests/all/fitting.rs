@@ -79,8 +79,8 @@ fn moments(grid: &[(Model, Vec<f64>, f64)], at: usize) -> (f64, f64) {
 fn agrees(fitted: &PosteriorFit, grid: &[(Model, Vec<f64>, f64)], log_marginal: f64) {
     for (at, summary) in fitted.parameters.iter().enumerate() {
         let (mean, sd) = moments(grid, at);
-        // Of fewer effective draws R̂ itself is too rough for its gate.
-        assert!(summary.ess_bulk >= 4000.0 && summary.rhat < 1.01, "{summary:?}");
+        // R̂ − 1 of eight half chains is about χ²₇/(2 · 7 · ESS/8) where they agree: of fewer effective draws it is above its gate now and then.
+        assert!(summary.ess_bulk >= 1500.0 && summary.rhat < 1.01, "{summary:?}");
         assert!((summary.mean - mean).abs() < 4.0 * summary.mcse, "{summary:?} beside {mean} and {sd}");
         let squares: Vec<Vec<f64>> = fitted
             .of_parameter(at)

@@ -22,16 +22,22 @@ pub(super) fn marginal_figure(name: &str, draws: &[f64], prior: &[f64]) -> Drawn
     for value in draws {
         counts[(((value - low) / width) as usize).min(BARS - 1)] += 1.0;
     }
+    // The prior's bulk is shown, too, as far as it is not so far away that draws would be a line.
+    let reach = 1.5 * (high - low);
+    let quantile = |share: f64| prior.get((share * prior.len() as f64) as usize).copied();
+    let bulk = |share: f64| quantile(share).filter(|x| !x.is_nan());
+    let left = bulk(0.05).map_or(low, |x| x.clamp(low - reach, low));
+    let right = bulk(0.95).map_or(high, |x| x.clamp(high, high + reach));
     let density = |count: f64| count / (draws.len() as f64 * width);
     let of_prior: Vec<(f64, f64)> = prior
         .windows(2)
         .filter(|pair| pair[1] > pair[0])
         .map(|pair| (0.5 * (pair[0] + pair[1]), 1.0 / ((prior.len() as f64) * (pair[1] - pair[0]))))
-        .filter(|(x, _)| (low..=high).contains(x))
+        .filter(|(x, _)| (left..=right).contains(x))
         .collect();
     let top = counts.iter().map(|count| density(*count)).chain(of_prior.iter().map(|point| point.1));
     let (_, top) = extent(top.chain([0.0]));
-    let axes = Axes { size: SIZE, title: name, x: low..high, y: 0.0..1.08 * top, names: ["", "density"] };
+    let axes = Axes { size: SIZE, title: name, x: left..right, y: 0.0..1.08 * top, names: ["", "density"] };
     axes.figure(|chart| {
         let bars = counts.iter().enumerate().map(|(bar, count)| {
             let left = low + bar as f64 * width;
