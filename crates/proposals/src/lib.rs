@@ -58,8 +58,7 @@ pub use motes_networks::{
 };
 pub use over_time::OverTime;
 pub use potentials::{
-    LearnedPotentials, LearnedPotentialsConfig, OnLinePotentials, PotentialStandards, SequenceBatch,
-    StepFeatures,
+    LearnedPotentials, LearnedPotentialsConfig, OnLinePotentials, PathBatch, PotentialStandards, StepFeatures,
 };
 pub use psi::{Psi, PsiConfig, PsiScratch};
 pub use rnn::{Rnn, RnnConfig, RnnNetworks};

@@ -90,7 +90,7 @@ impl StepFeatures {
 
 /// Sequences that a model drew for itself, side by side, as networks learn from them.
 #[derive(Debug, Clone, Default)]
-pub struct SequenceBatch {
+pub struct PathBatch {
     /// `S`.
     pub(super) sequences: usize,
     /// `T`.
@@ -103,7 +103,7 @@ pub struct SequenceBatch {
     pub(super) spreads: Vec<f64>,
 }
 
-impl SequenceBatch {
+impl PathBatch {
     /// `S`, the number of sequences.
     pub fn sequences(&self) -> usize {
         self.sequences

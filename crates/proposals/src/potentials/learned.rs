@@ -9,7 +9,7 @@ use motes_smc::{ByPotential, LookAhead, LookAheadError, PotentialComponent, Prop
 
 use super::config::LearnedPotentialsConfig;
 use super::decoded::Layout;
-use super::features::{SequenceBatch, StepFeatures, count};
+use super::features::{PathBatch, StepFeatures, count};
 use super::networks::PotentialNetworks;
 use super::on_line::{OnLineMemory, OnLinePotentials};
 use super::standards::PotentialStandards;
@@ -121,7 +121,7 @@ impl LearnedPotentials {
     ///
     /// # Errors
     /// [`ProposalError`] if the networks fail.
-    pub fn gains(&self, batch: &SequenceBatch) -> Result<[f64; 2], ProposalError> {
+    pub fn gains(&self, batch: &PathBatch) -> Result<[f64; 2], ProposalError> {
         let (sizes, layout) = (self.sizes(batch.steps, batch.sequences), self.layout());
         let ahead = outputs(&self.networks, &self.parameters, sizes, layout, &batch.features);
         let ahead = ahead.map_err(of_networks)?;
@@ -138,7 +138,7 @@ impl LearnedPotentials {
     /// As [`LearnedPotentials::gains`].
     pub fn differentiate_gains(
         &self,
-        batch: &SequenceBatch,
+        batch: &PathBatch,
         memory: [Workspace; 4],
     ) -> Result<([f64; 2], [Workspace; 4]), ProposalError> {
         let sizes = self.sizes(batch.steps, batch.sequences);

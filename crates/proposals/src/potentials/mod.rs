@@ -11,7 +11,7 @@ mod standards;
 mod tape;
 
 pub use config::LearnedPotentialsConfig;
-pub use features::{SequenceBatch, StepFeatures};
+pub use features::{PathBatch, StepFeatures};
 pub use learned::LearnedPotentials;
 pub use on_line::OnLinePotentials;
 pub use standards::PotentialStandards;

@@ -3,7 +3,7 @@
 use motes_networks::{Inference, Inputs, NetworkError, NetworkTape, Parameters, Values, Workspace};
 
 use super::decoded::Layout;
-use super::features::SequenceBatch;
+use super::features::PathBatch;
 use super::loss::{LossScratch, Transition, log_ratio};
 use super::networks::{OneWay, PotentialNetworks, Reader};
 
@@ -114,7 +114,7 @@ pub(super) fn outputs(
 }
 
 /// The mean of `log ψ_t(x_t) − log Z_t(x_{t−1})` over a batch; its derivatives (`T·S×O`), turned round and divided by the number of rows, into `d_outputs`.
-pub(super) fn gain(batch: &SequenceBatch, layout: Layout, outputs: &[f64], d_outputs: &mut [f64]) -> f64 {
+pub(super) fn gain(batch: &PathBatch, layout: Layout, outputs: &[f64], d_outputs: &mut [f64]) -> f64 {
     let (n, width) = (layout.n, layout.outputs());
     let rows = batch.steps * batch.sequences;
     let mut scratch = LossScratch::default();
@@ -135,7 +135,7 @@ pub(super) fn gain(batch: &SequenceBatch, layout: Layout, outputs: &[f64], d_out
 pub(super) fn differentiate(
     networks: &PotentialNetworks,
     parameters: &Parameters,
-    batch: &SequenceBatch,
+    batch: &PathBatch,
     layout: Layout,
     sizes: Sizes,
     memory: [Workspace; 4],
@@ -198,7 +198,7 @@ pub(super) fn differentiate(
 fn read_back(
     reader: &Reader,
     parameters: &Parameters,
-    batch: &SequenceBatch,
+    batch: &PathBatch,
     layout: Layout,
     seen: Inputs<'_>,
     d_seen: Option<&mut [f64]>,

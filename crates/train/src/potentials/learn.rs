@@ -5,7 +5,7 @@ use std::sync::mpsc::sync_channel;
 use std::time::Instant;
 
 use motes_models::{OwnModel, Seed};
-use motes_proposals::{LearnedPotentials, Parametric, SequenceBatch, Workspace};
+use motes_proposals::{LearnedPotentials, Parametric, PathBatch, Workspace};
 
 use super::settings::PotentialLearnConfig;
 use super::supply::{drawn, standards};
@@ -78,7 +78,7 @@ pub fn learn_potentials<M: OwnModel + ?Sized>(
     let mut memory = [0, 1, 2, 3].map(|_| Workspace::new(potentials.parameters()));
     std::thread::scope(|scope| -> Result<(), TrainError> {
         // One batch is used while the next is simulated.
-        let (sender, supplies) = sync_channel::<Result<SequenceBatch, TrainError>>(1);
+        let (sender, supplies) = sync_channel::<Result<PathBatch, TrainError>>(1);
         let (training, units) = (seed.child("training"), &units);
         scope.spawn(move || {
             let batch = |number| drawn(model, config.sequences, config, units, &training.nth(number));

@@ -1,7 +1,7 @@
 //! Sequences to learn from.
 
 use motes_models::{ModelError, OwnModel, OwnSteps, Seed};
-use motes_proposals::{PotentialStandards, SequenceBatch, StepFeatures};
+use motes_proposals::{PathBatch, PotentialStandards, StepFeatures};
 use rand::RngExt;
 
 use super::settings::PotentialLearnConfig;
@@ -23,12 +23,12 @@ pub(super) fn drawn<M: OwnModel + ?Sized>(
     config: &PotentialLearnConfig,
     standards: &PotentialStandards,
     seed: &Seed,
-) -> Result<SequenceBatch, TrainError> {
+) -> Result<PathBatch, TrainError> {
     for number in 0..TRIES {
         let seed = seed.nth(number);
         let mut gaps = seed.child("gaps").stream();
         let has_gaps: Vec<bool> = (0..sequences).map(|_| gaps.random::<f64>() < config.with_gaps).collect();
-        let (mut batch, mut features) = (SequenceBatch::default(), StepFeatures::default());
+        let (mut batch, mut features) = (PathBatch::default(), StepFeatures::default());
         let mut steps = own_steps(model, sequences, config.horizon, &seed.child("sequences"))?;
         for _ in 0..config.horizon {
             let Some(step) = steps.advance() else { break };
