@@ -54,8 +54,16 @@ fn usual(root: &Path, update_expectations: bool) -> Result<(), ExitCode> {
 
 /// What takes longer than one waits for at every change.
 fn thorough(root: &Path) -> Result<(), ExitCode> {
-    let scores =
-        ["--test", "all", "--", "evidence::", "planted::", "calibration::", "--include-ignored", "--nocapture"];
+    let scores = [
+        "--test",
+        "all",
+        "--",
+        "evidence::",
+        "planted::",
+        "calibration::",
+        "--include-ignored",
+        "--nocapture",
+    ];
     step("scores of evidence, of planted bugs and of calibration", || {
         cargo(root, &[&["test", "--workspace", "--locked"], &WITH_BURN[..], &scores].concat(), &[])
     })?;
