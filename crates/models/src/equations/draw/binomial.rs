@@ -22,7 +22,7 @@ const LARGEST: f64 = (1_u64 << 53) as f64;
 /// The smaller probability of success and failure; NaN for parameters out of range.
 #[inline(always)]
 fn smaller(n: f64, p: f64) -> f64 {
-    let is_right = (n >= 0.0) & (n <= LARGEST) & (n == n.floor()) & (p >= 0.0) & (p <= 1.0);
+    let is_right = (0.0..=LARGEST).contains(&n) & (n == n.floor()) & (0.0..=1.0).contains(&p);
     let smaller = if p > 0.5 { 1.0 - p } else { p };
     if is_right { smaller } else { f64::NAN }
 }
@@ -148,6 +148,7 @@ impl Rejection for Successes {
         drawn
     }
 
+    #[inline(always)]
     fn draw(n: f64, p: f64, first: Try<f64>, stream: &mut Stream) -> f64 {
         let small = smaller(n, p);
         if small.is_nan() {
@@ -171,6 +172,7 @@ impl Rejection for Successes {
 }
 
 /// A draw where many are expected and half of the trials at most, from its first uniform numbers on.
+#[inline(always)]
 fn many(n: f64, p: f64, [mut u, mut v]: [f64; 2], stream: &mut Stream) -> f64 {
     let hat = Hat::of(n, p);
     loop {
@@ -189,6 +191,7 @@ fn many(n: f64, p: f64, [mut u, mut v]: [f64; 2], stream: &mut Stream) -> f64 {
 }
 
 /// Whether a logarithm is at most `log p(k)/p(m)`; the squeeze spares nearly all logarithms of factorials.
+#[inline(always)]
 fn is_below_share_of_mode(log: f64, n: f64, p: f64, hat: &Hat, count: f64) -> bool {
     let away = (count - hat.mode).abs();
     if away < hat.squeezed {
@@ -204,6 +207,7 @@ fn is_below_share_of_mode(log: f64, n: f64, p: f64, hat: &Hat, count: f64) -> bo
 }
 
 /// `log p(k)/p(m)`. Differences of logarithms are those of ratios near 1, so that large counts lose no digits.
+#[inline(always)]
 fn log_share_of_mode(n: f64, p: f64, m: f64, k: f64) -> f64 {
     let (of_mode, of_count) = (n - m + 1.0, n - k + 1.0);
     let away = k - m;

@@ -60,6 +60,7 @@ impl Rejection for StandardGamma {
         drawn
     }
 
+    #[inline(always)]
     fn draw(shape: f64, _: f64, first: Try<f64>, stream: &mut Stream) -> f64 {
         let [d, width] = centre(shape);
         if d.is_nan() {

@@ -109,6 +109,7 @@ impl Rejection for Events {
         drawn
     }
 
+    #[inline(always)]
     fn draw(mean: f64, _: f64, first: Try<f64>, stream: &mut Stream) -> f64 {
         if !(0.0..=LARGEST).contains(&mean) {
             return f64::NAN;
@@ -127,6 +128,7 @@ impl Rejection for Events {
 }
 
 /// A draw where many are expected, from its first uniform numbers on.
+#[inline(always)]
 fn many(mean: f64, [mut u, mut v]: [f64; 2], stream: &mut Stream) -> f64 {
     let hat = Hat::of(mean);
     loop {
@@ -145,6 +147,7 @@ fn many(mean: f64, [mut u, mut v]: [f64; 2], stream: &mut Stream) -> f64 {
 }
 
 /// `log p(k)`. The logarithm is that of a ratio near 1, so that large counts lose no digits.
+#[inline(always)]
 fn log_probability(mean: f64, k: f64) -> f64 {
     let next = k + 1.0;
     // k log(mean) − mean − log k! by Stirling's formula.

@@ -5,6 +5,7 @@ use rand_distr::StandardNormal;
 
 use super::Needs;
 use crate::Stream;
+use crate::batch::by_widest_vectors;
 
 /// Random numbers of one try: a standard normal one, and two that are uniform on `[0, 1)`. Those that [`Rejection::NEEDS`] does not name are 0.
 #[derive(Debug, Clone, Copy)]
@@ -56,7 +57,7 @@ pub(in crate::equations) fn draw_all<M: Rejection, const W: usize>(
             continue;
         }
         if drawn[lane] == UNDECIDED {
-            drawn[lane] = M::draw(a[lane], b[lane], first.of(lane), stream);
+            drawn[lane] = alone::<M>(a[lane], b[lane], first.of(lane), stream);
         } else {
             rejected[count] = lane;
             count += 1;
@@ -94,11 +95,20 @@ fn again<M: Rejection, const W: usize>(
         drawn[*lane] = match found[at] {
             accepted if accepted >= 0.0 => accepted,
             undecided if undecided == UNDECIDED || !is_together => {
-                M::draw(own_a[at], own_b[at], random.of(at), stream)
+                alone::<M>(own_a[at], own_b[at], random.of(at), stream)
             }
-            _ => M::draw(own_a[at], own_b[at], fresh::<M>(stream), stream),
+            _ => alone::<M>(own_a[at], own_b[at], fresh::<M>(stream), stream),
         };
     }
+}
+
+/// A draw by itself. Its logarithms are fused multiplications, which a processor does at once where the function is compiled for them.
+#[inline(never)]
+fn alone<M: Rejection>(a: f64, b: f64, first: Try<f64>, stream: &mut Stream) -> f64 {
+    by_widest_vectors(
+        #[inline(always)]
+        || M::draw(a, b, first, stream),
+    )
 }
 
 /// Random numbers of another try.

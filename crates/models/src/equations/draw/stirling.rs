@@ -1,6 +1,7 @@
 //! What logarithms of factorials are beyond Stirling's formula.
 
 /// `log k!` less `(k + ½) log(k + 1) − (k + 1) + ½ log 2π`, of a count.
+#[inline(always)]
 pub(super) fn beyond_stirling(k: f64) -> f64 {
     // From ten on the series has all digits.
     const FIRST: [f64; 10] = [
@@ -13,7 +14,7 @@ pub(super) fn beyond_stirling(k: f64) -> f64 {
         0.011_896_709_945_891_77,
         0.010_411_265_261_972_096,
         0.009_255_462_182_712_733,
-        0.008_330_563_433_362_871,
+        0.008_330_563_433_362_87,
     ];
     if let Some(known) = FIRST.get(k as usize) {
         return *known;

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use motes::{Data, FilterOptions, Filtered, Model, ProposalName, designed, filter};
 
-use super::shipped::{data_of, models};
+use super::shipped::{data_of, home};
 
 /// A model with data, and what is right.
 struct Known {
@@ -56,7 +56,7 @@ impl Known {
         if !file.exists() {
             return None;
         }
-        let model = Model::read(&models().join(self.folder).join("model.toml"), &set).unwrap();
+        let model = Model::read(&home().join(self.folder).join("model.toml"), &set).unwrap();
         let data = Data::open(&file, &model).unwrap();
         Some((model, data))
     }

@@ -22,7 +22,7 @@ fn root() -> PathBuf {
 }
 
 /// Where the models of other packages and papers are.
-pub(super) fn models() -> PathBuf {
+pub(super) fn home() -> PathBuf {
     root().join("experiments/models")
 }
 
@@ -30,7 +30,7 @@ pub(super) fn models() -> PathBuf {
 pub(super) fn data_of(name: &str) -> PathBuf {
     match name {
         "leverage" => root().join("examples/returns.csv"),
-        _ => models().join(name).join("data.csv"),
+        _ => home().join(name).join("data.csv"),
     }
 }
 
@@ -77,7 +77,7 @@ fn go_through(path: &Path, model: &Model, data: &Data) {
 #[test]
 fn models_of_other_packages_are_checked_and_filtered() {
     let mut models = 0;
-    for folder in listed(&models()) {
+    for folder in listed(&home()) {
         let path = folder.join("model.toml");
         if !path.exists() {
             continue;
@@ -127,7 +127,7 @@ fn examples_are_checked_and_filtered() {
 /// A model whose inputs nobody may ship, with made-up ones of the same columns, and data that it draws by them.
 fn with_made_up_inputs(name: &str, file: &str, inputs: &str, times: &str) {
     let place = Workplace::new();
-    let text = std::fs::read(models().join(name).join("model.toml")).unwrap();
+    let text = std::fs::read(home().join(name).join("model.toml")).unwrap();
     place.write("model.toml", text);
     place.write(file, inputs);
     place.write("times.csv", times);
