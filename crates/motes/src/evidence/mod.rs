@@ -19,5 +19,5 @@ pub use log_evidence::{LogEvidence, log_evidence};
 pub use many::log_evidence_at;
 pub use options::EvidenceOptions;
 pub use pilot::Pilot;
-pub(crate) use pilot::{ON_LINE, candidates, cost, fixed_cost};
+pub(crate) use pilot::{ON_LINE, candidates, cost, counted, fixed_cost};
 pub(crate) use sequence::{Sequence, sequences};

@@ -10,7 +10,7 @@ use motes_train::{LearnObjective, PotentialLearnConfig, TrainError, learn_potent
 use super::options::LearnOptions;
 use crate::data::Data;
 use crate::error::MotesError;
-use crate::evidence::{Contender, EvidenceWorth, ON_LINE, candidates, cost, fixed_cost, judged};
+use crate::evidence::{Contender, EvidenceWorth, ON_LINE, candidates, counted, fixed_cost, judged};
 use crate::learned::{LearnedProposal, PotentialNotes, shape_of};
 use crate::model::{LearnableModel, Model};
 use crate::options::ProposalName;
@@ -114,7 +114,7 @@ pub(super) fn judge(
     let of_designed = |proposal: ProposalName| Contender {
         name: proposal.to_string(),
         looks_ahead: true,
-        work: [fixed_cost(&proposal, model), cost(&proposal)],
+        work: [fixed_cost(&proposal, model), counted(&proposal)],
         proposal,
     };
     let mut contenders: Vec<Contender> = candidates(model).into_iter().map(of_designed).collect();
@@ -125,10 +125,10 @@ pub(super) fn judge(
         work,
     };
     let (ahead, network) = (ProposalName::Learned(learned.clone()), learned.clone().without_potentials());
-    let of_network = [0.0, cost(&ProposalName::Learned(network.clone()))];
+    let of_network = [0.0, counted(&ProposalName::Learned(network.clone()))];
     contenders.push(by(NETWORK, network, false, of_network));
     contenders.push(by(NOW, learned.clone().filtering_by_potential(true), false, ON_LINE));
-    contenders.push(by(AHEAD, learned.clone(), true, [fixed_cost(&ahead, model), cost(&ahead)]));
+    contenders.push(by(AHEAD, learned.clone(), true, [fixed_cost(&ahead, model), counted(&ahead)]));
     let worth = judged(model, &contenders, sequences, &seed.child("runs"), proceed)?;
     let of = |name: &str| worth.iter().find(|worth| worth.proposal == name).map(EvidenceWorth::inefficiency);
     // Who asks for a network of some kind filters with that.
