@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import json
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -65,7 +66,10 @@ class PosteriorFit:
     def to_arviz(self) -> Any:
         """The draws as ArviZ has them: the group `posterior`, and the log-likelihoods in `sample_stats`."""
         arviz = _module("arviz", "to_arviz")
-        return arviz.from_dict(posterior=self.draws, sample_stats={"log_evidence": self.log_evidence})
+        groups = {"posterior": self.draws, "sample_stats": {"log_evidence": self.log_evidence}}
+        # From version 1 on it takes all groups as one dict, before that each by its name.
+        by_name = "posterior" in inspect.signature(arviz.from_dict).parameters
+        return arviz.from_dict(**groups) if by_name else arviz.from_dict(groups)
 
     def predict(
         self, data: Any, steps: int | None = None, *, inputs: Any = None, draws: int = 100, **settings: "Unpack[FilterSettings]"
