@@ -13,10 +13,8 @@ use motes_smc::{ByPotential, LookAhead, LookAheadError, RecordedStep};
 use serde::{Deserialize, Serialize};
 
 use crate::error::MotesError;
-use crate::evidence::EvidenceWorth;
-use crate::learning::{AHEAD, NETWORK, NOW};
+use crate::evidence::{AHEAD, EvidenceWorth, LOOK_AHEAD, NETWORK, NOW};
 use crate::model::{Kind, LearnableModel, Model};
-use crate::options::ProposalName;
 use crate::packed::{pack, unpack};
 
 /// A proposal that was learned for a model; copies share it.
@@ -149,9 +147,7 @@ impl LearnedProposal {
     /// Whether the designed potentials did better on simulated sequences, so that recorded data are better looked at by these.
     pub(crate) fn hands_out_look_ahead(&self) -> bool {
         let advantage = self.potential_notes().and_then(PotentialNotes::advantage);
-        advantage.is_some_and(|(designed, advantage)| {
-            advantage < 1.0 && designed == ProposalName::LookAhead.as_str()
-        })
+        advantage.is_some_and(|(designed, advantage)| advantage < 1.0 && designed == LOOK_AHEAD)
     }
 
     /// The potentials by which a filter draws as measurements come, if it does.

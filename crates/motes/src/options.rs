@@ -5,6 +5,7 @@ use std::str::FromStr;
 use std::sync::Arc;
 
 use crate::data::Data;
+use crate::evidence::LOOK_AHEAD;
 use crate::learned::LearnedProposal;
 use motes_smc::{FilterSettings, ResampleWhen, Resampling};
 
@@ -38,7 +39,7 @@ impl ProposalName {
             ProposalName::Linearised => "linearised",
             ProposalName::Optimal => "optimal",
             ProposalName::Learned(learned) => learned.name(),
-            ProposalName::LookAhead => "look-ahead",
+            ProposalName::LookAhead => LOOK_AHEAD,
             ProposalName::Exact => "exact",
         }
     }
@@ -52,7 +53,7 @@ impl ProposalName {
             ProposalName::Linearised => "linearised",
             ProposalName::Optimal => "optimal",
             ProposalName::Learned(_) => "learned",
-            ProposalName::LookAhead => "look-ahead",
+            ProposalName::LookAhead => LOOK_AHEAD,
             ProposalName::Exact => "exact",
         }
     }

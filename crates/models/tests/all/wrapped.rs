@@ -88,7 +88,8 @@ fn with<S: Scalar>(case: usize, x: S, push: &mut dyn FnMut(&Wrapped<'_, S>)) {
             push(&Wrapped::ZeroInflated { p: x * 0.2, of: &plain(gamma(2.0, x)) });
         }
         "mixture" => {
-            let [first, second] = [normal(x, 1.0), plain(student_t(3.0, x, 2.0))];
+            // Of fewer degrees of freedom than 5 the variance of draws has no standard error to hold it against.
+            let [first, second] = [normal(x, 1.0), plain(student_t(6.0, x, 2.0))];
             push(&Wrapped::Mixture { weight: s(0.8), first: &first, second: &second });
         }
         "mixture with an atom" => {

@@ -2,11 +2,11 @@
 
 use motes_models::Seed;
 use motes_smc::RecordedStep;
-use serde::{Deserialize, Serialize};
 
 use super::options::EvidenceOptions;
 use super::pilot::Candidate;
 use super::sequence::{Proceed, Sequence};
+use super::worth::EvidenceWorth;
 use crate::error::MotesError;
 use crate::model::Model;
 use crate::options::ProposalName;
@@ -17,24 +17,6 @@ const RUNS: usize = 8;
 
 /// The error of a run whose particles all died, in nats; no larger one counts.
 const LARGEST: f64 = 1e4;
-
-/// How well a proposal estimates the log-evidence of recorded sequences.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct EvidenceWorth {
-    /// The proposal.
-    pub proposal: String,
-    /// The root-mean-square error of `log ẑ` with 100 particles, in nats: against the mean of all runs of all proposals, which is dominated by the best.
-    pub error: f64,
-    /// The work of a time step, in particles of a bootstrap filter.
-    pub work: f64,
-}
-
-impl EvidenceWorth {
-    /// Squared error times work: what is the same for any number of particles, where errors are small.
-    pub fn inefficiency(&self) -> f64 {
-        self.error * self.error * self.work
-    }
-}
 
 /// What is judged.
 pub(crate) struct Contender {

@@ -21,7 +21,6 @@ use crate::learned::{LearnedProposal, Notes, learnable, shape_of};
 use crate::model::Model;
 use crate::simulating::{check_draws, schedule};
 use choice::{Choice, choose};
-pub(crate) use potentials::{AHEAD, NETWORK, NOW};
 use potentials::{judge, learns_potentials, potentials};
 use worth::worse_than;
 

@@ -10,7 +10,9 @@ use motes_train::{LearnObjective, PotentialLearnConfig, TrainError, learn_potent
 use super::options::LearnOptions;
 use crate::data::Data;
 use crate::error::MotesError;
-use crate::evidence::{Contender, EvidenceWorth, ON_LINE, candidates, counted, fixed_cost, judged};
+use crate::evidence::{
+    AHEAD, Contender, EvidenceWorth, NETWORK, NOW, ON_LINE, candidates, counted, fixed_cost, judged,
+};
 use crate::learned::{LearnedProposal, PotentialNotes, shape_of};
 use crate::model::{LearnableModel, Model};
 use crate::options::ProposalName;
@@ -72,11 +74,6 @@ pub(super) fn potentials(
         }
     }
 }
-
-/// What is learned, as it is judged: a network for each particle, potentials of a step alone, and potentials of whole sequences.
-pub(crate) const NETWORK: &str = "learned, per particle";
-pub(crate) const NOW: &str = "learned, now";
-pub(crate) const AHEAD: &str = "learned, ahead";
 
 /// Sequences by which potentials are judged.
 const SEQUENCES: usize = 20;

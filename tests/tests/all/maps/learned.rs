@@ -25,7 +25,7 @@ fn learned<M: Equations>(model: &M, base: Base, head: HeadConfig) -> Amortised {
     let shape = ModelShape::of(model);
     let mut proposal = Amortised::create(&config, &shape, 0, Backend::Native.into(), &seed).unwrap();
     let settings = LearnConfig {
-        steps: 300,
+        steps: 600,
         sequences: 64,
         horizon: 6,
         rows: 300,
