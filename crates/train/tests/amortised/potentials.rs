@@ -71,7 +71,7 @@ fn log_mean(logs: &[f64]) -> (f64, f64) {
 /// Where a smoother sees one mode of two, and bootstrap has a variance of hundreds.
 #[test]
 fn with_two_modes_they_have_a_hundredth_of_the_variance_of_bootstrap() {
-    let (potentials, found) = learned(&Growth, 400);
+    let (potentials, found) = learned(&Growth, 800);
     assert!(found.best_gains()[0] > found.validation[0].1[0] + 0.5, "{:?}", found.validation);
     // Longer than those that were learned from, with gaps.
     for number in 0..3 {
