@@ -206,7 +206,7 @@ mod tests {
 
     #[test]
     fn counts_of_a_slow_rate_that_is_stirred_again_and_again_are_not_silent() {
-        let runs = runs("whisker", 300, [-6.0, 6.0], 1601, 1000, 60);
+        let runs = runs("whisker", 300, [-6.0, 6.0], 1601, 100, 20);
         assert!(runs.iter().any(|run| run.error < -5.0));
         assert!(!runs.iter().any(Run::is_silent), "{runs:?}");
     }

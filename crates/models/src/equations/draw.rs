@@ -3,6 +3,7 @@
 mod binomial;
 mod gamma;
 mod inversion;
+mod needs;
 mod poisson;
 mod rejection;
 mod squeeze;
@@ -15,36 +16,9 @@ use crate::Stream;
 
 pub(super) use binomial::Successes;
 pub(super) use gamma::StandardGamma;
+pub(super) use needs::Needs;
 pub(super) use poisson::Events;
 pub(super) use rejection::{Rejection, Try, UNDECIDED, draw_all};
-
-/// How many numbers of the standard distributions draws take.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub(super) struct Needs {
-    pub(super) normals: usize,
-    pub(super) exponentials: usize,
-    pub(super) uniforms: usize,
-}
-
-impl Needs {
-    pub(super) const NOTHING: Needs = Needs { normals: 0, exponentials: 0, uniforms: 0 };
-    pub(super) const NORMAL: Needs = Needs { normals: 1, ..Needs::NOTHING };
-    pub(super) const EXPONENTIAL: Needs = Needs { exponentials: 1, ..Needs::NOTHING };
-    pub(super) const UNIFORM: Needs = Needs { uniforms: 1, ..Needs::NOTHING };
-
-    pub(super) const fn plus(self, other: Needs) -> Needs {
-        Needs {
-            normals: self.normals + other.normals,
-            exponentials: self.exponentials + other.exponentials,
-            uniforms: self.uniforms + other.uniforms,
-        }
-    }
-
-    /// How many numbers in all.
-    pub(super) fn count(self) -> usize {
-        self.normals + self.exponentials + self.uniforms
-    }
-}
 
 /// Where draws come from.
 pub(super) trait Source<S> {

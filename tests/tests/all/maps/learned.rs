@@ -34,7 +34,8 @@ fn learned<M: Equations>(model: &M, base: Base, head: HeadConfig) -> Amortised {
     };
     let found = learn(&mut proposal, model, &[], &settings, &seed, |_, _| ControlFlow::Continue(())).unwrap();
     println!("gain {:.3} to {:.3}", found.validation[0].1, found.best_gain());
-    assert!(found.best_gain() > found.validation[0].1);
+    // Where the base is near the optimum the weights that came in may be the best.
+    assert!(found.best_gain() >= found.validation[0].1 && found.diverged_at.is_none());
     proposal
 }
 

@@ -2,8 +2,8 @@
 
 use rand::RngExt;
 
-use super::Needs;
 use super::inversion::{MANY, MOST, count_up};
+use super::needs::Needs;
 use super::rejection::{Rejection, Try, UNDECIDED};
 use super::squeeze::squeeze;
 use super::stirling::beyond_stirling;

@@ -3,7 +3,7 @@
 use rand::RngExt;
 use rand_distr::StandardNormal;
 
-use super::Needs;
+use super::needs::Needs;
 use super::rejection::{Rejection, Try, UNDECIDED};
 use crate::Stream;
 use crate::batch::by_widest_vectors;

@@ -2,7 +2,7 @@
 
 use plotters::prelude::*;
 
-use super::style::{Axes, COLOURS, Drawn, INK, extent};
+use super::style::{Axes, COLOURS, Drawn, INK, extent, is_shown};
 
 const SIZE: (u32, u32) = (440, 250);
 
@@ -97,8 +97,8 @@ pub(super) fn pair_figure(names: [&str; 2], x: &[f64], y: &[f64]) -> Drawn<Strin
     let ((left, right), (low, high)) = (extent(x.iter().copied()), extent(y.iter().copied()));
     let every = x.len().div_ceil(MOST_POINTS).max(1);
     Axes { size: (440, 320), title: "", x: left..right, y: low..high, names }.figure(|chart| {
-        let is_finite = |(x, y): &(&f64, &f64)| x.is_finite() && y.is_finite();
-        let points = x.iter().zip(y).step_by(every).filter(is_finite);
+        let are_shown = |(x, y): &(&f64, &f64)| is_shown(**x) && is_shown(**y);
+        let points = x.iter().zip(y).step_by(every).filter(are_shown);
         chart.draw_series(points.map(|(x, y)| Circle::new((*x, *y), 2, COLOURS[0].mix(0.35).filled())))?;
         Ok(())
     })
