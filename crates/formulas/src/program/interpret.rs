@@ -8,30 +8,8 @@ use motes_models::equations::{Coordinates, Distribution, Draws, Scalar, with_sca
 
 use super::instruction::{Instruction, NoiseTerm, Output, Place, PlainStep, Program, Rule, Source};
 use super::kept::with_plain;
+use super::moment::Moment;
 use crate::operations::choice;
-
-/// What numbers that are the same for all particles depend on.
-#[derive(Clone, Copy)]
-pub(super) struct Moment<'a> {
-    time: f64,
-    length: f64,
-    inputs: &'a [f64],
-    is_first: bool,
-}
-
-impl<'a> Moment<'a> {
-    #[inline(always)]
-    pub(super) fn of<S>(step: &Step<'a, S>) -> Self {
-        Moment { time: step.time, length: step.length, inputs: step.inputs, is_first: step.sub_step == 0 }
-    }
-
-    /// All of it, as bits.
-    #[inline(always)]
-    pub(super) fn bits(&self) -> impl Iterator<Item = u64> {
-        let own = [self.time.to_bits(), self.length.to_bits(), u64::from(self.is_first)];
-        own.into_iter().chain(self.inputs.iter().map(|input| input.to_bits()))
-    }
-}
 
 impl Program {
     /// Makes the coordinates of a state at a time, after a step of a length, given the state before: draws, and what follows.

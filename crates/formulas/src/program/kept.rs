@@ -4,7 +4,7 @@ use std::cell::RefCell;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::instruction::Program;
-use super::interpret::Moment;
+use super::moment::Moment;
 
 /// Programs with fewer steps compute them anew: to keep them would take as long.
 const FEW: usize = 24;
@@ -14,14 +14,14 @@ const PLACES: usize = 64;
 
 /// What a program computed for a moment.
 #[derive(Default)]
-struct Kept {
+struct PlainNumbers {
     program: u64,
     /// Time, length and whether it is the first sub-step, and behind them the inputs: all that the values depend on, as bits.
     moment: Vec<u64>,
     values: Vec<f64>,
 }
 
-impl Kept {
+impl PlainNumbers {
     fn is_of(&self, program: u64, moment: &Moment<'_>) -> bool {
         self.program == program
             && self.moment.len() == moment.bits().count()
@@ -30,7 +30,7 @@ impl Kept {
 }
 
 thread_local! {
-    static KEPT: RefCell<Vec<Kept>> = const { RefCell::new(Vec::new()) };
+    static KEPT: RefCell<Vec<PlainNumbers>> = const { RefCell::new(Vec::new()) };
 }
 
 /// A number that no other program has.
@@ -71,15 +71,15 @@ pub(super) fn with_plain<R>(
 }
 
 #[inline(never)]
-fn take(place: usize) -> Kept {
+fn take(place: usize) -> PlainNumbers {
     KEPT.with_borrow_mut(|all| all.get_mut(place).map(std::mem::take).unwrap_or_default())
 }
 
 #[inline(never)]
-fn put(place: usize, kept: Kept) {
+fn put(place: usize, kept: PlainNumbers) {
     KEPT.with_borrow_mut(|all| {
         if all.len() <= place {
-            all.resize_with(PLACES, Kept::default);
+            all.resize_with(PLACES, PlainNumbers::default);
         }
         all[place] = kept;
     });

@@ -4,7 +4,7 @@ use motes_models::Step;
 use motes_models::equations::with_scalars;
 
 use super::instruction::{MadeTerm, NoiseTerm, PartTerm, PlainStep, Program, Rule, Source};
-use super::interpret::Moment;
+use super::moment::Moment;
 use crate::tables::{Family, Wrapping};
 
 /// The distribution of a coordinate as far as it is the same for all states: a number that depends on them is none.

@@ -6,6 +6,7 @@ mod interpret;
 mod kept;
 mod known;
 mod made;
+mod moment;
 mod registers;
 
 pub(crate) use compile::compile;
