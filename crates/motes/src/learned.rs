@@ -155,7 +155,7 @@ impl LearnedProposal {
         self.potentials
             .as_ref()
             .filter(|learned| learned.notes.filters)
-            .map(|learned| learned.potentials.on_line())
+            .map(|learned| OnLinePotentials::proposal(Arc::clone(&learned.potentials)))
     }
 
     /// Whether there are potentials for recorded data.

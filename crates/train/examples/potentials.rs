@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use motes_models::equations::{Coordinates, Draws, Equations, Scalar, normal};
 use motes_models::{ModelShape, Seed, Step, StepRecord, simulate};
-use motes_proposals::{Backend, Family, LearnedPotentials, LearnedPotentialsConfig};
+use motes_proposals::{Backend, Family, LearnedPotentials, LearnedPotentialsConfig, OnLinePotentials};
 use motes_smc::{Bootstrap, FilterBank, FilterSettings, Linearised, LookAhead, Proposal, RecordedStep};
 use motes_train::{PotentialLearnConfig, learn_potentials};
 
@@ -98,7 +98,7 @@ fn study<M: Equations>(name: &str, model: &M, times: usize) -> Result<(), Box<dy
             })
             .collect();
         let started = Instant::now();
-        let now = Arc::new(potentials.clone()).on_line();
+        let now = OnLinePotentials::proposal(Arc::new(potentials.clone()));
         let ahead = potentials.look_ahead(model, &rows)?;
         let seconds = started.elapsed().as_secs_f64();
         print!("  networks {:.2} ms;", 1e3 * seconds);

@@ -1,18 +1,16 @@
 //! The potentials of a whole sequence by networks: their weights, and how they are made.
 
-use std::sync::Arc;
-
 use motes_models::equations::NoiseSpace;
 use motes_models::{ModelShape, OwnModel, Seed, Step};
 use motes_networks::{Compute, Inference, Parameters, Workspace};
-use motes_smc::{ByPotential, LookAhead, LookAheadError, PotentialComponent, ProposalError, RecordedStep};
+use motes_smc::{LookAhead, LookAheadError, PotentialComponent, ProposalError, RecordedStep};
 
 use super::config::LearnedPotentialsConfig;
 use super::decoded::Layout;
 use super::features::{PathBatch, StepFeatures, count};
 use super::networks::PotentialNetworks;
-use super::on_line::{OnLineMemory, OnLinePotentials};
 use super::standards::PotentialStandards;
+use super::step_memory::StepMemory;
 use super::tape::{Sizes, differentiate, gain, outputs, read};
 use crate::family::{Family, Parametric};
 use crate::settings::{check_compute, check_shape, check_weights, check_widths, of_networks};
@@ -22,7 +20,7 @@ use crate::settings::{check_compute, check_shape, check_weights, check_widths, o
 ///
 /// - **Ahead**, of a recorded sequence ([`LearnedPotentials::look_ahead`]): a recurrent layer runs from the first step on and one from the last step back, over the measurements, which of
 ///   them are missing, and where the model moves the middle of all states at each step, so that times and inputs are seen. A network reads both.
-/// - **Now**, of a step when its measurement is there ([`LearnedPotentials::on_line`]): a network sees the same of this step alone.
+/// - **Now**, of a step when its measurement is there ([`OnLinePotentials`](super::OnLinePotentials)): a network sees the same of this step alone.
 ///
 /// The evidence is unbiased whatever the weights are. They are learned from simulated sequences alone: the mean of `log ψ_t(x_t) − log Z_t(x_{t−1})` is the log-density of the proposal
 /// against that of the transition.
@@ -93,11 +91,6 @@ impl LearnedPotentials {
         LookAhead::from_potentials(model, recorded, &potentials)
     }
 
-    /// The proposal of a filter that takes measurements as they come; it shares the weights.
-    pub fn on_line(self: &Arc<Self>) -> ByPotential<OnLinePotentials> {
-        ByPotential::new(OnLinePotentials::new(Arc::clone(self)))
-    }
-
     /// The quadratics of a step by its own measurement; `memory` is worked in.
     pub(super) fn components_now(
         &self,
@@ -105,9 +98,9 @@ impl LearnedPotentials {
         step: &Step<'_>,
         measurement: &[Option<f64>],
         standards: &PotentialStandards,
-        memory: &mut OnLineMemory,
+        memory: &mut StepMemory,
     ) -> Result<Vec<PotentialComponent>, ProposalError> {
-        let OnLineMemory { of_step, features, inference } = memory;
+        let StepMemory { of_step, features, inference } = memory;
         features.clear();
         of_step.of_recorded(noise_space, step, measurement, standards, features);
         let (sizes, layout) = (self.sizes(1, 1), self.layout());

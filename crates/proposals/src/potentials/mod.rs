@@ -8,6 +8,7 @@ mod loss;
 mod networks;
 mod on_line;
 mod standards;
+mod step_memory;
 mod tape;
 
 pub use config::LearnedPotentialsConfig;

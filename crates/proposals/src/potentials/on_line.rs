@@ -4,33 +4,29 @@ use std::fmt;
 use std::sync::Arc;
 
 use motes_models::{OwnModel, Step};
-use motes_networks::Inference;
-use motes_smc::{PotentialComponent, ProposalError, StepPotentials};
+use motes_smc::{ByPotential, PotentialComponent, ProposalError, StepPotentials};
 
-use super::features::StepFeatures;
 use super::learned::LearnedPotentials;
 use super::standards::PotentialStandards;
-
-/// What a step is computed in.
-#[derive(Default, Clone)]
-pub(super) struct OnLineMemory {
-    pub(super) of_step: StepFeatures,
-    pub(super) features: Vec<f64>,
-    pub(super) inference: Inference,
-}
+use super::step_memory::StepMemory;
 
 /// Learned potentials as a filter takes them on-line.
 #[derive(Clone)]
 pub struct OnLinePotentials {
     potentials: Arc<LearnedPotentials>,
     standards: PotentialStandards,
-    memory: OnLineMemory,
+    memory: StepMemory,
 }
 
 impl OnLinePotentials {
-    pub(super) fn new(potentials: Arc<LearnedPotentials>) -> Self {
+    /// The proposal of a filter that takes measurements as they come.
+    pub fn proposal(potentials: Arc<LearnedPotentials>) -> ByPotential<Self> {
+        ByPotential::new(OnLinePotentials::new(potentials))
+    }
+
+    fn new(potentials: Arc<LearnedPotentials>) -> Self {
         let standards = potentials.standards();
-        OnLinePotentials { potentials, standards, memory: OnLineMemory::default() }
+        OnLinePotentials { potentials, standards, memory: StepMemory::default() }
     }
 }
 
