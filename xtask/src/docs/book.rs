@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
+use super::markdown;
 use super::pages::{CONTENTS, Page, Pages, relative, resolve};
-use super::{markdown, read, write};
+use super::text_file::{read, write};
 
 /// Where a page has what the command says of itself.
 const HELP: &str = "<!-- help -->";

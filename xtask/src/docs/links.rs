@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Component, Path, PathBuf};
 
-use super::read;
+use super::text_file::read;
 
 /// Pages that are made for other readers: of links from anywhere, and of all sidebars.
 const SKIPPED: [&str; 2] = ["404.html", "toc.html"];

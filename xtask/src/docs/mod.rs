@@ -9,6 +9,7 @@ mod pages;
 mod pictures;
 mod run;
 mod snippets;
+mod text_file;
 mod transcript;
 
 use std::path::{Path, PathBuf};
@@ -111,16 +112,4 @@ fn site(root: &Path, motes: &Path, repository: &str) -> Result<(), String> {
         site.join("index.html").display()
     );
     Ok(())
-}
-
-/// A text file, or which one cannot be read.
-fn read(path: &Path) -> Result<String, String> {
-    std::fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))
-}
-
-/// Writes a file, and the folders that lead to it.
-fn write(path: &Path, content: &[u8]) -> Result<(), String> {
-    let folder = path.parent().unwrap_or(path);
-    let written = std::fs::create_dir_all(folder).and_then(|()| std::fs::write(path, content));
-    written.map_err(|error| format!("{}: {error}", path.display()))
 }

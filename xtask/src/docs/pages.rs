@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use super::{markdown, read};
+use super::markdown;
+use super::text_file::read;
 
 /// The list of pages, with their order and titles.
 pub(super) const CONTENTS: &str = "docs/SUMMARY.md";

@@ -8,8 +8,8 @@ use super::blocks::blocks;
 use super::pages::{CONTENTS, Page, Pages, resolve};
 use super::pictures::{figure, pictures};
 use super::snippets::Python;
+use super::text_file::{read, write};
 use super::transcript::{self, is_as_shown};
-use super::{read, write};
 
 /// What is run; installations and long runs are not.
 const PROGRAMS: [&str; 4] = ["motes", "python3", "cut", "grep"];
