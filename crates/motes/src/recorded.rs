@@ -33,8 +33,13 @@ pub(crate) fn look_ahead(
 ) -> Result<Option<LookAhead>, MotesError> {
     match proposal {
         ProposalName::LookAhead => designed(model, steps).map(Some),
-        ProposalName::Learned(learned) if learned.hands_out_look_ahead() => designed(model, steps).map(Some),
-        ProposalName::Learned(learned) => learned.look_ahead(model, steps),
+        ProposalName::Learned(learned) => {
+            learned.check_model(model)?;
+            match learned.hands_out_look_ahead() {
+                true => designed(model, steps).map(Some),
+                false => learned.look_ahead(model, steps),
+            }
+        }
         _ => Ok(None),
     }
 }

@@ -41,7 +41,10 @@ impl Candidate {
         sequences: &[Sequence],
     ) -> Result<Self, MotesError> {
         let proposal = match proposal {
-            ProposalName::Learned(learned) if learned.hands_out_look_ahead() => ProposalName::LookAhead,
+            ProposalName::Learned(learned) if learned.hands_out_look_ahead() => {
+                learned.check_model(model)?;
+                ProposalName::LookAhead
+            }
             proposal => proposal,
         };
         let ahead = sequences
