@@ -94,3 +94,38 @@ def test_the_same_as_the_command(model, examples, tmp_path):
     with open(tmp_path / "fit/draws.csv") as file:
         rows = list(csv.DictReader(file))
     assert [float(row["level_variance"]) for row in rows] == fitted.draws["level_variance"].reshape(-1).tolist()
+
+
+def test_a_forecast_knows_how_unsure_parameters_are(model):
+    fitted = fitted_of(model)
+    over = fitted.predict(FLOWS, 5, proposal="exact", draws=40)
+    at_mean = model.with_parameters(fitted.mean).forecast(FLOWS, 5, proposal="exact")
+    assert over.mean.shape == (1, 5, 1) and over.measurement_quantiles.shape == (1, 5, 1, 3)
+    # The variance of a mixture is at least the mean of those that are mixed.
+    each = [one.forecast(FLOWS, 5, proposal="exact").sd for one in fitted.models(40)]
+    assert (over.sd**2 >= np.mean(np.square(each), axis=0) - 1e-9).all()
+    assert over.mean == pytest.approx(at_mean.mean, rel=0.1)
+    assert len(over.to_pandas()) == 5
+    with pytest.raises(ValueError, match="steps"):
+        fitted.predict(FLOWS)
+    with pytest.raises(TypeError, match="check"):
+        fitted.predict(FLOWS, 2, check=True)
+
+
+def test_log_evidence_at_many_parameters(model):
+    values = {"measurement_variance": [15000.0, 9000.0], "level_variance": [1500.0, 1000.0]}
+    found = model.log_evidence(FLOWS, parameters=values, particles=50)
+    one_by_one = [
+        model.with_parameters({name: of[at] for name, of in values.items()}).log_evidence(FLOWS, particles=50) for at in range(2)
+    ]
+    assert found.tolist() == one_by_one
+    matrix = np.array(list(values.values())).T
+    assert model.log_evidence(FLOWS, parameters=matrix, particles=50).tolist() == one_by_one
+    # A negative variance gives no data.
+    assert model.log_evidence(FLOWS, parameters={"level_variance": [-1.0]}, particles=50).tolist() == [-np.inf]
+    with pytest.raises(ValueError, match=r"shape \(2, 1\); it must be \(n, 2\)"):
+        model.log_evidence(FLOWS, parameters=matrix[:, :1])
+    with pytest.raises(ValueError, match="there is no width; there are measurement_variance, level_variance"):
+        model.log_evidence(FLOWS, parameters={"width": [1.0]})
+    with pytest.raises(ValueError, match="as many values"):
+        model.log_evidence(FLOWS, parameters={"level_variance": [1.0], "measurement_variance": [1.0, 2.0]})

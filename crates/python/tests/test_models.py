@@ -29,6 +29,33 @@ def test_a_model_of_matrices_is_exact():
     assert found.mean[-1, 0] == pytest.approx(mean, abs=0.02)
 
 
+def test_matrices_may_have_intercepts_inputs_and_no_inverse():
+    intercepts = motes.linear_gaussian(
+        A=[[0.8]], b=[0.5], Q=[[0.1]], C=[[1.0], [0.5]], d=[0.0, 1.0], R=[[0.04, 0.01], [0.01, 0.09]], m0=[2.5], P0=[[0.3]]
+    )
+    y = [[2.31, 2.40], [2.62, 2.05], [2.95, 2.51], [np.nan, 2.33], [2.71, 2.60]]
+    found = intercepts.filter(y, proposal="exact")
+    assert found.log_evidence == pytest.approx(-1.001385, abs=2e-6)
+    assert found.mean[-1, 0] == pytest.approx(2.729888, abs=2e-6)
+
+    # One shock moves both coordinates, and the first is measured without error.
+    shock = np.array([[1.0], [-0.4]])
+    arma = motes.linear_gaussian(
+        A=[[0.87, 1.0], [0.0, 0.0]], Q=0.5 * shock @ shock.T, C=[[1.0, 0.0]], R=[[0.0]], m0=[0.0, 0.0], P0=[[2.0, -0.2], [-0.2, 0.08]]
+    )
+    assert arma.filter([0.41, -0.35, 0.92, np.nan, 1.84, 1.10, 0.27], proposal="exact").log_evidence == pytest.approx(-7.977668, abs=2e-6)
+
+    # Inputs move states and measurements, whose noises are correlated: the joint Gaussian of both rows.
+    noises = motes.linear_gaussian(
+        A=[[0.9]], B=[[0.5]], Q=[[1.0]], C=[[1.0]], D=[[-0.2]], R=[[0.5]], S=[[0.3]], m0=[1.0], P0=[[2.0]], inputs={"u": "hold"}
+    )
+    covariance = np.array([[2.5, 1.8], [1.8, 0.81 * 2.0 + 1.0 + 0.5 + 2 * 0.3]])
+    off = np.array([0.4 - (1.0 - 0.2 * 2.0), 1.7 - (0.9 + 0.5 * 2.0 - 0.2 * 3.0)])
+    expected = -0.5 * (off @ np.linalg.solve(covariance, off) + np.log(np.linalg.det(2 * np.pi * covariance)))
+    found = noises.filter({"y0": [0.4, 1.7], "u": [2.0, 3.0]}, proposal="exact").log_evidence
+    assert found == pytest.approx(expected, abs=1e-9)
+
+
 def test_results_have_shapes(tracking):
     drawn = tracking.simulate(20, 3)
     assert drawn.states.shape == (3, 20, 4) and drawn.measurements.shape == (3, 20, 2)
@@ -130,6 +157,10 @@ def test_models_that_are_none_are_refused_in_a_line(tmp_path):
         motes.linear_gaussian(A=masked, C=[[1.0]], Q=[[1.0]], R=[[1.0]], m0=[0.0], P0=[[1.0]])
     with pytest.raises(ValueError, match="Q: an array of shape"):
         motes.linear_gaussian(A=[[1.0]], C=[[1.0]], Q=[1.0], R=[[1.0]], m0=[0.0], P0=[[1.0]])
+    with pytest.raises(ValueError, match=r"b: an array of shape \(1, 1\); it must have 1 axes"):
+        motes.linear_gaussian(A=[[1.0]], C=[[1.0]], Q=[[1.0]], R=[[1.0]], m0=[0.0], P0=[[1.0]], b=[[1.0]])
+    with pytest.raises(ValueError, match=r"D: there is no \[inputs\]"):
+        motes.linear_gaussian(A=[[1.0]], C=[[1.0]], Q=[[1.0]], R=[[1.0]], m0=[0.0], P0=[[1.0]], D=[[1.0]])
 
 
 @pytest.mark.parametrize(
