@@ -190,9 +190,9 @@ mod tests {
     }
 
     /// Everything that a distribution is made of.
-    struct PosteriorEstimates;
+    struct PairTransform;
 
-    impl Transform for PosteriorEstimates {
+    impl Transform for PairTransform {
         #[inline(always)]
         fn pairs<const L: usize>(a: &[u64; L], b: &[u64; L], x: &mut [f64; L], y: &mut [f64; L]) {
             for i in 0..L {
@@ -208,8 +208,8 @@ mod tests {
             let (mut narrow, mut wide) = (vec![0.0; count], vec![0.0; count]);
             let mut streams = [Stream::from_seed([5; 32]), Stream::from_seed([5; 32])];
             let [first, second] = &mut streams;
-            fill::<PosteriorEstimates>(first, &mut wide);
-            let op = Fill::<PosteriorEstimates> { stream: second, out: &mut narrow, transform: PhantomData };
+            fill::<PairTransform>(first, &mut wide);
+            let op = Fill::<PairTransform> { stream: second, out: &mut narrow, transform: PhantomData };
             pulp::Scalar::new().vectorize(op);
             assert_eq!(narrow, wide);
         }

@@ -14,30 +14,8 @@ use std::f64::consts::{LN_2, LOG2_E, SQRT_2};
 /// `x = n ln 2 + r` with an integer `n` and `|r| ≤ ½ ln 2`: the Taylor series of `eʳ`, times `2ⁿ`.
 #[inline(always)]
 pub fn exp(x: f64) -> f64 {
-    const LOWEST: f64 = -708.0;
-    // Adding it rounds to an integer, which then stands in the lowest bits.
-    const ROUND: f64 = 1.5 * (1_u64 << 52) as f64;
-    // What ln 2 is beyond its nearest double.
-    const LN_2_LOW: f64 = 2.319_046_813_846_299_6e-17;
-    let kept = if x > LOWEST { x } else { LOWEST };
-    let rounded = kept.mul_add(LOG2_E, ROUND);
-    let n = rounded - ROUND;
-    let r = n.mul_add(-LN_2_LOW, n.mul_add(-LN_2, kept));
-    let mut series = 1.0 / 6_227_020_800.0;
-    series = r.mul_add(series, 1.0 / 479_001_600.0);
-    series = r.mul_add(series, 1.0 / 39_916_800.0);
-    series = r.mul_add(series, 1.0 / 3_628_800.0);
-    series = r.mul_add(series, 1.0 / 362_880.0);
-    series = r.mul_add(series, 1.0 / 40_320.0);
-    series = r.mul_add(series, 1.0 / 5040.0);
-    series = r.mul_add(series, 1.0 / 720.0);
-    series = r.mul_add(series, 1.0 / 120.0);
-    series = r.mul_add(series, 1.0 / 24.0);
-    series = r.mul_add(series, 1.0 / 6.0);
-    series = r.mul_add(series, 1.0 / 2.0);
-    series = r.mul_add(series, 1.0);
-    series = r.mul_add(series, 1.0);
-    let power = f64::from_bits(rounded.to_bits().wrapping_add(1023) << 52);
+    let Reduced { r, series, power } = Reduced::of(x);
+    let series = r.mul_add(r.mul_add(series, 1.0), 1.0);
     if x > LOWEST { series * power } else { 0.0 }
 }
 
@@ -46,28 +24,48 @@ pub fn exp(x: f64) -> f64 {
 /// As [`exp`], with the series of `eʳ − 1`.
 #[inline(always)]
 pub(crate) fn exp_m1(x: f64) -> f64 {
-    const LOWEST: f64 = -708.0;
-    const ROUND: f64 = 1.5 * (1_u64 << 52) as f64;
-    const LN_2_LOW: f64 = 2.319_046_813_846_299_6e-17;
-    let kept = if x > LOWEST { x } else { LOWEST };
-    let rounded = kept.mul_add(LOG2_E, ROUND);
-    let n = rounded - ROUND;
-    let r = n.mul_add(-LN_2_LOW, n.mul_add(-LN_2, kept));
-    let mut series = 1.0 / 6_227_020_800.0;
-    series = r.mul_add(series, 1.0 / 479_001_600.0);
-    series = r.mul_add(series, 1.0 / 39_916_800.0);
-    series = r.mul_add(series, 1.0 / 3_628_800.0);
-    series = r.mul_add(series, 1.0 / 362_880.0);
-    series = r.mul_add(series, 1.0 / 40_320.0);
-    series = r.mul_add(series, 1.0 / 5040.0);
-    series = r.mul_add(series, 1.0 / 720.0);
-    series = r.mul_add(series, 1.0 / 120.0);
-    series = r.mul_add(series, 1.0 / 24.0);
-    series = r.mul_add(series, 1.0 / 6.0);
-    series = r.mul_add(series, 1.0 / 2.0);
+    let Reduced { r, series, power } = Reduced::of(x);
     let less_one = (r * r).mul_add(series, r);
-    let power = f64::from_bits(rounded.to_bits().wrapping_add(1023) << 52);
     power.mul_add(less_one, power - 1.0)
+}
+
+/// Below it exponentials lose digits.
+const LOWEST: f64 = -708.0;
+
+/// `x = n ln 2 + r`, with `(eʳ − 1 − r)/r²` and `2ⁿ`.
+struct Reduced {
+    r: f64,
+    series: f64,
+    power: f64,
+}
+
+impl Reduced {
+    /// Of a number above [`LOWEST`], or of that.
+    #[inline(always)]
+    fn of(x: f64) -> Self {
+        // Adding it rounds to an integer, which then stands in the lowest bits.
+        const ROUND: f64 = 1.5 * (1_u64 << 52) as f64;
+        // What ln 2 is beyond its nearest double.
+        const LN_2_LOW: f64 = 2.319_046_813_846_299_6e-17;
+        let kept = if x > LOWEST { x } else { LOWEST };
+        let rounded = kept.mul_add(LOG2_E, ROUND);
+        let n = rounded - ROUND;
+        let r = n.mul_add(-LN_2_LOW, n.mul_add(-LN_2, kept));
+        let mut series = 1.0 / 6_227_020_800.0;
+        series = r.mul_add(series, 1.0 / 479_001_600.0);
+        series = r.mul_add(series, 1.0 / 39_916_800.0);
+        series = r.mul_add(series, 1.0 / 3_628_800.0);
+        series = r.mul_add(series, 1.0 / 362_880.0);
+        series = r.mul_add(series, 1.0 / 40_320.0);
+        series = r.mul_add(series, 1.0 / 5040.0);
+        series = r.mul_add(series, 1.0 / 720.0);
+        series = r.mul_add(series, 1.0 / 120.0);
+        series = r.mul_add(series, 1.0 / 24.0);
+        series = r.mul_add(series, 1.0 / 6.0);
+        series = r.mul_add(series, 1.0 / 2.0);
+        let power = f64::from_bits(rounded.to_bits().wrapping_add(1023) << 52);
+        Reduced { r, series, power }
+    }
 }
 
 /// `tanh x`, within 4 units in the last place; NaN is 1.
@@ -82,29 +80,15 @@ pub(crate) fn tanh(x: f64) -> f64 {
 /// As [`ln`], with the remainder of the quotient and a multiple of `ln 2` that is exact.
 #[inline(always)]
 fn ln_in_two(x: f64) -> [f64; 2] {
-    const HALF_ROOT: u64 = (SQRT_2 / 2.0).to_bits();
-    const BIAS: u64 = 1024;
-    const INTEGER: f64 = (1_u64 << 52) as f64;
     const LN_2_HIGH: f64 = f64::from_bits(0x3fe6_2e42_fee0_0000);
     const LN_2_LOW: f64 = f64::from_bits(0x3dea_39ef_3579_3c76);
-    let bits = x.to_bits();
-    let exponent = bits.wrapping_sub(HALF_ROOT).wrapping_add(BIAS << 52) >> 52;
-    let m = f64::from_bits(bits.wrapping_sub(exponent.wrapping_sub(BIAS) << 52));
-    let e = f64::from_bits(exponent | INTEGER.to_bits()) - (INTEGER + BIAS as f64);
+    let [e, m] = split(x);
     let (difference, sum) = (m - 1.0, m + 1.0);
     let lost = m - (sum - 1.0);
     let s = difference / sum;
     let of_quotient = (-s).mul_add(lost, (-s).mul_add(sum, difference)) / sum;
     let square = s * s;
-    let mut series = 1.0 / 19.0;
-    series = square.mul_add(series, 1.0 / 17.0);
-    series = square.mul_add(series, 1.0 / 15.0);
-    series = square.mul_add(series, 1.0 / 13.0);
-    series = square.mul_add(series, 1.0 / 11.0);
-    series = square.mul_add(series, 1.0 / 9.0);
-    series = square.mul_add(series, 1.0 / 7.0);
-    series = square.mul_add(series, 1.0 / 5.0);
-    series = square.mul_add(series, 1.0 / 3.0);
+    let series = artanh_series(square);
     let (large, small) = (e * LN_2_HIGH, 2.0 * s);
     let high = large + small;
     let low =
@@ -127,6 +111,16 @@ pub(crate) fn log_power(x: f64, y: f64) -> [f64; 2] {
 /// With `x = 2ᵉ m` and `m` between `√½` and `√2`, `ln x = e ln 2 + 2 artanh s` for `s = (m − 1)/(m + 1)`.
 #[inline(always)]
 pub fn ln(x: f64) -> f64 {
+    let [e, m] = split(x);
+    let s = (m - 1.0) / (m + 1.0);
+    let square = s * s;
+    let series = artanh_series(square);
+    e.mul_add(LN_2, (2.0 * s * square).mul_add(series, 2.0 * s))
+}
+
+/// `e` and `m` of a positive normal number `2ᵉ m` with `m` between `√½` and `√2`.
+#[inline(always)]
+fn split(x: f64) -> [f64; 2] {
     const HALF_ROOT: u64 = (SQRT_2 / 2.0).to_bits();
     const BIAS: u64 = 1024;
     // 2⁵² in the exponent's place makes the integer below it a number without a conversion.
@@ -134,9 +128,12 @@ pub fn ln(x: f64) -> f64 {
     let bits = x.to_bits();
     let exponent = bits.wrapping_sub(HALF_ROOT).wrapping_add(BIAS << 52) >> 52;
     let m = f64::from_bits(bits.wrapping_sub(exponent.wrapping_sub(BIAS) << 52));
-    let e = f64::from_bits(exponent | INTEGER.to_bits()) - (INTEGER + BIAS as f64);
-    let s = (m - 1.0) / (m + 1.0);
-    let square = s * s;
+    [f64::from_bits(exponent | INTEGER.to_bits()) - (INTEGER + BIAS as f64), m]
+}
+
+/// `(artanh s − s)/s³` of `s²`.
+#[inline(always)]
+fn artanh_series(square: f64) -> f64 {
     let mut series = 1.0 / 19.0;
     series = square.mul_add(series, 1.0 / 17.0);
     series = square.mul_add(series, 1.0 / 15.0);
@@ -146,7 +143,7 @@ pub fn ln(x: f64) -> f64 {
     series = square.mul_add(series, 1.0 / 7.0);
     series = square.mul_add(series, 1.0 / 5.0);
     series = square.mul_add(series, 1.0 / 3.0);
-    e.mul_add(LN_2, (2.0 * s * square).mul_add(series, 2.0 * s))
+    series
 }
 
 /// `ln(1 + x)`, within 1 unit in the last place as FDLIBM states it. It is −∞ at −1, and NaN below and at NaN.

@@ -4,7 +4,7 @@ use crate::batch::with_scratch;
 
 /// `p(y_i | x)` of one entry of a measurement, and where what was measured lies in it.
 ///
-/// PosteriorEstimates over the particles of a prediction it is `p(y_i | y_{0:t−1})`.
+/// Mixed over the particles of a prediction it is `p(y_i | y_{0:t−1})`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Marginal {
     /// A draw; NaN where it cannot be drawn.

@@ -9,11 +9,11 @@ use motes_proposals::{
     Amortised, Backend, Fingerprint, LearnedPotentials, OnLinePotentials, OtherSystem, SavedError,
     SavedFiles, holds, load, load_to_tune, notes, save, save_both,
 };
-use motes_smc::{ByPotential, LookAhead, LookAheadError, RecordedStep};
+use motes_smc::{ByPotential, LookAhead, RecordedStep};
 use serde::{Deserialize, Serialize};
 
 use crate::error::MotesError;
-use crate::evidence::{AHEAD, EvidenceWorth, LOOK_AHEAD, NETWORK, NOW};
+use crate::evidence::LearnedWorth;
 use crate::model::{Kind, LearnableModel, Model};
 use crate::packed::{pack, unpack};
 
@@ -49,20 +49,8 @@ pub struct PotentialNotes {
     pub gain_now: f64,
     /// Whether filters draw by potentials of their step, instead of by a network for each particle.
     pub filters: bool,
-    /// How well the evidence of simulated sequences is estimated with designed proposals, and with each that was learned.
-    #[serde(default)]
-    pub worth: Vec<EvidenceWorth>,
-}
-
-impl PotentialNotes {
-    /// The best designed proposal for recorded data, and how many times its squared error times work is that of the potentials: above 1, learning pays.
-    pub fn advantage(&self) -> Option<(&str, f64)> {
-        let ahead = self.worth.iter().find(|worth| worth.proposal == AHEAD)?;
-        let designed =
-            self.worth.iter().filter(|worth| ![AHEAD, NOW, NETWORK].contains(&worth.proposal.as_str()));
-        let best = designed.min_by(|a, b| a.inefficiency().total_cmp(&b.inefficiency()))?;
-        Some((&best.proposal, best.inefficiency() / ahead.inefficiency()))
-    }
+    /// What they are worth beside designed proposals, on simulated sequences; nothing before they are judged.
+    pub worth: Option<LearnedWorth>,
 }
 
 /// What the folder of a learned proposal says beside its weights.
@@ -144,10 +132,10 @@ impl LearnedProposal {
         }
     }
 
-    /// Whether the designed potentials did better on simulated sequences, so that recorded data are better looked at by these.
+    /// Whether recorded data are better looked at by the potentials of a smoother.
     pub(crate) fn hands_out_look_ahead(&self) -> bool {
-        let advantage = self.potential_notes().and_then(PotentialNotes::advantage);
-        advantage.is_some_and(|(designed, advantage)| advantage < 1.0 && designed == LOOK_AHEAD)
+        let worth = self.potential_notes().and_then(|notes| notes.worth.as_ref());
+        worth.is_some_and(LearnedWorth::is_behind_look_ahead)
     }
 
     /// The potentials by which a filter draws as measurements come, if it does.
@@ -188,10 +176,10 @@ impl LearnedProposal {
         let Some(learned) = &self.potentials else { return Ok(None) };
         let learnable = learnable(model)?;
         self.check(learnable).map_err(|error| self.refused(&error))?;
-        let found = learned.potentials.look_ahead(learnable, steps);
-        let reason = |error: LookAheadError| error.to_string();
-        let refused = |reason| MotesError::Proposal { proposal: self.name.clone(), reason };
-        found.map(Some).map_err(|error| refused(reason(error)))
+        let found = learned.potentials.look_ahead(learnable, steps).map_err(|error| {
+            MotesError::Proposal { proposal: self.name.clone(), reason: error.to_string() }
+        })?;
+        Ok(Some(found))
     }
 
     /// The same with other notes.

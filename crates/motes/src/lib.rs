@@ -75,8 +75,8 @@ pub use engine::Running;
 pub use error::MotesError;
 pub use estimate::{Coordinate, Estimate, Forecast};
 pub use evidence::{
-    Evidence, EvidenceEstimator, EvidenceOptions, EvidenceWorth, LogEvidence, Pilot, evidence, log_evidence,
-    log_evidence_at,
+    Evidence, EvidenceEstimator, EvidenceOptions, EvidenceWorth, LearnedWorth, LogEvidence, Pilot, evidence,
+    log_evidence, log_evidence_at,
 };
 pub use filtered::Filtered;
 pub use filtering::{filter, of_proposal};

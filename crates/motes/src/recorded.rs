@@ -1,5 +1,6 @@
 //! A series of data as a filter takes it, step by step, and a filter that may know all of it before it starts.
 
+use motes_models::StepRecord;
 use motes_smc::{LookAhead, RecordedStep};
 
 use crate::data::Data;
@@ -8,18 +9,36 @@ use crate::error::MotesError;
 use crate::model::{Kind, Model};
 use crate::options::{FilterOptions, ProposalName};
 
-/// The steps of a series whose rows stand at `places`, each with what is measured then: the last one to a row with all of it, those before with nothing.
+/// The steps of a series whose rows stand at `places`, each with what is measured then.
 pub(crate) fn recorded_steps(data: &Data, places: &[usize]) -> Vec<RecordedStep> {
-    let mut recorded = Vec::with_capacity(places.len());
-    for row in places.iter().map(|at| &data.rows[*at]) {
-        for (number, step) in row.steps.iter().enumerate() {
-            let is_last = number + 1 == row.steps.len();
-            let measurement =
-                if is_last { row.measurement.clone() } else { vec![None; row.measurement.len()] };
-            recorded.push(RecordedStep { step: step.clone(), measurement });
+    let rows = places.iter().map(|at| &data.rows[*at]);
+    rows.flat_map(|row| steps_to_row(&row.steps, &row.measurement)).collect()
+}
+
+/// The steps that lead to a row: the last one with all of its measurement, those before with nothing.
+pub(crate) fn steps_to_row<'a>(
+    steps: &'a [StepRecord],
+    measurement: &'a [Option<f64>],
+) -> impl Iterator<Item = RecordedStep> + 'a {
+    steps.iter().enumerate().map(move |(number, step)| {
+        let is_last = number + 1 == steps.len();
+        let measurement = if is_last { measurement.to_vec() } else { vec![None; measurement.len()] };
+        RecordedStep { step: step.clone(), measurement }
+    })
+}
+
+/// What recorded data are looked at by, where a proposal is asked for: a learned one hands out the potentials of a smoother where these did better.
+///
+/// # Errors
+/// [`MotesError::Proposal`] if it does, and was learned for another model.
+pub(crate) fn of_recorded(proposal: ProposalName, model: &Model) -> Result<ProposalName, MotesError> {
+    match proposal {
+        ProposalName::Learned(learned) if learned.hands_out_look_ahead() => {
+            learned.check_model(model)?;
+            Ok(ProposalName::LookAhead)
         }
+        proposal => Ok(proposal),
     }
-    recorded
 }
 
 /// Potentials of a series, if the proposal has any: by a smoother, or by networks that were learned for the model.
@@ -33,13 +52,7 @@ pub(crate) fn look_ahead(
 ) -> Result<Option<LookAhead>, MotesError> {
     match proposal {
         ProposalName::LookAhead => designed(model, steps).map(Some),
-        ProposalName::Learned(learned) => {
-            learned.check_model(model)?;
-            match learned.hands_out_look_ahead() {
-                true => designed(model, steps).map(Some),
-                false => learned.look_ahead(model, steps),
-            }
-        }
+        ProposalName::Learned(learned) => learned.look_ahead(model, steps),
         _ => Ok(None),
     }
 }
@@ -72,7 +85,8 @@ pub(crate) fn running_over<'m>(
     data: &Data,
     places: &[usize],
 ) -> Result<Running<'m>, MotesError> {
-    let ahead = look_ahead(&options.proposal, model, &recorded_steps(data, places))?;
+    let proposal = of_recorded(options.proposal.clone(), model)?;
+    let ahead = look_ahead(&proposal, model, &recorded_steps(data, places))?;
     Running::with_seed(model, options, Running::seed(options, series), ahead.as_ref())
 }
 

@@ -1,7 +1,7 @@
 //! Proposals that were learned.
 
 use motes::train::LearnObjective;
-use motes::{LearnOptions, LearnedProposal, base_named, head_named, network_named};
+use motes::{LearnOptions, LearnedProposal, LearnedWorth, base_named, head_named, network_named};
 use pyo3::prelude::*;
 
 use crate::arguments::{integer, seed_of, share_of};
@@ -36,11 +36,12 @@ impl Proposal {
         self.0.notes().seconds
     }
 
-    /// The root-mean-square error of the log-evidence of simulated sequences with 100 particles, and the work of a time step, of each that was judged.
+    /// The root-mean-square error of the log-evidence of simulated sequences with 100 particles, of each that was judged.
     #[getter]
-    fn evidence_errors(&self) -> Vec<(String, f64, f64)> {
-        let worth = self.0.potential_notes().map(|notes| notes.worth.as_slice()).unwrap_or_default();
-        worth.iter().map(|worth| (worth.proposal.clone(), worth.error, worth.work)).collect()
+    fn evidence_errors(&self) -> Vec<(String, f64)> {
+        let worth = self.0.potential_notes().and_then(|notes| notes.worth.as_ref());
+        let all = worth.into_iter().flat_map(LearnedWorth::all);
+        all.map(|worth| (worth.proposal.clone(), worth.error)).collect()
     }
 
     /// The designed proposal that did better on validation sequences, if one did.

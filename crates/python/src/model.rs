@@ -48,7 +48,7 @@ type Drawn = Vec<(String, f64)>;
 type Parsed = (String, String, Vec<(String, f64)>, bool);
 
 /// A proposal that was learned, what validation said after so many updates, and how many seconds it took.
-type Learned = (Proposal, Vec<(usize, f64)>, f64);
+type Learned = (Proposal, Vec<(usize, f64)>, Option<String>, f64);
 
 #[pymethods]
 impl Model {
@@ -324,8 +324,8 @@ impl Model {
         let learned = without_lock(py, threads_of(threads)?, &failure.stop, || {
             learn(&model, data, &options, |_, _| failure.asked())
         })?;
-        let LearnOutcome { proposal, history, training_seconds } = failure.or(learned)?;
-        Ok((Proposal(proposal), history.validation, training_seconds))
+        let LearnOutcome { proposal, history, no_potentials, training_seconds } = failure.or(learned)?;
+        Ok((Proposal(proposal), history.validation, no_potentials, training_seconds))
     }
 
     /// Holds a proposal that was learned against the designed ones.

@@ -162,7 +162,7 @@ pub(crate) fn filter_over(
     let (ForCall { model: of_call, failure, .. }, threads) = (&call, call.threads(*threads));
     let (rows, start) = (&data.get().0, Instant::now());
     let values = fitted.get().found.draw_values();
-    let models = values.spread(of_call, draws.min(values.len())).map_err(to_python)?;
+    let models = values.spread(of_call, draws).map_err(to_python)?;
     let mixed = without_lock(py, threads, &failure.stop, || {
         filter_draws(&models, rows, options, &|_| failure.asked())
     })?;

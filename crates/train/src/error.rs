@@ -17,6 +17,14 @@ pub enum TrainError {
         /// What would be right.
         expected: &'static str,
     },
+    /// Of each set of simulated sequences one left the numbers.
+    #[error(
+        "of each of {tries} sets of simulated sequences one runs to numbers that are not finite; look at the model's transition and noise"
+    )]
+    Simulations {
+        /// How many sets were drawn.
+        tries: u64,
+    },
     /// Units are to be left out, and the proposal has none that can be.
     #[error(
         "the share of hidden units that are left out is {share}; it must be 0 for this proposal, which has no unit that can be left out"

@@ -28,6 +28,9 @@ fn commands(help: &str) -> Vec<&str> {
 fn help(motes: &Path, command: &[&str]) -> Result<String, String> {
     let output = Command::new(motes).args(command).arg("--help").output();
     let output = output.map_err(|error| format!("{}: {error}", motes.display()))?;
+    if !output.status.success() {
+        return Err(format!("{} {} --help failed", motes.display(), command.join(" ")));
+    }
     String::from_utf8(output.stdout).map_err(|error| error.to_string())
 }
 

@@ -9,7 +9,7 @@ use super::pages::{CONTENTS, Page, Pages, resolve};
 use super::pictures::{figure, pictures};
 use super::snippets::Python;
 use super::text_file::{read, write};
-use super::transcript::{self, is_as_shown};
+use super::transcript::{self, is_as_shown, updated};
 
 /// What is run; installations and long runs are not.
 const PROGRAMS: [&str; 4] = ["motes", "python3", "cut", "grep"];
@@ -19,7 +19,7 @@ const COPIED: [&str; 2] = ["examples", "experiments/models"];
 
 /// Runs all pages, or those that are named.
 pub(super) fn pages(root: &Path, motes: &Path, only: &[String], update: bool) -> Result<(), String> {
-    let python = Python::find(root);
+    let python = Python::find(root)?;
     if python.is_none() {
         println!("docs: Python code is left out: cargo xtask python has not built the package here");
     }
@@ -72,9 +72,12 @@ impl<'a> Run<'a> {
             from = block.lines.end;
             for mut command in transcript::commands(content) {
                 if command.line.split(' ').next().is_some_and(|program| PROGRAMS.contains(&program)) {
-                    let Some(printed) = self.run(&command.line)? else {
-                        println!("docs: the rest of {} is left out: {} failed", self.page, command.line);
-                        return Ok(());
+                    let printed = match self.run(&command.line)? {
+                        Ok(printed) => printed,
+                        Err(said) => {
+                            println!("docs: the rest of {} is left out: {}: {said}", self.page, command.line);
+                            return Ok(());
+                        }
                     };
                     self.compare(&mut command, &printed)?;
                     report = report_of(&command.line).map(|name| self.folder.join(name)).or(report);
@@ -99,8 +102,8 @@ impl<'a> Run<'a> {
         Ok(())
     }
 
-    /// What a command prints; nothing where data cannot be fetched, as without a network.
-    fn run(&self, line: &str) -> Result<Option<String>, String> {
+    /// What a command prints; its last line where data cannot be fetched, as without a network.
+    fn run(&self, line: &str) -> Result<Result<String, String>, String> {
         let beside = self.motes.parent().unwrap_or(self.root).as_os_str();
         let mut path = beside.to_os_string();
         path.push(":");
@@ -111,8 +114,8 @@ impl<'a> Run<'a> {
         let output = output.map_err(|error| format!("sh: {error}"))?;
         let printed = String::from_utf8_lossy(&output.stdout).into_owned();
         match (output.status.success(), line.starts_with("python3 ")) {
-            (true, _) => Ok(Some(printed)),
-            (false, true) => Ok(None),
+            (true, _) => Ok(Ok(printed)),
+            (false, true) => Ok(Err(printed.trim_end().lines().last().unwrap_or("it failed").into())),
             (false, false) => Err(format!("{}: {line}\n{printed}", self.page)),
         }
     }
@@ -130,15 +133,24 @@ impl<'a> Run<'a> {
                 self.page, command.line
             ));
         }
-        command.prints = lines.into_iter().map(String::from).collect();
+        if lines.is_empty() {
+            return Err(format!("{}: {} prints nothing any more", self.page, command.line));
+        }
+        command.prints = updated(&command.prints, &lines);
         Ok(())
     }
 
     /// Each picture is the figure of the report that it is said to be, or becomes so.
     fn hold_pictures(&self, text: &str, report: Option<&Path>) -> Result<(), String> {
-        let Some(report) = report else { return Ok(()) };
+        let pictures = pictures(text);
+        let Some(report) = report else {
+            return match pictures.is_empty() {
+                true => Ok(()),
+                false => Err(format!("{}: a picture has a title, and no command writes a report", self.page)),
+            };
+        };
         let report_text = read(report)?;
-        for picture in pictures(text) {
+        for picture in pictures {
             let Some(svg) = figure(&report_text, picture.figure) else {
                 return Err(format!("{}: the report has no figure {:?}", self.page, picture.figure));
             };

@@ -10,12 +10,14 @@ pub(super) struct Python {
 }
 
 impl Python {
-    /// That of the environment of `cargo xtask python`, where the package is built.
-    pub(super) fn find(root: &Path) -> Option<Self> {
+    /// That of the environment of `cargo xtask python`; none where that was never made, `Err` where its package does not load.
+    pub(super) fn find(root: &Path) -> Result<Option<Self>, String> {
         let package = root.join("crates/python/python");
         let python = Python { program: root.join("target/python/bin/python"), package };
-        let asked = python.command(&["-c", "import motes"]).stderr(std::process::Stdio::null()).status();
-        asked.is_ok_and(|status| status.success()).then_some(python)
+        if !python.program.exists() {
+            return Ok(None);
+        }
+        python.run(root, "import motes").map(|()| Some(python))
     }
 
     fn command(&self, arguments: &[&str]) -> Command {
@@ -24,7 +26,7 @@ impl Python {
         command
     }
 
-    /// Runs the code of a page in a folder; `Err` is what it said last.
+    /// Runs code in a folder; `Err` is what it said.
     pub(super) fn run(&self, folder: &Path, code: &str) -> Result<(), String> {
         let output = self.command(&["-c", code]).current_dir(folder).output();
         let output = output.map_err(|error| format!("{}: {error}", self.program.display()))?;
@@ -32,7 +34,7 @@ impl Python {
             true => Ok(()),
             false => {
                 let said = String::from_utf8_lossy(&output.stderr);
-                Err(said.trim_end().lines().last().unwrap_or("Python failed").to_string())
+                Err(format!("{} failed: {}", self.program.display(), said.trim_end()))
             }
         }
     }

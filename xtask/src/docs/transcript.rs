@@ -34,6 +34,27 @@ pub(super) fn is_as_shown(shown: &[String], printed: &[&str]) -> bool {
         .is_some_and(|(line, others)| is_line_as_shown(first, line) && is_as_shown(rest, others))
 }
 
+/// What is printed, with `…` where the page shows it: for lines that are left out, and for what differs from run to run.
+pub(super) fn updated(shown: &[String], printed: &[&str]) -> Vec<String> {
+    let omitted = shown.iter().position(|line| line == "…").map(|at| [at, shown.len() - at - 1]);
+    let lines: Vec<&str> = match omitted {
+        Some([before, after]) if before + after <= printed.len() => {
+            let (start, end) = (&printed[..before], &printed[printed.len() - after..]);
+            start.iter().chain(&["…"]).chain(end).copied().collect()
+        }
+        _ => printed.to_vec(),
+    };
+    let of_line = |(at, line): (usize, &str)| match shown.get(at) {
+        Some(shown) if is_line_as_shown(shown, line) => shown.clone(),
+        // Seconds.
+        Some(shown) if shown.ends_with("; … s") && line.ends_with(" s") => {
+            line.rsplit_once("; ").map_or(line.into(), |(start, _)| format!("{start}; … s"))
+        }
+        _ => line.into(),
+    };
+    lines.into_iter().enumerate().map(of_line).collect()
+}
+
 fn is_line_as_shown(shown: &str, printed: &str) -> bool {
     let mut parts = shown.split('…');
     let Some(mut rest) = parts.next().and_then(|start| printed.strip_prefix(start)) else { return false };
@@ -47,7 +68,7 @@ fn is_line_as_shown(shown: &str, printed: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::{Command, commands, is_as_shown};
+    use super::{Command, commands, is_as_shown, updated};
 
     #[test]
     fn commands_have_what_they_print() {
@@ -67,5 +88,13 @@ mod tests {
         assert!(is(&["a … c", "…", "end"], &["a b c", "x", "y", "end"]));
         assert!(is(&["in … s, … left"], &["in 2 s, 3 left"]));
         assert!(!is(&["a … c"], &["a b d"]) && !is(&["a"], &["a", "b"]) && !is(&["a", "…", "b"], &["a"]));
+    }
+
+    #[test]
+    fn what_is_updated_keeps_what_is_left_out() {
+        let shown = ["one 1; … s", "…", "end 1"].map(String::from);
+        let found = updated(&shown, &["one 2; 3.0 s", "two", "three", "end 2"]);
+        assert_eq!(found, ["one 2; … s", "…", "end 2"]);
+        assert_eq!(updated(&["a …".into()], &["a b"]), ["a …"]);
     }
 }

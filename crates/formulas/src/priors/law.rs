@@ -41,8 +41,8 @@ impl Truncated {
         let v = if self.is_mirrored { -v } else { v };
         let [low, high] = self.below;
         let p = low + (high - low) * Scalar::normal_cdf(v);
-        // Rounding can lead past the end.
-        let v = normal_quantile(p.min(1.0));
+        // Rounding can lead past the end; what is no number stays none.
+        let v = normal_quantile(if p > 1.0 { 1.0 } else { p });
         let x = self.law.at_one(if self.is_mirrored { -v } else { v });
         x.clamp(self.ends[0], self.ends[1])
     }

@@ -12,6 +12,9 @@ const FEW: usize = 24;
 /// How many moments are kept: more than the sub-steps that most steps have.
 const PLACES: usize = 64;
 
+/// What lies between the places of two programs, whose numbers follow each other: transition and measurement of a model would take each other's.
+const SPREAD: usize = 37;
+
 /// What a program computed for a moment.
 #[derive(Default)]
 struct PlainNumbers {
@@ -23,9 +26,7 @@ struct PlainNumbers {
 
 impl PlainNumbers {
     fn is_of(&self, program: u64, moment: &Moment<'_>) -> bool {
-        self.program == program
-            && self.moment.len() == moment.bits().count()
-            && moment.bits().eq(self.moment.iter().copied())
+        self.program == program && moment.bits().eq(self.moment.iter().copied())
     }
 }
 
@@ -55,7 +56,7 @@ pub(super) fn with_plain<R>(
             work(plain)
         });
     }
-    let place = (program.number as usize).wrapping_add(sub_step) % PLACES;
+    let place = (program.number as usize).wrapping_mul(SPREAD).wrapping_add(sub_step) % PLACES;
     // Taken, not borrowed: what works with them may ask for others.
     let mut kept = take(place);
     if !kept.is_of(program.number, &moment) {

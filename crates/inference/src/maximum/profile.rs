@@ -33,20 +33,20 @@ pub struct Profile {
 pub struct ProfilePoint {
     /// The coordinate.
     pub v: f64,
-    /// The largest log-likelihood over the others.
+    /// The largest log-likelihood over the others: of estimates the mean of `log ẑ`, which is lower than the log-likelihood by half of their variance.
     pub log_likelihood: f64,
     /// Its standard error.
     pub standard_error: f64,
 }
 
 /// A likelihood with one of its parameters given.
-struct Given<'a, L> {
+struct SliceLikelihood<'a, L> {
     likelihood: &'a L,
     at: usize,
     value: f64,
 }
 
-impl<L> Given<'_, L> {
+impl<L> SliceLikelihood<'_, L> {
     fn all(&self, rest: &[f64]) -> Vec<f64> {
         let mut v = rest.to_vec();
         v.insert(self.at, self.value);
@@ -54,7 +54,7 @@ impl<L> Given<'_, L> {
     }
 }
 
-impl<L: Likelihood> Likelihood for Given<'_, L> {
+impl<L: Likelihood> Likelihood for SliceLikelihood<'_, L> {
     type Error = L::Error;
 
     fn dimension(&self) -> usize {
@@ -90,7 +90,7 @@ pub(super) fn profile<L: Likelihood>(
     for step in -POINTS.0..=POINTS.0 {
         let u = f64::from(step) * POINTS.1;
         let value = best.v[at] + u * sd;
-        let given = Given { likelihood, at, value };
+        let given = SliceLikelihood { likelihood, at, value };
         let seed = seed.nth((step + POINTS.0) as u64);
         let (height, error) = match others.is_empty() {
             true => alone(&given, best.estimator, &seed)?,
@@ -107,6 +107,9 @@ pub(super) fn profile<L: Likelihood>(
                 }
             }
         };
+        if !height.is_finite() {
+            continue;
+        }
         points.push((vec![u], height, 1.0 / (error * error + 0.05)));
         found.push(ProfilePoint { v: value, log_likelihood: height, standard_error: error });
     }
@@ -176,7 +179,7 @@ fn conditional(best: &Maximum, at: usize, others: &[usize]) -> Option<Vec<f64>> 
 
 /// The log-likelihood where nothing is left to be found: the mean of some estimates, and its error.
 fn alone<L: Likelihood>(
-    given: &Given<'_, L>,
+    given: &SliceLikelihood<'_, L>,
     estimator: Estimator,
     seed: &Seed,
 ) -> Result<(f64, f64), L::Error> {

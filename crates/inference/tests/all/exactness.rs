@@ -18,14 +18,14 @@ struct Question {
 }
 
 /// A likelihood that keeps all questions.
-struct Asked {
+struct Questions {
     line: Line,
     questions: Mutex<Vec<Question>>,
 }
 
-impl Asked {
+impl Questions {
     fn new() -> Self {
-        Asked { line: Line::new(60.0), questions: Mutex::new(Vec::new()) }
+        Questions { line: Line::new(60.0), questions: Mutex::new(Vec::new()) }
     }
 
     fn take(&self) -> Vec<Question> {
@@ -33,7 +33,7 @@ impl Asked {
     }
 }
 
-impl Likelihood for Asked {
+impl Likelihood for Questions {
     type Error = Infallible;
 
     fn dimension(&self) -> usize {
@@ -53,7 +53,7 @@ impl Likelihood for Asked {
 }
 
 /// A fit with noise, at the first of its kept draws.
-fn warmed_up(likelihood: &Asked) -> Posterior {
+fn warmed_up(likelihood: &Questions) -> Posterior {
     let settings = PosteriorSettings { draws: Some(500), ..PosteriorSettings::default() };
     let mut posterior = Posterior::new(likelihood, settings, 1).expect("it can be fitted");
     while posterior.stage() != Stage::Sampling {
@@ -62,7 +62,7 @@ fn warmed_up(likelihood: &Asked) -> Posterior {
     posterior
 }
 
-fn finish(posterior: &mut Posterior, likelihood: &Asked) {
+fn finish(posterior: &mut Posterior, likelihood: &Questions) {
     while posterior.stage() != Stage::Done {
         posterior.advance(likelihood).expect("nothing can fail");
     }
@@ -71,7 +71,7 @@ fn finish(posterior: &mut Posterior, likelihood: &Asked) {
 /// Catches an estimate that is drawn anew for where a chain is: such a chain has another distribution than the posterior.
 #[test]
 fn an_estimate_belongs_to_a_position_until_it_is_left() {
-    let likelihood = Asked::new();
+    let likelihood = Questions::new();
     let mut posterior = warmed_up(&likelihood);
     let before = likelihood.take();
     finish(&mut posterior, &likelihood);
@@ -92,7 +92,7 @@ fn an_estimate_belongs_to_a_position_until_it_is_left() {
 /// Catches chains that share a stream, and estimates that share their random numbers.
 #[test]
 fn no_two_moves_and_no_two_estimates_share_random_numbers() {
-    let likelihood = Asked::new();
+    let likelihood = Questions::new();
     let mut posterior = warmed_up(&likelihood);
     let before = likelihood.take();
     finish(&mut posterior, &likelihood);
@@ -110,7 +110,7 @@ fn no_two_moves_and_no_two_estimates_share_random_numbers() {
 /// Catches an adaptation that does not stop: moves that depend on all draws before them leave nothing as it is.
 #[test]
 fn moves_and_particles_are_frozen_after_the_warm_up() {
-    let likelihood = Asked::new();
+    let likelihood = Questions::new();
     let mut posterior = warmed_up(&likelihood);
     let frozen = |posterior: &Posterior| {
         let written = Value::serialized(posterior).expect("it can be written down");

@@ -63,9 +63,13 @@ fn is_rare_tangent(x: f64) -> bool {
 /// Whether [`pow`] needs the standard library.
 #[inline(always)]
 fn is_rare_power(x: f64, y: f64) -> bool {
+    // Adding it rounds to an integer.
+    const ROUND: f64 = 1.5 * (1_u64 << 52) as f64;
     let [exponent, _] = elementary::log_power(x, y);
+    // Powers of integers and square roots may be exact, which the product of a logarithm is not.
+    let may_be_exact = ((y + ROUND) - ROUND == y) | (y == 0.5) | (y == -0.5);
     // Larger powers would magnify what rounding took from the logarithm.
-    is_rare_logarithm(x) | !(y > -64.0 && y < 64.0) | is_rare_exponent(exponent)
+    is_rare_logarithm(x) | !(y > -64.0 && y < 64.0) | may_be_exact | is_rare_exponent(exponent)
 }
 
 /// `x^y` where `x` and the power are common.
@@ -104,7 +108,9 @@ pub(super) fn pow_of_all<const W: usize>(bases: &[f64; W], exponents: &[f64; W])
     );
     if is_rare {
         for (found, (&x, &y)) in found.iter_mut().zip(bases.iter().zip(exponents)) {
-            *found = pow(x, y);
+            if is_rare_power(x, y) {
+                *found = x.powf(y);
+            }
         }
     }
     found

@@ -13,9 +13,9 @@ use motes_models::{
 
 /// Three kinds of states, two of measurements; one of them has its scale from a state.
 #[derive(Clone, Copy)]
-struct PosteriorEstimates;
+struct ThreeDraws;
 
-impl Equations for PosteriorEstimates {
+impl Equations for ThreeDraws {
     fn dimensions(&self) -> [usize; 2] {
         [3, 2]
     }
@@ -97,19 +97,19 @@ fn columns(rows: &[Row]) -> Vec<BatchDistribution> {
 
 impl BatchEquations for InColumns {
     fn dimensions(&self) -> [usize; 2] {
-        PosteriorEstimates.dimensions()
+        ThreeDraws.dimensions()
     }
 
     fn initial(&self) -> Option<Vec<BatchDistribution>> {
         let mut row = Row::default();
-        Step::of_index(0).lift(|step| PosteriorEstimates.initial(step, &mut row, &mut point(&[0.0; 3])));
+        Step::of_index(0).lift(|step| ThreeDraws.initial(step, &mut row, &mut point(&[0.0; 3])));
         Some(columns(&[row]))
     }
 
     fn transition(&self, step: &Step<'_>, previous: &[f64], _: bool) -> Option<Vec<BatchDistribution>> {
         let of_row = |row: &[f64]| {
             let mut found = Row::default();
-            step.lift(|step| PosteriorEstimates.transition(step, &point(row), &mut found, &mut point(row)));
+            step.lift(|step| ThreeDraws.transition(step, &point(row), &mut found, &mut point(row)));
             found
         };
         Some(columns(&previous.chunks_exact(3).map(of_row).collect::<Vec<_>>()))
@@ -118,7 +118,7 @@ impl BatchEquations for InColumns {
     fn measurement(&self, step: &Step<'_>, states: &[f64], _: bool) -> Option<Vec<BatchDistribution>> {
         let of_row = |row: &[f64]| {
             let mut found = Row::default();
-            step.lift(|step| PosteriorEstimates.measurement(step, &point(row), &mut found));
+            step.lift(|step| ThreeDraws.measurement(step, &point(row), &mut found));
             found
         };
         Some(columns(&states.chunks_exact(3).map(of_row).collect::<Vec<_>>()))
@@ -135,7 +135,7 @@ fn batched(has_slopes: bool) -> Batched {
 
 /// States and measurements of one time.
 fn step(particles: usize) -> [Vec<f64>; 3] {
-    let mut steps = OwnSteps::new(&PosteriorEstimates, particles, &Seed::from_u64(5)).unwrap();
+    let mut steps = OwnSteps::new(&ThreeDraws, particles, &Seed::from_u64(5)).unwrap();
     steps.advance().unwrap();
     let step = steps.advance().unwrap();
     [step.previous.unwrap().to_vec(), step.states.to_vec(), step.measurements.to_vec()]
@@ -150,7 +150,7 @@ fn draws_and_densities_are_the_same_to_the_last_bit() {
     let model = batched(false);
     assert_eq!(
         simulate(&model, 20, &mut Seed::from_u64(1).stream()).unwrap(),
-        simulate(&PosteriorEstimates, 20, &mut Seed::from_u64(1).stream()).unwrap()
+        simulate(&ThreeDraws, 20, &mut Seed::from_u64(1).stream()).unwrap()
     );
     for particles in [1, 31, 33, 500] {
         let [previous, states, measurements] = step(particles);
@@ -180,7 +180,7 @@ fn draws_and_densities_are_the_same_to_the_last_bit() {
                 model.density().unwrap().log_density(&Step::of_index(1), Some(&previous[..3]), &states[..3]);
             bits(&[drawn, later, counted, densities.concat()].concat())
         };
-        assert_eq!(of(&model), of(&PosteriorEstimates), "{particles} particles");
+        assert_eq!(of(&model), of(&ThreeDraws), "{particles} particles");
     }
 }
 
@@ -239,7 +239,7 @@ fn of_tiles(model: &dyn AllOfIt, previous: &[f64], states: &[f64], is_foreseen: 
 fn tiles_are_the_same_whether_they_were_foreseen_or_not() {
     for particles in [32, 45, 300] {
         let [previous, states, _] = step(particles);
-        let expected = of_tiles(&PosteriorEstimates, &previous, &states, false);
+        let expected = of_tiles(&ThreeDraws, &previous, &states, false);
         for (has_slopes, is_foreseen) in [(true, true), (true, false), (false, true), (false, false)] {
             let found = of_tiles(&batched(has_slopes), &previous, &states, is_foreseen);
             assert_eq!(bits(&found[0]), bits(&expected[0]), "{particles}, {has_slopes}, {is_foreseen}");
@@ -267,7 +267,7 @@ fn an_answer_for_some_particles_is_none_for_others() {
         let mut others = states.clone();
         others[..3].copy_from_slice(&states[last..]);
         other[..3].copy_from_slice(&previous[96..99]);
-        let expected = of_tiles(&PosteriorEstimates, &other, &others[..96], false);
+        let expected = of_tiles(&ThreeDraws, &other, &others[..96], false);
         let found = of_tiles(&model, &other, &others[..96], true);
         assert_eq!(bits(&found[0]), bits(&expected[0]), "{has_slopes}");
     }
@@ -290,8 +290,8 @@ fn an_answer_for_some_particles_is_none_for_others() {
         [slopes, information].concat()
     };
     model.log_likelihood(&Step::of_index(0), &states[..3], &[2.0, 0.4]).unwrap();
-    assert_eq!(bits(&scores(&model)), bits(&scores(&PosteriorEstimates)));
-    assert_eq!(bits(&scores(&model)), bits(&scores(&PosteriorEstimates)), "asked again");
+    assert_eq!(bits(&scores(&model)), bits(&scores(&ThreeDraws)));
+    assert_eq!(bits(&scores(&model)), bits(&scores(&ThreeDraws)), "asked again");
 }
 
 fn near(found: &[f64], expected: &[f64]) {
@@ -312,7 +312,7 @@ fn gradients_follow_from_derivatives_of_parameters() {
         model.likelihood_gradients(&Step::of_index(1), &states, &measurements[..2], likelihood);
         found.concat()
     };
-    near(&of(&batched(true)), &of(&PosteriorEstimates));
+    near(&of(&batched(true)), &of(&ThreeDraws));
     assert!(batched(true).has_gradients() && !batched(false).has_gradients());
     assert!(of(&batched(false)).iter().skip(states.len()).all(|slope| slope.is_nan()));
 }
@@ -320,9 +320,9 @@ fn gradients_follow_from_derivatives_of_parameters() {
 #[test]
 fn its_graph_is_that_of_the_formulas() {
     let seed = Seed::from_u64(3);
-    let expected = SystemGraph::of_dependences(&PosteriorEstimates, &seed);
+    let expected = SystemGraph::of_dependences(&ThreeDraws, &seed);
     assert_eq!(SystemGraph::of_dependences(&batched(true), &seed), expected);
-    assert_eq!(ModelShape::of(&batched(false)), ModelShape::of(&PosteriorEstimates));
+    assert_eq!(ModelShape::of(&batched(false)), ModelShape::of(&ThreeDraws));
     assert!(!Transport::is_affine(&batched(false)));
 }
 

@@ -11,9 +11,9 @@ use motes_models::{
 };
 
 /// Two coordinates that depend on each other, and a measurement of every kind.
-struct PosteriorEstimates;
+struct ThreeDraws;
 
-impl Equations for PosteriorEstimates {
+impl Equations for ThreeDraws {
     fn dimensions(&self) -> [usize; 2] {
         [2, 6]
     }
@@ -40,24 +40,19 @@ impl Equations for PosteriorEstimates {
 
 #[test]
 fn gradients_are_those_of_differences() {
-    let report = check_gradients(&PosteriorEstimates, 4, 1e-5, &mut Seed::from_u64(3).stream()).unwrap();
+    let report = check_gradients(&ThreeDraws, 4, 1e-5, &mut Seed::from_u64(3).stream()).unwrap();
     assert!(report.compared > 10 * report.skipped, "{report:?}");
 }
 
 #[test]
 fn a_batch_has_the_densities_and_gradients_of_its_rows() {
     let seed = Seed::from_u64(4);
-    let data = simulate(&PosteriorEstimates, 3, &mut seed.child("data").stream()).unwrap();
+    let data = simulate(&ThreeDraws, 3, &mut seed.child("data").stream()).unwrap();
     // More than a tile, and not whole ones.
     let count = 77;
     let (mut before, mut now) = (vec![0.0; 2 * count], vec![0.0; 2 * count]);
-    PosteriorEstimates.sample_states(
-        &Step::of_index(0),
-        None,
-        &mut [seed.child("before").stream()],
-        &mut before,
-    );
-    PosteriorEstimates.sample_states(
+    ThreeDraws.sample_states(&Step::of_index(0), None, &mut [seed.child("before").stream()], &mut before);
+    ThreeDraws.sample_states(
         &Step::of_index(1),
         Some(Rows::all(&before, 2)),
         &mut [seed.child("now").stream()],
@@ -66,14 +61,14 @@ fn a_batch_has_the_densities_and_gradients_of_its_rows() {
     let y = data.measurements.row(1);
     let mut batch = vec![0.0; count];
     let row = |all: &[f64], k: usize| all[2 * k..2 * k + 2].to_vec();
-    PosteriorEstimates.density().unwrap().log_densities(&Step::of_index(0), None, &before, &mut batch);
+    ThreeDraws.density().unwrap().log_densities(&Step::of_index(0), None, &before, &mut batch);
     (0..count).for_each(|k| {
         assert_eq!(
             batch[k],
-            PosteriorEstimates.density().unwrap().log_density(&Step::of_index(0), None, &row(&before, k))
+            ThreeDraws.density().unwrap().log_density(&Step::of_index(0), None, &row(&before, k))
         )
     });
-    PosteriorEstimates.density().unwrap().log_densities(
+    ThreeDraws.density().unwrap().log_densities(
         &Step::of_index(1),
         Some(Rows::all(&before, 2)),
         &now,
@@ -82,7 +77,7 @@ fn a_batch_has_the_densities_and_gradients_of_its_rows() {
     (0..count).for_each(|k| {
         assert_eq!(
             batch[k],
-            PosteriorEstimates.density().unwrap().log_density(
+            ThreeDraws.density().unwrap().log_density(
                 &Step::of_index(1),
                 Some(&row(&before, k)),
                 &row(&now, k)
@@ -90,14 +85,14 @@ fn a_batch_has_the_densities_and_gradients_of_its_rows() {
         )
     });
     let entries: Vec<Option<f64>> = y.iter().copied().map(Some).collect();
-    PosteriorEstimates.log_likelihoods(&Step::of_index(1), &now, &entries, &mut batch).unwrap();
+    ThreeDraws.log_likelihoods(&Step::of_index(1), &now, &entries, &mut batch).unwrap();
     (0..count).for_each(|k| {
-        assert_eq!(batch[k], PosteriorEstimates.log_likelihood(&Step::of_index(1), &row(&now, k), y).unwrap())
+        assert_eq!(batch[k], ThreeDraws.log_likelihood(&Step::of_index(1), &row(&now, k), y).unwrap())
     });
     let (mut all, mut one) = (vec![0.0; 2 * count], vec![0.0; 2]);
-    PosteriorEstimates.likelihood_gradients(&Step::of_index(1), &now, y, &mut all);
+    ThreeDraws.likelihood_gradients(&Step::of_index(1), &now, y, &mut all);
     for k in 0..count {
-        PosteriorEstimates.likelihood_gradients(&Step::of_index(1), &row(&now, k), y, &mut one);
+        ThreeDraws.likelihood_gradients(&Step::of_index(1), &row(&now, k), y, &mut one);
         assert_eq!(row(&all, k), one);
     }
 }
@@ -109,7 +104,7 @@ fn a_stream_draws_the_same_beside_others() {
         let draw = |streams: &mut [Stream]| {
             let mut states = vec![0.0; 2 * streams.len() * each];
             let previous = Rows::all(&previous[..states.len()], 2);
-            PosteriorEstimates.sample_states(&Step::of_index(2), Some(previous), streams, &mut states);
+            ThreeDraws.sample_states(&Step::of_index(2), Some(previous), streams, &mut states);
             states
         };
         let all = draw(&mut Seed::from_u64(5).streams(4));
@@ -123,15 +118,15 @@ fn a_stream_draws_the_same_beside_others() {
 #[test]
 fn missing_entries_integrate_to_one() {
     let state = [0.4, 1.3];
-    let data = simulate(&PosteriorEstimates, 1, &mut Seed::from_u64(6).stream()).unwrap();
+    let data = simulate(&ThreeDraws, 1, &mut Seed::from_u64(6).stream()).unwrap();
     let whole = data.measurements.row(0);
     let weigh = |measurement: &[Option<f64>]| {
         let mut out = [0.0];
-        PosteriorEstimates.log_likelihoods(&Step::of_index(0), &state, measurement, &mut out).unwrap();
+        ThreeDraws.log_likelihoods(&Step::of_index(0), &state, measurement, &mut out).unwrap();
         out[0]
     };
     let all: Vec<Option<f64>> = whole.iter().copied().map(Some).collect();
-    assert_eq!(weigh(&all), PosteriorEstimates.log_likelihood(&Step::of_index(0), &state, whole).unwrap());
+    assert_eq!(weigh(&all), ThreeDraws.log_likelihood(&Step::of_index(0), &state, whole).unwrap());
     assert_eq!(weigh(&[None; 6]), 0.0);
     // The marginal is the integral, or the sum, over the entry that is missing.
     for (missing, points, step) in
@@ -143,7 +138,7 @@ fn missing_entries_integrate_to_one() {
         let sum: f64 = points
             .map(|i| {
                 filled[missing] = f64::from(i) * step;
-                PosteriorEstimates.log_likelihood(&Step::of_index(0), &state, &filled).unwrap().exp() * step
+                ThreeDraws.log_likelihood(&Step::of_index(0), &state, &filled).unwrap().exp() * step
             })
             .sum();
         assert!(
@@ -297,7 +292,7 @@ fn a_stated_model_is_a_model_like_others() {
     fn asked<M: StateSpaceModel + Simulator + StateGradients>(model: &M) -> usize {
         model.state_dim()
     }
-    assert_eq!(asked(&PosteriorEstimates), 2);
+    assert_eq!(asked(&ThreeDraws), 2);
     fn by_hand<M: StateSpaceModel>() {}
     by_hand::<LinearGaussian>();
 }

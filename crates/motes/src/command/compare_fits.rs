@@ -31,6 +31,16 @@ pub(super) fn run(
                     --parameters b-fit, in the order of the models";
         return Err(Failure::new(2, line));
     };
+    if data == Path::new("-") {
+        return Err(Failure::new(
+            2,
+            "-: two models read the data, and standard input can be read once; name a file",
+        ));
+    }
+    if !args.model.set.is_empty() {
+        let line = "--set: two fitted models have the parameters of their fits; leave it out";
+        return Err(Failure::new(2, line));
+    }
     if args.report.is_some() || !args.proposals.is_empty() {
         return Err(Failure::new(2, "two fitted models have no card: leave --report and --proposals out"));
     }

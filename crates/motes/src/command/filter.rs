@@ -11,7 +11,7 @@ use motes_cli::{Interrupt, status};
 use super::args::FilterArgs;
 use super::failure::Failure;
 use super::filter_page::page;
-use super::fitted_args::Parametrised;
+use super::fitted_args::ModelAtFit;
 use super::mixture::{self, MixtureRequest};
 use super::progress::Progress;
 use super::say::{say_ignored, warn, write};
@@ -20,7 +20,7 @@ use super::summary::in_one_line;
 
 pub(super) fn run(args: &FilterArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
     args.output.check()?;
-    let Parametrised { model, draws } = args.fitted.of(args.model.read_beside(Some(&args.data))?)?;
+    let ModelAtFit { model, draws } = args.fitted.of(args.model.read_beside(Some(&args.data))?)?;
     let ahead = args.inputs.as_ref().map(|path| Data::open_inputs(path, &model)).transpose()?;
     let options = args.settings.options(&model, args.model.seed, args.forecast)?;
     let options = FilterOptions { ahead: ahead.map(Arc::new), predictive: args.predictive, ..options };

@@ -37,7 +37,7 @@ pub(super) fn run(args: &FitArgs, interrupt: &Interrupt) -> Result<u8, Failure> 
         let output = Output::File(path.clone());
         output.check().map_err(|source| MotesError::Output { file: output.name(), source })?;
     }
-    let asked = Asked { args, model: &model, data: &data, options: &options, interrupt };
+    let asked = FitRequest { args, model: &model, data: &data, options: &options, interrupt };
     let start = Instant::now();
     let found = match args.method {
         Method::Posterior => asked.posterior(),
@@ -45,7 +45,7 @@ pub(super) fn run(args: &FitArgs, interrupt: &Interrupt) -> Result<u8, Failure> 
     }?;
     let seconds = start.elapsed().as_secs_f64();
     let exit_status = warn(&found.warnings, args.model.quiet, args.strict);
-    write(&Output::Standard, &if args.json { (found.json)(Some(seconds)) } else { found.text })?;
+    write(&Output::Standard, &if args.json { (found.json)(seconds) } else { found.text })?;
     if !args.model.quiet {
         status(&format!("motes: {}; {seconds:.1} s", in_one_line(&found.figures)));
     }
@@ -53,15 +53,15 @@ pub(super) fn run(args: &FitArgs, interrupt: &Interrupt) -> Result<u8, Failure> 
 }
 
 /// What a fit found, as it is said.
-struct Found {
+struct FitOutput {
     text: String,
-    json: Box<dyn Fn(Option<f64>) -> String>,
+    json: Box<dyn FnOnce(f64) -> String>,
     figures: Vec<(String, String)>,
     warnings: Vec<Warning>,
 }
 
 /// What is to be fitted.
-struct Asked<'a> {
+struct FitRequest<'a> {
     args: &'a FitArgs,
     model: &'a Model,
     data: &'a Data,
@@ -70,7 +70,7 @@ struct Asked<'a> {
 }
 
 /// Where a fit stands, written down now and then, and where it is stopped.
-struct Kept<'a> {
+struct FitState<'a> {
     folder: &'a FitFolder,
     interrupt: &'a Interrupt,
     last: Cell<Instant>,
@@ -79,7 +79,7 @@ struct Kept<'a> {
     is_stopped: Cell<bool>,
 }
 
-impl Kept<'_> {
+impl FitState<'_> {
     /// Writes it down if it is time to, or if it stops here.
     fn keep(&self, state: &impl Serialize, is_stopped: bool) -> Result<(), MotesError> {
         let is_interrupted = self.interrupt.check().is_break();
@@ -98,7 +98,7 @@ impl Kept<'_> {
     }
 }
 
-impl Asked<'_> {
+impl FitRequest<'_> {
     fn folder(&self, record: FitRecord) -> Result<FitFolder, MotesError> {
         FitFolder::open(&self.args.output, record)
     }
@@ -114,12 +114,12 @@ impl Asked<'_> {
     fn fitted<R: Send>(
         &self,
         folder: &FitFolder,
-        work: impl FnOnce(&Kept<'_>) -> Result<R, MotesError> + Send,
+        work: impl FnOnce(&FitState<'_>) -> Result<R, MotesError> + Send,
     ) -> Result<(R, bool), Failure> {
         let (fitted, is_stopped) = on_threads(self.args.model.threads, || {
             let (interrupt, last) = (self.interrupt, Cell::new(Instant::now()));
             let cost = Cell::new(Duration::ZERO);
-            let kept = Kept { folder, interrupt, last, cost, is_stopped: Cell::new(false) };
+            let kept = FitState { folder, interrupt, last, cost, is_stopped: Cell::new(false) };
             let fitted = work(&kept);
             (fitted, kept.is_stopped.get())
         })?;
@@ -143,8 +143,8 @@ impl Asked<'_> {
         }
     }
 
-    fn posterior(&self) -> Result<Found, Failure> {
-        let Asked { args, model, data, options, interrupt } = self;
+    fn posterior(&self) -> Result<FitOutput, Failure> {
+        let FitRequest { args, model, data, options, interrupt } = self;
         if !options.profiles.is_empty() {
             return Err(Failure::new(
                 2,
@@ -167,20 +167,33 @@ impl Asked<'_> {
             true => folder.write_so_far(&fitted)?,
             false => folder.finish(&fitted)?,
         }
+        let mut warnings = fitted.warnings.clone();
         if let Some(path) = &args.report {
-            let states = self.states(&fitted)?;
-            write(&Output::File(path.clone()), &self.page(&fitted, &states)?)?;
+            // The fit is done: that its states cannot be filtered takes nothing of it away.
+            let states = match self.states(&fitted) {
+                Ok(states) => Some(states),
+                Err(MotesError::Interrupted) => {
+                    let done = format!("stopped; {} is complete, without its page", args.output.display());
+                    return Err(Failure::stopped(done));
+                }
+                Err(error) => {
+                    let text = format!("the page has no states: {error}");
+                    warnings.push(Warning { series: None, text });
+                    None
+                }
+            };
+            write(&Output::File(path.clone()), &self.page(&fitted, states.as_ref())?)?;
         }
-        Ok(Found {
+        Ok(FitOutput {
             text: fit_text(&fitted),
             figures: fit_summary(&fitted),
-            warnings: fitted.warnings.clone(),
-            json: Box::new(move |seconds| fit_json(&fitted, seconds)),
+            warnings,
+            json: Box::new(move |seconds| fit_json(&fitted, Some(seconds))),
         })
     }
 
-    fn maximum(&self) -> Result<Found, Failure> {
-        let Asked { args, model, data, options, interrupt } = self;
+    fn maximum(&self) -> Result<FitOutput, Failure> {
+        let FitRequest { args, model, data, options, interrupt } = self;
         if args.draws.is_some() || args.budget.is_some() {
             let line = "--method maximum draws nothing: leave --draws and --budget out; --chains is its number of searches";
             return Err(Failure::new(2, line));
@@ -208,17 +221,17 @@ impl Asked<'_> {
             let page = maximum_report(&report).map_err(|error| MotesError::Report(error.to_string()))?;
             write(&Output::File(path.clone()), &page)?;
         }
-        Ok(Found {
+        Ok(FitOutput {
             text: maximum_text(&found),
             figures: maximum_summary(&found),
             warnings: found.warnings.clone(),
-            json: Box::new(move |seconds| maximum_json(&found, seconds)),
+            json: Box::new(move |seconds| maximum_json(&found, Some(seconds))),
         })
     }
 
     /// What a page says that it was made with.
     fn settings(&self) -> Vec<(String, String)> {
-        let Asked { args, options, .. } = self;
+        let FitRequest { args, options, .. } = self;
         let mut settings = vec![
             ("model".to_string(), args.model.model.display().to_string()),
             ("data".into(), args.data.display().to_string()),
@@ -232,9 +245,9 @@ impl Asked<'_> {
 
     /// The data filtered at draws of a posterior, with what was expected of each measurement.
     fn states(&self, fitted: &PosteriorFit) -> Result<PosteriorEstimates, MotesError> {
-        let Asked { args, model, data, options, interrupt } = self;
+        let FitRequest { args, model, data, options, interrupt } = self;
         let draws = fitted.draw_values();
-        let models = draws.spread(model, DRAWS.min(draws.len()))?;
+        let models = draws.spread(model, DRAWS)?;
         let proposal = match fitted.proposal.as_str() {
             "exact" => ProposalName::Exact,
             _ => ProposalName::Bootstrap,
@@ -245,13 +258,13 @@ impl Asked<'_> {
     }
 
     /// The report of a posterior.
-    fn page(&self, fitted: &PosteriorFit, states: &PosteriorEstimates) -> Result<String, MotesError> {
-        let Asked { model, data, .. } = self;
+    fn page(&self, fitted: &PosteriorFit, states: Option<&PosteriorEstimates>) -> Result<String, MotesError> {
+        let FitRequest { model, data, .. } = self;
         let names = ModelNames::from(*model);
         fit_report(&FitReport {
             model: model.name(),
             fitted,
-            states: Some(Report {
+            states: states.map(|states| Report {
                 title: "Filter over the posterior",
                 names: &names,
                 data,

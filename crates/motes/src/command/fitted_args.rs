@@ -30,7 +30,7 @@ pub(super) struct FittedArgs {
 const DRAWS: usize = 100;
 
 /// A model with the parameters that were asked for.
-pub(super) struct Parametrised {
+pub(super) struct ModelAtFit {
     /// With those of the file, or those at one point of a fit.
     pub(super) model: Model,
     /// The draws of a fit that results are to be averaged over, where they are.
@@ -39,8 +39,8 @@ pub(super) struct Parametrised {
 
 impl FittedArgs {
     /// The model of a file with the parameters that are asked for.
-    pub(super) fn of(&self, file: Model) -> Result<Parametrised, MotesError> {
-        let Some(folder) = &self.parameters else { return Ok(Parametrised { model: file, draws: None }) };
+    pub(super) fn of(&self, file: Model) -> Result<ModelAtFit, MotesError> {
+        let Some(folder) = &self.parameters else { return Ok(ModelAtFit { model: file, draws: None }) };
         let draws = FitParameters::load(folder, &file)?;
         let refused = |reason: &str| MotesError::Fit {
             folder: folder.display().to_string(),
@@ -48,9 +48,9 @@ impl FittedArgs {
         };
         match (self.at, draws.is_maximum) {
             (None | Some(At::Maximum), true) | (Some(At::Mean), false) => {
-                Ok(Parametrised { model: draws.at_mean(&file)?, draws: None })
+                Ok(ModelAtFit { model: draws.at_mean(&file)?, draws: None })
             }
-            (None | Some(At::Draws), false) => Ok(Parametrised { model: file, draws: Some(draws) }),
+            (None | Some(At::Draws), false) => Ok(ModelAtFit { model: file, draws: Some(draws) }),
             (Some(_), true) => Err(refused("it has the maximum of the likelihood alone; take --at maximum")),
             (Some(At::Maximum), false) => {
                 Err(refused("it has draws of the posterior; --at maximum needs a fit by --method maximum"))
@@ -61,5 +61,5 @@ impl FittedArgs {
 
 /// The models of some draws, evenly spread over all.
 pub(super) fn spread(draws: &FitParameters, model: &Model) -> Result<Vec<Model>, MotesError> {
-    draws.spread(model, DRAWS.min(draws.len()))
+    draws.spread(model, DRAWS)
 }

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use motes::output::{Output, card_json, card_text};
 use motes::train::Learned;
 use motes::{
-    CompareOptions, LearnOutcome, LearnedProposal, MotesError, PotentialNotes, ProposalName, compare, learn,
-    of_starts, on_threads,
+    CompareOptions, LearnOutcome, LearnedProposal, LearnedWorth, MotesError, PotentialNotes, ProposalName,
+    compare, learn, of_starts, on_threads,
 };
 use motes_cli::{Interrupt, status};
 
@@ -43,9 +43,10 @@ pub(super) fn run(args: &LearnArgs, interrupt: &Interrupt) -> Result<u8, Failure
         })
     });
     progress.finish();
-    let LearnOutcome { proposal, history, training_seconds } = outcome??;
+    let LearnOutcome { proposal, history, no_potentials, training_seconds } = outcome??;
     proposal.save(&args.output, &model)?;
-    let (notes, warnings) = said(&proposal, &history, training_seconds);
+    let (notes, mut warnings) = said(&proposal, &history, training_seconds);
+    warnings.extend(no_potentials.map(|reason| format!("no potentials for recorded data: {reason}")));
     if !args.model.quiet {
         notes.iter().for_each(|note| status(&format!("motes: {note}")));
         warnings.iter().for_each(|warning| status(&format!("motes: warning: {warning}")));
@@ -124,11 +125,14 @@ fn said(proposal: &LearnedProposal, history: &Learned, seconds: f64) -> (Vec<Str
     if let Some(designed) = &proposal.notes().worse_than {
         warnings.push(format!("{designed} did better on validation sequences; take --proposal {designed}"));
     }
-    if let Some((designed, advantage)) = proposal.potential_notes().and_then(PotentialNotes::advantage)
+    let worth = proposal.potential_notes().and_then(|notes| notes.worth.as_ref());
+    if let Some((designed, advantage)) = worth.and_then(LearnedWorth::advantage)
         && advantage < 1.0
     {
         warnings.push(match designed == ProposalName::LookAhead.as_str() {
-            true => "potentials by a smoother have less error at equal work; motes evidence and motes smooth take those of --proposal look-ahead with this folder".into(),
+            true => {
+                "potentials of a smoother have less error at equal work: motes evidence and motes smooth take these, as by --proposal look-ahead".into()
+            }
             false => format!(
                 "the evidence of recorded data has less error by {designed} at equal work; take --proposal {designed} for motes evidence"
             ),
@@ -143,9 +147,10 @@ fn of_potentials(notes: &PotentialNotes) -> String {
         "evidence of recorded data: potentials learned in {:.1} s ({} updates, gain over the transition {:.3} nats a step)",
         notes.seconds, notes.updates, notes.gain
     );
-    let Some((designed, advantage)) = notes.advantage() else { return begin };
+    let Some(worth) = &notes.worth else { return begin };
+    let Some((designed, advantage)) = worth.advantage() else { return begin };
     let errors: Vec<String> =
-        notes.worth.iter().map(|worth| format!("{} {:.3}", worth.proposal, worth.error)).collect();
+        worth.all().map(|worth| format!("{} {:.3}", worth.proposal, worth.error)).collect();
     let filters = if notes.filters { "potentials of their step" } else { "a network for each particle" };
     format!(
         "{begin}; at equal work {} times the precision of {designed}; filters draw by {filters}; error of the log-evidence with 100 particles: {}",

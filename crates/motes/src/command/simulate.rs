@@ -8,12 +8,12 @@ use motes_cli::Interrupt;
 
 use super::args::SimulateArgs;
 use super::failure::Failure;
-use super::fitted_args::Parametrised;
+use super::fitted_args::ModelAtFit;
 use super::progress::Progress;
 use super::say::warn;
 
 pub(super) fn run(args: &SimulateArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
-    let Parametrised { model, draws } = args.fitted.of(args.model.read()?)?;
+    let ModelAtFit { model, draws } = args.fitted.of(args.model.read()?)?;
     let output = args.output.clone().map_or(Output::Standard, Output::File);
     let failed = |source| MotesError::Output { file: output.name(), source };
     output.check().map_err(failed)?;

@@ -8,7 +8,7 @@ use motes_cli::{Interrupt, status};
 
 use super::args::SmoothArgs;
 use super::failure::Failure;
-use super::fitted_args::Parametrised;
+use super::fitted_args::ModelAtFit;
 use super::input;
 use super::mixture::{self, MixtureRequest};
 use super::progress::Progress;
@@ -20,7 +20,7 @@ const PARTS: usize = 10_000;
 
 pub(super) fn run(args: &SmoothArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
     args.output.check()?;
-    let Parametrised { model, draws } = args.fitted.of(args.model.read_beside(Some(&args.data))?)?;
+    let ModelAtFit { model, draws } = args.fitted.of(args.model.read_beside(Some(&args.data))?)?;
     let options = args.settings.options(&model, args.model.seed, 0)?;
     let data = input::data(&args.data, &model, interrupt)?;
     say_ignored(&data.columns, args.model.quiet);

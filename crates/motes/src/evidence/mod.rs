@@ -1,9 +1,10 @@
 //! The log-evidence of data and nothing else.
 
+mod cost;
 mod estimate;
 mod estimator;
 mod exact;
-mod judged;
+mod judgement;
 mod log_evidence;
 mod many;
 mod options;
@@ -11,15 +12,16 @@ mod pilot;
 mod sequence;
 mod worth;
 
+pub(crate) use cost::{ON_LINE, cost};
 pub use estimate::{Evidence, evidence};
 pub use estimator::EvidenceEstimator;
 pub(crate) use exact::is_exact;
-pub(crate) use judged::{Contender, judged};
+pub(crate) use judgement::{Contender, judge};
 pub use log_evidence::{LogEvidence, log_evidence};
 pub use many::log_evidence_at;
 pub use options::EvidenceOptions;
 pub use pilot::Pilot;
-pub(crate) use pilot::{ON_LINE, candidates, cost, counted, fixed_cost};
+pub(crate) use pilot::candidates;
 pub(crate) use sequence::{Sequence, sequences};
-pub use worth::EvidenceWorth;
-pub(crate) use worth::{AHEAD, LOOK_AHEAD, NETWORK, NOW};
+pub(crate) use worth::LOOK_AHEAD;
+pub use worth::{EvidenceWorth, LearnedWorth};

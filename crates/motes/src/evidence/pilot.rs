@@ -3,16 +3,18 @@
 use motes_models::Seed;
 use motes_smc::{Linearised, LookAhead};
 
+use super::cost::cost;
 use super::options::EvidenceOptions;
 use super::sequence::{Proceed, Sequence};
 use crate::error::MotesError;
 use crate::model::{Kind, Model};
 use crate::options::ProposalName;
+use crate::recorded::of_recorded;
 
 /// Particles of a pilot.
 const PARTICLES: usize = 32;
 
-/// Pilots whose log-evidence is nearer than this (nats) are as good: the one whose particles are cheaper is taken.
+/// Pilots whose log-evidence is nearer than this (nats) are as good: the one that costs less with as many particles as are asked for is taken.
 const AS_GOOD: f64 = 0.1;
 
 /// A small filter that was tried.
@@ -40,59 +42,12 @@ impl Candidate {
         model: &Model,
         sequences: &[Sequence],
     ) -> Result<Self, MotesError> {
-        let proposal = match proposal {
-            ProposalName::Learned(learned) if learned.hands_out_look_ahead() => {
-                learned.check_model(model)?;
-                ProposalName::LookAhead
-            }
-            proposal => proposal,
-        };
+        let proposal = of_recorded(proposal, model)?;
         let ahead = sequences
             .iter()
             .map(|sequence| sequence.look_ahead(&proposal, model))
             .collect::<Result<_, _>>()?;
         Ok(Candidate { proposal, ahead })
-    }
-}
-
-/// What a particle costs at a step, in those of a bootstrap filter: about, and the same on any machine.
-pub(crate) fn cost(proposal: &ProposalName) -> f64 {
-    match proposal {
-        ProposalName::Exact => 0.0,
-        ProposalName::Bootstrap => 1.0,
-        ProposalName::Linearised | ProposalName::Optimal => 3.0,
-        ProposalName::LookAhead => 4.0,
-        ProposalName::Learned(learned) if learned.has_potentials() => 4.2,
-        ProposalName::Learned(_) => 30.0,
-    }
-}
-
-/// The work of a smoother for a time step, in particles of a bootstrap filter: at least, and for each coordinate of the state. Counted by
-/// `experiments/look-ahead/smoother.py`: 355 to 502 in four models of 1 to 4 coordinates, 1233, 2096 and 4497 in Lorenz 96 with 6, 10 and 20.
-const SMOOTHER: [f64; 2] = [450.0, 225.0];
-
-/// The work of networks that emit potentials of a sequence, for each time step; counted on the growth model.
-const NETWORKS: f64 = 330.0;
-
-/// The work of a potential on-line: of its network for each time step, and of a particle.
-pub(crate) const ON_LINE: [f64; 2] = [200.0, 3.2];
-
-/// The work of a particle in counted instructions of filters that need nothing but the evidence, on the growth and Ricker models, in those of a bootstrap filter: what judgements of
-/// proposals go by.
-pub(crate) fn counted(proposal: &ProposalName) -> f64 {
-    match proposal {
-        ProposalName::Linearised | ProposalName::Optimal => 2.3,
-        ProposalName::LookAhead => 1.8,
-        other => cost(other),
-    }
-}
-
-/// What potentials cost at a step, however few particles there are, in those of a bootstrap filter: about, and the same on any machine.
-pub(crate) fn fixed_cost(proposal: &ProposalName, model: &Model) -> f64 {
-    match proposal {
-        ProposalName::LookAhead => SMOOTHER[0].max(SMOOTHER[1] * model.states().len() as f64),
-        ProposalName::Learned(learned) if learned.has_potentials() => NETWORKS,
-        _ => 0.0,
     }
 }
 
@@ -145,7 +100,8 @@ pub(super) fn choose(
     let pilots: Vec<Pilot> = pilots.collect();
     let most = pilots.iter().map(|pilot| pilot.log_evidence).fold(f64::NEG_INFINITY, f64::max);
     let as_good = tried.into_iter().filter(|(_, log_evidence)| *log_evidence >= most - AS_GOOD);
-    let chosen = as_good.min_by(|(a, _), (b, _)| cost(&a.proposal).total_cmp(&cost(&b.proposal)));
+    let work = |candidate: &Candidate| cost(&candidate.proposal, model).of(options.particles);
+    let chosen = as_good.min_by(|(a, _), (b, _)| work(a).total_cmp(&work(b)));
     match (chosen, failure) {
         (Some((candidate, _)), _) => Ok((candidate, pilots)),
         (None, Some(failure)) => Err(failure),

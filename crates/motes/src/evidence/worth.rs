@@ -1,11 +1,6 @@
-//! How well a proposal estimates the log-evidence of recorded sequences.
+//! How well proposals estimate the log-evidence of recorded sequences.
 
 use serde::{Deserialize, Serialize};
-
-/// What is learned, as it is judged: a network for each particle, potentials of a step alone, and potentials of whole sequences.
-pub(crate) const NETWORK: &str = "learned, per particle";
-pub(crate) const NOW: &str = "learned, now";
-pub(crate) const AHEAD: &str = "learned, ahead";
 
 /// The designed proposal that looks ahead.
 pub(crate) const LOOK_AHEAD: &str = "look-ahead";
@@ -25,5 +20,37 @@ impl EvidenceWorth {
     /// Squared error times work: what is the same for any number of particles, where errors are small.
     pub fn inefficiency(&self) -> f64 {
         self.error * self.error * self.work
+    }
+}
+
+/// What was learned for a model beside what is designed, on the same sequences.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LearnedWorth {
+    /// Each designed proposal, at least `bootstrap`.
+    pub designed: Vec<EvidenceWorth>,
+    /// A filter with a network for each particle.
+    pub per_particle: EvidenceWorth,
+    /// A filter with a potential of each step.
+    pub now: EvidenceWorth,
+    /// Potentials of whole sequences.
+    pub ahead: EvidenceWorth,
+}
+
+impl LearnedWorth {
+    /// All of them.
+    pub fn all(&self) -> impl Iterator<Item = &EvidenceWorth> {
+        self.designed.iter().chain([&self.per_particle, &self.now, &self.ahead])
+    }
+
+    /// The best designed proposal, and how many times its squared error times work is that of the potentials of whole sequences: above 1, learning pays.
+    pub fn advantage(&self) -> Option<(&str, f64)> {
+        let best = self.designed.iter().min_by(|a, b| a.inefficiency().total_cmp(&b.inefficiency()))?;
+        Some((&best.proposal, best.inefficiency() / self.ahead.inefficiency()))
+    }
+
+    /// Whether the potentials of a smoother do better than those that were learned.
+    pub(crate) fn is_behind_look_ahead(&self) -> bool {
+        let look_ahead = self.designed.iter().find(|worth| worth.proposal == LOOK_AHEAD);
+        look_ahead.is_some_and(|worth| worth.inefficiency() < self.ahead.inefficiency())
     }
 }

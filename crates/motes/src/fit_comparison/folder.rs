@@ -7,7 +7,7 @@ use serde::Deserialize;
 
 use crate::data::Data;
 use crate::error::MotesError;
-use crate::fitting::{FitParameters, FitRecord, RECORD, SUMMARY};
+use crate::fitting::{FitParameters, FitRecord, SUMMARY};
 use crate::model::Model;
 
 /// A model, what was fitted of it, and the data of the fit.
@@ -44,9 +44,7 @@ impl FittedModel {
         let read = |name: &str| {
             std::fs::read_to_string(folder.join(name)).map_err(|error| refused(format!("{name}: {error}")))
         };
-        let record: FitRecord = toml::from_str(&read(RECORD)?)
-            .map_err(|error| refused(format!("{RECORD}: {}", error.message())))?;
-        if !record.is_of_data(&data)? {
+        if !FitRecord::load(folder)?.is_of_data(&data)? {
             return Err(refused("it is a fit to other data; fit it to these".into()));
         }
         let summary: Summary =

@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use motes_inference::{LogMean, MarginalLikelihood, map_on_threads};
+use motes_smc::FilterError;
 
 use super::folder::FittedModel;
 use crate::data::Data;
@@ -86,7 +87,7 @@ pub fn compare_fits(
             b.model.name()
         )));
     }
-    let models = fits.map(|fit| fit.parameters.spread(&fit.model, DRAWS.min(fit.parameters.len())));
+    let models = fits.map(|fit| fit.parameters.spread(&fit.model, DRAWS));
     let [of_a, of_b] = models;
     let models = [of_a?, of_b?];
     let all = models.iter().map(Vec::len).sum::<usize>() * a.data.rows.len();
@@ -127,12 +128,17 @@ fn increments(
     for (series, (name, places)) in data.series.iter().zip(data.by_series()).enumerate() {
         let name = data.columns.has_series().then_some(name.as_str());
         let mut running = Running::new(model, options, series)?;
-        for at in places {
-            let (row, before) = (&data.rows[at], running.log_evidence());
-            running
-                .advance_by(&row.steps, &row.measurement)
-                .map_err(|error| of_series(name, error.at_row(data.counted, row.line)))?;
-            found[at] = running.log_evidence() - before;
+        for (number, &at) in places.iter().enumerate() {
+            let row = &data.rows[at];
+            if let Err(error) = running.advance_by(&row.steps, &row.measurement) {
+                // A draw of parameters by which no particle explains a measurement has no part in what is expected of it, nor of those after it.
+                if let Some(FilterError::Collapse { .. }) = running.filter.failure() {
+                    places[number..].iter().for_each(|at| found[*at] = f64::NEG_INFINITY);
+                    break;
+                }
+                return Err(of_series(name, error.at_row(data.counted, row.line)));
+            }
+            found[at] = running.last_increment();
             if proceed().is_break() {
                 return Err(MotesError::Interrupted);
             }

@@ -9,7 +9,6 @@ use crate::model::Model;
 /// The files of a folder that say what was found, and with what.
 pub(crate) const DRAWS: &str = "draws.csv";
 pub(crate) const MAXIMUM: &str = "maximum.csv";
-pub(crate) const RECORD: &str = "fit.toml";
 
 /// The figures of all parameters.
 pub(crate) const SUMMARY: &str = "summary.json";
@@ -48,9 +47,7 @@ impl FitParameters {
                 _ => refused(format!("{name}: {error}")),
             })
         };
-        let record: FitRecord = toml::from_str(&read(RECORD)?).map_err(|error| {
-            refused(format!("{RECORD}: {}", error.message().lines().next().unwrap_or_default()))
-        })?;
+        let record = FitRecord::load(folder)?;
         if !record.is_of(model) {
             let reason = format!(
                 "it is a fit of {}, or of this model before its file was changed; fit it again",
@@ -101,12 +98,13 @@ impl FitParameters {
         Ok(model.with_parameters(&self.named(&means))?)
     }
 
-    /// The model at `count` draws, evenly spread over all of them.
+    /// The model at `count` draws at the most, evenly spread over all of them.
     ///
     /// # Errors
     /// [`MotesError::Model`] if it is no model at one of them.
     pub fn spread(&self, model: &Model, count: usize) -> Result<Vec<Model>, MotesError> {
         let all = self.values.len();
+        let count = count.min(all);
         let places = (0..count).map(|at| (2 * at + 1) * all / (2 * count));
         places.map(|at| Ok(model.with_parameters(&self.draw(at))?)).collect()
     }

@@ -9,7 +9,7 @@ use super::free::FreeParameters;
 use super::options::FitOptions;
 use crate::data::Data;
 use crate::error::MotesError;
-use crate::evidence::{Sequence, candidates, cost, fixed_cost, is_exact, sequences};
+use crate::evidence::{Sequence, candidates, cost, is_exact, sequences};
 use crate::model::Model;
 use crate::options::{FilterOptions, ProposalName};
 
@@ -22,14 +22,6 @@ pub(super) struct ModelLikelihood<'a> {
     proposals: Vec<ProposalName>,
     costs: Vec<EstimatorCost>,
     proceed: &'a (dyn Fn() -> ControlFlow<()> + Sync),
-}
-
-fn cost_of(proposal: &ProposalName, model: &Model) -> EstimatorCost {
-    EstimatorCost {
-        per_particle: cost(proposal),
-        fixed: fixed_cost(proposal, model),
-        is_exact: *proposal == ProposalName::Exact,
-    }
 }
 
 impl<'a> ModelLikelihood<'a> {
@@ -45,7 +37,7 @@ impl<'a> ModelLikelihood<'a> {
             None if is_exact(model, data) => vec![ProposalName::Exact],
             None => candidates(model),
         };
-        let costs = proposals.iter().map(|proposal| cost_of(proposal, model)).collect();
+        let costs = proposals.iter().map(|proposal| cost(proposal, model)).collect();
         let (names, sequences) = (free.names(), sequences(data));
         ModelLikelihood { model, free, names, sequences, proposals, costs, proceed }
     }

@@ -11,10 +11,11 @@ mod run;
 mod trust;
 
 pub use draws::FitParameters;
-pub(crate) use draws::{DRAWS, MAXIMUM, OF_DRAW, OF_MAXIMUM, RECORD, SUMMARY};
+pub(crate) use draws::{DRAWS, MAXIMUM, OF_DRAW, OF_MAXIMUM, SUMMARY};
 pub use free::FreeParameters;
 pub use maximum_fit::{MaximumFit, MaximumParameter, MaximumProfilePoint, SearchProgress, maximise};
 pub use options::FitOptions;
 pub use posterior_fit::{PosteriorChain, PosteriorFit};
 pub use record::FitRecord;
+pub(crate) use record::RECORD;
 pub use run::{FitProgress, fit, fit_from};

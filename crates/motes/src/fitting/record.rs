@@ -1,6 +1,7 @@
 //! What a fit was made with.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
 use motes_formulas::Origin;
 use serde::{Deserialize, Serialize};
@@ -10,6 +11,9 @@ use crate::data::Data;
 use crate::error::MotesError;
 use crate::model::Model;
 use crate::packed::pack;
+
+/// The file of a folder that says what a fit was made with.
+pub(crate) const RECORD: &str = "fit.toml";
 
 /// What the methods are called.
 pub(super) const POSTERIOR_METHOD: &str = "posterior";
@@ -92,6 +96,23 @@ impl FitRecord {
     /// [`MotesError::Packed`] if data cannot be hashed.
     pub fn is_of_data(&self, data: &Data) -> Result<bool, MotesError> {
         Ok(self.data_hash == hash_of_data(data)?)
+    }
+
+    /// That in the folder of a fit.
+    ///
+    /// # Errors
+    /// [`MotesError::Fit`] if there is none, or it is not as it was written.
+    pub(crate) fn load(folder: &Path) -> Result<Self, MotesError> {
+        let refused = |reason: String| MotesError::Fit { folder: folder.display().to_string(), reason };
+        let text = std::fs::read_to_string(folder.join(RECORD)).map_err(|error| match error.kind() {
+            std::io::ErrorKind::NotFound => {
+                refused(format!("there is no {RECORD} in it; motes fit writes such folders with -o"))
+            }
+            _ => refused(format!("{RECORD}: {error}")),
+        })?;
+        toml::from_str(&text).map_err(|error| {
+            refused(format!("{RECORD}: {}", error.message().lines().next().unwrap_or_default()))
+        })
     }
 
     /// Whether it was made for this model file.

@@ -34,7 +34,9 @@ pub struct LearnOutcome {
     pub proposal: LearnedProposal,
     /// The course of its training.
     pub history: Learned,
-    /// How long it all took but for judging it: choosing and training.
+    /// Why there are no potentials beside it, where they were tried for.
+    pub no_potentials: Option<String>,
+    /// How long it all took: choosing, training, and judging what the folder says of it.
     pub training_seconds: f64,
 }
 
@@ -151,18 +153,20 @@ fn learn_until(
     }
     let notes = Notes { choice: reason, updates: history.steps, seconds: history.seconds, worse_than: None };
     let mut learned = LearnedProposal::new("learned".into(), proposal, notes, learnable);
+    let mut no_potentials = None;
     if has_potentials {
-        let found =
-            potentials(learnable, options, &seed, &mut |done, total| proceed(3 * total + done, 4 * total))?;
-        learned =
-            found.into_iter().fold(learned, |learned, (found, notes)| learned.with_potentials(found, notes));
+        let mut tell = |done, total| proceed(3 * total + done, 4 * total);
+        match potentials(learnable, options, &seed, &mut tell)? {
+            Ok((found, notes)) => learned = learned.with_potentials(found, notes),
+            Err(reason) => no_potentials = Some(reason),
+        }
+        let seed = seed.child("recorded worth");
+        learned = judge(model, learned, data, options, &seed, &mut || proceed(1, 1))?;
     }
-    let learned =
-        judge(model, learned, data, options, &seed.child("recorded worth"), &|| ControlFlow::Continue(()))?;
     let worse_than = worse_than(model, &learned, data, options, &seed.child("worth"))?;
     let training_seconds = started.elapsed().as_secs_f64();
     let notes = Notes { worse_than, seconds: training_seconds, ..learned.notes().clone() };
-    Ok(LearnOutcome { proposal: learned.with_notes(notes), history, training_seconds })
+    Ok(LearnOutcome { proposal: learned.with_notes(notes), history, no_potentials, training_seconds })
 }
 
 /// The measurements of each series.

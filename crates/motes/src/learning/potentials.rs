@@ -2,7 +2,8 @@
 
 use std::ops::ControlFlow;
 
-use motes_models::Seed;
+use motes_inference::EstimatorCost;
+use motes_models::{Seed, Trajectory};
 use motes_proposals::{Backend, Family, LearnedPotentials, LearnedPotentialsConfig, Sees};
 use motes_smc::RecordedStep;
 use motes_train::{LearnObjective, PotentialLearnConfig, TrainError, learn_potentials};
@@ -10,13 +11,12 @@ use motes_train::{LearnObjective, PotentialLearnConfig, TrainError, learn_potent
 use super::options::LearnOptions;
 use crate::data::Data;
 use crate::error::MotesError;
-use crate::evidence::{
-    AHEAD, Contender, EvidenceWorth, NETWORK, NOW, ON_LINE, candidates, counted, fixed_cost, judged,
-};
+use crate::evidence::{Contender, LearnedWorth, ON_LINE, candidates, cost, judge as judge_evidence};
 use crate::learned::{LearnedProposal, PotentialNotes, shape_of};
 use crate::model::{LearnableModel, Model};
 use crate::options::ProposalName;
-use crate::simulating::simulate_some;
+use crate::recorded::steps_to_row;
+use crate::simulating::{SimulatedRow, simulate_some};
 
 /// Updates of potentials, each of whole sequences, for one of a network for each particle.
 const SHARE: f64 = 0.3;
@@ -26,7 +26,7 @@ pub(super) fn learns_potentials(model: &dyn LearnableModel, options: &LearnOptio
     options.objective == LearnObjective::Inclusive && model.has_gradients() && model.noise_space().is_some()
 }
 
-/// Learns potentials; none where simulated sequences leave the numbers again and again. `proceed` is asked after each update, with how many of how many are done.
+/// Learns potentials, or says why there are none: simulated sequences leave the numbers again and again. `proceed` is asked after each update, with how many of how many are done.
 ///
 /// # Errors
 /// [`MotesError::Interrupted`] if `proceed` says so, and as [`learn_potentials`].
@@ -35,7 +35,7 @@ pub(super) fn potentials(
     options: &LearnOptions,
     seed: &Seed,
     proceed: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
-) -> Result<Option<(LearnedPotentials, PotentialNotes)>, MotesError> {
+) -> Result<Result<(LearnedPotentials, PotentialNotes), String>, MotesError> {
     let settings = PotentialLearnConfig {
         steps: (options.updates as f64 * SHARE).ceil() as usize,
         horizon: options.steps,
@@ -60,19 +60,15 @@ pub(super) fn potentials(
     if is_stopped {
         return Err(MotesError::Interrupted);
     }
-    match learned {
-        // One-step proposals learn from sequences that end early; potentials need whole ones.
-        Err(TrainError::Setting { .. }) => Ok(None),
-        learned => {
-            let learned = learned?;
-            let [gain, gain_now] = learned.best_gains();
-            let (updates, seconds) = (learned.steps, learned.seconds);
-            Ok(Some((
-                potentials,
-                PotentialNotes { updates, seconds, gain, gain_now, filters: false, worth: vec![] },
-            )))
-        }
-    }
+    let learned = match learned {
+        // Proposals of a step learn from sequences that end early; potentials need whole ones.
+        Err(error @ TrainError::Simulations { .. }) => return Ok(Err(error.to_string())),
+        learned => learned?,
+    };
+    let [gain, gain_now] = learned.best_gains();
+    let (updates, seconds) = (learned.steps, learned.seconds);
+    let notes = PotentialNotes { updates, seconds, gain, gain_now, filters: false, worth: None };
+    Ok(Ok((potentials, notes)))
 }
 
 /// Sequences by which potentials are judged.
@@ -88,50 +84,48 @@ pub(super) fn judge(
     data: Option<&Data>,
     options: &LearnOptions,
     seed: &Seed,
-    proceed: &(dyn Fn() -> ControlFlow<()> + Sync),
+    proceed: &mut dyn FnMut() -> ControlFlow<()>,
 ) -> Result<LearnedProposal, MotesError> {
     let Some(notes) = learned.potential_notes().cloned() else { return Ok(learned) };
     let drawn = simulate_some(model, data, options.steps, SEQUENCES, &seed.child("sequences"))?;
-    let recorded = |number: usize| -> Vec<RecordedStep> {
-        let mut recorded = Vec::new();
-        for (row, measurement) in drawn.rows[number].iter().zip(drawn.series[number].measurements.rows()) {
-            let nothing = vec![None; measurement.len()];
-            recorded.extend(
-                row.steps
-                    .iter()
-                    .map(|step| RecordedStep { step: step.clone(), measurement: nothing.clone() }),
-            );
-            if let Some(last) = recorded.last_mut() {
-                last.measurement = measurement.iter().copied().map(Some).collect();
-            }
-        }
-        recorded
+    let of_series = |(series, rows): (&Trajectory, &Vec<SimulatedRow>)| -> Vec<RecordedStep> {
+        let to_row = |(row, measurement): (&SimulatedRow, &[f64])| {
+            let entries: Vec<Option<f64>> = measurement.iter().copied().map(Some).collect();
+            steps_to_row(&row.steps, &entries).collect::<Vec<RecordedStep>>()
+        };
+        rows.iter().zip(series.measurements.rows()).flat_map(to_row).collect()
     };
-    let sequences = (0..drawn.series.len()).map(recorded).collect();
-    let of_designed = |proposal: ProposalName| Contender {
-        name: proposal.to_string(),
-        looks_ahead: true,
-        work: [fixed_cost(&proposal, model), counted(&proposal)],
-        proposal,
-    };
-    let mut contenders: Vec<Contender> = candidates(model).into_iter().map(of_designed).collect();
-    let by = |name: &str, learned: LearnedProposal, looks_ahead: bool, work: [f64; 2]| Contender {
+    let sequences = drawn.series.iter().zip(&drawn.rows).map(of_series).collect();
+    let named = |name: &str, proposal: ProposalName, looks_ahead: bool, cost: EstimatorCost| Contender {
         name: name.into(),
-        proposal: ProposalName::Learned(learned),
+        proposal,
         looks_ahead,
-        work,
+        cost,
     };
-    let (ahead, network) = (ProposalName::Learned(learned.clone()), learned.clone().without_potentials());
-    let of_network = [0.0, counted(&ProposalName::Learned(network.clone()))];
-    contenders.push(by(NETWORK, network, false, of_network));
-    contenders.push(by(NOW, learned.clone().filtering_by_potential(true), false, ON_LINE));
-    contenders.push(by(AHEAD, learned.clone(), true, [fixed_cost(&ahead, model), counted(&ahead)]));
-    let worth = judged(model, &contenders, sequences, &seed.child("runs"), proceed)?;
-    let of = |name: &str| worth.iter().find(|worth| worth.proposal == name).map(EvidenceWorth::inefficiency);
+    let of_model = |name: &str, proposal: ProposalName, looks_ahead: bool| {
+        let cost = cost(&proposal, model);
+        named(name, proposal, looks_ahead, cost)
+    };
+    let by = ProposalName::Learned;
+    let designed =
+        candidates(model).into_iter().map(|proposal| of_model(&proposal.to_string(), proposal, true));
+    let contenders: Vec<Contender> = designed
+        .chain([
+            of_model("learned, per particle", by(learned.clone().without_potentials()), false),
+            named("learned, now", by(learned.clone().filtering_by_potential(true)), false, ON_LINE),
+            of_model("learned, ahead", by(learned.clone()), true),
+        ])
+        .collect();
+    let mut designed = judge_evidence(model, &contenders, sequences, &seed.child("runs"), proceed)?;
+    let [per_particle, now, ahead] = match designed.split_off(designed.len() - 3).try_into() {
+        Ok(of_learned) => of_learned,
+        Err(_) => return Ok(learned),
+    };
+    let worth = LearnedWorth { designed, per_particle, now, ahead };
     // Who asks for a network of some kind filters with that.
     let is_asked = options.base.is_some() || options.head.is_some() || options.widths.is_some();
-    let filters = !is_asked && options.sees == Sees::All && of(NOW) < of(NETWORK);
-    let learned = learned.filtering_by_potential(filters);
-    let notes = PotentialNotes { worth, filters, ..notes };
-    Ok(learned.with_potential_notes(notes))
+    let filters = !is_asked
+        && options.sees == Sees::All
+        && worth.now.inefficiency() < worth.per_particle.inefficiency();
+    Ok(learned.with_potential_notes(PotentialNotes { worth: Some(worth), filters, ..notes }))
 }

@@ -182,7 +182,8 @@ impl Family for LearnedPotentials {
         let &ModelShape { state_dim: n, measurement_dim: m, .. } = shape;
         let mut parameters = Parameters::new(compute);
         let layout = Layout { n, components: config.components };
-        let networks = PotentialNetworks::draw(&mut parameters, count(n, m), config.hidden, layout, seed);
+        let networks = PotentialNetworks::draw(&mut parameters, count(n, m), config.hidden, layout, seed)
+            .map_err(of_networks)?;
         for (name, width) in [("measurement", m), ("state", n)] {
             parameters.add(format!("{name}.middles"), [1, width], &vec![0.0; width]);
             parameters.add(format!("{name}.spreads"), [1, width], &vec![1.0; width]);

@@ -2,7 +2,7 @@
 
 use motes_models::Seed;
 use motes_networks::layers::{Cell, Mlp, RecurrentLayer};
-use motes_networks::{Arithmetic, Known, Networks, Outputs, Parameters};
+use motes_networks::{Arithmetic, Known, NetworkError, Networks, Outputs, Parameters};
 
 use super::decoded::Layout;
 use crate::settings::count_affine;
@@ -72,19 +72,19 @@ impl PotentialNetworks {
         hidden: usize,
         layout: Layout,
         seed: &Seed,
-    ) -> Self {
+    ) -> Result<Self, NetworkError> {
         let ways = ["forwards", "backwards"].map(|name| OneWay {
             layer: RecurrentLayer::draw(parameters, name, Cell::Gru, [features, hidden], seed),
         });
-        let mut reader = |name: &str, widths: &[usize]| {
+        let mut reader = |name: &str, widths: &[usize]| -> Result<Reader, NetworkError> {
             let network = Mlp::draw(parameters, name, widths, seed);
             // At the beginning quadratics lie side by side.
             let bias = parameters.len() - 1;
-            let _ = parameters.set_host(bias, &layout.start());
-            Reader { network }
+            parameters.set_host(bias, &layout.start())?;
+            Ok(Reader { network })
         };
         let [of_both, alone] = widths(features, hidden, layout);
-        PotentialNetworks { ways, reader: reader("reader", &of_both), now: reader("now", &alone) }
+        Ok(PotentialNetworks { ways, reader: reader("reader", &of_both)?, now: reader("now", &alone)? })
     }
 
     /// The number of their weights.

@@ -64,7 +64,7 @@ class Proposal:
     def evidence_errors(self) -> dict[str, float]:
         """The root-mean-square error of the log-evidence of simulated sequences with 100 particles, in nats: of designed proposals, of what was learned for filters, and of the potentials
         that `Model.evidence` and `Model.smooth` take."""
-        return {name: error for name, error, _ in self._found.evidence_errors}
+        return dict(self._found.evidence_errors)
 
     def __repr__(self) -> str:
         return f"Proposal {self.name}: {self.choice}, {self._found.updates} updates in {self._found.seconds:.1f} s"
@@ -594,7 +594,9 @@ class Model:
             "widths": None if widths is None else list(widths),
             "seed": seed,
         }
-        found, validation, seconds = self._model.learn(rows, arguments, threads)
+        found, validation, no_potentials, seconds = self._model.learn(rows, arguments, threads)
+        if no_potentials is not None:
+            warn(f"no potentials for recorded data: {no_potentials}")
         if found.worse_than is not None:
             warn(f"it did worse than {found.worse_than} on sequences of the model; take proposal={found.worse_than!r}")
         card = None

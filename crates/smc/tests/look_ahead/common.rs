@@ -2,7 +2,7 @@
 
 use motes_models::batch::LANES;
 use motes_models::equations::{Equations, NoiseSpace};
-use motes_models::{Seed, Step, StepRecord};
+use motes_models::{Seed, Step, StepRecord, simulate};
 use motes_smc::{FilterBank, FilterSettings, LookAhead, Proposal, RecordedStep, ResampleWhen, Resampling};
 
 /// Rows a unit of time apart, with one measurement each.
@@ -12,6 +12,13 @@ pub fn recorded(measurements: impl Iterator<Item = Option<f64>>) -> Vec<Recorded
         measurement: vec![measurement],
     };
     measurements.enumerate().map(row).collect()
+}
+
+/// Simulated rows of a model, of which one in five is missing.
+pub fn rows(model: &impl Equations, times: usize, seed: u64) -> Vec<RecordedStep> {
+    let data = simulate(model, times, &mut Seed::from_u64(seed).stream()).unwrap();
+    let measured: Vec<f64> = data.measurements.rows().map(|row| row[0]).collect();
+    recorded(measured.into_iter().enumerate().map(|(t, y)| (t % 5 != 3).then_some(y)))
 }
 
 /// Settings of all filters here.

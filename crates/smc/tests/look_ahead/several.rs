@@ -2,23 +2,15 @@
 
 use motes_models::Seed;
 use motes_models::equations::Equations;
-use motes_models::simulate;
 use motes_smc::{LookAhead, LookAheadError, PotentialComponent, RecordedStep};
 use rand::RngExt;
 
-use crate::common::{bias, evidence_by, moments, recorded, settings};
+use crate::common::{bias, evidence_by, moments, rows, settings};
 use crate::models::{Counts, Store, Volatility, evidence_on_grid};
 use crate::planted::{Bug, Wrong};
 
 const RUNS: usize = 4000;
 const PARTICLES: usize = 8;
-
-/// Simulated rows of a model, of which one in five is missing.
-fn rows(model: &impl Equations, times: usize, seed: u64) -> Vec<RecordedStep> {
-    let data = simulate(model, times, &mut Seed::from_u64(seed).stream()).unwrap();
-    let measured: Vec<f64> = data.measurements.rows().map(|row| row[0]).collect();
-    recorded(measured.into_iter().enumerate().map(|(t, y)| (t % 5 != 3).then_some(y)))
-}
 
 /// Two quadratics and a flat one at each step, around the smoothed path but wrong on purpose.
 fn potentials(model: &impl Equations, rows: &[RecordedStep], seed: u64) -> Vec<Vec<PotentialComponent>> {

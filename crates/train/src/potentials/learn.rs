@@ -43,7 +43,7 @@ fn sum([ahead, now]: [f64; 2]) -> f64 {
 }
 
 /// The Euclidean norm of gradients in several parts.
-fn norm(parts: &mut [&mut Workspace]) -> f64 {
+fn norm(parts: &mut [Workspace]) -> f64 {
     parts.iter_mut().map(|part| part.gradients().norm().powi(2)).sum::<f64>().sqrt()
 }
 
@@ -56,7 +56,7 @@ fn norm(parts: &mut [&mut Workspace]) -> f64 {
 /// budget in seconds. `observe` is shown each step with the last figure of validation, and ends learning by breaking.
 ///
 /// # Errors
-/// - [`TrainError::Setting`] for bad settings, and for a model whose simulations overflow.
+/// - [`TrainError::Setting`] for bad settings, [`TrainError::Simulations`] for a model whose simulations overflow.
 /// - [`TrainError::Model`] for a model that cannot be simulated.
 /// - [`TrainError::Networks`] if the networks fail.
 pub fn learn_potentials<M: OwnModel + ?Sized>(
@@ -95,18 +95,19 @@ pub fn learn_potentials<M: OwnModel + ?Sized>(
             let (gains, found) = potentials.differentiate_gains(&batch?, memory)?;
             memory = found;
             // What sees all measurements and what sees those of a step share no weight.
-            let [forwards, backwards, reader, now] = &mut memory;
-            let norms = [norm(&mut [forwards, backwards, reader]), norm(&mut [now])];
+            let (ahead, now) = memory.split_at_mut(3);
+            let norms = [norm(ahead), norm(now)];
             if !sum(gains).is_finite() || !sum(norms).is_finite() {
                 break;
             }
             adam.set_learning_rate(config.adam.learning_rate * Schedule::Cosine.share(progress));
-            for (number, part) in memory.iter_mut().enumerate() {
-                let norm = norms[usize::from(number == 3)];
-                if norm > config.clip_norm {
-                    part.gradients().scale(config.clip_norm / norm);
+            for (parts, norm) in [ahead, now].into_iter().zip(norms) {
+                for part in parts {
+                    if norm > config.clip_norm {
+                        part.gradients().scale(config.clip_norm / norm);
+                    }
+                    adam.step(potentials.parameters_mut(), part)?;
                 }
-                adam.step(potentials.parameters_mut(), part)?;
             }
             learned.steps = step + 1;
             if (step + 1) % config.validate_every == 0 || step + 1 == config.steps {

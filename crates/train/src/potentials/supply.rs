@@ -16,7 +16,7 @@ const MISSING: f64 = 0.2;
 /// `sequences` whole sequences that the model draws for itself.
 ///
 /// # Errors
-/// [`TrainError::Setting`] if of each try one sequence leaves the numbers.
+/// [`TrainError::Simulations`] if of each try one sequence leaves the numbers.
 pub(super) fn drawn<M: OwnModel + ?Sized>(
     model: &M,
     sequences: usize,
@@ -39,11 +39,7 @@ pub(super) fn drawn<M: OwnModel + ?Sized>(
             return Ok(batch);
         }
     }
-    Err(TrainError::Setting {
-        name: "the number of drawn sets of sequences that stay finite",
-        value: format!("0 of {TRIES}"),
-        expected: "at least 1: the model's simulation overflows, look at its transition and noise",
-    })
+    Err(TrainError::Simulations { tries: TRIES })
 }
 
 /// The units of measurements and states over `sequences` sequences; those that leave the numbers count until then.

@@ -25,7 +25,7 @@ fn learned<M: Equations>(model: &M, base: Base, head: HeadConfig) -> Amortised {
     let shape = ModelShape::of(model);
     let mut proposal = Amortised::create(&config, &shape, 0, Backend::Native.into(), &seed).unwrap();
     let settings = LearnConfig {
-        steps: 600,
+        steps: 300,
         sequences: 64,
         horizon: 6,
         rows: 300,
@@ -34,8 +34,7 @@ fn learned<M: Equations>(model: &M, base: Base, head: HeadConfig) -> Amortised {
     };
     let found = learn(&mut proposal, model, &[], &settings, &seed, |_, _| ControlFlow::Continue(())).unwrap();
     println!("gain {:.3} to {:.3}", found.validation[0].1, found.best_gain());
-    // Where the base is near the optimum the weights that came in may be the best.
-    assert!(found.best_gain() >= found.validation[0].1 && found.diverged_at.is_none());
+    assert!(found.best_gain() > found.validation[0].1);
     proposal
 }
 
@@ -47,10 +46,10 @@ fn learned_noise_leaves_evidence_unbiased() {
     let epidemic = Epidemic { resets: true, shares: true };
     let accelerated = WhiteAcceleration { shares: true };
     let found = [
-        score(&epidemic, &learned(&epidemic, Base::Linearised, GAUSSIAN), plain, &cases()),
+        score(&epidemic, &learned(&epidemic, Base::Linearised, FLOW), plain, &cases()),
         score(&accelerated, &learned(&accelerated, Base::Transition, GAUSSIAN), plain, &positions()),
         score(&ConstantVelocity, &learned(&ConstantVelocity, Base::Transition, FLOW), shared, &moves()),
-        score(&Population, &learned(&Population, Base::Linearised, FLOW), plain, &people()),
+        score(&Population, &learned(&Population, Base::Transition, GAUSSIAN), plain, &people()),
         score(&Delays, &learned(&Delays, Base::Transition, FLOW), plain, &delays()),
     ];
     println!("learned: z = {found:.1?}");

@@ -1,0 +1,85 @@
+"""What proposals cost in particles of a bootstrap filter: instructions, counted by valgrind. `motes` chooses and judges proposals by these (`crates/motes/src/evidence/cost.rs`).
+
+    cargo build --release -p motes && python3 experiments/look-ahead/costs.py target/release/motes
+
+A run of K particles over T steps costs a + T(s + K p) instructions; further runs share what is computed once for a sequence. So p follows from two numbers of particles, and s, which is
+a smoother or the networks of a sequence, from two numbers of runs and two of steps. A filter with what was learned has both again: `now`, and of the growth model `per particle`.
+"""
+
+import re
+import statistics
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+MOTES = sys.argv[1]
+MODELS = ["growth", "ricker", "volatility", "bounded", "tracking", "influenza_flows", "lorenz96"]
+FEW, MANY = 96, 288
+SHORT, LONG = 30, 60
+
+
+def motes(*arguments):
+    return subprocess.run([MOTES, *map(str, arguments)], capture_output=True, text=True, check=True).stdout
+
+
+def instructions(command, model, data, proposal, particles, *more):
+    counted = ["valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null", MOTES, command, model, data]
+    counted += ["--proposal", proposal, "--particles", particles, "--threads", 1, "--quiet", "-o", "/dev/null", *more]
+    said = subprocess.run(list(map(str, counted)), capture_output=True, text=True, check=True).stderr
+    return int(re.search(r"Collected : (\d+)", said)[1])
+
+
+def cost(command, model, data, proposal, more):
+    """Instructions of a particle at a step, and of a step beside its particles."""
+    at = lambda steps, particles: instructions(command, model, data[steps], proposal, particles, *more)
+    few, many, longer = at(SHORT, FEW), at(SHORT, MANY), at(LONG, FEW)
+    particle = (many - few) / (MANY - FEW) / SHORT
+    return particle, (longer - few) / (LONG - SHORT) - FEW * particle
+
+
+def row(name, folder):
+    model, learned = ROOT / f"examples/{name}.toml", folder / name
+    data = {}
+    for steps in (SHORT, LONG):
+        data[steps] = folder / f"{name}-{steps}.csv"
+        motes("simulate", model, "--steps", steps, "--seed", 7, "-o", data[steps], "--quiet")
+    motes("learn", model, "-o", learned, "--updates", 20, "--sequences", 0, "--quiet")
+    one_run = ("--runs", 1)
+    plain, of_step = cost("evidence", model, data, "bootstrap", one_run)
+    found = {}
+    for title, proposal in [("linearised", "linearised"), ("look-ahead", "look-ahead"), ("ahead", learned)]:
+        particle, step = cost("evidence", model, data, proposal, one_run)
+        found[title] = particle / plain, (step - of_step) / plain
+    # Filters have estimates, which evidence has not.
+    filtered, of_filter = cost("filter", model, data, "bootstrap", ("--no-check",))
+    particle, step = cost("filter", model, data, learned, ("--no-check",))
+    found["now"] = 1 + (particle - filtered) / plain, (step - of_filter) / plain
+    cells = " | ".join(f"{particle:.1f} + {step:.0f}" for particle, step in found.values())
+    print(f"| {name} | {plain:.0f} | {cells} |", flush=True)
+    return found
+
+
+def per_particle(folder):
+    """A filter with a network for each particle, which a head that is asked for has."""
+    model, learned = ROOT / "examples/growth.toml", folder / "network"
+    data = {steps: folder / f"growth-{steps}.csv" for steps in (SHORT, LONG)}
+    motes("learn", model, "-o", learned, "--updates", 20, "--sequences", 0, "--head", "mixture", "--quiet")
+    plain, _ = cost("evidence", model, data, "bootstrap", ("--runs", 1))
+    filtered, _ = cost("filter", model, data, "bootstrap", ("--no-check",))
+    particle, _ = cost("filter", model, data, learned, ("--no-check",))
+    return 1 + (particle - filtered) / plain
+
+
+def main():
+    print("| model | instructions of a bootstrap particle | linearised: a particle + a step, in these | look-ahead | learned, ahead | learned, now |")
+    print("|---|--:|--:|--:|--:|--:|")
+    with tempfile.TemporaryDirectory() as folder:
+        rows = [row(name, Path(folder)) for name in MODELS]
+        middle = {title: [statistics.median(found[title][at] for found in rows) for at in (0, 1)] for title in rows[0]}
+        print("| median | | " + " | ".join(f"{particle:.1f} + {step:.0f}" for particle, step in middle.values()) + " |")
+        print(f"\nA network for each particle, growth: {per_particle(Path(folder)):.0f}")
+
+
+main()
