@@ -10,16 +10,21 @@ use rand::RngExt;
 #[test]
 fn killed_at_ten_random_moments_a_fit_ends_with_the_same_bytes() {
     let place = place();
-    let arguments = |folder| ["fit", "nile.toml", "nile.csv", "-o", folder, "--draws", "4000", "--quiet"];
+    let arguments = |folder| ["fit", "nile.toml", "nile.csv", "-o", folder, "--draws", "20000", "--quiet"];
     let start = std::time::Instant::now();
     let table = place.printed(&arguments("whole"));
     let whole = start.elapsed();
     let mut stream = motes::models::Seed::from_u64(7).stream();
     let (mut killed, mut kept) = (0, 0);
     while killed < 10 {
+        let written = || std::fs::metadata(place.path("parts/progress.cbor")).and_then(|file| file.modified()).ok();
+        let before = written();
         let mut child = place.motes(&arguments("parts")).stdout(Stdio::null()).spawn().unwrap();
-        // Some of these are over before anything was written down; all together come to about the time of the whole.
-        std::thread::sleep(whole.mul_f64(0.2 * stream.random::<f64>()));
+        // Each second one has written something down; some of the others are killed while they start.
+        while killed % 2 == 1 && written() == before && child.try_wait().unwrap().is_none() {
+            std::thread::sleep(std::time::Duration::from_millis(1));
+        }
+        std::thread::sleep(whole.mul_f64(0.05 * stream.random::<f64>()));
         if child.try_wait().unwrap().is_some() {
             break;
         }
