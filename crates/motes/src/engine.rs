@@ -364,10 +364,11 @@ pub(crate) fn filter_of<'m>(
     match (model.kind(), &options.proposal) {
         (Kind::Learnable(learnable), ProposalName::Bootstrap) => boxed(learnable, Bootstrap, options, start),
         (Kind::Learnable(learnable), ProposalName::Learned(learned)) => {
-            learned.check(learnable).map_err(|error| learned.refused(&error))?;
-            match learned.on_line() {
-                Some(potentials) => boxed(learnable, potentials, options, start),
-                None => boxed(learnable, learned.proposal().clone(), options, start),
+            learned.check_model(model)?;
+            match (learned.on_line(*learnable)?, learned.proposal()) {
+                (Some(potentials), _) => boxed(learnable, potentials, options, start),
+                (None, Some(proposal)) => boxed(learnable, proposal.clone(), options, start),
+                (None, None) => refused(learned.name(), "its potentials do not filter".into()),
             }
         }
         (Kind::Learnable(_), ProposalName::LookAhead) => refused(

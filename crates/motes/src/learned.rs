@@ -1,13 +1,14 @@
 //! A learned proposal as the command has it: in a folder, with a name, for one model.
 
+use std::borrow::Cow;
 use std::fmt;
 use std::path::Path;
 use std::sync::Arc;
 
 use motes_models::{ModelShape, Seed};
 use motes_proposals::{
-    Amortised, Backend, Fingerprint, LearnedPotentials, OnLinePotentials, OtherSystem, SavedError,
-    SavedFiles, holds, load, load_to_tune, notes, save, save_both,
+    Amortised, Backend, Fingerprint, LearnedPotentials, OnLinePotentials, SavedError, SavedFiles, holds,
+    load, load_to_tune, notes, save, save_both,
 };
 use motes_smc::{ByPotential, LookAhead, RecordedStep};
 use serde::{Deserialize, Serialize};
@@ -15,21 +16,22 @@ use serde::{Deserialize, Serialize};
 use crate::error::MotesError;
 use crate::evidence::LearnedWorth;
 use crate::model::{Kind, LearnableModel, Model};
+use crate::over_prior::{OverPrior, PriorParameter};
 use crate::packed::{pack, unpack};
 
 /// A proposal that was learned for a model; copies share it.
 #[derive(Clone)]
 pub struct LearnedProposal {
     name: String,
-    proposal: Arc<Amortised>,
-    /// Learned beside it, for recorded data.
+    /// A network for each particle; none where potentials were learned alone, over a prior.
+    proposal: Option<Arc<Amortised>>,
     potentials: Option<Arc<PotentialsWithNotes>>,
     notes: Arc<Notes>,
-    /// Of the model that it was learned or loaded for.
+    /// Of the model that it was learned or loaded for; over a prior, at the parameters that the prior's notes name.
     fingerprint: Arc<Fingerprint>,
 }
 
-/// Potentials of whole recorded sequences, which were learned beside a proposal.
+/// Potentials of whole recorded sequences and of steps.
 #[derive(Clone)]
 struct PotentialsWithNotes {
     potentials: Arc<LearnedPotentials>,
@@ -51,6 +53,12 @@ pub struct PotentialNotes {
     pub filters: bool,
     /// What they are worth beside designed proposals, on simulated sequences; nothing before they are judged.
     pub worth: Option<LearnedWorth>,
+    /// The prior over which they were learned, if they were.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub prior: Option<OverPrior>,
+    /// What the folder says of all of it, where there is no network for each particle.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) notes: Option<Notes>,
 }
 
 /// What the folder of a learned proposal says beside its weights.
@@ -71,13 +79,13 @@ pub struct Notes {
 const IN_BYTES: &str = "a learned proposal";
 
 /// The version of what the bytes hold, beside that of the files in them.
-const BYTES_VERSION: u32 = 2;
+const BYTES_VERSION: u32 = 3;
 
 /// What the bytes of a proposal hold.
 #[derive(Serialize, Deserialize)]
 struct NamedFiles {
     name: String,
-    files: SavedFiles,
+    files: Option<SavedFiles>,
     potentials: Option<SavedFiles>,
 }
 
@@ -95,16 +103,21 @@ pub(crate) fn shape_of(model: &dyn LearnableModel) -> ModelShape {
 impl PartialEq for LearnedProposal {
     /// Whether they are the same one.
     fn eq(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.proposal, &other.proposal)
+        Arc::ptr_eq(&self.fingerprint, &other.fingerprint)
     }
 }
 
 impl LearnedProposal {
-    pub(crate) fn new(name: String, proposal: Amortised, notes: Notes, model: &dyn LearnableModel) -> Self {
+    pub(crate) fn new(
+        name: String,
+        proposal: Option<Amortised>,
+        notes: Notes,
+        model: &dyn LearnableModel,
+    ) -> Self {
         let fingerprint = Arc::new(Fingerprint::of(model, None));
         LearnedProposal {
             name,
-            proposal: Arc::new(proposal),
+            proposal: proposal.map(Arc::new),
             potentials: None,
             notes: Arc::new(notes),
             fingerprint,
@@ -138,12 +151,24 @@ impl LearnedProposal {
         worth.is_some_and(LearnedWorth::is_behind_look_ahead)
     }
 
-    /// The potentials by which a filter draws as measurements come, if it does.
-    pub(crate) fn on_line(&self) -> Option<ByPotential<OnLinePotentials>> {
-        self.potentials
-            .as_ref()
-            .filter(|learned| learned.notes.filters)
-            .map(|learned| OnLinePotentials::proposal(Arc::clone(&learned.potentials)))
+    /// Whether a filter draws by potentials as measurements come.
+    pub(crate) fn filters_by_potential(&self) -> bool {
+        self.potentials.as_ref().is_some_and(|learned| learned.notes.filters)
+    }
+
+    /// The potentials by which a filter of `model` draws as measurements come, if it does.
+    ///
+    /// # Errors
+    /// [`MotesError::Proposal`] if their units cannot be had.
+    pub(crate) fn on_line(
+        &self,
+        model: &dyn LearnableModel,
+    ) -> Result<Option<ByPotential<OnLinePotentials>>, MotesError> {
+        let potentials = self.potentials.as_ref().filter(|learned| learned.notes.filters);
+        let proposal = potentials
+            .map(|learned| OnLinePotentials::proposal(Arc::clone(&learned.potentials), model))
+            .transpose();
+        proposal.map_err(|error| self.refused(&error))
     }
 
     /// Whether there are potentials for recorded data.
@@ -174,12 +199,9 @@ impl LearnedProposal {
         steps: &[RecordedStep],
     ) -> Result<Option<LookAhead>, MotesError> {
         let Some(learned) = &self.potentials else { return Ok(None) };
-        let learnable = learnable(model)?;
-        self.check(learnable).map_err(|error| self.refused(&error))?;
-        let found = learned.potentials.look_ahead(learnable, steps).map_err(|error| {
-            MotesError::Proposal { proposal: self.name.clone(), reason: error.to_string() }
-        })?;
-        Ok(Some(found))
+        self.check_model(model)?;
+        let found = learned.potentials.look_ahead(learnable(model)?, steps);
+        found.map(Some).map_err(|error| self.refused(&error))
     }
 
     /// The same with other notes.
@@ -187,23 +209,45 @@ impl LearnedProposal {
         LearnedProposal { notes: Arc::new(notes), ..self }
     }
 
-    /// Whether `model` is the one that it was learned for, or loaded for, with the same parameters: by its densities, as where a folder is read.
+    /// Whether `model` is the one that it was learned for, or loaded for, with the same parameters: by its densities, as where a folder is read. Over a prior, those that have one may be
+    /// any.
     ///
     /// Filters, comparisons and further learning ask this themselves.
     ///
     /// # Errors
     /// [`MotesError::Proposal`] with what differs, if it is another one; as [`learn`](crate::learn) for a model that nothing is learned for.
     pub fn check_model(&self, model: &Model) -> Result<(), MotesError> {
-        self.check(learnable(model)?).map_err(|error| self.refused(&error))
+        let reference = self.reference(model)?;
+        let found = self.fingerprint.check(&Fingerprint::of(learnable(&reference)?, None));
+        found.map_err(|error| self.refused(&error))
     }
 
-    /// The same of what kind it is.
-    pub(crate) fn check(&self, model: &dyn LearnableModel) -> Result<(), OtherSystem> {
-        self.fingerprint.check(&Fingerprint::of(model, None))
+    /// Whether it serves all values of the parameters that have a prior and no other value.
+    ///
+    /// # Errors
+    /// [`MotesError::Proposal`] with the first that it was learned for one value of.
+    pub(crate) fn check_free(&self, model: &Model) -> Result<(), MotesError> {
+        let over = self.potential_notes().and_then(|notes| notes.prior.as_ref()).map(OverPrior::names);
+        let over = over.unwrap_or_default();
+        let free = OverPrior::of(model).map(|prior| prior.parameters).unwrap_or_default();
+        match free.iter().find(|parameter| !over.contains(&parameter.name.as_str())) {
+            None => Ok(()),
+            Some(PriorParameter { name, .. }) => Err(self.refused(&format!(
+                "it was learned for one value of {name}, and {name} is to be fitted; motes learn without --set {name} learns it over the prior"
+            ))),
+        }
     }
 
-    /// The error of a model that it was not learned for.
-    pub(crate) fn refused(&self, error: &OtherSystem) -> MotesError {
+    /// The model at the parameters by which it is recognised.
+    fn reference<'m>(&self, model: &'m Model) -> Result<Cow<'m, Model>, MotesError> {
+        match self.potential_notes().and_then(|notes| notes.prior.as_ref()) {
+            Some(prior) => prior.reference(model, &self.name).map(Cow::Owned),
+            None => Ok(Cow::Borrowed(model)),
+        }
+    }
+
+    /// The error of a model for which it does not work.
+    pub(crate) fn refused(&self, error: &dyn fmt::Display) -> MotesError {
         MotesError::Proposal { proposal: self.name.clone(), reason: error.to_string() }
     }
 
@@ -212,15 +256,23 @@ impl LearnedProposal {
     /// # Errors
     /// [`MotesError::Saved`] if it is not there, damaged, or learned for another model.
     pub fn load(folder: &Path, model: &Model) -> Result<Self, MotesError> {
-        let learnable = learnable(model)?;
-        let shape = shape_of(learnable);
-        let proposal = load(folder, learnable, &shape, Backend::Native.into())?;
-        let learned = LearnedProposal::named(folder, proposal, learnable)?;
-        if !holds::<LearnedPotentials>(folder) {
-            return Ok(learned);
-        }
-        let potentials: LearnedPotentials = load(folder, learnable, &shape, Backend::Native.into())?;
-        Ok(learned.with_potentials(potentials, notes::<LearnedPotentials, _>(folder)?))
+        let (of_proposal, of_potentials) = (holds::<Amortised>(folder), holds::<LearnedPotentials>(folder));
+        let notes_beside: Option<PotentialNotes> =
+            of_potentials.then(|| notes::<LearnedPotentials, _>(folder)).transpose()?;
+        let prior = notes_beside.as_ref().and_then(|notes| notes.prior.as_ref());
+        let reference = match prior {
+            Some(prior) => Cow::Owned(prior.reference(model, &name_of(folder))?),
+            None => Cow::Borrowed(model),
+        };
+        let learnable = learnable(&reference)?;
+        let (shape, compute) = (shape_of(learnable), Backend::Native.into());
+        let own = notes_beside.as_ref().and_then(|notes| notes.notes.clone());
+        let learned = match own {
+            Some(own) if !of_proposal => LearnedProposal::new(name_of(folder), None, own, learnable),
+            _ => LearnedProposal::named(folder, load(folder, learnable, &shape, compute)?, learnable)?,
+        };
+        let Some(notes) = notes_beside else { return Ok(learned) };
+        Ok(learned.with_potentials(load(folder, learnable, &shape, compute)?, notes))
     }
 
     /// Reads the proposal in `folder` to be learned further for `model`, whose parameters may be others than those it was learned for.
@@ -236,8 +288,7 @@ impl LearnedProposal {
     /// What a folder is called, with what it says beside the weights.
     fn named(folder: &Path, proposal: Amortised, model: &dyn LearnableModel) -> Result<Self, MotesError> {
         let notes = notes::<Amortised, _>(folder)?;
-        let name = folder.file_name().unwrap_or(folder.as_os_str()).to_string_lossy().into_owned();
-        Ok(LearnedProposal::new(name, proposal, notes, model))
+        Ok(LearnedProposal::new(name_of(folder), Some(proposal), notes, model))
     }
 
     /// Writes it into `folder`, replacing a proposal that is there.
@@ -246,13 +297,19 @@ impl LearnedProposal {
     /// [`MotesError::Saved`] if it cannot be written; [`MotesError::Proposal`] if `model` is another one than it was learned for.
     pub fn save(&self, folder: &Path, model: &Model) -> Result<(), MotesError> {
         self.check_model(model)?;
-        let learnable = learnable(model)?;
-        let (shape, proposal) = (shape_of(learnable), &*self.proposal);
-        match self.potentials.as_deref() {
-            None => save(folder, proposal, learnable, &shape, &*self.notes)?,
-            Some(PotentialsWithNotes { potentials, notes }) => {
-                save_both(folder, (proposal, &*self.notes), (&**potentials, notes), learnable, &shape)?;
+        let reference = self.reference(model)?;
+        let learnable = learnable(&reference)?;
+        let (shape, own) = (shape_of(learnable), &*self.notes);
+        match (self.proposal.as_deref(), self.potentials.as_deref()) {
+            (Some(proposal), None) => save(folder, proposal, learnable, &shape, own)?,
+            (Some(proposal), Some(PotentialsWithNotes { potentials, notes })) => {
+                save_both(folder, (proposal, own), (&**potentials, notes), learnable, &shape)?;
             }
+            (None, Some(PotentialsWithNotes { potentials, notes })) => {
+                let notes = PotentialNotes { notes: Some(own.clone()), ..notes.clone() };
+                save(folder, &**potentials, learnable, &shape, &notes)?;
+            }
+            (None, None) => {}
         }
         Ok(())
     }
@@ -263,12 +320,17 @@ impl LearnedProposal {
     /// As [`LearnedProposal::save`].
     pub fn to_bytes(&self, model: &Model) -> Result<Vec<u8>, MotesError> {
         self.check_model(model)?;
-        let learnable = learnable(model)?;
+        let reference = self.reference(model)?;
+        let learnable = learnable(&reference)?;
         let shape = shape_of(learnable);
         let place = Path::new(IN_BYTES);
-        let files = SavedFiles::of(&*self.proposal, learnable, &shape, &*self.notes, place)?;
+        let of_proposal =
+            |proposal: &Amortised| SavedFiles::of(proposal, learnable, &shape, &*self.notes, place);
+        let files = self.proposal.as_deref().map(of_proposal).transpose()?;
         let of_potentials = |PotentialsWithNotes { potentials, notes }: &PotentialsWithNotes| {
-            SavedFiles::of(&**potentials, learnable, &shape, notes, place)
+            let own = files.is_none().then(|| Notes::clone(&self.notes));
+            let notes = PotentialNotes { notes: own, ..notes.clone() };
+            SavedFiles::of(&**potentials, learnable, &shape, &notes, place)
         };
         let potentials = self.potentials.as_deref().map(of_potentials).transpose()?;
         pack(IN_BYTES, BYTES_VERSION, &NamedFiles { name: self.name.clone(), files, potentials })
@@ -280,13 +342,29 @@ impl LearnedProposal {
     /// [`MotesError::Packed`] if they were damaged or are of another version; [`MotesError::Saved`] if it was learned for another model.
     pub fn from_bytes(bytes: &[u8], model: &Model) -> Result<Self, MotesError> {
         let NamedFiles { name, files, potentials } = unpack(IN_BYTES, BYTES_VERSION, bytes)?;
-        let (learnable, place) = (learnable(model)?, Path::new(IN_BYTES));
-        let shape = shape_of(learnable);
-        let proposal = files.proposal(place, learnable, &shape, Backend::Native.into())?;
-        let learned = LearnedProposal::new(name, proposal, files.notes(place)?, learnable);
-        let Some(files) = potentials else { return Ok(learned) };
-        let potentials = files.proposal(place, learnable, &shape, Backend::Native.into())?;
-        Ok(learned.with_potentials(potentials, files.notes(place)?))
+        let place = Path::new(IN_BYTES);
+        let notes_beside: Option<PotentialNotes> =
+            potentials.as_ref().map(|files| files.notes(place)).transpose()?;
+        let prior = notes_beside.as_ref().and_then(|notes| notes.prior.as_ref());
+        let reference = match prior {
+            Some(prior) => Cow::Owned(prior.reference(model, &name)?),
+            None => Cow::Borrowed(model),
+        };
+        let learnable = learnable(&reference)?;
+        let (shape, compute) = (shape_of(learnable), Backend::Native.into());
+        let learned = match (files, notes_beside.as_ref().and_then(|notes| notes.notes.clone())) {
+            (Some(files), _) => {
+                let proposal = files.proposal(place, learnable, &shape, compute)?;
+                LearnedProposal::new(name, Some(proposal), files.notes(place)?, learnable)
+            }
+            (None, Some(own)) => LearnedProposal::new(name, None, own, learnable),
+            (None, None) => {
+                let reason = "there is nothing learned in it".to_string();
+                return Err(MotesError::Proposal { proposal: name, reason });
+            }
+        };
+        let Some((files, notes)) = potentials.zip(notes_beside) else { return Ok(learned) };
+        Ok(learned.with_potentials(files.proposal(place, learnable, &shape, compute)?, notes))
     }
 
     /// What it is called on a card.
@@ -299,10 +377,15 @@ impl LearnedProposal {
         &self.notes
     }
 
-    /// The proposal itself, for [`motes_smc::ParticleFilter`].
-    pub fn proposal(&self) -> &Amortised {
-        &self.proposal
+    /// The network for each particle, for [`motes_smc::ParticleFilter`]; none where potentials were learned alone.
+    pub fn proposal(&self) -> Option<&Amortised> {
+        self.proposal.as_deref()
     }
+}
+
+/// What a proposal in a folder is called.
+fn name_of(folder: &Path) -> String {
+    folder.file_name().unwrap_or(folder.as_os_str()).to_string_lossy().into_owned()
 }
 
 /// What a proposal is learned for; a linear Gaussian model by its matrices is none.

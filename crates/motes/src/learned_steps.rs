@@ -14,7 +14,7 @@ pub(crate) fn of_sub_steps(model: &Model, data: &Data, options: &FilterOptions) 
     if learnable.density().is_some() {
         return None;
     }
-    let own = learned.proposal().config().sub_steps;
+    let own = learned.proposal()?.config().sub_steps;
     let steps = data.rows.iter().flat_map(|row| &row.steps).map(|step| step.step());
     let counts: Vec<usize> =
         steps.filter(|step| step.index > 0 && step.sub_steps > 0).map(|step| step.sub_steps).collect();

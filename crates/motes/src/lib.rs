@@ -49,6 +49,7 @@ mod model;
 mod names;
 mod options;
 pub mod output;
+mod over_prior;
 mod packed;
 mod particles;
 mod prediction;
@@ -93,6 +94,7 @@ pub use mixture::{PosteriorEstimates, filter_draws, smooth_draws};
 pub use model::{LearnableModel, Model};
 pub use names::{FileInput, ModelNames};
 pub use options::{DEFENSIVE_SHARE, FilterOptions, ProposalName};
+pub use over_prior::{OverPrior, PriorParameter};
 pub use packed::{pack, unpack};
 pub use priors::of_starts;
 pub use simulating::{

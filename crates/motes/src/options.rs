@@ -136,7 +136,7 @@ impl FilterOptions {
     fn default_share(&self) -> Option<f64> {
         // A potential has a flat part of its own.
         match &self.proposal {
-            ProposalName::Learned(learned) if learned.on_line().is_none() => Some(DEFENSIVE_SHARE),
+            ProposalName::Learned(learned) if !learned.filters_by_potential() => Some(DEFENSIVE_SHARE),
             _ => None,
         }
     }

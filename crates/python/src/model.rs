@@ -325,7 +325,8 @@ impl Model {
             learn(&model, data, &options, |_, _| failure.asked())
         })?;
         let LearnOutcome { proposal, history, no_potentials, training_seconds } = failure.or(learned)?;
-        Ok((Proposal(proposal), history.validation, no_potentials, training_seconds))
+        let validation = history.map_or_else(Vec::new, |history| history.validation);
+        Ok((Proposal(proposal), validation, no_potentials, training_seconds))
     }
 
     /// Holds a proposal that was learned against the designed ones.

@@ -37,7 +37,7 @@ pub enum ProposalError {
     #[error("the model has no graph, which a graph network needs: see ModelShape::on_graph")]
     NoGraph,
     /// The units in which a proposal's networks work cannot be had from simulations of the system.
-    #[error("the frames of a standardised proposal cannot be had: {reason}")]
+    #[error("the units in which the proposal's networks work cannot be had by simulation: {reason}")]
     Frames {
         /// Why not.
         reason: String,

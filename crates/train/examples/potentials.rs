@@ -8,7 +8,7 @@ use motes_models::equations::{Coordinates, Draws, Equations, Scalar, normal};
 use motes_models::{ModelShape, Seed, Step, StepRecord, simulate};
 use motes_proposals::{Backend, Family, LearnedPotentials, LearnedPotentialsConfig, OnLinePotentials};
 use motes_smc::{Bootstrap, FilterBank, FilterSettings, Linearised, LookAhead, Proposal, RecordedStep};
-use motes_train::{PotentialLearnConfig, learn_potentials};
+use motes_train::{PathSource, PotentialLearnConfig, learn_potentials};
 
 /// The bimodal growth model (Gordon, Salmond and Smith 1993).
 struct Growth;
@@ -82,7 +82,8 @@ fn study<M: Equations>(name: &str, model: &M, times: usize) -> Result<(), Box<dy
     let mut potentials =
         LearnedPotentials::create(&config, &shape, 0, Backend::Native.into(), &seed.child("weights"))?;
     let settings = PotentialLearnConfig::new();
-    let learned = learn_potentials(&mut potentials, model, &settings, &seed.child("learn"), |_, _| {
+    let source = PathSource::Model(model);
+    let learned = learn_potentials(&mut potentials, source, &settings, &seed.child("learn"), |_, _| {
         ControlFlow::Continue(())
     })?;
     println!("{name}: learned in {:.1} s, {:?}", learned.seconds, learned.validation);
@@ -98,7 +99,7 @@ fn study<M: Equations>(name: &str, model: &M, times: usize) -> Result<(), Box<dy
             })
             .collect();
         let started = Instant::now();
-        let now = OnLinePotentials::proposal(Arc::new(potentials.clone()));
+        let now = OnLinePotentials::proposal(Arc::new(potentials.clone()), model)?;
         let ahead = potentials.look_ahead(model, &rows)?;
         let seconds = started.elapsed().as_secs_f64();
         print!("  networks {:.2} ms;", 1e3 * seconds);

@@ -65,6 +65,12 @@ pub enum TrainError {
         /// Why not.
         reason: String,
     },
+    /// There is no model to draw sequences from.
+    #[error("there is no model to learn from: {reason}")]
+    Source {
+        /// Why not.
+        reason: String,
+    },
     /// An objective learns from recorded measurements, and there are none.
     #[error("the objective {objective} learns from recorded measurements; there are none")]
     NoRecorded {

@@ -45,7 +45,7 @@ pub(super) fn run(args: &LearnArgs, interrupt: &Interrupt) -> Result<u8, Failure
     progress.finish();
     let LearnOutcome { proposal, history, no_potentials, training_seconds } = outcome??;
     proposal.save(&args.output, &model)?;
-    let (notes, mut warnings) = said(&proposal, &history, training_seconds);
+    let (notes, mut warnings) = said(&proposal, history.as_ref(), training_seconds);
     warnings.extend(no_potentials.map(|reason| format!("no potentials for recorded data: {reason}")));
     if !args.model.quiet {
         notes.iter().for_each(|note| status(&format!("motes: {note}")));
@@ -90,37 +90,16 @@ pub(super) fn run(args: &LearnArgs, interrupt: &Interrupt) -> Result<u8, Failure
 }
 
 /// What there is to say of what was learned, and what there is to warn of.
-fn said(proposal: &LearnedProposal, history: &Learned, seconds: f64) -> (Vec<String>, Vec<String>) {
-    let before = history.validation.first().map_or(f64::NAN, |(_, figure)| *figure);
-    let figure = match history.objective.needs_recorded() {
-        false => format!("gain over the transition {:.3} nats a step", history.best_gain()),
-        true => format!(
-            "log-evidence of held-out data {:.3} nats a time, {before:.3} before",
-            history.best_gain()
-        ),
-    };
-    let mut notes = vec![
-        format!("chosen: {}", proposal.notes().choice),
-        format!("{} updates, the best after {}; {seconds:.1} s; {figure}", history.steps, history.best_step),
-    ];
-    if let Some(potentials) = proposal.potential_notes() {
-        notes.push(of_potentials(potentials));
-    }
-    if history.overflowed > 0.0 {
-        notes.push(format!(
-            "{:.2} % of the simulated sequences ran to numbers that are not finite and were cut there; take fewer --steps, or look at the \
-             transition's noise",
-            100.0 * history.overflowed
-        ));
-    }
-    for update in &history.new_beginnings {
-        notes.push(format!(
-            "learning lost its way by update {update}; it went on from the best weights before, with steps a quarter as long"
-        ));
-    }
+fn said(proposal: &LearnedProposal, history: Option<&Learned>, seconds: f64) -> (Vec<String>, Vec<String>) {
+    let mut notes = vec![format!("chosen: {}", proposal.notes().choice)];
+    notes.extend(history.map(|history| of_network(history, seconds)));
+    notes.extend(proposal.potential_notes().map(of_potentials));
     let mut warnings = Vec::new();
-    if let Some(step) = history.diverged_at {
-        warnings.push(format!("learning diverged at update {step}; the best weights before are kept"));
+    if let Some(history) = history {
+        notes.extend(of_course(history));
+        if let Some(step) = history.diverged_at {
+            warnings.push(format!("learning diverged at update {step}; the best weights before are kept"));
+        }
     }
     if let Some(designed) = &proposal.notes().worse_than {
         warnings.push(format!("{designed} did better on validation sequences; take --proposal {designed}"));
@@ -139,6 +118,36 @@ fn said(proposal: &LearnedProposal, history: &Learned, seconds: f64) -> (Vec<Str
         });
     }
     (notes, warnings)
+}
+
+/// What there is to say of a network for each particle.
+fn of_network(history: &Learned, seconds: f64) -> String {
+    let before = history.validation.first().map_or(f64::NAN, |(_, figure)| *figure);
+    let figure = match history.objective.needs_recorded() {
+        false => format!("gain over the transition {:.3} nats a step", history.best_gain()),
+        true => format!(
+            "log-evidence of held-out data {:.3} nats a time, {before:.3} before",
+            history.best_gain()
+        ),
+    };
+    format!("{} updates, the best after {}; {seconds:.1} s; {figure}", history.steps, history.best_step)
+}
+
+/// What went another way than it should while it learned.
+fn of_course(history: &Learned) -> Vec<String> {
+    let overflowed = (history.overflowed > 0.0).then(|| {
+        format!(
+            "{:.2} % of the simulated sequences ran to numbers that are not finite and were cut there; take fewer --steps, or look at the \
+             transition's noise",
+            100.0 * history.overflowed
+        )
+    });
+    let new_beginnings = history.new_beginnings.iter().map(|update| {
+        format!(
+            "learning lost its way by update {update}; it went on from the best weights before, with steps a quarter as long"
+        )
+    });
+    overflowed.into_iter().chain(new_beginnings).collect()
 }
 
 /// What there is to say of potentials.

@@ -31,27 +31,32 @@ pub(crate) struct Contender {
     pub(crate) cost: EstimatorCost,
 }
 
+/// A sequence, and the model that drew it.
+pub(crate) struct JudgedSequence {
+    pub(crate) model: Model,
+    pub(crate) steps: Vec<RecordedStep>,
+}
+
 /// The worth of each contender on these sequences; one that fails on a sequence has the largest error there. `proceed` is asked before each contender takes each sequence.
 ///
 /// # Errors
 /// [`MotesError::Interrupted`].
 pub(crate) fn judge(
-    model: &Model,
     contenders: &[Contender],
-    sequences: Vec<Vec<RecordedStep>>,
+    sequences: Vec<JudgedSequence>,
     seed: &Seed,
     proceed: &mut dyn FnMut() -> ControlFlow<()>,
 ) -> Result<Vec<EvidenceWorth>, MotesError> {
     let mut squares = vec![0.0; contenders.len()];
     let runs = sequences.len() as f64 * RUNS as f64;
-    for (number, steps) in sequences.into_iter().enumerate() {
+    for (number, JudgedSequence { model, steps }) in sequences.into_iter().enumerate() {
         let (sequence, seed) = (Sequence::of_steps(steps), seed.nth(number as u64));
         let mut logs: Vec<Vec<f64>> = Vec::with_capacity(contenders.len());
         for contender in contenders {
             if proceed().is_break() {
                 return Err(MotesError::Interrupted);
             }
-            let found = contender.runs(model, &sequence, &seed);
+            let found = contender.runs(&model, &sequence, &seed);
             logs.push(found.unwrap_or_else(|_| vec![f64::NEG_INFINITY; RUNS as usize]));
         }
         let reference = LogMean::of(&logs.concat()).log();

@@ -16,7 +16,7 @@ pub(crate) use cost::{ON_LINE, cost};
 pub use estimate::{Evidence, evidence};
 pub use estimator::EvidenceEstimator;
 pub(crate) use exact::is_exact;
-pub(crate) use judgement::{Contender, judge};
+pub(crate) use judgement::{Contender, JudgedSequence, judge};
 pub use log_evidence::{LogEvidence, log_evidence};
 pub use many::log_evidence_at;
 pub use options::EvidenceOptions;

@@ -28,8 +28,9 @@ impl EvidenceWorth {
 pub struct LearnedWorth {
     /// Each designed proposal, at least `bootstrap`.
     pub designed: Vec<EvidenceWorth>,
-    /// A filter with a network for each particle.
-    pub per_particle: EvidenceWorth,
+    /// A filter with a network for each particle, where there is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub per_particle: Option<EvidenceWorth>,
     /// A filter with a potential of each step.
     pub now: EvidenceWorth,
     /// Potentials of whole sequences.
@@ -39,7 +40,7 @@ pub struct LearnedWorth {
 impl LearnedWorth {
     /// All of them.
     pub fn all(&self) -> impl Iterator<Item = &EvidenceWorth> {
-        self.designed.iter().chain([&self.per_particle, &self.now, &self.ahead])
+        self.designed.iter().chain(&self.per_particle).chain([&self.now, &self.ahead])
     }
 
     /// The best designed proposal, and how many times its squared error times work is that of the potentials of whole sequences: above 1, learning pays.

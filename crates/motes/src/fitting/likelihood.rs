@@ -12,6 +12,7 @@ use crate::error::MotesError;
 use crate::evidence::{Sequence, candidates, cost, is_exact, sequences};
 use crate::model::Model;
 use crate::options::{FilterOptions, ProposalName};
+use crate::recorded::of_recorded;
 
 /// The likelihood of data by filters of a model.
 pub(super) struct ModelLikelihood<'a> {
@@ -25,21 +26,23 @@ pub(super) struct ModelLikelihood<'a> {
 }
 
 impl<'a> ModelLikelihood<'a> {
+    /// # Errors
+    /// [`MotesError::Proposal`] if a proposal was learned for another model.
     pub(super) fn new(
         model: &'a Model,
         data: &Data,
         free: &'a FreeParameters,
         options: &FitOptions,
         proceed: &'a (dyn Fn() -> ControlFlow<()> + Sync),
-    ) -> Self {
+    ) -> Result<Self, MotesError> {
         let proposals = match &options.proposal {
-            Some(proposal) => vec![proposal.clone()],
+            Some(proposal) => vec![of_recorded(proposal.clone(), model)?],
             None if is_exact(model, data) => vec![ProposalName::Exact],
             None => candidates(model),
         };
         let costs = proposals.iter().map(|proposal| cost(proposal, model)).collect();
         let (names, sequences) = (free.names(), sequences(data));
-        ModelLikelihood { model, free, names, sequences, proposals, costs, proceed }
+        Ok(ModelLikelihood { model, free, names, sequences, proposals, costs, proceed })
     }
 
     /// The proposal of an estimator.

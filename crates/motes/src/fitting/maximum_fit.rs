@@ -116,7 +116,7 @@ pub fn maximise(
     observe: &mut dyn FnMut(SearchProgress<'_>) -> Result<(), MotesError>,
 ) -> Result<MaximumFit, MotesError> {
     let free = FreeParameters::of(model)?;
-    let likelihood = ModelLikelihood::new(model, data, &free, options, proceed);
+    let likelihood = ModelLikelihood::new(model, data, &free, options, proceed)?;
     check(model, data, options)?;
     let names = free.names();
     let settings = MaximumSettings {

@@ -91,8 +91,8 @@ pub fn fit_from(
     observe: &mut dyn FnMut(FitProgress<'_>) -> Result<(), MotesError>,
 ) -> Result<PosteriorFit, MotesError> {
     let free = FreeParameters::of(model)?;
-    let likelihood = ModelLikelihood::new(model, data, &free, options, proceed);
     check(model, data, options)?;
+    let likelihood = ModelLikelihood::new(model, data, &free, options, proceed)?;
     let start = Instant::now();
     let settings = PosteriorSettings {
         chains: options.chains,
@@ -159,6 +159,9 @@ pub(super) fn refused(error: FitError<MotesError>, likelihood: &ModelLikelihood<
 pub(super) fn check(model: &Model, data: &Data, options: &FitOptions) -> Result<(), MotesError> {
     let (proposal, particles) =
         (options.proposal.clone().unwrap_or_default(), options.particles.unwrap_or(1));
+    if let ProposalName::Learned(learned) = &proposal {
+        learned.check_free(model)?;
+    }
     if proposal == ProposalName::LookAhead {
         let options = EvidenceOptions { proposal: Some(proposal), particles, ..EvidenceOptions::default() };
         return EvidenceEstimator::new(model, data, &options).map(drop);

@@ -3,6 +3,7 @@
 mod choice;
 mod names;
 mod options;
+mod over_prior;
 mod potentials;
 mod worth;
 
@@ -10,7 +11,9 @@ use std::ops::ControlFlow;
 
 use motes_models::{PartialMeasurements, Seed};
 use motes_proposals::{Amortised, Backend, Base, Family, HeadConfig};
-use motes_train::{LearnConfig, LearnObjective, Learned, TrainError, check_recorded, learn as train};
+use motes_train::{
+    LearnConfig, LearnObjective, Learned, PathSource, TrainError, check_recorded, learn as train,
+};
 
 pub use names::{base_named, head_named, network_named};
 pub use options::LearnOptions;
@@ -21,7 +24,8 @@ use crate::learned::{LearnedProposal, Notes, learnable, shape_of};
 use crate::model::Model;
 use crate::simulating::{check_draws, schedule};
 use choice::{Choice, choose};
-use potentials::{judge, learns_potentials, potentials};
+use over_prior::{PriorLearning, prior_of};
+use potentials::{SEQUENCES, judge, judged, learns_potentials, potentials};
 use worth::worse_than;
 
 /// Learning ends where after such a share of its updates nothing was better than the base.
@@ -32,15 +36,15 @@ const PATIENCE: f64 = 0.3;
 pub struct LearnOutcome {
     /// The proposal, with the best weights on validation sequences.
     pub proposal: LearnedProposal,
-    /// The course of its training.
-    pub history: Learned,
+    /// The course of the training of a network for each particle; none where potentials were learned alone, over a prior.
+    pub history: Option<Learned>,
     /// Why there are no potentials beside it, where they were tried for.
     pub no_potentials: Option<String>,
     /// How long it all took: choosing, training, and judging what the folder says of it.
     pub training_seconds: f64,
 }
 
-/// Learns a proposal for `model`, by the objective of `options`: from sequences that the model draws for itself and in addition from the series of `data`, or from
+/// Learns a proposal for `model`. Where parameters have priors and no other value, potentials are learned over these, and serve the model with any parameters. Else it is learned by the objective of `options`: from sequences that the model draws for itself and in addition from the series of `data`, or from
 /// these alone. `proceed` is asked after each update, with how many of how many are done.
 ///
 /// ```
@@ -89,7 +93,8 @@ fn learn_until(
     }
     let started = std::time::Instant::now();
     let seed = Seed::from_u64(options.seed).child("learn");
-    let scheduled = schedule(model, data, options.steps, &seed)?.and_then(|schedule| model.along(schedule));
+    let schedule = schedule(model, data, options.steps, &seed)?;
+    let scheduled = schedule.clone().and_then(|schedule| model.along(schedule));
     let simulated = scheduled.as_ref().unwrap_or(model);
     let learnable = learnable(simulated)?;
     let settings = LearnConfig {
@@ -128,12 +133,27 @@ fn learn_until(
         return Err(TrainError::Draws.into());
     }
     let has_potentials = learns_potentials(learnable, options);
+    let mut no_potentials = None;
+    if has_potentials
+        && recorded.is_empty()
+        && let Some(prior) = prior_of(model, options)
+    {
+        let asked = PriorLearning { model, data, schedule: schedule.as_ref(), prior, options, seed: &seed };
+        match asked.learn(started, proceed)? {
+            Ok(learned) => return Ok(learned),
+            Err(reason) => no_potentials = Some(format!("over the prior: {reason}")),
+        }
+    }
     // A bar of three parts, choosing and twice as long training; then one of potentials.
     let parts = if has_potentials { 4 } else { 3 };
     let (reason, mut proposal) = match &options.start {
         Some(start) => {
-            start.check(learnable).map_err(|error| MotesError::Setting(format!("start: {error}")))?;
-            (format!("{}, learned further", start.name()), start.proposal().clone())
+            start.check_model(simulated).map_err(|error| MotesError::Setting(format!("start: {error}")))?;
+            let Some(proposal) = start.proposal() else {
+                let reason = "start: its potentials were learned over a prior, and are not learned further";
+                return Err(MotesError::Setting(reason.into()));
+            };
+            (format!("{}, learned further", start.name()), proposal.clone())
         }
         None => {
             let Choice { config, reason } =
@@ -152,21 +172,22 @@ fn learn_until(
         return Err(MotesError::Interrupted);
     }
     let notes = Notes { choice: reason, updates: history.steps, seconds: history.seconds, worse_than: None };
-    let mut learned = LearnedProposal::new("learned".into(), proposal, notes, learnable);
-    let mut no_potentials = None;
+    let mut learned = LearnedProposal::new("learned".into(), Some(proposal), notes, learnable);
     if has_potentials {
         let mut tell = |done, total| proceed(3 * total + done, 4 * total);
-        match potentials(learnable, options, &seed, &mut tell)? {
+        match potentials(PathSource::Model(learnable), &shape_of(learnable), options, &seed, &mut tell)? {
             Ok((found, notes)) => learned = learned.with_potentials(found, notes),
-            Err(reason) => no_potentials = Some(reason),
+            Err(reason) => no_potentials = no_potentials.or(Some(reason)),
         }
         let seed = seed.child("recorded worth");
-        learned = judge(model, learned, data, options, &seed, &mut || proceed(1, 1))?;
+        let sequences = judged(model, data, options, SEQUENCES, &seed.child("sequences"))?;
+        learned = judge(model, learned, sequences, options, &seed, &mut || proceed(1, 1))?;
     }
     let worse_than = worse_than(model, &learned, data, options, &seed.child("worth"))?;
     let training_seconds = started.elapsed().as_secs_f64();
     let notes = Notes { worse_than, seconds: training_seconds, ..learned.notes().clone() };
-    Ok(LearnOutcome { proposal: learned.with_notes(notes), history, no_potentials, training_seconds })
+    let (proposal, history) = (learned.with_notes(notes), Some(history));
+    Ok(LearnOutcome { proposal, history, no_potentials, training_seconds })
 }
 
 /// The measurements of each series.

@@ -3,16 +3,18 @@
 use std::ops::ControlFlow;
 
 use motes_inference::EstimatorCost;
-use motes_models::{Seed, Trajectory};
+use motes_models::{ModelShape, Seed, Trajectory};
 use motes_proposals::{Backend, Family, LearnedPotentials, LearnedPotentialsConfig, Sees};
 use motes_smc::RecordedStep;
-use motes_train::{LearnObjective, PotentialLearnConfig, TrainError, learn_potentials};
+use motes_train::{LearnObjective, PathSource, PotentialLearnConfig, TrainError, learn_potentials};
 
 use super::options::LearnOptions;
 use crate::data::Data;
 use crate::error::MotesError;
-use crate::evidence::{Contender, LearnedWorth, ON_LINE, candidates, cost, judge as judge_evidence};
-use crate::learned::{LearnedProposal, PotentialNotes, shape_of};
+use crate::evidence::{
+    Contender, JudgedSequence, LearnedWorth, ON_LINE, candidates, cost, judge as judge_evidence,
+};
+use crate::learned::{LearnedProposal, PotentialNotes};
 use crate::model::{LearnableModel, Model};
 use crate::options::ProposalName;
 use crate::recorded::steps_to_row;
@@ -31,7 +33,8 @@ pub(super) fn learns_potentials(model: &dyn LearnableModel, options: &LearnOptio
 /// # Errors
 /// [`MotesError::Interrupted`] if `proceed` says so, and as [`learn_potentials`].
 pub(super) fn potentials(
-    model: &dyn LearnableModel,
+    source: PathSource<'_, dyn LearnableModel>,
+    shape: &ModelShape,
     options: &LearnOptions,
     seed: &Seed,
     proceed: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
@@ -44,15 +47,10 @@ pub(super) fn potentials(
     };
     let seed = seed.child("potentials");
     let config = LearnedPotentialsConfig::default();
-    let mut potentials = LearnedPotentials::create(
-        &config,
-        &shape_of(model),
-        0,
-        Backend::Native.into(),
-        &seed.child("weights"),
-    )?;
+    let mut potentials =
+        LearnedPotentials::create(&config, shape, 0, Backend::Native.into(), &seed.child("weights"))?;
     let mut is_stopped = false;
-    let learned = learn_potentials(&mut potentials, model, &settings, &seed, |done, _| {
+    let learned = learn_potentials(&mut potentials, source, &settings, &seed, |done, _| {
         let asked = proceed(done, settings.steps);
         is_stopped = asked.is_break();
         asked
@@ -67,35 +65,64 @@ pub(super) fn potentials(
     };
     let [gain, gain_now] = learned.best_gains();
     let (updates, seconds) = (learned.steps, learned.seconds);
-    let notes = PotentialNotes { updates, seconds, gain, gain_now, filters: false, worth: None };
+    let notes = PotentialNotes {
+        updates,
+        seconds,
+        gain,
+        gain_now,
+        filters: false,
+        worth: None,
+        prior: None,
+        notes: None,
+    };
     Ok(Ok((potentials, notes)))
 }
 
 /// Sequences by which potentials are judged.
-const SEQUENCES: usize = 20;
+pub(super) const SEQUENCES: usize = 20;
+
+/// So many sequences of a model at the most, for [`judge`].
+///
+/// # Errors
+/// [`MotesError::Simulation`] where no sequence stays finite.
+pub(super) fn judged(
+    model: &Model,
+    data: Option<&Data>,
+    options: &LearnOptions,
+    count: usize,
+    seed: &Seed,
+) -> Result<Vec<JudgedSequence>, MotesError> {
+    let drawn = simulate_some(model, data, options.steps, count, seed)?;
+    Ok(drawn
+        .series
+        .iter()
+        .zip(&drawn.rows)
+        .map(|of_one| JudgedSequence { model: model.clone(), steps: recorded_of(of_one) })
+        .collect())
+}
+
+/// A simulated series as it is filtered.
+fn recorded_of((series, rows): (&Trajectory, &Vec<SimulatedRow>)) -> Vec<RecordedStep> {
+    let to_row = |(row, measurement): (&SimulatedRow, &[f64])| {
+        let entries: Vec<Option<f64>> = measurement.iter().copied().map(Some).collect();
+        steps_to_row(&row.steps, &entries).collect::<Vec<RecordedStep>>()
+    };
+    rows.iter().zip(series.measurements.rows()).flat_map(to_row).collect()
+}
 
 /// How well the evidence of recorded sequences is estimated with potentials and with designed proposals, on sequences that nothing was learned from.
 ///
 /// # Errors
-/// [`MotesError::Interrupted`], and [`MotesError::Simulation`] where no sequence stays finite.
+/// [`MotesError::Interrupted`].
 pub(super) fn judge(
     model: &Model,
     learned: LearnedProposal,
-    data: Option<&Data>,
+    sequences: Vec<JudgedSequence>,
     options: &LearnOptions,
     seed: &Seed,
     proceed: &mut dyn FnMut() -> ControlFlow<()>,
 ) -> Result<LearnedProposal, MotesError> {
     let Some(notes) = learned.potential_notes().cloned() else { return Ok(learned) };
-    let drawn = simulate_some(model, data, options.steps, SEQUENCES, &seed.child("sequences"))?;
-    let of_series = |(series, rows): (&Trajectory, &Vec<SimulatedRow>)| -> Vec<RecordedStep> {
-        let to_row = |(row, measurement): (&SimulatedRow, &[f64])| {
-            let entries: Vec<Option<f64>> = measurement.iter().copied().map(Some).collect();
-            steps_to_row(&row.steps, &entries).collect::<Vec<RecordedStep>>()
-        };
-        rows.iter().zip(series.measurements.rows()).flat_map(to_row).collect()
-    };
-    let sequences = drawn.series.iter().zip(&drawn.rows).map(of_series).collect();
     let named = |name: &str, proposal: ProposalName, looks_ahead: bool, cost: EstimatorCost| Contender {
         name: name.into(),
         proposal,
@@ -109,23 +136,25 @@ pub(super) fn judge(
     let by = ProposalName::Learned;
     let designed =
         candidates(model).into_iter().map(|proposal| of_model(&proposal.to_string(), proposal, true));
+    let per_particle = learned
+        .proposal()
+        .map(|_| of_model("learned, per particle", by(learned.clone().without_potentials()), false));
+    let has_network = per_particle.is_some();
     let contenders: Vec<Contender> = designed
+        .chain(per_particle)
         .chain([
-            of_model("learned, per particle", by(learned.clone().without_potentials()), false),
             named("learned, now", by(learned.clone().filtering_by_potential(true)), false, ON_LINE),
             of_model("learned, ahead", by(learned.clone()), true),
         ])
         .collect();
-    let mut designed = judge_evidence(model, &contenders, sequences, &seed.child("runs"), proceed)?;
-    let [per_particle, now, ahead] = match designed.split_off(designed.len() - 3).try_into() {
-        Ok(of_learned) => of_learned,
-        Err(_) => return Ok(learned),
-    };
+    let mut designed = judge_evidence(&contenders, sequences, &seed.child("runs"), proceed)?;
+    let (Some(ahead), Some(now)) = (designed.pop(), designed.pop()) else { return Ok(learned) };
+    let per_particle = if has_network { designed.pop() } else { None };
     let worth = LearnedWorth { designed, per_particle, now, ahead };
     // Who asks for a network of some kind filters with that.
     let is_asked = options.base.is_some() || options.head.is_some() || options.widths.is_some();
     let filters = !is_asked
         && options.sees == Sees::All
-        && worth.now.inefficiency() < worth.per_particle.inefficiency();
+        && worth.per_particle.as_ref().is_none_or(|other| worth.now.inefficiency() < other.inefficiency());
     Ok(learned.with_potential_notes(PotentialNotes { worth: Some(worth), filters, ..notes }))
 }

@@ -112,7 +112,8 @@ mod tests {
             }
         }
         let notes = Notes { choice: "planted".into(), updates: 0, seconds: 0.0, worse_than: None };
-        let learned = LearnedProposal::new("learned".into(), proposal, notes, learnable(&model).unwrap());
+        let learned =
+            LearnedProposal::new("learned".into(), Some(proposal), notes, learnable(&model).unwrap());
         (model, learned)
     }
 

@@ -10,6 +10,7 @@ mod evidence;
 mod fit_command;
 mod fitting;
 mod learning;
+mod learning_over_prior;
 mod log_evidence;
 mod own_model;
 mod priors;

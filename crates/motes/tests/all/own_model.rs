@@ -92,7 +92,7 @@ fn options(proposal: ProposalName) -> FilterOptions {
 fn learned(model: &Model, updates: usize) -> LearnedProposal {
     let options = LearnOptions { updates, steps: 20, ..LearnOptions::default() };
     let found = learn(model, None, &options, |_, _| ControlFlow::Continue(())).unwrap();
-    assert!(found.history.best_gain() > 0.0);
+    assert!(found.history.unwrap().best_gain() > 0.0);
     found.proposal
 }
 

@@ -10,11 +10,14 @@ pub struct LearnedPotentialsConfig {
     pub hidden: usize,
     /// `J`, the quadratics of a potential beside the flat one.
     pub components: usize,
+    /// The steps of simulated sequences by which units are found anew for each model, where it serves several, as with other parameters; none if units are those of one model.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub simulated: Option<usize>,
 }
 
 impl Default for LearnedPotentialsConfig {
-    /// 24 units and three quadratics.
+    /// 24 units and three quadratics, for one model.
     fn default() -> Self {
-        LearnedPotentialsConfig { hidden: 24, components: 3 }
+        LearnedPotentialsConfig { hidden: 24, components: 3, simulated: None }
     }
 }

@@ -1,14 +1,14 @@
 //! The potentials of a whole sequence by networks: their weights, and how they are made.
 
-use motes_models::equations::NoiseSpace;
 use motes_models::{ModelShape, OwnModel, Seed, Step};
 use motes_networks::{Compute, Inference, Parameters, Workspace};
 use motes_smc::{LookAhead, LookAheadError, PotentialComponent, ProposalError, RecordedStep};
 
 use super::config::LearnedPotentialsConfig;
 use super::decoded::Layout;
-use super::features::{PathBatch, StepFeatures, count};
+use super::features::{StepFeatures, count};
 use super::networks::PotentialNetworks;
+use super::paths::PathBatch;
 use super::standards::PotentialStandards;
 use super::step_memory::StepMemory;
 use super::tape::{Sizes, differentiate, gain, outputs, read};
@@ -19,7 +19,8 @@ use crate::settings::{check_compute, check_shape, check_weights, check_widths, o
 /// step, whatever the number of particles.
 ///
 /// - **Ahead**, of a recorded sequence ([`LearnedPotentials::look_ahead`]): a recurrent layer runs from the first step on and one from the last step back, over the measurements, which of
-///   them are missing, and where the model moves the middle of all states at each step, so that times and inputs are seen. A network reads both.
+///   them are missing, and what the model makes of a few states at each step: where it moves them and how likely the measurement is there, so that times, inputs and parameters are seen.
+///   A network reads both.
 /// - **Now**, of a step when its measurement is there ([`OnLinePotentials`](super::OnLinePotentials)): a network sees the same of this step alone.
 ///
 /// The evidence is unbiased whatever the weights are. They are learned from simulated sequences alone: the mean of `log ψ_t(x_t) − log Z_t(x_{t−1})` is the log-density of the proposal
@@ -46,19 +47,32 @@ impl LearnedPotentials {
         Sizes { steps, sequences, features, hidden: self.config.hidden }
     }
 
-    /// The units of measurements and states.
-    pub fn standards(&self) -> PotentialStandards {
+    /// The units of measurements and states of a model.
+    ///
+    /// # Errors
+    /// [`ProposalError::Frames`] if they are found by simulation, which the model does not allow.
+    pub fn standards<M: OwnModel + ?Sized>(&self, model: &M) -> Result<PotentialStandards, ProposalError> {
+        if let Some(horizon) = self.config.simulated {
+            return PotentialStandards::of_model(model, horizon)
+                .map_err(|error| ProposalError::Frames { reason: error.to_string() });
+        }
         let first = self.parameters.len() - STANDARDS;
         let [a, b, c, d] = [0, 1, 2, 3].map(|at| self.parameters.host(first + at));
-        PotentialStandards { measurement: [a, b], state: [c, d] }
+        Ok(PotentialStandards { measurement: [a, b], state: [c, d] })
     }
 
-    /// Sets the units of measurements and states, before anything is learned.
+    /// From now on units are found anew for each model, by simulated sequences of `horizon` steps.
+    pub fn simulate_standards(&mut self, horizon: usize) {
+        self.config.simulated = Some(horizon);
+    }
+
+    /// Sets the units of measurements and states, those of one model from now on.
     ///
     /// # Errors
     /// [`ProposalError::Mismatch`] if they are not those of so many coordinates.
     pub fn set_standards(&mut self, standards: &PotentialStandards) -> Result<(), ProposalError> {
         let first = self.parameters.len() - STANDARDS;
+        self.config.simulated = None;
         let PotentialStandards { measurement, state } = standards;
         for (at, values) in measurement.iter().chain(state).enumerate() {
             self.parameters.set_host(first + at, values).map_err(of_networks)?;
@@ -76,10 +90,14 @@ impl LearnedPotentials {
         recorded: &[RecordedStep],
     ) -> Result<LookAhead, LookAheadError> {
         let noise_space = model.noise_space().ok_or(LookAheadError::NoNoise)?;
-        let (standards, layout) = (self.standards(), self.layout());
+        let failed = |error: ProposalError| LookAheadError::Networks { reason: error.to_string() };
+        let (standards, layout) = (self.standards(model).map_err(failed)?, self.layout());
         let (mut features, mut of_step) = (Vec::new(), StepFeatures::default());
         for RecordedStep { step, measurement } in recorded {
-            of_step.of_recorded(noise_space, &step.step(), measurement, &standards, &mut features);
+            let asked = (model, noise_space);
+            of_step
+                .of_recorded(asked, &step.step(), measurement, &standards, &mut features)
+                .map_err(failed)?;
         }
         let sizes = self.sizes(recorded.len(), 1);
         let outputs = outputs(&self.networks, &self.parameters, sizes, layout, &features)
@@ -92,9 +110,9 @@ impl LearnedPotentials {
     }
 
     /// The quadratics of a step by its own measurement; `memory` is worked in.
-    pub(super) fn components_now(
+    pub(super) fn components_now<M: OwnModel + ?Sized>(
         &self,
-        noise_space: &dyn NoiseSpace,
+        model: &M,
         step: &Step<'_>,
         measurement: &[Option<f64>],
         standards: &PotentialStandards,
@@ -102,7 +120,8 @@ impl LearnedPotentials {
     ) -> Result<Vec<PotentialComponent>, ProposalError> {
         let StepMemory { of_step, features, inference } = memory;
         features.clear();
-        of_step.of_recorded(noise_space, step, measurement, standards, features);
+        let noise_space = model.noise_space().ok_or(ProposalError::NoDensity)?;
+        of_step.of_recorded((model, noise_space), step, measurement, standards, features)?;
         let (sizes, layout) = (self.sizes(1, 1), self.layout());
         let mut outputs = vec![0.0; layout.outputs()];
         read(&self.networks.now, &self.parameters, sizes.of_features(features), inference, &mut outputs)

@@ -7,12 +7,14 @@ mod learned;
 mod loss;
 mod networks;
 mod on_line;
+mod paths;
 mod standards;
 mod step_memory;
 mod tape;
 
 pub use config::LearnedPotentialsConfig;
-pub use features::{PathBatch, StepFeatures};
+pub use features::StepFeatures;
 pub use learned::LearnedPotentials;
 pub use on_line::OnLinePotentials;
+pub use paths::PathBatch;
 pub use standards::PotentialStandards;

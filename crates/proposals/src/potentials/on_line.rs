@@ -19,14 +19,16 @@ pub struct OnLinePotentials {
 }
 
 impl OnLinePotentials {
-    /// The proposal of a filter that takes measurements as they come.
-    pub fn proposal(potentials: Arc<LearnedPotentials>) -> ByPotential<Self> {
-        ByPotential::new(OnLinePotentials::new(potentials))
-    }
-
-    fn new(potentials: Arc<LearnedPotentials>) -> Self {
-        let standards = potentials.standards();
-        OnLinePotentials { potentials, standards, memory: StepMemory::default() }
+    /// The proposal of a filter of `model` that takes measurements as they come.
+    ///
+    /// # Errors
+    /// As [`LearnedPotentials::standards`].
+    pub fn proposal<M: OwnModel + ?Sized>(
+        potentials: Arc<LearnedPotentials>,
+        model: &M,
+    ) -> Result<ByPotential<Self>, ProposalError> {
+        let standards = potentials.standards(model)?;
+        Ok(ByPotential::new(OnLinePotentials { potentials, standards, memory: StepMemory::default() }))
     }
 }
 
@@ -43,7 +45,6 @@ impl<M: OwnModel + ?Sized> StepPotentials<M> for OnLinePotentials {
         step: &Step<'_>,
         measurement: &[Option<f64>],
     ) -> Result<Vec<PotentialComponent>, ProposalError> {
-        let noise_space = model.noise_space().ok_or(ProposalError::NoDensity)?;
-        self.potentials.components_now(noise_space, step, measurement, &self.standards, &mut self.memory)
+        self.potentials.components_now(model, step, measurement, &self.standards, &mut self.memory)
     }
 }

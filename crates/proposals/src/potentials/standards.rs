@@ -1,5 +1,10 @@
 //! The units in which networks see measurements and states.
 
+use motes_models::{ModelError, OwnSteps, Seed, Simulator};
+
+/// Sequences by which units are found.
+const SEQUENCES: usize = 32;
+
 /// Places and sizes of measurements and of states, over sequences of a model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PotentialStandards {
@@ -10,6 +15,22 @@ pub struct PotentialStandards {
 }
 
 impl PotentialStandards {
+    /// Those of 32 sequences of `horizon` steps that a model draws for itself, always by the same random numbers; a sequence that leaves the numbers counts until then.
+    ///
+    /// # Errors
+    /// [`ModelError`] for a model that cannot be simulated.
+    pub fn of_model<M: Simulator + ?Sized>(model: &M, horizon: usize) -> Result<Self, ModelError> {
+        let (mut measurements, mut states) = (Vec::new(), Vec::new());
+        let seed = Seed::from_u64(0).child("potential standards");
+        let mut steps = OwnSteps::new(model, SEQUENCES, &seed)?.in_window(horizon, &seed);
+        for _ in 0..horizon {
+            let Some(step) = steps.advance() else { break };
+            measurements.extend_from_slice(step.measurements);
+            states.extend_from_slice(step.states);
+        }
+        Ok(Self::of_rows(&measurements, model.measurement_dim(), &states, model.state_dim()))
+    }
+
     /// Those of rows of measurements (`R×M`) and states (`R×N`): the median, and half of the distance between the quantiles 0.16 and 0.84. A number that does not vary has a spread
     /// of 1.
     pub fn of_rows(measurements: &[f64], m: usize, states: &[f64], n: usize) -> Self {

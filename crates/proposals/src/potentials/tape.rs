@@ -3,9 +3,9 @@
 use motes_networks::{Inference, Inputs, NetworkError, NetworkTape, Parameters, Values, Workspace};
 
 use super::decoded::Layout;
-use super::features::PathBatch;
 use super::loss::{LossScratch, Transition, log_ratio};
 use super::networks::{OneWay, PotentialNetworks, Reader};
+use super::paths::PathBatch;
 
 /// What networks see of nothing: their inputs have no measurement of their own.
 const NOTHING: [f64; 1] = [0.0];

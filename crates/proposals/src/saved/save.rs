@@ -103,7 +103,8 @@ fn known() -> impl Iterator<Item = &'static str> {
 /// Puts `new` in the place of `folder`.
 fn replace(new: &Path, folder: &Path) -> Result<(), SavedError> {
     let io = |source| SavedError::Io { path: folder.into(), source };
-    if !folder.join(Amortised::FILES[0]).exists() {
+    let descriptions = [Amortised::FILES[0], LearnedPotentials::FILES[0]];
+    if !descriptions.iter().any(|name| folder.join(name).exists()) {
         // Nothing there, or an empty folder; any other is refused by the operating system.
         return std::fs::rename(new, folder).map_err(io);
     }

@@ -101,8 +101,8 @@ class Learned:
     def __init__(self, proposal: Proposal, validation: list[tuple[int, float]], seconds: float, card: Card | None):
         #: The proposal, with the best weights on validation sequences.
         self.proposal = proposal
-        #: What validation said after so many updates, in nats a step: `(checks, 2)`.
-        self.validation = np.array(validation)
+        #: What validation of a network for each particle said after so many updates, in nats a step: `(checks, 2)`.
+        self.validation = np.array(validation, dtype=float).reshape(-1, 2)
         #: How long learning took.
         self.training_seconds = seconds
         #: The proposal beside designed ones; none where none was asked for.

@@ -8,11 +8,10 @@ use motes_models::{OwnModel, Seed};
 use motes_proposals::{LearnedPotentials, Parametric, PathBatch, Workspace};
 
 use super::settings::PotentialLearnConfig;
-use super::supply::{drawn, standards};
+use super::supply::PathSource;
 use crate::{Adam, Schedule, TrainError};
 
-/// Sequences by which units are found, and by which weights are judged.
-const STANDARDISING: usize = 64;
+/// Sequences by which weights are judged.
 const VALIDATION: usize = 64;
 
 /// The gain, in nats for a step, that learning comes to within its patience or ends.
@@ -47,7 +46,7 @@ fn norm(parts: &mut [Workspace]) -> f64 {
     parts.iter_mut().map(|part| part.gradients().norm().powi(2)).sum::<f64>().sqrt()
 }
 
-/// Learns potentials of any sequence of `model` from sequences that it draws for itself, by maximising the mean of `log ψ_t(x_t) − log Z_t(x_{t−1})`: the inclusive Kullback–Leibler
+/// Learns potentials of any sequence of a model, or of several, from sequences that they draw for themselves, by maximising the mean of `log ψ_t(x_t) − log Z_t(x_{t−1})`: the inclusive Kullback–Leibler
 /// divergence from the model's own path, given all measurements, but for its sign and a constant.
 ///
 /// Potentials that see the measurement of their step alone are learned from the same sequences, by networks of their own.
@@ -61,7 +60,7 @@ fn norm(parts: &mut [Workspace]) -> f64 {
 /// - [`TrainError::Networks`] if the networks fail.
 pub fn learn_potentials<M: OwnModel + ?Sized>(
     potentials: &mut LearnedPotentials,
-    model: &M,
+    source: PathSource<'_, M>,
     config: &PotentialLearnConfig,
     seed: &Seed,
     mut observe: impl FnMut(usize, f64) -> ControlFlow<()>,
@@ -69,9 +68,12 @@ pub fn learn_potentials<M: OwnModel + ?Sized>(
     config.check()?;
     let mut adam = Adam::new(&config.adam)?;
     let started = Instant::now();
-    potentials.set_standards(&standards(model, STANDARDISING, config, &seed.child("standards"))?)?;
-    let units = potentials.standards();
-    let held_out = drawn(model, VALIDATION, config, &units, &seed.child("validation"))?;
+    let source = source.prepared(config.horizon)?;
+    match source.standards() {
+        Some(standards) => potentials.set_standards(standards)?,
+        None => potentials.simulate_standards(config.horizon),
+    }
+    let held_out = source.drawn(VALIDATION, config, &seed.child("validation"))?;
     let mut last = potentials.gains(&held_out)?;
     let mut learned = PotentialHistory { steps: 0, validation: vec![(0, last)], seconds: 0.0 };
     let mut best = (sum(last), potentials.parameters().values().clone());
@@ -79,9 +81,9 @@ pub fn learn_potentials<M: OwnModel + ?Sized>(
     std::thread::scope(|scope| -> Result<(), TrainError> {
         // One batch is used while the next is simulated.
         let (sender, supplies) = sync_channel::<Result<PathBatch, TrainError>>(1);
-        let (training, units) = (seed.child("training"), &units);
+        let (training, source) = (seed.child("training"), &source);
         scope.spawn(move || {
-            let batch = |number| drawn(model, config.sequences, config, units, &training.nth(number));
+            let batch = |number| source.drawn(config.sequences, config, &training.nth(number));
             (0_u64..).take_while(|&number| sender.send(batch(number)).is_ok()).count()
         });
         for step in 0..config.steps {

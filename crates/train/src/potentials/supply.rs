@@ -1,6 +1,6 @@
 //! Sequences to learn from.
 
-use motes_models::{ModelError, OwnModel, OwnSteps, Seed};
+use motes_models::{OwnModel, OwnSteps, Seed};
 use motes_proposals::{PathBatch, PotentialStandards, StepFeatures};
 use rand::RngExt;
 
@@ -13,62 +13,110 @@ const TRIES: u64 = 20;
 /// One measurement in so many is missing of a sequence with gaps.
 const MISSING: f64 = 0.2;
 
-/// `sequences` whole sequences that the model draws for itself.
-///
-/// # Errors
-/// [`TrainError::Simulations`] if of each try one sequence leaves the numbers.
-pub(super) fn drawn<M: OwnModel + ?Sized>(
-    model: &M,
-    sequences: usize,
-    config: &PotentialLearnConfig,
-    standards: &PotentialStandards,
+/// Which models draw the sequences that are learned from.
+pub enum PathSource<'a, M: ?Sized> {
+    /// The same model draws all.
+    Model(&'a M),
+    /// Each sequence has a model of its own, as with parameters from their prior.
+    Models(&'a DrawModel<'a, M>),
+}
+
+/// Draws a model, and shows it.
+pub type DrawModel<'a, M> =
+    dyn Fn(&Seed, &mut dyn FnMut(&M) -> Result<(), TrainError>) -> Result<(), TrainError> + Sync + 'a;
+
+impl<'a, M: OwnModel + ?Sized> PathSource<'a, M> {
+    /// With the units of the one model, if it is one.
+    ///
+    /// # Errors
+    /// [`TrainError::Model`] for a model that cannot be simulated.
+    pub(super) fn prepared(self, horizon: usize) -> Result<Supply<'a, M>, TrainError> {
+        Ok(match self {
+            PathSource::Model(model) => Supply::Model(model, PotentialStandards::of_model(model, horizon)?),
+            PathSource::Models(draw) => Supply::Models(draw),
+        })
+    }
+}
+
+/// A source with what all its sequences share.
+pub(super) enum Supply<'a, M: ?Sized> {
+    Model(&'a M, PotentialStandards),
+    Models(&'a DrawModel<'a, M>),
+}
+
+impl<M: OwnModel + ?Sized> Supply<'_, M> {
+    /// The units of the one model, if it is one.
+    pub(super) fn standards(&self) -> Option<&PotentialStandards> {
+        match self {
+            Supply::Model(_, standards) => Some(standards),
+            Supply::Models(_) => None,
+        }
+    }
+
+    /// `sequences` whole sequences.
+    ///
+    /// # Errors
+    /// [`TrainError::Simulations`] if of each try one sequence leaves the numbers.
+    pub(super) fn drawn(
+        &self,
+        sequences: usize,
+        config: &PotentialLearnConfig,
+        seed: &Seed,
+    ) -> Result<PathBatch, TrainError> {
+        // Sequences side by side have as many steps, and so one window.
+        let window = seed;
+        let draw = match self {
+            Supply::Model(model, standards) => {
+                return until_whole(seed, |seed| drawn(*model, sequences, config, standards, [seed, window]));
+            }
+            Supply::Models(draw) => draw,
+        };
+        let of_one = |number: u64| {
+            until_whole(&seed.nth(number), |seed| {
+                let mut found = None;
+                draw(&seed.child("model"), &mut |model| {
+                    let standards = PotentialStandards::of_model(model, config.horizon)?;
+                    found = drawn(model, 1, config, &standards, [seed, window])?;
+                    Ok(())
+                })?;
+                Ok(found)
+            })
+        };
+        let parts: Vec<PathBatch> = (0..sequences as u64).map(of_one).collect::<Result<_, _>>()?;
+        Ok(PathBatch::beside(&parts))
+    }
+}
+
+/// Tries again where a sequence left the numbers.
+fn until_whole(
     seed: &Seed,
+    draw: impl Fn(&Seed) -> Result<Option<PathBatch>, TrainError>,
 ) -> Result<PathBatch, TrainError> {
     for number in 0..TRIES {
-        let seed = seed.nth(number);
-        let mut gaps = seed.child("gaps").stream();
-        let has_gaps: Vec<bool> = (0..sequences).map(|_| gaps.random::<f64>() < config.with_gaps).collect();
-        let (mut batch, mut features) = (PathBatch::default(), StepFeatures::default());
-        let mut steps = own_steps(model, sequences, config.horizon, &seed.child("sequences"))?;
-        for _ in 0..config.horizon {
-            let Some(step) = steps.advance() else { break };
-            let is_missing: Vec<bool> = (0..sequences).map(|_| gaps.random::<f64>() < MISSING).collect();
-            batch.add(model, &step, |at| has_gaps[at] && is_missing[at], standards, &mut features);
-        }
-        if steps.lost() == 0 && batch.steps() > 0 {
-            return Ok(batch);
+        if let Some(found) = draw(&seed.nth(number))? {
+            return Ok(found);
         }
     }
     Err(TrainError::Simulations { tries: TRIES })
 }
 
-/// The units of measurements and states over `sequences` sequences; those that leave the numbers count until then.
-///
-/// # Errors
-/// [`TrainError::Model`] for a model that cannot be simulated.
-pub(super) fn standards<M: OwnModel + ?Sized>(
+/// Sequences of a model side by side, in a window of one of the model's own sequences where it has these, which is drawn by a seed of its own; none if one leaves the numbers.
+fn drawn<M: OwnModel + ?Sized>(
     model: &M,
     sequences: usize,
     config: &PotentialLearnConfig,
-    seed: &Seed,
-) -> Result<PotentialStandards, TrainError> {
-    let (mut measurements, mut states) = (Vec::new(), Vec::new());
-    let mut steps = own_steps(model, sequences, config.horizon, seed)?;
+    standards: &PotentialStandards,
+    [seed, window]: [&Seed; 2],
+) -> Result<Option<PathBatch>, TrainError> {
+    let mut gaps = seed.child("gaps").stream();
+    let has_gaps: Vec<bool> = (0..sequences).map(|_| gaps.random::<f64>() < config.with_gaps).collect();
+    let (mut batch, mut features) = (PathBatch::default(), StepFeatures::default());
+    let steps = OwnSteps::new(model, sequences, &seed.child("sequences"))?;
+    let mut steps = steps.in_window(config.horizon, window);
     for _ in 0..config.horizon {
         let Some(step) = steps.advance() else { break };
-        measurements.extend_from_slice(step.measurements);
-        states.extend_from_slice(step.states);
+        let is_missing: Vec<bool> = (0..sequences).map(|_| gaps.random::<f64>() < MISSING).collect();
+        batch.add(model, &step, |at| has_gaps[at] && is_missing[at], standards, &mut features)?;
     }
-    Ok(PotentialStandards::of_rows(&measurements, model.measurement_dim(), &states, model.state_dim()))
-}
-
-/// Sequences side by side, in a window of one of the model's own sequences where it has these.
-fn own_steps<'m, M: OwnModel + ?Sized>(
-    model: &'m M,
-    sequences: usize,
-    horizon: usize,
-    seed: &Seed,
-) -> Result<OwnSteps<'m, M>, ModelError> {
-    let steps = OwnSteps::new(model, sequences, seed)?;
-    Ok(if model.own_sequences().is_empty() { steps } else { steps.in_window(horizon) })
+    Ok((steps.lost() == 0 && batch.steps() > 0).then_some(batch))
 }

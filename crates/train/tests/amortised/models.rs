@@ -87,3 +87,24 @@ impl Equations for Awkward {
         y.push(student_t(3.0, x[0] * x[0] * 0.3, 0.7));
     }
 }
+
+/// Returns whose log-variance goes back to 0, by steps of a standard deviation.
+pub(crate) struct LogVariance(pub(crate) f64);
+
+impl Equations for LogVariance {
+    fn dimensions(&self) -> [usize; 2] {
+        [1, 1]
+    }
+
+    fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]) {
+        state[0] = draws.draw(normal(0.0, 3.0 * self.0));
+    }
+
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], draws: &mut impl Draws<S>, state: &mut [S]) {
+        state[0] = draws.draw(normal(x[0] * 0.95, self.0));
+    }
+
+    fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
+        y.push(normal(0.0, (x[0] * 0.5).exp()));
+    }
+}

@@ -6,12 +6,13 @@ use motes_models::equations::Equations;
 use motes_models::{ModelShape, Seed, Step, StepRecord, simulate};
 use motes_proposals::{Backend, Family, LearnedPotentials, LearnedPotentialsConfig, Parametric};
 use motes_smc::{Bootstrap, FilterBank, FilterSettings, LookAhead, LookAheadError, Proposal, RecordedStep};
-use motes_train::{PotentialHistory, PotentialLearnConfig, TrainError, learn_potentials};
+use motes_train::{PathSource, PotentialHistory, PotentialLearnConfig, TrainError, learn_potentials};
+use rand::RngExt;
 
-use crate::models::{Growth, Linear};
+use crate::models::{Growth, Linear, LogVariance};
 
 fn untrained<M: Equations>(model: &M) -> LearnedPotentials {
-    let config = LearnedPotentialsConfig { hidden: 16, components: 2 };
+    let config = LearnedPotentialsConfig { hidden: 16, components: 2, ..LearnedPotentialsConfig::default() };
     let shape = ModelShape::of(model);
     LearnedPotentials::create(&config, &shape, 0, Backend::Native.into(), &Seed::from_u64(1)).unwrap()
 }
@@ -23,8 +24,9 @@ fn few(steps: usize) -> PotentialLearnConfig {
 fn learned<M: Equations>(model: &M, steps: usize) -> (LearnedPotentials, PotentialHistory) {
     let mut potentials = untrained(model);
     let seed = Seed::from_u64(2);
-    let found =
-        learn_potentials(&mut potentials, model, &few(steps), &seed, |_, _| ControlFlow::Continue(()));
+    let found = learn_potentials(&mut potentials, PathSource::Model(model), &few(steps), &seed, |_, _| {
+        ControlFlow::Continue(())
+    });
     (potentials, found.unwrap())
 }
 
@@ -115,6 +117,32 @@ fn the_evidence_is_unbiased_whatever_the_weights() {
     }
 }
 
+/// Catches units of one model that are taken for those of another, and networks that do not see what parameters do.
+#[test]
+fn over_a_prior_they_serve_any_parameter() {
+    let mut potentials = untrained(&LogVariance(0.2));
+    let draw = |seed: &Seed, show: &mut dyn FnMut(&LogVariance) -> Result<(), TrainError>| {
+        show(&LogVariance(seed.stream().random_range(0.05_f64.ln()..0.8_f64.ln()).exp()))
+    };
+    let (source, seed) = (PathSource::Models(&draw), Seed::from_u64(2));
+    let go_on = |_, _| ControlFlow::Continue(());
+    learn_potentials(&mut potentials, source, &few(600), &seed, go_on).unwrap();
+    // The last one is outside the prior.
+    for (number, sd) in [0.08, 0.2, 0.6, 2.0].into_iter().enumerate() {
+        let model = LogVariance(sd);
+        let rows = rows(&model, 100, number as u64, false);
+        let ahead = potentials.look_ahead(&model, &rows).unwrap();
+        let found = evidence(&model, ahead, &rows, 100, 100);
+        let of_bootstrap = evidence(&model, Bootstrap, &rows, 100, 100);
+        let (learned, bootstrap) = (moments(&found).1, moments(&of_bootstrap).1);
+        assert!(learned < 0.3 * bootstrap || sd > 1.0, "{sd}: {learned} beside {bootstrap}");
+        let (log, error) = log_mean(&found);
+        let (reference, of_reference) = log_mean(&evidence(&model, Bootstrap, &rows, 20_000, 8));
+        let off = (log - reference) / error.hypot(of_reference);
+        assert!(off.abs() < 4.0, "{sd}: {log} ± {error} beside {reference} ± {of_reference}");
+    }
+}
+
 #[test]
 fn the_same_seed_learns_the_same_weights() {
     let [one, other] = [0, 1].map(|_| learned(&Growth, 30));
@@ -126,9 +154,13 @@ fn the_same_seed_learns_the_same_weights() {
 fn bad_settings_and_no_steps_are_refused() {
     let mut potentials = untrained(&Growth);
     let mut refused = |settings: PotentialLearnConfig| {
-        learn_potentials(&mut potentials, &Growth, &settings, &Seed::from_u64(1), |_, _| {
-            ControlFlow::Continue(())
-        })
+        learn_potentials(
+            &mut potentials,
+            PathSource::Model(&Growth),
+            &settings,
+            &Seed::from_u64(1),
+            |_, _| ControlFlow::Continue(()),
+        )
         .unwrap_err()
     };
     for settings in [

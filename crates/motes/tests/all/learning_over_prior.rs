@@ -1,0 +1,107 @@
+//! Potentials that are learned over the prior of a model's parameters: one folder for all of them.
+
+use crate::common::{Workplace, stderr};
+use serde_json::Value;
+
+const VOLATILITY: &str = r#"
+[parameters]
+sigma = "log_normal(log(0.3), 0.4)"
+[initial]
+h = "normal(0, 3*sigma)"
+[transition]
+h = "normal(0.95*h, sigma)"
+[measurement]
+y = "normal(0, exp(h/2))"
+"#;
+
+fn place() -> Workplace {
+    let place = Workplace::new();
+    place.write("volatility.toml", VOLATILITY);
+    let output = place.run(&["learn", "volatility.toml", "-o", "p", "--sequences", "0", "--updates", "1000"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let said = "motes: chosen: potentials alone, over the prior of sigma";
+    assert!(stderr(&output).contains(said), "{}", stderr(&output));
+    let simulate = ["simulate", "volatility.toml", "--steps", "80", "--set", "sigma=0.6", "--seed", "4"];
+    place.write("data.csv", place.printed(&simulate));
+    place
+}
+
+/// `log ẑ` and its standard error.
+fn evidence(place: &Workplace, more: &[&str]) -> (f64, f64) {
+    let all = [&["evidence", "volatility.toml", "data.csv", "--json", "--quiet"], more].concat();
+    let found: Value = serde_json::from_str(&place.printed(&all)).unwrap();
+    (found["log_evidence"].as_f64().unwrap(), found["standard_error"].as_f64().unwrap())
+}
+
+/// Catches a folder that is taken for one of another model as soon as a parameter is set, and units of another one.
+#[test]
+fn one_folder_serves_all_parameters() {
+    let place = place();
+    for sigma in ["sigma=0.2", "sigma=0.6"] {
+        let of = |proposal: &str, particles: &str, runs: &str| {
+            let more = ["--set", sigma, "--proposal", proposal, "--particles", particles, "--runs", runs];
+            evidence(&place, &more)
+        };
+        let (learned, error) = of("p", "100", "20");
+        let (reference, of_reference) = of("bootstrap", "20000", "4");
+        let off = (learned - reference) / error.hypot(of_reference);
+        assert!(off.abs() < 4.0, "{sigma}: {learned} ± {error} beside {reference} ± {of_reference}");
+        assert!(error < 0.5 * of("bootstrap", "100", "20").1, "{sigma}: {error}");
+        let filter = ["filter", "volatility.toml", "data.csv", "--proposal", "p", "--set", sigma, "--json"];
+        let found: Value = serde_json::from_str(&place.printed(&filter)).unwrap();
+        assert!((found["log_evidence"].as_f64().unwrap() - reference).abs() < 2.0, "{found}");
+    }
+}
+
+#[test]
+fn parameters_are_fitted_with_it() {
+    let place = place();
+    let fit = |proposal: &str, folder: &str| -> Value {
+        let command =
+            ["fit", "volatility.toml", "data.csv", "-o", folder, "--proposal", proposal, "--draws", "300"];
+        let found = place.printed(&[&command[..], &["--json", "--quiet"]].concat());
+        serde_json::from_str(&found).unwrap()
+    };
+    let (learned, designed) = (fit("p", "learned"), fit("bootstrap", "designed"));
+    let of = |found: &Value, key: &str| found["parameters"]["sigma"][key].as_f64().unwrap();
+    let error = of(&learned, "mcse").hypot(of(&designed, "mcse"));
+    assert!((of(&learned, "mean") - of(&designed, "mean")).abs() < 5.0 * error, "{learned} {designed}");
+}
+
+#[test]
+fn another_prior_is_refused() {
+    let place = place();
+    place.write("other.toml", VOLATILITY.replace("0.4)", "0.5)"));
+    let refused = |arguments: &[&str]| {
+        let output = place.run(arguments);
+        assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+        stderr(&output)
+    };
+    let said = "motes: --proposal p: it was learned over sigma ~ log_normal(log(0.3), 0.4), and the model has sigma ~ log_normal(log(0.3), 0.5); learn it again";
+    assert_eq!(refused(&["evidence", "other.toml", "data.csv", "--proposal", "p", "--quiet"]), said);
+    // One that was learned for a value serves that value.
+    let learn = [
+        "learn",
+        "volatility.toml",
+        "-o",
+        "one",
+        "--sequences",
+        "0",
+        "--updates",
+        "20",
+        "--set",
+        "sigma=0.6",
+    ];
+    place.printed(&[&learn[..], &["--quiet"]].concat());
+    let at =
+        |sigma| ["evidence", "volatility.toml", "data.csv", "--proposal", "one", "--set", sigma, "--quiet"];
+    place.printed(&at("sigma=0.6"));
+    assert!(
+        refused(&at("sigma=0.5")).contains("was trained for another system"),
+        "{}",
+        refused(&at("sigma=0.5"))
+    );
+    let fit = ["fit", "volatility.toml", "data.csv", "-o", "fit", "--proposal", "one", "--quiet"];
+    let said = "motes: --proposal one: it was learned for one value of sigma, and sigma is to be fitted; motes learn without --set sigma learns it over the prior";
+    assert_eq!(refused(&fit), said);
+}
