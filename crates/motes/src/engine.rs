@@ -365,7 +365,7 @@ pub(crate) fn filter_of<'m>(
         (Kind::Learnable(learnable), ProposalName::Bootstrap) => boxed(learnable, Bootstrap, options, start),
         (Kind::Learnable(learnable), ProposalName::Learned(learned)) => {
             learned.check_model(model)?;
-            match (learned.on_line(*learnable)?, learned.proposal()) {
+            match (learned.on_line(learnable)?, learned.proposal()) {
                 (Some(potentials), _) => boxed(learnable, potentials, options, start),
                 (None, Some(proposal)) => boxed(learnable, proposal.clone(), options, start),
                 (None, None) => refused(learned.name(), "its potentials do not filter".into()),

@@ -46,7 +46,9 @@ pub use error::TrainError;
 pub use gradient_flow::GradientFlow;
 pub use learning::{LearnConfig, LearnObjective, Learned, check_recorded, learn};
 pub use objective::Objective;
-pub use potentials::{DrawModel, PathSource, PotentialHistory, PotentialLearnConfig, learn_potentials};
+pub use potentials::{
+    DrawPath, PathRequest, PathSource, PotentialHistory, PotentialLearnConfig, learn_potentials,
+};
 pub use rollout::{Rollout, rollout};
 pub use schedule::Schedule;
 pub use training::{History, TrainConfig, Training, train};

@@ -6,7 +6,7 @@ use std::time::Instant;
 use motes_formulas::Schedule;
 use motes_models::Seed;
 use motes_proposals::Sees;
-use motes_train::{PathSource, TrainError};
+use motes_train::{PathRequest, PathSource, TrainError};
 
 use super::LearnOutcome;
 use super::options::LearnOptions;
@@ -15,7 +15,7 @@ use super::worth::worse_than;
 use crate::data::Data;
 use crate::error::MotesError;
 use crate::learned::{LearnedProposal, Notes, PotentialNotes, learnable, shape_of};
-use crate::model::{LearnableModel, Model};
+use crate::model::Model;
 use crate::over_prior::OverPrior;
 
 /// The prior over which potentials are learned: that of all parameters that have one, unless a network of some kind is asked for, which knows one model.
@@ -51,15 +51,10 @@ impl PriorLearning<'_> {
         proceed: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
     ) -> Result<Result<LearnOutcome, String>, MotesError> {
         let PriorLearning { model, data, schedule, prior, options, seed } = self;
-        let draw = |seed: &Seed, show: &mut dyn FnMut(&dyn LearnableModel) -> Result<(), TrainError>| {
-            let drawn = OverPrior::draw(model, schedule, seed).and_then(|model| {
-                learnable(&model)?;
-                Ok(model)
-            });
-            let model = drawn.map_err(|error| TrainError::Source { reason: error.to_string() })?;
-            let learnable =
-                learnable(&model).map_err(|error| TrainError::Source { reason: error.to_string() })?;
-            show(learnable)
+        let of_model = |error: MotesError| TrainError::Source { reason: error.to_string() };
+        let draw = |seed: &Seed, asked: PathRequest<'_>| {
+            let drawn = OverPrior::draw(model, schedule, seed).map_err(of_model)?;
+            asked.of(learnable(&drawn).map_err(of_model)?)
         };
         let own = learnable(model)?;
         let found = potentials(PathSource::Models(&draw), &shape_of(own), options, seed, proceed)?;

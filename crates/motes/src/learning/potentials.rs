@@ -32,8 +32,8 @@ pub(super) fn learns_potentials(model: &dyn LearnableModel, options: &LearnOptio
 ///
 /// # Errors
 /// [`MotesError::Interrupted`] if `proceed` says so, and as [`learn_potentials`].
-pub(super) fn potentials(
-    source: PathSource<'_, dyn LearnableModel>,
+pub(super) fn potentials<'a>(
+    source: PathSource<'a, dyn LearnableModel + 'a>,
     shape: &ModelShape,
     options: &LearnOptions,
     seed: &Seed,

@@ -17,7 +17,8 @@ fn killed_at_ten_random_moments_a_fit_ends_with_the_same_bytes() {
     let mut stream = motes::models::Seed::from_u64(7).stream();
     let (mut killed, mut kept) = (0, 0);
     while killed < 10 {
-        let written = || std::fs::metadata(place.path("parts/progress.cbor")).and_then(|file| file.modified()).ok();
+        let written =
+            || std::fs::metadata(place.path("parts/progress.cbor")).and_then(|file| file.modified()).ok();
         let before = written();
         let mut child = place.motes(&arguments("parts")).stdout(Stdio::null()).spawn().unwrap();
         // Each second one has written something down; some of the others are killed while they start.

@@ -296,7 +296,7 @@ fn a_learned_proposal_is_for_its_number_of_sub_steps() {
     let even = read(head, body, "h,y\n0,0.1\n1,0.5\n2,0.4\n3,1\n").unwrap();
     let options = LearnOptions { updates: 20, steps: 4, ..LearnOptions::default() };
     let learned = learn(&model, Some(&even), &options, |_, _| ControlFlow::Continue(())).unwrap().proposal;
-    assert_eq!(learned.proposal().config().sub_steps, 2);
+    assert_eq!(learned.proposal().unwrap().config().sub_steps, 2);
     let said = |data: &Data| -> Vec<String> {
         let proposal = ProposalName::Learned(learned.clone());
         let options = FilterOptions { proposal, particles: 200, ..FilterOptions::default() };

@@ -18,12 +18,32 @@ pub enum PathSource<'a, M: ?Sized> {
     /// The same model draws all.
     Model(&'a M),
     /// Each sequence has a model of its own, as with parameters from their prior.
-    Models(&'a DrawModel<'a, M>),
+    Models(&'a DrawPath<'a>),
 }
 
-/// Draws a model, and shows it.
-pub type DrawModel<'a, M> =
-    dyn Fn(&Seed, &mut dyn FnMut(&M) -> Result<(), TrainError>) -> Result<(), TrainError> + Sync + 'a;
+/// Draws a model by a seed, and a sequence of it by what it is given.
+pub type DrawPath<'a> = dyn Fn(&Seed, PathRequest<'_>) -> Result<Option<PathBatch>, TrainError> + Sync + 'a;
+
+/// One sequence that is asked of a model.
+#[derive(Debug, Clone, Copy)]
+pub struct PathRequest<'a> {
+    config: &'a PotentialLearnConfig,
+    seed: &'a Seed,
+    /// Sequences side by side have as many steps, and so one window.
+    window: &'a Seed,
+}
+
+impl PathRequest<'_> {
+    /// A sequence of this model, in units of its own; none if it leaves the numbers.
+    ///
+    /// # Errors
+    /// [`TrainError::Model`] for a model that cannot be simulated, [`TrainError::Networks`] for one that has no map of noise.
+    pub fn of<M: OwnModel + ?Sized>(self, model: &M) -> Result<Option<PathBatch>, TrainError> {
+        let PathRequest { config, seed, window } = self;
+        let standards = PotentialStandards::of_model(model, config.horizon)?;
+        drawn(model, 1, config, &standards, [seed, window])
+    }
+}
 
 impl<'a, M: OwnModel + ?Sized> PathSource<'a, M> {
     /// With the units of the one model, if it is one.
@@ -41,7 +61,7 @@ impl<'a, M: OwnModel + ?Sized> PathSource<'a, M> {
 /// A source with what all its sequences share.
 pub(super) enum Supply<'a, M: ?Sized> {
     Model(&'a M, PotentialStandards),
-    Models(&'a DrawModel<'a, M>),
+    Models(&'a DrawPath<'a>),
 }
 
 impl<M: OwnModel + ?Sized> Supply<'_, M> {
@@ -63,23 +83,15 @@ impl<M: OwnModel + ?Sized> Supply<'_, M> {
         config: &PotentialLearnConfig,
         seed: &Seed,
     ) -> Result<PathBatch, TrainError> {
-        // Sequences side by side have as many steps, and so one window.
-        let window = seed;
         let draw = match self {
             Supply::Model(model, standards) => {
-                return until_whole(seed, |seed| drawn(*model, sequences, config, standards, [seed, window]));
+                return until_whole(seed, |own| drawn(*model, sequences, config, standards, [own, seed]));
             }
             Supply::Models(draw) => draw,
         };
         let of_one = |number: u64| {
-            until_whole(&seed.nth(number), |seed| {
-                let mut found = None;
-                draw(&seed.child("model"), &mut |model| {
-                    let standards = PotentialStandards::of_model(model, config.horizon)?;
-                    found = drawn(model, 1, config, &standards, [seed, window])?;
-                    Ok(())
-                })?;
-                Ok(found)
+            until_whole(&seed.nth(number), |own| {
+                draw(&own.child("model"), PathRequest { config, seed: own, window: seed })
             })
         };
         let parts: Vec<PathBatch> = (0..sequences as u64).map(of_one).collect::<Result<_, _>>()?;

@@ -6,7 +6,9 @@ use motes_models::equations::Equations;
 use motes_models::{ModelShape, Seed, Step, StepRecord, simulate};
 use motes_proposals::{Backend, Family, LearnedPotentials, LearnedPotentialsConfig, Parametric};
 use motes_smc::{Bootstrap, FilterBank, FilterSettings, LookAhead, LookAheadError, Proposal, RecordedStep};
-use motes_train::{PathSource, PotentialHistory, PotentialLearnConfig, TrainError, learn_potentials};
+use motes_train::{
+    PathRequest, PathSource, PotentialHistory, PotentialLearnConfig, TrainError, learn_potentials,
+};
 use rand::RngExt;
 
 use crate::models::{Growth, Linear, LogVariance};
@@ -121,10 +123,10 @@ fn the_evidence_is_unbiased_whatever_the_weights() {
 #[test]
 fn over_a_prior_they_serve_any_parameter() {
     let mut potentials = untrained(&LogVariance(0.2));
-    let draw = |seed: &Seed, show: &mut dyn FnMut(&LogVariance) -> Result<(), TrainError>| {
-        show(&LogVariance(seed.stream().random_range(0.05_f64.ln()..0.8_f64.ln()).exp()))
+    let draw = |seed: &Seed, asked: PathRequest<'_>| {
+        asked.of(&LogVariance(seed.stream().random_range(0.05_f64.ln()..0.8_f64.ln()).exp()))
     };
-    let (source, seed) = (PathSource::Models(&draw), Seed::from_u64(2));
+    let (source, seed) = (PathSource::<LogVariance>::Models(&draw), Seed::from_u64(2));
     let go_on = |_, _| ControlFlow::Continue(());
     learn_potentials(&mut potentials, source, &few(600), &seed, go_on).unwrap();
     // The last one is outside the prior.
