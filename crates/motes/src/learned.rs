@@ -233,7 +233,7 @@ impl LearnedProposal {
         match free.iter().find(|parameter| !over.contains(&parameter.name.as_str())) {
             None => Ok(()),
             Some(PriorParameter { name, .. }) => Err(self.refused(&format!(
-                "it was learned for one value of {name}, and {name} is to be fitted; motes learn without --set {name} learns it over the prior"
+                "it was learned for one value of {name}, which is to be fitted; motes learn without --set {name} and without options of a network learns it over the prior"
             ))),
         }
     }

@@ -6,8 +6,8 @@ use std::time::Instant;
 
 use motes::smc::SmoothedPaths;
 use motes::{
-    Columns, CompareOptions, LearnOutcome, LearnedProposal, ProposalName, Smoothed, Table, check, designed,
-    filter, learn, log_evidence, simulate, simulate_along, simulate_from_priors, smooth,
+    Columns, CompareOptions, LearnedProposal, ProposalName, Smoothed, Table, check, designed, filter, learn,
+    log_evidence, simulate, simulate_along, simulate_from_priors, smooth,
 };
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
@@ -324,9 +324,8 @@ impl Model {
         let learned = without_lock(py, threads_of(threads)?, &failure.stop, || {
             learn(&model, data, &options, |_, _| failure.asked())
         })?;
-        let LearnOutcome { proposal, history, no_potentials, training_seconds } = failure.or(learned)?;
-        let validation = history.map_or_else(Vec::new, |history| history.validation);
-        Ok((Proposal(proposal), validation, no_potentials, training_seconds))
+        let all = failure.or(learned)?;
+        Ok((Proposal(all.proposal.clone()), all.validation(), all.no_potentials, all.training_seconds))
     }
 
     /// Holds a proposal that was learned against the designed ones.

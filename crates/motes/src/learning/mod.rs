@@ -3,6 +3,7 @@
 mod choice;
 mod names;
 mod options;
+mod outcome;
 mod over_prior;
 mod potentials;
 mod worth;
@@ -11,12 +12,11 @@ use std::ops::ControlFlow;
 
 use motes_models::{PartialMeasurements, Seed};
 use motes_proposals::{Amortised, Backend, Base, Family, HeadConfig};
-use motes_train::{
-    LearnConfig, LearnObjective, Learned, PathSource, TrainError, check_recorded, learn as train,
-};
+use motes_train::{LearnConfig, LearnObjective, PathSource, TrainError, check_recorded, learn as train};
 
 pub use names::{base_named, head_named, network_named};
 pub use options::LearnOptions;
+pub use outcome::LearnOutcome;
 
 use crate::data::Data;
 use crate::error::MotesError;
@@ -30,19 +30,6 @@ use worth::worse_than;
 
 /// Learning ends where after such a share of its updates nothing was better than the base.
 const PATIENCE: f64 = 0.3;
-
-/// What came of learning.
-#[derive(Debug, Clone)]
-pub struct LearnOutcome {
-    /// The proposal, with the best weights on validation sequences.
-    pub proposal: LearnedProposal,
-    /// The course of the training of a network for each particle; none where potentials were learned alone, over a prior.
-    pub history: Option<Learned>,
-    /// Why there are no potentials beside it, where they were tried for.
-    pub no_potentials: Option<String>,
-    /// How long it all took: choosing, training, and judging what the folder says of it.
-    pub training_seconds: f64,
-}
 
 /// Learns a proposal for `model`. Where parameters have priors and no other value, potentials are learned over these, and serve the model with any parameters. Else it is learned by the objective of `options`: from sequences that the model draws for itself and in addition from the series of `data`, or from
 /// these alone. `proceed` is asked after each update, with how many of how many are done.

@@ -8,8 +8,8 @@ use motes_models::Seed;
 use motes_proposals::Sees;
 use motes_train::{PathRequest, PathSource, TrainError};
 
-use super::LearnOutcome;
 use super::options::LearnOptions;
+use super::outcome::LearnOutcome;
 use super::potentials::{SEQUENCES, judge, judged, potentials};
 use super::worth::worse_than;
 use crate::data::Data;

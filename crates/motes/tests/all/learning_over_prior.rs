@@ -14,13 +14,18 @@ h = "normal(0.95*h, sigma)"
 y = "normal(0, exp(h/2))"
 "#;
 
+/// What is said while a folder is learned.
+fn learn(place: &Workplace, folder: &str, more: &[&str]) -> String {
+    let output = place.run(&[&["learn", "volatility.toml", "-o", folder, "--sequences", "0"], more].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    stderr(&output)
+}
+
 fn place() -> Workplace {
     let place = Workplace::new();
     place.write("volatility.toml", VOLATILITY);
-    let output = place.run(&["learn", "volatility.toml", "-o", "p", "--sequences", "0", "--updates", "1000"]);
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    let said = "motes: chosen: potentials alone, over the prior of sigma";
-    assert!(stderr(&output).contains(said), "{}", stderr(&output));
+    let found = learn(&place, "p", &["--updates", "1000"]);
+    assert!(found.contains("motes: chosen: potentials alone, over the prior of sigma"), "{found}");
     let simulate = ["simulate", "volatility.toml", "--steps", "80", "--set", "sigma=0.6", "--seed", "4"];
     place.write("data.csv", place.printed(&simulate));
     place
@@ -80,28 +85,15 @@ fn another_prior_is_refused() {
     let said = "motes: --proposal p: it was learned over sigma ~ log_normal(log(0.3), 0.4), and the model has sigma ~ log_normal(log(0.3), 0.5); learn it again";
     assert_eq!(refused(&["evidence", "other.toml", "data.csv", "--proposal", "p", "--quiet"]), said);
     // One that was learned for a value serves that value.
-    let learn = [
-        "learn",
-        "volatility.toml",
-        "-o",
-        "one",
-        "--sequences",
-        "0",
-        "--updates",
-        "20",
-        "--set",
-        "sigma=0.6",
-    ];
-    place.printed(&[&learn[..], &["--quiet"]].concat());
+    learn(&place, "one", &["--updates", "20", "--set", "sigma=0.6"]);
     let at =
         |sigma| ["evidence", "volatility.toml", "data.csv", "--proposal", "one", "--set", sigma, "--quiet"];
     place.printed(&at("sigma=0.6"));
-    assert!(
-        refused(&at("sigma=0.5")).contains("was trained for another system"),
-        "{}",
-        refused(&at("sigma=0.5"))
-    );
-    let fit = ["fit", "volatility.toml", "data.csv", "-o", "fit", "--proposal", "one", "--quiet"];
-    let said = "motes: --proposal one: it was learned for one value of sigma, and sigma is to be fitted; motes learn without --set sigma learns it over the prior";
+    let found = refused(&at("sigma=0.5"));
+    assert!(found.contains("was trained for another system"), "{found}");
+    // A network of some kind is one for the prior's median.
+    learn(&place, "median", &["--updates", "20", "--widths", "8"]);
+    let fit = ["fit", "volatility.toml", "data.csv", "-o", "fit", "--proposal", "median", "--quiet"];
+    let said = "motes: --proposal median: it was learned for one value of sigma, which is to be fitted; motes learn without --set sigma and without options of a network learns it over the prior";
     assert_eq!(refused(&fit), said);
 }

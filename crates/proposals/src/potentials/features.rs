@@ -133,7 +133,8 @@ impl StepFeatures {
             .map_err(|error| ProposalError::Measurement { time: step.index, reason: error.to_string() })?;
         let most = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         // Where no point is possible, none is likelier than another.
-        let below = |log: &f64| if most.is_finite() { (most - log).asinh().min(LARGEST) } else { 0.0 };
+        let below =
+            |log: &f64| if most.is_finite() { ((most - log).asinh() / 3.0).min(LARGEST) } else { 0.0 };
         features.extend(logs.iter().map(below).map(|below| if below.is_nan() { LARGEST } else { below }));
         Ok(())
     }

@@ -52,7 +52,7 @@ impl LearnedPotentials {
     /// # Errors
     /// [`ProposalError::Frames`] if they are found by simulation, which the model does not allow.
     pub fn standards<M: OwnModel + ?Sized>(&self, model: &M) -> Result<PotentialStandards, ProposalError> {
-        if let Some(horizon) = self.config.simulated {
+        if let Some(horizon) = self.config.steps_of_units {
             return PotentialStandards::of_model(model, horizon)
                 .map_err(|error| ProposalError::Frames { reason: error.to_string() });
         }
@@ -62,8 +62,8 @@ impl LearnedPotentials {
     }
 
     /// From now on units are found anew for each model, by simulated sequences of `horizon` steps.
-    pub fn simulate_standards(&mut self, horizon: usize) {
-        self.config.simulated = Some(horizon);
+    pub fn find_standards_anew(&mut self, horizon: usize) {
+        self.config.steps_of_units = Some(horizon);
     }
 
     /// Sets the units of measurements and states, those of one model from now on.
@@ -72,7 +72,7 @@ impl LearnedPotentials {
     /// [`ProposalError::Mismatch`] if they are not those of so many coordinates.
     pub fn set_standards(&mut self, standards: &PotentialStandards) -> Result<(), ProposalError> {
         let first = self.parameters.len() - STANDARDS;
-        self.config.simulated = None;
+        self.config.steps_of_units = None;
         let PotentialStandards { measurement, state } = standards;
         for (at, values) in measurement.iter().chain(state).enumerate() {
             self.parameters.set_host(first + at, values).map_err(of_networks)?;

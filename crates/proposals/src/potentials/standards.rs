@@ -1,6 +1,6 @@
 //! The units in which networks see measurements and states.
 
-use motes_models::{ModelError, OwnSteps, Seed, Simulator};
+use motes_models::{ModelError, OwnModel, OwnSteps, Seed};
 
 /// Sequences by which units are found.
 const SEQUENCES: usize = 32;
@@ -19,7 +19,7 @@ impl PotentialStandards {
     ///
     /// # Errors
     /// [`ModelError`] for a model that cannot be simulated.
-    pub fn of_model<M: Simulator + ?Sized>(model: &M, horizon: usize) -> Result<Self, ModelError> {
+    pub fn of_model<M: OwnModel + ?Sized>(model: &M, horizon: usize) -> Result<Self, ModelError> {
         let (mut measurements, mut states) = (Vec::new(), Vec::new());
         let seed = Seed::from_u64(0).child("potential standards");
         let mut steps = OwnSteps::new(model, SEQUENCES, &seed)?.in_window(horizon, &seed);
