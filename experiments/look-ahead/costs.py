@@ -93,7 +93,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         rows = [row(name, Path(folder)) for name in MODELS]
         of = lambda title: [found[title] for found in rows if title in found]
-        middle = {title: [statistics.median(pair[at] for pair in of(title)) for at in (0, 1)] for title in TITLES}
+        middle = {title: [statistics.median(pair[at] for pair in of(title)) for at in (0, 1)] for title in TITLES if of(title)}
         print(f"| median | | {cells(middle)} |")
         print(f"\nA network for each particle, growth: {per_particle(Path(folder)):.0f}")
 

@@ -95,10 +95,10 @@ impl<'m, M: Simulator + ?Sized> OwnSteps<'m, M> {
 
     /// The same sequences in so many rows of one of the model's own sequences, drawn so that each row is as likely to be among them as another, but for those near the
     /// ends ([`StateSpaceModel::own_sequences`](crate::StateSpaceModel::own_sequences)). The states before the window are drawn, too. Where a model has no such sequences,
-    /// nothing changes. The window is drawn by `seed`.
+    /// nothing changes.
     #[must_use]
-    pub fn in_window(mut self, rows: usize, seed: &Seed) -> Self {
-        let mut stream = seed.child("window").stream();
+    pub fn in_window(mut self, rows: usize) -> Self {
+        let mut stream = self.seed.child("window").stream();
         let Some(own) = self.drawn_sequence(&mut stream) else { return self };
         let first = own.start + stream.random_range(0..=own.len().saturating_sub(rows));
         (self.next, self.end) = (own.start, own.end.min(first + rows));

@@ -368,7 +368,7 @@ pub(crate) fn filter_of<'m>(
             match (learned.on_line(learnable)?, learned.proposal()) {
                 (Some(potentials), _) => boxed(learnable, potentials, options, start),
                 (None, Some(proposal)) => boxed(learnable, proposal.clone(), options, start),
-                (None, None) => refused(learned.name(), "its potentials do not filter".into()),
+                (None, None) => refused(learned.name(), "it has neither a network for each particle nor potentials of a step".into()),
             }
         }
         (Kind::Learnable(_), ProposalName::LookAhead) => refused(

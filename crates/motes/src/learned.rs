@@ -16,8 +16,8 @@ use serde::{Deserialize, Serialize};
 use crate::error::MotesError;
 use crate::evidence::LearnedWorth;
 use crate::model::{Kind, LearnableModel, Model};
-use crate::over_prior::{OverPrior, PriorParameter};
 use crate::packed::{pack, unpack};
+use crate::training_prior::{PriorParameter, TrainingPrior};
 
 /// A proposal that was learned for a model; copies share it.
 #[derive(Clone)]
@@ -55,10 +55,10 @@ pub struct PotentialNotes {
     pub worth: Option<LearnedWorth>,
     /// The prior over which they were learned, if they were.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub prior: Option<OverPrior>,
+    pub prior: Option<TrainingPrior>,
     /// What the folder says of all of it, where there is no network for each particle.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) notes: Option<Notes>,
+    pub(crate) folder_notes: Option<Notes>,
 }
 
 /// What the folder of a learned proposal says beside its weights.
@@ -227,13 +227,13 @@ impl LearnedProposal {
     /// # Errors
     /// [`MotesError::Proposal`] with the first that it was learned for one value of.
     pub(crate) fn check_free(&self, model: &Model) -> Result<(), MotesError> {
-        let over = self.potential_notes().and_then(|notes| notes.prior.as_ref()).map(OverPrior::names);
+        let over = self.potential_notes().and_then(|notes| notes.prior.as_ref()).map(TrainingPrior::names);
         let over = over.unwrap_or_default();
-        let free = OverPrior::of(model).map(|prior| prior.parameters).unwrap_or_default();
+        let free = TrainingPrior::of(model).map(|prior| prior.parameters).unwrap_or_default();
         match free.iter().find(|parameter| !over.contains(&parameter.name.as_str())) {
             None => Ok(()),
             Some(PriorParameter { name, .. }) => Err(self.refused(&format!(
-                "it was learned for one value of {name}, which is to be fitted; motes learn without --set {name} and without options of a network learns it over the prior"
+                "it was learned for one value of {name}, which is to be fitted; motes learn MODEL -o FOLDER, without data, --set {name} and options of a network, learns over the prior"
             ))),
         }
     }
@@ -266,7 +266,7 @@ impl LearnedProposal {
         };
         let learnable = learnable(&reference)?;
         let (shape, compute) = (shape_of(learnable), Backend::Native.into());
-        let own = notes_beside.as_ref().and_then(|notes| notes.notes.clone());
+        let own = notes_beside.as_ref().and_then(|notes| notes.folder_notes.clone());
         let learned = match own {
             Some(own) if !of_proposal => LearnedProposal::new(name_of(folder), None, own, learnable),
             _ => LearnedProposal::named(folder, load(folder, learnable, &shape, compute)?, learnable)?,
@@ -278,9 +278,13 @@ impl LearnedProposal {
     /// Reads the proposal in `folder` to be learned further for `model`, whose parameters may be others than those it was learned for.
     ///
     /// # Errors
-    /// [`MotesError::Saved`] if it is not there, damaged, or learned for a model with other numbers of states or measurements.
+    /// [`MotesError::Saved`] if it is not there, damaged, or learned for a model with other numbers of states or measurements; [`MotesError::Proposal`] if it holds potentials alone.
     pub fn load_to_tune(folder: &Path, model: &Model) -> Result<Self, MotesError> {
         let learnable = learnable(model)?;
+        if holds::<LearnedPotentials>(folder) && !holds::<Amortised>(folder) {
+            let reason = "it holds potentials alone, learned over a prior, which are not learned further";
+            return Err(MotesError::Proposal { proposal: name_of(folder), reason: reason.into() });
+        }
         let proposal = load_to_tune(folder, &shape_of(learnable), Backend::Native.into())?;
         LearnedProposal::named(folder, proposal, learnable)
     }
@@ -306,7 +310,7 @@ impl LearnedProposal {
                 save_both(folder, (proposal, own), (&**potentials, notes), learnable, &shape)?;
             }
             (None, Some(PotentialsWithNotes { potentials, notes })) => {
-                let notes = PotentialNotes { notes: Some(own.clone()), ..notes.clone() };
+                let notes = PotentialNotes { folder_notes: Some(own.clone()), ..notes.clone() };
                 save(folder, &**potentials, learnable, &shape, &notes)?;
             }
             (None, None) => {}
@@ -329,7 +333,7 @@ impl LearnedProposal {
         let files = self.proposal.as_deref().map(of_proposal).transpose()?;
         let of_potentials = |PotentialsWithNotes { potentials, notes }: &PotentialsWithNotes| {
             let own = files.is_none().then(|| Notes::clone(&self.notes));
-            let notes = PotentialNotes { notes: own, ..notes.clone() };
+            let notes = PotentialNotes { folder_notes: own, ..notes.clone() };
             SavedFiles::of(&**potentials, learnable, &shape, &notes, place)
         };
         let potentials = self.potentials.as_deref().map(of_potentials).transpose()?;
@@ -352,7 +356,7 @@ impl LearnedProposal {
         };
         let learnable = learnable(&reference)?;
         let (shape, compute) = (shape_of(learnable), Backend::Native.into());
-        let learned = match (files, notes_beside.as_ref().and_then(|notes| notes.notes.clone())) {
+        let learned = match (files, notes_beside.as_ref().and_then(|notes| notes.folder_notes.clone())) {
             (Some(files), _) => {
                 let proposal = files.proposal(place, learnable, &shape, compute)?;
                 LearnedProposal::new(name, Some(proposal), files.notes(place)?, learnable)

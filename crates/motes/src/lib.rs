@@ -49,7 +49,6 @@ mod model;
 mod names;
 mod options;
 pub mod output;
-mod over_prior;
 mod packed;
 mod particles;
 mod prediction;
@@ -63,6 +62,7 @@ mod steps;
 mod tally;
 mod threads;
 mod timeline;
+mod training_prior;
 mod warning;
 
 pub use calendar::NoTime;
@@ -89,12 +89,13 @@ pub use fitting::{
 };
 pub use forecasting::rows_ahead;
 pub use learned::{LearnedProposal, Notes, PotentialNotes};
-pub use learning::{LearnOptions, LearnOutcome, base_named, head_named, learn, network_named};
+pub use learning::{
+    LearnOptions, LearnOutcome, base_named, head_named, learn, learns_over_prior, network_named,
+};
 pub use mixture::{PosteriorEstimates, filter_draws, smooth_draws};
 pub use model::{LearnableModel, Model};
 pub use names::{FileInput, ModelNames};
 pub use options::{DEFENSIVE_SHARE, FilterOptions, ProposalName};
-pub use over_prior::{OverPrior, PriorParameter};
 pub use packed::{pack, unpack};
 pub use priors::of_starts;
 pub use simulating::{
@@ -104,6 +105,7 @@ pub use smoothing::{Smoothed, smooth};
 pub use tally::{SeriesTally, Tally, TimeLabel};
 pub use threads::{on_threads, thread_pool};
 pub use timeline::{BeyondFile, Clock, RowTime, TimelineError};
+pub use training_prior::{PriorParameter, TrainingPrior};
 pub use warning::Warning;
 
 pub use motes_formulas as formulas;

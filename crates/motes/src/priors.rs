@@ -48,7 +48,7 @@ pub fn of_starts(model: &Model) -> Option<Warning> {
 }
 
 /// A number with a few digits, as people write it.
-fn rounded(value: f64) -> f64 {
+pub(crate) fn rounded(value: f64) -> f64 {
     format!("{value:.*e}", DIGITS).parse().unwrap_or(value)
 }
 

@@ -48,7 +48,7 @@ type Drawn = Vec<(String, f64)>;
 type Parsed = (String, String, Vec<(String, f64)>, bool);
 
 /// A proposal that was learned, what validation said after so many updates, and how many seconds it took.
-type Learned = (Proposal, Vec<(usize, f64)>, Option<String>, f64);
+type Learned = (Proposal, Vec<(usize, f64)>, Vec<String>, f64);
 
 #[pymethods]
 impl Model {
@@ -325,7 +325,7 @@ impl Model {
             learn(&model, data, &options, |_, _| failure.asked())
         })?;
         let all = failure.or(learned)?;
-        Ok((Proposal(all.proposal.clone()), all.validation(), all.no_potentials, all.training_seconds))
+        Ok((Proposal(all.proposal.clone()), all.validation(), all.warnings(), all.training_seconds))
     }
 
     /// Holds a proposal that was learned against the designed ones.

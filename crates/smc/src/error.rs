@@ -31,6 +31,7 @@ impl ProposalError {
             | ProposalError::Frames { .. }
             | ProposalError::NotPrepared { .. }
             | ProposalError::NoDensity
+            | ProposalError::NoNoise
             | ProposalError::NoGraph => ErrorKind::BadInput,
             ProposalError::Backend { .. }
             | ProposalError::Measurement { .. }

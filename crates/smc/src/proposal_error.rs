@@ -63,6 +63,9 @@ pub enum ProposalError {
         "the model's transition has no density, which a proposal of states is weighed by; bootstrap, linearised and learned proposals do without"
     )]
     NoDensity,
+    /// The proposal is one of noise, and the model is no map of noise.
+    #[error("the model does not say how its states are made of noise, which learned potentials need")]
+    NoNoise,
     /// The proposal cannot be had for a measurement.
     #[error("the proposal cannot take the measurement at time {time}: {reason}")]
     Measurement {

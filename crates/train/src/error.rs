@@ -19,7 +19,7 @@ pub enum TrainError {
     },
     /// Of each set of simulated sequences one left the numbers.
     #[error(
-        "of each of {tries} sets of simulated sequences one runs to numbers that are not finite; look at the model's transition and noise"
+        "of each of {tries} sets of sequences that the model drew, one runs to numbers that are not finite; look at the model's transition and noise"
     )]
     Simulations {
         /// How many sets were drawn.

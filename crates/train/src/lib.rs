@@ -47,7 +47,7 @@ pub use gradient_flow::GradientFlow;
 pub use learning::{LearnConfig, LearnObjective, Learned, check_recorded, learn};
 pub use objective::Objective;
 pub use potentials::{
-    DrawPath, PathRequest, PathSource, PotentialHistory, PotentialLearnConfig, learn_potentials,
+    PathRequest, PathSampler, PathSource, PotentialHistory, PotentialLearnConfig, learn_potentials,
 };
 pub use rollout::{Rollout, rollout};
 pub use schedule::Schedule;

@@ -6,7 +6,7 @@ use motes::output::{Output, card_json, card_text};
 use motes::train::Learned;
 use motes::{
     CompareOptions, LearnOutcome, LearnedProposal, LearnedWorth, MotesError, PotentialNotes, ProposalName,
-    compare, learn, of_starts, on_threads,
+    compare, learn, learns_over_prior, of_starts, on_threads,
 };
 use motes_cli::{Interrupt, status};
 
@@ -19,7 +19,6 @@ use super::say::{say_ignored, warn, write};
 
 pub(super) fn run(args: &LearnArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
     let model = args.model.read_beside(args.data.as_deref())?;
-    warn(of_starts(&model).as_slice(), args.model.quiet, false);
     let page = args.report.clone().map(Output::File);
     if let Some(page) = &page {
         page.check().map_err(|source| MotesError::Output { file: page.name(), source })?;
@@ -35,6 +34,9 @@ pub(super) fn run(args: &LearnArgs, interrupt: &Interrupt) -> Result<u8, Failure
         say_ignored(&data.columns, args.model.quiet);
     }
     let options = args.options(&model)?;
+    if !learns_over_prior(&model, data.as_ref(), &options) {
+        warn(of_starts(&model).as_slice(), args.model.quiet, false);
+    }
     let progress = Progress::new(1000, args.model.quiet);
     let outcome = on_threads(args.model.threads, || {
         learn(&model, data.as_ref(), &options, |done, total| {
@@ -43,10 +45,16 @@ pub(super) fn run(args: &LearnArgs, interrupt: &Interrupt) -> Result<u8, Failure
         })
     });
     progress.finish();
-    let LearnOutcome { proposal, history, no_potentials, training_seconds } = outcome??;
+    let outcome = outcome??;
+    let not_learned = outcome.warnings();
+    let LearnOutcome { proposal, history, training_seconds, .. } = outcome;
     proposal.save(&args.output, &model)?;
-    let (notes, mut warnings) = said(&proposal, history.as_ref(), training_seconds);
-    warnings.extend(no_potentials.map(|reason| format!("no potentials for recorded data: {reason}")));
+    let (mut notes, mut warnings) = said(&proposal, history.as_ref(), training_seconds);
+    warnings.extend(not_learned);
+    let prior = proposal.potential_notes().and_then(|notes| notes.prior.as_ref());
+    if args.sequences > 0 {
+        notes.extend(prior.map(|prior| format!("the card is of the model at {}", prior.describe())));
+    }
     if !args.model.quiet {
         notes.iter().for_each(|note| status(&format!("motes: {note}")));
         warnings.iter().for_each(|warning| status(&format!("motes: warning: {warning}")));

@@ -8,8 +8,8 @@ use crate::options::ProposalName;
 /// The work of a smoother for a time step, for each coordinate of the state: from 154 to 2,556 in seven models, by how many iterations it takes.
 const SMOOTHER: f64 = 500.0;
 
-/// What a proposal costs at a time step, in particles of a bootstrap filter: about. Medians of counted instructions in seven models (`experiments/look-ahead/costs.py`); a network for each
-/// particle is counted on the growth model alone. Not counted are the units of potentials over a prior, which take 32 sequences of the model once for each series.
+/// What a proposal costs at a time step, in particles of a bootstrap filter: about. Medians of counted instructions in seven models (`experiments/look-ahead/costs.py`); of potentials in three
+/// whose folders hand them out, of one coordinate each; a network for each particle is counted on the growth model alone. Not counted are the units of potentials over a prior, which take 32 sequences of the model once for each series.
 pub(crate) fn cost(proposal: &ProposalName, model: &Model) -> EstimatorCost {
     let smoother = SMOOTHER * model.states().len() as f64;
     let (fixed, per_particle) = match proposal {

@@ -49,6 +49,13 @@ impl LearnedWorth {
         Some((&best.proposal, best.inefficiency() / self.ahead.inefficiency()))
     }
 
+    /// The designed proposal by which filters have less error than by the potentials of a step with the same particles, if there is one.
+    pub(crate) fn better_filter(&self) -> Option<&str> {
+        let filters = self.designed.iter().filter(|worth| worth.proposal != LOOK_AHEAD);
+        let best = filters.min_by(|a, b| a.error.total_cmp(&b.error))?;
+        (best.error < self.now.error).then_some(best.proposal.as_str())
+    }
+
     /// Whether the potentials of a smoother do better than those that were learned.
     pub(crate) fn is_behind_look_ahead(&self) -> bool {
         let look_ahead = self.designed.iter().find(|worth| worth.proposal == LOOK_AHEAD);

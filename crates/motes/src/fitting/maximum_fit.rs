@@ -116,8 +116,8 @@ pub fn maximise(
     observe: &mut dyn FnMut(SearchProgress<'_>) -> Result<(), MotesError>,
 ) -> Result<MaximumFit, MotesError> {
     let free = FreeParameters::of(model)?;
-    let likelihood = ModelLikelihood::new(model, data, &free, options, proceed)?;
     check(model, data, options)?;
+    let likelihood = ModelLikelihood::new(model, data, &free, options, proceed)?;
     let names = free.names();
     let settings = MaximumSettings {
         starts: options.chains,

@@ -17,6 +17,7 @@ use motes_train::{LearnConfig, LearnObjective, PathSource, TrainError, check_rec
 pub use names::{base_named, head_named, network_named};
 pub use options::LearnOptions;
 pub use outcome::LearnOutcome;
+pub use over_prior::learns_over_prior;
 
 use crate::data::Data;
 use crate::error::MotesError;
@@ -31,7 +32,8 @@ use worth::worse_than;
 /// Learning ends where after such a share of its updates nothing was better than the base.
 const PATIENCE: f64 = 0.3;
 
-/// Learns a proposal for `model`. Where parameters have priors and no other value, potentials are learned over these, and serve the model with any parameters. Else it is learned by the objective of `options`: from sequences that the model draws for itself and in addition from the series of `data`, or from
+/// Learns a proposal for `model`. Where parameters have priors and no other value, potentials are learned over these, and serve the model with any parameters. Otherwise, or where that fails,
+/// a proposal is learned for the values that the model has, by the objective of `options`: from sequences that the model draws for itself and in addition from the series of `data`, or from
 /// these alone. `proceed` is asked after each update, with how many of how many are done.
 ///
 /// ```
@@ -80,8 +82,7 @@ fn learn_until(
     }
     let started = std::time::Instant::now();
     let seed = Seed::from_u64(options.seed).child("learn");
-    let schedule = schedule(model, data, options.steps, &seed)?;
-    let scheduled = schedule.clone().and_then(|schedule| model.along(schedule));
+    let scheduled = schedule(model, data, options.steps, &seed)?.and_then(|schedule| model.along(schedule));
     let simulated = scheduled.as_ref().unwrap_or(model);
     let learnable = learnable(simulated)?;
     let settings = LearnConfig {
@@ -120,15 +121,11 @@ fn learn_until(
         return Err(TrainError::Draws.into());
     }
     let has_potentials = learns_potentials(learnable, options);
-    let mut no_potentials = None;
-    if has_potentials
-        && recorded.is_empty()
-        && let Some(prior) = prior_of(model, options)
-    {
-        let asked = PriorLearning { model, data, schedule: schedule.as_ref(), prior, options, seed: &seed };
-        match asked.learn(started, proceed)? {
+    let (mut not_over_prior, mut no_potentials) = (None, None);
+    if let Some(prior) = prior_of(model, data, options) {
+        match (PriorLearning { model, prior, options, seed: &seed }).learn(started, proceed)? {
             Ok(learned) => return Ok(learned),
-            Err(reason) => no_potentials = Some(format!("over the prior: {reason}")),
+            Err(reason) => not_over_prior = Some(reason),
         }
     }
     // A bar of three parts, choosing and twice as long training; then one of potentials.
@@ -137,7 +134,8 @@ fn learn_until(
         Some(start) => {
             start.check_model(simulated).map_err(|error| MotesError::Setting(format!("start: {error}")))?;
             let Some(proposal) = start.proposal() else {
-                let reason = "start: its potentials were learned over a prior, and are not learned further";
+                let reason =
+                    "start: it holds potentials alone, learned over a prior, which are not learned further";
                 return Err(MotesError::Setting(reason.into()));
             };
             (format!("{}, learned further", start.name()), proposal.clone())
@@ -164,7 +162,7 @@ fn learn_until(
         let mut tell = |done, total| proceed(3 * total + done, 4 * total);
         match potentials(PathSource::Model(learnable), &shape_of(learnable), options, &seed, &mut tell)? {
             Ok((found, notes)) => learned = learned.with_potentials(found, notes),
-            Err(reason) => no_potentials = no_potentials.or(Some(reason)),
+            Err(reason) => no_potentials = Some(reason),
         }
         let seed = seed.child("recorded worth");
         let sequences = judged(model, data, options, SEQUENCES, &seed.child("sequences"))?;
@@ -174,7 +172,7 @@ fn learn_until(
     let training_seconds = started.elapsed().as_secs_f64();
     let notes = Notes { worse_than, seconds: training_seconds, ..learned.notes().clone() };
     let (proposal, history) = (learned.with_notes(notes), Some(history));
-    Ok(LearnOutcome { proposal, history, no_potentials, training_seconds })
+    Ok(LearnOutcome { proposal, history, not_over_prior, no_potentials, training_seconds })
 }
 
 /// The measurements of each series.

@@ -3,39 +3,45 @@
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use motes_formulas::Schedule;
 use motes_models::Seed;
 use motes_proposals::Sees;
 use motes_train::{PathRequest, PathSource, TrainError};
 
 use super::options::LearnOptions;
 use super::outcome::LearnOutcome;
-use super::potentials::{SEQUENCES, judge, judged, potentials};
-use super::worth::worse_than;
+use super::potentials::{SEQUENCES, judge, judged, learns_potentials, potentials};
 use crate::data::Data;
 use crate::error::MotesError;
+use crate::evidence::LearnedWorth;
 use crate::learned::{LearnedProposal, Notes, PotentialNotes, learnable, shape_of};
-use crate::model::Model;
-use crate::over_prior::OverPrior;
+use crate::model::{Kind, Model};
+use crate::training_prior::TrainingPrior;
 
-/// The prior over which potentials are learned: that of all parameters that have one, unless a network of some kind is asked for, which knows one model.
-pub(super) fn prior_of(model: &Model, options: &LearnOptions) -> Option<OverPrior> {
-    let is_asked = options.start.is_some()
+/// The prior over which potentials are learned, that of all parameters that have one; none where learning is from data, a network of some kind is asked for, which knows one model, or the
+/// model has times or inputs: its units are those of a schedule.
+pub(super) fn prior_of(model: &Model, data: Option<&Data>, options: &LearnOptions) -> Option<TrainingPrior> {
+    let Kind::Learnable(learnable) = model.kind() else { return None };
+    let is_of_one_model = data.is_some()
+        || model.timeline().is_some()
+        || options.start.is_some()
         || options.base.is_some()
         || options.head.is_some()
         || options.widths.is_some()
         || options.sees != Sees::All
         || options.dropout > 0.0
         || options.weight_penalty > 0.0;
-    if is_asked { None } else { OverPrior::of(model) }
+    if is_of_one_model || !learns_potentials(learnable, options) { None } else { TrainingPrior::of(model) }
+}
+
+/// Whether potentials are learned over the prior of a model's parameters, so that they serve all values of these.
+pub fn learns_over_prior(model: &Model, data: Option<&Data>, options: &LearnOptions) -> bool {
+    prior_of(model, data, options).is_some()
 }
 
 /// What is learned over a prior.
 pub(super) struct PriorLearning<'a> {
     pub(super) model: &'a Model,
-    pub(super) data: Option<&'a Data>,
-    pub(super) schedule: Option<&'a Schedule>,
-    pub(super) prior: OverPrior,
+    pub(super) prior: TrainingPrior,
     pub(super) options: &'a LearnOptions,
     pub(super) seed: &'a Seed,
 }
@@ -44,16 +50,16 @@ impl PriorLearning<'_> {
     /// Learns and judges, or says why it cannot: simulated sequences leave the numbers again and again.
     ///
     /// # Errors
-    /// As [`learn`](super::learn).
+    /// As [`learn`](crate::learn).
     pub(super) fn learn(
         self,
         started: Instant,
         proceed: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
     ) -> Result<Result<LearnOutcome, String>, MotesError> {
-        let PriorLearning { model, data, schedule, prior, options, seed } = self;
+        let PriorLearning { model, prior, options, seed } = self;
         let of_model = |error: MotesError| TrainError::Source { reason: error.to_string() };
         let draw = |seed: &Seed, asked: PathRequest<'_>| {
-            let drawn = OverPrior::draw(model, schedule, seed).map_err(of_model)?;
+            let drawn = TrainingPrior::draw(model, seed).map_err(of_model)?;
             asked.of(learnable(&drawn).map_err(of_model)?)
         };
         let own = learnable(model)?;
@@ -72,21 +78,28 @@ impl PriorLearning<'_> {
         let mut sequences = Vec::with_capacity(SEQUENCES);
         for number in 0..SEQUENCES as u64 {
             let seed = seed.child("sequences").nth(number);
-            let drawn = OverPrior::draw(model, None, &seed.child("model"))?;
+            let drawn = TrainingPrior::draw(model, &seed.child("model"))?;
             // A sequence that leaves the numbers counts for none.
-            match judged(&drawn, data, options, 1, &seed) {
+            match judged(&drawn, None, options, 1, &seed) {
                 Ok(found) => sequences.extend(found),
                 Err(MotesError::Simulation(_)) => {}
                 Err(error) => return Err(error),
             }
         }
+        if sequences.is_empty() {
+            return Ok(Err(format!(
+                "all of {SEQUENCES} sequences to judge by run to numbers that are not finite"
+            )));
+        }
         let learned = judge(model, learned, sequences, options, &seed, &mut || proceed(1, 1))?;
-        let worse_than = worse_than(model, &learned, data, options, &seed.child("worth"))?;
+        let worth = learned.potential_notes().and_then(|notes| notes.worth.as_ref());
+        let worse_than = worth.and_then(LearnedWorth::better_filter).map(String::from);
         let training_seconds = started.elapsed().as_secs_f64();
         let notes = Notes { worse_than, seconds: training_seconds, ..learned.notes().clone() };
         Ok(Ok(LearnOutcome {
             proposal: learned.with_notes(notes),
             history: None,
+            not_over_prior: None,
             no_potentials: None,
             training_seconds,
         }))

@@ -73,7 +73,7 @@ pub(super) fn potentials<'a>(
         filters: false,
         worth: None,
         prior: None,
-        notes: None,
+        folder_notes: None,
     };
     Ok(Ok((potentials, notes)))
 }

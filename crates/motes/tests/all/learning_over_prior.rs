@@ -91,9 +91,33 @@ fn another_prior_is_refused() {
     place.printed(&at("sigma=0.6"));
     let found = refused(&at("sigma=0.5"));
     assert!(found.contains("was trained for another system"), "{found}");
+    let from = ["learn", "volatility.toml", "-o", "more", "--from", "p", "--quiet"];
+    let said =
+        "motes: --proposal p: it holds potentials alone, learned over a prior, which are not learned further";
+    assert_eq!(refused(&from), said);
     // A network of some kind is one for the prior's median.
     learn(&place, "median", &["--updates", "20", "--widths", "8"]);
     let fit = ["fit", "volatility.toml", "data.csv", "-o", "fit", "--proposal", "median", "--quiet"];
-    let said = "motes: --proposal median: it was learned for one value of sigma, which is to be fitted; motes learn without --set sigma and without options of a network learns it over the prior";
+    let said = "motes: --proposal median: it was learned for one value of sigma, which is to be fitted; motes learn MODEL -o FOLDER, without data, --set sigma and options of a network, learns over the prior";
     assert_eq!(refused(&fit), said);
+}
+
+/// Catches units of steps that the data do not have.
+#[test]
+fn with_times_or_data_it_is_learned_for_the_values_at_hand() {
+    let place = Workplace::new();
+    place.write("volatility.toml", format!("[time]\ncolumn = \"t\"\nstep = 0.5\n{VOLATILITY}"));
+    let quick = ["--updates", "20", "--quiet"];
+    learn(&place, "timed", &quick);
+    assert!(place.path("timed/proposal.toml").exists());
+    place.write("volatility.toml", VOLATILITY);
+    place.write(
+        "data.csv",
+        place.printed(&["simulate", "volatility.toml", "--steps", "30", "--seed", "4", "--quiet"]),
+    );
+    let beside = ["learn", "volatility.toml", "data.csv", "-o", "beside", "--sequences", "0"];
+    place.printed(&[&beside[..], &quick].concat());
+    assert!(place.path("beside/proposal.toml").exists());
+    learn(&place, "alone", &quick);
+    assert!(!place.path("alone/proposal.toml").exists());
 }

@@ -10,14 +10,14 @@ pub struct LearnedPotentialsConfig {
     pub hidden: usize,
     /// `J`, the quadratics of a potential beside the flat one.
     pub components: usize,
-    /// The steps of sequences that each model draws, by which its units are found, where there are several models, as with other parameters; none if units are those of one.
+    /// How many steps each of the sequences has from which the units of a model are found; none if the units of one model are kept.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub steps_of_units: Option<usize>,
+    pub standardising_steps: Option<usize>,
 }
 
 impl Default for LearnedPotentialsConfig {
     /// 24 units and three quadratics, for one model.
     fn default() -> Self {
-        LearnedPotentialsConfig { hidden: 24, components: 3, steps_of_units: None }
+        LearnedPotentialsConfig { hidden: 24, components: 3, standardising_steps: None }
     }
 }

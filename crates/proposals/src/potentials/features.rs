@@ -16,7 +16,7 @@ const OF_ENTRY: usize = 3;
 /// Where the model is asked beside the middle of all states, along each coordinate, in spreads of that.
 const ALONG: [f64; 4] = [-2.0, -1.0, 1.0, 2.0];
 
-/// How many features there are of each coordinate of a state: where it goes without noise from the middle of all states, how it goes elsewhere from either side along it, how much
+/// How many features there are of each coordinate of a state: where it goes without noise from the middle of all states, where points on either side go relative to that, how much
 /// noise is added, and how likely the measurement is on either side.
 const OF_COORDINATE: usize = 2 + 2 * ALONG.len();
 
@@ -131,11 +131,11 @@ impl StepFeatures {
         model
             .log_likelihoods(step, &self.points, measurement, logs)
             .map_err(|error| ProposalError::Measurement { time: step.index, reason: error.to_string() })?;
-        let most = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let of = |log: &f64| if log.is_nan() { f64::NEG_INFINITY } else { log.min(f64::MAX) };
+        let most = logs.iter().map(of).fold(f64::NEG_INFINITY, f64::max);
         // Where no point is possible, none is likelier than another.
-        let below =
-            |log: &f64| if most.is_finite() { ((most - log).asinh() / 3.0).min(LARGEST) } else { 0.0 };
-        features.extend(logs.iter().map(below).map(|below| if below.is_nan() { LARGEST } else { below }));
+        let below = |log: f64| if most == log { 0.0 } else { ((most - log).asinh() / 3.0).min(LARGEST) };
+        features.extend(logs.iter().map(of).map(below));
         Ok(())
     }
 

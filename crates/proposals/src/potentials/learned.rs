@@ -52,7 +52,7 @@ impl LearnedPotentials {
     /// # Errors
     /// [`ProposalError::Frames`] if they are found by simulation, which the model does not allow.
     pub fn standards<M: OwnModel + ?Sized>(&self, model: &M) -> Result<PotentialStandards, ProposalError> {
-        if let Some(horizon) = self.config.steps_of_units {
+        if let Some(horizon) = self.config.standardising_steps {
             return PotentialStandards::of_model(model, horizon)
                 .map_err(|error| ProposalError::Frames { reason: error.to_string() });
         }
@@ -62,8 +62,8 @@ impl LearnedPotentials {
     }
 
     /// From now on units are found anew for each model, by simulated sequences of `horizon` steps.
-    pub fn find_standards_anew(&mut self, horizon: usize) {
-        self.config.steps_of_units = Some(horizon);
+    pub fn standardise_each_model(&mut self, horizon: usize) {
+        self.config.standardising_steps = Some(horizon);
     }
 
     /// Sets the units of measurements and states, those of one model from now on.
@@ -72,7 +72,7 @@ impl LearnedPotentials {
     /// [`ProposalError::Mismatch`] if they are not those of so many coordinates.
     pub fn set_standards(&mut self, standards: &PotentialStandards) -> Result<(), ProposalError> {
         let first = self.parameters.len() - STANDARDS;
-        self.config.steps_of_units = None;
+        self.config.standardising_steps = None;
         let PotentialStandards { measurement, state } = standards;
         for (at, values) in measurement.iter().chain(state).enumerate() {
             self.parameters.set_host(first + at, values).map_err(of_networks)?;
@@ -120,7 +120,7 @@ impl LearnedPotentials {
     ) -> Result<Vec<PotentialComponent>, ProposalError> {
         let StepMemory { of_step, features, inference } = memory;
         features.clear();
-        let noise_space = model.noise_space().ok_or(ProposalError::NoDensity)?;
+        let noise_space = model.noise_space().ok_or(ProposalError::NoNoise)?;
         of_step.of_recorded((model, noise_space), step, measurement, standards, features)?;
         let (sizes, layout) = (self.sizes(1, 1), self.layout());
         let mut outputs = vec![0.0; layout.outputs()];

@@ -34,13 +34,12 @@ impl PathBatch {
         self.steps
     }
 
-    /// Sequences of several batches of as many steps, side by side.
-    ///
-    /// # Panics
-    /// If they have different numbers of steps.
-    pub fn beside(batches: &[PathBatch]) -> Self {
+    /// Sequences of several batches side by side; none if these have different numbers of steps.
+    pub fn beside(batches: &[PathBatch]) -> Option<Self> {
         let steps = batches.first().map_or(0, PathBatch::steps);
-        assert!(batches.iter().all(|batch| batch.steps == steps), "batches of as many steps");
+        if batches.iter().any(|batch| batch.steps != steps) {
+            return None;
+        }
         let woven = |of: fn(&PathBatch) -> &Vec<f64>| -> Vec<f64> {
             let of_step = |step: usize, values: &'_ [f64]| {
                 let width = values.len() / steps;
@@ -49,20 +48,20 @@ impl PathBatch {
             let at = |step: usize| batches.iter().flat_map(move |batch| &of(batch)[of_step(step, of(batch))]);
             (0..steps).flat_map(at).copied().collect()
         };
-        PathBatch {
+        Some(PathBatch {
             sequences: batches.iter().map(PathBatch::sequences).sum(),
             steps,
             features: woven(|batch| &batch.features),
             states: woven(|batch| &batch.states),
             centres: woven(|batch| &batch.centres),
             spreads: woven(|batch| &batch.spreads),
-        }
+        })
     }
 
     /// Adds the next step of all sequences. `is_missing` says of each sequence whether its measurement is to be left out; the networks then do not see it.
     ///
     /// # Errors
-    /// [`ProposalError::NoDensity`] for a model without a map of noise, and [`ProposalError::Measurement`] if it cannot weigh a measurement of its own.
+    /// [`ProposalError::NoNoise`] for a model without a map of noise, and [`ProposalError::Measurement`] if it cannot weigh a measurement of its own.
     pub fn add<M: OwnModel + ?Sized>(
         &mut self,
         model: &M,
@@ -71,7 +70,7 @@ impl PathBatch {
         standards: &PotentialStandards,
         features: &mut StepFeatures,
     ) -> Result<(), ProposalError> {
-        let noise_space = model.noise_space().ok_or(ProposalError::NoDensity)?;
+        let noise_space = model.noise_space().ok_or(ProposalError::NoNoise)?;
         let (n, m) = (model.state_dim(), model.measurement_dim());
         self.sequences = step.states.len() / n;
         self.steps += 1;

@@ -22,7 +22,7 @@ impl PotentialStandards {
     pub fn of_model<M: OwnModel + ?Sized>(model: &M, horizon: usize) -> Result<Self, ModelError> {
         let (mut measurements, mut states) = (Vec::new(), Vec::new());
         let seed = Seed::from_u64(0).child("potential standards");
-        let mut steps = OwnSteps::new(model, SEQUENCES, &seed)?.in_window(horizon, &seed);
+        let mut steps = OwnSteps::new(model, SEQUENCES, &seed)?.in_window(horizon);
         for _ in 0..horizon {
             let Some(step) = steps.advance() else { break };
             measurements.extend_from_slice(step.measurements);

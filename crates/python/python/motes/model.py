@@ -576,7 +576,8 @@ class Model:
 
         `data` are recorded sequences to learn from in addition, or alone by the objectives `wake` and `fivo`. `start` is a
         proposal to learn further. `base`, `head`, `network` and `widths` are chosen if None, and are named as in
-        `motes learn`. Learning ends after `budget` seconds if one is given. `particles` and `sequences` are those of the
+        `motes learn`. Where parameters have priors, it is learned over these, and serves the model with any of their
+        values, unless there are data, times or inputs, or one of these is asked for. Learning ends after `budget` seconds if one is given. `particles` and `sequences` are those of the
         card; with 0 sequences there is none.
         """
         rows = None if data is None else data_of(self._model, data).found
@@ -594,9 +595,9 @@ class Model:
             "widths": None if widths is None else list(widths),
             "seed": seed,
         }
-        found, validation, no_potentials, seconds = self._model.learn(rows, arguments, threads)
-        if no_potentials is not None:
-            warn(f"no potentials for recorded data: {no_potentials}")
+        found, validation, warnings, seconds = self._model.learn(rows, arguments, threads)
+        for warning in warnings:
+            warn(warning)
         if found.worse_than is not None:
             warn(f"it did worse than {found.worse_than} on sequences of the model; take proposal={found.worse_than!r}")
         card = None

@@ -83,10 +83,9 @@ fn windows<'m, M: OwnModel + ?Sized>(
     let of_window = |number: usize| {
         // As evenly as they can be dealt.
         let share = (sequences + number) / windows;
-        let seed = seed.nth(number as u64);
-        let steps = OwnSteps::new(model, share, &seed)?.within(within);
+        let steps = OwnSteps::new(model, share, &seed.nth(number as u64))?.within(within);
         Ok(match rows {
-            Some(rows) => steps.in_window(rows, &seed),
+            Some(rows) => steps.in_window(rows),
             None => steps.at_beginning(),
         })
     };

@@ -71,7 +71,7 @@ pub fn learn_potentials<M: OwnModel + ?Sized>(
     let source = source.prepared(config.horizon)?;
     match source.standards() {
         Some(standards) => potentials.set_standards(standards)?,
-        None => potentials.find_standards_anew(config.horizon),
+        None => potentials.standardise_each_model(config.horizon),
     }
     let held_out = source.drawn(VALIDATION, config, &seed.child("validation"))?;
     let mut last = potentials.gains(&held_out)?;

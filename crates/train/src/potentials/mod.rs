@@ -6,4 +6,4 @@ mod supply;
 
 pub use learn::{PotentialHistory, learn_potentials};
 pub use settings::PotentialLearnConfig;
-pub use supply::{DrawPath, PathRequest, PathSource};
+pub use supply::{PathRequest, PathSampler, PathSource};

@@ -10,7 +10,7 @@ use crate::TrainError;
 /// How often sequences are drawn again of which one leaves the numbers.
 const TRIES: u64 = 20;
 
-/// One measurement in so many is missing of a sequence with gaps.
+/// The share of measurements that are missing in a sequence with gaps.
 const MISSING: f64 = 0.2;
 
 /// Which models draw the sequences that are learned from.
@@ -18,19 +18,18 @@ pub enum PathSource<'a, M: ?Sized> {
     /// The same model draws all.
     Model(&'a M),
     /// Each sequence has a model of its own, as with parameters from their prior.
-    Models(&'a DrawPath<'a>),
+    Models(&'a PathSampler<'a>),
 }
 
-/// Draws a model by a seed, and a sequence of it by what it is given.
-pub type DrawPath<'a> = dyn Fn(&Seed, PathRequest<'_>) -> Result<Option<PathBatch>, TrainError> + Sync + 'a;
+/// Draws a model by a seed, and from it the sequence that it is asked for.
+pub type PathSampler<'a> =
+    dyn Fn(&Seed, PathRequest<'_>) -> Result<Option<PathBatch>, TrainError> + Sync + 'a;
 
 /// One sequence that is asked of a model.
 #[derive(Debug, Clone, Copy)]
 pub struct PathRequest<'a> {
     config: &'a PotentialLearnConfig,
     seed: &'a Seed,
-    /// Sequences side by side have as many steps, and so one window.
-    window: &'a Seed,
 }
 
 impl PathRequest<'_> {
@@ -39,9 +38,9 @@ impl PathRequest<'_> {
     /// # Errors
     /// [`TrainError::Model`] for a model that cannot be simulated, [`TrainError::Networks`] for one that has no map of noise.
     pub fn of<M: OwnModel + ?Sized>(self, model: &M) -> Result<Option<PathBatch>, TrainError> {
-        let PathRequest { config, seed, window } = self;
+        let PathRequest { config, seed } = self;
         let standards = PotentialStandards::of_model(model, config.horizon)?;
-        drawn(model, 1, config, &standards, [seed, window])
+        drawn(model, 1, config, &standards, seed)
     }
 }
 
@@ -61,7 +60,7 @@ impl<'a, M: OwnModel + ?Sized> PathSource<'a, M> {
 /// A source with what all its sequences share.
 pub(super) enum Supply<'a, M: ?Sized> {
     Model(&'a M, PotentialStandards),
-    Models(&'a DrawPath<'a>),
+    Models(&'a PathSampler<'a>),
 }
 
 impl<M: OwnModel + ?Sized> Supply<'_, M> {
@@ -76,7 +75,7 @@ impl<M: OwnModel + ?Sized> Supply<'_, M> {
     /// `sequences` whole sequences.
     ///
     /// # Errors
-    /// [`TrainError::Simulations`] if of each try one sequence leaves the numbers.
+    /// [`TrainError::Simulations`] if of each try one sequence leaves the numbers, [`TrainError::Source`] if sequences of several models have different lengths.
     pub(super) fn drawn(
         &self,
         sequences: usize,
@@ -85,17 +84,18 @@ impl<M: OwnModel + ?Sized> Supply<'_, M> {
     ) -> Result<PathBatch, TrainError> {
         let draw = match self {
             Supply::Model(model, standards) => {
-                return until_whole(seed, |own| drawn(*model, sequences, config, standards, [own, seed]));
+                return until_whole(seed, |own| drawn(*model, sequences, config, standards, own));
             }
             Supply::Models(draw) => draw,
         };
         let of_one = |number: u64| {
-            until_whole(&seed.nth(number), |own| {
-                draw(&own.child("model"), PathRequest { config, seed: own, window: seed })
-            })
+            until_whole(&seed.nth(number), |own| draw(&own.child("model"), PathRequest { config, seed: own }))
         };
         let parts: Vec<PathBatch> = (0..sequences as u64).map(of_one).collect::<Result<_, _>>()?;
-        Ok(PathBatch::beside(&parts))
+        PathBatch::beside(&parts).ok_or_else(|| TrainError::Source {
+            reason: "models with sequences of their own of different lengths cannot be learned from together"
+                .into(),
+        })
     }
 }
 
@@ -112,19 +112,18 @@ fn until_whole(
     Err(TrainError::Simulations { tries: TRIES })
 }
 
-/// Sequences of a model side by side, in a window of one of the model's own sequences where it has these, which is drawn by a seed of its own; none if one leaves the numbers.
+/// Sequences of a model side by side, in a window of one of the model's own sequences where it has these; none if one leaves the numbers.
 fn drawn<M: OwnModel + ?Sized>(
     model: &M,
     sequences: usize,
     config: &PotentialLearnConfig,
     standards: &PotentialStandards,
-    [seed, window]: [&Seed; 2],
+    seed: &Seed,
 ) -> Result<Option<PathBatch>, TrainError> {
     let mut gaps = seed.child("gaps").stream();
     let has_gaps: Vec<bool> = (0..sequences).map(|_| gaps.random::<f64>() < config.with_gaps).collect();
     let (mut batch, mut features) = (PathBatch::default(), StepFeatures::default());
-    let steps = OwnSteps::new(model, sequences, &seed.child("sequences"))?;
-    let mut steps = steps.in_window(config.horizon, window);
+    let mut steps = OwnSteps::new(model, sequences, &seed.child("sequences"))?.in_window(config.horizon);
     for _ in 0..config.horizon {
         let Some(step) = steps.advance() else { break };
         let is_missing: Vec<bool> = (0..sequences).map(|_| gaps.random::<f64>() < MISSING).collect();

@@ -1,19 +1,19 @@
 //! Potentials that serve a model with any parameters of its prior.
 
-use motes_formulas::{Origin, Schedule};
+use motes_formulas::Origin;
 use motes_models::Seed;
 use serde::{Deserialize, Serialize};
 
 use crate::error::MotesError;
 use crate::model::Model;
-use crate::priors::drawn;
+use crate::priors::{drawn, rounded};
 
 /// How often parameters are drawn again with which there is no model.
 const TRIES: u64 = 100;
 
 /// The prior over which potentials were learned.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct OverPrior {
+pub struct TrainingPrior {
     /// The parameters, or lists of these, in the order of the model file.
     pub parameters: Vec<PriorParameter>,
 }
@@ -29,7 +29,7 @@ pub struct PriorParameter {
     pub values: Vec<(String, f64)>,
 }
 
-impl OverPrior {
+impl TrainingPrior {
     /// That of the parameters that have a prior and were given no value; none where there are none.
     pub(crate) fn of(model: &Model) -> Option<Self> {
         let free = model.priors().iter().filter(|prior| prior.origin() != Origin::Set);
@@ -40,12 +40,20 @@ impl OverPrior {
                 values: prior.entries().iter().cloned().zip(prior.start().iter().copied()).collect(),
             })
             .collect();
-        (!parameters.is_empty()).then_some(OverPrior { parameters })
+        (!parameters.is_empty()).then_some(TrainingPrior { parameters })
     }
 
     /// The names of the parameters.
     pub fn names(&self) -> Vec<&str> {
         self.parameters.iter().map(|parameter| parameter.name.as_str()).collect()
+    }
+
+    /// The parameters by which the model is recognised, with their values, for people.
+    pub fn describe(&self) -> String {
+        let values = self.parameters.iter().flat_map(|parameter| &parameter.values);
+        let texts: Vec<String> =
+            values.map(|(name, value)| format!("{name} = {}", rounded(*value))).collect();
+        texts.join(", ")
     }
 
     /// The model at the parameters by which it is recognised.
@@ -71,13 +79,12 @@ impl OverPrior {
         model.with_parameters(&values).map_err(|error| refused(error.to_string()))
     }
 
-    /// A model at parameters that are drawn from their priors, along a schedule if there is one.
+    /// A model at parameters that are drawn from their priors.
     ///
     /// # Errors
     /// [`MotesError::Model`] if there is no model at any of a hundred draws.
-    pub(crate) fn draw(model: &Model, schedule: Option<&Schedule>, seed: &Seed) -> Result<Model, MotesError> {
+    pub(crate) fn draw(model: &Model, seed: &Seed) -> Result<Model, MotesError> {
         let at = |number: u64| model.with_parameters(&drawn(model, &seed.nth(number)));
-        let found = (1..TRIES).map(at).find(Result::is_ok).unwrap_or_else(|| at(0))?;
-        Ok(schedule.and_then(|schedule| found.along(schedule.clone())).unwrap_or(found))
+        Ok((1..TRIES).map(at).find(Result::is_ok).unwrap_or_else(|| at(0))?)
     }
 }
