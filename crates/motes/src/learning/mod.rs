@@ -161,12 +161,14 @@ fn learn_until(
     if has_potentials {
         let mut tell = |done, total| proceed(3 * total + done, 4 * total);
         match potentials(PathSource::Model(learnable), &shape_of(learnable), options, &seed, &mut tell)? {
-            Ok((found, notes)) => learned = learned.with_potentials(found, notes),
+            Ok((found, notes)) => {
+                learned = learned.with_potentials(found, notes);
+                let seed = seed.child("recorded worth");
+                let sequences = judged(model, data, options, SEQUENCES, &seed.child("sequences"))?;
+                learned = judge(model, learned, sequences, options, &seed, &mut || proceed(1, 1))?;
+            }
             Err(reason) => no_potentials = Some(reason),
         }
-        let seed = seed.child("recorded worth");
-        let sequences = judged(model, data, options, SEQUENCES, &seed.child("sequences"))?;
-        learned = judge(model, learned, sequences, options, &seed, &mut || proceed(1, 1))?;
     }
     let worse_than = worse_than(model, &learned, data, options, &seed.child("worth"))?;
     let training_seconds = started.elapsed().as_secs_f64();
