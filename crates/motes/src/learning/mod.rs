@@ -51,8 +51,9 @@ const PATIENCE: f64 = 0.3;
 /// let model = Model::parse(text, "volatility", &[])?;
 /// let options = LearnOptions { updates: 100, ..LearnOptions::default() };
 /// let learned = learn(&model, None, &options, |_, _| ControlFlow::Continue(()))?;
+/// # assert!(learned.warnings().is_empty());
 /// let filter = FilterOptions { proposal: ProposalName::Learned(learned.proposal), ..FilterOptions::default() };
-/// # assert_eq!(filter.defensive_share(), 0.1);
+/// # assert!(filter.defensive_share() <= 0.1);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
