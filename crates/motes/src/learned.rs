@@ -5,19 +5,22 @@ use std::fmt;
 use std::path::Path;
 use std::sync::Arc;
 
+use motes_formulas::Prior;
 use motes_models::{ModelShape, Seed};
 use motes_proposals::{
-    Amortised, Backend, Fingerprint, LearnedPotentials, OnLinePotentials, SavedError, SavedFiles, holds,
-    load, load_to_tune, notes, save, save_both,
+    Amortised, Backend, Fingerprint, LearnedPotentials, OnLinePotentials, PotentialStandards, SavedError,
+    SavedFiles, holds, load, load_to_tune, notes, save, save_both,
 };
 use motes_smc::{ByPotential, LookAhead, RecordedStep};
 use serde::{Deserialize, Serialize};
 
 use crate::error::MotesError;
 use crate::evidence::LearnedWorth;
+use crate::learned_notes::{Notes, PotentialNotes};
 use crate::model::{Kind, LearnableModel, Model};
 use crate::packed::{pack, unpack};
-use crate::training_prior::{PriorParameter, TrainingPrior};
+use crate::priors::free;
+use crate::training_prior::TrainingPrior;
 
 /// A proposal that was learned for a model; copies share it.
 #[derive(Clone)]
@@ -27,6 +30,8 @@ pub struct LearnedProposal {
     proposal: Option<Arc<Amortised>>,
     potentials: Option<Arc<PotentialsWithNotes>>,
     notes: Arc<Notes>,
+    /// The units of a model that was found to be the right one, where they are found for each.
+    standards: Option<Arc<PotentialStandards>>,
     /// Of the model that it was learned or loaded for; over a prior, at the parameters that the prior's notes name.
     fingerprint: Arc<Fingerprint>,
 }
@@ -36,43 +41,6 @@ pub struct LearnedProposal {
 struct PotentialsWithNotes {
     potentials: Arc<LearnedPotentials>,
     notes: PotentialNotes,
-}
-
-/// What the folder of a learned proposal says of its potentials.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct PotentialNotes {
-    /// Gradient steps that were taken.
-    pub updates: usize,
-    /// How long they took.
-    pub seconds: f64,
-    /// The gain over the transition on validation sequences, in nats for a step.
-    pub gain: f64,
-    /// The same of potentials that see the measurement of their step alone.
-    pub gain_now: f64,
-    /// Whether filters draw by potentials of their step, instead of by a network for each particle.
-    pub filters: bool,
-    /// What they are worth beside designed proposals, on simulated sequences; nothing before they are judged.
-    pub worth: Option<LearnedWorth>,
-    /// The prior over which they were learned, if they were.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub prior: Option<TrainingPrior>,
-    /// What the folder says of all of it, where there is no network for each particle.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) folder_notes: Option<Notes>,
-}
-
-/// What the folder of a learned proposal says beside its weights.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Notes {
-    /// What it was chosen as, in a sentence.
-    pub choice: String,
-    /// Gradient steps that were taken.
-    pub updates: usize,
-    /// How long they took.
-    pub seconds: f64,
-    /// The designed proposal that did better on validation sequences, if one did.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub worse_than: Option<String>,
 }
 
 /// What errors call a proposal that is bytes.
@@ -120,8 +88,21 @@ impl LearnedProposal {
             proposal: proposal.map(Arc::new),
             potentials: None,
             notes: Arc::new(notes),
+            standards: None,
             fingerprint,
         }
+    }
+
+    /// The same for series of a model whose units are found once for all of them.
+    ///
+    /// # Errors
+    /// [`MotesError::Proposal`] if `model` is another one than it was learned for.
+    pub(crate) fn prepared(self, model: &Model) -> Result<Self, MotesError> {
+        self.check_model(model)?;
+        let Some(learned) = &self.potentials else { return Ok(self) };
+        let found = learned.potentials.standards(learnable(model)?);
+        let standards = found.map_err(|error| self.refused(&error))?;
+        Ok(LearnedProposal { standards: Some(Arc::new(standards)), ..self })
     }
 
     /// The same with potentials beside it.
@@ -199,8 +180,10 @@ impl LearnedProposal {
         steps: &[RecordedStep],
     ) -> Result<Option<LookAhead>, MotesError> {
         let Some(learned) = &self.potentials else { return Ok(None) };
-        self.check_model(model)?;
-        let found = learned.potentials.look_ahead(learnable(model)?, steps);
+        let Some(standards) = &self.standards else {
+            return self.clone().prepared(model)?.look_ahead(model, steps);
+        };
+        let found = learned.potentials.look_ahead_in(standards, learnable(model)?, steps);
         found.map(Some).map_err(|error| self.refused(&error))
     }
 
@@ -229,10 +212,9 @@ impl LearnedProposal {
     pub(crate) fn check_free(&self, model: &Model) -> Result<(), MotesError> {
         let over = self.potential_notes().and_then(|notes| notes.prior.as_ref()).map(TrainingPrior::names);
         let over = over.unwrap_or_default();
-        let free = TrainingPrior::of(model).map(|prior| prior.parameters).unwrap_or_default();
-        match free.iter().find(|parameter| !over.contains(&parameter.name.as_str())) {
+        match free(model).map(Prior::name).find(|name| !over.contains(name)) {
             None => Ok(()),
-            Some(PriorParameter { name, .. }) => Err(self.refused(&format!(
+            Some(name) => Err(self.refused(&format!(
                 "it was learned for one value of {name}, which is to be fitted; motes learn MODEL -o FOLDER, without data, --set {name} and options of a network, learns over the prior"
             ))),
         }
@@ -240,10 +222,7 @@ impl LearnedProposal {
 
     /// The model at the parameters by which it is recognised.
     fn reference<'m>(&self, model: &'m Model) -> Result<Cow<'m, Model>, MotesError> {
-        match self.potential_notes().and_then(|notes| notes.prior.as_ref()) {
-            Some(prior) => prior.reference(model, &self.name).map(Cow::Owned),
-            None => Ok(Cow::Borrowed(model)),
-        }
+        reference(self.potential_notes().and_then(|notes| notes.prior.as_ref()), model, &self.name)
     }
 
     /// The error of a model for which it does not work.
@@ -260,10 +239,7 @@ impl LearnedProposal {
         let notes_beside: Option<PotentialNotes> =
             of_potentials.then(|| notes::<LearnedPotentials, _>(folder)).transpose()?;
         let prior = notes_beside.as_ref().and_then(|notes| notes.prior.as_ref());
-        let reference = match prior {
-            Some(prior) => Cow::Owned(prior.reference(model, &name_of(folder))?),
-            None => Cow::Borrowed(model),
-        };
+        let reference = reference(prior, model, &name_of(folder))?;
         let learnable = learnable(&reference)?;
         let (shape, compute) = (shape_of(learnable), Backend::Native.into());
         let own = notes_beside.as_ref().and_then(|notes| notes.folder_notes.clone());
@@ -350,10 +326,7 @@ impl LearnedProposal {
         let notes_beside: Option<PotentialNotes> =
             potentials.as_ref().map(|files| files.notes(place)).transpose()?;
         let prior = notes_beside.as_ref().and_then(|notes| notes.prior.as_ref());
-        let reference = match prior {
-            Some(prior) => Cow::Owned(prior.reference(model, &name)?),
-            None => Cow::Borrowed(model),
-        };
+        let reference = reference(prior, model, &name)?;
         let learnable = learnable(&reference)?;
         let (shape, compute) = (shape_of(learnable), Backend::Native.into());
         let learned = match (files, notes_beside.as_ref().and_then(|notes| notes.folder_notes.clone())) {
@@ -385,6 +358,15 @@ impl LearnedProposal {
     pub fn proposal(&self) -> Option<&Amortised> {
         self.proposal.as_deref()
     }
+}
+
+/// The model at the parameters by which a proposal of that name recognises it.
+fn reference<'m>(
+    prior: Option<&TrainingPrior>,
+    model: &'m Model,
+    name: &str,
+) -> Result<Cow<'m, Model>, MotesError> {
+    prior.map_or(Ok(Cow::Borrowed(model)), |prior| prior.reference(model, name).map(Cow::Owned))
 }
 
 /// What a proposal in a folder is called.

@@ -41,6 +41,7 @@ mod fit_folder;
 mod fitting;
 mod forecasting;
 mod learned;
+mod learned_notes;
 mod learned_steps;
 mod learning;
 mod long_step;
@@ -88,7 +89,8 @@ pub use fitting::{
     MaximumProfilePoint, PosteriorChain, PosteriorFit, SearchProgress, fit, fit_from, maximise,
 };
 pub use forecasting::rows_ahead;
-pub use learned::{LearnedProposal, Notes, PotentialNotes};
+pub use learned::LearnedProposal;
+pub use learned_notes::{Notes, PotentialNotes};
 pub use learning::{
     LearnOptions, LearnOutcome, base_named, head_named, learn, learns_over_prior, network_named,
 };

@@ -9,9 +9,14 @@ use crate::warning::Warning;
 /// Values are shown with so many digits behind the first.
 const DIGITS: usize = 5;
 
+/// The priors of parameters that were given no value from outside, in the order of the file.
+pub(crate) fn free(model: &Model) -> impl Iterator<Item = &Prior> {
+    model.priors().iter().filter(|prior| prior.origin() != Origin::Set)
+}
+
 /// What is to be said of parameters that have a prior and no value of their own: that they begin with its centre.
 pub fn of_starts(model: &Model) -> Option<Warning> {
-    let starts: Vec<&Prior> = model.priors().iter().filter(|prior| prior.origin() != Origin::Set).collect();
+    let starts: Vec<&Prior> = free(model).collect();
     let value = |prior: &Prior| {
         prior.start().iter().map(|value| rounded(*value).to_string()).collect::<Vec<_>>().join(", ")
     };
@@ -55,7 +60,6 @@ pub(crate) fn rounded(value: f64) -> f64 {
 /// Values of the parameters that have a prior and were not set from outside, drawn from their priors.
 pub(crate) fn drawn(model: &Model, seed: &Seed) -> Vec<(String, f64)> {
     let mut stream = seed.stream();
-    let priors = model.priors().iter().filter(|prior| prior.origin() != Origin::Set);
-    let values = priors.flat_map(|prior| prior.entries().iter().cloned().zip(prior.sample(&mut stream)));
+    let values = free(model).flat_map(|prior| prior.entries().iter().cloned().zip(prior.sample(&mut stream)));
     values.collect()
 }

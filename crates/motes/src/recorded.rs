@@ -27,16 +27,17 @@ pub(crate) fn steps_to_row<'a>(
     })
 }
 
-/// What recorded data are looked at by, where a proposal is asked for: a learned one hands out the potentials of a smoother where these did better.
+/// What recorded data are looked at by, where a proposal is asked for: a learned one hands out the potentials of a smoother where these did better, and else finds its units once for all series.
 ///
 /// # Errors
-/// [`MotesError::Proposal`] if it does, and was learned for another model.
+/// [`MotesError::Proposal`] if it was learned for another model.
 pub(crate) fn of_recorded(proposal: ProposalName, model: &Model) -> Result<ProposalName, MotesError> {
     match proposal {
         ProposalName::Learned(learned) if learned.hands_out_look_ahead() => {
             learned.check_model(model)?;
             Ok(ProposalName::LookAhead)
         }
+        ProposalName::Learned(learned) => learned.prepared(model).map(ProposalName::Learned),
         proposal => Ok(proposal),
     }
 }

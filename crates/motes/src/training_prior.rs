@@ -1,12 +1,11 @@
 //! Potentials that serve a model with any parameters of its prior.
 
-use motes_formulas::Origin;
 use motes_models::Seed;
 use serde::{Deserialize, Serialize};
 
 use crate::error::MotesError;
 use crate::model::Model;
-use crate::priors::{drawn, rounded};
+use crate::priors::{drawn, free, rounded};
 
 /// How often parameters are drawn again with which there is no model.
 const TRIES: u64 = 100;
@@ -32,8 +31,7 @@ pub struct PriorParameter {
 impl TrainingPrior {
     /// That of the parameters that have a prior and were given no value; none where there are none.
     pub(crate) fn of(model: &Model) -> Option<Self> {
-        let free = model.priors().iter().filter(|prior| prior.origin() != Origin::Set);
-        let parameters: Vec<PriorParameter> = free
+        let parameters: Vec<PriorParameter> = free(model)
             .map(|prior| PriorParameter {
                 name: prior.name().into(),
                 prior: prior.text().into(),

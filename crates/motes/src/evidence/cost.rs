@@ -9,7 +9,8 @@ use crate::options::ProposalName;
 const SMOOTHER: f64 = 500.0;
 
 /// What a proposal costs at a time step, in particles of a bootstrap filter: about. Medians of counted instructions in seven models (`experiments/look-ahead/costs.py`); of potentials in three
-/// whose folders hand them out, of one coordinate each; a network for each particle is counted on the growth model alone. Not counted are the units of potentials over a prior, which take 32 sequences of the model once for each series.
+/// whose folders hand them out, of one coordinate each; a network for each particle is counted on the growth model alone. Not counted are the units of potentials over a prior, which take 32
+/// sequences of the model once for each set of parameters.
 pub(crate) fn cost(proposal: &ProposalName, model: &Model) -> EstimatorCost {
     let smoother = SMOOTHER * model.states().len() as f64;
     let (fixed, per_particle) = match proposal {

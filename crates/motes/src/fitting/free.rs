@@ -1,10 +1,11 @@
 //! The parameters that are fitted.
 
-use motes_formulas::{Origin, Prior};
+use motes_formulas::Prior;
 use motes_models::equations::normal_quantile;
 
 use crate::error::MotesError;
 use crate::model::Model;
+use crate::priors::free;
 
 /// The parameters of a model that have a prior and were given no value: those that a fit finds.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,8 +19,7 @@ impl FreeParameters {
     /// # Errors
     /// [`MotesError::Setting`] if it has none.
     pub fn of(model: &Model) -> Result<Self, MotesError> {
-        let priors: Vec<Prior> =
-            model.priors().iter().filter(|prior| prior.origin() != Origin::Set).cloned().collect();
+        let priors: Vec<Prior> = free(model).cloned().collect();
         if !priors.is_empty() {
             return Ok(FreeParameters { priors });
         }

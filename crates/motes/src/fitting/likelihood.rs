@@ -78,9 +78,10 @@ impl<'a> ModelLikelihood<'a> {
         *self.proposal(estimator) != ProposalName::Bootstrap
     }
 
-    /// What a filter of some proposal and number of particles is run with.
-    fn filter(proposal: &ProposalName, particles: usize) -> FilterOptions {
-        FilterOptions { proposal: proposal.clone(), particles, check: false, ..FilterOptions::default() }
+    /// What filters of a model are run with, of some proposal and number of particles.
+    fn filter(model: &Model, proposal: &ProposalName, particles: usize) -> Result<FilterOptions, MotesError> {
+        let proposal = of_recorded(proposal.clone(), model)?;
+        Ok(FilterOptions { proposal, particles, check: false, ..FilterOptions::default() })
     }
 
     /// `log ẑ` of a model by a proposal.
@@ -91,7 +92,7 @@ impl<'a> ModelLikelihood<'a> {
         particles: usize,
         seed: &Seed,
     ) -> Result<f64, MotesError> {
-        let options = Self::filter(proposal, particles);
+        let options = Self::filter(model, proposal, particles)?;
         let mut sum = 0.0;
         for (number, sequence) in self.sequences.iter().enumerate() {
             sum += sequence.log_evidence_alone(model, &options, seed.nth(number as u64), self.proceed)?;
@@ -113,7 +114,10 @@ impl<'a> ModelLikelihood<'a> {
             Err(_) if self.is_guided(*estimator) => &ProposalName::Bootstrap,
             _ => self.proposal(*estimator),
         };
-        let options = Self::filter(proposal, estimator.particles);
+        let options = match Self::filter(&model, proposal, estimator.particles) {
+            Ok(options) => options,
+            Err(error) => return Some(error.to_string()),
+        };
         let of_series = |(number, sequence): (usize, &Sequence)| {
             sequence.failure(&model, &options, seed.nth(number as u64))
         };

@@ -21,7 +21,8 @@ pub use over_prior::learns_over_prior;
 
 use crate::data::Data;
 use crate::error::MotesError;
-use crate::learned::{LearnedProposal, Notes, learnable, shape_of};
+use crate::learned::{LearnedProposal, learnable, shape_of};
+use crate::learned_notes::Notes;
 use crate::model::Model;
 use crate::simulating::{check_draws, schedule};
 use choice::{Choice, choose};

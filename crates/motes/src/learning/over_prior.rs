@@ -13,7 +13,8 @@ use super::potentials::{SEQUENCES, judge, judged, learns_potentials, potentials}
 use crate::data::Data;
 use crate::error::MotesError;
 use crate::evidence::LearnedWorth;
-use crate::learned::{LearnedProposal, Notes, PotentialNotes, learnable, shape_of};
+use crate::learned::{LearnedProposal, learnable, shape_of};
+use crate::learned_notes::{Notes, PotentialNotes};
 use crate::model::{Kind, Model};
 use crate::training_prior::TrainingPrior;
 

@@ -14,7 +14,8 @@ use crate::error::MotesError;
 use crate::evidence::{
     Contender, JudgedSequence, LearnedWorth, ON_LINE, candidates, cost, judge as judge_evidence,
 };
-use crate::learned::{LearnedProposal, PotentialNotes};
+use crate::learned::LearnedProposal;
+use crate::learned_notes::PotentialNotes;
 use crate::model::{LearnableModel, Model};
 use crate::options::ProposalName;
 use crate::recorded::steps_to_row;

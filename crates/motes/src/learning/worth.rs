@@ -87,7 +87,8 @@ mod tests {
 
     use super::*;
     use crate::comparing::{CompareOptions, compare};
-    use crate::learned::{Notes, learnable};
+    use crate::learned::learnable;
+    use crate::learned_notes::Notes;
 
     /// The growth model, and a Gaussian that collapsed on one of its two modes.
     fn collapsed() -> (Model, LearnedProposal) {

@@ -89,14 +89,26 @@ impl LearnedPotentials {
         model: &M,
         recorded: &[RecordedStep],
     ) -> Result<LookAhead, LookAheadError> {
+        self.look_ahead_in(&self.standards(model).map_err(failed)?, model, recorded)
+    }
+
+    /// [`LearnedPotentials::look_ahead`] where the units of the model are known, as for many sequences.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn look_ahead_in<M: OwnModel + ?Sized>(
+        &self,
+        standards: &PotentialStandards,
+        model: &M,
+        recorded: &[RecordedStep],
+    ) -> Result<LookAhead, LookAheadError> {
         let noise_space = model.noise_space().ok_or(LookAheadError::NoNoise)?;
-        let failed = |error: ProposalError| LookAheadError::Networks { reason: error.to_string() };
-        let (standards, layout) = (self.standards(model).map_err(failed)?, self.layout());
+        let layout = self.layout();
         let (mut features, mut of_step) = (Vec::new(), StepFeatures::default());
         for RecordedStep { step, measurement } in recorded {
             let asked = (model, noise_space);
             of_step
-                .of_recorded(asked, &step.step(), measurement, &standards, &mut features)
+                .of_recorded(asked, &step.step(), measurement, standards, &mut features)
                 .map_err(failed)?;
         }
         let sizes = self.sizes(recorded.len(), 1);
@@ -157,6 +169,10 @@ impl LearnedPotentials {
         differentiate(&self.networks, &self.parameters, batch, self.layout(), sizes, memory)
             .map_err(of_networks)
     }
+}
+
+fn failed(error: ProposalError) -> LookAheadError {
+    LookAheadError::Networks { reason: error.to_string() }
 }
 
 impl Parametric for LearnedPotentials {
