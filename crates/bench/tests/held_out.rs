@@ -108,7 +108,9 @@ fn what_cannot_be_learned_once_is_refused_in_one_line() {
 fn benchmarks() -> Workplace {
     let place = Workplace::new(TINY);
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    for folder in ["experiments/learned", "experiments/learned/models", "examples"] {
+    for folder in
+        ["experiments/learned", "experiments/learned/models", "experiments/models/whiskers", "examples"]
+    {
         std::fs::create_dir_all(place.path(folder)).unwrap();
         for entry in std::fs::read_dir(root.join(folder)).unwrap() {
             let path = entry.unwrap().path();
@@ -135,6 +137,9 @@ fn every_benchmark_runs_and_a_finished_one_is_not_run_again() {
         assert!(growth["card"]["methods"][method]["ess_fraction"].as_f64().unwrap() > 0.05, "{growth}");
     }
     assert!(growth["card"]["reference_errors"].as_array().unwrap().len() == 2);
+    for method in ["look-ahead", "learned, ahead"] {
+        assert!(growth["card"]["gains"]["methods"][method]["ratio"].as_f64().unwrap() > 0.0, "{growth}");
+    }
     let table = std::fs::read_to_string(place.path("runs/learned-linear25/smoke/table.md")).unwrap();
     assert!(table.contains("| best learned, soft resampling | 0.395 |"), "{table}");
     assert!(card("learned-wrong-parameters")["card"]["methods"]["fivo"].is_object());

@@ -26,6 +26,8 @@ mod calendar;
 mod checking;
 mod checkpoint;
 mod comparing;
+mod contender;
+mod cost;
 mod data;
 mod engine;
 mod error;
@@ -69,9 +71,10 @@ mod warning;
 pub use calendar::NoTime;
 pub use checking::{Checked, check};
 pub use comparing::{
-    Card, CompareOptions, Compared, Comparison, EqualTime, Figure, MOST_REFERENCE_FILTERS, Paired, Point,
-    Reached, Sequence, compare, designed,
+    Card, CompareOptions, Compared, Comparison, EqualTime, Figure, Gain, MOST_REFERENCE_FILTERS, Paired,
+    Point, Reached, Sequence, compare, designed, designed_for_recorded,
 };
+pub use contender::Contender;
 pub use data::{Columns, Counted, Data, DataError, InputTable, Place, Row, RowOrder, Rows, Table};
 pub use engine::Running;
 pub use error::MotesError;

@@ -6,7 +6,7 @@ use motes_smc::{LookAhead, RecordedStep};
 use crate::data::Data;
 use crate::engine::Running;
 use crate::error::MotesError;
-use crate::model::{Kind, Model};
+use crate::model::{Kind, LearnableModel, Model};
 use crate::options::{FilterOptions, ProposalName};
 
 /// The steps of a series whose rows stand at `places`, each with what is measured then.
@@ -60,19 +60,28 @@ pub(crate) fn look_ahead(
 
 /// Potentials by a smoother.
 fn designed(model: &Model, steps: &[RecordedStep]) -> Result<LookAhead, MotesError> {
-    let reason = match model.kind() {
+    LookAhead::new(with_derivatives(model)?, steps)
+        .map_err(|error| no_look_ahead(format!("{error}; take --proposal linearised or bootstrap")))
+}
+
+/// A model that a smoother can be tried for.
+///
+/// # Errors
+/// [`MotesError::Proposal`] for one without derivatives.
+pub(crate) fn with_derivatives(model: &Model) -> Result<&dyn LearnableModel, MotesError> {
+    match model.kind() {
+        Kind::Learnable(learnable) if learnable.has_gradients() => Ok(learnable),
         Kind::LinearGaussian(_) => {
-            "kind = \"linear-gaussian\" has exact answers; take --proposal exact".into()
+            Err(no_look_ahead("kind = \"linear-gaussian\" has exact answers; take --proposal exact".into()))
         }
-        Kind::Learnable(learnable) if learnable.has_gradients() => match LookAhead::new(learnable, steps) {
-            Ok(ahead) => return Ok(ahead),
-            Err(error) => format!("{error}; take --proposal linearised or bootstrap"),
-        },
-        Kind::Learnable(_) => {
-            "the model has no derivatives; take --proposal bootstrap, or one that is learned".into()
-        }
-    };
-    Err(MotesError::Proposal { proposal: ProposalName::LookAhead.to_string(), reason })
+        Kind::Learnable(_) => Err(no_look_ahead(
+            "the model has no derivatives; take --proposal bootstrap, or one that is learned".into(),
+        )),
+    }
+}
+
+fn no_look_ahead(reason: String) -> MotesError {
+    MotesError::Proposal { proposal: ProposalName::LookAhead.to_string(), reason }
 }
 
 /// A filter for the series of that number, which will take in just its rows, at `places`.

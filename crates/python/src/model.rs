@@ -6,8 +6,8 @@ use std::time::Instant;
 
 use motes::smc::SmoothedPaths;
 use motes::{
-    Columns, CompareOptions, LearnedProposal, ProposalName, Smoothed, Table, check, designed, filter, learn,
-    log_evidence, simulate, simulate_along, simulate_from_priors, smooth,
+    Columns, CompareOptions, LearnedProposal, ProposalName, Smoothed, Table, check, designed_for_recorded,
+    filter, learn, log_evidence, simulate, simulate_along, simulate_from_priors, smooth,
 };
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
@@ -120,7 +120,7 @@ impl Model {
     #[getter]
     fn proposals(&self) -> PyResult<Vec<String>> {
         let call = self.for_call()?;
-        let there = designed(&call.model, &motes::FilterOptions::default());
+        let there = motes::designed(&call.model, &motes::FilterOptions::default());
         call.failure.or(Ok(there.iter().map(ToString::to_string).collect()))
     }
 
@@ -369,7 +369,7 @@ impl Model {
         let named: Vec<ProposalName> =
             proposals.iter().map(ProposalArgument::name).collect::<PyResult<_>>()?;
         let call = self.for_call()?;
-        let proposals = if named.is_empty() { designed(&call.model, filter) } else { named };
+        let proposals = if named.is_empty() { designed_for_recorded(&call.model, filter) } else { named };
         call.failure.or(Ok(()))?;
         let at = at.iter().map(|count| integer("at", *count, 1, 1_000_000_000));
         let options = CompareOptions {

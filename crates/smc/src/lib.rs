@@ -27,7 +27,6 @@ mod resampling;
 mod second_opinion;
 mod smoothing;
 mod streams;
-mod twisted;
 mod weights;
 
 pub use bank::{BankSnapshot, FilterBank, FilterSettings};
@@ -60,7 +59,6 @@ pub use smoothing::{
     DENSITIES_PER_MOVE, FilterHistory, SmoothedPaths, SmoothingError, backward_simulation,
     backward_simulation_while,
 };
-pub use twisted::{Twisting, TwistingError};
 pub use weights::{LogWeights, WeightFault};
 
 /// The README's code, compiled and run as a documentation test.

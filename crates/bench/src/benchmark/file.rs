@@ -23,7 +23,7 @@ pub struct Benchmark {
     /// The share of the transition in all filters; that of the command if absent, which gives learned proposals a tenth.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub defensive: Option<f64>,
-    /// The designed proposals: bootstrap, linearised, optimal.
+    /// The designed proposals: bootstrap, linearised, optimal, look-ahead.
     pub designed: Vec<String>,
     /// The learned ones, in the order in which they are learned.
     pub learned: Vec<LearnedMethod>,
@@ -119,7 +119,7 @@ pub struct BenchmarkProfile {
     pub reference_particles: usize,
     /// Reference filters for each sequence, whose evidence is averaged.
     pub reference_filters: usize,
-    /// The standard error that a sequence's log-evidence may have: by twisted filters, or by more of these filters. Nothing is asked of it if absent.
+    /// The standard error that a sequence's log-evidence may have: by filters that look ahead, or by more of these filters. Nothing is asked of it if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reference_error: Option<f64>,
 }

@@ -18,10 +18,10 @@ use crate::progress::Progress;
 use crate::provenance::Provenance;
 
 /// The version of what a benchmark's file means: raised whenever the same file gives other numbers than before.
-const FORMAT: u32 = 1;
+const FORMAT: u32 = 2;
 
 /// The version of how references are made, raised whenever they are made otherwise.
-const REFERENCES: u32 = 3;
+const REFERENCES: u32 = 4;
 
 /// The whole result.
 const CARD: &str = "card.json";

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use motes::output::{CardReport, Output, card_json, card_report, card_text};
 use motes::{
     CompareOptions, Comparison, Data, FilterOptions, FitParameters, Model, MotesError, ProposalName, Running,
-    compare, designed, of_starts, on_threads,
+    compare, designed_for_recorded, of_starts, on_threads,
 };
 use motes_cli::Interrupt;
 
@@ -126,12 +126,16 @@ fn proposals(
 ) -> Result<Vec<ProposalName>, MotesError> {
     let is_there = |proposal: &ProposalName| {
         let options = FilterOptions { proposal: proposal.clone(), particles: 1, ..filter.clone() };
-        Running::new(model, &options, 0).map(drop)
+        match proposal {
+            // It is no filter's; `compare` says itself where a model has none.
+            ProposalName::LookAhead => Ok(()),
+            _ => Running::new(model, &options, 0).map(drop),
+        }
     };
     let named = args.proposals.iter().map(|proposal| proposal.of(model));
     let named: Vec<ProposalName> = named.collect::<Result<_, _>>()?;
     match named.is_empty() {
-        true => Ok(designed(model, filter)),
+        true => Ok(designed_for_recorded(model, filter)),
         false => named.iter().try_for_each(is_there).map(|()| named),
     }
 }

@@ -99,8 +99,8 @@ impl Figure {
 pub struct Card {
     /// `K_eff/K`, before resampling.
     pub ess_fraction: Option<Figure>,
-    /// The value that `K_eff/K` is below at one step in a hundred.
-    pub ess_fraction_q01: f64,
+    /// The value that `K_eff/K` is below at one step in a hundred; none of a filter that looks ahead.
+    pub ess_fraction_q01: Option<f64>,
     /// The log-evidence of a sequence less that of the reference; over those that did not collapse.
     pub log_evidence_gap: Option<Figure>,
     /// The mean of `|1 − exp(ℓ̂_t − ℓ_t)|`.
@@ -141,7 +141,7 @@ impl Card {
         let (times, seconds) = totals(runs);
         Card {
             ess_fraction: scaled(over(&|run| &run.sizes)),
-            ess_fraction_q01: sizes.get(sizes.len() / 100).copied().unwrap_or_default() / k,
+            ess_fraction_q01: sizes.get(sizes.len() / 100).map(|size| size / k),
             log_evidence_gap: Figure::of(runs.iter().filter_map(|run| run.log_evidence_gap)),
             e_l: over(&|run| &run.evidence_errors),
             e_x: over(&|run| &run.state_errors),

@@ -3,28 +3,32 @@
 use std::fmt;
 
 use super::card::{Steps, totals};
-use crate::options::ProposalName;
+use crate::contender::Contender;
 
-/// A proposal with some particles.
+/// A contender with some particles.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Point {
-    /// The proposal.
-    pub proposal: ProposalName,
+    /// The contender.
+    pub contender: Contender,
     /// `K`.
     pub particles: usize,
     /// Milliseconds for a step.
     pub ms_per_step: f64,
-    /// The root mean square of the log-evidence's distance from the reference; none if a filter collapsed.
-    pub error: Option<f64>,
+    /// The log-evidence of each sequence less that of the reference; none if the filter collapsed.
+    pub gaps: Vec<Option<f64>>,
 }
 
 impl Point {
-    pub(super) fn of(proposal: ProposalName, particles: usize, runs: &[Steps]) -> Self {
-        let gaps: Option<Vec<f64>> = runs.iter().map(|run| run.log_evidence_gap).collect();
-        let error =
-            gaps.map(|gaps| (gaps.iter().map(|gap| gap * gap).sum::<f64>() / gaps.len() as f64).sqrt());
+    pub(super) fn of(contender: Contender, particles: usize, runs: &[Steps]) -> Self {
+        let gaps = runs.iter().map(|run| run.log_evidence_gap).collect();
         let (times, seconds) = totals(runs);
-        Point { proposal, particles, ms_per_step: 1e3 * seconds / times, error }
+        Point { contender, particles, ms_per_step: 1e3 * seconds / times, gaps }
+    }
+
+    /// The root mean square of the log-evidence's distance from the reference; none if a filter collapsed.
+    pub fn error(&self) -> Option<f64> {
+        let squares = self.gaps.iter().map(|gap| gap.map(|gap| gap * gap)).sum::<Option<f64>>();
+        squares.map(|squares| (squares / self.gaps.len() as f64).sqrt())
     }
 }
 
@@ -81,15 +85,15 @@ impl fmt::Display for Reached {
 }
 
 impl EqualTime {
-    /// What each proposal takes for an error of `error`, between its points in logarithms: the first number of particles from which on the error stays
+    /// What each contender takes for an error of `error`, between its points in logarithms: the first number of particles from which on the error stays
     /// below. A filter that collapsed has an infinite error.
-    pub fn reaching(&self, error: f64) -> Vec<(ProposalName, Reached)> {
-        let mut names: Vec<&ProposalName> = self.points.iter().map(|point| &point.proposal).collect();
+    pub fn reaching(&self, error: f64) -> Vec<(Contender, Reached)> {
+        let mut names: Vec<&Contender> = self.points.iter().map(|point| &point.contender).collect();
         names.dedup();
-        let reached = |name: &ProposalName| {
-            let mut own: Vec<&Point> = self.points.iter().filter(|point| point.proposal == *name).collect();
+        let reached = |name: &Contender| {
+            let mut own: Vec<&Point> = self.points.iter().filter(|point| point.contender == *name).collect();
             own.sort_by_key(|point| point.particles);
-            let is_below = |point: &&&Point| point.error.is_some_and(|found| found <= error);
+            let is_below = |point: &&&Point| point.error().is_some_and(|found| found <= error);
             let below = own.iter().rev().take_while(is_below).count();
             let first = own.len() - below;
             match (first.checked_sub(1).map(|at| own[at]), own.get(first)) {
@@ -97,7 +101,7 @@ impl EqualTime {
                 (None, Some(point)) => Reached::AtMost { ms: point.ms_per_step, particles: point.particles },
                 (Some(before), Some(after)) => {
                     // No line can be drawn from a point that collapsed.
-                    let share = match (before.error, after.error) {
+                    let share = match (before.error(), after.error()) {
                         (Some(a), Some(b)) if a > b => {
                             ((a / error).ln() / (a / b.max(1e-300)).ln()).clamp(0.0, 1.0)
                         }
@@ -114,13 +118,13 @@ impl EqualTime {
         names.into_iter().map(|name| (name.clone(), reached(name))).collect()
     }
 
-    /// The error of a proposal at a time for each step, between its points in logarithms; none where it has no points on both sides.
-    fn error_at(&self, proposal: &ProposalName, ms: f64) -> Option<f64> {
+    /// The error of a contender at a time for each step, between its points in logarithms; none where it has no points on both sides.
+    fn error_at(&self, contender: &Contender, ms: f64) -> Option<f64> {
         let mut known: Vec<(f64, f64)> = self
             .points
             .iter()
-            .filter(|point| point.proposal == *proposal)
-            .filter_map(|point| Some((point.ms_per_step.ln(), point.error?.max(1e-300).ln())))
+            .filter(|point| point.contender == *contender)
+            .filter_map(|point| Some((point.ms_per_step.ln(), point.error()?.max(1e-300).ln())))
             .collect();
         known.sort_by(|a, b| a.0.total_cmp(&b.0));
         let at = ms.ln();
@@ -131,17 +135,17 @@ impl EqualTime {
     }
 
     /// The ranges of time for a step in which a proposal has the least error, in order. Where one alone was timed there is nothing to say.
-    pub fn best(&self) -> Vec<(ProposalName, [f64; 2])> {
+    pub fn best(&self) -> Vec<(Contender, [f64; 2])> {
         const PARTS: usize = 200;
         let times = || self.points.iter().map(|point| point.ms_per_step);
         let (low, high) =
             times().fold((f64::INFINITY, 0.0_f64), |(low, high), ms| (low.min(ms), high.max(ms)));
-        let mut names: Vec<&ProposalName> = self.points.iter().map(|point| &point.proposal).collect();
+        let mut names: Vec<&Contender> = self.points.iter().map(|point| &point.contender).collect();
         names.dedup();
-        let mut found: Vec<(ProposalName, [f64; 2])> = Vec::new();
+        let mut found: Vec<(Contender, [f64; 2])> = Vec::new();
         for part in 0..=PARTS {
             let ms = low * (high / low).powf(part as f64 / PARTS as f64);
-            let errors: Vec<(&ProposalName, f64)> =
+            let errors: Vec<(&Contender, f64)> =
                 names.iter().filter_map(|name| Some((*name, self.error_at(name, ms)?))).collect();
             let best = errors.iter().min_by(|a, b| a.1.total_cmp(&b.1)).filter(|_| errors.len() > 1);
             let Some((best, _)) = best else { continue };
@@ -179,16 +183,17 @@ fn short(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::options::ProposalName;
 
     #[test]
     fn the_sentence_names_who_is_best_where() {
-        let point = |proposal, particles, ms_per_step, error| Point {
-            proposal,
+        let point = |contender, particles, ms_per_step, error| Point {
+            contender,
             particles,
             ms_per_step,
-            error: Some(error),
+            gaps: vec![Some(error)],
         };
-        let (cheap, dear) = (ProposalName::Bootstrap, ProposalName::Linearised);
+        let [cheap, dear] = [ProposalName::Bootstrap, ProposalName::Linearised].map(Contender::on_line);
         let points = vec![
             point(cheap.clone(), 10, 0.01, 100.0),
             point(cheap.clone(), 1000, 1.0, 1.0),
@@ -196,7 +201,7 @@ mod tests {
             point(dear.clone(), 1000, 5.0, 0.5),
         ];
         let equal = EqualTime { points };
-        let names: Vec<ProposalName> = equal.best().into_iter().map(|(name, _)| name).collect();
+        let names: Vec<Contender> = equal.best().into_iter().map(|(name, _)| name).collect();
         // Below 0.05 ms and above 1 ms there is one alone.
         assert_eq!(names, [dear, cheap]);
         assert!(
@@ -210,10 +215,10 @@ mod tests {
     #[test]
     fn an_error_is_reached_between_two_points_from_which_on_it_stays() {
         let point = |particles, error| Point {
-            proposal: ProposalName::Bootstrap,
+            contender: Contender::on_line(ProposalName::Bootstrap),
             particles,
             ms_per_step: particles as f64 / 100.0,
-            error,
+            gaps: vec![error],
         };
         let reached = |errors: [Option<f64>; 4]| {
             let points = [10, 100, 1000, 10_000].into_iter().zip(errors).map(|(k, error)| point(k, error));

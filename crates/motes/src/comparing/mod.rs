@@ -1,44 +1,48 @@
 //! The report card of proposals side by side, on sequences whose truth is known or on data.
 
+mod ahead_reference;
 mod card;
 mod designed;
 mod equal_time;
+mod estimated;
+mod gain;
 mod kept;
 mod options;
 mod paired;
 mod reference;
 mod reference_filters;
+mod run;
 mod sequence;
-mod twisted;
 
 use std::ops::ControlFlow;
-use std::time::Instant;
 
 pub use card::{Card, Figure};
-pub use designed::designed;
+pub use designed::{designed, designed_for_recorded};
 pub use equal_time::{EqualTime, Point, Reached};
+pub use gain::Gain;
 pub use options::{CompareOptions, MOST_REFERENCE_FILTERS};
 pub use paired::Paired;
 pub use sequence::Sequence;
 
+use crate::contender::Contender;
 use crate::data::Data;
-use crate::engine::Running;
 use crate::error::MotesError;
 use crate::model::{Kind, Model};
 use crate::options::{FilterOptions, ProposalName};
+use crate::recorded::with_derivatives;
 use crate::simulating::{simulate, simulate_along};
 use crate::threads::thread_pool;
 use card::Steps;
-use reference::Reference;
 use reference_filters::{particles as reference_particles, reference};
+use run::{run_ahead, run_on_line};
 
 /// What came of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Comparison {
     /// The card of each proposal.
-    pub cards: Vec<(ProposalName, Card)>,
+    pub cards: Vec<(Contender, Card)>,
     /// The proposal that the others are held against, and each of them beside it.
-    pub paired: Option<(ProposalName, Vec<Paired>)>,
+    pub paired: Option<(Contender, Vec<Paired>)>,
     /// Error against time of each.
     pub equal_time: EqualTime,
     /// What evidence and means are held against.
@@ -80,16 +84,8 @@ fn compare_until(
     options: &CompareOptions,
     proceed: &mut dyn FnMut(Compared) -> ControlFlow<()>,
 ) -> Result<Comparison, MotesError> {
-    for proposal in &options.proposals {
-        if *proposal == ProposalName::Exact {
-            let reason = "proposals are held against it unasked, where the model has it".into();
-            return Err(MotesError::Proposal { proposal: "exact".into(), reason });
-        }
-        // Before all the work of a reference.
-        if let (ProposalName::Learned(learned), Kind::Learnable(_)) = (proposal, model.kind()) {
-            learned.check_model(model)?;
-        }
-    }
+    check_proposals(model, options)?;
+    let contenders = Contender::of(&options.proposals);
     let sequences = match data {
         Some(data) => sequence::of_data(data),
         None => {
@@ -103,10 +99,10 @@ fn compare_until(
         }
     };
     let count = sequences.len();
-    let of = count * (1 + options.proposals.len() * (1 + options.particles.len()));
+    let of = count * (1 + contenders.len() * (1 + options.particles.len()));
     let of_reference = reference_particles(model, options);
     let of_proposal = options.filter.particles + options.particles.iter().sum::<usize>();
-    let all_particles = (count * of_reference + count * options.proposals.len() * of_proposal) as f64;
+    let all_particles = (count * of_reference + count * contenders.len() * of_proposal) as f64;
     let (mut filters, mut particles_done) = (0, 0);
     let mut step = |particles: usize| {
         filters += 1;
@@ -122,36 +118,38 @@ fn compare_until(
         step(of_reference)?;
     }
     let timed = thread_pool(Some(options.timed_threads))?;
-    let (mut cards, mut of_cards, mut points) = (Vec::new(), Vec::new(), Vec::new());
-    for proposal in &options.proposals {
-        let mut runs = Vec::new();
-        for (number, (sequence, reference)) in sequences.iter().zip(&references).enumerate() {
-            let filter = FilterOptions { proposal: proposal.clone(), check: false, ..options.filter.clone() };
-            runs.push(timed.install(|| run(model, sequence, reference, &filter, number, true))?);
-            step(options.filter.particles)?;
-        }
-        cards.push((proposal.clone(), Card::of(&runs, options.filter.particles)));
-        of_cards.push(runs);
-        for &particles in &options.particles {
-            let mut runs = Vec::new();
+    let run_all =
+        |contender: &Contender, particles: usize, estimates: bool, step: &mut dyn FnMut(usize) -> _| {
+            let filter = FilterOptions {
+                proposal: contender.proposal().clone(),
+                particles,
+                check: false,
+                ..options.filter.clone()
+            };
+            let mut runs = Vec::with_capacity(count);
             for (number, (sequence, reference)) in sequences.iter().zip(&references).enumerate() {
-                let filter = FilterOptions {
-                    proposal: proposal.clone(),
-                    particles,
-                    check: false,
-                    ..options.filter.clone()
-                };
-                runs.push(timed.install(|| run(model, sequence, reference, &filter, number, false))?);
+                runs.push(timed.install(|| match contender.looks_ahead() {
+                    true => run_ahead(model, sequence, reference, &filter, number),
+                    false => run_on_line(model, sequence, reference, &filter, number, estimates),
+                })?);
                 step(particles)?;
             }
-            points.push(Point::of(proposal.clone(), particles, &runs));
+            Ok::<Vec<Steps>, MotesError>(runs)
+        };
+    let (particles, mut of_cards, mut points) = (options.filter.particles, Vec::new(), Vec::new());
+    for contender in &contenders {
+        of_cards.push(run_all(contender, particles, true, &mut step)?);
+        for &particles in &options.particles {
+            let runs = run_all(contender, particles, false, &mut step)?;
+            points.push(Point::of(contender.clone(), particles, &runs));
         }
     }
-    let particles = options.filter.particles;
-    let paired = paired::baseline(&options.proposals).map(|at| {
-        let others = options.proposals.iter().zip(&of_cards).enumerate().filter(|(other, _)| *other != at);
-        let beside = others.map(|(_, (name, runs))| Paired::of(name.clone(), runs, &of_cards[at], particles));
-        (options.proposals[at].clone(), beside.collect())
+    let cards = contenders.iter().zip(&of_cards);
+    let cards = cards.map(|(contender, runs)| (contender.clone(), Card::of(runs, particles))).collect();
+    let paired = paired::baseline(&contenders).map(|at| {
+        let others = contenders.iter().zip(&of_cards).enumerate().filter(|(other, _)| *other != at);
+        let beside = others.map(|(_, (one, runs))| Paired::of(one.clone(), runs, &of_cards[at], particles));
+        (contenders[at].clone(), beside.collect())
     });
     let times = sequences.iter().map(|sequence| sequence.measurements.len()).sum();
     let reference = references.first().map(|reference| reference.name.clone()).unwrap_or_default();
@@ -160,32 +158,15 @@ fn compare_until(
     Ok(Comparison { cards, paired, equal_time, reference, reference_errors, size })
 }
 
-/// One filter over one sequence; `estimates` says whether its estimates are of interest.
-fn run(
-    model: &Model,
-    sequence: &Sequence,
-    reference: &Reference,
-    options: &FilterOptions,
-    number: usize,
-    estimates: bool,
-) -> Result<Steps, MotesError> {
-    let mut running = Running::new(model, options, number)?;
-    let mut steps = Steps::new(sequence.measurements.len());
-    for (time, (of_row, measurement)) in sequence.steps.iter().zip(&sequence.measurements).enumerate() {
-        let before = running.log_evidence();
-        let start = Instant::now();
-        let advanced = running.advance_by(of_row, measurement);
-        steps.seconds += start.elapsed().as_secs_f64();
-        match advanced {
-            Ok(()) => {}
-            Err(MotesError::Filter { .. }) => return Ok(steps.lost_at(time)),
-            Err(error) => return Err(error),
+/// Whether all can be compared, before all the work of a reference.
+fn check_proposals(model: &Model, options: &CompareOptions) -> Result<(), MotesError> {
+    options.proposals.iter().try_for_each(|proposal| match (proposal, model.kind()) {
+        (ProposalName::Exact, _) => {
+            let reason = "proposals are held against it unasked, where the model has it".into();
+            Err(MotesError::Proposal { proposal: proposal.to_string(), reason })
         }
-        steps.log_evidence += running.log_evidence() - before;
-        if estimates {
-            steps.add(&running, sequence, reference, time);
-        }
-    }
-    steps.log_evidence_gap = Some(steps.log_evidence - reference.log_evidence);
-    Ok(steps)
+        (ProposalName::LookAhead, _) => with_derivatives(model).map(drop),
+        (ProposalName::Learned(learned), Kind::Learnable(_)) => learned.check_model(model),
+        _ => Ok(()),
+    })
 }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use super::designed::designed;
+use super::designed::designed_for_recorded;
 use crate::data::Data;
 use crate::learned::LearnedProposal;
 use crate::model::Model;
@@ -32,8 +32,8 @@ pub struct CompareOptions {
     /// How many such filters there are for a sequence, whose evidence is averaged. More than one tell how far it can be trusted; learned proposals are then
     /// among those that are tried.
     pub reference_filters: usize,
-    /// Where the standard error of a sequence's log-evidence is above this, it is estimated by twisted filters ([`motes_smc::Twisting`]), for up to 48 coordinates, if those know it better. If
-    /// not, more filters are added until it is at most this, or there are [`MOST_REFERENCE_FILTERS`]. Neither is done if absent.
+    /// The standard error that a sequence's log-evidence may have. Where it is larger, the log-evidence is that of as many filters that look ahead as it takes, if those know it better; if not, more
+    /// filters are added until it is at most this, or there are [`MOST_REFERENCE_FILTERS`].
     pub reference_error: Option<f64>,
     /// Where references are kept and found again; nowhere if absent. Everything that they depend on must be the same whenever a folder is given.
     pub references: Option<PathBuf>,
@@ -48,7 +48,7 @@ impl CompareOptions {
     /// What the command holds a proposal that it has just learned against: the designed proposals, on 20 sequences of 100 times, with so many particles.
     pub fn of_learned(model: &Model, learned: LearnedProposal, particles: usize, seed: u64) -> Self {
         let filter = FilterOptions { particles, seed, ..FilterOptions::default() };
-        let mut proposals = designed(model, &filter);
+        let mut proposals = designed_for_recorded(model, &filter);
         // Where there is an optimal proposal the linearised one is the same.
         proposals.retain(|proposal| *proposal != ProposalName::Optimal);
         proposals.push(ProposalName::Learned(learned));

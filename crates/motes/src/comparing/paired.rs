@@ -1,13 +1,14 @@
 //! Proposals beside one of them, sequence by sequence: what differs between sequences is left out.
 
 use super::card::{Figure, Steps};
+use crate::contender::Contender;
 use crate::options::ProposalName;
 
 /// A proposal's figures less those of another on the same sequences.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Paired {
-    /// The proposal.
-    pub proposal: ProposalName,
+    /// What is held against the other.
+    pub contender: Contender,
     /// The mean difference of `K_eff/K`.
     pub ess_fraction: Option<Figure>,
     /// The mean difference of the log-evidence of a sequence, over those that neither collapsed on.
@@ -16,11 +17,11 @@ pub struct Paired {
 
 impl Paired {
     /// Of filters with `particles` particles, one for each sequence.
-    pub(super) fn of(proposal: ProposalName, runs: &[Steps], others: &[Steps], particles: usize) -> Self {
+    pub(super) fn of(contender: Contender, runs: &[Steps], others: &[Steps], particles: usize) -> Self {
         let pairs = || runs.iter().zip(others);
         let size = |run: &Steps| run.mean_size().map(|size| size / particles as f64);
         Paired {
-            proposal,
+            contender,
             ess_fraction: Figure::of(pairs().filter_map(|(own, other)| Some(size(own)? - size(other)?))),
             log_evidence: Figure::of(
                 pairs().filter_map(|(own, other)| Some(own.log_evidence_gap? - other.log_evidence_gap?)),
@@ -30,7 +31,8 @@ impl Paired {
 }
 
 /// The one that the others are held against: linearised where it is there, else the first; none where there is one alone.
-pub(super) fn baseline(proposals: &[ProposalName]) -> Option<usize> {
-    let linearised = proposals.iter().position(|proposal| *proposal == ProposalName::Linearised);
-    (proposals.len() > 1).then(|| linearised.unwrap_or(0))
+pub(super) fn baseline(contenders: &[Contender]) -> Option<usize> {
+    let is_linearised = |contender: &Contender| *contender.proposal() == ProposalName::Linearised;
+    let linearised = contenders.iter().position(is_linearised);
+    (contenders.len() > 1).then(|| linearised.unwrap_or(0))
 }

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::estimated::Estimated;
+
 /// The answers for one sequence.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Reference {
@@ -14,4 +16,14 @@ pub(super) struct Reference {
     pub(super) log_evidence: f64,
     /// The standard error of the log-evidence, where it is an estimate of several filters.
     pub(super) error: Option<f64>,
+}
+
+impl Reference {
+    /// The same with another log-evidence of the whole sequence, where there is one that is surer.
+    pub(super) fn or_surer(self, surer: Option<Estimated>) -> Self {
+        match surer {
+            Some(Estimated { log_evidence, error }) => Reference { log_evidence, error: Some(error), ..self },
+            None => self,
+        }
+    }
 }

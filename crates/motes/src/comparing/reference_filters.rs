@@ -3,11 +3,12 @@
 use motes_inference::LogMean;
 use motes_models::{Seed, StepRecord};
 
+use super::ahead_reference::{by_look_ahead, particles as of_look_ahead, particles_of_each};
+use super::estimated::Estimated;
 use super::kept;
 use super::options::{CompareOptions, MOST_REFERENCE_FILTERS};
 use super::reference::Reference;
 use super::sequence::Sequence;
-use super::twisted::{Estimated, TWISTED_PARTICLES, by_twisted_filters};
 use crate::engine::Running;
 use crate::error::MotesError;
 use crate::exact::filter_series;
@@ -34,7 +35,7 @@ pub(super) fn particles(model: &Model, options: &CompareOptions) -> usize {
         return 1;
     }
     let more = if options.reference_filters > 1 { options.reference_filters } else { 0 };
-    (candidates(options).len() + more) * options.reference_particles
+    (candidates(options).len() + more) * options.reference_particles + of_look_ahead(model, options)
 }
 
 /// The reference for the sequence of that number: the one that is kept, if there is one.
@@ -108,22 +109,27 @@ fn computed(
     let particles = options.reference_particles;
     let rest =
         format!("whichever has most evidence, with {DEFENSIVE} of their particles from the transition");
+    let ahead = format!(
+        "the log-evidence of the whole sequence is that of 8 filters or more that look ahead with {} particles, where those know it better",
+        particles_of_each(options)
+    );
+    let seed = Seed::from_u64(options.filter.seed).child("reference").nth(number as u64);
+    let look_ahead = |plain: &Estimated| by_look_ahead(model, sequence, options, plain, &seed);
     if options.reference_filters <= 1 {
-        let name = format!("bootstrap or linearised with {particles} particles, {rest}");
+        let name = format!("bootstrap or linearised with {particles} particles, {rest}; {ahead}");
         let (means, increments) = first;
         let log_evidence = increments.iter().sum();
-        return Ok(Reference { name, means, increments, log_evidence, error: None });
+        let plain = Reference { name, means, increments, log_evidence, error: None };
+        return Ok(plain.or_surer(look_ahead(&Estimated::of_one(log_evidence))));
     }
     // Not the one that was chosen by: the most of several is too much.
     let mut all = Vec::new();
-    let (wanted, mut twisted) = (options.reference_error, None);
+    let (wanted, mut surer) = (options.reference_error, None);
     while all.len() < options.reference_filters || is_rough(&all, wanted) {
-        // Filters that look ahead may know what it would take very many of these to know.
-        if let Some(wanted) = wanted.filter(|_| all.len() == options.reference_filters) {
-            let seed = Seed::from_u64(options.filter.seed).child("twisted reference").nth(number as u64);
-            let plain = Estimated::of(&evidence_of(&all));
-            twisted = by_twisted_filters(model, sequence, options, wanted, &plain, &seed);
-            if twisted.is_some() {
+        if all.len() == options.reference_filters {
+            // Filters that look ahead may know what it would take very many of these to know.
+            surer = look_ahead(&Estimated::of(&evidence_of(&all)));
+            if surer.is_some() {
                 break;
             }
         }
@@ -143,21 +149,14 @@ fn computed(
     let (count, then) = match wanted {
         Some(wanted) => (
             format!("{fewest} filters or more"),
-            format!(
-                "; where its standard error would be above {wanted}, the log-evidence of the whole sequence is that of twisted filters with \
-                 {TWISTED_PARTICLES} if those know it better"
-            ),
+            format!("; where its standard error would be above {wanted}, {ahead}"),
         ),
         None => (format!("{fewest} filters"), String::new()),
     };
     let name = format!(
         "the mean of {count} with {particles} particles: bootstrap, linearised or learned, {rest}{then}"
     );
-    let mean = mean_of(&all, name);
-    Ok(match twisted {
-        Some(Estimated { log_evidence, error }) => Reference { log_evidence, error: Some(error), ..mean },
-        None => mean,
-    })
+    Ok(mean_of(&all, name).or_surer(surer))
 }
 
 /// Whether the standard error of the mean of these filters is too large, and more may be added.

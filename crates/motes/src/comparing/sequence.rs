@@ -1,8 +1,10 @@
 //! What filters are compared on.
 
 use motes_models::{StepRecord, Trajectory};
+use motes_smc::RecordedStep;
 
 use crate::data::Data;
+use crate::recorded::steps_to_row;
 use crate::simulating::{Simulated, SimulatedRow};
 
 /// A sequence of measurements, with the states that made them where those are known.
@@ -14,6 +16,14 @@ pub struct Sequence {
     pub measurements: Vec<Vec<Option<f64>>>,
     /// The state at each time.
     pub truth: Option<Vec<Vec<f64>>>,
+}
+
+impl Sequence {
+    /// All of its steps, each with what is measured then.
+    pub(super) fn recorded(&self) -> Vec<RecordedStep> {
+        let rows = self.steps.iter().zip(&self.measurements);
+        rows.flat_map(|(steps, measurement)| steps_to_row(steps, measurement)).collect()
+    }
 }
 
 /// The series of some data.

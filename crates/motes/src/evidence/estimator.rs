@@ -7,7 +7,7 @@ use motes_models::Seed;
 use super::exact::is_exact;
 use super::options::EvidenceOptions;
 use super::pilot::{Candidate, Pilot, choose};
-use super::sequence::{Proceed, Sequence, sequences};
+use super::sequence::{Proceed, RecordedSequence, sequences};
 use crate::data::Data;
 use crate::error::MotesError;
 use crate::model::Model;
@@ -39,7 +39,7 @@ use crate::options::{FilterOptions, ProposalName};
 /// ```
 pub struct EvidenceEstimator<'m> {
     model: &'m Model,
-    sequences: Vec<Sequence>,
+    sequences: Vec<RecordedSequence>,
     candidate: Candidate,
     filter: FilterOptions,
     pilots: Vec<Pilot>,
@@ -116,7 +116,7 @@ impl<'m> EvidenceEstimator<'m> {
     /// [`EvidenceEstimator::log_evidence_per_series`], which asks now and then whether to go on.
     pub(crate) fn per_series_while(&self, seed: &Seed, proceed: Proceed<'_>) -> Result<Vec<f64>, MotesError> {
         let EvidenceEstimator { model, sequences, candidate, filter, .. } = self;
-        let of_series = |(number, sequence): (usize, &Sequence)| {
+        let of_series = |(number, sequence): (usize, &RecordedSequence)| {
             let ahead = candidate.ahead.get(number).and_then(Option::as_ref);
             sequence.log_evidence(model, filter, seed.nth(number as u64), ahead, proceed)
         };

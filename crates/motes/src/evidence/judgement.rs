@@ -2,16 +2,16 @@
 
 use std::ops::ControlFlow;
 
-use motes_inference::{EstimatorCost, LogMean};
+use motes_inference::LogMean;
 use motes_models::Seed;
 use motes_smc::RecordedStep;
 
 use super::options::EvidenceOptions;
-use super::sequence::Sequence;
+use super::sequence::RecordedSequence;
 use super::worth::EvidenceWorth;
+use crate::contender::Contender;
 use crate::error::MotesError;
 use crate::model::Model;
-use crate::options::ProposalName;
 
 /// Particles of each run, and runs of each sequence.
 const PARTICLES: usize = 100;
@@ -19,17 +19,6 @@ const RUNS: u64 = 8;
 
 /// The error of a run whose particles all died, in nats; no larger one counts.
 const LARGEST: f64 = 1e4;
-
-/// What is judged.
-pub(crate) struct Contender {
-    /// What it is called.
-    pub(crate) name: String,
-    pub(crate) proposal: ProposalName,
-    /// Whether it knows the whole sequence, if it can; else it filters.
-    pub(crate) looks_ahead: bool,
-    /// What it costs at a time step.
-    pub(crate) cost: EstimatorCost,
-}
 
 /// A sequence, and the model that drew it.
 pub(crate) struct JudgedSequence {
@@ -48,15 +37,19 @@ pub(crate) fn judge(
     proceed: &mut dyn FnMut() -> ControlFlow<()>,
 ) -> Result<Vec<EvidenceWorth>, MotesError> {
     let mut squares = vec![0.0; contenders.len()];
-    let runs = sequences.len() as f64 * RUNS as f64;
+    let work = |contender: &Contender| {
+        sequences.first().map_or(f64::NAN, |first| contender.cost(&first.model).of(PARTICLES))
+    };
+    let works: Vec<f64> = contenders.iter().map(work).collect();
+    let count = sequences.len() as f64 * RUNS as f64;
     for (number, JudgedSequence { model, steps }) in sequences.into_iter().enumerate() {
-        let (sequence, seed) = (Sequence::of_steps(steps), seed.nth(number as u64));
+        let (sequence, seed) = (RecordedSequence::of_steps(steps), seed.nth(number as u64));
         let mut logs: Vec<Vec<f64>> = Vec::with_capacity(contenders.len());
         for contender in contenders {
             if proceed().is_break() {
                 return Err(MotesError::Interrupted);
             }
-            let found = contender.runs(&model, &sequence, &seed);
+            let found = runs(contender, &model, &sequence, &seed);
             logs.push(found.unwrap_or_else(|_| vec![f64::NEG_INFINITY; RUNS as usize]));
         }
         let reference = LogMean::of(&logs.concat()).log();
@@ -66,24 +59,28 @@ pub(crate) fn judge(
             *square += errors.map(|error| within(error).powi(2)).sum::<f64>();
         }
     }
-    let of_one = |(contender, square): (&Contender, f64)| EvidenceWorth {
-        proposal: contender.name.clone(),
-        error: (square / runs).sqrt(),
-        work: contender.cost.of(PARTICLES),
+    let of_one = |((contender, work), square): ((&Contender, f64), f64)| EvidenceWorth {
+        proposal: contender.name().to_string(),
+        error: (square / count).sqrt(),
+        work,
     };
-    Ok(contenders.iter().zip(squares).map(of_one).collect())
+    Ok(contenders.iter().zip(works).zip(squares).map(of_one).collect())
 }
 
-impl Contender {
-    /// `log ẑ` of some runs on a sequence.
-    fn runs(&self, model: &Model, sequence: &Sequence, seed: &Seed) -> Result<Vec<f64>, MotesError> {
-        let ahead = if self.looks_ahead { sequence.look_ahead(&self.proposal, model)? } else { None };
-        let filter = EvidenceOptions::default().of_filter(self.proposal.clone(), PARTICLES);
-        let seed = seed.child(&self.name);
-        let run = |run: u64| {
-            let go_on = &|| ControlFlow::Continue(());
-            sequence.log_evidence(model, &filter, seed.nth(run), ahead.as_ref(), go_on)
-        };
-        (0..RUNS).map(run).collect()
-    }
+/// `log ẑ` of some runs on a sequence.
+fn runs(
+    contender: &Contender,
+    model: &Model,
+    sequence: &RecordedSequence,
+    seed: &Seed,
+) -> Result<Vec<f64>, MotesError> {
+    let proposal = contender.proposal();
+    let ahead = if contender.looks_ahead() { sequence.look_ahead(proposal, model)? } else { None };
+    let filter = EvidenceOptions::default().of_filter(proposal.clone(), PARTICLES);
+    let seed = seed.child(contender.name());
+    let run = |run: u64| {
+        let go_on = &|| ControlFlow::Continue(());
+        sequence.log_evidence(model, &filter, seed.nth(run), ahead.as_ref(), go_on)
+    };
+    (0..RUNS).map(run).collect()
 }

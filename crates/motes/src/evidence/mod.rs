@@ -1,6 +1,5 @@
 //! The log-evidence of data and nothing else.
 
-mod cost;
 mod estimate;
 mod estimator;
 mod exact;
@@ -12,16 +11,15 @@ mod pilot;
 mod sequence;
 mod worth;
 
-pub(crate) use cost::{ON_LINE, cost};
 pub use estimate::{Evidence, evidence};
 pub use estimator::EvidenceEstimator;
 pub(crate) use exact::is_exact;
-pub(crate) use judgement::{Contender, JudgedSequence, judge};
+pub(crate) use judgement::{JudgedSequence, judge};
 pub use log_evidence::{LogEvidence, log_evidence};
 pub use many::log_evidence_at;
 pub use options::EvidenceOptions;
 pub use pilot::Pilot;
 pub(crate) use pilot::candidates;
-pub(crate) use sequence::{Sequence, sequences};
+pub(crate) use sequence::{RecordedSequence, sequences};
 pub(crate) use worth::LOOK_AHEAD;
 pub use worth::{EvidenceWorth, LearnedWorth};

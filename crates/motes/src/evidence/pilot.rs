@@ -3,9 +3,9 @@
 use motes_models::Seed;
 use motes_smc::{Linearised, LookAhead};
 
-use super::cost::cost;
 use super::options::EvidenceOptions;
-use super::sequence::{Proceed, Sequence};
+use super::sequence::{Proceed, RecordedSequence};
+use crate::cost::cost;
 use crate::error::MotesError;
 use crate::model::{Kind, Model};
 use crate::options::ProposalName;
@@ -40,7 +40,7 @@ impl Candidate {
     pub(super) fn of(
         proposal: ProposalName,
         model: &Model,
-        sequences: &[Sequence],
+        sequences: &[RecordedSequence],
     ) -> Result<Self, MotesError> {
         let proposal = of_recorded(proposal, model)?;
         let ahead = sequences
@@ -74,7 +74,7 @@ pub(crate) fn candidates(model: &Model) -> Vec<ProposalName> {
 /// [`MotesError::Interrupted`]; the error of bootstrap, if no candidate comes through.
 pub(super) fn choose(
     model: &Model,
-    sequences: &[Sequence],
+    sequences: &[RecordedSequence],
     options: &EvidenceOptions,
     seed: &Seed,
     proceed: Proceed<'_>,
@@ -113,14 +113,14 @@ pub(super) fn choose(
 fn of_candidate(
     candidate: &Candidate,
     model: &Model,
-    sequences: &[Sequence],
+    sequences: &[RecordedSequence],
     options: &EvidenceOptions,
     seed: &Seed,
     proceed: Proceed<'_>,
 ) -> Result<f64, MotesError> {
     let filter = options.of_filter(candidate.proposal.clone(), PARTICLES);
     let seed = seed.child(candidate.proposal.kind());
-    let of_series = |(number, sequence): (usize, &Sequence)| {
+    let of_series = |(number, sequence): (usize, &RecordedSequence)| {
         let ahead = candidate.ahead.get(number).and_then(Option::as_ref);
         sequence.log_evidence(model, &filter, seed.nth(number as u64), ahead, proceed)
     };

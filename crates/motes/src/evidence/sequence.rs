@@ -15,7 +15,7 @@ use crate::options::{FilterOptions, ProposalName};
 use crate::recorded::{look_ahead, recorded_steps};
 
 /// A series of data, prepared once for many filters.
-pub(crate) struct Sequence {
+pub(crate) struct RecordedSequence {
     /// Its name, where the data have several.
     name: Option<String>,
     steps: Vec<RecordedStep>,
@@ -31,10 +31,10 @@ pub(crate) type Proceed<'p> = &'p (dyn Fn() -> ControlFlow<()> + Sync);
 const STEPS_AT_ONCE: usize = 64;
 
 /// All series of some data.
-pub(crate) fn sequences(data: &Data) -> Vec<Sequence> {
+pub(crate) fn sequences(data: &Data) -> Vec<RecordedSequence> {
     let of_series = |(name, places): (&String, Vec<usize>)| {
         let rows = places.iter().map(|at| &data.rows[*at]);
-        Sequence {
+        RecordedSequence {
             name: data.columns.has_series().then(|| name.clone()),
             steps: recorded_steps(data, &places),
             lines: rows.flat_map(|row| vec![row.line; row.steps.len()]).collect(),
@@ -44,18 +44,18 @@ pub(crate) fn sequences(data: &Data) -> Vec<Sequence> {
     data.series.iter().zip(data.by_series()).map(of_series).collect()
 }
 
-impl Sequence {
+impl RecordedSequence {
     /// One without a name.
-    pub(super) fn of_steps(steps: Vec<RecordedStep>) -> Self {
+    pub(crate) fn of_steps(steps: Vec<RecordedStep>) -> Self {
         let lines = (0..steps.len() as u64).collect();
-        Sequence { name: None, steps, lines, counted: Counted::Row }
+        RecordedSequence { name: None, steps, lines, counted: Counted::Row }
     }
 
     /// Potentials of all of it, if the proposal has any.
     ///
     /// # Errors
     /// [`MotesError::Proposal`] if they cannot be had.
-    pub(super) fn look_ahead(
+    pub(crate) fn look_ahead(
         &self,
         proposal: &ProposalName,
         model: &Model,
@@ -66,7 +66,7 @@ impl Sequence {
     /// The log-evidence that one filter estimates, with potentials of its own where it looks ahead; −∞ where no particle explains a measurement.
     ///
     /// # Errors
-    /// As [`Sequence::log_evidence`], and [`MotesError::Proposal`] if there are no potentials.
+    /// As [`RecordedSequence::log_evidence`], and [`MotesError::Proposal`] if there are no potentials.
     pub(crate) fn log_evidence_alone(
         &self,
         model: &Model,
@@ -87,7 +87,7 @@ impl Sequence {
     ///
     /// # Errors
     /// As [`Running::new`] and [`Running::advance`], and [`MotesError::Interrupted`].
-    pub(super) fn log_evidence(
+    pub(crate) fn log_evidence(
         &self,
         model: &Model,
         options: &FilterOptions,
@@ -116,7 +116,7 @@ impl Sequence {
         of_series(self.name.as_deref(), error.at_row(self.counted, self.lines[number]))
     }
 
-    /// Why the evidence of [`Sequence::log_evidence_alone`] is 0, or there is none: the row, and what is wrong with it; none where all is well.
+    /// Why the evidence of [`RecordedSequence::log_evidence_alone`] is 0, or there is none: the row, and what is wrong with it; none where all is well.
     pub(crate) fn failure(&self, model: &Model, options: &FilterOptions, seed: Seed) -> Option<String> {
         let ahead = self.look_ahead(&options.proposal, model);
         let running = ahead.and_then(|ahead| Running::with_seed(model, options, seed, ahead.as_ref()));

@@ -7,9 +7,10 @@ use motes_models::Seed;
 
 use super::free::FreeParameters;
 use super::options::FitOptions;
+use crate::cost::cost;
 use crate::data::Data;
 use crate::error::MotesError;
-use crate::evidence::{Sequence, candidates, cost, is_exact, sequences};
+use crate::evidence::{RecordedSequence, candidates, is_exact, sequences};
 use crate::model::Model;
 use crate::options::{FilterOptions, ProposalName};
 use crate::recorded::of_recorded;
@@ -19,7 +20,7 @@ pub(super) struct ModelLikelihood<'a> {
     model: &'a Model,
     free: &'a FreeParameters,
     names: Vec<String>,
-    sequences: Vec<Sequence>,
+    sequences: Vec<RecordedSequence>,
     proposals: Vec<ProposalName>,
     costs: Vec<EstimatorCost>,
     proceed: &'a (dyn Fn() -> ControlFlow<()> + Sync),
@@ -118,7 +119,7 @@ impl<'a> ModelLikelihood<'a> {
             Ok(options) => options,
             Err(error) => return Some(error.to_string()),
         };
-        let of_series = |(number, sequence): (usize, &Sequence)| {
+        let of_series = |(number, sequence): (usize, &RecordedSequence)| {
             sequence.failure(&model, &options, seed.nth(number as u64))
         };
         self.sequences.iter().enumerate().find_map(of_series)

@@ -2,18 +2,16 @@
 
 use std::ops::ControlFlow;
 
-use motes_inference::EstimatorCost;
 use motes_models::{ModelShape, Seed, Trajectory};
 use motes_proposals::{Backend, Family, LearnedPotentials, LearnedPotentialsConfig, Sees};
 use motes_smc::RecordedStep;
 use motes_train::{LearnObjective, PathSource, PotentialLearnConfig, TrainError, learn_potentials};
 
 use super::options::LearnOptions;
+use crate::contender::Contender;
 use crate::data::Data;
 use crate::error::MotesError;
-use crate::evidence::{
-    Contender, JudgedSequence, LearnedWorth, ON_LINE, candidates, cost, judge as judge_evidence,
-};
+use crate::evidence::{JudgedSequence, LearnedWorth, candidates, judge as judge_evidence};
 use crate::learned::LearnedProposal;
 use crate::learned_notes::PotentialNotes;
 use crate::model::{LearnableModel, Model};
@@ -124,30 +122,18 @@ pub(super) fn judge(
     proceed: &mut dyn FnMut() -> ControlFlow<()>,
 ) -> Result<LearnedProposal, MotesError> {
     let Some(notes) = learned.potential_notes().cloned() else { return Ok(learned) };
-    let named = |name: &str, proposal: ProposalName, looks_ahead: bool, cost: EstimatorCost| Contender {
-        name: name.into(),
-        proposal,
-        looks_ahead,
-        cost,
-    };
-    let of_model = |name: &str, proposal: ProposalName, looks_ahead: bool| {
-        let cost = cost(&proposal, model);
-        named(name, proposal, looks_ahead, cost)
-    };
-    let by = ProposalName::Learned;
-    let designed =
-        candidates(model).into_iter().map(|proposal| of_model(&proposal.to_string(), proposal, true));
-    let per_particle = learned
-        .proposal()
-        .map(|_| of_model("learned, per particle", by(learned.clone().without_potentials()), false));
+    let by = |learned: LearnedProposal| ProposalName::Learned(learned);
+    let designed = candidates(model).into_iter().map(|proposal| match proposal {
+        ProposalName::LookAhead => Contender::ahead(proposal),
+        other => Contender::on_line(other),
+    });
+    let per_particle = learned.proposal().map(|_| {
+        Contender::on_line(by(learned.clone().without_potentials())).called("learned, per particle")
+    });
     let has_network = per_particle.is_some();
-    let contenders: Vec<Contender> = designed
-        .chain(per_particle)
-        .chain([
-            named("learned, now", by(learned.clone().filtering_by_potential(true)), false, ON_LINE),
-            of_model("learned, ahead", by(learned.clone()), true),
-        ])
-        .collect();
+    let now = Contender::on_line(by(learned.clone().filtering_by_potential(true))).called("learned, now");
+    let ahead = Contender::ahead(by(learned.clone())).called("learned, ahead");
+    let contenders: Vec<Contender> = designed.chain(per_particle).chain([now, ahead]).collect();
     let mut designed = judge_evidence(&contenders, sequences, &seed.child("runs"), proceed)?;
     let (Some(ahead), Some(now)) = (designed.pop(), designed.pop()) else { return Ok(learned) };
     let per_particle = if has_network { designed.pop() } else { None };

@@ -127,7 +127,7 @@ fn the_card_has_the_keys_that_scripts_rely_on() {
             .concat();
     let card: Value = serde_json::from_str(&place.printed(&command)).unwrap();
     let methods: Vec<&String> = card["methods"].as_object().unwrap().keys().collect();
-    assert_eq!(methods, ["bootstrap", "learned", "linearised"]);
+    assert_eq!(methods, ["bootstrap", "learned", "learned, ahead", "linearised", "look-ahead"]);
     assert!(card["training_seconds"].as_f64().unwrap() > 0.0);
     for key in
         ["ess_fraction", "ess_fraction_q01", "log_evidence_gap", "e_l", "e_x", "coverage_50", "coverage_90"]
@@ -137,6 +137,33 @@ fn the_card_has_the_keys_that_scripts_rely_on() {
     for key in ["ess_fraction", "log_evidence_gap", "e_l", "e_x"] {
         assert!(card["methods"]["learned"]["half_widths"][key].as_f64().unwrap() > 0.0, "{key}");
     }
+}
+
+/// A linear model, whose exact evidence the reference is: a filter that looks ahead has no error.
+#[test]
+fn filters_that_look_ahead_are_compared_by_their_evidence_alone() {
+    let place = Workplace::new();
+    let model = "[initial]\nx = \"normal(0, 1)\"\n[transition]\nx = \"normal(0.9*x, 1)\"\n[measurement]\ny = \"normal(x, 0.5)\"\n";
+    place.write("linear.toml", model);
+    let command = ["compare", "linear.toml", "--sequences", "3", "--steps", "30", "--at", "10,20"];
+    let card: Value = serde_json::from_str(&place.printed(&[&command[..], &["--json"]].concat())).unwrap();
+    let ahead = &card["methods"]["look-ahead"];
+    assert!(ahead["log_evidence_gap"].as_f64().unwrap().abs() < 1e-9, "{card}");
+    assert!(card["methods"]["bootstrap"]["log_evidence_gap"].as_f64().unwrap().abs() > 1e-3, "{card}");
+    for key in ["ess_fraction", "ess_fraction_q01", "e_l", "e_x", "coverage_90"] {
+        assert!(ahead[key].is_null() && card["methods"]["bootstrap"][key].is_number(), "{key}: {card}");
+    }
+    assert!(card["gains"]["methods"]["look-ahead"]["ratio"].as_f64().unwrap() > 1e6, "{card}");
+    let text = place.printed(&command);
+    assert!(text.starts_with("For the same error of the log-evidence "), "{text}");
+    assert!(text.lines().any(|line| line.starts_with("| look-ahead") && line.contains("– |")), "{text}");
+    // A matrix file has no noise to look through.
+    let matrices = "kind = \"linear-gaussian\"\nA = [[0.9]]\nQ = [[1.0]]\nC = [[1.0]]\nR = [[0.25]]\nm0 = [0.0]\nP0 = [[1.0]]\n";
+    place.write("matrices.toml", matrices);
+    let output = place.run(&["compare", "matrices.toml", "--proposals", "look-ahead", "--sequences", "2"]);
+    let said = stderr(&output);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(said.lines().count() == 1 && said.contains("take --proposal exact"), "{said}");
 }
 
 /// Catches pairs that are of different sequences: the mean of differences is the difference of means.

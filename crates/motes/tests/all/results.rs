@@ -83,7 +83,7 @@ fn json_has_the_keys_that_scripts_rely_on() {
         &place,
         &["compare", "walk.toml", "--json", "--sequences", "2", "--steps", "5", "--at", "10,20"],
     );
-    assert_eq!(keys(&compared["methods"]), names("bootstrap linearised optimal"));
+    assert_eq!(keys(&compared["methods"]), names("bootstrap linearised look-ahead optimal"));
     let card = keys(&compared["methods"]["bootstrap"]);
     let expected = "ess_fraction ess_fraction_q01 log_evidence_gap e_l e_x pareto_k coverage_50 coverage_90 particle_steps_per_second ms_per_step";
     assert!(names(expected).is_subset(&card), "{card:?}");

@@ -79,51 +79,6 @@ impl FilterHistory {
         Ok(())
     }
 
-    /// Keeps `count` of the particles, with equal weights, if there are more of them: each as often as its weight says, to the next whole number. They have
-    /// no ancestors then.
-    ///
-    /// # Errors
-    /// As [`FilterHistory::record`].
-    pub(crate) fn record_some<D, P>(
-        &mut self,
-        filter: &ParticleFilter<D, P>,
-        count: usize,
-    ) -> Result<(), SmoothingError>
-    where
-        D: Deref<Target: StateSpaceModel>,
-        P: Proposal<D::Target>,
-    {
-        let (states, weights) = (filter.particles(), filter.weights().normalised());
-        if weights.len() <= count {
-            return self.record(filter);
-        }
-        self.check_next(filter.time())?;
-        let n = states.len() / weights.len();
-        let numbers = count * (n + 1);
-        if !there_is_memory_for(numbers) {
-            return Err(SmoothingError::Memory { numbers });
-        }
-        let (mut kept, mut particle, mut below) = (Vec::with_capacity(count * n), 0, weights[0]);
-        for number in 0..count {
-            let level = (number as f64 + 0.5) / count as f64;
-            while below < level && particle + 1 < weights.len() {
-                particle += 1;
-                below += weights[particle];
-            }
-            kept.extend_from_slice(&states[particle * n..(particle + 1) * n]);
-        }
-        let log_weights = vec![-(count as f64).ln(); count];
-        let step = StepRecord::of(&filter.bank().last_step());
-        self.generations.push(Generation {
-            step,
-            states: kept,
-            log_weights,
-            ancestors: vec![],
-            look_ahead: vec![],
-        });
-        Ok(())
-    }
-
     /// Whether a filter of so many steps is the next to be kept.
     fn check_next(&self, steps: usize) -> Result<(), SmoothingError> {
         match steps == self.len() + 1 {

@@ -12,4 +12,3 @@ mod smoothing;
 mod snapshot;
 mod steps;
 mod threads;
-mod twisted;

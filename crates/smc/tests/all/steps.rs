@@ -1,9 +1,9 @@
 //! Steps of their own times, inputs and parameters: evidence and smoothed means against exact ones.
 
 use motes_models::equations::{Coordinates, Draws, Equations, Scalar, normal};
-use motes_models::{PartialMeasurements, Seed, StateSpaceModel, Step};
+use motes_models::{Seed, Step};
 use motes_smc::{
-    Bootstrap, FilterBank, FilterHistory, FilterSettings, Linearised, ParticleFilter, Proposal, Twisting,
+    Bootstrap, FilterBank, FilterHistory, FilterSettings, Linearised, ParticleFilter, Proposal,
     backward_simulation,
 };
 
@@ -129,20 +129,6 @@ fn smoothing_goes_back_by_the_steps_that_were_taken() {
     for (time, expected) in means.iter().enumerate() {
         assert!((paths.mean(time, 0) - expected).abs() < 0.05, "{time}: {} {expected}", paths.mean(time, 0));
     }
-}
-
-#[test]
-fn a_twisted_filter_looks_ahead_with_the_inputs_and_parameters_of_the_model() {
-    let model = Velocity;
-    let rows: Vec<Option<f64>> = vec![Some(0.4), Some(0.9), None, Some(-0.3)];
-    let measurements = PartialMeasurements::new(1, rows.clone()).unwrap();
-    let seed = Seed::from_u64(93);
-    let twisting = Twisting::learn(&model, &measurements, 500, 500, &seed.child("learn")).unwrap();
-    let found = twisting.log_evidence(&model, 500, seed.child("filter").stream()).unwrap();
-    // A linear Gaussian model: quadratics are exact, and so is the evidence.
-    let steps = rows.into_iter().enumerate().map(|(index, row)| (model.step_of_index(index), [row]));
-    let (expected, _) = exact(steps);
-    assert!((found - expected).abs() < 0.01, "{found} {expected}");
 }
 
 #[test]

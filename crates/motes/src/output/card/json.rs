@@ -9,7 +9,7 @@ use crate::comparing::{Card, Comparison, Figure, Paired};
 #[derive(Serialize)]
 struct CardObject {
     ess_fraction: Option<f64>,
-    ess_fraction_q01: f64,
+    ess_fraction_q01: Option<f64>,
     log_evidence_gap: Option<f64>,
     e_l: Option<f64>,
     e_x: Option<f64>,
@@ -88,15 +88,15 @@ pub fn card_json(comparison: &Comparison, training_seconds: Option<f64>) -> Stri
         .collect();
     let paired = comparison.paired.as_ref().map(|(baseline, paired)| {
         let methods: Map<String, Value> =
-            paired.iter().map(|paired| (paired.proposal.to_string(), paired_object(paired))).collect();
+            paired.iter().map(|paired| (paired.contender.to_string(), paired_object(paired))).collect();
         json!({ "less": baseline.to_string(), "methods": methods })
     });
     let points = comparison.equal_time.points.iter().map(|point| {
         json!({
-            "method": point.proposal.to_string(),
+            "method": point.contender.name(),
             "particles": point.particles,
             "ms_per_step": point.ms_per_step,
-            "log_evidence_rmse": point.error,
+            "log_evidence_rmse": point.error(),
         })
     });
     let reached: Map<String, Value> = comparison
@@ -105,6 +105,13 @@ pub fn card_json(comparison: &Comparison, training_seconds: Option<f64>) -> Stri
         .into_iter()
         .map(|(name, reached)| (name.to_string(), json!(reached.ms())))
         .collect();
+    let gains = comparison.equal_time.gains().map(|(over, gains)| {
+        let gains = gains.iter().map(|gain| {
+            let [low, high] = gain.interval.map_or([None; 2], |ends| ends.map(Some));
+            (gain.contender.to_string(), json!({ "ratio": gain.ratio, "low": low, "high": high }))
+        });
+        json!({ "over": over.name(), "methods": gains.collect::<Map<String, Value>>() })
+    });
     let object = json!({
         "methods": methods,
         "training_seconds": training_seconds,
@@ -112,6 +119,7 @@ pub fn card_json(comparison: &Comparison, training_seconds: Option<f64>) -> Stri
         "reference_errors": comparison.reference_errors,
         "paired": paired,
         "equal_time": points.collect::<Vec<_>>(),
+        "gains": gains,
         "ms_per_step_for_error_1": reached,
     });
     object.to_string() + "\n"

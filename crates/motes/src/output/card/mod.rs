@@ -5,7 +5,7 @@ mod tables;
 
 pub use json::card_json;
 pub(super) use tables::{
-    ABOUT_ERRORS, about, about_differences, about_reaching, differences, errors, figures,
+    ABOUT_ERRORS, about, about_differences, about_gains, about_reaching, differences, errors, figures,
 };
 
 use super::table::markdown;
@@ -13,7 +13,8 @@ use crate::comparing::Comparison;
 
 /// The card as tables for a person.
 pub fn card_text(comparison: &Comparison, particles: usize) -> String {
-    let mut text = format!("{}\n\n{}", about(comparison, particles), markdown(&figures(comparison)));
+    let gains = about_gains(comparison).map_or(String::new(), |gains| gains + "\n\n");
+    let mut text = format!("{gains}{}\n\n{}", about(comparison, particles), markdown(&figures(comparison)));
     if let Some((baseline, table)) = differences(comparison) {
         text += &format!("\n{}\n\n{}", about_differences(&baseline), markdown(&table));
     }

@@ -1,6 +1,6 @@
 //! What a report card shows, cell by cell.
 
-use crate::comparing::{Comparison, Figure};
+use crate::comparing::{Comparison, Figure, Gain};
 use crate::output::table::Table;
 
 /// What was compared, and with what.
@@ -32,11 +32,11 @@ pub(in crate::output) fn figures(comparison: &Comparison) -> Table {
         "ms a step",
     ];
     let plain = |value: Option<f64>| value.map_or("–".to_string(), |value| format!("{value:.2}"));
-    let rows = comparison.cards.iter().map(|(proposal, card)| {
+    let rows = comparison.cards.iter().map(|(contender, card)| {
         vec![
-            proposal.to_string(),
+            contender.to_string(),
             figure(card.ess_fraction),
-            format!("{:.3}", card.ess_fraction_q01),
+            card.ess_fraction_q01.map_or("–".into(), decimal),
             figure(card.log_evidence_gap),
             figure(card.e_l),
             figure(card.e_x),
@@ -55,7 +55,7 @@ pub(in crate::output) fn differences(comparison: &Comparison) -> Option<(String,
     let (baseline, paired) = comparison.paired.as_ref()?;
     let header = ["", "ESS/K", "evidence"].map(String::from).to_vec();
     let rows = paired.iter().map(|paired| {
-        vec![paired.proposal.to_string(), figure(paired.ess_fraction), figure(paired.log_evidence)]
+        vec![paired.contender.to_string(), figure(paired.ess_fraction), figure(paired.log_evidence)]
     });
     Some((baseline.to_string(), Table { header, rows: rows.collect() }))
 }
@@ -67,17 +67,46 @@ pub(in crate::output) fn errors(comparison: &Comparison) -> Table {
     counts.sort_unstable();
     counts.dedup();
     let header = std::iter::once(String::new()).chain(counts.iter().map(|k| format!("K = {k}")));
-    let rows = comparison.cards.iter().map(|(proposal, _)| {
+    let rows = comparison.cards.iter().map(|(contender, _)| {
         let cell = |k: &usize| {
-            let point = points.iter().find(|point| point.proposal == *proposal && point.particles == *k);
+            let point = points.iter().find(|point| point.contender == *contender && point.particles == *k);
             point.map_or(String::new(), |point| {
-                let error = point.error.map_or("lost".to_string(), decimal);
+                let error = point.error().map_or("lost".to_string(), decimal);
                 format!("{error} ({:.4})", point.ms_per_step)
             })
         };
-        std::iter::once(proposal.to_string()).chain(counts.iter().map(cell)).collect()
+        std::iter::once(contender.to_string()).chain(counts.iter().map(cell)).collect()
     });
     Table { header: header.collect(), rows: rows.collect() }
+}
+
+/// How much faster than the best designed filter the others are, in a sentence; nothing where there is nothing to compare.
+pub(in crate::output) fn about_gains(comparison: &Comparison) -> Option<String> {
+    let (over, gains) = comparison.equal_time.gains()?;
+    let part = |gain: &Gain| {
+        let interval =
+            gain.interval.map(|[low, high]| format!(" ({} to {})", two_digits(low), two_digits(high)));
+        format!("{} {}{}", gain.contender, two_digits(gain.ratio), interval.unwrap_or_default())
+    };
+    let parts: Vec<String> = gains.iter().map(part).collect();
+    Some(format!(
+        "For the same error of the log-evidence {over} takes so many times as long (90 % interval), each with its best number of particles: {}.",
+        parts.join("; ")
+    ))
+}
+
+/// A ratio with two digits that count.
+fn two_digits(value: f64) -> String {
+    match value {
+        0.0 => "0".into(),
+        _ if value >= 1e5 || value < 1e-3 => format!("{value:.1e}"),
+        _ => {
+            let scale = 10_f64.powf(1.0 - value.log10().floor());
+            let rounded = (value * scale).round() / scale;
+            let digits = (1.0 - rounded.log10().floor()).max(0.0) as usize;
+            format!("{rounded:.digits$}")
+        }
+    }
 }
 
 /// What an error of 1 takes, in a sentence.

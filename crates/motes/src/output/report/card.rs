@@ -4,7 +4,7 @@ use super::error_figure::error_figure;
 use super::page::Page;
 use crate::comparing::Comparison;
 use crate::output::card::{
-    ABOUT_ERRORS, about, about_differences, about_reaching, differences, errors, figures,
+    ABOUT_ERRORS, about, about_differences, about_gains, about_reaching, differences, errors, figures,
 };
 use crate::output::table::Table;
 
@@ -35,20 +35,21 @@ pub fn card_report(report: &CardReport<'_>) -> Result<String, Box<dyn std::error
     let mut page = Page::new(report.title);
     report.notes.iter().for_each(|note| page.note(note));
     page.warnings(report.warnings);
+    if !comparison.equal_time.points.is_empty() {
+        page.heading("Error at equal time");
+        about_gains(comparison).iter().for_each(|gains| page.note(gains));
+        page.figure(&error_figure(&comparison.equal_time)?, "Each point is a number of particles.");
+        page.note(&comparison.equal_time.to_string());
+        page.note(&about_reaching(comparison));
+        page.note(ABOUT_ERRORS);
+        table(&mut page, errors(comparison));
+    }
     page.heading("Report card");
     page.note(&about(comparison, report.particles));
     table(&mut page, figures(comparison));
     if let Some((baseline, differences)) = differences(comparison) {
         page.note(&about_differences(&baseline));
         table(&mut page, differences);
-    }
-    if !comparison.equal_time.points.is_empty() {
-        page.heading("Error at equal time");
-        page.figure(&error_figure(&comparison.equal_time)?, "Each point is a number of particles.");
-        page.note(&comparison.equal_time.to_string());
-        page.note(&about_reaching(comparison));
-        page.note(ABOUT_ERRORS);
-        table(&mut page, errors(comparison));
     }
     page.heading("Settings");
     page.table(&["", ""], report.settings.iter().map(|(name, value)| vec![name.clone(), value.clone()]));

@@ -14,11 +14,11 @@ pub fn error_figure(equal_time: &EqualTime) -> Drawn<String> {
         .points
         .iter()
         .filter_map(|point| {
-            let error = point.error.filter(|error| shown(*error))?;
-            Some((point.proposal.as_str(), point.ms_per_step, error))
+            let error = point.error().filter(|error| shown(*error))?;
+            Some((point.contender.name(), point.ms_per_step, error))
         })
         .collect();
-    let mut names: Vec<&str> = equal_time.points.iter().map(|point| point.proposal.as_str()).collect();
+    let mut names: Vec<&str> = equal_time.points.iter().map(|point| point.contender.name()).collect();
     names.dedup();
     let mut svg = String::new();
     {

@@ -8,7 +8,6 @@ mod scoring;
 mod scratch;
 
 pub use batch::LinearisedBatch;
-pub(crate) use precision_batch::PrecisionBatch;
 pub use proposal::Linearised;
 pub use scoring::fisher_scoring;
 pub use scratch::LinearisedScratch;

@@ -9,7 +9,7 @@ use super::scratch::{LinearisedScratch, lanes};
 use crate::proposal::Conditional;
 
 /// `N(m, Λ⁻¹)` of each particle of a block, `Λ = L Lᵀ`.
-pub(crate) struct PrecisionBatch<'a> {
+pub(super) struct PrecisionBatch<'a> {
     /// `N`.
     pub(crate) width: usize,
     /// `m` and `L` of each particle.
