@@ -5,6 +5,7 @@ use std::fmt;
 use motes_inference::EstimatorCost;
 
 use crate::cost::{ON_LINE, cost};
+use crate::filter_source::FilterSource;
 use crate::model::Model;
 use crate::options::ProposalName;
 
@@ -70,12 +71,13 @@ impl Contender {
 
     /// What it costs at a time step.
     pub(crate) fn cost(&self, model: &Model) -> EstimatorCost {
-        match &self.proposal {
-            ProposalName::Learned(learned) if !self.looks_ahead => match learned.filters_by_potential() {
-                true => ON_LINE,
-                false => cost(&ProposalName::Learned(learned.clone().without_potentials()), model),
-            },
-            other => cost(other, model),
+        match &self.proposal.of_filter().unwrap_or_else(|_| self.proposal.clone()) {
+            _ if self.looks_ahead => cost(&self.proposal, model),
+            ProposalName::Learned(learned) if *learned.filters() == FilterSource::Potential => ON_LINE,
+            ProposalName::Learned(learned) => {
+                cost(&ProposalName::Learned(learned.clone().without_potentials()), model)
+            }
+            designed => cost(designed, model),
         }
     }
 }

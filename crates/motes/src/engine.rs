@@ -12,6 +12,7 @@ use crate::error::MotesError;
 use crate::estimate::Estimate;
 use crate::exact::{exact_filter, not_exact, restored};
 use crate::exact_system::ExactSystem;
+use crate::filter_source::FilterSource;
 use crate::model::{Kind, Model};
 use crate::options::{FilterOptions, ProposalName};
 use crate::particles::{Start, boxed, of_another_kind};
@@ -365,6 +366,10 @@ pub(crate) fn filter_of<'m>(
         (Kind::Learnable(learnable), ProposalName::Bootstrap) => boxed(learnable, Bootstrap, options, start),
         (Kind::Learnable(learnable), ProposalName::Learned(learned)) => {
             learned.check_model(model)?;
+            if matches!(learned.filters(), FilterSource::Designed(_)) {
+                let options = FilterOptions { proposal: options.proposal.of_filter()?, ..options.clone() };
+                return filter_of(model, &options, start, None);
+            }
             match (learned.on_line(learnable)?, learned.proposal()) {
                 (Some(potentials), _) => boxed(learnable, potentials, options, start),
                 (None, Some(proposal)) => boxed(learnable, proposal.clone(), options, start),

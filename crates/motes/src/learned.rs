@@ -16,6 +16,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::MotesError;
 use crate::evidence::LearnedWorth;
+use crate::filter_source::FilterSource;
 use crate::learned_notes::{Notes, PotentialNotes};
 use crate::model::{Kind, LearnableModel, Model};
 use crate::packed::{pack, unpack};
@@ -47,7 +48,7 @@ struct PotentialsWithNotes {
 const IN_BYTES: &str = "a learned proposal";
 
 /// The version of what the bytes hold, beside that of the files in them.
-const BYTES_VERSION: u32 = 3;
+const BYTES_VERSION: u32 = 4;
 
 /// What the bytes of a proposal hold.
 #[derive(Serialize, Deserialize)]
@@ -118,8 +119,8 @@ impl LearnedProposal {
         LearnedProposal { potentials: None, ..self }
     }
 
-    /// The same, by whose potentials filters draw, or do not.
-    pub(crate) fn filtering_by_potential(self, filters: bool) -> Self {
+    /// The same, whose filters draw by something else.
+    pub(crate) fn filtering_by(self, filters: FilterSource) -> Self {
         match self.potential_notes().cloned() {
             Some(notes) => self.with_potential_notes(PotentialNotes { filters, ..notes }),
             None => self,
@@ -132,9 +133,9 @@ impl LearnedProposal {
         worth.is_some_and(LearnedWorth::is_behind_look_ahead)
     }
 
-    /// Whether a filter draws by potentials as measurements come.
-    pub(crate) fn filters_by_potential(&self) -> bool {
-        self.potentials.as_ref().is_some_and(|learned| learned.notes.filters)
+    /// What filters draw by that take in one measurement after another.
+    pub fn filters(&self) -> &FilterSource {
+        self.potentials.as_ref().map_or(&FilterSource::Network, |learned| &learned.notes.filters)
     }
 
     /// The potentials by which a filter of `model` draws as measurements come, if it does.
@@ -145,7 +146,8 @@ impl LearnedProposal {
         &self,
         model: &dyn LearnableModel,
     ) -> Result<Option<ByPotential<OnLinePotentials>>, MotesError> {
-        let potentials = self.potentials.as_ref().filter(|learned| learned.notes.filters);
+        let is_asked = *self.filters() == FilterSource::Potential;
+        let potentials = self.potentials.as_ref().filter(|_| is_asked);
         let proposal = potentials
             .map(|learned| OnLinePotentials::proposal(Arc::clone(&learned.potentials), model))
             .transpose();

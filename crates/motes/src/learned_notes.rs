@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::evidence::LearnedWorth;
+use crate::filter_source::FilterSource;
 use crate::training_prior::TrainingPrior;
 
 /// What the folder of a learned proposal says of its potentials.
@@ -16,8 +17,8 @@ pub struct PotentialNotes {
     pub gain: f64,
     /// The same of potentials that see the measurement of their step alone.
     pub gain_now: f64,
-    /// Whether filters draw by potentials of their step, instead of by a network for each particle.
-    pub filters: bool,
+    /// What filters draw by that take in one measurement after another.
+    pub filters: FilterSource,
     /// What they are worth beside designed proposals, on simulated sequences; nothing before they are judged.
     pub worth: Option<LearnedWorth>,
     /// The prior over which they were learned, if they were.
@@ -37,7 +38,7 @@ pub struct Notes {
     pub updates: usize,
     /// How long they took.
     pub seconds: f64,
-    /// The designed proposal that did better on validation sequences, if one did.
+    /// The designed proposal that did better on validation sequences than the network that was asked for, or is all that was learned; none if none did.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub worse_than: Option<String>,
 }

@@ -3,6 +3,7 @@
 use motes_proposals::Family;
 
 use crate::data::Data;
+use crate::filter_source::FilterSource;
 use crate::model::{Kind, Model};
 use crate::options::{FilterOptions, ProposalName};
 use crate::warning::Warning;
@@ -11,7 +12,7 @@ use crate::warning::Warning;
 pub(crate) fn of_sub_steps(model: &Model, data: &Data, options: &FilterOptions) -> Option<Warning> {
     let ProposalName::Learned(learned) = &options.proposal else { return None };
     let Kind::Learnable(learnable) = model.kind() else { return None };
-    if learnable.density().is_some() {
+    if learnable.density().is_some() || *learned.filters() != FilterSource::Network {
         return None;
     }
     let own = learned.proposal()?.config().sub_steps;

@@ -32,10 +32,12 @@ mod data;
 mod engine;
 mod error;
 mod estimate;
+mod estimated;
 mod evidence;
 mod exact;
 mod exact_system;
 mod few_ancestors;
+mod filter_source;
 mod filtered;
 mod filtering;
 mod fit_comparison;
@@ -83,6 +85,7 @@ pub use evidence::{
     Evidence, EvidenceEstimator, EvidenceOptions, EvidenceWorth, LearnedWorth, LogEvidence, Pilot, evidence,
     log_evidence, log_evidence_at,
 };
+pub use filter_source::FilterSource;
 pub use filtered::Filtered;
 pub use filtering::{filter, of_proposal};
 pub use fit_comparison::{FitComparison, FittedModel, FittedScore, compare_fits};

@@ -5,7 +5,9 @@ use std::str::FromStr;
 use std::sync::Arc;
 
 use crate::data::Data;
+use crate::error::MotesError;
 use crate::evidence::LOOK_AHEAD;
+use crate::filter_source::FilterSource;
 use crate::learned::LearnedProposal;
 use motes_smc::{FilterSettings, ResampleWhen, Resampling};
 
@@ -56,6 +58,22 @@ impl ProposalName {
             ProposalName::LookAhead => LOOK_AHEAD,
             ProposalName::Exact => "exact",
         }
+    }
+}
+
+impl ProposalName {
+    /// What a filter draws by: itself, or the designed proposal that a learned one hands out where nothing that was learned pays for filters.
+    ///
+    /// # Errors
+    /// [`MotesError::Proposal`] if its folder names one that filters do not have.
+    pub(crate) fn of_filter(&self) -> Result<Self, MotesError> {
+        let ProposalName::Learned(learned) = self else { return Ok(self.clone()) };
+        let FilterSource::Designed(name) = learned.filters() else { return Ok(self.clone()) };
+        let designed = ProposalName::DESIGNED.into_iter().find(|designed| designed.as_str() == name);
+        let reason =
+            || format!("its folder says that filters draw by {name}, which they do not have; learn it again");
+        designed
+            .ok_or_else(|| MotesError::Proposal { proposal: learned.name().to_string(), reason: reason() })
     }
 }
 
@@ -134,9 +152,11 @@ impl FilterOptions {
 
     /// The share where none is given.
     fn default_share(&self) -> Option<f64> {
-        // A potential has a flat part of its own.
+        // A potential has a flat part of its own, and a designed proposal the share that it has by itself.
         match &self.proposal {
-            ProposalName::Learned(learned) if !learned.filters_by_potential() => Some(DEFENSIVE_SHARE),
+            ProposalName::Learned(learned) if *learned.filters() == FilterSource::Network => {
+                Some(DEFENSIVE_SHARE)
+            }
             _ => None,
         }
     }

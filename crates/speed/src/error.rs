@@ -26,6 +26,14 @@ pub(crate) enum SpeedError {
     /// Our own work could not be prepared.
     #[error("{0}")]
     Prepare(String),
+    /// No piece of work has a name that was asked for.
+    #[error("--only {only}: no piece of work has this in its name; they are: {names}")]
+    Only {
+        /// What was asked for.
+        only: String,
+        /// What there is.
+        names: String,
+    },
     /// A signal came.
     #[error("interrupted")]
     Interrupted,

@@ -91,6 +91,7 @@ fn main() -> ExitCode {
     match fine {
         Ok(fine) => ExitCode::from(u8::from(!fine)),
         Err(SpeedError::Interrupted) => stop(&SpeedError::Interrupted, interrupt.exit_status()),
+        Err(error @ SpeedError::Only { .. }) => stop(&error, 2),
         Err(error) => stop(&error, 3),
     }
 }

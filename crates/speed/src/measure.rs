@@ -6,6 +6,7 @@ use crate::args::MeasureArgs;
 use crate::drive::{Contest, grow};
 use crate::error::SpeedError;
 use crate::report::Report;
+use crate::workloads::Growing;
 use crate::{peak, worker, workloads};
 
 /// Rounds of filters of growing size for each of the others: they are short, and exponents ask for more.
@@ -27,25 +28,30 @@ pub(crate) fn measure(args: &MeasureArgs, interrupt: &Interrupt) -> Result<Strin
         (Some(python), true) => Some(python.clone()),
         (None, true) => Some(worker::environment(peers, &out.join("python"))?),
     };
+    let (all, growing) = (workloads::all(&scratch)?, workloads::growing(&scratch)?);
+    let names: Vec<String> =
+        all.iter().map(|workload| workload.name.clone()).chain(growing.iter().map(growth_name)).collect();
+    let is_asked = |name: &String| name.contains(&args.only);
+    if !names.iter().any(is_asked) {
+        return Err(SpeedError::Only { only: args.only.clone(), names: names.join(", ") });
+    }
     let mut report = Report::new(args.rounds, peak::measure());
-    for workload in workloads::all(&scratch)? {
+    for workload in all.into_iter().filter(|workload| is_asked(&workload.name)) {
         if interrupt.check().is_break() {
             return Err(SpeedError::Interrupted);
-        }
-        if !workload.name.contains(&args.only) {
-            continue;
         }
         let contest = Contest { workload, python: python.as_deref(), peers, rounds: args.rounds };
         report.add(contest.run(interrupt)?);
         // What is known is kept, whatever comes after.
         report.write(out)?;
     }
-    for growing in workloads::growing(&scratch)? {
-        if !format!("growth {} {}", growing.method, growing.size).contains(&args.only) {
-            continue;
-        }
+    for growing in growing.into_iter().filter(|growing| is_asked(&growth_name(growing))) {
         report.add_growth(grow(growing, GROWTH_ROUNDS * args.rounds, interrupt)?);
         report.write(out)?;
     }
     Ok(report.table())
+}
+
+fn growth_name(growing: &Growing) -> String {
+    format!("growth {} {}", growing.method, growing.size)
 }

@@ -168,10 +168,10 @@ fn of_potentials(notes: &PotentialNotes) -> String {
     let Some((designed, advantage)) = worth.advantage() else { return begin };
     let errors: Vec<String> =
         worth.all().map(|worth| format!("{} {:.3}", worth.proposal, worth.error)).collect();
-    let filters = if notes.filters { "potentials of their step" } else { "a network for each particle" };
     format!(
-        "{begin}; at equal work {} times the precision of {designed}; filters draw by {filters}; error of the log-evidence with 100 particles: {}",
+        "{begin}; at equal work {} times the precision of {designed}; filters draw by {}; error of the log-evidence with 100 particles: {}",
         number(advantage),
+        notes.filters,
         errors.join("; ")
     )
 }

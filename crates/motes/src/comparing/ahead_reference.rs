@@ -6,10 +6,10 @@ use motes_inference::map_on_threads;
 use motes_models::Seed;
 use motes_smc::LookAhead;
 
-use super::estimated::Estimated;
 use super::options::{CompareOptions, MOST_REFERENCE_FILTERS};
 use super::sequence::Sequence;
 use crate::contender::Contender;
+use crate::estimated::Estimated;
 use crate::evidence::{RecordedSequence, candidates};
 use crate::model::Model;
 use crate::options::{FilterOptions, ProposalName};

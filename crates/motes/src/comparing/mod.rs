@@ -4,7 +4,6 @@ mod ahead_reference;
 mod card;
 mod designed;
 mod equal_time;
-mod estimated;
 mod gain;
 mod kept;
 mod options;

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::estimated::Estimated;
+use crate::estimated::Estimated;
 
 /// The answers for one sequence.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -4,13 +4,13 @@ use motes_inference::LogMean;
 use motes_models::{Seed, StepRecord};
 
 use super::ahead_reference::{by_look_ahead, particles as of_look_ahead, particles_of_each};
-use super::estimated::Estimated;
 use super::kept;
 use super::options::{CompareOptions, MOST_REFERENCE_FILTERS};
 use super::reference::Reference;
 use super::sequence::Sequence;
 use crate::engine::Running;
 use crate::error::MotesError;
+use crate::estimated::Estimated;
 use crate::exact::filter_series;
 use crate::model::Model;
 use crate::options::{FilterOptions, ProposalName};

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::filter_source::FilterSource;
+
 /// The designed proposal that looks ahead.
 pub(crate) const LOOK_AHEAD: &str = "look-ahead";
 
@@ -10,7 +12,7 @@ pub(crate) const LOOK_AHEAD: &str = "look-ahead";
 pub struct EvidenceWorth {
     /// The proposal.
     pub proposal: String,
-    /// The root-mean-square error of `log ẑ` with 100 particles, in nats: against the mean of all runs of all proposals, which is dominated by the best.
+    /// The root-mean-square error of `log ẑ` with 100 particles, in nats: against the surest mean of the runs of a proposal that misses nothing another has found.
     pub error: f64,
     /// The work of a time step, in particles of a bootstrap filter.
     pub work: f64,
@@ -49,11 +51,15 @@ impl LearnedWorth {
         Some((&best.proposal, best.inefficiency() / self.ahead.inefficiency()))
     }
 
-    /// The designed proposal by which filters have less error than by the potentials of a step with the same particles, if there is one.
-    pub(crate) fn better_filter(&self) -> Option<&str> {
-        let filters = self.designed.iter().filter(|worth| worth.proposal != LOOK_AHEAD);
-        let best = filters.min_by(|a, b| a.error.total_cmp(&b.error))?;
-        (best.error < self.now.error).then_some(best.proposal.as_str())
+    /// What filters have least squared error times work by; of equals what is simpler.
+    pub(crate) fn best_filter(&self) -> FilterSource {
+        let designed = self.designed.iter().filter(|worth| worth.proposal != LOOK_AHEAD);
+        let designed = designed.map(|worth| (FilterSource::Designed(worth.proposal.clone()), worth));
+        let learned = [(FilterSource::Potential, &self.now)];
+        let network = self.per_particle.iter().map(|worth| (FilterSource::Network, worth));
+        let all = designed.chain(learned).chain(network);
+        let best = all.min_by(|(_, a), (_, b)| a.inefficiency().total_cmp(&b.inefficiency()));
+        best.map_or(FilterSource::Potential, |(source, _)| source)
     }
 
     /// Whether the potentials of a smoother do better than those that were learned.

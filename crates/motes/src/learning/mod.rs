@@ -27,7 +27,7 @@ use crate::model::Model;
 use crate::simulating::{check_draws, schedule};
 use choice::{Choice, choose};
 use over_prior::{PriorLearning, prior_of};
-use potentials::{SEQUENCES, judge, judged, learns_potentials, potentials};
+use potentials::{SEQUENCES, asks_for_network, judge, judged, learns_potentials, potentials};
 use worth::worse_than;
 
 /// Learning ends where after such a share of its updates nothing was better than the base.
@@ -172,7 +172,11 @@ fn learn_until(
             Err(reason) => no_potentials = Some(reason),
         }
     }
-    let worse_than = worse_than(model, &learned, data, options, &seed.child("worth"))?;
+    let is_chosen = learned.potential_notes().is_some() && !asks_for_network(options);
+    let worse_than = match is_chosen {
+        true => None,
+        false => worse_than(model, &learned, data, options, &seed.child("worth"))?,
+    };
     let training_seconds = started.elapsed().as_secs_f64();
     let notes = Notes { worse_than, seconds: training_seconds, ..learned.notes().clone() };
     let (proposal, history) = (learned.with_notes(notes), Some(history));

@@ -4,15 +4,14 @@ use std::ops::ControlFlow;
 use std::time::Instant;
 
 use motes_models::Seed;
-use motes_proposals::Sees;
 use motes_train::{PathRequest, PathSource, TrainError};
 
 use super::options::LearnOptions;
 use super::outcome::LearnOutcome;
-use super::potentials::{SEQUENCES, judge, judged, learns_potentials, potentials};
+use super::potentials::{SEQUENCES, asks_for_network, judge, judged, learns_potentials, potentials};
 use crate::data::Data;
 use crate::error::MotesError;
-use crate::evidence::LearnedWorth;
+use crate::filter_source::FilterSource;
 use crate::learned::{LearnedProposal, learnable, shape_of};
 use crate::learned_notes::{Notes, PotentialNotes};
 use crate::model::{Kind, Model};
@@ -22,15 +21,7 @@ use crate::training_prior::TrainingPrior;
 /// model has times or inputs: its units are those of a schedule.
 pub(super) fn prior_of(model: &Model, data: Option<&Data>, options: &LearnOptions) -> Option<TrainingPrior> {
     let Kind::Learnable(learnable) = model.kind() else { return None };
-    let is_of_one_model = data.is_some()
-        || model.timeline().is_some()
-        || options.start.is_some()
-        || options.base.is_some()
-        || options.head.is_some()
-        || options.widths.is_some()
-        || options.sees != Sees::All
-        || options.dropout > 0.0
-        || options.weight_penalty > 0.0;
+    let is_of_one_model = data.is_some() || model.timeline().is_some() || asks_for_network(options);
     if is_of_one_model || !learns_potentials(learnable, options) { None } else { TrainingPrior::of(model) }
 }
 
@@ -73,7 +64,7 @@ impl PriorLearning<'_> {
         let (updates, seconds) = (notes.updates, notes.seconds);
         let of_all = Notes { choice, updates, seconds, worse_than: None };
         // Filters have nothing else.
-        let notes = PotentialNotes { filters: true, prior: Some(prior), ..notes };
+        let notes = PotentialNotes { filters: FilterSource::Potential, prior: Some(prior), ..notes };
         let learned = LearnedProposal::new("learned".into(), None, of_all, own).with_potentials(found, notes);
         let seed = seed.child("recorded worth");
         let mut sequences = Vec::with_capacity(SEQUENCES);
@@ -93,10 +84,8 @@ impl PriorLearning<'_> {
             )));
         }
         let learned = judge(model, learned, sequences, options, &seed, &mut || proceed(1, 1))?;
-        let worth = learned.potential_notes().and_then(|notes| notes.worth.as_ref());
-        let worse_than = worth.and_then(LearnedWorth::better_filter).map(String::from);
         let training_seconds = started.elapsed().as_secs_f64();
-        let notes = Notes { worse_than, seconds: training_seconds, ..learned.notes().clone() };
+        let notes = Notes { seconds: training_seconds, ..learned.notes().clone() };
         Ok(Ok(LearnOutcome {
             proposal: learned.with_notes(notes),
             history: None,

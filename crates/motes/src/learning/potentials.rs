@@ -12,6 +12,7 @@ use crate::contender::Contender;
 use crate::data::Data;
 use crate::error::MotesError;
 use crate::evidence::{JudgedSequence, LearnedWorth, candidates, judge as judge_evidence};
+use crate::filter_source::FilterSource;
 use crate::learned::LearnedProposal;
 use crate::learned_notes::PotentialNotes;
 use crate::model::{LearnableModel, Model};
@@ -69,7 +70,7 @@ pub(super) fn potentials<'a>(
         seconds,
         gain,
         gain_now,
-        filters: false,
+        filters: FilterSource::Network,
         worth: None,
         prior: None,
         folder_notes: None,
@@ -131,17 +132,25 @@ pub(super) fn judge(
         Contender::on_line(by(learned.clone().without_potentials())).called("learned, per particle")
     });
     let has_network = per_particle.is_some();
-    let now = Contender::on_line(by(learned.clone().filtering_by_potential(true))).called("learned, now");
+    let now =
+        Contender::on_line(by(learned.clone().filtering_by(FilterSource::Potential))).called("learned, now");
     let ahead = Contender::ahead(by(learned.clone())).called("learned, ahead");
     let contenders: Vec<Contender> = designed.chain(per_particle).chain([now, ahead]).collect();
     let mut designed = judge_evidence(&contenders, sequences, &seed.child("runs"), proceed)?;
     let (Some(ahead), Some(now)) = (designed.pop(), designed.pop()) else { return Ok(learned) };
     let per_particle = if has_network { designed.pop() } else { None };
     let worth = LearnedWorth { designed, per_particle, now, ahead };
-    // Who asks for a network of some kind filters with that.
-    let is_asked = options.base.is_some() || options.head.is_some() || options.widths.is_some();
-    let filters = !is_asked
-        && options.sees == Sees::All
-        && worth.per_particle.as_ref().is_none_or(|other| worth.now.inefficiency() < other.inefficiency());
+    let filters = if asks_for_network(options) { FilterSource::Network } else { worth.best_filter() };
     Ok(learned.with_potential_notes(PotentialNotes { worth: Some(worth), filters, ..notes }))
+}
+
+/// Whether a network of some kind is asked for, by which filters then draw.
+pub(super) fn asks_for_network(options: &LearnOptions) -> bool {
+    options.start.is_some()
+        || options.base.is_some()
+        || options.head.is_some()
+        || options.widths.is_some()
+        || options.sees != Sees::All
+        || options.dropout > 0.0
+        || options.weight_penalty > 0.0
 }

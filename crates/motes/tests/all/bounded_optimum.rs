@@ -77,7 +77,9 @@ fn a_learned_proposal_is_near_the_optimum_which_is_near_the_designed_ones() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/bounded.toml");
     let model = Model::read(&file, &[]).unwrap();
     let go_on = |_| ControlFlow::Continue(());
-    let learned = learn(&model, None, &LearnOptions::default(), |_, _| ControlFlow::Continue(())).unwrap();
+    // A network, which learns what only the optimum has.
+    let network = LearnOptions { widths: Some(vec![64, 64]), ..LearnOptions::default() };
+    let learned = learn(&model, None, &network, |_, _| ControlFlow::Continue(())).unwrap();
     let filter = FilterOptions { particles: PARTICLES, defensive: Some(0.0), ..FilterOptions::default() };
     let options = CompareOptions {
         proposals: vec![

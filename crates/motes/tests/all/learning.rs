@@ -139,12 +139,43 @@ fn the_card_has_the_keys_that_scripts_rely_on() {
     }
 }
 
+const LINEAR: &str = r#"
+[initial]
+x = "normal(0, 1)"
+[transition]
+x = "normal(0.9*x, 1)"
+[measurement]
+y = "normal(x, 0.1)"
+"#;
+
+/// Linearised proposals are the best there are here, and a smoother has no error: a few updates learn nothing that pays.
+#[test]
+fn where_nothing_learned_pays_filters_take_the_designed_proposal() {
+    let place = Workplace::new();
+    place.write("linear.toml", LINEAR);
+    let output = place.run(&["learn", "linear.toml", "-o", "p", "--updates", "5", "--sequences", "0"]);
+    let said = stderr(&output);
+    assert!(said.contains("filters draw by linearised, which is designed"), "{said}");
+    assert!(said.contains("look-ahead 0.000"), "{said}");
+    let data = place.printed(&["simulate", "linear.toml", "--steps", "30", "--seed", "9"]);
+    place.write("d.csv", data);
+    let filtered =
+        |proposal: &str| place.printed(&["filter", "linear.toml", "d.csv", "--proposal", proposal, "-q"]);
+    assert_eq!(filtered("p"), filtered("linearised"));
+    assert_ne!(filtered("p"), filtered("bootstrap"));
+    let file = place.path("p").join("potentials.toml");
+    let text = std::fs::read_to_string(&file).unwrap();
+    std::fs::write(&file, text.replace("\"linearised\"", "\"linearized\"")).unwrap();
+    let output = place.run(&["filter", "linear.toml", "d.csv", "--proposal", "p", "-q"]);
+    let said = stderr(&output);
+    assert!(output.status.code() != Some(0) && said.lines().count() == 1, "{said}");
+}
+
 /// A linear model, whose exact evidence the reference is: a filter that looks ahead has no error.
 #[test]
 fn filters_that_look_ahead_are_compared_by_their_evidence_alone() {
     let place = Workplace::new();
-    let model = "[initial]\nx = \"normal(0, 1)\"\n[transition]\nx = \"normal(0.9*x, 1)\"\n[measurement]\ny = \"normal(x, 0.5)\"\n";
-    place.write("linear.toml", model);
+    place.write("linear.toml", LINEAR);
     let command = ["compare", "linear.toml", "--sequences", "3", "--steps", "30", "--at", "10,20"];
     let card: Value = serde_json::from_str(&place.printed(&[&command[..], &["--json"]].concat())).unwrap();
     let ahead = &card["methods"]["look-ahead"];
@@ -158,7 +189,7 @@ fn filters_that_look_ahead_are_compared_by_their_evidence_alone() {
     assert!(text.starts_with("For the same error of the log-evidence "), "{text}");
     assert!(text.lines().any(|line| line.starts_with("| look-ahead") && line.contains("– |")), "{text}");
     // A matrix file has no noise to look through.
-    let matrices = "kind = \"linear-gaussian\"\nA = [[0.9]]\nQ = [[1.0]]\nC = [[1.0]]\nR = [[0.25]]\nm0 = [0.0]\nP0 = [[1.0]]\n";
+    let matrices = "kind = \"linear-gaussian\"\nstates = [\"x\"]\nmeasurements = [\"y\"]\nA = [[0.9]]\nQ = [[1.0]]\nC = [[1.0]]\nR = [[0.25]]\nm0 = [0.0]\nP0 = [[1.0]]\n";
     place.write("matrices.toml", matrices);
     let output = place.run(&["compare", "matrices.toml", "--proposals", "look-ahead", "--sequences", "2"]);
     let said = stderr(&output);

@@ -294,7 +294,8 @@ fn a_learned_proposal_is_for_its_number_of_sub_steps() {
                 [measurement]\ny = \"normal(x, 0.5)\"\n";
     let model = model(head, body);
     let even = read(head, body, "h,y\n0,0.1\n1,0.5\n2,0.4\n3,1\n").unwrap();
-    let options = LearnOptions { updates: 20, steps: 4, ..LearnOptions::default() };
+    let options =
+        LearnOptions { updates: 20, steps: 4, widths: Some(vec![64, 64]), ..LearnOptions::default() };
     let learned = learn(&model, Some(&even), &options, |_, _| ControlFlow::Continue(())).unwrap().proposal;
     assert_eq!(learned.proposal().unwrap().config().sub_steps, 2);
     let said = |data: &Data| -> Vec<String> {
