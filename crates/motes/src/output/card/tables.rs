@@ -99,7 +99,7 @@ pub(in crate::output) fn about_gains(comparison: &Comparison) -> Option<String> 
 fn two_digits(value: f64) -> String {
     match value {
         0.0 => "0".into(),
-        _ if value >= 1e5 || value < 1e-3 => format!("{value:.1e}"),
+        _ if !(1e-3..1e5).contains(&value) => format!("{value:.1e}"),
         _ => {
             let scale = 10_f64.powf(1.0 - value.log10().floor());
             let rounded = (value * scale).round() / scale;
