@@ -69,6 +69,17 @@ impl Contender {
         matches!(self.proposal, ProposalName::Learned(_))
     }
 
+    /// The designed proposal that it filters by, where that is what a learned folder hands out.
+    pub fn designed_filter(&self) -> Option<&str> {
+        match &self.proposal {
+            ProposalName::Learned(learned) if !self.looks_ahead => match learned.filters() {
+                FilterSource::Designed(name) => Some(name),
+                FilterSource::Network | FilterSource::Potential => None,
+            },
+            _ => None,
+        }
+    }
+
     /// What it costs at a time step.
     pub(crate) fn cost(&self, model: &Model) -> EstimatorCost {
         match &self.proposal.of_filter().unwrap_or_else(|_| self.proposal.clone()) {

@@ -51,8 +51,10 @@ fn in_one_line(found: &Evidence, is_chosen: bool) -> String {
     let runs = if found.is_exact() { String::new() } else { format!(", {} runs", found.runs.len()) };
     let choice = match (is_chosen, found.pilots.len() > 1) {
         (true, true) => {
-            let pilots =
-                found.pilots.iter().map(|pilot| format!("{} {:.2}", pilot.proposal, pilot.log_evidence));
+            let pilots = found.pilots.iter().map(|pilot| match pilot.log_evidence.abs() < 1e6 {
+                true => format!("{} {:.2}", pilot.proposal, pilot.log_evidence),
+                false => format!("{} {:.1e}", pilot.proposal, pilot.log_evidence),
+            });
             format!(" (of pilots: {})", pilots.collect::<Vec<_>>().join(", "))
         }
         _ => String::new(),

@@ -142,6 +142,7 @@ impl EqualTime {
             times().fold((f64::INFINITY, 0.0_f64), |(low, high), ms| (low.min(ms), high.max(ms)));
         let mut names: Vec<&Contender> = self.points.iter().map(|point| &point.contender).collect();
         names.dedup();
+        names.retain(|contender| contender.designed_filter().is_none());
         let mut found: Vec<(Contender, [f64; 2])> = Vec::new();
         for part in 0..=PARTS {
             let ms = low * (high / low).powf(part as f64 / PARTS as f64);

@@ -18,13 +18,18 @@ pub struct Gain {
 }
 
 impl EqualTime {
-    /// The best designed filter, and the gain of every other contender over it; none where there is nothing to compare.
+    /// The best designed filter, and the gain of every other contender over it, but for those that are a designed filter by another name; none where there is nothing to compare.
     pub fn gains(&self) -> Option<(Contender, Vec<Gain>)> {
         let mut contenders: Vec<&Contender> = self.points.iter().map(|point| &point.contender).collect();
         contenders.dedup();
+        contenders.retain(|contender| contender.designed_filter().is_none());
         let of_all = |contender: &Contender| self.inefficiency(contender, None);
         let filters = contenders.iter().filter(|one| !one.looks_ahead() && !one.is_learned());
         let over = *filters.min_by(|a, b| of_all(a).total_cmp(&of_all(b)))?;
+        // Where nothing is measured, nobody has an error.
+        if of_all(over) == 0.0 {
+            return None;
+        }
         let sequences = self.points.first().map_or(0, |point| point.gaps.len());
         let gain = |contender: &Contender| {
             let log_ratio = |left_out| {

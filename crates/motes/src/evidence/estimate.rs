@@ -46,8 +46,8 @@ impl Evidence {
                 "no particle of any run explains some measurement: the log-evidence is −∞".to_string()
             }
             Some(error) if error > LARGEST_ERROR => format!(
-                "the standard error of the log-evidence is {error:.1}: it is too low, and hardly says which of two models is better; take more particles or \
-                 another proposal"
+                "the log-evidence is too low by an unknown amount, as its standard error of {error:.1} shows: compare no models with it; take more particles, or leave out \
+                 --proposal"
             ),
             _ => return None,
         };

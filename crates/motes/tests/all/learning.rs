@@ -162,6 +162,9 @@ fn where_nothing_learned_pays_filters_take_the_designed_proposal() {
     let filtered =
         |proposal: &str| place.printed(&["filter", "linear.toml", "d.csv", "--proposal", proposal, "-q"]);
     assert_eq!(filtered("p"), filtered("linearised"));
+    let compared = ["--proposals", "bootstrap,linearised,p", "--sequences", "3", "--steps", "9", "--at", "9"];
+    let card = place.printed(&[&["compare", "linear.toml"], &compared[..]].concat());
+    assert!(card.lines().next().unwrap().ends_with(" p filters by linearised."), "{card}");
     assert_ne!(filtered("p"), filtered("bootstrap"));
     let file = place.path("p").join("potentials.toml");
     let text = std::fs::read_to_string(&file).unwrap();
@@ -186,7 +189,7 @@ fn filters_that_look_ahead_are_compared_by_their_evidence_alone() {
     }
     assert!(card["gains"]["methods"]["look-ahead"]["ratio"].as_f64().unwrap() > 1e6, "{card}");
     let text = place.printed(&command);
-    assert!(text.starts_with("For the same error of the log-evidence "), "{text}");
+    assert!(text.starts_with("Speed at the same error of the log-evidence"), "{text}");
     assert!(text.lines().any(|line| line.starts_with("| look-ahead") && line.contains("– |")), "{text}");
     // A matrix file has no noise to look through.
     let matrices = "kind = \"linear-gaussian\"\nstates = [\"x\"]\nmeasurements = [\"y\"]\nA = [[0.9]]\nQ = [[1.0]]\nC = [[1.0]]\nR = [[0.25]]\nm0 = [0.0]\nP0 = [[1.0]]\n";
@@ -215,7 +218,9 @@ fn proposals_are_paired_by_sequence_and_the_page_shows_all() {
         assert!(paired["half_widths"][key].as_f64().unwrap() > 0.0);
     }
     let page = place.read("card.html");
-    for part in ["<svg", "Report card", "Error at equal time", "Less linearised", "bootstrap", "Made by"] {
+    for part in
+        ["<svg", "Report card", "Error at equal time", "Difference from linearised", "bootstrap", "Made by"]
+    {
         assert!(page.contains(part), "{part}");
     }
     assert!(

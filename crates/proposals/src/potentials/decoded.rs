@@ -75,7 +75,12 @@ impl Layout {
             });
         }
         let log_weight = outputs[self.outputs() - 1];
-        of_step.push(PotentialComponent { log_weight, centre: middles.clone(), root: Vec::new() });
+        of_step.push(PotentialComponent { log_weight, ..Self::flat(middles) });
         of_step
+    }
+
+    /// What says nothing of a state.
+    pub(super) fn flat(middles: &[f64]) -> PotentialComponent {
+        PotentialComponent { log_weight: 0.0, centre: middles.to_vec(), root: Vec::new() }
     }
 }

@@ -114,9 +114,16 @@ impl LearnedPotentials {
         let sizes = self.sizes(recorded.len(), 1);
         let outputs = outputs(&self.networks, &self.parameters, sizes, layout, &features)
             .map_err(|error| LookAheadError::Networks { reason: error.to_string() })?;
+        // Nothing is to be known of states after the last measurement.
+        let is_measured = |row: &RecordedStep| row.measurement.iter().any(Option::is_some);
+        let measured = recorded.iter().rposition(is_measured).map_or(0, |last| last + 1);
         let potentials: Vec<_> = outputs
             .chunks_exact(layout.outputs())
-            .map(|row| layout.components(row, &standards.state))
+            .enumerate()
+            .map(|(index, row)| match index < measured {
+                true => layout.components(row, &standards.state),
+                false => vec![Layout::flat(&standards.state[0])],
+            })
             .collect();
         LookAhead::from_potentials(model, recorded, &potentials)
     }
@@ -130,6 +137,9 @@ impl LearnedPotentials {
         standards: &PotentialStandards,
         memory: &mut StepMemory,
     ) -> Result<Vec<PotentialComponent>, ProposalError> {
+        if measurement.iter().all(Option::is_none) {
+            return Ok(vec![Layout::flat(&standards.state[0])]);
+        }
         let StepMemory { of_step, features, inference } = memory;
         features.clear();
         let noise_space = model.noise_space().ok_or(ProposalError::NoNoise)?;

@@ -46,13 +46,16 @@ impl<M: Linearise + ?Sized> LookAheadBatch<'_, M> {
         if self.now.components.len() > 1 {
             guide.choose(uniforms);
             guide.draw_chosen(is_from_prior, normals);
-            let step = &self.context.step;
-            self.noise_space.tile_states(step, previous, normals, states);
             let StepAhead { components, variances, .. } = self.now;
             let log = by_widest_vectors(
                 #[inline(always)]
                 || guide.log_mixture(components, variances.is_some(), normals),
             );
+            match variances {
+                // Normal draws lie on their line.
+                Some(_) => states.copy_from_slice(&guide.centres),
+                None => self.noise_space.tile_states(&self.context.step, previous, normals, states),
+            }
             return log - expected;
         }
         let TileGuide { centres, jacobian, mean, lower, .. } = guide;

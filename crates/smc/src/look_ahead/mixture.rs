@@ -48,7 +48,7 @@ impl TileGuide {
         }
     }
 
-    /// `log ψ̃(v) = log Σ_j w_j ψ_j(c + J v)` of noise (`Q × LANES`).
+    /// `log ψ̃(v) = log Σ_j w_j ψ_j(c + J v)` of noise (`Q × LANES`); the centres become `c + J v`.
     #[inline(always)]
     pub(super) fn log_mixture(
         &mut self,

@@ -89,9 +89,13 @@ pub(in crate::output) fn about_gains(comparison: &Comparison) -> Option<String> 
         format!("{} {}{}", gain.contender, two_digits(gain.ratio), interval.unwrap_or_default())
     };
     let parts: Vec<String> = gains.iter().map(part).collect();
+    let same = comparison.cards.iter().filter_map(|(contender, _)| {
+        Some(format!(" {contender} filters by {}.", contender.designed_filter()?))
+    });
     Some(format!(
-        "For the same error of the log-evidence {over} takes so many times as long (90 % interval), each with its best number of particles: {}.",
-        parts.join("; ")
+        "Speed at the same error of the log-evidence, each with its best number of particles; {over}, the best designed on-line filter, is 1 and above 1 is faster (90 % interval): {}.{}",
+        parts.join("; "),
+        same.collect::<String>()
     ))
 }
 
@@ -118,7 +122,7 @@ pub(in crate::output) fn about_reaching(comparison: &Comparison) -> String {
 
 /// What [`differences`] are, in a sentence.
 pub(in crate::output) fn about_differences(baseline: &str) -> String {
-    format!("Less {baseline}, sequence by sequence, ± half a 95 % interval:")
+    format!("Difference from {baseline}, sequence by sequence, ± half a 95 % interval:")
 }
 
 /// What [`errors`] are, in a sentence.
