@@ -4,8 +4,7 @@ use std::fmt;
 
 use motes_inference::EstimatorCost;
 
-use crate::cost::{ON_LINE, cost};
-use crate::filter_source::FilterSource;
+use crate::cost::{cost, on_line_cost};
 use crate::model::Model;
 use crate::options::ProposalName;
 
@@ -72,24 +71,14 @@ impl Contender {
     /// The designed proposal that it filters by, where that is what a learned folder hands out.
     pub fn designed_filter(&self) -> Option<&str> {
         match &self.proposal {
-            ProposalName::Learned(learned) if !self.looks_ahead => match learned.filters() {
-                FilterSource::Designed(name) => Some(name),
-                FilterSource::Network | FilterSource::Potential => None,
-            },
+            ProposalName::Learned(learned) if !self.looks_ahead => learned.designed_filter(),
             _ => None,
         }
     }
 
     /// What it costs at a time step.
     pub(crate) fn cost(&self, model: &Model) -> EstimatorCost {
-        match &self.proposal.of_filter().unwrap_or_else(|_| self.proposal.clone()) {
-            _ if self.looks_ahead => cost(&self.proposal, model),
-            ProposalName::Learned(learned) if *learned.filters() == FilterSource::Potential => ON_LINE,
-            ProposalName::Learned(learned) => {
-                cost(&ProposalName::Learned(learned.clone().without_potentials()), model)
-            }
-            designed => cost(designed, model),
-        }
+        if self.looks_ahead { cost(&self.proposal, model) } else { on_line_cost(&self.proposal, model) }
     }
 }
 

@@ -12,7 +12,6 @@ use crate::error::MotesError;
 use crate::estimate::Estimate;
 use crate::exact::{exact_filter, not_exact, restored};
 use crate::exact_system::ExactSystem;
-use crate::filter_source::FilterSource;
 use crate::model::{Kind, Model};
 use crate::options::{FilterOptions, ProposalName};
 use crate::particles::{Start, boxed, of_another_kind};
@@ -366,7 +365,7 @@ pub(crate) fn filter_of<'m>(
         (Kind::Learnable(learnable), ProposalName::Bootstrap) => boxed(learnable, Bootstrap, options, start),
         (Kind::Learnable(learnable), ProposalName::Learned(learned)) => {
             learned.check_model(model)?;
-            if matches!(learned.filters(), FilterSource::Designed(_)) {
+            if learned.designed_filter().is_some() {
                 let options = FilterOptions { proposal: options.proposal.of_filter()?, ..options.clone() };
                 return filter_of(model, &options, start, None);
             }

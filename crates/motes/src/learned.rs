@@ -138,6 +138,14 @@ impl LearnedProposal {
         self.potentials.as_ref().map_or(&FilterSource::Network, |learned| &learned.notes.filters)
     }
 
+    /// The name of the designed proposal that filters take in its place, where nothing that was learned pays for them.
+    pub fn designed_filter(&self) -> Option<&str> {
+        match self.filters() {
+            FilterSource::Designed(name) => Some(name),
+            FilterSource::Network | FilterSource::Potential => None,
+        }
+    }
+
     /// The potentials by which a filter of `model` draws as measurements come, if it does.
     ///
     /// # Errors

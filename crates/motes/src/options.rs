@@ -68,7 +68,7 @@ impl ProposalName {
     /// [`MotesError::Proposal`] if its folder names one that filters do not have.
     pub(crate) fn of_filter(&self) -> Result<Self, MotesError> {
         let ProposalName::Learned(learned) = self else { return Ok(self.clone()) };
-        let FilterSource::Designed(name) = learned.filters() else { return Ok(self.clone()) };
+        let Some(name) = learned.designed_filter() else { return Ok(self.clone()) };
         let designed = ProposalName::DESIGNED.into_iter().find(|designed| designed.as_str() == name);
         let reason =
             || format!("its folder says that filters draw by {name}, which they do not have; learn it again");

@@ -1,7 +1,7 @@
 //! A series of data as a filter takes it, step by step, and a filter that may know all of it before it starts.
 
 use motes_models::StepRecord;
-use motes_smc::{LookAhead, RecordedStep};
+use motes_smc::{LookAhead, LookAheadError, RecordedStep};
 
 use crate::data::Data;
 use crate::engine::Running;
@@ -67,17 +67,24 @@ fn designed(model: &Model, steps: &[RecordedStep]) -> Result<LookAhead, MotesErr
 /// A model that a smoother can be tried for.
 ///
 /// # Errors
-/// [`MotesError::Proposal`] for one without derivatives.
+/// [`MotesError::Proposal`] for one without derivatives, or that does not say how its states are made of noise.
 pub(crate) fn with_derivatives(model: &Model) -> Result<&dyn LearnableModel, MotesError> {
-    match model.kind() {
-        Kind::Learnable(learnable) if learnable.has_gradients() => Ok(learnable),
-        Kind::LinearGaussian(_) => {
-            Err(no_look_ahead("kind = \"linear-gaussian\" has exact answers; take --proposal exact".into()))
+    let reason = match model.kind() {
+        Kind::Learnable(learnable) if !learnable.has_gradients() => {
+            "the model has no derivatives; take --proposal bootstrap, or one that is learned".into()
         }
-        Kind::Learnable(_) => Err(no_look_ahead(
-            "the model has no derivatives; take --proposal bootstrap, or one that is learned".into(),
-        )),
-    }
+        Kind::Learnable(learnable) if learnable.noise_space().is_some() => return Ok(learnable),
+        Kind::Learnable(_) => format!("{}; take --proposal linearised or bootstrap", LookAheadError::NoNoise),
+        Kind::LinearGaussian(_) => {
+            "kind = \"linear-gaussian\" has exact answers; take --proposal exact".into()
+        }
+    };
+    Err(no_look_ahead(reason))
+}
+
+/// Whether a smoother can be tried for a model.
+pub(crate) fn has_look_ahead(model: &Model) -> bool {
+    with_derivatives(model).is_ok()
 }
 
 fn no_look_ahead(reason: String) -> MotesError {

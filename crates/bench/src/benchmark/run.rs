@@ -21,7 +21,7 @@ use crate::provenance::Provenance;
 const FORMAT: u32 = 2;
 
 /// The version of how references are made, raised whenever they are made otherwise.
-const REFERENCES: u32 = 4;
+const REFERENCES: u32 = 5;
 
 /// The whole result.
 const CARD: &str = "card.json";

@@ -164,7 +164,7 @@ fn of_course(history: &Learned) -> Vec<String> {
 /// What there is to say of potentials.
 fn of_potentials(notes: &PotentialNotes) -> String {
     let begin = format!(
-        "evidence of recorded data: potentials learned in {:.1} s of these ({} updates, gain over the transition {:.3} nats a step)",
+        "evidence of recorded data: potentials learned in {:.1} s ({} updates, gain over the transition {:.3} nats a step)",
         notes.seconds, notes.updates, notes.gain
     );
     let Some(worth) = &notes.worth else { return begin };

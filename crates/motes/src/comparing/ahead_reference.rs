@@ -9,17 +9,26 @@ use motes_smc::LookAhead;
 use super::options::{CompareOptions, MOST_REFERENCE_FILTERS};
 use super::sequence::Sequence;
 use crate::contender::Contender;
-use crate::estimated::Estimated;
-use crate::evidence::{RecordedSequence, candidates};
+use crate::evidence::RecordedSequence;
+use crate::evidence_estimate::EvidenceEstimate;
 use crate::model::Model;
 use crate::options::{FilterOptions, ProposalName};
+use crate::recorded::has_look_ahead;
 
 /// The fewest filters that are averaged.
 const FEWEST_FILTERS: usize = 8;
 
 /// The particles of each of them.
-pub(super) fn particles_of_each(options: &CompareOptions) -> usize {
+fn particles_of_each(options: &CompareOptions) -> usize {
     (2 * options.reference_particles).div_ceil(FEWEST_FILTERS)
+}
+
+/// What they are, in a part of a sentence.
+pub(super) fn about_look_ahead(options: &CompareOptions) -> String {
+    format!(
+        "the log-evidence of the whole sequence is that of {FEWEST_FILTERS} filters or more that look ahead with {} particles, where those know it better",
+        particles_of_each(options)
+    )
 }
 
 /// The particles of those that are run for each sequence.
@@ -33,19 +42,18 @@ fn proposals(model: &Model, options: &CompareOptions) -> Vec<ProposalName> {
         .into_iter()
         .filter(|contender| contender.looks_ahead() && contender.is_learned())
         .map(|contender| contender.proposal().clone());
-    let designed = candidates(model).into_iter().filter(|proposal| *proposal == ProposalName::LookAhead);
-    learned.chain(designed).collect()
+    learned.chain(has_look_ahead(model).then_some(ProposalName::LookAhead)).collect()
 }
 
-/// The surest of these estimates, if it is to be believed rather than `plain`; of as many filters as it takes for the standard error that is wanted, if one is. `None` where no filter looks
+/// The surest of those estimates that are to be believed rather than `plain`; of as many filters as it takes for the standard error that is wanted, if one is. `None` where no filter looks
 /// ahead, none is to be believed, or none is as sure.
 pub(super) fn by_look_ahead(
     model: &Model,
     sequence: &Sequence,
     options: &CompareOptions,
-    plain: &Estimated,
+    plain: &EvidenceEstimate,
     seed: &Seed,
-) -> Option<Estimated> {
+) -> Option<EvidenceEstimate> {
     let recorded = RecordedSequence::of_steps(sequence.recorded());
     let of_one = |proposal: ProposalName| {
         // Potentials that cannot be had for this sequence are no reason to stop: there are other filters.
@@ -59,12 +67,13 @@ pub(super) fn by_look_ahead(
             ..options.filter.clone()
         };
         let found = runs(model, &recorded, &filter, &potentials, &seed, [0, FEWEST_FILTERS])?;
-        Some((Estimated::of(&found), found, filter, potentials, seed))
+        Some((EvidenceEstimate::of(&found), found, filter, potentials, seed))
     };
     let tried = proposals(model, options).into_iter().filter_map(of_one);
-    let surer = |error: f64| if error.is_nan() { f64::INFINITY } else { error };
+    // One that misses mass may well be the surest.
+    let believed = tried.filter(|(estimate, ..)| estimate.is_better_than(plain));
     let (mut estimate, mut found, filter, potentials, seed) =
-        tried.min_by(|(a, ..), (b, ..)| surer(a.error).total_cmp(&surer(b.error)))?;
+        believed.min_by(|(a, ..), (b, ..)| a.error.total_cmp(&b.error))?;
     while estimate.is_better_than(plain) {
         if options.reference_error.is_none_or(|wanted| estimate.error <= wanted) {
             return Some(estimate);
@@ -74,7 +83,7 @@ pub(super) fn by_look_ahead(
         }
         let more = [found.len(), found.len() + FEWEST_FILTERS];
         found.extend(runs(model, &recorded, &filter, &potentials, &seed, more)?);
-        estimate = Estimated::of(&found);
+        estimate = EvidenceEstimate::of(&found);
     }
     None
 }

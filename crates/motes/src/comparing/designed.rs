@@ -1,9 +1,9 @@
 //! The designed proposals that a model has.
 
 use crate::engine::Running;
-use crate::evidence::candidates;
 use crate::model::Model;
 use crate::options::{FilterOptions, ProposalName};
+use crate::recorded::has_look_ahead;
 
 /// The designed proposals of filters that a model has; `filter` says what filters with them are made with beside.
 pub fn designed(model: &Model, filter: &FilterOptions) -> Vec<ProposalName> {
@@ -17,6 +17,6 @@ pub fn designed(model: &Model, filter: &FilterOptions) -> Vec<ProposalName> {
 /// The same, and `look-ahead` for recorded data, where the model has it.
 pub fn designed_for_recorded(model: &Model, filter: &FilterOptions) -> Vec<ProposalName> {
     let mut proposals = designed(model, filter);
-    proposals.extend(candidates(model).into_iter().filter(|proposal| *proposal == ProposalName::LookAhead));
+    proposals.extend(has_look_ahead(model).then_some(ProposalName::LookAhead));
     proposals
 }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::estimated::Estimated;
+use crate::evidence_estimate::EvidenceEstimate;
 
 /// The answers for one sequence.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -20,9 +20,11 @@ pub(super) struct Reference {
 
 impl Reference {
     /// The same with another log-evidence of the whole sequence, where there is one that is surer.
-    pub(super) fn or_surer(self, surer: Option<Estimated>) -> Self {
+    pub(super) fn or_surer(self, surer: Option<EvidenceEstimate>) -> Self {
         match surer {
-            Some(Estimated { log_evidence, error }) => Reference { log_evidence, error: Some(error), ..self },
+            Some(EvidenceEstimate { log_evidence, error }) => {
+                Reference { log_evidence, error: Some(error), ..self }
+            }
             None => self,
         }
     }

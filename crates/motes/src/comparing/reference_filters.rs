@@ -3,14 +3,14 @@
 use motes_inference::LogMean;
 use motes_models::{Seed, StepRecord};
 
-use super::ahead_reference::{by_look_ahead, particles as of_look_ahead, particles_of_each};
+use super::ahead_reference::{about_look_ahead, by_look_ahead, particles as of_look_ahead};
 use super::kept;
 use super::options::{CompareOptions, MOST_REFERENCE_FILTERS};
 use super::reference::Reference;
 use super::sequence::Sequence;
 use crate::engine::Running;
 use crate::error::MotesError;
-use crate::estimated::Estimated;
+use crate::evidence_estimate::EvidenceEstimate;
 use crate::exact::filter_series;
 use crate::model::Model;
 use crate::options::{FilterOptions, ProposalName};
@@ -22,9 +22,11 @@ const DEFENSIVE: f64 = 0.1;
 fn candidates(options: &CompareOptions) -> Vec<ProposalName> {
     let mut candidates = vec![ProposalName::Linearised, ProposalName::Bootstrap];
     if options.reference_filters > 1 {
-        let learned =
-            options.proposals.iter().filter(|proposal| matches!(proposal, ProposalName::Learned(_)));
-        candidates.extend(learned.cloned());
+        let is_of_its_own = |proposal: &&ProposalName| match proposal {
+            ProposalName::Learned(learned) => learned.designed_filter().is_none(),
+            _ => false,
+        };
+        candidates.extend(options.proposals.iter().filter(is_of_its_own).cloned());
     }
     candidates
 }
@@ -109,18 +111,15 @@ fn computed(
     let particles = options.reference_particles;
     let rest =
         format!("whichever has most evidence, with {DEFENSIVE} of their particles from the transition");
-    let ahead = format!(
-        "the log-evidence of the whole sequence is that of 8 filters or more that look ahead with {} particles, where those know it better",
-        particles_of_each(options)
-    );
+    let ahead = about_look_ahead(options);
     let seed = Seed::from_u64(options.filter.seed).child("reference").nth(number as u64);
-    let look_ahead = |plain: &Estimated| by_look_ahead(model, sequence, options, plain, &seed);
+    let look_ahead = |plain: &EvidenceEstimate| by_look_ahead(model, sequence, options, plain, &seed);
     if options.reference_filters <= 1 {
         let name = format!("bootstrap or linearised with {particles} particles, {rest}; {ahead}");
         let (means, increments) = first;
         let log_evidence = increments.iter().sum();
         let plain = Reference { name, means, increments, log_evidence, error: None };
-        return Ok(plain.or_surer(look_ahead(&Estimated::of_one(log_evidence))));
+        return Ok(plain.or_surer(look_ahead(&EvidenceEstimate::of_one(log_evidence))));
     }
     // Not the one that was chosen by: the most of several is too much.
     let mut all = Vec::new();
@@ -128,7 +127,7 @@ fn computed(
     while all.len() < options.reference_filters || is_rough(&all, wanted) {
         if all.len() == options.reference_filters {
             // Filters that look ahead may know what it would take very many of these to know.
-            surer = look_ahead(&Estimated::of(&evidence_of(&all)));
+            surer = look_ahead(&EvidenceEstimate::of(&evidence_of(&all)));
             if surer.is_some() {
                 break;
             }
@@ -162,7 +161,7 @@ fn computed(
 /// Whether the standard error of the mean of these filters is too large, and more may be added.
 fn is_rough(all: &[Answers], wanted: Option<f64>) -> bool {
     // What is no number, of filters that all collapsed, is not small.
-    let is_known = |wanted: f64| Estimated::of(&evidence_of(all)).error <= wanted;
+    let is_known = |wanted: f64| EvidenceEstimate::of(&evidence_of(all)).error <= wanted;
     wanted.is_some_and(|wanted| all.len() < MOST_REFERENCE_FILTERS && !is_known(wanted))
 }
 
@@ -187,7 +186,7 @@ fn mean_of(all: &[Answers], name: String) -> Reference {
         increments.push(now.log() - before);
         before = now.log();
     }
-    let error = Some(Estimated::of(&evidence_of(all)).error);
+    let error = Some(EvidenceEstimate::of(&evidence_of(all)).error);
     Reference { name, means, increments, log_evidence: before, error }
 }
 

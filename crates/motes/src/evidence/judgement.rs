@@ -10,7 +10,7 @@ use super::sequence::RecordedSequence;
 use super::worth::EvidenceWorth;
 use crate::contender::Contender;
 use crate::error::MotesError;
-use crate::estimated::Estimated;
+use crate::evidence_estimate::EvidenceEstimate;
 use crate::model::Model;
 
 /// Particles of each run, and runs of each sequence.
@@ -52,8 +52,9 @@ pub(crate) fn judge(
             let found = runs(contender, &model, &sequence, &seed);
             logs.push(found.unwrap_or_else(|_| vec![f64::NEG_INFINITY; RUNS as usize]));
         }
-        let estimates: Vec<Estimated> = logs.iter().map(|logs| Estimated::of(logs)).collect();
-        let reference = Estimated::surest(&estimates).map_or(f64::NEG_INFINITY, |found| found.log_evidence);
+        let estimates: Vec<EvidenceEstimate> = logs.iter().map(|logs| EvidenceEstimate::of(logs)).collect();
+        let reference =
+            EvidenceEstimate::surest(&estimates).map_or(f64::NEG_INFINITY, |found| found.log_evidence);
         for (square, logs) in squares.iter_mut().zip(&logs) {
             let errors = logs.iter().map(|log| (log - reference).abs());
             let within = |error: f64| if error.is_nan() { LARGEST } else { error.min(LARGEST) };

@@ -9,7 +9,7 @@ use crate::cost::cost;
 use crate::error::MotesError;
 use crate::model::{Kind, Model};
 use crate::options::ProposalName;
-use crate::recorded::of_recorded;
+use crate::recorded::{has_look_ahead, of_recorded};
 
 /// Particles of a pilot.
 const PARTICLES: usize = 32;
@@ -60,7 +60,7 @@ pub(crate) fn candidates(model: &Model) -> Vec<ProposalName> {
         if Linearised::new(learnable).is_ok_and(|linearised| linearised.sees_measurements()) {
             names.push(ProposalName::Linearised);
         }
-        if learnable.noise_space().is_some() {
+        if has_look_ahead(model) {
             names.push(ProposalName::LookAhead);
         }
     }

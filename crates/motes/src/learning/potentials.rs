@@ -123,11 +123,8 @@ pub(super) fn judge(
     proceed: &mut dyn FnMut() -> ControlFlow<()>,
 ) -> Result<LearnedProposal, MotesError> {
     let Some(notes) = learned.potential_notes().cloned() else { return Ok(learned) };
-    let by = |learned: LearnedProposal| ProposalName::Learned(learned);
-    let designed = candidates(model).into_iter().map(|proposal| match proposal {
-        ProposalName::LookAhead => Contender::ahead(proposal),
-        other => Contender::on_line(other),
-    });
+    let by = ProposalName::Learned;
+    let designed = Contender::of(&candidates(model)).into_iter();
     let per_particle = learned.proposal().map(|_| {
         Contender::on_line(by(learned.clone().without_potentials())).called("learned, per particle")
     });

@@ -45,6 +45,10 @@ fn it_is_learned_once_and_filters_better_than_what_it_started_from() {
     // The other commands take it, too.
     let smoothed = place.printed(&["smooth", "square.toml", "data.csv", "--proposal", "p", "-q"]);
     assert_eq!(smoothed.lines().count(), 181);
+    // Where nothing is measured, nothing is to be known ahead.
+    place.write("none.csv", "t,y\n0,\n1,\n2,\n");
+    let nothing = place.printed(&["evidence", "square.toml", "none.csv", "--proposal", "p", "-q"]);
+    assert_eq!(nothing, "rows,log_evidence,standard_error\n3,0,0\n");
     let compared = place.printed(&[
         "compare",
         "square.toml",
