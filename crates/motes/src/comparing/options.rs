@@ -32,8 +32,8 @@ pub struct CompareOptions {
     /// How many such filters there are for a sequence, whose evidence is averaged. More than one tell how far it can be trusted; learned proposals are then
     /// among those that are tried.
     pub reference_filters: usize,
-    /// The standard error that a sequence's log-evidence may have. Where it is larger, the log-evidence is that of as many filters that look ahead as it takes, if those know it better; if not, more
-    /// filters are added until it is at most this, or there are [`MOST_REFERENCE_FILTERS`].
+    /// The standard error that a sequence's log-evidence may have. It is that of filters that look ahead, as many as this takes, where those know it better. If not, more of the others are added until
+    /// it is at most this, or there are [`MOST_REFERENCE_FILTERS`].
     pub reference_error: Option<f64>,
     /// Where references are kept and found again; nowhere if absent. Everything that they depend on must be the same whenever a folder is given.
     pub references: Option<PathBuf>,

@@ -122,38 +122,25 @@ fn computed(
         return Ok(plain.or_surer(look_ahead(&EvidenceEstimate::of_one(log_evidence))));
     }
     // Not the one that was chosen by: the most of several is too much.
-    let mut all = Vec::new();
-    let (wanted, mut surer) = (options.reference_error, None);
-    while all.len() < options.reference_filters || is_rough(&all, wanted) {
-        if all.len() == options.reference_filters {
-            // Filters that look ahead may know what it would take very many of these to know.
-            surer = look_ahead(&EvidenceEstimate::of(&evidence_of(&all)));
-            if surer.is_some() {
-                break;
-            }
-        }
-        match run(&proposal, 1 + all.len() as u64) {
-            Ok(found) => all.push(found),
-            // A filter that collapses has estimated an evidence of 0.
-            Err(MotesError::Filter { .. }) => {
-                all.push((first.0.clone(), vec![f64::NEG_INFINITY; first.1.len()]));
-            }
-            Err(error) => return Err(error),
-        }
+    let next = |number: usize| match run(&proposal, 1 + number as u64) {
+        // A filter that collapses has estimated an evidence of 0.
+        Err(MotesError::Filter { .. }) => Ok((first.0.clone(), vec![f64::NEG_INFINITY; first.1.len()])),
+        found => found,
+    };
+    let fewest = options.reference_filters;
+    let mut all = (0..fewest).map(next).collect::<Result<Vec<Answers>, MotesError>>()?;
+    // Filters that look ahead may know what it would take very many of these to know.
+    let surer = look_ahead(&EvidenceEstimate::of(&evidence_of(&all)));
+    let wanted = options.reference_error;
+    while surer.is_none() && is_rough(&all, wanted) {
+        all.push(next(all.len())?);
     }
     if all.iter().all(|(_, increments)| increments.contains(&f64::NEG_INFINITY)) {
         all.push(first);
     }
-    let fewest = options.reference_filters;
-    let (count, then) = match wanted {
-        Some(wanted) => (
-            format!("{fewest} filters or more"),
-            format!("; where its standard error would be above {wanted}, {ahead}"),
-        ),
-        None => (format!("{fewest} filters"), String::new()),
-    };
+    let count = if wanted.is_some() { "filters or more" } else { "filters" };
     let name = format!(
-        "the mean of {count} with {particles} particles: bootstrap, linearised or learned, {rest}{then}"
+        "the mean of {fewest} {count} with {particles} particles: bootstrap, linearised or learned, {rest}; {ahead}"
     );
     Ok(mean_of(&all, name).or_surer(surer))
 }
