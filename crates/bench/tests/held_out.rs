@@ -181,13 +181,14 @@ fn what_is_no_benchmark_is_refused_in_one_line() {
     let file = place.path("experiments/learned/growth.toml");
     let text = std::fs::read_to_string(&file).unwrap();
     for (from, to, expected) in [
-        ("\"linearised\"]", "\"linearized\"]", "did you mean linearised?"),
+        ("\"linearised\"", "\"linearized\"", "did you mean linearised?"),
         ("growth.toml", "groth.toml", "groth.toml"),
         ("name = \"learned\"", "name = \"bootstrap\"", "designed and learned"),
         ("name = \"learned\"", "name = \"learned\"\nobjective = \"wake\"", "it needs"),
         ("name = \"learned\"", "name = \"learned\"\nfrom = \"lerned\"", "learned.learned.from"),
         ("particles = 50", "particles = 0", "profiles.smoke.particles"),
     ] {
+        assert!(text.contains(from), "nothing of the benchmark is altered: {from}");
         std::fs::write(&file, text.replacen(from, to, 1)).unwrap();
         let expected = if expected == "it needs" { "the file needs [recorded]" } else { expected };
         refused(&["learned-growth", "--profile", "smoke"], expected);
