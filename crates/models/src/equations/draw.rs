@@ -19,6 +19,7 @@ pub(super) use gamma::StandardGamma;
 pub(super) use needs::Needs;
 pub(super) use poisson::Events;
 pub(super) use rejection::{Rejection, Try, UNDECIDED, draw_all};
+pub(super) use stirling::beyond_stirling_of_all;
 
 /// Where draws come from.
 pub(super) trait Source<S> {

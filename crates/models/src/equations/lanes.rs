@@ -24,6 +24,14 @@ impl<const W: usize> Lanes<W> {
         Lanes(found)
     }
 
+    /// The number, where it is the same in all lanes.
+    #[inline(always)]
+    fn same(self) -> Option<f64> {
+        let first = self.0[0];
+        let is_same = self.0.iter().fold(true, |same, x| same & (x.to_bits() == first.to_bits()));
+        is_same.then_some(first)
+    }
+
     /// A function of each pair of numbers.
     #[inline(always)]
     fn zip(self, other: Self, function: impl Fn(f64, f64) -> f64) -> Self {
@@ -92,9 +100,7 @@ impl<const W: usize> Scalar for Lanes<W> {
     #[inline]
     fn ln(self) -> Self {
         // Most scales are the same for all particles.
-        let first = self.0[0];
-        let is_same = self.0.iter().fold(true, |same, x| same & (x.to_bits() == first.to_bits()));
-        if is_same { Lanes::from(functions::ln(first)) } else { Lanes(ln_of_all(&self.0)) }
+        self.same().map_or_else(|| Lanes(ln_of_all(&self.0)), |same| Lanes::from(functions::ln(same)))
     }
 
     #[inline(always)]
@@ -160,7 +166,8 @@ impl<const W: usize> Scalar for Lanes<W> {
     }
 
     fn ln_gamma(self) -> Self {
-        self.map(Scalar::ln_gamma)
+        // Trials, and what was counted, are the same for all particles.
+        self.same().map_or_else(|| self.map(Scalar::ln_gamma), |same| Lanes::from(Scalar::ln_gamma(same)))
     }
 
     fn erf(self) -> Self {

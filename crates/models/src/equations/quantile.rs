@@ -2,11 +2,15 @@
 
 pub(super) mod count;
 pub(super) mod gamma;
+mod guided;
+pub(super) mod near_normal;
 pub(super) mod normal;
 mod root;
+mod scaled_tail;
 pub(super) mod student;
 
-pub(super) use count::{Count, GuidedCount};
+pub(super) use count::Count;
+pub(super) use guided::{GuidedNoise, guided};
 pub(super) use root::root;
 
 use super::family::Family;
@@ -23,27 +27,7 @@ pub(super) trait Quantile: Family<f64> {
     fn value_at(self, v: f64) -> f64 {
         self.transport(v)[0]
     }
-
-    /// The count that `v` is transported to, and what the Gaussian `N(centre, scale⁻²)` of `v` says of it; NaN where it cannot be had, and for what is no count.
-    fn guided_count(self, _v: f64, _centre: f64, _scale: f64) -> GuidedCount {
-        GuidedCount::NOTHING
-    }
 }
-
-/// What [`Quantile`] asks of a family that is a [`Count`].
-macro_rules! counts {
-    () => {
-        fn value_at(self, v: f64) -> f64 {
-            crate::equations::quantile::count::from_normal(self, v)
-        }
-
-        fn guided_count(self, v: f64, centre: f64, scale: f64) -> crate::equations::quantile::GuidedCount {
-            crate::equations::quantile::count::guided(self, v, centre, scale)
-        }
-    };
-}
-
-pub(super) use counts;
 
 /// −1 below 0, else 1; NaN where it is NaN.
 pub(super) fn sign_of<S: Scalar>(value: S) -> S {

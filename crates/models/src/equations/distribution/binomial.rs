@@ -1,8 +1,12 @@
 //! The binomial distribution.
 
+use std::f64::consts::PI;
+
+use crate::elementary;
 use crate::equations::draw::{Needs, Rejection, Source, Successes};
 use crate::equations::family::{Family, at_count, inside, parameters, times_log};
-use crate::equations::quantile::{Count, Quantile, count, counts};
+use crate::equations::quantile::near_normal::{self, NearNormal, bend, deviance};
+use crate::equations::quantile::{Count, Quantile, count};
 use crate::equations::scalar::Scalar;
 
 parameters! {
@@ -95,6 +99,49 @@ impl Count for Binomial<f64> {
     }
 }
 
+impl NearNormal for Binomial<f64> {
+    const FACTORIALS: usize = 3;
+
+    #[inline(always)]
+    fn boundary(self, n: f64) -> f64 {
+        let Binomial { n: trials, p } = self;
+        let q = 1.0 - p;
+        let (mean, failures) = (trials * p, trials * q);
+        let half = n + 0.5;
+        let away = half - mean;
+        let ends = q / (n + 1.0) - p / (trials - n) + (q - 0.5) / (trials + 1.0);
+        let from = n + 2.0 / 3.0 - (trials + 1.0 / 3.0) * p + 0.02 * ends;
+        let bend_up = bend(away / mean, half / mean) / mean;
+        let bend_down = bend(-away / failures, (trials - half) / failures) / failures;
+        from * ((bend_up + bend_down) * (6.0 * trials) / (6.0 * trials + 1.0)).sqrt()
+    }
+
+    #[inline(always)]
+    fn fewest(self) -> f64 {
+        let [successes, failures] = [self.n * self.p, self.n * (1.0 - self.p)];
+        if successes < failures { successes } else { failures }
+    }
+
+    #[inline(always)]
+    fn factorials(self, n: f64) -> [f64; 3] {
+        [n - 1.0, self.n - n - 1.0, self.n - 1.0]
+    }
+
+    #[inline(always)]
+    fn log_probability_by(self, n: f64, [of_count, of_rest, of_all]: [f64; 3]) -> f64 {
+        let Binomial { n: trials, p } = self;
+        let (q, rest) = (1.0 - p, trials - n);
+        let away = deviance(n, trials * p) + deviance(rest, trials * q);
+        let some = of_all - of_count - of_rest - away - 0.5 * elementary::ln(2.0 * PI * n * (rest / trials));
+        let none = trials * elementary::ln_1p(-p);
+        let all = trials * elementary::ln(p);
+        let some = if rest > 0.0 { some } else { all };
+        if n > 0.0 { some } else { none }
+    }
+}
+
 impl Quantile for Binomial<f64> {
-    counts!();
+    fn value_at(self, v: f64) -> f64 {
+        near_normal::from_normal(self, v)
+    }
 }

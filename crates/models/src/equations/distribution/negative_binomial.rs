@@ -2,7 +2,7 @@
 
 use crate::equations::draw::{Events, Needs, Rejection, Source, StandardGamma};
 use crate::equations::family::{Family, MOST_EXPECTED, above_zero, at_count, parameters, times_log};
-use crate::equations::quantile::{Count, Quantile, count, counts, difference};
+use crate::equations::quantile::{Count, Quantile, count, difference};
 use crate::equations::scalar::Scalar;
 
 parameters! {
@@ -86,5 +86,7 @@ impl Count for NegativeBinomial<f64> {
 }
 
 impl Quantile for NegativeBinomial<f64> {
-    counts!();
+    fn value_at(self, v: f64) -> f64 {
+        count::from_normal(self, v)
+    }
 }

@@ -1,8 +1,12 @@
 //! The Poisson distribution.
 
+use std::f64::consts::PI;
+
+use crate::elementary;
 use crate::equations::draw::{Events, Needs, Rejection, Source};
 use crate::equations::family::{Family, MOST_EXPECTED, at_count, parameters, times_log};
-use crate::equations::quantile::{Count, Quantile, count, counts};
+use crate::equations::quantile::near_normal::{self, NearNormal, bend, deviance};
+use crate::equations::quantile::{Count, Quantile, count};
 use crate::equations::scalar::Scalar;
 
 parameters! {
@@ -74,6 +78,37 @@ impl Count for Poisson<f64> {
     }
 }
 
+impl NearNormal for Poisson<f64> {
+    const FACTORIALS: usize = 1;
+
+    #[inline(always)]
+    fn boundary(self, n: f64) -> f64 {
+        let Poisson { mean } = self;
+        let half = n + 0.5;
+        let bend = bend((half - mean) / mean, half / mean);
+        (n + 2.0 / 3.0 - mean + 0.02 / (n + 1.0)) * (bend / mean).sqrt()
+    }
+
+    #[inline(always)]
+    fn fewest(self) -> f64 {
+        self.mean
+    }
+
+    #[inline(always)]
+    fn factorials(self, n: f64) -> [f64; 3] {
+        [n - 1.0; 3]
+    }
+
+    #[inline(always)]
+    fn log_probability_by(self, n: f64, [of_count, ..]: [f64; 3]) -> f64 {
+        let Poisson { mean } = self;
+        let some = -of_count - deviance(n, mean) - 0.5 * elementary::ln(2.0 * PI * n);
+        if n > 0.0 { some } else { -mean }
+    }
+}
+
 impl Quantile for Poisson<f64> {
-    counts!();
+    fn value_at(self, v: f64) -> f64 {
+        near_normal::from_normal(self, v)
+    }
 }

@@ -3,6 +3,7 @@
 use crate::batch::LANES;
 use crate::equations::distribution::Distribution;
 use crate::equations::lanes::Lanes;
+use crate::equations::quantile::GuidedNoise;
 use crate::equations::scalar::Scalar;
 use crate::equations::statement::Draws;
 use crate::equations::triangle::at;
@@ -63,16 +64,16 @@ impl Draws<Lanes> for GuidedDraws<'_> {
             z.0[lane] = (v.0[lane] - centre.0[lane]) * scale.0[lane];
         }
         if distribution.is_discrete() {
-            let mut value = [0.0; LANES];
-            for (lane, value) in value.iter_mut().enumerate() {
-                let distribution = distribution.map(|parameter| parameter.0[lane]);
-                let found = distribution.guided_count(v.0[lane], centre.0[lane], scale.0[lane]);
-                *value = found.count;
-                v.0[lane] = found.noise;
-                self.log_ratio.0[lane] += found.log_ratio;
-            }
-            now[0] = v - mean;
-            return Lanes(value);
+            let noise = GuidedNoise {
+                v: &v.0,
+                centre: &centre.0,
+                scale: &scale.0,
+                is_from_prior: self.guide.is_from_prior,
+            };
+            let [count, log_ratio, likely] = distribution.guided_counts(&noise);
+            self.log_ratio = self.log_ratio + log_ratio;
+            now[0] = likely - mean;
+            return count;
         }
         self.log_ratio = self.log_ratio + scale.ln() + (v * v - z * z) * 0.5;
         now[0] = v - mean;

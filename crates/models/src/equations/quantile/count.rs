@@ -215,30 +215,15 @@ pub(in crate::equations) fn from_normal(counts: impl Count, v: f64) -> f64 {
     transported(counts, v).map_or(f64::NAN, |found| found.count)
 }
 
-/// What a Gaussian of its noise says of a count.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::equations) struct GuidedCount {
-    pub(in crate::equations) count: f64,
-    /// `log Q(n) − log p(n)`, where `Q(n)` is the Gaussian's mass of the `v` that are transported to `n`.
-    pub(in crate::equations) log_ratio: f64,
-    /// The most likely of these `v`.
-    pub(in crate::equations) noise: f64,
-}
-
-/// The count that `v` is transported to, and what the Gaussian `N(centre, scale⁻²)` of `v` says of it; NaN where it cannot be had in floating point.
-pub(in crate::equations) fn guided(counts: impl Count, v: f64, centre: f64, scale: f64) -> GuidedCount {
-    let Some(found) = transported(counts, v) else { return GuidedCount::NOTHING };
+/// The count that `v` is transported to, `log Q(n) − log p(n)` with the mass `Q(n)` that the Gaussian `N(centre, scale⁻²)` has of the `v` that are transported to `n`, and the
+/// most likely of these; NaN where it cannot be had in floating point.
+pub(in crate::equations) fn guided(counts: impl Count, v: f64, centre: f64, scale: f64) -> [f64; 3] {
+    let Some(found) = transported(counts, v) else { return [f64::NAN; 3] };
     let (count, own) = (found.count, log_probability(counts, found.count));
     let [low, high] = found.interval(counts.moments()[0], own.exp());
     let mass = normal::log_mass(scale * (low - centre), scale * (high - centre));
     let log_ratio = if mass.is_finite() { mass - own } else { f64::NAN };
-    GuidedCount { count, log_ratio, noise: centre.max(low).min(high) }
-}
-
-impl GuidedCount {
-    /// Where it cannot be had.
-    pub(in crate::equations) const NOTHING: GuidedCount =
-        GuidedCount { count: f64::NAN, log_ratio: f64::NAN, noise: f64::NAN };
+    [count, log_ratio, centre.max(low).min(high)]
 }
 
 impl CountTails {
@@ -261,5 +246,44 @@ impl CountTails {
             _ => [before, after],
         };
         [end(before), end(after)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::equations::distribution::NegativeBinomial;
+
+    /// Whatever the Gaussian is, it gives all counts together the mass 1.
+    #[test]
+    fn masses_of_all_counts_add_up_to_one() {
+        let counts = NegativeBinomial { mean: 6.0, size: 1.5 };
+        for (centre, scale) in [(0.0, 1.0), (1.3, 4.0), (-2.0, 0.7)] {
+            // Of each count that any noise is transported to.
+            let (mut sum, mut last) = (0.0, -1.0);
+            for v in (0..=14_000).map(|i| -14.0 + 2e-3 * f64::from(i)) {
+                let [count, log_ratio, _] = guided(counts, v, centre, scale);
+                if count > last {
+                    last = count;
+                    sum += (log_ratio + log_probability(counts, count)).exp();
+                }
+            }
+            assert!((sum - 1.0).abs() < 1e-9, "{sum}");
+        }
+        let [_, log_ratio, _] = guided(counts, 0.3, 0.0, 1.0);
+        assert!(log_ratio.abs() < 1e-12, "the noise's own distribution: {log_ratio}");
+    }
+
+    /// Catches a distribution function whose series ends too early.
+    #[test]
+    fn masses_of_large_counts_are_their_probabilities() {
+        let counts = NegativeBinomial { mean: 1e5, size: 1e5 };
+        for v in [-5.0, -1.2, -0.01, 0.3, 4.0] {
+            let [n, log_ratio, _] = guided(counts, v, 0.0, 1.0);
+            let [mean, variance] = counts.moments();
+            // Nearly normal, but for its skewness.
+            assert!((n - mean - variance.sqrt() * v).abs() < 0.2 * variance.sqrt(), "{n}");
+            assert!(log_ratio.abs() < 1e-6, "{v}: {log_ratio}");
+        }
     }
 }
