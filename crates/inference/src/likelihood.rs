@@ -22,6 +22,11 @@ pub trait Likelihood: Sync {
     /// # Errors
     /// Those of the implementation.
     fn log_likelihood(&self, v: &[f64], estimator: Estimator, seed: &Seed) -> Result<f64, Self::Error>;
+
+    /// What is reported of a position, and what chains have to agree about: the values of parameters, or `v` itself.
+    fn reported(&self, v: &[f64]) -> Vec<f64> {
+        v.to_vec()
+    }
 }
 
 /// What an estimator costs.

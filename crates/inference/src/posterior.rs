@@ -321,7 +321,7 @@ impl Posterior {
             self.stage = Stage::Done;
         } else if self.settings.draws.is_none() && kept >= self.next_look {
             self.next_look = kept + (MORE * kept as f64).ceil() as usize;
-            if self.gates_hold() {
+            if self.gates_hold(likelihood) {
                 self.stage = Stage::Done;
             }
         }
@@ -336,16 +336,22 @@ impl Posterior {
         self.stage == Stage::Done
     }
 
-    /// Whether each coordinate has the effective sample size and the R̂ that were asked for.
-    pub fn gates_hold(&self) -> bool {
-        let d = self.here.first().map_or(0, |member| member.v.len());
-        d > 0
-            && (0..d).all(|i| {
-                ParameterSummary::of(&self.coordinate(i)).is_some_and(|summary| {
-                    summary.rhat < self.settings.rhat
-                        && summary.ess_bulk.min(summary.ess_tail) >= self.settings.effective
-                })
-            })
+    /// Whether each reported value has the effective sample size and the R̂ that were asked for. These are not those of positions: distances from a median, of which R̂ is one, change
+    /// with the scale.
+    pub fn gates_hold<L: Likelihood>(&self, likelihood: &L) -> bool {
+        let of_chain = |chain: &Vec<Member>| -> Vec<Vec<f64>> {
+            chain.iter().map(|member| likelihood.reported(&member.v)).collect()
+        };
+        let chains: Vec<Vec<Vec<f64>>> = self.draws.iter().map(of_chain).collect();
+        let count = chains.first().and_then(|chain| chain.first()).map_or(0, Vec::len);
+        let of_value = |at: usize| -> Vec<Vec<f64>> {
+            chains.iter().map(|chain| chain.iter().map(|values| values[at]).collect()).collect()
+        };
+        let holds = |summary: ParameterSummary| {
+            let effective = summary.ess_bulk.min(summary.ess_tail);
+            summary.rhat < self.settings.rhat && effective >= self.settings.effective
+        };
+        count > 0 && (0..count).all(|at| ParameterSummary::of(&of_value(at)).is_some_and(holds))
     }
 }
 

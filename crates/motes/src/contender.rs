@@ -3,6 +3,7 @@
 use std::fmt;
 
 use motes_inference::EstimatorCost;
+use motes_models::Step;
 
 use crate::cost::{cost, on_line_cost};
 use crate::model::Model;
@@ -76,9 +77,12 @@ impl Contender {
         }
     }
 
-    /// What it costs at a time step.
-    pub(crate) fn cost(&self, model: &Model) -> EstimatorCost {
-        if self.looks_ahead { cost(&self.proposal, model) } else { on_line_cost(&self.proposal, model) }
+    /// What it costs at a time step like this one.
+    pub(crate) fn cost(&self, model: &Model, step: &Step<'_>) -> EstimatorCost {
+        match self.looks_ahead {
+            true => cost(&self.proposal, model, step),
+            false => on_line_cost(&self.proposal, model, step),
+        }
     }
 }
 

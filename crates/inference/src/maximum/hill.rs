@@ -17,6 +17,12 @@ const RADIUS: f64 = 1.5;
 /// Points farther than this from the centre, in units of the spread, say nothing of what is near.
 const NEAR: f64 = 2.5;
 
+/// Estimates so far below the highest near the centre, in nats, and more for each coordinate, say nothing of the shape near the top: a few would tilt the whole quadratic.
+const LOW: (f64, f64) = (8.0, 3.0);
+
+/// A direction is no longer than the prior's standard deviation: where the data say nothing, a way without end would follow the noise.
+const WIDEST: f64 = 1.0;
+
 /// Curvatures are taken to be at least this, in units of the spread: along a flat direction a step is not long.
 const FLAT: f64 = 0.05;
 
@@ -27,13 +33,11 @@ pub(super) struct Hill {
     pub(super) spread: Vec<f64>,
     /// All points that were asked, with the estimates there.
     asked: Vec<(Vec<f64>, f64)>,
-    /// The quadratic of the last round, about the centre before its step, and that step.
-    pub(super) quadratic: Option<(Quadratic, Vec<f64>)>,
 }
 
 impl Hill {
     pub(super) fn new(centre: Vec<f64>, spread: Vec<f64>) -> Self {
-        Hill { centre, spread, asked: Vec::new(), quadratic: None }
+        Hill { centre, spread, asked: Vec::new() }
     }
 
     /// `centre + L u`.
@@ -74,7 +78,9 @@ impl Hill {
             let distance = u.iter().map(|value| value * value).sum::<f64>() / d as f64;
             (distance < NEAR * NEAR).then(|| (u, *value, (-0.5 * distance).exp()))
         });
-        let near: Vec<(Vec<f64>, f64, f64)> = near.collect();
+        let mut near: Vec<(Vec<f64>, f64, f64)> = near.collect();
+        let top = near.iter().map(|(_, value, _)| *value).fold(f64::NEG_INFINITY, f64::max);
+        near.retain(|(_, value, _)| top - value <= LOW.0 + LOW.1 * d as f64);
         let Some(quadratic) = Quadratic::fit(&near) else { return };
         let Some((step, values, vectors)) = quadratic.ascend(RADIUS, FLAT) else { return };
         self.centre = self.place(&step);
@@ -83,8 +89,12 @@ impl Hill {
         let old = self.spread.clone();
         let entry =
             |i: usize, k: usize| (0..d).map(|j| old[i * d + j] * vectors[(j, k)]).sum::<f64>() * factor(k);
-        self.spread = (0..d * d).map(|at| entry(at / d, at % d)).collect();
-        self.quadratic = Some((quadratic, step));
+        let mut columns: Vec<Vec<f64>> = (0..d).map(|k| (0..d).map(|i| entry(i, k)).collect()).collect();
+        for column in &mut columns {
+            let length = column.iter().map(|value| value * value).sum::<f64>().sqrt();
+            column.iter_mut().for_each(|value| *value *= (WIDEST / length).min(1.0));
+        }
+        self.spread = (0..d * d).map(|at| columns[at % d][at / d]).collect();
     }
 }
 

@@ -1,5 +1,6 @@
 //! The maximum of a likelihood of which there are estimates alone.
 
+mod height;
 mod hill;
 mod point;
 mod profile;

@@ -4,6 +4,7 @@ use motes_models::Seed;
 use motes_models::equations::normal_quantile;
 use serde::{Deserialize, Serialize};
 
+use super::height::height;
 use super::hill::Hill;
 use super::point::Maximum;
 use super::quadratic::Quadratic;
@@ -14,6 +15,9 @@ const POINTS: (i32, f64) = (5, 0.6);
 
 /// Rounds uphill at each point.
 const ROUNDS: usize = 2;
+
+/// The log-likelihood at a point has particles by this factor, and is that of so many estimates.
+const ESTIMATES: (usize, usize) = (4, 16);
 
 /// The largest log-likelihood that there is where one coordinate of positions is given, as a function of that coordinate, and the interval that follows.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -33,7 +37,7 @@ pub struct Profile {
 pub struct ProfilePoint {
     /// The coordinate.
     pub v: f64,
-    /// The largest log-likelihood over the others: of estimates the mean of `log ẑ`, which is lower than the log-likelihood by half of their variance.
+    /// The largest log-likelihood over the others that was found: of estimates the logarithm of their mean.
     pub log_likelihood: f64,
     /// Its standard error.
     pub standard_error: f64,
@@ -86,33 +90,43 @@ pub(super) fn profile<L: Likelihood>(
     let slope =
         |i: usize| (0..d).map(|k| best.spread[i * d + k] * best.spread[at * d + k]).sum::<f64>() / (sd * sd);
     let others: Vec<usize> = (0..d).filter(|i| *i != at).collect();
-    let (mut points, mut found) = (Vec::new(), Vec::new());
-    for step in -POINTS.0..=POINTS.0 {
-        let u = f64::from(step) * POINTS.1;
-        let value = best.v[at] + u * sd;
-        let given = SliceLikelihood { likelihood, at, value };
-        let seed = seed.nth((step + POINTS.0) as u64);
-        let (height, error) = match others.is_empty() {
-            true => alone(&given, best.estimator, &seed)?,
-            false => {
-                let centre = others.iter().map(|i| best.v[*i] + slope(*i) * u * sd).collect();
-                let Some(spread) = conditional(best, at, &others) else { continue };
-                let mut hill = Hill::new(centre, spread);
+    let mut found = vec![ProfilePoint {
+        v: best.v[at],
+        log_likelihood: best.log_likelihood,
+        standard_error: best.standard_error,
+    }];
+    let spread = conditional(best, at, &others);
+    for side in [-1.0, 1.0] {
+        // From the maximum outwards: each point begins where the one before it ended.
+        let mut here: Vec<f64> = others.iter().map(|i| best.v[*i]).collect();
+        for step in 1..=POINTS.0 {
+            let value = best.v[at] + side * f64::from(step) * POINTS.1 * sd;
+            let moved = |(i, v): (&usize, &f64)| v + slope(*i) * side * POINTS.1 * sd;
+            here = others.iter().zip(&here).map(moved).collect();
+            let given = SliceLikelihood { likelihood, at, value };
+            let seed = seed.nth((f64::from(step) * side + f64::from(POINTS.0)) as u64);
+            let mut top = height(&given, &here, best.estimator, ESTIMATES, &seed.child("start"))?;
+            if let Some(spread) = spread.as_ref().filter(|_| !others.is_empty()) {
+                let mut hill = Hill::new(here.clone(), spread.clone());
                 for round in 0..ROUNDS {
                     hill.climb(&given, best.estimator, &seed.nth(round as u64))?;
                 }
-                match &hill.quadratic {
-                    Some((quadratic, step)) => (quadratic.at(step), quadratic.error_at(step)),
-                    None => continue,
+                let climbed = height(&given, &hill.centre, best.estimator, ESTIMATES, &seed.child("end"))?;
+                if climbed.0 > top.0 {
+                    (top, here) = (climbed, hill.centre);
                 }
             }
-        };
-        if !height.is_finite() {
-            continue;
+            if top.0.is_finite() {
+                found.push(ProfilePoint { v: value, log_likelihood: top.0, standard_error: top.1 });
+            }
         }
-        points.push((vec![u], height, 1.0 / (error * error + 0.05)));
-        found.push(ProfilePoint { v: value, log_likelihood: height, standard_error: error });
     }
+    found.sort_by(|a, b| a.v.total_cmp(&b.v));
+    let weighted = |point: &ProfilePoint| {
+        let error = point.standard_error;
+        (vec![(point.v - best.v[at]) / sd], point.log_likelihood, 1.0 / (error * error + 0.05))
+    };
+    let mut points: Vec<(Vec<f64>, f64, f64)> = found.iter().map(weighted).collect();
     let around = |u: f64| best.v[at] + u * sd;
     let z = normal_quantile(0.5 + 0.5 * level);
     let end = f64::from(POINTS.0) * POINTS.1;
@@ -175,20 +189,4 @@ fn conditional(best: &Maximum, at: usize, others: &[usize]) -> Option<Vec<f64>> 
             .map(|place| if place % n <= place / n { lower[(place / n, place % n)] } else { 0.0 })
             .collect(),
     )
-}
-
-/// The log-likelihood where nothing is left to be found: the mean of some estimates, and its error.
-fn alone<L: Likelihood>(
-    given: &SliceLikelihood<'_, L>,
-    estimator: Estimator,
-    seed: &Seed,
-) -> Result<(f64, f64), L::Error> {
-    const ESTIMATES: u64 = 20;
-    let count = if given.estimators()[estimator.index].is_exact { 1 } else { ESTIMATES };
-    let found = (0..count).map(|number| given.log_likelihood(&[], estimator, &seed.nth(number)));
-    let found = found.collect::<Result<Vec<f64>, L::Error>>()?;
-    let n = found.len() as f64;
-    let mean = found.iter().sum::<f64>() / n;
-    let variance = found.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
-    Ok((mean, (variance / n).sqrt()))
 }

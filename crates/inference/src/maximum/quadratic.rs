@@ -89,11 +89,6 @@ impl Quadratic {
         self.a + linear + 0.5 * square
     }
 
-    /// The standard error of that value.
-    pub(super) fn error_at(&self, u: &[f64]) -> f64 {
-        self.error_of(&features(u))
-    }
-
     /// The standard error of its derivative in coordinate `i` at a point.
     pub(super) fn slope_error_at(&self, u: &[f64], i: usize) -> f64 {
         self.error_of(&slopes(u, i))

@@ -3,15 +3,14 @@
 use motes_models::Seed;
 use serde::{Deserialize, Serialize};
 
+use super::height::height;
 use super::hill::Hill;
 use super::point::Maximum;
 use super::profile::{Profile, profile};
 use super::settings::MaximumSettings;
 use crate::error::FitError;
 use crate::likelihood::{Estimator, Likelihood};
-use crate::log_mean::LogMean;
 use crate::normal_fit::NormalFit;
-use crate::parallel::map_on_threads;
 use crate::population::Population;
 use crate::prior_draw::{DrawNumber, PriorDraw};
 use crate::settings::EstimatorChoice;
@@ -21,7 +20,10 @@ use crate::tuning::tune;
 const ROUNDS: usize = 8;
 
 /// How far the last quadratics of an exact likelihood reach, in units of the spread.
-const REACHES: [f64; 3] = [0.5, 0.3, 0.3];
+const EXACT_REACHES: [f64; 3] = [0.5, 0.3, 0.3];
+
+/// How far those of estimates reach, which have particles by the factor of [`LAST`]: their mean is lower than the log-likelihood by half of their variance, which is not the same everywhere.
+const REACHES: [f64; 2] = [1.0, 0.7];
 
 /// The estimates of the log-likelihood at a maximum have particles by this factor, and are so many.
 const LAST: (usize, usize) = (8, 64);
@@ -179,45 +181,30 @@ impl MaximumSearch {
             hill.climb(likelihood, estimator, &seed.child("round").nth(round as u64))?;
         }
         let Hill { mut centre, spread, .. } = hill;
-        if likelihood.estimators()[estimator.index].is_exact {
-            centre = refined(likelihood, centre, &spread, estimator, &seed.child("refined"))?;
-        }
-        let (log_likelihood, standard_error) = at(likelihood, &centre, estimator, &seed.child("last"))?;
+        let (many, reaches) = match likelihood.estimators()[estimator.index].is_exact {
+            true => (estimator, EXACT_REACHES.as_slice()),
+            false => (Estimator { particles: estimator.particles * LAST.0, ..estimator }, REACHES.as_slice()),
+        };
+        centre = refined(likelihood, centre, (&spread, reaches), many, &seed.child("refined"))?;
+        let (log_likelihood, standard_error) =
+            height(likelihood, &centre, estimator, LAST, &seed.child("last"))?;
         let found = Maximum { v: centre, log_likelihood, standard_error, spread, estimator };
         Ok((found, possible, impossible))
     }
 }
 
-/// The maximum of an exact likelihood to more digits: what quadratics leave out falls with the square of their reach.
+/// The maximum to more digits: what quadratics leave out falls with the square of their reach.
 fn refined<L: Likelihood>(
     likelihood: &L,
     mut centre: Vec<f64>,
-    spread: &[f64],
+    (spread, reaches): (&[f64], &[f64]),
     estimator: Estimator,
     seed: &Seed,
 ) -> Result<Vec<f64>, L::Error> {
-    for (round, reach) in REACHES.iter().enumerate() {
+    for (round, reach) in reaches.iter().enumerate() {
         let mut hill = Hill::new(centre, spread.iter().map(|value| reach * value).collect());
         hill.climb(likelihood, estimator, &seed.nth(round as u64))?;
         centre = hill.centre;
     }
     Ok(centre)
-}
-
-/// The log-likelihood at a point, by many estimates with many particles, and its standard error.
-fn at<L: Likelihood>(
-    likelihood: &L,
-    v: &[f64],
-    estimator: Estimator,
-    seed: &Seed,
-) -> Result<(f64, f64), L::Error> {
-    if likelihood.estimators()[estimator.index].is_exact {
-        return Ok((likelihood.log_likelihood(v, estimator, seed)?, 0.0));
-    }
-    let estimator = Estimator { particles: estimator.particles * LAST.0, ..estimator };
-    let found = map_on_threads(&[(); LAST.1], |number, ()| {
-        likelihood.log_likelihood(v, estimator, &seed.nth(number as u64))
-    });
-    let mean = LogMean::of(&found.into_iter().collect::<Result<Vec<f64>, L::Error>>()?);
-    Ok((mean.log(), mean.standard_error().unwrap_or(f64::NAN)))
 }

@@ -1,10 +1,15 @@
 //! Maxima that are known.
 
-use motes_inference::{FitError, MaximumSearch, MaximumSettings};
+use motes_inference::{Estimator, EstimatorCost, FitError, Likelihood, MaximumSearch, MaximumSettings};
+use motes_models::{Seed, fill_uniform};
 
 use crate::known::{EXACT, Half, Line};
 
-fn found(line: &Line, settings: MaximumSettings, seed: u64) -> MaximumSearch {
+fn found<L: Likelihood<Error = std::convert::Infallible>>(
+    line: &L,
+    settings: MaximumSettings,
+    seed: u64,
+) -> MaximumSearch {
     let mut search = MaximumSearch::new(settings, seed);
     while !search.is_done(2) {
         search.advance(line).expect("nothing can fail");
@@ -56,6 +61,50 @@ fn noise_of_the_likelihood_makes_intervals_wider_and_moves_the_maximum_little() 
             let half = 0.5 * (interval.high - interval.low) / errors[i];
             assert!((1.3..2.6).contains(&half), "{interval:?}: {half} standard errors");
             assert!(interval.low < at[i] && at[i] < interval.high, "{interval:?} beside {at:?}");
+        }
+    }
+}
+
+/// [`Line`] with filters that miss the mass now and then, as they do of real models: one estimate of twenty is far too low.
+struct Rough(Line);
+
+impl Likelihood for Rough {
+    type Error = std::convert::Infallible;
+
+    fn dimension(&self) -> usize {
+        self.0.dimension()
+    }
+
+    fn estimators(&self) -> &[EstimatorCost] {
+        self.0.estimators()
+    }
+
+    fn log_likelihood(&self, v: &[f64], estimator: Estimator, seed: &Seed) -> Result<f64, Self::Error> {
+        let mut uniform = [0.0];
+        fill_uniform(&mut seed.child("misses").stream(), &mut uniform);
+        let misses = uniform[0] < 0.05;
+        let found = self.0.log_likelihood(v, estimator, seed)?;
+        Ok(if misses { found - 100.0 } else { found })
+    }
+}
+
+/// Catches quadratics that a few estimates tilt, and profiles that are read off such quadratics.
+#[test]
+fn estimates_that_are_far_too_low_do_not_move_intervals() {
+    let line = Rough(Line::new(60.0));
+    let (at, errors) = least_squares(&line.0);
+    for seed in 0..5 {
+        let search = found(&line, MaximumSettings::default(), seed);
+        let best = search.best().expect("searches have ended");
+        assert!(line.0.exact(&at) - line.0.exact(&best.v) < 0.2, "{best:?} beside {at:?}");
+        for (i, interval) in search.profiles().iter().enumerate() {
+            let half = 0.5 * (interval.high - interval.low) / errors[i];
+            assert!((1.3..2.6).contains(&half), "{interval:?}: {half} standard errors");
+            assert!(interval.low < best.v[i] && best.v[i] < interval.high, "{interval:?} beside {best:?}");
+            // A point is what the likelihood is there, but for what it is below its profile.
+            let top =
+                interval.points.iter().map(|point| point.log_likelihood).fold(f64::NEG_INFINITY, f64::max);
+            assert!((top - line.0.exact(&at)).abs() < 1.0, "{interval:?}");
         }
     }
 }

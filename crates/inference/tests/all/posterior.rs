@@ -80,7 +80,7 @@ fn both_modes_have_their_share() {
 fn it_ends_where_the_gates_hold() {
     let line = Line::new(60.0);
     let posterior = fitted(&line, PosteriorSettings::default(), 4);
-    assert!(posterior.gates_hold());
+    assert!(posterior.gates_hold(&line));
     assert!(posterior.kept() < 20_000);
     for at in 0..2 {
         let summary = ParameterSummary::of(&posterior.coordinate(at)).expect("there are draws");

@@ -20,7 +20,8 @@ use super::summary::in_one_line;
 
 pub(super) fn run(args: &FilterArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
     args.output.check()?;
-    let ModelAtFit { model, draws } = args.fitted.of(args.model.read_beside(Some(&args.data))?)?;
+    let ModelAtFit { model, draws } =
+        args.fitted.of(args.model.read_beside(Some(&args.data))?, &args.model.set)?;
     let ahead = args.inputs.as_ref().map(|path| Data::open_inputs(path, &model)).transpose()?;
     let options = args.settings.options(&model, args.model.seed, args.forecast)?;
     let options = FilterOptions { ahead: ahead.map(Arc::new), predictive: args.predictive, ..options };

@@ -38,10 +38,16 @@ pub(super) struct ModelAtFit {
 }
 
 impl FittedArgs {
-    /// The model of a file with the parameters that are asked for.
-    pub(super) fn of(&self, file: Model) -> Result<ModelAtFit, MotesError> {
+    /// The model of a file with the parameters that are asked for; those of a fit are not `set` besides.
+    pub(super) fn of(&self, file: Model, set: &[(String, f64)]) -> Result<ModelAtFit, MotesError> {
         let Some(folder) = &self.parameters else { return Ok(ModelAtFit { model: file, draws: None }) };
         let draws = FitParameters::load(folder, &file)?;
+        if let Some((name, _)) = set.iter().find(|(name, _)| draws.names.contains(name)) {
+            return Err(MotesError::Setting(format!(
+                "--set {name}: {} has values of it; leave out --set, or --parameters",
+                folder.display()
+            )));
+        }
         let refused = |reason: &str| MotesError::Fit {
             folder: folder.display().to_string(),
             reason: reason.to_string(),

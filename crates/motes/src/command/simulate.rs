@@ -13,7 +13,7 @@ use super::progress::Progress;
 use super::say::warn;
 
 pub(super) fn run(args: &SimulateArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
-    let ModelAtFit { model, draws } = args.fitted.of(args.model.read()?)?;
+    let ModelAtFit { model, draws } = args.fitted.of(args.model.read()?, &args.model.set)?;
     let output = args.output.clone().map_or(Output::Standard, Output::File);
     let failed = |source| MotesError::Output { file: output.name(), source };
     output.check().map_err(failed)?;

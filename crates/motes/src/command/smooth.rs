@@ -20,7 +20,8 @@ const PARTS: usize = 10_000;
 
 pub(super) fn run(args: &SmoothArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
     args.output.check()?;
-    let ModelAtFit { model, draws } = args.fitted.of(args.model.read_beside(Some(&args.data))?)?;
+    let ModelAtFit { model, draws } =
+        args.fitted.of(args.model.read_beside(Some(&args.data))?, &args.model.set)?;
     let options = args.settings.options(&model, args.model.seed, 0)?;
     let data = input::data(&args.data, &model, interrupt)?;
     say_ignored(&data.columns, args.model.quiet);

@@ -38,7 +38,11 @@ pub(crate) fn judge(
 ) -> Result<Vec<EvidenceWorth>, MotesError> {
     let mut squares = vec![0.0; contenders.len()];
     let work = |contender: &Contender| {
-        sequences.first().map_or(f64::NAN, |first| contender.cost(&first.model).of(PARTICLES))
+        let of_first = |first: &JudgedSequence| {
+            let step = first.steps.get(first.steps.len() / 2)?;
+            Some(contender.cost(&first.model, &step.step.step()).of(PARTICLES))
+        };
+        sequences.first().and_then(of_first).unwrap_or(f64::NAN)
     };
     let works: Vec<f64> = contenders.iter().map(work).collect();
     let count = sequences.len() as f64 * RUNS as f64;

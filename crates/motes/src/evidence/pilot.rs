@@ -1,6 +1,6 @@
 //! Which proposal is worth its particles: a small filter of each on the data themselves.
 
-use motes_models::Seed;
+use motes_models::{Seed, Step};
 use motes_smc::{Linearised, LookAhead};
 
 use super::options::EvidenceOptions;
@@ -100,7 +100,8 @@ pub(super) fn choose(
     let pilots: Vec<Pilot> = pilots.collect();
     let most = pilots.iter().map(|pilot| pilot.log_evidence).fold(f64::NEG_INFINITY, f64::max);
     let as_good = tried.into_iter().filter(|(_, log_evidence)| *log_evidence >= most - AS_GOOD);
-    let work = |candidate: &Candidate| cost(&candidate.proposal, model).of(options.particles);
+    let step = sequences.first().map_or(Step::of_index(0), RecordedSequence::typical_step);
+    let work = |candidate: &Candidate| cost(&candidate.proposal, model, &step).of(options.particles);
     let chosen = as_good.min_by(|(a, _), (b, _)| work(a).total_cmp(&work(b)));
     match (chosen, failure) {
         (Some((candidate, _)), _) => Ok((candidate, pilots)),

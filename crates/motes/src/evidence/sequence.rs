@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use motes_models::Seed;
+use motes_models::{Seed, Step};
 use motes_smc::{FilterError, LookAhead, RecordedStep};
 
 use crate::data::{Counted, Data};
@@ -49,6 +49,11 @@ impl RecordedSequence {
     pub(crate) fn of_steps(steps: Vec<RecordedStep>) -> Self {
         let lines = (0..steps.len() as u64).collect();
         RecordedSequence { name: None, steps, lines, counted: Counted::Row }
+    }
+
+    /// A step of it like the others; that at the start where there is no other.
+    pub(crate) fn typical_step(&self) -> Step<'_> {
+        self.steps.get(self.steps.len() / 2).map_or(Step::of_index(0), |recorded| recorded.step.step())
     }
 
     /// Potentials of all of it, if the proposal has any.

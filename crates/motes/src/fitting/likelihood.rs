@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use motes_inference::{Estimator, EstimatorCost, Likelihood, PriorDraw};
-use motes_models::Seed;
+use motes_models::{Seed, Step};
 
 use super::free::FreeParameters;
 use super::options::FitOptions;
@@ -41,8 +41,9 @@ impl<'a> ModelLikelihood<'a> {
             None if is_exact(model, data) => vec![ProposalName::Exact],
             None => candidates(model),
         };
-        let costs = proposals.iter().map(|proposal| cost(proposal, model)).collect();
         let (names, sequences) = (free.names(), sequences(data));
+        let step = sequences.first().map_or(Step::of_index(0), RecordedSequence::typical_step);
+        let costs = proposals.iter().map(|proposal| cost(proposal, model, &step)).collect();
         Ok(ModelLikelihood { model, free, names, sequences, proposals, costs, proceed })
     }
 
@@ -135,6 +136,10 @@ impl Likelihood for ModelLikelihood<'_> {
 
     fn estimators(&self) -> &[EstimatorCost] {
         &self.costs
+    }
+
+    fn reported(&self, v: &[f64]) -> Vec<f64> {
+        self.free.at(v)
     }
 
     fn log_likelihood(&self, v: &[f64], estimator: Estimator, seed: &Seed) -> Result<f64, MotesError> {

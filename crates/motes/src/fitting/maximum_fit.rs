@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use motes_inference::{EstimatorChoice, FitError, MaximumSearch, MaximumSettings, ProfilePoint};
+use motes_inference::{EstimatorChoice, FitError, MaximumSearch, MaximumSettings, Profile, ProfilePoint};
 use serde::{Deserialize, Serialize};
 
 use super::free::FreeParameters;
@@ -164,7 +164,15 @@ pub fn maximise(
     };
     let mut warnings =
         trust::of_starts(search.agreeing(), search.searches()).into_iter().collect::<Vec<Warning>>();
-    warnings.extend(trust::of_priors(&free, &|at| vec![best.v[at]]));
+    let of_profile = |profile: &Profile| trust::of_profile(&names[profile.at], profile, best);
+    let of_profiles: Vec<Option<Warning>> = search.profiles().iter().map(of_profile).collect();
+    // Along a flat likelihood the edge of a prior says nothing.
+    let is_in_doubt = |at: usize| {
+        let profiles = search.profiles().iter().zip(&of_profiles);
+        profiles.into_iter().any(|(profile, warning)| profile.at == at && warning.is_some())
+    };
+    warnings.extend(trust::of_priors(&free, &|at| if is_in_doubt(at) { vec![] } else { vec![best.v[at]] }));
+    warnings.extend(of_profiles.into_iter().flatten());
     warnings.extend(trust::of_possible(search.possible(), || likelihood.reason(&search.impossible()?)));
     Ok(MaximumFit {
         profiles: (0..names.len()).map(profile).collect(),

@@ -1,6 +1,6 @@
 //! Whether a fit can be trusted.
 
-use motes_inference::ParameterSummary;
+use motes_inference::{Maximum, ParameterSummary, Profile};
 
 use super::free::FreeParameters;
 use crate::warning::Warning;
@@ -13,6 +13,12 @@ const EDGE: f64 = 3.0;
 
 /// A posterior that is as wide as the prior, and in the same place: the data say nothing.
 const SAME: (f64, f64) = (0.95, 0.1);
+
+/// Differences of log-likelihoods that say something.
+const MORE: f64 = 0.5;
+
+/// An end of an interval is that near to the estimate where it should not be, as a share of the width.
+const AT_END: f64 = 0.02;
 
 /// Below this share of possible draws from the prior it is worth a word.
 const MOSTLY_POSSIBLE: f64 = 0.95;
@@ -68,6 +74,32 @@ pub(super) fn of_starts(agreeing: usize, searches: usize) -> Option<Warning> {
     (2 * agreeing < searches || agreeing < 2).then(|| {
         warning(format!(
             "{agreeing} of {searches} searches came as high as the best one: there may be higher maxima; take more --chains, or narrower priors"
+        ))
+    })
+}
+
+/// What a profile says against a maximum or an interval: that there is more elsewhere, that the likelihood is flat, or that the interval ends at the estimate.
+pub(super) fn of_profile(name: &str, profile: &Profile, best: &Maximum) -> Option<Warning> {
+    let points = profile.points.iter();
+    let top = points.clone().max_by(|a, b| a.log_likelihood.total_cmp(&b.log_likelihood))?;
+    let lowest = points.map(|point| point.log_likelihood).fold(f64::INFINITY, f64::min);
+    let more = top.log_likelihood - best.log_likelihood;
+    let error = top.standard_error.hypot(best.standard_error);
+    if more > MORE.max(3.0 * error) {
+        return Some(warning(format!(
+            "the profile of {name} finds {more:.1} more than the searches did: the maximum and all intervals are in doubt; take more --chains, or more --particles"
+        )));
+    }
+    if top.log_likelihood - lowest < MORE.max(3.0 * error) {
+        return Some(warning(format!(
+            "the data say next to nothing of {name}: the likelihood is flat along it"
+        )));
+    }
+    let (width, at) = (profile.high - profile.low, best.v[profile.at]);
+    let nearest = (profile.high - at).min(at - profile.low);
+    (nearest < AT_END * width).then(|| {
+        warning(format!(
+            "the interval of {name} ends at its estimate: it is not to be trusted; take more --particles"
         ))
     })
 }

@@ -139,6 +139,9 @@ fn two_fitted_models_are_held_beside_each_other() {
     for (model, folder) in [("nile.toml", "nile"), ("still.toml", "still")] {
         place.printed(&["fit", model, "nile.csv", "-o", folder, "--draws", "500", "--quiet"]);
     }
+    let set = ["smooth", "nile.toml", "nile.csv", "--parameters", "nile", "--set", "level_variance=1"];
+    let expected = "motes: --set level_variance: nile has values of it; leave out --set, or --parameters";
+    assert_eq!(stderr(&place.run(&set)), expected);
     let compare = |more: &[&str]| {
         let both = [
             "compare",
