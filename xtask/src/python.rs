@@ -11,6 +11,10 @@ use crate::process::{build, built, run};
 /// What the package is built and tested with.
 const PACKAGES: [&str; 6] = ["maturin>=1.9,<2", "numpy", "pandas", "polars", "matplotlib", "pytest>=8"];
 
+/// What some tests need, which are skipped, and say so, where it is not to be had: not all is there for every platform.
+const FOR_SOME_TESTS: [&str; 7] =
+    ["jax", "xarray", "arviz", "h5netcdf", "joblib", "dask[distributed]", "mypy==2.4.1"];
+
 /// Interpreters that are looked for, in this order.
 const INTERPRETERS: [&str; 6] =
     ["python3", "python3.14", "python3.13", "python3.12", "python3.11", "python3.10"];
@@ -88,13 +92,15 @@ fn environment(root: &Path, interpreter: &Path) -> Result<PathBuf, ExitCode> {
     if !program.exists() {
         run(Command::new(interpreter).args(["-m", "venv", "--clear"]).arg(&folder))?;
     }
-    run(Command::new(&program)
-        .args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check"])
-        .args(PACKAGES))?;
-    // Not there for every platform: its tests are skipped then, and say so.
-    let mut jax = Command::new(&program);
-    if run(jax.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "jax"])).is_err() {
-        println!("python: without JAX: tests of its functions are skipped");
+    let install = |packages: &[&str]| {
+        let pip = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
+        run(Command::new(&program).args(pip).args(packages))
+    };
+    install(&PACKAGES)?;
+    for package in FOR_SOME_TESTS {
+        if install(&[package]).is_err() {
+            println!("python: without {package}: its tests are skipped");
+        }
     }
     Ok(folder)
 }

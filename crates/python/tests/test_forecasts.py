@@ -108,12 +108,51 @@ def test_each_series_goes_on_by_itself(walk):
     assert found.index.tolist() == [*first[3:], *second[4:]] and found["series"].tolist() == ["a", "a", "b", "b"]
 
 
-def test_what_has_no_dates_has_none(walk, nile, examples):
+def test_what_has_no_dates_has_none(walk):
     assert walk.forecast([0.1, 0.2, 0.3], 2).to_pandas().index.tolist() == [0, 1]
-    found = nile.forecast(examples / "nile.csv", 2)
-    assert found.to_csv().startswith("t,level_mean") and found.to_csv().count("\n") == 3
     series = pandas.Series([0.1, 0.2, 0.3], index=[10, 20, 30])
     assert walk.forecast(series, 2).to_pandas().index.tolist() == [0, 1]
+    for labels in ([1203, 1410, 1411], [True, False, True], ["a", "b", "c"], [1.5, 2.5, 3.5], [1990, 1991, None]):
+        assert walk.forecast({"sensor": labels, "y": [0.1, 0.2, 0.3]}, 2).to_csv().startswith("t,x_mean")
+
+
+def test_years_go_on(walk, nile, examples):
+    found = nile.forecast(examples / "nile.csv", 2)
+    assert [line.split(",")[0] for line in found.to_csv().splitlines()] == ["year", "1971", "1972"]
+    forms = {
+        "integers": ([1871, 1872, 1873], [1874, 1875]),
+        "every fourth": ([1896, 1900, 1904], [1908, 1912]),
+        "numpy": (list(np.array([1871, 1872, 1873])), [1874, 1875]),
+        "floats": ([1871.0, 1872.0, 1873.0], [1874.0, 1875.0]),
+        "text": (["1871", "1872", "1873"], ["1874", "1875"]),
+    }
+    for name, (years, expected) in forms.items():
+        table = walk.forecast({"season": years, "y": [0.1, 0.2, 0.3]}, 2).to_pandas()
+        assert table["season"].tolist() == expected and table["t"].tolist() == [3, 4], name
+    for index in (pandas.Index([1871, 1872, 1873], name="when"), pandas.RangeIndex(1871, 1874)):
+        found = walk.forecast(pandas.Series([0.1, 0.2, 0.3], index=index), 2)
+        assert found.to_pandas().index.tolist() == [1874, 1875] and found.to_pandas().index.name == index.name
+        assert found.to_csv().splitlines()[1].startswith("1874,3,")
+    polars = pytest.importorskip("polars")
+    found = walk.forecast(polars.DataFrame({"year": [5, 6, 7], "y": [0.1, 0.2, 0.3]}), 2).to_polars()
+    assert found["year"].to_list() == [8, 9] and found.schema["year"] == polars.Int64
+
+
+def test_years_that_do_not_go_on_are_left_out_with_a_warning(walk):
+    with pytest.warns(motes.MotesWarning) as warned:
+        found = walk.forecast({"year": [1871, 1872, 1874], "y": [0.1, 0.2, 0.3]}, 2)
+    assert any("data, column year: its years do not go on with equal steps" in str(one.message) for one in warned)
+    assert "year" not in found.to_pandas()
+
+
+def test_years_of_each_series_go_on_by_themselves(walk):
+    frame = pandas.DataFrame({"series": [*"aaa", *"bbb"], "year": [1990, 1991, 1992, 2000, 2002, 2004], "y": np.arange(6.0)})
+    expected = [("a", 1993), ("a", 1994), ("b", 2006), ("b", 2008)]
+    for data in (frame, frame.set_index("year"), frame.set_index(["series", "year"])):
+        found = walk.forecast(data, 2).to_pandas()
+        # An index is no column at the same time.
+        found = found.reset_index() if data is not frame else found
+        assert list(found[["series", "year"]].itertuples(index=False, name=None)) == expected
 
 
 def test_tables_say_the_same(walk):
@@ -131,7 +170,7 @@ def test_pages_and_plots(walk, tmp_path):
     series = pandas.Series([0.1, 0.2, 0.3], index=pandas.date_range("2024-01-01", periods=3))
     found = walk.forecast(series, 2)
     assert "forecast" in found.to_html(tmp_path / "page.html") and (tmp_path / "page.html").exists()
-    (axis,) = found.plot()
+    axis, _ = found.plot()
     assert [label for label in axis.get_legend_handles_labels()[1]] == ["5 to 95 %", "mean", "forecast, 5 to 95 %", "forecast"]
     (axis,) = walk.forecast([[0.1, 0.2], [0.3, 0.4]][0], 2).plot(["x"])
     assert axis.get_xlabel() == "t"

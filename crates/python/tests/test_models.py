@@ -122,8 +122,8 @@ def test_arguments_out_of_range_are_refused_in_a_line(growth, arguments, line):
 
 
 def test_arguments_that_do_not_exist_are_refused(growth):
-    for call in (growth.filter, growth.smooth):
-        with pytest.raises(TypeError, match="partikels: there is no such argument; there are proposal, particles"):
+    for call, known in ((growth.filter, "proposal, particles"), (growth.smooth, "paths, proposal, particles")):
+        with pytest.raises(TypeError, match=f"partikels: there is no such argument; there are {known}"):
             call([1.0, 2.0], partikels=10)
     with pytest.raises(TypeError, match="proposal: there is no such argument"):
         growth.compare(proposal="linearised")

@@ -178,7 +178,7 @@ def test_damaged_bytes_are_refused_in_a_line():
     model = motes.Model(WALK)
     online = model.online()
     checkpoint, _ = online.__getstate__()["_running"]
-    options = motes.model._options({}, check=False)
+    options = _motes.FilterOptions(check=False)
     for wrong in (b"", checkpoint[:-1], checkpoint[:50] + b"x" + checkpoint[51:]):
         for read in (
             lambda wrong: _motes.Online.resume(model._model, options, wrong, False),

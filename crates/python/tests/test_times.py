@@ -76,6 +76,11 @@ def test_measurements_are_predicted_one_step_ahead():
     assert found.predictive_mean[:, 0] == pytest.approx([0.0, 0.5, 3.5])
     assert found.predictive_sd[:, 0] == pytest.approx(np.sqrt([0.04, 0.045, 0.06]))
     assert np.isnan(found.pit[1, 0]) and found.pit[0, 0] == pytest.approx(0.6914625, abs=1e-6)
+    assert found.innovations[:, 0] == pytest.approx([0.1, np.nan, -0.1], nan_ok=True)
+    assert found.residuals[:, 0] == pytest.approx([0.1 / 0.2, np.nan, -0.1 / np.sqrt(0.06)], nan_ok=True)
+    for name in ("innovations", "residuals"):
+        with pytest.raises(ValueError, match="predictive: nobody asked for it"):
+            getattr(plain, name)
     header = found.to_csv().splitlines()[0].split(",")
     assert header[-3:] == ["y_mean", "y_sd", "y_pit"] and "y_pit" not in plain.to_csv()
     online = model.online(proposal="exact", predictive=True)

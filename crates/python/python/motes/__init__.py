@@ -23,10 +23,15 @@ from .card import Card
 from .posterior_fit import PosteriorFit
 from . import distributions
 from .distributions import *
+from .forecast import Forecast
 from .functions import of_functions
 from .linear import linear_gaussian
-from .model import FilterSettings, Learned, Model, OnlineFilter, Proposal, Simulated
-from .results import Filtered, Forecast, Smoothed
+from .model import Model
+from .online import OnlineFilter
+from .proposal import Learned, Proposal
+from .results import Filtered, Smoothed
+from .settings import FilterSettings
+from .simulated import Simulated
 
 __all__ = [
     *distributions.__all__,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import datetime
 import re
 import warnings
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -109,7 +110,7 @@ def _after_times(times: list[Any], steps: int) -> list[Any] | None:
     return [one.to_pydatetime() if has_hours else one.date() for one in found]
 
 
-def _or_none(found: Any) -> Any:
+def _or_none(found: Callable[[], list[Any]]) -> list[Any] | None:
     """None where the calendar ends before the dates do."""
     try:
         return found()
@@ -117,7 +118,7 @@ def _or_none(found: Any) -> Any:
         return None
 
 
-def _parsed(text: str) -> Any:
+def _parsed(text: str) -> datetime.date | None:
     """The date or time that a text writes; None where there is no such day."""
     try:
         return datetime.date.fromisoformat(text) if len(text) == 10 else datetime.datetime.fromisoformat(text)
@@ -125,8 +126,8 @@ def _parsed(text: str) -> Any:
         return None
 
 
-def _written(time: Any, like: str) -> str:
+def _written(time: datetime.date, like: str) -> str:
     """A date or time as text, as another is written."""
-    if len(like) == 10:
+    if not isinstance(time, datetime.datetime):
         return time.isoformat()
     return time.isoformat(like[10], "minutes" if len(like) == 16 else "auto")

@@ -9,6 +9,7 @@ import jax
 import jax.experimental
 import jax.numpy as jnp
 import numpy as np
+from numpy.typing import NDArray
 
 from .distributions import Distribution
 
@@ -18,7 +19,7 @@ jax.tree_util.register_pytree_node(
     lambda family, parts: Distribution(family, *parts),
 )
 
-Compiled = Callable[[int, np.ndarray], Any]
+Compiled = Callable[[int, NDArray[np.float64]], Any]
 
 
 def compiled(function: Callable[[Any, Any], Any], called: str, names: list[str]) -> tuple[Compiled, Compiled]:
@@ -32,7 +33,9 @@ def compiled(function: Callable[[Any, Any], Any], called: str, names: list[str])
 
     def sloped(t: Any, x: Any) -> tuple[list[Distribution], list[Distribution]]:
         along = jnp.broadcast_to(jnp.eye(x.shape[1], dtype=x.dtype)[:, None, :], (x.shape[1], *x.shape))
-        return jax.vmap(lambda by: jax.jvp(lambda x: stated(t, x), (x,), (by,)), out_axes=(None, 0))(along)
+        found: tuple[list[Distribution], list[Distribution]]
+        found = jax.vmap(lambda by: jax.jvp(lambda x: stated(t, x), (x,), (by,)), out_axes=(None, 0))(along)
+        return found
 
     return _of_any_length(jax.jit(stated)), _of_any_length(jax.jit(sloped))
 
@@ -68,7 +71,7 @@ def _coordinates(found: Any, particles: int, called: str, names: list[str]) -> l
 def _of_any_length(function: Callable[[Any, Any], Any]) -> Compiled:
     """Compiled for lengths that are powers of two: each length is compiled by itself, and there would be many."""
 
-    def called(t: int, x: np.ndarray) -> Any:
+    def called(t: int, x: NDArray[np.float64]) -> Any:
         particles = x.shape[0]
         length = max(32, 1 << (particles - 1).bit_length())
         padded = np.concatenate([x, np.repeat(x[-1:], length - particles, axis=0)])

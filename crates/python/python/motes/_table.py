@@ -6,12 +6,14 @@ import os
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from decimal import Decimal
+from functools import partial
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from . import _motes, _wide
 from ._errors import warn
-from . import _motes
 
 
 @dataclass
@@ -80,37 +82,53 @@ def _is_dated(values: Any) -> bool:
 def _of_frame(model: _motes.Model, frame: Any) -> Rows:
     if isinstance(frame, dict):
         return _of_columns(model, _taken(frame, frame), None)
-    return _of_columns(model, _taken(frame, frame.columns), getattr(frame, "index", None))
+    _wide.refuse_levels(model, frame.columns)
+    return _of_columns(model, _taken(frame, frame.columns), getattr(frame, "index", None), partial(_wide.of_frame, model, frame))
 
 
-def _taken(frame: Any, keys: Any) -> list[tuple[str, Callable[[], Any]]]:
-    """Its columns by name, taken out where they are used."""
-    return [(str(key), lambda key=key: frame[key]) for key in keys]
+#: A column by its name, taken out where it is used.
+_Column = tuple[str, Callable[[], Any]]
 
 
-def _of_columns(model: _motes.Model, columns: list[tuple[str, Callable[[], Any]]], index: Any) -> Rows:
-    """The rows of columns. Levels of an index of pandas that have names are columns, too, before the others."""
+def _taken(frame: Any, keys: Any) -> list[_Column]:
+    """Its columns by name."""
+    return [(str(key), partial(frame.__getitem__, key)) for key in keys]
+
+
+def _known(values: Any) -> Any:
+    """Values that are there already."""
+    return values
+
+
+def _of_columns(model: _motes.Model, columns: list[_Column], index: Any, remedy: Callable[[], str] = str) -> Rows:
+    """The rows of columns. Levels of an index of pandas that have names are columns, too, before the others.
+
+    Where those that the model needs are not there, the error ends with a remedy.
+    """
     named, dates = _levels(index)
     known = {name for name, _ in columns}
     levels = {name: values for name, values in named.items() if name not in known}
-    taken = [*((name, lambda values=values: values) for name, values in levels.items()), *columns]
+    taken: list[_Column] = [*((name, partial(_known, values)) for name, values in levels.items()), *columns]
     names = [name for name, _ in taken]
-    measured, (series, time, clock, carried), inputs, _ = model.columns(names)
+    try:
+        measured, (series, time, clock, carried), inputs, _ = model.columns(names)
+    except ValueError as error:
+        raise ValueError(f"{error}{remedy()}") from None
     needed = [*measured, series, time, clock, carried, *inputs]
     used = {at: _column(taken[at][1](), names[at]) for at in needed if at is not None}
-    columns = [_numbers(used[at], names[at]) for at in measured]
-    known_inputs = [_numbers(used[at], names[at]) for at in inputs]
-    lengths = {len(column) for column in [*columns, *known_inputs]}
+    values_of = [numbers_of(used[at], names[at]) for at in measured]
+    known_inputs = [numbers_of(used[at], names[at]) for at in inputs]
+    lengths = {len(column) for column in [*values_of, *known_inputs]}
     if len(lengths) > 1:
         raise ValueError(f"data: columns have different lengths: {', '.join(map(str, sorted(lengths)))}")
-    values = np.stack(columns, axis=1) if columns else np.empty((0, 0))
-    times = None if time is None else _numbers(used[time], names[time]).tolist()
+    values = np.stack(values_of, axis=1) if values_of else np.empty((0, 0))
+    times = None if time is None else numbers_of(used[time], names[time]).tolist()
     labels = {names[at]: list(used[at]) for at in (series, clock, carried) if at is not None}
     for row, value in enumerate(labels.get(model.series_column, [])):
         if _is_missing(value):
             raise ValueError(f"data, row {row}, column {model.series_column}: it is missing; each row must say which series it belongs to")
-    texts = [None if at is None else [_text(value) for value in labels[names[at]]] for at in (series, carried, clock)]
-    index_texts = None if dates is None else [_text(value) for value in dates]
+    texts = [None if at is None else [text_of_label(value) for value in labels[names[at]]] for at in (series, carried, clock)]
+    index_texts = None if dates is None else [text_of_label(value) for value in dates]
     found = model.data(names, values.reshape(-1), texts[0], times, texts[1], index_texts, texts[2], _flat(known_inputs))
     return Rows(found, index, labels, list(levels))
 
@@ -128,11 +146,12 @@ def inputs_of(model: _motes.Model, data: Any) -> _motes.Data:
     lengths = {len(column) for column in used.values()}
     if len(lengths) != 1:
         raise ValueError(f"inputs: columns have different lengths: {', '.join(map(str, sorted(lengths)))}")
-    texts = [None if at is None else [_text(value) for value in used[at]] for at in (series, clock)]
-    return _motes.inputs_of_table(model, names, lengths.pop(), *texts, _flat([_numbers(used[at], names[at]) for at in inputs]))
+    of_series, of_clock = (None if at is None else [text_of_label(value) for value in used[at]] for at in (series, clock))
+    values = _flat([numbers_of(used[at], names[at]) for at in inputs])
+    return _motes.inputs_of_table(model, names, lengths.pop(), of_series, of_clock, values)
 
 
-def _flat(columns: list[np.ndarray]) -> np.ndarray:
+def _flat(columns: list[NDArray[np.float64]]) -> NDArray[np.float64]:
     """Columns of numbers, row by row."""
     return np.stack(columns, axis=1).reshape(-1) if columns else np.empty(0)
 
@@ -146,7 +165,7 @@ def _column(values: Any, name: str) -> Any:
 
 def _of_array(model: _motes.Model, data: Any) -> _motes.Data:
     names, width = model.measurements, len(model.measurements)
-    values = _numbers(data, names[0] if width == 1 else None)
+    values = numbers_of(data, names[0] if width == 1 else None)
     if values.ndim == 1 and width == 1:
         values = values[:, None]
     if values.ndim == 3 and values.shape[2] == width:
@@ -155,6 +174,7 @@ def _of_array(model: _motes.Model, data: Any) -> _motes.Data:
         expected = f"(T, {width})" + (" or (T,)" if width == 1 else "") + f" or (S, T, {width})"
         raise ValueError(
             f"data: an array of shape {values.shape}; it must be {expected}, a column for each of {', '.join(names)}"
+            f"{_wide.of_array(values, width)}"
         )
     return model.data(names, np.ascontiguousarray(values).reshape(-1), None, None, None)
 
@@ -176,10 +196,10 @@ def _of_sequences(model: _motes.Model, sequences: list[Any]) -> _motes.Data:
     return model.data([model.series_column, *names], np.concatenate(values).reshape(-1), series, None, None)
 
 
-def _one_sequence(model: _motes.Model, sequence: Any, names: list[str], width: int) -> np.ndarray:
+def _one_sequence(model: _motes.Model, sequence: Any, names: list[str], width: int) -> NDArray[np.float64]:
     if _is_frame(sequence):
         return _of_frame(model, sequence).found.measurements.reshape(-1, width)
-    one = _numbers(sequence, names[0] if width == 1 else None)
+    one = numbers_of(sequence, names[0] if width == 1 else None)
     if one.ndim == 1 and width == 1:
         one = one[:, None]
     if one.ndim != 2 or one.shape[1] != width:
@@ -187,7 +207,7 @@ def _one_sequence(model: _motes.Model, sequence: Any, names: list[str], width: i
     return one
 
 
-def _numbers(values: Any, column: str | None) -> np.ndarray:
+def numbers_of(values: Any, column: str | None) -> NDArray[np.float64]:
     """An array of 64-bit numbers, NaN where one is missing; errors name row and column."""
     if hasattr(values, "to_numpy"):
         values = values.to_numpy()
@@ -239,7 +259,7 @@ def _place(at: tuple[int, ...], column: str | None) -> str:
     return row + (f", column {at[-1]}" if len(at) > 1 else "")
 
 
-def _text(value: Any) -> str:
+def text_of_label(value: Any) -> str:
     """A label as the command would read it: dates without a time that is midnight."""
     text = str(value)
     return text.removesuffix(" 00:00:00") if hasattr(value, "isoformat") else text

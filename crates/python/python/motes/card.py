@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import json
 from functools import cached_property
-from typing import Any
+from typing import Any, cast
 
 from . import _motes
+from ._display import preformatted
+from ._optional import module
 
 
 class Card:
@@ -18,18 +20,16 @@ class Card:
     @cached_property
     def figures(self) -> dict[str, Any]:
         """All figures, as the command prints them with `--json`."""
-        return json.loads(self._found.json())
+        return cast("dict[str, Any]", json.loads(self._found.json()))
 
     @property
     def methods(self) -> dict[str, dict[str, Any]]:
         """The figures of each proposal by its name."""
-        return self.figures["methods"]
+        return cast("dict[str, dict[str, Any]]", self.figures["methods"])
 
     def to_pandas(self) -> Any:
         """A data frame of pandas with a row for each proposal."""
-        from .results import _module
-
-        pandas = _module("pandas", "to_pandas")
+        pandas = module("pandas", "to_pandas")
         of = {name: {key: value for key, value in found.items() if key != "half_widths"} for name, found in self.methods.items()}
         return pandas.DataFrame.from_dict(of, orient="index")
 
@@ -44,6 +44,4 @@ class Card:
         return self._found.text().rstrip()
 
     def _repr_html_(self) -> str:
-        from .results import _escaped
-
-        return f"<pre>{_escaped(self._found.text())}</pre>"
+        return preformatted(self._found.text())

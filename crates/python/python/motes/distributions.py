@@ -39,30 +39,33 @@ class Distribution:
     #: Arrays leave sums with a distribution to it.
     __array_ufunc__ = None
 
-    def __add__(self, by: Any) -> "Distribution":
+    def __add__(self, by: Any) -> Distribution:
         self._check(by)
         return replace(self, shift=by if self.shift is None else self.shift + by)
 
     __radd__ = __add__
 
-    def __sub__(self, by: Any) -> "Distribution":
-        return self + -by
+    def __sub__(self, by: Any) -> Distribution:
+        shifted: Distribution = self + -by
+        return shifted
 
-    def __rsub__(self, by: Any) -> "Distribution":
-        return -self + by
+    def __rsub__(self, by: Any) -> Distribution:
+        shifted: Distribution = -self + by
+        return shifted
 
-    def __mul__(self, by: Any) -> "Distribution":
+    def __mul__(self, by: Any) -> Distribution:
         self._check(by)
         scale = by if self.scale is None else self.scale * by
         return replace(self, scale=scale, shift=None if self.shift is None else self.shift * by)
 
     __rmul__ = __mul__
 
-    def __truediv__(self, by: Any) -> "Distribution":
+    def __truediv__(self, by: Any) -> Distribution:
         self._check(by)
-        return self * (1.0 / by)
+        scaled: Distribution = self * (1.0 / by)
+        return scaled
 
-    def __neg__(self) -> "Distribution":
+    def __neg__(self) -> Distribution:
         return self * -1.0
 
     def _check(self, by: Any) -> None:

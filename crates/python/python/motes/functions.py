@@ -68,13 +68,13 @@ def of_functions(
         names.append(listed)
     first = initial() if callable(initial) else initial
     model = Model.__new__(Model)
-    model._functions = _Functions(first, (transition, measurement), (names[0], names[1]), name, jax)
+    model._functions = Functions(first, (transition, measurement), (names[0], names[1]), name, jax)
     model._model = model._functions.model()
     return model
 
 
 @dataclass(frozen=True)
-class _Functions:
+class Functions:
     """What a model in functions is made of: a copy or a pickle of it is made again."""
 
     initial: Stated

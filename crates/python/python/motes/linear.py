@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .model import Model
 
@@ -60,7 +61,7 @@ def linear_gaussian(
     return Model({"name": name, "kind": "linear-gaussian", **named, **text})
 
 
-def _array(key: str, value: Any) -> np.ndarray:
+def _array(key: str, value: Any) -> NDArray[np.float64]:
     """A vector or matrix of numbers."""
     try:
         if np.iscomplexobj(value):
