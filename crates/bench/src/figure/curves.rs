@@ -1,6 +1,6 @@
 //! figure.svg: panels side by side, and below the paper's metric those that show what it hides.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::error::Error;
 
 use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
@@ -25,6 +25,8 @@ struct Common<'a> {
     methods: &'a [Method],
     /// The most repetitions that any point has: those with fewer say how many.
     repetitions: usize,
+    /// The repetitions of the methods that have fewer at all of their points, by name: the legend says how many.
+    of_methods: &'a BTreeMap<&'static str, usize>,
 }
 
 /// Draws medians, a curve for each method, with bars over the middle half of the repetitions. On a logarithmic axis a standard
@@ -61,10 +63,12 @@ pub(crate) fn figure(plan: &Plan, title: &str, rows: &[Row]) -> Result<String, B
         let (head, body) = root.split_vertically(HEAD);
         let repetitions = rows.iter().map(|row| row.n_ok).max().unwrap_or(0);
         let scale = Scale::of(&xs);
-        let common = Common { axis: plan.experiment.axis, scale, methods: &methods, repetitions };
-        let is_shown = |row: &&Row| metrics.iter().any(|metric| metric.name == row.metric);
-        let uneven = rows.iter().filter(is_shown).any(|row| (1..repetitions).contains(&row.n_ok));
-        draw_head(&head, title, &methods, uneven)?;
+        let is_shown = |row: &&Row| metrics.iter().any(|metric| metric.name == row.metric) && row.n_ok > 0;
+        let shown = rows.iter().filter(is_shown).map(|row| (row.method.name(), row.n_ok));
+        let of_methods = &counts::uniform(shown, repetitions);
+        let common = Common { axis: plan.experiment.axis, scale, methods: &methods, repetitions, of_methods };
+        let uneven = rows.iter().filter(is_shown).any(|row| row.n_ok < repetitions);
+        draw_head(&head, title, &common, uneven)?;
         let cells = body.split_evenly((metrics.len(), panels.len()));
         for (at, cell) in cells.iter().enumerate() {
             let (metric, panel) = (metrics[at / panels.len()], panels[at % panels.len()]);
@@ -78,15 +82,20 @@ pub(crate) fn figure(plan: &Plan, title: &str, rows: &[Row]) -> Result<String, B
 }
 
 /// Title and legend.
-fn draw_head(head: &Area<'_>, title: &str, methods: &[Method], uneven: bool) -> Drawn {
+fn draw_head(head: &Area<'_>, title: &str, common: &Common<'_>, uneven: bool) -> Drawn {
     head.draw(&Text::new(title.to_string(), (12, 10), (FONT, 17).into_font().color(&INK)))?;
     let mut x = 12;
-    for &method in methods {
+    for &method in common.methods {
         let colour = colour(method);
+        let name = match common.of_methods.get(method.name()) {
+            Some(repetitions) => format!("{} (n = {repetitions})", method.name()),
+            None => method.name().to_string(),
+        };
         head.draw(&PathElement::new(vec![(x, 46), (x + 26, 46)], colour.stroke_width(2)))?;
         head.draw(&marker(method, (x + 13, 46)))?;
-        head.draw(&Text::new(method.name(), (x + 32, 39), (FONT, 14).into_font().color(&INK)))?;
-        x += 52 + 8 * method.name().len() as i32;
+        let width = 8 * name.len() as i32;
+        head.draw(&Text::new(name, (x + 32, 39), (FONT, 14).into_font().color(&INK)))?;
+        x += 52 + width;
     }
     let note = match uneven {
         true => "medians; bars span the middle half of the repetitions, fewer where n says so",
@@ -154,7 +163,9 @@ where
         .axis_style(INK.mix(0.6))
         .label_style((FONT, 12).into_font().color(&INK))
         .draw()?;
-    let shared = counts::shared(rows.iter().map(|row| (row.x, row.n_ok)), common.repetitions);
+    let is_in_legend = |row: &Row| common.of_methods.contains_key(row.method.name());
+    let unsaid = rows.iter().filter(|row| !is_in_legend(row));
+    let shared = counts::shared(unsaid.map(|row| (row.x, row.n_ok)), common.repetitions);
     let at_x = |x: usize| common.scale.position(x);
     for (at, &method) in common.methods.iter().enumerate() {
         let colour = colour(method);
@@ -170,7 +181,9 @@ where
         let line = points.iter().map(|(x, row)| (*x, row.median));
         chart.draw_series(LineSeries::new(line.clone(), colour.stroke_width(2)))?;
         chart.draw_series(line.map(|point| marker(method, point)))?;
-        let is_alone = |row: &Row| row.n_ok < common.repetitions && shared.get(&row.x) != Some(&row.n_ok);
+        let is_alone = |row: &Row| {
+            row.n_ok < common.repetitions && !is_in_legend(row) && shared.get(&row.x) != Some(&row.n_ok)
+        };
         chart.draw_series(points.iter().filter(|(_, row)| is_alone(row)).map(|(x, row)| {
             // The last one would not have room to the right.
             let (side, anchor) = if Some(row.x) == last { (-6, HPos::Right) } else { (6, HPos::Left) };
