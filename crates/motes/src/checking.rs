@@ -89,9 +89,16 @@ fn check_until(
 /// What a proposal can be learned of, and how trajectories are smoothed.
 fn of_learning(model: &Model, learnable: &dyn LearnableModel) -> [String; 2] {
     let draws = ModelShape::of(learnable).draws.map_or(0, |[_, later]| later);
+    let fed_back = model.fed_back_measurement();
     let learned = match (model.measured_exactly(), check_draws(model)) {
         (Some(reason), _) => format!("nothing, because {reason}"),
         (None, Err(error)) => format!("nothing, because {error}"),
+        (None, Ok(())) if fed_back.is_some() => {
+            format!(
+                "nothing, because the measurement {} is an input of later steps",
+                fed_back.unwrap_or_default()
+            )
+        }
         (None, Ok(())) if learnable.density().is_some() => "a proposal of the states".to_string(),
         (None, Ok(())) if draws == 0 => "nothing, because no state is drawn after the first".to_string(),
         (None, Ok(())) => format!("a proposal of the noise, {draws} numbers for a step of one unit of time"),
@@ -110,9 +117,13 @@ fn of_learning(model: &Model, learnable: &dyn LearnableModel) -> [String; 2] {
 /// Whether the model has exact answers, over the rows of the data, or else over so many as are drawn.
 fn exactly(model: &Model, data: Option<&Data>) -> Option<String> {
     let answers = "--proposal exact filters and smooths without particles";
-    let ExactSystem::Finite(_) = model.exact_system()? else {
-        return Some(format!("exact: the model is linear with Gaussian noise; {answers}"));
-    };
+    match model.exact_system() {
+        None => return Some("exact: no, because the model is neither linear with Gaussian noise nor one of few discrete states".into()),
+        Some(ExactSystem::Linear(_)) => {
+            return Some(format!("exact: the model is linear with Gaussian noise; {answers}"));
+        }
+        Some(ExactSystem::Finite(_)) => (),
+    }
     let options = FilterOptions { proposal: ProposalName::Exact, ..FilterOptions::default() };
     let mut running = Running::new(model, &options, 0).ok()?;
     let nothing = vec![None; model.measurements().len()];

@@ -308,6 +308,17 @@ impl Model {
         Some(Model(Source::File(ModelFile { model, ..file.clone() }, Some(Arc::clone(timeline)))))
     }
 
+    /// A measurement that is an input of later steps, if there is one.
+    pub(crate) fn fed_back_measurement(&self) -> Option<&str> {
+        let measurements = self.measurements();
+        self.input_columns().iter().find(|column| measurements.contains(column)).map(String::as_str)
+    }
+
+    /// The column of data that an input comes from.
+    pub(crate) fn input_column(&self, input: &str) -> Option<String> {
+        self.timeline()?.column_of(input).map(str::to_string)
+    }
+
     pub(crate) fn timeline(&self) -> Option<&Timeline> {
         match &self.0 {
             Source::File(_, timeline) => timeline.as_deref(),

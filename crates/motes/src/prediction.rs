@@ -16,8 +16,8 @@ const WEIGHED: usize = 64;
 struct Beside {
     entry: usize,
     value: f64,
-    /// Mean, standard deviation, smallest and largest of what was drawn.
-    drawn: [f64; 4],
+    /// Mean, standard deviation, smallest and largest of what was drawn; none where nothing can be.
+    drawn: Option<[f64; 4]>,
     /// Whether it has density 0 at all states that were drawn.
     is_impossible: bool,
 }
@@ -25,14 +25,14 @@ struct Beside {
 impl Beside {
     /// How far the value is from the mean, in standard deviations.
     fn distance(&self) -> f64 {
-        let [mean, sd, ..] = self.drawn;
-        (self.value - mean).abs() / sd.max(f64::MIN_POSITIVE)
+        let distance = |[mean, sd, ..]: [f64; 4]| (self.value - mean).abs() / sd.max(f64::MIN_POSITIVE);
+        self.drawn.map_or(f64::INFINITY, distance)
     }
 }
 
 /// Draws `x_t`, given states before (`K×N`) or from `p(x_0)` where there are none, and `y_t`, and says in words which entries of the measurement (`M`) are where
 /// nothing is predicted: those of density 0 at all that was drawn, or else those that are farthest off. `names` are those of the entries; it is empty where nothing is
-/// measured or drawn.
+/// measured.
 pub(crate) fn beside_prediction<M: Simulator + ?Sized>(
     model: &M,
     step: &Step<'_>,
@@ -48,7 +48,7 @@ pub(crate) fn beside_prediction<M: Simulator + ?Sized>(
     model.sample_measurements(step, &states, &mut streams, &mut drawn);
     let beside = |(entry, value): (usize, &Option<f64>)| {
         let value = (*value)?;
-        let drawn = summary(drawn.iter().skip(entry).step_by(m).copied())?;
+        let drawn = summary(drawn.iter().skip(entry).step_by(m).copied());
         let is_impossible = m <= WEIGHED && is_impossible(model, step, &states, entry, value);
         Some(Beside { entry, value, drawn, is_impossible })
     };
@@ -62,12 +62,13 @@ pub(crate) fn beside_prediction<M: Simulator + ?Sized>(
         all.retain(|beside| beside.is_impossible);
     }
     let words = |beside: &Beside| {
-        let [mean, sd, low, high] = beside.drawn.map(short);
-        let name = names.get(beside.entry).map_or("y", String::as_str);
-        format!(
-            "{name} is {}, where the particles predict {mean} ± {sd}, from {low} to {high}",
-            exact(beside.value)
-        )
+        let (name, value) = (names.get(beside.entry).map_or("y", String::as_str), exact(beside.value));
+        let Some([mean, sd, low, high]) = beside.drawn.map(|drawn| drawn.map(short)) else {
+            return format!(
+                "{name} is {value}, and no particle can draw it: look at the parameters of its distribution there, and at the inputs of this row"
+            );
+        };
+        format!("{name} is {value}, where the particles predict {mean} ± {sd}, from {low} to {high}")
     };
     let more = if all.len() > NAMED { format!("; and {} more", all.len() - NAMED) } else { String::new() };
     all.iter().take(NAMED).map(words).collect::<Vec<_>>().join("; ") + &more

@@ -323,7 +323,7 @@ pub(crate) fn schedule(
     if model.timeline().is_none() {
         return Ok(None);
     }
-    if let Some(column) = model.input_columns().iter().find(|column| model.measurements().contains(column)) {
+    if let Some(column) = model.fed_back_measurement() {
         let reason = format!(
             "the measurement {column} is an input of later steps: each simulation has its own, and a proposal cannot be learned from many at once"
         );

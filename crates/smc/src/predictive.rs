@@ -71,21 +71,20 @@ impl<D: Deref<Target: Simulator>, P: Proposal<D::Target>> ParticleFilter<D, P> {
 }
 
 impl Predictive {
-    /// What would be measured at equally likely states (`K×N`), at the end of a step: that of each entry of the measurement (`M`). One number of each is drawn, for quantiles.
+    /// What would be measured at weighted states (`K×N`), at the end of a step: that of each entry of the measurement (`M`). One number of each is drawn, for quantiles.
     pub fn of_states<M: Simulator + ?Sized>(
         model: &M,
         step: &Step<'_>,
-        states: &[f64],
+        (states, weights): (&[f64], &LogWeights),
         measurement: &[Option<f64>],
         stream: &mut Stream,
     ) -> Vec<Self> {
-        let (n, m) = (model.state_dim().max(1), measurement.len());
-        let weights = LogWeights::uniform(states.len() / n);
+        let m = measurement.len();
         let mut marginals = vec![Marginal::of_draw(f64::NAN, None); weights.len() * m];
         model.marginals(step, states, measurement, stream, &mut marginals);
         let of_entry = |entry: usize| {
             let marginals: Vec<Marginal> = marginals.iter().skip(entry).step_by(m).copied().collect();
-            Predictive::of(&weights, marginals, measurement[entry])
+            Predictive::of(weights, marginals, measurement[entry])
         };
         (0..m).map(of_entry).collect()
     }

@@ -283,7 +283,7 @@ pub enum Problem {
     #[error("`{0}` is a draw of a step; [draws] and [transition] can use it, and a state can keep it")]
     DrawElsewhere(String),
     /// A key of an input that does not go with its other keys.
-    #[error("`{key}` is of an input from {needs}; it must be left out here")]
+    #[error("`{key}` is of {needs}; it must be left out here")]
     InputKey {
         /// The key.
         key: &'static str,

@@ -43,7 +43,12 @@ impl Constants<'_> {
             _ => None,
         };
         number.filter(|number| number.is_finite()).ok_or_else(|| {
-            let (found, expected) = (value.words(), "a number, or a formula of numbers and parameters");
+            let (found, expected) = match (number, &value.found) {
+                (Some(number), Found::Text { .. }) => {
+                    (format!("{}, which is {number}", value.words()), "finite")
+                }
+                _ => (value.words(), "a number, or a formula of numbers and parameters"),
+            };
             fault(Problem::Value { found, expected: expected.to_string() })
         })
     }

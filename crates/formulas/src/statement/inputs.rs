@@ -141,9 +141,13 @@ fn of_table<'t>(
     };
     let name = || column.clone().unwrap_or_else(|| input.key.clone());
     rule.source = match (file, rows) {
-        (Some(_), Some(_)) => return apart("rows", "a column of the data").map(|()| Read { rule, simulate }),
+        (Some(_), Some(_)) => {
+            return apart("rows", "an input from a column of the data").map(|()| Read { rule, simulate });
+        }
         (Some(path), None) => {
-            ["first", "simulate"].into_iter().try_for_each(|key| apart(key, "a column of the data"))?;
+            ["first", "simulate"]
+                .into_iter()
+                .try_for_each(|key| apart(key, "an input from a column of the data"))?;
             if between_rows.is_none() {
                 let example = "between = \"linear\", \"hold\" or \"next\"";
                 let problem = Problem::Missing { name: "between", example };
@@ -152,7 +156,7 @@ fn of_table<'t>(
             InputSource::File { path, column: name() }
         }
         (None, rows) => {
-            ["lag", "beyond"].into_iter().try_for_each(|key| apart(key, "a file"))?;
+            ["lag", "beyond"].into_iter().try_for_each(|key| apart(key, "an input from a file"))?;
             match rows {
                 None => InputSource::Column(name()),
                 Some(rows) => {

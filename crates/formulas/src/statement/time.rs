@@ -33,7 +33,7 @@ pub struct TimeRule {
     pub unit: Option<TimeUnit>,
     /// The longest sub-step; none where a step between two rows is one.
     pub step: Option<f64>,
-    /// The time of `x_0`; none where it is that of the first row.
+    /// The time of `x_0`; none where it is that of the first row. A number of days or weeks counts from the first row of a series, as `t` does.
     pub start: Option<TimeLabel>,
 }
 
@@ -79,6 +79,7 @@ pub(super) fn read(table: &Table, constants: Constants<'_>) -> Result<TimeRule, 
             ("start", Found::Text { text, .. }) if is_date(text) => {
                 rule.start = Some(TimeLabel::Date(text.trim().to_string()));
             }
+            ("start", Found::Other(_)) => return refuse("a number, or a date in quotes"),
             ("start", _) => rule.start = Some(TimeLabel::Number(constants.value(entry, Section::Time)?)),
             (key, _) => {
                 let advice = match nearest(key, KEYS) {
@@ -89,6 +90,17 @@ pub(super) fn read(table: &Table, constants: Constants<'_>) -> Result<TimeRule, 
                     .in_section(Section::Time));
             }
         }
+    }
+    let entry_of = |key: &str| table.iter().find(|entry| entry.key == key);
+    let refuse = |entry: &Entry, expected: &str| {
+        let (found, expected) = (entry.value.words(), expected.to_string());
+        Err(fault(entry, Problem::Value { found, expected }))
+    };
+    if let (Some(unit), None) = (entry_of("unit"), &rule.column) {
+        return refuse(unit, "left out, or the column of the dates named beside it by column = …");
+    }
+    if let (Some(start), Some(TimeLabel::Date(_)), None) = (entry_of("start"), &rule.start, rule.unit) {
+        return refuse(start, "a number; for dates give unit = \"day\", \"week\" or \"year\", too");
     }
     Ok(rule)
 }

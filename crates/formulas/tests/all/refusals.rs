@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 /// What the files are about, their names and texts.
-const FILES: [(&str, &str, &str); 11] = [
+const FILES: [(&str, &str, &str); 12] = [
     ("Files", "paths", include_str!("refused/paths.rs")),
     ("TOML", "files", include_str!("refused/files.rs")),
     ("Grammar", "formulas", include_str!("refused/formulas.rs")),
@@ -13,6 +13,7 @@ const FILES: [(&str, &str, &str); 11] = [
     ("Distributions of measurements", "wrapped", include_str!("refused/wrapped.rs")),
     ("Vectors and indices", "vectors", include_str!("refused/vectors.rs")),
     ("Matrices", "matrices", include_str!("refused/matrices.rs")),
+    ("Times, inputs and series", "times", include_str!("refused/times.rs")),
     ("Priors", "priors", include_str!("refused/priors.rs")),
     ("Parameters set from outside", "overrides", include_str!("refused/overrides.rs")),
 ];

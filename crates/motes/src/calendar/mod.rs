@@ -1,9 +1,11 @@
 //! Times as they are written: numbers, dates, months and quarters.
 
+mod following;
 mod label;
 mod marks;
 mod numbers;
 
+pub(crate) use following::following;
 pub(crate) use label::{Time, months};
 pub(crate) use marks::{days_of, marks};
 pub use numbers::NoTime;

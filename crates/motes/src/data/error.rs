@@ -35,13 +35,14 @@ pub struct Place {
     pub counted: Counted,
     /// The line, or the row.
     pub line: u64,
-    /// The column's name.
-    pub column: String,
+    /// The column's name; none where it is a row as a whole.
+    pub column: Option<String>,
 }
 
 impl fmt::Display for Place {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(formatter, "{}, {} {}, column {}", self.file, self.counted, self.line, self.column)
+        write!(formatter, "{}, {} {}", self.file, self.counted, self.line)?;
+        self.column.iter().try_for_each(|column| write!(formatter, ", column {column}"))
     }
 }
 

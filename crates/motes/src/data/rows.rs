@@ -195,7 +195,8 @@ impl<R: Read> Rows<R> {
         let steps = self.model.next_steps(clock, row);
         let steps = steps.and_then(|steps| self.model.measured(clock, measurement).map(|()| steps));
         steps.map_err(|error| {
-            let column = error.column(&self.columns.names, self.columns.clock);
+            let clock = self.columns.clock.and_then(|at| self.columns.names.get(at));
+            let column = error.column(|input| self.model.input_column(input), clock);
             let place = Place { file: self.file.clone(), counted: Counted::Line, line, column };
             DataError::Timeline { place, error: Box::new(error) }
         })
@@ -239,7 +240,7 @@ impl<R: Read> Rows<R> {
             file: self.file.clone(),
             counted: Counted::Line,
             line,
-            column: self.columns.names[at].clone(),
+            column: Some(self.columns.names[at].clone()),
         }
     }
 }

@@ -146,7 +146,7 @@ impl Data {
             file: file(),
             counted: Counted::Row,
             line: row as u64,
-            column: columns.names[column].clone(),
+            column: Some(columns.names[column].clone()),
         };
         let (mut seen, mut rows) = (SeenSeries::default(), Vec::with_capacity(count));
         let (mut clocks, inputs): (Vec<Clock>, usize) = (Vec::new(), columns.inputs.len());
@@ -182,7 +182,8 @@ impl Data {
                 Ok(steps)
             });
             let steps = steps.map_err(|error| {
-                let column = error.column(&columns.names, columns.clock);
+                let clock = columns.clock.and_then(|at| columns.names.get(at));
+                let column = error.column(|input| model.input_column(input), clock);
                 let place = Place { file: file(), counted: Counted::Row, line: at as u64, column };
                 DataError::Timeline { place, error: Box::new(error) }
             })?;

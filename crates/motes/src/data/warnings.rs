@@ -118,8 +118,12 @@ impl Data {
         let named = named.collect::<Vec<_>>().join(", ");
         let more =
             if blocks.len() > NAMED { format!(" and {} more", blocks.len() - NAMED) } else { String::new() };
+        let by = match labels.what.starts_with("column") {
+            true => format!(", or give the model [series] by = \"{}\"", labels.name),
+            false => String::new(),
+        };
         let text = format!(
-            "{}: {named}{more}: is it series? rows are taken as one sequence; call it series, and each is filtered on its own",
+            "{}: {named}{more}: is it series? rows are taken as one sequence; call it series{by}, and each is filtered on its own",
             labels.what
         );
         Some(Warning { series: None, text })

@@ -71,10 +71,7 @@ fn log_evidence_until(
                 if !matches!(running.filter.failure(), Some(FilterError::Collapse { .. })) {
                     return Err(of_series(name.map(String::as_str), error));
                 }
-                let text = format!(
-                    "{} {}: no particle explains the measurement; the log-evidence is −∞",
-                    data.counted, row.line
-                );
+                let text = format!("{} {}, {error}; the log-evidence is −∞", data.counted, row.line);
                 let impossible = Some(Warning { series: name.cloned(), text });
                 return Ok(LogEvidence { value: f64::NEG_INFINITY, impossible });
             }

@@ -6,7 +6,7 @@ use motes_models::forward::{
     FiniteSystem, ForwardError, ForwardFilter, ForwardStep, Limits, StateProbabilities, smooth_states,
 };
 use motes_models::{ModelError, Seed, Step, StepRecord, Stream};
-use motes_smc::{FilterError, Predictive, SmoothedPaths};
+use motes_smc::{FilterError, LogWeights, Predictive, SmoothedPaths};
 
 use super::rows::series;
 use crate::error::MotesError;
@@ -18,7 +18,7 @@ use crate::steps::Steps;
 /// States before a step that failed, for who says what they predict.
 const MOST_BEFORE: usize = 1000;
 
-/// Equally likely states that say what is expected of a measurement: probabilities are known to within one of so many.
+/// Equally likely states whose measurements are drawn for quantiles.
 const PLACES: usize = 4096;
 
 /// A filter of probabilities in the place of particles.
@@ -70,7 +70,8 @@ impl<'m> Forward<'m> {
         Forward { model, filter, width, means, log_evidence, failure: None, before, state }
     }
 
-    /// What probabilities of states say of each entry of the measurement.
+    /// What probabilities of states say of each entry of the measurement: exact means, standard deviations and places, as far as distributions have formulas for them, and
+    /// quantiles of draws at states in proportion to their probabilities.
     fn measured(
         &self,
         step: &Step<'_>,
@@ -78,12 +79,30 @@ impl<'m> Forward<'m> {
         measurement: &[Option<f64>],
     ) -> Vec<Predictive> {
         let place = |number: usize| belief.at((number as f64 + 0.5) / PLACES as f64);
-        let states: Vec<f64> = (0..PLACES).flat_map(|number| belief.state(place(number)).to_vec()).collect();
+        let places: Vec<f64> = (0..PLACES).flat_map(|number| belief.state(place(number)).to_vec()).collect();
+        let mut weights = LogWeights::uniform(belief.probabilities().len());
+        let logs: Vec<f64> = belief.probabilities().iter().map(|probability| probability.ln()).collect();
+        if weights.update(&logs).is_err() {
+            return vec![];
+        }
+        let of_places = self.expected(step, (&places, &LogWeights::uniform(PLACES)), measurement);
+        let of_states = self.expected(step, (belief.states(), &weights), measurement);
+        let both = of_states.into_iter().zip(of_places);
+        both.map(|(exact, drawn)| Predictive { quantiles: drawn.quantiles, ..exact }).collect()
+    }
+
+    /// What would be measured at weighted states.
+    fn expected(
+        &self,
+        step: &Step<'_>,
+        weighted: (&[f64], &LogWeights),
+        measurement: &[Option<f64>],
+    ) -> Vec<Predictive> {
         let mut stream = Seed::from_u64(0).child("measurement").nth(step.index as u64).stream();
         match self.model.kind() {
-            Kind::Learnable(model) => Predictive::of_states(model, step, &states, measurement, &mut stream),
+            Kind::Learnable(model) => Predictive::of_states(model, step, weighted, measurement, &mut stream),
             Kind::LinearGaussian(model) => {
-                Predictive::of_states(model, step, &states, measurement, &mut stream)
+                Predictive::of_states(model, step, weighted, measurement, &mut stream)
             }
         }
     }

@@ -3,6 +3,7 @@
 use motes_smc::Predictive;
 
 use super::number::text;
+use crate::calendar::following;
 use crate::data::{Columns, Data, Row};
 use crate::estimate::{Coordinate, Estimate, Forecast, OF_COORDINATE, OF_MEASUREMENT, OF_WEIGHTS};
 use crate::filtered::Filtered;
@@ -120,13 +121,19 @@ impl EstimateTable {
 
     /// The rows of the data, then what is predicted after each series.
     fn with_forecasts(&self, data: &Data, estimates: &[Estimate], forecasts: &[Vec<Forecast>]) -> String {
-        let of_series = |(name, ahead): (&String, &Vec<Forecast>)| -> String {
-            ahead
-                .iter()
-                .map(|ahead| self.row(name, ahead.label.as_deref(), ahead.time, &ahead.estimate))
-                .collect()
+        let of_series = |(series, ahead): (usize, &Vec<Forecast>)| -> String {
+            // Labels that nobody gave go on as those of the rows do.
+            let labels: Option<Vec<&str>> = data.of_series(series).map(|row| row.label.as_deref()).collect();
+            let followed =
+                labels.and_then(|labels| following(&labels, ahead.len(), data.columns.clock().is_none()));
+            let rows = ahead.iter().enumerate().map(|(number, ahead)| {
+                let label = followed.as_ref().map(|labels| labels[number].as_str());
+                let label = ahead.label.as_deref().or(label);
+                self.row(&data.series[series], label, ahead.time, &ahead.estimate)
+            });
+            rows.collect()
         };
-        let ahead = data.series.iter().zip(forecasts).map(of_series);
+        let ahead = forecasts.iter().enumerate().map(of_series);
         self.smoothed(data, estimates) + &ahead.collect::<String>()
     }
 

@@ -159,7 +159,7 @@ impl Clock {
     ) -> Result<Vec<StepRecord>, TimelineError> {
         let inputs = timeline.model.inputs();
         let mut steps = Vec::with_capacity(1);
-        let start = timeline.start.map(|start| start - self.origin);
+        let start = timeline.start_since(self.origin);
         let from = match (&self.previous, start) {
             (Some(previous), _) => Some(previous.time),
             (None, Some(start)) if start > time => {
@@ -350,6 +350,20 @@ impl Clock {
 }
 
 impl Timeline {
+    /// The time of `x_0`, where times count from this one.
+    fn start_since(&self, origin: f64) -> Option<f64> {
+        self.start.map(|start| if self.is_start_relative { start } else { start - origin })
+    }
+
+    /// The column of data that an input comes from.
+    pub(crate) fn column_of(&self, input: &str) -> Option<&str> {
+        let rule = self.model.inputs().iter().find(|rule| rule.name == input)?;
+        match &rule.source {
+            InputSource::Column(column) | InputSource::Lag { column, .. } => Some(column),
+            InputSource::File { .. } => None,
+        }
+    }
+
     /// How many rows inputs look back at most.
     fn look_back(&self) -> usize {
         let of = |input: &InputRule| match input.source {

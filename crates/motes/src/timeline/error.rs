@@ -117,17 +117,20 @@ pub enum TimelineError {
 }
 
 impl TimelineError {
-    /// The column of data that it is about, of those with these names; the column of times stands at `clock`.
-    pub(crate) fn column(&self, names: &[String], clock: Option<usize>) -> String {
-        let of_name = |name: &String| names.iter().find(|known| *known == name).cloned();
+    /// The column of data that it is about; none where there is none. `column_of` has those that inputs come from, and `clock` is that of times.
+    pub(crate) fn column(
+        &self,
+        column_of: impl Fn(&str) -> Option<String>,
+        clock: Option<&String>,
+    ) -> Option<String> {
         let found = match self {
             TimelineError::Missing { input, .. }
             | TimelineError::MissingBefore { input, .. }
-            | TimelineError::NoFirst { input } => of_name(input),
-            TimelineError::NoStepBefore { entry } => of_name(entry),
+            | TimelineError::NoFirst { input } => column_of(input),
+            TimelineError::NoStepBefore { entry } => Some(entry.clone()),
             _ => None,
         };
-        found.or_else(|| clock.and_then(|at| names.get(at).cloned())).unwrap_or_else(|| "t".to_string())
+        found.or_else(|| clock.cloned())
     }
 }
 

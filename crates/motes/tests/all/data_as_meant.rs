@@ -83,7 +83,7 @@ fn labels_in_blocks_may_be_series_and_then_are_filtered_each_on_its_own() {
     let as_one = json(&place, &command);
     assert_eq!(
         as_one["warnings"][0],
-        "column animal: a in lines 2 to 3, b in lines 4 to 6: is it series? rows are taken as one sequence; call it series, and each is filtered on its own"
+        "column animal: a in lines 2 to 3, b in lines 4 to 6: is it series? rows are taken as one sequence; call it series, or give the model [series] by = \"animal\", and each is filtered on its own"
     );
     place.write("d.csv", text.replace("animal", "series"));
     let as_two = json(&place, &command);

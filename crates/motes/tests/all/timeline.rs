@@ -76,6 +76,11 @@ fn times_that_do_not_come_next_are_refused_with_line_and_column() {
             "d.csv, line 2, column h: the first row is at 0, before the start of [time] at 5",
         ),
         (
+            "[time]\nstart = 5",
+            "y\n1\n",
+            "d.csv, line 2: the first row is at 0, before the start of [time] at 5",
+        ),
+        (
             "[time]\ncolumn = \"h\"\nstep = 1e-9",
             "h,y\n0,1\n1,1\n",
             "d.csv, line 3, column h: the gap of 1 before this row has 999999000 sub-steps of 0.000000001, more than 1000000; a longer step in [time], or another unit?",
@@ -126,7 +131,7 @@ fn inputs_that_are_missing_where_they_are_needed_are_refused() {
     let before = "the input u is needed before it has a value, in the step to this row; give it one by first = … in [inputs]";
     assert_eq!(of("[inputs]\nu = { column = \"y\", rows = 1 }", "y\n1\n1\n"), Ok(()));
     let lag = "[inputs]\nu = { column = \"y\", rows = 2 }";
-    assert_eq!(of(lag, "y\n1\n1\n"), Err(format!("d.csv, line 3, column t: {before}")));
+    assert_eq!(of(lag, "y\n1\n1\n"), Err(format!("d.csv, line 3, column y: {before}")));
     assert_eq!(of("[inputs]\nu = { column = \"y\", rows = 2, first = 0 }", "y\n1\n1\n"), Ok(()));
     let start = "[time]\nstart = -1\n[inputs]\nu = \"hold\"";
     assert_eq!(of(start, "u,y\n1,1\n"), Err(format!("d.csv, line 2, column u: {before}")));
@@ -316,5 +321,23 @@ fn a_learned_proposal_is_for_its_number_of_sub_steps() {
         [
             "--proposal learned was learned for steps of 2 sub-steps, and 2 of 3 have another number: there particles come from the transition"
         ]
+    );
+}
+
+/// Days and weeks count from the first row, as `t` does; a date says itself when it is.
+#[test]
+fn a_start_in_days_is_before_the_first_row() {
+    let body = "[initial]\nx = 0\n[transition]\nx = \"x + dt\"\n[measurement]\ny = \"normal(x, 0.3)\"\n";
+    let rows = "day,y\n2024-03-01,3\n2024-03-02,4\n";
+    let lengths = |start: &str| {
+        let head = format!("[time]\ncolumn = \"day\"\nunit = \"day\"\nstart = {start}");
+        let data = read(&head, body, rows).unwrap();
+        data.rows.iter().flat_map(|row| &row.steps).map(|step| step.step().length).collect::<Vec<_>>()
+    };
+    assert_eq!(lengths("-3")[1..], [3.0, 1.0]);
+    assert_eq!(lengths("\"2024-02-27\"")[1..], [3.0, 1.0]);
+    assert_eq!(
+        refused("[time]\ncolumn = \"day\"\nunit = \"day\"\nstart = 2", rows),
+        "d.csv, line 2, column day: the first row is at 2024-03-01, before the start of [time] at 2024-03-03"
     );
 }

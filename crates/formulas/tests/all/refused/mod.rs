@@ -9,6 +9,7 @@ mod noise;
 mod overrides;
 mod paths;
 mod priors;
+mod times;
 mod vectors;
 mod wrapped;
 
