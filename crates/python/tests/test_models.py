@@ -230,7 +230,7 @@ def test_impossible_data_have_no_evidence_and_a_filter_says_so():
         if w == 40.0:
             found.append(model.log_evidence([0.0, 30.0]))
             continue
-        with pytest.warns(motes.MotesWarning, match="^row 1: no particle explains the measurement; the log-evidence is −∞$") as warned:
+        with pytest.warns(motes.MotesWarning, match="^row 1, t = 1: no particle explains the measurement: y is 30, .*; the log-evidence is −∞$") as warned:
             found.append(model.log_evidence([0.0, 30.0]))
         assert warned[0].filename == __file__
         with pytest.raises(ValueError, match="t = 1: no particle explains the measurement"):
