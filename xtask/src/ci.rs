@@ -42,7 +42,7 @@ fn usual(root: &Path, update_expectations: bool) -> Result<(), ExitCode> {
         run(&mut command)
     })?;
     step("Python package", || python::check(root))?;
-    step("pages", || docs::check_pages(root))?;
+    step("gallery", || docs::check_gallery(root))?;
     step("instruction counts", || {
         let mut command = Command::new(built("debug", "motes-speed"));
         command.current_dir(root).arg("instructions");
@@ -73,7 +73,7 @@ fn thorough(root: &Path) -> Result<(), ExitCode> {
         cargo(root, &[&properties[..], &WITH_BURN].concat(), &[("PROPTEST_CASES", MANY_CASES)])
     })?;
     step("crates built from their packages", || package(root, &[]))?;
-    step("the site of the pages", || docs::check_site(root))?;
+    step("pages and their site", || docs::check_site(root))?;
     step("graphics processors", || graphics(root))?;
     step("sweeps on a real Slurm", || slurm::check(root))
 }
