@@ -133,7 +133,7 @@ fn split(x: f64) -> [f64; 2] {
 
 /// `(artanh s − s)/s³` of `s²`.
 #[inline(always)]
-fn artanh_series(square: f64) -> f64 {
+pub(crate) fn artanh_series(square: f64) -> f64 {
     let mut series = 1.0 / 19.0;
     series = square.mul_add(series, 1.0 / 17.0);
     series = square.mul_add(series, 1.0 / 15.0);

@@ -89,19 +89,16 @@ fn check_until(
 /// What a proposal can be learned of, and how trajectories are smoothed.
 fn of_learning(model: &Model, learnable: &dyn LearnableModel) -> [String; 2] {
     let draws = ModelShape::of(learnable).draws.map_or(0, |[_, later]| later);
-    let fed_back = model.fed_back_measurement();
-    let learned = match (model.measured_exactly(), check_draws(model)) {
-        (Some(reason), _) => format!("nothing, because {reason}"),
-        (None, Err(error)) => format!("nothing, because {error}"),
-        (None, Ok(())) if fed_back.is_some() => {
-            format!(
-                "nothing, because the measurement {} is an input of later steps",
-                fed_back.unwrap_or_default()
-            )
-        }
-        (None, Ok(())) if learnable.density().is_some() => "a proposal of the states".to_string(),
-        (None, Ok(())) if draws == 0 => "nothing, because no state is drawn after the first".to_string(),
-        (None, Ok(())) => format!("a proposal of the noise, {draws} numbers for a step of one unit of time"),
+    let fed_back = |column: &str| format!("the measurement {column} is an input of later steps");
+    let reason = model
+        .measured_exactly()
+        .or_else(|| check_draws(model).err().map(|error| error.to_string()))
+        .or_else(|| model.fed_back_measurement().map(fed_back));
+    let learned = match reason {
+        Some(reason) => format!("nothing, because {reason}"),
+        None if learnable.density().is_some() => "a proposal of the states".to_string(),
+        None if draws == 0 => "nothing, because no state is drawn after the first".to_string(),
+        None => format!("a proposal of the noise, {draws} numbers for a step of one unit of time"),
     };
     // Of discrete states it is said below whether they are few enough.
     let linear = model.exact_system().filter(|system| !matches!(system, ExactSystem::Finite(_)));

@@ -315,15 +315,7 @@ impl Running<'_> {
                 beside_prediction(model, step, previous.as_deref(), measurement, names)
             }
         };
-        if self.kind == ProposalName::Exact.kind() {
-            return format!(
-                "no state explains the measurement: {beside}; correct it if it is wrong, else give the measurement more noise or heavier tails"
-            );
-        }
-        format!(
-            "no particle explains the measurement: {beside} (the effective sample size before was {ess_before:.0}); correct it if it is wrong, else \
-             take more particles or --proposal linearised, or give the measurement more noise or heavier tails"
-        )
+        beside.explained((self.kind != ProposalName::Exact.kind()).then_some(ess_before))
     }
 
     /// Why the density of a particle, or its state, is not a number.

@@ -12,6 +12,36 @@ const NAMED: usize = 3;
 /// Beyond so many, entries are not weighed one by one.
 const WEIGHED: usize = 64;
 
+/// A measurement beside what particles predict.
+pub(crate) struct BesidePrediction {
+    /// Which entries are where nothing is predicted; empty where nothing is measured.
+    words: String,
+    /// Whether particles can draw these entries at all.
+    is_drawn: bool,
+}
+
+impl BesidePrediction {
+    /// Why nothing explains the measurement, and what would help; `ess_before` is the effective sample size of particles, of which there are none where answers are exact.
+    pub(crate) fn explained(&self, ess_before: Option<f64>) -> String {
+        let BesidePrediction { words, is_drawn } = self;
+        let (who, before, more) = match ess_before {
+            None => ("state", String::new(), "give"),
+            Some(ess) => (
+                "particle",
+                format!(" (the effective sample size before was {ess:.0})"),
+                "take more particles or --proposal linearised, or give",
+            ),
+        };
+        let cure = match is_drawn {
+            true => {
+                format!("correct it if it is wrong, else {more} the measurement more noise or heavier tails")
+            }
+            false => "look at the parameters of its distribution there, and at the inputs of this row".into(),
+        };
+        format!("no {who} explains the measurement: {words}{before}; {cure}")
+    }
+}
+
 /// One entry of a measurement beside what is predicted for it.
 struct Beside {
     entry: usize,
@@ -31,15 +61,14 @@ impl Beside {
 }
 
 /// Draws `x_t`, given states before (`K×N`) or from `p(x_0)` where there are none, and `y_t`, and says in words which entries of the measurement (`M`) are where
-/// nothing is predicted: those of density 0 at all that was drawn, or else those that are farthest off. `names` are those of the entries; it is empty where nothing is
-/// measured.
+/// nothing is predicted: those of density 0 at all that was drawn, or else those that are farthest off. `names` are those of the entries.
 pub(crate) fn beside_prediction<M: Simulator + ?Sized>(
     model: &M,
     step: &Step<'_>,
     previous: Option<&[f64]>,
     measurement: &[Option<f64>],
     names: &[String],
-) -> String {
+) -> BesidePrediction {
     let (n, m) = (model.state_dim(), model.measurement_dim());
     let particles = previous.map_or(MOST, |previous| previous.len() / n);
     let mut streams = [Seed::from_u64(0).child("prediction").stream()];
@@ -64,14 +93,16 @@ pub(crate) fn beside_prediction<M: Simulator + ?Sized>(
     let words = |beside: &Beside| {
         let (name, value) = (names.get(beside.entry).map_or("y", String::as_str), exact(beside.value));
         let Some([mean, sd, low, high]) = beside.drawn.map(|drawn| drawn.map(short)) else {
-            return format!(
-                "{name} is {value}, and no particle can draw it: look at the parameters of its distribution there, and at the inputs of this row"
-            );
+            return format!("{name} is {value}, and no particle can draw it");
         };
         format!("{name} is {value}, where the particles predict {mean} ± {sd}, from {low} to {high}")
     };
     let more = if all.len() > NAMED { format!("; and {} more", all.len() - NAMED) } else { String::new() };
-    all.iter().take(NAMED).map(words).collect::<Vec<_>>().join("; ") + &more
+    let named = &all[..all.len().min(NAMED)];
+    BesidePrediction {
+        words: named.iter().map(words).collect::<Vec<_>>().join("; ") + &more,
+        is_drawn: named.iter().all(|beside| beside.drawn.is_some()),
+    }
 }
 
 /// Whether one entry of a measurement has density 0 at all states.

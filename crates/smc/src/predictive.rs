@@ -56,17 +56,11 @@ impl<D: Deref<Target: Simulator>, P: Proposal<D::Target>> ParticleFilter<D, P> {
     ///
     /// Means and variances are those of the model's distributions, as far as these have formulas; quantiles are those of a draw for each particle.
     pub fn measurement(&self, step: &Step<'_>, measurement: &[Option<f64>]) -> Vec<Predictive> {
-        let (states, m) = (self.particles(), measurement.len());
         // Of numbers that the filter draws later, too: what is made of them here changes nothing there.
         let mut copy = duplicate(&self.bank.streams()[0]);
         let mut stream = Seed::from_u64(copy.next_u64()).child("measurement").stream();
-        let mut marginals = vec![Marginal::of_draw(f64::NAN, None); self.weights().len() * m];
-        self.bank.model.marginals(step, states, measurement, &mut stream, &mut marginals);
-        let of_entry = |entry: usize| {
-            let marginals: Vec<Marginal> = marginals.iter().skip(entry).step_by(m).copied().collect();
-            Predictive::of(self.weights(), marginals, measurement[entry])
-        };
-        (0..m).map(of_entry).collect()
+        let weighted = (self.particles(), self.weights());
+        Predictive::of_states(&*self.bank.model, step, weighted, measurement, &mut stream)
     }
 }
 

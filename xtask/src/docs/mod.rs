@@ -39,7 +39,7 @@ pub(crate) struct DocsArgs {
     #[arg(long, value_name = "PROGRAM")]
     motes: Option<PathBuf>,
     /// Run these pages alone, such as docs/gallery/nile.md, and build no site
-    #[arg(value_name = "PAGE")]
+    #[arg(value_name = "PAGE", conflicts_with_all = ["no_run", "repository"])]
     pages: Vec<String>,
 }
 

@@ -38,6 +38,11 @@ pub struct TimeRule {
 }
 
 impl TimeRule {
+    /// Whether times count from the first row of a series: days and weeks do.
+    pub fn counts_from_first_row(&self) -> bool {
+        matches!(self.unit, Some(TimeUnit::Day | TimeUnit::Week))
+    }
+
     /// How many equal sub-steps a gap of this length is cut into: `⌈gap/step·(1 − 10⁻⁶)⌉`, at least 1.
     pub fn sub_steps(&self, gap: f64) -> f64 {
         self.step.map_or(1.0, |step| (gap / step * (1.0 - 1e-6)).ceil().max(1.0))

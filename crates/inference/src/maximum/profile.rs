@@ -95,18 +95,18 @@ pub(super) fn profile<L: Likelihood>(
         log_likelihood: best.log_likelihood,
         standard_error: best.standard_error,
     }];
-    let spread = conditional(best, at, &others);
-    for side in [-1.0, 1.0] {
+    let spread = if others.is_empty() { None } else { conditional(best, at, &others) };
+    for side in [-1, 1] {
         // From the maximum outwards: each point begins where the one before it ended.
         let mut here: Vec<f64> = others.iter().map(|i| best.v[*i]).collect();
         for step in 1..=POINTS.0 {
-            let value = best.v[at] + side * f64::from(step) * POINTS.1 * sd;
-            let moved = |(i, v): (&usize, &f64)| v + slope(*i) * side * POINTS.1 * sd;
+            let value = best.v[at] + f64::from(side * step) * POINTS.1 * sd;
+            let moved = |(i, v): (&usize, &f64)| v + slope(*i) * f64::from(side) * POINTS.1 * sd;
             here = others.iter().zip(&here).map(moved).collect();
             let given = SliceLikelihood { likelihood, at, value };
-            let seed = seed.nth((f64::from(step) * side + f64::from(POINTS.0)) as u64);
+            let seed = seed.nth((side * step + POINTS.0) as u64);
             let mut top = height(&given, &here, best.estimator, ESTIMATES, &seed.child("start"))?;
-            if let Some(spread) = spread.as_ref().filter(|_| !others.is_empty()) {
+            if let Some(spread) = &spread {
                 let mut hill = Hill::new(here.clone(), spread.clone());
                 for round in 0..ROUNDS {
                     hill.climb(&given, best.estimator, &seed.nth(round as u64))?;

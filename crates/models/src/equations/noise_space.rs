@@ -27,7 +27,7 @@ pub trait NoiseSpace: Sync {
     /// standard normal numbers, and is used up.
     ///
     /// It returns `log q − log p` of what was drawn: densities of `v_i` for a continuous draw, probabilities for a count, each given the draws before it. The probability
-    /// of a count `n` is the mass of the `v_i` that are transported to it; later draws are conditioned on the most likely of these.
+    /// of a count `n` is the mass of the `v_i` between its ends, which may be nearly those of the transport; later draws are conditioned on the most likely of these.
     fn tile_guided_states(
         &self,
         step: &Step<'_>,

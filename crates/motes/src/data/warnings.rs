@@ -118,7 +118,7 @@ impl Data {
         let named = named.collect::<Vec<_>>().join(", ");
         let more =
             if blocks.len() > NAMED { format!(" and {} more", blocks.len() - NAMED) } else { String::new() };
-        let by = match labels.what.starts_with("column") {
+        let by = match self.columns.carried() == Some(labels.name) {
             true => format!(", or give the model [series] by = \"{}\"", labels.name),
             false => String::new(),
         };

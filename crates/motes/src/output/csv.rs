@@ -121,11 +121,12 @@ impl EstimateTable {
 
     /// The rows of the data, then what is predicted after each series.
     fn with_forecasts(&self, data: &Data, estimates: &[Estimate], forecasts: &[Vec<Forecast>]) -> String {
-        let of_series = |(series, ahead): (usize, &Vec<Forecast>)| -> String {
+        let of_series = |(series, (ahead, places)): (usize, (&Vec<Forecast>, Vec<usize>))| -> String {
             // Labels that nobody gave go on as those of the rows do.
-            let labels: Option<Vec<&str>> = data.of_series(series).map(|row| row.label.as_deref()).collect();
-            let followed =
-                labels.and_then(|labels| following(&labels, ahead.len(), data.columns.clock().is_none()));
+            let labels: Option<Vec<&str>> = places.iter().map(|at| data.rows[*at].label.as_deref()).collect();
+            let followed = labels
+                .filter(|_| !ahead.is_empty())
+                .and_then(|labels| following(&labels, ahead.len(), data.columns.clock().is_none()));
             let rows = ahead.iter().enumerate().map(|(number, ahead)| {
                 let label = followed.as_ref().map(|labels| labels[number].as_str());
                 let label = ahead.label.as_deref().or(label);
@@ -133,7 +134,7 @@ impl EstimateTable {
             });
             rows.collect()
         };
-        let ahead = forecasts.iter().enumerate().map(of_series);
+        let ahead = forecasts.iter().zip(data.by_series()).enumerate().map(of_series);
         self.smoothed(data, estimates) + &ahead.collect::<String>()
     }
 

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use motes_formulas::{Between, InputRule, InputSource, MOST_SUB_STEPS};
+use motes_formulas::{Between, InputRule, InputSource, MOST_SUB_STEPS, TimeLabel};
 use motes_models::{StateSpaceModel, Step, StepRecord};
 use serde::{Deserialize, Serialize};
 
@@ -104,8 +104,7 @@ impl Clock {
             }
             self.has_zones = Some(has);
         }
-        let is_counted = !matches!(timeline.rule.unit, None | Some(motes_formulas::TimeUnit::Year));
-        if is_counted && self.rows == 0 {
+        if timeline.rule.counts_from_first_row() && self.rows == 0 {
             self.origin = time;
         }
         time -= self.origin;
@@ -352,7 +351,9 @@ impl Clock {
 impl Timeline {
     /// The time of `x_0`, where times count from this one.
     fn start_since(&self, origin: f64) -> Option<f64> {
-        self.start.map(|start| if self.is_start_relative { start } else { start - origin })
+        let is_number = matches!(self.rule.start, Some(TimeLabel::Number(_)));
+        let is_relative = is_number && self.rule.counts_from_first_row();
+        self.start.map(|start| if is_relative { start } else { start - origin })
     }
 
     /// The column of data that an input comes from.

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use motes_formulas::{FormulaModel, InputRule, InputSource, TimeLabel, TimeRule, TimeUnit};
+use motes_formulas::{FormulaModel, InputRule, InputSource, TimeLabel, TimeRule};
 use motes_models::Stream;
 
 use super::error::TimelineError;
@@ -16,8 +16,6 @@ pub(crate) struct Timeline {
     pub(super) rule: TimeRule,
     /// The time of `x_0`: a number, or a date in days, weeks or years.
     pub(super) start: Option<f64>,
-    /// Whether it counts from the first row of a series: a number of days or weeks.
-    pub(super) is_start_relative: bool,
     /// The file of each input that has one.
     pub(super) files: Vec<Option<InputFile>>,
     /// The columns of the data that inputs come from.
@@ -47,8 +45,6 @@ impl Timeline {
                 time_of(date, rule.unit).map_err(|error| ("[time] start".to_string(), error.to_string()))?,
             ),
         };
-        let is_counted = matches!(rule.unit, Some(TimeUnit::Day | TimeUnit::Week));
-        let is_start_relative = is_counted && matches!(rule.start, Some(TimeLabel::Number(_)));
         let file = |input: &InputRule| match &input.source {
             InputSource::File { path, column } => {
                 let path = folder.join(path);
@@ -73,15 +69,7 @@ impl Timeline {
             }
         }
         let measurements = measurements.to_vec();
-        Ok(Some(Timeline {
-            model: model.clone(),
-            rule,
-            start,
-            is_start_relative,
-            files,
-            columns,
-            measurements,
-        }))
+        Ok(Some(Timeline { model: model.clone(), rule, start, files, columns, measurements }))
     }
 
     /// The same of the model with other parameters, which do not change its inputs; the length of sub-steps may depend on them.

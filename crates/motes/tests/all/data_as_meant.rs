@@ -365,3 +365,19 @@ fn a_measurement_far_off_is_shown_beside_what_the_particles_predict() {
         assert_eq!(output.status.code(), Some(2));
     }
 }
+
+/// Catches a line that ends where nothing can be predicted, and advice that does not help there.
+#[test]
+fn a_measurement_that_no_particle_can_draw_is_named() {
+    let place = Workplace::new();
+    place.write(
+        "m.toml",
+        "[inputs]\nn = \"next\"\n[initial]\nx = \"normal(0, 1)\"\n[transition]\nx = \"normal(x, 1)\"\n[measurement]\ny = \"binomial(n, 0.5)\"\n",
+    );
+    place.write("d.csv", "n,y\n9,4\n-9,4\n");
+    assert_eq!(
+        stderr(&place.run(&["filter", "m.toml", "d.csv"])),
+        "motes: line 3, t = 1: no particle explains the measurement: y is 4, and no particle can draw it (the effective sample size before was 1000); look at the parameters of its \
+         distribution there, and at the inputs of this row"
+    );
+}

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from . import _motes
 from ._display import Display
 from ._errors import warn
+from ._frames import pandas_frame, polars_frame
 from ._kinds import collected
-from ._optional import module
 from ._plots import Band, Panel, draw, shown
 from ._table import Rows
 from ._times import Times, times_of
@@ -165,20 +165,11 @@ class Estimates:
 
     def to_pandas(self) -> Any:
         """A data frame of pandas with a row for each row of the data, and its index where it had one."""
-        columns = self._columns(self._labels)
-        for level in self._levels:
-            # The index has it.
-            columns.pop(level, None)
-        return module("pandas", "to_pandas").DataFrame(columns, index=self._index)
+        return pandas_frame(self._columns(self._labels), self._index, self._levels)
 
     def to_polars(self) -> Any:
         """A data frame of polars with a row for each row of the data."""
-        polars = module("polars", "to_polars")
-        try:
-            return polars.DataFrame(self._columns(self._labels))
-        except TypeError:
-            # Labels of a kind that only pandas has: as the command's table has them.
-            return polars.DataFrame(self._columns({}))
+        return polars_frame(lambda: self._columns(self._labels), lambda: self._columns({}))
 
     def to_html(self, path: Any = None) -> str:
         """The report, one HTML page that needs nothing else; written to `path` if there is one."""

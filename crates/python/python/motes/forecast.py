@@ -12,7 +12,7 @@ from . import _motes, _xarray
 from ._ahead import followed, level_of_times
 from ._display import Display, shapes
 from ._estimates import figures_of, whole
-from ._optional import module
+from ._frames import pandas_frame, polars_frame
 from ._plots import Band, draw, shown
 from ._table import text_of_label
 from ._times import Times, times_of
@@ -109,22 +109,13 @@ class Forecast:
 
     def to_pandas(self) -> Any:
         """A data frame of pandas with a row for each time of each series, and the dates or years that follow those of the data."""
-        columns = self._columns(self._ahead)
-        for level in self.filtered._levels if self._index is not None else []:
-            # The index has it.
-            columns.pop(level, None)
-        return module("pandas", "to_pandas").DataFrame(columns, index=self._index)
+        levels = self.filtered._levels if self._index is not None else []
+        return pandas_frame(self._columns(self._ahead), self._index, levels)
 
     def to_polars(self) -> Any:
         """A data frame of polars with a row for each time of each series, and the dates or years that follow those of the data."""
-        polars = module("polars", "to_polars")
-        try:
-            return polars.DataFrame(self._columns(self._ahead))
-        except TypeError:
-            # Dates of a kind that only pandas has.
-            return polars.DataFrame(
-                self._columns(None if self._ahead is None else [text_of_label(label) for label in self._ahead])
-            )
+        texts = self._ahead and [text_of_label(label) for label in self._ahead]
+        return polars_frame(lambda: self._columns(self._ahead), lambda: self._columns(texts))
 
     def to_xarray(self) -> Any:
         """A dataset of xarray: `mean`, `sd` and `quantiles` of states, and the same of measurements as `measurement_mean` and so on.

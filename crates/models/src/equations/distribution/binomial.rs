@@ -77,13 +77,10 @@ impl<S: Scalar> Family<S> for Binomial<S> {
     }
 }
 
-/// From here on not every integer is a number.
-const LARGEST: f64 = (1_u64 << 53) as f64;
-
 impl Count for Binomial<f64> {
     fn is_possible(self) -> bool {
         let Binomial { n, p } = self;
-        (0.0..=LARGEST).contains(&n) && n.fract() == 0.0 && (0.0..=1.0).contains(&p)
+        (0.0..=count::LARGEST).contains(&n) && n.fract() == 0.0 && (0.0..=1.0).contains(&p)
     }
 
     fn ratio(self, n: f64) -> f64 {

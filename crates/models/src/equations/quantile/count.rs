@@ -34,7 +34,7 @@ fn log_probability(counts: impl Count, n: f64) -> f64 {
 }
 
 /// From here on not every integer is a number.
-const LARGEST: f64 = (1_u64 << 53) as f64;
+pub(in crate::equations) const LARGEST: f64 = (1_u64 << 53) as f64;
 
 /// Terms that a tail may have: beyond, a count is too spread out to be had in floating point, and in any time.
 const MOST_TERMS: usize = 2_000_000;
@@ -148,6 +148,13 @@ struct CountTails {
 const NOTHING_BELOW: [f64; 2] = [0.0, 1.0];
 const NOTHING_ABOVE: [f64; 2] = [1.0, 0.0];
 
+/// Cornish and Fisher's approximation of the count that `v` is transported to: the third cumulant of these counts is variance·(2·variance/mean − 1).
+#[inline(always)]
+pub(super) fn cornish_fisher([mean, variance]: [f64; 2], v: f64) -> f64 {
+    let skewed = (2.0 * variance / mean - 1.0) * (v * v - 1.0) / 6.0;
+    mean + variance.sqrt() * v + skewed
+}
+
 /// The count that `v` is transported to; none where a parameter is out of range, or where it cannot be had in floating point.
 fn transported(counts: impl Count, v: f64) -> Option<CountTails> {
     if !counts.is_possible() {
@@ -158,9 +165,7 @@ fn transported(counts: impl Count, v: f64) -> Option<CountTails> {
         return Some(CountTails { count: mean, before: NOTHING_BELOW, after: NOTHING_ABOVE });
     }
     let most = counts.last();
-    // Cornish and Fisher's approximation: the third cumulant of these is variance·(2·variance/mean − 1).
-    let skewed = (2.0 * variance / mean - 1.0) * (v * v - 1.0) / 6.0;
-    let guess = mean + variance.sqrt() * v + skewed;
+    let guess = cornish_fisher([mean, variance], v);
     if guess.is_nan() || guess.abs() > LARGEST {
         return None;
     }

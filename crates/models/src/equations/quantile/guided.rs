@@ -1,6 +1,7 @@
 //! Counts whose noise comes from a Gaussian, many at a time.
 
-use super::near_normal::{LARGEST, NONE, NearNormal, boundary, counts_at, from_normal, log_probabilities};
+use super::count::LARGEST;
+use super::near_normal::{NONE, NearNormal, boundary, counts_at, from_normal, log_probabilities};
 use super::scaled_tail::log_mass;
 use crate::batch::by_widest_vectors;
 
@@ -22,14 +23,16 @@ pub(in crate::equations) fn guided<C: NearNormal, const W: usize>(
     noise: &GuidedNoise<'_, W>,
 ) -> [[f64; W]; 3] {
     let GuidedNoise { v, centre, scale, is_from_prior } = noise;
-    let [mut counts, ..] = by_widest_vectors(
+    let [mut counts, mut before, mut after] = by_widest_vectors(
         #[inline(always)]
         || counts_at(&of, v),
     );
     let is_flat = |i: usize| centre[i] == 0.0 && scale[i] == 1.0;
     for i in 0..W {
         if is_from_prior[i] || is_flat(i) {
-            counts[i] = from_normal(of(i), v[i]);
+            let family = of(i);
+            let n = from_normal(family, v[i]);
+            (counts[i], before[i], after[i]) = (n, boundary(family, n - 1.0), boundary(family, n));
         }
     }
     let [mut ratios, mut likely] = [[0.0; W]; 2];
@@ -39,8 +42,7 @@ pub(in crate::equations) fn guided<C: NearNormal, const W: usize>(
             let own = log_probabilities(&of, &counts);
             for i in 0..W {
                 let family = of(i);
-                let n = counts[i];
-                let (before, after) = (boundary(family, n - 1.0), boundary(family, n));
+                let (before, after) = (before[i], after[i]);
                 let mass = log_mass(scale[i] * (before - centre[i]), scale[i] * (after - centre[i]));
                 let ratio = if is_flat(i) { 0.0 } else { mass - own[i] };
                 let above = if centre[i] > before { centre[i] } else { before };
@@ -49,7 +51,7 @@ pub(in crate::equations) fn guided<C: NearNormal, const W: usize>(
                 let is_certain = family.fewest() < NONE;
                 ratios[i] = if is_certain { 0.0 } else { ratio };
                 likely[i] = if is_certain { centre[i] } else { inside };
-                counts[i] = if is_certain { (family.moments()[0] + 0.5).floor() } else { n };
+                counts[i] = if is_certain { (family.moments()[0] + 0.5).floor() } else { counts[i] };
                 let is_right = family.is_possible()
                     & (family.fewest() >= 0.0)
                     & (family.moments()[0] <= LARGEST)

@@ -1,6 +1,6 @@
 //! Counts on the scale of normal numbers, nearly.
 
-use super::count::{self, Count};
+use super::count::{self, Count, LARGEST, cornish_fisher};
 use crate::elementary;
 use crate::equations::draw::beyond_stirling_of_all;
 
@@ -38,17 +38,7 @@ pub(super) fn boundary(counts: impl NearNormal, n: f64) -> f64 {
 #[inline(always)]
 pub(in crate::equations) fn bend(e: f64, x: f64) -> f64 {
     let s = e / (2.0 + e);
-    let square = s * s;
-    let mut series = 1.0 / 19.0;
-    series = square.mul_add(series, 1.0 / 17.0);
-    series = square.mul_add(series, 1.0 / 15.0);
-    series = square.mul_add(series, 1.0 / 13.0);
-    series = square.mul_add(series, 1.0 / 11.0);
-    series = square.mul_add(series, 1.0 / 9.0);
-    series = square.mul_add(series, 1.0 / 7.0);
-    series = square.mul_add(series, 1.0 / 5.0);
-    series = square.mul_add(series, 1.0 / 3.0);
-    let near = (1.0 - s) * (1.0 + (1.0 + s) * s * series);
+    let near = (1.0 - s) * (1.0 + (1.0 + s) * s * elementary::artanh_series(s * s));
     let far = 2.0 * ((x / e) * elementary::ln(x) - 1.0) / e;
     if e.abs() < 0.25 { near } else { far }
 }
@@ -86,9 +76,6 @@ const ROUNDS: usize = 200;
 /// From this round on steps halve what is left.
 const HALVING: usize = 6;
 
-/// From here on not every integer is a number.
-pub(super) const LARGEST: f64 = (1_u64 << 53) as f64;
-
 /// The smallest counts with `b_n ≥ v`, and `b_{n−1}` and `b_n`. Of parameters out of range it is any number.
 #[inline(always)]
 pub(super) fn counts_at<C: NearNormal, const W: usize>(
@@ -98,10 +85,7 @@ pub(super) fn counts_at<C: NearNormal, const W: usize>(
     let [mut count, mut low, mut high, mut before, mut after] = [[0.0; W]; 5];
     for i in 0..W {
         let counts = of(i);
-        let [mean, variance] = counts.moments();
-        // Cornish and Fisher's approximation: the third cumulant of these is variance·(2·variance/mean − 1).
-        let skewed = (2.0 * variance / mean - 1.0) * (v[i] * v[i] - 1.0) / 6.0;
-        let guess = (mean + variance.sqrt() * v[i] + skewed).floor();
+        let guess = cornish_fisher(counts.moments(), v[i]).floor();
         low[i] = -1.0;
         high[i] = if counts.last() < LARGEST { counts.last() } else { LARGEST };
         let guess = if guess > 0.0 { guess } else { 0.0 };
@@ -125,8 +109,8 @@ pub(super) fn counts_at<C: NearNormal, const W: usize>(
             let middle = ((low[i] + 1.0 + high[i]) * 0.5).floor();
             let next = if is_low { up } else { down };
             let next = if round < HALVING { next } else { middle };
-            let next = if next < high[i] { next } else { high[i] };
             let next = if next > low[i] + 1.0 { next } else { low[i] + 1.0 };
+            let next = if next < high[i] { next } else { high[i] };
             let is_off = is_low | is_high;
             count[i] = if is_off { next } else { n };
             is_open |= is_off & (high[i] > low[i]);
