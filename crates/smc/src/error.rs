@@ -88,7 +88,7 @@ pub enum FilterError {
         /// The log-weight.
         value: f64,
     },
-    /// The transition drew a state that is not finite, at a step at which no whole measurement weighs it.
+    /// A particle that weighs something has a state that is not finite, in a coordinate that no measurement sees.
     #[error(
         "at step {step}, coordinate {coordinate} of the state of particle {particle} of filter {filter} is {value}; the model \
          draws states that are not finite"

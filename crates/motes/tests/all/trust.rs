@@ -74,7 +74,7 @@ fn the_exact_proposal_answers_by_the_kalman_filter_and_smoother() {
     let expected = [(0.215976, 0.045051), (0.127881, 0.010414), (0.196805, 0.010509)];
     for (coordinate, (mean, sd)) in last.iter().zip(expected) {
         assert!((coordinate.mean - mean).abs() < 1e-5 && (coordinate.sd - sd).abs() < 1e-5, "{coordinate:?}");
-        let [low, middle, high] = coordinate.quantiles;
+        let [low, middle, high] = coordinate.quantiles[..] else { panic!("three quantiles") };
         assert!((middle - mean).abs() < 1e-5 && (high - low - 2.0 * 1.644854 * sd).abs() < 1e-4);
     }
     assert!(found.warnings.is_empty() && found.estimates[0].ess.is_none());
@@ -84,7 +84,6 @@ fn the_exact_proposal_answers_by_the_kalman_filter_and_smoother() {
     let expected = [(-0.026976, 0.045006), (0.209151, 0.010414), (0.106498, 0.010509)];
     for (at, (mean, sd)) in expected.into_iter().enumerate() {
         let coordinate = &smoothed.estimates[0].state[at];
-        // The reference leaves the noise of 1e-6 out.
         assert!((coordinate.mean - mean).abs() < 2e-5 && (coordinate.sd - sd).abs() < 2e-5, "{coordinate:?}");
         // Trajectories have these moments within four of their standard errors.
         let of_paths = &smoothed.paths[0];
@@ -151,4 +150,14 @@ fn what_cannot_be_estimated_is_null_and_said() {
     let unchecked = filtered(&model, &read("y\n0.3\n"), &FilterOptions { check: false, ..options.clone() });
     assert_eq!(unchecked.standard_error(), None);
     assert_eq!(unchecked.estimates, one.estimates, "a check changes no estimate");
+}
+
+/// The measurement weighs each particle well; what it does not see would be an estimate that is no number.
+#[test]
+fn an_index_beyond_a_list_is_named_where_no_measurement_sees_it() {
+    let text = "[parameters]\ng = [0.1, 0.2]\n[initial]\nx = \"normal(0, 1)\"\nk = 0\nz = 0\n[transition]\nx = \"normal(x, 1)\"\nk = \"k + 1\"\nz = \"z + g[k]\"\n[measurement]\ny = \"normal(x, 1)\"\n";
+    let model = Model::parse(text, "lists.toml", &[]).unwrap();
+    let data = Data::read("y\n0.1\n0.2\n0.3\n0.4\n".as_bytes(), "y.csv", &model).unwrap();
+    let error = filter(&model, &data, &FilterOptions::default(), |_| ControlFlow::Continue(())).unwrap_err();
+    assert_eq!(error.to_string(), "");
 }

@@ -28,8 +28,6 @@ pub(super) struct Common<'a, M: ?Sized> {
     pub(super) entries: &'a [Option<f64>],
     /// `y_t`; empty where some of it is missing.
     pub(super) measurement: &'a [f64],
-    /// Whether states are to be looked at: where less than a whole measurement weighs them, nothing else may notice one that is not finite.
-    pub(super) checks_states: bool,
     /// The states of the step before.
     pub(super) previous: &'a [f64],
 }
@@ -168,8 +166,21 @@ impl<M: StateSpaceModel + ?Sized, P: Proposal<M>> BankStep<'_, M, P> {
         *outcome = Outcome { ess_before, increment };
     }
 
-    /// Draws a block and writes `log p(y|x) + log p(x|x') − log q` of each particle.
+    /// Draws a block and writes `log p(y|x) + log p(x|x') − log q` of each particle, which has a finite state unless it weighs nothing.
     fn draw(
+        &self,
+        block: Block<'_, Memory<'_, M, P>>,
+        streams: &mut [Stream],
+        states: &mut [f64],
+        increments: &mut [f64],
+        scratch: &mut P::Scratch,
+    ) -> Result<(), Fault> {
+        let first = block.rows.start;
+        self.draw_and_weigh(block, streams, states, increments, scratch)?;
+        self.check_states(first, states, increments)
+    }
+
+    fn draw_and_weigh(
         &self,
         block: Block<'_, Memory<'_, M, P>>,
         streams: &mut [Stream],
@@ -190,17 +201,16 @@ impl<M: StateSpaceModel + ?Sized, P: Proposal<M>> BankStep<'_, M, P> {
         // A mixture of the transition with itself is no other.
         if conditional.is_transition() {
             drop(conditional);
-            return self.draw_from_transition(context, first, streams, states, increments);
+            return self.draw_from_transition(context, streams, states, increments);
         }
         let asked = self.common.settings.defensive_weight;
         let defensive = asked.filter(|weight| *weight > 0.0);
         if defensive.is_none() && conditional.sample_weighted(streams, states, increments) {
-            return self.check_states(first, states);
+            return Ok(());
         }
         with_scratch(2 * increments.len(), |terms| {
             let (transitions, likelihoods) = terms.split_at_mut(increments.len());
             if conditional.sample_by_noise(asked, streams, states, increments) {
-                self.check_states(first, states)?;
                 self.common.log_likelihoods(states, likelihoods)?;
                 increments.iter_mut().zip(&*likelihoods).for_each(|(ratio, likelihood)| *ratio += likelihood);
                 return Ok(());
@@ -219,7 +229,6 @@ impl<M: StateSpaceModel + ?Sized, P: Proposal<M>> BankStep<'_, M, P> {
                     transition.log_density(states, transitions);
                 }
             }
-            self.check_states(first, states)?;
             self.common.log_likelihoods(states, likelihoods)?;
             for (increment, (likelihood, transition)) in
                 increments.iter_mut().zip(likelihoods.iter().zip(&*transitions))
@@ -238,33 +247,33 @@ impl<M: StateSpaceModel + ?Sized, P: Proposal<M>> BankStep<'_, M, P> {
     fn draw_from_transition(
         &self,
         context: Context<'_>,
-        first: usize,
         streams: &mut [Stream],
         states: &mut [f64],
         increments: &mut [f64],
     ) -> Result<(), Fault> {
-        let Common { model, step, measurement, checks_states, .. } = self.common;
+        let Common { model, step, measurement, .. } = self.common;
         if let (Some(previous), Some(propagator), false) =
-            (context.previous, model.propagator(), checks_states)
+            (context.previous, model.propagator(), measurement.is_empty())
         {
             propagator.propagate(&step, previous, measurement, streams, states, increments);
             return Ok(());
         }
         Transition::new(model, context).sample(streams, states, increments);
-        self.check_states(first, states)?;
         self.common.log_likelihoods(states, increments)
     }
 
-    /// Refuses states that are not finite, where no density of them tells; `first` is the row of the first in the bank.
-    fn check_states(&self, first: usize, states: &[f64]) -> Result<(), Fault> {
-        if !self.common.checks_states {
+    /// Refuses states that are not finite, unless they weigh nothing: no measurement need tell. `first` is the row of the first in the bank.
+    fn check_states(&self, first: usize, states: &[f64], increments: &[f64]) -> Result<(), Fault> {
+        // Most often all are finite, and one pass without branches says so.
+        if states.iter().fold(true, |all, value| all & value.is_finite()) {
             return Ok(());
         }
         let width = self.common.model.state_dim();
-        match states.iter().position(|value| !value.is_finite()) {
+        let weighs = |at: usize| increments[at / width] > f64::NEG_INFINITY;
+        match states.iter().enumerate().find(|(at, value)| !value.is_finite() && weighs(*at)) {
             None => Ok(()),
-            Some(at) => {
-                Err(Fault::State { row: first + at / width, coordinate: at % width, value: states[at] })
+            Some((at, value)) => {
+                Err(Fault::State { row: first + at / width, coordinate: at % width, value: *value })
             }
         }
     }

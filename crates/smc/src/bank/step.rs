@@ -75,7 +75,7 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
     /// evidence stay. A proposal's memory, which only measurements advance, follows its particle.
     ///
     /// # Errors
-    /// [`FilterError::State`] if the transition draws a state that is not finite, and as [`FilterBank::step`].
+    /// [`FilterError::State`] if a state is drawn that is not finite, and as [`FilterBank::step`].
     pub fn step_without_measurement(&mut self) -> Result<(), FilterError> {
         let (step, mut entries) = (self.next_step(), take(&mut self.entries));
         entries.clear();
@@ -170,8 +170,7 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
     ) -> Result<(), FilterError> {
         let (model, settings, step) = (&*self.model, self.settings, *step);
         let (particles, previous) = (self.ancestors.len(), self.previous.as_slice());
-        let checks_states = measurement.is_empty();
-        let common = Common { model, settings, step, entries, measurement, checks_states, previous };
+        let common = Common { model, settings, step, entries, measurement, previous };
         let mut filters = Filters {
             first: 0,
             streams: &mut self.streams,

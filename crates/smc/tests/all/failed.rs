@@ -153,3 +153,89 @@ fn filters_that_collapse_have_no_evidence_and_leave_the_others_what_they_would_b
         assert!(bank.diagnosis().effective_sample_size > 0.0);
     }
 }
+
+/// A walk with a coordinate that no measurement sees: a function of the walk, or its square without end.
+struct Unseen {
+    function: fn(f64) -> f64,
+}
+
+impl Equations for Unseen {
+    fn dimensions(&self) -> [usize; 2] {
+        [2, 1]
+    }
+
+    fn has_density(&self) -> bool {
+        false
+    }
+
+    fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]) {
+        state[0] = draws.draw(normal(0.0, 1.0));
+        state[1] = S::from(0.0);
+    }
+
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], draws: &mut impl Draws<S>, state: &mut [S]) {
+        state[0] = draws.draw(normal(x[0], 1.0));
+        state[1] = state[0] * (self.function)(1.0);
+    }
+
+    fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
+        y.push(normal(x[0], 1.0));
+    }
+}
+
+/// The measurement weighs each particle well; the coordinate would be an estimate that is no number.
+#[test]
+fn a_state_that_no_measurement_sees_is_looked_at() {
+    for (function, is_right) in
+        [(f64::ln_1p as fn(f64) -> f64, true), (|_| f64::NAN, false), (|_| f64::INFINITY, false)]
+    {
+        for (filters, particles) in [(7, 30), (1, 5000)] {
+            let (model, settings) = (Unseen { function }, FilterSettings::new(particles));
+            let mut bank = FilterBank::new(&model, Bootstrap, settings, filters, &Seed::from_u64(4)).unwrap();
+            bank.step(&[0.3]).unwrap();
+            match bank.step(&[0.1]) {
+                Ok(()) => assert!(is_right),
+                Err(FilterError::State { step, filter, particle, coordinate, value }) => {
+                    assert!(!is_right && !value.is_finite());
+                    assert_eq!((step, filter, particle, coordinate), (1, 0, 0, 1));
+                }
+                Err(error) => panic!("{error}"),
+            }
+        }
+    }
+}
+
+/// A state that is 1 or infinite, measured between 1 and 3 or between 0 and 2.
+struct Beyond;
+
+impl Equations for Beyond {
+    fn dimensions(&self) -> [usize; 2] {
+        [1, 1]
+    }
+
+    fn has_density(&self) -> bool {
+        false
+    }
+
+    fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]) {
+        state[0] = (-draws.draw(normal(0.0, 1.0))).where_positive(S::from(f64::INFINITY), S::from(1.0));
+    }
+
+    fn transition<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], _: &mut impl Draws<S>, state: &mut [S]) {
+        state[0] = x[0];
+    }
+
+    fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
+        let low = S::from(1.0) / x[0];
+        y.push(uniform(low, low + 2.0));
+    }
+}
+
+#[test]
+fn an_infinite_state_that_weighs_nothing_is_no_error() {
+    let mut bank =
+        FilterBank::new(&Beyond, Bootstrap, FilterSettings::new(1000), 1, &Seed::from_u64(4)).unwrap();
+    bank.step(&[2.5]).unwrap();
+    let half = (0.5_f64 * 0.5).ln();
+    assert!((bank.log_evidence(0) - half).abs() < 0.15, "{}", bank.log_evidence(0));
+}
