@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::parameters::List;
+use super::list::List;
 use crate::document::{Entry, Found, Value};
 use crate::error::{Fault, Problem, Section};
 use crate::operations::choice;

@@ -4,6 +4,7 @@ mod constant;
 mod inputs;
 mod keys;
 mod lines;
+mod list;
 mod order;
 mod parameters;
 mod sections;
@@ -24,7 +25,8 @@ use sections::Sections;
 pub(crate) use constant::Constants;
 pub use inputs::{Between, InputRule, InputSource};
 pub(crate) use lines::Line;
-pub(crate) use parameters::{List, Parameters};
+pub(crate) use list::List;
+pub(crate) use parameters::Parameters;
 pub use time::{TimeLabel, TimeRule, TimeUnit};
 
 /// The formulas of a model.

@@ -9,6 +9,8 @@ use crate::priors::{Law, Names, Origin, Prior, law_of};
 use crate::syntax::Meaning;
 use crate::tables::reserved;
 
+use super::list::List;
+
 /// The parameters of a file.
 #[derive(Debug)]
 pub(crate) struct Parameters {
@@ -18,87 +20,8 @@ pub(crate) struct Parameters {
     pub(super) priors: Vec<Prior>,
 }
 
-/// A parameter that is a list of numbers, or of lists of the same length.
-#[derive(Debug, Clone)]
-pub(crate) struct List {
-    pub(crate) name: String,
-    /// Where its entries stand among all parameters.
-    start: usize,
-    /// How many entries there are along each index.
-    pub(crate) lengths: Vec<usize>,
-    /// The last index varies first.
-    pub(crate) values: Vec<f64>,
-}
-
-impl List {
-    /// The entry with these indices, if there is one.
-    pub(crate) fn entry(&self, indices: &[f64]) -> Option<f64> {
-        let mut at = 0;
-        for (index, length) in indices.iter().zip(&self.lengths) {
-            if index.fract() != 0.0 || !(0.0..*length as f64).contains(index) {
-                return None;
-            }
-            at = at * length + *index as usize;
-        }
-        self.values.get(at).copied()
-    }
-
-    /// The names of the entries: `a[0]`, `a[0,1]`.
-    fn names(&self) -> impl Iterator<Item = String> {
-        (0..self.values.len()).map(|at| {
-            let (mut rest, mut indices) = (at, Vec::new());
-            for length in self.lengths.iter().rev() {
-                indices.push((rest % length).to_string());
-                rest /= length;
-            }
-            indices.reverse();
-            format!("{}[{}]", self.name, indices.join(","))
-        })
-    }
-
-    /// Reads a list, all of whose lists have the same length.
-    fn read(name: &str, value: &Value, start: usize) -> Result<List, (usize, Problem)> {
-        let (mut lengths, mut values) = (Vec::new(), Vec::new());
-        entries(value, 0, &mut lengths, &mut values)?;
-        Ok(List { name: name.to_string(), start, lengths, values })
-    }
-}
-
-/// Adds the numbers of a list that stands so deep in others.
-fn entries(
-    value: &Value,
-    depth: usize,
-    lengths: &mut Vec<usize>,
-    values: &mut Vec<f64>,
-) -> Result<(), (usize, Problem)> {
-    let refuse = |expected: String| Err((value.at, Problem::Value { found: value.words(), expected }));
-    match &value.found {
-        Found::List(list) if depth < DEEPEST && !list.is_empty() => {
-            if depth == lengths.len() && values.is_empty() {
-                lengths.push(list.len());
-            }
-            match lengths.get(depth) {
-                Some(length) if *length == list.len() => {}
-                Some(length) => return refuse(format!("a list of {length}, as the first one")),
-                None => return refuse("a finite number, as the entries before".to_string()),
-            }
-            list.iter().try_for_each(|value| entries(value, depth + 1, lengths, values))
-        }
-        Found::Number(number, _) if number.is_finite() && depth == lengths.len() => {
-            values.push(*number);
-            Ok(())
-        }
-        Found::List(list) if list.is_empty() => refuse("a list of one number or more".to_string()),
-        Found::List(_) => refuse(format!("a list of numbers, or of lists, up to {DEEPEST} deep")),
-        _ => refuse("a list of finite numbers".to_string()),
-    }
-}
-
 /// How many parameters an error names.
 const MOST_NAMED: usize = 12;
-
-/// How deep lists of lists may be.
-const DEEPEST: usize = 3;
 
 impl Parameters {
     /// Reads them, and replaces the values of those that are set from outside; of two such values the last counts.
@@ -120,8 +43,14 @@ impl Parameters {
                     parameters.values.push((entry.key.clone(), *value));
                 }
                 Found::List(_) => {
-                    let list = List::read(&entry.key, &entry.value, first);
-                    parameters.add_list(list.map_err(|(at, problem)| fault(at, problem))?);
+                    let read = List::read(&entry.key, &entry.value, first);
+                    let (list, priors) = read.map_err(|(at, problem)| fault(at, problem))?;
+                    parameters.add_list(list);
+                    for (at, value) in priors {
+                        parameters
+                            .add_prior_of_entry(&entry.key, first + at, value)
+                            .map_err(|at| at.in_section(Section::Parameters).of_key(&entry.key))?;
+                    }
                 }
                 Found::Text { .. } | Found::Table(_) => parameters
                     .add_prior(entry)
@@ -152,31 +81,66 @@ impl Parameters {
 
     /// Sets the values from a place on to those from outside.
     fn set(&mut self, first: usize, overrides: &[(String, f64)]) {
-        let mut is_set = false;
+        let set = |name: &str| overrides.iter().rfind(|(of, set)| set.is_finite() && squeezed(of) == name);
+        let is_set = |name: &str| set(name).is_some();
         for (name, value) in &mut self.values[first..] {
-            let last = overrides.iter().rfind(|(of, set)| set.is_finite() && squeezed(of) == *name);
-            if let Some((_, set)) = last {
+            if let Some((_, set)) = set(name) {
                 *value = *set;
-                is_set = true;
             }
         }
         let own = &self.values[first..];
         if let Some(list) = self.lists.last_mut().filter(|list| list.start == first) {
             list.values.iter_mut().zip(own).for_each(|(entry, (_, value))| *entry = *value);
         }
-        if let Some(prior) = self
-            .priors
-            .last_mut()
-            .filter(|prior| own.iter().any(|(name, _)| *name == prior.entries[0]) && is_set)
-        {
-            prior.start = own.iter().map(|(_, value)| *value).collect();
-            prior.origin = Origin::Set;
+        for prior in &mut self.priors {
+            let place = own.iter().position(|(name, _)| *name == prior.entries[0]);
+            let Some(values) = place.and_then(|at| own.get(at..at + prior.entries.len())) else { continue };
+            if values.iter().any(|(name, _)| is_set(name)) {
+                prior.start = values.iter().map(|(_, value)| *value).collect();
+                prior.origin = Origin::Set;
+            }
         }
     }
 
-    /// Adds a parameter that has a prior.
+    /// Adds a parameter that has a prior, a dirichlet as a list.
     fn add_prior(&mut self, entry: &Entry) -> Result<(), Fault> {
-        let Stated { value, text, inner, start } = Stated::of(&entry.value)?;
+        let prior = self.prior_of(&entry.key, &entry.value)?;
+        match prior.law {
+            Law::Dirichlet(_) => {
+                let (start, values) = (self.values.len(), prior.start.clone());
+                let list = List { name: entry.key.clone(), start, lengths: vec![values.len()], values };
+                let entries = list.names().collect();
+                self.add_list(list);
+                self.priors.push(Prior { entries, ..prior });
+            }
+            _ => {
+                self.values.push((entry.key.clone(), prior.start[0]));
+                self.priors.push(prior);
+            }
+        }
+        Ok(())
+    }
+
+    /// Gives a prior to the entry of the last list that stands at this place among all parameters.
+    fn add_prior_of_entry(&mut self, list: &str, at: usize, value: &Value) -> Result<(), Fault> {
+        let prior = self.prior_of(list, value)?;
+        if let Law::Dirichlet(_) = prior.law {
+            let expected = "a prior of one number; a dirichlet is the prior of a whole list".to_string();
+            return Err(Fault::at(value.at, Problem::Value { found: value.words(), expected }));
+        }
+        let start = prior.start[0];
+        self.values[at].1 = start;
+        if let Some(list) = self.lists.last_mut() {
+            list.values[at - list.start] = start;
+        }
+        let name = self.values[at].0.clone();
+        self.priors.push(Prior { entries: vec![name.clone()], name, ..prior });
+        Ok(())
+    }
+
+    /// Reads a prior of a parameter.
+    fn prior_of(&self, name: &str, stated: &Value) -> Result<Prior, Fault> {
+        let Stated { value, text, inner, start } = Stated::of(stated)?;
         let at = |fault: Fault| {
             let byte = fault.at.zip(inner).map_or(value.at, |(byte, inner)| inner + byte);
             Fault { at: Some(byte), ..fault }
@@ -189,7 +153,7 @@ impl Parameters {
             return Err(not_one());
         }
         let law = {
-            let names = self.names_for_priors(&entry.key);
+            let names = self.names_for_priors(name);
             let entry = |list: usize, indices: &[f64]| self.lists[list].entry(indices);
             law_of(text, &Names { names: &names, entry: &entry }).map_err(at)?.ok_or_else(not_one)?
         };
@@ -198,34 +162,21 @@ impl Parameters {
             (None, Law::Dirichlet(_)) => Origin::Mean,
             (None, _) => Origin::Median,
         };
-        let values = match start {
+        let start = match start {
             Some(start) => given(start, &law)?,
             None => law.centre(),
         };
-        let (name, text) = (entry.key.clone(), text.trim().to_string());
-        let entries = match law {
-            Law::Dirichlet(_) => {
-                let start = self.values.len();
-                let list =
-                    List { name: name.clone(), start, lengths: vec![values.len()], values: values.clone() };
-                let entries = list.names().collect();
-                self.add_list(list);
-                entries
-            }
-            _ => {
-                self.values.push((name.clone(), values[0]));
-                vec![name.clone()]
-            }
-        };
-        self.priors.push(Prior { name, entries, text, start: values, origin, law });
-        Ok(())
+        let (name, text) = (name.to_string(), text.trim().to_string());
+        Ok(Prior { entries: vec![name.clone()], name, text, start, origin, law })
     }
 
     /// What a prior knows: parameters above it, and that those with priors are none for it.
     fn names_for_priors(&self, own: &str) -> BTreeMap<String, Meaning> {
         let mut names = self.meanings();
-        let priors = self.priors.iter().map(|prior| prior.name.as_str()).chain([own]);
-        names.extend(priors.map(|name| (name.to_string(), Meaning::Prior)));
+        // A list of which an entry has one is none as a whole.
+        let of_list = |prior: &'_ Prior| prior.name.split('[').next().unwrap_or_default().to_string();
+        let priors = self.priors.iter().map(of_list).chain([own.to_string()]);
+        names.extend(priors.map(|name| (name, Meaning::Prior)));
         names
     }
 
@@ -301,8 +252,8 @@ fn given(start: &Value, law: &Law) -> Result<Vec<f64>, Fault> {
     let length = law.centre().len();
     let values = match (&start.found, law) {
         (Found::List(_), Law::Dirichlet(_)) => {
-            let list = List::read("", start, 0).map_err(|(at, problem)| Fault::at(at, problem))?;
-            Some(list.values).filter(|values| values.len() == length)
+            let (list, priors) = List::read("", start, 0).map_err(|(at, problem)| Fault::at(at, problem))?;
+            Some(list.values).filter(|values| values.len() == length && priors.is_empty())
         }
         (Found::Number(value, _), law) if !matches!(law, Law::Dirichlet(_)) => Some(vec![*value]),
         _ => None,

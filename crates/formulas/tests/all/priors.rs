@@ -1,7 +1,7 @@
 //! Parameters with priors: starts against quantiles, densities against integrals, draws against densities.
 
 use motes_formulas::{FileModel, FormulaModel, Origin, Prior, parse};
-use motes_models::Seed;
+use motes_models::{Seed, StateSpaceModel, Step};
 
 /// A model with parameters.
 fn with(parameters: &str, set: &[(String, f64)]) -> FormulaModel {
@@ -116,6 +116,33 @@ fn shares_are_a_list() {
     let two = with("p = \"dirichlet(2, 3)\"", &[]).priors()[0].clone();
     assert!((two.log_density(&[0.3, 0.7]) - (12.0_f64 * 0.3 * 0.49).ln()).abs() < 1e-12);
     assert_eq!(two.log_density(&[0.3, 0.6]), f64::NEG_INFINITY);
+}
+
+/// Catches an entry that stays a number, or takes the place of another, and a prior above a list that sees one with priors as numbers.
+#[test]
+fn an_entry_of_a_list_has_a_prior_of_its_own() {
+    let text = "a = [\"normal(1, 2)\", 0.3, { prior = \"uniform(0, 1)\", start = 0.25 }]\nb = \"half_normal(1)\"\ng = [[0.5, \"beta(2, 2)\"], [1, 2]]";
+    let model = with(text, &[]);
+    let names: Vec<&str> = model.priors().iter().map(Prior::name).collect();
+    assert_eq!(names, ["a[0]", "a[2]", "b", "g[0,1]"]);
+    assert_eq!(model.priors()[0].entries(), ["a[0]"]);
+    let starts: Vec<f64> = model.priors().iter().map(|prior| prior.start()[0]).collect();
+    assert_eq!((starts[0], starts[1], starts[3]), (1.0, 0.25, 0.5));
+    let set = [("a[2]".to_string(), 0.75)];
+    let origins: Vec<Origin> = with(text, &set).priors().iter().map(Prior::origin).collect();
+    assert_eq!(origins, [Origin::Median, Origin::Set, Origin::Median, Origin::Median]);
+    // What a formula makes of them.
+    let file = format!(
+        "[parameters]\n{text}\n[initial]\nx = \"normal(a[0] + a[2] + g[0, 1], 1)\"\n[transition]\nx = \"normal(x, 1)\"\n[measurement]\ny = \"normal(x, 1)\"\n"
+    );
+    let read = |set: &[(String, f64)]| parse(&file, "m.toml", set).unwrap();
+    let parameters = read(&set).parameters;
+    let value = |name: &str| parameters.iter().find(|(known, _)| known == name).unwrap().1;
+    assert_eq!([value("a[0]"), value("a[1]"), value("a[2]"), value("g[0,1]")], [1.0, 0.3, 0.75, 0.5]);
+    let FileModel::Formulas(model) = read(&set).model else { panic!("it has formulas") };
+    let [at_mean, beside] =
+        [2.25, 3.25].map(|x| model.density().unwrap().log_density(&Step::of_index(0), None, &[x]));
+    assert!((at_mean - beside - 0.5).abs() < 1e-12, "{at_mean} {beside}");
 }
 
 /// Catches a prior that does not see what a parameter is set to, and a start that hides such a value.

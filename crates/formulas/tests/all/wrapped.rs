@@ -234,3 +234,24 @@ fn what_is_out_of_range_is_explained_but_under_a_floor() {
         "m.toml, line 8, [measurement] z: high, `y`, is 0; it must be above low, which is 0.5"
     );
 }
+
+/// As pomp's measles, whose spread vanishes where there are no cases.
+#[test]
+fn under_a_floor_what_has_no_spread_is_drawn_as_its_mean() {
+    for (formula, drawn) in [
+        ("floored(normal(x, y), 1e-18)", 2.3),
+        ("floored(rounded(normal(x, y)), 1e-18)", 2.0),
+        ("floored(rounded(censored(normal(-x, y), 0, inf)), 1e-18)", 0.0),
+    ] {
+        let mut found = [f64::NAN];
+        let mut stream = Seed::from_u64(1).stream();
+        let model = measuring(formula, "");
+        model.sample_measurements(
+            &Step::of_index(1),
+            &[2.3, 0.0],
+            std::slice::from_mut(&mut stream),
+            &mut found,
+        );
+        assert_eq!(found, [drawn], "{formula}");
+    }
+}

@@ -89,3 +89,11 @@ fn a_parameter_with_more_than_prior_and_start() {
     insta::assert_snapshot!(refused(&parameter("q = { prior = \"normal(0, 1)\", value = 2 }")), @"m.toml, line 3, column 31, [parameters] q: a model file has no `value` here; a parameter has prior and start");
     insta::assert_snapshot!(refused(&parameter("q = { start = 2 }")), @r#"m.toml, line 3, column 5, [parameters] q: there is no prior; it is needed: { prior = "uniform(0, 1)", start = 0.5 }"#);
 }
+
+#[test]
+fn priors_of_entries_that_are_none() {
+    insta::assert_snapshot!(refused(&parameter("q = [1, \"dirichlet(1, 1)\"]")), @"");
+    insta::assert_snapshot!(refused(&parameter("q = [1, { start = 2 }]")), @"");
+    insta::assert_snapshot!(refused(&parameter("q = [1, \"normal(0, q[0])\"]")), @"");
+    insta::assert_snapshot!(refused(&parameter("a = [1, \"half_normal(1)\"]\nq = \"normal(0, a[0])\"")), @"");
+}

@@ -44,9 +44,27 @@ impl<S: Scalar> Wrapped<'_, S> {
                     second.sample(of, stream)
                 }
             }
-            Wrapped::Floored { of: inner, .. } => inner.sample(of, stream),
+            Wrapped::Floored { of: inner, .. } => {
+                let drawn = inner.sample(of, stream);
+                if drawn.is_nan() { inner.without_spread(of) } else { drawn }
+            }
             Wrapped::Categorical(all) => shares::sample(all, of, stream),
             Wrapped::LogDensity(_) => f64::NAN,
+        }
+    }
+
+    /// The one number of a distribution whose standard deviation is 0, which only a floor takes.
+    fn without_spread(&self, of: &impl Fn(&S) -> f64) -> f64 {
+        match self {
+            Wrapped::Plain(distribution) => {
+                let [mean, _] = distribution.map(of).mean_and_variance();
+                mean
+            }
+            Wrapped::Rounded(inner) => rounded(inner.without_spread(of)),
+            Wrapped::Censored { low, high, of: inner } => {
+                censored(inner.without_spread(of), of(low), of(high))
+            }
+            _ => f64::NAN,
         }
     }
 
