@@ -45,6 +45,11 @@ impl EstimatorCost {
     pub fn of(&self, particles: usize) -> f64 {
         self.fixed + self.per_particle * particles as f64
     }
+
+    /// The number of particles that so much work pays for.
+    pub(crate) fn particles_for(&self, work: f64) -> usize {
+        ((work - self.fixed) / self.per_particle).max(0.0) as usize
+    }
 }
 
 /// One of a likelihood's estimators.

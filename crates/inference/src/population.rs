@@ -11,6 +11,7 @@ use crate::log_mean::LogMean;
 use crate::normal_fit::{NormalFit, log_prior};
 use crate::parallel::map_on_threads;
 use crate::prior_draw::{DrawNumber, PriorDraw};
+use crate::settings::EstimatorChoice;
 
 /// Moves of each member at each power.
 const MOVES: usize = 4;
@@ -20,6 +21,9 @@ const ACCEPTANCE: f64 = 0.25;
 
 /// The number of particles at first.
 const PARTICLES: usize = 64;
+
+/// An estimator of fewer is not asked.
+const FEWEST_PARTICLES: usize = 8;
 
 /// The most there are; fits begin where more would be needed to tell.
 const MOST_PARTICLES: usize = 8192;
@@ -43,6 +47,8 @@ pub(crate) struct Population {
     step: u64,
     scale: f64,
     estimator: Estimator,
+    /// Whether no other estimator than the one at the beginning is asked.
+    is_fixed: bool,
     /// The share of draws from the prior at which the likelihood is not 0.
     possible: f64,
     /// The first draw at which it is.
@@ -50,8 +56,18 @@ pub(crate) struct Population {
 }
 
 impl Population {
-    /// Draws from the prior.
-    pub(crate) fn new<L: Likelihood>(likelihood: &L, index: usize, seed: &Seed) -> Result<Self, L::Error> {
+    /// Draws from the prior. An estimator that was asked for stays; else the exact one does, if there is one, and where there is none the first is the one at the
+    /// beginning.
+    pub(crate) fn new<L: Likelihood>(
+        likelihood: &L,
+        asked: Option<EstimatorChoice>,
+        seed: &Seed,
+    ) -> Result<Self, L::Error> {
+        let exact = likelihood.estimators().iter().position(|cost| cost.is_exact);
+        let (index, is_fixed) = match asked {
+            Some(EstimatorChoice::Estimator(estimator)) => (estimator.index, true),
+            _ => (exact.unwrap_or(0), exact.is_some()),
+        };
         let d = likelihood.dimension();
         let count = 64.max(16 * d);
         let estimator = Estimator { index, particles: PARTICLES };
@@ -66,7 +82,7 @@ impl Population {
         let impossible =
             members.iter().position(|member| !is_possible(member)).map(|at| (at as u64, estimator));
         let (possible, scale) = (possible as f64 / count as f64, 2.38 / (d as f64).sqrt());
-        Ok(Population { members, power: 0.0, step: 0, scale, estimator, possible, impossible })
+        Ok(Population { members, power: 0.0, step: 0, scale, estimator, is_fixed, possible, impossible })
     }
 
     /// The share of draws from the prior at which the likelihood is not 0.
@@ -156,7 +172,8 @@ impl Population {
         self.members = drawn;
     }
 
-    /// More particles where estimates differ so much that moves would hardly leave lucky ones.
+    /// An estimator that costs more where estimates differ so much that moves would hardly leave lucky ones: the one that differs least of those that twice the particles
+    /// would pay for.
     fn add_particles<L: Likelihood>(&mut self, likelihood: &L, seed: &Seed) -> Result<(), L::Error> {
         if likelihood.estimators()[self.estimator.index].is_exact {
             return Ok(());
@@ -169,7 +186,7 @@ impl Population {
         if is_enough || self.estimator.particles >= MOST_PARTICLES {
             return Ok(());
         }
-        self.estimator.particles *= 2;
+        self.estimator = self.better(likelihood, &asked, &seed.child("estimators"))?;
         let again = map_on_threads(&self.members, |number, member| {
             let seed = seed.child("again").nth(number as u64);
             let log_likelihood = likelihood.log_likelihood(&member.v, self.estimator, &seed)?;
@@ -180,6 +197,35 @@ impl Population {
             self.members = again;
         }
         Ok(())
+    }
+
+    /// The estimator of the least variance at some members, at the cost of twice the particles that there are.
+    fn better<L: Likelihood>(
+        &self,
+        likelihood: &L,
+        asked: &[&[f64]],
+        seed: &Seed,
+    ) -> Result<Estimator, L::Error> {
+        let costs = likelihood.estimators();
+        let more = Estimator { particles: 2 * self.estimator.particles, ..self.estimator };
+        if self.is_fixed || costs.len() == 1 {
+            return Ok(more);
+        }
+        let budget = costs[more.index].of(more.particles);
+        let (mut best, mut least) = (more, f64::INFINITY);
+        for (index, cost) in costs.iter().enumerate() {
+            let particles = cost.particles_for(budget);
+            if particles < FEWEST_PARTICLES {
+                continue;
+            }
+            let estimator = Estimator { index, particles };
+            let seed = seed.nth(index as u64);
+            let variance = mean_variance(likelihood, asked, estimator, ESTIMATES, &seed)?;
+            if variance < least {
+                (best, least) = (estimator, variance);
+            }
+        }
+        Ok(best)
     }
 
     /// Moves of a random walk that leave the present power as it is.

@@ -90,13 +90,8 @@ impl Posterior {
         if d == 0 || settings.chains == 0 || likelihood.estimators().is_empty() {
             return Err(FitError::Nothing);
         }
-        let exact = likelihood.estimators().iter().position(|cost| cost.is_exact);
-        let index = match settings.estimator {
-            Some(EstimatorChoice::Estimator(estimator)) => estimator.index,
-            _ => exact.unwrap_or(0),
-        };
         let root = Seed::from_u64(seed).child("fit");
-        let population = Population::new(likelihood, index, &root)?;
+        let population = Population::new(likelihood, settings.estimator, &root)?;
         population.refuse_impossible(&root)?;
         Ok(Posterior {
             settings,
@@ -207,7 +202,7 @@ impl Posterior {
         let members = self.population.members();
         let positions: Vec<&[f64]> = members.iter().map(|member| member.v.as_slice()).collect();
         let asked: Vec<&[f64]> = spread(&positions, ASKED);
-        let tuned = self.tuned(likelihood, &asked, self.population.estimator().particles, seed)?;
+        let tuned = self.tuned(likelihood, &asked, self.population.estimator(), seed)?;
         let starts: Vec<Vec<f64>> =
             spread(&positions, self.settings.chains).iter().map(|v| v.to_vec()).collect();
         let normal = NormalFit::of(&positions).unwrap_or_else(|| self.kernel.normal.clone());
@@ -218,18 +213,18 @@ impl Posterior {
         Ok(())
     }
 
-    /// The estimator that was asked for, or the best one.
+    /// The estimator that was asked for, or the best one; `before` is the one until now.
     fn tuned<L: Likelihood>(
         &self,
         likelihood: &L,
         asked: &[&[f64]],
-        particles: usize,
+        before: Estimator,
         seed: &Seed,
     ) -> Result<Tuned, L::Error> {
         match self.settings.estimator {
             Some(EstimatorChoice::Estimator(estimator)) => Ok(Tuned { estimator, variance: f64::NAN }),
             chosen => {
-                let mut tuned = tune(likelihood, asked, particles, &seed.child("tuning"))?;
+                let mut tuned = tune(likelihood, asked, before, &seed.child("tuning"))?;
                 if let Some(EstimatorChoice::Particles(particles)) = chosen {
                     tuned =
                         Tuned { estimator: Estimator { particles, ..tuned.estimator }, variance: f64::NAN };
@@ -282,7 +277,7 @@ impl Posterior {
         if done == TUNED_AGAIN || is_last {
             let seed = seed.child("tuned again").nth(done as u64);
             if !is_last {
-                let tuned = self.tuned(likelihood, &spread(&recent, ASKED), estimator.particles, &seed)?;
+                let tuned = self.tuned(likelihood, &spread(&recent, ASKED), estimator, &seed)?;
                 (estimator, variance) = (tuned.estimator, tuned.variance);
                 let positions: Vec<Vec<f64>> = here.iter().map(|member| member.v.clone()).collect();
                 here = estimated(likelihood, &positions, estimator, &seed.child("chains"))?;

@@ -34,21 +34,34 @@ fn is_near(variance: f64) -> bool {
     (0.5..=2.0).contains(&(variance / VARIANCE))
 }
 
-/// The estimator of least cost at some positions in the bulk of the posterior; `particles` is where to begin.
+/// The estimator of least cost at some positions in the bulk of the posterior; `before` is the one that served until now.
 pub(crate) fn tune<L: Likelihood>(
     likelihood: &L,
     positions: &[&[f64]],
-    particles: usize,
+    before: Estimator,
     seed: &Seed,
 ) -> Result<Tuned, L::Error> {
     let costs = likelihood.estimators();
     if let Some(index) = costs.iter().position(|cost| cost.is_exact) {
-        return Ok(Tuned { estimator: Estimator { index, particles }, variance: 0.0 });
+        return Ok(Tuned { estimator: Estimator { index, ..before }, variance: 0.0 });
     }
     let mut best: Option<(f64, Tuned)> = None;
-    for (index, cost) in costs.iter().enumerate() {
+    // The one that is known to be affordable bounds what others may cost.
+    let others = (0..costs.len()).filter(|index| *index != before.index);
+    for index in [before.index].into_iter().chain(others) {
+        let cost = costs[index];
         // No more particles than would cost as much as the best one so far.
         let most = best.map_or(PARTICLES[1], |(least, _)| (least - cost.fixed) / cost.per_particle);
+        if most < PARTICLES[0] {
+            continue;
+        }
+        let particles = match index == before.index {
+            true => before.particles,
+            // Where nothing is known of it, at most what the other costs.
+            false => cost
+                .particles_for(costs[before.index].of(before.particles))
+                .clamp(PARTICLES[0] as usize, most as usize),
+        };
         let seed = seed.nth(index as u64);
         let Some(tuned) = tune_one(likelihood, positions, Estimator { index, particles }, most, &seed)?
         else {

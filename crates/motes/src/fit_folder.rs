@@ -19,7 +19,7 @@ const PROGRESS: &str = "progress.cbor";
 
 /// What a fit under way is called where it is written down, and the version of that.
 const FIT: &str = "fit";
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 
 /// The folder of a fit.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,7 +29,8 @@ pub struct FitFolder {
 }
 
 impl FitFolder {
-    /// A folder for a fit, which is made when something is written into it; one with another fit is written over, one with anything else is refused.
+    /// A folder for a fit, which is made when something is written into it; one with a fit of the same model to the same data is written over, one with anything else is
+    /// refused.
     ///
     /// # Errors
     /// [`MotesError::Output`] if it cannot be read, or has something else in it.
@@ -47,7 +48,31 @@ impl FitFolder {
             let reason = "it has files in it, and none of a fit; name a new folder, or an empty one";
             return Err(failed(std::io::Error::new(ErrorKind::AlreadyExists, reason)));
         }
-        Ok(FitFolder { path: path.into(), record })
+        let folder = FitFolder { path: path.into(), record };
+        match folder.other_fit() {
+            Some(other) => {
+                let reason = format!("it has {other}; name another folder, or remove this one");
+                Err(failed(std::io::Error::new(ErrorKind::AlreadyExists, reason)))
+            }
+            None => Ok(folder),
+        }
+    }
+
+    /// What fit is in it, where it is one of another model or to other data, whose draws are not to be lost.
+    fn other_fit(&self) -> Option<String> {
+        let under_way = || {
+            let bytes = std::fs::read(self.path.join(PROGRESS)).ok()?;
+            unpack::<(FitRecord, Value)>(FIT, VERSION, &bytes).ok().map(|(record, _)| record)
+        };
+        let before = FitRecord::load(&self.path).ok().or_else(under_way)?;
+        if before.model != self.record.model {
+            return Some(format!("a fit of another model, {}", before.model));
+        }
+        if before.model_hash != self.record.model_hash {
+            return Some(format!("a fit of {} as its file was before it was changed", before.model));
+        }
+        (before.data_hash != self.record.data_hash)
+            .then(|| format!("a fit of {} to other data", before.model))
     }
 
     /// Where the same fit stood when it was stopped, a [`Posterior`](motes_inference::Posterior) or a [`MaximumSearch`](motes_inference::MaximumSearch); none where there is none,

@@ -150,12 +150,7 @@ impl MaximumSearch {
         likelihood: &L,
         seed: &Seed,
     ) -> Result<(Maximum, f64, Option<DrawNumber>), FitError<L::Error>> {
-        let exact = likelihood.estimators().iter().position(|cost| cost.is_exact);
-        let index = match self.settings.estimator {
-            Some(EstimatorChoice::Estimator(estimator)) => estimator.index,
-            _ => exact.unwrap_or(0),
-        };
-        let mut population = Population::new(likelihood, index, seed)?;
+        let mut population = Population::new(likelihood, self.settings.estimator, seed)?;
         population.refuse_impossible(seed)?;
         let (possible, impossible) = (population.possible(), population.impossible_number());
         while population.power() < 1.0 {
@@ -167,8 +162,8 @@ impl MaximumSearch {
         let estimator = match self.settings.estimator {
             Some(EstimatorChoice::Estimator(estimator)) => estimator,
             chosen => {
-                let particles = population.estimator().particles;
-                let tuned = tune(likelihood, &asked, particles, &seed.child("tuning"))?.estimator;
+                let before = population.estimator();
+                let tuned = tune(likelihood, &asked, before, &seed.child("tuning"))?.estimator;
                 match chosen {
                     Some(EstimatorChoice::Particles(particles)) => Estimator { particles, ..tuned },
                     _ => tuned,

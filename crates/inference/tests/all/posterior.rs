@@ -1,12 +1,17 @@
 //! Posteriors against sums over grids.
 
+use std::convert::Infallible;
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use motes_inference::{
-    EstimatorChoice, FitError, Likelihood, ParameterSummary, Posterior, PosteriorSettings, Stage,
+    Estimator, EstimatorChoice, EstimatorCost, FitError, Likelihood, ParameterSummary, Posterior,
+    PosteriorSettings, Stage,
 };
+use motes_models::Seed;
 
-use crate::known::{EXACT, Half, Line, TwoModes};
+use crate::known::{EXACT, Half, Line, TwoModes, log_of_noise};
 
-fn fitted<L: Likelihood<Error = std::convert::Infallible>>(
+fn fitted<L: Likelihood<Error = Infallible>>(
     likelihood: &L,
     settings: PosteriorSettings,
     seed: u64,
@@ -129,4 +134,45 @@ fn what_the_prior_makes_impossible_is_said() {
         fitted(&half(0.0), PosteriorSettings { draws: Some(4000), ..PosteriorSettings::default() }, 7);
     let summary = ParameterSummary::of(&posterior.coordinate(0)).expect("there are draws");
     assert!((summary.mean - (2.0 / std::f64::consts::PI).sqrt()).abs() < 4.0 * summary.mcse, "{summary:?}");
+}
+
+/// A line by an estimator that needs a million particles, and by one that needs ten, each of which costs as much as two of the others, and a thousand besides.
+struct Choice {
+    line: Line,
+    costs: [EstimatorCost; 2],
+    work: AtomicU64,
+}
+
+impl Likelihood for Choice {
+    type Error = Infallible;
+
+    fn dimension(&self) -> usize {
+        2
+    }
+
+    fn estimators(&self) -> &[EstimatorCost] {
+        &self.costs
+    }
+
+    fn log_likelihood(&self, v: &[f64], estimator: Estimator, seed: &Seed) -> Result<f64, Infallible> {
+        let work = self.costs[estimator.index].of(estimator.particles);
+        self.work.fetch_add(work as u64, Ordering::Relaxed);
+        let noise = [1e6, 10.0][estimator.index] / estimator.particles as f64;
+        Ok(self.line.exact(v) + log_of_noise(noise, seed))
+    }
+}
+
+/// Catches starts that take ever more particles of an estimator that is hopeless, and a tuning that asks it first for as many as it would need.
+#[test]
+fn starts_take_the_estimator_that_is_best_as_soon_as_it_can_be_paid() {
+    let cost = |per_particle, fixed| EstimatorCost { per_particle, fixed, is_exact: false };
+    let choice = Choice { line: Line::new(1.0), costs: [cost(1.0, 0.0), cost(2.0, 1000.0)], work: 0.into() };
+    let mut posterior = Posterior::new(&choice, PosteriorSettings::default(), 3).expect("it can be fitted");
+    while posterior.stage() == Stage::Starting {
+        posterior.advance(&choice).expect("nothing can fail");
+    }
+    assert_eq!(posterior.estimator().index, 1);
+    // Some 4000 estimates of 2048 at most; by the other alone, of 8192 and then of 10⁶.
+    let work = choice.work.load(Ordering::Relaxed);
+    assert!(work < 10_000_000, "{work}");
 }

@@ -1,5 +1,6 @@
 //! Parameters from data.
 
+mod budget;
 mod draws;
 mod free;
 mod likelihood;

@@ -1,7 +1,6 @@
 //! Fits the parameters of a model to data.
 
 use std::ops::ControlFlow;
-use std::time::Instant;
 
 use motes_inference::{
     Estimator, EstimatorChoice, FitError, LogMean, ParameterSummary, Posterior, PosteriorSettings, Stage,
@@ -9,6 +8,7 @@ use motes_inference::{
 };
 use motes_models::Seed;
 
+use super::budget::Budget;
 use super::free::FreeParameters;
 use super::likelihood::ModelLikelihood;
 use super::options::FitOptions;
@@ -92,8 +92,9 @@ pub fn fit_from(
 ) -> Result<PosteriorFit, MotesError> {
     let free = FreeParameters::of(model)?;
     check(model, data, options)?;
-    let likelihood = ModelLikelihood::new(model, data, &free, options, proceed)?;
-    let start = Instant::now();
+    let budget = Budget::new(options.seconds, proceed);
+    let proceed = || budget.check();
+    let likelihood = ModelLikelihood::new(model, data, &free, options, &proceed)?;
     let settings = PosteriorSettings {
         chains: options.chains,
         draws: options.draws,
@@ -102,43 +103,34 @@ pub fn fit_from(
     };
     let mut posterior = match before {
         Some(posterior) => posterior,
-        None => Posterior::new(&likelihood, settings, options.seed)
-            .map_err(|error| refused(error, &likelihood))?,
+        None => match Posterior::new(&likelihood, settings, options.seed) {
+            Err(FitError::Likelihood(MotesError::Interrupted)) if budget.is_over() => {
+                return Err(budget.too_short(Stage::Starting));
+            }
+            made => made.map_err(|error| refused(error, &likelihood))?,
+        },
     };
     while posterior.stage() != Stage::Done {
         observe(FitProgress { posterior: &posterior, is_stopped: false })?;
         match posterior.advance(&likelihood) {
             Ok(()) => {}
             // It is as it was before the piece of work that was not done.
+            Err(FitError::Likelihood(MotesError::Interrupted)) if budget.is_over() => {}
             Err(FitError::Likelihood(MotesError::Interrupted)) => {
                 observe(FitProgress { posterior: &posterior, is_stopped: true })?;
                 return Err(MotesError::Interrupted);
             }
             Err(error) => return Err(refused(error, &likelihood)),
         }
-        let is_over = |seconds: &f64| start.elapsed().as_secs_f64() >= *seconds;
-        if posterior.stage() != Stage::Done
-            && let Some(seconds) = options.seconds.filter(is_over)
-        {
+        if posterior.stage() != Stage::Done && budget.is_spent() {
             observe(FitProgress { posterior: &posterior, is_stopped: true })?;
             if !posterior.finish() {
-                return Err(too_short(seconds, posterior.stage()));
+                return Err(budget.too_short(posterior.stage()));
             }
         }
     }
+    budget.lift();
     fitted(&posterior, &free, &likelihood, options.seed)
-}
-
-/// Why there are no draws after a budget.
-fn too_short(seconds: f64, stage: Stage) -> MotesError {
-    let place = match stage {
-        Stage::Starting => "while starts were sought",
-        Stage::WarmUp => "in the warm-up",
-        Stage::Sampling | Stage::Done => "at the first draws",
-    };
-    MotesError::Setting(format!(
-        "--budget: {seconds} seconds ended {place}, before there were draws to keep; take more seconds"
-    ))
 }
 
 /// Why there is no fit, in words.
