@@ -10,6 +10,10 @@ use crate::work::Work;
 /// Particles of a call, as many as filters hand over at a time.
 const PARTICLES: usize = 1024;
 
+/// Particles with parameters of their own, which are drawn for again and again: as many as stay in a cache, so that draws are timed and not memory. `draws_numpy.py` has
+/// as many.
+const DISTINCT: usize = 16 * PARTICLES;
+
 /// What is drawn, with how large it is in the mean: a count's mean, or a shape.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Drawn {
@@ -88,7 +92,7 @@ impl Drawing {
         };
         Ok(Drawing {
             model: OneDraw(drawn),
-            parameters: (0..task.draws).flat_map(of_particle).collect(),
+            parameters: (0..DISTINCT).flat_map(of_particle).collect(),
             calls: task.draws / PARTICLES,
             stream: Seed::from_u64(1).child("draws").stream(),
             states: vec![0.0; 3 * PARTICLES],
@@ -98,7 +102,7 @@ impl Drawing {
     /// Draws of all particles in turn; each call shows what it drew.
     fn draw(&mut self, mut seen: impl FnMut(f64)) {
         let step = Step::of_index(1);
-        for before in self.parameters.chunks_exact(3 * PARTICLES).take(self.calls) {
+        for before in self.parameters.chunks_exact(3 * PARTICLES).cycle().take(self.calls) {
             let streams = std::slice::from_mut(&mut self.stream);
             self.model.sample_states(&step, Some(Rows::all(before, 3)), streams, &mut self.states);
             self.states.iter().skip(2).step_by(3).for_each(|drawn| seen(*drawn));

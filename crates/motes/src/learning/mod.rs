@@ -6,6 +6,7 @@ mod options;
 mod outcome;
 mod over_prior;
 mod potentials;
+mod sub_steps;
 mod worth;
 
 use std::ops::ControlFlow;
@@ -23,11 +24,12 @@ use crate::data::Data;
 use crate::error::MotesError;
 use crate::learned::{LearnedProposal, learnable, shape_of};
 use crate::learned_notes::Notes;
-use crate::model::Model;
+use crate::model::{LearnableModel, Model};
 use crate::simulating::{check_draws, schedule};
 use choice::{Choice, choose};
 use over_prior::{PriorLearning, prior_of};
 use potentials::{SEQUENCES, asks_for_network, judge, judged, learns_potentials, potentials};
+use sub_steps::check_sub_steps;
 use worth::worse_than;
 
 /// Learning ends where after such a share of its updates nothing was better than the base.
@@ -84,7 +86,9 @@ fn learn_until(
     }
     let started = std::time::Instant::now();
     let seed = Seed::from_u64(options.seed).child("learn");
-    let scheduled = schedule(model, data, options.steps, &seed)?.and_then(|schedule| model.along(schedule));
+    let schedule = schedule(model, data, options.steps, &seed)?;
+    schedule.as_ref().map_or(Ok(()), |schedule| check_sub_steps(learnable(model)?, schedule))?;
+    let scheduled = schedule.and_then(|schedule| model.along(schedule));
     let simulated = scheduled.as_ref().unwrap_or(model);
     let learnable = learnable(simulated)?;
     let settings = LearnConfig {

@@ -397,6 +397,12 @@ fn what_cannot_be_learned_is_refused() {
         &["learn", "runaway.toml", "-o", "r"],
         "the number of drawn sequences that reach a second time is 0; it must be at least 1: the model's simulation overflows, look at its transition and noise",
     );
+    place.write("gaps.toml", format!("[time]\ncolumn = \"t\"\nstep = 1\n{SQUARE}"));
+    place.write("gaps.csv", "t,y\n0,1\n1,1\n4,1\n5,1\n");
+    refused(
+        &["learn", "gaps.toml", "gaps.csv", "-o", "r"],
+        "learn: the gaps between rows have from 1 to 3 sub-steps, and a learned proposal is for one number of them; take --proposal linearised, or motes evidence, which need no learning, or data with equal gaps",
+    );
     assert!(!place.path("r").exists());
     // A proposal for another model, by another parameter.
     place.write("other.toml", SQUARE.replace("0.9*x", "0.8*x"));
