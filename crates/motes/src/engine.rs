@@ -12,10 +12,12 @@ use crate::error::MotesError;
 use crate::estimate::Estimate;
 use crate::exact::{exact_filter, not_exact, restored};
 use crate::exact_system::ExactSystem;
+use crate::filtered::WeightedParticles;
 use crate::model::{Kind, Model};
 use crate::options::{FilterOptions, ProposalName};
 use crate::particles::{Start, boxed, of_another_kind};
 use crate::prediction::{MOST, beside_prediction};
+use crate::quantiles::Quantiles;
 use crate::steps::Steps;
 use crate::timeline::{Clock, RowTime};
 
@@ -32,6 +34,8 @@ pub struct Running<'m> {
     pub(crate) clock: Clock,
     /// Whether each measurement is predicted before it is used.
     pub(crate) is_predictive: bool,
+    /// Which quantiles are given.
+    pub(crate) asked: Quantiles,
     /// What was expected of the last measurement, where it is.
     pub(crate) predictive: Vec<Predictive>,
     /// An input that the last forecast of a measurement lacked.
@@ -75,6 +79,7 @@ impl<'m> Running<'m> {
             before: 0.0,
             clock: Clock::default(),
             is_predictive: options.predictive,
+            asked: options.quantiles.clone(),
             predictive: vec![],
             unknown: None,
         }
@@ -105,7 +110,7 @@ impl<'m> Running<'m> {
         let (last, nothing) = (last.step(), vec![None; measurement.len()]);
         before.iter().try_for_each(|step| self.take_step(&step.step(), &nothing))?;
         if self.is_predictive && self.filter.failure().is_none() {
-            let ahead = self.filter.measurement_ahead(&last, measurement);
+            let ahead = self.filter.measurement_ahead(&last, measurement, self.asked.probabilities());
             self.predictive = ahead.map_err(|error| self.explain(&error, &last, &nothing))?;
         }
         self.take_step(&last, measurement)
@@ -202,7 +207,7 @@ impl<'m> Running<'m> {
     /// What is known after the last step.
     fn estimate(&self) -> Estimate {
         Estimate {
-            state: self.filter.state(),
+            state: self.filter.state(self.asked.probabilities()),
             ess: self.effective_sample_size(),
             log_evidence: Some(self.last_increment()),
             predictive: self.predictive.clone(),
@@ -273,6 +278,12 @@ impl<'m> Running<'m> {
     /// Quantiles of a coordinate of the state.
     pub fn quantiles(&self, coordinate: usize, probabilities: &[f64]) -> Vec<f64> {
         self.filter.quantiles(coordinate, probabilities)
+    }
+
+    /// The particles with their weights after the last step; none of an exact filter.
+    pub(crate) fn weighted_particles(&self) -> Option<WeightedParticles> {
+        let (states, weights) = self.filter.weighted()?;
+        Some(WeightedParticles { states: states.to_vec(), weights: weights.to_vec() })
     }
 
     /// The estimate of `log p(y_{0:t})`.

@@ -3,27 +3,24 @@
 use motes_smc::Predictive;
 use serde::{Deserialize, Serialize};
 
-/// The probabilities of the quantiles that are given of each coordinate.
-pub const PROBABILITIES: [f64; 3] = [0.05, 0.5, 0.95];
+/// What tables call the moments of a coordinate, or of a measurement that is expected, behind its name and `_`.
+pub(crate) const MOMENTS: [&str; 2] = ["mean", "sd"];
 
-/// What tables call the figures of a coordinate, behind its name and `_`.
-pub(crate) const OF_COORDINATE: [&str; 5] = ["mean", "sd", "q05", "q50", "q95"];
-
-/// What they call the figures of a measurement that is expected, behind its name and `_`.
-pub(crate) const OF_MEASUREMENT: [&str; 6] = ["mean", "sd", "q05", "q50", "q95", "pit"];
+/// What they call the place of a measurement in what was expected of it.
+pub(crate) const PLACE: &str = "pit";
 
 /// What they call the figures of a filter's weights.
 pub(crate) const OF_WEIGHTS: [&str; 2] = ["ess", "log_evidence"];
 
 /// A coordinate of the state at one time, given measurements.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Coordinate {
     /// Its mean.
     pub mean: f64,
     /// Its standard deviation; NaN where it cannot be told from one particle.
     pub sd: f64,
-    /// Its quantiles at 5, 50 and 95 %; NaN where they cannot be told from one particle.
-    pub quantiles: [f64; 3],
+    /// Its quantiles, those that were asked for ([`FilterOptions::quantiles`](crate::FilterOptions::quantiles)); NaN where they cannot be told from one particle.
+    pub quantiles: Vec<f64>,
 }
 
 /// The state at one time given the measurements up to it, and what its measurement said.

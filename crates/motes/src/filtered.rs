@@ -27,6 +27,17 @@ pub struct Filtered {
     pub warnings: Vec<Warning>,
     /// What a bootstrap filter beside that of each series says; none where none ran.
     pub opinions: Vec<Option<Verdict>>,
+    /// The particles of each row, in the order of the data, where they were to be kept ([`FilterOptions::keep_particles`](crate::FilterOptions::keep_particles)).
+    pub particles: Vec<WeightedParticles>,
+}
+
+/// The particles of a row, weighted by its measurement, before any are resampled.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct WeightedParticles {
+    /// Their states (`K×N`).
+    pub states: Vec<f64>,
+    /// Their weights (`K`), whose sum is 1.
+    pub weights: Vec<f64>,
 }
 
 impl Filtered {

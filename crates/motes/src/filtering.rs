@@ -6,7 +6,7 @@ use crate::data::Data;
 use crate::engine::Running;
 use crate::error::MotesError;
 use crate::estimate::Estimate;
-use crate::filtered::Filtered;
+use crate::filtered::{Filtered, WeightedParticles};
 use crate::forecasting::rows_ahead;
 use crate::learned_steps::of_sub_steps;
 use crate::long_step::of_step;
@@ -36,7 +36,12 @@ fn filter_until(
     options: &FilterOptions,
     proceed: &mut dyn FnMut(usize) -> ControlFlow<()>,
 ) -> Result<Filtered, MotesError> {
+    if options.keep_particles && options.proposal == ProposalName::Exact {
+        let reason = "keep_particles: --proposal exact has no particles; leave one of the two out";
+        return Err(MotesError::Setting(reason.into()));
+    }
     let mut estimates: Vec<Option<Estimate>> = vec![None; data.rows.len()];
+    let mut particles: Vec<Option<WeightedParticles>> = vec![None; data.rows.len()];
     let mut tally = Tally::new(
         of_starts(model)
             .into_iter()
@@ -58,6 +63,7 @@ fn filter_until(
                 .map_err(|error| of_series(name, error.at_row(data.counted, row.line)))?;
             tally.step(&mut of_this, &row.steps, &row.measurement, diagnosis.as_ref());
             estimates[at] = Some(estimate);
+            particles[at] = options.keep_particles.then(|| running.weighted_particles()).flatten();
             done += 1;
             if proceed(done).is_break() {
                 return Err(MotesError::Interrupted);
@@ -76,7 +82,8 @@ fn filter_until(
         tally.warn(running.forecast_warning(name));
         forecasts.push(forecast);
     }
-    Ok(tally.into_filtered(estimates.into_iter().flatten().collect(), forecasts))
+    let filtered = tally.into_filtered(estimates.into_iter().flatten().collect(), forecasts);
+    Ok(Filtered { particles: particles.into_iter().flatten().collect(), ..filtered })
 }
 
 /// What was measured in a row of data.

@@ -48,7 +48,7 @@ impl Running<'_> {
         let estimate = self.step_by(&known, &nothing);
         self.is_predictive = is_predictive;
         let (estimate, last) = (estimate?, steps.last().cloned().unwrap_or_default());
-        let predictive = self.filter.measurement(&last.step(), &nothing);
+        let predictive = self.filter.measurement(&last.step(), &nothing, self.asked.probabilities());
         self.unknown = self.unknown.take().or_else(|| self.model.unknown_input(&last.step()));
         let estimate = Estimate { ess: None, log_evidence: None, predictive, ..estimate };
         let label = row.and_then(|row| row.label).map(String::from);

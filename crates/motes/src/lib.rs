@@ -58,6 +58,7 @@ mod packed;
 mod particles;
 mod prediction;
 mod priors;
+mod quantiles;
 mod recorded;
 mod running_state;
 mod simulating;
@@ -86,7 +87,7 @@ pub use evidence::{
     log_evidence, log_evidence_at,
 };
 pub use filter_source::FilterSource;
-pub use filtered::Filtered;
+pub use filtered::{Filtered, WeightedParticles};
 pub use filtering::{filter, of_proposal};
 pub use fit_comparison::{FitComparison, FittedModel, FittedScore, compare_fits};
 pub use fit_folder::FitFolder;
@@ -106,6 +107,7 @@ pub use names::{FileInput, ModelNames};
 pub use options::{DEFENSIVE_SHARE, FilterOptions, ProposalName};
 pub use packed::{pack, unpack};
 pub use priors::of_starts;
+pub use quantiles::Quantiles;
 pub use simulating::{
     Simulated, SimulatedRow, simulate, simulate_along, simulate_from_draws, simulate_from_priors,
 };

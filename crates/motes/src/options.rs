@@ -9,6 +9,7 @@ use crate::error::MotesError;
 use crate::evidence::LOOK_AHEAD;
 use crate::filter_source::FilterSource;
 use crate::learned::LearnedProposal;
+use crate::quantiles::Quantiles;
 use motes_smc::{FilterSettings, ResampleWhen, Resampling};
 
 /// A proposal by its name on the command line.
@@ -117,6 +118,10 @@ pub struct FilterOptions {
     pub seed: u64,
     /// Whether each measurement is predicted by those before it, and its place in this prediction is given ([`Estimate::predictive`](crate::Estimate::predictive)).
     pub predictive: bool,
+    /// Which quantiles are given of states and of measurements that are predicted.
+    pub quantiles: Quantiles,
+    /// Whether the particles of each row are kept, with their weights ([`Filtered::particles`](crate::Filtered::particles)).
+    pub keep_particles: bool,
     /// For how many times after the last measurement states and measurements are predicted.
     pub forecast: usize,
     /// The times and inputs of the rows that are predicted; they are those of the last gap where there are none.
@@ -136,6 +141,8 @@ impl Default for FilterOptions {
             resampling: Resampling::Systematic,
             seed: 1,
             predictive: false,
+            quantiles: Quantiles::default(),
+            keep_particles: false,
             forecast: 0,
             ahead: None,
             check: true,

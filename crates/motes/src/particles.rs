@@ -11,7 +11,7 @@ use motes_smc::{
 };
 
 use crate::error::MotesError;
-use crate::estimate::{Coordinate, PROBABILITIES};
+use crate::estimate::Coordinate;
 use crate::options::{FilterOptions, ProposalName};
 use crate::running_state::{FilterState, ParticleState, SecondState};
 use crate::steps::Steps;
@@ -54,7 +54,7 @@ fn of_all(
 }
 
 impl<M: StateSpaceModel + ?Sized, P: Proposal<M>> Filter<'_, M, P> {
-    fn coordinate(&self, coordinate: usize) -> Coordinate {
+    fn coordinate(&self, coordinate: usize, probabilities: &[f64]) -> Coordinate {
         let filter = &self.filter;
         let (means, particles, weights) = (filter.mean(), filter.particles(), filter.weights().normalised());
         let (n, mean) = (means.len(), means[coordinate]);
@@ -62,10 +62,9 @@ impl<M: StateSpaceModel + ?Sized, P: Proposal<M>> Filter<'_, M, P> {
         let variance: f64 = values.zip(weights).map(|(x, weight)| weight * (x - mean) * (x - mean)).sum();
         // One particle with all weight says nothing of a spread.
         if variance == 0.0 && weights.iter().filter(|weight| **weight > 0.0).count() == 1 {
-            return Coordinate { mean, sd: f64::NAN, quantiles: [f64::NAN; 3] };
+            return Coordinate { mean, sd: f64::NAN, quantiles: vec![f64::NAN; probabilities.len()] };
         }
-        let quantiles = filter.quantiles(coordinate, &PROBABILITIES);
-        Coordinate { mean, sd: variance.sqrt(), quantiles: [quantiles[0], quantiles[1], quantiles[2]] }
+        Coordinate { mean, sd: variance.sqrt(), quantiles: filter.quantiles(coordinate, probabilities) }
     }
 }
 
@@ -100,12 +99,18 @@ where
         &self,
         step: &Step<'_>,
         measurement: &[Option<f64>],
+        probabilities: &[f64],
     ) -> Result<Vec<Predictive>, FilterError> {
-        self.filter.measurement_ahead(step, measurement)
+        self.filter.measurement_ahead(step, measurement, probabilities)
     }
 
-    fn measurement(&self, step: &Step<'_>, measurement: &[Option<f64>]) -> Vec<Predictive> {
-        self.filter.measurement(step, measurement)
+    fn measurement(
+        &self,
+        step: &Step<'_>,
+        measurement: &[Option<f64>],
+        probabilities: &[f64],
+    ) -> Vec<Predictive> {
+        self.filter.measurement(step, measurement, probabilities)
     }
 
     fn difference(&self) -> f64 {
@@ -124,9 +129,13 @@ where
         self.second.as_ref().map(|second| second.opinion.verdict())
     }
 
-    fn state(&self) -> Vec<Coordinate> {
+    fn state(&self, probabilities: &[f64]) -> Vec<Coordinate> {
         let n = self.filter.mean().len();
-        of_all(0..n, self.is_large(), &|coordinate| self.coordinate(coordinate))
+        of_all(0..n, self.is_large(), &|coordinate| self.coordinate(coordinate, probabilities))
+    }
+
+    fn weighted(&self) -> Option<(&[f64], &[f64])> {
+        Some((self.filter.particles(), self.filter.weights().normalised()))
     }
 
     fn particles(&self) -> usize {

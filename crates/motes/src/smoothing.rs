@@ -7,7 +7,7 @@ use motes_smc::{DENSITIES_PER_MOVE, FilterHistory, SmoothedPaths, SmoothingError
 
 use crate::data::Data;
 use crate::error::MotesError;
-use crate::estimate::{Coordinate, Estimate, PROBABILITIES};
+use crate::estimate::{Coordinate, Estimate};
 use crate::exact::smooth_exactly;
 use crate::few_ancestors::of_paths;
 use crate::filtered::Filtered;
@@ -94,14 +94,15 @@ fn smooth_until(
             let rows: Vec<&[Option<f64>]> =
                 places.iter().map(|at| data.rows[*at].measurement.as_slice()).collect();
             let steps: Vec<&[StepRecord]> = places.iter().map(|at| data.rows[*at].steps.as_slice()).collect();
-            smooth_exactly(model, &steps, &rows, paths, &seed, &mut || proceed(work.share(0)))?
+            let asked = (paths, &options.quantiles);
+            smooth_exactly(model, &steps, &rows, asked, &seed, &mut || proceed(work.share(0)))?
         } else {
             let found = running.backward(&history, paths, &seed, &mut |times| proceed(work.share(times)))?;
             let found = found.without_first(before);
             let label = |time: usize| places.get(time).and_then(|at| data.rows[*at].label.as_deref());
             tally.warn(of_paths(name, &found, options.particles, label));
-            let n = model.states().len();
-            ((0..places.len()).map(|time| estimate(&found, time, n)).collect(), found)
+            let (n, probabilities) = (model.states().len(), options.quantiles.probabilities());
+            ((0..places.len()).map(|time| estimate(&found, time, n, probabilities)).collect(), found)
         };
         work.drawn += places.len();
         places.into_iter().zip(of_times).for_each(|(at, estimate)| estimates[at] = Some(estimate));
@@ -135,14 +136,11 @@ impl Work {
 }
 
 /// What trajectories say of one time.
-fn estimate(paths: &SmoothedPaths, time: usize, n: usize) -> Estimate {
-    let of_coordinate = |coordinate| {
-        let quantiles = paths.quantiles(time, coordinate, &PROBABILITIES);
-        Coordinate {
-            mean: paths.mean(time, coordinate),
-            sd: paths.standard_deviation(time, coordinate),
-            quantiles: [quantiles[0], quantiles[1], quantiles[2]],
-        }
+fn estimate(paths: &SmoothedPaths, time: usize, n: usize, probabilities: &[f64]) -> Estimate {
+    let of_coordinate = |coordinate| Coordinate {
+        mean: paths.mean(time, coordinate),
+        sd: paths.standard_deviation(time, coordinate),
+        quantiles: paths.quantiles(time, coordinate, probabilities),
     };
     Estimate::of_state((0..n).map(of_coordinate).collect())
 }

@@ -14,14 +14,20 @@ use crate::running_state::FilterState;
 /// A filter with the types of its model and proposal put aside. What has an answer here is that of an exact filter: it has no particles, and no error.
 pub(crate) trait Steps: Send + Sync {
     fn step(&mut self, step: &Step<'_>, measurement: &[Option<f64>]) -> Result<(), FilterError>;
-    /// What is expected of the measurement that a step would take in, and where it lies in that.
+    /// What is expected of the measurement that a step would take in, with quantiles at these probabilities, and where it lies in that.
     fn measurement_ahead(
         &self,
         step: &Step<'_>,
         measurement: &[Option<f64>],
+        probabilities: &[f64],
     ) -> Result<Vec<Predictive>, FilterError>;
     /// What would be measured now, at the end of that step.
-    fn measurement(&self, step: &Step<'_>, measurement: &[Option<f64>]) -> Vec<Predictive>;
+    fn measurement(
+        &self,
+        step: &Step<'_>,
+        measurement: &[Option<f64>],
+        probabilities: &[f64],
+    ) -> Vec<Predictive>;
     /// What a bootstrap filter beside it says so far, if there is one.
     fn verdict(&self) -> Option<Verdict> {
         None
@@ -42,7 +48,13 @@ pub(crate) trait Steps: Send + Sync {
         vec![]
     }
 
-    fn state(&self) -> Vec<Coordinate>;
+    /// Each coordinate, with quantiles at these probabilities.
+    fn state(&self, probabilities: &[f64]) -> Vec<Coordinate>;
+    /// The particles (`K×N`) with their normalised weights (`K`), if it has any.
+    fn weighted(&self) -> Option<(&[f64], &[f64])> {
+        None
+    }
+
     /// How many numbers the states of all particles are.
     fn particles(&self) -> usize {
         0

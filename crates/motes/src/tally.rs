@@ -131,6 +131,7 @@ impl Tally {
             least_ess: self.least_ess,
             warnings: self.warnings,
             opinions: self.opinions,
+            particles: vec![],
         }
     }
 }

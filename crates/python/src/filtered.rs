@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use motes::output::{EstimateTable, Report, filter_json, filter_settings, filter_summary, report};
 use motes::smc::SmoothedPaths;
-use motes::{Estimate, ModelNames, MotesError, pack, unpack};
+use motes::{Estimate, ModelNames, MotesError, ProposalName, Quantiles, pack, unpack};
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -14,7 +14,7 @@ use crate::errors::{in_python, to_python};
 use crate::estimates::{Expected, States, measurements, states};
 
 /// What errors call its bytes, and the version of these.
-const PACKED: (&str, u32) = ("a result of a filter", 3);
+const PACKED: (&str, u32) = ("a result of a filter", 4);
 
 /// The result of a filter, or of a smoother.
 #[pyclass(frozen, module = "motes._motes")]
@@ -22,6 +22,9 @@ pub(crate) struct Filtered {
     names: ModelNames,
     data: Py<Data>,
     particles: usize,
+    quantiles: Quantiles,
+    is_checked: bool,
+    is_exact: bool,
     /// What it was made with, a name and a value each.
     settings: Vec<(String, String)>,
     filtered: motes::Filtered,
@@ -42,13 +45,28 @@ impl Filtered {
         seconds: f64,
     ) -> Self {
         let settings = filter_settings(model.name(), set, options);
-        let (names, particles) = (ModelNames::from(model), options.particles);
-        Filtered { names, data, particles, settings, filtered, smoothed, seconds }
+        Filtered {
+            names: ModelNames::from(model),
+            data,
+            particles: options.particles,
+            quantiles: options.quantiles.clone(),
+            is_checked: options.check,
+            is_exact: options.proposal == ProposalName::Exact,
+            settings,
+            filtered,
+            smoothed,
+            seconds,
+        }
     }
 
     /// As much of the options as figures need.
     fn options(&self) -> motes::FilterOptions {
-        motes::FilterOptions { particles: self.particles, ..motes::FilterOptions::default() }
+        motes::FilterOptions {
+            proposal: if self.is_exact { ProposalName::Exact } else { ProposalName::default() },
+            particles: self.particles,
+            check: self.is_checked,
+            ..motes::FilterOptions::default()
+        }
     }
 
     fn rows(&self) -> &[Estimate] {
@@ -66,16 +84,28 @@ impl Filtered {
     /// That of which `__getnewargs__` gives the bytes and the data: for pickles and copies.
     #[new]
     fn of_bytes(bytes: &[u8], data: Py<Data>) -> PyResult<Self> {
-        let (names, particles, settings, filtered, smoothed, seconds) =
+        let (names, (particles, quantiles, is_checked, is_exact), settings, filtered, smoothed, seconds) =
             unpack(PACKED.0, PACKED.1, bytes).map_err(to_python)?;
-        Ok(Filtered { names, data, particles, settings, filtered, smoothed, seconds })
+        Ok(Filtered {
+            names,
+            data,
+            particles,
+            quantiles,
+            is_checked,
+            is_exact,
+            settings,
+            filtered,
+            smoothed,
+            seconds,
+        })
     }
 
     fn __getnewargs__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyBytes>, Py<Data>)> {
-        let Filtered { names, data, particles, settings, filtered, smoothed, seconds } = self;
-        let content = (names, particles, settings, filtered, smoothed, seconds);
+        let Filtered { names, settings, filtered, smoothed, seconds, .. } = self;
+        let options = (self.particles, &self.quantiles, self.is_checked, self.is_exact);
+        let content = (names, options, settings, filtered, smoothed, seconds);
         let bytes = pack(PACKED.0, PACKED.1, &content).map_err(to_python)?;
-        Ok((PyBytes::new(py, &bytes), data.clone_ref(py)))
+        Ok((PyBytes::new(py, &bytes), self.data.clone_ref(py)))
     }
 
     /// Means, standard deviations and quantiles of the states, row by row.
@@ -187,14 +217,21 @@ impl Filtered {
         self.particles
     }
 
+    /// What tables call the quantiles, with their probabilities.
+    #[getter]
+    fn quantiles(&self) -> Vec<(String, f64)> {
+        self.quantiles.names().into_iter().zip(self.quantiles.probabilities().iter().copied()).collect()
+    }
+
     /// The table that the command writes.
     fn csv(&self) -> String {
         let data = &self.data.get().0;
         if let Some((estimates, _)) = &self.smoothed {
-            return EstimateTable::new(&self.names, &data.columns).smoothed(data, estimates);
+            return EstimateTable::new(&self.names, &data.columns, &self.quantiles).smoothed(data, estimates);
         }
         let has_forecasts = self.filtered.forecasts.iter().any(|forecasts| !forecasts.is_empty());
-        EstimateTable::of_filter(&self.names, &data.columns, self.is_predictive(), has_forecasts)
+        let (quantiles, is_predictive) = (&self.quantiles, self.is_predictive());
+        EstimateTable::of_filter(&self.names, &data.columns, quantiles, is_predictive, has_forecasts)
             .filtered(data, &self.filtered)
     }
 
@@ -202,7 +239,7 @@ impl Filtered {
     fn forecast_csv(&self, labels: Option<(String, Vec<String>)>) -> String {
         let data = &self.data.get().0;
         let (name, labels) = labels.map_or((None, Vec::new()), |(name, labels)| (Some(name), labels));
-        EstimateTable::of_forecasts(&self.names, &data.columns, name.as_deref()).forecasts(
+        EstimateTable::of_forecasts(&self.names, &data.columns, &self.quantiles, name.as_deref()).forecasts(
             data,
             &self.filtered,
             &labels,
@@ -221,6 +258,7 @@ impl Filtered {
             names: &self.names,
             data: &self.data.get().0,
             estimates: self.rows(),
+            quantiles: &self.quantiles,
             forecasts: &self.filtered.forecasts,
             summary: &self.summary(),
             settings: &self.settings,

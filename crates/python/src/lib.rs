@@ -12,9 +12,12 @@ mod estimates;
 mod evidence;
 mod file;
 mod filtered;
+mod filtering;
+mod fit_arguments;
 mod functions;
 mod inputs;
 mod learned;
+mod maximum_fit;
 mod model;
 mod online;
 mod options;
@@ -38,9 +41,13 @@ mod _motes {
     #[pymodule_export]
     use crate::filtered::Filtered;
     #[pymodule_export]
+    use crate::filtering::filter;
+    #[pymodule_export]
     use crate::inputs::{columns_of_inputs, inputs_of_table, open_inputs};
     #[pymodule_export]
     use crate::learned::Proposal;
+    #[pymodule_export]
+    use crate::maximum_fit::{MaximumFit, maximise};
     #[pymodule_export]
     use crate::model::Model;
     #[pymodule_export]

@@ -7,7 +7,7 @@ use std::time::Instant;
 use motes::smc::SmoothedPaths;
 use motes::{
     Columns, CompareOptions, LearnedProposal, ProposalName, Smoothed, Table, check, designed_for_recorded,
-    filter, learn, log_evidence, simulate, simulate_along, simulate_from_priors, smooth,
+    learn, log_evidence, simulate, simulate_along, simulate_from_priors, smooth,
 };
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
@@ -225,22 +225,6 @@ impl Model {
         let checked = failure.or(checked)?;
         let in_python = |lines: Vec<String>| lines.iter().map(|line| in_python(line)).collect();
         Ok((in_python(checked.findings), in_python(checked.problems)))
-    }
-
-    /// Filters each series.
-    fn filter(
-        &self,
-        py: Python<'_>,
-        data: Py<Data>,
-        options: &Bound<'_, FilterOptions>,
-    ) -> PyResult<Filtered> {
-        let FilterOptions { options, threads } = options.get();
-        let (call, rows) = (self.for_call()?, &data.get().0);
-        let (ForCall { model, failure, .. }, threads) = (&call, call.threads(*threads));
-        let start = Instant::now();
-        let filtered =
-            without_lock(py, threads, &failure.stop, || filter(model, rows, options, |_| failure.asked()))?;
-        Ok(self.found(data, options, start, failure.or(filtered)?, None))
     }
 
     /// The log-evidence of all series; with −∞ where no particle explains a measurement, and which one that is.

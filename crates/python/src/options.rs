@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use motes::ProposalName;
 use motes::smc::Resampling;
+use motes::{ProposalName, Quantiles};
 use pyo3::prelude::*;
 
 use crate::arguments::{integer, seed_of, share_of, threads_of};
@@ -44,7 +44,7 @@ impl ProposalArgument<'_> {
 impl FilterOptions {
     /// What is not given is as in the command.
     #[new]
-    #[pyo3(signature = (*, proposal=None, particles=None, defensive=None, resample_below=None, resampling=None, seed=None, check=None, threads=None, forecast=None, predictive=None, ahead=None))]
+    #[pyo3(signature = (*, proposal=None, particles=None, defensive=None, resample_below=None, resampling=None, seed=None, check=None, threads=None, forecast=None, predictive=None, ahead=None, quantiles=None, keep_particles=None))]
     #[expect(clippy::too_many_arguments, reason = "each is an argument of the Python function with its name")]
     fn new(
         proposal: Option<ProposalArgument<'_>>,
@@ -58,6 +58,8 @@ impl FilterOptions {
         forecast: Option<i64>,
         predictive: Option<bool>,
         ahead: Option<&Bound<'_, Data>>,
+        quantiles: Option<Vec<f64>>,
+        keep_particles: Option<bool>,
     ) -> PyResult<Self> {
         let mut options = motes::FilterOptions::default();
         if let Some(proposal) = proposal {
@@ -97,6 +99,12 @@ impl FilterOptions {
         }
         options.predictive = predictive.unwrap_or_default();
         options.ahead = ahead.map(|ahead| Arc::new(ahead.get().0.clone()));
+        if let Some(probabilities) = quantiles {
+            let said = format!("{probabilities:?}");
+            let quantiles = Quantiles::new(probabilities);
+            options.quantiles = quantiles.ok_or_else(|| refused("quantiles", said, Quantiles::EXPECTED))?;
+        }
+        options.keep_particles = keep_particles.unwrap_or_default();
         Ok(FilterOptions { options, threads: threads_of(threads)? })
     }
 }

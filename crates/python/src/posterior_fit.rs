@@ -1,30 +1,34 @@
 //! What a fit found.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
 use motes::output::{fit_json, fit_summary, fit_text};
-use motes::{FitOptions, FreeParameters, MotesError, ProposalName, filter_draws, pack, unpack};
+use motes::{FitFolder, FitRecord, FreeParameters, MotesError, filter_draws, pack, unpack};
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
-use crate::arguments::{integer, seed_of, threads_of};
+use crate::arguments::{integer, threads_of};
 use crate::call::ForCall;
 use crate::data::Data;
-use crate::errors::{in_python, refused, to_python};
+use crate::errors::{in_python, to_python};
 use crate::filtered::Filtered;
+use crate::fit_arguments::FitArguments;
 use crate::model::Model;
-use crate::options::{FilterOptions, ProposalArgument};
+use crate::options::FilterOptions;
 use crate::work::without_lock;
 
 /// What errors call its bytes, and the version of these.
-const PACKED: (&str, u32) = ("a fit", 1);
+const PACKED: (&str, u32) = ("a fit", 2);
 
 /// The posterior of parameters by draws.
 #[pyclass(frozen, module = "motes._motes")]
 pub(crate) struct PosteriorFit {
     found: Arc<motes::PosteriorFit>,
+    /// What it was made with.
+    record: FitRecord,
     seconds: f64,
 }
 
@@ -33,12 +37,13 @@ impl PosteriorFit {
     /// That of which `__getnewargs__` gives the bytes: for pickles and copies.
     #[new]
     fn new(bytes: &[u8]) -> PyResult<Self> {
-        let (found, seconds) = unpack(PACKED.0, PACKED.1, bytes).map_err(to_python)?;
-        Ok(PosteriorFit { found: Arc::new(found), seconds })
+        let (found, record, seconds) = unpack(PACKED.0, PACKED.1, bytes).map_err(to_python)?;
+        Ok(PosteriorFit { found: Arc::new(found), record, seconds })
     }
 
     fn __getnewargs__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyBytes>,)> {
-        let bytes = pack(PACKED.0, PACKED.1, &(&*self.found, self.seconds)).map_err(to_python)?;
+        let content = (&*self.found, &self.record, self.seconds);
+        let bytes = pack(PACKED.0, PACKED.1, &content).map_err(to_python)?;
         Ok((PyBytes::new(py, &bytes),))
     }
 
@@ -74,6 +79,12 @@ impl PosteriorFit {
         self.found.warnings.iter().map(|warning| in_python(&warning.to_string())).collect()
     }
 
+    /// Writes the folder that the command writes.
+    fn save(&self, folder: PathBuf) -> PyResult<()> {
+        let folder = FitFolder::open(&folder, self.record.clone()).map_err(to_python)?;
+        folder.finish(&self.found).map_err(to_python)
+    }
+
     /// The object that the command prints with --json.
     fn json(&self) -> String {
         fit_json(&self.found, Some(self.seconds))
@@ -84,42 +95,6 @@ impl PosteriorFit {
         let figures = fit_summary(&self.found);
         let figures: Vec<String> = figures.iter().map(|(name, value)| format!("{name}: {value}")).collect();
         format!("{}\n{}", fit_text(&self.found), figures.join("\n"))
-    }
-}
-
-/// The arguments of a fit as Python hands them over.
-#[derive(FromPyObject)]
-#[pyo3(from_item_all)]
-pub(crate) struct FitArguments<'py> {
-    proposal: Option<ProposalArgument<'py>>,
-    particles: Option<i64>,
-    chains: i64,
-    draws: Option<i64>,
-    budget: Option<f64>,
-    seed: i128,
-}
-
-impl FitArguments<'_> {
-    fn options(&self) -> PyResult<FitOptions> {
-        let count = |name: &str, value: Option<i64>, least: usize| {
-            value.map(|value| integer(name, value, least, 1_000_000_000)).transpose()
-        };
-        let proposal: Option<ProposalName> =
-            self.proposal.as_ref().map(ProposalArgument::name).transpose()?;
-        if let Some(budget) = self.budget
-            && !(budget > 0.0 && budget.is_finite())
-        {
-            return Err(refused("budget", budget, "a number of seconds above 0"));
-        }
-        Ok(FitOptions {
-            proposal,
-            particles: count("particles", self.particles, 1)?,
-            chains: integer("chains", self.chains, 1, 1000)?,
-            draws: count("draws", self.draws, 4)?,
-            profiles: vec![],
-            seconds: self.budget,
-            seed: seed_of(self.seed)?,
-        })
     }
 }
 
@@ -143,7 +118,8 @@ pub(crate) fn fit(
         })
     })?;
     let found = failure.or(found)?;
-    Ok(PosteriorFit { found: Arc::new(found), seconds: start.elapsed().as_secs_f64() })
+    let record = FitRecord::of(model, data, &options).map_err(to_python)?;
+    Ok(PosteriorFit { found: Arc::new(found), record, seconds: start.elapsed().as_secs_f64() })
 }
 
 /// Filters and forecasts at `draws` draws of a posterior, mixed: an average has no log-evidence.

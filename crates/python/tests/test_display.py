@@ -74,3 +74,15 @@ def test_many_coordinates_are_cut():
     for shown in (large.simulate(3), large.forecast([0.1, 0.2], 2, particles=20), large.online(particles=20).step(0.1)):
         assert len(repr(shown).splitlines()) < 20
         assert "more" in repr(shown).splitlines()[-1] and "more</li>" in shown._repr_html_()
+
+
+def test_a_filter_says_why_it_has_no_standard_error():
+    y = [0.1, 0.2, 0.3]
+    assert "log-evidence: " in repr(WALK.filter(y)) and " ± " in repr(WALK.filter(y))
+    unasked = repr(WALK.filter(y, check=False)).splitlines()[1]
+    assert unasked.startswith("log-evidence: ") and unasked.endswith(" (its standard error was not asked for)")
+    assert repr(WALK.smooth(y, paths=5, check=False)).splitlines()[1] == unasked
+    assert "(too few particles for a standard error)" in repr(WALK.filter(y, particles=8))
+    exact = WALK.filter(y, proposal="exact")
+    assert repr(exact).splitlines()[1].endswith(", exact") and repr(copy.copy(exact)) == repr(exact)
+    assert "not asked for" in WALK.filter(y, check=False).to_html() and "too few" not in WALK.filter(y, check=False).to_html()

@@ -20,6 +20,7 @@ FILTER = {
     "seed": 1,
     "check": True,
     "predictive": False,
+    "quantiles": (0.05, 0.5, 0.95),
     "threads": None,
 }
 
@@ -28,9 +29,9 @@ CALLS = {
     "filter": (set(), {}),
     "forecast": (set(), {}),
     "smooth": ({"predictive"}, {}),
-    "log_evidence": ({"check", "predictive"}, {}),
+    "log_evidence": ({"check", "predictive", "quantiles"}, {}),
     "online": (set(), {"check": False, "threads": 1}),
-    "compare": ({"proposal", "check", "predictive"}, {"particles": 100}),
+    "compare": ({"proposal", "check", "predictive", "quantiles"}, {"particles": 100}),
     "predict": ({"check"}, {}),
 }
 
@@ -86,7 +87,7 @@ def test_arguments_that_do_not_exist_are_refused_with_the_nearest(growth):
         lambda: growth.online(seeds=3): r"seeds: .*; did you mean seed\?$",
         lambda: growth.forecast([1.0], step=3): r"step: .*; did you mean steps\?$",
         lambda: growth.simulate(3, inptus=3): r"inptus: .*; did you mean inputs\?$",
-        lambda: growth.fit([1.0], zzz=3): r"zzz: there is no such argument; there are proposal, .*, threads$",
+        lambda: growth.fit([1.0], zzz=3): r"zzz: there is no such argument; there are method, .*, threads$",
         lambda: growth.filter(dta=[1.0]): r"dta: .*; did you mean data\?$",
     }
     for call, line in refused.items():

@@ -23,12 +23,15 @@ reveal_type(filtered.residuals)
 reveal_type(model.log_evidence([0.1]))
 reveal_type(model.log_evidence([0.1], {"q": [1.0]}))
 reveal_type(model.fit([0.1]).draws)
+reveal_type(model.fit([0.1], method="maximum").estimates["q"].low)
+reveal_type(model.filter([0.1], quantiles=[0.5], keep_particles=True).expectation(np.exp))
 reveal_type(model.simulate(3).states)
 reveal_type(motes.Model.parse("x"))
 settings: motes.FilterSettings = {"particles": 3}
 reveal_type(model.forecast([0.1], 2, **settings).sd)
 model.filter([0.1], particels=3)
 model.filter([0.1], particles="3")
+model.fit([0.1], method="maximum", draws=100)
 """
 
 
@@ -62,9 +65,12 @@ def test_the_package_is_typed(folder):
         "float",
         "array",
         "dict[str, array]",
+        "float | None",
+        "array",
         "array",
         "motes.model.Model",
         "array",
     ]
     errors = [line for line in lines if line.startswith("error")]
-    assert len(errors) == 2 and '"particels"' in errors[0] and 'expected "int"' in errors[1], errors
+    assert len(errors) == 3 and '"particels"' in errors[0] and 'expected "int"' in errors[1], errors
+    assert 'No overload variant of "fit"' in errors[2], errors

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 use motes::output::Output;
 use motes::smc::Resampling;
-use motes::{FilterOptions, LearnOptions, LearnedProposal, Model, MotesError};
+use motes::{FilterOptions, LearnOptions, LearnedProposal, Model, MotesError, Quantiles};
 use motes_cli::integer;
 
 use super::evidence_args::EvidenceArgs;
@@ -92,6 +92,9 @@ pub(super) struct FilterSettingsArgs {
     /// How ancestors are drawn: multinomial, systematic, stratified or residual
     #[arg(long, value_name = "SCHEME", default_value = "systematic", value_parser = resampling)]
     pub(super) resampling: Resampling,
+    /// The probabilities of the quantiles that are given, above 0 and below 1, each above the one before; columns are called by their decimals, as in q025
+    #[arg(long, value_name = "Q,Q", allow_negative_numbers = true, default_value = "0.05,0.5,0.95")]
+    pub(super) quantiles: Quantiles,
     /// Run small filters beside it for the standard error of the log-evidence, and a bootstrap filter beside any other proposal, and warn where estimates cannot be trusted; this is the default, and changes no other result
     #[arg(long, overrides_with = "no_check")]
     check: bool,
@@ -114,10 +117,10 @@ impl FilterSettingsArgs {
             resample_below: self.resample_below,
             resampling: self.resampling,
             seed,
-            predictive: false,
+            quantiles: self.quantiles.clone(),
             forecast,
-            ahead: None,
             check: !self.no_check,
+            ..FilterOptions::default()
         })
     }
 }

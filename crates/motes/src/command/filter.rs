@@ -59,7 +59,8 @@ pub(super) fn run(args: &FilterArgs, interrupt: &Interrupt) -> Result<u8, Failur
     let seconds = start.elapsed().as_secs_f64();
     if let Some(output) = args.output.table() {
         let (names, has_forecasts) = (ModelNames::from(&model), options.has_forecasts());
-        let table = EstimateTable::of_filter(&names, &data.columns, options.predictive, has_forecasts);
+        let FilterOptions { quantiles, predictive, .. } = &options;
+        let table = EstimateTable::of_filter(&names, &data.columns, quantiles, *predictive, has_forecasts);
         write(&output, &table.filtered(&data, &filtered))?;
     }
     if let Some(path) = &args.output.report {

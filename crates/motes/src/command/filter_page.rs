@@ -22,6 +22,7 @@ pub(super) fn page(
         names: &ModelNames::from(model),
         data,
         estimates: &filtered.estimates,
+        quantiles: &options.quantiles,
         forecasts: &filtered.forecasts,
         summary: &summary,
         settings: &settings,

@@ -9,7 +9,7 @@ use motes::output::{
 };
 use motes::{
     Data, FilterOptions, FitFolder, FitOptions, FitRecord, Model, ModelNames, MotesError, PosteriorEstimates,
-    PosteriorFit, ProposalName, Warning, filter_draws, fit_from, maximise, on_threads,
+    PosteriorFit, ProposalName, Quantiles, Warning, filter_draws, fit_from, maximise, on_threads,
 };
 use motes_cli::{Interrupt, status};
 use serde::Serialize;
@@ -260,7 +260,7 @@ impl FitRequest<'_> {
     /// The report of a posterior.
     fn page(&self, fitted: &PosteriorFit, states: Option<&PosteriorEstimates>) -> Result<String, MotesError> {
         let FitRequest { model, data, .. } = self;
-        let names = ModelNames::from(*model);
+        let (names, quantiles) = (ModelNames::from(*model), Quantiles::default());
         fit_report(&FitReport {
             model: model.name(),
             fitted,
@@ -269,6 +269,7 @@ impl FitRequest<'_> {
                 names: &names,
                 data,
                 estimates: &states.estimates,
+                quantiles: &quantiles,
                 forecasts: &states.forecasts,
                 summary: &[],
                 settings: &[],

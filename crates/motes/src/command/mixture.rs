@@ -42,10 +42,16 @@ pub(super) fn run(asked: &MixtureRequest<'_>, interrupt: &Interrupt) -> Result<u
         let (names, columns) = (ModelNames::from(asked.model), &asked.data.columns);
         let table = match asked.paths {
             None => {
-                let options = asked.options;
-                EstimateTable::of_filter(&names, columns, options.predictive, options.has_forecasts())
+                let (options, has_forecasts) = (asked.options, asked.options.has_forecasts());
+                EstimateTable::of_filter(
+                    &names,
+                    columns,
+                    &options.quantiles,
+                    options.predictive,
+                    has_forecasts,
+                )
             }
-            Some(_) => EstimateTable::new(&names, columns),
+            Some(_) => EstimateTable::new(&names, columns, &asked.options.quantiles),
         };
         write(&output, &table.of_posterior(asked.data, &mixed))?;
     }
@@ -107,6 +113,7 @@ fn page(asked: &MixtureRequest<'_>, mixed: &PosteriorEstimates) -> Result<String
         names: &ModelNames::from(asked.model),
         data: asked.data,
         estimates: &mixed.estimates,
+        quantiles: &asked.options.quantiles,
         forecasts: &mixed.forecasts,
         summary: &[("times".to_string(), asked.data.rows.len().to_string())],
         settings: &settings,

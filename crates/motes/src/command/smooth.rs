@@ -49,7 +49,7 @@ pub(super) fn run(args: &SmoothArgs, interrupt: &Interrupt) -> Result<u8, Failur
     let smoothed = smoothed??;
     let seconds = start.elapsed().as_secs_f64();
     if let Some(output) = args.output.table() {
-        let table = EstimateTable::new(&ModelNames::from(&model), &data.columns);
+        let table = EstimateTable::new(&ModelNames::from(&model), &data.columns, &options.quantiles);
         write(&output, &table.smoothed(&data, &smoothed.estimates))?;
     }
     if let Some(path) = &args.output.report {
@@ -82,6 +82,7 @@ fn page(
         names: &ModelNames::from(model),
         data,
         estimates: &smoothed.estimates,
+        quantiles: &options.quantiles,
         forecasts: &[],
         summary: &filter_summary(data.rows.len(), data.columns.has_series(), &smoothed.filtered, options),
         settings: &settings,

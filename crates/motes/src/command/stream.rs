@@ -34,7 +34,8 @@ pub(super) fn run(
     let mut rows = Rows::new(Standard::new(interrupt), STANDARD, model).map_err(of_input)?;
     say_ignored(rows.columns(), args.model.quiet);
     let (names, has_forecasts) = (ModelNames::from(model), options.has_forecasts());
-    let table = EstimateTable::of_filter(&names, rows.columns(), options.predictive, has_forecasts);
+    let FilterOptions { quantiles, predictive, .. } = options;
+    let table = EstimateTable::of_filter(&names, rows.columns(), quantiles, *predictive, has_forecasts);
     let mut answers = Answers::to(args.output.table())?;
     answers.say(&table.header())?;
     let mut series: Vec<Series<'_>> = Vec::new();

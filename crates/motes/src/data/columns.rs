@@ -3,8 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::error::DataError;
-use crate::estimate::{OF_COORDINATE, OF_MEASUREMENT, OF_WEIGHTS};
+use crate::estimate::{MOMENTS, OF_WEIGHTS, PLACE};
 use crate::model::Model;
+use crate::quantiles::Quantiles;
 
 /// The place of each column that is used.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -157,13 +158,14 @@ impl Columns {
 
 /// Whether tables of results have a column of this name beside the carried one.
 fn is_result(name: &str, model: &Model) -> bool {
-    let is_of = |coordinate: &String, figures: &[&str]| {
+    let is_of = |coordinate: &String, more: &[&str]| {
         let figure = name.strip_prefix(coordinate.as_str()).and_then(|rest| rest.strip_prefix('_'));
-        figure.is_some_and(|figure| figures.contains(&figure))
+        let is_known = |figure| MOMENTS.contains(&figure) || more.contains(&figure);
+        figure.is_some_and(|figure| is_known(figure) || Quantiles::is_name(figure))
     };
     OF_WEIGHTS.contains(&name)
-        || model.states().iter().any(|state| is_of(state, &OF_COORDINATE))
-        || model.measurements().iter().any(|measured| is_of(measured, &OF_MEASUREMENT))
+        || model.states().iter().any(|state| is_of(state, &[]))
+        || model.measurements().iter().any(|measured| is_of(measured, &[PLACE]))
 }
 
 /// In how many places two names differ, capitals aside.

@@ -41,10 +41,8 @@ impl EvidenceOptions {
             resample_below: self.resample_below,
             resampling: self.resampling,
             seed: self.seed,
-            forecast: 0,
-            ahead: None,
             check: false,
-            predictive: false,
+            ..FilterOptions::default()
         }
     }
 }

@@ -10,8 +10,9 @@ use motes_smc::{FilterError, LogWeights, Predictive, SmoothedPaths};
 
 use super::rows::series;
 use crate::error::MotesError;
-use crate::estimate::{Coordinate, Estimate, PROBABILITIES};
+use crate::estimate::{Coordinate, Estimate};
 use crate::model::{Kind, Model};
+use crate::quantiles::Quantiles;
 use crate::running_state::{FilterState, ForwardState};
 use crate::steps::Steps;
 
@@ -76,7 +77,7 @@ impl<'m> Forward<'m> {
         &self,
         step: &Step<'_>,
         belief: &StateProbabilities,
-        measurement: &[Option<f64>],
+        measurement: (&[Option<f64>], &[f64]),
     ) -> Vec<Predictive> {
         let place = |number: usize| belief.at((number as f64 + 0.5) / PLACES as f64);
         let places: Vec<f64> = (0..PLACES).flat_map(|number| belief.state(place(number)).to_vec()).collect();
@@ -96,7 +97,7 @@ impl<'m> Forward<'m> {
         &self,
         step: &Step<'_>,
         weighted: (&[f64], &LogWeights),
-        measurement: &[Option<f64>],
+        measurement: (&[Option<f64>], &[f64]),
     ) -> Vec<Predictive> {
         let mut stream = Seed::from_u64(0).child("measurement").nth(step.index as u64).stream();
         match self.model.kind() {
@@ -159,11 +160,11 @@ fn means(belief: &StateProbabilities) -> Vec<f64> {
 }
 
 /// What probabilities say of each coordinate.
-fn coordinates(belief: &StateProbabilities) -> Vec<Coordinate> {
+fn coordinates(belief: &StateProbabilities, probabilities: &[f64]) -> Vec<Coordinate> {
     let of = |i: usize| Coordinate {
         mean: belief.mean(i),
         sd: belief.standard_deviation(i),
-        quantiles: PROBABILITIES.map(|probability| belief.quantile(i, probability)),
+        quantiles: probabilities.iter().map(|probability| belief.quantile(i, *probability)).collect(),
     };
     (0..belief.width()).map(of).collect()
 }
@@ -184,18 +185,26 @@ impl Steps for Forward<'_> {
         &self,
         step: &Step<'_>,
         measurement: &[Option<f64>],
+        probabilities: &[f64],
     ) -> Result<Vec<Predictive>, FilterError> {
         let mut ahead = self.filter.clone();
         ahead.step_at(step, &vec![None; measurement.len()]).map_err(|error| filter_error(&error))?;
+        let measurement = (measurement, probabilities);
         Ok(ahead.belief().map_or(vec![], |belief| self.measured(step, belief, measurement)))
     }
 
-    fn measurement(&self, step: &Step<'_>, measurement: &[Option<f64>]) -> Vec<Predictive> {
+    fn measurement(
+        &self,
+        step: &Step<'_>,
+        measurement: &[Option<f64>],
+        probabilities: &[f64],
+    ) -> Vec<Predictive> {
+        let measurement = (measurement, probabilities);
         self.filter.belief().map_or(vec![], |belief| self.measured(step, belief, measurement))
     }
 
-    fn state(&self) -> Vec<Coordinate> {
-        self.filter.belief().map(coordinates).unwrap_or_default()
+    fn state(&self, probabilities: &[f64]) -> Vec<Coordinate> {
+        self.filter.belief().map(|belief| coordinates(belief, probabilities)).unwrap_or_default()
     }
 
     /// Those that say what is predicted, where a step failed.
@@ -248,14 +257,14 @@ pub(super) fn filter_finite(
     series(steps, rows).into_iter().map(of_step).collect()
 }
 
-/// Probabilities of the states of each row of a series given all rows, and trajectories drawn from `p(x_{0:T−1} | y_{0:T−1})`.
+/// Probabilities of the states of each row of a series given all rows, with these quantiles, and trajectories drawn from `p(x_{0:T−1} | y_{0:T−1})`.
 ///
 /// # Errors
 /// [`MotesError`] as the filter, or if `proceed` said to stop.
 pub(super) fn smooth_finite(
     finite: &dyn FiniteSystem,
     (steps, rows): (&[&[StepRecord]], &[&[Option<f64>]]),
-    paths: usize,
+    (paths, quantiles): (usize, &Quantiles),
     seed: &Seed,
     proceed: &mut dyn FnMut() -> ControlFlow<()>,
 ) -> Result<(Vec<Estimate>, SmoothedPaths), MotesError> {
@@ -275,7 +284,8 @@ pub(super) fn smooth_finite(
         })
         .collect();
     let before = steps.first().map_or(0, |steps| steps.len().saturating_sub(1));
-    let estimate = |at: &usize| Estimate::of_state(coordinates(&found.beliefs[*at]));
+    let estimate =
+        |at: &usize| Estimate::of_state(coordinates(&found.beliefs[*at], quantiles.probabilities()));
     let estimates = ends.iter().map(estimate).collect();
     let (times, n) = (filtered.len(), finite.state_dim());
     Ok((estimates, SmoothedPaths::independent(found.paths, times, n).without_first(before)))

@@ -10,8 +10,9 @@ use motes_models::{ModelError, Seed, Step, StepRecord, Stream};
 use motes_smc::{FilterError, Predictive, SmoothedPaths};
 
 use crate::error::MotesError;
-use crate::estimate::{Coordinate, Estimate, PROBABILITIES};
+use crate::estimate::{Coordinate, Estimate};
 use crate::model::Model;
+use crate::quantiles::Quantiles;
 use crate::running_state::{ExactState, FilterState};
 use crate::steps::Steps;
 
@@ -49,11 +50,11 @@ impl<'m> Kalman<'m> {
 }
 
 /// What a Gaussian belief says of each coordinate.
-fn coordinates(belief: &Belief) -> Vec<Coordinate> {
+fn coordinates(belief: &Belief, probabilities: &[f64]) -> Vec<Coordinate> {
     let of = |i: usize| Coordinate {
         mean: belief.mean[i],
         sd: belief.standard_deviation(i),
-        quantiles: PROBABILITIES.map(|probability| belief.quantile(i, probability)),
+        quantiles: probabilities.iter().map(|probability| belief.quantile(i, *probability)).collect(),
     };
     (0..belief.mean.nrows()).map(of).collect()
 }
@@ -64,6 +65,7 @@ fn measured(
     step: &Step<'_>,
     belief: &Belief,
     measurement: &[Option<f64>],
+    probabilities: &[f64],
 ) -> Vec<Predictive> {
     let belief = linear.measurement_map(step).of_belief(belief);
     let of = |(i, value): (usize, &Option<f64>)| {
@@ -72,7 +74,7 @@ fn measured(
         Predictive {
             mean,
             sd,
-            quantiles: PROBABILITIES.map(|probability| belief.quantile(i, probability)),
+            quantiles: probabilities.iter().map(|probability| belief.quantile(i, *probability)).collect(),
             pit: value.map(below).filter(|pit| !pit.is_nan()),
         }
     };
@@ -92,18 +94,25 @@ impl Steps for Kalman<'_> {
         &self,
         step: &Step<'_>,
         measurement: &[Option<f64>],
+        probabilities: &[f64],
     ) -> Result<Vec<Predictive>, FilterError> {
         let mut ahead = self.filter.clone();
         let predicted = ahead.step_at(step, &vec![None; measurement.len()])?.predicted;
-        Ok(measured(self.linear, step, &predicted, measurement))
+        Ok(measured(self.linear, step, &predicted, measurement, probabilities))
     }
 
-    fn measurement(&self, step: &Step<'_>, measurement: &[Option<f64>]) -> Vec<Predictive> {
-        self.filter.belief().map_or(vec![], |belief| measured(self.linear, step, belief, measurement))
+    fn measurement(
+        &self,
+        step: &Step<'_>,
+        measurement: &[Option<f64>],
+        probabilities: &[f64],
+    ) -> Vec<Predictive> {
+        let Some(belief) = self.filter.belief() else { return vec![] };
+        measured(self.linear, step, belief, measurement, probabilities)
     }
 
-    fn state(&self) -> Vec<Coordinate> {
-        self.filter.belief().map(coordinates).unwrap_or_default()
+    fn state(&self, probabilities: &[f64]) -> Vec<Coordinate> {
+        self.filter.belief().map(|belief| coordinates(belief, probabilities)).unwrap_or_default()
     }
 
     fn means(&self) -> &[f64] {
@@ -145,7 +154,7 @@ pub(super) fn filter_linear(
     Ok(Filtered { steps })
 }
 
-/// What the Kalman smoother says of a series (`T` rows, with the steps that lead to each), and trajectories drawn from `p(x_{0:T−1} | y_{0:T−1})`, each a simulation
+/// What the Kalman smoother says of a series (`T` rows, with the steps that lead to each), with these quantiles, and trajectories drawn from `p(x_{0:T−1} | y_{0:T−1})`, each a simulation
 /// corrected by what the smoother makes of its difference from the data (Durbin and Koopman 2002).
 ///
 /// # Errors
@@ -154,7 +163,7 @@ pub(super) fn smooth_linear(
     model: &Model,
     linear: &dyn LinearSystem,
     (steps, rows): (&[&[StepRecord]], &[&[Option<f64>]]),
-    paths: usize,
+    (paths, quantiles): (usize, &Quantiles),
     seed: &Seed,
     proceed: &mut dyn FnMut() -> ControlFlow<()>,
 ) -> Result<(Vec<Estimate>, SmoothedPaths), MotesError> {
@@ -162,7 +171,7 @@ pub(super) fn smooth_linear(
     let smoothed = smooth(&filter_linear(linear, steps, rows)?)?;
     // Steps before the first row have estimates that nobody asked for.
     let before = steps.first().map_or(0, |steps| steps.len().saturating_sub(1));
-    let estimate = |belief| Estimate::of_state(coordinates(belief));
+    let estimate = |belief| Estimate::of_state(coordinates(belief, quantiles.probabilities()));
     let estimates = smoothed.beliefs.iter().skip(before).map(estimate).collect();
     let times = smoothed.beliefs.len();
     let mut states = Vec::with_capacity(paths * times * n);

@@ -17,6 +17,7 @@ use crate::error::MotesError;
 use crate::estimate::Estimate;
 use crate::exact_system::ExactSystem;
 use crate::model::Model;
+use crate::quantiles::Quantiles;
 use crate::running_state::FilterState;
 use crate::steps::Steps;
 use forward::{Forward, filter_finite, smooth_finite};
@@ -153,7 +154,7 @@ pub(crate) fn filter_series(
     }
 }
 
-/// What an exact smoother says of a series (`T` rows, with the steps that lead to each), and trajectories drawn from `p(x_{0:T−1} | y_{0:T−1})`.
+/// What an exact smoother says of a series (`T` rows, with the steps that lead to each), with these quantiles, and trajectories drawn from `p(x_{0:T−1} | y_{0:T−1})`.
 ///
 /// # Errors
 /// [`MotesError`] for a model without exact answers, as the filter, or if `proceed` said to stop.
@@ -161,13 +162,17 @@ pub(crate) fn smooth_exactly(
     model: &Model,
     steps: &[&[StepRecord]],
     rows: &[&[Option<f64>]],
-    paths: usize,
+    (paths, quantiles): (usize, &Quantiles),
     seed: &Seed,
     proceed: &mut dyn FnMut() -> ControlFlow<()>,
 ) -> Result<(Vec<Estimate>, SmoothedPaths), MotesError> {
     match model.exact_system().ok_or_else(|| not_exact(model))? {
-        ExactSystem::Linear(linear) => smooth_linear(model, linear, (steps, rows), paths, seed, proceed),
-        ExactSystem::Finite(finite) => smooth_finite(finite, (steps, rows), paths, seed, proceed),
+        ExactSystem::Linear(linear) => {
+            smooth_linear(model, linear, (steps, rows), (paths, quantiles), seed, proceed)
+        }
+        ExactSystem::Finite(finite) => {
+            smooth_finite(finite, (steps, rows), (paths, quantiles), seed, proceed)
+        }
     }
 }
 

@@ -45,6 +45,7 @@ impl PosteriorEstimates {
             least_ess: None,
             warnings: self.warnings,
             opinions: vec![None; series],
+            particles: vec![],
         }
     }
 }
@@ -95,13 +96,16 @@ pub fn filter_draws(
     let proceed = || proceed(done.fetch_add(1, Ordering::Relaxed) + 1);
     let all = map_on_threads(draws, |number, model| at_draw(model, number, data, options, &proceed));
     let all = all.into_iter().collect::<Result<Vec<DrawEstimates>, MotesError>>()?;
-    let estimates = (0..data.rows.len())
-        .map(|row| over_draws(&all.iter().map(|draw| &draw.rows[row]).collect::<Vec<&EstimateAtDraw>>()));
+    let probabilities = options.quantiles.probabilities();
+    let estimates = (0..data.rows.len()).map(|row| {
+        let draws: Vec<&EstimateAtDraw> = all.iter().map(|draw| &draw.rows[row]).collect();
+        over_draws(&draws, probabilities)
+    });
     let ahead = |series: usize| {
         let first = all.first().map_or(&[][..], |draw| draw.ahead[series].as_slice());
         let forecast = |(row, first): (usize, &AheadAtDraw)| {
             let rows = all.iter().map(|draw| &draw.ahead[series][row].estimate);
-            let estimate = over_draws(&rows.collect::<Vec<&EstimateAtDraw>>());
+            let estimate = over_draws(&rows.collect::<Vec<&EstimateAtDraw>>(), probabilities);
             Forecast { time: first.time, label: first.label.clone(), estimate }
         };
         first.iter().enumerate().map(forecast).collect()
@@ -119,13 +123,14 @@ pub fn filter_draws(
     })
 }
 
-/// A row over all draws, of equal weights.
-fn over_draws(draws: &[&EstimateAtDraw]) -> Estimate {
-    let coordinate = |at: usize| mixed(&draws.iter().map(|draw| &draw.state[at]).collect::<Vec<&AtDraw>>());
+/// A row over all draws, of equal weights, with quantiles at these probabilities.
+fn over_draws(draws: &[&EstimateAtDraw], probabilities: &[f64]) -> Estimate {
+    let coordinate =
+        |at: usize| mixed(&draws.iter().map(|draw| &draw.state[at]).collect::<Vec<&AtDraw>>(), probabilities);
     let entry = |at: usize| {
         let of_draws: Vec<&ExpectedAtDraw> = draws.iter().map(|draw| &draw.expected[at]).collect();
         let Coordinate { mean, sd, quantiles } =
-            mixed(&of_draws.iter().map(|of| &of.expected).collect::<Vec<&AtDraw>>());
+            mixed(&of_draws.iter().map(|of| &of.expected).collect::<Vec<&AtDraw>>(), probabilities);
         // The distribution function of a mixture is the mean of those that are mixed.
         let pit = of_draws.iter().map(|of| of.pit).sum::<Option<f64>>();
         Predictive { mean, sd, quantiles, pit: pit.map(|sum| sum / of_draws.len() as f64) }
@@ -153,7 +158,7 @@ fn at_draw(
             values: running.quantiles(at, &probabilities),
         };
         let of_entry = |of: &Predictive| ExpectedAtDraw {
-            expected: AtDraw { mean: of.mean, sd: of.sd, values: of_quantiles(of.quantiles) },
+            expected: AtDraw { mean: of.mean, sd: of.sd, values: of_quantiles(&of.quantiles) },
             pit: of.pit,
         };
         EstimateAtDraw {

@@ -53,7 +53,8 @@ pub fn smooth_draws(
             let count = of.values.len() as f64;
             let mean = of.values.iter().sum::<f64>() / count;
             let variance = of.values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / count;
-            mixed(&[&AtDraw { mean, sd: variance.sqrt(), values: of.values.clone() }])
+            let of_all = AtDraw { mean, sd: variance.sqrt(), values: of.values.clone() };
+            mixed(&[&of_all], options.quantiles.probabilities())
         };
         Estimate::of_state(row.iter().map(coordinate).collect())
     };

@@ -2,7 +2,8 @@
 
 use motes_models::equations::normal_quantile;
 
-use crate::estimate::{Coordinate, PROBABILITIES};
+use crate::estimate::Coordinate;
+use crate::quantiles::PROBABILITIES;
 
 /// The quantiles of each draw that stand for its distribution: in the middles of intervals of equal probability.
 const POINTS: usize = 40;
@@ -13,7 +14,8 @@ pub(super) fn probabilities() -> Vec<f64> {
 }
 
 /// Values of equal weight of a distribution of which the quantiles at 5, 50 and 95 % are known: in between, and beyond, they go on as those of normal distributions.
-pub(super) fn of_quantiles([low, middle, high]: [f64; 3]) -> Vec<f64> {
+pub(super) fn of_quantiles(quantiles: &[f64]) -> Vec<f64> {
+    let &[low, middle, high] = quantiles else { return vec![f64::NAN; POINTS] };
     let end = normal_quantile(PROBABILITIES[2]);
     let at = |probability: f64| {
         let z = normal_quantile(probability) / end;
@@ -31,8 +33,9 @@ pub(super) struct AtDraw {
     pub(super) values: Vec<f64>,
 }
 
-/// The coordinate of the mixture of draws with equal weights: its mean, the standard deviation of all, and the quantiles of all values.
-pub(super) fn mixed(draws: &[&AtDraw]) -> Coordinate {
+/// The coordinate of the mixture of draws with equal weights: its mean, the standard deviation of all, and the quantiles of all values at these
+/// probabilities.
+pub(super) fn mixed(draws: &[&AtDraw], probabilities: &[f64]) -> Coordinate {
     let n = draws.len() as f64;
     let mean = draws.iter().map(|draw| draw.mean).sum::<f64>() / n;
     let of_draw = |draw: &&AtDraw| draw.sd * draw.sd + (draw.mean - mean).powi(2);
@@ -47,8 +50,8 @@ pub(super) fn mixed(draws: &[&AtDraw]) -> Coordinate {
         values[below] + (at - below as f64).clamp(0.0, 1.0) * (values[above] - values[below])
     };
     let quantiles = match values.is_empty() || values.iter().any(|value| value.is_nan()) {
-        true => [f64::NAN; 3],
-        false => PROBABILITIES.map(quantile),
+        true => vec![f64::NAN; probabilities.len()],
+        false => probabilities.iter().copied().map(quantile).collect(),
     };
     Coordinate { mean, sd: variance.sqrt(), quantiles }
 }

@@ -5,11 +5,12 @@ use motes_smc::Predictive;
 use super::number::text;
 use crate::calendar::following;
 use crate::data::{Columns, Data, Row};
-use crate::estimate::{Coordinate, Estimate, Forecast, OF_COORDINATE, OF_MEASUREMENT, OF_WEIGHTS};
+use crate::estimate::{Coordinate, Estimate, Forecast, MOMENTS, OF_WEIGHTS, PLACE};
 use crate::filtered::Filtered;
 use crate::mixture::PosteriorEstimates;
 use crate::model::Model;
 use crate::names::ModelNames;
+use crate::quantiles::Quantiles;
 use crate::simulating::Simulated;
 
 /// A table of estimates: its header and its rows, each a line that ends.
@@ -21,20 +22,25 @@ pub struct EstimateTable {
     /// Whether rows have the effective sample size and the log-evidence.
     has_weights: bool,
     measurements: Vec<String>,
-    /// The figures of each measurement that is expected, by their places in [`OF_MEASUREMENT`]; none where nothing is said of it.
-    of_measurement: Vec<usize>,
+    /// What the quantiles are called.
+    quantiles: Vec<String>,
+    /// Whether measurements are predicted one step ahead, and in forecasts.
+    is_predictive: bool,
+    has_forecasts: bool,
 }
 
 impl EstimateTable {
-    /// That of a model's states for data with such columns: a smoother's.
-    pub fn new(names: &ModelNames, columns: &Columns) -> Self {
+    /// That of a model's states, with these quantiles, for data with such columns: a smoother's.
+    pub fn new(names: &ModelNames, columns: &Columns, quantiles: &Quantiles) -> Self {
         EstimateTable {
             series: columns.series().map(String::from),
             carried: columns.carried().map(String::from),
             states: names.states.clone(),
             has_weights: false,
             measurements: names.measurements.clone(),
-            of_measurement: vec![],
+            quantiles: quantiles.names(),
+            is_predictive: false,
+            has_forecasts: false,
         }
     }
 
@@ -42,43 +48,45 @@ impl EstimateTable {
     pub fn of_filter(
         names: &ModelNames,
         columns: &Columns,
+        quantiles: &Quantiles,
         is_predictive: bool,
         has_forecasts: bool,
     ) -> Self {
-        let is_shown = |at: &usize| match at {
-            0 | 1 => is_predictive || has_forecasts,
-            2..=4 => has_forecasts,
-            _ => is_predictive,
-        };
-        EstimateTable {
-            has_weights: true,
-            of_measurement: (0..OF_MEASUREMENT.len()).filter(is_shown).collect(),
-            ..EstimateTable::new(names, columns)
-        }
+        let of_states = EstimateTable::new(names, columns, quantiles);
+        EstimateTable { has_weights: true, is_predictive, has_forecasts, ..of_states }
     }
 
     /// That of what is predicted after the last measurements, whose rows are labelled in a column of that name if there is one.
-    pub fn of_forecasts(names: &ModelNames, columns: &Columns, label: Option<&str>) -> Self {
+    pub fn of_forecasts(
+        names: &ModelNames,
+        columns: &Columns,
+        quantiles: &Quantiles,
+        label: Option<&str>,
+    ) -> Self {
         EstimateTable {
             carried: label.map(String::from),
             has_weights: false,
-            ..EstimateTable::of_filter(names, columns, false, true)
+            ..EstimateTable::of_filter(names, columns, quantiles, false, true)
         }
     }
 
     /// The names of the columns.
     pub fn header(&self) -> String {
-        let series = self.series.clone();
+        let (series, quantiles) = (self.series.clone(), self.quantiles.iter().map(String::as_str));
         let mut cells: Vec<String> =
             series.into_iter().chain(self.carried.clone()).chain(["t".to_string()]).collect();
         for state in &self.states {
-            cells.extend(OF_COORDINATE.map(|figure| format!("{state}_{figure}")));
+            let figures = MOMENTS.into_iter().chain(quantiles.clone());
+            cells.extend(figures.map(|figure| format!("{state}_{figure}")));
         }
         if self.has_weights {
             cells.extend(OF_WEIGHTS.map(String::from));
         }
         for name in &self.measurements {
-            cells.extend(self.of_measurement.iter().map(|at| format!("{name}_{}", OF_MEASUREMENT[*at])));
+            let moments = MOMENTS.into_iter().filter(|_| self.is_predictive || self.has_forecasts);
+            let quantiles = quantiles.clone().filter(|_| self.has_forecasts);
+            let figures = moments.chain(quantiles).chain(self.is_predictive.then_some(PLACE));
+            cells.extend(figures.map(|figure| format!("{name}_{figure}")));
         }
         line(&cells)
     }
@@ -93,9 +101,9 @@ impl EstimateTable {
             cells.push(label.unwrap_or_default().to_string());
         }
         cells.push(time.to_string());
-        for Coordinate { mean, sd, quantiles: [low, middle, high] } in &estimate.state {
+        for Coordinate { mean, sd, quantiles } in &estimate.state {
             cells.push(text(*mean));
-            cells.extend([sd, low, middle, high].map(|value| text_or_nothing(*value)));
+            cells.extend([sd].into_iter().chain(quantiles).map(|value| text_or_nothing(*value)));
         }
         if self.has_weights {
             cells.extend(
@@ -103,8 +111,18 @@ impl EstimateTable {
             );
         }
         for entry in 0..self.measurements.len() {
-            let figures = estimate.predictive.get(entry).map_or([f64::NAN; 6], figures);
-            cells.extend(self.of_measurement.iter().map(|at| text_or_nothing(figures[*at])));
+            let expected = estimate.predictive.get(entry);
+            let figure = |of: fn(&Predictive) -> f64| text_or_nothing(expected.map_or(f64::NAN, of));
+            if self.is_predictive || self.has_forecasts {
+                cells.extend([figure(|expected| expected.mean), figure(|expected| expected.sd)]);
+            }
+            if self.has_forecasts {
+                let quantile = |at| expected.map_or(f64::NAN, |expected| expected.quantiles[at]);
+                cells.extend((0..self.quantiles.len()).map(|at| text_or_nothing(quantile(at))));
+            }
+            if self.is_predictive {
+                cells.push(figure(|expected| expected.pit.unwrap_or(f64::NAN)));
+            }
         }
         line(&cells)
     }
@@ -188,12 +206,6 @@ pub fn simulated_table(model: &Model, simulated: &Simulated) -> String {
         }
     }
     table
-}
-
-/// What is expected of a measurement, in the order of [`OF_MEASUREMENT`]; NaN where there is none.
-fn figures(predictive: &Predictive) -> [f64; 6] {
-    let Predictive { mean, sd, quantiles: [low, middle, high], pit } = *predictive;
-    [mean, sd, low, middle, high, pit.unwrap_or(f64::NAN)]
 }
 
 /// A number, or an empty cell where there is none.

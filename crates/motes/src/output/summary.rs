@@ -17,12 +17,13 @@ pub fn filter_summary(
         Some(_) if options.proposal == ProposalName::Exact => ", exact".to_string(),
         Some(error) => format!(" ± {error:.3}"),
         None if options.check => " (too few particles for a standard error)".to_string(),
-        None => String::new(),
+        None => " (its standard error was not asked for)".to_string(),
     };
-    let mut figures = vec![
-        ("log-evidence", format!("{:.3}{error}", filtered.log_evidence())),
-        ("times", times.to_string()),
-    ];
+    let evidence = match filtered.log_evidence() {
+        evidence if evidence.is_nan() => "none, of an average over draws".to_string(),
+        evidence => format!("{evidence:.3}{error}"),
+    };
+    let mut figures = vec![("log-evidence", evidence), ("times", times.to_string())];
     let exact: Option<f64> = filtered.exact_log_evidence_per_series.iter().copied().sum();
     if let Some(exact) = exact {
         figures.insert(1, ("exact", format!("{exact:.3}")));

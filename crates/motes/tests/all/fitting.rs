@@ -142,13 +142,13 @@ fn a_filter_over_the_posterior_is_a_mixture_of_filters() {
     for (at, _, weight) in grid.iter().filter(|(.., weight)| *weight > 1e-7) {
         let found =
             filter(at, &data, &FilterOptions { check: false, ..options.clone() }, |_| never()).unwrap();
-        let state = found.forecasts[0][4].estimate.state[0];
+        let state = &found.forecasts[0][4].estimate.state[0];
         mean += weight * state.mean;
         square += weight * (state.sd * state.sd + state.mean * state.mean);
         parts.push((weight, state.mean, state.sd));
     }
     let sd = (square - mean * mean).sqrt();
-    let state = mixed.forecasts[0][4].estimate.state[0];
+    let state = &mixed.forecasts[0][4].estimate.state[0];
     assert!((state.mean - mean).abs() < 0.1 * sd, "{} beside {mean} ± {sd}", state.mean);
     assert!((state.sd / sd - 1.0).abs() < 0.1, "{} beside {sd}", state.sd);
     for (quantile, probability) in state.quantiles.iter().zip([0.05, 0.5, 0.95]) {

@@ -14,6 +14,7 @@ mod learning_over_prior;
 mod log_evidence;
 mod own_model;
 mod priors;
+mod quantiles;
 mod refusals;
 mod results;
 mod small_models;

@@ -26,6 +26,7 @@ from .distributions import *
 from .forecast import Forecast
 from .functions import of_functions
 from .linear import linear_gaussian
+from .maximum_fit import MaximumFit, MaximumParameter
 from .model import Model
 from .online import OnlineFilter
 from .proposal import Learned, Proposal
@@ -41,6 +42,8 @@ __all__ = [
     "PosteriorFit",
     "Forecast",
     "Learned",
+    "MaximumFit",
+    "MaximumParameter",
     "Model",
     "MotesWarning",
     "OnlineFilter",

@@ -15,6 +15,7 @@ from ._errors import warn
 from ._frames import pandas_frame, polars_frame
 from ._kinds import collected
 from ._plots import Band, Panel, draw, shown
+from ._quantiles import between
 from ._table import Rows
 from ._times import Times, times_of
 
@@ -42,7 +43,7 @@ class Estimates:
     @cached_property
     def _arrays(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
         n, (mean, sd, quantiles) = len(self.states), self._found.states()
-        return mean.reshape(-1, n), sd.reshape(-1, n), quantiles.reshape(-1, n, 3)
+        return mean.reshape(-1, n), sd.reshape(-1, n), quantiles.reshape(-1, n, len(self.probabilities))
 
     @property
     def mean(self) -> NDArray[np.float64]:
@@ -56,8 +57,13 @@ class Estimates:
 
     @property
     def quantiles(self) -> NDArray[np.float64]:
-        """Quantiles of the states at 5, 50 and 95 %, `(rows, N, 3)`."""
+        """Quantiles of the states at the `Q` `probabilities`, `(rows, N, Q)`."""
         return self._arrays[2]
+
+    @cached_property
+    def probabilities(self) -> list[float]:
+        """The probabilities of quantiles: those that were asked for, or 0.05, 0.5 and 0.95."""
+        return [probability for _, probability in self._found.quantiles]
 
     @cached_property
     def time(self) -> NDArray[np.int64] | NDArray[np.float64]:
@@ -115,7 +121,7 @@ class Estimates:
         return collected(self.warnings, self.series_names)
 
     @property
-    def particles(self) -> int:
+    def particle_count(self) -> int:
         """`K`."""
         return self._found.particles
 
@@ -161,7 +167,18 @@ class Estimates:
             name, texts = self._data.carried
             columns[name] = labels.get(name, texts)
         columns["t"] = self.time
-        return {**columns, **figures_of(self.states, self.mean, self.sd, self.quantiles)}
+        return {**columns, **self._figures(self.states, self.mean, self.sd, self.quantiles)}
+
+    def _figures(
+        self, names: list[str], mean: NDArray[np.float64], sd: NDArray[np.float64], quantiles: NDArray[np.float64]
+    ) -> dict[str, NDArray[np.float64]]:
+        """The columns of states, or of measurements, from `(rows, N)`, `(rows, N)` and `(rows, N, Q)`."""
+        columns = {}
+        for at, name in enumerate(names):
+            columns[f"{name}_mean"], columns[f"{name}_sd"] = mean[:, at], sd[:, at]
+            for quantile, (called, _) in enumerate(self._found.quantiles):
+                columns[f"{name}_{called}"] = quantiles[:, at, quantile]
+        return columns
 
     def to_pandas(self) -> Any:
         """A data frame of pandas with a row for each row of the data, and its index where it had one."""
@@ -183,7 +200,7 @@ class Estimates:
     ) -> NDArray[np.object_]:
         """Draws one series, which is named or counted from 0, by matplotlib; gives the axes, one below the other.
 
-        Each state has a panel with its mean and a band from 5 to 95 %, over dates or years where the data have them. Each
+        Each state has a panel with its mean and a band from the lowest to the highest quantile, over dates or years where the data have them. Each
         measurement has one with the data as points and, where a filter was asked to be `predictive`, the band in which it was
         expected. Without names there are all states, and all measurements where they were predicted.
         """
@@ -202,23 +219,23 @@ class Estimates:
         return series
 
     def _predicted(self) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
-        """Means, and quantiles at 5, 50 and 95 %, in which measurements were expected; None where they were not."""
+        """Means, and quantiles, in which measurements were expected; None where they were not."""
         return None
 
     def _panels(self, states: list[int], measurements: list[int], number: int, times: Times) -> list[Panel]:
         """The panels of these coordinates of one series, over times of all rows."""
         rows = np.flatnonzero(self.series == number)
         across = Times(times.places[rows], times.name)
-        panels, predicted = [], self._predicted()
+        panels, predicted, band = [], self._predicted(), between(self.probabilities)
         for at in states:
-            called = ("5 to 95 %", "mean")
+            called = (band, "mean")
             panels.append(
                 Panel(self.states[at], across, [Band(across.places, self.mean[rows, at], self.quantiles[rows, at], called, "C0")])
             )
         for at in measurements:
             panel = Panel(self._measured[at], across, points=self.measurements[rows, at])
             if predicted is not None:
-                called, (mean, quantiles) = ("expected, 5 to 95 %", "expected"), predicted
+                called, (mean, quantiles) = (f"expected, {band}", "expected"), predicted
                 panel.bands.append(Band(across.places, mean[rows, at], quantiles[rows, at], called, "C0"))
             panels.append(panel)
         return panels
@@ -246,15 +263,3 @@ def whole(times: NDArray[np.float64]) -> NDArray[np.int64] | NDArray[np.float64]
     """Times as integers, where all of them are."""
     integers = times.astype(np.int64)
     return integers if np.array_equal(integers, times) else times
-
-
-def figures_of(
-    names: list[str], mean: NDArray[np.float64], sd: NDArray[np.float64], quantiles: NDArray[np.float64]
-) -> dict[str, NDArray[np.float64]]:
-    """The columns of states, or of measurements, from `(rows, N)`, `(rows, N)` and `(rows, N, 3)`."""
-    columns = {}
-    for at, name in enumerate(names):
-        columns[f"{name}_mean"], columns[f"{name}_sd"] = mean[:, at], sd[:, at]
-        for quantile, called in enumerate(("q05", "q50", "q95")):
-            columns[f"{name}_{called}"] = quantiles[:, at, quantile]
-    return columns

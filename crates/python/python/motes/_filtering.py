@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, overload
 
 import numpy as np
@@ -12,6 +13,7 @@ from ._definition import Definition, parameter_rows
 from ._errors import warn
 from ._estimates import warned
 from ._keywords import checked
+from ._quantiles import PROBABILITIES, probabilities_of
 from ._seed import seed_of
 from ._table import data_of, inputs_of
 from .forecast import Forecast, steps_or_inputs
@@ -36,6 +38,8 @@ class Filtering(Definition):
         seed: int | np.random.Generator | None = 1,
         check: bool = True,
         predictive: bool = False,
+        quantiles: Sequence[float] = PROBABILITIES,
+        keep_particles: bool = False,
         threads: int | None = None,
     ) -> Filtered:
         """Estimates the states of `data`, time by time, with the evidence of each measurement.
@@ -58,6 +62,8 @@ class Filtering(Definition):
           standard error, and warn where it cannot be trusted.
         - `predictive`: whether each measurement is predicted from those before it: then results have `predictive_mean`,
           `predictive_sd`, `pit` and `residuals`.
+        - `quantiles`: the probabilities of the quantiles that are given, above 0 and below 1, each above the one before.
+        - `keep_particles`: whether results have `particles`, `weights`, `covariance` and `expectation(f)`; they take `rows · K · N` numbers.
         - `threads`: all that the machine has if None.
 
         What is not given is as in the command `motes filter`. The same seed gives the same bytes there, and on any number of
@@ -81,6 +87,8 @@ class Filtering(Definition):
             seed=seed,
             check=check,
             predictive=predictive,
+            quantiles=probabilities_of(quantiles),
+            keep_particles=keep_particles,
             threads=threads,
         )
         return self._filtered(data, options, seed)
@@ -185,6 +193,7 @@ class Filtering(Definition):
         seed: int | np.random.Generator | None = 1,
         check: bool = True,
         predictive: bool = False,
+        quantiles: Sequence[float] = PROBABILITIES,
         threads: int | None = None,
     ) -> Forecast:
         """Predicts states and measurements of `steps` times after the last measurement of each series, or at the times and with
@@ -204,6 +213,7 @@ class Filtering(Definition):
             seed=seed,
             check=check,
             predictive=predictive,
+            quantiles=probabilities_of(quantiles),
             threads=threads,
             forecast=steps or 0,
             ahead=None if inputs is None else inputs_of(self._model, inputs),
@@ -223,6 +233,7 @@ class Filtering(Definition):
         resampling: str = "systematic",
         seed: int | np.random.Generator | None = 1,
         check: bool = True,
+        quantiles: Sequence[float] = PROBABILITIES,
         threads: int | None = None,
     ) -> Smoothed:
         """Estimates the states given all measurements, by `paths` trajectories drawn backwards; settings are those of `filter`."""
@@ -235,6 +246,7 @@ class Filtering(Definition):
             resampling=resampling,
             seed=seed,
             check=check,
+            quantiles=probabilities_of(quantiles),
             threads=threads,
         )
         found = self._model.smooth(rows.found, options, paths)
@@ -252,6 +264,7 @@ class Filtering(Definition):
         seed: int | np.random.Generator | None = 1,
         check: bool = False,
         predictive: bool = False,
+        quantiles: Sequence[float] = PROBABILITIES,
         threads: int | None = 1,
     ) -> OnlineFilter:
         """A filter that takes in measurements as they come, by `step(y)`; settings are those of `filter`.
@@ -273,11 +286,12 @@ class Filtering(Definition):
             "seed": seed_of(seed),
             "check": check,
             "predictive": predictive,
+            "quantiles": probabilities_of(quantiles),
             "threads": threads,
         }
         return OnlineFilter(self, settings)
 
     def _filtered(self, data: Any, options: _motes.FilterOptions, seed: int) -> Filtered:
         rows = data_of(self._model, data)
-        found = self._model.filter(rows.found, options)
-        return warned(Filtered(found, rows, self.states, self.measurements, seed))
+        found, kept = _motes.filter(self._model, rows.found, options)
+        return warned(Filtered(found, rows, self.states, self.measurements, seed, kept))

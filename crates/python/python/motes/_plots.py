@@ -22,7 +22,7 @@ class Band:
 
     across: NDArray[Any]
     mean: NDArray[np.float64]
-    #: At 5, 50 and 95 %, `(rows, 3)`.
+    #: From the lowest to the highest, `(rows, Q)`.
     quantiles: NDArray[np.float64]
     called: tuple[str, str]
     colour: str
@@ -33,7 +33,7 @@ class Band:
     def settled(self) -> NDArray[np.float64]:
         """Its edges without those first rows."""
         first = max(1, len(self.across) // 20) if self.begins else 0
-        return self.quantiles[first:, [0, 2]].reshape(-1)
+        return self.quantiles[first:, [0, -1]].reshape(-1)
 
 
 @dataclass
@@ -49,7 +49,7 @@ class Panel:
     def draw(self, axis: Any) -> None:
         """Draws it on an axis of matplotlib."""
         for band in self.bands:
-            low, high = band.quantiles[:, 0], band.quantiles[:, 2]
+            low, high = band.quantiles[:, 0], band.quantiles[:, -1]
             axis.fill_between(band.across, low, high, alpha=0.25, linewidth=0, color=band.colour, label=band.called[0])
             # A line of one row is no line.
             marker = "." if len(band.across) == 1 else None
@@ -63,7 +63,7 @@ class Panel:
     def _limits(self) -> tuple[float, float] | None:
         """Limits that first rows leave whose bands are so wide that they would flatten all else; None where none are."""
         points = np.empty(0) if self.points is None else self.points
-        all_edges = np.concatenate([band.quantiles[:, [0, 2]].reshape(-1) for band in self.bands] or [points])
+        all_edges = np.concatenate([band.quantiles[:, [0, -1]].reshape(-1) for band in self.bands] or [points])
         settled = np.concatenate([*(band.settled for band in self.bands), points[np.isfinite(points)]])
         if len(settled) == 0 or not np.isfinite(settled).all() or not np.isfinite(all_edges).all():
             return None

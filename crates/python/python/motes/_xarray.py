@@ -16,9 +16,6 @@ if TYPE_CHECKING:
     from .forecast import Forecast
     from .results import Filtered, Smoothed
 
-#: The probabilities of quantiles.
-PROBABILITIES = (0.05, 0.5, 0.95)
-
 _STATE = ("series", "time", "state")
 _MEASUREMENT = ("series", "time", "measurement")
 _QUANTILE = "quantile"
@@ -41,6 +38,9 @@ def of_filtered(found: Filtered) -> Any:
             "pit": (_MEASUREMENT, found.pit),
             "residuals": (_MEASUREMENT, found.residuals),
         }
+    if found._kept is not None:
+        values["particles"] = (("series", "time", "particle", "state"), found.particles)
+        values["weights"] = (("series", "time", "particle"), found.weights)
     return _of_rows(found, values)
 
 
@@ -97,12 +97,13 @@ def series_of(found: Estimates) -> NDArray[Any]:
 
 
 def _dataset(found: Estimates, values: _Values, times: dict[str, Any]) -> Any:
-    names = {"series": series_of(found), "state": found.states, "measurement": found._measured, _QUANTILE: list(PROBABILITIES)}
+    coordinates = {"series": series_of(found), "state": found.states, "measurement": found._measured}
+    names = {**coordinates, _QUANTILE: found.probabilities}
     attributes = {
         "log_evidence": found.log_evidence,
         "standard_error": found.standard_error,
         "pareto_k": found.pareto_k,
-        "particles": found.particles,
+        "particles": found.particle_count,
         "seed": found.seed,
         "seconds": found.seconds,
         "warnings": "\n".join(found.collected_warnings),

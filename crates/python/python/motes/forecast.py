@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 from . import _motes, _xarray
 from ._ahead import followed, level_of_times
 from ._display import Display, shapes
-from ._estimates import figures_of, whole
+from ._estimates import whole
 from ._frames import pandas_frame, polars_frame
 from ._plots import Band, draw, shown
+from ._quantiles import between, percent
 from ._table import text_of_label
 from ._times import Times, times_of
 from .results import Filtered
@@ -44,8 +45,10 @@ class Forecast:
         self.mean: NDArray[np.float64] = mean.reshape(series, steps, n)
         #: Standard deviations, `(S, steps, N)`.
         self.sd: NDArray[np.float64] = sd.reshape(series, steps, n)
-        #: Quantiles at 5, 50 and 95 %, `(S, steps, N, 3)`.
-        self.quantiles: NDArray[np.float64] = quantiles.reshape(series, steps, n, 3)
+        #: The probabilities of quantiles.
+        self.probabilities = filtered.probabilities
+        #: Quantiles, `(S, steps, N, Q)`.
+        self.quantiles: NDArray[np.float64] = quantiles.reshape(series, steps, n, len(self.probabilities))
         #: The names of the `M` coordinates of a measurement.
         self.measurements = filtered._measured
         m, (mean, sd, quantiles, _) = len(self.measurements), filtered._found.forecast_measurements()
@@ -53,8 +56,8 @@ class Forecast:
         self.measurement_mean: NDArray[np.float64] = mean.reshape(series, steps, m)
         #: Their standard deviations, `(S, steps, M)`.
         self.measurement_sd: NDArray[np.float64] = sd.reshape(series, steps, m)
-        #: Their quantiles at 5, 50 and 95 %, `(S, steps, M, 3)`.
-        self.measurement_quantiles: NDArray[np.float64] = quantiles.reshape(series, steps, m, 3)
+        #: Their quantiles, `(S, steps, M, Q)`.
+        self.measurement_quantiles: NDArray[np.float64] = quantiles.reshape(series, steps, m, len(self.probabilities))
         #: The times, which go on from the last measurement, `(S, steps)`.
         self.time = whole(filtered._found.forecast_times()).reshape(series, steps)
         written = filtered._found.forecast_labels()
@@ -89,7 +92,7 @@ class Forecast:
 
     def _columns(self, labels: list[Any] | None) -> dict[str, Any]:
         """The columns of its table, with `labels` in the column that is carried along."""
-        steps, n, m = self.mean.shape[1], len(self.states), len(self.measurements)
+        steps, n, m, q = self.mean.shape[1], len(self.states), len(self.measurements), len(self.probabilities)
         columns: dict[str, Any] = {}
         if self.filtered.series_names is not None and self.filtered._data.series_column is not None:
             columns[self.filtered._data.series_column] = [label for label in self.filtered._series_labels() for _ in range(steps)]
@@ -99,13 +102,11 @@ class Forecast:
         expected = (
             self.measurement_mean.reshape(-1, m),
             self.measurement_sd.reshape(-1, m),
-            self.measurement_quantiles.reshape(-1, m, 3),
+            self.measurement_quantiles.reshape(-1, m, q),
         )
-        return (
-            columns
-            | figures_of(self.states, self.mean.reshape(-1, n), self.sd.reshape(-1, n), self.quantiles.reshape(-1, n, 3))
-            | figures_of(self.measurements, *expected)
-        )
+        known = self.mean.reshape(-1, n), self.sd.reshape(-1, n), self.quantiles.reshape(-1, n, q)
+        figures = self.filtered._figures
+        return columns | figures(self.states, *known) | figures(self.measurements, *expected)
 
     def to_pandas(self) -> Any:
         """A data frame of pandas with a row for each time of each series, and the dates or years that follow those of the data."""
@@ -161,8 +162,9 @@ class Forecast:
         across = ahead.places[number * steps : (number + 1) * steps]
         of_states = [(self.mean[number, :, at], self.quantiles[number, :, at]) for at in drawn]
         of_measurements = [(self.measurement_mean[number, :, at], self.measurement_quantiles[number, :, at]) for at in measured]
+        band = between(self.probabilities)
         for panel, (mean, quantiles) in zip(panels, [*of_states, *of_measurements], strict=True):
-            panel.bands.append(Band(across, mean, quantiles, ("forecast, 5 to 95 %", "forecast"), "C1", begins=False))
+            panel.bands.append(Band(across, mean, quantiles, (f"forecast, {band}", "forecast"), "C1", begins=False))
         return draw(panels, axes)
 
     def _display(self) -> Display:
@@ -170,7 +172,7 @@ class Forecast:
         display = Display(
             f"Forecast of {steps} times for {series} series",
             [shapes(mean=self.mean, measurement_mean=self.measurement_mean)],
-            ["mean", "sd", "5 %", "95 %"],
+            ["mean", "sd", percent(self.probabilities[0]), percent(self.probabilities[-1])],
         )
         if steps == 0:
             return display
@@ -182,7 +184,7 @@ class Forecast:
             (self.states, self.mean, self.sd, self.quantiles),
             (self.measurements, self.measurement_mean, self.measurement_sd, self.measurement_quantiles),
         ):
-            display.add(names, mean[0, -1], sd[0, -1], quantiles[0, -1, :, 0], quantiles[0, -1, :, 2])
+            display.add(names, mean[0, -1], sd[0, -1], quantiles[0, -1, :, 0], quantiles[0, -1, :, -1])
         return display
 
     def __repr__(self) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from typing import Any, cast
+from typing import Any, Literal, cast, overload
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from ._keywords import checked
 from ._seed import seed_of
 from ._table import data_of, inputs_of
 from .card import Card
+from .maximum_fit import MaximumFit
 from .posterior_fit import PosteriorFit
 from .proposal import Learned, Proposal, named
 from .simulated import Simulated
@@ -115,23 +116,57 @@ class Model(Filtering):
             warn(warning)
         return cast("dict[str, Any]", json.loads(found))
 
+    @overload
+    def fit(
+        self,
+        data: Any,
+        *,
+        method: Literal["posterior"] = ...,
+        proposal: str | Proposal | None = ...,
+        particles: int | None = ...,
+        chains: int = ...,
+        draws: int | None = ...,
+        budget: float | None = ...,
+        seed: int | np.random.Generator | None = ...,
+        threads: int | None = ...,
+    ) -> PosteriorFit: ...
+
+    @overload
+    def fit(
+        self,
+        data: Any,
+        *,
+        method: Literal["maximum"],
+        proposal: str | Proposal | None = ...,
+        particles: int | None = ...,
+        chains: int = ...,
+        profile: str | Sequence[str] = ...,
+        seed: int | np.random.Generator | None = ...,
+        threads: int | None = ...,
+    ) -> MaximumFit: ...
+
     @checked
     def fit(
         self,
         data: Any,
         *,
+        method: Literal["posterior", "maximum"] = "posterior",
         proposal: str | Proposal | None = None,
         particles: int | None = None,
         chains: int = 4,
         draws: int | None = None,
+        profile: str | Sequence[str] = (),
         budget: float | None = None,
         seed: int | np.random.Generator | None = 1,
         threads: int | None = None,
-    ) -> PosteriorFit:
-        """Draws from the posterior of the parameters that have a prior and no value, by particle Markov chain Monte Carlo.
+    ) -> PosteriorFit | MaximumFit:
+        """Draws from the posterior of the parameters that have a prior and no value, by particle Markov chain Monte Carlo; by the
+        `method` `maximum`, finds where the likelihood is largest.
 
         Starts, step sizes, the estimator of the likelihood and its number of particles are found. Chains go on until the R-hat of each
         parameter is below 1.01 and its effective sample size 400 at least, or for `draws` each; `budget` ends them after so many seconds.
+        Of the maximum, `chains` is the number of searches, and `profile` names the parameters whose profiles and intervals are sought,
+        all if none are named.
 
         >>> import motes
         >>> model = motes.Model({
@@ -143,21 +178,36 @@ class Model(Filtering):
         >>> fitted = model.fit([0.3, 1.2, 0.7, 2.4, 1.8], draws=100)
         >>> fitted.draws["sd"].shape
         (4, 100)
+        >>> model.fit([0.3, 1.2, 0.7, 2.4, 1.8], method="maximum").parameters
+        ['sd']
         """
+        profiles = [profile] if isinstance(profile, str) else list(profile)
+        if method not in ("posterior", "maximum"):
+            raise ValueError(f"method: {method}; it must be posterior or maximum")
+        if method == "posterior" and profiles:
+            raise ValueError("profile: draws of the posterior have no profiles; take method='maximum'")
+        if method == "maximum" and (draws is not None or budget is not None):
+            name = "budget" if draws is None else "draws"
+            raise ValueError(f"{name}: the maximum draws nothing; leave draws and budget out, chains is its number of searches")
         seed = seed_of(seed)
         arguments = {
             "proposal": None if proposal is None else named(proposal),
             "particles": particles,
             "chains": chains,
             "draws": draws,
+            "profile": profiles,
             "budget": budget,
             "seed": seed,
         }
         rows = data_of(self._model, data)
-        fitted = PosteriorFit(_motes.fit(self._model, rows.found, arguments, threads), self, seed)
-        for text in fitted.warnings:
+        found: PosteriorFit | MaximumFit
+        if method == "maximum":
+            found = MaximumFit(_motes.maximise(self._model, rows.found, arguments, threads), self, seed)
+        else:
+            found = PosteriorFit(_motes.fit(self._model, rows.found, arguments, threads), self, seed)
+        for text in found.warnings:
             warn(text)
-        return fitted
+        return found
 
     @checked
     def learn(

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from . import _motes
 from ._display import Display, shapes
+from ._quantiles import percent, probabilities_of
 from ._table import numbers_of, text_of_label
 from .proposal import named
 
@@ -35,8 +36,10 @@ class OnlineFilter:
         self.mean: NDArray[np.float64] = np.full(len(self.states), np.nan)
         #: Its standard deviation, `(N,)`.
         self.sd: NDArray[np.float64] = self.mean.copy()
-        #: Its quantiles at 5, 50 and 95 %, `(N, 3)`.
-        self.quantiles: NDArray[np.float64] = np.full((len(self.states), 3), np.nan)
+        #: The probabilities of quantiles.
+        self.probabilities: list[float] = probabilities_of(settings["quantiles"])
+        #: Its quantiles, `(N, Q)`.
+        self.quantiles: NDArray[np.float64] = np.full((len(self.states), len(self.probabilities)), np.nan)
         #: The effective sample size of the last step, in particles.
         self.ess: float | None = None
         #: The estimate of `log p(y_t | y_0 … y_{t−1})` of the last step.
@@ -46,8 +49,8 @@ class OnlineFilter:
         self.measurement_mean: NDArray[np.float64] = np.full(self._width, np.nan)
         #: Its standard deviation, `(M,)`.
         self.measurement_sd: NDArray[np.float64] = self.measurement_mean.copy()
-        #: Its quantiles at 5, 50 and 95 %, `(M, 3)`.
-        self.measurement_quantiles: NDArray[np.float64] = np.full((self._width, 3), np.nan)
+        #: Its quantiles, `(M, Q)`.
+        self.measurement_quantiles: NDArray[np.float64] = np.full((self._width, len(self.probabilities)), np.nan)
         #: Where the measurement lay in that, `P(Y < y) + P(Y = y)/2`, `(M,)`; NaN where it was missing.
         self.pit: NDArray[np.float64] = self.measurement_mean.copy()
 
@@ -130,13 +133,14 @@ class OnlineFilter:
 
     def _known(self, known: tuple[Any, ...]) -> OnlineFilter:
         self.mean, self.sd, quantiles, self.ess, self.log_evidence_increment, expected = known
-        self.quantiles = quantiles.reshape(-1, 3)
+        q = len(self.probabilities)
+        self.quantiles = quantiles.reshape(-1, q)
         # Nothing is expected where nobody asked.
         self.measurement_mean, self.measurement_sd, quantiles, self.pit = (
             values if len(values) > 0 else np.full(size, np.nan)
-            for values, size in zip(expected, (self._width, self._width, 3 * self._width, self._width), strict=True)
+            for values, size in zip(expected, (self._width, self._width, q * self._width, self._width), strict=True)
         )
-        self.measurement_quantiles = quantiles.reshape(-1, 3)
+        self.measurement_quantiles = quantiles.reshape(-1, q)
         self.rows += 1
         return self
 
@@ -147,12 +151,13 @@ class OnlineFilter:
         if self.ess is not None and not np.isnan(self.ess):
             known.append(f"effective sample size {self.ess:.0f} of {self._settings['particles']}")
         head = f"OnlineFilter of {self._model.name} after {self.rows} row{'' if self.rows == 1 else 's'}: {', '.join(known)}"
-        display = Display(head, [shapes(mean=self.mean, quantiles=self.quantiles)], ["mean", "sd", "5 %", "95 %"])
-        display.add(self.states, self.mean, self.sd, self.quantiles[:, 0], self.quantiles[:, 2])
+        ends = [percent(self.probabilities[0]), percent(self.probabilities[-1])]
+        display = Display(head, [shapes(mean=self.mean, quantiles=self.quantiles)], ["mean", "sd", *ends])
+        display.add(self.states, self.mean, self.sd, self.quantiles[:, 0], self.quantiles[:, -1])
         if not np.isnan(self.measurement_mean).all():
             expected = [f"{name}, expected" for name in self.measurements]
             quantiles = self.measurement_quantiles
-            display.add(expected, self.measurement_mean, self.measurement_sd, quantiles[:, 0], quantiles[:, 2])
+            display.add(expected, self.measurement_mean, self.measurement_sd, quantiles[:, 0], quantiles[:, -1])
         return display
 
     def __repr__(self) -> str:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import os
+from collections.abc import Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, cast
 
@@ -13,6 +15,7 @@ from . import _arviz, _motes, _posterior_plots
 from ._display import preformatted
 from ._estimates import warned
 from ._keywords import checked
+from ._quantiles import PROBABILITIES, probabilities_of
 from ._optional import module
 from ._seed import seed_of
 from ._table import data_of, inputs_of
@@ -115,6 +118,7 @@ class PosteriorFit:
         resampling: str = "systematic",
         seed: int | np.random.Generator | None = 1,
         predictive: bool = False,
+        quantiles: Sequence[float] = PROBABILITIES,
         threads: int | None = None,
     ) -> Forecast:
         """Predicts states and measurements of `steps` times after the last measurement of each series, or at the times and with the
@@ -134,6 +138,7 @@ class PosteriorFit:
             seed=seed,
             check=False,
             predictive=predictive,
+            quantiles=probabilities_of(quantiles),
             threads=threads,
             forecast=steps or 0,
             ahead=None if inputs is None else inputs_of(self._model._model, inputs),
@@ -146,6 +151,10 @@ class PosteriorFit:
         flat = self._values.reshape(-1, len(self.parameters))
         places = (2 * np.arange(count) + 1) * len(flat) // (2 * count)
         return [self._model.with_parameters(dict(zip(self.parameters, flat[at].tolist(), strict=True))) for at in places]
+
+    def save(self, folder: str | os.PathLike[str]) -> None:
+        """Writes the folder that the command writes, for `motes filter --parameters` and others."""
+        self._found.save(os.fspath(folder))
 
     def __getstate__(self) -> dict[str, Any]:
         return {"_found": self._found, "_model": self._model, "seed": self.seed}

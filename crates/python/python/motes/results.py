@@ -2,18 +2,72 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _arviz, _xarray
+from . import _arviz, _motes, _xarray
 from ._estimates import Estimates
+from ._expectations import covariances, expectations
+from ._table import Rows
 
 
 class Filtered(Estimates):
     """What a filter found: states given measurements up to each time."""
+
+    def __init__(
+        self,
+        found: _motes.Filtered,
+        rows: Rows,
+        states: list[str],
+        measured: list[str],
+        seed: int,
+        kept: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None,
+    ):
+        super().__init__(found, rows, states, measured, seed)
+        #: The particles of all rows and their weights, flat; None where nobody asked for them.
+        self._kept = kept
+
+    def _weighted(self, name: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Particles and weights, for who asked for that."""
+        if self._kept is None:
+            raise AttributeError(f"{name}: particles were not kept; filter(…, keep_particles=True) keeps them")
+        particles, weights = self._kept
+        k, n = self.particle_count, len(self.states)
+        return particles.reshape(-1, k, n), weights.reshape(-1, k)
+
+    @property
+    def particles(self) -> NDArray[np.float64]:
+        """The particles of each row, before any are resampled, `(rows, K, N)`, where `keep_particles` asked for them."""
+        return self._weighted("particles")[0]
+
+    @property
+    def weights(self) -> NDArray[np.float64]:
+        """Their weights, `(rows, K)`; the sum of each row is 1."""
+        return self._weighted("weights")[1]
+
+    @property
+    def covariance(self) -> NDArray[np.float64]:
+        """The covariance of the states of each row, `(rows, N, N)`, where `keep_particles` asked for particles; NaN where one of
+        them has all weight, which says nothing of a spread."""
+        return covariances(*self._weighted("covariance"))
+
+    def expectation(self, of: Callable[[NDArray[np.float64]], Any]) -> NDArray[np.float64]:
+        """The expectation of a function of the state in each row, where `keep_particles` asked for particles.
+
+        `of` is called with the particles of one row, `(K, N)`, and gives a number or an array for each, `(K,)` or `(K, …)`; the
+        result is `(rows,)` or `(rows, …)`.
+
+        >>> import motes
+        >>> walk = {"initial": {"x": "normal(0, 1)"}, "transition": {"x": "normal(x, 1)"}, "measurement": {"y": "normal(x, 1)"}}
+        >>> filtered = motes.Model(walk).filter([0.1, None, 0.4], keep_particles=True)
+        >>> filtered.expectation(lambda x: x[:, 0] > 0).shape    # the probability of a state above 0
+        (3,)
+        """
+        return expectations(of, *self._weighted("expectation"))
 
     @cached_property
     def ess(self) -> NDArray[np.float64]:
@@ -35,8 +89,8 @@ class Filtered(Estimates):
         mean, sd, quantiles, pit = self._found.predictive()
         if len(mean) == 0:
             raise ValueError("predictive: nobody asked for it; filter(…, predictive=True) does")
-        m = len(self._measured)
-        return mean.reshape(-1, m), sd.reshape(-1, m), quantiles.reshape(-1, m, 3), pit.reshape(-1, m)
+        m, q = len(self._measured), len(self.probabilities)
+        return mean.reshape(-1, m), sd.reshape(-1, m), quantiles.reshape(-1, m, q), pit.reshape(-1, m)
 
     @property
     def predictive_mean(self) -> NDArray[np.float64]:
@@ -50,7 +104,7 @@ class Filtered(Estimates):
 
     @property
     def predictive_quantiles(self) -> NDArray[np.float64]:
-        """Its quantiles at 5, 50 and 95 %, `(rows, M, 3)`."""
+        """Its quantiles at the `probabilities`, `(rows, M, Q)`."""
         return self._expected[2]
 
     @property
@@ -77,9 +131,10 @@ class Filtered(Estimates):
 
     def to_xarray(self) -> Any:
         """A dataset of xarray: `mean`, `sd` and `quantiles` of states, `measurements`, `ess`, `log_evidence_increments`, what was
-        expected of measurements where the filter was `predictive`, and `log_evidence_per_series` with its standard error.
+        expected of measurements where the filter was `predictive`, `particles` and `weights` where they were kept, and
+        `log_evidence_per_series` with its standard error.
 
-        Dimensions are `series`, `time`, `state` or `measurement`, and `quantile`, with the names of the model. Series that are
+        Dimensions are `series`, `time`, `state` or `measurement`, `quantile` and `particle`, with the names of the model. Series that are
         shorter than the longest are NaN after their last row. `time` has the dates of the data, or numbers that increase as years
         do, or `t`, where they are the same of all series, as far as these go; else it counts rows from 0, and they are
         coordinates of series and time.

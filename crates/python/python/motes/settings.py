@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TypedDict
 
 import numpy as np
@@ -20,4 +21,5 @@ class FilterSettings(TypedDict, total=False):
     seed: int | np.random.Generator | None
     check: bool
     predictive: bool
+    quantiles: Sequence[float]
     threads: int | None

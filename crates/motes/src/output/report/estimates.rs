@@ -5,6 +5,7 @@ use motes_smc::Predictive;
 use crate::data::{Data, Row};
 use crate::estimate::{Coordinate, Estimate, Forecast};
 use crate::names::ModelNames;
+use crate::quantiles::Quantiles;
 
 use super::axis::TimeAxis;
 use super::figures::{Band, band_figure, input_figure, line_figure};
@@ -22,6 +23,8 @@ pub struct Report<'a> {
     pub data: &'a Data,
     /// The estimate of each row of the data.
     pub estimates: &'a [Estimate],
+    /// The quantiles that they have.
+    pub quantiles: &'a Quantiles,
     /// What is predicted after each series.
     pub forecasts: &'a [Vec<Forecast>],
     /// Figures of the whole run, a name and a value each.
@@ -117,8 +120,11 @@ impl<'a> Series<'a> {
         let of = |figure: &dyn Fn(&Coordinate) -> f64| -> Vec<f64> {
             self.estimates().map(|estimate| figure(&estimate.state[coordinate])).collect()
         };
-        let band =
-            Band { low: of(&|c| c.quantiles[0]), high: of(&|c| c.quantiles[2]), middle: of(&|c| c.mean) };
+        let band = Band {
+            low: of(&|c| low(&c.quantiles)),
+            high: of(&|c| high(&c.quantiles)),
+            middle: of(&|c| c.mean),
+        };
         let measured = self.report.names.measurements.iter().position(|measured| measured == name);
         band_figure(name, &self.axis, &band, &measured.map_or(vec![], |entry| self.measured(entry)))
     }
@@ -129,8 +135,11 @@ impl<'a> Series<'a> {
             let of_row = |estimate: &Estimate| estimate.predictive.get(entry).map_or(f64::NAN, figure);
             self.estimates().map(of_row).collect()
         };
-        let band =
-            Band { low: of(&|p| p.quantiles[0]), high: of(&|p| p.quantiles[2]), middle: of(&|p| p.mean) };
+        let band = Band {
+            low: of(&|p| low(&p.quantiles)),
+            high: of(&|p| high(&p.quantiles)),
+            middle: of(&|p| p.mean),
+        };
         band_figure(&format!("{name} (measured)"), &self.axis, &band, &self.measured(entry))
     }
 
@@ -138,6 +147,16 @@ impl<'a> Series<'a> {
     fn of_weights(&self, figure: fn(&Estimate) -> Option<f64>) -> Option<Vec<f64>> {
         self.rows.iter().map(|(_, estimate)| figure(estimate)).collect()
     }
+}
+
+/// The lowest quantile.
+fn low(quantiles: &[f64]) -> f64 {
+    quantiles.first().copied().unwrap_or(f64::NAN)
+}
+
+/// The highest quantile.
+fn high(quantiles: &[f64]) -> f64 {
+    quantiles.last().copied().unwrap_or(f64::NAN)
 }
 
 /// What the column of labels is called.
@@ -156,7 +175,8 @@ fn series_section(page: &mut Page, report: &Report<'_>, number: usize) -> Drawn<
         page.note(&format!("{SHOWN_COORDINATES} of {} states are shown.", names.states.len()));
     }
     let forecast = if series.ahead.is_empty() { "" } else { " After the dotted line: forecast." };
-    page.note(&format!("Line: mean. Band: from the 5 % to the 95 % quantile.{forecast}"));
+    let band = report.quantiles.range().map(|range| format!(" Band: {range}.")).unwrap_or_default();
+    page.note(&format!("Line: mean.{band}{forecast}"));
     for (at, name) in report.data.columns.input_names().iter().enumerate().take(SHOWN_COORDINATES) {
         // A measurement that is an input has a figure of its own.
         if !names.measurements.iter().any(|measured| measured == name) {

@@ -9,7 +9,9 @@ mod shipped;
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use motes::{Data, FilterOptions, Filtered, Model, ProposalName, designed, filter, smooth};
+use motes::{
+    Data, EvidenceOptions, FilterOptions, Filtered, Model, ProposalName, designed, evidence, filter, smooth,
+};
 
 /// A model with its data, the exact log-evidence, and the exact mean of a state at the last row.
 struct SmallModel {
@@ -51,7 +53,7 @@ impl SmallModel {
         let error = found.log_evidence() - self.log_evidence;
         let standard_error = found.standard_error().unwrap();
         let last = found.estimates.last().unwrap();
-        let state = last.state[self.state];
+        let state = &last.state[self.state];
         let mean = state.mean - self.last_mean;
         println!(
             "{}, {proposal}: off by {error:.3} ± {standard_error:.3}, last mean by {mean:.4}",
@@ -73,6 +75,22 @@ fn particles_find_the_exact_answers() {
             let found = filter(&model, &data, &options, |_| ControlFlow::Continue(())).unwrap();
             of.check(&proposal, &found);
         }
+    }
+}
+
+/// Potentials of all data, in noise space: of counts, regimes, shared draws, sub-steps and gaps alike.
+#[test]
+fn looking_ahead_finds_the_exact_evidence() {
+    for of in &MODELS {
+        let (model, data) = of.open();
+        let proposal = Some(ProposalName::LookAhead);
+        let options = EvidenceOptions { proposal, particles: 5000, ..EvidenceOptions::default() };
+        let found = evidence(&model, &data, &options, || ControlFlow::Continue(())).unwrap();
+        let (off, error) = (found.log_evidence() - of.log_evidence, found.standard_error().unwrap());
+        println!("{}: off by {off:.4} ± {error:.4}", of.folder);
+        // Where all is linear and Gaussian each particle weighs the same.
+        assert!(off.abs() < 4.0 * error + 1e-5, "{}: {off} ± {error}", of.folder);
+        assert!(error < 0.05, "{}: ± {error}", of.folder);
     }
 }
 
@@ -118,11 +136,11 @@ fn matrices_with_intercepts_are_filtered() {
         of.check(&proposal, &found);
         if proposal == ProposalName::Exact {
             assert!((found.log_evidence() - of.log_evidence).abs() < 2e-6, "{}", found.log_evidence());
-            let last = found.estimates.last().unwrap().state[0];
+            let last = &found.estimates.last().unwrap().state[0];
             assert!((last.mean - of.last_mean).abs() < 2e-6 && (last.sd - 0.176563).abs() < 2e-6, "{last:?}");
         }
         let smoothed = smooth(&model, &data, &options, 50, |_| ControlFlow::Continue(())).unwrap();
-        let last = smoothed.estimates.last().unwrap().state[0];
+        let last = &smoothed.estimates.last().unwrap().state[0];
         assert!((last.mean - of.last_mean).abs() < 0.12, "{proposal}: {last:?}");
     }
 }

@@ -18,7 +18,7 @@ const DESIGNED: [ProposalName; 3] = ProposalName::DESIGNED;
 
 /// What is expected of one measurement in each row.
 fn rows(found: &Filtered) -> Vec<Predictive> {
-    found.estimates.iter().map(|estimate| estimate.predictive[0]).collect()
+    found.estimates.iter().map(|estimate| estimate.predictive[0].clone()).collect()
 }
 
 const WALK: &str = r#"
@@ -98,7 +98,7 @@ fn the_place_of_a_count_is_in_the_middle_of_its_probability() {
         probability *= mean / f64::from(count);
     }
     for proposal in [ProposalName::Bootstrap, ProposalName::Linearised] {
-        let row = rows(&filtered(&model, &data, &of_proposal(proposal, 100)))[0];
+        let row = rows(&filtered(&model, &data, &of_proposal(proposal, 100)))[0].clone();
         assert!((row.mean - mean).abs() < 1e-9 && (row.sd - mean.sqrt()).abs() < 1e-9, "{row:?}");
         assert!((row.pit.unwrap() - below - probability / 2.0).abs() < 1e-9, "{row:?}");
     }
@@ -167,7 +167,7 @@ c = "floored(rounded(normal(x, 1)), 1e-9)"
     let model = Model::parse(text, "odd", &[]).unwrap();
     let data = Data::read("a,b,c\n0.5,0.5,1\n1,1,0\n".as_bytes(), "d.csv", &model).unwrap();
     let found = filtered(&model, &data, &of_proposal(ProposalName::Bootstrap, 5000));
-    let [a, b, c] = found.estimates[0].predictive[..] else { panic!("three entries") };
+    let [a, b, c] = &found.estimates[0].predictive[..] else { panic!("three entries") };
     assert!(a.mean.is_finite() && a.sd.is_nan() && a.quantiles[2].is_finite() && a.pit.is_some(), "{a:?}");
     assert!(b.mean.is_nan() && b.sd.is_nan() && b.quantiles[1].is_nan() && b.pit.is_none(), "{b:?}");
     // Two normal variances and that of rounding: P(Y < 1) + ½ P(Y = 1).
@@ -187,7 +187,7 @@ fn forecasts_say_what_will_be_measured() {
         let found = filtered(&model, &data, &options);
         assert!(found.estimates.iter().all(|estimate| estimate.predictive.is_empty()));
         for (forecast, [mean, sd, _]) in found.forecasts[0].iter().zip(&expected[2..]) {
-            let [row] = forecast.estimate.predictive[..] else { panic!("one entry") };
+            let [row] = &forecast.estimate.predictive[..] else { panic!("one entry") };
             assert!((row.mean - mean).abs() < 0.05 * sd && (row.sd / sd - 1.0).abs() < 0.03, "{row:?}");
             for (found, z) in row.quantiles.iter().zip([-1.6449, 0.0, 1.6449]) {
                 assert!((found - mean - z * sd).abs() < 0.08 * sd, "{row:?}");
@@ -206,7 +206,7 @@ fn a_forecast_without_an_input_of_its_measurement_is_empty_and_says_so() {
     let options = FilterOptions { forecast: 2, ..of_proposal(ProposalName::Bootstrap, 2000) };
     let found = filtered(&model, &data, &options);
     for forecast in &found.forecasts[0] {
-        let [y, z] = forecast.estimate.predictive[..] else { panic!("two entries") };
+        let [y, z] = &forecast.estimate.predictive[..] else { panic!("two entries") };
         assert!(y.mean.is_nan() && y.quantiles[1].is_nan() && z.mean.is_finite(), "{y:?} {z:?}");
         assert!(forecast.estimate.state[0].sd.is_finite());
     }
@@ -218,7 +218,7 @@ fn a_forecast_without_an_input_of_its_measurement_is_empty_and_says_so() {
     let found = filtered(&model, &data, &options);
     assert!(found.warnings.iter().all(|warning| warning.to_string() != expected));
     for (forecast, n) in found.forecasts[0].iter().zip([30.0, 50.0]) {
-        let y = forecast.estimate.predictive[0];
+        let y = &forecast.estimate.predictive[0];
         assert!((y.mean / n - 0.5).abs() < 0.1 && y.quantiles[0] < y.mean, "{y:?}");
     }
 }

@@ -16,6 +16,7 @@ fn page(folder: &Path, options: &FilterOptions) -> String {
         names: &ModelNames::from(&model),
         data: &data,
         estimates: &found.estimates,
+        quantiles: &options.quantiles,
         forecasts: &found.forecasts,
         summary: &[],
         settings: &[],
