@@ -51,15 +51,18 @@ mod learning;
 mod long_step;
 mod mixture;
 mod model;
+mod model_steps;
 mod names;
 mod options;
 pub mod output;
+mod own_model;
 mod packed;
 mod particles;
 mod prediction;
 mod priors;
 mod recorded;
 mod running_state;
+mod scheduled;
 mod simulating;
 mod simulation_failure;
 mod smoothing;
@@ -101,9 +104,10 @@ pub use learning::{
     LearnOptions, LearnOutcome, base_named, head_named, learn, learns_over_prior, network_named,
 };
 pub use mixture::{PosteriorEstimates, filter_draws, smooth_draws};
-pub use model::{LearnableModel, Model};
+pub use model::Model;
 pub use names::{FileInput, ModelNames};
 pub use options::{DEFENSIVE_SHARE, FilterOptions, ProposalName};
+pub use own_model::LearnableModel;
 pub use packed::{pack, unpack};
 pub use priors::of_starts;
 pub use simulating::{
