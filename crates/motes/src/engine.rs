@@ -14,6 +14,7 @@ use crate::exact::{exact_filter, not_exact, restored};
 use crate::exact_system::ExactSystem;
 use crate::model::{Kind, Model};
 use crate::options::{FilterOptions, ProposalName};
+use crate::own_model::draws_transitions_alone;
 use crate::particles::{Start, boxed, of_another_kind};
 use crate::prediction::{MOST, beside_prediction};
 use crate::steps::Steps;
@@ -380,6 +381,9 @@ pub(crate) fn filter_of<'m>(
                 let reason =
                     "the model has no derivatives; take --proposal bootstrap, or one that is learned";
                 return refused(name.as_str(), reason.into());
+            }
+            if let Some(reason) = draws_transitions_alone(learnable) {
+                return refused(name.as_str(), format!("{reason}; take --proposal bootstrap"));
             }
             if *name == ProposalName::Optimal {
                 let reason = match model.formulas().map(|formulas| formulas.closed_form()) {

@@ -15,6 +15,14 @@ pub trait LearnableModel: OwnModel + StateGradients + Send {}
 
 impl<M: OwnModel + StateGradients + Send> LearnableModel for M {}
 
+/// Why nothing but the transition can be drawn, and nothing learned, if it is so.
+pub(crate) fn draws_transitions_alone(model: &dyn LearnableModel) -> Option<&'static str> {
+    let has_neither = model.density().is_none() && model.noise_space().is_none();
+    has_neither.then_some(
+        "states have no density, because they are known, follow or are counts, or a step has sub-steps, and nobody knows the noise that functions of many particles make of them",
+    )
+}
+
 /// Makes a model of values of parameters.
 pub(crate) type Maker = dyn Fn(&[(String, f64)]) -> Arc<dyn LearnableModel> + Send + Sync;
 

@@ -24,6 +24,7 @@ use crate::error::MotesError;
 use crate::learned::{LearnedProposal, learnable, shape_of};
 use crate::learned_notes::Notes;
 use crate::model::Model;
+use crate::own_model::draws_transitions_alone;
 use crate::simulating::{check_draws, schedule};
 use choice::{Choice, choose};
 use over_prior::{PriorLearning, prior_of};
@@ -87,6 +88,11 @@ fn learn_until(
     let scheduled = schedule(model, data, options.steps, &seed)?.and_then(|schedule| model.along(schedule));
     let simulated = scheduled.as_ref().unwrap_or(model);
     let learnable = learnable(simulated)?;
+    if let Some(reason) = draws_transitions_alone(learnable) {
+        return Err(MotesError::Setting(format!(
+            "{reason}: there is nothing to learn; take --proposal bootstrap"
+        )));
+    }
     let settings = LearnConfig {
         objective: options.objective,
         continues: options.start.is_some(),
