@@ -16,6 +16,7 @@ mod functions;
 mod inputs;
 mod learned;
 mod model;
+mod of_functions;
 mod online;
 mod options;
 mod posterior_fit;
@@ -43,6 +44,8 @@ mod _motes {
     use crate::learned::Proposal;
     #[pymodule_export]
     use crate::model::Model;
+    #[pymodule_export]
+    use crate::of_functions::of_functions;
     #[pymodule_export]
     use crate::online::Online;
     #[pymodule_export]
