@@ -377,13 +377,13 @@ pub(crate) fn filter_of<'m>(
             refused("look-ahead", "kind = \"linear-gaussian\" has exact answers; take --proposal exact".into())
         }
         (Kind::Learnable(learnable), name) => {
+            if let Some(reason) = draws_transitions_alone(learnable) {
+                return refused(name.as_str(), format!("{reason}; take --proposal bootstrap"));
+            }
             if !learnable.has_gradients() {
                 let reason =
                     "the model has no derivatives; take --proposal bootstrap, or one that is learned";
                 return refused(name.as_str(), reason.into());
-            }
-            if let Some(reason) = draws_transitions_alone(learnable) {
-                return refused(name.as_str(), format!("{reason}; take --proposal bootstrap"));
             }
             if *name == ProposalName::Optimal {
                 let reason = match model.formulas().map(|formulas| formulas.closed_form()) {
