@@ -144,9 +144,9 @@ fn it_is_what_a_file_is_to_the_last_bit() {
         let [expected, found] = both.map(|model| simulate(model, 15, 2, 3, go_on).unwrap());
         assert_eq!(expected.series, found.series);
         let [expected, found] = both.map(|model| simulate_along(model, &data, 2, 3, go_on).unwrap());
-        assert_eq!(expected, found);
+        assert_eq!(expected.series, found.series);
         let [expected, found] = both.map(|model| simulate_from_priors(model, None, 15, 2, 3, go_on).unwrap());
-        assert_eq!(expected, found);
+        assert_eq!((expected.series, expected.parameters), (found.series, found.parameters));
         let checked = check(&program, Some(&data), 1, || ControlFlow::Continue(())).unwrap();
         assert!(checked.problems.is_empty(), "{:?}", checked.problems);
         let [expected, found] = both.map(|model| {
@@ -192,9 +192,11 @@ fn it_is_forecast_fitted_and_learned_for() {
         });
         assert_eq!(expected.names, ["leak"]);
         assert_eq!(expected.chains, found.chains);
+        // Gaps with other numbers of sub-steps have other numbers of draws, of which no network is learned.
+        let along = (time == WHOLE).then_some(&data);
         let [expected, found] = both.map(|model| {
             let options = LearnOptions { updates: 60, steps: 12, ..LearnOptions::default() };
-            let learned = learn(model, Some(&data), &options, |_, _| ControlFlow::Continue(())).unwrap();
+            let learned = learn(model, along, &options, |_, _| ControlFlow::Continue(())).unwrap();
             filter(model, &data, &self::options(ProposalName::Learned(learned.proposal)), go_on).unwrap()
         });
         assert_eq!(expected, found);
