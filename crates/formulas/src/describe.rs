@@ -5,6 +5,7 @@ use std::fmt;
 use motes_models::{LinearGaussian, StateSpaceModel};
 
 use crate::file::{FileModel, ModelFile};
+use crate::frame::Frame;
 use crate::model::FormulaModel;
 use crate::statement::{Between, InputRule, InputSource, Line, TimeLabel, TimeRule, TimeUnit};
 
@@ -83,26 +84,45 @@ fn input(rule: &InputRule) -> String {
     }
 }
 
-impl FormulaModel {
-    /// The distributions of the coordinates, the definitions, and the parameters with their values.
-    pub fn describe(&self) -> Description {
-        let mut description = Description::default();
-        let statement = self.statement();
-        let width = statement.parameters.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
+impl Frame {
+    /// The times and the inputs.
+    fn describe_data(&self, description: &mut Description) {
+        description.group("times", self.time_rule().map(times).unwrap_or_default());
+        description.group("inputs", self.inputs().iter().map(input).collect());
+    }
+
+    /// The parameters with their values and priors.
+    fn describe_parameters(&self, description: &mut Description) {
+        let width = self.parameters().iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
         let parameter = |(name, value): &(String, f64)| {
-            let prior = statement.priors.iter().find(|prior| prior.entries().contains(name));
+            let prior = self.priors().iter().find(|prior| prior.entries().contains(name));
             let prior = prior.map_or_else(String::new, |prior| format!(", with the prior {}", prior.text()));
             format!("{name:width$} = {value}{prior}")
         };
-        description.group("times", self.time_rule().map(times).unwrap_or_default());
-        description.group("inputs", self.inputs().iter().map(input).collect());
-        description.group("p(x_0)", lines(&statement.initial));
-        description.group("draws of a step", lines(&statement.draws));
-        description.group("p(x_t | x_{t-1})", lines(&statement.transition));
-        description.group("p(y_t | x_t)", lines(&statement.measurement));
-        description.group("definitions", lines(&statement.definitions));
-        description.group("parameters", statement.parameters.iter().map(parameter).collect());
+        description.group("parameters", self.parameters().iter().map(parameter).collect());
+    }
+
+    /// What it says around the groups of what it is the frame of.
+    pub fn describe(&self, groups: Vec<(String, Vec<String>)>) -> Description {
+        let mut description = Description::default();
+        self.describe_data(&mut description);
+        description.groups.extend(groups);
+        self.describe_parameters(&mut description);
         description
+    }
+}
+
+impl FormulaModel {
+    /// The distributions of the coordinates, the definitions, and the parameters with their values.
+    pub fn describe(&self) -> Description {
+        let mut equations = Description::default();
+        let statement = self.statement();
+        equations.group("p(x_0)", lines(&statement.initial));
+        equations.group("draws of a step", lines(&statement.draws));
+        equations.group("p(x_t | x_{t-1})", lines(&statement.transition));
+        equations.group("p(y_t | x_t)", lines(&statement.measurement));
+        equations.group("definitions", lines(&statement.definitions));
+        self.frame().describe(equations.groups)
     }
 }
 

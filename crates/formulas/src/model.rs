@@ -3,16 +3,15 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use motes_models::equations::{Distribution, Draws};
-use motes_models::{Step, Stream};
+use motes_models::Step;
 
 use crate::closed_form::{self, NoClosedForm};
 use crate::error::{Fault, Section};
+use crate::frame::{Frame, InputUse};
 use crate::graph::build;
-use crate::priors::Prior;
 use crate::program::{Program, compile};
-use crate::schedule::{MOST_SUB_STEPS, Schedule};
-use crate::statement::{InputRule, Line, Statement, TimeRule};
+use crate::schedule::Schedule;
+use crate::statement::{Line, Statement};
 use crate::support::{Support, supports};
 use crate::text::Text;
 
@@ -23,35 +22,12 @@ use crate::text::Text;
 #[derive(Debug, Clone)]
 pub struct FormulaModel(pub(crate) Arc<Programs>, pub(crate) Option<Arc<Schedule>>);
 
-/// Where formulas use an input.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct InputUse {
-    /// In `[initial]`.
-    pub initial: bool,
-    /// In `[draws]` or `[transition]`.
-    pub transition: bool,
-    /// In `[measurement]`.
-    pub measurement: bool,
-}
-
-impl InputUse {
-    fn of_mut(&mut self, section: Section) -> &mut bool {
-        match section {
-            Section::Initial => &mut self.initial,
-            Section::Measurement => &mut self.measurement,
-            _ => &mut self.transition,
-        }
-    }
-}
-
-/// Samples draws.
-struct Drawn<'a> {
-    stream: &'a mut Stream,
-}
-
-impl Draws<f64> for Drawn<'_> {
-    fn draw(&mut self, distribution: Distribution<f64>) -> f64 {
-        distribution.sample(self.stream)
+/// Where an input is used by a section.
+fn in_section(uses: &mut InputUse, section: Section) -> &mut bool {
+    match section {
+        Section::Initial => &mut uses.initial,
+        Section::Measurement => &mut uses.measurement,
+        _ => &mut uses.transition,
     }
 }
 
@@ -64,13 +40,7 @@ pub(crate) struct Programs {
     pub(crate) states: usize,
     /// As many as there are: no number, so that none can be forgotten.
     pub(crate) inputs: Vec<f64>,
-    /// How many sub-steps a gap of 1 has.
-    pub(crate) sub_steps_of_unit: usize,
-    /// Where formulas use each input.
-    uses: Vec<InputUse>,
-    /// Whether an entry of a measurement is of what came since the row before.
-    needs_step: Vec<bool>,
-    simulated: Program,
+    frame: Frame,
     pub(crate) measurements: usize,
     pub(crate) initial: Program,
     pub(crate) transition: Program,
@@ -105,7 +75,7 @@ impl FormulaModel {
                 _ => is_finite &= closed_form::is_finite(&built),
             }
             for (number, input) in uses.iter_mut().enumerate() {
-                *input.of_mut(section) |= built.inputs().contains(&(number as u32));
+                *in_section(input, section) |= built.inputs().contains(&(number as u32));
             }
             has_density &= section == Section::Measurement || closed_form::has_density(section, &built);
             Ok(compile(&built, states, section == Section::Initial))
@@ -116,21 +86,17 @@ impl FormulaModel {
         if let (Ok(()), Some(draw)) = (&closed_form, statement.draws.first()) {
             closed_form = Err(closed_form::of_draws(file, draw));
         }
-        let has_sub_steps = statement.time.as_ref().is_some_and(|time| time.step.is_some());
+        let known: usize = statement.initial.iter().map(Line::coordinates).sum();
+        let frame = Frame::of(&statement, uses, measurement.depend_on_states_from(known))?;
+        let has_sub_steps = frame.has_sub_steps();
         if let (Ok(()), Some(line), true) = (&closed_form, statement.transition.first(), has_sub_steps) {
             closed_form = Err(closed_form::of_sub_steps(file, line));
         }
-        let simulated = compile(&build(&statement, Section::Inputs)?, 0, false);
-        let unit = statement.time.as_ref().map_or(1.0, |time| time.sub_steps(1.0));
-        let known: usize = statement.initial.iter().map(Line::coordinates).sum();
         Ok(FormulaModel(
             Arc::new(Programs {
                 states,
                 inputs: vec![f64::NAN; inputs],
-                sub_steps_of_unit: unit.min(MOST_SUB_STEPS as f64) as usize,
-                uses,
-                needs_step: measurement.depend_on_states_from(known),
-                simulated,
+                frame,
                 measurements: coordinates(&statement.measurement),
                 supports: (!measurement.depends_on_step())
                     .then(|| supports(&measurement, &Step::of_index(0))),
@@ -156,43 +122,9 @@ impl FormulaModel {
         FormulaModel(Arc::clone(&self.0), Some(Arc::new(schedule)))
     }
 
-    /// The column of data that tells series apart, if the file names one; else it is `series`.
-    pub fn series_column(&self) -> Option<&str> {
-        self.0.statement.series.as_deref()
-    }
-
-    /// How the rows of data are spaced, if the file says so.
-    pub fn time_rule(&self) -> Option<&TimeRule> {
-        self.0.statement.time.as_ref()
-    }
-
-    /// The inputs that data have, in the order of a step's. Behind them a step has one for each entry of [`FormulaModel::resets`].
-    pub fn inputs(&self) -> &[InputRule] {
-        &self.0.statement.inputs
-    }
-
-    /// The entries of a measurement of which a step says whether they were there at the row before: 1 where they were, and else 0.
-    pub fn resets(&self) -> Vec<usize> {
-        self.0.statement.resets()
-    }
-
-    /// Where formulas use an input.
-    pub fn input_use(&self, input: usize) -> InputUse {
-        self.0.uses.get(input).copied().unwrap_or_default()
-    }
-
-    /// Whether an entry of the measurement is made of what came since the row before, so that there must be a step before it.
-    pub fn needs_step(&self, entry: usize) -> bool {
-        self.0.needs_step.get(entry).copied().unwrap_or_default()
-    }
-
-    /// Draws the inputs that are simulated, for a step that ends at a time: their numbers, and values.
-    pub fn simulate_inputs(&self, time: f64, stream: &mut Stream) -> Vec<(usize, f64)> {
-        let mut drawn = Drawn { stream };
-        let lines = self.0.statement.simulated.0.len();
-        let mut unused = vec![0.0; lines];
-        self.0.simulated.make(&Step { time, ..Step::of_index(0) }, &[], &mut drawn, &mut unused);
-        self.0.statement.simulated.0.iter().copied().zip(unused).collect()
+    /// Its times, inputs and parameters.
+    pub fn frame(&self) -> &Frame {
+        &self.0.frame
     }
 
     /// What the file states.
@@ -216,11 +148,6 @@ impl FormulaModel {
             Some(supports) => supports.into(),
             None => supports(&self.0.measurement, &step.end(self.0.inputs.len())).into(),
         }
-    }
-
-    /// The priors of its parameters, in the order of the file.
-    pub fn priors(&self) -> &[Prior] {
-        &self.statement().priors
     }
 
     /// The first entry of a measurement that is without error, so that no particle meets it: only exact filters take it.

@@ -41,13 +41,13 @@ impl Schedule {
         &self.steps
     }
 
-    /// The ranges of sequences that end.
-    pub(crate) fn sequences(&self) -> &[Range<usize>] {
+    /// The ranges of steps that are sequences which end; none where one goes on for ever.
+    pub fn sequences(&self) -> &[Range<usize>] {
         &self.sequences
     }
 
-    /// The step of an index.
-    pub(crate) fn step_of_index(&self, index: usize) -> Step<'_> {
+    /// The step of an index: behind the last one those after the first come again.
+    pub fn step_of_index(&self, index: usize) -> Step<'_> {
         if let Some(step) = self.steps.get(index).filter(|_| !self.sequences.is_empty()) {
             return step.step();
         }

@@ -29,7 +29,7 @@ impl StateSpaceModel for FormulaModel {
             Some(schedule) => schedule.step_of_index(index),
             None => Step {
                 inputs: &self.0.inputs,
-                sub_steps: if index == 0 { 1 } else { self.0.sub_steps_of_unit },
+                sub_steps: if index == 0 { 1 } else { self.frame().sub_steps_of_unit() },
                 ..Step::of_index(index)
             },
         }

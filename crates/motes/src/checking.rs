@@ -9,8 +9,9 @@ use crate::engine::Running;
 use crate::error::MotesError;
 use crate::exact_system::ExactSystem;
 use crate::long_step::of_step;
-use crate::model::{Kind, LearnableModel, Model};
+use crate::model::{Kind, Model};
 use crate::options::{FilterOptions, ProposalName};
+use crate::own_model::{LearnableModel, draws_transitions_alone};
 use crate::priors::of_starts;
 use crate::simulating::{check_draws, schedule, simulate, simulate_along};
 use crate::timeline::Timeline;
@@ -62,7 +63,11 @@ fn check_until(
         Err(error) => checked.findings.push(format!("simulations: {error}")),
     }
     if let Kind::Learnable(learnable) = model.kind() {
-        if learnable.density().is_none() {
+        if draws_transitions_alone(learnable).is_some() {
+            checked.findings.push(
+                "density: none, because states are known, follow or are counts, or a step has sub-steps; bootstrap alone draws them, smoothed paths follow ancestors".into(),
+            );
+        } else if learnable.density().is_none() {
             checked.findings.push(
                 "density: none, because states follow without noise, share draws, or are counts; proposals draw the noise, smoothed paths follow ancestors".into(),
             );
@@ -93,7 +98,8 @@ fn of_learning(model: &Model, learnable: &dyn LearnableModel) -> [String; 2] {
     let reason = model
         .measured_exactly()
         .or_else(|| check_draws(model).err().map(|error| error.to_string()))
-        .or_else(|| model.fed_back_measurement().map(fed_back));
+        .or_else(|| model.fed_back_measurement().map(fed_back))
+        .or_else(|| draws_transitions_alone(learnable).map(str::to_string));
     let learned = match reason {
         Some(reason) => format!("nothing, because {reason}"),
         None if learnable.density().is_some() => "a proposal of the states".to_string(),

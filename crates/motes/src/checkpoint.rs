@@ -4,8 +4,9 @@ use motes_models::StateSpaceModel;
 use motes_proposals::{Fingerprint, OtherSystem};
 use serde::{Deserialize, Serialize};
 
-use crate::engine::{Running, filter_of};
+use crate::engine::Running;
 use crate::error::MotesError;
+use crate::filter_choice::filter_of;
 use crate::model::{Kind, Model};
 use crate::options::FilterOptions;
 use crate::packed::{pack, unpack};

@@ -6,7 +6,7 @@ use crate::warning::Warning;
 
 /// What is to be said where no gap is cut into sub-steps although the model gives their length: that is probably in another unit.
 pub(crate) fn of_step(model: &Model, data: &Data) -> Option<Warning> {
-    let step = model.formulas()?.time_rule()?.step?;
+    let step = model.frame()?.time_rule()?.step?;
     let steps = data.rows.iter().flat_map(|row| &row.steps).map(|step| step.step());
     let gaps = steps.filter(|step| step.index > 0 && step.sub_steps > 0).map(|step| step.length);
     let longest = gaps.reduce(f64::max).filter(|longest| *longest < step)?;

@@ -6,21 +6,14 @@ use std::slice::from_mut;
 use std::sync::Arc;
 
 use motes_formulas::{
-    Description, FileError, FileModel, FormulaModel, Impossible, ModelFile, Prior, Schedule,
+    Description, FileError, FileModel, FormulaModel, Frame, Impossible, ModelFile, Prior, Schedule,
 };
-use motes_models::{
-    LinearGaussian, OwnModel, Simulator, StateGradients, StateSpaceModel, Step, StepRecord, Stream,
-};
+use motes_models::{LinearGaussian, Simulator, Step, Stream};
 
 use crate::error::MotesError;
 use crate::exact_system::ExactSystem;
-use crate::timeline::{Clock, RowTime, Timeline, TimelineError};
-
-/// A model that proposals can be learned for: it simulates itself, its noise can be transported, its measurements linearised. What states its
-/// [`Equations`](motes_models::equations::Equations) is one.
-pub trait LearnableModel: OwnModel + StateGradients + Send {}
-
-impl<M: OwnModel + StateGradients + Send> LearnableModel for M {}
+use crate::own_model::{LearnableModel, Own};
+use crate::timeline::Timeline;
 
 /// A model of a file, of a text, or of a program.
 #[derive(Clone)]
@@ -30,15 +23,6 @@ pub struct Model(Source);
 enum Source {
     File(ModelFile, Option<Arc<Timeline>>),
     Own(Own),
-}
-
-/// A model that a program states itself.
-#[derive(Clone)]
-struct Own {
-    name: String,
-    states: Vec<String>,
-    measurements: Vec<String>,
-    model: Arc<dyn LearnableModel>,
 }
 
 /// What kind a model is of.
@@ -85,7 +69,7 @@ impl Model {
     fn of_file(file: ModelFile, path: &Path) -> Result<Self, FileError> {
         let folder = path.parent().unwrap_or(Path::new(""));
         let timeline = match &file.model {
-            FileModel::Formulas(formulas) => Timeline::load(formulas, &file.measurements, folder)
+            FileModel::Formulas(formulas) => Timeline::load(formulas.frame(), &file.measurements, folder)
                 .map_err(|(file, reason)| FileError::Inputs { file, reason })?,
             FileModel::LinearGaussian(_) => None,
         };
@@ -134,33 +118,79 @@ impl Model {
         measurements: &[impl AsRef<str>],
         model: impl LearnableModel + 'static,
     ) -> Result<Self, MotesError> {
-        let names = |names: &[&str], what: &str, expected: usize| {
-            if names.len() != expected || expected == 0 {
-                let reason = format!("{what}: {} names; the model has {expected} coordinates", names.len());
-                return Err(MotesError::Setting(reason));
-            }
-            Ok(names.iter().map(ToString::to_string).collect::<Vec<String>>())
-        };
-        let all: [Vec<&str>; 2] =
-            [states.iter().map(AsRef::as_ref).collect(), measurements.iter().map(AsRef::as_ref).collect()];
-        let both = all.concat();
-        let is_name =
-            |name: &str| !name.trim().is_empty() && name.trim() == name && !name.contains(char::is_control);
-        if let Some(name) = both.iter().find(|name| !is_name(name) || ["t", "series"].contains(name)) {
-            let reason = format!(
-                "{name:?} names a coordinate; it must be a word, and none of t and series, which data have"
-            );
-            return Err(MotesError::Setting(reason));
-        }
-        if let Some(twice) = both.iter().enumerate().find(|(at, name)| both[..*at].contains(name)) {
-            return Err(MotesError::Setting(format!("{}: there are two coordinates of that name", twice.1)));
-        }
-        Ok(Model(Source::Own(Own {
-            name: name.to_string(),
-            states: names(&all[0], "states", model.state_dim())?,
-            measurements: names(&all[1], "measurements", model.measurement_dim())?,
-            model: Arc::new(model),
-        })))
+        let names = [listed(states), listed(measurements)];
+        Ok(Model(Source::Own(Own::new(name, names, Arc::new(model))?)))
+    }
+
+    /// [`Model::own`] with times, inputs and parameters: `sections` is a text with the sections `[time]`, `[inputs]`, `[parameters]` and `[series]` of a model file, as many of them as there are, and
+    /// `make` gives the model with these values of the parameters, in the order of the text. It is called again where they have others, as in a fit.
+    ///
+    /// The inputs of a step are in the order of `[inputs]`. Each needs a value in all steps and at all rows, whatever the equations use; in `x_0` it is NaN where it has none.
+    ///
+    /// ```
+    /// use motes::prelude::*;
+    /// use motes::{Data, FitOptions, Model, fit};
+    /// use std::ops::ControlFlow;
+    ///
+    /// /// A level that a pump fills, in metres.
+    /// struct Tank {
+    ///     leak: f64,
+    /// }
+    ///
+    /// impl Equations for Tank {
+    ///     fn dimensions(&self) -> [usize; 2] {
+    ///         [1, 1]
+    ///     }
+    ///
+    ///     fn inputs(&self) -> &[f64] {
+    ///         &[f64::NAN]
+    ///     }
+    ///
+    ///     fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, x: &mut [S]) {
+    ///         x[0] = draws.draw(normal(1.0, 0.5));
+    ///     }
+    ///
+    ///     fn transition<S: Scalar>(&self, step: &Step<'_, S>, before: &[S], draws: &mut impl Draws<S>, x: &mut [S]) {
+    ///         let change = before[0] * -self.leak + step.inputs[0];
+    ///         x[0] = draws.draw(normal(before[0] + change * step.length, 0.1 * step.length.sqrt()));
+    ///     }
+    ///
+    ///     fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
+    ///         y.push(normal(x[0], 0.05));
+    ///     }
+    /// }
+    ///
+    /// let sections = r#"
+    ///     [time]
+    ///     column = "hour"
+    ///     step = 0.5
+    ///     [inputs]
+    ///     pump = "hold"
+    ///     [parameters]
+    ///     leak = "log_normal(log(0.2), 0.5)"
+    /// "#;
+    /// let model = Model::own_with("tank", &["level"], &["gauge"], sections, |values| Tank { leak: values[0].1 })?;
+    /// let data = Data::read("hour,pump,gauge\n0,0.3,1.2\n1.5,0.1,1.4\n4,0,1.1\n".as_bytes(), "tank.csv", &model)?;
+    /// let options = FitOptions { draws: Some(40), particles: Some(50), ..FitOptions::default() };
+    /// let found = fit(&model, &data, &options, &|| ControlFlow::Continue(()), &mut |_| Ok(()))?;
+    /// assert_eq!(found.names, ["leak"]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`MotesError::Model`] for another section, or for what is wrong in one of these; [`MotesError::Setting`] as [`Model::own`], and if the model takes another number of inputs, or
+    /// parameters of its steps.
+    pub fn own_with<M: LearnableModel + 'static>(
+        name: &str,
+        states: &[impl AsRef<str>],
+        measurements: &[impl AsRef<str>],
+        sections: &str,
+        make: impl Fn(&[(String, f64)]) -> M + Send + Sync + 'static,
+    ) -> Result<Self, MotesError> {
+        let names = [listed(states), listed(measurements)];
+        let make =
+            Arc::new(move |values: &[(String, f64)]| -> Arc<dyn LearnableModel> { Arc::new(make(values)) });
+        Ok(Model(Source::Own(Own::with_sections(name, names, sections, make)?)))
     }
 
     /// What it calls itself.
@@ -187,17 +217,17 @@ impl Model {
         }
     }
 
-    /// The parameters with their values; those of a model of one's own are its own affair.
+    /// The parameters with their values.
     pub fn parameters(&self) -> &[(String, f64)] {
         match &self.0 {
             Source::File(file, _) => &file.parameters,
-            Source::Own(_) => &[],
+            Source::Own(_) => self.frame().map_or(&[], Frame::parameters),
         }
     }
 
-    /// The priors of parameters that have one, in the order of the file; none of a model of one's own.
+    /// The priors of parameters that have one, in the order of the file.
     pub fn priors(&self) -> &[Prior] {
-        self.formulas().map_or(&[], FormulaModel::priors)
+        self.frame().map_or(&[], Frame::priors)
     }
 
     /// The same model with other values of parameters.
@@ -211,18 +241,19 @@ impl Model {
                 let FileModel::Formulas(formulas) = &file.model else {
                     return Ok(Model(Source::File(file, timeline.clone())));
                 };
-                let timeline = timeline.as_ref().map(|timeline| Arc::new(timeline.of_model(formulas)));
+                let timeline =
+                    timeline.as_ref().map(|timeline| Arc::new(timeline.of_model(formulas.frame())));
                 Ok(Model(Source::File(file, timeline)))
             }
-            Source::Own(_) => Ok(self.clone()),
+            Source::Own(own) => Ok(Model(Source::Own(own.with_parameters(values)?))),
         }
     }
 
-    /// The text of the model file; none of a model of one's own.
+    /// The text of the model file, or of the sections of a model of one's own, if it has such.
     pub fn text(&self) -> Option<&str> {
         match &self.0 {
             Source::File(file, _) => Some(&file.text),
-            Source::Own(_) => None,
+            Source::Own(own) => own.sections.as_ref().map(|sections| sections.text.as_str()),
         }
     }
 
@@ -230,107 +261,38 @@ impl Model {
     pub fn describe(&self) -> Description {
         match &self.0 {
             Source::File(file, _) => file.describe(),
-            Source::Own(own) => Description {
-                groups: vec![
-                    ("states".into(), vec![own.states.join(", ")]),
-                    ("measurements".into(), vec![own.measurements.join(", ")]),
-                ],
-            },
+            Source::Own(own) => {
+                let names = [("states", &own.states), ("measurements", &own.measurements)];
+                let groups = names.map(|(title, names)| (title.into(), vec![names.join(", ")])).to_vec();
+                match self.frame() {
+                    Some(frame) => frame.describe(groups),
+                    None => Description { groups },
+                }
+            }
         }
     }
 
     /// The column of data that tells series apart: `series`, unless the model names another.
     pub fn series_column(&self) -> &str {
-        self.formulas().and_then(FormulaModel::series_column).unwrap_or("series")
-    }
-
-    /// The column of data that has the times of rows, where the model names one.
-    pub fn time_column(&self) -> Option<&str> {
-        self.timeline().and_then(Timeline::time_column)
-    }
-
-    /// The columns of data that the model's inputs come from; some may be measurements.
-    pub fn input_columns(&self) -> &[String] {
-        self.timeline().map_or(&[], Timeline::columns)
-    }
-
-    /// The steps to the next row of a series, all but the last of which have no measurement.
-    ///
-    /// # Errors
-    /// [`TimelineError`] if the row's time does not come next, or an input is missing.
-    pub fn next_steps(&self, clock: &mut Clock, row: RowTime<'_>) -> Result<Vec<StepRecord>, TimelineError> {
-        match self.timeline() {
-            Some(timeline) => clock.next(timeline, row),
-            None => Ok(vec![StepRecord::of(&self.step_of_index(clock.count()))]),
-        }
-    }
-
-    /// The steps to a row after the last one, at which nothing is measured: one with this time and these inputs, or a gap as the last one ahead. An input of the measurement
-    /// that is not known then is NaN.
-    ///
-    /// # Errors
-    /// [`TimelineError::Ahead`] if an input is not known then, and as [`Model::next_steps`].
-    pub fn steps_ahead(
-        &self,
-        clock: &mut Clock,
-        row: Option<RowTime<'_>>,
-    ) -> Result<Vec<StepRecord>, TimelineError> {
-        match self.timeline() {
-            Some(timeline) => clock.ahead(timeline, row),
-            None => Ok(vec![StepRecord::of(&self.step_of_index(clock.count()))]),
-        }
-    }
-
-    /// An input of the measurement that is not known at the end of a step.
-    pub(crate) fn unknown_input(&self, step: &Step<'_>) -> Option<String> {
-        let formulas = self.formulas()?;
-        let of_measurement = step.end(formulas.input_dim()).inputs;
-        let unknown = of_measurement.iter().position(|value| value.is_nan())?;
-        formulas.inputs().get(unknown).map(|input| input.name.clone())
-    }
-
-    /// Takes in what was measured at the row that [`Model::next_steps`] led to.
-    ///
-    /// # Errors
-    /// [`TimelineError::NoStepBefore`].
-    pub fn measured(&self, clock: &mut Clock, measurement: &[Option<f64>]) -> Result<(), TimelineError> {
-        match self.timeline() {
-            Some(timeline) => clock.measured(timeline, measurement),
-            None => Ok(()),
-        }
+        self.frame().and_then(Frame::series_column).unwrap_or("series")
     }
 
     /// The same model with the steps of a sequence as its own, for who simulates it many times; none of a model without times or inputs.
     pub(crate) fn along(&self, schedule: Schedule) -> Option<Model> {
-        let Source::File(file, Some(timeline)) = &self.0 else { return None };
+        let (file, timeline) = match &self.0 {
+            Source::File(file, timeline) => (file, timeline.as_ref()?),
+            Source::Own(own) => return own.along(schedule).map(|own| Model(Source::Own(own))),
+        };
         let FileModel::Formulas(formulas) = &file.model else { return None };
         let model = FileModel::Formulas(formulas.along(schedule));
         Some(Model(Source::File(ModelFile { model, ..file.clone() }, Some(Arc::clone(timeline)))))
     }
 
-    /// A measurement that is an input of later steps, if there is one.
-    pub(crate) fn fed_back_measurement(&self) -> Option<&str> {
-        let measurements = self.measurements();
-        self.input_columns().iter().find(|column| measurements.contains(column)).map(String::as_str)
-    }
-
-    /// The column of data that an input comes from.
-    pub(crate) fn input_column(&self, input: &str) -> Option<String> {
-        self.timeline()?.column_of(input).map(str::to_string)
-    }
-
+    /// Its times and inputs, with the files that it names.
     pub(crate) fn timeline(&self) -> Option<&Timeline> {
         match &self.0 {
             Source::File(_, timeline) => timeline.as_deref(),
-            Source::Own(_) => None,
-        }
-    }
-
-    /// The step of an index where nobody says more.
-    pub(crate) fn step_of_index(&self, index: usize) -> Step<'_> {
-        match self.kind() {
-            Kind::Learnable(learnable) => learnable.step_of_index(index),
-            Kind::LinearGaussian(linear) => linear.step_of_index(index),
+            Source::Own(own) => own.sections.as_ref()?.timeline.as_deref(),
         }
     }
 
@@ -384,6 +346,15 @@ impl Model {
         Some(format!("{name} is measured without error, as R says, and no particle is where it was measured"))
     }
 
+    /// Its times, inputs and parameters, if it is no file of matrices alone and says anything of these.
+    pub(crate) fn frame(&self) -> Option<&Frame> {
+        match &self.0 {
+            Source::File(ModelFile { model: FileModel::Formulas(formulas), .. }, _) => Some(formulas.frame()),
+            Source::File(..) => None,
+            Source::Own(own) => own.sections.as_ref().map(|sections| &sections.frame),
+        }
+    }
+
     /// Its formulas, if it is a file of them.
     pub(crate) fn formulas(&self) -> Option<&FormulaModel> {
         match &self.0 {
@@ -391,4 +362,9 @@ impl Model {
             _ => None,
         }
     }
+}
+
+/// Names as texts of their own.
+fn listed(names: &[impl AsRef<str>]) -> Vec<String> {
+    names.iter().map(|name| name.as_ref().to_string()).collect()
 }

@@ -1,7 +1,7 @@
 //! What a model calls itself and its coordinates.
 
 use motes_formulas::InputSource;
-use motes_models::{StateSpaceModel, StepRecord};
+use motes_models::StepRecord;
 use serde::{Deserialize, Serialize};
 
 use crate::model::Model;
@@ -44,14 +44,14 @@ pub struct FileInput {
 
 impl FileInput {
     fn of(model: &Model) -> Vec<Self> {
-        let Some(formulas) = model.formulas() else { return vec![] };
-        let inputs = formulas.inputs().iter().enumerate();
+        let Some(frame) = model.frame() else { return vec![] };
+        let inputs = frame.inputs().iter().enumerate();
         let of_files = inputs.filter(|(_, input)| matches!(input.source, InputSource::File { .. }));
         let made = of_files.map(|(number, input)| FileInput {
             name: input.name.clone(),
             number,
-            count: formulas.input_dim(),
-            is_measured: formulas.input_use(number).measurement,
+            count: frame.input_dim(),
+            is_measured: frame.input_use(number).measurement,
         });
         made.collect()
     }

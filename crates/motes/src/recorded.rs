@@ -6,8 +6,9 @@ use motes_smc::{LookAhead, LookAheadError, RecordedStep};
 use crate::data::Data;
 use crate::engine::Running;
 use crate::error::MotesError;
-use crate::model::{Kind, LearnableModel, Model};
+use crate::model::{Kind, Model};
 use crate::options::{FilterOptions, ProposalName};
+use crate::own_model::LearnableModel;
 
 /// The steps of a series whose rows stand at `places`, each with what is measured then.
 pub(crate) fn recorded_steps(data: &Data, places: &[usize]) -> Vec<RecordedStep> {

@@ -40,8 +40,8 @@ def in_functions() -> motes.Model:
     """The functions of growth_particles.py."""
     return motes.of_functions(
         [motes.normal(0.0, np.sqrt(5))],
-        lambda t, x: [motes.normal(x[:, 0] / 2 + 25 * x[:, 0] / (1 + x[:, 0] ** 2) + 8 * np.cos(1.2 * t), np.sqrt(10))],
-        lambda t, x: [motes.normal(x[:, 0] ** 2 / 20, 1.0)],
+        lambda step, x: [motes.normal(x[:, 0] / 2 + 25 * x[:, 0] / (1 + x[:, 0] ** 2) + 8 * np.cos(1.2 * step.time), np.sqrt(10))],
+        lambda step, x: [motes.normal(x[:, 0] ** 2 / 20, 1.0)],
         states=["x"],
         measurements=["y"],
     )

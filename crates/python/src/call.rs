@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use pyo3::prelude::*;
 
-use crate::errors::to_python;
 use crate::functions::{Failure, Functions};
 
 /// What a model is made of.
@@ -27,13 +26,19 @@ pub(crate) struct ForCall {
 }
 
 impl ForCall {
-    /// A model for one call, which simulates series that may overflow or does not: what functions raise in one call is no other's affair.
-    pub(crate) fn new(model: &Arc<motes::Model>, made: &Made, simulates: bool) -> PyResult<Self> {
+    /// A model for one call, which simulates series that may overflow or does not: what functions raise in one call is no other's affair. `set` are parameters with other values.
+    pub(crate) fn new(
+        model: &Arc<motes::Model>,
+        made: &Made,
+        set: &[(String, f64)],
+        simulates: bool,
+    ) -> PyResult<Self> {
         let failure = Failure::default();
         let (model, asks_python) = match made {
             Made::Text { .. } => (Arc::clone(model), false),
             Made::Functions(functions) => {
-                (Arc::new(functions.model(&failure, simulates).map_err(to_python)?), true)
+                let model = failure.or(functions.model(&failure, simulates, set))?;
+                (Arc::new(model), true)
             }
         };
         Ok(ForCall { model, failure, asks_python })

@@ -19,6 +19,7 @@ mod inputs;
 mod learned;
 mod maximum_fit;
 mod model;
+mod of_functions;
 mod online;
 mod options;
 mod posterior_fit;
@@ -50,6 +51,8 @@ mod _motes {
     use crate::maximum_fit::{MaximumFit, maximise};
     #[pymodule_export]
     use crate::model::Model;
+    #[pymodule_export]
+    use crate::of_functions::of_functions;
     #[pymodule_export]
     use crate::online::Online;
     #[pymodule_export]

@@ -20,7 +20,6 @@ use crate::comparison::carded;
 use crate::data::Data;
 use crate::errors::{in_python, to_python};
 use crate::filtered::Filtered;
-use crate::functions::{Failure, Functions};
 use crate::learned::{LearnArguments, Proposal};
 use crate::options::{FilterOptions, ProposalArgument};
 use crate::simulated::flat;
@@ -76,19 +75,10 @@ impl Model {
         Some((self.model.text()?.to_string(), called.clone(), self.set.clone(), *is_generated))
     }
 
-    /// The model of functions. `initial` are distributions; `slopes` are the other two with derivatives.
-    #[staticmethod]
-    fn of_functions(
-        py: Python<'_>,
-        name: String,
-        names: [Vec<String>; 2],
-        initial: &Bound<'_, PyAny>,
-        functions: [Py<PyAny>; 2],
-        slopes: Option<[Py<PyAny>; 2]>,
-    ) -> PyResult<Self> {
-        let functions = Arc::new(Functions::new(py, name, names, initial, functions, slopes)?);
-        let model = Arc::new(functions.model(&Failure::default(), false).map_err(to_python)?);
-        Ok(Model { model, set: Vec::new(), made: Made::Functions(functions) })
+    /// Parameters that were given other values.
+    #[getter]
+    fn set(&self) -> Vec<(String, f64)> {
+        self.set.clone()
     }
 
     #[getter]
@@ -381,12 +371,12 @@ impl Model {
 
     /// This model for one call.
     pub(crate) fn for_call(&self) -> PyResult<ForCall> {
-        ForCall::new(&self.model, &self.made, false)
+        ForCall::new(&self.model, &self.made, &self.set, false)
     }
 
     /// This model for one call that simulates series, which may overflow.
     fn for_simulations(&self) -> PyResult<ForCall> {
-        ForCall::new(&self.model, &self.made, true)
+        ForCall::new(&self.model, &self.made, &self.set, true)
     }
 
     /// What was found, by work that began at `start`, with what there is to say of it.

@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 use crate::arguments::{integer, threads_of};
-use crate::call::ForCall;
+use crate::call::{ForCall, Made};
 use crate::data::Data;
 use crate::errors::{in_python, to_python};
 use crate::filtered::Filtered;
@@ -178,9 +178,12 @@ pub(crate) fn log_evidence_at<'py>(
 #[pyfunction]
 pub(crate) fn with_parameters(model: &Bound<'_, Model>, values: Vec<(String, f64)>) -> PyResult<Model> {
     let Model { model, set, made } = model.get();
-    let model = Arc::new(model.with_parameters(&values).map_err(to_python)?);
     let mut all = set.clone();
     all.retain(|(name, _)| values.iter().all(|(other, _)| other != name));
-    all.extend(values);
+    all.extend(values.iter().cloned());
+    let model = match made {
+        Made::Text { .. } => Arc::new(model.with_parameters(&values).map_err(to_python)?),
+        Made::Functions(_) => ForCall::new(model, made, &all, false)?.model,
+    };
     Ok(Model { model, set: all, made: made.clone() })
 }

@@ -18,8 +18,8 @@ def test_counts_can_be_neither_shifted_nor_scaled():
         one + None
     counted = motes.of_functions(
         [one],
-        lambda t, x: [motes.normal(x[:, 0], 1.0)],
-        lambda t, x: motes.negative_binomial(np.exp(0.01 * x), 3.0),
+        lambda step, x: [motes.normal(x[:, 0], 1.0)],
+        lambda step, x: motes.negative_binomial(np.exp(0.01 * x), 3.0),
         states=["x"],
         measurements=["y"],
     )

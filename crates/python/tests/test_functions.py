@@ -15,12 +15,12 @@ def initial():
     return [motes.normal(0.0, np.sqrt(5))]
 
 
-def transition(t, x):
+def transition(step, x):
     x = x[:, 0]
-    return [motes.normal(x / 2 + 25 * x / (1 + x**2) + 8 * np.cos(1.2 * t), np.sqrt(10))]
+    return [motes.normal(x / 2 + 25 * x / (1 + x**2) + 8 * np.cos(1.2 * step.time), np.sqrt(10))]
 
 
-def measurement(t, x):
+def measurement(step, x):
     return [motes.normal(x[:, 0] ** 2 / 20, 1.0)]
 
 
@@ -40,12 +40,12 @@ def y(growth):
     return values
 
 
-def walk(t, x):
+def walk(step, x):
     """A walk in two coordinates with noise of one side, as a list."""
     return [motes.normal(x[:, 0] + 0.1 * x[:, 1], 0.5), 0.9 * x[:, 1] + motes.exponential(0.2)]
 
 
-def seen(t, x):
+def seen(step, x):
     return motes.student_t(4.0, x, [0.5, 0.25])
 
 
@@ -95,7 +95,7 @@ def test_shapes_that_are_broadcast():
         "read-only": lambda x: motes.normal(np.broadcast_to(x, x.shape), 0.5),
     }
     found = [
-        of([motes.normal(0.0, 1.0)] * 2, lambda t, x, stated=stated: stated(x), lambda t, x: motes.normal(x[:, 0], 1.0), ["a", "b"])
+        of([motes.normal(0.0, 1.0)] * 2, lambda step, x, stated=stated: stated(x), lambda step, x: motes.normal(x[:, 0], 1.0), ["a", "b"])
         .filter([0.3, 0.1, 0.4], particles=50)
         .log_evidence
         for stated in shapes.values()
@@ -135,8 +135,8 @@ def test_a_model_is_checked(functions, y):
     assert any("gradients: the model has none" in line for line in right)
 
 
-def raising(t, x):
-    if t == 5:
+def raising(step, x):
+    if step.index == 5:
         return [motes.normal({}["nothing"], 1.0)]
     return [motes.normal(x[:, 0], 1.0)]
 
@@ -172,7 +172,7 @@ def test_a_filter_on_line_says_what_its_functions_raise():
 
 def late(what):
     """Right up to t = 2."""
-    return lambda t, x: what(x) if t == 2 else [motes.normal(x[:, 0], 1.0)]
+    return lambda step, x: what(x) if step.index == 2 else [motes.normal(x[:, 0], 1.0)]
 
 
 @pytest.mark.parametrize(
@@ -189,7 +189,7 @@ def late(what):
         (lambda x: [motes.normal(x[:, 0], 1.0)] * 2, "2 distributions; it must be one for each of 1 coordinates"),
         (lambda x: x, "x: ndarray; it must be a distribution"),
         (lambda x: None, "x: NoneType; it must be a distribution"),
-        (lambda x: [motes.poisson(1.0)], "x: poisson; counts belong to measurements"),
+        (lambda x: [motes.poisson(1.0)], "x: poisson; states that are known, follow or are counts have no density: density=False allows them"),
         (lambda x: [0.0 * motes.normal(x[:, 0], 1.0)], "the factor of x: 0; it must be finite and not 0"),
         (lambda x: [motes.laplace(0.0, 1.0) + np.full(len(x), np.nan)], "the shift of x: NaN in row 0; it must be finite"),
     ],
@@ -224,8 +224,8 @@ class TestJax:
 
     @pytest.fixture
     def model(self, jnp):
-        def of_growth(t, x):
-            return [motes.normal(x[:, 0] / 2 + 25 * x[:, 0] / (1 + x[:, 0] ** 2) + 8 * jnp.cos(1.2 * t), jnp.sqrt(10.0))]
+        def of_growth(step, x):
+            return [motes.normal(x[:, 0] / 2 + 25 * x[:, 0] / (1 + x[:, 0] ** 2) + 8 * jnp.cos(1.2 * step.time), jnp.sqrt(10.0))]
 
         return of(transition=of_growth, jax=True)
 
@@ -249,10 +249,10 @@ class TestJax:
         assert tuned.proposal.choice.endswith("learned further")
 
     def test_several_coordinates_in_one_distribution(self, jnp):
-        def turned(t, x):
+        def turned(step, x):
             return motes.normal(x @ jnp.array([[0.9, 0.1], [-0.1, 0.9]]).T, jnp.array([0.5, 0.25]))
 
-        def seen(t, x):
+        def seen(step, x):
             return [motes.poisson(jnp.exp(0.3 * x[:, 0])), motes.normal(x[:, 0] * x[:, 1], 0.5)]
 
         ours = of([motes.normal(0.0, 1.0)] * 2, turned, seen, ["a", "b"], ["y", "z"], jax=True)
@@ -270,7 +270,7 @@ class TestJax:
 
     def test_what_a_function_raises_is_raised(self):
         with pytest.raises(KeyError, match="nothing"):
-            of(measurement=lambda t, x: {}["nothing"], jax=True).filter([0.0])
+            of(measurement=lambda step, x: {}["nothing"], jax=True).filter([0.0])
 
     @pytest.mark.parametrize(
         ("what", "message"),
@@ -284,15 +284,15 @@ class TestJax:
     )
     def test_what_is_wrong_is_said(self, what, message):
         with pytest.raises(ValueError, match=f"^transition: {message}"):
-            of(transition=lambda t, x: what(x), jax=True).filter(np.zeros(5), particles=20)
+            of(transition=lambda step, x: what(x), jax=True).filter(np.zeros(5), particles=20)
 
     def test_a_function_without_derivatives_is_not_taken_for_a_flat_one(self, jnp):
         import jax
 
-        def opaque(t, x):
+        def opaque(step, x):
             return [motes.normal(jax.pure_callback(np.asarray, jax.ShapeDtypeStruct(x.shape[:1], x.dtype), x[:, 0]), 1.0)]
 
-        model = of(transition=lambda t, x: [motes.normal(x[:, 0], 1.0)], measurement=opaque, jax=True)
+        model = of(transition=lambda step, x: [motes.normal(x[:, 0], 1.0)], measurement=opaque, jax=True)
         assert np.isfinite(model.filter([0.3, 0.1], particles=20).log_evidence)
         with pytest.raises(ValueError, match="JVP"):
             model.filter([0.3, 0.1], particles=20, proposal="linearised")
@@ -301,7 +301,7 @@ class TestJax:
 def within(inner):
     """A model whose measurement calls motes."""
 
-    def nested(t, x):
+    def nested(step, x):
         inner()
         return [motes.normal(x[:, 0], 1.0)]
 
@@ -347,7 +347,7 @@ def test_a_filter_on_line_that_failed_says_so():
     ],
 )
 def test_a_call_of_slow_functions_can_be_ended(asked):
-    def slow(t, x):
+    def slow(step, x):
         time.sleep(0.02)
         return [motes.normal(x[:, 0], 1.0)]
 
@@ -363,8 +363,8 @@ def test_simulations_that_overflow_are_left_out_as_a_files_are():
     file = motes.Model({"initial": {"x": "normal(0, 1)"}, "transition": {"x": "normal(x + 0.01*x^3, 1)"}, "measurement": {"y": "normal(x, 1)"}})
     functions = of(
         [motes.normal(0.0, 1.0)],
-        lambda t, x: [motes.normal(x[:, 0] + 0.01 * x[:, 0] ** 3, 1.0)],
-        lambda t, x: [motes.normal(x[:, 0], 1.0)],
+        lambda step, x: [motes.normal(x[:, 0] + 0.01 * x[:, 0] ** 3, 1.0)],
+        lambda step, x: [motes.normal(x[:, 0], 1.0)],
     )
     with np.errstate(all="ignore"):
         assert functions.check()[1] == file.check()[1]
@@ -373,12 +373,12 @@ def test_simulations_that_overflow_are_left_out_as_a_files_are():
 
 
 def test_bounds_that_overflow_end_a_simulation():
-    def runs_away(t, x):
+    def runs_away(step, x):
         ahead = x[:, 0] + x[:, 0] ** 3
         return [motes.uniform(ahead - 1.0, ahead + 1.0)]
 
     with np.errstate(all="ignore"):
-        problems = of([motes.normal(9.0, 1.0)], runs_away, lambda t, x: [motes.normal(x[:, 0], 1.0)]).check()[1]
+        problems = of([motes.normal(9.0, 1.0)], runs_away, lambda step, x: [motes.normal(x[:, 0], 1.0)]).check()[1]
     assert any("series run to numbers that are not finite" in problem for problem in problems)
 
 
@@ -386,15 +386,15 @@ def test_functions_that_end_with_the_data():
     inputs = np.linspace(0.0, 1.0, 6)
     model = of(
         [motes.normal(0.0, 1.0)],
-        lambda t, x: [motes.normal(0.9 * x[:, 0] + inputs[t], 1.0)],
-        lambda t, x: [motes.normal(x[:, 0], 0.5)],
+        lambda step, x: [motes.normal(0.9 * x[:, 0] + inputs[step.index], 1.0)],
+        lambda step, x: [motes.normal(x[:, 0], 0.5)],
     )
     learned = model.learn(updates=30, steps=6, sequences=0)
     assert np.isfinite(model.filter(np.zeros(6), particles=50, proposal=learned.proposal).log_evidence)
 
 
 def test_noise_that_vanishes_where_no_particle_is():
-    model = of([motes.normal(0.0, 1.0)], lambda t, x: [motes.normal(0.0 * x[:, 0], 1.0)], lambda t, x: [motes.normal(0.0, np.abs(x[:, 0]))])
+    model = of([motes.normal(0.0, 1.0)], lambda step, x: [motes.normal(0.0 * x[:, 0], 1.0)], lambda step, x: [motes.normal(0.0, np.abs(x[:, 0]))])
     assert model.learn(updates=30, steps=10, sequences=0).proposal is not None
 
 
@@ -404,8 +404,8 @@ def test_particles_that_are_not_aligned_and_known_starts():
         moved[:] = values
         return moved
 
-    one = of(transition=lambda t, x: [motes.normal(unaligned(0.5 * x[:, 0]), 1.0)])
-    two = of(transition=lambda t, x: [motes.normal(0.5 * x[:, 0], 1.0)])
+    one = of(transition=lambda step, x: [motes.normal(unaligned(0.5 * x[:, 0]), 1.0)])
+    two = of(transition=lambda step, x: [motes.normal(0.5 * x[:, 0], 1.0)])
     assert one.filter([0.1, 0.2], particles=40).log_evidence == two.filter([0.1, 0.2], particles=40).log_evidence
 
 

@@ -20,11 +20,11 @@ WALK = {
 WAYS = [copy.copy, copy.deepcopy, lambda one: pickle.loads(pickle.dumps(one))]
 
 
-def moved(t, x):
+def moved(step, x):
     return [motes.normal(0.9 * x[:, 0], 0.5)]
 
 
-def measured(t, x):
+def measured(step, x):
     return [motes.normal(x[:, 0], 0.5)]
 
 
@@ -73,7 +73,7 @@ def test_messages_are_those_of_the_original():
 
 
 def test_functions_that_cannot_be_pickled_are_named():
-    model = of_functions(lambda t, x: [motes.normal(x[:, 0], 1.0)])
+    model = of_functions(lambda step, x: [motes.normal(x[:, 0], 1.0)])
     with pytest.raises((AttributeError, TypeError, pickle.PicklingError), match="lambda"):
         pickle.dumps(model)
     # Nothing of functions is needed for what was found, nor for copies of a model.

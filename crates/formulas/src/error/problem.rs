@@ -32,6 +32,11 @@ pub enum Problem {
         /// What was meant, or what there is.
         advice: String,
     },
+    /// A section for equations, of a model whose equations are functions.
+    #[error(
+        "functions state what {0} does in a model file; beside them there are [time], [inputs], [parameters] and [series]"
+    )]
+    OfFunctions(&'static str),
     /// A section or key that is needed is not there.
     #[error("there is no {name}; it is needed: {example}")]
     Missing {

@@ -30,7 +30,7 @@ pub(crate) use parameters::Parameters;
 pub use time::{TimeLabel, TimeRule, TimeUnit};
 
 /// The formulas of a model.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Statement {
     /// The model's name, if the file gives one.
     pub(crate) name: Option<String>,
@@ -112,9 +112,7 @@ pub(crate) fn read(text: &str, table: &Table, overrides: &[(String, f64)]) -> Re
     let sections = Sections::of(table)?;
     let parameters = Parameters::read(&sections.parameters, overrides)?;
     let constants = parameters.meanings();
-    let constants = Constants { names: &constants, lists: &parameters.lists };
-    let time = sections.has_time.then(|| time::read(&sections.time, constants)).transpose()?;
-    let inputs = inputs_of(&sections, constants)?;
+    let inputs = inputs_of(&sections, Constants { names: &constants, lists: &parameters.lists })?;
     let states = keys::read(&sections.initial, Section::Initial, &parameters)?;
     let definitions = keys::read(&sections.definitions, Section::Definitions, &parameters)?;
     let draws = keys::read(&sections.draws, Section::Draws, &parameters)?;
@@ -138,14 +136,6 @@ pub(crate) fn read(text: &str, table: &Table, overrides: &[(String, f64)]) -> Re
     let order = order::of(&defined)
         .map_err(|(number, problem)| definitions[number].fault(Section::Definitions, problem))?;
     Ok(Statement {
-        name: sections.name.clone(),
-        series: series_column(&sections.series)?,
-        time,
-        simulated: simulated(text, &inputs, constants)?,
-        inputs: inputs.into_iter().map(|input| input.rule).collect(),
-        parameters: parameters.values.clone(),
-        lists: parameters.lists.clone(),
-        priors: parameters.priors.clone(),
         definitions: defined,
         order,
         draws: reader.lines(&draws, Section::Draws)?,
@@ -153,7 +143,51 @@ pub(crate) fn read(text: &str, table: &Table, overrides: &[(String, f64)]) -> Re
         transition: reader.lines(&moves, Section::Transition)?,
         measurement,
         totals: totals.all,
-        may_be_exact: false,
+        ..around(text, &sections, &parameters, inputs)?
+    })
+}
+
+/// Reads the sections that a model has whose equations are functions; `names` are those of its coordinates.
+pub(crate) fn read_frame(
+    text: &str,
+    table: &Table,
+    names: &[&str],
+    overrides: &[(String, f64)],
+) -> Result<Statement, Fault> {
+    let sections = Sections::of_functions(table)?;
+    let parameters = Parameters::read(&sections.parameters, overrides)?;
+    let constants = parameters.meanings();
+    let inputs = inputs_of(&sections, Constants { names: &constants, lists: &parameters.lists })?;
+    meanings(&parameters, &inputs, [&[], &[], &[], &[]])?;
+    for (section, table) in [(Section::Inputs, &sections.inputs), (Section::Parameters, &sections.parameters)]
+    {
+        if let Some(entry) = table.iter().find(|entry| names.contains(&entry.key.as_str())) {
+            let problem = Problem::Twice { name: entry.key.clone(), other: "the coordinates" };
+            return Err(Fault::at(entry.key_at, problem).in_section(section).of_key(&entry.key));
+        }
+    }
+    around(text, &sections, &parameters, inputs)
+}
+
+/// What a file states besides equations.
+fn around(
+    text: &str,
+    sections: &Sections,
+    parameters: &Parameters,
+    inputs: Vec<inputs::Read<'_>>,
+) -> Result<Statement, Fault> {
+    let constants = parameters.meanings();
+    let constants = Constants { names: &constants, lists: &parameters.lists };
+    Ok(Statement {
+        name: sections.name.clone(),
+        series: series_column(&sections.series)?,
+        time: sections.has_time.then(|| time::read(&sections.time, constants)).transpose()?,
+        simulated: simulated(text, &inputs, constants)?,
+        inputs: inputs.into_iter().map(|input| input.rule).collect(),
+        parameters: parameters.values.clone(),
+        lists: parameters.lists.clone(),
+        priors: parameters.priors.clone(),
+        ..Statement::default()
     })
 }
 

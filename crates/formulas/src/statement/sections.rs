@@ -19,6 +19,9 @@ pub(super) struct Sections {
     pub(super) measurement: Table,
 }
 
+/// What a model has whose equations are functions.
+const OF_FUNCTIONS: [Section; 4] = [Section::Time, Section::Inputs, Section::Parameters, Section::Series];
+
 /// A line that each of the needed sections may have.
 fn example(section: Section) -> &'static str {
     match section {
@@ -29,6 +32,33 @@ fn example(section: Section) -> &'static str {
 }
 
 impl Sections {
+    /// Sorts the sections of a model whose equations are functions; it has none for equations.
+    pub(super) fn of_functions(table: &Table) -> Result<Self, Fault> {
+        let mut sections = Sections::default();
+        for entry in table {
+            let fault = |problem| Fault::at(entry.key_at, problem);
+            let section = Section::ALL.into_iter().find(|section| section.name() == entry.key);
+            match section {
+                Some(section) if OF_FUNCTIONS.contains(&section) => {
+                    *sections.of_mut(section) = lines(&entry.value, section)?.clone();
+                    sections.has_time |= section == Section::Time;
+                }
+                Some(section) => return Err(fault(Problem::OfFunctions(section.title()))),
+                None => {
+                    let advice = match nearest(&entry.key, OF_FUNCTIONS.map(Section::name)) {
+                        Some(near) => format!("did you mean `{near}`?"),
+                        None => {
+                            let all = OF_FUNCTIONS.map(Section::title).join(", ");
+                            format!("beside functions it has {all}")
+                        }
+                    };
+                    return Err(fault(Problem::UnknownKey { name: entry.key.clone(), advice }));
+                }
+            }
+        }
+        Ok(sections)
+    }
+
     /// Sorts the keys of a file.
     pub(super) fn of(table: &Table) -> Result<Self, Fault> {
         let mut sections = Sections::default();

@@ -15,7 +15,7 @@ fn with(parameters: &str, set: &[(String, f64)]) -> FormulaModel {
 }
 
 fn prior(text: &str) -> Prior {
-    with(&format!("a = 2\nq = \"{text}\""), &[]).priors()[0].clone()
+    with(&format!("a = 2\nq = \"{text}\""), &[]).frame().priors()[0].clone()
 }
 
 /// Priors with their medians.
@@ -100,7 +100,7 @@ fn supports_are_in_words() {
 #[test]
 fn shares_are_a_list() {
     let model = with("share = \"dirichlet(3, 0.1, 0.1, 96.8)\"\nb = \"uniform(0, 1)\"", &[]);
-    let [share, b] = model.priors() else { panic!("two priors") };
+    let [share, b] = model.frame().priors() else { panic!("two priors") };
     assert_eq!(share.entries(), ["share[0]", "share[1]", "share[2]", "share[3]"]);
     assert_eq!((share.start(), share.origin()), (&[0.03, 0.001, 0.001, 0.968][..], Origin::Mean));
     assert_eq!((b.name(), b.text()), ("b", "uniform(0, 1)"));
@@ -113,7 +113,7 @@ fn shares_are_a_list() {
     }
     assert!((mean - 0.03).abs() < 0.002, "{mean}");
     // B(2, 3) = 1/12.
-    let two = with("p = \"dirichlet(2, 3)\"", &[]).priors()[0].clone();
+    let two = with("p = \"dirichlet(2, 3)\"", &[]).frame().priors()[0].clone();
     assert!((two.log_density(&[0.3, 0.7]) - (12.0_f64 * 0.3 * 0.49).ln()).abs() < 1e-12);
     assert_eq!(two.log_density(&[0.3, 0.6]), f64::NEG_INFINITY);
 }
@@ -123,13 +123,13 @@ fn shares_are_a_list() {
 fn an_entry_of_a_list_has_a_prior_of_its_own() {
     let text = "a = [\"normal(1, 2)\", 0.3, { prior = \"uniform(0, 1)\", start = 0.25 }]\nb = \"half_normal(1)\"\ng = [[0.5, \"beta(2, 2)\"], [1, 2]]";
     let model = with(text, &[]);
-    let names: Vec<&str> = model.priors().iter().map(Prior::name).collect();
+    let names: Vec<&str> = model.frame().priors().iter().map(Prior::name).collect();
     assert_eq!(names, ["a[0]", "a[2]", "b", "g[0,1]"]);
-    assert_eq!(model.priors()[0].entries(), ["a[0]"]);
-    let starts: Vec<f64> = model.priors().iter().map(|prior| prior.start()[0]).collect();
+    assert_eq!(model.frame().priors()[0].entries(), ["a[0]"]);
+    let starts: Vec<f64> = model.frame().priors().iter().map(|prior| prior.start()[0]).collect();
     assert_eq!((starts[0], starts[1], starts[3]), (1.0, 0.25, 0.5));
     let set = [("a[2]".to_string(), 0.75)];
-    let origins: Vec<Origin> = with(text, &set).priors().iter().map(Prior::origin).collect();
+    let origins: Vec<Origin> = with(text, &set).frame().priors().iter().map(Prior::origin).collect();
     assert_eq!(origins, [Origin::Median, Origin::Set, Origin::Median, Origin::Median]);
     // What a formula makes of them.
     let file = format!(
@@ -153,7 +153,7 @@ fn values_from_outside_come_first() {
         let set: Vec<(String, f64)> = set.iter().map(|(name, value)| (name.to_string(), *value)).collect();
         let model = with(text, &set);
         let of = |prior: &Prior| (prior.start().to_vec(), prior.origin());
-        model.priors().iter().map(of).collect::<Vec<_>>()
+        model.frame().priors().iter().map(of).collect::<Vec<_>>()
     };
     let given = [(vec![0.7], Origin::Given), (vec![0.25, 0.75], Origin::Given)];
     assert_eq!(values(&[]), [vec![(vec![2.0], Origin::Median)], given.to_vec()].concat());

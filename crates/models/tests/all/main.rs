@@ -1,6 +1,7 @@
 //! Distributions, equations, batches, exact inference: what models are held against.
 
 mod batched;
+mod batched_counts;
 mod batches;
 mod distributions;
 mod equations;

@@ -10,7 +10,7 @@ use motes_train::{LearnConfig, LearnObjective, learn};
 use super::options::LearnOptions;
 use crate::error::MotesError;
 use crate::learned::shape_of;
-use crate::model::LearnableModel;
+use crate::own_model::LearnableModel;
 
 /// With more coordinates particles share the correlations of one Gaussian, and components of a mixture have none beside those of the base: a network that
 /// emits so many numbers for each particle is not learned in seconds.

@@ -24,7 +24,8 @@ use crate::data::Data;
 use crate::error::MotesError;
 use crate::learned::{LearnedProposal, learnable, shape_of};
 use crate::learned_notes::Notes;
-use crate::model::{LearnableModel, Model};
+use crate::model::Model;
+use crate::own_model::{LearnableModel, draws_transitions_alone};
 use crate::simulating::{check_draws, schedule};
 use choice::{Choice, choose};
 use over_prior::{PriorLearning, prior_of};
@@ -91,6 +92,11 @@ fn learn_until(
     let scheduled = schedule.and_then(|schedule| model.along(schedule));
     let simulated = scheduled.as_ref().unwrap_or(model);
     let learnable = learnable(simulated)?;
+    if let Some(reason) = draws_transitions_alone(learnable) {
+        return Err(MotesError::Setting(format!(
+            "{reason}: there is nothing to learn; take --proposal bootstrap"
+        )));
+    }
     let settings = LearnConfig {
         objective: options.objective,
         continues: options.start.is_some(),

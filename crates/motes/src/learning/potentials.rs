@@ -15,8 +15,9 @@ use crate::evidence::{JudgedSequence, LearnedWorth, candidates, judge as judge_e
 use crate::filter_source::FilterSource;
 use crate::learned::LearnedProposal;
 use crate::learned_notes::PotentialNotes;
-use crate::model::{LearnableModel, Model};
+use crate::model::Model;
 use crate::options::ProposalName;
+use crate::own_model::LearnableModel;
 use crate::recorded::steps_to_row;
 use crate::simulating::{SimulatedRow, simulate_some};
 

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use motes_formulas::{Between, InputRule, InputSource, MOST_SUB_STEPS, TimeLabel};
-use motes_models::{StateSpaceModel, Step, StepRecord};
+use motes_models::{Step, StepRecord};
 use serde::{Deserialize, Serialize};
 
 use super::error::TimelineError;
@@ -156,7 +156,7 @@ impl Clock {
         time: f64,
         columns: &[Option<f64>],
     ) -> Result<Vec<StepRecord>, TimelineError> {
-        let inputs = timeline.model.inputs();
+        let inputs = timeline.frame.inputs();
         let mut steps = Vec::with_capacity(1);
         let start = timeline.start_since(self.origin);
         let from = match (&self.previous, start) {
@@ -174,7 +174,7 @@ impl Clock {
             before: None,
             after: columns,
             is_row: true,
-            place: if entry == 0 { "[measurement]" } else { "[initial]" },
+            place: timeline.place(if entry == 0 { "[measurement]" } else { "[initial]" }),
         };
         if self.previous.is_none() {
             let moment = match from {
@@ -185,18 +185,23 @@ impl Clock {
                     before: None,
                     after: columns,
                     is_row: false,
-                    place: "[initial]",
+                    place: timeline.place("[initial]"),
                 },
             };
             let mut values = Vec::new();
             for (number, input) in inputs.iter().enumerate() {
-                let is_used = timeline.model.input_use(number).initial;
-                values.push(if is_used { self.value(timeline, number, input, &moment)? } else { 0.0 });
+                let value = || self.value(timeline, number, input, &moment);
+                values.push(match timeline.frame.input_use(number).initial {
+                    true => value()?,
+                    // Functions may use it, but need not.
+                    false if timeline.frame.is_of_functions() => value().unwrap_or(f64::NAN),
+                    false => 0.0,
+                });
             }
-            values.resize(timeline.model.input_dim(), 1.0);
+            values.resize(timeline.frame.input_dim(), 1.0);
             match from {
                 None => self.add_measured(timeline, &measured(0), &mut values)?,
-                Some(_) => values.extend(std::iter::repeat_n(0.0, timeline.model.input_dim())),
+                Some(_) => values.extend(std::iter::repeat_n(0.0, timeline.frame.input_dim())),
             }
             let first = Step { time: from.unwrap_or(time), inputs: &values, ..Step::of_index(0) };
             steps.push(StepRecord::of(&first));
@@ -213,7 +218,7 @@ impl Clock {
                 return Err(TimelineError::SubSteps { gap, sub_steps: count, step });
             }
             let sub_steps = count as usize;
-            let mut values = Vec::with_capacity((sub_steps + 1) * timeline.model.input_dim());
+            let mut values = Vec::with_capacity((sub_steps + 1) * timeline.frame.input_dim());
             for part in 0..sub_steps {
                 let share = part as f64 / count;
                 let moment = Moment {
@@ -222,17 +227,16 @@ impl Clock {
                     before: self.past.front().map(Vec::as_slice),
                     after: columns,
                     is_row: false,
-                    place: "[transition]",
+                    place: timeline.place("[transition]"),
                 };
                 for (number, input) in inputs.iter().enumerate() {
-                    let is_used = timeline.model.input_use(number).transition;
+                    let is_used = timeline.frame.input_use(number).transition;
                     values.push(if is_used { self.value(timeline, number, input, &moment)? } else { 0.0 });
                 }
                 let of_row = self.previous.as_ref();
                 let was_measured =
                     |entry: usize| of_row.is_none_or(|row| row.measured.get(entry).is_none_or(|was| *was));
-                values
-                    .extend(timeline.model.resets().into_iter().map(|entry| f64::from(was_measured(entry))));
+                values.extend(timeline.frame.resets().iter().map(|entry| f64::from(was_measured(*entry))));
             }
             self.add_measured(timeline, &measured(0), &mut values)?;
             let index = self.steps + steps.len();
@@ -255,8 +259,8 @@ impl Clock {
         moment: &Moment<'_>,
         values: &mut Vec<f64>,
     ) -> Result<(), TimelineError> {
-        for (number, input) in timeline.model.inputs().iter().enumerate() {
-            let is_used = timeline.model.input_use(number).measurement;
+        for (number, input) in timeline.frame.inputs().iter().enumerate() {
+            let is_used = timeline.frame.input_use(number).measurement;
             let value = is_used.then(|| self.value(timeline, number, input, moment));
             values.push(match value {
                 // Nothing is measured yet: only a forecast of the measurement lacks it.
@@ -265,7 +269,7 @@ impl Clock {
                 None => 0.0,
             });
         }
-        values.extend(timeline.model.resets().iter().map(|_| 1.0));
+        values.extend(timeline.frame.resets().iter().map(|_| 1.0));
         Ok(())
     }
 
@@ -331,7 +335,7 @@ impl Clock {
     ) -> Result<(), TimelineError> {
         let is_first = self.steps == 1;
         let needs =
-            |entry: &usize| is_first && measurement[*entry].is_some() && timeline.model.needs_step(*entry);
+            |entry: &usize| is_first && measurement[*entry].is_some() && timeline.frame.needs_step(*entry);
         if let Some(entry) = (0..measurement.len()).find(needs) {
             return Err(TimelineError::NoStepBefore { entry: timeline.measurements[entry].clone() });
         }
@@ -358,11 +362,16 @@ impl Timeline {
 
     /// The column of data that an input comes from.
     pub(crate) fn column_of(&self, input: &str) -> Option<&str> {
-        let rule = self.model.inputs().iter().find(|rule| rule.name == input)?;
+        let rule = self.frame.inputs().iter().find(|rule| rule.name == input)?;
         match &rule.source {
             InputSource::Column(column) | InputSource::Lag { column, .. } => Some(column),
             InputSource::File { .. } => None,
         }
+    }
+
+    /// A section as errors call it: a function has its name.
+    fn place(&self, section: &'static str) -> &'static str {
+        if self.frame.is_of_functions() { section.trim_matches(['[', ']']) } else { section }
     }
 
     /// How many rows inputs look back at most.
@@ -371,6 +380,6 @@ impl Timeline {
             InputSource::Lag { rows, .. } => rows,
             _ => 1,
         };
-        self.model.inputs().iter().map(of).max().unwrap_or(0)
+        self.frame.inputs().iter().map(of).max().unwrap_or(0)
     }
 }

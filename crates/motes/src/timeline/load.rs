@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use motes_formulas::{FormulaModel, InputRule, InputSource, TimeLabel, TimeRule};
+use motes_formulas::{Frame, InputRule, InputSource, TimeLabel, TimeRule};
 use motes_models::Stream;
 
 use super::error::TimelineError;
@@ -12,7 +12,7 @@ use crate::calendar::time_of;
 /// The times and inputs of a model.
 #[derive(Debug, Clone)]
 pub(crate) struct Timeline {
-    pub(super) model: FormulaModel,
+    pub(super) frame: Frame,
     pub(super) rule: TimeRule,
     /// The time of `x_0`: a number, or a date in days, weeks or years.
     pub(super) start: Option<f64>,
@@ -29,15 +29,15 @@ impl Timeline {
     /// # Errors
     /// A file, or the section, and what is wrong with it.
     pub(crate) fn load(
-        model: &FormulaModel,
+        frame: &Frame,
         measurements: &[String],
         folder: &Path,
     ) -> Result<Option<Self>, (String, String)> {
-        let needs_step = (0..measurements.len()).any(|entry| model.needs_step(entry));
-        if model.time_rule().is_none() && model.inputs().is_empty() && !needs_step {
+        let needs_step = (0..measurements.len()).any(|entry| frame.needs_step(entry));
+        if frame.time_rule().is_none() && frame.inputs().is_empty() && !needs_step {
             return Ok(None);
         }
-        let rule = model.time_rule().cloned().unwrap_or_default();
+        let rule = frame.time_rule().cloned().unwrap_or_default();
         let start = match &rule.start {
             None => None,
             Some(TimeLabel::Number(number)) => Some(*number),
@@ -51,7 +51,7 @@ impl Timeline {
                 let read = InputFile::read(
                     &path,
                     column,
-                    model.series_column().unwrap_or("series"),
+                    frame.series_column().unwrap_or("series"),
                     rule.column.as_deref(),
                     rule.unit,
                 );
@@ -59,9 +59,9 @@ impl Timeline {
             }
             _ => Ok(None),
         };
-        let files = model.inputs().iter().map(file).collect::<Result<_, _>>()?;
+        let files = frame.inputs().iter().map(file).collect::<Result<_, _>>()?;
         let mut columns: Vec<String> = Vec::new();
-        for input in model.inputs() {
+        for input in frame.inputs() {
             if let InputSource::Column(column) | InputSource::Lag { column, .. } = &input.source
                 && !columns.contains(column)
             {
@@ -69,13 +69,13 @@ impl Timeline {
             }
         }
         let measurements = measurements.to_vec();
-        Ok(Some(Timeline { model: model.clone(), rule, start, files, columns, measurements }))
+        Ok(Some(Timeline { frame: frame.clone(), rule, start, files, columns, measurements }))
     }
 
     /// The same of the model with other parameters, which do not change its inputs; the length of sub-steps may depend on them.
-    pub(crate) fn of_model(&self, model: &FormulaModel) -> Timeline {
-        let rule = model.time_rule().cloned().unwrap_or_default();
-        Timeline { model: model.clone(), rule, ..self.clone() }
+    pub(crate) fn of_model(&self, frame: &Frame) -> Timeline {
+        let rule = frame.time_rule().cloned().unwrap_or_default();
+        Timeline { frame: frame.clone(), rule, ..self.clone() }
     }
 
     /// Draws what the columns of a row say that inputs come from; a measurement says nothing yet.
@@ -89,8 +89,8 @@ impl Timeline {
     ) -> Result<Vec<Option<f64>>, TimelineError> {
         let mut columns = vec![None; self.columns.len()];
         let at = |column: &String| self.columns.iter().position(|known| known == column);
-        let inputs = self.model.inputs();
-        for (number, value) in self.model.simulate_inputs(time, stream) {
+        let inputs = self.frame.inputs();
+        for (number, value) in self.frame.simulate_inputs(time, stream) {
             if let InputSource::Column(column) = &inputs[number].source
                 && let Some(at) = at(column)
             {

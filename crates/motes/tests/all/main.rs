@@ -13,6 +13,7 @@ mod learning;
 mod learning_over_prior;
 mod log_evidence;
 mod own_model;
+mod own_sections;
 mod priors;
 mod quantiles;
 mod refusals;

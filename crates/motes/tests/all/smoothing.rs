@@ -78,15 +78,19 @@ fn no_standard_deviation_comes_from_one_particle() {
     let paths = &smoothed.paths[0];
     let mut missing = 0;
     for (time, estimate) in smoothed.estimates.iter().enumerate() {
-        for coordinate in &estimate.state {
+        for (number, coordinate) in estimate.state.iter().enumerate() {
             let is_missing = coordinate.sd.is_nan();
             assert_eq!(is_missing, paths.distinct_particles(time) == 1, "t = {time}");
             assert_eq!(is_missing, coordinate.quantiles.iter().all(|quantile| quantile.is_nan()));
-            assert!(coordinate.mean.is_finite() && (is_missing || coordinate.sd > 0.0));
+            // Particles differ by their levels; what follows without noise may be that of one ancestor, of which a warning tells.
+            let has_spread = coordinate.sd > 0.0 || (number > 0 && coordinate.sd == 0.0);
+            assert!(coordinate.mean.is_finite() && (is_missing || has_spread));
             missing += usize::from(is_missing);
         }
     }
     assert!(missing > 0);
+    let said = warnings(&smoothed);
+    assert!(said.iter().any(|text| text.starts_with("state a hardly moves by itself")), "{said:?}");
     // It is said of few paths, too.
     let few = warnings(&found(&place, "cycle.toml", "cycle.csv", 500, 5));
     assert!(few.iter().any(|text| text.contains("all 5 paths pass") && text.contains("or paths")), "{few:?}");

@@ -159,5 +159,7 @@ fn an_index_beyond_a_list_is_named_where_no_measurement_sees_it() {
     let model = Model::parse(text, "lists.toml", &[]).unwrap();
     let data = Data::read("y\n0.1\n0.2\n0.3\n0.4\n".as_bytes(), "y.csv", &model).unwrap();
     let error = filter(&model, &data, &FilterOptions::default(), |_| ControlFlow::Continue(())).unwrap_err();
-    assert_eq!(error.to_string(), "");
+    let reason =
+        "lists.toml, line 10, [transition] z: an index of g[k], `k`, is 2; it must be an integer from 0 to 1";
+    assert!(error.to_string().ends_with(reason), "{error}");
 }

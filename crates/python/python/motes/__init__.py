@@ -33,6 +33,7 @@ from .proposal import Learned, Proposal
 from .results import Filtered, Smoothed
 from .settings import FilterSettings
 from .simulated import Simulated
+from .step import Step
 
 __all__ = [
     *distributions.__all__,
@@ -50,6 +51,7 @@ __all__ = [
     "Proposal",
     "Simulated",
     "Smoothed",
+    "Step",
     "__version__",
     "linear_gaussian",
     "of_functions",

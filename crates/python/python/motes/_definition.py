@@ -54,14 +54,15 @@ class Definition:
 
     def __getstate__(self) -> dict[str, Any]:
         # A file is kept as its text: what it says now, wherever it is read again.
-        return {**self.__dict__, "_model": self._model.source}
+        return {**self.__dict__, "_model": (self._model.source, self._model.set)}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
-        if state["_model"] is not None:
-            self._model = _motes.Model.parse(*state["_model"])
+        source, set = state["_model"]
+        if source is not None:
+            self._model = _motes.Model.parse(*source)
         else:
-            self._model = self._functions.model()
+            self._model = _motes.with_parameters(self._functions.model(), set)
 
     @property
     def name(self) -> str:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .distributions import Distribution
+from .step import Step, Values
 
 jax.tree_util.register_pytree_node(
     Distribution,
@@ -19,7 +20,19 @@ jax.tree_util.register_pytree_node(
     lambda family, parts: Distribution(family, *parts),
 )
 
-Compiled = Callable[[int, NDArray[np.float64]], Any]
+jax.tree_util.register_pytree_node(
+    Values,
+    lambda values: (tuple(values.values()), tuple(values)),
+    lambda names, values: Values(dict(zip(names, values, strict=True))),
+)
+
+jax.tree_util.register_pytree_node(
+    Step,
+    lambda step: ((step.index, step.time, step.dt, step.inputs, step.parameters), None),
+    lambda _, parts: Step(*parts),
+)
+
+Compiled = Callable[[Step, NDArray[np.float64]], Any]
 
 
 def compiled(function: Callable[[Any, Any], Any], called: str, names: list[str]) -> tuple[Compiled, Compiled]:
@@ -28,13 +41,13 @@ def compiled(function: Callable[[Any, Any], Any], called: str, names: list[str])
     It is called that in messages, and returns distributions of the coordinates of these names.
     """
 
-    def stated(t: Any, x: Any) -> list[Distribution]:
-        return _coordinates(function(t, x), x.shape[0], called, names)
+    def stated(step: Step, x: Any) -> list[Distribution]:
+        return _coordinates(function(step, x), x.shape[0], called, names)
 
-    def sloped(t: Any, x: Any) -> tuple[list[Distribution], list[Distribution]]:
+    def sloped(step: Step, x: Any) -> tuple[list[Distribution], list[Distribution]]:
         along = jnp.broadcast_to(jnp.eye(x.shape[1], dtype=x.dtype)[:, None, :], (x.shape[1], *x.shape))
         found: tuple[list[Distribution], list[Distribution]]
-        found = jax.vmap(lambda by: jax.jvp(lambda x: stated(t, x), (x,), (by,)), out_axes=(None, 0))(along)
+        found = jax.vmap(lambda by: jax.jvp(lambda x: stated(step, x), (x,), (by,)), out_axes=(None, 0))(along)
         return found
 
     return _of_any_length(jax.jit(stated)), _of_any_length(jax.jit(sloped))
@@ -71,12 +84,12 @@ def _coordinates(found: Any, particles: int, called: str, names: list[str]) -> l
 def _of_any_length(function: Callable[[Any, Any], Any]) -> Compiled:
     """Compiled for lengths that are powers of two: each length is compiled by itself, and there would be many."""
 
-    def called(t: int, x: NDArray[np.float64]) -> Any:
+    def called(step: Step, x: NDArray[np.float64]) -> Any:
         particles = x.shape[0]
         length = max(32, 1 << (particles - 1).bit_length())
         padded = np.concatenate([x, np.repeat(x[-1:], length - particles, axis=0)])
         with _double_precision():
-            found = function(np.float64(t), padded)
+            found = function(jax.tree_util.tree_map(np.asarray, step), padded)
         # Particles are along the last axis, of parameters as of their derivatives.
         return jax.tree_util.tree_map(lambda value: np.ascontiguousarray(np.asarray(value)[..., :particles]), found)
 

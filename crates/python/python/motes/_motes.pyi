@@ -140,14 +140,8 @@ class Model:
     def parse(text: str, name: str, set: list[tuple[str, float]], is_generated: bool) -> Model: ...
     @property
     def source(self) -> tuple[str, str, list[tuple[str, float]], bool] | None: ...
-    @staticmethod
-    def of_functions(
-        name: str,
-        names: tuple[list[str], list[str]],
-        initial: Any,
-        functions: tuple[Callable[..., Any], Callable[..., Any]],
-        slopes: tuple[Callable[..., Any], Callable[..., Any]] | None,
-    ) -> Model: ...
+    @property
+    def set(self) -> list[tuple[str, float]]: ...
     @property
     def name(self) -> str: ...
     @property
@@ -246,3 +240,10 @@ def columns_of_inputs(model: Model, header: list[str]) -> tuple[int | None, int 
 def inputs_of_table(
     model: Model, header: list[str], count: int, series: list[str] | None, clock: list[str] | None, inputs: _Floats
 ) -> Data: ...
+def of_functions(
+    name: str,
+    frame: dict[str, Any],
+    initial: Any,
+    functions: tuple[Callable[..., Any], Callable[..., Any]],
+    slopes: tuple[Callable[..., Any], Callable[..., Any]] | None,
+) -> Model: ...

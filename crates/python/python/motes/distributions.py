@@ -1,7 +1,7 @@
 """Distributions that functions of a model return.
 
 Parameters are numbers, or arrays with one for each particle. A distribution can be shifted and scaled: `x + exponential(1)`
-is one, and `2 * laplace(0, 1)`. Counts belong to measurements and can be neither.
+is one, and `2 * laplace(0, 1)`. Counts can be neither.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ __all__ = [
     "binomial",
     "exponential",
     "gamma",
+    "known",
     "laplace",
     "log_normal",
     "negative_binomial",
@@ -74,6 +75,8 @@ class Distribution:
             raise TypeError(f"{self.family} and {by.family}: a distribution is shifted and scaled by numbers, not by another")
         if by is None:
             raise TypeError(f"{self.family} and None: a distribution is shifted and scaled by numbers")
+        if self.family == "known":
+            raise TypeError("known: a known value is neither shifted nor scaled; compute with the value itself")
         if self.family in ("poisson", "negative_binomial", "binomial", "bernoulli"):
             raise TypeError(f"{self.family}: counts can be neither shifted nor scaled")
 
@@ -136,3 +139,8 @@ def binomial(n: Any, p: Any) -> Distribution:
 def bernoulli(p: Any) -> Distribution:
     """1 with probability `p`, else 0."""
     return Distribution("bernoulli", (p,))
+
+
+def known(value: Any) -> Distribution:
+    """A coordinate of a state that is not drawn: known at the start, or following from the state before."""
+    return Distribution("known", (value,))

@@ -11,7 +11,7 @@ use pyo3::types::{IntoPyDict, PyFloat, PyList, PyTuple};
 /// What was asked of a function.
 pub(super) struct FunctionCall<'a> {
     pub(super) function: &'a str,
-    pub(super) time: Option<usize>,
+    pub(super) time: Option<f64>,
     /// The names of the coordinates whose distributions it is to return.
     pub(super) names: &'a [String],
     /// `K`.
@@ -21,10 +21,31 @@ pub(super) struct FunctionCall<'a> {
     /// The rows, where a number may be infinite or follow from one that is too large.
     pub(super) may_overflow: Option<&'a [f64]>,
     pub(super) of_states: bool,
+    /// Whether all coordinates of states are drawn and none is a count.
+    pub(super) has_density: bool,
 }
+
+/// The family of what is not drawn.
+const KNOWN: &str = "known";
 
 /// Numbers that are larger have run away: to add 1 to them changes nothing.
 const LARGEST: f64 = (1_u64 << 53) as f64;
+
+impl<'a> FunctionCall<'a> {
+    /// That of the first state, whose coordinates have these names.
+    pub(super) fn of_initial(names: &'a [String], has_density: bool) -> Self {
+        FunctionCall {
+            function: "initial",
+            time: None,
+            names,
+            particles: 1,
+            is_padded: false,
+            may_overflow: None,
+            of_states: true,
+            has_density,
+        }
+    }
+}
 
 impl FunctionCall<'_> {
     /// Whether a number that is out of range comes of a state that ran away in a simulation.
@@ -84,7 +105,8 @@ fn listed<'py>(found: &Bound<'py, PyAny>) -> Option<Vec<Bound<'py, PyAny>>> {
 /// A distribution with its parameters as they came.
 struct Stated {
     name: String,
-    family: &'static Family,
+    /// None where the only parameter is the coordinate itself.
+    family: Option<&'static Family>,
     parameters: Vec<Numbers>,
     scale: Option<Numbers>,
     shift: Option<Numbers>,
@@ -99,13 +121,21 @@ enum Numbers {
 impl Stated {
     fn of(py: Python<'_>, asked: &FunctionCall<'_>, found: &Bound<'_, PyAny>, name: &str) -> PyResult<Self> {
         let of_name = found.getattr(intern!(py, "family")).and_then(|family| family.extract::<String>());
-        let Some(family) = of_name.ok().and_then(|name| family(&name)) else {
+        let of_name = of_name.unwrap_or_default();
+        let family = family(&of_name);
+        if family.is_none() && of_name != KNOWN {
             let kind = found.get_type().name()?;
             return Err(asked
                 .refused(&format!("{name}: {kind}; it must be a distribution, as motes.normal(mean, sd)")));
-        };
-        if asked.of_states && family.is_of_counts() {
-            return Err(asked.refused(&format!("{name}: {}; counts belong to measurements", family.name)));
+        }
+        let has_density = family.is_some_and(|family| !family.is_of_counts());
+        if asked.of_states && asked.has_density && !has_density {
+            return Err(asked.refused(&format!(
+                "{name}: {of_name}; states that are known, follow or are counts have no density: density=False allows them"
+            )));
+        }
+        if !asked.of_states && family.is_none() {
+            return Err(asked.refused(&format!("{name}: {KNOWN}; a measurement has a distribution")));
         }
         let parameters: Bound<'_, PyTuple> = found.getattr(intern!(py, "parameters"))?.extract()?;
         let numbers = |value: &Bound<'_, PyAny>, parameter: &str| {
@@ -116,7 +146,8 @@ impl Stated {
                 ))
             })
         };
-        let pairs = parameters.iter().zip(family.parameters);
+        let names = family.map_or(&["value"][..], |family| family.parameters);
+        let pairs = parameters.iter().zip(names);
         let parameters = pairs.map(|(value, name)| numbers(&value, name)).collect::<PyResult<_>>()?;
         let optional = |attribute: &Bound<'_, pyo3::types::PyString>, what: &str| {
             let value = found.getattr(attribute)?;
@@ -151,12 +182,20 @@ impl Stated {
                 _ => Column::each(values),
             })
         };
+        let Some(family) = self.family else {
+            let of_slopes = slopes.and_then(|slopes| slopes.parameters.first());
+            let value = column(&self.parameters[0], of_slopes, KNOWN)?;
+            if !asked.is_padded {
+                self.check(asked, &value, KNOWN, f64::is_finite, "finite")?;
+            }
+            return Ok(BatchDistribution::known(value));
+        };
         let mut parameters = Vec::with_capacity(self.parameters.len());
-        for (number, (numbers, what)) in self.parameters.iter().zip(self.family.parameters).enumerate() {
+        for (number, (numbers, what)) in self.parameters.iter().zip(family.parameters).enumerate() {
             let of_slopes = slopes.and_then(|slopes| slopes.parameters.get(number));
             let column = column(numbers, of_slopes, what)?;
             if !asked.is_padded {
-                let range = self.family.ranges[number];
+                let range = family.ranges[number];
                 self.check(asked, &column, what, |value| range.has(value), range.words())?;
             }
             parameters.push(column);
@@ -180,10 +219,10 @@ impl Stated {
             *moved = Some(column);
         }
         let [scale, shift] = moved;
-        if !asked.is_padded && self.family.name == "uniform" {
+        if !asked.is_padded && family.name == "uniform" {
             self.check_ends(asked, &parameters)?;
         }
-        Ok(BatchDistribution::new(self.family.distribution(parameters, Column::same)).affine(scale, shift))
+        Ok(BatchDistribution::new(family.distribution(parameters, Column::same)).affine(scale, shift))
     }
 
     /// Refuses a parameter that is out of its range.

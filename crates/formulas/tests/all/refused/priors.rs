@@ -92,8 +92,8 @@ fn a_parameter_with_more_than_prior_and_start() {
 
 #[test]
 fn priors_of_entries_that_are_none() {
-    insta::assert_snapshot!(refused(&parameter("q = [1, \"dirichlet(1, 1)\"]")), @"");
-    insta::assert_snapshot!(refused(&parameter("q = [1, { start = 2 }]")), @"");
-    insta::assert_snapshot!(refused(&parameter("q = [1, \"normal(0, q[0])\"]")), @"");
-    insta::assert_snapshot!(refused(&parameter("a = [1, \"half_normal(1)\"]\nq = \"normal(0, a[0])\"")), @"");
+    insta::assert_snapshot!(refused(&parameter("q = [1, \"dirichlet(1, 1)\"]")), @r#"m.toml, line 3, column 9, [parameters] q: it is the text "dirichlet(1, 1)"; it must be a prior of one number; a dirichlet is the prior of a whole list"#);
+    insta::assert_snapshot!(refused(&parameter("q = [1, { start = 2 }]")), @r#"m.toml, line 3, column 9, [parameters] q: there is no prior; it is needed: { prior = "uniform(0, 1)", start = 0.5 }"#);
+    insta::assert_snapshot!(refused(&parameter("q = [1, \"normal(0, q[0])\"]")), @"m.toml, line 3, column 20, [parameters] q: `q` has a prior itself; a prior is made of numbers, and of parameters above it that are numbers");
+    insta::assert_snapshot!(refused(&parameter("a = [1, \"half_normal(1)\"]\nq = \"normal(0, a[0])\"")), @"m.toml, line 4, column 16, [parameters] q: `a` has a prior itself; a prior is made of numbers, and of parameters above it that are numbers");
 }

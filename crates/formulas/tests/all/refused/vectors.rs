@@ -122,7 +122,7 @@ fn a_list_with_rows_of_different_lengths() {
 
 #[test]
 fn a_list_with_a_text() {
-    insta::assert_snapshot!(refused(&listed("a[0]").replace("[1, 2, 3]", "[1, 'x']")), @r#"m.toml, line 2, column 9, [parameters] a: it is the text "x"; it must be a list of finite numbers"#);
+    insta::assert_snapshot!(refused(&listed("a[0]").replace("[1, 2, 3]", "[1, 'x']")), @r#"m.toml, line 2, column 9, [parameters] a: it is the text "x"; it must be a number, or a prior as in "normal(0, 1)"; formulas stand in [definitions]"#);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Parameters of many particles.
 
-use super::super::distribution::Distribution;
+use super::super::distribution::{Distribution, Normal};
 use super::super::lanes::Lanes;
 use super::super::scalar::Scalar;
 use super::super::statement::{Coordinates, Draws};
@@ -70,18 +70,26 @@ pub struct BatchDistribution {
     family: Distribution<Column>,
     scale: Option<Column>,
     shift: Option<Column>,
+    /// Whether the coordinate is the mean of the family itself, and nothing is drawn.
+    is_known: bool,
 }
 
 impl BatchDistribution {
     /// The distribution itself. Where a parameter is out of range for a particle, its draws and densities are NaN.
     pub fn new(family: Distribution<Column>) -> Self {
-        BatchDistribution { family, scale: None, shift: None }
+        BatchDistribution { family, scale: None, shift: None, is_known: false }
+    }
+
+    /// A coordinate of a state that is known: at the start, or because it follows from the state before. To who asks for a density it is NaN.
+    pub fn known(value: Column) -> Self {
+        let family = Distribution::Normal(Normal { mean: value, sd: Column::same(f64::NAN) });
+        BatchDistribution { is_known: true, ..BatchDistribution::new(family) }
     }
 
     /// The distribution of `shift + scale·z`, for what is given of these. Counts can be neither scaled nor shifted.
     #[must_use]
     pub fn affine(self, scale: Option<Column>, shift: Option<Column>) -> Self {
-        BatchDistribution { family: self.family, scale, shift }
+        BatchDistribution { scale, shift, ..self }
     }
 
     /// With parameters of any kind of number.
@@ -106,6 +114,19 @@ impl BatchDistribution {
         self.of(|column| column.side(first, along))
     }
 
+    /// What is known of the particles of a tile without a draw.
+    fn known_tile(&self, first: usize) -> Option<Lanes> {
+        match &self.family {
+            Distribution::Normal(Normal { mean, .. }) if self.is_known => Some(mean.tile(first)),
+            _ => None,
+        }
+    }
+
+    /// Whether it is drawn.
+    pub(super) fn is_drawn(&self) -> bool {
+        !self.is_known
+    }
+
     /// That of the first particle.
     pub(super) fn first(&self) -> Distribution<f64> {
         self.row(0)
@@ -128,7 +149,8 @@ pub(super) fn draw_tile(
     states.fill(Lanes::from(f64::NAN));
     let is_whole = stated.len() == states.len();
     for (at, distribution) in stated.iter().enumerate() {
-        let drawn = draws.draw(distribution.tile(first));
+        let known = distribution.known_tile(first);
+        let drawn = known.unwrap_or_else(|| draws.draw(distribution.tile(first)));
         if is_whole {
             states[at] = drawn;
         }

@@ -6,6 +6,7 @@ use super::super::tiles::rows_of_mut;
 use super::super::varied::{SIDE, Side, Varied, put};
 use super::Batched;
 use super::column::BatchDistribution;
+use super::memo::BatchQuery;
 use crate::batch::{LANES, store, with_scratch};
 use crate::{StateGradients, StateSpaceModel, Step};
 
@@ -74,7 +75,7 @@ impl StateGradients for Batched {
         d_previous: &mut [f64],
         d_states: &mut [f64],
     ) {
-        let n = self.state_dim();
+        let (n, step) = (self.state_dim(), &self.seen(BatchQuery::Transition, step));
         let stated =
             self.equations.has_slopes().then(|| self.equations.transition_slopes(step, previous, false));
         let stated = stated.flatten();
@@ -95,7 +96,7 @@ impl StateGradients for Batched {
         measurement: &[f64],
         d_states: &mut [f64],
     ) {
-        let n = self.state_dim();
+        let (n, step) = (self.state_dim(), &self.seen(BatchQuery::Slopes, step));
         let stated =
             self.equations.has_slopes().then(|| self.equations.measurement_slopes(step, states, false));
         let Some(stated) = stated.flatten().filter(|stated| stated.len() == measurement.len()) else {

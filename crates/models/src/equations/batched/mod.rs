@@ -56,11 +56,21 @@ pub trait BatchEquations: Sync {
     /// `N` and `M`, the numbers of coordinates of a state and of a measurement.
     fn dimensions(&self) -> [usize; 2];
 
+    /// The inputs where nobody gives others, as many as the model takes; none if it takes none.
+    fn inputs(&self) -> &[f64] {
+        &[]
+    }
+
+    /// Whether each coordinate of `x_0` and of `x_t` is drawn and is no count, so that states have densities. Where one is [`BatchDistribution::known`], or a count, they have none.
+    fn has_density(&self) -> bool {
+        true
+    }
+
     /// The distribution of each of the `N` coordinates of `x_0`, the same for all particles. Here and below `None` says that they could not be found: draws and
     /// densities are NaN then, as they are where another number of coordinates is stated.
     fn initial(&self) -> Option<Vec<BatchDistribution>>;
 
-    /// The distribution of each of the `N` coordinates of `x_t` given each row `x_{t−1}` of `previous` (`K×N`).
+    /// The distribution of each of the `N` coordinates of `x_t` given each row `x_{t−1}` of `previous` (`K×N`), in a sub-step.
     ///
     /// Where `is_padded`, some rows are no particles', and nothing is to be made of what is odd about them.
     fn transition(

@@ -38,12 +38,23 @@ impl Batched {
         }
     }
 
+    /// What a function sees of a step: a transition its only part, unless it is one already, and a measurement the end.
+    pub(super) fn seen<'a>(&self, asked: BatchQuery, step: &Step<'a>) -> Step<'a> {
+        let inputs = self.equations.inputs().len();
+        match asked {
+            BatchQuery::Transition if step.inputs.len() != inputs => step.part(0, inputs),
+            BatchQuery::Transition => *step,
+            BatchQuery::Measurement | BatchQuery::Slopes => step.end(inputs),
+        }
+    }
+
     /// What is stated for each row of particles.
     fn of_rows(&self, asked: BatchQuery, step: &Step<'_>, rows: &[f64]) -> Answer {
+        let step = &self.seen(asked, step);
         memo::of_rows(&self.owner, asked, step, rows, false, || self.ask(asked, step, rows, false))
     }
 
-    /// What is stated for each row of `x_t`, or for `x_0` where there are no rows before.
+    /// What is stated for each row of `x_t`, or for `x_0` where there are no rows before, in a step of one part.
     fn of_states(&self, step: &Step<'_>, previous: Option<Rows<'_>>) -> Answer {
         match previous {
             None => self.equations.initial().map(Rc::new),
@@ -55,8 +66,22 @@ impl Batched {
 
     /// What is stated for the particles of a tile, and the number of the first of them.
     pub(super) fn of_tile(&self, asked: BatchQuery, step: &Step<'_>, tile: &[f64]) -> (Answer, usize) {
+        let step = &self.seen(asked, step);
         // Nobody said that this tile would come, or how many of its lanes have a particle.
         memo::of_tile(&self.owner, asked, step, tile, |rows| self.ask(asked, step, rows, true))
+    }
+
+    /// Draws states of which this is stated.
+    fn draw(&self, stated: Option<&[BatchDistribution]>, streams: &mut [Stream], states: &mut [f64]) {
+        let Some(stated) = stated else { return states.fill(f64::NAN) };
+        let n = self.state_dim();
+        let needs = needs_of_draws(n, |counter, _| {
+            let drawn = stated.iter().filter(|distribution| distribution.is_drawn());
+            drawn.for_each(|distribution| counter.push(distribution.first()));
+        });
+        draw_states(needs, (n, None), streams, states, |first, _, draws, rows| {
+            draw_tile(stated, first, draws, rows);
+        });
     }
 
     /// What a measurement is scored by.
@@ -86,6 +111,14 @@ impl StateSpaceModel for Batched {
         self.equations.dimensions()[1]
     }
 
+    fn input_dim(&self) -> usize {
+        self.equations.inputs().len()
+    }
+
+    fn step_of_index(&self, index: usize) -> Step<'_> {
+        Step { inputs: self.equations.inputs(), ..Step::of_index(index) }
+    }
+
     fn sample_states(
         &self,
         step: &Step<'_>,
@@ -96,14 +129,16 @@ impl StateSpaceModel for Batched {
         if states.is_empty() {
             return;
         }
-        let Some(stated) = self.of_states(step, previous) else { return states.fill(f64::NAN) };
-        let n = self.state_dim();
-        let needs = needs_of_draws(n, |counter, _| {
-            stated.iter().for_each(|distribution| counter.push(distribution.first()))
-        });
-        draw_states(needs, (n, None), streams, states, |first, _, draws, rows| {
-            draw_tile(&stated, first, draws, rows);
-        });
+        let Some(previous) = previous else {
+            let stated = self.equations.initial();
+            return self.draw(stated.as_deref(), streams, states);
+        };
+        previous.with_contiguous(|rows| states.copy_from_slice(rows));
+        let inputs = self.equations.inputs().len();
+        for sub_step in 0..step.sub_steps {
+            let stated = self.of_rows(BatchQuery::Transition, &step.part(sub_step, inputs), states);
+            self.draw(stated.as_ref().map(|stated| &stated[..]), streams, states);
+        }
     }
 
     fn log_likelihoods(
@@ -126,12 +161,16 @@ impl StateSpaceModel for Batched {
     }
 
     fn density(&self) -> Option<&dyn TransitionDensity> {
-        Some(self)
+        self.equations.has_density().then_some(self)
     }
 
     fn foresee(&self, step: &Step<'_>, previous: Rows<'_>) {
+        if step.sub_steps != 1 || self.density().is_none() {
+            return;
+        }
         let n = self.state_dim();
         let stated = previous.with_contiguous(|rows| {
+            let step = &self.seen(BatchQuery::Transition, step);
             let ask = || self.ask(BatchQuery::Transition, step, rows, false);
             memo::of_rows(&self.owner, BatchQuery::Transition, step, rows, true, ask)
         });
@@ -148,6 +187,7 @@ impl StateSpaceModel for Batched {
             });
             // No particle is there.
             let asked = self.scored_by();
+            let step = &self.seen(asked, step);
             memo::of_rows(&self.owner, asked, step, centres, true, || self.ask(asked, step, centres, true));
         });
     }
@@ -212,13 +252,16 @@ impl TileStates for Batched {
             let are_normal = |stated: &[BatchDistribution]| {
                 stated.iter().all(|one| matches!(one.first(), Distribution::Normal(_)))
             };
+            if !self.equations.has_density() {
+                return false;
+            }
             // A state that is likely, from a stream of its own.
             let mut state = vec![0.0; self.state_dim()];
             let stream = &mut Seed::from_u64(0).child("transport").stream();
-            self.sample_states(&Step::of_index(0), None, from_mut(stream), &mut state);
+            self.sample_states(&self.step_of_index(0), None, from_mut(stream), &mut state);
             // Some functions end with the data: what they do not say is not looked at.
             let mut transitions = (1..=PROBES)
-                .filter_map(|index| self.equations.transition(&Step::of_index(index), &state, true));
+                .filter_map(|index| self.equations.transition(&self.step_of_index(index), &state, true));
             self.equations.initial().is_some_and(|stated| are_normal(&stated))
                 && transitions.all(|stated| are_normal(&stated))
         })
@@ -233,6 +276,8 @@ impl TileStates for Batched {
     ) {
         let (stated, first) = match previous {
             None => (self.equations.initial().map(Rc::new), 0),
+            // No time passes.
+            Some(previous) if step.sub_steps == 0 => return states.copy_from_slice(rows_of(previous)),
             Some(previous) => self.of_tile(BatchQuery::Transition, step, previous),
         };
         if let Some(stated) = stated {
