@@ -318,7 +318,23 @@ fn what_cannot_be_fitted_is_refused_in_one_line() {
     let output = place.run(&["fit", "nile.toml", "nile.csv", "-o", "mine"]);
     assert_eq!(output.status.code(), Some(3));
     assert!(stderr(&output).contains("it has files in it, and none of a fit"), "{}", stderr(&output));
-    let exactly = refused(&["fit", "uniform.toml", "nile.csv", "-o", "fit", "--proposal", "exact"]);
+    // What was drawn before stays.
+    let before = place.read("fit/draws.csv");
+    place.write("fewer.csv", place.read("nile.csv").lines().take(5).collect::<Vec<_>>().join("\n") + "\n");
+    std::fs::create_dir(place.path("changed")).unwrap();
+    place.write("changed/nile.toml", NILE.replace("1000, 1000", "1000, 900"));
+    for (model, data, other) in [
+        ("changed/nile.toml", "nile.csv", "a fit of nile as its file was before it was changed"),
+        ("uniform.toml", "nile.csv", "a fit of another model, nile"),
+        ("nile.toml", "fewer.csv", "a fit of nile to other data"),
+    ] {
+        let output = place.run(&["fit", model, data, "-o", "fit", "--draws", "100"]);
+        assert_eq!(output.status.code(), Some(3));
+        let line = format!("motes: fit: it has {other}; name another folder, or remove this one");
+        assert_eq!(stderr(&output), line);
+    }
+    assert_eq!(place.read("fit/draws.csv"), before);
+    let exactly = refused(&["fit", "uniform.toml", "nile.csv", "-o", "exact", "--proposal", "exact"]);
     assert!(exactly.starts_with("motes: --proposal exact:"), "{exactly}");
 }
 
