@@ -52,20 +52,22 @@ impl List {
         name: &str,
         value: &'v Value,
         start: usize,
-    ) -> Result<(List, Vec<(usize, &'v Value)>), (usize, Problem)> {
+    ) -> Result<(List, EntriesWithPriors<'v>), (usize, Problem)> {
         let mut read = Entries::default();
         read.add(value, 0)?;
         Ok((List { name: name.to_string(), start, lengths: read.lengths, values: read.values }, read.priors))
     }
 }
 
+/// Where in a list entries stand that are no numbers, and what is there.
+type EntriesWithPriors<'v> = Vec<(usize, &'v Value)>;
+
 /// The entries of a list as they are read.
 #[derive(Default)]
 struct Entries<'v> {
     lengths: Vec<usize>,
     values: Vec<f64>,
-    /// Those that are no numbers, and where they stand.
-    priors: Vec<(usize, &'v Value)>,
+    priors: EntriesWithPriors<'v>,
 }
 
 impl<'v> Entries<'v> {

@@ -5,7 +5,7 @@
 use std::ops::Range;
 use std::sync::Mutex;
 
-use motes_models::batch::{Rows, with_scratch};
+use motes_models::batch::{LANES, Rows, by_widest_vectors, with_scratch};
 use motes_models::{StateSpaceModel, Step, Stream};
 
 use super::filters::{Fault, Filters, Outcome};
@@ -264,8 +264,7 @@ impl<M: StateSpaceModel + ?Sized, P: Proposal<M>> BankStep<'_, M, P> {
 
     /// Refuses states that are not finite, unless they weigh nothing: no measurement need tell. `first` is the row of the first in the bank.
     fn check_states(&self, first: usize, states: &[f64], increments: &[f64]) -> Result<(), Fault> {
-        // Most often all are finite, and one pass without branches says so.
-        if states.iter().fold(true, |all, value| all & value.is_finite()) {
+        if are_finite(states) {
             return Ok(());
         }
         let width = self.common.model.state_dim();
@@ -277,6 +276,22 @@ impl<M: StateSpaceModel + ?Sized, P: Proposal<M>> BankStep<'_, M, P> {
             }
         }
     }
+}
+
+/// Whether all numbers are finite, by a pass without branches.
+fn are_finite(numbers: &[f64]) -> bool {
+    by_widest_vectors(
+        #[inline(always)]
+        || {
+            let (rows, rest) = numbers.as_chunks::<LANES>();
+            let mut sums = [0.0; LANES];
+            // What is not finite is no number when it is multiplied by 0.
+            for row in rows {
+                sums.iter_mut().zip(row).for_each(|(sum, number)| *sum += number * 0.0);
+            }
+            sums.iter().chain(rest).all(|number| number.is_finite())
+        },
+    )
 }
 
 /// Which particles are drawn together.
