@@ -22,8 +22,8 @@ const ACCEPTANCE: f64 = 0.25;
 /// The number of particles at first.
 const PARTICLES: usize = 64;
 
-/// An estimator of fewer is not asked.
-const FEWEST_PARTICLES: usize = 8;
+/// An estimator of fewer particles is not asked.
+pub(crate) const FEWEST_PARTICLES: usize = 8;
 
 /// The most there are; fits begin where more would be needed to tell.
 const MOST_PARTICLES: usize = 8192;
@@ -47,7 +47,7 @@ pub(crate) struct Population {
     step: u64,
     scale: f64,
     estimator: Estimator,
-    /// Whether no other estimator than the one at the beginning is asked.
+    /// Whether the estimator was asked for, and no other is to take its place.
     is_fixed: bool,
     /// The share of draws from the prior at which the likelihood is not 0.
     possible: f64,
@@ -66,7 +66,7 @@ impl Population {
         let exact = likelihood.estimators().iter().position(|cost| cost.is_exact);
         let (index, is_fixed) = match asked {
             Some(EstimatorChoice::Estimator(estimator)) => (estimator.index, true),
-            _ => (exact.unwrap_or(0), exact.is_some()),
+            _ => (exact.unwrap_or(0), false),
         };
         let d = likelihood.dimension();
         let count = 64.max(16 * d);
@@ -128,7 +128,7 @@ impl Population {
         let next = self.next_power();
         self.resample(next - self.power, &seed);
         self.power = next;
-        self.add_particles(likelihood, &seed)?;
+        self.pay_for_estimates(likelihood, &seed)?;
         self.rejuvenate(likelihood, &seed)
     }
 
@@ -174,7 +174,7 @@ impl Population {
 
     /// An estimator that costs more where estimates differ so much that moves would hardly leave lucky ones: the one that differs least of those that twice the particles
     /// would pay for.
-    fn add_particles<L: Likelihood>(&mut self, likelihood: &L, seed: &Seed) -> Result<(), L::Error> {
+    fn pay_for_estimates<L: Likelihood>(&mut self, likelihood: &L, seed: &Seed) -> Result<(), L::Error> {
         if likelihood.estimators()[self.estimator.index].is_exact {
             return Ok(());
         }

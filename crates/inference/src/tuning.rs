@@ -3,7 +3,7 @@
 use motes_models::Seed;
 
 use crate::likelihood::{Estimator, Likelihood};
-use crate::population::mean_variance;
+use crate::population::{FEWEST_PARTICLES, mean_variance};
 
 /// The variance of `log ẑ` that is aimed at: between 1 and 3 the work for an independent draw is about the least (Doucet, Pitt, Deligiannidis and Kohn, 2015;
 /// Sherlock, Thiery, Roberts and Rosenthal, 2015).
@@ -16,7 +16,7 @@ const ESTIMATES: usize = 10;
 const ATTEMPTS: usize = 6;
 
 /// The fewest and the most particles.
-const PARTICLES: [f64; 2] = [8.0, 1e6];
+const PARTICLES: [f64; 2] = [FEWEST_PARTICLES as f64, 1e6];
 
 /// A change of particles by more than this factor is not trusted at once.
 const MOST_CHANGE: f64 = 8.0;
@@ -60,7 +60,7 @@ pub(crate) fn tune<L: Likelihood>(
             // Where nothing is known of it, at most what the other costs.
             false => cost
                 .particles_for(costs[before.index].of(before.particles))
-                .clamp(PARTICLES[0] as usize, most as usize),
+                .clamp(FEWEST_PARTICLES, most as usize),
         };
         let seed = seed.nth(index as u64);
         let Some(tuned) = tune_one(likelihood, positions, Estimator { index, particles }, most, &seed)?

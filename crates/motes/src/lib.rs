@@ -64,7 +64,7 @@ mod priors;
 mod quantiles;
 mod recorded;
 mod running_state;
-mod scheduled;
+mod scheduled_model;
 mod simulating;
 mod simulation_failure;
 mod smoothing;

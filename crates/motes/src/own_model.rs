@@ -6,7 +6,7 @@ use motes_formulas::{FileError, Frame, Schedule};
 use motes_models::{OwnModel, StateGradients};
 
 use crate::error::MotesError;
-use crate::scheduled::Scheduled;
+use crate::scheduled_model::ScheduledModel;
 use crate::timeline::Timeline;
 
 /// A model that proposals can be learned for: it simulates itself, its noise can be transported, its measurements linearised. What states its
@@ -32,8 +32,7 @@ pub(crate) struct Own {
     pub(crate) name: String,
     pub(crate) states: Vec<String>,
     pub(crate) measurements: Vec<String>,
-    /// What the program stated, and what filters take: the same, or that with the steps that its sections give.
-    stated: Arc<dyn LearnableModel>,
+    /// What the program stated, or that with the steps that its sections or a schedule give.
     pub(crate) model: Arc<dyn LearnableModel>,
     pub(crate) sections: Option<OwnSections>,
 }
@@ -59,7 +58,7 @@ impl Own {
     ) -> Result<Self, MotesError> {
         check_names(&states, &measurements)?;
         check_sizes([&states, &measurements], &*model)?;
-        Ok(Own { name: name.into(), states, measurements, stated: Arc::clone(&model), model, sections: None })
+        Ok(Own { name: name.into(), states, measurements, model, sections: None })
     }
 
     /// A model with sections, which `make` makes of the values of parameters.
@@ -80,9 +79,9 @@ impl Own {
         let stated = make(frame.parameters());
         check_sizes([&states, &measurements], &*stated)?;
         check_steps(&frame, &*stated)?;
-        let model = with_steps(&stated, &frame, None);
+        let model = with_steps(stated, &frame, None);
         let sections = OwnSections { text: text.into(), frame, timeline, make };
-        Ok(Own { name: name.into(), states, measurements, stated, model, sections: Some(sections) })
+        Ok(Own { name: name.into(), states, measurements, model, sections: Some(sections) })
     }
 
     /// The same with other values of parameters; those that are not given stay as they are.
@@ -107,27 +106,28 @@ impl Own {
             .and_then(|()| check_steps(&frame, &*stated))
             .map_err(|error| FileError::Inputs { file: self.name.clone(), reason: error.to_string() })?;
         let timeline = timeline.as_ref().map(|timeline| Arc::new(timeline.of_model(&frame)));
-        let (model, text, make) = (with_steps(&stated, &frame, None), text.clone(), Arc::clone(make));
+        let (model, text, make) = (with_steps(stated, &frame, None), text.clone(), Arc::clone(make));
         let sections = Some(OwnSections { text, frame, timeline, make });
-        Ok(Own { stated, model, sections, ..self.clone() })
+        Ok(Own { model, sections, ..self.clone() })
     }
 
     /// The same with the steps of a schedule as its own; none of a model without times or inputs.
     pub(crate) fn along(&self, schedule: Schedule) -> Option<Self> {
         let sections = self.sections.as_ref().filter(|sections| sections.timeline.is_some())?;
-        Some(Own { model: with_steps(&self.stated, &sections.frame, Some(schedule)), ..self.clone() })
+        let model = with_steps(Arc::clone(&self.model), &sections.frame, Some(schedule));
+        Some(Own { model, ..self.clone() })
     }
 }
 
 /// A model with the steps that its sections, or a schedule, say that it has.
 fn with_steps(
-    model: &Arc<dyn LearnableModel>,
+    model: Arc<dyn LearnableModel>,
     frame: &Frame,
     schedule: Option<Schedule>,
 ) -> Arc<dyn LearnableModel> {
     match schedule.is_some() || frame.time_rule().is_some() {
-        true => Arc::new(Scheduled::new(Arc::clone(model), frame, schedule)),
-        false => Arc::clone(model),
+        true => Arc::new(ScheduledModel::new(model, frame, schedule)),
+        false => model,
     }
 }
 

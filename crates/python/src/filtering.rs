@@ -13,7 +13,7 @@ use crate::options::FilterOptions;
 use crate::work::without_lock;
 
 /// The particles of all rows, flat: `rows × K × N` numbers, and `rows × K` weights.
-type Kept<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
+type ParticleArrays<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
 
 /// Filters each series; with the particles where they are to be kept.
 #[pyfunction]
@@ -22,7 +22,7 @@ pub(crate) fn filter<'py>(
     model: &Bound<'py, Model>,
     data: Py<Data>,
     options: &Bound<'py, FilterOptions>,
-) -> PyResult<(Filtered, Option<Kept<'py>>)> {
+) -> PyResult<(Filtered, Option<ParticleArrays<'py>>)> {
     let FilterOptions { options, threads } = options.get();
     let (call, rows) = (model.get().for_call()?, &data.get().0);
     let (ForCall { model: of_call, failure, .. }, threads) = (&call, call.threads(*threads));

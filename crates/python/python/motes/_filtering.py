@@ -44,10 +44,10 @@ class Filtering(Definition):
     ) -> Filtered:
         """Estimates the states of `data`, time by time, with the evidence of each measurement.
 
-        `data` is an array of shape `(T, M)` or `(S, T, M)`, or `(T,)` where `M` is 1; a list of arrays of unequal length;
-        a data frame of pandas or polars, or a dict of columns, read as the command reads CSV: columns by the names of the
-        measurements, `series`, `t`, and a first column of another name that is carried along; or the path of a CSV file.
-        NaN and None are missing.
+        `data` is an array of shape `(T, M)` or `(S, T, M)`, or `(T,)` where `M` is 1, or a list of arrays of unequal length.
+        It can also be a data frame of pandas or polars, a dict of columns, or the path of a CSV file. These are read as the
+        command reads CSV: columns by the names of the measurements, `series`, `t`, and a first column of another name that is
+        carried along. NaN and None are missing.
 
         - `proposal`: `bootstrap`, `linearised`, `optimal`, a `Proposal`, or `exact`, which takes the Kalman filter, or for discrete
           states the forward algorithm, in the place of particles.
@@ -149,7 +149,7 @@ class Filtering(Definition):
         >>> model.log_evidence([0.1, None, 0.4]) == model.filter([0.1, None, 0.4]).log_evidence
         True
 
-        With `parameters`, at each of `n` values of them, as an array of shape `(n,)`: a dict of arrays or a data frame by their names, or
+        With `parameters`, it is that at each of `n` values of them, an array of shape `(n,)`. They are a dict of arrays or a data frame by their names, or
         an array of shape `(n, D)` whose columns are the parameters that have a prior, or all if none has one, in the order of the
         model. All have the same random numbers, and all threads are used: that is what an optimiser or a sampler of one's own asks
         for. It is −∞ where no particle explains a measurement, and where there is no such model.

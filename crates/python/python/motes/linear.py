@@ -35,9 +35,10 @@ def linear_gaussian(
     """The model `x_0 ~ N(m0, P0)`, `x_t = A x_{t−1} + b + B u_t + v_t`, `y_t = C x_t + d + D u_t + w_t`, with `v_t ~ N(0, Q)` and `w_t ~ N(0, R)`.
 
     Its proposal `exact` is the Kalman filter; `optimal` is exact, too, where there is no more than `A`, `C`, `Q` and `R` with inverses. `A`, `Q` and `P0` are `(N, N)`,
-    `C` is `(M, N)`, `R` is `(M, M)`, `m0` is `(N,)`. What may be left out: `b`, `(N,)`, and `d`, `(M,)`, are intercepts; `S`, `(N, M)`, is the covariance of `v_t`
-    and `w_t`, where `v_t` leads into `x_t`; `B`, `(N, U)`, and `D`, `(M, U)`, have a column for each of `inputs`, which says for each name how the column of the data
-    is read, as `[inputs]` of a model file. Covariances are positive semi-definite.
+    `C` is `(M, N)`, `R` is `(M, M)`, `m0` is `(N,)`. Covariances are positive semi-definite.
+
+    The others may be left out. `b`, `(N,)`, and `d`, `(M,)`, are intercepts. `S`, `(N, M)`, is the covariance of `v_t` and `w_t`, where `v_t` leads into `x_t`. `B`, `(N, U)`, and
+    `D`, `(M, U)`, have a column for each of `inputs`, which says for each name how the column of the data is read, as `[inputs]` of a model file.
 
     >>> import motes
     >>> model = motes.linear_gaussian(A=[[0.9]], C=[[1.0]], Q=[[1.0]], R=[[0.5]], m0=[0.0], P0=[[1.0]])

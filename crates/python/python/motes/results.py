@@ -136,8 +136,7 @@ class Filtered(Estimates):
 
         Dimensions are `series`, `time`, `state` or `measurement`, `quantile` and `particle`, with the names of the model. Series that are
         shorter than the longest are NaN after their last row. `time` has the dates of the data, or numbers that increase as years
-        do, or `t`, where they are the same of all series, as far as these go; else it counts rows from 0, and they are
-        coordinates of series and time.
+        do, or `t`. Where these differ between series, `time` counts rows from 0, and they are coordinates of series and time.
         Attributes are `log_evidence`, `standard_error`, `pareto_k`, `particles`, `seed`, `seconds` and `warnings`.
         """
         return _xarray.of_filtered(self)

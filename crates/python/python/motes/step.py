@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -85,6 +85,10 @@ def _parameters(pairs: list[tuple[str, float]]) -> Values:
     return Values(found)
 
 
-def _step(index: int, time: float, dt: float, names: list[str], inputs: list[float], parameters: Values) -> Step:
-    """A step with inputs of these names."""
-    return Step(index, time, dt, Values(dict(zip(names, inputs, strict=True))), parameters)
+def _steps(names: list[str], parameters: Values) -> Callable[[int, float, float, list[float]], Step]:
+    """What makes steps with inputs of these names."""
+
+    def step(index: int, time: float, dt: float, inputs: list[float]) -> Step:
+        return Step(index, time, dt, Values(dict(zip(names, inputs, strict=True))), parameters)
+
+    return step

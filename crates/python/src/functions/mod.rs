@@ -1,7 +1,7 @@
 //! Models in Python functions of many particles at a time.
 
-mod called;
 mod distributions;
+mod equations;
 mod failure;
 mod stated;
 mod step;

@@ -16,13 +16,17 @@ pub(super) fn parameters(py: Python<'_>, values: &[(String, f64)]) -> PyResult<P
     Ok(made.unbind())
 }
 
-/// A step with its inputs, which have these names.
-pub(super) fn step<'py>(
-    py: Python<'py>,
-    step: &Step<'_>,
-    names: &[String],
-    parameters: &Py<PyAny>,
-) -> PyResult<Bound<'py, PyAny>> {
-    let arguments = (step.index, step.time, step.length, names.to_vec(), step.inputs.to_vec(), parameters);
-    module(py)?.call_method1(intern!(py, "_step"), arguments)
+/// What makes the steps of a model, which all have the same names of inputs and the same parameters.
+pub(super) struct Steps(Py<PyAny>);
+
+impl Steps {
+    pub(super) fn new(py: Python<'_>, names: &[String], parameters: &Py<PyAny>) -> PyResult<Self> {
+        let made = module(py)?.call_method1(intern!(py, "_steps"), (names.to_vec(), parameters))?;
+        Ok(Steps(made.unbind()))
+    }
+
+    /// A step with its inputs.
+    pub(super) fn step<'py>(&self, py: Python<'py>, step: &Step<'_>) -> PyResult<Bound<'py, PyAny>> {
+        self.0.bind(py).call1((step.index, step.time, step.length, step.inputs.to_vec()))
+    }
 }

@@ -86,7 +86,7 @@ impl BatchDistribution {
         BatchDistribution { is_known: true, ..BatchDistribution::new(family) }
     }
 
-    /// The distribution of `shift + scale·z`, for what is given of these. Counts can be neither scaled nor shifted.
+    /// The distribution of `shift + scale·z`, for what is given of these. Counts, and what is known, can be neither scaled nor shifted.
     #[must_use]
     pub fn affine(self, scale: Option<Column>, shift: Option<Column>) -> Self {
         BatchDistribution { scale, shift, ..self }

@@ -12,7 +12,7 @@ use motes_models::{
 };
 
 /// A model whose own steps are those of a schedule, or where there is none, cut into as many sub-steps as its times say. All else is the model's.
-pub(crate) struct Scheduled<M: ?Sized> {
+pub(crate) struct ScheduledModel<M: ?Sized> {
     model: Arc<M>,
     schedule: Option<Schedule>,
     /// How many sub-steps a step of one unit of time has.
@@ -21,14 +21,14 @@ pub(crate) struct Scheduled<M: ?Sized> {
     has_sub_steps: bool,
 }
 
-impl<M: ?Sized> Scheduled<M> {
+impl<M: ?Sized> ScheduledModel<M> {
     pub(crate) fn new(model: Arc<M>, frame: &Frame, schedule: Option<Schedule>) -> Self {
         let (sub_steps, has_sub_steps) = (frame.sub_steps_of_unit(), frame.has_sub_steps());
-        Scheduled { model, schedule, sub_steps, has_sub_steps }
+        ScheduledModel { model, schedule, sub_steps, has_sub_steps }
     }
 }
 
-impl<M: StateSpaceModel + Send + ?Sized> StateSpaceModel for Scheduled<M> {
+impl<M: StateSpaceModel + Send + ?Sized> StateSpaceModel for ScheduledModel<M> {
     fn state_dim(&self) -> usize {
         self.model.state_dim()
     }
@@ -101,7 +101,7 @@ impl<M: StateSpaceModel + Send + ?Sized> StateSpaceModel for Scheduled<M> {
     }
 }
 
-impl<M: Simulator + Send + ?Sized> Simulator for Scheduled<M> {
+impl<M: Simulator + Send + ?Sized> Simulator for ScheduledModel<M> {
     fn sample_measurements(&self, step: &Step<'_>, states: &[f64], streams: &mut [Stream], out: &mut [f64]) {
         self.model.sample_measurements(step, states, streams, out);
     }
@@ -118,7 +118,7 @@ impl<M: Simulator + Send + ?Sized> Simulator for Scheduled<M> {
     }
 }
 
-impl<M: StateGradients + Send + ?Sized> StateGradients for Scheduled<M> {
+impl<M: StateGradients + Send + ?Sized> StateGradients for ScheduledModel<M> {
     fn has_gradients(&self) -> bool {
         self.model.has_gradients()
     }
@@ -149,7 +149,7 @@ impl<M: StateGradients + Send + ?Sized> StateGradients for Scheduled<M> {
     }
 }
 
-impl<M: Linearise + Send + ?Sized> Linearise for Scheduled<M> {
+impl<M: Linearise + Send + ?Sized> Linearise for ScheduledModel<M> {
     fn tile_moments(
         &self,
         step: &Step<'_>,
@@ -173,7 +173,7 @@ impl<M: Linearise + Send + ?Sized> Linearise for Scheduled<M> {
     }
 }
 
-impl<M: Transport + Send + ?Sized> Transport for Scheduled<M> {
+impl<M: Transport + Send + ?Sized> Transport for ScheduledModel<M> {
     fn is_affine(&self) -> bool {
         self.model.is_affine()
     }

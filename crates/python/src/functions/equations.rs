@@ -1,4 +1,4 @@
-//! Functions that are called until one of them fails.
+//! Functions as equations, which are called until one of them fails.
 
 use std::sync::Arc;
 
@@ -10,16 +10,16 @@ use pyo3::prelude::*;
 use super::distributions::{FunctionCall, columns};
 use super::failure::Failure;
 use super::stated::Functions;
-use super::step::{parameters, step as python_step};
+use super::step::{Steps, parameters};
 
 /// The functions of a model at values of its parameters.
-struct Called {
+struct FunctionEquations {
     functions: Arc<Functions>,
     failure: Failure,
     /// Whether states may overflow: simulated series then end there.
     may_overflow: bool,
-    /// The parameters as functions see them, and the first state; none where they could not be had.
-    parameters: Option<Py<PyAny>>,
+    /// What makes the steps that functions are told of, and the first state; none where they could not be had.
+    steps: Option<Steps>,
     initial: Option<Vec<BatchDistribution>>,
     /// Inputs that nobody gave.
     inputs: Vec<f64>,
@@ -32,7 +32,7 @@ enum Function {
     Measurement,
 }
 
-impl Called {
+impl FunctionEquations {
     /// Those of a model at these values of its parameters, with its first state.
     fn new(
         functions: Arc<Functions>,
@@ -46,13 +46,13 @@ impl Called {
             false => Python::try_attach(|py| {
                 let parameters = parameters(py, values)?;
                 let initial = functions.initial(py, &parameters)?;
-                Ok::<_, PyErr>((parameters, initial))
+                Ok::<_, PyErr>((Steps::new(py, &functions.inputs, &parameters)?, initial))
             }),
         };
         let found = found.and_then(|found| found.map_err(|error| failure.keep(error)).ok());
-        let (parameters, initial) = found.unzip();
+        let (steps, initial) = found.unzip();
         let inputs = vec![f64::NAN; functions.inputs.len()];
-        Called { functions, failure, may_overflow, parameters, initial, inputs }
+        FunctionEquations { functions, failure, may_overflow, steps, initial, inputs }
     }
 
     fn call(
@@ -66,9 +66,8 @@ impl Called {
         if self.failure.ends_calls() {
             return None;
         }
-        let Functions { states, measurements, inputs, transition, measurement, slopes, .. } =
-            &*self.functions;
-        let parameters = self.parameters.as_ref()?;
+        let Functions { states, measurements, transition, measurement, slopes, .. } = &*self.functions;
+        let steps = self.steps.as_ref()?;
         let (particles, at) = (rows.len() / states.len(), function as usize);
         // An input that is not known makes odd numbers of the best rows.
         let is_padded = is_padded || step.inputs.iter().any(|input| input.is_nan());
@@ -88,7 +87,7 @@ impl Called {
                 let array = PyArray1::from_slice(py, rows).reshape([particles, states.len()])?;
                 let sloped = slopes.as_ref().filter(|_| with_slopes);
                 let called = sloped.map_or([transition, measurement][at], |sloped| &sloped[at]);
-                let of_step = python_step(py, step, inputs, parameters)?;
+                let of_step = steps.step(py, step)?;
                 let found = called.bind(py).call1((of_step, array)).inspect_err(|error| {
                     // Python 3.10 has no notes.
                     let note = format!("in {}, t = {}", asked.function, step.time);
@@ -123,7 +122,7 @@ impl Functions {
     ) -> Result<motes::Model, motes::MotesError> {
         let (functions, kept) = (Arc::clone(self), failure.clone());
         let make = move |values: &[(String, f64)]| {
-            Batched::new(Called::new(Arc::clone(&functions), kept.clone(), may_overflow, values))
+            Batched::new(FunctionEquations::new(Arc::clone(&functions), kept.clone(), may_overflow, values))
         };
         let model =
             motes::Model::own_with(&self.name, &self.states, &self.measurements, &self.sections, make)?;
@@ -131,7 +130,7 @@ impl Functions {
     }
 }
 
-impl BatchEquations for Called {
+impl BatchEquations for FunctionEquations {
     fn dimensions(&self) -> [usize; 2] {
         [self.functions.states.len(), self.functions.measurements.len()]
     }
