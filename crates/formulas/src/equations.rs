@@ -44,7 +44,10 @@ impl Equations for FormulaEquations<'_> {
         draws: &mut impl Draws<S>,
         state: &mut [S],
     ) {
-        self.0.transition.make(step, previous, draws, state);
+        // Rows before the start end with the parameters of particles.
+        let is_start = step.index == 0 && self.0.has_parameters_of_particles();
+        let program = if is_start { &self.0.initial } else { &self.0.transition };
+        program.make(step, previous, draws, state);
     }
 
     fn measurement<S: Scalar>(&self, step: &Step<'_, S>, state: &[S], measurement: &mut impl Coordinates<S>) {

@@ -91,9 +91,58 @@ impl ModelFile {
     }
 }
 
+impl ModelFile {
+    /// The model of a file of formulas in which each particle has these parameters of its own, those of entries of lists one by one: they are the last numbers of its state, in this order, and
+    /// stay as they are in a step. `x_0` is made of them by a step of index 0 from rows that end with them.
+    ///
+    /// ```
+    /// use motes_models::batch::Rows;
+    /// use motes_models::{Seed, StateSpaceModel, Step};
+    ///
+    /// let text = r#"
+    ///     [parameters]
+    ///     start = "normal(0, 1)"
+    ///     q = 1
+    ///     [initial]
+    ///     x = "start"
+    ///     [transition]
+    ///     x = "normal(x, q)"
+    ///     [measurement]
+    ///     y = "normal(x, 1)"
+    /// "#;
+    /// let file = motes_formulas::parse(text, "walk.toml", &[])?;
+    /// let model = file.with_parameters_of_particles(&["start".into()])?;
+    /// let before = [f64::NAN, 3.0, f64::NAN, 4.0];
+    /// let mut states = [0.0; 4];
+    /// let mut streams = [Seed::from_u64(1).stream()];
+    /// model.sample_states(&Step::of_index(0), Some(Rows::all(&before, 2)), &mut streams, &mut states);
+    /// assert_eq!(states, [3.0, 3.0, 4.0, 4.0]);
+    /// # Ok::<(), motes_formulas::FileError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`FileError::Refused`] if a parameter is not there, or says what must be known before there are particles: the length of a vector, an index, how time goes; or if the file has a kind.
+    pub fn with_parameters_of_particles(&self, names: &[String]) -> Result<FormulaModel, FileError> {
+        let (file, has_lines) = match &self.model {
+            FileModel::Formulas(model) => (model.file(), model.has_lines()),
+            FileModel::LinearGaussian(_) => (self.name.as_str(), true),
+        };
+        let of = Text { file, has_lines };
+        let model = document::read(&self.text).and_then(|table| {
+            FormulaModel::new(statement::read(&self.text, &table, &self.parameters, names)?, of)
+        });
+        model.map_err(|fault| refused(fault, of, &self.text))
+    }
+}
+
 fn model_of(text: &str, of: Text<'_>, overrides: &[(String, f64)]) -> Result<ModelFile, FileError> {
     let model = document::read(text).and_then(|table| of_table(text, of, &table, overrides));
-    model.map_err(|fault| Fault { at: fault.at.filter(|_| of.has_lines), ..fault }.in_file(of.file, text))
+    model.map_err(|fault| refused(fault, of, text))
+}
+
+/// The error for the reader of a text.
+fn refused(fault: Fault, of: Text<'_>, text: &str) -> FileError {
+    Fault { at: fault.at.filter(|_| of.has_lines), ..fault }.in_file(of.file, text)
 }
 
 /// The system's words for why it cannot be read.
@@ -127,7 +176,7 @@ fn of_formulas(
     table: &Table,
     overrides: &[(String, f64)],
 ) -> Result<ModelFile, Fault> {
-    let statement = statement::read(text, table, overrides)?;
+    let statement = statement::read(text, table, overrides, &[])?;
     let names = |lines: &[Line]| {
         let of_line = |line: &Line| (0..line.coordinates()).map(|at| line.coordinate(at)).collect::<Vec<_>>();
         lines.iter().flat_map(of_line).collect()

@@ -45,6 +45,8 @@ pub(crate) struct Programs {
     pub(crate) initial: Program,
     pub(crate) transition: Program,
     pub(crate) measurement: Program,
+    /// For each parameter that particles have of their own, whether `x_0` alone depends on it.
+    only_initial: Vec<bool>,
     /// Where measurements can lie, if it is the same at all times.
     supports: Option<Vec<Option<Support>>>,
     closed_form: Result<(), NoClosedForm>,
@@ -53,6 +55,13 @@ pub(crate) struct Programs {
     pub(crate) has_density: bool,
     /// The first entry of a measurement that is without error.
     exact_entry: Option<usize>,
+}
+
+impl Programs {
+    /// Whether particles have parameters of their own.
+    pub(crate) fn has_parameters_of_particles(&self) -> bool {
+        !self.only_initial.is_empty()
+    }
 }
 
 impl FormulaModel {
@@ -64,6 +73,8 @@ impl FormulaModel {
         let mut uses = vec![InputUse::default(); inputs];
         let (mut closed_form, mut is_linear, mut has_density) = (Ok(()), true, true);
         let (mut exact_entry, mut is_finite) = (None, true);
+        let first_parameter = statement.first_parameter();
+        let mut only_initial = vec![true; states - first_parameter];
         let mut program = |section, lines: &[Line]| {
             let built = build(&statement, section)?;
             if closed_form.is_ok() {
@@ -76,6 +87,17 @@ impl FormulaModel {
             }
             for (number, input) in uses.iter_mut().enumerate() {
                 *in_section(input, section) |= built.inputs().contains(&(number as u32));
+            }
+            if section != Section::Initial {
+                // Of a transition those behind are the parameters themselves.
+                let end = if section == Section::Transition { first_parameter } else { usize::MAX };
+                for state in built.states_before(end) {
+                    if let Some(number) = (state as usize).checked_sub(first_parameter)
+                        && let Some(is_only_initial) = only_initial.get_mut(number)
+                    {
+                        *is_only_initial = false;
+                    }
+                }
             }
             has_density &= section == Section::Measurement || closed_form::has_density(section, &built);
             Ok(compile(&built, states, section == Section::Initial))
@@ -103,6 +125,7 @@ impl FormulaModel {
                 initial,
                 transition,
                 measurement,
+                only_initial,
                 closed_form,
                 is_linear,
                 is_finite,
@@ -125,6 +148,11 @@ impl FormulaModel {
     /// Its times, inputs and parameters.
     pub fn frame(&self) -> &Frame {
         &self.0.frame
+    }
+
+    /// For each parameter that particles have of their own ([`crate::ModelFile::with_parameters_of_particles`]), whether `x_0` alone depends on it.
+    pub fn only_initial(&self) -> &[bool] {
+        &self.0.only_initial
     }
 
     /// What the file states.

@@ -19,6 +19,7 @@ mod fixed_lag;
 mod look_ahead;
 mod memory;
 mod parallel;
+mod perturbed;
 mod predictive;
 mod proposal;
 mod proposal_error;
@@ -46,6 +47,7 @@ pub use look_ahead::{
 };
 pub use memory::{MemoryRows, ParticleMemory};
 pub use motes_models::batch::{Rows, particles_by_stream};
+pub use perturbed::PerturbedFilter;
 pub use predictive::Predictive;
 pub use proposal::{Conditional, Context, Proposal};
 pub use proposal_error::ProposalError;

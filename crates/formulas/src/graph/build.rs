@@ -10,6 +10,9 @@ use crate::statement::{Line, List, Statement};
 use crate::syntax::{Element, Node, Since, Total};
 use crate::tables::Range;
 
+/// Entries of a list.
+type Entries = std::ops::Range<usize>;
+
 /// How many operations the formulas of a section may come to.
 const MOST: usize = 2_000_000;
 
@@ -26,6 +29,12 @@ pub(crate) struct Built {
 }
 
 impl Built {
+    /// The numbers of the state that draws depend on, and the coordinates before that one.
+    pub(crate) fn states_before(&self, end: usize) -> Vec<u32> {
+        let before = self.draws.iter().chain(self.coordinates.iter().take(end));
+        self.graph.states_of(before.flat_map(|output| output.numbers().chain(output.densities())))
+    }
+
     /// The inputs that it depends on.
     pub(crate) fn inputs(&self) -> Vec<u32> {
         self.graph.inputs_of(self.draws.iter().chain(&self.coordinates).flat_map(Output::numbers))
@@ -72,6 +81,10 @@ pub(crate) fn build(statement: &Statement, section: Section) -> Result<Built, Fa
         Section::Transition => builder.add_totals(statement, &mut draws, &mut coordinates),
         _ => {}
     }
+    if matches!(section, Section::Initial | Section::Transition) {
+        let own = statement.first_parameter()..states;
+        coordinates.extend(own.map(|number| Output::Follows(builder.graph.state(number))));
+    }
     Ok(Built { graph: builder.graph, draws, coordinates })
 }
 
@@ -115,8 +128,7 @@ struct Builder {
 impl Builder {
     /// Adds the totals over sub-steps behind the coordinates of the state.
     fn add_totals(&mut self, statement: &Statement, draws: &mut Vec<Output>, coordinates: &mut Vec<Output>) {
-        let states = coordinates.len();
-        let behind = states + statement.totals.iter().map(Total::coordinates).sum::<usize>();
+        let behind = statement.dimension();
         let resets = statement.resets();
         for total in &statement.totals {
             for coordinate in total.first..total.first + total.coordinates() {
@@ -177,6 +189,9 @@ impl Builder {
                 }
                 if let Some(known) = known {
                     let last = output.numbers().filter_map(|number| self.graph.last_state(number)).max();
+                    // Parameters that are numbers of the state are known from the beginning.
+                    let first_parameter = statement.first_parameter() as u32;
+                    let last = last.filter(|last| section != Section::Initial || *last < first_parameter);
                     let known = known + outputs.len();
                     if let Some(later) = last.map(|last| last as usize).filter(|last| *last >= known) {
                         let (name, section_name) = (statement.name_of(later), section.title());
@@ -256,7 +271,7 @@ impl Builder {
                 Node::Entry { list, indices } => {
                     let list = &statement.lists[*list];
                     let indices: Vec<Id> = indices.iter().map(|index| values[*index]).collect();
-                    self.entry(list, &list.values, &list.lengths, &indices)
+                    self.entry(list, 0..list.values.len(), &list.lengths, &indices)
                         .map_err(|problem| line.fault(section, formula.spans[at].start, problem))?
                 }
                 Node::OfOne(operation, a) => self.graph.of_one(*operation, values[*a]),
@@ -279,21 +294,25 @@ impl Builder {
     fn entry(
         &mut self,
         list: &List,
-        values: &[f64],
+        entries: Entries,
         lengths: &[usize],
         indices: &[Id],
     ) -> Result<Id, Problem> {
         let ([length, lengths @ ..], [index, indices @ ..]) = (lengths, indices) else {
-            return Ok(self.graph.constant(values.first().copied().unwrap_or(f64::NAN)));
+            return Ok(match list.states.get(entries.start) {
+                Some(Some(state)) => self.graph.state(*state),
+                _ => self.graph.constant(list.values.get(entries.start).copied().unwrap_or(f64::NAN)),
+            });
         };
-        let each = values.len() / length;
+        let each = entries.len() / length;
+        let part = |at: usize| entries.start + at * each..entries.start + (at + 1) * each;
         if let Some(known) = self.graph.value(*index) {
             if !(0.0..*length as f64).contains(&known) || known.fract() != 0.0 {
                 let name = list.name.clone();
                 return Err(Problem::BeyondList { name, index: known, last: length - 1 });
             }
             let at = known as usize;
-            return self.entry(list, &values[at * each..][..each], lengths, indices);
+            return self.entry(list, part(at), lengths, indices);
         }
         self.work += 2 * length;
         if self.work > MOST {
@@ -301,7 +320,7 @@ impl Builder {
         }
         let mut chosen = self.graph.constant(f64::NAN);
         for at in (0..*length).rev() {
-            let entry = self.entry(list, &values[at * each..][..each], lengths, indices)?;
+            let entry = self.entry(list, part(at), lengths, indices)?;
             let number = self.graph.constant(at as f64);
             let is_meant = self.graph.of_two(Binary::Equal, *index, number);
             chosen = self.graph.choice(is_meant, entry, chosen);

@@ -52,7 +52,7 @@ pub(super) fn statement_of(
         let found = Found::Table(lines.into_iter().map(entry).collect());
         all.push(Entry { key: section.name().to_string(), key_at: at, value: Value { at, found } });
     }
-    let statement = statement::read(text, &all, overrides)?;
+    let statement = statement::read(text, &all, overrides, &[])?;
     Ok(Statement {
         initial: renamed(statement.initial, &names.shown_states()),
         transition: renamed(statement.transition, &names.shown_states()),

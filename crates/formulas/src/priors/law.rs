@@ -77,13 +77,16 @@ impl Law {
         }
     }
 
-    /// Values with this distribution, made of as many standard normal numbers.
-    pub(crate) fn at(&self, noise: &[f64]) -> Vec<f64> {
-        let Law::Dirichlet(weights) = self else { return noise.iter().map(|v| self.at_one(*v)).collect() };
-        let of_gamma = |(weight, v): (&f64, &f64)| gamma(*weight, 1.0).from_normal(*v);
-        let parts: Vec<f64> = weights.iter().zip(noise).map(of_gamma).collect();
-        let sum: f64 = parts.iter().sum();
-        parts.iter().map(|part| part / sum).collect()
+    /// Writes values with this distribution, made of as many standard normal numbers.
+    pub(crate) fn write(&self, noise: &[f64], values: &mut [f64]) {
+        let Law::Dirichlet(weights) = self else {
+            return values.iter_mut().zip(noise).for_each(|(value, v)| *value = self.at_one(*v));
+        };
+        for ((value, weight), v) in values.iter_mut().zip(weights).zip(noise) {
+            *value = gamma(*weight, 1.0).from_normal(*v);
+        }
+        let sum: f64 = values.iter().sum();
+        values.iter_mut().for_each(|value| *value /= sum);
     }
 
     /// The value that a standard normal number is turned into.

@@ -73,8 +73,19 @@ impl Prior {
     /// # Panics
     /// If there is not one number for each entry.
     pub fn at(&self, noise: &[f64]) -> Vec<f64> {
-        assert_eq!(noise.len(), self.entries.len(), "one number for each of {:?}", self.entries);
-        self.law.at(noise)
+        let mut values = vec![0.0; noise.len()];
+        self.write(noise, &mut values);
+        values
+    }
+
+    /// [`Prior::at`] that writes into memory of one's own.
+    ///
+    /// # Panics
+    /// If there is not one number, or no place for one, for each entry.
+    pub fn write(&self, noise: &[f64], values: &mut [f64]) {
+        let lengths = [noise.len(), values.len()];
+        assert_eq!(lengths, [self.entries.len(); 2], "one number for each of {:?}", self.entries);
+        self.law.write(noise, values);
     }
 
     /// Values that are drawn from it, one for each entry.

@@ -16,9 +16,20 @@ pub(crate) struct List {
     pub(crate) lengths: Vec<usize>,
     /// The last index varies first.
     pub(crate) values: Vec<f64>,
+    /// For each entry, the number of the state that it is, where each particle has one of its own.
+    pub(crate) states: Vec<Option<usize>>,
 }
 
 impl List {
+    pub(super) fn new(name: &str, start: usize, lengths: Vec<usize>, values: Vec<f64>) -> Self {
+        List { name: name.to_string(), start, lengths, states: vec![None; values.len()], values }
+    }
+
+    /// Whether one of its entries stands at that place among all parameters.
+    pub(super) fn has(&self, place: usize) -> bool {
+        (self.start..self.start + self.values.len()).contains(&place)
+    }
+
     /// The entry with these indices, if there is one.
     pub(crate) fn entry(&self, indices: &[f64]) -> Option<f64> {
         let mut at = 0;
@@ -55,7 +66,7 @@ impl List {
     ) -> Result<(List, EntriesWithPriors<'v>), (usize, Problem)> {
         let mut read = Entries::default();
         read.add(value, 0)?;
-        Ok((List { name: name.to_string(), start, lengths: read.lengths, values: read.values }, read.priors))
+        Ok((List::new(name, start, read.lengths, read.values), read.priors))
     }
 }
 

@@ -58,6 +58,8 @@ pub(crate) struct Statement {
     pub(crate) measurement: Vec<Line>,
     /// What measurements use of the sub-steps before: numbers of the state behind those of `initial`.
     pub(crate) totals: Vec<Total>,
+    /// The parameters that each particle has of its own: numbers of the state behind those of `totals`.
+    pub(crate) of_particles: Vec<String>,
     /// Whether a measurement may have a standard deviation of 0, so that only exact filters take it.
     pub(crate) may_be_exact: bool,
 }
@@ -68,11 +70,17 @@ impl Statement {
         let of_line = |line: &Line| (0..line.coordinates()).map(|at| line.coordinate(at)).collect::<Vec<_>>();
         let of_total =
             |total: &Total| (0..total.coordinates()).map(|at| total.coordinate(at)).collect::<Vec<_>>();
-        self.initial.iter().flat_map(of_line).chain(self.totals.iter().flat_map(of_total)).collect()
+        let states = self.initial.iter().flat_map(of_line).chain(self.totals.iter().flat_map(of_total));
+        states.chain(self.of_particles.iter().cloned()).collect()
     }
 
     /// How many coordinates a state has.
     pub(crate) fn dimension(&self) -> usize {
+        self.first_parameter() + self.of_particles.len()
+    }
+
+    /// The number of the state at which the parameters begin that each particle has of its own.
+    pub(crate) fn first_parameter(&self) -> usize {
         let of_lines: usize = self.initial.iter().map(Line::coordinates).sum();
         of_lines + self.totals.iter().map(Total::coordinates).sum::<usize>()
     }
@@ -107,10 +115,16 @@ impl Statement {
     }
 }
 
-/// Reads the sections of a file of formulas.
-pub(crate) fn read(text: &str, table: &Table, overrides: &[(String, f64)]) -> Result<Statement, Fault> {
+/// Reads the sections of a file of formulas. Each particle has the parameters of these names of its own, those of entries of lists one by one.
+pub(crate) fn read(
+    text: &str,
+    table: &Table,
+    overrides: &[(String, f64)],
+    of_particles: &[String],
+) -> Result<Statement, Fault> {
     let sections = Sections::of(table)?;
-    let parameters = Parameters::read(&sections.parameters, overrides)?;
+    let mut parameters = Parameters::read(&sections.parameters, overrides)?;
+    parameters.give_to_particles(of_particles)?;
     let constants = parameters.meanings();
     let inputs = inputs_of(&sections, Constants { names: &constants, lists: &parameters.lists })?;
     let states = keys::read(&sections.initial, Section::Initial, &parameters)?;
@@ -122,13 +136,22 @@ pub(crate) fn read(text: &str, table: &Table, overrides: &[(String, f64)]) -> Re
 
     let mut names = meanings(&parameters, &inputs, [&states, &definitions, &draws, &measurements])?;
     let known = states.iter().map(Key::coordinates).sum();
-    let totals = RefCell::new(Totals { states: known, ..Totals::default() });
-    let reader = lines::Reader { text, names: &names, totals: Some(&totals) };
-    let measurement = reader.lines(&measurements, Section::Measurement)?;
-    let totals = totals.into_inner();
+    let measured = |names: &BTreeMap<String, Meaning>| {
+        let totals = RefCell::new(Totals { states: known, ..Totals::default() });
+        let reader = lines::Reader { text, names, totals: Some(&totals) };
+        let lines = reader.lines(&measurements, Section::Measurement)?;
+        Ok::<_, Fault>((lines, totals.into_inner()))
+    };
+    parameters.become_states(known, &mut names);
+    let (mut measurement, totals) = measured(&names)?;
+    if !of_particles.is_empty() {
+        // Totals stand before them, and are known only now.
+        parameters.become_states(known + totals.count(), &mut names);
+        (measurement, _) = measured(&names)?;
+    }
     for meaning in names.values_mut() {
         if let Meaning::Draw { first, .. } = meaning {
-            *first += totals.count();
+            *first += totals.count() + of_particles.len();
         }
     }
     let reader = lines::Reader { text, names: &names, totals: None };
@@ -143,6 +166,7 @@ pub(crate) fn read(text: &str, table: &Table, overrides: &[(String, f64)]) -> Re
         transition: reader.lines(&moves, Section::Transition)?,
         measurement,
         totals: totals.all,
+        of_particles: of_particles.to_vec(),
         ..around(text, &sections, &parameters, inputs)?
     })
 }

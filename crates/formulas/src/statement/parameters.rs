@@ -12,12 +12,14 @@ use crate::tables::reserved;
 use super::list::List;
 
 /// The parameters of a file.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct Parameters {
     /// Numbers, and the entries of lists: `a`, `b[0]`, `c[0,1]`.
     pub(super) values: Vec<(String, f64)>,
     pub(crate) lists: Vec<List>,
     pub(super) priors: Vec<Prior>,
+    /// Those that each particle has of its own, which are no constants.
+    of_particles: Vec<String>,
 }
 
 /// How many parameters an error names.
@@ -26,8 +28,7 @@ const MOST_NAMED: usize = 12;
 impl Parameters {
     /// Reads them, and replaces the values of those that are set from outside; of two such values the last counts.
     pub(crate) fn read(table: &Table, overrides: &[(String, f64)]) -> Result<Self, Fault> {
-        let mut parameters =
-            Parameters { values: Vec::with_capacity(table.len()), lists: Vec::new(), priors: Vec::new() };
+        let mut parameters = Parameters { values: Vec::with_capacity(table.len()), ..Parameters::default() };
         for entry in table {
             let fault =
                 |at, problem| Fault::at(at, problem).in_section(Section::Parameters).of_key(&entry.key);
@@ -108,7 +109,7 @@ impl Parameters {
         match prior.law {
             Law::Dirichlet(_) => {
                 let (start, values) = (self.values.len(), prior.start.clone());
-                let list = List { name: entry.key.clone(), start, lengths: vec![values.len()], values };
+                let list = List::new(&entry.key, start, vec![values.len()], values);
                 let entries = list.names().collect();
                 self.add_list(list);
                 self.priors.push(Prior { entries, ..prior });
@@ -183,18 +184,48 @@ impl Parameters {
     /// What their names mean.
     pub(crate) fn meanings(&self) -> BTreeMap<String, Meaning> {
         // Entries of lists have names with brackets, which no formula can mean.
-        let values = self.values.iter().filter(|(name, _)| !name.contains('['));
+        let is_constant = |name: &String| !self.of_particles.contains(name);
+        let values = self.values.iter().filter(|(name, _)| !name.contains('[') && is_constant(name));
         let mut names: BTreeMap<String, Meaning> =
             values.map(|(name, value)| (name.clone(), Meaning::Parameter(*value))).collect();
-        for (number, list) in self.lists.iter().enumerate() {
+        for (number, list) in
+            self.lists.iter().enumerate().filter(|(_, list)| list.names().all(|name| is_constant(&name)))
+        {
             names.insert(list.name.clone(), Meaning::List { number, lengths: list.lengths.clone() });
         }
         names
     }
 
+    /// Gives each particle parameters of its own, of which nothing else can be made than formulas.
+    pub(super) fn give_to_particles(&mut self, names: &[String]) -> Result<(), Fault> {
+        if let Some(name) = names.iter().find(|name| self.values.iter().all(|(known, _)| known != *name)) {
+            return Err(Fault::new(unknown(name, &self.values)));
+        }
+        self.of_particles = names.to_vec();
+        Ok(())
+    }
+
+    /// Makes the parameters of particles numbers of the state from `first` on, in `names` and in lists.
+    pub(super) fn become_states(&mut self, first: usize, names: &mut BTreeMap<String, Meaning>) {
+        for (number, name) in self.of_particles.iter().enumerate() {
+            let Some(place) = self.values.iter().position(|(known, _)| known == name) else { continue };
+            let (state, mut lists) = (first + number, self.lists.iter_mut().enumerate());
+            match lists.find(|(_, list)| list.has(place)) {
+                Some((number, list)) => {
+                    list.states[place - list.start] = Some(state);
+                    names.insert(list.name.clone(), Meaning::List { number, lengths: list.lengths.clone() });
+                }
+                None => {
+                    names.insert(name.clone(), Meaning::State { first: state, length: None });
+                }
+            }
+        }
+    }
+
     /// The value of a parameter.
     pub(super) fn get(&self, name: &str) -> Option<f64> {
-        self.values.iter().find(|(known, _)| known == name).map(|(_, value)| *value)
+        let of_name = self.values.iter().find(|(known, _)| known == name);
+        of_name.filter(|(name, _)| !self.of_particles.contains(name)).map(|(_, value)| *value)
     }
 }
 

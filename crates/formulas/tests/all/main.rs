@@ -14,6 +14,7 @@ mod growth;
 mod helpers;
 mod matrices;
 mod pages;
+mod parameters_of_particles;
 mod priors;
 mod random_formulas;
 mod refusals;

@@ -7,6 +7,7 @@ mod forecast;
 mod linearised;
 mod min_degeneracy;
 mod missing;
+mod perturbed;
 mod second_opinion;
 mod smoothing;
 mod snapshot;
