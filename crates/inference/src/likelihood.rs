@@ -23,10 +23,41 @@ pub trait Likelihood: Sync {
     /// Those of the implementation.
     fn log_likelihood(&self, v: &[f64], estimator: Estimator, seed: &Seed) -> Result<f64, Self::Error>;
 
+    /// The filter of the data whose particles have parameters of their own, if there is one.
+    fn perturbed(&self) -> Option<&dyn PerturbedLikelihood<Error = Self::Error>> {
+        None
+    }
+
     /// What is reported of a position, and what chains have to agree about: the values of parameters, or `v` itself.
     fn reported(&self, v: &[f64]) -> Vec<f64> {
         v.to_vec()
     }
+}
+
+/// A filter of the data whose particles have parameters of their own, which go a random walk: what iterated filtering takes.
+pub trait PerturbedLikelihood: Sync {
+    /// That of the likelihood.
+    type Error: Send;
+
+    /// The estimator that filters alike, its place in [`Likelihood::estimators`].
+    fn estimator(&self) -> usize;
+
+    /// Takes the positions of a swarm (`K×D`) through the data, and gives the logarithm of the estimate on the way; −∞ where no particle explains the data.
+    ///
+    /// # Errors
+    /// Those of the implementation.
+    fn pass(&self, positions: &mut [f64], walk: RandomWalk, seed: &Seed) -> Result<f64, Self::Error>;
+}
+
+/// How parameters are perturbed in a pass through data.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RandomWalk {
+    /// The standard deviation of a coordinate's walk over all rows, were it as fast as at the first one. What `x_0` alone depends on goes it all at the start.
+    pub spread: f64,
+    /// By how much it is slower at the last row.
+    pub cooling: f64,
+    /// The coordinate that stays as it is, if one does.
+    pub fixed: Option<usize>,
 }
 
 /// What an estimator costs.

@@ -8,6 +8,7 @@ use motes_smc::{
     Verdict, WeightDiagnosis,
 };
 
+use crate::continuations::Continuations;
 use crate::error::MotesError;
 use crate::estimate::Estimate;
 use crate::filter_choice::filter_of;
@@ -37,6 +38,10 @@ pub struct Running<'m> {
     pub(crate) asked: Quantiles,
     /// What was expected of the last measurement, where it is.
     pub(crate) predictive: Vec<Predictive>,
+    /// Where forecasts have come to, of a model whose measurements are inputs.
+    pub(crate) continuations: Option<Continuations>,
+    /// What their random numbers come from.
+    pub(crate) forecast_seed: Seed,
     /// An input that the last forecast of a measurement lacked.
     pub(crate) unknown: Option<String>,
 }
@@ -80,6 +85,8 @@ impl<'m> Running<'m> {
             is_predictive: options.predictive,
             asked: options.quantiles.clone(),
             predictive: vec![],
+            continuations: None,
+            forecast_seed: Seed::from_u64(options.seed).child("forecast"),
             unknown: None,
         }
     }
@@ -148,6 +155,7 @@ impl<'m> Running<'m> {
             });
         }
         self.before = self.filter.log_evidence();
+        self.continuations = None;
         self.filter.step(step, measurement).map_err(|error| self.explain(&error, step, measurement))?;
         self.time += 1;
         Ok(())

@@ -2,6 +2,7 @@
 
 use motes_models::{Step, StepRecord};
 
+use crate::continuations::Continuations;
 use crate::data::Row;
 use crate::engine::Running;
 use crate::error::MotesError;
@@ -25,21 +26,38 @@ impl Running<'_> {
     /// As [`Running::step_row`], and [`MotesError::Ahead`] if an input is not known then.
     pub fn predict_row(&mut self, row: Option<RowTime<'_>>) -> Result<Forecast, MotesError> {
         let mut clock = self.clock.clone();
-        let forecast = self.predict_by(&mut clock, row)?;
+        let forecast = self.go_on(&mut clock, row)?;
         self.clock = clock;
         self.clock.comes_back();
         Ok(forecast)
     }
 
-    /// [`Running::predict_row`] where a clock says where the series is.
+    /// [`Running::predict_row`] of who has no more rows, and a clock that says where the series is. Where measurements are inputs of later steps, many continuations of the series are simulated, and
+    /// the filter stays where it is.
     ///
     /// # Errors
-    /// As [`Running::step`], and [`MotesError::Ahead`] if an input is not known then.
+    /// As [`Running::predict_row`], and [`MotesError::Simulation`] where a continuation runs to numbers that are not finite.
     pub fn predict_by(
         &mut self,
         clock: &mut Clock,
         row: Option<RowTime<'_>>,
     ) -> Result<Forecast, MotesError> {
+        if self.time > 0
+            && self.continuations.is_none()
+            && let Some(particles) = self.filter.weighted()
+        {
+            // Another one for each series.
+            let seed = self.forecast_seed.nth(self.filter.log_evidence().to_bits());
+            self.continuations = Continuations::of(self.model, particles, clock, &seed);
+        }
+        match &mut self.continuations {
+            Some(continuations) => continuations.next(self.model, row, self.asked.probabilities()),
+            None => self.go_on(clock, row),
+        }
+    }
+
+    /// Takes the filter to a row at which nothing is measured.
+    fn go_on(&mut self, clock: &mut Clock, row: Option<RowTime<'_>>) -> Result<Forecast, MotesError> {
         let steps = self.model.steps_ahead(clock, row).map_err(|error| MotesError::Ahead(Box::new(error)))?;
         // What a measurement needs and nobody knows is no number there; states do without it.
         let known: Vec<StepRecord> = steps.iter().map(|step| without_unknown(&step.step())).collect();

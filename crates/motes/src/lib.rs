@@ -27,6 +27,7 @@ mod checking;
 mod checkpoint;
 mod comparing;
 mod contender;
+mod continuations;
 mod cost;
 mod data;
 mod engine;

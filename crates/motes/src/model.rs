@@ -249,6 +249,14 @@ impl Model {
         }
     }
 
+    /// Its formulas in which each particle has these parameters of its own; none where that cannot be, or it is no file of formulas.
+    pub(crate) fn with_parameters_of_particles(&self, names: &[String]) -> Option<FormulaModel> {
+        match &self.0 {
+            Source::File(file, _) => file.with_parameters_of_particles(names).ok(),
+            Source::Own(_) => None,
+        }
+    }
+
     /// The text of the model file, or of the sections of a model of one's own, if it has such.
     pub fn text(&self) -> Option<&str> {
         match &self.0 {

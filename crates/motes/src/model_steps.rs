@@ -68,6 +68,15 @@ impl Model {
         self.input_columns().iter().find(|column| measurements.contains(column)).map(String::as_str)
     }
 
+    /// What a row gives of measurements that are inputs: an entry for each measurement.
+    pub(crate) fn measurements_of(&self, row: RowTime<'_>) -> Vec<Option<f64>> {
+        let given = |name: &String| {
+            let column = self.input_columns().iter().position(|column| column == name)?;
+            row.columns.get(column).copied().flatten()
+        };
+        self.measurements().iter().map(given).collect()
+    }
+
     /// The column of data that an input comes from.
     pub(crate) fn input_column(&self, input: &str) -> Option<String> {
         self.timeline()?.column_of(input).map(str::to_string)

@@ -16,6 +16,7 @@ pub(crate) struct FitArguments<'py> {
     chains: i64,
     draws: Option<i64>,
     profile: Vec<String>,
+    passes: Option<i64>,
     budget: Option<f64>,
     seed: i128,
 }
@@ -39,6 +40,7 @@ impl FitArguments<'_> {
             chains: integer("chains", self.chains, 1, 1000)?,
             draws: count("draws", self.draws, 4)?,
             profiles: self.profile.clone(),
+            passes: count("passes", self.passes, 1)?,
             seconds: self.budget,
             seed: seed_of(self.seed)?,
         })

@@ -3,16 +3,13 @@
 use std::ops::ControlFlow;
 
 use motes_models::batch::Rows;
-use motes_models::{ModelError, Seed, StateSpaceModel, fill_standard_normal};
+use motes_models::{ModelError, Seed, StateSpaceModel, Stream};
 
 use crate::look_ahead::RecordedStep;
 use crate::resampling::Resampling;
 use crate::weights::{LogWeights, WeightFault};
 
-/// Positions are no farther from 0 than this: beyond it a quantile of a prior is its end.
-const FARTHEST: f64 = 5.0;
-
-/// A bootstrap filter of a recorded sequence whose particles have parameters of their own, which go a random walk from row to row (Ionides, Nguyen, Atchadé, Stoev and King, 2015).
+/// A bootstrap filter of a recorded sequence whose particles have parameters of their own, which are perturbed from row to row (Ionides, Nguyen, Atchadé, Stoev and King, 2015).
 ///
 /// Parameters are made of positions in `ℝᴰ`, and it is these that are perturbed. A particle that explains the data is resampled with its parameters, so that a swarm of them goes uphill.
 pub struct PerturbedFilter<'a> {
@@ -27,8 +24,8 @@ pub struct PerturbedFilter<'a> {
 }
 
 impl PerturbedFilter<'_> {
-    /// Takes a swarm of positions (`K×D`) through the sequence. `spread` gives the standard deviation (`D`) by which each coordinate is perturbed before a step. What is returned is the log-evidence of
-    /// the perturbed model, −∞ where no particle explains a row, after which all go on; none where `spread` said to stop.
+    /// Takes a swarm of positions (`K×D`) through the sequence. `perturb` is given the number of each step and the positions before it, and says whether it changed them. What is returned is the
+    /// log-evidence of the perturbed model, −∞ where no particle explains a row, after which all go on; none where `perturb` said to stop.
     ///
     /// # Errors
     /// [`ModelError`] if a measurement cannot be weighed.
@@ -38,7 +35,7 @@ impl PerturbedFilter<'_> {
     pub fn pass(
         &self,
         positions: &mut [f64],
-        spread: &mut dyn FnMut(usize, &mut [f64]) -> ControlFlow<()>,
+        perturb: &mut dyn FnMut(usize, &mut [f64]) -> ControlFlow<(), bool>,
         seed: &Seed,
     ) -> Result<Option<f64>, ModelError> {
         let (d, n) = (self.dimension, self.model.state_dim());
@@ -46,26 +43,19 @@ impl PerturbedFilter<'_> {
         let particles = positions.len() / d;
         let mut swarm = Swarm::new(particles, [n, d]);
         let mut streams = [seed.child("states").stream()];
-        let (mut walk, mut resampling) = (seed.child("walk").stream(), seed.child("ancestors").stream());
-        let (mut noise, mut sds) = (vec![0.0; positions.len()], vec![0.0; d]);
+        let mut resampling = seed.child("ancestors").stream();
         let mut increments = vec![0.0; particles];
         let mut log_evidence = 0.0;
         for (row, RecordedStep { step, measurement }) in self.steps.iter().enumerate() {
             swarm.resample(positions, &mut resampling);
-            if spread(row, &mut sds).is_break() {
-                return Ok(None);
-            }
-            if row == 0 || sds.iter().any(|sd| *sd > 0.0) {
-                fill_standard_normal(&mut walk, &mut noise);
-                for (position, noise) in positions.chunks_exact_mut(d).zip(noise.chunks_exact(d)) {
-                    for ((v, noise), sd) in position.iter_mut().zip(noise).zip(&sds) {
-                        *v = (*v + sd * noise).clamp(-FARTHEST, FARTHEST);
-                    }
+            match perturb(row, positions) {
+                ControlFlow::Break(()) => return Ok(None),
+                ControlFlow::Continue(is_changed) if is_changed || row == 0 => {
+                    (self.parameters)(positions, &mut swarm.parameters);
+                    swarm.write_parameters();
                 }
-                (self.parameters)(positions, &mut swarm.parameters);
-                swarm.is_perturbed = true;
+                ControlFlow::Continue(_) => {}
             }
-            swarm.write_parameters();
             let step = step.step();
             let before = Rows::all(&swarm.states, n);
             self.model.sample_states(&step, Some(before), &mut streams, &mut swarm.next);
@@ -73,10 +63,8 @@ impl PerturbedFilter<'_> {
             if measurement.iter().any(Option::is_some) {
                 self.model.log_likelihoods(&step, &swarm.states, measurement, &mut increments)?;
                 // At parameters that make no number of it the data are impossible.
-                increments
-                    .iter_mut()
-                    .filter(|value| value.is_nan())
-                    .for_each(|value| *value = f64::NEG_INFINITY);
+                let impossible = increments.iter_mut().filter(|value| value.is_nan());
+                impossible.for_each(|value| *value = f64::NEG_INFINITY);
                 log_evidence += swarm.weigh(&increments);
             }
         }
@@ -94,8 +82,6 @@ struct Swarm {
     next: Vec<f64>,
     /// `K×D`.
     parameters: Vec<f64>,
-    /// Whether parameters are others than those in the rows.
-    is_perturbed: bool,
     weights: LogWeights,
     is_weighed: bool,
     ancestors: Vec<usize>,
@@ -109,7 +95,6 @@ impl Swarm {
             states: vec![0.0; particles * n],
             next: vec![0.0; particles * n],
             parameters: vec![0.0; particles * d],
-            is_perturbed: false,
             weights: LogWeights::uniform(particles),
             is_weighed: false,
             ancestors: vec![0; particles],
@@ -131,7 +116,7 @@ impl Swarm {
     }
 
     /// Draws ancestors, with their positions; nothing where weights are equal.
-    fn resample(&mut self, positions: &mut [f64], stream: &mut motes_models::Stream) {
+    fn resample(&mut self, positions: &mut [f64], stream: &mut Stream) {
         if !std::mem::take(&mut self.is_weighed) {
             return;
         }
@@ -146,12 +131,10 @@ impl Swarm {
         positions.copy_from_slice(&self.moved);
     }
 
-    /// Writes parameters to the ends of rows, where they have changed.
+    /// Writes parameters to the ends of rows.
     fn write_parameters(&mut self) {
         let [n, d] = self.dimensions;
-        if std::mem::take(&mut self.is_perturbed) {
-            let rows = self.states.chunks_exact_mut(n).zip(self.parameters.chunks_exact(d));
-            rows.for_each(|(row, parameters)| row[n - d..].copy_from_slice(parameters));
-        }
+        let rows = self.states.chunks_exact_mut(n).zip(self.parameters.chunks_exact(d));
+        rows.for_each(|(row, parameters)| row[n - d..].copy_from_slice(parameters));
     }
 }

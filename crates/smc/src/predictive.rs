@@ -83,13 +83,13 @@ impl Predictive {
         model.marginals(step, states, measurement, stream, &mut marginals);
         let of_entry = |entry: usize| {
             let marginals: Vec<Marginal> = marginals.iter().skip(entry).step_by(m).copied().collect();
-            Predictive::of(weights, marginals, measurement[entry], probabilities)
+            Predictive::of_marginals(weights, marginals, measurement[entry], probabilities)
         };
         (0..m).map(of_entry).collect()
     }
 
-    /// That of what is expected at each of `K` weighted particles.
-    fn of(
+    /// That of an entry from what is expected of it at each of `K` weighted particles, and where it lies if it was measured; with quantiles at these probabilities.
+    pub fn of_marginals(
         weights: &LogWeights,
         mut marginals: Vec<Marginal>,
         measured: Option<f64>,

@@ -3,6 +3,7 @@
 mod law;
 mod read;
 
+use motes_models::equations::Distribution;
 use motes_models::{Stream, fill_standard_normal};
 
 pub(crate) use law::Law;
@@ -56,6 +57,11 @@ impl Prior {
     /// Where these values come from.
     pub fn origin(&self) -> Origin {
         self.origin
+    }
+
+    /// Whether it is uniform between two ends.
+    pub fn is_uniform(&self) -> bool {
+        matches!(self.law, Law::Of(Distribution::Uniform(_)))
     }
 
     /// The log density of values, one for each entry; −∞ where they cannot be. That of a dirichlet is one of all entries but the last.

@@ -2,6 +2,8 @@
 
 mod height;
 mod hill;
+mod iterated;
+mod iterated_profile;
 mod point;
 mod profile;
 mod quadratic;
@@ -11,4 +13,4 @@ mod settings;
 pub use point::Maximum;
 pub use profile::{Profile, ProfilePoint};
 pub use search::MaximumSearch;
-pub use settings::MaximumSettings;
+pub use settings::{IteratedSettings, MaximumSettings};

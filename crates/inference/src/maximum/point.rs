@@ -13,7 +13,7 @@ pub struct Maximum {
     pub log_likelihood: f64,
     /// Its standard error; 0 where it is exact.
     pub standard_error: f64,
-    /// `L` (`D×D`, row after row): `L Lᵀ` is the inverse of the curvature.
+    /// `L` (`D×D`, row after row): `L Lᵀ` is the inverse of the curvature. Nothing where a swarm found it.
     pub(super) spread: Vec<f64>,
     /// The estimator that the search used.
     pub estimator: Estimator,

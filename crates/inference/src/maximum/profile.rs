@@ -11,7 +11,7 @@ use super::quadratic::Quadratic;
 use crate::likelihood::{Estimator, EstimatorCost, Likelihood};
 
 /// Points of a profile on either side, and how far apart they are in units of the spread.
-const POINTS: (i32, f64) = (5, 0.6);
+pub(super) const POINTS: (i32, f64) = (5, 0.6);
 
 /// Rounds uphill at each point.
 const ROUNDS: usize = 2;
@@ -121,13 +121,18 @@ pub(super) fn profile<L: Likelihood>(
             }
         }
     }
+    Ok(interval(found, best.v[at], at, sd, level))
+}
+
+/// The interval that follows from points of the profile of coordinate `at`, which are [`POINTS`] apart in units of `sd`.
+pub(super) fn interval(mut found: Vec<ProfilePoint>, top_at: f64, at: usize, sd: f64, level: f64) -> Profile {
     found.sort_by(|a, b| a.v.total_cmp(&b.v));
     let weighted = |point: &ProfilePoint| {
         let error = point.standard_error;
-        (vec![(point.v - best.v[at]) / sd], point.log_likelihood, 1.0 / (error * error + 0.05))
+        (vec![(point.v - top_at) / sd], point.log_likelihood, 1.0 / (error * error + 0.05))
     };
     let mut points: Vec<(Vec<f64>, f64, f64)> = found.iter().map(weighted).collect();
-    let around = |u: f64| best.v[at] + u * sd;
+    let around = |u: f64| top_at + u * sd;
     let z = normal_quantile(0.5 + 0.5 * level);
     let end = f64::from(POINTS.0) * POINTS.1;
     // Weights as they would be of a profile that is known at its top above all.
@@ -136,7 +141,7 @@ pub(super) fn profile<L: Likelihood>(
         *weight *= (-0.25 * (top - *height)).exp();
     }
     let Some(fitted) = Quadratic::fit(&points) else {
-        return Ok(Profile { at, low: around(-end), high: around(end), points: found });
+        return Profile { at, low: around(-end), high: around(end), points: found };
     };
     let curvature = (-fitted.curvature[(0, 0)]).max(1e-3);
     let centre = (fitted.b[0] / curvature).clamp(-end, end);
@@ -145,7 +150,7 @@ pub(super) fn profile<L: Likelihood>(
     let delta = 0.5 * z * z * (1.0 + curvature * error * error);
     let reach =
         |side: f64| centre + side * reach(&points, fitted.at(&[centre]), centre, side, delta).min(end);
-    Ok(Profile { at, low: around(reach(-1.0)), high: around(reach(1.0)), points: found })
+    Profile { at, low: around(reach(-1.0)), high: around(reach(1.0)), points: found }
 }
 
 /// How far from `centre` the profile is `δ` below its top on one side: by `√(top − height) = αt + βt²`, which is a line where the profile is a parabola.

@@ -5,6 +5,8 @@ use serde::{Deserialize, Serialize};
 
 use super::height::height;
 use super::hill::Hill;
+use super::iterated::Swarms;
+use super::iterated_profile::iterated_profile;
 use super::point::Maximum;
 use super::profile::{Profile, profile};
 use super::settings::MaximumSettings;
@@ -28,6 +30,9 @@ const REACHES: [f64; 2] = [1.0, 0.7];
 /// The estimates of the log-likelihood at a maximum have particles by this factor, and are so many.
 const LAST: (usize, usize) = (8, 64);
 
+/// The same where a swarm has come to.
+const OF_SWARMS: (usize, usize) = (1, 16);
+
 /// A maximum is the same as the best one if its log-likelihood is this close.
 const CLOSE: f64 = 0.5;
 
@@ -36,6 +41,8 @@ const CLOSE: f64 = 0.5;
 pub struct MaximumSearch {
     settings: MaximumSettings,
     seed: u64,
+    /// The swarms of iterated filtering, if it is that.
+    swarms: Option<Swarms>,
     found: Vec<Maximum>,
     profiles: Vec<Profile>,
     possible: f64,
@@ -47,6 +54,7 @@ impl MaximumSearch {
     /// Before the first search.
     pub fn new(settings: MaximumSettings, seed: u64) -> Self {
         MaximumSearch {
+            swarms: settings.iterated.map(Swarms::new),
             settings,
             seed,
             found: Vec::new(),
@@ -59,7 +67,8 @@ impl MaximumSearch {
     /// The number of searches and profiles that are done, and that of all.
     pub fn progress(&self, dimension: usize) -> (usize, usize) {
         let profiled = self.settings.profiled.as_ref().map_or(dimension, Vec::len);
-        (self.found.len() + self.profiles.len(), self.settings.starts + profiled)
+        let (passes, of) = self.swarms.as_ref().map_or((0, 0), Swarms::progress);
+        (passes + self.found.len() + self.profiles.len(), of + self.settings.starts + profiled)
     }
 
     /// The coordinate whose profile is sought next; none where all are there.
@@ -90,6 +99,11 @@ impl MaximumSearch {
             best.log_likelihood - found.log_likelihood <= CLOSE.max(3.0 * error)
         };
         self.found.iter().filter(is_close).count()
+    }
+
+    /// The log-likelihood where each search ended, in their order.
+    pub fn log_likelihoods(&self) -> impl Iterator<Item = f64> {
+        self.found.iter().map(|found| found.log_likelihood)
     }
 
     /// The number of searches that have ended.
@@ -129,6 +143,17 @@ impl MaximumSearch {
             return Err(FitError::Nothing);
         }
         let seed = self.root();
+        if let (Some(swarms), Some(perturbed), true) =
+            (&mut self.swarms, likelihood.perturbed(), self.found.is_empty())
+        {
+            if swarms.progress().0 < swarms.progress().1 {
+                swarms.advance(perturbed, [self.settings.starts, d], &seed.child("iterated"))?;
+                return Ok(());
+            }
+            self.found = climbed(likelihood, perturbed.estimator(), swarms, &seed.child("height"))?;
+            self.possible = 1.0;
+            return Ok(());
+        }
         if self.found.len() < self.settings.starts {
             let number = self.found.len() as u64;
             let (found, possible, impossible) = self.search(likelihood, &seed.nth(number))?;
@@ -139,7 +164,13 @@ impl MaximumSearch {
             self.found.push(found);
         } else if let (Some(at), Some(best)) = (self.next_profile(d), self.best()) {
             let seed = seed.child("interval").nth(at as u64);
-            let profile = profile(likelihood, best, at, self.settings.level, &seed)?;
+            let level = self.settings.level;
+            let profile = match (self.settings.iterated, likelihood.perturbed()) {
+                (Some(settings), Some(perturbed)) => {
+                    iterated_profile(likelihood, perturbed, best, at, (settings, level), &seed)?
+                }
+                _ => profile(likelihood, best, at, level, &seed)?,
+            };
             self.profiles.push(profile);
         }
         Ok(())
@@ -186,6 +217,31 @@ impl MaximumSearch {
         let found = Maximum { v: centre, log_likelihood, standard_error, spread, estimator };
         Ok((found, possible, impossible))
     }
+}
+
+/// The log-likelihood where each swarm has come to; an error where it is 0 at all of them.
+fn climbed<L: Likelihood>(
+    likelihood: &L,
+    index: usize,
+    swarms: &Swarms,
+    seed: &Seed,
+) -> Result<Vec<Maximum>, FitError<L::Error>> {
+    let d = likelihood.dimension();
+    let estimator = Estimator { index, particles: swarms.settings().particles };
+    let mut found = Vec::new();
+    for (number, v) in swarms.centres(d).into_iter().enumerate() {
+        let seed = seed.nth(number as u64);
+        let (log_likelihood, standard_error) = height(likelihood, &v, estimator, OF_SWARMS, &seed)?;
+        found.push(Maximum { v, log_likelihood, standard_error, spread: Vec::new(), estimator });
+    }
+    if let (Some(first), true) =
+        (found.first(), found.iter().all(|maximum| maximum.log_likelihood == f64::NEG_INFINITY))
+    {
+        let estimator = Estimator { particles: estimator.particles * OF_SWARMS.0, ..estimator };
+        let draw = PriorDraw { v: first.v.clone(), estimator, seed: seed.nth(0).nth(0) };
+        return Err(FitError::Impossible(Box::new(draw)));
+    }
+    Ok(found)
 }
 
 /// The maximum to more digits: what quadratics leave out falls with the square of their reach.

@@ -15,10 +15,27 @@ pub struct MaximumSettings {
     pub profiled: Option<Vec<usize>>,
     /// An estimator of the likelihood in the place of that which is found.
     pub estimator: Option<EstimatorChoice>,
+    /// Iterated filtering in the place of searches on quadratics, where the likelihood has filters for it.
+    pub iterated: Option<IteratedSettings>,
+}
+
+/// What iterated filtering is done with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct IteratedSettings {
+    /// `K`, the number of particles.
+    pub particles: usize,
+    /// The number of passes through the data.
+    pub passes: usize,
+}
+
+impl Default for IteratedSettings {
+    fn default() -> Self {
+        IteratedSettings { particles: 2000, passes: 100 }
+    }
 }
 
 impl Default for MaximumSettings {
     fn default() -> Self {
-        MaximumSettings { starts: 4, level: 0.9, profiled: None, estimator: None }
+        MaximumSettings { starts: 4, level: 0.9, profiled: None, estimator: None, iterated: None }
     }
 }

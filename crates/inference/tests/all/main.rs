@@ -2,6 +2,7 @@
 
 mod diagnostics;
 mod exactness;
+mod iterated;
 mod known;
 mod log_mean;
 mod maximum;

@@ -151,6 +151,9 @@ impl FitRequest<'_> {
                 "--profile: draws of the posterior have no profiles; take --method maximum",
             ));
         }
+        if options.passes.is_some() {
+            return Err(Failure::new(2, "--passes: they seek a maximum; take --method maximum"));
+        }
         let folder = self.folder(FitRecord::of(model, data, options)?)?;
         let before = folder.progress()?;
         self.say_before(&before);

@@ -43,7 +43,10 @@ pub(super) struct FitArgs {
     /// The draws of each chain; if absent they go on until R̂ is below 1.01 and each parameter has an effective sample size of 400, 20,000 at most
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = integer(4..=1_000_000_000_usize))]
     pub(super) draws: Option<usize>,
-    /// By --method maximum, a parameter whose profile and interval are sought, and may be given several times; if absent all
+    /// By --method maximum, the passes of iterated filtering through the data; if absent 100 for 8 parameters or more, and searches on quadratics for fewer
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = integer(1..=1_000_000_usize))]
+    pub(super) passes: Option<usize>,
+    /// By --method maximum, a parameter whose profile and interval are sought, and may be given several times; if absent all, or none by iterated filtering
     #[arg(long, value_name = "NAME")]
     profile: Vec<String>,
     /// End with the draws that there are after so many seconds; they then depend on the machine
@@ -68,6 +71,7 @@ impl FitArgs {
             chains: self.chains,
             draws: self.draws,
             profiles: self.profile.clone(),
+            passes: self.passes,
             seconds: self.budget,
             seed: self.model.seed,
         })

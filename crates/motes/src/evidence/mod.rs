@@ -20,6 +20,6 @@ pub use many::log_evidence_at;
 pub use options::EvidenceOptions;
 pub use pilot::Pilot;
 pub(crate) use pilot::candidates;
-pub(crate) use sequence::{RecordedSequence, sequences};
+pub(crate) use sequence::{RecordedSequence, STEPS_AT_ONCE, sequences};
 pub(crate) use worth::LOOK_AHEAD;
 pub use worth::{EvidenceWorth, LearnedWorth};

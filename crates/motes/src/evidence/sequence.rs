@@ -28,7 +28,7 @@ pub(crate) struct RecordedSequence {
 pub(crate) type Proceed<'p> = &'p (dyn Fn() -> ControlFlow<()> + Sync);
 
 /// Steps after which it is asked.
-const STEPS_AT_ONCE: usize = 64;
+pub(crate) const STEPS_AT_ONCE: usize = 64;
 
 /// All series of some data.
 pub(crate) fn sequences(data: &Data) -> Vec<RecordedSequence> {
@@ -49,6 +49,11 @@ impl RecordedSequence {
     pub(crate) fn of_steps(steps: Vec<RecordedStep>) -> Self {
         let lines = (0..steps.len() as u64).collect();
         RecordedSequence { name: None, steps, lines, counted: Counted::Row }
+    }
+
+    /// Its steps, with what is measured at their ends.
+    pub(crate) fn steps(&self) -> &[RecordedStep] {
+        &self.steps
     }
 
     /// A step of it like the others; that at the start where there is no other.

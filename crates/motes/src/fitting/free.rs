@@ -63,13 +63,21 @@ impl FreeParameters {
 
     /// The values (`D`) at a position `v` (`D`) of standard normal numbers: each a quantile of its prior.
     pub fn at(&self, v: &[f64]) -> Vec<f64> {
-        let mut rest = v;
-        let of_prior = |prior: &Prior| {
-            let (of_this, others) = rest.split_at(prior.entries().len());
-            rest = others;
-            prior.at(of_this)
-        };
-        self.priors.iter().flat_map(of_prior).collect()
+        let mut values = vec![0.0; v.len()];
+        self.write(v, &mut values);
+        values
+    }
+
+    /// Writes the values (`K×D`) at some positions (`K×D`).
+    pub(super) fn write(&self, positions: &[f64], values: &mut [f64]) {
+        let d = self.len();
+        for (mut v, mut out) in positions.chunks_exact(d).zip(values.chunks_exact_mut(d)) {
+            for prior in &self.priors {
+                let count = prior.entries().len();
+                prior.write(&v[..count], &mut out[..count]);
+                (v, out) = (&v[count..], &mut out[count..]);
+            }
+        }
     }
 
     /// `count` quantiles of the prior of each parameter, in the middles of intervals of equal probability; none of a share of a dirichlet, which has no number of its own.

@@ -2,11 +2,12 @@
 
 use std::ops::ControlFlow;
 
-use motes_inference::{Estimator, EstimatorCost, Likelihood, PriorDraw};
+use motes_inference::{Estimator, EstimatorCost, Likelihood, PerturbedLikelihood, PriorDraw};
 use motes_models::{Seed, Step};
 
 use super::free::FreeParameters;
 use super::options::FitOptions;
+use super::perturbed::PerturbedModel;
 use crate::cost::cost;
 use crate::data::Data;
 use crate::error::MotesError;
@@ -17,13 +18,15 @@ use crate::recorded::of_recorded;
 
 /// The likelihood of data by filters of a model.
 pub(super) struct ModelLikelihood<'a> {
-    model: &'a Model,
-    free: &'a FreeParameters,
-    names: Vec<String>,
-    sequences: Vec<RecordedSequence>,
-    proposals: Vec<ProposalName>,
+    pub(super) model: &'a Model,
+    pub(super) free: &'a FreeParameters,
+    pub(super) names: Vec<String>,
+    pub(super) sequences: Vec<RecordedSequence>,
+    pub(super) proposals: Vec<ProposalName>,
     costs: Vec<EstimatorCost>,
-    proceed: &'a (dyn Fn() -> ControlFlow<()> + Sync),
+    /// The model with parameters of particles, where iterated filtering was prepared.
+    pub(super) perturbed: Option<PerturbedModel>,
+    pub(super) proceed: &'a (dyn Fn() -> ControlFlow<()> + Sync),
 }
 
 impl<'a> ModelLikelihood<'a> {
@@ -44,7 +47,7 @@ impl<'a> ModelLikelihood<'a> {
         let (names, sequences) = (free.names(), sequences(data));
         let step = sequences.first().map_or(Step::of_index(0), RecordedSequence::typical_step);
         let costs = proposals.iter().map(|proposal| cost(proposal, model, &step)).collect();
-        Ok(ModelLikelihood { model, free, names, sequences, proposals, costs, proceed })
+        Ok(ModelLikelihood { model, free, names, sequences, proposals, costs, perturbed: None, proceed })
     }
 
     /// The proposal of an estimator.
@@ -136,6 +139,10 @@ impl Likelihood for ModelLikelihood<'_> {
 
     fn estimators(&self) -> &[EstimatorCost] {
         &self.costs
+    }
+
+    fn perturbed(&self) -> Option<&dyn PerturbedLikelihood<Error = MotesError>> {
+        self.perturbed.is_some().then_some(self)
     }
 
     fn reported(&self, v: &[f64]) -> Vec<f64> {

@@ -2,7 +2,9 @@
 
 use std::ops::ControlFlow;
 
-use motes_inference::{EstimatorChoice, FitError, MaximumSearch, MaximumSettings, Profile, ProfilePoint};
+use motes_inference::{
+    EstimatorChoice, FitError, IteratedSettings, MaximumSearch, MaximumSettings, Profile, ProfilePoint,
+};
 use serde::{Deserialize, Serialize};
 
 use super::free::FreeParameters;
@@ -54,6 +56,10 @@ pub struct MaximumFit {
     pub log_likelihood_error: f64,
     /// The number of searches, and how many of them came as high.
     pub starts: [usize; 2],
+    /// The log-likelihood where each search ended, in their order.
+    pub search_log_likelihoods: Vec<f64>,
+    /// The passes of iterated filtering by which they went; none where they went by quadratics.
+    pub passes: Option<usize>,
     /// The estimator of the likelihood, as `--proposal` names it.
     pub proposal: String,
     /// Its number of particles.
@@ -87,6 +93,18 @@ impl SearchProgress<'_> {
     }
 }
 
+/// So many parameters are sought by iterated filtering, whose work does not grow with their number: a quadratic has a coefficient for each pair of them.
+const MANY: usize = 8;
+
+/// What it is done with.
+fn iterated(options: &FitOptions) -> IteratedSettings {
+    let IteratedSettings { particles, passes } = IteratedSettings::default();
+    IteratedSettings {
+        particles: options.particles.unwrap_or(particles),
+        passes: options.passes.unwrap_or(passes),
+    }
+}
+
 /// The places of the parameters whose profiles were asked for by name; none where all are wanted.
 fn profiled(names: &[String], asked: &[String]) -> Result<Option<Vec<usize>>, MotesError> {
     let place = |name: &String| {
@@ -117,12 +135,26 @@ pub fn maximise(
 ) -> Result<MaximumFit, MotesError> {
     let free = FreeParameters::of(model)?;
     check(model, data, options)?;
-    let likelihood = ModelLikelihood::new(model, data, &free, options, proceed)?;
+    let mut likelihood = ModelLikelihood::new(model, data, &free, options, proceed)?;
     let names = free.names();
+    if names.len() >= MANY || options.passes.is_some() {
+        likelihood.perturbed = likelihood.perturbed_model();
+        if options.passes.is_some() && likelihood.perturbed.is_none() {
+            let reason = format!(
+                "--passes: iterated filtering takes the bootstrap filter of a model file whose free parameters stand in formulas alone; {} has no such, or another --proposal was asked for",
+                model.name()
+            );
+            return Err(MotesError::Setting(reason));
+        }
+    }
     let settings = MaximumSettings {
         starts: options.chains,
-        profiled: profiled(&names, &options.profiles)?,
+        profiled: match profiled(&names, &options.profiles)? {
+            None if likelihood.perturbed.is_some() => Some(Vec::new()),
+            named => named,
+        },
         estimator: options.particles.map(EstimatorChoice::Particles),
+        iterated: likelihood.perturbed.is_some().then(|| iterated(options)),
         ..MaximumSettings::default()
     };
     let mut search = before.unwrap_or_else(|| MaximumSearch::new(settings.clone(), options.seed));
@@ -182,6 +214,8 @@ pub fn maximise(
         log_likelihood: best.log_likelihood,
         log_likelihood_error: best.standard_error,
         starts: [search.searches(), search.agreeing()],
+        search_log_likelihoods: search.log_likelihoods().collect(),
+        passes: settings.iterated.map(|iterated| iterated.passes),
         proposal: likelihood.proposal(best.estimator).to_string(),
         particles: best.estimator.particles,
         warnings,

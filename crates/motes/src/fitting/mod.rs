@@ -6,10 +6,12 @@ mod free;
 mod likelihood;
 mod maximum_fit;
 mod options;
+mod perturbed;
 mod posterior_fit;
 mod record;
 mod run;
 mod trust;
+mod walk;
 
 pub use draws::FitParameters;
 pub(crate) use draws::{DRAWS, MAXIMUM, OF_DRAW, OF_MAXIMUM, SUMMARY};

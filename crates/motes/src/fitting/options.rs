@@ -16,6 +16,8 @@ pub struct FitOptions {
     pub draws: Option<usize>,
     /// Of the maximum, the parameters whose profiles are sought; all if none are named.
     pub profiles: Vec<String>,
+    /// Of the maximum, the passes of iterated filtering through the data. Where none are given it is 100 passes for 8 parameters or more, and for fewer searches on quadratics.
+    pub passes: Option<usize>,
     /// Ends sampling after so many seconds; the draws then depend on the machine.
     pub seconds: Option<f64>,
     /// All random numbers come from it.
@@ -30,6 +32,7 @@ impl Default for FitOptions {
             chains: 4,
             draws: None,
             profiles: Vec::new(),
+            passes: None,
             seconds: None,
             seed: 1,
         }

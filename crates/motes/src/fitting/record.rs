@@ -46,6 +46,9 @@ pub struct FitRecord {
     /// Of a maximum, the parameters whose profiles were asked for; none where all were.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub profiles: Vec<String>,
+    /// Of a maximum, the passes of iterated filtering that were asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub passes: Option<usize>,
     /// The seed.
     pub seed: u64,
     /// Parameters that have a prior and were given a value.
@@ -72,6 +75,7 @@ impl FitRecord {
             chains: options.chains,
             draws: options.draws,
             profiles: Vec::new(),
+            passes: None,
             seed: options.seed,
             set: set.collect(),
         })
@@ -86,6 +90,7 @@ impl FitRecord {
             method: MAXIMUM_METHOD.into(),
             draws: None,
             profiles: options.profiles.clone(),
+            passes: options.passes,
             ..FitRecord::of(model, data, options)?
         })
     }

@@ -128,6 +128,20 @@ fn a_maximum_has_the_profiles_that_are_asked_for() {
         refused(&["--profile", "level_variance"]),
         "motes: --profile: draws of the posterior have no profiles; take --method maximum"
     );
+    assert_eq!(refused(&["--passes", "2"]), "motes: --passes: they seek a maximum; take --method maximum");
+}
+
+#[test]
+fn a_maximum_by_passes_says_so_and_has_intervals_where_they_are_asked_for() {
+    let place = place();
+    let fit = ["fit", "nile.toml", "nile.csv", "-o", "fit", "--method", "maximum", "--chains", "2"];
+    let by = ["--proposal", "bootstrap", "--passes", "3", "--particles", "50"];
+    let output = place.run(&[&fit[..], &by].concat());
+    let said = stderr(&output);
+    assert!(said.contains("of 2 came as high by 3 passes of iterated filtering"), "{said}");
+    let table = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(table.starts_with("|                      | estimate |\n"), "{table}");
+    assert_eq!(place.read("fit/profile.csv").lines().count(), 1);
 }
 
 /// Catches marginal likelihoods of other folders, and scores of rows that are not the same.

@@ -141,6 +141,7 @@ class Model(Filtering):
         particles: int | None = ...,
         chains: int = ...,
         profile: str | Sequence[str] = ...,
+        passes: int | None = ...,
         seed: int | np.random.Generator | None = ...,
         threads: int | None = ...,
     ) -> MaximumFit: ...
@@ -156,6 +157,7 @@ class Model(Filtering):
         chains: int = 4,
         draws: int | None = None,
         profile: str | Sequence[str] = (),
+        passes: int | None = None,
         budget: float | None = None,
         seed: int | np.random.Generator | None = 1,
         threads: int | None = None,
@@ -166,7 +168,8 @@ class Model(Filtering):
         Starts, step sizes, the estimator of the likelihood and its number of particles are found. Chains go on until the R-hat of each
         parameter is below 1.01 and its effective sample size 400 at least, or for `draws` each; `budget` ends them after so many seconds.
         Of the maximum, `chains` is the number of searches, and `profile` names the parameters whose profiles and intervals are sought,
-        all if none are named.
+        all if none are named. The maximum of 8 parameters or more is sought by iterated filtering, with 100 `passes` through the data if no
+        number is given, and profiles only where they are named; with `passes` that of fewer parameters, too.
 
         >>> import motes
         >>> model = motes.Model({
@@ -186,6 +189,8 @@ class Model(Filtering):
             raise ValueError(f"method: {method}; it must be posterior or maximum")
         if method == "posterior" and profiles:
             raise ValueError("profile: draws of the posterior have no profiles; take method='maximum'")
+        if method == "posterior" and passes is not None:
+            raise ValueError("passes: they seek a maximum; take method='maximum'")
         if method == "maximum" and (draws is not None or budget is not None):
             name = "budget" if draws is None else "draws"
             raise ValueError(f"{name}: the maximum draws nothing; leave draws and budget out, chains is its number of searches")
@@ -196,6 +201,7 @@ class Model(Filtering):
             "chains": chains,
             "draws": draws,
             "profile": profiles,
+            "passes": passes,
             "budget": budget,
             "seed": seed,
         }

@@ -4,7 +4,9 @@ use std::ops::ControlFlow;
 
 use faer::mat;
 use motes_models::equations::{Coordinates, Draws, Equations, Scalar, normal};
-use motes_models::{Gaussian, LinearGaussian, Seed, Step, StepRecord, kalman, simulate};
+use motes_models::{
+    Gaussian, LinearGaussian, Seed, Step, StepRecord, fill_standard_normal, kalman, simulate,
+};
 use motes_smc::{PerturbedFilter, RecordedStep};
 
 /// A stationary walk that is measured with an offset, which is the parameter of each particle.
@@ -65,11 +67,15 @@ fn a_pass_estimates_the_evidence_of_the_perturbed_model_and_ends_at_its_posterio
     let (mut ratios, mut means) = (Vec::new(), Vec::new());
     for run in 0..RUNS {
         let mut positions = vec![0.0; PARTICLES];
-        let mut spread = |row: usize, sds: &mut [f64]| {
-            sds[0] = if row == 0 { 1.0 } else { 0.5 * walk };
-            ControlFlow::Continue(())
+        let mut stream = Seed::from_u64(run).child("walk").stream();
+        let mut perturb = |row: usize, positions: &mut [f64]| {
+            let mut noise = vec![0.0; PARTICLES];
+            fill_standard_normal(&mut stream, &mut noise);
+            let sd = if row == 0 { 1.0 } else { 0.5 * walk };
+            positions.iter_mut().zip(noise).for_each(|(v, noise)| *v += sd * noise);
+            ControlFlow::Continue(true)
         };
-        let found = filter.pass(&mut positions, &mut spread, &Seed::from_u64(run)).unwrap();
+        let found = filter.pass(&mut positions, &mut perturb, &Seed::from_u64(run)).unwrap();
         ratios.push((found.expect("nobody stops it") - filtered.log_evidence()).exp());
         means.push(2.0 * positions.iter().sum::<f64>() / PARTICLES as f64);
     }
@@ -95,14 +101,13 @@ fn a_row_that_no_particle_explains_ends_no_pass_and_a_pass_can_be_stopped() {
     let parameters = |positions: &[f64], out: &mut [f64]| out.copy_from_slice(positions);
     let filter = PerturbedFilter { model: &Offset, steps: &steps, dimension: 1, parameters: &parameters };
     let (mut positions, mut rows) = (vec![0.5; 64], 0);
-    let mut spread = |_: usize, sds: &mut [f64]| {
-        sds[0] = 0.1;
+    let mut perturb = |_: usize, _: &mut [f64]| {
         rows += 1;
-        ControlFlow::Continue(())
+        ControlFlow::Continue(false)
     };
-    let found = filter.pass(&mut positions, &mut spread, &Seed::from_u64(1));
+    let found = filter.pass(&mut positions, &mut perturb, &Seed::from_u64(1));
     assert_eq!((found, rows), (Ok(Some(f64::NEG_INFINITY)), 3));
-    assert!(positions.iter().all(|v| v.is_finite()));
+    assert!(positions.iter().all(|v| *v == 0.5));
     let stopped = filter.pass(&mut positions, &mut |_, _| ControlFlow::Break(()), &Seed::from_u64(1));
     assert_eq!(stopped, Ok(None));
 }

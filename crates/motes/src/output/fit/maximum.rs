@@ -39,12 +39,18 @@ pub fn maximum_text(found: &MaximumFit) -> String {
 /// The same as cells.
 pub(in crate::output) fn maximum_figures(found: &MaximumFit) -> Table {
     let percent = 100.0 * found.level;
-    let header = ["".to_string(), "estimate".into(), format!("{percent:.0} % interval from"), "to".into()];
+    let mut header =
+        vec!["".to_string(), "estimate".into(), format!("{percent:.0} % interval from"), "to".into()];
+    // Columns of intervals where there is one.
+    if found.parameters.iter().all(|of| of.low.is_none()) {
+        header.truncate(2);
+    }
     let rows = found.names.iter().zip(&found.parameters).map(|(name, of)| {
         let of_value = |value: Option<f64>| value.map(digits).unwrap_or_default();
-        std::iter::once(name.clone()).chain([Some(of.estimate), of.low, of.high].map(of_value)).collect()
+        let cells = std::iter::once(name.clone()).chain([Some(of.estimate), of.low, of.high].map(of_value));
+        cells.take(header.len()).collect()
     });
-    Table { header: header.to_vec(), rows: rows.collect() }
+    Table { rows: rows.collect(), header }
 }
 
 /// The figures of the whole search, a name and a value each.
@@ -58,10 +64,12 @@ pub fn maximum_summary(found: &MaximumFit) -> Vec<(String, String)> {
         proposal => format!("{} particles, {proposal}", found.particles),
     };
     let [searches, agreeing] = found.starts;
+    let by =
+        found.passes.map_or(String::new(), |passes| format!(" by {passes} passes of iterated filtering"));
     let figures = [
         ("log-likelihood", format!("{:.3}{error}", found.log_likelihood)),
         ("AIC", format!("{:.2}", found.aic())),
-        ("searches", format!("{agreeing} of {searches} came as high")),
+        ("searches", format!("{agreeing} of {searches} came as high{by}")),
         ("likelihood", likelihood),
     ];
     figures.map(|(name, value)| (name.to_string(), value)).to_vec()
@@ -76,6 +84,9 @@ struct MaximumObject<'a> {
     aic: f64,
     searches: usize,
     agreeing: usize,
+    search_log_likelihoods: &'a [f64],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    passes: Option<usize>,
     proposal: &'a str,
     particles: usize,
     warnings: Vec<String>,
@@ -94,6 +105,8 @@ pub fn maximum_json(found: &MaximumFit, seconds: Option<f64>) -> String {
         aic: found.aic(),
         searches: found.starts[0],
         agreeing: found.starts[1],
+        search_log_likelihoods: &found.search_log_likelihoods,
+        passes: found.passes,
         proposal: &found.proposal,
         particles: found.particles,
         warnings: found.warnings.iter().map(ToString::to_string).collect(),

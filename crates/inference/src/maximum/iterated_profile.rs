@@ -1,0 +1,61 @@
+//! Profiles by iterated filtering.
+
+use motes_models::Seed;
+
+use super::height::height;
+use super::iterated::with_one_fixed;
+use super::point::Maximum;
+use super::profile::{POINTS, Profile, ProfilePoint, interval};
+use super::settings::IteratedSettings;
+use crate::likelihood::{Likelihood, PerturbedLikelihood};
+use crate::parallel::map_on_threads;
+
+/// The log-likelihood at a point is that of so many estimates.
+const ESTIMATES: (usize, usize) = (2, 12);
+
+/// How far from the maximum the first two points are, in standard deviations of the prior.
+const FIRST: f64 = 0.3;
+
+/// The spread that a profile is looked at in, at least and at most.
+const SPREADS: [f64; 2] = [0.02, 1.0];
+
+/// A difference of log-likelihoods that is taken to be there, at least.
+const LEAST_DROP: f64 = 0.05;
+
+/// The profile of coordinate `at` of a likelihood with filters for iterated filtering, as [`super::profile::profile`]: two points say how wide it is, and the others are spread over that.
+pub(super) fn iterated_profile<L: Likelihood>(
+    likelihood: &L,
+    perturbed: &dyn PerturbedLikelihood<Error = L::Error>,
+    best: &Maximum,
+    at: usize,
+    (settings, level): (IteratedSettings, f64),
+    seed: &Seed,
+) -> Result<Profile, L::Error> {
+    let points = |distances: Vec<f64>, seed: &Seed| {
+        let found = map_on_threads(&distances, |number, distance| {
+            let mut v = best.v.clone();
+            v[at] += distance;
+            let seed = seed.nth(number as u64);
+            let here = with_one_fixed(perturbed, &v, at, settings, &seed.child("passes"))?;
+            let (log_likelihood, standard_error) =
+                height(likelihood, &here, best.estimator, ESTIMATES, &seed.child("height"))?;
+            Ok(ProfilePoint { v: v[at], log_likelihood, standard_error })
+        });
+        found.into_iter().collect::<Result<Vec<ProfilePoint>, L::Error>>()
+    };
+    let mut found = points(vec![-FIRST, FIRST], &seed.child("first"))?;
+    let drops = found.iter().map(|point| best.log_likelihood - point.log_likelihood);
+    let drop = drops.fold(f64::INFINITY, f64::min).max(LEAST_DROP);
+    let sd = (FIRST / (2.0 * drop).sqrt()).clamp(SPREADS[0], SPREADS[1]);
+    let distances = (-POINTS.0..=POINTS.0).filter(|step| *step != 0);
+    let distances = distances.map(|step| f64::from(step) * POINTS.1 * sd).collect();
+    found.extend(points(distances, &seed.child("points"))?);
+    found.push(ProfilePoint {
+        v: best.v[at],
+        log_likelihood: best.log_likelihood,
+        standard_error: best.standard_error,
+    });
+    let end = f64::from(POINTS.0) * POINTS.1 * sd;
+    found.retain(|point| point.log_likelihood.is_finite() && (point.v - best.v[at]).abs() <= end * 1.001);
+    Ok(interval(found, best.v[at], at, sd, level))
+}

@@ -1,0 +1,77 @@
+//! Filters whose particles have the free parameters of their own.
+
+use std::ops::ControlFlow;
+
+use motes_formulas::FormulaModel;
+use motes_inference::{PerturbedLikelihood, RandomWalk};
+use motes_models::Seed;
+use motes_smc::PerturbedFilter;
+
+use super::likelihood::ModelLikelihood;
+use super::walk::Walk;
+use crate::error::MotesError;
+use crate::evidence::STEPS_AT_ONCE;
+use crate::options::ProposalName;
+
+/// A model in which each particle has the free parameters of its own.
+pub(super) struct PerturbedModel {
+    model: FormulaModel,
+    /// The place of the bootstrap filter among the estimators of the likelihood.
+    estimator: usize,
+}
+
+impl ModelLikelihood<'_> {
+    /// The model with free parameters of particles; none where they say what must be known before there are particles, or another proposal was asked for.
+    pub(super) fn perturbed_model(&self) -> Option<PerturbedModel> {
+        let estimator = self.proposals.iter().position(|proposal| *proposal == ProposalName::Bootstrap)?;
+        Some(PerturbedModel { model: self.model.with_parameters_of_particles(&self.names)?, estimator })
+    }
+}
+
+impl PerturbedLikelihood for ModelLikelihood<'_> {
+    type Error = MotesError;
+
+    fn estimator(&self) -> usize {
+        self.perturbed.as_ref().map_or(0, |perturbed| perturbed.estimator)
+    }
+
+    /// One series after another: a swarm goes through all of them.
+    fn pass(&self, positions: &mut [f64], walk: RandomWalk, seed: &Seed) -> Result<f64, MotesError> {
+        let Some(PerturbedModel { model, .. }) = &self.perturbed else { return Ok(f64::NEG_INFINITY) };
+        let rows: usize = self.sequences.iter().map(|sequence| sequence.steps().len()).sum();
+        let (mut before, mut sum) = (0, 0.0);
+        let mut walking = Walk::new(self.free, positions.len(), seed.child("walk").stream());
+        for (number, sequence) in self.sequences.iter().enumerate() {
+            let filter = PerturbedFilter {
+                model,
+                steps: sequence.steps(),
+                dimension: self.names.len(),
+                parameters: &|positions, values| self.free.write(positions, values),
+            };
+            let spread = |row: usize| {
+                let cooled = walk.spread * walk.cooling.powf((before + row) as f64 / rows as f64);
+                let of = move |coordinate: usize| match (model.only_initial()[coordinate], row) {
+                    _ if walk.fixed == Some(coordinate) => 0.0,
+                    (false, _) => cooled / (rows as f64).sqrt(),
+                    (true, 0) => cooled / (self.sequences.len() as f64).sqrt(),
+                    (true, _) => 0.0,
+                };
+                of
+            };
+            let mut perturb = |row: usize, positions: &mut [f64]| {
+                if row % STEPS_AT_ONCE == 0 && (self.proceed)().is_break() {
+                    return ControlFlow::Break(());
+                }
+                walking.step(positions, spread(row));
+                ControlFlow::Continue(true)
+            };
+            match filter.pass(positions, &mut perturb, &seed.nth(number as u64)) {
+                Ok(Some(found)) => sum += found,
+                Ok(None) => return Err(MotesError::Interrupted),
+                Err(error) => return Err(MotesError::Setting(error.to_string())),
+            }
+            before += sequence.steps().len();
+        }
+        Ok(sum)
+    }
+}
