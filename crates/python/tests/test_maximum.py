@@ -74,12 +74,25 @@ def test_seeds_and_threads(model):
     assert one.log_likelihood_error > 0
 
 
+def test_passes_of_iterated_filtering(model):
+    y = [1120, 1160, 963, 1210, 1160, 1160, 813, 1230, 1370, 1140]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", motes.MotesWarning)
+        found = model.fit(y, method="maximum", proposal="bootstrap", particles=50, passes=3, chains=2)
+    assert "by 3 passes of iterated filtering" in repr(found) and found.to_json()["passes"] == 3
+    assert len(found.search_log_likelihoods) == 2 and max(found.search_log_likelihoods) == found.log_likelihood
+    assert all(of.low is None for of in found.estimates.values())
+
+
 def test_what_cannot_be_asked_of_it(model, flows, examples):
     refused = {
         "^method: mode; it must be posterior or maximum$": {"method": "mode"},
         "^draws: the maximum draws nothing": {"method": "maximum", "draws": 100},
         "^budget: the maximum draws nothing": {"method": "maximum", "budget": 3.0},
         "^profile: draws of the posterior have no profiles; take method='maximum'$": {"profile": "level_variance"},
+        "^passes: they seek a maximum; take method='maximum'$": {"passes": 3},
+        "^passes: 0; it must be": {"method": "maximum", "passes": 0},
+        "^passes: iterated filtering takes the bootstrap filter": {"method": "maximum", "passes": 3},
         "^chains: 0; it must be": {"method": "maximum", "chains": 0},
     }
     for line, arguments in refused.items():

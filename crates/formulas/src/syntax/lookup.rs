@@ -22,6 +22,9 @@ pub(super) enum Known<'a> {
     Wrapper(&'static Wrapper),
 }
 
+/// What is said of priors without a density.
+const IMPROPER: &str = "a prior integrates to 1: where next to nothing is known take a wide one, as in normal(0, 100) or log_normal(0, 5)";
+
 /// What `name(…)` calls.
 pub(super) fn called<'a>(name: &str, scope: Scope<'a>) -> Result<Known<'a>, Problem> {
     if let Some(function) = function(name) {
@@ -69,6 +72,7 @@ pub(super) fn called<'a>(name: &str, scope: Scope<'a>) -> Result<Known<'a>, Prob
             false => !matches!(compound.composition, Composition::Prior(_)),
         })
         .map(|compound| compound.name);
+    let priors: Vec<&str> = families.clone().chain(compounds.clone()).collect();
     let own = scope.names.iter().filter(|(_, meaning)| matches!(meaning, Meaning::Function { .. }));
     let own = own.map(|(name, _)| name.as_str());
     let names: Vec<&str> = own.chain(functions).chain(["sum"]).chain(families).chain(compounds).collect();
@@ -78,6 +82,9 @@ pub(super) fn called<'a>(name: &str, scope: Scope<'a>) -> Result<Known<'a>, Prob
     let advice = match (name, nearest(name, all)) {
         ("pow" | "power", _) => "a power is written x^2".to_string(),
         ("log10" | "log2", _) => format!("it is log(x)/log({})", &name[3..]),
+        ("cauchy", _) => "it is student_t(1, location, scale)".to_string(),
+        ("flat" | "improper" | "jeffreys" | "reference", _) if is_in_priors => IMPROPER.to_string(),
+        (_, None) if is_in_priors => format!("priors are {}", priors.join(", ")),
         (_, Some(near)) => format!("did you mean `{near}`?"),
         (_, None) => format!("there are {}", names.join(", ")),
     };
@@ -180,6 +187,10 @@ fn unknown(name: &str, scope: Scope<'_>) -> Problem {
     }
     if let Some(wrapper) = wrapper(name) {
         return Problem::NotCalled { name: name.to_string(), call: call(name, wrapper.parameters) };
+    }
+    if name == "inf" && scope.section == Section::Parameters {
+        let advice = format!("only truncated(prior, low, high) has such an end; {IMPROPER}");
+        return Problem::UnknownName { name: name.to_string(), advice };
     }
     if name == "inf" {
         let advice = "it is an end of censored(d, low, high) and of truncated(d, low, high)".to_string();

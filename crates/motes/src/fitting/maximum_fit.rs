@@ -141,7 +141,7 @@ pub fn maximise(
         likelihood.perturbed = likelihood.perturbed_model();
         if options.passes.is_some() && likelihood.perturbed.is_none() {
             let reason = format!(
-                "--passes: iterated filtering takes the bootstrap filter of a model file whose free parameters stand in formulas alone; {} has no such, or another --proposal was asked for",
+                "--passes: iterated filtering takes the bootstrap filter of a model file whose free parameters stand in formulas alone; {} has no such, or another proposal was asked for",
                 model.name()
             );
             return Err(MotesError::Setting(reason));

@@ -37,7 +37,8 @@ fn forecasts_go_on_with_measurements_of_their_own() {
     let model = Model::parse(FEEDBACK, "feedback", &[]).unwrap();
     let data = Data::read("t,y\n0,0.4\n1,1.3\n2,1.9\n3,2.6\n".as_bytes(), "y.csv", &model).unwrap();
     let options = FilterOptions { particles: 20_000, forecast: 5, ..FilterOptions::default() };
-    let run = |options: &FilterOptions| filter(&model, &data, options, |_| ControlFlow::Continue(())).unwrap();
+    let run =
+        |options: &FilterOptions| filter(&model, &data, options, |_| ControlFlow::Continue(())).unwrap();
     let filtered = run(&options);
     let last = &filtered.estimates.last().expect("four rows").state[0];
     let expected = exact(5, [last.mean, last.sd * last.sd], 2.6);
@@ -52,7 +53,11 @@ fn forecasts_go_on_with_measurements_of_their_own() {
         assert!((low - mean + 1.645 * sd).abs() < 0.2 * sd, "{found:?}");
         assert!((high - mean - 1.645 * sd).abs() < 0.2 * sd, "{found:?}");
     }
-    assert!(filtered.warnings.iter().all(|warning| !warning.text.contains("before")), "{:?}", filtered.warnings);
+    assert!(
+        filtered.warnings.iter().all(|warning| !warning.text.contains("before")),
+        "{:?}",
+        filtered.warnings
+    );
     assert_eq!(run(&options).forecasts, filtered.forecasts);
 }
 

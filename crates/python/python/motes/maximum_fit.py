@@ -70,6 +70,11 @@ class MaximumFit:
         return cast("float", self.to_json()["log_likelihood_error"])
 
     @property
+    def search_log_likelihoods(self) -> list[float]:
+        """The log-likelihood where each search ended, in their order."""
+        return cast("list[float]", self.to_json()["search_log_likelihoods"])
+
+    @property
     def aic(self) -> float:
         """Akaike's information criterion, `2 D − 2 log L`."""
         return cast("float", self.to_json()["aic"])

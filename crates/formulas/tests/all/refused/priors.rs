@@ -34,6 +34,18 @@ fn a_prior_that_is_misspelt() {
 }
 
 #[test]
+fn a_prior_without_a_density() {
+    insta::assert_snapshot!(refused(&parameter("q = \"flat()\"")), @"m.toml, line 3, column 6, [parameters] q: `flat` is not known here; a prior integrates to 1: where next to nothing is known take a wide one, as in normal(0, 100) or log_normal(0, 5)");
+    insta::assert_snapshot!(refused(&parameter("q = \"uniform(0, inf)\"")), @"m.toml, line 3, column 17, [parameters] q: `inf` is not known here; only truncated(prior, low, high) has such an end; a prior integrates to 1: where next to nothing is known take a wide one, as in normal(0, 100) or log_normal(0, 5)");
+}
+
+#[test]
+fn a_prior_that_is_not_known() {
+    insta::assert_snapshot!(refused(&parameter("q = \"cauchy(0, 1)\"")), @"m.toml, line 3, column 6, [parameters] q: `cauchy` is not known here; it is student_t(1, location, scale)");
+    insta::assert_snapshot!(refused(&parameter("q = \"weibull(1, 1)\"")), @"m.toml, line 3, column 6, [parameters] q: `weibull` is not known here; priors are normal, student_t, laplace, log_normal, exponential, gamma, beta, uniform, poisson, negative_binomial, binomial, bernoulli, dirichlet, inverse_gamma, half_normal, half_cauchy, truncated");
+}
+
+#[test]
 fn a_prior_out_of_range() {
     insta::assert_snapshot!(refused(&parameter("q = \"normal(0, -1)\"")), @"m.toml, line 3, column 16, [parameters] q: the sd of normal(mean, sd) is -1; it must be above 0");
     insta::assert_snapshot!(refused(&parameter("q = \"uniform(2, 1)\"")), @"m.toml, line 3, column 6, [parameters] q: the high of uniform(low, high) is 1; it must be above low, which is 2");
