@@ -7,7 +7,7 @@ use motes_models::{Seed, Step};
 
 use super::free::FreeParameters;
 use super::options::FitOptions;
-use super::perturbed::PerturbedModel;
+use super::perturbed_model::PerturbedModel;
 use crate::cost::cost;
 use crate::data::Data;
 use crate::error::MotesError;

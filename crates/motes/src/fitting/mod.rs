@@ -7,6 +7,7 @@ mod likelihood;
 mod maximum_fit;
 mod options;
 mod perturbed;
+mod perturbed_model;
 mod posterior_fit;
 mod record;
 mod run;

@@ -2,23 +2,16 @@
 
 use std::ops::ControlFlow;
 
-use motes_formulas::FormulaModel;
 use motes_inference::{PerturbedLikelihood, RandomWalk};
 use motes_models::Seed;
 use motes_smc::PerturbedFilter;
 
 use super::likelihood::ModelLikelihood;
+use super::perturbed_model::PerturbedModel;
 use super::walk::Walk;
 use crate::error::MotesError;
 use crate::evidence::STEPS_AT_ONCE;
 use crate::options::ProposalName;
-
-/// A model in which each particle has the free parameters of its own.
-pub(super) struct PerturbedModel {
-    model: FormulaModel,
-    /// The place of the bootstrap filter among the estimators of the likelihood.
-    estimator: usize,
-}
 
 impl ModelLikelihood<'_> {
     /// The model with free parameters of particles; none where they say what must be known before there are particles, or another proposal was asked for.

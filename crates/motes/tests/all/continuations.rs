@@ -1,6 +1,7 @@
 //! Forecasts of models whose measurements are inputs of later steps.
 
 use std::ops::ControlFlow;
+use std::sync::Arc;
 
 use motes::{Data, FilterOptions, Model, filter};
 
@@ -71,7 +72,7 @@ fn a_measurement_that_is_given_ahead_is_the_input_of_all_continuations() {
     let ahead = Data::open_inputs(&path, &model);
     std::fs::remove_file(&path).unwrap();
     let ahead = ahead.unwrap();
-    let options = FilterOptions { particles: 5000, ahead: Some(ahead), ..FilterOptions::default() };
+    let options = FilterOptions { particles: 5000, ahead: Some(Arc::new(ahead)), ..FilterOptions::default() };
     let filtered = filter(&model, &data, &options, |_| ControlFlow::Continue(())).unwrap();
     let means: Vec<f64> =
         filtered.forecasts[0].iter().map(|forecast| forecast.estimate.predictive[0].mean).collect();
