@@ -47,7 +47,7 @@ pub use look_ahead::{
 };
 pub use memory::{MemoryRows, ParticleMemory};
 pub use motes_models::batch::{Rows, particles_by_stream};
-pub use perturbed::PerturbedFilter;
+pub use perturbed::{Perturbation, PerturbedFilter};
 pub use predictive::Predictive;
 pub use proposal::{Conditional, Context, Proposal};
 pub use proposal_error::ProposalError;

@@ -9,6 +9,9 @@ use crate::look_ahead::RecordedStep;
 use crate::resampling::Resampling;
 use crate::weights::{LogWeights, WeightFault};
 
+/// What perturbs positions (`K×D`) before the step of that number, and says whether it did; or says to stop.
+pub type Perturbation<'p> = dyn FnMut(usize, &mut [f64]) -> ControlFlow<(), bool> + 'p;
+
 /// A bootstrap filter of a recorded sequence whose particles have parameters of their own, which are perturbed from row to row (Ionides, Nguyen, Atchadé, Stoev and King, 2015).
 ///
 /// Parameters are made of positions in `ℝᴰ`, and it is these that are perturbed. A particle that explains the data is resampled with its parameters, so that a swarm of them goes uphill.
@@ -35,7 +38,7 @@ impl PerturbedFilter<'_> {
     pub fn pass(
         &self,
         positions: &mut [f64],
-        perturb: &mut dyn FnMut(usize, &mut [f64]) -> ControlFlow<(), bool>,
+        perturb: &mut Perturbation<'_>,
         seed: &Seed,
     ) -> Result<Option<f64>, ModelError> {
         let (d, n) = (self.dimension, self.model.state_dim());

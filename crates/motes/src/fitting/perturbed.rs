@@ -43,16 +43,15 @@ impl PerturbedLikelihood for ModelLikelihood<'_> {
             };
             let spread = |row: usize| {
                 let cooled = walk.spread * walk.cooling.powf((before + row) as f64 / rows as f64);
-                let of = move |coordinate: usize| match (model.only_initial()[coordinate], row) {
+                move |coordinate: usize| match (model.only_initial()[coordinate], row) {
                     _ if walk.fixed == Some(coordinate) => 0.0,
                     (false, _) => cooled / (rows as f64).sqrt(),
                     (true, 0) => cooled / (self.sequences.len() as f64).sqrt(),
                     (true, _) => 0.0,
-                };
-                of
+                }
             };
             let mut perturb = |row: usize, positions: &mut [f64]| {
-                if row % STEPS_AT_ONCE == 0 && (self.proceed)().is_break() {
+                if row.is_multiple_of(STEPS_AT_ONCE) && (self.proceed)().is_break() {
                     return ControlFlow::Break(());
                 }
                 walking.step(positions, spread(row));
