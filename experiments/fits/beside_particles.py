@@ -77,9 +77,9 @@ def main():
         data = np.array([float(row["return"]) for row in csv.DictReader(file)])
     tried = {}
     for k in TRIED:
-        size, seconds = of_particles(data, 1, k, 1500)
+        size, seconds = of_particles(data, 1, k, 1000)
         tried[k] = size / seconds
-        print(f"particles, K = {k}: {size:.0f} of 1,350 draws effective in {seconds:.1f} s: {tried[k]:.2f} a second", flush=True)
+        print(f"particles, K = {k}: {size:.0f} of 900 draws effective in {seconds:.1f} s: {tried[k]:.2f} a second", flush=True)
     best = max(tried, key=tried.get)
     rates = {"motes": [], "motes, bootstrap": [], "particles": []}
     for seed in range(1, rounds + 1):
@@ -87,7 +87,7 @@ def main():
             size, seconds, k = of_motes(motes, seed, *options)
             rates[name].append(size / seconds)
             print(f"{name}, K = {k}: {size:.0f} in {seconds:.1f} s: {size / seconds:.2f} a second", flush=True)
-        size, seconds = of_particles(data, 10 + seed, best, 5000)
+        size, seconds = of_particles(data, 10 + seed, best, 3000)
         rates["particles"].append(size / seconds)
         print(f"particles, K = {best}: {size:.0f} in {seconds:.1f} s: {size / seconds:.2f} a second", flush=True)
     base = np.median(rates["particles"])
