@@ -89,9 +89,7 @@ impl ModelFile {
             FileModel::LinearGaussian(_) => parse(&self.text, &self.name, values),
         }
     }
-}
 
-impl ModelFile {
     /// The model of a file of formulas in which each particle has these parameters of its own, those of entries of lists one by one: they are the last numbers of its state, in this order, and
     /// stay as they are in a step. `x_0` is made of them by a step of index 0 from rows that end with them.
     ///

@@ -85,16 +85,16 @@ impl FormulaModel {
                 Section::Measurement => exact_entry = closed_form::without_noise(&built),
                 _ => is_finite &= closed_form::is_finite(&built),
             }
-            for (number, input) in uses.iter_mut().enumerate() {
-                *in_section(input, section) |= built.inputs().contains(&(number as u32));
+            for number in built.inputs() {
+                *in_section(&mut uses[number as usize], section) = true;
             }
-            if section != Section::Initial {
+            if section != Section::Initial && !only_initial.is_empty() {
                 // Of a transition those behind are the parameters themselves.
                 let end = if section == Section::Transition { first_parameter } else { usize::MAX };
-                for state in built.states_before(end) {
-                    if let Some(number) = (state as usize).checked_sub(first_parameter)
-                        && let Some(is_only_initial) = only_initial.get_mut(number)
-                    {
+                let states = built.states_before(end).into_iter().map(|state| state as usize);
+                for number in states.filter_map(|state| state.checked_sub(first_parameter)) {
+                    // Draws stand behind them.
+                    if let Some(is_only_initial) = only_initial.get_mut(number) {
                         *is_only_initial = false;
                     }
                 }

@@ -42,11 +42,11 @@ pub trait PerturbedLikelihood: Sync {
     /// The estimator that filters alike, its place in [`Likelihood::estimators`].
     fn estimator(&self) -> usize;
 
-    /// Takes the positions of a swarm (`K×D`) through the data, and gives the logarithm of the estimate on the way; −∞ where no particle explains the data.
+    /// Takes the positions of a swarm (`K×D`) through the data, perturbed and resampled on the way.
     ///
     /// # Errors
     /// Those of the implementation.
-    fn pass(&self, positions: &mut [f64], walk: RandomWalk, seed: &Seed) -> Result<f64, Self::Error>;
+    fn pass(&self, positions: &mut [f64], walk: RandomWalk, seed: &Seed) -> Result<(), Self::Error>;
 }
 
 /// How parameters are perturbed in a pass through data.

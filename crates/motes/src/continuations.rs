@@ -101,22 +101,20 @@ impl Continuations {
             marginals.extend(of_path);
         }
         let weights = LogWeights::uniform(self.paths.len());
-        let state = (0..n).map(|at| self.coordinate(at, &weights, probabilities)).collect();
-        let of_entry = |entry: usize| {
-            let marginals = marginals.iter().skip(entry).step_by(m).copied().collect();
-            Predictive::of_marginals(&weights, marginals, None, probabilities)
+        let expected =
+            |marginals: Vec<Marginal>| Predictive::of_marginals(&weights, marginals, None, probabilities);
+        let of_coordinate = |at: usize| {
+            let values = self.paths.iter().map(|path| Marginal::of_draw(path.state[at], None));
+            let Predictive { mean, sd, quantiles, .. } = expected(values.collect());
+            Coordinate { mean, sd, quantiles }
         };
-        let predictive = (0..m).map(of_entry).collect();
-        let estimate = Estimate { state, ess: None, log_evidence: None, predictive };
+        let of_entry = |entry: usize| expected(marginals.iter().skip(entry).step_by(m).copied().collect());
+        let estimate = Estimate {
+            state: (0..n).map(of_coordinate).collect(),
+            ess: None,
+            log_evidence: None,
+            predictive: (0..m).map(of_entry).collect(),
+        };
         Ok(Forecast { time, label: row.and_then(|row| row.label).map(String::from), estimate })
-    }
-
-    /// What continuations say of a coordinate of the state.
-    fn coordinate(&self, at: usize, weights: &LogWeights, probabilities: &[f64]) -> Coordinate {
-        let values = || self.paths.iter().map(|path| path.state[at]);
-        let count = self.paths.len() as f64;
-        let mean = values().sum::<f64>() / count;
-        let variance = values().map(|value| (value - mean).powi(2)).sum::<f64>() / count;
-        Coordinate { mean, sd: variance.sqrt(), quantiles: weights.quantiles(values(), probabilities) }
     }
 }

@@ -249,11 +249,16 @@ impl Model {
         }
     }
 
-    /// Its formulas in which each particle has these parameters of its own; none where that cannot be, or it is no file of formulas.
-    pub(crate) fn with_parameters_of_particles(&self, names: &[String]) -> Option<FormulaModel> {
+    /// Its formulas in which each particle has these parameters of its own.
+    ///
+    /// # Errors
+    /// Why that cannot be: it is no file of formulas, or a parameter says what must be known before there are particles.
+    pub(crate) fn with_parameters_of_particles(&self, names: &[String]) -> Result<FormulaModel, String> {
         match &self.0 {
-            Source::File(file, _) => file.with_parameters_of_particles(names).ok(),
-            Source::Own(_) => None,
+            Source::File(file, _) => {
+                file.with_parameters_of_particles(names).map_err(|error| error.to_string())
+            }
+            Source::Own(own) => Err(format!("the equations of {} are functions", own.name)),
         }
     }
 

@@ -9,8 +9,8 @@ use crate::look_ahead::RecordedStep;
 use crate::resampling::Resampling;
 use crate::weights::{LogWeights, WeightFault};
 
-/// What perturbs positions (`K×D`) before the step of that number, and says whether it did; or says to stop.
-pub type Perturbation<'p> = dyn FnMut(usize, &mut [f64]) -> ControlFlow<(), bool> + 'p;
+/// What perturbs positions (`K×D`) before the step of that number, or says to stop.
+pub type Perturbation<'p> = dyn FnMut(usize, &mut [f64]) -> ControlFlow<()> + 'p;
 
 /// A bootstrap filter of a recorded sequence whose particles have parameters of their own, which are perturbed from row to row (Ionides, Nguyen, Atchadé, Stoev and King, 2015).
 ///
@@ -27,7 +27,7 @@ pub struct PerturbedFilter<'a> {
 }
 
 impl PerturbedFilter<'_> {
-    /// Takes a swarm of positions (`K×D`) through the sequence. `perturb` is given the number of each step and the positions before it, and says whether it changed them. What is returned is the
+    /// Takes a swarm of positions (`K×D`) through the sequence. `perturb` is given the number of each step and the positions before it. What is returned is the
     /// log-evidence of the perturbed model, −∞ where no particle explains a row, after which all go on; none where `perturb` said to stop.
     ///
     /// # Errors
@@ -51,14 +51,11 @@ impl PerturbedFilter<'_> {
         let mut log_evidence = 0.0;
         for (row, RecordedStep { step, measurement }) in self.steps.iter().enumerate() {
             swarm.resample(positions, &mut resampling);
-            match perturb(row, positions) {
-                ControlFlow::Break(()) => return Ok(None),
-                ControlFlow::Continue(is_changed) if is_changed || row == 0 => {
-                    (self.parameters)(positions, &mut swarm.parameters);
-                    swarm.write_parameters();
-                }
-                ControlFlow::Continue(_) => {}
+            if perturb(row, positions).is_break() {
+                return Ok(None);
             }
+            (self.parameters)(positions, &mut swarm.parameters);
+            swarm.write_parameters();
             let step = step.step();
             let before = Rows::all(&swarm.states, n);
             self.model.sample_states(&step, Some(before), &mut streams, &mut swarm.next);

@@ -177,6 +177,11 @@ impl Builder {
         known: Option<usize>,
     ) -> Result<Vec<Output>, Fault> {
         let mut outputs: Vec<Output> = Vec::new();
+        // Parameters that are numbers of the state are known from the beginning.
+        let unknown_to = match section {
+            Section::Initial => statement.first_parameter() as u32,
+            _ => u32::MAX,
+        };
         for line in lines {
             for coordinate in 0..line.coordinates() {
                 self.number = known.unwrap_or_default() + outputs.len();
@@ -189,9 +194,7 @@ impl Builder {
                 }
                 if let Some(known) = known {
                     let last = output.numbers().filter_map(|number| self.graph.last_state(number)).max();
-                    // Parameters that are numbers of the state are known from the beginning.
-                    let first_parameter = statement.first_parameter() as u32;
-                    let last = last.filter(|last| section != Section::Initial || *last < first_parameter);
+                    let last = last.filter(|last| *last < unknown_to);
                     let known = known + outputs.len();
                     if let Some(later) = last.map(|last| last as usize).filter(|last| *last >= known) {
                         let (name, section_name) = (statement.name_of(later), section.title());

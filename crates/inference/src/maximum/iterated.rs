@@ -17,28 +17,17 @@ const COOLED: f64 = 0.1;
 const SHORTER: usize = 5;
 
 /// Swarms under way, all of which have made as many passes.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Swarms {
-    settings: IteratedSettings,
     /// Positions (`K×D`) of each; nothing before the first pass.
     positions: Vec<Vec<f64>>,
     passes: usize,
 }
 
 impl Swarms {
-    /// Before the first pass.
-    pub(super) fn new(settings: IteratedSettings) -> Self {
-        Swarms { settings, positions: Vec::new(), passes: 0 }
-    }
-
-    /// What they were made with.
-    pub(super) fn settings(&self) -> IteratedSettings {
-        self.settings
-    }
-
-    /// How many passes each has made, of how many.
-    pub(super) fn progress(&self) -> (usize, usize) {
-        (self.passes, self.settings.passes)
+    /// How many passes each has made.
+    pub(super) fn passes(&self) -> usize {
+        self.passes
     }
 
     /// Where they are: the mean (`D`) of each.
@@ -50,23 +39,23 @@ impl Swarms {
     pub(super) fn advance<E: Send>(
         &mut self,
         likelihood: &dyn PerturbedLikelihood<Error = E>,
+        settings: IteratedSettings,
         [count, d]: [usize; 2],
         seed: &Seed,
     ) -> Result<(), E> {
         if self.positions.is_empty() {
             let of_prior = |number: usize| {
-                let mut positions = vec![0.0; self.settings.particles.max(1) * d];
+                let mut positions = vec![0.0; settings.particles * d];
                 fill_standard_normal(&mut seed.nth(number as u64).child("prior").stream(), &mut positions);
                 positions
             };
             self.positions = (0..count).map(of_prior).collect();
         }
-        let cooling = COOLED.powf(1.0 / self.settings.passes.max(1) as f64);
-        let walk = RandomWalk { spread: SPREAD * cooling.powi(self.passes as i32), cooling, fixed: None };
+        let walk = walk(SPREAD, self.passes, settings.passes, None);
         let moved = map_on_threads(&self.positions, |number, positions| {
             let mut positions = positions.clone();
             let seed = seed.nth(number as u64).child("pass").nth(self.passes as u64);
-            likelihood.pass(&mut positions, walk, &seed).map(|_| positions)
+            likelihood.pass(&mut positions, walk, &seed).map(|()| positions)
         });
         self.positions = moved.into_iter().collect::<Result<Vec<Vec<f64>>, E>>()?;
         self.passes += 1;
@@ -82,15 +71,19 @@ pub(super) fn with_one_fixed<E: Send>(
     settings: IteratedSettings,
     seed: &Seed,
 ) -> Result<Vec<f64>, E> {
-    let mut positions = v.repeat(settings.particles.max(1));
+    let mut positions = v.repeat(settings.particles);
     let passes = settings.passes.div_ceil(SHORTER);
-    let cooling = COOLED.powf(1.0 / passes as f64);
     for pass in 0..passes {
-        let spread = SPREAD / SHORTER as f64 * cooling.powi(pass as i32);
-        let walk = RandomWalk { spread, cooling, fixed: Some(fixed) };
+        let walk = walk(SPREAD / SHORTER as f64, pass, passes, Some(fixed));
         likelihood.pass(&mut positions, walk, &seed.nth(pass as u64))?;
     }
     Ok(mean(&positions, v.len()))
+}
+
+/// The walk of a pass of so many, of which the first begins with a spread and the last ends with a share of it.
+fn walk(spread: f64, pass: usize, passes: usize, fixed: Option<usize>) -> RandomWalk {
+    let cooling = COOLED.powf(1.0 / passes as f64);
+    RandomWalk { spread: spread * cooling.powi(pass as i32), cooling, fixed }
 }
 
 /// The mean of rows (`K×D`).

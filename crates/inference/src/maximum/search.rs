@@ -30,8 +30,8 @@ const REACHES: [f64; 2] = [1.0, 0.7];
 /// The estimates of the log-likelihood at a maximum have particles by this factor, and are so many.
 const LAST: (usize, usize) = (8, 64);
 
-/// The same where a swarm has come to.
-const OF_SWARMS: (usize, usize) = (1, 16);
+/// So many estimates say how high a swarm has come, with as many particles as it has.
+const OF_SWARM: usize = 16;
 
 /// A maximum is the same as the best one if its log-likelihood is this close.
 const CLOSE: f64 = 0.5;
@@ -41,8 +41,8 @@ const CLOSE: f64 = 0.5;
 pub struct MaximumSearch {
     settings: MaximumSettings,
     seed: u64,
-    /// The swarms of iterated filtering, if it is that.
-    swarms: Option<Swarms>,
+    /// The swarms of iterated filtering; none yet, or where it is not that.
+    swarms: Swarms,
     found: Vec<Maximum>,
     profiles: Vec<Profile>,
     possible: f64,
@@ -54,9 +54,9 @@ impl MaximumSearch {
     /// Before the first search.
     pub fn new(settings: MaximumSettings, seed: u64) -> Self {
         MaximumSearch {
-            swarms: settings.iterated.map(Swarms::new),
             settings,
             seed,
+            swarms: Swarms::default(),
             found: Vec::new(),
             profiles: Vec::new(),
             possible: 0.0,
@@ -67,8 +67,9 @@ impl MaximumSearch {
     /// The number of searches and profiles that are done, and that of all.
     pub fn progress(&self, dimension: usize) -> (usize, usize) {
         let profiled = self.settings.profiled.as_ref().map_or(dimension, Vec::len);
-        let (passes, of) = self.swarms.as_ref().map_or((0, 0), Swarms::progress);
-        (passes + self.found.len() + self.profiles.len(), of + self.settings.starts + profiled)
+        let passes = self.settings.iterated.map_or(0, |iterated| iterated.passes);
+        let done = self.swarms.passes() + self.found.len() + self.profiles.len();
+        (done, passes + self.settings.starts + profiled)
     }
 
     /// The coordinate whose profile is sought next; none where all are there.
@@ -135,7 +136,7 @@ impl MaximumSearch {
     /// Does the next search, or finds the next profile; nothing where all is done.
     ///
     /// # Errors
-    /// [`FitError::Nothing`] if there is no parameter or no search, [`FitError::Impossible`] if the likelihood is 0 at every draw, [`FitError::Likelihood`] as it
+    /// [`FitError::Nothing`] if there is no parameter, no search, or no filter, particle or pass for iterated filtering where it is asked for, [`FitError::Impossible`] if the likelihood is 0 at every draw, [`FitError::Likelihood`] as it
     /// says; the search is then as it was before.
     pub fn advance<L: Likelihood>(&mut self, likelihood: &L) -> Result<(), FitError<L::Error>> {
         let d = likelihood.dimension();
@@ -143,15 +144,22 @@ impl MaximumSearch {
             return Err(FitError::Nothing);
         }
         let seed = self.root();
-        if let (Some(swarms), Some(perturbed), true) =
-            (&mut self.swarms, likelihood.perturbed(), self.found.is_empty())
-        {
-            if swarms.progress().0 < swarms.progress().1 {
-                swarms.advance(perturbed, [self.settings.starts, d], &seed.child("iterated"))?;
-                return Ok(());
+        let iterated = match (self.settings.iterated, likelihood.perturbed()) {
+            (None, _) => None,
+            (Some(settings), Some(perturbed)) if settings.particles > 0 && settings.passes > 0 => {
+                Some((settings, perturbed))
             }
-            self.found = climbed(likelihood, perturbed.estimator(), swarms, &seed.child("height"))?;
-            self.possible = 1.0;
+            (Some(_), _) => return Err(FitError::Nothing),
+        };
+        if let (Some((settings, perturbed)), true) = (iterated, self.found.is_empty()) {
+            if self.swarms.passes() < settings.passes {
+                let sizes = [self.settings.starts, d];
+                self.swarms.advance(perturbed, settings, sizes, &seed.child("iterated"))?;
+            } else {
+                let estimator = Estimator { index: perturbed.estimator(), particles: settings.particles };
+                self.found = climbed(likelihood, estimator, &self.swarms, &seed.child("height"))?;
+                self.possible = 1.0;
+            }
             return Ok(());
         }
         if self.found.len() < self.settings.starts {
@@ -165,11 +173,11 @@ impl MaximumSearch {
         } else if let (Some(at), Some(best)) = (self.next_profile(d), self.best()) {
             let seed = seed.child("interval").nth(at as u64);
             let level = self.settings.level;
-            let profile = match (self.settings.iterated, likelihood.perturbed()) {
-                (Some(settings), Some(perturbed)) => {
+            let profile = match iterated {
+                Some((settings, perturbed)) => {
                     iterated_profile(likelihood, perturbed, best, at, (settings, level), &seed)?
                 }
-                _ => profile(likelihood, best, at, level, &seed)?,
+                None => profile(likelihood, best, at, level, &seed)?,
             };
             self.profiles.push(profile);
         }
@@ -222,26 +230,23 @@ impl MaximumSearch {
 /// The log-likelihood where each swarm has come to; an error where it is 0 at all of them.
 fn climbed<L: Likelihood>(
     likelihood: &L,
-    index: usize,
+    estimator: Estimator,
     swarms: &Swarms,
     seed: &Seed,
 ) -> Result<Vec<Maximum>, FitError<L::Error>> {
-    let d = likelihood.dimension();
-    let estimator = Estimator { index, particles: swarms.settings().particles };
     let mut found = Vec::new();
-    for (number, v) in swarms.centres(d).into_iter().enumerate() {
+    for (number, v) in swarms.centres(likelihood.dimension()).into_iter().enumerate() {
         let seed = seed.nth(number as u64);
-        let (log_likelihood, standard_error) = height(likelihood, &v, estimator, OF_SWARMS, &seed)?;
+        let (log_likelihood, standard_error) = height(likelihood, &v, estimator, (1, OF_SWARM), &seed)?;
         found.push(Maximum { v, log_likelihood, standard_error, spread: Vec::new(), estimator });
     }
-    if let (Some(first), true) =
-        (found.first(), found.iter().all(|maximum| maximum.log_likelihood == f64::NEG_INFINITY))
-    {
-        let estimator = Estimator { particles: estimator.particles * OF_SWARMS.0, ..estimator };
-        let draw = PriorDraw { v: first.v.clone(), estimator, seed: seed.nth(0).nth(0) };
-        return Err(FitError::Impossible(Box::new(draw)));
+    match found.first() {
+        Some(first) if found.iter().all(|maximum| maximum.log_likelihood == f64::NEG_INFINITY) => {
+            let draw = PriorDraw { v: first.v.clone(), estimator, seed: seed.nth(0).nth(0) };
+            Err(FitError::Impossible(Box::new(draw)))
+        }
+        _ => Ok(found),
     }
-    Ok(found)
 }
 
 /// The maximum to more digits: what quadratics leave out falls with the square of their reach.

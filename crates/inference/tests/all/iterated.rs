@@ -86,9 +86,9 @@ impl PerturbedLikelihood for Regression {
         0
     }
 
-    fn pass(&self, positions: &mut [f64], walk: RandomWalk, seed: &Seed) -> Result<f64, Infallible> {
+    fn pass(&self, positions: &mut [f64], walk: RandomWalk, seed: &Seed) -> Result<(), Infallible> {
         let (rows, particles) = (self.rows.len() as f64, positions.len() / D);
-        let (mut stream, mut noise, mut log) = (seed.stream(), vec![0.0; positions.len()], 0.0);
+        let (mut stream, mut noise) = (seed.stream(), vec![0.0; positions.len()]);
         for (number, row) in self.rows.iter().enumerate() {
             let sd = walk.spread * walk.cooling.powf(number as f64 / rows) / rows.sqrt();
             fill_standard_normal(&mut stream, &mut noise);
@@ -97,7 +97,6 @@ impl PerturbedLikelihood for Regression {
             }
             let weights: Vec<f64> = positions.chunks_exact(D).map(|v| Self::of_row(row, v).exp()).collect();
             let sum: f64 = weights.iter().sum();
-            log += (sum / particles as f64).ln();
             let mut offset = [0.0];
             fill_uniform(&mut stream, &mut offset);
             let (before, mut at, mut below) = (positions.to_vec(), 0, weights[0]);
@@ -110,7 +109,7 @@ impl PerturbedLikelihood for Regression {
                 v.copy_from_slice(&before[at * D..][..D]);
             }
         }
-        Ok(log)
+        Ok(())
     }
 }
 
@@ -169,4 +168,21 @@ fn rows_that_are_impossible_everywhere_are_said() {
     let mut advance = || search.advance(&line);
     assert_eq!((advance(), advance()), (Ok(()), Ok(())));
     assert!(matches!(advance(), Err(FitError::Impossible(_))));
+}
+
+/// Catches a search that goes on for ever.
+#[test]
+fn iterated_filtering_without_filters_particles_or_passes_is_nothing() {
+    let advanced =
+        |settings: MaximumSettings| MaximumSearch::new(settings, 1).advance(&Regression::new(5, 0.0));
+    let with = |particles, passes| MaximumSettings {
+        iterated: Some(IteratedSettings { particles, passes }),
+        ..MaximumSettings::default()
+    };
+    assert_eq!(
+        [advanced(with(0, 2)), advanced(with(2, 0))],
+        [Err(FitError::Nothing), Err(FitError::Nothing)]
+    );
+    let mut search = MaximumSearch::new(with(2, 2), 1);
+    assert_eq!(search.advance(&crate::known::Line::new(1.0)), Err(FitError::Nothing));
 }

@@ -54,8 +54,8 @@ pub struct MaximumFit {
     pub log_likelihood: f64,
     /// Its standard error; 0 where it is exact.
     pub log_likelihood_error: f64,
-    /// The number of searches, and how many of them came as high.
-    pub starts: [usize; 2],
+    /// How many searches came as high as the best one.
+    pub agreeing: usize,
     /// The log-likelihood where each search ended, in their order.
     pub search_log_likelihoods: Vec<f64>,
     /// The passes of iterated filtering by which they went; none where they went by quadratics.
@@ -138,14 +138,14 @@ pub fn maximise(
     let mut likelihood = ModelLikelihood::new(model, data, &free, options, proceed)?;
     let names = free.names();
     if names.len() >= MANY || options.passes.is_some() {
-        likelihood.perturbed = likelihood.perturbed_model();
-        if options.passes.is_some() && likelihood.perturbed.is_none() {
-            let reason = format!(
-                "--passes: iterated filtering takes the bootstrap filter of a model file whose free parameters stand in formulas alone; {} has no such, or another proposal was asked for",
-                model.name()
-            );
-            return Err(MotesError::Setting(reason));
-        }
+        likelihood.perturbed = match likelihood.perturbed_model() {
+            Err(reason) if options.passes.is_some() => {
+                return Err(MotesError::Setting(format!(
+                    "--passes: iterated filtering takes the bootstrap filter of a model file whose free parameters stand in formulas alone; {reason}"
+                )));
+            }
+            model => model.ok(),
+        };
     }
     let settings = MaximumSettings {
         starts: options.chains,
@@ -213,7 +213,7 @@ pub fn maximise(
         level: settings.level,
         log_likelihood: best.log_likelihood,
         log_likelihood_error: best.standard_error,
-        starts: [search.searches(), search.agreeing()],
+        agreeing: search.agreeing(),
         search_log_likelihoods: search.log_likelihoods().collect(),
         passes: settings.iterated.map(|iterated| iterated.passes),
         proposal: likelihood.proposal(best.estimator).to_string(),

@@ -14,10 +14,15 @@ use crate::evidence::STEPS_AT_ONCE;
 use crate::options::ProposalName;
 
 impl ModelLikelihood<'_> {
-    /// The model with free parameters of particles; none where they say what must be known before there are particles, or another proposal was asked for.
-    pub(super) fn perturbed_model(&self) -> Option<PerturbedModel> {
-        let estimator = self.proposals.iter().position(|proposal| *proposal == ProposalName::Bootstrap)?;
-        Some(PerturbedModel { model: self.model.with_parameters_of_particles(&self.names)?, estimator })
+    /// The model with free parameters of particles.
+    ///
+    /// # Errors
+    /// Why there is none: bootstrap is no estimator of the likelihood, or as [`Model::with_parameters_of_particles`](crate::Model::with_parameters_of_particles).
+    pub(super) fn perturbed_model(&self) -> Result<PerturbedModel, String> {
+        let estimator = self.proposals.iter().position(|proposal| *proposal == ProposalName::Bootstrap);
+        let estimator =
+            estimator.ok_or_else(|| format!("the likelihood is estimated by {}", self.proposals[0]))?;
+        Ok(PerturbedModel { model: self.model.with_parameters_of_particles(&self.names)?, estimator })
     }
 }
 
@@ -29,10 +34,10 @@ impl PerturbedLikelihood for ModelLikelihood<'_> {
     }
 
     /// One series after another: a swarm goes through all of them.
-    fn pass(&self, positions: &mut [f64], walk: RandomWalk, seed: &Seed) -> Result<f64, MotesError> {
-        let Some(PerturbedModel { model, .. }) = &self.perturbed else { return Ok(f64::NEG_INFINITY) };
+    fn pass(&self, positions: &mut [f64], walk: RandomWalk, seed: &Seed) -> Result<(), MotesError> {
+        let Some(PerturbedModel { model, .. }) = &self.perturbed else { return Ok(()) };
         let rows: usize = self.sequences.iter().map(|sequence| sequence.steps().len()).sum();
-        let (mut before, mut sum) = (0, 0.0);
+        let mut before = 0;
         let mut walking = Walk::new(self.free, positions.len(), seed.child("walk").stream());
         for (number, sequence) in self.sequences.iter().enumerate() {
             let filter = PerturbedFilter {
@@ -55,15 +60,15 @@ impl PerturbedLikelihood for ModelLikelihood<'_> {
                     return ControlFlow::Break(());
                 }
                 walking.step(positions, spread(row));
-                ControlFlow::Continue(true)
+                ControlFlow::Continue(())
             };
             match filter.pass(positions, &mut perturb, &seed.nth(number as u64)) {
-                Ok(Some(found)) => sum += found,
+                Ok(Some(_)) => {}
                 Ok(None) => return Err(MotesError::Interrupted),
                 Err(error) => return Err(MotesError::Setting(error.to_string())),
             }
             before += sequence.steps().len();
         }
-        Ok(sum)
+        Ok(())
     }
 }

@@ -7,7 +7,7 @@ use super::free::FreeParameters;
 /// A position is no farther from 0 than this: beyond it a quantile of a prior is its end.
 const FARTHEST: f64 = 5.0;
 
-/// Of a uniform prior it is nearer: only 2·10⁻⁴ of it lie beyond.
+/// Of a uniform prior it is nearer: 2·10⁻⁴ of it lie beyond at each end.
 const FARTHEST_IN_BOX: f64 = 3.5;
 
 /// A step near the end of a uniform prior is no longer than by this factor.
@@ -16,8 +16,8 @@ const LONGEST: f64 = 20.0;
 /// The standard deviation of a uniform number over the density of a standard normal one at 0.
 const OF_UNIFORM: f64 = 0.723_6;
 
-/// A random walk of a swarm's positions. Those of a uniform prior walk evenly in the parameter, and not in its normal quantile: near an end that hardly moves, and a swarm that has drifted there
-/// would not come back.
+/// A random walk of a swarm's positions. Those of a uniform prior walk evenly in the parameter: near an end it hardly changes with its normal quantile, and a swarm that has drifted there would not come
+/// back.
 pub(super) struct Walk {
     /// For each coordinate, whether its prior is uniform.
     are_uniform: Vec<bool>,

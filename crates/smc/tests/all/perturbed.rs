@@ -73,7 +73,7 @@ fn a_pass_estimates_the_evidence_of_the_perturbed_model_and_ends_at_its_posterio
             fill_standard_normal(&mut stream, &mut noise);
             let sd = if row == 0 { 1.0 } else { 0.5 * walk };
             positions.iter_mut().zip(noise).for_each(|(v, noise)| *v += sd * noise);
-            ControlFlow::Continue(true)
+            ControlFlow::Continue(())
         };
         let found = filter.pass(&mut positions, &mut perturb, &Seed::from_u64(run)).unwrap();
         ratios.push((found.expect("nobody stops it") - filtered.log_evidence()).exp());
@@ -103,7 +103,7 @@ fn a_row_that_no_particle_explains_ends_no_pass_and_a_pass_can_be_stopped() {
     let (mut positions, mut rows) = (vec![0.5; 64], 0);
     let mut perturb = |_: usize, _: &mut [f64]| {
         rows += 1;
-        ControlFlow::Continue(false)
+        ControlFlow::Continue(())
     };
     let found = filter.pass(&mut positions, &mut perturb, &Seed::from_u64(1));
     assert_eq!((found, rows), (Ok(Some(f64::NEG_INFINITY)), 3));

@@ -63,7 +63,7 @@ pub fn maximum_summary(found: &MaximumFit) -> Vec<(String, String)> {
         "exact" => "exact".to_string(),
         proposal => format!("{} particles, {proposal}", found.particles),
     };
-    let [searches, agreeing] = found.starts;
+    let (searches, agreeing) = (found.search_log_likelihoods.len(), found.agreeing);
     let by =
         found.passes.map_or(String::new(), |passes| format!(" by {passes} passes of iterated filtering"));
     let figures = [
@@ -103,8 +103,8 @@ pub fn maximum_json(found: &MaximumFit, seconds: Option<f64>) -> String {
         log_likelihood: found.log_likelihood,
         log_likelihood_error: found.log_likelihood_error,
         aic: found.aic(),
-        searches: found.starts[0],
-        agreeing: found.starts[1],
+        searches: found.search_log_likelihoods.len(),
+        agreeing: found.agreeing,
         search_log_likelihoods: &found.search_log_likelihoods,
         passes: found.passes,
         proposal: &found.proposal,
