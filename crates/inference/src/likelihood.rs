@@ -46,14 +46,21 @@ pub trait PerturbedLikelihood: Sync {
     ///
     /// # Errors
     /// Those of the implementation.
-    fn pass(&self, positions: &mut [f64], walk: RandomWalk, seed: &Seed) -> Result<(), Self::Error>;
+    fn pass(&self, positions: &mut [f64], walk: RandomWalk<'_>, seed: &Seed) -> Result<(), Self::Error>;
+
+    /// The standard deviation of each coordinate's walk at `v` if its spread is 1 and it has no directions.
+    fn steps(&self, v: &[f64]) -> Vec<f64> {
+        vec![1.0; v.len()]
+    }
 }
 
 /// How parameters are perturbed in a pass through data.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RandomWalk {
+pub struct RandomWalk<'a> {
     /// The standard deviation of a coordinate's walk over all rows, were it as fast as at the first one. What `x_0` alone depends on goes it all at the start.
     pub spread: f64,
+    /// `L` (`D×D`, row after row), if coordinates walk together: a step has the covariance `L Lᵀ` by the square of the spread.
+    pub directions: Option<&'a [f64]>,
     /// By how much it is slower at the last row.
     pub cooling: f64,
     /// The coordinate that stays as it is, if one does.

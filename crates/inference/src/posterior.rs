@@ -161,6 +161,11 @@ impl Posterior {
         if matches!(self.stage, Stage::Sampling | Stage::Done) { self.draws[0].len() } else { 0 }
     }
 
+    /// What it is sampled with.
+    pub fn settings(&self) -> &PosteriorSettings {
+        &self.settings
+    }
+
     /// The kept draws of a chain: positions, and the estimate of the log-likelihood at each.
     pub fn draws(&self, chain: usize) -> impl Iterator<Item = (&[f64], f64)> {
         let kept = if self.kept() == 0 { &[] } else { self.draws[chain].as_slice() };

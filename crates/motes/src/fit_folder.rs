@@ -19,7 +19,7 @@ const PROGRESS: &str = "progress.cbor";
 
 /// What a fit under way is called where it is written down, and the version of that.
 const FIT: &str = "fit";
-const VERSION: u32 = 5;
+const VERSION: u32 = 6;
 
 /// The folder of a fit.
 #[derive(Debug, Clone, PartialEq)]

@@ -51,7 +51,10 @@ fn learned(
     start: Option<&LearnedProposal>,
     interrupt: &Interrupt,
 ) -> Result<LearnedProposal, MotesError> {
+    let usual = LearnOptions::default();
     let options = LearnOptions {
+        // It learns from sequences that are no longer than those that it is judged on.
+        steps: usual.steps.min(plan.profile.times),
         objective: method.objective,
         start: start.cloned(),
         base: method.base,
@@ -60,7 +63,7 @@ fn learned(
         weight_penalty: method.weight_penalty,
         updates: if start.is_some() { plan.profile.further_updates } else { plan.profile.updates },
         seed: plan.seed,
-        ..LearnOptions::default()
+        ..usual
     };
     Ok(learn(model, recorded, &options, |_, _| interrupt.check())?.proposal)
 }

@@ -3,11 +3,12 @@
 use motes_models::Seed;
 
 use super::height::height;
-use super::iterated::with_one_fixed;
 use super::point::Maximum;
 use super::profile::{POINTS, Profile, ProfilePoint, interval};
 use super::settings::IteratedSettings;
-use crate::likelihood::{Likelihood, PerturbedLikelihood};
+use super::swarm_shape::mean;
+use super::walks::{SPREADS, between};
+use crate::likelihood::{Likelihood, PerturbedLikelihood, RandomWalk};
 use crate::parallel::map_on_threads;
 
 /// The log-likelihood at a point is that of so many estimates.
@@ -16,8 +17,11 @@ const ESTIMATES: (usize, usize) = (2, 12);
 /// How far from the maximum the first two points are, in standard deviations of the prior.
 const FIRST: f64 = 0.3;
 
+/// Beside a maximum that was found passes are fewer by this factor, and walks shorter.
+const SHORTER: usize = 5;
+
 /// The spread that a profile is looked at in, at least and at most.
-const SPREADS: [f64; 2] = [0.02, 1.0];
+const WIDTHS: [f64; 2] = [0.02, 1.0];
 
 /// A difference of log-likelihoods that is taken to be there, at least.
 const LEAST_DROP: f64 = 0.05;
@@ -46,7 +50,7 @@ pub(super) fn iterated_profile<L: Likelihood>(
     let mut found = points(vec![-FIRST, FIRST], &seed.child("first"))?;
     let drops = found.iter().map(|point| best.log_likelihood - point.log_likelihood);
     let drop = drops.fold(f64::INFINITY, f64::min).max(LEAST_DROP);
-    let sd = (FIRST / (2.0 * drop).sqrt()).clamp(SPREADS[0], SPREADS[1]);
+    let sd = (FIRST / (2.0 * drop).sqrt()).clamp(WIDTHS[0], WIDTHS[1]);
     let distances = (-POINTS.0..=POINTS.0).filter(|step| *step != 0);
     let distances = distances.map(|step| f64::from(step) * POINTS.1 * sd).collect();
     found.extend(points(distances, &seed.child("points"))?);
@@ -58,4 +62,22 @@ pub(super) fn iterated_profile<L: Likelihood>(
     let end = f64::from(POINTS.0) * POINTS.1 * sd;
     found.retain(|point| point.log_likelihood.is_finite() && (point.v - best.v[at]).abs() <= end * 1.001);
     Ok(interval(found, best.v[at], at, sd, level))
+}
+
+/// Where a swarm is after a few short passes that begin at `v` (`D`), with one coordinate that stays as it is.
+fn with_one_fixed<E: Send>(
+    likelihood: &dyn PerturbedLikelihood<Error = E>,
+    v: &[f64],
+    fixed: usize,
+    settings: IteratedSettings,
+    seed: &Seed,
+) -> Result<Vec<f64>, E> {
+    let mut positions = v.repeat(settings.particles);
+    let passes = settings.passes.div_ceil(SHORTER);
+    for pass in 0..passes {
+        let spreads = SPREADS.map(|spread| spread / SHORTER as f64);
+        let walk = RandomWalk { fixed: Some(fixed), ..between(spreads, pass, passes) };
+        likelihood.pass(&mut positions, walk, &seed.nth(pass as u64))?;
+    }
+    Ok(mean(&positions, v.len()))
 }

@@ -7,8 +7,11 @@ mod iterated_profile;
 mod point;
 mod profile;
 mod quadratic;
+mod refinement;
 mod search;
 mod settings;
+mod swarm_shape;
+mod walks;
 
 pub use point::Maximum;
 pub use profile::{Profile, ProfilePoint};

@@ -30,9 +30,6 @@ const REACHES: [f64; 2] = [1.0, 0.7];
 /// The estimates of the log-likelihood at a maximum have particles by this factor, and are so many.
 const LAST: (usize, usize) = (8, 64);
 
-/// So many estimates say how high a swarm has come, with as many particles as it has.
-const OF_SWARM: usize = 16;
-
 /// A maximum is the same as the best one if its log-likelihood is this close.
 const CLOSE: f64 = 0.5;
 
@@ -67,9 +64,12 @@ impl MaximumSearch {
     /// The number of searches and profiles that are done, and that of all.
     pub fn progress(&self, dimension: usize) -> (usize, usize) {
         let profiled = self.settings.profiled.as_ref().map_or(dimension, Vec::len);
-        let passes = self.settings.iterated.map_or(0, |iterated| iterated.passes);
-        let done = self.swarms.passes() + self.found.len() + self.profiles.len();
-        (done, passes + self.settings.starts + profiled)
+        let starts = self.settings.starts;
+        let (found, searches) = match self.settings.iterated {
+            Some(settings) => self.swarms.progress(starts, settings),
+            None => (self.found.len(), starts),
+        };
+        (found + self.profiles.len(), searches + profiled)
     }
 
     /// The coordinate whose profile is sought next; none where all are there.
@@ -151,15 +151,10 @@ impl MaximumSearch {
             }
             (Some(_), _) => return Err(FitError::Nothing),
         };
-        if let (Some((settings, perturbed)), true) = (iterated, self.found.is_empty()) {
-            if self.swarms.passes() < settings.passes {
-                let sizes = [self.settings.starts, d];
-                self.swarms.advance(perturbed, settings, sizes, &seed.child("iterated"))?;
-            } else {
-                let estimator = Estimator { index: perturbed.estimator(), particles: settings.particles };
-                self.found = climbed(likelihood, estimator, &self.swarms, &seed.child("height"))?;
-                self.possible = 1.0;
-            }
+        if let (Some((settings, perturbed)), false) = (iterated, self.swarms.are_done()) {
+            let (count, seed) = (self.settings.starts, seed.child("iterated"));
+            self.swarms.advance(likelihood, perturbed, settings, &mut self.found, count, &seed)?;
+            self.possible = 1.0;
             return Ok(());
         }
         if self.found.len() < self.settings.starts {
@@ -224,28 +219,6 @@ impl MaximumSearch {
             height(likelihood, &centre, estimator, LAST, &seed.child("last"))?;
         let found = Maximum { v: centre, log_likelihood, standard_error, spread, estimator };
         Ok((found, possible, impossible))
-    }
-}
-
-/// The log-likelihood where each swarm has come to; an error where it is 0 at all of them.
-fn climbed<L: Likelihood>(
-    likelihood: &L,
-    estimator: Estimator,
-    swarms: &Swarms,
-    seed: &Seed,
-) -> Result<Vec<Maximum>, FitError<L::Error>> {
-    let mut found = Vec::new();
-    for (number, v) in swarms.centres(likelihood.dimension()).into_iter().enumerate() {
-        let seed = seed.nth(number as u64);
-        let (log_likelihood, standard_error) = height(likelihood, &v, estimator, (1, OF_SWARM), &seed)?;
-        found.push(Maximum { v, log_likelihood, standard_error, spread: Vec::new(), estimator });
-    }
-    match found.first() {
-        Some(first) if found.iter().all(|maximum| maximum.log_likelihood == f64::NEG_INFINITY) => {
-            let draw = PriorDraw { v: first.v.clone(), estimator, seed: seed.nth(0).nth(0) };
-            Err(FitError::Impossible(Box::new(draw)))
-        }
-        _ => Ok(found),
     }
 }
 

@@ -86,14 +86,16 @@ impl PerturbedLikelihood for Regression {
         0
     }
 
-    fn pass(&self, positions: &mut [f64], walk: RandomWalk, seed: &Seed) -> Result<(), Infallible> {
+    fn pass(&self, positions: &mut [f64], walk: RandomWalk<'_>, seed: &Seed) -> Result<(), Infallible> {
         let (rows, particles) = (self.rows.len() as f64, positions.len() / D);
         let (mut stream, mut noise) = (seed.stream(), vec![0.0; positions.len()]);
         for (number, row) in self.rows.iter().enumerate() {
             let sd = walk.spread * walk.cooling.powf(number as f64 / rows) / rows.sqrt();
             fill_standard_normal(&mut stream, &mut noise);
             for (at, v) in positions.iter_mut().enumerate().filter(|(at, _)| walk.fixed != Some(at % D)) {
-                *v += sd * noise[at];
+                let (first, coordinate) = (at - at % D, at % D);
+                let step = |lower: &[f64]| (0..D).map(|j| lower[coordinate * D + j] * noise[first + j]).sum();
+                *v += sd * walk.directions.map_or(noise[at], step);
             }
             let weights: Vec<f64> = positions.chunks_exact(D).map(|v| Self::of_row(row, v).exp()).collect();
             let sum: f64 = weights.iter().sum();
@@ -132,7 +134,7 @@ fn swarms_end_at_the_maximum_and_profiles_have_its_width() {
         search.advance(&line).expect("nothing can fail");
         done.push(search.progress(D));
     }
-    assert_eq!((done.first(), done.last()), (Some(&(1, 45)), Some(&(45, 45))));
+    assert_eq!((done.first(), done.last()), (Some(&(1, 47)), Some(&(47, 47))));
     let best = search.best().expect("searches have ended");
     let missing = line.exact(&at) - line.exact(&best.v);
     assert!(missing < 0.2, "{missing} below the top: {best:?} beside {at:?}");
@@ -146,25 +148,33 @@ fn swarms_end_at_the_maximum_and_profiles_have_its_width() {
     }
 }
 
+/// A walk without the shape of the likelihood misses 0.06 nats, whatever the number of passes.
 #[test]
-fn more_passes_come_nearer() {
+fn a_second_round_comes_near() {
     let line = Regression::new(60, 0.0);
     let (at, _) = line.least_squares();
     let missing = |passes: usize| {
-        let mut search = MaximumSearch::new(settings(passes, vec![]), 2);
-        while !search.is_done(D) {
-            search.advance(&line).expect("nothing can fail");
-        }
-        line.exact(&at) - line.exact(&search.best().expect("searches have ended").v)
+        let searches = (0..20).map(|seed| {
+            let settings = MaximumSettings { starts: 1, ..settings(passes, vec![]) };
+            let mut search = MaximumSearch::new(settings, seed);
+            while !search.is_done(D) {
+                search.advance(&line).expect("nothing can fail");
+            }
+            line.exact(&at) - line.exact(&search.best().expect("searches have ended").v)
+        });
+        searches.sum::<f64>() / 20.0
     };
-    let [few, many] = [1, 40].map(missing);
-    assert!(many < 0.2 && few > 5.0 * many, "{few} after 1 pass, {many} after 40");
+    let [first, few, many] = [1, 10, 40].map(missing);
+    assert!(
+        first > 0.1 && few < 0.03 && many < 0.015,
+        "{first} after 1 pass, {few} after 10, {many} after 40"
+    );
 }
 
 #[test]
 fn rows_that_are_impossible_everywhere_are_said() {
     let line = Regression::new(5, 1e200);
-    let mut search = MaximumSearch::new(settings(2, vec![]), 1);
+    let mut search = MaximumSearch::new(settings(4, vec![]), 1);
     let mut advance = || search.advance(&line);
     assert_eq!((advance(), advance()), (Ok(()), Ok(())));
     assert!(matches!(advance(), Err(FitError::Impossible(_))));

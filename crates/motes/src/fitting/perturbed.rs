@@ -8,7 +8,7 @@ use motes_smc::PerturbedFilter;
 
 use super::likelihood::ModelLikelihood;
 use super::perturbed_model::PerturbedModel;
-use super::walk::Walk;
+use super::walk::{Walk, are_uniform, of_uniform};
 use crate::error::MotesError;
 use crate::evidence::STEPS_AT_ONCE;
 use crate::options::ProposalName;
@@ -34,7 +34,7 @@ impl PerturbedLikelihood for ModelLikelihood<'_> {
     }
 
     /// One series after another: a swarm goes through all of them.
-    fn pass(&self, positions: &mut [f64], walk: RandomWalk, seed: &Seed) -> Result<(), MotesError> {
+    fn pass(&self, positions: &mut [f64], walk: RandomWalk<'_>, seed: &Seed) -> Result<(), MotesError> {
         let Some(PerturbedModel { model, .. }) = &self.perturbed else { return Ok(()) };
         let rows: usize = self.sequences.iter().map(|sequence| sequence.steps().len()).sum();
         let mut before = 0;
@@ -59,7 +59,7 @@ impl PerturbedLikelihood for ModelLikelihood<'_> {
                 if row.is_multiple_of(STEPS_AT_ONCE) && (self.proceed)().is_break() {
                     return ControlFlow::Break(());
                 }
-                walking.step(positions, spread(row));
+                walking.step(positions, walk.directions, spread(row));
                 ControlFlow::Continue(())
             };
             match filter.pass(positions, &mut perturb, &seed.nth(number as u64)) {
@@ -70,5 +70,10 @@ impl PerturbedLikelihood for ModelLikelihood<'_> {
             before += sequence.steps().len();
         }
         Ok(())
+    }
+
+    fn steps(&self, v: &[f64]) -> Vec<f64> {
+        let of = |(v, is_uniform): (&f64, bool)| if is_uniform { of_uniform(*v) } else { 1.0 };
+        v.iter().zip(are_uniform(self.free)).map(of).collect()
     }
 }

@@ -36,29 +36,59 @@ pub struct FitProgress<'a> {
     pub is_stopped: bool,
 }
 
+/// How far the draws of a fit have come.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct SamplingProgress {
+    rhat: f64,
+    /// The least effective sample size; infinite before there is one.
+    effective: f64,
+    /// The share of the draws that are there, as far as can be told.
+    share: f64,
+}
+
 impl FitProgress<'_> {
-    /// What is being done, in a few words.
-    pub fn describe(&self) -> String {
+    /// What is being done, in a few words, and the share of the draws that are there, as far as can be told; none before the first.
+    pub fn describe(&self) -> (String, Option<f64>) {
         let posterior = self.posterior;
         match posterior.stage() {
             Stage::Starting => {
-                format!("from the prior to the posterior: {:.0} %", 100.0 * posterior.power().powf(0.25))
+                let share = 100.0 * posterior.power().powf(0.25);
+                (format!("from the prior to the posterior: {share:.0} %"), None)
             }
-            Stage::WarmUp => "warm-up".into(),
+            Stage::WarmUp => ("warm-up".into(), None),
             Stage::Sampling | Stage::Done => {
-                let worst = |worst: (f64, f64), i: usize| {
-                    let summary = ParameterSummary::of(&posterior.coordinate(i));
-                    summary.map_or(worst, |summary| {
-                        let size = summary.ess_bulk.min(summary.ess_tail);
-                        (worst.0.max(summary.rhat), worst.1.min(size))
-                    })
+                let SamplingProgress { rhat, effective, share } = self.sampling();
+                let size = if effective.is_finite() {
+                    format!(", ESS at least {effective:.0}")
+                } else {
+                    String::new()
                 };
-                let dimension = posterior.draws(0).next().map_or(0, |(v, _)| v.len());
-                let (rhat, size) = (0..dimension).fold((1.0, f64::INFINITY), worst);
-                let size = if size.is_finite() { format!(", ESS at least {size:.0}") } else { String::new() };
-                format!("{} draws of each chain, R̂ at most {rhat:.3}{size}", posterior.kept())
+                let text = format!("{} draws of each chain, R̂ at most {rhat:.3}{size}", posterior.kept());
+                (text, (share > 0.0).then_some(share))
             }
         }
+    }
+
+    fn sampling(&self) -> SamplingProgress {
+        /// A fit that has its effective sample size and not its R̂ is not done.
+        const MOST: f64 = 0.95;
+        let (posterior, settings) = (self.posterior, self.posterior.settings());
+        let worst = |worst: (f64, f64), i: usize| {
+            let summary = ParameterSummary::of(&posterior.coordinate(i));
+            summary.map_or(worst, |summary| {
+                let size = summary.ess_bulk.min(summary.ess_tail);
+                (worst.0.max(summary.rhat), worst.1.min(size))
+            })
+        };
+        let dimension = posterior.draws(0).next().map_or(0, |(v, _)| v.len());
+        let (rhat, effective) = (0..dimension).fold((1.0, f64::INFINITY), worst);
+        let of_draws = posterior.kept() as f64 / settings.draws.unwrap_or(settings.most_draws) as f64;
+        let of_size = if effective.is_finite() { effective / settings.effective } else { 0.0 };
+        let share = match settings.draws {
+            Some(_) => of_draws,
+            None => of_draws.max(of_size.min(MOST)),
+        };
+        SamplingProgress { rhat, effective, share }
     }
 }
 
