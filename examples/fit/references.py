@@ -5,8 +5,8 @@
 
 It needs NumPy. The states of Ricker's map and of the pound's volatility are summed over a grid, the Nile's are a Kalman filter's; parameters are
 summed over a box of 4.5 standard deviations around the posterior, which is found in two rounds. Influenza is summed over all numbers of susceptible
-and ill boys, seven seconds for each value of the parameters and half an hour in all. Its parameters are therefore summed over 257 places within 4.4
-standard deviations of where a fit had them: a sum over places 1.1 standard deviations apart gives the integral of a normal density to seven digits.
+and ill boys, seven seconds for each value of the parameters and half an hour in all. Its parameters are therefore summed over 257 places within 5.5
+standard deviations of where a fit had them: a sum over places 1.4 standard deviations apart gives the integral of a normal density to four digits.
 """
 
 import csv
@@ -118,9 +118,9 @@ class Pound:
 class Influenza:
     names = ["infection", "recovery", "size"]
     boys = 763
-    # Where a fit had its posterior, in logarithms: its mean, and a factor of its covariance.
+    # Where a fit had its posterior, in logarithms: its mean, and 1.25 times a factor of its covariance, since the size has a long tail.
     start = [0.815, -0.4645, 3.108]
-    axes = [[0.115, 0.0, 0.0], [-0.0515, 0.0827, 0.0], [-0.0854, -0.0517, 0.5632]]
+    axes = [[0.144, 0.0, 0.0], [-0.0644, 0.1034, 0.0], [-0.1067, -0.0646, 0.704]]
     counts = column(HERE.parent / "influenza.csv", "in_bed")
     log_factorial = np.array([math.lgamma(n + 1) for n in range(764)])
 
@@ -186,7 +186,7 @@ class Influenza:
 
 
 MODELS = {"nile": Nile, "ricker": Ricker, "pound": Pound, "influenza": Influenza}
-# Places along axes, in standard deviations.
+# Places along axes, in units of theirs.
 STEP, REACH = 1.1, 4.4
 
 

@@ -62,10 +62,11 @@ fn thorough(root: &Path) -> Result<(), ExitCode> {
         "evidence::",
         "planted::",
         "calibration::",
+        "exact_posteriors::",
         "--include-ignored",
         "--nocapture",
     ];
-    step("scores of evidence, of planted bugs and of calibration", || {
+    step("scores of evidence, of planted bugs, of calibration and of posteriors", || {
         cargo(root, &[&["test", "--workspace", "--locked"], &WITH_BURN[..], &scores].concat(), &[])
     })?;
     let properties = ["test", "--workspace", "--locked", "--test", "properties", "--test", "any_experiment"];

@@ -13,6 +13,7 @@ use crate::model::{Kind, Model};
 use crate::options::{FilterOptions, ProposalName};
 use crate::own_model::{LearnableModel, draws_transitions_alone};
 use crate::priors::of_starts;
+use crate::sight::is_blind;
 use crate::simulating::{check_draws, schedule, simulate, simulate_along};
 use crate::timeline::Timeline;
 use crate::warning::Warning;
@@ -79,7 +80,13 @@ fn check_until(
         let options = FilterOptions { proposal, particles: 1, ..FilterOptions::default() };
         Running::new(model, &options, 0).map(drop)
     };
-    let linearised = if has(ProposalName::Linearised).is_ok() { ", linearised" } else { "" };
+    let linearised = match has(ProposalName::Linearised) {
+        Err(_) => "",
+        Ok(()) if is_blind(model, data) => {
+            ", linearised (which is the transition: the location of no measurement depends on the state)"
+        }
+        Ok(()) => ", linearised",
+    };
     checked.findings.push(match (model.measured_exactly(), has(ProposalName::Optimal)) {
         (Some(reason), _) => format!("proposals: exact alone, because {reason}"),
         (None, Ok(())) => format!("proposals: bootstrap{linearised}, optimal"),

@@ -115,6 +115,8 @@ impl Continuations {
             log_evidence: None,
             predictive: (0..m).map(of_entry).collect(),
         };
-        Ok(Forecast { time, label: row.and_then(|row| row.label).map(String::from), estimate })
+        // All of them are at the same row.
+        let clock = self.paths.first().map(|path| path.clock.clone()).unwrap_or_default();
+        Ok(model.forecast(&clock, row, time, estimate))
     }
 }

@@ -49,8 +49,10 @@ impl Estimate {
 pub struct Forecast {
     /// Its time.
     pub time: f64,
-    /// Its time as it is written, where rows were given with their times.
+    /// Its time as it is written: as it was given, or as the model's clock has it; none where rows count as steps.
     pub label: Option<String>,
+    /// Whether the label was given.
+    pub is_given: bool,
     /// The state and the measurement then, without an effective sample size and evidence.
     pub estimate: Estimate,
 }

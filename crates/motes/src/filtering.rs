@@ -13,6 +13,7 @@ use crate::long_step::of_step;
 use crate::model::Model;
 use crate::options::{FilterOptions, ProposalName};
 use crate::priors::of_starts;
+use crate::sight::of_blind;
 use crate::tally::{SeriesTally, Tally, TimeLabel};
 use crate::warning::Warning;
 
@@ -46,6 +47,7 @@ fn filter_until(
         of_starts(model)
             .into_iter()
             .chain(of_proposal(options))
+            .chain(of_blind(model, Some(data), options))
             .chain(of_sub_steps(model, data, options))
             .chain(of_step(model, data))
             .chain(data.warnings())

@@ -7,6 +7,7 @@ use crate::data::Row;
 use crate::engine::Running;
 use crate::error::MotesError;
 use crate::estimate::{Estimate, Forecast};
+use crate::model::Model;
 use crate::options::FilterOptions;
 use crate::timeline::{Clock, RowTime};
 use crate::warning::Warning;
@@ -69,8 +70,7 @@ impl Running<'_> {
         let predictive = self.filter.measurement(&last.step(), &nothing, self.asked.probabilities());
         self.unknown = self.unknown.take().or_else(|| self.model.unknown_input(&last.step()));
         let estimate = Estimate { ess: None, log_evidence: None, predictive, ..estimate };
-        let label = row.and_then(|row| row.label).map(String::from);
-        Ok(Forecast { time: last.step().time, label, estimate })
+        Ok(self.model.forecast(clock, row, last.step().time, estimate))
     }
 
     /// What is to be said of forecasts of measurements that need an input which nobody gave.
@@ -80,6 +80,22 @@ impl Running<'_> {
             "forecasts of measurements that need the input {input} are empty: it is not known ahead; give its values by --inputs"
         );
         Some(Warning { series: series.map(String::from), text })
+    }
+}
+
+impl Model {
+    /// What is predicted for the row that a clock is at.
+    pub(crate) fn forecast(
+        &self,
+        clock: &Clock,
+        row: Option<RowTime<'_>>,
+        time: f64,
+        estimate: Estimate,
+    ) -> Forecast {
+        let given = row.and_then(|row| row.label).map(String::from);
+        let is_given = given.is_some();
+        let label = given.or_else(|| clock.label_of_last(self.timeline()?));
+        Forecast { time, label, is_given, estimate }
     }
 }
 

@@ -66,6 +66,7 @@ mod quantiles;
 mod recorded;
 mod running_state;
 mod scheduled_model;
+mod sight;
 mod simulating;
 mod simulation_failure;
 mod smoothing;

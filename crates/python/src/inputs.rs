@@ -16,12 +16,12 @@ pub(crate) fn open_inputs(model: &Bound<'_, Model>, path: PathBuf) -> PyResult<D
     motes::Data::open_inputs(&path, model.get().motes()).map(Data).map_err(to_python)
 }
 
-/// The columns of a table of times and inputs: the series, the times and the inputs.
+/// The columns of the series, of the times and of each input.
+type InputPlaces = (Option<usize>, Option<usize>, Vec<Option<usize>>);
+
+/// The columns of a table of times and inputs: the series, the times and the inputs; none for a measurement that is an input of later steps and is not there.
 #[pyfunction]
-pub(crate) fn columns_of_inputs(
-    model: &Bound<'_, Model>,
-    header: Vec<String>,
-) -> PyResult<(Option<usize>, Option<usize>, Vec<usize>)> {
+pub(crate) fn columns_of_inputs(model: &Bound<'_, Model>, header: Vec<String>) -> PyResult<InputPlaces> {
     let columns = Columns::of_inputs(&header, "inputs", model.get().motes()).map_err(to_python)?;
     Ok((columns.others()[0], columns.clock(), columns.inputs().to_vec()))
 }

@@ -119,7 +119,8 @@ impl Model {
         let columns = Columns::of(&header, "data", &self.model).map_err(to_python)?;
         let [series, time, carried] = columns.others();
         let others = [series, time, columns.clock(), carried];
-        Ok((columns.measurements().to_vec(), others, columns.inputs().to_vec(), columns.ignored.clone()))
+        let inputs = columns.inputs().iter().flatten().copied().collect();
+        Ok((columns.measurements().to_vec(), others, inputs, columns.ignored.clone()))
     }
 
     /// Data of a table: its header, the measurements row by row, the columns `series`, `t` and the carried one, an index of dates without a name, the column of times

@@ -80,7 +80,8 @@ def test_passes_of_iterated_filtering(model):
         warnings.simplefilter("ignore", motes.MotesWarning)
         found = model.fit(y, method="maximum", proposal="bootstrap", particles=50, passes=3, chains=2)
     assert "by 3 passes of iterated filtering" in repr(found) and found.to_json()["passes"] == 3
-    assert len(found.search_log_likelihoods) == 2 and max(found.search_log_likelihoods) == found.log_likelihood
+    # That of the best search is estimated anew.
+    assert len(found.search_log_likelihoods) == 2 and abs(max(found.search_log_likelihoods) - found.log_likelihood) < 1
     assert all(of.low is None for of in found.estimates.values())
 
 

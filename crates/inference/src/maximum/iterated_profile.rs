@@ -3,8 +3,9 @@
 use motes_models::Seed;
 
 use super::height::height;
-use super::point::Maximum;
-use super::profile::{POINTS, Profile, ProfilePoint, interval};
+use super::interval::{interval, is_low};
+use super::point::{Maximum, Profile, ProfilePoint};
+use super::profile::{FARTHEST, LONGER, MOST_POINTS, POINTS};
 use super::settings::IteratedSettings;
 use super::swarm_shape::mean;
 use super::walks::{SPREADS, between};
@@ -51,17 +52,34 @@ pub(super) fn iterated_profile<L: Likelihood>(
     let drops = found.iter().map(|point| best.log_likelihood - point.log_likelihood);
     let drop = drops.fold(f64::INFINITY, f64::min).max(LEAST_DROP);
     let sd = (FIRST / (2.0 * drop).sqrt()).clamp(WIDTHS[0], WIDTHS[1]);
-    let distances = (-POINTS.0..=POINTS.0).filter(|step| *step != 0);
-    let distances = distances.map(|step| f64::from(step) * POINTS.1 * sd).collect();
-    found.extend(points(distances, &seed.child("points"))?);
+    let reach = POINTS.0 as f64 * POINTS.1 * sd;
+    let distances =
+        (1..=POINTS.0).flat_map(|step| [-1.0, 1.0].map(|side| side * step as f64 * POINTS.1 * sd));
+    found.extend(points(distances.collect(), &seed.child("points"))?);
+    found.retain(|point| (point.v - best.v[at]).abs() <= reach * 1.001);
+    for side in [-1.0, 1.0] {
+        let mut distance = reach;
+        for step in POINTS.0..MOST_POINTS {
+            let there = found.iter().filter(|point| side * (point.v - best.v[at]) > 0.0);
+            let last = there.max_by(|a, b| (side * a.v).total_cmp(&(side * b.v)));
+            let is_done = last.is_none_or(|point| {
+                side * point.v >= FARTHEST
+                    || is_low(best, (point.log_likelihood, point.standard_error), level)
+            });
+            if is_done {
+                break;
+            }
+            distance = (LONGER * distance).min(FARTHEST - side * best.v[at]);
+            let seed = seed.child("farther").nth(2 * step as u64 + u64::from(side > 0.0));
+            found.extend(points(vec![side * distance], &seed)?);
+        }
+    }
     found.push(ProfilePoint {
         v: best.v[at],
         log_likelihood: best.log_likelihood,
         standard_error: best.standard_error,
     });
-    let end = f64::from(POINTS.0) * POINTS.1 * sd;
-    found.retain(|point| point.log_likelihood.is_finite() && (point.v - best.v[at]).abs() <= end * 1.001);
-    Ok(interval(found, best.v[at], at, sd, level))
+    Ok(interval(found, best, at, sd, level))
 }
 
 /// Where a swarm is after a few short passes that begin at `v` (`D`), with one coordinate that stays as it is.

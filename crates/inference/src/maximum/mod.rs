@@ -2,6 +2,7 @@
 
 mod height;
 mod hill;
+mod interval;
 mod iterated;
 mod iterated_profile;
 mod point;
@@ -13,7 +14,6 @@ mod settings;
 mod swarm_shape;
 mod walks;
 
-pub use point::Maximum;
-pub use profile::{Profile, ProfilePoint};
+pub use point::{Maximum, Profile, ProfilePoint};
 pub use search::MaximumSearch;
 pub use settings::{IteratedSettings, MaximumSettings};

@@ -1,47 +1,28 @@
-//! Intervals by profiles of the likelihood, wider by what its estimates do not tell (Ionides, Breto, Park, Smith and King, 2017).
+//! Profiles of the likelihood.
 
 use motes_models::Seed;
-use motes_models::equations::normal_quantile;
-use serde::{Deserialize, Serialize};
 
 use super::height::height;
 use super::hill::Hill;
-use super::point::Maximum;
-use super::quadratic::Quadratic;
+use super::interval::{interval, is_low};
+use super::point::{Maximum, Profile, ProfilePoint};
 use crate::likelihood::{Estimator, EstimatorCost, Likelihood};
 
 /// Points of a profile on either side, and how far apart they are in units of the spread.
-pub(super) const POINTS: (i32, f64) = (5, 0.6);
+pub(super) const POINTS: (usize, f64) = (5, 0.6);
+
+/// Where a profile is not low enough by then, points go on, each farther from the one before by a factor, until they are so many.
+pub(super) const MOST_POINTS: usize = 24;
+pub(super) const LONGER: f64 = 1.4;
+
+/// Positions are no farther from 0: beyond there is as good as nothing of the prior.
+pub(super) const FARTHEST: f64 = 5.0;
 
 /// Rounds uphill at each point.
 const ROUNDS: usize = 2;
 
 /// The log-likelihood at a point has particles by this factor, and is that of so many estimates.
 const ESTIMATES: (usize, usize) = (4, 16);
-
-/// The largest log-likelihood that there is where one coordinate of positions is given, as a function of that coordinate, and the interval that follows.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Profile {
-    /// Which coordinate it is.
-    pub at: usize,
-    /// The lower end of its interval.
-    pub low: f64,
-    /// The upper end.
-    pub high: f64,
-    /// What was found, in the order of the coordinate.
-    pub points: Vec<ProfilePoint>,
-}
-
-/// A point of a profile.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct ProfilePoint {
-    /// The coordinate.
-    pub v: f64,
-    /// The largest log-likelihood over the others that was found: of estimates the logarithm of their mean.
-    pub log_likelihood: f64,
-    /// Its standard error.
-    pub standard_error: f64,
-}
 
 /// A likelihood with one of its parameters given.
 struct SliceLikelihood<'a, L> {
@@ -74,8 +55,7 @@ impl<L: Likelihood> Likelihood for SliceLikelihood<'_, L> {
     }
 }
 
-/// The profile of coordinate `at`, with the interval of probability `level`: where the profile is at most `δ` below its largest value, with `δ` from the curvature of a quadratic that is
-/// like the profile and from how surely it is known.
+/// The profile of coordinate `at`, with the interval of probability `level`: where the profile is at most `δ` below its largest value.
 pub(super) fn profile<L: Likelihood>(
     likelihood: &L,
     best: &Maximum,
@@ -96,15 +76,25 @@ pub(super) fn profile<L: Likelihood>(
         standard_error: best.standard_error,
     }];
     let spread = if others.is_empty() { None } else { conditional(best, at, &others) };
-    for side in [-1, 1] {
+    for side in [-1.0, 1.0] {
         // From the maximum outwards: each point begins where the one before it ended.
         let mut here: Vec<f64> = others.iter().map(|i| best.v[*i]).collect();
-        for step in 1..=POINTS.0 {
-            let value = best.v[at] + f64::from(side * step) * POINTS.1 * sd;
-            let moved = |(i, v): (&usize, &f64)| v + slope(*i) * f64::from(side) * POINTS.1 * sd;
+        let (mut distance, mut length) = (0.0, POINTS.1);
+        for step in 1..=MOST_POINTS {
+            if step > POINTS.0 {
+                length *= LONGER;
+            }
+            let most = (FARTHEST - side * best.v[at]).max(0.0) / sd;
+            let before = distance;
+            distance = (distance + length).min(most);
+            if distance <= before {
+                break;
+            }
+            let value = best.v[at] + side * distance * sd;
+            let moved = |(i, v): (&usize, &f64)| v + slope(*i) * side * (distance - before) * sd;
             here = others.iter().zip(&here).map(moved).collect();
             let given = SliceLikelihood { likelihood, at, value };
-            let seed = seed.nth((side * step + POINTS.0) as u64);
+            let seed = seed.nth(2 * step as u64 + u64::from(side > 0.0));
             let mut top = height(&given, &here, best.estimator, ESTIMATES, &seed.child("start"))?;
             if let Some(spread) = &spread {
                 let mut hill = Hill::new(here.clone(), spread.clone());
@@ -116,65 +106,13 @@ pub(super) fn profile<L: Likelihood>(
                     (top, here) = (climbed, hill.centre);
                 }
             }
-            if top.0.is_finite() {
-                found.push(ProfilePoint { v: value, log_likelihood: top.0, standard_error: top.1 });
+            found.push(ProfilePoint { v: value, log_likelihood: top.0, standard_error: top.1 });
+            if !top.0.is_finite() || (step >= POINTS.0 && is_low(best, top, level)) {
+                break;
             }
         }
     }
-    Ok(interval(found, best.v[at], at, sd, level))
-}
-
-/// The interval that follows from points of the profile of coordinate `at`, which are [`POINTS`] apart in units of `sd`.
-pub(super) fn interval(mut found: Vec<ProfilePoint>, top_at: f64, at: usize, sd: f64, level: f64) -> Profile {
-    found.sort_by(|a, b| a.v.total_cmp(&b.v));
-    let weighted = |point: &ProfilePoint| {
-        let error = point.standard_error;
-        (vec![(point.v - top_at) / sd], point.log_likelihood, 1.0 / (error * error + 0.05))
-    };
-    let mut points: Vec<(Vec<f64>, f64, f64)> = found.iter().map(weighted).collect();
-    let around = |u: f64| top_at + u * sd;
-    let z = normal_quantile(0.5 + 0.5 * level);
-    let end = f64::from(POINTS.0) * POINTS.1;
-    // Weights as they would be of a profile that is known at its top above all.
-    let top = points.iter().map(|(_, height, _)| *height).fold(f64::NEG_INFINITY, f64::max);
-    for (_, height, weight) in &mut points {
-        *weight *= (-0.25 * (top - *height)).exp();
-    }
-    let Some(fitted) = Quadratic::fit(&points) else {
-        return Profile { at, low: around(-end), high: around(end), points: found };
-    };
-    let curvature = (-fitted.curvature[(0, 0)]).max(1e-3);
-    let centre = (fitted.b[0] / curvature).clamp(-end, end);
-    // How far the top itself may lie from where it was found.
-    let error = fitted.slope_error_at(&[centre], 0) / curvature;
-    let delta = 0.5 * z * z * (1.0 + curvature * error * error);
-    let reach =
-        |side: f64| centre + side * reach(&points, fitted.at(&[centre]), centre, side, delta).min(end);
-    Profile { at, low: around(reach(-1.0)), high: around(reach(1.0)), points: found }
-}
-
-/// How far from `centre` the profile is `δ` below its top on one side: by `√(top − height) = αt + βt²`, which is a line where the profile is a parabola.
-fn reach(points: &[(Vec<f64>, f64, f64)], top: f64, centre: f64, side: f64, delta: f64) -> f64 {
-    let there = points.iter().map(|(u, height, weight)| (side * (u[0] - centre), *height, *weight));
-    let [mut tt, mut ttt, mut tttt, mut tr, mut ttr] = [0.0; 5];
-    for (t, height, weight) in there.filter(|(t, ..)| *t > 0.0) {
-        let root = (top - height).max(0.0).sqrt();
-        tt += weight * t * t;
-        ttt += weight * t.powi(3);
-        tttt += weight * t.powi(4);
-        tr += weight * t * root;
-        ttr += weight * t * t * root;
-    }
-    let determinant = tt * tttt - ttt * ttt;
-    let (alpha, beta) = match determinant > 1e-9 * tt * tttt {
-        true => ((tr * tttt - ttr * ttt) / determinant, (ttr * tt - tr * ttt) / determinant),
-        false => (tr / tt, 0.0),
-    };
-    let level = delta.sqrt();
-    // The first of the roots of `βt² + αt = level`, in the form that loses no digits.
-    let inside = alpha * alpha + 4.0 * beta * level;
-    let found = 2.0 * level / (alpha + inside.max(0.0).sqrt());
-    if found.is_finite() && found > 0.0 && inside >= 0.0 { found } else { f64::INFINITY }
+    Ok(interval(found, best, at, sd, level))
 }
 
 /// The spread of the others where coordinate `at` is given: `L'` of `Σ_oo − Σ_oa Σ_ao / Σ_aa`, row after row.

@@ -2,10 +2,9 @@
 
 use faer::{Mat, Side};
 
-/// `a + bᵀu + ½ uᵀA u` by weighted least squares.
+/// The slope and the curvature at 0 of `a + bᵀu + ½ uᵀA u`, by weighted least squares.
 #[derive(Debug, Clone)]
 pub(super) struct Quadratic {
-    pub(super) a: f64,
     pub(super) b: Vec<f64>,
     /// `A` (`D×D`), symmetric.
     pub(super) curvature: Mat<f64>,
@@ -72,21 +71,7 @@ impl Quadratic {
             }
         }
         let is_finite = (0..count).all(|i| found[(i, 0)].is_finite());
-        is_finite.then(|| Quadratic {
-            a: found[(0, 0)],
-            b,
-            curvature,
-            covariance: inverse * faer::Scale(variance),
-        })
-    }
-
-    /// Its value at a point.
-    pub(super) fn at(&self, u: &[f64]) -> f64 {
-        let d = u.len();
-        let linear: f64 = (0..d).map(|i| self.b[i] * u[i]).sum();
-        let square: f64 =
-            (0..d).map(|i| (0..d).map(|j| u[i] * self.curvature[(i, j)] * u[j]).sum::<f64>()).sum();
-        self.a + linear + 0.5 * square
+        is_finite.then(|| Quadratic { b, curvature, covariance: inverse * faer::Scale(variance) })
     }
 
     /// The standard error of its derivative in coordinate `i` at a point.

@@ -7,8 +7,8 @@ use super::height::height;
 use super::hill::Hill;
 use super::iterated::Swarms;
 use super::iterated_profile::iterated_profile;
-use super::point::Maximum;
-use super::profile::{Profile, profile};
+use super::point::{Maximum, Profile};
+use super::profile::profile;
 use super::settings::MaximumSettings;
 use crate::error::FitError;
 use crate::likelihood::{Estimator, Likelihood};
@@ -21,6 +21,9 @@ use crate::tuning::tune;
 /// Rounds of a search uphill.
 const ROUNDS: usize = 8;
 
+/// Where the likelihood is exact a search goes on for so many rounds at most. One that gains less than this makes the next reach half as far, and one that would reach less than that far is left out.
+const SETTLED: (usize, f64, f64) = (60, 0.01, 0.1);
+
 /// How far the last quadratics of an exact likelihood reach, in units of the spread.
 const EXACT_REACHES: [f64; 3] = [0.5, 0.3, 0.3];
 
@@ -30,8 +33,12 @@ const REACHES: [f64; 2] = [1.0, 0.7];
 /// The estimates of the log-likelihood at a maximum have particles by this factor, and are so many.
 const LAST: (usize, usize) = (8, 64);
 
-/// A maximum is the same as the best one if its log-likelihood is this close.
+/// The same of iterated filtering.
+const OF_SWARM: (usize, usize) = (4, 16);
+
+/// A search came as high as the best one if its log-likelihood is this close, by estimates and by exact values.
 const CLOSE: f64 = 0.5;
+const EXACTLY_CLOSE: f64 = 0.05;
 
 /// Searches from draws of the prior, and profiles around the best of what they found, search by search.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -41,6 +48,8 @@ pub struct MaximumSearch {
     /// The swarms of iterated filtering; none yet, or where it is not that.
     swarms: Swarms,
     found: Vec<Maximum>,
+    /// The best of them with an estimate of its own: that by which it is the best has luck in it.
+    best: Option<Maximum>,
     profiles: Vec<Profile>,
     possible: f64,
     /// The first draw at which the likelihood was 0, and the number of its search.
@@ -55,6 +64,7 @@ impl MaximumSearch {
             seed,
             swarms: Swarms::default(),
             found: Vec::new(),
+            best: None,
             profiles: Vec::new(),
             possible: 0.0,
             impossible: None,
@@ -69,7 +79,7 @@ impl MaximumSearch {
             Some(settings) => self.swarms.progress(starts, settings),
             None => (self.found.len(), starts),
         };
-        (found + self.profiles.len(), searches + profiled)
+        (found + usize::from(self.best.is_some()) + self.profiles.len(), searches + 1 + profiled)
     }
 
     /// The coordinate whose profile is sought next; none where all are there.
@@ -89,17 +99,24 @@ impl MaximumSearch {
 
     /// The best of what searches found; none before the first one has ended.
     pub fn best(&self) -> Option<&Maximum> {
+        self.best.as_ref().or_else(|| self.highest())
+    }
+
+    fn highest(&self) -> Option<&Maximum> {
         self.found.iter().max_by(|a, b| a.log_likelihood.total_cmp(&b.log_likelihood))
     }
 
-    /// How many searches came as high as the best one.
-    pub fn agreeing(&self) -> usize {
-        let Some(best) = self.best() else { return 0 };
-        let is_close = |found: &&Maximum| {
-            let error = found.standard_error.hypot(best.standard_error);
-            best.log_likelihood - found.log_likelihood <= CLOSE.max(3.0 * error)
+    /// The searches that came as high as the best one.
+    pub fn agreeing(&self) -> impl Iterator<Item = &Maximum> {
+        let best = self.highest();
+        let is_close = move |found: &&Maximum| {
+            best.is_some_and(|best| {
+                let error = found.standard_error.hypot(best.standard_error);
+                let close = if error == 0.0 { EXACTLY_CLOSE } else { CLOSE.max(3.0 * error) };
+                best.log_likelihood - found.log_likelihood <= close
+            })
         };
-        self.found.iter().filter(is_close).count()
+        self.found.iter().filter(is_close)
     }
 
     /// The log-likelihood where each search ended, in their order.
@@ -165,6 +182,12 @@ impl MaximumSearch {
                 self.impossible = impossible.map(|draw| (number, draw));
             }
             self.found.push(found);
+        } else if self.best.is_none() {
+            let Some(mut best) = self.highest().cloned() else { return Err(FitError::Nothing) };
+            let estimates = if iterated.is_some() { OF_SWARM } else { LAST };
+            (best.log_likelihood, best.standard_error) =
+                height(likelihood, &best.v, best.estimator, estimates, &seed.child("best"))?;
+            self.best = Some(best);
         } else if let (Some(at), Some(best)) = (self.next_profile(d), self.best()) {
             let seed = seed.child("interval").nth(at as u64);
             let level = self.settings.level;
@@ -209,6 +232,10 @@ impl MaximumSearch {
         for round in 0..ROUNDS {
             hill.climb(likelihood, estimator, &seed.child("round").nth(round as u64))?;
         }
+        let hill = match likelihood.estimators()[estimator.index].is_exact {
+            true => settled(likelihood, hill, estimator, &seed.child("settled"))?,
+            false => hill,
+        };
         let Hill { mut centre, spread, .. } = hill;
         let (many, reaches) = match likelihood.estimators()[estimator.index].is_exact {
             true => (estimator, EXACT_REACHES.as_slice()),
@@ -220,6 +247,35 @@ impl MaximumSearch {
         let found = Maximum { v: centre, log_likelihood, standard_error, spread, estimator };
         Ok((found, possible, impossible))
     }
+}
+
+/// A search on an exact likelihood that goes on until it gains nothing more: never down, and less far where quadratics do not fit.
+fn settled<L: Likelihood>(
+    likelihood: &L,
+    hill: Hill,
+    estimator: Estimator,
+    seed: &Seed,
+) -> Result<Hill, L::Error> {
+    let (rounds, least, nearest) = SETTLED;
+    let mut reach = 1.0;
+    let mut height = likelihood.log_likelihood(&hill.centre, estimator, seed)?;
+    let (mut centre, mut spread) = (hill.centre, hill.spread);
+    for round in 0..rounds {
+        let mut next = Hill::new(centre.clone(), spread.iter().map(|value| reach * value).collect());
+        next.climb(likelihood, estimator, &seed.nth(round as u64))?;
+        let here = likelihood.log_likelihood(&next.centre, estimator, seed)?;
+        let gain = here - height;
+        if gain > 0.0 {
+            (height, centre, spread) = (here, next.centre, next.spread);
+        }
+        if gain.is_nan() || gain < least {
+            reach *= 0.5;
+            if reach < nearest {
+                break;
+            }
+        }
+    }
+    Ok(Hill::new(centre, spread))
 }
 
 /// The maximum to more digits: what quadratics leave out falls with the square of their reach.

@@ -34,7 +34,7 @@ fn an_exact_likelihood_has_its_maximum_and_its_intervals_found_from_every_start(
     for seed in 0..5 {
         let search = found(&line, MaximumSettings::default(), seed);
         let best = search.best().expect("searches have ended");
-        assert_eq!((search.agreeing(), search.searches()), (4, 4));
+        assert_eq!((search.agreeing().count(), search.searches()), (4, 4));
         assert_eq!(best.standard_error, 0.0);
         assert!(line.exact(&at) - best.log_likelihood < 1e-6, "{best:?} beside {at:?}");
         for (i, interval) in search.profiles().iter().enumerate() {
@@ -53,7 +53,7 @@ fn noise_of_the_likelihood_makes_intervals_wider_and_moves_the_maximum_little() 
     for seed in 0..5 {
         let search = found(&line, MaximumSettings::default(), seed);
         let best = search.best().expect("searches have ended");
-        assert!(search.agreeing() >= 3, "{}", search.agreeing());
+        assert!(search.agreeing().count() >= 3, "{}", search.agreeing().count());
         assert!(line.exact(&at) - line.exact(&best.v) < 0.2, "{best:?} beside {at:?}");
         let off = (best.log_likelihood - line.exact(&best.v)).abs();
         assert!(off < 4.0 * best.standard_error && best.standard_error < 0.2, "{best:?}");
@@ -117,4 +117,47 @@ fn what_is_impossible_is_said() {
     assert!(matches!(&impossible, Err(FitError::Impossible(draw)) if draw.v[0] < 9.0), "{impossible:?}");
     let mut none = MaximumSearch::new(MaximumSettings { starts: 0, ..MaximumSettings::default() }, 1);
     assert_eq!(none.advance(&half), Err(FitError::Nothing));
+}
+
+/// An exact log-likelihood of one coordinate.
+struct Curve(fn(f64) -> f64);
+
+impl Likelihood for Curve {
+    type Error = std::convert::Infallible;
+
+    fn dimension(&self) -> usize {
+        1
+    }
+
+    fn estimators(&self) -> &[EstimatorCost] {
+        &[EXACT]
+    }
+
+    fn log_likelihood(&self, v: &[f64], _: Estimator, _: &Seed) -> Result<f64, Self::Error> {
+        Ok(self.0(v[0]))
+    }
+}
+
+/// Catches ends that a parabola would have, and ends where points stop.
+#[test]
+fn intervals_end_where_the_profile_is_low_enough() {
+    let interval = |curve: fn(f64) -> f64, seed: u64| {
+        let mut search = MaximumSearch::new(MaximumSettings::default(), seed);
+        while !search.is_done(1) {
+            search.advance(&Curve(curve)).expect("nothing can fail");
+        }
+        let profile = &search.profiles()[0];
+        [profile.low, profile.high]
+    };
+    for seed in 0..4 {
+        // e^u − u − 1 = 1.3528 with u = 2v, at −2.2470 and 1.2938.
+        let [low, high] = interval(|v| 2.0 * v - (2.0 * v).exp(), seed);
+        assert!((low + 1.1235).abs() < 0.01 && (high - 0.6469).abs() < 0.01, "{low} to {high}");
+        // Flat on one side, where it ends with the prior; ln(1 + e^2v) = 1.3528 at 0.5275.
+        let [low, high] = interval(|v| -(2.0 * v).exp().ln_1p(), seed);
+        assert!(low < -4.5 && (high - 0.5275).abs() < 0.03, "{low} to {high}");
+        // Impossible above 1.
+        let [low, high] = interval(|v| if v < 1.0 { -0.02 * v * v } else { f64::NEG_INFINITY }, seed);
+        assert!(low < -4.5 && (0.95..1.5).contains(&high), "{low} to {high}");
+    }
 }

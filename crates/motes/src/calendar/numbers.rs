@@ -78,6 +78,40 @@ pub(crate) fn label_of(time: f64, unit: Option<TimeUnit>) -> String {
     }
 }
 
+/// What a time is called that no row has: a number of at most 12 digits, or a date, with the time of the day where it is not its beginning or `has_zone` asks for it, in UTC.
+pub(crate) fn label_after(time: f64, unit: Option<TimeUnit>, has_zone: bool) -> String {
+    const MINUTES: f64 = 1440.0;
+    let number = || format!("{time:.11e}").parse::<f64>().unwrap_or(time).to_string();
+    let days = match unit {
+        None => return number(),
+        Some(TimeUnit::Day) => time,
+        Some(TimeUnit::Week) => time * 7.0,
+        Some(TimeUnit::Year) => {
+            let year = time.floor() as i32;
+            let Some(start) = NaiveDate::from_ymd_opt(year, 1, 1) else { return number() };
+            f64::from(start.num_days_from_ce()) + (time - time.floor()) * f64::from(days_in_year(year))
+        }
+    };
+    let minutes = (days * MINUTES).round() as i64;
+    let (day, minute) = (minutes.div_euclid(1440), minutes.rem_euclid(1440));
+    let date = i32::try_from(day).ok().and_then(NaiveDate::from_num_days_from_ce_opt);
+    let zone = if has_zone { "Z" } else { "" };
+    match date {
+        Some(date) if minute == 0 && !has_zone => date.to_string(),
+        Some(date) => format!("{date}T{:02}:{:02}{zone}", minute / 60, minute % 60),
+        None => number(),
+    }
+}
+
+/// Whether two labels are the same time.
+pub(crate) fn is_same_time(one: &str, other: &str) -> bool {
+    let units = [None, Some(TimeUnit::Day)];
+    units.into_iter().any(|unit| match (time_of(one, unit), time_of(other, unit)) {
+        (Ok(one), Ok(other)) => (one - other).abs() <= 1e-9 * one.abs().max(1.0),
+        _ => false,
+    })
+}
+
 fn days_in_year(year: i32) -> u32 {
     NaiveDate::from_ymd_opt(year, 12, 31).map_or(365, |date| date.ordinal())
 }
@@ -120,6 +154,24 @@ mod tests {
         assert_eq!(at("1950-01", TimeUnit::Year), 1950.0);
         assert_eq!(at("2023Q3", TimeUnit::Year), 2023.0 + 181.0 / 365.0);
         assert_eq!(days("20240301"), days("2024-03-01"));
+    }
+
+    #[test]
+    fn times_that_no_row_has_are_called_as_they_are_read() {
+        let of = |label: &str, unit, gap: f64, expected: &str| {
+            let time = time_of(label, Some(unit)).unwrap() + gap;
+            let found = label_after(time, Some(unit), has_zone(label) == Some(true));
+            assert_eq!(found, expected);
+            assert!((time_of(&found, Some(unit)).unwrap() - time).abs() < 2e-6);
+        };
+        of("2024-01-01", TimeUnit::Year, 1.0, "2025-01-01");
+        of("2024-03-01", TimeUnit::Week, 1.0, "2024-03-08");
+        of("2024-02-28T18:00", TimeUnit::Day, 0.25, "2024-02-29");
+        of("2024-02-28T12:00", TimeUnit::Day, 0.25, "2024-02-28T18:00");
+        of("2024-02-28T12:00+01:00", TimeUnit::Day, 1.0, "2024-02-29T11:00Z");
+        assert_eq!(label_after(0.3 + (0.3 - 0.2), None, false), "0.4");
+        assert!(is_same_time("2024-01-01", "2024/01/01") && is_same_time("4", "4.0"));
+        assert!(!is_same_time("2024-12-31", "2025-01-01") && !is_same_time("a", "a"));
     }
 
     #[test]

@@ -20,8 +20,8 @@ pub struct Columns {
     pub(super) time: Option<usize>,
     /// The column of times that the model names.
     pub(super) clock: Option<usize>,
-    /// The columns that inputs come from, in the order of the model's.
-    pub(super) inputs: Vec<usize>,
+    /// The columns that inputs come from, in the order of the model's; none for a measurement that is an input of later steps, in data whose measurements play no part.
+    pub(super) inputs: Vec<Option<usize>>,
     /// The column that is carried to the output.
     pub(super) carried: Option<usize>,
     /// Names of the columns that are not used.
@@ -88,7 +88,12 @@ impl Columns {
             wanted.iter().map(|wanted| find(wanted, role)).collect()
         };
         let measured: Vec<usize> = find_all(measurements, "the model measures")?;
-        let inputs = find_all(model.input_columns(), "is an input of the model")?;
+        let may_be_absent = |name: &String| measurements.is_empty() && model.measurements().contains(name);
+        let input = |wanted: &String| match at(wanted) {
+            None if may_be_absent(wanted) => Ok(None),
+            _ => find(wanted, "is an input of the model").map(Some),
+        };
+        let inputs = model.input_columns().iter().map(input).collect::<Result<Vec<_>, DataError>>()?;
         let clock = model.time_column().map(|name| find(name, "[time] of the model names")).transpose()?;
         let is_measured = |name: &str| measurements.iter().any(|measured| measured == name);
         let series = match model.series_column() {
@@ -100,7 +105,10 @@ impl Columns {
         let is_time = |at: usize| clock == Some(at) && names[at] == "t";
         let first = (0..names.len()).find(|&at| Some(at) != series && Some(at) != time);
         let is_known = |at: usize| {
-            is_measured(&names[at]) || states.contains(&names[at]) || inputs.contains(&at) || is_time(at)
+            is_measured(&names[at])
+                || states.contains(&names[at])
+                || inputs.contains(&Some(at))
+                || is_time(at)
         };
         let carried = clock.or(first).filter(|&at| !is_known(at));
         if let Some(column) = carried.map(|at| &names[at]).filter(|name| is_result(name, model)) {
@@ -108,7 +116,7 @@ impl Columns {
         }
         let used = |at: usize| {
             measured.contains(&at)
-                || inputs.contains(&at)
+                || inputs.contains(&Some(at))
                 || [series, time, clock, carried].contains(&Some(at))
         };
         let ignored = (0..names.len()).filter(|&at| !used(at)).map(|at| names[at].clone()).collect();
@@ -140,14 +148,14 @@ impl Columns {
         self.clock
     }
 
-    /// The place of each column that inputs come from, in the order of [`Model::input_columns`].
-    pub fn inputs(&self) -> &[usize] {
+    /// The place of each column that inputs come from, in the order of [`Model::input_columns`]; none for a measurement that is an input of later steps, in data whose measurements play no part.
+    pub fn inputs(&self) -> &[Option<usize>] {
         &self.inputs
     }
 
     /// Their names, in that order.
     pub fn input_names(&self) -> Vec<&str> {
-        self.inputs.iter().map(|at| self.names[*at].as_str()).collect()
+        self.inputs.iter().flatten().map(|at| self.names[*at].as_str()).collect()
     }
 
     /// The name of the column that is carried to the output.

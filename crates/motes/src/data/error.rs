@@ -127,6 +127,12 @@ pub enum DataError {
         /// The line.
         line: u64,
     },
+    /// A row does not say of which series it is.
+    #[error("{place}: the cell is empty; it says which series the row is of")]
+    NoSeries {
+        /// Where.
+        place: Place,
+    },
     /// A cell is no number.
     #[error("{place}: {value} {problem}")]
     Cell {

@@ -122,6 +122,9 @@ impl<R: Read> Rows<R> {
             None => self.series.number_of(""),
             Some(at) => {
                 let name = self.text(at, line)?.to_string();
+                if name.trim().is_empty() {
+                    return Err(DataError::NoSeries { place: self.place(line, at) });
+                }
                 self.series.number_of(&name)
             }
         };
@@ -167,7 +170,8 @@ impl<R: Read> Rows<R> {
 
     /// What the columns of a row say that inputs come from.
     fn inputs(&self, line: u64) -> Result<Vec<Option<f64>>, DataError> {
-        let input = |at: &usize| {
+        let input = |at: &Option<usize>| {
+            let Some(at) = at else { return Ok(None) };
             let text = self.text(*at, line)?;
             number(text).map_err(|problem| DataError::Cell {
                 place: self.place(line, *at),

@@ -59,6 +59,12 @@ impl FitParameters {
         let name = if is_maximum { MAXIMUM } else { DRAWS };
         let wrong = |line: u64, reason: &str| refused(format!("{name}, line {line}: {reason}"));
         let text = read(name)?;
+        // A file that was cut off may end in the middle of a number.
+        if !text.ends_with('\n') {
+            return Err(refused(format!(
+                "{name}: its last line does not end: the file was cut off; fit it again"
+            )));
+        }
         let (names, values) = match is_maximum {
             true => maximum(&text, &wrong)?,
             false => draws(&text, &wrong)?,
@@ -146,6 +152,14 @@ fn number(text: &str, line: u64, wrong: Wrong<'_>) -> Result<f64, MotesError> {
 fn draws(text: &str, wrong: Wrong<'_>) -> Result<Values, MotesError> {
     let (header, rows) = rows(text, &OF_DRAW, wrong)?;
     let names = header.into_iter().skip(OF_DRAW.len()).collect();
+    // Chains are as long as each other, one after the other.
+    let of_first = rows.iter().take_while(|row| row[0] == rows[0][0]).count();
+    if !rows.len().is_multiple_of(of_first) {
+        return Err(wrong(
+            rows.len() as u64 + 1,
+            "the last chain has fewer draws than the first one: the file was cut off; fit it again",
+        ));
+    }
     let numbers = rows.iter().enumerate().map(|(at, row)| {
         row.iter().skip(OF_DRAW.len()).map(|text| number(text, at as u64 + 2, wrong)).collect()
     });

@@ -56,6 +56,15 @@ impl FreeParameters {
         self.priors.iter().map(|prior| prior.entries().len()).sum()
     }
 
+    /// How many numbers are free: the shares of a dirichlet sum to 1.
+    pub fn dimension(&self) -> usize {
+        let of_prior = |prior: &Prior| match prior.entries().len() {
+            1 => 1,
+            several => several - 1,
+        };
+        self.priors.iter().map(of_prior).sum()
+    }
+
     /// Whether there are none, which is never so.
     pub fn is_empty(&self) -> bool {
         self.priors.is_empty()

@@ -3,7 +3,8 @@
 use std::ops::ControlFlow;
 
 use motes_inference::{
-    EstimatorChoice, FitError, IteratedSettings, MaximumSearch, MaximumSettings, Profile, ProfilePoint,
+    EstimatorChoice, FitError, IteratedSettings, Maximum, MaximumSearch, MaximumSettings, Profile,
+    ProfilePoint,
 };
 use serde::{Deserialize, Serialize};
 
@@ -42,10 +43,12 @@ pub struct MaximumProfilePoint {
 /// The maximum of the likelihood over the free parameters of a model.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MaximumFit {
-    /// The names of the `D` parameters.
+    /// The names of the parameters.
     pub names: Vec<String>,
     /// Each of them.
     pub parameters: Vec<MaximumParameter>,
+    /// How many numbers were sought: the shares of a dirichlet are one fewer than there are.
+    pub dimension: usize,
     /// The profile of each parameter; nothing where it was not sought.
     pub profiles: Vec<Vec<MaximumProfilePoint>>,
     /// The probability of the intervals.
@@ -69,9 +72,9 @@ pub struct MaximumFit {
 }
 
 impl MaximumFit {
-    /// Akaike's information criterion, `2 D − 2 log L`.
+    /// Akaike's information criterion, `2 D − 2 log L` for `D` free numbers.
     pub fn aic(&self) -> f64 {
-        2.0 * self.names.len() as f64 - 2.0 * self.log_likelihood
+        2.0 * self.dimension as f64 - 2.0 * self.log_likelihood
     }
 }
 
@@ -105,19 +108,32 @@ fn iterated(options: &FitOptions) -> IteratedSettings {
     }
 }
 
-/// The places of the parameters whose profiles were asked for by name; none where all are wanted.
-fn profiled(names: &[String], asked: &[String]) -> Result<Option<Vec<usize>>, MotesError> {
-    let place = |name: &String| {
-        names.iter().position(|other| other == name).ok_or_else(|| {
+/// The places of the parameters whose profiles were asked for by name, or of all that have one: a share of a dirichlet has no number of its own that could be held.
+fn profiled(free: &FreeParameters, asked: &[String], is_iterated: bool) -> Result<Vec<usize>, MotesError> {
+    let names = free.names();
+    let alone: Vec<bool> = free
+        .priors()
+        .iter()
+        .flat_map(|prior| vec![prior.entries().len() == 1; prior.entries().len()])
+        .collect();
+    let place = |name: &String| match names.iter().position(|other| other == name) {
+        Some(at) if alone[at] => Ok(at),
+        Some(_) => Err(MotesError::Setting(format!(
+            "--profile {name}: a share of a dirichlet has no profile, since no other stays where it is when it moves; draws of the posterior have its quantiles"
+        ))),
+        None => {
             let reason =
                 format!("--profile {name}: that is no free parameter; there are {}", names.join(", "));
-            MotesError::Setting(reason)
-        })
+            Err(MotesError::Setting(reason))
+        }
     };
+    if asked.is_empty() {
+        return Ok((0..names.len()).filter(|at| alone[*at] && !is_iterated).collect());
+    }
     let mut places = asked.iter().map(place).collect::<Result<Vec<usize>, MotesError>>()?;
     places.sort_unstable();
     places.dedup();
-    Ok((!asked.is_empty()).then_some(places))
+    Ok(places)
 }
 
 /// Finds the maximum of the likelihood over the free parameters of `model`, and the interval of each. The priors say where searches start and in which coordinates
@@ -149,10 +165,7 @@ pub fn maximise(
     }
     let settings = MaximumSettings {
         starts: options.chains,
-        profiled: match profiled(&names, &options.profiles)? {
-            None if likelihood.perturbed.is_some() => Some(Vec::new()),
-            named => named,
-        },
+        profiled: Some(profiled(&free, &options.profiles, likelihood.perturbed.is_some())?),
         estimator: options.particles.map(EstimatorChoice::Particles),
         iterated: likelihood.perturbed.is_some().then(|| iterated(options)),
         ..MaximumSettings::default()
@@ -181,9 +194,8 @@ pub fn maximise(
         let ends = of_parameter(at).map(|profile| [profile.low, profile.high].map(|v| end(at, v)));
         MaximumParameter {
             estimate: *estimate,
-            // A share of a dirichlet falls where its own number rises, if others do.
-            low: ends.map(|[one, other]| one.min(other)),
-            high: ends.map(|[one, other]| one.max(other)),
+            low: ends.map(|[low, _]| low),
+            high: ends.map(|[_, high]| high),
         }
     };
     let profile = |at: usize| {
@@ -195,7 +207,9 @@ pub fn maximise(
         of_parameter(at).map_or(vec![], |profile| profile.points.iter().map(point).collect())
     };
     let mut warnings =
-        trust::of_starts(search.agreeing(), search.searches()).into_iter().collect::<Vec<Warning>>();
+        trust::of_starts(search.agreeing().count(), search.searches()).into_iter().collect::<Vec<Warning>>();
+    let value = |found: &Maximum, at: usize| free.at(&found.v)[at];
+    warnings.extend(trust::of_places(&names, &value, best, search.agreeing(), search.profiles()));
     let of_profile = |profile: &Profile| trust::of_profile(&names[profile.at], profile, best);
     let of_profiles: Vec<Option<Warning>> = search.profiles().iter().map(of_profile).collect();
     // Along a flat likelihood the edge of a prior says nothing.
@@ -213,7 +227,8 @@ pub fn maximise(
         level: settings.level,
         log_likelihood: best.log_likelihood,
         log_likelihood_error: best.standard_error,
-        agreeing: search.agreeing(),
+        agreeing: search.agreeing().count(),
+        dimension: free.dimension(),
         search_log_likelihoods: search.log_likelihoods().collect(),
         passes: settings.iterated.map(|iterated| iterated.passes),
         proposal: likelihood.proposal(best.estimator).to_string(),

@@ -1,8 +1,10 @@
 //! Whether a fit can be trusted.
 
 use motes_inference::{Maximum, ParameterSummary, Profile};
+use motes_models::equations::Scalar;
 
 use super::free::FreeParameters;
+use crate::priors::rounded;
 use crate::warning::Warning;
 
 /// What R̂ is to be below, and effective sample sizes at least.
@@ -14,11 +16,17 @@ const EDGE: f64 = 3.0;
 /// A posterior that is as wide as the prior, and in the same place: the data say nothing.
 const SAME: (f64, f64) = (0.95, 0.1);
 
+/// Draws are piled up at an end of a uniform prior where their median is in that part of it, and so many of them are as near to the end as a tenth of that: of a density that falls to 0 at the end there are fewer.
+const PILE: (f64, f64) = (0.25, 0.035);
+
 /// Differences of log-likelihoods that say something.
 const MORE: f64 = 0.5;
 
 /// An end of an interval is that near to the estimate where it should not be, as a share of the width.
 const AT_END: f64 = 0.02;
+
+/// A place lies outside of an interval where it is so far beyond, as a share of the width.
+const OUTSIDE: f64 = 0.25;
 
 /// Below this share of possible draws from the prior it is worth a word.
 const MOSTLY_POSSIBLE: f64 = 0.95;
@@ -67,6 +75,47 @@ pub(super) fn of_prior(name: &str, prior: &str, positions: &[f64]) -> Option<War
     }
     (sd > SAME.0 && mean.abs() < SAME.1)
         .then(|| warning(format!("the data say nothing about {name}: its posterior is its prior {prior}")))
+}
+
+/// Draws of a parameter, as shares of its uniform prior, that are piled up at one of its ends.
+fn of_end(name: &str, prior: &str, positions: &[f64]) -> Option<Warning> {
+    let piled = |side: f64| {
+        let mut rest: Vec<f64> = positions.iter().map(|v| Scalar::normal_cdf(-side * v)).collect();
+        rest.sort_by(f64::total_cmp);
+        let median = *rest.get(rest.len() / 2)?;
+        let near = rest.iter().take_while(|rest| **rest < 0.1 * median).count();
+        (median < PILE.0 && near as f64 > PILE.1 * rest.len() as f64).then_some(if side > 0.0 {
+            "upper"
+        } else {
+            "lower"
+        })
+    };
+    let side = piled(1.0).or_else(|| piled(-1.0))?;
+    Some(warning(format!(
+        "draws of {name} are piled up at the {side} end of its prior {prior}, which cuts off what the data say: widen it, or look at the model"
+    )))
+}
+
+/// Where searches came as high as the best one at other values, outside of the interval of a parameter.
+pub(super) fn of_places<'m>(
+    names: &[String],
+    value: &dyn Fn(&Maximum, usize) -> f64,
+    best: &Maximum,
+    agreeing: impl Iterator<Item = &'m Maximum>,
+    profiles: &[Profile],
+) -> Option<Warning> {
+    let is_outside = |found: &Maximum, profile: &Profile| {
+        let (v, width) = (found.v[profile.at], profile.high - profile.low);
+        v < profile.low - OUTSIDE * width || v > profile.high + OUTSIDE * width
+    };
+    agreeing.into_iter().find_map(|found| {
+        let at = profiles.iter().find(|profile| is_outside(found, profile))?.at;
+        let (one, other) = (rounded(value(best, at)), rounded(value(found, at)));
+        Some(warning(format!(
+            "there are several maxima: searches came as high where {} is {one} and where it is {other}; the intervals are those of the first alone; take a narrower prior for the one that is meant",
+            names[at]
+        )))
+    })
 }
 
 /// Where fewer than half of the searches came as high as the best one.
@@ -121,7 +170,9 @@ pub(super) fn of_priors(free: &FreeParameters, positions: &dyn Fn(usize) -> Vec<
         for name in prior.entries() {
             // A share of a dirichlet has no number of its own.
             if prior.entries().len() == 1 {
-                found.extend(of_prior(name, prior.text(), &positions(at)));
+                let positions = positions(at);
+                let of_end = || of_end(name, prior.text(), &positions).filter(|_| prior.is_uniform());
+                found.extend(of_prior(name, prior.text(), &positions).or_else(of_end));
             }
             at += 1;
         }

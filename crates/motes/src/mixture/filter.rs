@@ -13,11 +13,15 @@ use crate::engine::Running;
 use crate::error::MotesError;
 use crate::estimate::{Coordinate, Estimate, Forecast};
 use crate::filtered::Filtered;
-use crate::filtering::of_series;
+use crate::filtering::{measured, of_series};
 use crate::forecasting::rows_ahead;
 use crate::model::Model;
 use crate::options::FilterOptions;
+use crate::tally::{SeriesTally, Tally};
 use crate::warning::Warning;
+
+/// Filters in doubt at a smaller share of the draws change little of what is averaged over them.
+const FEW: f64 = 0.5;
 
 /// States given data alone, parameters drawn from their posterior.
 #[derive(Debug, Clone, PartialEq)]
@@ -70,6 +74,7 @@ struct EstimateAtDraw {
 struct AheadAtDraw {
     time: f64,
     label: Option<String>,
+    is_given: bool,
     estimate: EstimateAtDraw,
 }
 
@@ -79,6 +84,8 @@ struct DrawEstimates {
     ahead: Vec<Vec<AheadAtDraw>>,
     /// What is to be said of forecasts.
     warnings: Vec<Warning>,
+    /// Reasons not to trust the filter.
+    doubts: Vec<Warning>,
 }
 
 /// Filters `data` with the model at each draw ([`FitParameters::spread`](crate::FitParameters::spread)), and mixes what they say: `p(x_t | y_{0:t})` with parameters
@@ -106,7 +113,7 @@ pub fn filter_draws(
         let forecast = |(row, first): (usize, &AheadAtDraw)| {
             let rows = all.iter().map(|draw| &draw.ahead[series][row].estimate);
             let estimate = over_draws(&rows.collect::<Vec<&EstimateAtDraw>>(), probabilities);
-            Forecast { time: first.time, label: first.label.clone(), estimate }
+            Forecast { time: first.time, label: first.label.clone(), is_given: first.is_given, estimate }
         };
         first.iter().enumerate().map(forecast).collect()
     };
@@ -119,8 +126,23 @@ pub fn filter_draws(
             .warnings()
             .into_iter()
             .chain(all.first().into_iter().flat_map(|draw| draw.warnings.clone()))
+            .chain(of_doubts(&all))
             .collect(),
     })
+}
+
+/// What is said where filters at some of the draws are not to be trusted: at how many, and why the first.
+fn of_doubts(draws: &[DrawEstimates]) -> Option<Warning> {
+    let in_doubt: Vec<&Warning> = draws.iter().filter_map(|draw| draw.doubts.first()).collect();
+    let first = *in_doubt.first()?;
+    let text = format!(
+        "at {} of {} draws of the parameters the filter is not to be trusted; the first: {}",
+        in_doubt.len(),
+        draws.len(),
+        first.text
+    );
+    (in_doubt.len() as f64 >= FEW * draws.len() as f64)
+        .then(|| Warning { series: first.series.clone(), text })
 }
 
 /// A row over all draws, of equal weights, with quantiles at these probabilities.
@@ -168,27 +190,35 @@ fn at_draw(
     };
     let mut rows: Vec<EstimateAtDraw> = data.rows.iter().map(|_| EstimateAtDraw::default()).collect();
     let (mut ahead, mut warnings) = (Vec::new(), Vec::new());
+    let mut tally = Tally::new(vec![]);
     for (series, (name, places)) in data.series.iter().zip(data.by_series()).enumerate() {
         let name = data.columns.has_series().then_some(name.as_str());
         let mut running = Running::new(model, &options, series)?;
-        for at in places {
+        let mut of_this = SeriesTally::new(model, &options);
+        for &at in &places {
             let row = &data.rows[at];
-            let estimate = running
-                .step_by(&row.steps, &row.measurement)
+            let (estimate, diagnosis) = running
+                .step_and_diagnose(&row.steps, &row.measurement)
                 .map_err(|error| of_series(name, error.at_row(data.counted, row.line)))?;
+            tally.step(&mut of_this, &row.steps, &row.measurement, diagnosis.as_ref());
             rows[at] = at_draw(&running, &estimate);
             if proceed().is_break() {
                 return Err(MotesError::Interrupted);
             }
         }
+        let before = data.steps_before(series);
+        let at = |step: usize| measured(model, data, places[step.saturating_sub(before)]);
+        tally.end_series(name, &of_this, &running, at);
         let (mut of_series_ahead, mut clock) = (Vec::new(), data.clocks[series].clone());
         for row in rows_ahead(&options, name) {
             let forecast = running.predict_by(&mut clock, row).map_err(|error| of_series(name, error))?;
             let estimate = at_draw(&running, &forecast.estimate);
-            of_series_ahead.push(AheadAtDraw { time: forecast.time, label: forecast.label, estimate });
+            let Forecast { time, label, is_given, .. } = forecast;
+            of_series_ahead.push(AheadAtDraw { time, label, is_given, estimate });
         }
         ahead.push(of_series_ahead);
         warnings.extend(running.forecast_warning(name));
     }
-    Ok(DrawEstimates { rows, ahead, warnings })
+    let doubts = tally.into_filtered(vec![], vec![]).warnings;
+    Ok(DrawEstimates { rows, ahead, warnings, doubts })
 }

@@ -3,7 +3,7 @@
 use motes_smc::Predictive;
 
 use super::number::text;
-use crate::calendar::following;
+use crate::calendar::{following, is_same_time};
 use crate::data::{Columns, Data, Row};
 use crate::estimate::{Coordinate, Estimate, Forecast, MOMENTS, OF_WEIGHTS, PLACE};
 use crate::filtered::Filtered;
@@ -140,14 +140,19 @@ impl EstimateTable {
     /// The rows of the data, then what is predicted after each series.
     fn with_forecasts(&self, data: &Data, estimates: &[Estimate], forecasts: &[Vec<Forecast>]) -> String {
         let of_series = |(series, (ahead, places)): (usize, (&Vec<Forecast>, Vec<usize>))| -> String {
-            // Labels that nobody gave go on as those of the rows do.
+            // Labels that nobody gave go on as those of the rows do, where that is the time.
             let labels: Option<Vec<&str>> = places.iter().map(|at| data.rows[*at].label.as_deref()).collect();
             let followed = labels
                 .filter(|_| !ahead.is_empty())
                 .and_then(|labels| following(&labels, ahead.len(), data.columns.clock().is_none()));
             let rows = ahead.iter().enumerate().map(|(number, ahead)| {
-                let label = followed.as_ref().map(|labels| labels[number].as_str());
-                let label = ahead.label.as_deref().or(label);
+                let followed = followed.as_ref().map(|labels| labels[number].as_str());
+                let label = match (ahead.label.as_deref(), followed) {
+                    (Some(label), Some(followed)) if !ahead.is_given && is_same_time(label, followed) => {
+                        Some(followed)
+                    }
+                    (label, followed) => label.or(followed),
+                };
                 self.row(&data.series[series], label, ahead.time, &ahead.estimate)
             });
             rows.collect()

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::error::TimelineError;
 use super::load::Timeline;
-use crate::calendar::{has_zone, label_of, time_of};
+use crate::calendar::{has_zone, label_after, label_of, time_of};
 
 /// What a row says of its time and its inputs.
 #[derive(Debug, Clone, Copy)]
@@ -245,7 +245,9 @@ impl Clock {
         }
         self.steps += steps.len();
         self.rows += 1;
-        let gap = from.map(|from| time - from);
+        // Two rows at one time say nothing about how far rows are apart.
+        let gap = from.map(|from| time - from).filter(|gap| *gap > 0.0);
+        let gap = gap.or(self.previous.as_ref().and_then(|previous| previous.gap));
         self.previous = Some(PreviousRow { time, gap, measured: Vec::new() });
         self.past.push_front(columns.to_vec());
         self.past.truncate(timeline.look_back());
@@ -271,6 +273,13 @@ impl Clock {
         }
         values.extend(timeline.frame.resets().iter().map(|_| 1.0));
         Ok(())
+    }
+
+    /// What the time of the last row is called, if rows have times.
+    pub(crate) fn label_of_last(&self, timeline: &Timeline) -> Option<String> {
+        timeline.rule.column.as_ref()?;
+        let time = self.previous.as_ref()?.time + self.origin;
+        Some(label_after(time, timeline.rule.unit, self.has_zones == Some(true)))
     }
 
     /// A time as the rows write theirs.

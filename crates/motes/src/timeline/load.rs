@@ -33,6 +33,21 @@ impl Timeline {
         measurements: &[String],
         folder: &Path,
     ) -> Result<Option<Self>, (String, String)> {
+        let columns = [
+            ("[time] column", frame.time_rule().and_then(|rule| rule.column.as_deref())),
+            ("[series] by", frame.series_column()),
+        ];
+        for (key, column) in columns {
+            if let Some(column) = column.filter(|column| measurements.iter().any(|name| name == column)) {
+                return Err((
+                    key.into(),
+                    format!(
+                        "{column} is a measurement; name the column that has the {}",
+                        if key == "[series] by" { "name of each row's series" } else { "times" }
+                    ),
+                ));
+            }
+        }
         let needs_step = (0..measurements.len()).any(|entry| frame.needs_step(entry));
         if frame.time_rule().is_none() && frame.inputs().is_empty() && !needs_step {
             return Ok(None);

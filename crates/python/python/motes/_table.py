@@ -147,8 +147,10 @@ def inputs_of(model: _motes.Model, data: Any) -> _motes.Data:
     if len(lengths) != 1:
         raise ValueError(f"inputs: columns have different lengths: {', '.join(map(str, sorted(lengths)))}")
     of_series, of_clock = (None if at is None else [text_of_label(value) for value in used[at]] for at in (series, clock))
-    values = _flat([numbers_of(used[at], names[at]) for at in inputs])
-    return _motes.inputs_of_table(model, names, lengths.pop(), of_series, of_clock, values)
+    # A measurement that is an input of later steps need not be there.
+    (count,) = lengths
+    values = _flat([np.full(count, np.nan) if at is None else numbers_of(used[at], names[at]) for at in inputs])
+    return _motes.inputs_of_table(model, names, count, of_series, of_clock, values)
 
 
 def _flat(columns: list[NDArray[np.float64]]) -> NDArray[np.float64]:

@@ -152,7 +152,7 @@ mod tests {
     fn rows_stand_at_their_dates_and_forecasts_go_on() {
         let labels = ["2024-01-31", "2024-02-29", "2024-03-31"].map(Some);
         let estimate = crate::estimate::Estimate::of_state(vec![]);
-        let ahead = [Forecast { time: 3.0, label: None, estimate }];
+        let ahead = [Forecast { time: 3.0, label: None, is_given: false, estimate }];
         let axis = TimeAxis::of(&[0.0, 1.0, 2.0], &labels, Some("month"), &ahead);
         assert_eq!((axis.name(), axis.places.len(), axis.rows), ("month", 4, 3));
         assert_eq!(axis.place(3) - axis.place(2), 31.0);
