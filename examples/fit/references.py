@@ -6,7 +6,7 @@
 It needs NumPy. The states of Ricker's map and of the pound's volatility are summed over a grid, the Nile's are a Kalman filter's; parameters are
 summed over a box of 4.5 standard deviations around the posterior, which is found in two rounds. Influenza is summed over all numbers of susceptible
 and ill boys, seven seconds for each value of the parameters and half an hour in all. Its parameters are therefore summed over 257 places within 5.5
-standard deviations of where a fit had them: a sum over places 1.4 standard deviations apart gives the integral of a normal density to four digits.
+standard deviations of where a fit had them. 257 places that were nearer to each other by a quarter gave means within 0.2 %, and standard deviations within 1 %.
 """
 
 import csv
