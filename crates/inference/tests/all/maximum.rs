@@ -65,6 +65,20 @@ fn noise_of_the_likelihood_makes_intervals_wider_and_moves_the_maximum_little() 
     }
 }
 
+/// Catches a log-likelihood by which a search is the best of many: it has luck in it.
+#[test]
+fn the_log_likelihood_of_the_best_search_is_not_too_high() {
+    let line = Line::new(60.0);
+    let settings = MaximumSettings { starts: 8, profiled: Some(vec![]), ..MaximumSettings::default() };
+    let off = (0..30).map(|seed| {
+        let search = found(&line, settings.clone(), seed);
+        let best = search.best().expect("searches have ended");
+        (best.log_likelihood - line.exact(&best.v)) / best.standard_error
+    });
+    let mean = off.sum::<f64>() / 30.0;
+    assert!(mean.abs() < 0.6, "{mean} standard errors in the mean");
+}
+
 /// [`Line`] with filters that miss the mass now and then, as they do of real models: one estimate of twenty is far too low.
 struct Rough(Line);
 
