@@ -200,15 +200,19 @@ def posterior_on_axes(model):
     return moments(model, positions, STEP**3 * abs(np.linalg.det(axes)))
 
 
-def moments(model, positions, cell):
-    """Means, standard deviations and log p(y), each place having so large a cell."""
+def weights_at(model, positions):
+    """The share of the posterior at each place, and the logarithm of the sum of all."""
     logs = np.array([model.log_joint(u) for u in positions])
     weights = np.exp(logs - logs.max())
-    log_marginal = logs.max() + math.log(weights.sum() * cell)
-    weights /= weights.sum()
+    return weights / weights.sum(), logs.max() + math.log(weights.sum())
+
+
+def moments(model, positions, cell):
+    """Means, standard deviations and log p(y), each place having so large a cell."""
+    weights, log_sum = weights_at(model, positions)
     values = np.array([model.values(u) for u in positions])
     means = weights @ values
-    return means, np.sqrt(weights @ (values - means) ** 2), log_marginal
+    return means, np.sqrt(weights @ (values - means) ** 2), log_sum + math.log(cell)
 
 
 def box(centre, spread, points, ends):
@@ -223,9 +227,7 @@ def posterior(model, points=13):
     if hasattr(model, "axes"):
         return posterior_on_axes(model)
     positions, _ = box(model.start, model.spread, 7, 3.5)
-    logs = np.array([model.log_joint(u) for u in positions])
-    weights = np.exp(logs - logs.max())
-    weights /= weights.sum()
+    weights, _ = weights_at(model, positions)
     centre = weights @ positions
     spread = np.sqrt(weights @ (positions - centre) ** 2)
     return moments(model, *box(centre, spread, points, 4.5))

@@ -1,6 +1,6 @@
 //! The normal distribution that is like some positions, for moves of chains.
 
-use faer::{Mat, Side};
+use faer::{Mat, MatRef, Side};
 use motes_models::{Stream, fill_standard_normal};
 use serde::{Deserialize, Serialize};
 
@@ -33,11 +33,7 @@ impl NormalFit {
             let covariance = products.sum::<f64>() / (n - 1.0);
             if i == j { covariance } else { covariance * (1.0 - shrinkage) }
         });
-        let factor = covariance.llt(Side::Lower).ok()?;
-        let lower = factor.L();
-        let entry = |at: usize| if at % d <= at / d { lower[(at / d, at % d)] } else { 0.0 };
-        let lower: Vec<f64> = (0..d * d).map(entry).collect();
-        lower.iter().all(|value| value.is_finite()).then_some(NormalFit { mean, lower })
+        Some(NormalFit { mean, lower: lower_factor(covariance.as_ref())? })
     }
 
     fn dimension(&self) -> usize {
@@ -98,6 +94,16 @@ impl NormalFit {
 
 fn ln_gamma(x: f64) -> f64 {
     motes_models::equations::Scalar::ln_gamma(x)
+}
+
+/// `L` (`D×D`, row after row) with `L Lᵀ` a covariance; none where that is not positive.
+pub(crate) fn lower_factor(covariance: MatRef<'_, f64>) -> Option<Vec<f64>> {
+    let d = covariance.nrows();
+    let factor = covariance.llt(Side::Lower).ok()?;
+    let lower = factor.L();
+    let entry = |at: usize| if at % d <= at / d { lower[(at / d, at % d)] } else { 0.0 };
+    let lower: Vec<f64> = (0..d * d).map(entry).collect();
+    lower.iter().all(|value| value.is_finite()).then_some(lower)
 }
 
 /// The log density of `N(0, I)` but for its constant.

@@ -83,7 +83,7 @@ fn check_until(
     let linearised = match has(ProposalName::Linearised) {
         Err(_) => "",
         Ok(()) if is_blind(model, data) => {
-            ", linearised (which is the transition: the location of no measurement depends on the state)"
+            ", linearised (which is the transition, since no measurement has a location that moves with the state)"
         }
         Ok(()) => ", linearised",
     };

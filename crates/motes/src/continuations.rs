@@ -116,7 +116,7 @@ impl Continuations {
             predictive: (0..m).map(of_entry).collect(),
         };
         // All of them are at the same row.
-        let clock = self.paths.first().map(|path| path.clock.clone()).unwrap_or_default();
-        Ok(model.forecast(&clock, row, time, estimate))
+        let clock = self.paths.first().map(|path| &path.clock);
+        Ok(model.forecast(clock, row, time, estimate))
     }
 }

@@ -70,7 +70,7 @@ impl Running<'_> {
         let predictive = self.filter.measurement(&last.step(), &nothing, self.asked.probabilities());
         self.unknown = self.unknown.take().or_else(|| self.model.unknown_input(&last.step()));
         let estimate = Estimate { ess: None, log_evidence: None, predictive, ..estimate };
-        Ok(self.model.forecast(clock, row, last.step().time, estimate))
+        Ok(self.model.forecast(Some(clock), row, last.step().time, estimate))
     }
 
     /// What is to be said of forecasts of measurements that need an input which nobody gave.
@@ -87,14 +87,14 @@ impl Model {
     /// What is predicted for the row that a clock is at.
     pub(crate) fn forecast(
         &self,
-        clock: &Clock,
+        clock: Option<&Clock>,
         row: Option<RowTime<'_>>,
         time: f64,
         estimate: Estimate,
     ) -> Forecast {
         let given = row.and_then(|row| row.label).map(String::from);
         let is_given = given.is_some();
-        let label = given.or_else(|| clock.label_of_last(self.timeline()?));
+        let label = given.or_else(|| clock?.label_of_last(self.timeline()?));
         Forecast { time, label, is_given, estimate }
     }
 }

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use motes::output::{EstimateTable, Report, filter_json, filter_settings, filter_summary, report};
 use motes::smc::SmoothedPaths;
-use motes::{Estimate, Forecast, ModelNames, MotesError, ProposalName, Quantiles, pack, unpack};
+use motes::{Estimate, ModelNames, MotesError, ProposalName, Quantiles, pack, unpack};
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -147,10 +147,9 @@ impl Filtered {
         self.filtered.forecasts.iter().map(Vec::len).collect()
     }
 
-    /// The times of what is predicted as they were given; none where they were not.
+    /// The times of what is predicted as they were given, or as the model's clock has them; none where rows count as steps.
     fn forecast_labels(&self) -> Option<Vec<String>> {
-        let given = |forecast: &Forecast| forecast.label.clone().filter(|_| forecast.is_given);
-        self.filtered.forecasts.iter().flatten().map(given).collect()
+        self.filtered.forecasts.iter().flatten().map(|forecast| forecast.label.clone()).collect()
     }
 
     /// The effective sample size of each row, in particles.

@@ -176,3 +176,24 @@ def test_pages_and_plots(walk, tmp_path):
     assert axis.get_xlabel() == "t"
     with pytest.raises(ValueError, match="series: 3"):
         found.plot(series=3)
+
+
+def test_times_of_a_clock_go_on_as_the_model_has_them():
+    def model(unit):
+        clock = {"time": {"column": "date", "unit": unit}, "initial": {"x": "t"}, "transition": {"x": "t"}}
+        return motes.Model({**clock, "measurement": {"y": "normal(x, 1)"}})
+
+    def dates(unit, labels):
+        data = {"date": labels, "y": [None] * len(labels)}
+        ahead = model(unit).forecast(data, 2, particles=2)
+        return list(ahead.to_pandas()["date"])
+
+    # A year after 2024-01-01 is 366 days later.
+    years = ["2022-01-01", "2023-01-01", "2024-01-01"]
+    following = ["2025-01-01", "2026-01-01"]
+    assert dates("year", years) == following
+    assert dates("year", [datetime.date.fromisoformat(one) for one in years]) == [datetime.date.fromisoformat(one) for one in following]
+    assert dates("year", list(pandas.to_datetime(years))) == list(pandas.to_datetime(following))
+    assert dates("week", ["2024-01-01", "2024-01-08"]) == ["2024-01-15", "2024-01-22"]
+    zoned = [pandas.Timestamp("2024-03-30T12:00+01:00"), pandas.Timestamp("2024-03-31T12:00+01:00")]
+    assert dates("day", zoned) == [zoned[-1] + pandas.Timedelta(days=1), zoned[-1] + pandas.Timedelta(days=2)]

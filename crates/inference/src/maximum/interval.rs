@@ -11,7 +11,7 @@ pub(super) fn is_low(best: &Maximum, (height, error): (f64, f64), level: f64) ->
     best.log_likelihood - height > z * z + 3.0 * error
 }
 
-/// The interval that follows from points of the profile of coordinate `at`, which are about [`POINTS`] apart in units of `sd`. A point at which the likelihood is 0 is the last one on its side, and is left
+/// The interval that follows from points of the profile of coordinate `at`, which are spread in units of `sd`. A point at which the likelihood is 0 is the last one on its side, and is left
 /// out of the profile.
 pub(super) fn interval(
     mut found: Vec<ProfilePoint>,

@@ -20,13 +20,12 @@ const ESTIMATES: [(usize, usize); 2] = [(1, 16), (4, 8)];
 /// Swarms under way, all of which have made as many passes: a first round by all of them, and a second one by the better half.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Swarms {
-    /// Positions (`K×D`) of each that goes on; nothing before the first pass.
+    /// Positions (`K×D`) of each that goes on; nothing before the first pass, and where all is done.
     positions: Vec<Vec<f64>>,
     /// Those of this round and of the one before.
     passes: usize,
     /// The second round; none before the first has ended.
     second: Option<Vec<Refinement>>,
-    are_done: bool,
 }
 
 /// The number of passes of each round.
@@ -43,13 +42,13 @@ impl Swarms {
     /// Pieces of work that are done, and of all.
     pub(super) fn progress(&self, count: usize, settings: IteratedSettings) -> (usize, usize) {
         let second = better_half(count, settings);
-        let ended = if self.second.is_some() { count } else { 0 } + if self.are_done { second } else { 0 };
+        let ended = if self.second.is_some() { count } else { 0 } + if self.are_done() { second } else { 0 };
         (self.passes + ended, settings.passes + count + second)
     }
 
     /// Whether no piece of work is left.
     pub(super) fn are_done(&self) -> bool {
-        self.are_done
+        self.second.is_some() && self.positions.is_empty()
     }
 
     /// Takes each swarm through the data once more, the first time from draws of the prior; after the last pass of a round, finds how high they have come. `found` is where each search has ended, and empty
@@ -82,7 +81,6 @@ impl Swarms {
                 *found = ends.collect::<Result<Vec<Maximum>, L::Error>>()?;
                 refuse_impossible(found, &seed.nth(0))?;
                 let refinements = self.refinements(perturbed, settings, found);
-                self.are_done = refinements.is_empty();
                 self.positions = refinements.iter().map(|of| self.positions[of.number()].clone()).collect();
                 self.second = Some(refinements);
             }
@@ -98,12 +96,12 @@ impl Swarms {
             }
             Some(refinements) => {
                 let seed = seed.child("second height");
-                for refinement in refinements.iter() {
-                    let v = refinement.mean(second);
-                    found[refinement.number()] = end(v, 1, &seed.nth(refinement.number() as u64))?;
-                }
+                let ends = refinements
+                    .iter()
+                    .map(|refinement| end(refinement.mean(second), 1, &seed.nth(refinement.number() as u64)));
+                let ends = ends.collect::<Result<Vec<Maximum>, L::Error>>()?;
+                refinements.iter().zip(ends).for_each(|(of, end)| found[of.number()] = end);
                 self.positions.clear();
-                self.are_done = true;
             }
         }
         Ok(())

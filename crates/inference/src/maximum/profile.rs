@@ -7,6 +7,7 @@ use super::hill::Hill;
 use super::interval::{interval, is_low};
 use super::point::{Maximum, Profile, ProfilePoint};
 use crate::likelihood::{Estimator, EstimatorCost, Likelihood};
+use crate::normal_fit::lower_factor;
 
 /// Points of a profile on either side, and how far apart they are in units of the spread.
 pub(super) const POINTS: (usize, f64) = (5, 0.6);
@@ -125,11 +126,5 @@ fn conditional(best: &Maximum, at: usize, others: &[usize]) -> Option<Vec<f64>> 
         covariance(others[i], others[j])
             - covariance(others[i], at) * covariance(others[j], at) / covariance(at, at)
     });
-    let factor = matrix.llt(faer::Side::Lower).ok()?;
-    let lower = factor.L();
-    Some(
-        (0..n * n)
-            .map(|place| if place % n <= place / n { lower[(place / n, place % n)] } else { 0.0 })
-            .collect(),
-    )
+    lower_factor(matrix.as_ref())
 }

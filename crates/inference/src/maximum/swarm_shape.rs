@@ -3,6 +3,8 @@
 use faer::linalg::solvers::Solve;
 use faer::{Mat, MatRef, Side};
 
+use crate::normal_fit::lower_factor;
+
 /// The variance of the likelihood along a direction is taken to be between these, in variances of the prior.
 const VARIANCES: [f64; 2] = [1e-4, 1.0];
 
@@ -29,9 +31,7 @@ pub(super) fn mixed(before: &[f64], last: &[f64]) -> Vec<f64> {
 
 /// `L` (`D×D`, row after row) with `L Lᵀ = S`.
 pub(super) fn factor(s: &[f64], d: usize) -> Option<Vec<f64>> {
-    let factor = square(s, d).llt(Side::Lower).ok()?;
-    let lower = factor.L();
-    Some((0..d * d).map(|at| if at % d <= at / d { lower[(at / d, at % d)] } else { 0.0 }).collect())
+    lower_factor(square(s, d).as_ref())
 }
 
 /// The mean of positions (`K×D`).

@@ -9,4 +9,4 @@ pub(crate) use following::following;
 pub(crate) use label::{Time, months};
 pub(crate) use marks::{days_of, marks};
 pub use numbers::NoTime;
-pub(crate) use numbers::{has_zone, is_same_time, label_after, label_of, time_of};
+pub(crate) use numbers::{has_zone, is_same_time, label_of, time_of};

@@ -61,26 +61,9 @@ pub(crate) fn has_zone(label: &str) -> Option<bool> {
     }
 }
 
-/// The label of a time, as [`time_of`] reads it: a date where times are days or weeks, else the number.
-pub(crate) fn label_of(time: f64, unit: Option<TimeUnit>) -> String {
-    let days = match unit {
-        Some(TimeUnit::Day) => time,
-        Some(TimeUnit::Week) => time * 7.0,
-        None | Some(TimeUnit::Year) => return time.to_string(),
-    };
-    let day = (days + 1e-6).floor();
-    let date = NaiveDate::from_num_days_from_ce_opt(day as i32);
-    let seconds = ((days - day).max(0.0) * 86_400.0).round() as u32;
-    match date {
-        Some(date) if seconds == 0 => date.to_string(),
-        Some(date) => format!("{date}T{:02}:{:02}", seconds / 3600, seconds / 60 % 60),
-        None => time.to_string(),
-    }
-}
-
-/// What a time is called that no row has: a number of at most 12 digits, or a date, with the time of the day where it is not its beginning or `has_zone` asks for it, in UTC.
-pub(crate) fn label_after(time: f64, unit: Option<TimeUnit>, has_zone: bool) -> String {
-    const MINUTES: f64 = 1440.0;
+/// The label of a time, as [`time_of`] reads it: a number of at most 12 digits, or a date, with the time of the day where it is not its beginning or `has_zone` asks for it, in UTC.
+pub(crate) fn label_of(time: f64, unit: Option<TimeUnit>, has_zone: bool) -> String {
+    const MILLISECONDS: f64 = 86_400e3;
     let number = || format!("{time:.11e}").parse::<f64>().unwrap_or(time).to_string();
     let days = match unit {
         None => return number(),
@@ -92,15 +75,21 @@ pub(crate) fn label_after(time: f64, unit: Option<TimeUnit>, has_zone: bool) -> 
             f64::from(start.num_days_from_ce()) + (time - time.floor()) * f64::from(days_in_year(year))
         }
     };
-    let minutes = (days * MINUTES).round() as i64;
-    let (day, minute) = (minutes.div_euclid(1440), minutes.rem_euclid(1440));
-    let date = i32::try_from(day).ok().and_then(NaiveDate::from_num_days_from_ce_opt);
-    let zone = if has_zone { "Z" } else { "" };
-    match date {
-        Some(date) if minute == 0 && !has_zone => date.to_string(),
-        Some(date) => format!("{date}T{:02}:{:02}{zone}", minute / 60, minute % 60),
-        None => number(),
+    let milliseconds = (days * MILLISECONDS).round() as i64;
+    let (day, rest) = (milliseconds.div_euclid(86_400_000), milliseconds.rem_euclid(86_400_000));
+    let Some(date) = i32::try_from(day).ok().and_then(NaiveDate::from_num_days_from_ce_opt) else {
+        return number();
+    };
+    if rest == 0 && !has_zone {
+        return date.to_string();
     }
+    let seconds = match rest % 60_000 {
+        0 => String::new(),
+        part if part % 1000 == 0 => format!(":{:02}", part / 1000),
+        part => format!(":{:06.3}", part as f64 / 1000.0),
+    };
+    let zone = if has_zone { "Z" } else { "" };
+    format!("{date}T{:02}:{:02}{seconds}{zone}", rest / 3_600_000, rest / 60_000 % 60)
 }
 
 /// Whether two labels are the same time.
@@ -160,16 +149,18 @@ mod tests {
     fn times_that_no_row_has_are_called_as_they_are_read() {
         let of = |label: &str, unit, gap: f64, expected: &str| {
             let time = time_of(label, Some(unit)).unwrap() + gap;
-            let found = label_after(time, Some(unit), has_zone(label) == Some(true));
+            let found = label_of(time, Some(unit), has_zone(label) == Some(true));
             assert_eq!(found, expected);
-            assert!((time_of(&found, Some(unit)).unwrap() - time).abs() < 2e-6);
+            assert!((time_of(&found, Some(unit)).unwrap() - time).abs() < 1e-8);
         };
         of("2024-01-01", TimeUnit::Year, 1.0, "2025-01-01");
         of("2024-03-01", TimeUnit::Week, 1.0, "2024-03-08");
         of("2024-02-28T18:00", TimeUnit::Day, 0.25, "2024-02-29");
         of("2024-02-28T12:00", TimeUnit::Day, 0.25, "2024-02-28T18:00");
+        of("2024-02-28T12:00:20", TimeUnit::Day, 10.0 / 86_400.0, "2024-02-28T12:00:30");
+        of("2024-02-28T12:00:20", TimeUnit::Day, 0.25 / 86_400.0, "2024-02-28T12:00:20.250");
         of("2024-02-28T12:00+01:00", TimeUnit::Day, 1.0, "2024-02-29T11:00Z");
-        assert_eq!(label_after(0.3 + (0.3 - 0.2), None, false), "0.4");
+        assert_eq!(label_of(0.3 + (0.3 - 0.2), None, false), "0.4");
         assert!(is_same_time("2024-01-01", "2024/01/01") && is_same_time("4", "4.0"));
         assert!(!is_same_time("2024-12-31", "2025-01-01") && !is_same_time("a", "a"));
     }

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::error::TimelineError;
 use super::load::Timeline;
-use crate::calendar::{has_zone, label_after, label_of, time_of};
+use crate::calendar::{has_zone, label_of, time_of};
 
 /// What a row says of its time and its inputs.
 #[derive(Debug, Clone, Copy)]
@@ -278,13 +278,12 @@ impl Clock {
     /// What the time of the last row is called, if rows have times.
     pub(crate) fn label_of_last(&self, timeline: &Timeline) -> Option<String> {
         timeline.rule.column.as_ref()?;
-        let time = self.previous.as_ref()?.time + self.origin;
-        Some(label_after(time, timeline.rule.unit, self.has_zones == Some(true)))
+        Some(self.label(timeline, self.previous.as_ref()?.time))
     }
 
     /// A time as the rows write theirs.
     fn label(&self, timeline: &Timeline, time: f64) -> String {
-        label_of(time + self.origin, timeline.rule.unit)
+        label_of(time + self.origin, timeline.rule.unit, self.has_zones == Some(true))
     }
 
     /// The value of an input.

@@ -105,7 +105,7 @@ impl InputFile {
         let slack = 1e-9 * time.abs().max(last - first).max(1.0);
         if !holds_beyond && (time < first - slack || time > last + slack) {
             let (file, input) = (self.file.clone(), input.to_string());
-            let [first, last, time] = [first, last, time].map(|time| label_of(time, self.unit));
+            let [first, last, time] = [first, last, time].map(|time| label_of(time, self.unit, false));
             let lag = if lag == 0.0 { String::new() } else { format!(", as it lags by {lag}") };
             let beyond = BeyondFile { file, input, first, last, time, lag };
             return Err(TimelineError::BeyondFile(Box::new(beyond)));

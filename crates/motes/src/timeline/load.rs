@@ -33,19 +33,14 @@ impl Timeline {
         measurements: &[String],
         folder: &Path,
     ) -> Result<Option<Self>, (String, String)> {
-        let columns = [
-            ("[time] column", frame.time_rule().and_then(|rule| rule.column.as_deref())),
-            ("[series] by", frame.series_column()),
-        ];
-        for (key, column) in columns {
+        let of_times = frame.time_rule().and_then(|rule| rule.column.as_deref());
+        for (key, column, what) in [
+            ("[time] column", of_times, "the times"),
+            ("[series] by", frame.series_column(), "the name of each row's series"),
+        ] {
             if let Some(column) = column.filter(|column| measurements.iter().any(|name| name == column)) {
-                return Err((
-                    key.into(),
-                    format!(
-                        "{column} is a measurement; name the column that has the {}",
-                        if key == "[series] by" { "name of each row's series" } else { "times" }
-                    ),
-                ));
+                let reason = format!("{column} is a measurement; name the column that has {what}");
+                return Err((key.into(), reason));
             }
         }
         let needs_step = (0..measurements.len()).any(|entry| frame.needs_step(entry));

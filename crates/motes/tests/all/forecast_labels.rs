@@ -97,8 +97,7 @@ fn a_linearised_proposal_that_sees_nothing_says_so() {
     place.write("data.csv", "y\n0.3\n-0.5\n");
     for (model, is_blind) in [("blind.toml", true), ("seeing.toml", false)] {
         let checked = place.printed(&["check", model]);
-        let said =
-            "linearised (which is the transition: the location of no measurement depends on the state)";
+        let said = "linearised (which is the transition, since no measurement has a location that moves with the state)";
         assert_eq!(checked.contains(said), is_blind, "{checked}");
         let output = place.run(&["filter", model, "data.csv", "--proposal", "linearised"]);
         let said = "--proposal linearised is the transition here";

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ._dates import are_dates, following
+from ._dates import are_dates, following, like
 from ._errors import warn
 from ._years import are_years, following_years, is_named_year
 
@@ -15,8 +15,9 @@ if TYPE_CHECKING:
     from ._estimates import Estimates
 
 
-def followed(found: Estimates, steps: int) -> tuple[Any, list[Any] | None]:
-    """What follows the rows of each series, one series after the other: a part of an index, and of the carried column.
+def followed(found: Estimates, steps: int, written: list[str] | None) -> tuple[Any, list[Any] | None]:
+    """What follows the rows of each series, one series after the other: a part of an index, and of the carried column, which has the
+    times that are `written` where the model has a clock.
 
     None where rows have neither dates nor years. Where dates do not go on with equal steps, nobody knows which ones follow: it
     warns.
@@ -30,6 +31,9 @@ def followed(found: Estimates, steps: int) -> tuple[Any, list[Any] | None]:
         index = None if parts is None else _index_of(found._index, level, rows, parts, steps)
     if found._carried is not None:
         name, labels = found._carried
+        known = None if written is None else [like(text, labels[-1]) for text in written]
+        if known is not None and None not in known:
+            return index, known
         # Of a level of the index it was said.
         called = None if level is not None and name in found._levels else f"column {name}"
         parts = _parts(labels, rows, name, called, steps)

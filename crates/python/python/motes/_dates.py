@@ -42,6 +42,24 @@ def following(labels: Any, steps: int) -> Any:
         return None
 
 
+def like(text: str, last: Any) -> Any:
+    """A time that the model has written, of the kind that `last` is; None of other kinds."""
+    if isinstance(last, str):
+        return text
+    if isinstance(last, (int, float, np.integer, np.floating)):
+        value = float(text)
+        return int(value) if isinstance(last, (int, np.integer)) and value.is_integer() else value
+    if isinstance(last, np.datetime64):
+        return np.datetime64(text.rstrip("Z")).astype(last.dtype)
+    if hasattr(last, "tz_localize"):
+        stamp = type(last)(text)
+        return stamp if last.tzinfo is None else stamp.tz_convert(last.tzinfo)
+    if isinstance(last, datetime.datetime):
+        time = datetime.datetime.fromisoformat(text.replace("Z", "+00:00"))
+        return time if last.tzinfo is None else time.astimezone(last.tzinfo)
+    return datetime.date.fromisoformat(text) if isinstance(last, datetime.date) and "T" not in text else None
+
+
 def _after_list(labels: list[Any], steps: int) -> list[Any] | None:
     if isinstance(labels[0], str):
         times = [_parsed(label) for label in labels]

@@ -67,7 +67,7 @@ class Forecast:
         if has_inputs and written and filtered._carried is not None:
             self._ahead = list(written)
         else:
-            self._index, self._ahead = followed(filtered, steps)
+            self._index, self._ahead = followed(filtered, steps, written)
 
     def __getstate__(self) -> dict[str, Any]:
         return {name: value for name, value in self.__dict__.items() if name != "_times"}
