@@ -24,6 +24,7 @@
 //! ```
 
 mod closed_form;
+mod coordinates;
 mod describe;
 mod document;
 mod equations;
@@ -51,6 +52,7 @@ mod tables;
 mod text;
 
 pub use closed_form::NoClosedForm;
+pub use coordinates::Coordinates;
 pub use describe::Description;
 pub use equations::FormulaEquations;
 pub use error::{ComposedProblem, FileError, Place, Problem};

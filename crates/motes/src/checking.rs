@@ -59,6 +59,7 @@ fn check_until(
 ) -> Result<Checked, MotesError> {
     let mut checked = Checked::default();
     checked.findings.extend(of_starts(model).map(|warning| format!("warning: {warning}")));
+    checked.findings.extend(model.formulas().map(|formulas| format!("states: {}", formulas.coordinates())));
     match check_draws(model) {
         Ok(()) => check_drawn(model, data, seed, &mut checked, proceed)?,
         Err(error) => checked.findings.push(format!("simulations: {error}")),
@@ -251,7 +252,7 @@ fn check_data(model: &Model, data: &Data, checked: &mut Checked, seed: u64) {
         for row in data.of_series(series) {
             if let Err(error) = running.advance_by(&row.steps, &row.measurement) {
                 let of = if data.columns.has_series() { format!(" of series {name}") } else { String::new() };
-                checked.problems.push(format!("data, {} {}{of}: {error}", data.counted, row.line));
+                checked.problems.push(format!("data, {} {}{of}: {error}", data.source.counted, row.line));
                 break;
             }
         }

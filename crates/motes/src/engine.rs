@@ -311,6 +311,9 @@ impl<'m> Running<'m> {
             FilterError::NotANumber { particle, .. } | FilterError::State { particle, .. } => {
                 self.explain_particle(*particle, step)
             }
+            FilterError::Model(error) if self.kind == ProposalName::Exact.kind() => {
+                self.explain_exact(step).unwrap_or_else(|| error.to_string())
+            }
             other => other.to_string(),
         };
         MotesError::Filter { place, reason }
@@ -327,13 +330,27 @@ impl Running<'_> {
         let count = (self.filter.particles() / self.model.states().len()).min(MOST);
         let previous: Option<Vec<&[f64]>> = (0..count).map(|at| self.filter.of_particle(at).0).collect();
         let previous = previous.map(|rows| rows.concat());
+        let previous = previous.as_deref();
+        let distribution = |entry: usize, state: &[f64]| {
+            self.model.formulas().and_then(|formulas| formulas.distribution_at(step, state, entry))
+        };
         let beside = match self.model.kind() {
-            Kind::Learnable(model) => beside_prediction(model, step, previous.as_deref(), measurement, names),
+            Kind::Learnable(model) => {
+                beside_prediction(model, step, previous, measurement, names, &distribution)
+            }
             Kind::LinearGaussian(model) => {
-                beside_prediction(model, step, previous.as_deref(), measurement, names)
+                beside_prediction(model, step, previous, measurement, names, &distribution)
             }
         };
         beside.explained((self.kind != ProposalName::Exact.kind()).then_some(ess_before))
+    }
+
+    /// Which formula gives no number where answers are exact: at the means, which formulas of linear models do not depend on but as a whole.
+    fn explain_exact(&self, step: &Step<'_>) -> Option<String> {
+        let means = self.filter.means();
+        let previous = (step.index > 0).then_some(means);
+        let error = self.model.formulas()?.explain(step, previous, Some(means))?;
+        Some(error.to_string())
     }
 
     /// Why the density of a particle, or its state, is not a number.

@@ -7,7 +7,7 @@ use motes_smc::{FilterError, ProposalError};
 use motes_train::TrainError;
 use thiserror::Error;
 
-use crate::data::{Counted, DataError};
+use crate::data::{DataError, RowSource};
 use crate::timeline::TimelineError;
 
 /// Why there is no result.
@@ -107,12 +107,12 @@ impl MotesError {
         }
     }
 
-    /// The same with the line or row of data at which a filter failed.
+    /// The same with the row of data at which a filter failed, and its series where there are several.
     #[must_use]
-    pub fn at_row(self, counted: Counted, line: u64) -> Self {
+    pub fn at_row(self, source: &RowSource, series: Option<&str>, line: u64) -> Self {
         match self {
             MotesError::Filter { place, reason } => {
-                MotesError::Filter { place: format!("{counted} {line}, {place}"), reason }
+                MotesError::Filter { place: format!("{}, {place}", source.row(series, line)), reason }
             }
             other => other,
         }

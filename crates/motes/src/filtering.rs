@@ -62,7 +62,7 @@ fn filter_until(
             let row = &data.rows[at];
             let (estimate, diagnosis) = running
                 .step_and_diagnose(&row.steps, &row.measurement)
-                .map_err(|error| of_series(name, error.at_row(data.counted, row.line)))?;
+                .map_err(|error| error.at_row(&data.source, name, row.line))?;
             tally.step(&mut of_this, &row.steps, &row.measurement, diagnosis.as_ref());
             estimates[at] = Some(estimate);
             particles[at] = options.keep_particles.then(|| running.weighted_particles()).flatten();

@@ -14,12 +14,14 @@ use crate::packed::{pack, unpack};
 
 /// The profiles of parameters at the maximum.
 const PROFILE: &str = "profile.csv";
+/// States at what was fitted, and what is predicted.
+const STATES: &str = "states.csv";
 /// Where it stands; removed when it is done.
 const PROGRESS: &str = "progress.cbor";
 
 /// What a fit under way is called where it is written down, and the version of that.
 const FIT: &str = "fit";
-const VERSION: u32 = 6;
+const VERSION: u32 = 7;
 
 /// The folder of a fit.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,7 +39,7 @@ impl FitFolder {
     pub fn open(path: &Path, record: FitRecord) -> Result<Self, MotesError> {
         let failed = |source| MotesError::Output { file: path.display().to_string(), source };
         let is_of_a_fit = |name: &std::ffi::OsStr| {
-            [DRAWS, MAXIMUM, PROFILE, RECORD, SUMMARY, PROGRESS].iter().any(|file| name == *file)
+            [DRAWS, MAXIMUM, PROFILE, STATES, RECORD, SUMMARY, PROGRESS].iter().any(|file| name == *file)
         };
         let names: Vec<std::ffi::OsString> = match std::fs::read_dir(path) {
             Ok(entries) => entries.filter_map(Result::ok).map(|entry| entry.file_name()).collect(),
@@ -146,18 +148,34 @@ impl FitFolder {
         [(DRAWS, fit_draws(fitted)), (SUMMARY, fit_json(fitted, None))]
     }
 
-    /// Writes the maximum that was found.
+    /// Writes the maximum that was found, and removes where the searches stood.
     ///
     /// # Errors
     /// [`MotesError::Output`] if it cannot be written.
     pub fn finish_maximum(&self, found: &MaximumFit) -> Result<(), MotesError> {
-        let files = [
+        self.write_maximum_so_far(found)?;
+        self.remove(PROGRESS)
+    }
+
+    /// Writes the maximum that was found when searches were stopped, and leaves where they stood, so that they can go on.
+    ///
+    /// # Errors
+    /// [`MotesError::Output`] if it cannot be written.
+    pub fn write_maximum_so_far(&self, found: &MaximumFit) -> Result<(), MotesError> {
+        self.write(&[
             (MAXIMUM, maximum_table(found)),
             (PROFILE, profile_table(found)),
             (SUMMARY, maximum_json(found, None)),
-        ];
-        self.write(&files)?;
-        self.remove(PROGRESS)
+        ])
+    }
+
+    /// Writes the table of the states at what was fitted, and of what is predicted after the data.
+    ///
+    /// # Errors
+    /// [`MotesError::Output`] if it cannot be written.
+    pub fn write_states(&self, table: &str) -> Result<(), MotesError> {
+        let output = Output::File(self.path.join(STATES));
+        output.write(table).map_err(|source| MotesError::Output { file: output.name(), source })
     }
 
     /// Writes files and what they were made with, and removes those of another method.
@@ -170,7 +188,8 @@ impl FitFolder {
             output.write(text).map_err(|source| MotesError::Output { file: output.name(), source })?;
         }
         let is_written = |name: &&str| files.iter().any(|(written, _)| written == name);
-        [DRAWS, MAXIMUM, PROFILE]
+        // States are those of what was fitted before.
+        [DRAWS, MAXIMUM, PROFILE, STATES]
             .iter()
             .filter(|name| !is_written(name))
             .try_for_each(|name| self.remove(name))

@@ -8,7 +8,7 @@ use crate::engine::Running;
 use crate::error::MotesError;
 use crate::estimate::{Estimate, Forecast};
 use crate::model::Model;
-use crate::options::FilterOptions;
+use crate::options::{FilterOptions, ProposalName};
 use crate::timeline::{Clock, RowTime};
 use crate::warning::Warning;
 
@@ -53,7 +53,20 @@ impl Running<'_> {
         }
         match &mut self.continuations {
             Some(continuations) => continuations.next(self.model, row, self.asked.probabilities()),
-            None => self.go_on(clock, row),
+            None => self.go_on(clock, row).map_err(|error| self.explain_ahead(error)),
+        }
+    }
+
+    /// Says what would help where an exact filter has nothing that a forecast could go on from.
+    fn explain_ahead(&self, error: MotesError) -> MotesError {
+        match (error, self.model.fed_back_measurement()) {
+            (MotesError::Ahead(_), Some(column)) if self.kind == ProposalName::Exact.kind() => {
+                let reason = format!(
+                    "a forecast draws the measurement {column}, an input of later steps, and an exact filter draws nothing; take --proposal bootstrap"
+                );
+                MotesError::Proposal { proposal: "exact".to_string(), reason }
+            }
+            (error, _) => error,
         }
     }
 
@@ -76,9 +89,12 @@ impl Running<'_> {
     /// What is to be said of forecasts of measurements that need an input which nobody gave.
     pub fn forecast_warning(&self, series: Option<&str>) -> Option<Warning> {
         let input = self.unknown.as_ref()?;
-        let text = format!(
-            "forecasts of measurements that need the input {input} are empty: it is not known ahead; give its values by --inputs"
-        );
+        let cure =
+            match self.kind == ProposalName::Exact.kind() && self.model.fed_back_measurement().is_some() {
+                true => "it is drawn by --proposal bootstrap, and by no exact filter",
+                false => "it is not known ahead; give its values by --inputs",
+            };
+        let text = format!("forecasts of measurements that need the input {input} are empty: {cure}");
         Some(Warning { series: series.map(String::from), text })
     }
 }

@@ -84,7 +84,7 @@ pub use comparing::{
     Point, Reached, Sequence, compare, designed, designed_for_recorded,
 };
 pub use contender::Contender;
-pub use data::{Columns, Counted, Data, DataError, InputTable, Place, Row, RowOrder, Rows, Table};
+pub use data::{Columns, Counted, Data, DataError, InputTable, Place, Row, RowOrder, RowSource, Rows, Table};
 pub use engine::Running;
 pub use error::MotesError;
 pub use estimate::{Coordinate, Estimate, Forecast};

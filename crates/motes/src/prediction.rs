@@ -48,6 +48,8 @@ struct Beside {
     value: f64,
     /// Mean, standard deviation, smallest and largest of what was drawn; none where nothing can be.
     drawn: Option<[f64; 4]>,
+    /// Its distribution at the state from which the nearest value was drawn, where the model's formulas say.
+    nearest: Option<String>,
     /// Whether it has density 0 at all states that were drawn.
     is_impossible: bool,
 }
@@ -61,13 +63,15 @@ impl Beside {
 }
 
 /// Draws `x_t`, given states before (`K×N`) or from `p(x_0)` where there are none, and `y_t`, and says in words which entries of the measurement (`M`) are where
-/// nothing is predicted: those of density 0 at all that was drawn, or else those that are farthest off. `names` are those of the entries.
+/// nothing is predicted: those of density 0 at all that was drawn, or else those that are farthest off. `names` are those of the entries, and `distribution` writes that of an
+/// entry at a state.
 pub(crate) fn beside_prediction<M: Simulator + ?Sized>(
     model: &M,
     step: &Step<'_>,
     previous: Option<&[f64]>,
     measurement: &[Option<f64>],
     names: &[String],
+    distribution: &dyn Fn(usize, &[f64]) -> Option<String>,
 ) -> BesidePrediction {
     let (n, m) = (model.state_dim(), model.measurement_dim());
     let particles = previous.map_or(MOST, |previous| previous.len() / n);
@@ -77,9 +81,13 @@ pub(crate) fn beside_prediction<M: Simulator + ?Sized>(
     model.sample_measurements(step, &states, &mut streams, &mut drawn);
     let beside = |(entry, value): (usize, &Option<f64>)| {
         let value = (*value)?;
-        let drawn = summary(drawn.iter().skip(entry).step_by(m).copied());
+        let of_entry = || drawn.iter().skip(entry).step_by(m).copied();
+        let distance = |drawn: f64| if drawn.is_finite() { (drawn - value).abs() } else { f64::INFINITY };
+        let nearest = of_entry().zip(states.chunks_exact(n));
+        let nearest = nearest.min_by(|(a, _), (b, _)| distance(*a).total_cmp(&distance(*b)));
+        let nearest = nearest.and_then(|(_, state)| distribution(entry, state));
         let is_impossible = m <= WEIGHED && is_impossible(model, step, &states, entry, value);
-        Some(Beside { entry, value, drawn, is_impossible })
+        Some(Beside { entry, value, drawn: summary(of_entry()), nearest, is_impossible })
     };
     let mut all: Vec<Beside> = measurement.iter().enumerate().filter_map(beside).collect();
     all.sort_by(|a, b| {
@@ -92,10 +100,20 @@ pub(crate) fn beside_prediction<M: Simulator + ?Sized>(
     }
     let words = |beside: &Beside| {
         let (name, value) = (names.get(beside.entry).map_or("y", String::as_str), exact(beside.value));
-        let Some([mean, sd, low, high]) = beside.drawn.map(|drawn| drawn.map(short)) else {
-            return format!("{name} is {value}, and no particle can draw it");
+        let nearest = |before: &str| {
+            beside
+                .nearest
+                .as_ref()
+                .map_or_else(String::new, |written| format!("{before}{written} at the nearest"))
         };
-        format!("{name} is {value}, where the particles predict {mean} ± {sd}, from {low} to {high}")
+        let Some([mean, sd, low, high]) = beside.drawn.map(|drawn| drawn.map(short)) else {
+            return format!(
+                "{name} is {value}, and no particle can draw it{}",
+                nearest("; its distribution is ")
+            );
+        };
+        let nearest = nearest(", and its distribution is ");
+        format!("{name} is {value}, where the particles predict {mean} ± {sd}, from {low} to {high}{nearest}")
     };
     let more = if all.len() > NAMED { format!("; and {} more", all.len() - NAMED) } else { String::new() };
     let named = &all[..all.len().min(NAMED)];

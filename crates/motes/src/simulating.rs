@@ -194,9 +194,9 @@ fn simulate_all(
                 drawn.rows.push(rows);
             }
             Ok(None) => return Err(MotesError::Interrupted),
-            Err(SimulationFailure::Model(ModelError::Numerical { time, .. })) => {
+            Err(SimulationFailure::NotFinite { time, reason }) => {
                 failures += 1;
-                first.get_or_insert((number, time));
+                first.get_or_insert((number, time, reason));
             }
             Err(failure) => return Err(failure.into()),
         }
@@ -206,9 +206,9 @@ fn simulate_all(
     }
     match first {
         None => Ok(drawn),
-        Some((number, time)) => Err(MotesError::Simulation(format!(
-            "{failures} of {series} series run to numbers that are not finite, series {number} at t = {time}; take fewer steps, or look at \
-             the transition's noise and at formulas that grow"
+        Some((number, time, reason)) => Err(MotesError::Simulation(format!(
+            "{failures} of {series} series run to numbers that are not finite, series {number} at t = {time}: {reason}; take fewer steps, or \
+             look at the transition's noise and at formulas that grow"
         ))),
     }
 }
@@ -233,7 +233,7 @@ pub(crate) fn simulate_some(
     for number in 0..series {
         let mut stream = seed.nth(number as u64).stream();
         match draw_one(model, plan(number), &mut stream, &mut || ControlFlow::Continue(())) {
-            Ok(None) | Err(SimulationFailure::Model(_)) => {}
+            Ok(None) | Err(SimulationFailure::Model(_) | SimulationFailure::NotFinite { .. }) => {}
             Ok(Some((trajectory, rows))) => {
                 drawn.series.push(trajectory);
                 drawn.rows.push(rows);
@@ -285,16 +285,22 @@ fn draw_rows(
         let row = course.next(stream)?;
         for record in &row.steps {
             let step = record.step();
+            before.copy_from_slice(&state);
             let previous = (step.index > 0).then(|| Rows::all(&before, n));
             simulator.sample_states(&step, previous, from_mut(stream), &mut state);
-            before.copy_from_slice(&state);
         }
         let last = row.steps.last().cloned().unwrap_or_default();
         simulator.sample_measurements(&last.step(), &state, from_mut(stream), measurement);
         if !state.iter().chain(measurement.iter()).all(|value| value.is_finite()) {
-            let reason = format!("state {state:?}, measurement {measurement:?}");
-            let computation = "simulating the system";
-            return Err(ModelError::Numerical { computation, time, reason }.into());
+            let step = last.step();
+            let previous = (step.index > 0).then_some(before.as_slice());
+            let explained =
+                model.formulas().and_then(|formulas| formulas.explain(&step, previous, Some(&state)));
+            let reason = match explained {
+                Some(error) => error.to_string(),
+                None => format!("the state is {state:?}, the measurement {measurement:?}"),
+            };
+            return Err(SimulationFailure::NotFinite { time: step.time, reason });
         }
         let entries: Vec<Option<f64>> = measurement.iter().copied().map(Some).collect();
         model.measured(&mut course.clock, &entries)?;
@@ -390,8 +396,9 @@ impl<'a> Course<'a> {
     fn simulated(&mut self, timeline: &Timeline, stream: &mut Stream) -> Result<SimulatedRow, TimelineError> {
         /// The time between two rows.
         const GAP: f64 = 1.0;
-        let inputs = timeline.simulated_columns(self.clock.time_after(timeline, GAP)?, stream)?;
+        let inputs = timeline.simulated_columns(self.clock.time_after(timeline, GAP), stream)?;
         let steps = self.clock.next_after(timeline, GAP, &inputs)?;
-        Ok(SimulatedRow { steps, label: None, inputs })
+        let label = timeline.start_date().and_then(|_| self.clock.label_of_last(timeline));
+        Ok(SimulatedRow { steps, label, inputs })
     }
 }

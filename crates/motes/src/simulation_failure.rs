@@ -9,6 +9,11 @@ use crate::timeline::TimelineError;
 pub(crate) enum SimulationFailure {
     Model(ModelError),
     Timeline(TimelineError),
+    /// A state or a measurement at this time is not finite, and why.
+    NotFinite {
+        time: f64,
+        reason: String,
+    },
 }
 
 impl From<ModelError> for SimulationFailure {
@@ -28,6 +33,9 @@ impl From<SimulationFailure> for MotesError {
         match failure {
             SimulationFailure::Model(error) => error.into(),
             SimulationFailure::Timeline(error) => MotesError::Timeline(Box::new(error)),
+            SimulationFailure::NotFinite { time, reason } => {
+                MotesError::Simulation(format!("at t = {time}: {reason}"))
+            }
         }
     }
 }

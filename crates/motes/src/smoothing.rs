@@ -11,7 +11,7 @@ use crate::estimate::{Coordinate, Estimate};
 use crate::exact::smooth_exactly;
 use crate::few_ancestors::of_paths;
 use crate::filtered::Filtered;
-use crate::filtering::{measured, of_proposal, of_series};
+use crate::filtering::{measured, of_proposal};
 use crate::long_step::of_step;
 use crate::model::Model;
 use crate::options::{FilterOptions, ProposalName};
@@ -77,7 +77,7 @@ fn smooth_until(
                 let is_last = number + 1 == row.steps.len();
                 let measurement = if is_last { &row.measurement } else { &nothing };
                 let advanced = running.take_step(&step.step(), measurement);
-                advanced.map_err(|error| of_series(name, error.at_row(data.counted, row.line)))?;
+                advanced.map_err(|error| error.at_row(&data.source, name, row.line))?;
                 running.record(&mut history)?;
             }
             tally.step(&mut of_this, &row.steps, &row.measurement, running.diagnosis().as_ref());

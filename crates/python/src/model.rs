@@ -336,7 +336,7 @@ impl Model {
         data: Option<&Bound<'_, Data>>,
         proposals: Vec<ProposalArgument<'_>>,
         filter: &Bound<'_, FilterOptions>,
-        at: Vec<i64>,
+        sweep: Vec<i64>,
         sequences: i64,
         steps: i64,
     ) -> PyResult<Card> {
@@ -346,11 +346,11 @@ impl Model {
         let call = self.for_call()?;
         let proposals = if named.is_empty() { designed_for_recorded(&call.model, filter) } else { named };
         call.failure.or(Ok(()))?;
-        let at = at.iter().map(|count| integer("at", *count, 1, 1_000_000_000));
+        let sweep = sweep.iter().map(|count| integer("sweep", *count, 1, 1_000_000_000));
         let options = CompareOptions {
             proposals,
             filter: filter.clone(),
-            particles: at.collect::<PyResult<_>>()?,
+            particles: sweep.collect::<PyResult<_>>()?,
             sequences: integer("sequences", sequences, 1, 1_000_000)?,
             steps: integer("steps", steps, 2, 1_000_000_000)?,
             inputs: None,

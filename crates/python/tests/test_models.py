@@ -86,9 +86,9 @@ def test_learning_and_its_card(growth, tmp_path):
     assert {"bootstrap", "linearised", "learned"} <= set(learned.card.methods)
     assert learned.validation[-1, 1] > learned.validation[0, 1]
     learned.proposal.save(tmp_path / "p")
-    found = growth.compare(proposals=["bootstrap", motes.Proposal.load(tmp_path / "p", growth)], at=[10], sequences=2)
+    found = growth.compare(proposals=["bootstrap", motes.Proposal.load(tmp_path / "p", growth)], sweep=[10], sequences=2)
     assert list(found.methods) == ["bootstrap", "p", "p, ahead"]
-    assert list(growth.compare(proposals="bootstrap", at=[10], sequences=2).methods) == ["bootstrap"]
+    assert list(growth.compare(proposals="bootstrap", sweep=[10], sequences=2).methods) == ["bootstrap"]
     tuned = growth.learn(growth.simulate(50, 2).measurements, objective="wake", start=learned.proposal, updates=3, sequences=0)
     assert tuned.card is None and "learned further" in tuned.proposal.choice
 

@@ -27,7 +27,7 @@ def learned(seed):
 
 
 def compared(seed):
-    return WALK.compare(proposals="bootstrap", at=[10], sequences=2, steps=5, seed=seed).methods["bootstrap"]["e_l"]
+    return WALK.compare(proposals="bootstrap", sweep=[10], sequences=2, steps=5, seed=seed).methods["bootstrap"]["e_l"]
 
 
 CALLS = {

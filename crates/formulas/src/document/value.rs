@@ -38,8 +38,9 @@ pub(crate) enum Found {
     Number(f64, String),
     List(Vec<Value>),
     Table(Table),
-    /// Something else, in words.
-    Other(&'static str),
+    /// A date or a time without quotes, as it is written.
+    Date(String),
+    Truth,
 }
 
 impl Value {
@@ -65,8 +66,8 @@ impl Value {
             DeValue::Float(float) => {
                 Found::Number(float.as_str().parse().unwrap_or(f64::NAN), written.to_string())
             }
-            DeValue::Boolean(_) => Found::Other("true or false"),
-            DeValue::Datetime(_) => Found::Other("a date or time"),
+            DeValue::Boolean(_) => Found::Truth,
+            DeValue::Datetime(_) => Found::Date(written.to_string()),
             DeValue::Array(list) => {
                 Found::List(list.iter().map(|value| Value::of(value, quoted, table)).collect())
             }
@@ -98,7 +99,8 @@ impl Value {
             Found::Number(_, written) => format!("the number {written}"),
             Found::List(_) => "a list".to_string(),
             Found::Table(_) => "a section".to_string(),
-            Found::Other(words) => (*words).to_string(),
+            Found::Date(_) => "a date or time".to_string(),
+            Found::Truth => "true or false".to_string(),
         }
     }
 }

@@ -5,6 +5,7 @@ use std::fmt;
 use thiserror::Error;
 
 use crate::error::in_line;
+use crate::support::Digits;
 
 /// An operation of a formula that gave no number, or a distribution's parameter that is out of range.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -32,10 +33,10 @@ impl fmt::Display for DomainError {
         let DomainError { file, line, section, key, text, value, .. } = self;
         write!(formatter, "{file}{}, {section} {key}: ", in_line(*line))?;
         match &self.parameter {
-            None => write!(formatter, "`{text}` is {value}")?,
-            Some([name, _]) => write!(formatter, "{name}, `{text}`, is {value}")?,
+            None => write!(formatter, "`{text}` is {}", Digits(*value))?,
+            Some([name, _]) => write!(formatter, "{name}, `{text}`, is {}", Digits(*value))?,
         }
-        let at: Vec<String> = self.at.iter().map(|(name, value)| format!("{name} = {value}")).collect();
+        let at: Vec<String> = self.at.iter().map(|(name, value)| format!("{name} = {}", Digits(*value))).collect();
         // A name alone is its own value.
         if !at.is_empty() && self.at.iter().all(|(name, _)| name != text) {
             write!(formatter, " where {}", at.join(", "))?;

@@ -1,5 +1,6 @@
 //! Why a formula gives no number: which operation left its domain, and at which values.
 
+mod distribution;
 mod domain_error;
 mod evaluate;
 mod trace;

@@ -111,14 +111,19 @@ impl Law {
         }
     }
 
-    /// The median, or of a dirichlet the mean.
+    /// The median to twelve digits, or of a dirichlet the mean.
     pub(crate) fn centre(&self) -> Vec<f64> {
         match self {
             Law::Dirichlet(weights) => {
                 let sum: f64 = weights.iter().sum();
                 weights.iter().map(|weight| weight / sum).collect()
             }
-            one => vec![one.at_one(0.0)],
+            one => {
+                let (median, [low, high]) = (one.at_one(0.0), one.ends());
+                // That of uniform(0.1, 0.7) is 0.4, not 0.39999999999999997.
+                let short = format!("{median:.11e}").parse().ok();
+                vec![short.filter(|short| (low..=high).contains(short)).unwrap_or(median)]
+            }
         }
     }
 

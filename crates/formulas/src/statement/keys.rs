@@ -7,7 +7,7 @@ use crate::document::{Entry, Found, Table, Value};
 use crate::error::{ComposedProblem, Fault, Problem, Section};
 use crate::names::is_name;
 use crate::syntax::parts;
-use crate::tables::{family, reserved};
+use crate::tables::{family, function as function_of_table, reserved};
 
 /// How many coordinates a section may have.
 const MOST: usize = 10_000;
@@ -95,7 +95,7 @@ pub(super) fn read<'t>(
         let key = key(entry, section, parameters)
             .and_then(|key| with_parts(key, section))
             .map_err(|problem| Fault::at(entry.key_at, problem).in_section(section).of_key(&entry.key))?;
-        if let Some(problem) = taken(&key.name, section) {
+        if let Some(problem) = taken(&key, section) {
             return Err(key.fault(section, problem));
         }
         let goes_on = keys.last().filter(|before| before.name == key.name);
@@ -132,21 +132,22 @@ pub(super) fn read<'t>(
     Ok(keys)
 }
 
-/// Why a name cannot be had in a section.
-fn taken(name: &str, section: Section) -> Option<Problem> {
-    let what = match (name, section) {
+/// Why a name cannot be had in a section. A function of one's own may have the name of one that there is, in whose place it is called.
+fn taken(key: &Key<'_>, section: Section) -> Option<Problem> {
+    let what = match (key.name.as_str(), section) {
         ("series", Section::Initial | Section::Transition | Section::Measurement) => {
             Some("the column that tells sequences apart")
         }
-        _ => reserved(name),
+        (name, _) if !key.arguments.is_empty() && function_of_table(name).is_some() => None,
+        (name, _) => reserved(name),
     };
-    what.map(|what| Problem::Reserved { name: name.to_string(), what })
+    what.map(|what| Problem::Reserved { name: key.name.clone(), what })
 }
 
-/// A draw with as many coordinates as its distribution has parts.
+/// A draw, or a start, with as many coordinates as its distribution has parts.
 fn with_parts(key: Key<'_>, section: Section) -> Result<Key<'_>, Problem> {
     let parts = match &key.value.found {
-        Found::Text { text, .. } if section == Section::Draws => parts(text),
+        Found::Text { text, .. } => parts(text, section),
         _ => None,
     };
     match (parts, key.length) {

@@ -81,10 +81,10 @@ pub(super) fn read(table: &Table, constants: Constants<'_>) -> Result<TimeRule, 
                 }
                 rule.step = Some(step);
             }
-            ("start", Found::Text { text, .. }) if is_date(text) => {
+            ("start", Found::Text { text, .. } | Found::Date(text)) if is_date(text) => {
                 rule.start = Some(TimeLabel::Date(text.trim().to_string()));
             }
-            ("start", Found::Other(_)) => return refuse("a number, or a date in quotes"),
+            ("start", Found::Date(_) | Found::Truth) => return refuse("a number, or a date"),
             ("start", _) => rule.start = Some(TimeLabel::Number(constants.value(entry, Section::Time)?)),
             (key, _) => {
                 let advice = match nearest(key, KEYS) {

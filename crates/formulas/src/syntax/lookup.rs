@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use super::formula::{Element, Node};
 use super::meaning::Meaning;
+use super::parts::may_have_parts;
 use super::scope::Scope;
 use super::total::Since;
 use crate::error::{ComposedProblem, Problem, Section, nearest};
@@ -27,6 +28,10 @@ const IMPROPER: &str = "a prior integrates to 1: where next to nothing is known 
 
 /// What `name(…)` calls.
 pub(super) fn called<'a>(name: &str, scope: Scope<'a>) -> Result<Known<'a>, Problem> {
+    // One's own stand before those that there are, so that a file says what it computes.
+    if let Some(Meaning::Function { number, arguments }) = scope.names.get(name) {
+        return Ok(Known::Own(*number, arguments));
+    }
     if let Some(function) = function(name) {
         return Ok(Known::Function(function));
     }
@@ -50,14 +55,11 @@ pub(super) fn called<'a>(name: &str, scope: Scope<'a>) -> Result<Known<'a>, Prob
             Section::Parameters => Err(Problem::Composed(ComposedProblem::NoPrior(name.to_string()))),
             _ if is_only_prior => Err(Problem::Composed(ComposedProblem::OnlyPrior(name.to_string()))),
             Section::Definitions => Err(Problem::RandomInDefinition(name.to_string())),
-            section if compound.parts.is_some() && section != Section::Draws => {
+            section if compound.parts.is_some() && !may_have_parts(compound, section) => {
                 Err(Problem::Composed(ComposedProblem::PartsElsewhere(name.to_string())))
             }
             _ => Ok(Known::Compound(compound)),
         };
-    }
-    if let Some(Meaning::Function { number, arguments }) = scope.names.get(name) {
-        return Ok(Known::Own(*number, arguments));
     }
     if scope.names.contains_key(name) || is_argument(name, scope) || matches!(name, "t" | "dt" | "i" | "pi") {
         return Err(Problem::NotAFunction(name.to_string()));

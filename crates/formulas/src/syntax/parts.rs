@@ -3,13 +3,23 @@
 use std::ops::Range;
 
 use super::token::{Token, next};
-use crate::tables::{Composition, compound};
+use crate::error::Section;
+use crate::tables::{Composition, Compound, compound};
 
-/// How many numbers a formula draws, where its distribution has several parts. What is no formula is refused where it is read.
-pub(crate) fn parts(text: &str) -> Option<usize> {
+/// Whether a section can have a distribution of several parts: draws can, and so can starts, which take no time in which somebody could leave.
+pub(super) fn may_have_parts(compound: &Compound, section: Section) -> bool {
+    match section {
+        Section::Draws => true,
+        Section::Initial => compound.composition != Composition::EulerMultinomial,
+        _ => false,
+    }
+}
+
+/// How many numbers a formula draws, where its distribution has several parts that a section can have. What is no formula is refused where it is read.
+pub(crate) fn parts(text: &str, section: Section) -> Option<usize> {
     let (_, name) = next(text, 0).ok().filter(|(token, _)| *token == Token::Name)?;
     let name = &text[name];
-    let compound = compound(name)?;
+    let compound = compound(name).filter(|compound| may_have_parts(compound, section))?;
     let (before, arguments) = (compound.parts?, arguments_of_call(name, text)?);
     if compound.composition == Composition::MvNormal {
         // As many as there are means.

@@ -370,3 +370,42 @@ y = "normal(S, 1)"
     insta::assert_snapshot!(text([4.0, 0.5]).unwrap(), @"m.toml, line 7, [draws] k: the sum of the probabilities, `categorical(r, 0.25)`, is 0.75 where r = 0.5; it must be 1");
     assert_eq!(text([4.0, 0.75]), None);
 }
+
+/// Starts of several parts, against integrals in closed form: catches parts that are drawn without those before them, and states that are taken for another vector's.
+#[test]
+fn starts_have_parts() {
+    let correlated = model(
+        r#"
+[initial]
+w = "normal(3, 0.1)"
+v = "mvnormal([1, w], [[4, -1.5], [-1.5, 1]])"
+[transition]
+w = "w"
+v[2] = "normal(v[i], 0.5)"
+[measurement]
+y = "normal(v[0] + v[1], 0.5)"
+"#,
+    );
+    let variance = 4.0 - 3.0 + 1.0 + 0.01 + 0.25;
+    let expected = -0.5 * (f64::ln(2.0 * std::f64::consts::PI * variance) + 2.5 * 2.5 / variance);
+    for found in by_particles(&correlated, &[6.5]) {
+        assert!((found - expected).abs() < 0.01, "{found}, {expected}");
+    }
+
+    let shares = model(
+        r#"
+[initial]
+s = "dirichlet(1, 2, 3)"
+[transition]
+s[3] = "s[i]"
+[measurement]
+k = "binomial(4, s[1])"
+"#,
+    );
+    // s[1] is a beta(2, 4), and k = 3 of 4 a beta-binomial: 4·B(5, 5)/B(2, 4).
+    let expected = (4.0 * (24.0 * 24.0 / 362_880.0) * 20.0_f64).ln();
+    let found = by_particles(&shares, &[3.0])[0];
+    assert!((found - expected).abs() < 0.01, "{found}, {expected}");
+    let states = motes_models::StateSpaceModel::state_dim(&shares);
+    assert_eq!(states, 3);
+}

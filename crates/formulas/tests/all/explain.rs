@@ -73,3 +73,18 @@ fn a_text_of_a_program_has_no_lines() {
     let error = parse(&FILE.replace("max(x, 0)", "z")).unwrap_err();
     assert!(error.to_string().starts_with("model, [transition] x: `z` is not known here"), "{error}");
 }
+
+/// Catches a distribution of another state or another entry, and numbers in place of the random part.
+#[test]
+fn a_distribution_is_written_with_its_numbers() {
+    let model = model(FILE);
+    let at = |entry| model.distribution_at(&Step::of_index(2), &[2.0, 1.0, 1.0, 1.0], entry);
+    insta::assert_snapshot!(at(0).unwrap(), @"1 * exponential(2) + 0");
+    insta::assert_snapshot!(at(1).unwrap(), @"binomial(10, 0.5)");
+    assert_eq!(at(3), None);
+    let text = "[initial]\nx = \"normal(0, 1)\"\n[transition]\nx = \"normal(x, 1)\"\n[measurement]\ny[2] = \"rounded(mixture(0.1*i, normal(1e6*x, 2/3), normal(x, 1)))\"\nz = \"log_density(-(z - x)^2)\"\n";
+    let model = super::helpers::model(text);
+    let at = |entry| model.distribution_at(&Step::of_index(2), &[2e6], entry);
+    insta::assert_snapshot!(at(1).unwrap(), @"rounded(mixture(0.1, normal(2e12, 0.666667), normal(2000000, 1)))");
+    insta::assert_snapshot!(at(2).unwrap(), @"log_density(-(z - x)^2)");
+}

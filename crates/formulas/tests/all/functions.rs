@@ -12,11 +12,12 @@ fn mean(formula: &str, more: &str) -> f64 {
 #[test]
 fn a_function_is_its_formula() {
     let functions = r#"
-"logistic2(x)" = "1/(1 + exp(-x))"
+"logistic(x)" = "1/(1 + exp(-x))"
 season(from, a) = "1 + a*cos(2*pi*(t - from)/12) + r*y"
-"twice(u)" = "2*logistic2(u) + half"
+"twice(u)" = "2*logistic(u) + half"
 half = "square(x)/2"
 "square(u)" = "u^2"
+"mod(a, b)" = "a - b*floor(a/b) + 100"
 [parameters]
 r = 0.5
 "#;
@@ -24,10 +25,12 @@ r = 0.5
     let logistic = |x: f64| 1.0 / (1.0 + (-x).exp());
     for (formula, expected) in [
         // Its argument, not the state of that name.
-        ("logistic2(y)", logistic(-0.4)),
-        ("logistic2(2*y - 1)", logistic(-1.8)),
+        ("logistic(y)", logistic(-0.4)),
+        ("logistic(2*y - 1)", logistic(-1.8)),
         ("season(2, 0.3)", 1.0 + 0.3 * (std::f64::consts::PI / 2.0).cos() - 0.2),
-        ("twice(logistic2(x))", 2.0 * logistic(logistic(1.7)) + 1.7 * 1.7 / 2.0),
+        ("twice(logistic(x))", 2.0 * logistic(logistic(1.7)) + 1.7 * 1.7 / 2.0),
+        // The file's own stands before the one that there is.
+        ("mod(7, 3)", 101.0),
         ("if(x > 0, square(y), 0)*square(square(2))", 0.16 * 16.0),
     ] {
         let found = mean(formula, &functions);

@@ -51,6 +51,7 @@ pub struct MaximumSearch {
     /// The best of them with an estimate of its own: that by which it is the best has luck in it.
     best: Option<Maximum>,
     profiles: Vec<Profile>,
+    /// The sum over searches of the share of draws from the prior at which the likelihood is not 0.
     possible: f64,
     /// The first draw at which the likelihood was 0, and the number of its search.
     impossible: Option<(u64, DrawNumber)>,
@@ -136,7 +137,10 @@ impl MaximumSearch {
 
     /// The share of draws from the prior at which the likelihood is not 0.
     pub fn possible(&self) -> f64 {
-        self.possible
+        match self.settings.iterated {
+            Some(_) => 1.0,
+            None => self.possible / self.found.len().max(1) as f64,
+        }
     }
 
     /// The first draw from the prior at which it is; none where it was at none.
@@ -171,13 +175,12 @@ impl MaximumSearch {
         if let (Some((settings, perturbed)), false) = (iterated, self.swarms.are_done()) {
             let (count, seed) = (self.settings.starts, seed.child("iterated"));
             self.swarms.advance(likelihood, perturbed, settings, &mut self.found, count, &seed)?;
-            self.possible = 1.0;
             return Ok(());
         }
         if self.found.len() < self.settings.starts {
             let number = self.found.len() as u64;
             let (found, possible, impossible) = self.search(likelihood, &seed.nth(number))?;
-            self.possible += possible / self.settings.starts as f64;
+            self.possible += possible;
             if self.impossible.is_none() {
                 self.impossible = impossible.map(|draw| (number, draw));
             }

@@ -10,7 +10,7 @@ use motes_cli::integer;
 
 use super::evidence_args::EvidenceArgs;
 use super::fit_args::FitArgs;
-use super::fitted_args::FittedArgs;
+use super::fitted_args::{At, FittedArgs};
 use super::kind_args::KindArgs;
 use super::model_args::ModelArgs;
 use super::numbers::{fraction, resampling, seconds};
@@ -299,9 +299,12 @@ pub(super) struct CompareArgs {
     pub(super) data: Option<PathBuf>,
     /// The data that both models were fitted to, where there are two; the table then has their marginal likelihoods and how well each expects the next measurement
     pub(super) data_of_both: Option<PathBuf>,
-    /// Take the parameters that motes fit found, from its folder: the posterior's mean, or the maximum; for two models one folder each, in their order
+    /// Take the parameters that motes fit found, from its folder; for two models one folder each, in their order
     #[arg(long, value_name = "FOLDER")]
     pub(super) parameters: Vec<PathBuf>,
+    /// Which of them one model is compared at: mean takes the posterior's mean, maximum the maximum of the likelihood; if absent the one that was found
+    #[arg(long, value_name = "WHICH", requires = "parameters")]
+    pub(super) at: Option<At>,
     /// Proposals, separated by commas: bootstrap, linearised, optimal, folders that learn wrote; all that are designed and the model has if absent
     #[arg(long, value_name = "P,P", value_delimiter = ',')]
     pub(super) proposals: Vec<ProposalArg>,
@@ -310,7 +313,7 @@ pub(super) struct CompareArgs {
     pub(super) particles: usize,
     /// The numbers of particles at which error is held against time
     #[arg(long, value_name = "K,K", allow_negative_numbers = true, value_delimiter = ',', default_value = "10,30,100,300,1000,3000,10000", value_parser = integer(1..=1_000_000_000_usize))]
-    pub(super) at: Vec<usize>,
+    pub(super) sweep: Vec<usize>,
     /// The number of simulated sequences
     #[arg(long, value_name = "S", allow_negative_numbers = true, default_value = "20", value_parser = integer(1..=1_000_000_usize))]
     pub(super) sequences: usize,

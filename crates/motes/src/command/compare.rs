@@ -4,14 +4,15 @@ use std::sync::Arc;
 
 use motes::output::{CardReport, Output, card_json, card_report, card_text};
 use motes::{
-    CompareOptions, Comparison, Data, FilterOptions, FitParameters, Model, MotesError, ProposalName, Running,
-    compare, designed_for_recorded, of_starts, on_threads,
+    CompareOptions, Comparison, Data, FilterOptions, Model, MotesError, ProposalName, Running, compare,
+    designed_for_recorded, of_starts, on_threads,
 };
 use motes_cli::Interrupt;
 
 use super::args::CompareArgs;
 use super::compare_fits;
 use super::failure::Failure;
+use super::fitted_args::at_point;
 use super::input;
 use super::model_args::ModelArgs;
 use super::progress::Progress;
@@ -33,7 +34,7 @@ pub(super) fn run(args: &CompareArgs, interrupt: &Interrupt) -> Result<u8, Failu
     let file = args.model.read_beside(args.data.as_deref())?;
     let model = match args.parameters.as_slice() {
         [] => file,
-        [folder] => FitParameters::load(folder, &file)?.at_mean(&file)?,
+        [folder] => at_point(folder, args.at, &file, &args.model.set)?,
         _ => {
             let line = "--parameters: there is one model, and more than one folder of a fit; two models are compared by motes compare MODEL MODEL DATA";
             return Err(Failure::new(2, line));
@@ -52,7 +53,7 @@ pub(super) fn run(args: &CompareArgs, interrupt: &Interrupt) -> Result<u8, Failu
     let options = CompareOptions {
         proposals: proposals(args, &model, &filter)?,
         filter,
-        particles: args.at.clone(),
+        particles: args.sweep.clone(),
         sequences: args.sequences,
         steps: args.steps,
         inputs: inputs.map(Arc::new),

@@ -41,6 +41,11 @@ pub(super) fn run(
         let line = "--set: two fitted models have the parameters of their fits; leave it out";
         return Err(Failure::new(2, line));
     }
+    if args.at.is_some() {
+        let line =
+            "--at: two fitted models are held beside each other over all that was fitted; leave it out";
+        return Err(Failure::new(2, line));
+    }
     if args.report.is_some() || !args.proposals.is_empty() {
         return Err(Failure::new(2, "two fitted models have no card: leave --report and --proposals out"));
     }

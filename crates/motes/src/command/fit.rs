@@ -1,29 +1,28 @@
 //! `motes fit`.
 
 use std::cell::Cell;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use motes::output::{
-    FitReport, MaximumReport, Output, Report, fit_json, fit_report, fit_summary, fit_text, maximum_json,
+    FitReport, MaximumReport, Output, fit_json, fit_report, fit_summary, fit_text, maximum_json,
     maximum_report, maximum_summary, maximum_text,
 };
 use motes::{
-    Data, FilterOptions, FitFolder, FitOptions, FitRecord, Model, ModelNames, MotesError, PosteriorEstimates,
-    PosteriorFit, ProposalName, Quantiles, Warning, filter_draws, fit_from, maximise, on_threads,
+    Data, FitFolder, FitOptions, FitRecord, Model, ModelNames, MotesError, Warning, fit_from, maximise,
+    on_threads,
 };
 use motes_cli::{Interrupt, status};
 use serde::Serialize;
 
 use super::failure::Failure;
 use super::fit_args::{FitArgs, Method};
+use super::fit_states::{FitStates, StateRequest};
 use super::input;
 use super::progress::Progress;
 use super::say::{say_ignored, warn, write};
 use super::spinner::Spinner;
 use super::summary::{command_line, in_one_line};
-
-/// Draws at which the page shows states.
-const DRAWS: usize = 50;
 
 /// Where a fit stands is written down so often at most, and so seldom that writing is at most this share of the work.
 const EVERY: (Duration, u32) = (Duration::from_millis(200), 50);
@@ -37,7 +36,9 @@ pub(super) fn run(args: &FitArgs, interrupt: &Interrupt) -> Result<u8, Failure> 
         let output = Output::File(path.clone());
         output.check().map_err(|source| MotesError::Output { file: output.name(), source })?;
     }
-    let asked = FitRequest { args, model: &model, data: &data, options: &options, interrupt };
+    let ahead = args.inputs.as_ref().map(|path| Data::open_inputs(path, &model)).transpose()?;
+    let ahead = ahead.map(Arc::new);
+    let asked = FitRequest { args, model: &model, data: &data, options: &options, ahead, interrupt };
     let start = Instant::now();
     let found = match args.method {
         Method::Posterior => asked.posterior(),
@@ -66,6 +67,8 @@ struct FitRequest<'a> {
     model: &'a Model,
     data: &'a Data,
     options: &'a FitOptions,
+    /// Times and inputs of rows after the data.
+    ahead: Option<Arc<Data>>,
     interrupt: &'a Interrupt,
 }
 
@@ -144,7 +147,7 @@ impl FitRequest<'_> {
     }
 
     fn posterior(&self) -> Result<FitOutput, Failure> {
-        let FitRequest { args, model, data, options, interrupt } = self;
+        let FitRequest { args, model, data, options, interrupt, .. } = self;
         if !options.profiles.is_empty() {
             return Err(Failure::new(
                 2,
@@ -170,22 +173,19 @@ impl FitRequest<'_> {
             true => folder.write_so_far(&fitted)?,
             false => folder.finish(&fitted)?,
         }
-        let mut warnings = fitted.warnings.clone();
+        let (states, warnings) =
+            self.states(&folder, &fitted.warnings, |asked| asked.over_posterior(&fitted, interrupt))?;
         if let Some(path) = &args.report {
-            // The fit is done: that its states cannot be filtered takes nothing of it away.
-            let states = match self.states(&fitted) {
-                Ok(states) => Some(states),
-                Err(MotesError::Interrupted) => {
-                    let done = format!("stopped; {} is complete, without its page", args.output.display());
-                    return Err(Failure::stopped(done));
-                }
-                Err(error) => {
-                    let text = format!("the page has no states: {error}");
-                    warnings.push(Warning { series: None, text });
-                    None
-                }
+            let names = ModelNames::from(*model);
+            let report = FitReport {
+                model: model.name(),
+                fitted: &fitted,
+                states: states.as_ref().map(|states| states.report(data, &names)),
+                settings: &self.settings(),
+                command: &command_line(),
             };
-            write(&Output::File(path.clone()), &self.page(&fitted, states.as_ref())?)?;
+            let page = fit_report(&report).map_err(|error| MotesError::Report(error.to_string()))?;
+            write(&Output::File(path.clone()), &page)?;
         }
         Ok(FitOutput {
             text: fit_text(&fitted),
@@ -196,15 +196,16 @@ impl FitRequest<'_> {
     }
 
     fn maximum(&self) -> Result<FitOutput, Failure> {
-        let FitRequest { args, model, data, options, interrupt } = self;
-        if args.draws.is_some() || args.budget.is_some() {
-            let line = "--method maximum draws nothing: leave --draws and --budget out; --chains is its number of searches";
+        let FitRequest { args, model, data, options, interrupt, .. } = self;
+        if args.draws.is_some() {
+            let line =
+                "--method maximum draws nothing: leave --draws out; --chains is its number of searches";
             return Err(Failure::new(2, line));
         }
         let folder = self.folder(FitRecord::of_maximum(model, data, options)?)?;
         let before = folder.progress()?;
         self.say_before(&before);
-        let (found, _) = self.fitted(&folder, |kept| {
+        let (found, is_stopped) = self.fitted(&folder, |kept| {
             let progress = Progress::new(PARTS, args.model.quiet);
             let found = maximise(model, data, options, before, &|| interrupt.check(), &mut |search| {
                 progress.done((search.share() * PARTS as f64) as usize);
@@ -213,11 +214,18 @@ impl FitRequest<'_> {
             progress.finish();
             found
         })?;
-        folder.finish_maximum(&found)?;
+        match is_stopped {
+            true => folder.write_maximum_so_far(&found)?,
+            false => folder.finish_maximum(&found)?,
+        }
+        let (states, warnings) =
+            self.states(&folder, &found.warnings, |asked| asked.at_maximum(&found, interrupt))?;
         if let Some(path) = &args.report {
+            let names = ModelNames::from(*model);
             let report = MaximumReport {
                 model: model.name(),
                 found: &found,
+                states: states.as_ref().map(|states| states.report(data, &names)),
                 settings: &self.settings(),
                 command: &command_line(),
             };
@@ -227,7 +235,7 @@ impl FitRequest<'_> {
         Ok(FitOutput {
             text: maximum_text(&found),
             figures: maximum_summary(&found),
-            warnings: found.warnings.clone(),
+            warnings,
             json: Box::new(move |seconds| maximum_json(&found, Some(seconds))),
         })
     }
@@ -246,43 +254,34 @@ impl FitRequest<'_> {
         settings
     }
 
-    /// The data filtered at draws of a posterior, with what was expected of each measurement.
-    fn states(&self, fitted: &PosteriorFit) -> Result<PosteriorEstimates, MotesError> {
-        let FitRequest { args, model, data, options, interrupt } = self;
-        let draws = fitted.draw_values();
-        let models = draws.spread(model, DRAWS)?;
-        let proposal = match fitted.proposal.as_str() {
-            "exact" => ProposalName::Exact,
-            _ => ProposalName::Bootstrap,
-        };
-        let options =
-            FilterOptions { proposal, predictive: true, seed: options.seed, ..FilterOptions::default() };
-        on_threads(args.model.threads, || filter_draws(&models, data, &options, &|_| interrupt.check()))?
-    }
-
-    /// The report of a posterior.
-    fn page(&self, fitted: &PosteriorFit, states: Option<&PosteriorEstimates>) -> Result<String, MotesError> {
-        let FitRequest { model, data, .. } = self;
-        let (names, quantiles) = (ModelNames::from(*model), Quantiles::default());
-        fit_report(&FitReport {
-            model: model.name(),
-            fitted,
-            states: states.map(|states| Report {
-                title: "Filter over the posterior",
-                names: &names,
-                data,
-                estimates: &states.estimates,
-                quantiles: &quantiles,
-                forecasts: &states.forecasts,
-                summary: &[],
-                settings: &[],
-                warnings: &[],
-                command: "",
-            }),
-            settings: &self.settings(),
-            command: &command_line(),
-        })
-        .map_err(|error| MotesError::Report(error.to_string()))
+    /// States at what was fitted, in the folder, and the warnings of the fit with theirs.
+    fn states(
+        &self,
+        folder: &FitFolder,
+        warnings: &[Warning],
+        find: impl FnOnce(&StateRequest<'_>) -> Result<FitStates, MotesError> + Send,
+    ) -> Result<(Option<FitStates>, Vec<Warning>), Failure> {
+        let FitRequest { args, model, data, options, .. } = self;
+        let (seed, forecast, ahead) = (options.seed, args.forecast, self.ahead.clone());
+        let asked = StateRequest { model, data, seed, forecast, ahead };
+        let mut warnings = warnings.to_vec();
+        match on_threads(args.model.threads, || find(&asked))? {
+            Ok(states) => {
+                folder.write_states(&states.table)?;
+                warnings.extend(states.warnings.iter().cloned());
+                Ok((Some(states), warnings))
+            }
+            Err(MotesError::Interrupted) => Err(Failure::stopped(format!(
+                "stopped; {} is complete, without its states",
+                args.output.display()
+            ))),
+            // The fit is done: that its states cannot be filtered takes nothing of it away.
+            Err(error) => {
+                let text = format!("there are no states: {error}");
+                warnings.push(Warning { series: None, text });
+                Ok((None, warnings))
+            }
+        }
     }
 }
 

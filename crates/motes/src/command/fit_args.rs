@@ -49,9 +49,15 @@ pub(super) struct FitArgs {
     /// By --method maximum, a parameter whose profile and interval are sought, and may be given several times; if absent all, or none by iterated filtering
     #[arg(long, value_name = "NAME")]
     profile: Vec<String>,
-    /// End with the draws that there are after so many seconds; they then depend on the machine
+    /// End with the draws, or the searches, that there are after so many seconds; they then depend on the machine
     #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = seconds)]
     pub(super) budget: Option<f64>,
+    /// Predict the states and measurements of so many times after the last measurement, in states.csv of the folder and in the report
+    #[arg(long, value_name = "H", allow_negative_numbers = true, default_value = "0", value_parser = integer(0..=1_000_000_usize))]
+    pub(super) forecast: usize,
+    /// Times and inputs of the rows after the last one, which are predicted: a CSV file with the columns that the model's [time] and [inputs] name
+    #[arg(long, value_name = "FILE", conflicts_with = "forecast")]
+    pub(super) inputs: Option<PathBuf>,
     /// Print one JSON object with all figures
     #[arg(long)]
     pub(super) json: bool,

@@ -11,6 +11,7 @@ mod filter;
 mod filter_page;
 mod fit;
 mod fit_args;
+mod fit_states;
 mod fitted_args;
 mod input;
 mod kind_args;

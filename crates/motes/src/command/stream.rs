@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use motes::output::{EstimateTable, Output, Sink, filter_json, filter_summary};
 use motes::{
-    Clock, Counted, Data, DataError, Estimate, FilterOptions, Model, ModelNames, MotesError, Row, RowOrder,
+    Clock, Data, DataError, Estimate, FilterOptions, Model, ModelNames, MotesError, Row, RowOrder, RowSource,
     Rows, Running, SeriesTally, Tally, TimeLabel, Warning, of_proposal, of_starts, rows_ahead,
 };
 use motes_cli::{Interrupt, status};
@@ -32,6 +32,7 @@ pub(super) fn run(
     let start = Instant::now();
     let of_input = |error: DataError| stopped(error.into(), interrupt);
     let mut rows = Rows::new(Standard::new(interrupt), STANDARD, model).map_err(of_input)?;
+    let source = RowSource::of_file(STANDARD);
     say_ignored(rows.columns(), args.model.quiet);
     let (names, has_forecasts) = (ModelNames::from(model), options.has_forecasts());
     let FilterOptions { quantiles, predictive, .. } = options;
@@ -61,8 +62,9 @@ pub(super) fn run(
             warn(std::slice::from_ref(&warning), args.model.quiet, false);
             warnings.push(warning);
         }
+        let named = rows.columns().has_series().then_some(of.name.as_str());
         let step = of.running.step_by(&row.steps, &row.measurement);
-        let estimate = step.map_err(|error| error.at_row(Counted::Line, row.line))?;
+        let estimate = step.map_err(|error| error.at_row(&source, named, row.line))?;
         answers.say(&table.row(&of.name, row.label.as_deref(), row.time, &estimate))?;
         tally.step(&mut of.tally, &row.steps, &row.measurement, of.running.diagnosis().as_ref());
         times += 1;
@@ -108,8 +110,7 @@ pub(super) fn run(
     if let Some(path) = &args.output.report {
         let names = series.into_iter().map(|of| of.name).collect();
         let columns = rows.columns().clone();
-        let data =
-            Data { columns, series: names, rows: kept_rows, clocks, counted: Counted::Line, index: None };
+        let data = Data { columns, series: names, rows: kept_rows, clocks, source, index: None };
         write(&Output::File(path.clone()), &page(args, model, &data, options, &filtered)?)?;
     }
     if args.output.json {

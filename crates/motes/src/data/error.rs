@@ -26,6 +26,34 @@ impl fmt::Display for Counted {
     }
 }
 
+/// Where rows of data come from, for errors.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct RowSource {
+    /// Their file; none of a table in memory.
+    pub file: Option<String>,
+    /// How they are counted.
+    pub counted: Counted,
+}
+
+impl RowSource {
+    /// Rows of a table in memory.
+    pub(crate) fn of_table() -> Self {
+        RowSource { file: None, counted: Counted::Row }
+    }
+
+    /// Lines of a file.
+    pub fn of_file(file: &str) -> Self {
+        RowSource { file: Some(file.to_string()), counted: Counted::Line }
+    }
+
+    /// A row, with its series where there are several: `data.csv, series b, line 3`.
+    pub fn row(&self, series: Option<&str>, line: u64) -> String {
+        let file = self.file.iter().map(|file| format!("{file}, "));
+        let series = series.iter().map(|series| format!("series {series}, "));
+        file.chain(series).chain([format!("{} {line}", self.counted)]).collect()
+    }
+}
+
 /// Where in data something stands.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Place {

@@ -7,7 +7,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::columns::Columns;
-use super::error::{Counted, DataError};
+use super::error::{DataError, RowSource};
 use super::rows::{Row, Rows};
 use crate::model::Model;
 use crate::timeline::Clock;
@@ -23,8 +23,8 @@ pub struct Data {
     pub rows: Vec<Row>,
     /// Where each series is after its last row.
     pub clocks: Vec<Clock>,
-    /// How rows are counted, for errors.
-    pub counted: Counted,
+    /// Where the rows come from, for errors.
+    pub source: RowSource,
     /// What an index beside the columns says of each row, where a table in memory has one.
     pub index: Option<Vec<String>>,
 }
@@ -67,7 +67,7 @@ impl Data {
         let series: Vec<String> = reader.series().map(String::from).collect();
         let clocks = (0..series.len()).map(|number| reader.clock(number)).collect();
         let columns = reader.columns().clone();
-        Ok(Data { columns, series, rows, clocks, counted: Counted::Line, index: None })
+        Ok(Data { columns, series, rows, clocks, source: RowSource::of_file(file), index: None })
     }
 
     /// For each series, where its rows stand in [`Data::rows`], in order of time.

@@ -1,7 +1,7 @@
 //! Data that a program has in memory.
 
 use super::columns::Columns;
-use super::error::{Counted, DataError, Place};
+use super::error::{Counted, DataError, Place, RowSource};
 use super::rows::Row;
 use super::seen::SeenSeries;
 use super::series::Data;
@@ -90,7 +90,7 @@ impl Data {
         }
         let series: Vec<String> = seen.names().map(String::from).collect();
         let clocks = series.iter().map(|name| Clock::of_series(name)).collect();
-        Ok(Data { columns, series, rows, clocks, counted: Counted::Row, index: None })
+        Ok(Data { columns, series, rows, clocks, source: RowSource::of_table(), index: None })
     }
 
     /// Makes data of a table in memory.
@@ -206,6 +206,6 @@ impl Data {
         }
         let series = seen.names().map(String::from).collect();
         let index = table.index.map(<[String]>::to_vec);
-        Ok(Data { columns, series, rows, clocks, counted: Counted::Row, index })
+        Ok(Data { columns, series, rows, clocks, source: RowSource::of_table(), index })
     }
 }

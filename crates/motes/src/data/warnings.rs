@@ -111,8 +111,8 @@ impl Data {
         let named = blocks.iter().take(NAMED).map(|block| {
             let (first, last) = (line(block.first), line(block.last));
             match first == last {
-                true => format!("{} in {} {first}", shown(block.label), self.counted),
-                false => format!("{} in {}s {first} to {last}", shown(block.label), self.counted),
+                true => format!("{} in {} {first}", shown(block.label), self.source.counted),
+                false => format!("{} in {}s {first} to {last}", shown(block.label), self.source.counted),
             }
         });
         let named = named.collect::<Vec<_>>().join(", ");
@@ -156,7 +156,7 @@ impl Data {
 
     /// What a row is called: `line 3 (2024-03-01)`.
     fn called(&self, labels: &Labels<'_>, row: usize) -> String {
-        format!("{} {} ({})", self.counted, self.rows[row].line, shown(labels.texts[row]))
+        format!("{} {} ({})", self.source.counted, self.rows[row].line, shown(labels.texts[row]))
     }
 }
 

@@ -7,7 +7,6 @@ use motes_smc::FilterError;
 use crate::data::Data;
 use crate::engine::Running;
 use crate::error::MotesError;
-use crate::filtering::of_series;
 use crate::model::Model;
 use crate::options::FilterOptions;
 use crate::warning::Warning;
@@ -69,9 +68,10 @@ fn log_evidence_until(
             let row = &data.rows[at];
             if let Err(error) = running.advance_by(&row.steps, &row.measurement) {
                 if !matches!(running.filter.failure(), Some(FilterError::Collapse { .. })) {
-                    return Err(of_series(name.map(String::as_str), error));
+                    return Err(error.at_row(&data.source, name.map(String::as_str), row.line));
                 }
-                let text = format!("{} {}, {error}; the log-evidence is −∞", data.counted, row.line);
+                let at = data.source.row(None, row.line);
+                let text = format!("{at}, {error}; the log-evidence is −∞");
                 let impossible = Some(Warning { series: name.cloned(), text });
                 return Ok(LogEvidence { value: f64::NEG_INFINITY, impossible });
             }

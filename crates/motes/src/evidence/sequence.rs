@@ -5,11 +5,10 @@ use std::ops::ControlFlow;
 use motes_models::{Seed, Step};
 use motes_smc::{FilterError, LookAhead, RecordedStep};
 
-use crate::data::{Counted, Data};
+use crate::data::{Data, RowSource};
 use crate::engine::Running;
 use crate::error::MotesError;
 use crate::exact::log_evidence_alone;
-use crate::filtering::of_series;
 use crate::model::Model;
 use crate::options::{FilterOptions, ProposalName};
 use crate::recorded::{look_ahead, recorded_steps};
@@ -19,9 +18,9 @@ pub(crate) struct RecordedSequence {
     /// Its name, where the data have several.
     name: Option<String>,
     steps: Vec<RecordedStep>,
-    /// Where the row that each step leads to stands in the data, and what is counted there.
+    /// Where the row that each step leads to stands in the data.
     lines: Vec<u64>,
-    counted: Counted,
+    source: RowSource,
 }
 
 /// What is asked on the way, from any thread.
@@ -38,7 +37,7 @@ pub(crate) fn sequences(data: &Data) -> Vec<RecordedSequence> {
             name: data.columns.has_series().then(|| name.clone()),
             steps: recorded_steps(data, &places),
             lines: rows.flat_map(|row| vec![row.line; row.steps.len()]).collect(),
-            counted: data.counted,
+            source: data.source.clone(),
         }
     };
     data.series.iter().zip(data.by_series()).map(of_series).collect()
@@ -48,7 +47,7 @@ impl RecordedSequence {
     /// One without a name.
     pub(crate) fn of_steps(steps: Vec<RecordedStep>) -> Self {
         let lines = (0..steps.len() as u64).collect();
-        RecordedSequence { name: None, steps, lines, counted: Counted::Row }
+        RecordedSequence { name: None, steps, lines, source: RowSource::of_table() }
     }
 
     /// Its steps, with what is measured at their ends.
@@ -123,7 +122,7 @@ impl RecordedSequence {
 
     /// An error at the step of that number, with the series and the row.
     fn placed(&self, number: usize, error: MotesError) -> MotesError {
-        of_series(self.name.as_deref(), error.at_row(self.counted, self.lines[number]))
+        error.at_row(&self.source, self.name.as_deref(), self.lines[number])
     }
 
     /// Why the evidence of [`RecordedSequence::log_evidence_alone`] is 0, or there is none: the row, and what is wrong with it; none where all is well.

@@ -11,7 +11,6 @@ use crate::data::Data;
 use crate::engine::Running;
 use crate::error::MotesError;
 use crate::evidence::is_exact;
-use crate::filtering::of_series;
 use crate::mixture::options_of_draw;
 use crate::model::Model;
 use crate::options::{FilterOptions, ProposalName};
@@ -136,7 +135,7 @@ fn increments(
                     places[number..].iter().for_each(|at| found[*at] = f64::NEG_INFINITY);
                     break;
                 }
-                return Err(of_series(name, error.at_row(data.counted, row.line)));
+                return Err(error.at_row(&data.source, name, row.line));
             }
             found[at] = running.last_increment();
             if proceed().is_break() {

@@ -50,6 +50,14 @@ impl<'a> Budget<'a> {
         self.is_lifted.store(true, Ordering::Relaxed);
     }
 
+    /// Why there is no maximum.
+    pub(super) fn too_short_to_search(&self) -> MotesError {
+        let seconds = self.seconds.unwrap_or_default();
+        MotesError::Setting(format!(
+            "--budget: {seconds} seconds ended it before the first search had ended; take more seconds, or fewer passes"
+        ))
+    }
+
     /// Why there are no draws.
     pub(super) fn too_short(&self, stage: Stage) -> MotesError {
         let seconds = self.seconds.unwrap_or_default();

@@ -8,6 +8,7 @@ use motes_inference::{
 };
 use serde::{Deserialize, Serialize};
 
+use super::budget::Budget;
 use super::free::FreeParameters;
 use super::likelihood::ModelLikelihood;
 use super::options::FitOptions;
@@ -151,7 +152,9 @@ pub fn maximise(
 ) -> Result<MaximumFit, MotesError> {
     let free = FreeParameters::of(model)?;
     check(model, data, options)?;
-    let mut likelihood = ModelLikelihood::new(model, data, &free, options, proceed)?;
+    let budget = Budget::new(options.seconds, proceed);
+    let proceed = || budget.check();
+    let mut likelihood = ModelLikelihood::new(model, data, &free, options, &proceed)?;
     let names = free.names();
     if names.len() >= MANY || options.passes.is_some() {
         likelihood.perturbed = match likelihood.perturbed_model() {
@@ -174,15 +177,21 @@ pub fn maximise(
     while !search.is_done(free.len()) {
         observe(SearchProgress { search: &search, dimension: free.len(), is_stopped: false })?;
         match search.advance(&likelihood) {
+            Ok(()) if !search.is_done(free.len()) && budget.is_spent() => {
+                observe(SearchProgress { search: &search, dimension: free.len(), is_stopped: true })?;
+                break;
+            }
             Ok(()) => {}
+            // It is as it was before the piece of work that was not done.
             Err(FitError::Likelihood(MotesError::Interrupted)) => {
                 observe(SearchProgress { search: &search, dimension: free.len(), is_stopped: true })?;
-                return Err(MotesError::Interrupted);
+                if budget.is_over() { break } else { return Err(MotesError::Interrupted) }
             }
             Err(error) => return Err(refused(error, &likelihood)),
         }
     }
-    let Some(best) = search.best() else { return Err(MotesError::Interrupted) };
+    budget.lift();
+    let Some(best) = search.best() else { return Err(budget.too_short_to_search()) };
     let estimates = free.at(&best.v);
     let end = |at: usize, value: f64| {
         let mut v = best.v.clone();
@@ -206,8 +215,9 @@ pub fn maximise(
         };
         of_parameter(at).map_or(vec![], |profile| profile.points.iter().map(point).collect())
     };
-    let mut warnings =
-        trust::of_starts(search.agreeing().count(), search.searches()).into_iter().collect::<Vec<Warning>>();
+    let unfinished = trust::of_work(&search, free.len());
+    let of_starts = trust::of_starts(search.agreeing().count(), search.searches());
+    let mut warnings: Vec<Warning> = unfinished.into_iter().chain(of_starts).collect();
     let value = |found: &Maximum, at: usize| free.at(&found.v)[at];
     warnings.extend(trust::of_places(&names, &value, best, search.agreeing(), search.profiles()));
     let of_profile = |profile: &Profile| trust::of_profile(&names[profile.at], profile, best);

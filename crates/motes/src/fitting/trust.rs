@@ -1,6 +1,6 @@
 //! Whether a fit can be trusted.
 
-use motes_inference::{Maximum, ParameterSummary, Profile};
+use motes_inference::{Maximum, MaximumSearch, ParameterSummary, Profile};
 use motes_models::equations::Scalar;
 
 use super::free::FreeParameters;
@@ -33,6 +33,17 @@ const MOSTLY_POSSIBLE: f64 = 0.95;
 
 fn warning(text: String) -> Warning {
     Warning { series: None, text }
+}
+
+/// Where searches were ended before they were done.
+pub(super) fn of_work(search: &MaximumSearch, dimension: usize) -> Option<Warning> {
+    let (done, all) = search.progress(dimension);
+    let share = 100.0 * done as f64 / all as f64;
+    (done < all).then(|| {
+        warning(format!(
+            "--budget ended it with {share:.0} % of its work done: searches and profiles that had not ended are not in it; the same command with more seconds goes on from there"
+        ))
+    })
 }
 
 /// Where chains have not converged; the worst parameter is named.

@@ -199,7 +199,7 @@ fn at_draw(
             let row = &data.rows[at];
             let (estimate, diagnosis) = running
                 .step_and_diagnose(&row.steps, &row.measurement)
-                .map_err(|error| of_series(name, error.at_row(data.counted, row.line)))?;
+                .map_err(|error| error.at_row(&data.source, name, row.line))?;
             tally.step(&mut of_this, &row.steps, &row.measurement, diagnosis.as_ref());
             rows[at] = at_draw(&running, &estimate);
             if proceed().is_break() {

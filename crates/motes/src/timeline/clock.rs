@@ -118,17 +118,23 @@ impl Clock {
         gap: f64,
         columns: &[Option<f64>],
     ) -> Result<Vec<StepRecord>, TimelineError> {
-        let time = self.time_after(timeline, gap)?;
+        let time = self.time_after(timeline, gap);
+        // Rows whose times nobody gave have those that follow from a start by the calendar.
+        if let Some(date) = timeline.start_date().filter(|_| self.rows == 0) {
+            self.has_zones = has_zone(date);
+            if timeline.rule.counts_from_first_row() {
+                self.origin = timeline.start.map_or(0.0, |start| start + gap);
+            }
+        }
         self.next_at(timeline, time, columns)
     }
 
     /// The time of a row a gap after the one before.
-    pub(crate) fn time_after(&self, timeline: &Timeline, gap: f64) -> Result<f64, TimelineError> {
+    pub(crate) fn time_after(&self, timeline: &Timeline, gap: f64) -> f64 {
         match (&self.previous, timeline.start) {
-            (Some(previous), _) => Ok(previous.time + gap),
-            (None, Some(_)) if timeline.rule.unit.is_some() => Err(TimelineError::NoDates),
-            (None, Some(start)) => Ok(start + gap),
-            (None, None) => Ok(0.0),
+            (Some(previous), _) => previous.time + gap,
+            (None, Some(start)) if !timeline.rule.counts_from_first_row() => start + gap,
+            (None, _) => 0.0,
         }
     }
 

@@ -111,9 +111,6 @@ pub enum TimelineError {
         /// The input.
         input: String,
     },
-    /// A time by the calendar is needed, and none is there.
-    #[error("the model's times are dates; give those of the rows by --inputs")]
-    NoDates,
 }
 
 impl TimelineError {

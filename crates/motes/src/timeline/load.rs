@@ -119,6 +119,14 @@ impl Timeline {
         }
     }
 
+    /// The date of `x_0`, if the file states one.
+    pub(crate) fn start_date(&self) -> Option<&str> {
+        match &self.rule.start {
+            Some(TimeLabel::Date(date)) => Some(date),
+            _ => None,
+        }
+    }
+
     /// Whether `x_0` has a time of its own.
     pub(crate) fn has_start(&self) -> bool {
         self.start.is_some()

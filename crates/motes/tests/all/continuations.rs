@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use motes::{Data, FilterOptions, Model, filter};
+use motes::{Data, FilterOptions, Model, ProposalName, filter};
 
 const FEEDBACK: &str = r#"
 [inputs]
@@ -77,4 +77,28 @@ fn a_measurement_that_is_given_ahead_is_the_input_of_all_continuations() {
     let means: Vec<f64> =
         filtered.forecasts[0].iter().map(|forecast| forecast.estimate.predictive[0].mean).collect();
     assert!(means[0] < 5.0 && (means[1] - 25.0).abs() < 3.0, "{means:?}");
+}
+
+/// An exact filter draws nothing that a forecast could go on from.
+#[test]
+fn an_exact_filter_says_who_forecasts_with_measurements_of_its_own() {
+    let options = FilterOptions { proposal: ProposalName::Exact, forecast: 5, ..FilterOptions::default() };
+    let run = |text: &str| {
+        let model = Model::parse(text, "feedback", &[]).unwrap();
+        let data = Data::read("t,y\n0,0.4\n1,1.3\n".as_bytes(), "y.csv", &model).unwrap();
+        filter(&model, &data, &options, |_| ControlFlow::Continue(()))
+    };
+    // Where measurements alone need it, states are predicted.
+    let warnings = run(FEEDBACK).unwrap().warnings;
+    assert!(
+        warnings
+            .iter()
+            .any(|warning| warning.text.ends_with("drawn by --proposal bootstrap, and by no exact filter")),
+        "{warnings:?}"
+    );
+    let moving = FEEDBACK.replace("normal(0.9*x, 0.3)", "normal(0.9*x + 0.1*before, 0.3)");
+    assert_eq!(
+        run(&moving).unwrap_err().to_string(),
+        "--proposal exact: a forecast draws the measurement y, an input of later steps, and an exact filter draws nothing; take --proposal bootstrap"
+    );
 }

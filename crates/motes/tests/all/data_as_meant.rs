@@ -355,11 +355,12 @@ fn a_measurement_far_off_is_shown_beside_what_the_particles_predict() {
     for command in ["filter", "smooth"] {
         let output = place.run(&[command, "m.toml", "d.csv"]);
         let said = stderr(&output);
-        let begin = "motes: line 3, t = 1: no particle explains the measurement: y is 30, where the particles predict ";
+        let begin = "motes: d.csv, line 3, t = 1: no particle explains the measurement: y is 30, where the particles predict ";
         assert!(said.starts_with(begin) && !said.contains("z is"), "{said}");
         let numbers: Vec<&str> = said[begin.len()..].split_whitespace().collect();
         let (mean, sd): (f64, f64) =
             (numbers[0].parse().unwrap(), numbers[2].trim_end_matches(',').parse().unwrap());
+        assert!(said.contains(", and its distribution is uniform("), "{said}");
         assert!(mean.abs() < 1.0 && (0.4..1.5).contains(&sd), "{said}");
         assert!(said.ends_with("take more particles or --proposal linearised, or give the measurement more noise or heavier tails"));
         assert_eq!(output.status.code(), Some(2));
@@ -377,7 +378,7 @@ fn a_measurement_that_no_particle_can_draw_is_named() {
     place.write("d.csv", "n,y\n9,4\n-9,4\n");
     assert_eq!(
         stderr(&place.run(&["filter", "m.toml", "d.csv"])),
-        "motes: line 3, t = 1: no particle explains the measurement: y is 4, and no particle can draw it (the effective sample size before was 1000); look at the parameters of its \
+        "motes: d.csv, line 3, t = 1: no particle explains the measurement: y is 4, and no particle can draw it; its distribution is binomial(-9, 0.5) at the nearest (the effective sample size before was 1000); look at the parameters of its \
          distribution there, and at the inputs of this row"
     );
 }

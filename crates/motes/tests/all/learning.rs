@@ -59,7 +59,7 @@ fn it_is_learned_once_and_filters_better_than_what_it_started_from() {
         "2",
         "--steps",
         "10",
-        "--at",
+        "--sweep",
         "10",
     ]);
     let compared: Value = serde_json::from_str(&compared).unwrap();
@@ -166,7 +166,8 @@ fn where_nothing_learned_pays_filters_take_the_designed_proposal() {
     let filtered =
         |proposal: &str| place.printed(&["filter", "linear.toml", "d.csv", "--proposal", proposal, "-q"]);
     assert_eq!(filtered("p"), filtered("linearised"));
-    let compared = ["--proposals", "bootstrap,linearised,p", "--sequences", "3", "--steps", "9", "--at", "9"];
+    let compared =
+        ["--proposals", "bootstrap,linearised,p", "--sequences", "3", "--steps", "9", "--sweep", "9"];
     let card = place.printed(&[&["compare", "linear.toml"], &compared[..]].concat());
     assert!(card.lines().next().unwrap().ends_with(" p filters by linearised."), "{card}");
     assert_ne!(filtered("p"), filtered("bootstrap"));
@@ -183,7 +184,7 @@ fn where_nothing_learned_pays_filters_take_the_designed_proposal() {
 fn filters_that_look_ahead_are_compared_by_their_evidence_alone() {
     let place = Workplace::new();
     place.write("linear.toml", LINEAR);
-    let command = ["compare", "linear.toml", "--sequences", "3", "--steps", "30", "--at", "10,20"];
+    let command = ["compare", "linear.toml", "--sequences", "3", "--steps", "30", "--sweep", "10,20"];
     let card: Value = serde_json::from_str(&place.printed(&[&command[..], &["--json"]].concat())).unwrap();
     let ahead = &card["methods"]["look-ahead"];
     assert!(ahead["log_evidence_gap"].as_f64().unwrap().abs() < 1e-9, "{card}");
@@ -209,7 +210,8 @@ fn filters_that_look_ahead_are_compared_by_their_evidence_alone() {
 fn proposals_are_paired_by_sequence_and_the_page_shows_all() {
     let place = Workplace::new();
     place.write("square.toml", SQUARE);
-    let command = ["compare", "square.toml", "--sequences", "4", "--steps", "20", "--at", "20,100", "--json"];
+    let command =
+        ["compare", "square.toml", "--sequences", "4", "--steps", "20", "--sweep", "20,100", "--json"];
     let card: Value =
         serde_json::from_str(&place.printed(&[&command[..], &["--report", "card.html"]].concat())).unwrap();
     assert_eq!(card["paired"]["less"], "linearised");

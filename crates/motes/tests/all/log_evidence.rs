@@ -39,7 +39,7 @@ fn impossible_data_have_none_and_other_failures_are_errors() {
     };
     let why = "no particle explains the measurement: y is 30, where the particles predict ";
     for (text, place) in
-        [("y\n0\n30\n", "line 3, t = 1"), ("series,y\na,0\nb,30\n", "series b: line 3, t = 0")]
+        [("y\n0\n30\n", "y.csv, line 3, t = 1"), ("series,y\na,0\nb,30\n", "series b: y.csv, line 3, t = 0")]
     {
         let said = said(text);
         assert!(

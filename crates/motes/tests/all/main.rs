@@ -10,6 +10,7 @@ mod data_as_meant;
 mod evidence;
 mod exact_posteriors;
 mod fit_command;
+mod fit_states;
 mod fit_trust;
 mod fitting;
 mod forecast_labels;

@@ -122,7 +122,7 @@ fn files_that_cannot_be_read_or_written() {
 fn measurements_that_no_state_explains() {
     let place = Workplace::new();
     place.write("d.csv", "series,y\na,1\nb,2\nb,1e300\n");
-    let line = "series b, line 4, t = 1: no particle explains the measurement: y is 1e300, where the particles predict ";
+    let line = "d.csv, series b, line 4, t = 1: no particle explains the measurement: y is 1e300, where the particles predict ";
     let output = place.run(&["filter", "walk.toml", "d.csv", "-o", "out.csv"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).starts_with(&format!("motes: {line}")), "{}", stderr(&output));
@@ -139,7 +139,7 @@ fn a_formula_that_leaves_its_domain_is_named() {
     assert_eq!(output.status.code(), Some(2));
     let said = stderr(&output);
     assert!(
-        said.starts_with("motes: line ")
+        said.starts_with("motes: d.csv, line ")
             && said.contains(": root.toml, line 4, [transition] x: `sqrt(x)` is NaN where x = -"),
         "{said}"
     );
@@ -228,17 +228,17 @@ fn numbers_that_particles_cannot_have() {
         (
             "x + 1",
             "normal(m[x], 1)",
-            "line 4, t = 2: m.toml, line 8, [measurement] y: an index of m[x], `x`, is 2; it must be an integer from 0 to 1",
+            "d.csv, line 4, t = 2: m.toml, line 8, [measurement] y: an index of m[x], `x`, is 2; it must be an integer from 0 to 1",
         ),
         (
             "x + 0.5",
             "normal(m[x], 1)",
-            "line 3, t = 1: m.toml, line 8, [measurement] y: an index of m[x], `x`, is 0.5; it must be an integer from 0 to 1",
+            "d.csv, line 3, t = 1: m.toml, line 8, [measurement] y: an index of m[x], `x`, is 0.5; it must be an integer from 0 to 1",
         ),
         (
             "categorical(0.6, 0.6 + 0*x)",
             "normal(x, 1)",
-            "line 3, t = 1: m.toml, line 6, [transition] x: the sum of the probabilities, `categorical(0.6, 0.6 + 0*x)`, is 1.2 where x = 0; it must be 1",
+            "d.csv, line 3, t = 1: m.toml, line 6, [transition] x: the sum of the probabilities, `categorical(0.6, 0.6 + 0*x)`, is 1.2 where x = 0; it must be 1",
         ),
         (
             "categorical(0.6, 0.6)",

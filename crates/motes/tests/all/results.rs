@@ -81,7 +81,7 @@ fn json_has_the_keys_that_scripts_rely_on() {
     assert_eq!(keys(&filtered), names(expected));
     let compared = json(
         &place,
-        &["compare", "walk.toml", "--json", "--sequences", "2", "--steps", "5", "--at", "10,20"],
+        &["compare", "walk.toml", "--json", "--sequences", "2", "--steps", "5", "--sweep", "10,20"],
     );
     assert_eq!(keys(&compared["methods"]), names("bootstrap linearised look-ahead optimal"));
     let card = keys(&compared["methods"]["bootstrap"]);

@@ -336,8 +336,31 @@ fn a_start_in_days_is_before_the_first_row() {
     };
     assert_eq!(lengths("-3")[1..], [3.0, 1.0]);
     assert_eq!(lengths("\"2024-02-27\"")[1..], [3.0, 1.0]);
+    assert_eq!(lengths("2024-02-27")[1..], [3.0, 1.0]);
     assert_eq!(
         refused("[time]\ncolumn = \"day\"\nunit = \"day\"\nstart = 2", rows),
         "d.csv, line 2, column day: the first row is at 2024-03-01, before the start of [time] at 2024-03-03"
     );
+}
+
+/// What follows a start by the calendar has dates, and is data of the model with the same steps.
+#[test]
+fn simulations_go_on_from_a_date() {
+    for (unit, last) in [("day", "2024-03-01"), ("week", "2024-03-19"), ("year", "2027-02-26T20:15:44.262")] {
+        let head = format!("[time]\ncolumn = \"day\"\nunit = \"{unit}\"\nstart = 2024-02-27");
+        let walk = model(&head, WALK);
+        let drawn = simulate(&walk, 3, 2, 1, |_| ControlFlow::Continue(())).unwrap();
+        let table = motes::output::simulated_table(&walk, &drawn);
+        assert!(table.lines().nth(6).is_some_and(|line| line.starts_with(&format!("1,{last},"))), "{table}");
+        let back = Data::read(table.as_bytes(), "simulated.csv", &walk).unwrap();
+        for (row, drawn) in back.rows.iter().zip(&drawn.rows[0]) {
+            let lengths = |steps: &[motes::models::StepRecord]| -> Vec<f64> {
+                steps.iter().map(|step| step.step().length).collect()
+            };
+            let (back, drawn) = (lengths(&row.steps), lengths(&drawn.steps));
+            assert_eq!(back.len(), drawn.len());
+            // A year is one of the calendar, cut to seconds where a label is written.
+            assert!(back.iter().zip(&drawn).all(|(a, b)| (a - b).abs() < 1e-6), "{back:?} {drawn:?}");
+        }
+    }
 }

@@ -200,7 +200,7 @@ class Model:
         data: Data | None,
         proposals: list[str | Proposal],
         filter: FilterOptions,
-        at: list[int],
+        sweep: list[int],
         sequences: int,
         steps: int,
     ) -> Card: ...

@@ -276,7 +276,7 @@ class Model(Filtering):
         data: Any = None,
         *,
         proposals: str | Proposal | Sequence[str | Proposal] = (),
-        at: Sequence[int] = (10, 30, 100, 300, 1000, 3000, 10000),
+        sweep: Sequence[int] = (10, 30, 100, 300, 1000, 3000, 10000),
         sequences: int = 20,
         steps: int = 100,
         particles: int = 100,
@@ -288,7 +288,7 @@ class Model(Filtering):
     ) -> Card:
         """The report card of proposals side by side, on simulated sequences or on `data`; all designed ones if none is named.
 
-        `at` are the numbers of particles at which error is held against time, `particles` is that of everything else. The other
+        `sweep` are the numbers of particles at which error is held against time, `particles` is that of everything else. The other
         settings are those of `filter`.
         """
         rows = None if data is None else data_of(self._model, data).found
@@ -302,4 +302,4 @@ class Model(Filtering):
             threads=threads,
         )
         chosen = [named(proposal, "proposals") for proposal in asked]
-        return Card(self._model.compare(rows, chosen, options, list(at), sequences, steps))
+        return Card(self._model.compare(rows, chosen, options, list(sweep), sequences, steps))

@@ -23,8 +23,13 @@ fn a_function_that_is_misspelt() {
 }
 
 #[test]
-fn a_function_that_there_is() {
-    insta::assert_snapshot!(refused(&definitions("logistic(u) = \"1/(1 + exp(-u))\"")), @"m.toml, line 7, column 1, [definitions] logistic(u): `logistic` is a function; another name is needed");
+fn a_function_with_the_name_of_a_construct() {
+    insta::assert_snapshot!(refused(&definitions("sum(u) = \"u + 1\"")), @"m.toml, line 7, column 1, [definitions] sum(u): `sum` is a function; another name is needed");
+}
+
+#[test]
+fn a_function_that_calls_itself_in_place_of_the_one_that_there_is() {
+    insta::assert_snapshot!(refused(&definitions("exp(u) = \"exp(u) + 1\"")), @"m.toml, line 7, column 1, [definitions] exp(u): definitions go in a circle: exp → exp; one of them must do without the others");
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Distributions: catches a coordinate whose density would be another one, or none.
 
-use super::{FILE, MOVE, START, changed, measurement, refused, transition};
+use super::{FILE, MOVE, START, changed, initial, measurement, refused, transition};
 
 #[test]
 fn a_coordinate_that_is_no_number() {
@@ -117,6 +117,7 @@ fn draw(line: &str) -> String {
 #[test]
 fn draws_of_several_parts_as_a_state() {
     insta::assert_snapshot!(refused(&transition("euler_multinomial(5, 0.1, 0.2)")), @r#"m.toml, line 7, column 6, [transition] x: `euler_multinomial` draws several numbers at once; as a line of [draws], n = "euler_multinomial(…)", they are n[0], n[1], …"#);
+    insta::assert_snapshot!(refused(&initial("euler_multinomial(5, 0.1, 0.2)")), @r#"m.toml, line 5, column 6, [initial] x: `euler_multinomial` draws several numbers at once; as a line of [draws], n = "euler_multinomial(…)", they are n[0], n[1], …"#);
 }
 
 #[test]

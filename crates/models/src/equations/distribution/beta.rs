@@ -146,11 +146,10 @@ const MOST_TERMS: usize = 200_000;
 /// The continued fraction of the incomplete beta function at `z` and `rest`, which is `1 − z` (DiDonato and Morris, 1992): `zᵃ (1 − z)ᵇ/B(a, b)` over it is
 /// `P(B < z)`. It converges soon for `z` below `(a + 1)/(a + b + 2)`; NaN where it takes too long.
 fn fraction(a: f64, b: f64, [z, rest]: [f64; 2]) -> f64 {
-    let whole = |n: f64| {
-        let centre = a * rest - b * z + 1.0 + n * (1.0 + rest);
-        n + n * (b - n) * z / (a + 2.0 * n - 1.0) + (a + n) * centre / (a + 2.0 * n + 1.0)
-    };
-    let mut found = whole(0.0);
+    let upper = |n: f64| (a + n) * (a * rest - b * z + 1.0 + n * (1.0 + rest)) / (a + 2.0 * n + 1.0);
+    // Its other part is 0 at n = 0, where an a of 1 would divide by 0.
+    let whole = |n: f64| n + n * (b - n) * z / (a + 2.0 * n - 1.0) + upper(n);
+    let mut found = upper(0.0);
     let (mut c, mut d) = (found, 0.0);
     for term in 1..MOST_TERMS {
         let n = term as f64;

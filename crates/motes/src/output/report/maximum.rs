@@ -2,6 +2,7 @@
 
 use plotters::prelude::*;
 
+use super::estimates::{Report, all_series};
 use super::page::Page;
 use super::style::{Axes, BLUE, Drawn, INK, extent};
 use crate::fitting::{MaximumFit, MaximumParameter, MaximumProfilePoint};
@@ -14,6 +15,8 @@ pub struct MaximumReport<'a> {
     pub model: &'a str,
     /// What was found.
     pub found: &'a MaximumFit,
+    /// The data filtered there, with what was expected of measurements where that was asked for.
+    pub states: Option<Report<'a>>,
     /// Settings, a name and a value each.
     pub settings: &'a [(String, String)],
     /// The command that made the report.
@@ -40,6 +43,10 @@ pub fn maximum_report(report: &MaximumReport<'_>) -> Result<String, Box<dyn std:
     );
     for (at, name) in found.names.iter().enumerate().filter(|(at, _)| !found.profiles[*at].is_empty()) {
         page.figure(&profile_figure(name, &found.profiles[at], &found.parameters[at])?, "");
+    }
+    if let Some(states) = &report.states {
+        page.heading("States and measurements at the maximum");
+        all_series(&mut page, states)?;
     }
     page.heading("Settings");
     page.pairs(report.settings);
