@@ -36,7 +36,8 @@ impl fmt::Display for DomainError {
             None => write!(formatter, "`{text}` is {}", Digits(*value))?,
             Some([name, _]) => write!(formatter, "{name}, `{text}`, is {}", Digits(*value))?,
         }
-        let at: Vec<String> = self.at.iter().map(|(name, value)| format!("{name} = {}", Digits(*value))).collect();
+        let at: Vec<String> =
+            self.at.iter().map(|(name, value)| format!("{name} = {}", Digits(*value))).collect();
         // A name alone is its own value.
         if !at.is_empty() && self.at.iter().all(|(name, _)| name != text) {
             write!(formatter, " where {}", at.join(", "))?;

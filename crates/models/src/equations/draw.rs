@@ -54,17 +54,12 @@ impl Source<f64> for OneByOne<'_> {
 
     #[inline(never)]
     fn by<M: Rejection>(&mut self, a: f64, b: f64) -> f64 {
-        let Try { normal, uniforms } = first_try::<f64, M>(self, 0.0);
-        let first = Try { normal: [normal], uniforms: uniforms.map(|uniform| [uniform]) };
-        let [drawn] = draw_all::<M, 1>(&[a], &[b], &first, 1, self.0);
-        drawn
+        let normal = [if M::NEEDS.normals > 0 { self.normal() } else { 0.0 }];
+        let mut uniforms = [[0.0]; 2];
+        uniforms[..M::NEEDS.uniforms].fill_with(|| [self.uniform()]);
+        let first = Try { normal: &normal, uniforms: uniforms.each_ref() };
+        let mut drawn = [0.0];
+        draw_all::<M, 1>(&[a], &[b], &first, 1, self.0, &mut drawn);
+        drawn[0]
     }
-}
-
-/// The random numbers that the first try of a method takes.
-pub(super) fn first_try<S: Copy, M: Rejection>(source: &mut impl Source<S>, none: S) -> Try<S> {
-    let normal = if M::NEEDS.normals > 0 { source.normal() } else { none };
-    let mut uniforms = [none; 2];
-    uniforms[..M::NEEDS.uniforms].fill_with(|| source.uniform());
-    Try { normal, uniforms }
 }

@@ -1,7 +1,7 @@
 //! Drawing states and measurements of many particles from what a model states.
 
 use super::distribution::Distribution;
-use super::draw::{Needs, Rejection, Source, Try, draw_all, first_try};
+use super::draw::{Needs, Rejection, Source, Try, draw_all};
 use super::lanes::Lanes;
 use super::statement::{Coordinates, Draws};
 use super::tiles::{rows_of, rows_of_mut};
@@ -64,17 +64,28 @@ pub(super) struct TileNoise<'a, 'n> {
     uniforms: &'n [f64],
 }
 
-/// The next number of each particle; lanes without one hold anything.
+/// The next number of each particle, where they lie or else in `room`; lanes without one hold anything.
 #[inline(always)]
-fn take(numbers: &mut &[f64], particles: usize) -> Lanes {
+fn next<'r, 'n: 'r>(
+    numbers: &mut &'n [f64],
+    particles: usize,
+    room: &'r mut [f64; LANES],
+) -> &'r [f64; LANES] {
     let (now, later) = numbers.split_at(particles.min(numbers.len()));
     *numbers = later;
-    let mut lanes = [0.0; LANES];
     match now.as_array::<LANES>() {
-        Some(now) => lanes = *now,
-        None => lanes[..now.len()].copy_from_slice(now),
+        Some(now) => now,
+        None => {
+            room[..now.len()].copy_from_slice(now);
+            room
+        }
     }
-    Lanes(lanes)
+}
+
+/// The same, taken from there.
+#[inline(always)]
+fn take(numbers: &mut &[f64], particles: usize) -> Lanes {
+    Lanes(*next(numbers, particles, &mut [0.0; LANES]))
 }
 
 impl TileNoise<'_, '_> {
@@ -103,9 +114,25 @@ impl Source<Lanes> for TileNoise<'_, '_> {
 
     #[inline(never)]
     fn by<M: Rejection>(&mut self, a: Lanes, b: Lanes) -> Lanes {
-        let Try { normal, uniforms } = first_try::<Lanes, M>(self, Lanes::from(0.0));
-        let first = Try { normal: normal.0, uniforms: uniforms.map(|uniform| uniform.0) };
-        Lanes(draw_all::<M, LANES>(&a.0, &b.0, &first, self.particles, self.stream))
+        let mut room = [[0.0; LANES]; 3];
+        let [of_normal, of_first, of_second] = &mut room;
+        let particles = self.particles;
+        let normal: &[f64; LANES] = match M::NEEDS.normals {
+            0 => of_normal,
+            _ => next(&mut self.normals, particles, of_normal),
+        };
+        let first: &[f64; LANES] = match M::NEEDS.uniforms {
+            0 => of_first,
+            _ => next(&mut self.uniforms, particles, of_first),
+        };
+        let second: &[f64; LANES] = match M::NEEDS.uniforms {
+            0 | 1 => of_second,
+            _ => next(&mut self.uniforms, particles, of_second),
+        };
+        let random = Try { normal, uniforms: [first, second] };
+        let mut drawn = Lanes([0.0; LANES]);
+        draw_all::<M, LANES>(&a.0, &b.0, &random, particles, self.stream, &mut drawn.0);
+        drawn
     }
 }
 

@@ -101,8 +101,8 @@ impl Rejection for StandardBeta {
     const NEEDS: Needs = Needs::NOTHING;
 
     #[inline(always)]
-    fn quick<const W: usize>(_: &[f64; W], _: &[f64; W], _: &Try<[f64; W]>) -> [f64; W] {
-        [UNDECIDED; W]
+    fn quick<const W: usize>(_: &[f64; W], _: &[f64; W], _: &Try<&[f64; W]>, drawn: &mut [f64; W]) {
+        *drawn = [UNDECIDED; W];
     }
 
     fn draw(a: f64, b: f64, _: Try<f64>, stream: &mut Stream) -> f64 {

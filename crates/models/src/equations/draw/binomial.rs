@@ -79,10 +79,10 @@ impl Rejection for Successes {
     const NEEDS: Needs = Needs { uniforms: 2, ..Needs::NOTHING };
 
     #[inline(always)]
-    fn quick<const W: usize>(n: &[f64; W], p: &[f64; W], random: &Try<[f64; W]>) -> [f64; W] {
-        let [u, v] = &random.uniforms;
+    fn quick<const W: usize>(n: &[f64; W], p: &[f64; W], random: &Try<&[f64; W]>, drawn: &mut [f64; W]) {
+        let [u, v] = random.uniforms;
         let mut small = [0.0; W];
-        let mut drawn = [f64::NAN; W];
+        *drawn = [f64::NAN; W];
         let [any_few, any_many] = by_widest_vectors(
             #[inline(always)]
             || {
@@ -145,7 +145,6 @@ impl Rejection for Successes {
         for i in 0..W {
             drawn[i] = if (p[i] > 0.5) & (drawn[i] >= 0.0) { n[i] - drawn[i] } else { drawn[i] };
         }
-        drawn
     }
 
     #[inline(always)]

@@ -56,9 +56,9 @@ impl Rejection for Events {
     const NEEDS: Needs = Needs { uniforms: 2, ..Needs::NOTHING };
 
     #[inline(always)]
-    fn quick<const W: usize>(mean: &[f64; W], _: &[f64; W], random: &Try<[f64; W]>) -> [f64; W] {
-        let [u, v] = &random.uniforms;
-        let mut drawn = [f64::NAN; W];
+    fn quick<const W: usize>(mean: &[f64; W], _: &[f64; W], random: &Try<&[f64; W]>, drawn: &mut [f64; W]) {
+        let [u, v] = random.uniforms;
+        *drawn = [f64::NAN; W];
         let (mut none, mut any_many) = ([0.0; W], false);
         for i in 0..W {
             // Where many are expected there is nothing to count.
@@ -106,7 +106,6 @@ impl Rejection for Events {
                 },
             );
         }
-        drawn
     }
 
     #[inline(always)]

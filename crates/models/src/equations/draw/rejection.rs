@@ -14,7 +14,7 @@ pub(in crate::equations) struct Try<T> {
     pub(in crate::equations) uniforms: [T; 2],
 }
 
-impl<const W: usize> Try<[f64; W]> {
+impl<const W: usize> Try<&[f64; W]> {
     /// What one particle has of it.
     #[inline(always)]
     fn of(&self, lane: usize) -> Try<f64> {
@@ -30,9 +30,9 @@ pub(in crate::equations) trait Rejection {
     /// What a try takes.
     const NEEDS: Needs;
 
-    /// A try of each particle: [`UNDECIDED`] where the quick tests do not say whether it is accepted, NaN where it is rejected or a parameter is out of range. Without
-    /// branches, for vector instructions.
-    fn quick<const W: usize>(a: &[f64; W], b: &[f64; W], random: &Try<[f64; W]>) -> [f64; W];
+    /// Writes what a try of each particle has drawn: [`UNDECIDED`] where the quick tests do not say whether it is accepted, NaN where it is rejected or a parameter is out of
+    /// range. Without branches, for vector instructions.
+    fn quick<const W: usize>(a: &[f64; W], b: &[f64; W], random: &Try<&[f64; W]>, drawn: &mut [f64; W]);
 
     /// A draw, of which the first try is given; NaN where a parameter is out of range.
     fn draw(a: f64, b: f64, first: Try<f64>, stream: &mut Stream) -> f64;
@@ -41,16 +41,17 @@ pub(in crate::equations) trait Rejection {
 /// Particles that are rejected and tried again side by side.
 const AGAIN: usize = 8;
 
-/// Draws of the first `particles`, of which the first try is given; the others hold anything.
+/// Writes draws of the first `particles`, of which the first try is given; the others hold anything.
 #[inline(always)]
 pub(in crate::equations) fn draw_all<M: Rejection, const W: usize>(
     a: &[f64; W],
     b: &[f64; W],
-    first: &Try<[f64; W]>,
+    first: &Try<&[f64; W]>,
     particles: usize,
     stream: &mut Stream,
-) -> [f64; W] {
-    let mut drawn = M::quick(a, b, first);
+    drawn: &mut [f64; W],
+) {
+    M::quick(a, b, first, drawn);
     let (mut rejected, mut count) = ([0; W], 0);
     for lane in 0..particles.min(W) {
         if drawn[lane] >= 0.0 {
@@ -64,9 +65,8 @@ pub(in crate::equations) fn draw_all<M: Rejection, const W: usize>(
         }
     }
     for lanes in rejected[..count].chunks(AGAIN) {
-        again::<M, W>(a, b, lanes, &mut drawn, stream);
+        again::<M, W>(a, b, lanes, drawn, stream);
     }
-    drawn
 }
 
 /// Tries of some particles that were rejected, once side by side, and then one by one.
@@ -77,19 +77,20 @@ fn again<M: Rejection, const W: usize>(
     drawn: &mut [f64; W],
     stream: &mut Stream,
 ) {
-    let mut random = Try { normal: [0.0; AGAIN], uniforms: [[0.0; AGAIN]; 2] };
+    let (mut normals, mut uniforms) = ([0.0; AGAIN], [[0.0; AGAIN]; 2]);
     let mut found = [f64::NAN; AGAIN];
     let is_together = lanes.len() > AGAIN / 4;
     // Places without a particle do what the first one does.
     let [mut own_a, mut own_b] = [a, b].map(|of_all| [of_all[lanes[0]]; AGAIN]);
     for (at, lane) in lanes.iter().enumerate() {
-        let Try { normal, uniforms } = fresh::<M>(stream);
-        random.normal[at] = normal;
-        [random.uniforms[0][at], random.uniforms[1][at]] = uniforms;
+        let fresh = fresh::<M>(stream);
+        normals[at] = fresh.normal;
+        [uniforms[0][at], uniforms[1][at]] = fresh.uniforms;
         [own_a[at], own_b[at]] = [a[*lane], b[*lane]];
     }
+    let random = Try { normal: &normals, uniforms: uniforms.each_ref() };
     if is_together {
-        found = M::quick(&own_a, &own_b, &random);
+        M::quick(&own_a, &own_b, &random, &mut found);
     }
     for (at, lane) in lanes.iter().enumerate() {
         drawn[*lane] = match found[at] {
