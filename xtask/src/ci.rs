@@ -22,8 +22,11 @@ fn usual(root: &Path, update_expectations: bool) -> Result<(), ExitCode> {
                 &[],
             )
         };
-        // Without burn what is shipped is linted; with it, tests are, too.
-        lints(&[]).and_then(|()| lints(&[&["--all-targets"], WITH_BURN.as_slice()].concat()))
+        // Without burn what is shipped is linted; with it, tests are, too. Then the library without command and pages.
+        lints(&[])?;
+        lints(&[&["--all-targets"], WITH_BURN.as_slice()].concat())?;
+        let alone = ["-p", "motes", "-p", "motes-cli", "--no-default-features", "--locked"];
+        cargo(root, &[&["clippy"], alone.as_slice(), &["--", "--deny", "warnings"]].concat(), &[])
     })?;
     step("tests", || {
         cargo(root, &[&["test", "--workspace", "--locked"], WITH_BURN.as_slice()].concat(), &[])

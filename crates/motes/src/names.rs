@@ -1,6 +1,7 @@
 //! What a model calls itself and its coordinates.
 
 use motes_formulas::InputSource;
+#[cfg(feature = "report")]
 use motes_models::StepRecord;
 use serde::{Deserialize, Serialize};
 
@@ -57,6 +58,7 @@ impl FileInput {
     }
 
     /// Its value at the row that steps lead to, or else in the last sub-step before; none where there was no step.
+    #[cfg(feature = "report")]
     pub(crate) fn value(&self, steps: &[StepRecord]) -> Option<f64> {
         let step = steps.last()?.step();
         let part = match self.is_measured {

@@ -44,6 +44,7 @@ impl Quantiles {
     }
 
     /// From which to which they go, in words; none where there is one alone.
+    #[cfg(feature = "report")]
     pub(crate) fn range(&self) -> Option<String> {
         let percent = |probability: &f64| format!("{} %", (1e10 * probability).round() / 1e8);
         let [low, .., high] = self.0.as_slice() else { return None };

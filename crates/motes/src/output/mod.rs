@@ -8,6 +8,7 @@ mod fit;
 mod fit_comparison;
 mod json;
 mod number;
+#[cfg(feature = "report")]
 mod report;
 mod summary;
 mod table;
@@ -22,6 +23,7 @@ pub use fit::{
 };
 pub use fit_comparison::{fit_comparison_json, fit_comparison_text};
 pub use json::{filter_json, mixture_json};
+#[cfg(feature = "report")]
 pub use report::{
     CardReport, FitReport, MaximumReport, Report, card_report, error_figure, fit_report, maximum_report,
     report,
