@@ -10,7 +10,7 @@ use crate::error::MotesError;
 use crate::estimate::{Coordinate, Estimate, Forecast};
 use crate::model::{Kind, Model};
 use crate::simulating::check_draws;
-use crate::timeline::{Clock, RowTime};
+use crate::timeline::{Clock, RowTime, TimelineError};
 
 /// How many continuations there are: quantiles of 5 and 95 % are those of fifty.
 const COUNT: usize = 1000;
@@ -86,6 +86,9 @@ impl Continuations {
             }
             let last = steps.last().cloned().unwrap_or_default();
             time = last.step().time;
+            if let Some(input) = model.unknown_input(&last.step()) {
+                return Err(ahead(TimelineError::Ahead { input }));
+            }
             let mut of_path = vec![Marginal::of_draw(f64::NAN, None); m];
             simulator.marginals(&last.step(), state, &nothing, stream, &mut of_path);
             let drawn: Vec<f64> = of_path.iter().map(|marginal| marginal.drawn).collect();

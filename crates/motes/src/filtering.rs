@@ -7,12 +7,12 @@ use crate::engine::Running;
 use crate::error::MotesError;
 use crate::estimate::Estimate;
 use crate::filtered::{Filtered, WeightedParticles};
-use crate::forecasting::rows_ahead;
 use crate::learned_steps::of_sub_steps;
 use crate::long_step::of_step;
 use crate::model::Model;
 use crate::options::{FilterOptions, ProposalName};
 use crate::priors::of_starts;
+use crate::rows_ahead::{check_ahead, rows_ahead};
 use crate::sight::of_blind;
 use crate::tally::{SeriesTally, Tally, TimeLabel};
 use crate::warning::Warning;
@@ -41,6 +41,7 @@ fn filter_until(
         let reason = "keep_particles: --proposal exact has no particles; leave one of the two out";
         return Err(MotesError::Setting(reason.into()));
     }
+    check_ahead(options, data)?;
     let mut estimates: Vec<Option<Estimate>> = vec![None; data.rows.len()];
     let mut particles: Vec<Option<WeightedParticles>> = vec![None; data.rows.len()];
     let mut tally = Tally::new(
@@ -75,7 +76,7 @@ fn filter_until(
         let at = |step: usize| measured(model, data, places[step.saturating_sub(before)]);
         tally.end_series(name, &of_this, &running, at);
         let (mut forecast, mut clock) = (Vec::new(), data.clocks[series].clone());
-        for row in rows_ahead(options, name) {
+        for row in rows_ahead(options, name, places.len())? {
             forecast.push(running.predict_by(&mut clock, row).map_err(|error| of_series(name, error))?);
             if proceed(done).is_break() {
                 return Err(MotesError::Interrupted);

@@ -53,8 +53,10 @@ impl FitFolder {
         let folder = FitFolder { path: path.into(), record };
         match folder.other_fit() {
             Some(other) => {
-                let reason = format!("it has {other}; name another folder, or remove this one");
-                Err(failed(std::io::Error::new(ErrorKind::AlreadyExists, reason)))
+                let folder = path.display();
+                Err(MotesError::Setting(format!(
+                    "{folder}: it has {other}; name another folder, or remove this one"
+                )))
             }
             None => Ok(folder),
         }
@@ -120,6 +122,24 @@ impl FitFolder {
         let mut part = tempfile::NamedTempFile::new_in(&self.path).map_err(failed)?;
         std::io::Write::write_all(&mut part, &bytes).map_err(failed)?;
         part.persist(&file).map(drop).map_err(|refused| failed(refused.error))
+    }
+
+    /// Whether the fit in it has other options, and is written over.
+    pub fn has_other_options(&self) -> bool {
+        let under_way = || {
+            let bytes = std::fs::read(self.path.join(PROGRESS)).ok()?;
+            unpack::<(FitRecord, Value)>(FIT, VERSION, &bytes).ok().map(|(record, _)| record)
+        };
+        let before = under_way().or_else(|| FitRecord::load(&self.path).ok());
+        before.is_some_and(|before| before != self.record)
+    }
+
+    /// Says that the fit is whole, with all that goes with it: it is not gone on with any more.
+    ///
+    /// # Errors
+    /// [`MotesError::Output`] if where it stood cannot be removed.
+    pub fn complete(&self) -> Result<(), MotesError> {
+        self.remove(PROGRESS)
     }
 
     fn make(&self) -> Result<(), MotesError> {

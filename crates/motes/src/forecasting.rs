@@ -3,12 +3,11 @@
 use motes_models::{Step, StepRecord};
 
 use crate::continuations::Continuations;
-use crate::data::Row;
 use crate::engine::Running;
 use crate::error::MotesError;
 use crate::estimate::{Estimate, Forecast};
 use crate::model::Model;
-use crate::options::{FilterOptions, ProposalName};
+use crate::options::ProposalName;
 use crate::timeline::{Clock, RowTime};
 use crate::warning::Warning;
 
@@ -120,14 +119,4 @@ fn without_unknown(step: &Step<'_>) -> StepRecord {
     let inputs: Vec<f64> =
         step.inputs.iter().map(|value| if value.is_nan() { 0.0 } else { *value }).collect();
     StepRecord::of(&Step { inputs: &inputs, ..*step })
-}
-
-/// The rows that are predicted after a series: with times and inputs where they are known.
-pub fn rows_ahead<'o>(options: &'o FilterOptions, series: Option<&str>) -> Vec<Option<RowTime<'o>>> {
-    let Some(ahead) = &options.ahead else { return vec![None; options.forecast] };
-    let is_of_series = |row: &&Row| {
-        !ahead.columns.has_series() || series.is_none_or(|name| ahead.series[row.series] == name)
-    };
-    let rows = ahead.rows.iter().filter(is_of_series);
-    rows.map(|row| Some(RowTime { label: row.written_time.as_deref(), columns: &row.inputs })).collect()
 }

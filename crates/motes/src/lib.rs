@@ -64,11 +64,13 @@ mod prediction;
 mod priors;
 mod quantiles;
 mod recorded;
+mod rows_ahead;
 mod running_state;
 mod scheduled_model;
 mod sight;
 mod simulating;
 mod simulation_failure;
+mod simulation_plan;
 mod smoothing;
 mod steps;
 mod tally;
@@ -101,7 +103,6 @@ pub use fitting::{
     FitOptions, FitParameters, FitProgress, FitRecord, FreeParameters, MaximumFit, MaximumParameter,
     MaximumProfilePoint, PosteriorChain, PosteriorFit, SearchProgress, fit, fit_from, maximise,
 };
-pub use forecasting::rows_ahead;
 pub use learned::LearnedProposal;
 pub use learned_notes::{Notes, PotentialNotes};
 pub use learning::{
@@ -113,8 +114,9 @@ pub use names::{FileInput, ModelNames};
 pub use options::{DEFENSIVE_SHARE, FilterOptions, ProposalName};
 pub use own_model::LearnableModel;
 pub use packed::{pack, unpack};
-pub use priors::of_starts;
+pub use priors::{at_prior_draw, of_starts};
 pub use quantiles::Quantiles;
+pub use rows_ahead::{check_forecasts, rows_ahead};
 pub use simulating::{
     Simulated, SimulatedRow, simulate, simulate_along, simulate_from_draws, simulate_from_priors,
 };

@@ -11,6 +11,11 @@ impl Model {
         self.timeline().and_then(Timeline::time_column)
     }
 
+    /// The column of data whose times are dates, where simulations do not know when the first row is.
+    pub fn undated_column(&self) -> Option<&str> {
+        self.timeline().and_then(Timeline::undated_column)
+    }
+
     /// The columns of data that the model's inputs come from; some may be measurements.
     pub fn input_columns(&self) -> &[String] {
         self.timeline().map_or(&[], Timeline::columns)

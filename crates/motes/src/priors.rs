@@ -57,6 +57,11 @@ pub(crate) fn rounded(value: f64) -> f64 {
     format!("{value:.*e}", DIGITS).parse().unwrap_or(value)
 }
 
+/// The model at a draw from its priors; none where it is no model there.
+pub fn at_prior_draw(model: &Model, number: u64) -> Option<Model> {
+    model.with_parameters(&drawn(model, &Seed::from_u64(number).child("prior draw"))).ok()
+}
+
 /// Values of the parameters that have a prior and were not set from outside, drawn from their priors.
 pub(crate) fn drawn(model: &Model, seed: &Seed) -> Vec<(String, f64)> {
     let mut stream = seed.stream();

@@ -15,11 +15,14 @@ use crate::fitting::FitParameters;
 use crate::model::{Kind, Model};
 use crate::priors;
 use crate::simulation_failure::SimulationFailure;
+use crate::simulation_plan::{Plan, names, plans_along};
 use crate::timeline::{Clock, RowTime, Timeline, TimelineError};
 
 /// Series of states and measurements that a model drew.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Simulated {
+    /// The name of each: its number, or that of the series of data that it goes along.
+    pub names: Vec<String>,
     /// One after another.
     pub series: Vec<Trajectory>,
     /// Of each series, its rows beside states and measurements.
@@ -43,24 +46,6 @@ impl SimulatedRow {
     /// Its time.
     pub fn time(&self) -> f64 {
         self.steps.last().map_or(0.0, |step| step.step().time)
-    }
-}
-
-/// How many rows a series has, and where their times and inputs come from.
-#[derive(Clone, Copy)]
-enum Plan<'a> {
-    /// So many rows, one unit of time apart, with inputs as the model simulates them.
-    Rows(usize),
-    /// The times and inputs of a series of data.
-    Along(&'a Data, usize),
-}
-
-impl Plan<'_> {
-    fn len(&self) -> usize {
-        match self {
-            Plan::Rows(count) => *count,
-            Plan::Along(data, series) => data.of_series(*series).count(),
-        }
     }
 }
 
@@ -151,11 +136,6 @@ enum Parameters<'a> {
     Posterior(&'a FitParameters),
 }
 
-fn plans_along(data: &Data, series: usize) -> Vec<Plan<'_>> {
-    let plans = (0..data.series.len()).flat_map(|of| std::iter::repeat_n(Plan::Along(data, of), series));
-    plans.collect()
-}
-
 fn simulate_all(
     model: &Model,
     plans: &[Plan<'_>],
@@ -176,7 +156,8 @@ fn simulate_all(
         return Err(MotesError::Setting(reason));
     }
     let seed = Seed::from_u64(seed).child("simulate");
-    let mut drawn = Simulated { series: Vec::new(), rows: Vec::new(), parameters: Vec::new() };
+    let names = names(plans);
+    let mut drawn = Simulated { names, series: Vec::new(), rows: Vec::new(), parameters: Vec::new() };
     let (mut first, mut failures) = (None, 0);
     for (number, plan) in plans.iter().enumerate() {
         let mut stream = seed.nth(number as u64).stream();
@@ -229,7 +210,8 @@ pub(crate) fn simulate_some(
         Some(data) => Plan::Along(data, number % data.series.len()),
         None => Plan::Rows(steps),
     };
-    let mut drawn = Simulated { series: Vec::new(), rows: Vec::new(), parameters: Vec::new() };
+    let names = (0..series).map(|number| number.to_string()).collect();
+    let mut drawn = Simulated { names, series: Vec::new(), rows: Vec::new(), parameters: Vec::new() };
     for number in 0..series {
         let mut stream = seed.nth(number as u64).stream();
         match draw_one(model, plan(number), &mut stream, &mut || ControlFlow::Continue(())) {
@@ -398,7 +380,7 @@ impl<'a> Course<'a> {
         const GAP: f64 = 1.0;
         let inputs = timeline.simulated_columns(self.clock.time_after(timeline, GAP), stream)?;
         let steps = self.clock.next_after(timeline, GAP, &inputs)?;
-        let label = timeline.start_date().and_then(|_| self.clock.label_of_last(timeline));
+        let label = self.clock.label_of_last(timeline).filter(|_| timeline.has_dates());
         Ok(SimulatedRow { steps, label, inputs })
     }
 }

@@ -44,15 +44,16 @@ pub fn smooth(
     paths: usize,
     mut proceed: impl FnMut(f64) -> ControlFlow<()>,
 ) -> Result<Smoothed, MotesError> {
-    smooth_until(model, data, options, paths, &mut proceed)
+    smooth_until(model, data, options, paths, true, &mut proceed)
 }
 
-/// [`smooth`], compiled once whatever asks.
-fn smooth_until(
+/// [`smooth`], compiled once whatever asks. Few paths of one draw of parameters pass through few particles, and are not `judged` alone: all draws have particles of their own.
+pub(crate) fn smooth_until(
     model: &Model,
     data: &Data,
     options: &FilterOptions,
     paths: usize,
+    are_judged: bool,
     proceed: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Result<Smoothed, MotesError> {
     let mut estimates: Vec<Option<Estimate>> = vec![None; data.rows.len()];
@@ -100,7 +101,7 @@ fn smooth_until(
             let found = running.backward(&history, paths, &seed, &mut |times| proceed(work.share(times)))?;
             let found = found.without_first(before);
             let label = |time: usize| places.get(time).and_then(|at| data.rows[*at].label.as_deref());
-            tally.warn(of_paths(name, &found, options.particles, label));
+            tally.warn(of_paths(name, &found, options.particles, label).filter(|_| are_judged));
             let (n, probabilities) = (model.states().len(), options.quantiles.probabilities());
             ((0..places.len()).map(|time| estimate(&found, time, n, probabilities)).collect(), found)
         };

@@ -100,8 +100,15 @@ fn place_of(line: &Line, state: usize) -> usize {
     nodes.iter().position(names).or_else(definition).map_or(0, |node| line.formula.spans[node].start)
 }
 
-/// The draw of several parts that begins with that state or draw.
+/// The draw of several parts that begins with that state or draw, or the vector whose parts have formulas of their own: neither goes round.
 fn parts(statement: &Statement, first: usize) -> Option<&Line> {
+    let mut at = 0;
+    for line in &statement.transition {
+        if at == first && line.length.is_some_and(|length| is_in_parts(statement, line, length)) {
+            return Some(line);
+        }
+        at += line.coordinates();
+    }
     let mut begin = statement.dimension();
     let mut of_that_begin = statement.draws.iter().filter(|line| {
         let own = begin;
@@ -109,6 +116,12 @@ fn parts(statement: &Statement, first: usize) -> Option<&Line> {
         own == first
     });
     of_that_begin.next().filter(|line| line.formula.has_parts())
+}
+
+/// Whether a line of a vector is one of several.
+fn is_in_parts(statement: &Statement, line: &Line, length: usize) -> bool {
+    let of_vector = statement.transition.iter().filter(|other| other.name == line.name);
+    of_vector.map(Line::coordinates).sum::<usize>() > length
 }
 
 struct Builder {

@@ -44,6 +44,11 @@ impl Prior {
         &self.entries
     }
 
+    /// Whether it gives whole numbers alone.
+    pub fn is_discrete(&self) -> bool {
+        self.law.is_discrete()
+    }
+
     /// The distribution, as the file states it.
     pub fn text(&self) -> &str {
         &self.text

@@ -22,6 +22,10 @@ pub(super) const FARTHEST: f64 = 5.0;
 /// Rounds uphill at each point.
 const ROUNDS: usize = 2;
 
+/// Points that are put where the ends of an exact profile seem to be, one after the other, unless one is as near, in units of the spread.
+const REFINED: u64 = 3;
+const NEAR: f64 = 0.01;
+
 /// The log-likelihood at a point has particles by this factor, and is that of so many estimates.
 const ESTIMATES: (usize, usize) = (4, 16);
 
@@ -77,9 +81,27 @@ pub(super) fn profile<L: Likelihood>(
         standard_error: best.standard_error,
     }];
     let spread = if others.is_empty() { None } else { conditional(best, at, &others) };
+    // The largest log-likelihood at a value, and where it is, from others near there.
+    let top_at = |value: f64, here: &[f64], seed: &Seed| -> Result<((f64, f64), Vec<f64>), L::Error> {
+        let given = SliceLikelihood { likelihood, at, value };
+        let start = height(&given, here, best.estimator, ESTIMATES, &seed.child("start"))?;
+        let Some(spread) = &spread else { return Ok((start, here.to_vec())) };
+        let mut hill = Hill::new(here.to_vec(), spread.clone());
+        for round in 0..ROUNDS {
+            hill.climb(&given, best.estimator, &seed.nth(round as u64))?;
+        }
+        let climbed = height(&given, &hill.centre, best.estimator, ESTIMATES, &seed.child("end"))?;
+        Ok(if climbed.0 > start.0 { (climbed, hill.centre) } else { (start, here.to_vec()) })
+    };
+    let of_best: Vec<f64> = others.iter().map(|i| best.v[*i]).collect();
+    // Where the others are at each point.
+    let mut places = vec![of_best.clone()];
+    let moved = |here: &[f64], by: f64| -> Vec<f64> {
+        others.iter().zip(here).map(|(i, v)| v + slope(*i) * by).collect()
+    };
     for side in [-1.0, 1.0] {
         // From the maximum outwards: each point begins where the one before it ended.
-        let mut here: Vec<f64> = others.iter().map(|i| best.v[*i]).collect();
+        let mut here = of_best.clone();
         let (mut distance, mut length) = (0.0, POINTS.1);
         for step in 1..=MOST_POINTS {
             if step > POINTS.0 {
@@ -92,25 +114,27 @@ pub(super) fn profile<L: Likelihood>(
                 break;
             }
             let value = best.v[at] + side * distance * sd;
-            let moved = |(i, v): (&usize, &f64)| v + slope(*i) * side * (distance - before) * sd;
-            here = others.iter().zip(&here).map(moved).collect();
-            let given = SliceLikelihood { likelihood, at, value };
             let seed = seed.nth(2 * step as u64 + u64::from(side > 0.0));
-            let mut top = height(&given, &here, best.estimator, ESTIMATES, &seed.child("start"))?;
-            if let Some(spread) = &spread {
-                let mut hill = Hill::new(here.clone(), spread.clone());
-                for round in 0..ROUNDS {
-                    hill.climb(&given, best.estimator, &seed.nth(round as u64))?;
-                }
-                let climbed = height(&given, &hill.centre, best.estimator, ESTIMATES, &seed.child("end"))?;
-                if climbed.0 > top.0 {
-                    (top, here) = (climbed, hill.centre);
-                }
-            }
+            let (top, found_at) = top_at(value, &moved(&here, side * (distance - before) * sd), &seed)?;
+            here = found_at;
             found.push(ProfilePoint { v: value, log_likelihood: top.0, standard_error: top.1 });
+            places.push(here.clone());
             if !top.0.is_finite() || (step >= POINTS.0 && is_low(best, top, level)) {
                 break;
             }
+        }
+    }
+    // Where the likelihood is exact, so are the ends: points come near to them.
+    for round in 0..if best.standard_error == 0.0 { REFINED } else { 0 } {
+        let Profile { low, high, .. } = interval(found.clone(), best, at, sd, level);
+        for (side, end) in [low, high].into_iter().enumerate() {
+            let distances = found.iter().map(|point| (point.v - end).abs());
+            let nearest = distances.enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
+            let Some((nearest, _)) = nearest.filter(|(_, distance)| *distance > NEAR * sd) else { continue };
+            let here = moved(&places[nearest], end - found[nearest].v);
+            let (top, found_at) = top_at(end, &here, &seed.child("ends").nth(2 * round + side as u64))?;
+            found.push(ProfilePoint { v: end, log_likelihood: top.0, standard_error: top.1 });
+            places.push(found_at);
         }
     }
     Ok(interval(found, best, at, sd, level))

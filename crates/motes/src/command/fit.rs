@@ -1,6 +1,7 @@
 //! `motes fit`.
 
 use std::cell::Cell;
+use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -9,8 +10,8 @@ use motes::output::{
     maximum_report, maximum_summary, maximum_text,
 };
 use motes::{
-    Data, FitFolder, FitOptions, FitRecord, Model, ModelNames, MotesError, Warning, fit_from, maximise,
-    on_threads,
+    Data, DataError, FitFolder, FitOptions, FitRecord, Model, ModelNames, MotesError, Warning, at_prior_draw,
+    fit_from, maximise, on_threads,
 };
 use motes_cli::{Interrupt, status};
 use serde::Serialize;
@@ -30,7 +31,7 @@ const EVERY: (Duration, u32) = (Duration::from_millis(200), 50);
 pub(super) fn run(args: &FitArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
     let model = args.model.read_beside(Some(&args.data))?;
     let options = args.options(&model)?;
-    let data = input::data(&args.data, &model, interrupt)?;
+    let data = data(args, &model, interrupt)?;
     say_ignored(&data.columns, args.model.quiet);
     if let Some(path) = &args.report {
         let output = Output::File(path.clone());
@@ -39,6 +40,7 @@ pub(super) fn run(args: &FitArgs, interrupt: &Interrupt) -> Result<u8, Failure> 
     let ahead = args.inputs.as_ref().map(|path| Data::open_inputs(path, &model)).transpose()?;
     let ahead = ahead.map(Arc::new);
     let asked = FitRequest { args, model: &model, data: &data, options: &options, ahead, interrupt };
+    asked.state_request().check()?;
     let start = Instant::now();
     let found = match args.method {
         Method::Posterior => asked.posterior(),
@@ -52,6 +54,19 @@ pub(super) fn run(args: &FitArgs, interrupt: &Interrupt) -> Result<u8, Failure> 
     }
     Ok(exit_status)
 }
+
+/// The data. What measurements can be may depend on parameters, which are not known yet: they are data if they are so at some draw from the priors.
+fn data(args: &FitArgs, model: &Model, interrupt: &Interrupt) -> Result<Data, MotesError> {
+    let refused = match input::data(&args.data, model, interrupt) {
+        Err(error @ MotesError::Data(DataError::Impossible { .. })) if args.data != Path::new("-") => error,
+        found => return found,
+    };
+    let at_draw = |number| Data::open(&args.data, &at_prior_draw(model, number)?).ok();
+    (0..PRIOR_DRAWS).find_map(at_draw).ok_or(refused)
+}
+
+/// Draws from the priors at which data are looked at.
+const PRIOR_DRAWS: u64 = 100;
 
 /// What a fit found, as it is said.
 struct FitOutput {
@@ -106,6 +121,14 @@ impl FitRequest<'_> {
         FitFolder::open(&self.args.output, record)
     }
 
+    /// Says that a fit with other options is gone, where there was one.
+    fn say_replaced(&self, is_replaced: bool) {
+        if is_replaced && !self.args.model.quiet {
+            let folder = self.args.output.display();
+            status(&format!("motes: {folder}: the fit that was in it had other options, and is replaced"));
+        }
+    }
+
     /// Says that a fit goes on, where it does.
     fn say_before<S>(&self, before: &Option<S>) {
         if before.is_some() && !self.args.model.quiet {
@@ -158,7 +181,7 @@ impl FitRequest<'_> {
             return Err(Failure::new(2, "--passes: they seek a maximum; take --method maximum"));
         }
         let folder = self.folder(FitRecord::of(model, data, options)?)?;
-        let before = folder.progress()?;
+        let (is_replaced, before) = (folder.has_other_options(), folder.progress()?);
         self.say_before(&before);
         let (fitted, is_stopped) = self.fitted(&folder, |kept| {
             let mut spinner = Spinner::new(args.model.quiet);
@@ -169,12 +192,14 @@ impl FitRequest<'_> {
             spinner.finish();
             fitted
         })?;
-        match is_stopped {
-            true => folder.write_so_far(&fitted)?,
-            false => folder.finish(&fitted)?,
-        }
-        let (states, warnings) =
+        folder.write_so_far(&fitted)?;
+        self.say_replaced(is_replaced);
+        let (states, mut warnings) =
             self.states(&folder, &fitted.warnings, |asked| asked.over_posterior(&fitted, interrupt))?;
+        match is_stopped {
+            true => warnings.insert(0, ended_by_budget()),
+            false => folder.complete()?,
+        }
         if let Some(path) = &args.report {
             let names = ModelNames::from(*model);
             let report = FitReport {
@@ -203,7 +228,7 @@ impl FitRequest<'_> {
             return Err(Failure::new(2, line));
         }
         let folder = self.folder(FitRecord::of_maximum(model, data, options)?)?;
-        let before = folder.progress()?;
+        let (is_replaced, before) = (folder.has_other_options(), folder.progress()?);
         self.say_before(&before);
         let (found, is_stopped) = self.fitted(&folder, |kept| {
             let progress = Progress::new(PARTS, args.model.quiet);
@@ -214,12 +239,13 @@ impl FitRequest<'_> {
             progress.finish();
             found
         })?;
-        match is_stopped {
-            true => folder.write_maximum_so_far(&found)?,
-            false => folder.finish_maximum(&found)?,
-        }
+        folder.write_maximum_so_far(&found)?;
+        self.say_replaced(is_replaced);
         let (states, warnings) =
             self.states(&folder, &found.warnings, |asked| asked.at_maximum(&found, interrupt))?;
+        if !is_stopped {
+            folder.complete()?;
+        }
         if let Some(path) = &args.report {
             let names = ModelNames::from(*model);
             let report = MaximumReport {
@@ -254,18 +280,34 @@ impl FitRequest<'_> {
         settings
     }
 
+    fn state_request(&self) -> StateRequest<'_> {
+        let FitRequest { args, model, data, options, .. } = self;
+        let (seed, forecast, ahead) = (options.seed, args.forecast, self.ahead.clone());
+        StateRequest { model, data, seed, forecast, ahead }
+    }
+
     /// States at what was fitted, in the folder, and the warnings of the fit with theirs.
     fn states(
         &self,
         folder: &FitFolder,
         warnings: &[Warning],
-        find: impl FnOnce(&StateRequest<'_>) -> Result<FitStates, MotesError> + Send,
+        find: impl Fn(&StateRequest<'_>) -> Result<FitStates, MotesError> + Send + Sync,
     ) -> Result<(Option<FitStates>, Vec<Warning>), Failure> {
-        let FitRequest { args, model, data, options, .. } = self;
-        let (seed, forecast, ahead) = (options.seed, args.forecast, self.ahead.clone());
-        let asked = StateRequest { model, data, seed, forecast, ahead };
-        let mut warnings = warnings.to_vec();
-        match on_threads(args.model.threads, || find(&asked))? {
+        let FitRequest { args, .. } = self;
+        let (asked, mut warnings) = (self.state_request(), warnings.to_vec());
+        let mut found = on_threads(args.model.threads, || find(&asked))?;
+        if let Err(error) = &found
+            && !matches!(error, MotesError::Interrupted)
+            && (asked.forecast > 0 || asked.ahead.is_some())
+        {
+            // States need no forecasts.
+            let without = on_threads(args.model.threads, || find(&asked.without_forecasts()))?;
+            if without.is_ok() {
+                warnings.push(Warning { series: None, text: format!("there are no forecasts: {error}") });
+                found = without;
+            }
+        }
+        match found {
             Ok(states) => {
                 folder.write_states(&states.table)?;
                 warnings.extend(states.warnings.iter().cloned());
@@ -283,6 +325,12 @@ impl FitRequest<'_> {
             }
         }
     }
+}
+
+/// What is said of draws that a budget ended.
+fn ended_by_budget() -> Warning {
+    let text = "--budget ended it: the same command with more seconds goes on from there";
+    Warning { series: None, text: text.to_string() }
 }
 
 /// Parts that the progress of a search is told in.

@@ -55,8 +55,8 @@ pub(super) struct FitArgs {
     /// Predict the states and measurements of so many times after the last measurement, in states.csv of the folder and in the report
     #[arg(long, value_name = "H", allow_negative_numbers = true, default_value = "0", value_parser = integer(0..=1_000_000_usize))]
     pub(super) forecast: usize,
-    /// Times and inputs of the rows after the last one, which are predicted: a CSV file with the columns that the model's [time] and [inputs] name
-    #[arg(long, value_name = "FILE", conflicts_with = "forecast")]
+    /// Times and inputs of the rows after the last one, which are predicted, or of which --forecast takes the first ones: a CSV file with the columns that the model's [time] and [inputs] name
+    #[arg(long, value_name = "FILE")]
     pub(super) inputs: Option<PathBuf>,
     /// Print one JSON object with all figures
     #[arg(long)]

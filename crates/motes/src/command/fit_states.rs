@@ -5,7 +5,7 @@ use std::sync::Arc;
 use motes::output::{EstimateTable, Report};
 use motes::{
     Data, Estimate, FilterOptions, Forecast, MaximumFit, Model, ModelNames, MotesError, PosteriorFit,
-    ProposalName, Warning, filter, filter_draws,
+    ProposalName, Warning, check_forecasts, filter, filter_draws,
 };
 use motes_cli::Interrupt;
 
@@ -60,6 +60,16 @@ impl StateRequest<'_> {
         let filtered = filter(&model, self.data, &options, |_| interrupt.check())?;
         let table = self.table(&options).filtered(self.data, &filtered);
         Ok(FitStates::new(filtered.estimates, filtered.forecasts, options, table, filtered.warnings))
+    }
+
+    /// Refuses forecasts that need what is not known, before the fit.
+    pub(super) fn check(&self) -> Result<(), MotesError> {
+        check_forecasts(self.model, self.data, &self.options("bootstrap", 1))
+    }
+
+    /// The same without what is predicted.
+    pub(super) fn without_forecasts(&self) -> StateRequest<'_> {
+        StateRequest { forecast: 0, ahead: None, ..*self }
     }
 
     /// A filter like the estimator of the likelihood, where that goes row by row.

@@ -14,6 +14,16 @@ use super::say::warn;
 
 pub(super) fn run(args: &SimulateArgs, interrupt: &Interrupt) -> Result<u8, Failure> {
     let ModelAtFit { model, draws } = args.fitted.of(args.model.read()?, &args.model.set)?;
+    if args.inputs.is_none()
+        && let Some(column) = model.undated_column()
+    {
+        return Err(Failure::new(
+            2,
+            format!(
+                "the times in the column {column} are dates, and the model says of none when it is; give those of the rows by --inputs, or that of x_0 by start = 2024-01-01 in [time]"
+            ),
+        ));
+    }
     let output = args.output.clone().map_or(Output::Standard, Output::File);
     let failed = |source| MotesError::Output { file: output.name(), source };
     output.check().map_err(failed)?;

@@ -96,7 +96,7 @@ pub(super) fn run(
         let named = has_series.then_some(name.as_str());
         tally.end_series(named, of_this, running, |_| TimeLabel::default());
         let mut forecast = Vec::new();
-        for row in rows_ahead(options, named) {
+        for row in rows_ahead(options, named, clock.rows())? {
             let ahead = running.predict_by(clock, row)?;
             answers.say(&table.row(name, ahead.label.as_deref(), ahead.time, &ahead.estimate))?;
             forecast.push(ahead);

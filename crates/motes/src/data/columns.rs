@@ -143,6 +143,11 @@ impl Columns {
         [self.series, self.time, self.carried]
     }
 
+    /// Whether a column `t` counts rows.
+    pub(crate) fn counts(&self) -> bool {
+        self.time.is_some()
+    }
+
     /// The place of the column of times that the model names.
     pub fn clock(&self) -> Option<usize> {
         self.clock

@@ -164,7 +164,10 @@ impl<R: Read> Rows<R> {
             return Err(DataError::Impossible { place, impossible: impossible.into() });
         }
         self.series.add(series);
-        let time = step.map_or(0.0, |step| step.time);
+        let time = match step {
+            Some(step) => step.time,
+            None => self.counted(line)?,
+        };
         Ok(Some(Row { line, series, time, label, written_time, inputs, measurement, steps }))
     }
 
@@ -222,6 +225,15 @@ impl<R: Read> Rows<R> {
         let hint =
             if found > expected { "; a decimal comma, or a comma in a text without quotes?" } else { "" };
         Err(DataError::Ragged { file: self.file.clone(), line, found, expected, hint: hint.into() })
+    }
+
+    /// What `t` says of a row of times and inputs alone; 0 where there is no such column.
+    fn counted(&self, line: u64) -> Result<f64, DataError> {
+        let Some(at) = self.columns.time else { return Ok(0.0) };
+        let text = self.text(at, line)?.trim();
+        let time = text.parse::<f64>().ok().filter(|time| time.fract() == 0.0 && *time >= 0.0);
+        let wrong = || DataError::Time { place: self.place(line, at), value: shown(text), expected: 0 };
+        time.ok_or_else(wrong)
     }
 
     /// `t` counts, where there is such a column.

@@ -70,6 +70,11 @@ impl Data {
         Ok(Data { columns, series, rows, clocks, source: RowSource::of_file(file), index: None })
     }
 
+    /// Whether a column `t` counts the rows of times and inputs alone.
+    pub(crate) fn counts_rows(&self) -> bool {
+        self.columns.counts() && self.source.file.is_some()
+    }
+
     /// For each series, where its rows stand in [`Data::rows`], in order of time.
     pub fn by_series(&self) -> Vec<Vec<usize>> {
         let mut places = vec![Vec::new(); self.series.len()];

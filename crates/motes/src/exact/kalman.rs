@@ -69,7 +69,9 @@ fn measured(
 ) -> Vec<Predictive> {
     let belief = linear.measurement_map(step).of_belief(belief);
     let of = |(i, value): (usize, &Option<f64>)| {
-        let (mean, sd) = (belief.mean[i], belief.standard_deviation(i));
+        let mean = belief.mean[i];
+        // What is not known has no spread.
+        let sd = if mean.is_nan() { mean } else { belief.standard_deviation(i) };
         let below = |value: f64| normal::<f64>(mean, sd).log_mass(f64::NEG_INFINITY, value).exp();
         Predictive {
             mean,

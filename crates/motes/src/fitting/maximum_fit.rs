@@ -160,11 +160,19 @@ pub fn maximise(
         likelihood.perturbed = match likelihood.perturbed_model() {
             Err(reason) if options.passes.is_some() => {
                 return Err(MotesError::Setting(format!(
-                    "--passes: iterated filtering takes the bootstrap filter of a model file whose free parameters stand in formulas alone; {reason}"
+                    "--passes: iterated filtering takes the bootstrap filter of a model file whose free parameters stand in formulas alone; {reason}{}",
+                    if reason.ends_with("exact") { "; take --proposal bootstrap" } else { "" }
                 )));
             }
             model => model.ok(),
         };
+    }
+    if let Some(prior) = free.priors().iter().find(|prior| prior.is_discrete()) {
+        return Err(MotesError::Setting(format!(
+            "--method maximum: {} is a count, and searches go uphill between numbers; fix it by --set {}=…, or take draws of the posterior",
+            prior.name(),
+            prior.name()
+        )));
     }
     let settings = MaximumSettings {
         starts: options.chains,

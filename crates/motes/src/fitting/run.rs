@@ -227,7 +227,12 @@ fn fitted(
     found.parameters = (0..d)
         .map(|at| ParameterSummary::of(&found.of_parameter(at)).ok_or_else(too_few))
         .collect::<Result<Vec<ParameterSummary>, MotesError>>()?;
-    let means: Vec<f64> = found.parameters.iter().map(|summary| summary.mean).collect();
+    let mean = |(at, summary): (usize, &ParameterSummary)| match free.is_discrete(at) {
+        // A mean between two counts is the value of none.
+        true => summary.mean.round(),
+        false => summary.mean,
+    };
+    let means: Vec<f64> = found.parameters.iter().enumerate().map(mean).collect();
     (found.log_likelihood, found.log_likelihood_error) = at_mean(likelihood, &means, estimator, seed)?;
     let positions = |at: usize| posterior.coordinate(at).concat();
     found.warnings.extend(trust::of_chains(&found.names, &found.parameters));

@@ -16,6 +16,9 @@ const EDGE: f64 = 3.0;
 /// A posterior that is as wide as the prior, and in the same place: the data say nothing.
 const SAME: (f64, f64) = (0.95, 0.1);
 
+/// Farther from the prior than this is another distribution: 400 independent draws of the prior are as far in one of 250 times.
+const FAR: f64 = 0.09;
+
 /// Draws are piled up at an end of a uniform prior where their median is in that part of it, and so many of them are as near to the end as a tenth of that: of a density that falls to 0 at the end there are fewer.
 const PILE: (f64, f64) = (0.25, 0.035);
 
@@ -81,11 +84,20 @@ pub(super) fn of_prior(name: &str, prior: &str, positions: &[f64]) -> Option<War
     if mean.abs() > EDGE {
         let side = if mean > 0.0 { "upper" } else { "lower" };
         return Some(warning(format!(
-            "{name} lies at the {side} edge of its prior {prior}: the prior and the data disagree; widen it, or look at the model"
+            "{name} lies at the {side} edge of its prior {prior}: the prior and the data disagree; widen it, unless its values end there, or look at the model"
         )));
     }
-    (sd > SAME.0 && mean.abs() < SAME.1)
+    (sd > SAME.0 && mean.abs() < SAME.1 && distance(positions) < FAR)
         .then(|| warning(format!("the data say nothing about {name}: its posterior is its prior {prior}")))
+}
+
+/// The largest distance between the distribution functions of draws and of the prior.
+fn distance(positions: &[f64]) -> f64 {
+    let mut below: Vec<f64> = positions.iter().map(|v| Scalar::normal_cdf(*v)).collect();
+    below.sort_by(f64::total_cmp);
+    let n = below.len() as f64;
+    let off = |(at, p): (usize, &f64)| (p - at as f64 / n).abs().max((p - (at + 1) as f64 / n).abs());
+    below.iter().enumerate().map(off).fold(0.0, f64::max)
 }
 
 /// Draws of a parameter, as shares of its uniform prior, that are piled up at one of its ends.
@@ -131,6 +143,10 @@ pub(super) fn of_places<'m>(
 
 /// Where fewer than half of the searches came as high as the best one.
 pub(super) fn of_starts(agreeing: usize, searches: usize) -> Option<Warning> {
+    if searches == 1 {
+        let text = "one search says nothing of other maxima: take more --chains";
+        return Some(warning(text.to_string()));
+    }
     (2 * agreeing < searches || agreeing < 2).then(|| {
         warning(format!(
             "{agreeing} of {searches} searches came as high as the best one: there may be higher maxima; take more --chains, or narrower priors"

@@ -14,9 +14,9 @@ use crate::error::MotesError;
 use crate::estimate::{Coordinate, Estimate, Forecast};
 use crate::filtered::Filtered;
 use crate::filtering::{measured, of_series};
-use crate::forecasting::rows_ahead;
 use crate::model::Model;
 use crate::options::FilterOptions;
+use crate::rows_ahead::{check_ahead, rows_ahead};
 use crate::tally::{SeriesTally, Tally};
 use crate::warning::Warning;
 
@@ -188,6 +188,7 @@ fn at_draw(
             expected: estimate.predictive.iter().map(of_entry).collect(),
         }
     };
+    check_ahead(&options, data)?;
     let mut rows: Vec<EstimateAtDraw> = data.rows.iter().map(|_| EstimateAtDraw::default()).collect();
     let (mut ahead, mut warnings) = (Vec::new(), Vec::new());
     let mut tally = Tally::new(vec![]);
@@ -210,7 +211,7 @@ fn at_draw(
         let at = |step: usize| measured(model, data, places[step.saturating_sub(before)]);
         tally.end_series(name, &of_this, &running, at);
         let (mut of_series_ahead, mut clock) = (Vec::new(), data.clocks[series].clone());
-        for row in rows_ahead(&options, name) {
+        for row in rows_ahead(&options, name, places.len())? {
             let forecast = running.predict_by(&mut clock, row).map_err(|error| of_series(name, error))?;
             let estimate = at_draw(&running, &forecast.estimate);
             let Forecast { time, label, is_given, .. } = forecast;

@@ -10,7 +10,7 @@ use crate::error::MotesError;
 use crate::estimate::Estimate;
 use crate::model::Model;
 use crate::options::FilterOptions;
-use crate::smoothing::smooth;
+use crate::smoothing::smooth_until;
 
 /// Smooths `data` with the model at each draw, `paths` trajectories in all and at least one of each, and puts all trajectories together: `p(x_t | y_{0:T−1})` whatever the
 /// parameters are. `proceed` is asked with the share of the work that is done.
@@ -31,9 +31,9 @@ pub fn smooth_draws(
     rows.resize(data.rows.len(), vec![nothing; n]);
     let mut warnings = data.warnings();
     for (number, model) in draws.iter().enumerate() {
-        let smoothed = smooth(model, data, &options_of_draw(options, number), each, |share| {
-            proceed((number as f64 + share) / draws.len() as f64)
-        })?;
+        let options = options_of_draw(options, number);
+        let mut proceed = |share: f64| proceed((number as f64 + share) / draws.len() as f64);
+        let smoothed = smooth_until(model, data, &options, each, false, &mut proceed)?;
         for (paths, places) in smoothed.paths.iter().zip(data.by_series()) {
             for path in 0..paths.len() {
                 for (state, row) in paths.path(path).chunks_exact(n).zip(&places) {
@@ -59,7 +59,12 @@ pub fn smooth_draws(
         Estimate::of_state(row.iter().map(coordinate).collect())
     };
     let estimates = rows.iter().map(estimate).collect();
-    Ok(PosteriorEstimates { estimates, forecasts: vec![], draws: draws.len(), warnings })
+    Ok(PosteriorEstimates {
+        estimates,
+        forecasts: vec![vec![]; data.series.len()],
+        draws: draws.len(),
+        warnings,
+    })
 }
 
 /// Warnings of smoothers that are passed on.

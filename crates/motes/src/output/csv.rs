@@ -206,7 +206,7 @@ pub fn simulated_table(model: &Model, simulated: &Simulated) -> String {
             let parameters = simulated.parameters.get(series).into_iter().flatten().map(|(_, value)| value);
             let numbers = state.iter().chain(measurement).chain(parameters).map(|value| text(*value));
             let cells: Vec<String> =
-                [series.to_string(), label].into_iter().chain(inputs).chain(numbers).collect();
+                [simulated.names[series].clone(), label].into_iter().chain(inputs).chain(numbers).collect();
             table += &line(&cells);
         }
     }

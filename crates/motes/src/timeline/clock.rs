@@ -132,6 +132,7 @@ impl Clock {
     /// The time of a row a gap after the one before.
     pub(crate) fn time_after(&self, timeline: &Timeline, gap: f64) -> f64 {
         match (&self.previous, timeline.start) {
+            _ if timeline.rule.column.is_none() => self.rows as f64,
             (Some(previous), _) => previous.time + gap,
             (None, Some(start)) if !timeline.rule.counts_from_first_row() => start + gap,
             (None, _) => 0.0,
@@ -312,8 +313,9 @@ impl Clock {
                 let Some(file) = timeline.files.get(number).and_then(Option::as_ref) else {
                     return Err(missing());
                 };
+                file.check_zones(self.has_zones)?;
                 let time = (moment.time + self.origin, input.lag);
-                file.value(&input.name, &self.series, time, input.between, input.holds_beyond)
+                file.value(&input.name, &self.series, time, input.between, input.holds_beyond, moment.is_row)
             }
             InputSource::Lag { column, rows, first } => {
                 let behind = self.past.get(rows - 1);

@@ -81,6 +81,18 @@ pub enum TimelineError {
     /// An input is needed at a time that its file does not have.
     #[error(transparent)]
     BeyondFile(Box<BeyondFile>),
+    /// The times of a file have zones, and those of the rows have none, or the other way round.
+    #[error(
+        "{file} has times with {own} zone, and the rows have times with {of_rows} zone: which is earlier is not known; write zones in both or in none"
+    )]
+    FileZones {
+        /// The file.
+        file: String,
+        /// `a` or `no`.
+        own: &'static str,
+        /// `a` or `no`.
+        of_rows: &'static str,
+    },
     /// A file has nothing for a series.
     #[error("{file} has no rows of series {series}")]
     NoSeries {

@@ -7,7 +7,7 @@ use csv::ReaderBuilder;
 use motes_formulas::{Between, TimeUnit};
 
 use super::error::{BeyondFile, TimelineError};
-use crate::calendar::{label_of, time_of};
+use crate::calendar::{has_zone, label_of, time_of};
 
 /// The values of a column at increasing times.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -22,6 +22,8 @@ pub(super) struct InputFile {
     file: String,
     has_series: bool,
     unit: Option<TimeUnit>,
+    /// Whether its times have a zone, where they are times of a day.
+    zones: Option<bool>,
     series: BTreeMap<String, Values>,
 }
 
@@ -57,6 +59,7 @@ impl InputFile {
         };
         let series_at = position(series);
         let mut series: BTreeMap<String, Values> = BTreeMap::new();
+        let mut zones = None;
         for record in reader.records() {
             let record = record.map_err(|error| error.to_string())?;
             let line = record.position().map_or(0, csv::Position::line);
@@ -64,6 +67,7 @@ impl InputFile {
             let name = series_at.map(cell).unwrap_or_default().to_string();
             let fault = |at: usize, reason: String| format!("line {line}, column {}: {reason}", header[at]);
             let time = time_of(cell(time_at), unit).map_err(|error| fault(time_at, error.to_string()))?;
+            zones = has_zone(cell(time_at)).filter(|_| unit.is_some()).or(zones);
             let text = cell(value_at).trim();
             let value = text.parse::<f64>().ok().filter(|value| value.is_finite());
             let value = value.ok_or_else(|| {
@@ -80,10 +84,24 @@ impl InputFile {
         if series.is_empty() {
             return Err("there are no rows".to_string());
         }
-        Ok(InputFile { file: path.display().to_string(), has_series: series_at.is_some(), unit, series })
+        let (file, has_series) = (path.display().to_string(), series_at.is_some());
+        Ok(InputFile { file, has_series, unit, zones, series })
     }
 
-    /// The value at a time less a lag.
+    /// Refuses times whose zones are known beside those of rows that are not, or the other way round.
+    pub(super) fn check_zones(&self, of_rows: Option<bool>) -> Result<(), TimelineError> {
+        let words = |has: bool| if has { "a" } else { "no" };
+        match (self.zones, of_rows) {
+            (Some(own), Some(of_rows)) if own != of_rows => Err(TimelineError::FileZones {
+                file: self.file.clone(),
+                own: words(own),
+                of_rows: words(of_rows),
+            }),
+            _ => Ok(()),
+        }
+    }
+
+    /// The value at a time less a lag. What leads to a row is that of the next one where a step begins at a time of the file, and of that one where the row `is_reached`.
     ///
     /// # Errors
     /// [`TimelineError::BeyondFile`] if the file does not have it, [`TimelineError::NoSeries`] if it has nothing of the series.
@@ -94,6 +112,7 @@ impl InputFile {
         (time, lag): (f64, f64),
         between: Between,
         holds_beyond: bool,
+        is_reached: bool,
     ) -> Result<f64, TimelineError> {
         let time = time - lag;
         let name = if self.has_series { series } else { "" };
@@ -118,7 +137,7 @@ impl InputFile {
             _ if before == 0 => values[0],
             _ if before == times.len() => values[before - 1],
             Between::Hold => of(before - 1),
-            Between::Next => of(at_or_after),
+            Between::Next => of(if is_reached { at_or_after } else { before }),
             Between::Linear => {
                 let share = (time - times[before - 1]) / (times[before] - times[before - 1]);
                 of(before - 1) + share * (of(before) - of(before - 1))

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use motes_formulas::{Frame, InputRule, InputSource, TimeLabel, TimeRule};
+use motes_formulas::{Frame, InputRule, InputSource, TimeLabel, TimeRule, TimeUnit};
 use motes_models::Stream;
 
 use super::error::TimelineError;
@@ -125,6 +125,21 @@ impl Timeline {
             Some(TimeLabel::Date(date)) => Some(date),
             _ => None,
         }
+    }
+
+    /// The column of times that are dates, where it is not known when the first row is.
+    pub(crate) fn undated_column(&self) -> Option<&str> {
+        let is_dated = match self.rule.unit {
+            None => true,
+            Some(TimeUnit::Year) => self.start.is_some(),
+            Some(TimeUnit::Day | TimeUnit::Week) => self.start_date().is_some(),
+        };
+        self.rule.column.as_deref().filter(|_| !is_dated)
+    }
+
+    /// Whether rows that nobody gave have dates.
+    pub(crate) fn has_dates(&self) -> bool {
+        self.rule.unit.is_some() && self.undated_column().is_none()
     }
 
     /// Whether `x_0` has a time of its own.

@@ -101,3 +101,58 @@ fn draws_that_were_cut_off_and_filters_in_doubt_are_said() {
         assert!(!output.status.success() && said.lines().count() == 1, "{said}");
     }
 }
+
+/// Two modes on either side of the prior's centre have its mean and its standard deviation, and say much.
+#[test]
+fn a_posterior_of_two_modes_is_not_its_prior() {
+    let place = crate::common::Workplace::new();
+    place.write(
+        "m.toml",
+        "[parameters]\na = \"normal(0, 2)\"\n[initial]\nx = \"normal(0, 0.1)\"\n[transition]\nx = \"normal(0.5*x, 0.1)\"\n[measurement]\ny = \"normal(x + abs(a), 0.5)\"\n",
+    );
+    place.write("d.csv", "y\n2.1\n1.8\n2.3\n2.0\n1.9\n2.2\n2.1\n1.7\n2.0\n2.1\n");
+    let output = place.run(&["fit", "m.toml", "d.csv", "-o", "fit", "--draws", "1000"]);
+    let said = crate::common::stderr(&output);
+    assert!(!said.contains("the data say nothing"), "{said}");
+    // Nor is it said of paths that follow two particles of each draw.
+    let smooth = place.run(&["smooth", "m.toml", "d.csv", "--parameters", "fit", "--proposal", "bootstrap"]);
+    assert!(
+        !crate::common::stderr(&smooth).contains("paths pass through"),
+        "{}",
+        crate::common::stderr(&smooth)
+    );
+}
+
+#[test]
+fn counts_have_a_likelihood_at_their_mean_and_no_maximum_uphill() {
+    let place = crate::common::Workplace::new();
+    place.write(
+        "m.toml",
+        "[parameters]\nn = \"poisson(6)\"\n[initial]\nx = \"normal(0, 0.1)\"\n[transition]\nx = \"normal(0.5*x, 0.1)\"\n[measurement]\ny = \"binomial(n + 20, 0.5)\"\n",
+    );
+    place.write("d.csv", "y\n13\n12\n15\n13\n");
+    let json = place.printed(&["fit", "m.toml", "d.csv", "-o", "fit", "--draws", "200", "--json", "--quiet"]);
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert!(json["log_likelihood"].is_number(), "{json}");
+    let refused = place.run(&["fit", "m.toml", "d.csv", "-o", "maximum", "--method", "maximum"]);
+    let line = "motes: --method maximum: n is a count, and searches go uphill between numbers; fix it by --set n=…, or take draws of the posterior";
+    assert_eq!(crate::common::stderr(&refused), line);
+}
+
+/// Values that a prior allows make the data impossible at its median.
+#[test]
+fn data_need_not_be_possible_at_the_median_of_a_prior() {
+    let place = crate::common::Workplace::new();
+    place.write(
+        "m.toml",
+        "[parameters]\nm = \"uniform(0, 7)\"\n[initial]\nx = \"normal(0, 0.1)\"\n[transition]\nx = \"normal(0.5*x, 0.1)\"\n[measurement]\ny = \"uniform(-m, m)\"\n",
+    );
+    place.write("d.csv", "y\n3.61\n1\n-2\n");
+    let output = place.run(&["fit", "m.toml", "d.csv", "-o", "fit", "--draws", "200"]);
+    assert!(output.status.success(), "{}", crate::common::stderr(&output));
+    assert!(crate::common::stderr(&output).contains("of draws from the prior the likelihood is 0"));
+    place.write("none.csv", "y\n9\n1\n-2\n");
+    let output = place.run(&["fit", "m.toml", "none.csv", "-o", "other", "--draws", "200"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(crate::common::stderr(&output).contains("9 is no value of uniform(-m, m)"));
+}

@@ -1,5 +1,6 @@
 //! The command and its library, from files to tables.
 
+mod ahead;
 mod another_model;
 mod bounded_optimum;
 mod calibration;

@@ -171,3 +171,11 @@ fn a_sum_along_two_lengths() {
 fn a_distribution_in_a_sum() {
     insta::assert_snapshot!(refused(&vector("sum(j, normal(x[j], 1))")), @"m.toml, line 7, column 17, [transition] x[40]: `normal` stands inside of a sum; it can be shifted and scaled, as in x + 3*exponential(1); for more, make it a line of [draws] and use its value");
 }
+
+#[test]
+fn an_index_beyond_a_vector_with_ends() {
+    let text = "[initial]\nx[4] = \"normal(0, 1)\"\n[transition]\nx[0] = \"normal(x[0], 1)\"\nx[1..4] = \"x[i+1]\"\n[measurement]\ny = \"normal(x[0], 1)\"\n";
+    insta::assert_snapshot!(refused(text), @"m.toml, line 5, column 12, [transition] x[1..4]: `x` has no entry 4; its indices are 0 to 3");
+    let text = text.replace("x[i+1]", "x[i-1]").replace("y = \"normal(x[0], 1)\"", "y = \"normal(x[7], 1)\"");
+    insta::assert_snapshot!(refused(&text), @"m.toml, line 7, column 13, [measurement] y: `x` has no entry 7; its indices are 0 to 3");
+}
