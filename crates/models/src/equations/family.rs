@@ -114,6 +114,13 @@ pub(super) fn times_log<S: Scalar>(factor: S, value: S) -> S {
     factor.abs().where_positive(factor * value.ln(), zero.where_positive(S::from(f64::NAN), S::from(0.0)))
 }
 
+/// From where on a size, or a number of trials, is so large beside what is `expected` and counted that a distribution is nearly that of its limit: what is left out of two terms of the
+/// expansion is below a millionth, as are digits that logarithms of gamma functions lose below.
+#[inline(always)]
+pub(super) fn first_large<S: Scalar>(expected: S) -> S {
+    (expected * expected.max(S::from(0.0)).sqrt() * 1e3).max(S::from(1e8))
+}
+
 /// `density` where `count` is 0, 1, 2, …, else −∞.
 #[inline(always)]
 pub(super) fn at_count<S: Scalar>(count: S, density: S) -> S {

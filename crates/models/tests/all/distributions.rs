@@ -312,3 +312,23 @@ fn a_mean_beyond_numbers_makes_counts_unlikely_and_not_wrong() {
         assert!(overdispersed.log_density(count) < -1e3, "{}", overdispersed.log_density(count));
     }
 }
+
+/// Catches logarithms of large numbers that cancel each other: right values are those of the limits, with the next term of the expansion.
+#[test]
+fn large_sizes_keep_their_digits() {
+    let density = |distribution: Distribution<f64>, x: f64| distribution.log_density(x);
+    for size in [1e7, 1e8, 1e9, 3e9, 1e12, 1e14, 1e16] {
+        let next = (10.0 * 10.0 - 310.0) / (2.0 * size);
+        let found = density(negative_binomial(300.0, size), 310.0);
+        assert!((found + 3.952_338_574_182_477 - next).abs() < 2e-6, "size {size}: {found}");
+        let found = density(student_t(size, 0.0, 1.0), 1.0);
+        assert!((found + 1.418_938_533_204_672_7 + 0.5 / size).abs() < 1e-6, "df {size}: {found}");
+        let found = density(binomial(size.min(9e15), 3.0 / size.min(9e15)), 2.0);
+        let poisson = 2.0 * 3.0_f64.ln() - 3.0 - 2.0_f64.ln();
+        assert!((found - poisson).abs() < 2e-6, "n {size}: {found}");
+    }
+    // Derivatives do, too: of the size it is next to nothing, of the mean x/mean − 1.
+    let mean = Dual::<f64, 4>::variable(300.0, 0);
+    let found = negative_binomial(mean, Dual::constant(1e12)).log_density(Dual::constant(310.0));
+    assert!((found.derivatives()[0] - 10.0 / 300.0).abs() < 1e-9);
+}

@@ -91,7 +91,9 @@ fn passes_are_refused_where_no_filter_has_parameters_of_its_particles() {
     let line = "--passes: iterated filtering takes the bootstrap filter of a model file whose free parameters stand in formulas alone";
     // Its likelihood is exact.
     assert!(refused(WAVES, None).starts_with(line));
-    assert!(refused(WAVES, None).ends_with("; the likelihood is estimated by exact; take --proposal bootstrap"));
+    assert!(
+        refused(WAVES, None).ends_with("; the likelihood is estimated by exact; take --proposal bootstrap")
+    );
     let lengths = "[parameters]\nk = \"poisson(3)\"\n[initial]\n\"x[k]\" = \"normal(0, 1)\"\n[transition]\n\"x[k]\" = \"normal(x[i], 1)\"\n[measurement]\ny = \"normal(x[0], 1)\"\n";
     assert!(refused(lengths, Some(ProposalName::Bootstrap)).starts_with(line));
     let reason = refused(lengths, Some(ProposalName::Bootstrap));

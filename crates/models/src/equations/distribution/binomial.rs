@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use crate::elementary;
 use crate::equations::draw::{Needs, Rejection, Source, Successes};
-use crate::equations::family::{Family, at_count, inside, parameters, times_log};
+use crate::equations::family::{Family, at_count, first_large, inside, parameters, times_log};
 use crate::equations::quantile::near_normal::{self, NearNormal, bend, deviance};
 use crate::equations::quantile::{Count, Quantile, count};
 use crate::equations::scalar::Scalar;
@@ -44,8 +44,14 @@ impl<S: Scalar> Family<S> for Binomial<S> {
     fn log_density(self, x: S, log_factorial: impl FnOnce() -> S) -> S {
         let Binomial { n, p } = self;
         let failures = n - x;
-        let choices = (n + 1.0).ln_gamma() - log_factorial() - (failures + 1.0).ln_gamma();
+        let log_factorial = log_factorial();
+        let choices = (n + 1.0).ln_gamma() - log_factorial - (failures + 1.0).ln_gamma();
+        // Logarithms of many trials cancel each other; of few successes among them it is nearly Poisson.
+        let mean = n * p;
+        let poisson = times_log(x, mean) - mean - log_factorial;
+        let nearly = poisson + x * p - (x * (x - 1.0) / n + mean * p) * 0.5;
         let density = choices + times_log(x, p) + times_log(failures, -p + 1.0);
+        let density = (n - first_large(x + mean)).where_positive(nearly, density);
         let is_count = n - n.floor();
         let density = is_count.where_positive(S::from(f64::NAN), density);
         at_count(x, inside(failures, density))

@@ -1,7 +1,9 @@
 //! The negative binomial distribution.
 
 use crate::equations::draw::{Events, Needs, Rejection, Source, StandardGamma};
-use crate::equations::family::{Family, MOST_EXPECTED, above_zero, at_count, parameters, times_log};
+use crate::equations::family::{
+    Family, MOST_EXPECTED, above_zero, at_count, first_large, parameters, times_log,
+};
 use crate::equations::quantile::{Count, Quantile, count, difference};
 use crate::equations::scalar::Scalar;
 
@@ -40,9 +42,14 @@ impl<S: Scalar> Family<S> for NegativeBinomial<S> {
     fn log_density(self, x: S, log_factorial: impl FnOnce() -> S) -> S {
         let (mean, size) = (self.mean.min(S::from(MOST_EXPECTED)), self.size);
         let whole = mean + size;
-        let density = (x + size).ln_gamma() - size.ln_gamma() - log_factorial()
+        let log_factorial = log_factorial();
+        let density = (x + size).ln_gamma() - size.ln_gamma() - log_factorial
             + times_log(x, mean / whole)
             + size * (size / whole).ln();
+        // Logarithms of a large size cancel each other; there it is nearly Poisson.
+        let poisson = times_log(x, mean) - mean - log_factorial;
+        let nearly = poisson + ((x - mean) * (x - mean) - x) * 0.5 / size;
+        let density = (size - first_large(x + mean)).where_positive(nearly, density);
         at_count(x, density)
     }
 

@@ -3,9 +3,10 @@
 use std::f64::consts::PI;
 
 use crate::equations::draw::{Needs, Rejection, Source, StandardGamma};
-use crate::equations::family::{Family, Score, above_zero, parameters};
+use crate::equations::family::{Family, Score, above_zero, first_large, parameters};
 use crate::equations::quantile::{Quantile, student, transported};
 use crate::equations::scalar::Scalar;
+use crate::gaussian::LN_2PI;
 
 parameters! {
     /// The parameters of [`student_t`](super::distributions::student_t).
@@ -44,11 +45,16 @@ impl<S: Scalar> Family<S> for StudentT<S> {
         let StudentT { df, location, scale } = self;
         let z = (x - location) / scale;
         let half = (df + 1.0) * 0.5;
-        half.ln_gamma()
+        let square = z * z;
+        let density = half.ln_gamma()
             - (df * 0.5).ln_gamma()
             - (df * PI).ln() * 0.5
             - scale.ln()
-            - half * (z * z / df + 1.0).ln()
+            - half * (square / df + 1.0).ln();
+        // Logarithms of many degrees of freedom cancel each other; there it is nearly normal.
+        let normal = -square * 0.5 - scale.ln() - 0.5 * LN_2PI;
+        let nearly = normal + (square * (square - 2.0) - 1.0) * 0.25 / df;
+        (df - first_large(square)).where_positive(nearly, density)
     }
 
     #[inline(always)]
