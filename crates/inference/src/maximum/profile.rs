@@ -29,6 +29,9 @@ const NEAR: f64 = 0.01;
 /// The log-likelihood at a point has particles by this factor, and is that of so many estimates.
 const ESTIMATES: (usize, usize) = (4, 16);
 
+/// The largest log-likelihood at a value of a coordinate with its standard error, and where the others are there.
+type ProfileTop = ((f64, f64), Vec<f64>);
+
 /// A likelihood with one of its parameters given.
 struct SliceLikelihood<'a, L> {
     likelihood: &'a L,
@@ -82,7 +85,7 @@ pub(super) fn profile<L: Likelihood>(
     }];
     let spread = if others.is_empty() { None } else { conditional(best, at, &others) };
     // The largest log-likelihood at a value, and where it is, from others near there.
-    let top_at = |value: f64, here: &[f64], seed: &Seed| -> Result<((f64, f64), Vec<f64>), L::Error> {
+    let top_at = |value: f64, here: &[f64], seed: &Seed| -> Result<ProfileTop, L::Error> {
         let given = SliceLikelihood { likelihood, at, value };
         let start = height(&given, here, best.estimator, ESTIMATES, &seed.child("start"))?;
         let Some(spread) = &spread else { return Ok((start, here.to_vec())) };
