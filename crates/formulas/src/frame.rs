@@ -24,6 +24,15 @@ pub struct InputUse {
     pub measurement: bool,
 }
 
+/// What must be known where an entry of the measurement is there.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub(crate) struct EntryNeeds {
+    /// Whether it is of what came since the row before.
+    pub(crate) step: bool,
+    /// The inputs that it depends on.
+    pub(crate) inputs: Vec<u32>,
+}
+
 /// What a model has besides its equations: how rows are spaced, inputs, parameters with their priors, and the column that tells series apart. A clone shares it.
 #[derive(Debug, Clone)]
 pub struct Frame(Arc<Contents>);
@@ -38,8 +47,7 @@ struct Contents {
     /// Of functions nobody knows what they use.
     is_of_functions: bool,
     resets: Vec<usize>,
-    /// Whether an entry of a measurement is of what came since the row before.
-    needs_step: Vec<bool>,
+    entries: Vec<EntryNeeds>,
     /// The numbers of the inputs that are simulated, and how.
     simulated: (Vec<usize>, Program),
     parameters: Vec<(String, f64)>,
@@ -47,7 +55,7 @@ struct Contents {
 }
 
 impl Contents {
-    fn of(statement: &Statement, uses: Vec<InputUse>, needs_step: Vec<bool>) -> Result<Self, Fault> {
+    fn of(statement: &Statement, uses: Vec<InputUse>, entries: Vec<EntryNeeds>) -> Result<Self, Fault> {
         let simulated = compile(&build(statement, Section::Inputs)?, 0, false);
         Ok(Contents {
             series: statement.series.clone(),
@@ -56,7 +64,7 @@ impl Contents {
             uses,
             is_of_functions: false,
             resets: statement.resets(),
-            needs_step,
+            entries,
             simulated: (statement.simulated.0.clone(), simulated),
             parameters: statement.parameters.clone(),
             priors: statement.priors.clone(),
@@ -80,9 +88,9 @@ impl Frame {
     pub(crate) fn of(
         statement: &Statement,
         uses: Vec<InputUse>,
-        needs_step: Vec<bool>,
+        entries: Vec<EntryNeeds>,
     ) -> Result<Self, Fault> {
-        Ok(Frame(Arc::new(Contents::of(statement, uses, needs_step)?)))
+        Ok(Frame(Arc::new(Contents::of(statement, uses, entries)?)))
     }
 
     /// That of a text with no other sections than `[time]`, `[inputs]`, `[parameters]` and `[series]`, for a model whose equations are functions: each may use any input. `names` are those
@@ -168,7 +176,13 @@ impl Frame {
 
     /// Whether an entry of the measurement is made of what came since the row before, so that there must be a step before it.
     pub fn needs_step(&self, entry: usize) -> bool {
-        self.0.needs_step.get(entry).copied().unwrap_or_default()
+        self.0.entries.get(entry).is_some_and(|needs| needs.step)
+    }
+
+    /// Whether an input must be known where an entry of the measurement is there. Functions may use any.
+    pub fn needs_input(&self, entry: usize, input: usize) -> bool {
+        let uses = |needs: &EntryNeeds| needs.inputs.iter().any(|used| *used as usize == input);
+        self.0.is_of_functions || self.0.entries.get(entry).is_some_and(uses)
     }
 
     /// Draws the inputs that are simulated, for a step that ends at a time: their numbers, and values.

@@ -7,7 +7,7 @@ use motes_models::Step;
 
 use crate::closed_form::{self, NoClosedForm};
 use crate::error::{Fault, Section};
-use crate::frame::{Frame, InputUse};
+use crate::frame::{EntryNeeds, Frame, InputUse};
 use crate::graph::build;
 use crate::program::{Program, compile};
 use crate::schedule::Schedule;
@@ -73,6 +73,7 @@ impl FormulaModel {
         let mut uses = vec![InputUse::default(); inputs];
         let (mut closed_form, mut is_linear, mut has_density) = (Ok(()), true, true);
         let (mut exact_entry, mut is_finite) = (None, true);
+        let mut inputs_of_entries = Vec::new();
         let first_parameter = statement.first_parameter();
         let mut only_initial = vec![true; states - first_parameter];
         let mut program = |section, lines: &[Line]| {
@@ -82,7 +83,10 @@ impl FormulaModel {
             }
             is_linear &= closed_form::is_linear(&built);
             match section {
-                Section::Measurement => exact_entry = closed_form::without_noise(&built),
+                Section::Measurement => {
+                    exact_entry = closed_form::without_noise(&built);
+                    inputs_of_entries = built.inputs_of_coordinates();
+                }
                 _ => is_finite &= closed_form::is_finite(&built),
             }
             for number in built.inputs() {
@@ -109,7 +113,9 @@ impl FormulaModel {
             closed_form = Err(closed_form::of_draws(file, draw));
         }
         let known: usize = statement.initial.iter().map(Line::coordinates).sum();
-        let frame = Frame::of(&statement, uses, measurement.depend_on_states_from(known))?;
+        let need_step = measurement.depend_on_states_from(known).into_iter();
+        let entries = need_step.zip(inputs_of_entries).map(|(step, inputs)| EntryNeeds { step, inputs });
+        let frame = Frame::of(&statement, uses, entries.collect())?;
         let has_sub_steps = frame.has_sub_steps();
         if let (Ok(()), Some(line), true) = (&closed_form, statement.transition.first(), has_sub_steps) {
             closed_form = Err(closed_form::of_sub_steps(file, line));

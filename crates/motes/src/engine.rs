@@ -13,6 +13,7 @@ use crate::error::MotesError;
 use crate::estimate::Estimate;
 use crate::filter_choice::filter_of;
 use crate::filtered::WeightedParticles;
+use crate::known_inputs::{empty_unknown, without_unknown};
 use crate::model::{Kind, Model};
 use crate::options::{FilterOptions, ProposalName};
 use crate::particles::Start;
@@ -116,8 +117,11 @@ impl<'m> Running<'m> {
         let (last, nothing) = (last.step(), vec![None; measurement.len()]);
         before.iter().try_for_each(|step| self.take_step(&step.step(), &nothing))?;
         if self.is_predictive && self.filter.failure().is_none() {
-            let ahead = self.filter.measurement_ahead(&last, measurement, self.asked.probabilities());
-            self.predictive = ahead.map_err(|error| self.explain(&error, &last, &nothing))?;
+            let known = without_unknown(&last);
+            let known = known.as_ref().map_or(last, StepRecord::step);
+            let ahead = self.filter.measurement_ahead(&known, measurement, self.asked.probabilities());
+            self.predictive = ahead.map_err(|error| self.explain(&error, &known, &nothing))?;
+            empty_unknown(self.model, &last, &mut self.predictive);
         }
         self.take_step(&last, measurement)
     }
@@ -156,6 +160,8 @@ impl<'m> Running<'m> {
         }
         self.before = self.filter.log_evidence();
         self.continuations = None;
+        let known = without_unknown(step);
+        let step = &known.as_ref().map_or(*step, StepRecord::step);
         self.filter.step(step, measurement).map_err(|error| self.explain(&error, step, measurement))?;
         self.time += 1;
         Ok(())

@@ -64,11 +64,7 @@ impl FitFolder {
 
     /// What fit is in it, where it is one of another model or to other data, whose draws are not to be lost.
     fn other_fit(&self) -> Option<String> {
-        let under_way = || {
-            let bytes = std::fs::read(self.path.join(PROGRESS)).ok()?;
-            unpack::<(FitRecord, Value)>(FIT, VERSION, &bytes).ok().map(|(record, _)| record)
-        };
-        let before = FitRecord::load(&self.path).ok().or_else(under_way)?;
+        let before = FitRecord::load(&self.path).ok().or_else(|| self.under_way())?;
         if before.model != self.record.model {
             return Some(format!("a fit of another model, {}", before.model));
         }
@@ -77,6 +73,12 @@ impl FitFolder {
         }
         (before.data_hash != self.record.data_hash)
             .then(|| format!("a fit of {} to other data", before.model))
+    }
+
+    /// What the fit that was stopped in it is made with, if there is one.
+    fn under_way(&self) -> Option<FitRecord> {
+        let bytes = std::fs::read(self.path.join(PROGRESS)).ok()?;
+        unpack::<(FitRecord, Value)>(FIT, VERSION, &bytes).ok().map(|(record, _)| record)
     }
 
     /// Where the same fit stood when it was stopped, a [`Posterior`](motes_inference::Posterior) or a [`MaximumSearch`](motes_inference::MaximumSearch); none where there is none,
@@ -126,11 +128,7 @@ impl FitFolder {
 
     /// Whether the fit in it has other options, and is written over.
     pub fn has_other_options(&self) -> bool {
-        let under_way = || {
-            let bytes = std::fs::read(self.path.join(PROGRESS)).ok()?;
-            unpack::<(FitRecord, Value)>(FIT, VERSION, &bytes).ok().map(|(record, _)| record)
-        };
-        let before = under_way().or_else(|| FitRecord::load(&self.path).ok());
+        let before = self.under_way().or_else(|| FitRecord::load(&self.path).ok());
         before.is_some_and(|before| before != self.record)
     }
 
@@ -152,8 +150,8 @@ impl FitFolder {
     /// # Errors
     /// [`MotesError::Output`] if it cannot be written.
     pub fn finish(&self, fitted: &PosteriorFit) -> Result<(), MotesError> {
-        self.write(&Self::files(fitted))?;
-        self.remove(PROGRESS)
+        self.write_so_far(fitted)?;
+        self.complete()
     }
 
     /// Writes the draws that there were when the fit was stopped, and leaves where it stood, so that it can go on.
@@ -174,7 +172,7 @@ impl FitFolder {
     /// [`MotesError::Output`] if it cannot be written.
     pub fn finish_maximum(&self, found: &MaximumFit) -> Result<(), MotesError> {
         self.write_maximum_so_far(found)?;
-        self.remove(PROGRESS)
+        self.complete()
     }
 
     /// Writes the maximum that was found when searches were stopped, and leaves where they stood, so that they can go on.

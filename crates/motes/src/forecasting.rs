@@ -1,11 +1,10 @@
 //! What is predicted after the last row of a series.
 
-use motes_models::{Step, StepRecord};
-
 use crate::continuations::Continuations;
 use crate::engine::Running;
 use crate::error::MotesError;
 use crate::estimate::{Estimate, Forecast};
+use crate::known_inputs::all_known;
 use crate::model::Model;
 use crate::options::ProposalName;
 use crate::timeline::{Clock, RowTime};
@@ -73,7 +72,7 @@ impl Running<'_> {
     fn go_on(&mut self, clock: &mut Clock, row: Option<RowTime<'_>>) -> Result<Forecast, MotesError> {
         let steps = self.model.steps_ahead(clock, row).map_err(|error| MotesError::Ahead(Box::new(error)))?;
         // What a measurement needs and nobody knows is no number there; states do without it.
-        let known: Vec<StepRecord> = steps.iter().map(|step| without_unknown(&step.step())).collect();
+        let known = all_known(&steps);
         let nothing = vec![None; self.model.measurements().len()];
         let is_predictive = std::mem::take(&mut self.is_predictive);
         let estimate = self.step_by(&known, &nothing);
@@ -112,11 +111,4 @@ impl Model {
         let label = given.or_else(|| clock?.label_of_last(self.timeline()?));
         Forecast { time, label, is_given, estimate }
     }
-}
-
-/// The step with 0 where an input is not known.
-fn without_unknown(step: &Step<'_>) -> StepRecord {
-    let inputs: Vec<f64> =
-        step.inputs.iter().map(|value| if value.is_nan() { 0.0 } else { *value }).collect();
-    StepRecord::of(&Step { inputs: &inputs, ..*step })
 }

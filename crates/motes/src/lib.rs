@@ -46,6 +46,7 @@ mod fit_comparison;
 mod fit_folder;
 mod fitting;
 mod forecasting;
+mod known_inputs;
 mod learned;
 mod learned_notes;
 mod learned_steps;

@@ -57,6 +57,12 @@ pub(crate) fn rounded(value: f64) -> f64 {
     format!("{value:.*e}", DIGITS).parse().unwrap_or(value)
 }
 
+/// The value of a parameter that is nearest to a mean of its draws: between two counts there is none.
+pub(crate) fn nearest_value(model: &Model, name: &String, mean: f64) -> f64 {
+    let is_count = |prior: &Prior| prior.is_discrete() && prior.entries().contains(name);
+    if model.priors().iter().any(is_count) { mean.round() } else { mean }
+}
+
 /// The model at a draw from its priors; none where it is no model there.
 pub fn at_prior_draw(model: &Model, number: u64) -> Option<Model> {
     model.with_parameters(&drawn(model, &Seed::from_u64(number).child("prior draw"))).ok()

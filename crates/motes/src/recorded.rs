@@ -6,6 +6,7 @@ use motes_smc::{LookAhead, LookAheadError, RecordedStep};
 use crate::data::Data;
 use crate::engine::Running;
 use crate::error::MotesError;
+use crate::known_inputs::without_unknown;
 use crate::model::{Kind, Model};
 use crate::options::{FilterOptions, ProposalName};
 use crate::own_model::LearnableModel;
@@ -24,7 +25,8 @@ pub(crate) fn steps_to_row<'a>(
     steps.iter().enumerate().map(move |(number, step)| {
         let is_last = number + 1 == steps.len();
         let measurement = if is_last { measurement.to_vec() } else { vec![None; measurement.len()] };
-        RecordedStep { step: step.clone(), measurement }
+        let step = without_unknown(&step.step()).unwrap_or_else(|| step.clone());
+        RecordedStep { step, measurement }
     })
 }
 

@@ -19,7 +19,7 @@ use crate::simulation_plan::{Plan, names, plans_along};
 use crate::timeline::{Clock, RowTime, Timeline, TimelineError};
 
 /// Series of states and measurements that a model drew.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Simulated {
     /// The name of each: its number, or that of the series of data that it goes along.
     pub names: Vec<String>,
@@ -157,7 +157,7 @@ fn simulate_all(
     }
     let seed = Seed::from_u64(seed).child("simulate");
     let names = names(plans);
-    let mut drawn = Simulated { names, series: Vec::new(), rows: Vec::new(), parameters: Vec::new() };
+    let mut drawn = Simulated::default();
     let (mut first, mut failures) = (None, 0);
     for (number, plan) in plans.iter().enumerate() {
         let mut stream = seed.nth(number as u64).stream();
@@ -171,6 +171,7 @@ fn simulate_all(
         let model = own.as_ref().unwrap_or(model);
         match draw_one(model, *plan, &mut stream, &mut || proceed(number)) {
             Ok(Some((trajectory, rows))) => {
+                drawn.names.push(names[number].clone());
                 drawn.series.push(trajectory);
                 drawn.rows.push(rows);
             }
@@ -207,16 +208,16 @@ pub(crate) fn simulate_some(
 ) -> Result<Simulated, MotesError> {
     let data = data.filter(|_| model.timeline().is_some());
     let plan = |number: usize| match data {
-        Some(data) => Plan::Along(data, number % data.series.len()),
+        Some(data) => Plan::Like(data, number % data.series.len()),
         None => Plan::Rows(steps),
     };
-    let names = (0..series).map(|number| number.to_string()).collect();
-    let mut drawn = Simulated { names, series: Vec::new(), rows: Vec::new(), parameters: Vec::new() };
+    let mut drawn = Simulated::default();
     for number in 0..series {
         let mut stream = seed.nth(number as u64).stream();
         match draw_one(model, plan(number), &mut stream, &mut || ControlFlow::Continue(())) {
             Ok(None) | Err(SimulationFailure::Model(_) | SimulationFailure::NotFinite { .. }) => {}
             Ok(Some((trajectory, rows))) => {
+                drawn.names.push(number.to_string());
                 drawn.series.push(trajectory);
                 drawn.rows.push(rows);
             }
@@ -328,7 +329,7 @@ pub(crate) fn schedule(
     match data {
         None => Ok(Schedule::endless(steps(Plan::Rows(rows))?)),
         Some(data) => {
-            let sequences = (0..data.series.len()).map(|series| steps(Plan::Along(data, series)));
+            let sequences = (0..data.series.len()).map(|series| steps(Plan::Like(data, series)));
             Ok(Schedule::of_sequences(sequences.collect::<Result<_, _>>()?))
         }
     }
@@ -340,15 +341,30 @@ struct Course<'a> {
     clock: Clock,
     /// The rows of the data that it goes along.
     along: Option<Box<dyn Iterator<Item = &'a crate::data::Row> + 'a>>,
+    /// Where cells of inputs that are blank have the value of the row before: what that was.
+    known: Option<Vec<f64>>,
+}
+
+/// The first value of each column of inputs in a series.
+fn first_known(data: &Data, series: usize) -> Vec<f64> {
+    let columns = data.of_series(series).map(|row| row.inputs.len()).max().unwrap_or(0);
+    let first = |column: usize| data.of_series(series).find_map(|row| row.inputs[column]);
+    (0..columns).map(|column| first(column).unwrap_or(0.0)).collect()
 }
 
 impl<'a> Course<'a> {
     fn of(model: &'a Model, plan: Plan<'a>) -> Self {
         let (name, along): (&str, Option<Box<dyn Iterator<Item = &crate::data::Row>>>) = match plan {
             Plan::Rows(_) => ("", None),
-            Plan::Along(data, series) => (&data.series[series], Some(Box::new(data.of_series(series)))),
+            Plan::Along(data, series) | Plan::Like(data, series) => {
+                (&data.series[series], Some(Box::new(data.of_series(series))))
+            }
         };
-        Course { model, clock: Clock::of_series(name), along }
+        let known = match plan {
+            Plan::Like(data, series) => Some(first_known(data, series)),
+            _ => None,
+        };
+        Course { model, clock: Clock::of_series(name), along, known }
     }
 
     /// The next row.
@@ -366,8 +382,17 @@ impl<'a> Course<'a> {
             Some(row) => {
                 let label = row.label.clone();
                 let time = row.written_time.as_deref();
-                let columns = &row.inputs;
+                // A row whose measurement is missing needs no input of it, but each simulation has all measurements.
+                let filled: Option<Vec<Option<f64>>> = self.known.as_mut().map(|known| {
+                    let of = |(known, cell): (&mut f64, &Option<f64>)| {
+                        *known = cell.unwrap_or(*known);
+                        Some(*known)
+                    };
+                    known.iter_mut().zip(&row.inputs).map(of).collect()
+                });
+                let columns = filled.as_ref().unwrap_or(&row.inputs);
                 let steps = self.clock.next(timeline, RowTime { label: time, columns })?;
+                self.clock.check_measurable()?;
                 Ok(SimulatedRow { steps, label, inputs: row.inputs.clone() })
             }
             None => self.simulated(timeline, stream),

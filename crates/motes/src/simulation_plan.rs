@@ -9,13 +9,15 @@ pub(crate) enum Plan<'a> {
     Rows(usize),
     /// The times and inputs of a series of data.
     Along(&'a Data, usize),
+    /// The same, where inputs that nothing was measured by have the value of the row before: a simulation has all measurements.
+    Like(&'a Data, usize),
 }
 
 impl Plan<'_> {
     pub(crate) fn len(&self) -> usize {
         match self {
             Plan::Rows(count) => *count,
-            Plan::Along(data, series) => data.of_series(*series).count(),
+            Plan::Along(data, series) | Plan::Like(data, series) => data.of_series(*series).count(),
         }
     }
 }

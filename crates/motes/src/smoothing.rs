@@ -12,6 +12,7 @@ use crate::exact::smooth_exactly;
 use crate::few_ancestors::of_paths;
 use crate::filtered::Filtered;
 use crate::filtering::{measured, of_proposal};
+use crate::known_inputs::all_known;
 use crate::long_step::of_step;
 use crate::model::Model;
 use crate::options::{FilterOptions, ProposalName};
@@ -94,7 +95,9 @@ pub(crate) fn smooth_until(
         let (of_times, found) = if options.proposal == ProposalName::Exact {
             let rows: Vec<&[Option<f64>]> =
                 places.iter().map(|at| data.rows[*at].measurement.as_slice()).collect();
-            let steps: Vec<&[StepRecord]> = places.iter().map(|at| data.rows[*at].steps.as_slice()).collect();
+            let known: Vec<Vec<StepRecord>> =
+                places.iter().map(|at| all_known(&data.rows[*at].steps)).collect();
+            let steps: Vec<&[StepRecord]> = known.iter().map(Vec::as_slice).collect();
             let asked = (paths, &options.quantiles);
             smooth_exactly(model, &steps, &rows, asked, &seed, &mut || proceed(work.share(0)))?
         } else {

@@ -197,3 +197,16 @@ def test_times_of_a_clock_go_on_as_the_model_has_them():
     assert dates("week", ["2024-01-01", "2024-01-08"]) == ["2024-01-15", "2024-01-22"]
     zoned = [pandas.Timestamp("2024-03-30T12:00+01:00"), pandas.Timestamp("2024-03-31T12:00+01:00")]
     assert dates("day", zoned) == [zoned[-1] + pandas.Timedelta(days=1), zoned[-1] + pandas.Timedelta(days=2)]
+
+
+def test_rows_of_a_whole_period_are_taken_from_where_the_data_end():
+    driven = motes.Model(
+        {"inputs": {"u": "next"}, "initial": {"x": 0}, "transition": {"x": "x + u"}, "measurement": {"y": "normal(x, 0.1)"}}
+    )
+    data = {"u": [100.0, 1.0, 2.0], "y": [0.0, 1.0, 3.0]}
+    whole = {"t": [0, 1, 2, 3, 4], "u": [100.0, 1.0, 2.0, 10.0, 20.0]}
+    found = driven.forecast(data, proposal="exact", inputs=whole)
+    assert found.to_csv() == driven.forecast(data, proposal="exact", inputs={"u": [10.0, 20.0]}).to_csv()
+    assert found.to_csv().splitlines()[-1].startswith("4,33,")
+    with pytest.raises(ValueError, match="inputs: a table has no row at t = 3"):
+        driven.forecast(data, proposal="exact", inputs={"t": [4], "u": [20.0]})

@@ -47,9 +47,14 @@ pub enum ComposedProblem {
     NoCovariance,
     /// A distribution of several parts where one number is.
     #[error(
-        "`{0}` draws several numbers at once; as a line of [draws], n = \"{0}(…)\", they are n[0], n[1], …"
+        "`{0}` draws several numbers at once; as a line of [draws], n = \"{0}(…)\", they are n[0], n[1], …, which any line of [transition] may use"
     )]
     PartsElsewhere(String),
+    /// A distribution of several parts as a measurement.
+    #[error(
+        "`{0}` has several numbers, and a measurement is one; measure each in a line of its own, with what they share as a draw of [draws]"
+    )]
+    PartsMeasured(String),
     /// Several draws of several parts each.
     #[error("`{0}` has as many coordinates as its distribution has parts; it is written without a length")]
     VectorOfParts(String),

@@ -39,6 +39,11 @@ impl Built {
     pub(crate) fn inputs(&self) -> Vec<u32> {
         self.graph.inputs_of(self.draws.iter().chain(&self.coordinates).flat_map(Output::numbers))
     }
+
+    /// The inputs that each coordinate depends on, draws aside.
+    pub(crate) fn inputs_of_coordinates(&self) -> Vec<Vec<u32>> {
+        self.coordinates.iter().map(|output| self.graph.inputs_of(output.numbers())).collect()
+    }
 }
 
 /// Builds the graph of a section: `[initial]`, `[draws]` and `[transition]` together, `[measurement]`, or how inputs are simulated.
@@ -273,8 +278,9 @@ impl Builder {
                     output.value().unwrap_or(nothing)
                 }
                 Node::State { first, length, element } => {
+                    let parts = matches!(element, Element::At(_)).then(|| parts(statement, *first)).flatten();
                     let element = self
-                        .element(element, *length, parts(statement, *first), &values)
+                        .element(element, *length, parts, &values)
                         .map_err(|problem| line.fault(section, formula.spans[at].start, problem))?;
                     self.graph.state(first + element)
                 }

@@ -56,7 +56,11 @@ pub(super) fn called<'a>(name: &str, scope: Scope<'a>) -> Result<Known<'a>, Prob
             _ if is_only_prior => Err(Problem::Composed(ComposedProblem::OnlyPrior(name.to_string()))),
             Section::Definitions => Err(Problem::RandomInDefinition(name.to_string())),
             section if compound.parts.is_some() && !may_have_parts(compound, section) => {
-                Err(Problem::Composed(ComposedProblem::PartsElsewhere(name.to_string())))
+                let problem = match section {
+                    Section::Measurement => ComposedProblem::PartsMeasured(name.to_string()),
+                    _ => ComposedProblem::PartsElsewhere(name.to_string()),
+                };
+                Err(Problem::Composed(problem))
             }
             _ => Ok(Known::Compound(compound)),
         };
@@ -64,33 +68,47 @@ pub(super) fn called<'a>(name: &str, scope: Scope<'a>) -> Result<Known<'a>, Prob
     if scope.names.contains_key(name) || is_argument(name, scope) || matches!(name, "t" | "dt" | "i" | "pi") {
         return Err(Problem::NotAFunction(name.to_string()));
     }
-    let functions = FUNCTIONS.iter().map(|function| function.name);
-    let families = FAMILIES.iter().map(|family| family.name);
+    Err(Problem::UnknownName { name: name.to_string(), advice: advice_on_call(name, scope) })
+}
+
+/// What may be meant by the name of a call that is not known.
+fn advice_on_call(name: &str, scope: Scope<'_>) -> String {
     let is_in_priors = scope.section == Section::Parameters;
-    let compounds = COMPOUNDS
-        .iter()
-        .filter(|compound| match is_in_priors {
-            true => compound.composition.is_prior(),
-            false => !matches!(compound.composition, Composition::Prior(_)),
-        })
-        .map(|compound| compound.name);
-    let priors: Vec<&str> = families.clone().chain(compounds.clone()).collect();
     let own = scope.names.iter().filter(|(_, meaning)| matches!(meaning, Meaning::Function { .. }));
     let own = own.map(|(name, _)| name.as_str());
-    let names: Vec<&str> = own.chain(functions).chain(["sum"]).chain(families).chain(compounds).collect();
-    let wrappers =
-        WRAPPERS.iter().map(|wrapper| wrapper.name).filter(|_| scope.section == Section::Measurement);
-    let all = names.iter().copied().chain(wrappers);
-    let advice = match (name, nearest(name, all)) {
+    let totals = ["total", "total_since_measured"].into_iter().filter(|_| scope.totals.is_some());
+    let functions = FUNCTIONS.iter().map(|function| function.name);
+    let functions: Vec<&str> = own.chain(functions).chain(["sum"]).chain(totals).collect();
+    let distributions = distributions(scope.section);
+    match (name, nearest(name, functions.iter().chain(&distributions).copied())) {
         ("pow" | "power", _) => "a power is written x^2".to_string(),
         ("log10" | "log2", _) => format!("it is log(x)/log({})", &name[3..]),
         ("cauchy", _) => "it is student_t(1, location, scale)".to_string(),
         ("flat" | "improper" | "jeffreys" | "reference", _) if is_in_priors => IMPROPER.to_string(),
-        (_, None) if is_in_priors => format!("priors are {}", priors.join(", ")),
+        (_, None) if is_in_priors => format!("priors are {}", distributions.join(", ")),
         (_, Some(near)) => format!("did you mean `{near}`?"),
-        (_, None) => format!("there are {}", names.join(", ")),
+        (_, None) if distributions.is_empty() => format!("functions are {}", functions.join(", ")),
+        (_, None) => {
+            format!("functions are {}; distributions are {}", functions.join(", "), distributions.join(", "))
+        }
+    }
+}
+
+/// The distributions that a section may have, those that are made of others included.
+fn distributions(section: Section) -> Vec<&'static str> {
+    if section == Section::Definitions {
+        return vec![];
+    }
+    let is_here = |compound: &&Compound| match section {
+        Section::Parameters => compound.composition.is_prior(),
+        _ => {
+            let is_prior = matches!(compound.composition, Composition::Prior(_));
+            !is_prior && (compound.parts.is_none() || may_have_parts(compound, section))
+        }
     };
-    Err(Problem::UnknownName { name: name.to_string(), advice })
+    let compounds = COMPOUNDS.iter().filter(is_here).map(|compound| compound.name);
+    let wrappers = WRAPPERS.iter().filter(|_| section == Section::Measurement).map(|wrapper| wrapper.name);
+    FAMILIES.iter().map(|family| family.name).chain(compounds).chain(wrappers).collect()
 }
 
 fn is_argument(name: &str, scope: Scope<'_>) -> bool {

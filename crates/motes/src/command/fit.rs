@@ -194,11 +194,10 @@ impl FitRequest<'_> {
         })?;
         folder.write_so_far(&fitted)?;
         self.say_replaced(is_replaced);
-        let (states, mut warnings) =
+        let (states, warnings) =
             self.states(&folder, &fitted.warnings, |asked| asked.over_posterior(&fitted, interrupt))?;
-        match is_stopped {
-            true => warnings.insert(0, ended_by_budget()),
-            false => folder.complete()?,
+        if !is_stopped {
+            folder.complete()?;
         }
         if let Some(path) = &args.report {
             let names = ModelNames::from(*model);
@@ -325,12 +324,6 @@ impl FitRequest<'_> {
             }
         }
     }
-}
-
-/// What is said of draws that a budget ended.
-fn ended_by_budget() -> Warning {
-    let text = "--budget ended it: the same command with more seconds goes on from there";
-    Warning { series: None, text: text.to_string() }
 }
 
 /// Parts that the progress of a search is told in.

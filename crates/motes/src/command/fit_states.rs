@@ -76,11 +76,10 @@ impl StateRequest<'_> {
     fn options(&self, proposal: &str, particles: usize) -> FilterOptions {
         let defaults = FilterOptions::default();
         FilterOptions {
-            proposal: match proposal {
-                "exact" => ProposalName::Exact,
-                "linearised" => ProposalName::Linearised,
-                "optimal" => ProposalName::Optimal,
-                _ => ProposalName::Bootstrap,
+            // One that looks ahead is none, and one that was learned is not known by its name.
+            proposal: match proposal.parse() {
+                Ok(ProposalName::LookAhead) | Err(_) => ProposalName::Bootstrap,
+                Ok(proposal) => proposal,
             },
             particles: particles.max(defaults.particles),
             predictive: true,

@@ -4,6 +4,7 @@ use motes_models::{StepRecord, Trajectory};
 use motes_smc::RecordedStep;
 
 use crate::data::Data;
+use crate::known_inputs::all_known;
 use crate::recorded::steps_to_row;
 use crate::simulating::{Simulated, SimulatedRow};
 
@@ -29,7 +30,7 @@ impl Sequence {
 /// The series of some data.
 pub(super) fn of_data(data: &Data) -> Vec<Sequence> {
     let of_series = |series| Sequence {
-        steps: data.of_series(series).map(|row| row.steps.clone()).collect(),
+        steps: data.of_series(series).map(|row| all_known(&row.steps)).collect(),
         measurements: data.of_series(series).map(|row| row.measurement.clone()).collect(),
         truth: None,
     };

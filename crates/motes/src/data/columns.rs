@@ -28,6 +28,11 @@ pub struct Columns {
     pub ignored: Vec<String>,
 }
 
+/// Whether a number of a column `t` can be that of a row.
+pub(super) fn counts_rows(time: f64) -> bool {
+    time.fract() == 0.0 && time >= 0.0
+}
+
 impl Columns {
     /// Finds the columns of a model in a header, which errors call `place`.
     ///

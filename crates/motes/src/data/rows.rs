@@ -7,12 +7,12 @@ use motes_models::StepRecord;
 use serde::{Deserialize, Serialize};
 
 use super::cell::{number, of_input};
-use super::columns::Columns;
+use super::columns::{Columns, counts_rows};
 use super::error::{Counted, DataError, Place};
 use super::seen::SeenSeries;
 use super::shown::shown;
 use crate::model::Model;
-use crate::timeline::{Clock, RowTime};
+use crate::timeline::{Clock, RowTime, TimelineError};
 
 /// A row of data.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -171,6 +171,22 @@ impl<R: Read> Rows<R> {
         Ok(Some(Row { line, series, time, label, written_time, inputs, measurement, steps }))
     }
 
+    /// An error with how far the rows behind it go, where a file of inputs ends before them.
+    pub(super) fn looked_ahead(&mut self, mut error: DataError) -> DataError {
+        if let DataError::Timeline { error, .. } = &mut error
+            && let TimelineError::BeyondFile(beyond) = error.as_mut()
+            && beyond.is_after
+            && let Some(at) = self.columns.clock
+        {
+            while let Ok(true) = self.reader.read_byte_record(&mut self.record) {
+                if let Some(time) = self.record.get(at).and_then(|cell| std::str::from_utf8(cell).ok()) {
+                    beyond.on_to = format!(", and the rows go on to {}", time.trim());
+                }
+            }
+        }
+        error
+    }
+
     /// What the columns of a row say that inputs come from.
     fn inputs(&self, line: u64) -> Result<Vec<Option<f64>>, DataError> {
         let input = |at: &Option<usize>| {
@@ -231,7 +247,7 @@ impl<R: Read> Rows<R> {
     fn counted(&self, line: u64) -> Result<f64, DataError> {
         let Some(at) = self.columns.time else { return Ok(0.0) };
         let text = self.text(at, line)?.trim();
-        let time = text.parse::<f64>().ok().filter(|time| time.fract() == 0.0 && *time >= 0.0);
+        let time = text.parse::<f64>().ok().filter(|time| counts_rows(*time));
         let wrong = || DataError::Time { place: self.place(line, at), value: shown(text), expected: 0 };
         time.ok_or_else(wrong)
     }

@@ -58,7 +58,7 @@ impl Data {
 
     fn of_rows(mut reader: Rows<impl Read>, file: &str) -> Result<Self, DataError> {
         let mut rows = Vec::new();
-        while let Some(row) = reader.next_row()? {
+        while let Some(row) = reader.next_row().map_err(|error| reader.looked_ahead(error))? {
             rows.push(row);
         }
         if rows.is_empty() {
@@ -72,7 +72,7 @@ impl Data {
 
     /// Whether a column `t` counts the rows of times and inputs alone.
     pub(crate) fn counts_rows(&self) -> bool {
-        self.columns.counts() && self.source.file.is_some()
+        self.columns.counts()
     }
 
     /// For each series, where its rows stand in [`Data::rows`], in order of time.

@@ -1,6 +1,6 @@
 //! Data that a program has in memory.
 
-use super::columns::Columns;
+use super::columns::{Columns, counts_rows};
 use super::error::{Counted, DataError, Place, RowSource};
 use super::rows::Row;
 use super::seen::SeenSeries;
@@ -44,6 +44,8 @@ pub struct InputTable<'a> {
     pub rows: usize,
     /// The column `series`, if it has one.
     pub series: Option<&'a [String]>,
+    /// The column `t`, which counts rows, if it has one.
+    pub times: Option<&'a [f64]>,
     /// The column of times that the model names, if it names one.
     pub clock: Option<&'a [String]>,
     /// The columns that inputs come from, row by row, in the order of [`Model::input_columns`]; NaN is missing.
@@ -64,6 +66,7 @@ impl Data {
         }
         let lengths = [
             table.series.map(|column| (column.len(), count)),
+            table.times.map(|column| (column.len(), count)),
             table.clock.map(|column| (column.len(), count)),
             Some((table.inputs.len(), count * width)),
         ];
@@ -77,10 +80,19 @@ impl Data {
             let series = seen.number_of(table.series.map_or("", |names| &names[at]));
             let inputs = &table.inputs[at * width..][..width];
             let written_time = table.clock.map(|labels| labels[at].clone());
+            let time = match (table.times, columns.time) {
+                (Some(times), Some(column)) if !counts_rows(times[at]) => {
+                    let column = columns.names.get(column).cloned();
+                    let place = Place { file: file(), counted: Counted::Row, line: at as u64, column };
+                    return Err(DataError::Time { place, value: times[at].to_string(), expected: 0 });
+                }
+                (Some(times), Some(_)) => times[at],
+                _ => 0.0,
+            };
             rows.push(Row {
                 line: at as u64,
                 series,
-                time: 0.0,
+                time,
                 steps: vec![],
                 label: written_time.clone(),
                 written_time,

@@ -5,6 +5,7 @@ use std::path::Path;
 use super::record::{FitRecord, MAXIMUM_METHOD};
 use crate::error::MotesError;
 use crate::model::Model;
+use crate::priors::nearest_value;
 
 /// The files of a folder that say what was found, and with what.
 pub(crate) const DRAWS: &str = "draws.csv";
@@ -99,13 +100,9 @@ impl FitParameters {
     /// [`MotesError::Model`] if it is no model there.
     pub fn at_mean(&self, model: &Model) -> Result<Model, MotesError> {
         let n = self.values.len() as f64;
-        let is_count = |name: &String| {
-            model.priors().iter().any(|prior| prior.is_discrete() && prior.entries().contains(name))
-        };
         let mean = |at: usize| {
             let mean = self.values.iter().map(|values| values[at]).sum::<f64>() / n;
-            // A mean between two counts is the value of none.
-            if is_count(&self.names[at]) { mean.round() } else { mean }
+            nearest_value(model, &self.names[at], mean)
         };
         let means: Vec<f64> = (0..self.names.len()).map(mean).collect();
         Ok(model.with_parameters(&self.named(&means))?)

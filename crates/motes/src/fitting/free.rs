@@ -51,12 +51,6 @@ impl FreeParameters {
         self.priors.iter().flat_map(|prior| prior.entries().iter().cloned()).collect()
     }
 
-    /// Whether a parameter, of the `D`, is a count.
-    pub(super) fn is_discrete(&self, at: usize) -> bool {
-        let mut of_entries = self.priors.iter().flat_map(|prior| prior.entries().iter().map(move |_| prior));
-        of_entries.nth(at).is_some_and(Prior::is_discrete)
-    }
-
     /// `D`.
     pub fn len(&self) -> usize {
         self.priors.iter().map(|prior| prior.entries().len()).sum()

@@ -20,6 +20,7 @@ use crate::error::MotesError;
 use crate::evidence::{EvidenceEstimator, EvidenceOptions};
 use crate::model::Model;
 use crate::options::{FilterOptions, ProposalName};
+use crate::priors::nearest_value;
 
 /// Estimates of the likelihood at the posterior's mean.
 const ESTIMATES: usize = 32;
@@ -140,6 +141,7 @@ pub fn fit_from(
             made => made.map_err(|error| refused(error, &likelihood))?,
         },
     };
+    let mut is_ended = false;
     while posterior.stage() != Stage::Done {
         observe(FitProgress { posterior: &posterior, is_stopped: false })?;
         match posterior.advance(&likelihood) {
@@ -157,10 +159,13 @@ pub fn fit_from(
             if !posterior.finish() {
                 return Err(budget.too_short(posterior.stage()));
             }
+            is_ended = true;
         }
     }
     budget.lift();
-    fitted(&posterior, &free, &likelihood, options.seed)
+    let mut found = fitted(&posterior, &free, &likelihood, options.seed)?;
+    found.warnings.splice(0..0, trust::of_budget(is_ended));
+    Ok(found)
 }
 
 /// Why there is no fit, in words.
@@ -227,12 +232,9 @@ fn fitted(
     found.parameters = (0..d)
         .map(|at| ParameterSummary::of(&found.of_parameter(at)).ok_or_else(too_few))
         .collect::<Result<Vec<ParameterSummary>, MotesError>>()?;
-    let mean = |(at, summary): (usize, &ParameterSummary)| match free.is_discrete(at) {
-        // A mean between two counts is the value of none.
-        true => summary.mean.round(),
-        false => summary.mean,
-    };
-    let means: Vec<f64> = found.parameters.iter().enumerate().map(mean).collect();
+    let of_names = found.names.iter().zip(&found.parameters);
+    let means: Vec<f64> =
+        of_names.map(|(name, summary)| nearest_value(likelihood.model, name, summary.mean)).collect();
     (found.log_likelihood, found.log_likelihood_error) = at_mean(likelihood, &means, estimator, seed)?;
     let positions = |at: usize| posterior.coordinate(at).concat();
     found.warnings.extend(trust::of_chains(&found.names, &found.parameters));

@@ -16,7 +16,7 @@ const EDGE: f64 = 3.0;
 /// A posterior that is as wide as the prior, and in the same place: the data say nothing.
 const SAME: (f64, f64) = (0.95, 0.1);
 
-/// Farther from the prior than this is another distribution: 400 independent draws of the prior are as far in one of 250 times.
+/// Farther from the prior than this is another distribution: 400 independent draws of the prior are as far in one of 350 times.
 const FAR: f64 = 0.09;
 
 /// Draws are piled up at an end of a uniform prior where their median is in that part of it, and so many of them are as near to the end as a tenth of that: of a density that falls to 0 at the end there are fewer.
@@ -36,6 +36,13 @@ const MOSTLY_POSSIBLE: f64 = 0.95;
 
 fn warning(text: String) -> Warning {
     Warning { series: None, text }
+}
+
+/// Where a budget ended draws.
+pub(super) fn of_budget(is_ended: bool) -> Option<Warning> {
+    is_ended.then(|| {
+        warning("--budget ended it: the same command with more seconds goes on from there".to_string())
+    })
 }
 
 /// Where searches were ended before they were done.

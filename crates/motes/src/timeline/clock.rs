@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use motes_formulas::{Between, InputRule, InputSource, MOST_SUB_STEPS, TimeLabel};
+use motes_formulas::{Between, InputRule, InputSource, MOST_SUB_STEPS};
 use motes_models::{Step, StepRecord};
 use serde::{Deserialize, Serialize};
 
@@ -34,6 +34,9 @@ pub struct Clock {
     has_zones: Option<bool>,
     /// Whether the rows are behind: nothing is measured any more.
     is_ahead: bool,
+    /// The inputs of the measurement that the row has no value of, and why: it must not have what is measured by them.
+    #[serde(skip)]
+    unknown: Vec<(usize, TimelineError)>,
     /// The columns of the rows before, the last one first, as many as an input looks back.
     past: VecDeque<Vec<Option<f64>>>,
 }
@@ -207,7 +210,7 @@ impl Clock {
             }
             values.resize(timeline.frame.input_dim(), 1.0);
             match from {
-                None => self.add_measured(timeline, &measured(0), &mut values)?,
+                None => self.add_measured(timeline, &measured(0), &mut values),
                 Some(_) => values.extend(std::iter::repeat_n(0.0, timeline.frame.input_dim())),
             }
             let first = Step { time: from.unwrap_or(time), inputs: &values, ..Step::of_index(0) };
@@ -245,7 +248,7 @@ impl Clock {
                     |entry: usize| of_row.is_none_or(|row| row.measured.get(entry).is_none_or(|was| *was));
                 values.extend(timeline.frame.resets().iter().map(|entry| f64::from(was_measured(*entry))));
             }
-            self.add_measured(timeline, &measured(0), &mut values)?;
+            self.add_measured(timeline, &measured(0), &mut values);
             let index = self.steps + steps.len();
             let step = Step { time, length: gap, sub_steps, inputs: &values, ..Step::of_index(index) };
             steps.push(StepRecord::of(&step));
@@ -262,24 +265,29 @@ impl Clock {
     }
 
     /// Adds the inputs of a measurement.
-    fn add_measured(
-        &self,
-        timeline: &Timeline,
-        moment: &Moment<'_>,
-        values: &mut Vec<f64>,
-    ) -> Result<(), TimelineError> {
+    fn add_measured(&mut self, timeline: &Timeline, moment: &Moment<'_>, values: &mut Vec<f64>) {
+        self.unknown.clear();
         for (number, input) in timeline.frame.inputs().iter().enumerate() {
             let is_used = timeline.frame.input_use(number).measurement;
             let value = is_used.then(|| self.value(timeline, number, input, moment));
             values.push(match value {
                 // Nothing is measured yet: only a forecast of the measurement lacks it.
                 Some(Err(_)) if self.is_ahead => f64::NAN,
-                Some(value) => value?,
+                // Whether it is needed shows by what the row measures.
+                Some(Err(error)) => {
+                    self.unknown.push((number, error));
+                    f64::NAN
+                }
+                Some(Ok(value)) => value,
                 None => 0.0,
             });
         }
         values.extend(timeline.frame.resets().iter().map(|_| 1.0));
-        Ok(())
+    }
+
+    /// Refuses a row that lacks an input of a measurement, whichever it measures.
+    pub(crate) fn check_measurable(&self) -> Result<(), TimelineError> {
+        self.unknown.first().map_or(Ok(()), |(_, error)| Err(error.clone()))
     }
 
     /// What the time of the last row is called, if rows have times.
@@ -355,6 +363,13 @@ impl Clock {
         if let Some(entry) = (0..measurement.len()).find(needs) {
             return Err(TimelineError::NoStepBefore { entry: timeline.measurements[entry].clone() });
         }
+        for (input, error) in &self.unknown {
+            let needs =
+                |entry: usize| measurement[entry].is_some() && timeline.frame.needs_input(entry, *input);
+            if (0..measurement.len()).any(needs) {
+                return Err(error.clone());
+            }
+        }
         if let Some(previous) = &mut self.previous {
             previous.measured = measurement.iter().map(Option::is_some).collect();
         }
@@ -365,37 +380,5 @@ impl Clock {
             }
         }
         Ok(())
-    }
-}
-
-impl Timeline {
-    /// The time of `x_0`, where times count from this one.
-    fn start_since(&self, origin: f64) -> Option<f64> {
-        let is_number = matches!(self.rule.start, Some(TimeLabel::Number(_)));
-        let is_relative = is_number && self.rule.counts_from_first_row();
-        self.start.map(|start| if is_relative { start } else { start - origin })
-    }
-
-    /// The column of data that an input comes from.
-    pub(crate) fn column_of(&self, input: &str) -> Option<&str> {
-        let rule = self.frame.inputs().iter().find(|rule| rule.name == input)?;
-        match &rule.source {
-            InputSource::Column(column) | InputSource::Lag { column, .. } => Some(column),
-            InputSource::File { .. } => None,
-        }
-    }
-
-    /// A section as errors call it: a function has its name.
-    fn place(&self, section: &'static str) -> &'static str {
-        if self.frame.is_of_functions() { section.trim_matches(['[', ']']) } else { section }
-    }
-
-    /// How many rows inputs look back at most.
-    fn look_back(&self) -> usize {
-        let of = |input: &InputRule| match input.source {
-            InputSource::Lag { rows, .. } => rows,
-            _ => 1,
-        };
-        self.frame.inputs().iter().map(of).max().unwrap_or(0)
     }
 }

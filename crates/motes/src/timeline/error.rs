@@ -146,7 +146,7 @@ impl TimelineError {
 /// An input is needed at a time that its file does not have.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[error(
-    "{file} has {input} from {first} to {last}, and {time} is needed{lag}; give it more rows, or beyond = \"hold\" in [inputs], which takes its first and its last value there"
+    "{file} has {input} from {first} to {last}, and {time} is needed{lag}{on_to}; give it more rows, or beyond = \"hold\" in [inputs], which takes its first and its last value there"
 )]
 pub struct BeyondFile {
     /// The file.
@@ -161,4 +161,8 @@ pub struct BeyondFile {
     pub time: String,
     /// By how much that is earlier than the step, in words, if it is.
     pub lag: String,
+    /// Whether that is after the last one.
+    pub is_after: bool,
+    /// How far the rows behind go, in words, if that is after the last one and there are such.
+    pub on_to: String,
 }

@@ -123,10 +123,10 @@ impl InputFile {
         // Rounding of the times of sub-steps is no reason to be beyond.
         let slack = 1e-9 * time.abs().max(last - first).max(1.0);
         if !holds_beyond && (time < first - slack || time > last + slack) {
-            let (file, input) = (self.file.clone(), input.to_string());
+            let (file, input, is_after) = (self.file.clone(), input.to_string(), time > last);
             let [first, last, time] = [first, last, time].map(|time| label_of(time, self.unit, false));
             let lag = if lag == 0.0 { String::new() } else { format!(", as it lags by {lag}") };
-            let beyond = BeyondFile { file, input, first, last, time, lag };
+            let beyond = BeyondFile { file, input, first, last, time, lag, is_after, on_to: String::new() };
             return Err(TimelineError::BeyondFile(Box::new(beyond)));
         }
         // How many times are at or before it.

@@ -156,4 +156,34 @@ impl Timeline {
     pub(crate) fn columns(&self) -> &[String] {
         &self.columns
     }
+
+    /// The time of `x_0`, where times count from this one.
+    pub(super) fn start_since(&self, origin: f64) -> Option<f64> {
+        let is_number = matches!(self.rule.start, Some(TimeLabel::Number(_)));
+        let is_relative = is_number && self.rule.counts_from_first_row();
+        self.start.map(|start| if is_relative { start } else { start - origin })
+    }
+
+    /// The column of data that an input comes from.
+    pub(crate) fn column_of(&self, input: &str) -> Option<&str> {
+        let rule = self.frame.inputs().iter().find(|rule| rule.name == input)?;
+        match &rule.source {
+            InputSource::Column(column) | InputSource::Lag { column, .. } => Some(column),
+            InputSource::File { .. } => None,
+        }
+    }
+
+    /// A section as errors call it: a function has its name.
+    pub(super) fn place(&self, section: &'static str) -> &'static str {
+        if self.frame.is_of_functions() { section.trim_matches(['[', ']']) } else { section }
+    }
+
+    /// How many rows inputs look back at most.
+    pub(super) fn look_back(&self) -> usize {
+        let of = |input: &InputRule| match input.source {
+            InputSource::Lag { rows, .. } => rows,
+            _ => 1,
+        };
+        self.frame.inputs().iter().map(of).max().unwrap_or(0)
+    }
 }

@@ -230,7 +230,7 @@ fn two_fitted_models_are_held_beside_each_other() {
     assert_eq!(other, "motes: --parameters nile: it is a fit to other data; fit it to these");
 }
 
-fn place() -> Workplace {
+pub(crate) fn place() -> Workplace {
     let place = Workplace::new();
     place.write("nile.toml", NILE);
     place.write("nile.csv", "flow\n1120\n1160\n963\n1210\n1160\n1160\n813\n1230\n1370\n1140\n");

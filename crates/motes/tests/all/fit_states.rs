@@ -1,14 +1,7 @@
 //! The states that a fit leaves in its folder, and what a budget leaves of a search.
 
-use crate::common::{Workplace, stderr};
-use crate::fitting::NILE;
-
-fn place() -> Workplace {
-    let place = Workplace::new();
-    place.write("nile.toml", NILE);
-    place.write("nile.csv", "flow\n1120\n1160\n963\n1210\n1160\n1160\n813\n1230\n1370\n1140\n");
-    place
-}
+use crate::common::stderr;
+use crate::fit_command::place;
 
 /// Catches states at other parameters than those that were fitted, and forecasts of other rows.
 #[test]

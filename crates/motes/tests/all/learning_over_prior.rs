@@ -100,6 +100,12 @@ fn another_prior_is_refused() {
     let fit = ["fit", "volatility.toml", "data.csv", "-o", "fit", "--proposal", "median", "--quiet"];
     let said = "motes: --proposal median: it was learned for one value of sigma, which is to be fitted; motes learn MODEL -o FOLDER, without data, --set sigma and options of a network, learns over the prior";
     assert_eq!(refused(&fit), said);
+    // One that another version saved.
+    let file = place.path("median/proposal.toml");
+    let saved = std::fs::read_to_string(&file).unwrap();
+    std::fs::write(&file, saved.replace("format = 3", "format = 2")).unwrap();
+    let said = "motes: median: it was saved in format 2, and format 3 is read; learn it again, as by motes learn MODEL --output median";
+    assert_eq!(refused(&fit), said);
 }
 
 /// Catches units of steps that the data do not have.

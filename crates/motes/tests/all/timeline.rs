@@ -364,3 +364,34 @@ fn simulations_go_on_from_a_date() {
         }
     }
 }
+
+#[test]
+fn an_input_of_a_measurement_that_is_missing_is_not_needed() {
+    let body = "[inputs]\nu = \"hold\"\n[initial]\nx = \"normal(0, 1)\"\n[transition]\nx = \"normal(0.9*x, 1)\"\n[measurement]\ny = \"normal(x + u, 1)\"\nz = \"normal(x, 1)\"\n";
+    let of = |data: &str| Data::read(data.as_bytes(), "d.csv", &model("", body));
+    let (blank, filled) = ("u,y,z\n1,0.5,1\n,,2\n3,2,1\n", "u,y,z\n1,0.5,1\n7,,2\n3,2,1\n");
+    for proposal in ["bootstrap", "linearised", "exact"] {
+        let options = FilterOptions {
+            proposal: proposal.parse().unwrap(),
+            predictive: true,
+            ..FilterOptions::default()
+        };
+        let [blank, filled] = [blank, filled].map(|data| {
+            filter(&model("", body), &of(data).unwrap(), &options, |_| ControlFlow::Continue(())).unwrap()
+        });
+        assert_eq!(blank.log_evidence(), filled.log_evidence(), "{proposal}");
+        // What y would have been is not known without u, and z has nothing to do with it.
+        let [of_blank, of_filled] = [&blank, &filled].map(|filtered| &filtered.estimates[1].predictive);
+        assert!(of_blank[0].mean.is_nan() && of_blank[0].pit.is_none(), "{proposal}");
+        assert!((of_filled[0].mean - of_filled[1].mean - 7.0).abs() < 1e-9, "{proposal}");
+        assert_eq!(of_blank[1], of_filled[1], "{proposal}");
+    }
+    let needed = "d.csv, line 3, column u: the input u has no value here, and [measurement] needs it";
+    assert_eq!(of("u,y,z\n1,0.5,1\n,3,2\n").unwrap_err().to_string(), needed);
+    // A simulation measures all there is; those that a proposal learns from go on with the value before.
+    let rows = of(blank).unwrap();
+    let refused = simulate_along(&model("", body), &rows, 1, 0, |_| ControlFlow::Continue(()));
+    assert!(refused.unwrap_err().to_string().contains("[measurement] needs it"));
+    let learned = LearnOptions { updates: 20, steps: 20, ..LearnOptions::default() };
+    learn(&model("", body), Some(&rows), &learned, |_, _| ControlFlow::Continue(())).unwrap();
+}

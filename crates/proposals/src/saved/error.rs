@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use motes_smc::ProposalError;
 use thiserror::Error;
 
+use super::description::SAVED_FORMAT;
 use super::fingerprint::OtherSystem;
 
 /// Why a proposal could not be saved or loaded.
@@ -25,6 +26,14 @@ pub enum SavedError {
         path: PathBuf,
         /// What is wrong with it.
         reason: String,
+    },
+    /// Another version of this library saved it, in a format that this one does not read.
+    #[error("{}: it was saved in format {found}, and format {SAVED_FORMAT} is read; learn it again", path.display())]
+    Format {
+        /// The folder.
+        path: PathBuf,
+        /// Its format.
+        found: u32,
     },
     /// The proposal is whole but not the one that was asked for.
     #[error("{}: {what} is {found}; {expected} was expected", path.display())]

@@ -123,7 +123,7 @@ impl SavedFiles {
         let (format, family) =
             Description::peek(&self.description).map_err(|reason| damaged(description_file, reason))?;
         if format != SAVED_FORMAT {
-            return Err(unfit("the format version", format.to_string(), SAVED_FORMAT.to_string()));
+            return Err(SavedError::Format { path: place.into(), found: format });
         }
         if family != F::NAME {
             return Err(unfit("the family", family, F::NAME.into()));

@@ -141,16 +141,17 @@ def inputs_of(model: _motes.Model, data: Any) -> _motes.Data:
         raise ValueError(f"inputs: {type(data).__name__}; they are a file, a data frame, or a dict of columns")
     taken = _taken(data, data if isinstance(data, dict) else data.columns)
     names = [name for name, _ in taken]
-    series, clock, inputs = _motes.columns_of_inputs(model, names)
-    used = {at: _column(taken[at][1](), names[at]) for at in [series, clock, *inputs] if at is not None}
+    series, time, clock, inputs = _motes.columns_of_inputs(model, names)
+    used = {at: _column(taken[at][1](), names[at]) for at in [series, time, clock, *inputs] if at is not None}
     lengths = {len(column) for column in used.values()}
     if len(lengths) != 1:
         raise ValueError(f"inputs: columns have different lengths: {', '.join(map(str, sorted(lengths)))}")
     of_series, of_clock = (None if at is None else [text_of_label(value) for value in used[at]] for at in (series, clock))
+    times = None if time is None else numbers_of(used[time], names[time]).tolist()
     # A measurement that is an input of later steps need not be there.
     (count,) = lengths
     values = _flat([np.full(count, np.nan) if at is None else numbers_of(used[at], names[at]) for at in inputs])
-    return _motes.inputs_of_table(model, names, count, of_series, of_clock, values)
+    return _motes.inputs_of_table(model, names, count, of_series, times, of_clock, values)
 
 
 def _flat(columns: list[NDArray[np.float64]]) -> NDArray[np.float64]:

@@ -116,8 +116,8 @@ fn draw(line: &str) -> String {
 
 #[test]
 fn draws_of_several_parts_as_a_state() {
-    insta::assert_snapshot!(refused(&transition("euler_multinomial(5, 0.1, 0.2)")), @r#"m.toml, line 7, column 6, [transition] x: `euler_multinomial` draws several numbers at once; as a line of [draws], n = "euler_multinomial(…)", they are n[0], n[1], …"#);
-    insta::assert_snapshot!(refused(&initial("euler_multinomial(5, 0.1, 0.2)")), @r#"m.toml, line 5, column 6, [initial] x: `euler_multinomial` draws several numbers at once; as a line of [draws], n = "euler_multinomial(…)", they are n[0], n[1], …"#);
+    insta::assert_snapshot!(refused(&transition("euler_multinomial(5, 0.1, 0.2)")), @r#"m.toml, line 7, column 6, [transition] x: `euler_multinomial` draws several numbers at once; as a line of [draws], n = "euler_multinomial(…)", they are n[0], n[1], …, which any line of [transition] may use"#);
+    insta::assert_snapshot!(refused(&initial("euler_multinomial(5, 0.1, 0.2)")), @r#"m.toml, line 5, column 6, [initial] x: `euler_multinomial` draws several numbers at once; as a line of [draws], n = "euler_multinomial(…)", they are n[0], n[1], …, which any line of [transition] may use"#);
 }
 
 #[test]
