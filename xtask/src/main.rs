@@ -26,13 +26,13 @@ struct Cli {
 enum Command {
     /// Run a figure, or what of it is missing, and write its tables and figure
     #[command(disable_help_flag = true)]
-    Reproduce(Handed),
+    Reproduce(TaskArguments),
     /// Hold the paper's claims against finished runs: reproduced, not reproduced or not run
     #[command(disable_help_flag = true)]
-    Verify(Handed),
+    Verify(TaskArguments),
     /// Time filters and training, alone or in turns with other libraries, and write the tables
     #[command(disable_help_flag = true)]
-    Bench(Handed),
+    Bench(TaskArguments),
     /// Build the Python package into a virtual environment and test it, or build its wheel
     Python(python::PythonArgs),
     /// Build the site of the pages, follow its links, and run the commands and Python code of the pages
@@ -52,7 +52,7 @@ enum Command {
 
 /// What the program that does the work looks at.
 #[derive(Args)]
-struct Handed {
+struct TaskArguments {
     #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
     arguments: Vec<OsString>,
 }

@@ -46,7 +46,7 @@ pub use evaluate::{Evaluation, Evaluator};
 pub use method_config::{FrameSettings, LearnedUnit, MethodConfig};
 pub use metric::Metric;
 pub use regression::{RegressionError, regress};
-pub use reproduce::{Finished, paper_estimate, reproduce};
+pub use reproduce::{RunOutcome, paper_estimate, reproduce};
 pub use series::{Series, StateSeries};
 pub use store::{Contents, Outcome, Record, Store, StoreError};
 pub use unit::{UNIT_FORMAT, UnitConfig, UnitSystem};

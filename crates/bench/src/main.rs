@@ -4,10 +4,10 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use motes_bench::cluster::{self, ClusterError, Submitted};
+use motes_bench::cluster::{self, ClusterError, SubmitOutcome};
 use motes_bench::config::{ConfigError, Engine, Plan, ReproduceArgs, VerifyArgs, check_output, plans};
 use motes_bench::{
-    Estimator, Finished, RegressionError, StudyError, benchmark_plans, is_benchmark, is_study,
+    Estimator, RegressionError, RunOutcome, StudyError, benchmark_plans, is_benchmark, is_study,
     paper_estimate, regress, reproduce, run_benchmark, run_study, verify,
 };
 use motes_cli::{Interrupt, Parsed, parse, result, status};
@@ -134,12 +134,12 @@ fn ended(done: Result<bool, ClusterError>, interrupt: &Interrupt) -> ExitCode {
 fn run_on_cluster(args: &ReproduceArgs, interrupt: &Interrupt) -> ExitCode {
     match on_cluster(args, interrupt) {
         // Their tables are made here and now.
-        Ok(Some(Submitted::Complete)) => run_reproduce(args, interrupt),
+        Ok(Some(SubmitOutcome::Complete)) => run_reproduce(args, interrupt),
         done => ended(done.map(|_| true), interrupt),
     }
 }
 
-fn on_cluster(args: &ReproduceArgs, interrupt: &Interrupt) -> Result<Option<Submitted>, ClusterError> {
+fn on_cluster(args: &ReproduceArgs, interrupt: &Interrupt) -> Result<Option<SubmitOutcome>, ClusterError> {
     args.cluster.check(args.fresh)?;
     let plans = plans(args)?;
     if args.cluster.status {
@@ -181,13 +181,13 @@ fn run_reproduce(args: &ReproduceArgs, interrupt: &Interrupt) -> ExitCode {
     let (mut exit_status, mut tried_out, estimator) = (0, Vec::new(), Estimator::default());
     for plan in &plans {
         match reproduce(plan, &estimator, interrupt) {
-            Ok(Finished::Complete { ran, failed }) => {
+            Ok(RunOutcome::Complete { ran, failed }) => {
                 exit_status = exit_status.max(u8::from(failed > 0));
                 if ran > 0 && plan.profile_name == "quick" {
                     tried_out.push(plan);
                 }
             }
-            Ok(Finished::Interrupted) => return ExitCode::from(interrupt.exit_status()),
+            Ok(RunOutcome::Interrupted) => return ExitCode::from(interrupt.exit_status()),
             Err(error) => {
                 status(&format!("error: {error}"));
                 return ExitCode::from(3);

@@ -5,7 +5,7 @@ use motes_smc::WeightReport;
 
 use crate::config::Epidemic;
 use crate::metric::Metric;
-use crate::problem::{Judged, Problem};
+use crate::problem::{ErrorTarget, Problem};
 use crate::reference::{PosteriorMean, References};
 use crate::statistics::{mean, median, squared_error, squared_norm, standard_deviation};
 
@@ -26,8 +26,8 @@ pub(crate) struct Recorded {
 /// All metrics of one unit, in the order of the tables.
 pub(crate) fn metrics(problem: &Problem, references: &References, recorded: &Recorded) -> Vec<Metric> {
     let mut found = match problem.judged {
-        Judged::WholeState => normalised(problem, references, recorded),
-        Judged::EachState { redrawn } => by_state(problem, recorded, redrawn),
+        ErrorTarget::WholeState => normalised(problem, references, recorded),
+        ErrorTarget::EachState { redrawn } => by_state(problem, recorded, redrawn),
     };
     found.extend(recorded.report.mean_pareto_k().map(|index| Metric::new("tail_index", index)));
     found
@@ -212,7 +212,7 @@ mod tests {
     fn errors_of_an_epidemic_are_by_state_and_over_all_times() {
         let mut problem = Problem::draw(&unit(6, 2, 4)).unwrap();
         problem.exact = None;
-        problem.judged = Judged::EachState { redrawn: 3 };
+        problem.judged = ErrorTarget::EachState { redrawn: 3 };
         problem.trajectory.states = Sequence::new(3, vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0]).unwrap();
         // Two runs at two times: their mean is off by 1 in S at t = 0 and by 2 in R at t = 1; they differ by 2 in I at t = 1.
         let means = vec![2.0, 2.0, 3.0, 2.0, 2.0, 3.0, 4.0, 4.0, 8.0, 4.0, 6.0, 8.0];

@@ -33,12 +33,12 @@ pub(crate) struct Problem {
     /// Whether the noise of the system is Gaussian, so that the exact means are also those of the system itself.
     pub(crate) has_gaussian_noise: bool,
     /// What errors are taken of.
-    pub(crate) judged: Judged,
+    pub(crate) judged: ErrorTarget,
 }
 
 /// What errors are taken of.
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum Judged {
+pub(crate) enum ErrorTarget {
     /// The state as a whole, as a share of its size.
     WholeState,
     /// Each coordinate by itself.
@@ -91,7 +91,7 @@ impl Problem {
             gaussian: Box::new(gaussian),
             trajectory,
             exact,
-            judged: Judged::WholeState,
+            judged: ErrorTarget::WholeState,
         })
     }
 
@@ -120,7 +120,7 @@ impl Problem {
             trajectory,
             exact: None,
             has_gaussian_noise: noise == Noise::Gaussian,
-            judged: Judged::EachState { redrawn },
+            judged: ErrorTarget::EachState { redrawn },
         })
     }
 

@@ -6,7 +6,7 @@ use crate::evaluate::Evaluator;
 use crate::progress::Progress;
 use crate::provenance::Provenance;
 use crate::runner::{Event, run};
-use crate::standing::Wanted;
+use crate::standing::PlacedUnit;
 use crate::store::{Outcome, Record, StoreError};
 use crate::unit_error::UnitError;
 use motes_cli::Interrupt;
@@ -30,7 +30,7 @@ pub(crate) fn name(point: &Point) -> String {
 /// # Errors
 /// What the keeper says, or a trained proposal that could not be kept.
 pub(crate) fn record_units(
-    wanted: &[Wanted],
+    wanted: &[PlacedUnit],
     estimates: &[f64],
     (plan, here): (&Plan, &Provenance),
     interrupt: &Interrupt,

@@ -10,7 +10,7 @@ use thiserror::Error;
 
 use crate::config::Plan;
 use crate::estimate::Estimator;
-use crate::reproduce::{Finished, reproduce};
+use crate::reproduce::{RunOutcome, reproduce};
 use crate::store::StoreError;
 use crate::tables::{MetricRow, number, read_rows};
 
@@ -116,11 +116,11 @@ fn run(
     let folder = scratch.join(backend.to_string());
     let plan = Plan { backend, folder: folder.clone(), fresh: true, ..plan.clone() };
     match reproduce(&plan, &Estimator::default(), interrupt)? {
-        Finished::Complete { failed: 0, .. } => {}
-        Finished::Complete { failed, .. } => {
+        RunOutcome::Complete { failed: 0, .. } => {}
+        RunOutcome::Complete { failed, .. } => {
             return Err(RegressionError::Failed { failed, backend });
         }
-        Finished::Interrupted => return Err(RegressionError::Interrupted),
+        RunOutcome::Interrupted => return Err(RegressionError::Interrupted),
     }
     let rows: Vec<MetricRow> = read(&folder.join("units.csv"))?;
     let place = |row: MetricRow| {

@@ -6,13 +6,13 @@ use crate::outputs::write_outputs;
 use crate::progress::duration;
 use crate::provenance::Provenance;
 use crate::record_units::{Keeper, record_units};
-use crate::standing::{Count, Wanted, is_missing, read, wanted};
+use crate::standing::{Count, PlacedUnit, is_missing, read, wanted};
 use crate::store::{Record, Store, StoreError};
 use motes_cli::{Interrupt, status};
 
 /// How a run ended.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Finished {
+pub enum RunOutcome {
     /// All units are there.
     Complete {
         /// Units that were run now.
@@ -28,7 +28,11 @@ pub enum Finished {
 ///
 /// # Errors
 /// [`StoreError`] if the folder is in use or cannot be read or written.
-pub fn reproduce(plan: &Plan, estimator: &Estimator, interrupt: &Interrupt) -> Result<Finished, StoreError> {
+pub fn reproduce(
+    plan: &Plan,
+    estimator: &Estimator,
+    interrupt: &Interrupt,
+) -> Result<RunOutcome, StoreError> {
     let mut store = Store::open(&plan.folder)?;
     let wanted = wanted(plan);
     if plan.fresh {
@@ -36,7 +40,8 @@ pub fn reproduce(plan: &Plan, estimator: &Estimator, interrupt: &Interrupt) -> R
     }
     let (there, remarks) = read(plan, &mut store)?;
     remarks.iter().for_each(|remark| status(remark));
-    let missing: Vec<Wanted> = wanted.iter().filter(|unit| is_missing(plan, &there, unit)).cloned().collect();
+    let missing: Vec<PlacedUnit> =
+        wanted.iter().filter(|unit| is_missing(plan, &there, unit)).cloned().collect();
     announce(plan, wanted.len(), missing.len());
     if !missing.is_empty() {
         run_missing(plan, &mut store, &missing, estimator, interrupt)?;
@@ -51,7 +56,7 @@ pub fn reproduce(plan: &Plan, estimator: &Estimator, interrupt: &Interrupt) -> R
             "stopped with {} units left; the same command{fresh} goes on where this one stopped",
             count.left()
         ));
-        return Ok(Finished::Interrupted);
+        return Ok(RunOutcome::Interrupted);
     }
     if count.failed > 0 {
         status(&format!(
@@ -60,7 +65,7 @@ pub fn reproduce(plan: &Plan, estimator: &Estimator, interrupt: &Interrupt) -> R
             wanted.len()
         ));
     }
-    Ok(Finished::Complete { ran: missing.len(), failed: count.failed })
+    Ok(RunOutcome::Complete { ran: missing.len(), failed: count.failed })
 }
 
 fn announce(plan: &Plan, wanted: usize, missing: usize) {
@@ -81,7 +86,7 @@ impl Keeper for Store {
 fn run_missing(
     plan: &Plan,
     store: &mut Store,
-    missing: &[Wanted],
+    missing: &[PlacedUnit],
     estimator: &Estimator,
     interrupt: &Interrupt,
 ) -> Result<(), StoreError> {

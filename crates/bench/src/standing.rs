@@ -9,16 +9,16 @@ use crate::tables::sort;
 use crate::unit::UnitConfig;
 
 /// A unit and its place in the figure.
-pub(crate) type Wanted = (Point, UnitConfig);
+pub(crate) type PlacedUnit = (Point, UnitConfig);
 
 /// All units of a plan.
-pub(crate) fn wanted(plan: &Plan) -> Vec<Wanted> {
+pub(crate) fn wanted(plan: &Plan) -> Vec<PlacedUnit> {
     let points = plan.points().into_iter();
     points.filter_map(|point| UnitConfig::at(plan, &point).map(|unit| (point, unit))).collect()
 }
 
 /// Whether a unit has no record, or lacks the model that is to be kept.
-pub(crate) fn is_missing(plan: &Plan, records: &[Record], (point, unit): &Wanted) -> bool {
+pub(crate) fn is_missing(plan: &Plan, records: &[Record], (point, unit): &PlacedUnit) -> bool {
     let has_model = || {
         let models = plan.models().filter(|_| unit.method.method().is_learned());
         models.is_none_or(|models| models.join(unit.key()).exists())
@@ -36,7 +36,7 @@ pub(crate) struct Count {
 }
 
 impl Count {
-    pub(crate) fn of(wanted: &[Wanted], records: &[Record]) -> Count {
+    pub(crate) fn of(wanted: &[PlacedUnit], records: &[Record]) -> Count {
         let found = wanted.iter().filter_map(|(point, unit)| recorded(records, (point, unit)));
         let (mut there, mut failed) = (0, 0);
         for record in found {

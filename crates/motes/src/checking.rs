@@ -20,7 +20,7 @@ use crate::warning::Warning;
 
 /// What was looked at, and what is wrong.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Checked {
+pub struct CheckReport {
     /// What is as it should be.
     pub findings: Vec<String>,
     /// What is not.
@@ -46,7 +46,7 @@ pub fn check(
     data: Option<&Data>,
     seed: u64,
     mut proceed: impl FnMut() -> ControlFlow<()>,
-) -> Result<Checked, MotesError> {
+) -> Result<CheckReport, MotesError> {
     check_until(model, data, seed, &mut proceed)
 }
 
@@ -56,8 +56,8 @@ fn check_until(
     data: Option<&Data>,
     seed: u64,
     proceed: &mut dyn FnMut() -> ControlFlow<()>,
-) -> Result<Checked, MotesError> {
-    let mut checked = Checked::default();
+) -> Result<CheckReport, MotesError> {
+    let mut checked = CheckReport::default();
     checked.findings.extend(of_starts(model).map(|warning| format!("warning: {warning}")));
     checked.findings.extend(model.formulas().map(|formulas| format!("states: {}", formulas.coordinates())));
     match check_draws(model) {
@@ -158,7 +158,7 @@ fn check_drawn(
     model: &Model,
     data: Option<&Data>,
     seed: u64,
-    checked: &mut Checked,
+    checked: &mut CheckReport,
     proceed: &mut dyn FnMut() -> ControlFlow<()>,
 ) -> Result<(), MotesError> {
     let along = data.filter(|_| model.timeline().is_some());
@@ -214,7 +214,7 @@ fn check_drawn(
 }
 
 /// Whether some particle can explain each measurement: values that no state can give, as a fraction for counts, have density 0 everywhere.
-fn check_data(model: &Model, data: &Data, checked: &mut Checked, seed: u64) {
+fn check_data(model: &Model, data: &Data, checked: &mut CheckReport, seed: u64) {
     let missing = data.rows.iter().flat_map(|row| &row.measurement).filter(|value| value.is_none()).count();
     checked.findings.push(format!(
         "data: {} series, {} times, {missing} of {} entries missing",

@@ -81,13 +81,15 @@ mod training_prior;
 mod warning;
 
 pub use calendar::NoTime;
-pub use checking::{Checked, check};
+pub use checking::{CheckReport, check};
 pub use comparing::{
-    Card, CompareOptions, Compared, Comparison, EqualTime, Figure, Gain, MOST_REFERENCE_FILTERS, Paired,
-    Point, Reached, Sequence, compare, designed, designed_for_recorded,
+    Card, CompareOptions, Comparison, ComparisonProgress, EqualTime, Figure, Gain, MOST_REFERENCE_FILTERS,
+    Paired, Point, Sequence, TimeToError, compare, designed, designed_for_recorded,
 };
 pub use contender::Contender;
-pub use data::{Columns, Counted, Data, DataError, InputTable, Place, Row, RowOrder, RowSource, Rows, Table};
+pub use data::{
+    Columns, Data, DataError, InputTable, Place, Row, RowNumbering, RowOrder, RowSource, Rows, Table,
+};
 pub use engine::Running;
 pub use error::MotesError;
 pub use estimate::{Coordinate, Estimate, Forecast};

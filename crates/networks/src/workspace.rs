@@ -33,12 +33,12 @@ pub struct GradientPart<'a> {
 }
 
 /// A precision whose scratch memory can be told from that of the other.
-pub(crate) trait Scratched: Multiply {
+pub(crate) trait ScratchPart: Multiply {
     fn unwrap(scratch: AnyScratch) -> Option<Scratch<Self>>;
     fn wrap(scratch: Scratch<Self>) -> AnyScratch;
 }
 
-impl Scratched for f32 {
+impl ScratchPart for f32 {
     fn unwrap(scratch: AnyScratch) -> Option<Scratch<f32>> {
         if let AnyScratch::Narrow(scratch) = scratch { Some(scratch) } else { None }
     }
@@ -48,7 +48,7 @@ impl Scratched for f32 {
     }
 }
 
-impl Scratched for f64 {
+impl ScratchPart for f64 {
     fn unwrap(scratch: AnyScratch) -> Option<Scratch<f64>> {
         if let AnyScratch::Wide(scratch) = scratch { Some(scratch) } else { None }
     }
@@ -124,14 +124,14 @@ impl Workspace {
     }
 
     /// Gradients to be gathered anew, and memory.
-    pub(crate) fn open<T: Scratched>(mut self, parameters: &Parameters) -> (Gradients, Scratch<T>) {
+    pub(crate) fn open<T: ScratchPart>(mut self, parameters: &Parameters) -> (Gradients, Scratch<T>) {
         self.gradients.clear();
         let mut scratch = T::unwrap(self.scratch).unwrap_or_else(|| Scratch::new(parameters.len()));
         scratch.clear();
         (self.gradients, scratch)
     }
 
-    pub(crate) fn closed<T: Scratched>((gradients, scratch): (Gradients, Scratch<T>)) -> Self {
+    pub(crate) fn closed<T: ScratchPart>((gradients, scratch): (Gradients, Scratch<T>)) -> Self {
         Workspace { gradients, scratch: T::wrap(scratch) }
     }
 }

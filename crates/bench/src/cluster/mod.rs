@@ -21,5 +21,5 @@ pub use error::ClusterError;
 pub use finish::finish;
 pub use project::project;
 pub use status::show_status;
-pub use submit::{Submitted, dry_run, submit};
+pub use submit::{SubmitOutcome, dry_run, submit};
 pub use work::work;

@@ -16,7 +16,7 @@ const DELAY: Duration = Duration::from_secs(35);
 const PAUSE: Duration = Duration::from_millis(250);
 
 /// What the probe said.
-pub(super) enum Probed {
+pub(super) enum ProbeOutcome {
     /// A node ran the program in the folder.
     Fine,
     /// It still waits in the queue.
@@ -24,12 +24,12 @@ pub(super) enum Probed {
 }
 
 /// Submits the probe and waits for it, for a while.
-pub(super) fn probe(place: &Place, interrupt: &Interrupt) -> Result<Probed, ClusterError> {
+pub(super) fn probe(place: &Place, interrupt: &Interrupt) -> Result<ProbeOutcome, ClusterError> {
     let job = slurm::submit(&place.script(PROBE), &[])?;
     let (start, mut ended) = (Instant::now(), None::<Instant>);
     loop {
         if has_probed(place) {
-            return Ok(Probed::Fine);
+            return Ok(ProbeOutcome::Fine);
         }
         if ended.is_some_and(|ended| ended.elapsed() > DELAY) {
             return Err(ClusterError::NotShared { job, out: place.out(), said: last_words(place) });
@@ -43,7 +43,7 @@ pub(super) fn probe(place: &Place, interrupt: &Interrupt) -> Result<Probed, Clus
         }
         if ended.is_none() && start.elapsed() > PATIENCE {
             status(&format!("job {job}, which looks whether nodes see the folder, waits in the queue"));
-            return Ok(Probed::Waits(job));
+            return Ok(ProbeOutcome::Waits(job));
         }
         std::thread::sleep(PAUSE);
     }

@@ -11,7 +11,7 @@ use super::error::{ClusterError, at};
 use crate::config::Plan;
 use crate::durable;
 use crate::provenance::Provenance;
-use crate::standing::Wanted;
+use crate::standing::PlacedUnit;
 
 /// Where submissions lie in a folder of results, each in a folder of its own.
 const FOLDER: &str = "slurm";
@@ -49,7 +49,7 @@ pub(super) struct Jobs {
 pub(super) struct Dealt {
     /// The number of its figure among the submission's plans.
     pub(super) plan: usize,
-    pub(super) unit: Wanted,
+    pub(super) unit: PlacedUnit,
     /// How long it was estimated to take.
     pub(super) seconds: f64,
 }

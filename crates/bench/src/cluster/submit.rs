@@ -7,7 +7,7 @@ use motes_cli::{Interrupt, result, status};
 
 use super::deal::deal;
 use super::error::{ClusterError, at};
-use super::probe::{Probed, probe};
+use super::probe::{ProbeOutcome, probe};
 use super::scripts::{ARRAY, FINISH, Scripts};
 use super::slurm;
 use super::submission::{Dealt, Jobs, Place, Submission};
@@ -47,7 +47,7 @@ fn threads(plans: &[Plan]) -> usize {
 
 /// What there was to submit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Submitted {
+pub enum SubmitOutcome {
     /// Units, which are now in the queue.
     Units,
     /// None: all that are missing are in the queue already.
@@ -65,17 +65,17 @@ pub fn submit(
     args: &ReproduceArgs,
     estimator: &Estimator,
     interrupt: &Interrupt,
-) -> Result<Submitted, ClusterError> {
+) -> Result<SubmitOutcome, ClusterError> {
     slurm::check()?;
     args.backend.check()?;
     let (plans, out, experiments) = absolute(plans, args)?;
     let mut dealt = units(&plans)?;
     if dealt.is_empty() {
-        return Ok(Submitted::Complete);
+        return Ok(SubmitOutcome::Complete);
     }
     leave_out_queued(&out, &mut dealt)?;
     if dealt.is_empty() {
-        return Ok(Submitted::Queued);
+        return Ok(SubmitOutcome::Queued);
     }
     for (number, plan) in plans.iter().enumerate() {
         let of_plan: Vec<usize> = (0..dealt.len()).filter(|at| dealt[*at].plan == number).collect();
@@ -114,7 +114,7 @@ pub fn submit(
         "watch them with the same command and --status, or squeue --jobs {array},{finish}; logs are in {}",
         place.folder().display()
     ));
-    Ok(Submitted::Units)
+    Ok(SubmitOutcome::Units)
 }
 
 /// The plans on paths that hold on every node, and the folders of results and experiments.
@@ -197,7 +197,7 @@ fn warn_of_limit(args: &ReproduceArgs, dealt: &[Dealt]) {
 /// Submits probe, array and the job after it; what was submitted is taken back if anything after it fails.
 fn hand_over(place: &Place, interrupt: &Interrupt) -> Result<Jobs, ClusterError> {
     let (mut submitted, mut behind) = (Vec::new(), Vec::new());
-    if let Probed::Waits(job) = probe(place, interrupt)? {
+    if let ProbeOutcome::Waits(job) = probe(place, interrupt)? {
         behind = vec![format!("--dependency=afterok:{job}"), "--kill-on-invalid-dep=yes".into()];
         submitted.push(job);
     }

@@ -9,7 +9,7 @@ use super::error::ClusterError;
 use super::sign::Life;
 use super::submission::Place;
 use crate::record_units::{Keeper, record_units};
-use crate::standing::{Wanted, belonging, is_missing};
+use crate::standing::{PlacedUnit, belonging, is_missing};
 use crate::store::{Contributor, Record, StoreError};
 
 /// One of many that fill a folder.
@@ -45,7 +45,7 @@ pub fn work(folder: &Path, task: usize, interrupt: &Interrupt) -> Result<(), Clu
         let contributor = Contributor::join(&plan.folder)?;
         let (records, _) = belonging(plan, contributor.read()?, "");
         let left = dealt.iter().filter(|dealt| is_missing(plan, &records, &dealt.unit));
-        let (units, seconds): (Vec<Wanted>, Vec<f64>) =
+        let (units, seconds): (Vec<PlacedUnit>, Vec<f64>) =
             left.map(|dealt| (dealt.unit.clone(), dealt.seconds)).unzip();
         if !units.is_empty() {
             open_device(plan.backend)?;

@@ -9,8 +9,8 @@ use motes_smc::{Bootstrap, Proposal};
 
 use super::dispatch::{Visitor, visit};
 use super::evaluation::Evaluation;
-use super::kept::{Kept, Notes};
-use super::learning::{Trained, train_config};
+use super::kept::{Notes, ProposalStore};
+use super::learning::{TrainingResult, train_config};
 use super::run::Run;
 use crate::checkpoint::Checkpoints;
 use crate::config::Training;
@@ -29,7 +29,7 @@ pub struct Evaluator {
     references: ReferenceCache,
     models: Option<PathBuf>,
     checkpoints: Option<Checkpoints>,
-    kept: Kept,
+    kept: ProposalStore,
 }
 
 impl Evaluator {
@@ -41,7 +41,7 @@ impl Evaluator {
     /// Keeps proposals that are learned once in `folder`, where later runs find them.
     #[must_use]
     pub(crate) fn keeping(self, folder: PathBuf) -> Self {
-        Evaluator { kept: Kept::new(folder), ..self }
+        Evaluator { kept: ProposalStore::new(folder), ..self }
     }
 
     /// Checkpoints long trainings now and then, and when the run is being stopped, and resumes them.
@@ -85,7 +85,8 @@ impl Visitor for Run<'_> {
         backend: Backend,
     ) -> Result<Evaluation, UnitError> {
         let config = train_config(training, self.unit.filter.particles, steps);
-        let Trained { proposal, history, seconds, earlier } = self.train::<F>(family, &config, backend)?;
+        let TrainingResult { proposal, history, seconds, earlier } =
+            self.train::<F>(family, &config, backend)?;
         if let Some(models) = self.models {
             let folder = models.join(self.unit.key());
             save(&folder, &proposal, &*self.problem.model, &self.problem.shape, &config)
@@ -161,7 +162,7 @@ mod tests {
         let MethodConfig::Fcnn(fcnn) = &unit.method else { panic!("not an fcnn") };
         let weights = |problem: &Problem| {
             let (references, interrupt, kept) =
-                (References::default(), Interrupt::default(), Kept::default());
+                (References::default(), Interrupt::default(), ProposalStore::default());
             let run = Run {
                 unit: &unit,
                 problem,

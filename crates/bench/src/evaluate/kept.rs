@@ -14,7 +14,7 @@ use crate::unit_error::UnitError;
 
 /// Where proposals that are learned once are kept, and which of them are being learned.
 #[derive(Default)]
-pub(super) struct Kept {
+pub(super) struct ProposalStore {
     /// Each in a folder of its own, named by its key; where there is none, each unit learns its own.
     folder: Option<PathBuf>,
     known: ComputedOnce<()>,
@@ -45,9 +45,9 @@ impl Notes {
     }
 }
 
-impl Kept {
+impl ProposalStore {
     pub(super) fn new(folder: PathBuf) -> Self {
-        Kept { folder: Some(folder), known: ComputedOnce::default() }
+        ProposalStore { folder: Some(folder), known: ComputedOnce::default() }
     }
 
     /// The proposal of this key: read, or learned and then read, so that it is the same in either case.

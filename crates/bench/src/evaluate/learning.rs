@@ -19,7 +19,7 @@ impl Run<'_> {
         family: &F::Config,
         config: &TrainConfig,
         backend: Backend,
-    ) -> Result<Trained<F>, UnitError> {
+    ) -> Result<TrainingResult<F>, UnitError> {
         let (model, seed) = (&*self.problem.model, self.unit.own_seed());
         let (horizon, weights) = (self.unit.system.horizon(), seed.child("weights"));
         let mut proposal =
@@ -62,12 +62,12 @@ impl Run<'_> {
             training.step(&mut proposal).map_err(failed)?;
         }
         let history = training.into_history();
-        Ok(Trained { proposal, history, seconds: seconds(), earlier })
+        Ok(TrainingResult { proposal, history, seconds: seconds(), earlier })
     }
 }
 
 /// A training that has ended.
-pub(super) struct Trained<F> {
+pub(super) struct TrainingResult<F> {
     pub(super) proposal: F,
     pub(super) history: History,
     /// How long it took, all parts of it.

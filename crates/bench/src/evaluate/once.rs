@@ -7,7 +7,7 @@ use motes_models::{Seed, SimulatedMeasurements, Simulations};
 use motes_proposals::{Amortised, Family, Frames, Learnable, Origin, Standardised, StandardisedConfig};
 use motes_train::{AdamConfig, LearnConfig, TrainConfig, TrainingData, learn, train};
 
-use super::kept::{Kept, Notes};
+use super::kept::{Notes, ProposalStore};
 use super::learning::train_config;
 use super::run::Run;
 use crate::config::{Learning, Training};
@@ -18,7 +18,7 @@ impl Run<'_> {
     /// A proposal around a designed one, by the inclusive objective.
     pub(super) fn amortised(
         self,
-        kept: &Kept,
+        kept: &ProposalStore,
         config: &<Amortised as Family>::Config,
         method: &LearnedOnce,
     ) -> Result<(Amortised, Notes), UnitError> {
@@ -56,7 +56,7 @@ impl Run<'_> {
     /// A family of the paper around a linear prediction, by the evidence lower bound of fresh sequences.
     pub(super) fn by_elbo<F: Family<Config: Clone> + Learnable>(
         self,
-        kept: &Kept,
+        kept: &ProposalStore,
         config: &F::Config,
         training: &Training,
         method: &LearnedOnce,

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use motes_cli::Interrupt;
 
-use super::kept::Kept;
+use super::kept::ProposalStore;
 use crate::checkpoint::Checkpoints;
 use crate::problem::Problem;
 use crate::reference::References;
@@ -23,7 +23,7 @@ pub(super) struct Run<'a> {
     /// Where trainings are checkpointed, if they are.
     pub(super) checkpoints: Option<&'a Checkpoints>,
     /// Where proposals are kept that are learned once.
-    pub(super) kept: &'a Kept,
+    pub(super) kept: &'a ProposalStore,
     pub(super) interrupt: &'a Interrupt,
 }
 

@@ -100,9 +100,9 @@ fn size(figure: &Figure, method: Method, place: &Place) -> Option<f64> {
     Some(mean(&sizes.collect::<Vec<f64>>()))
 }
 
-type Judged = Option<(Verdict, String)>;
+type HeldOutJudgement = Option<(Verdict, String)>;
 
-fn near_optimum(figure: &Figure, places: &[&Place]) -> Judged {
+fn near_optimum(figure: &Figure, places: &[&Place]) -> HeldOutJudgement {
     let mut worst = (f64::INFINITY, 0);
     for place in places {
         let share = size(figure, Fcnn, place)? / size(figure, MinDegeneracy, place)?;
@@ -114,7 +114,7 @@ fn near_optimum(figure: &Figure, places: &[&Place]) -> Judged {
     Some((Verdict::of(worst.0 >= SHARE_OF_OPTIMUM), numbers))
 }
 
-fn above_designed(figure: &Figure, places: &[&Place]) -> Judged {
+fn above_designed(figure: &Figure, places: &[&Place]) -> HeldOutJudgement {
     let mut all = Vec::new();
     for place in places {
         let size = |method| size(figure, method, place);
@@ -130,7 +130,7 @@ fn above_designed(figure: &Figure, places: &[&Place]) -> Judged {
     Some((Verdict::of(holds), all.into_iter().map(|(_, text)| text).collect::<Vec<_>>().join("; ")))
 }
 
-fn near_reference(figure: &Figure, places: &[&Place]) -> Judged {
+fn near_reference(figure: &Figure, places: &[&Place]) -> HeldOutJudgement {
     let place = places.first()?;
     let mut found: Vec<(f64, Method, Vec<String>)> = Vec::new();
     for method in LEARNED.into_iter().chain([Bootstrap]) {

@@ -8,13 +8,13 @@ use toml::Spanned;
 use toml::de::DeTable;
 
 use crate::error::Fault;
-use vector_keys::Quoted;
+use vector_keys::QuotedText;
 
 pub(crate) use value::{Entry, Found, Table, Value};
 
 /// Reads the text of a file. Places are bytes of this text.
 pub(crate) fn read(text: &str) -> Result<Table, Fault> {
-    let quoted = Quoted::of(text);
+    let quoted = QuotedText::of(text);
     let parsed = DeTable::parse(quoted.text()).map_err(|error| {
         let reason = error.message().lines().collect::<Vec<_>>().join(", ");
         syntax_error::explain(text, error.span().map(|span| quoted.original(span.start)), reason)
@@ -23,7 +23,7 @@ pub(crate) fn read(text: &str) -> Result<Table, Fault> {
 }
 
 /// The entries of a table. Nesting is as deep as the parser of TOML lets it be.
-fn table(parsed: &DeTable<'_>, quoted: &Quoted<'_>) -> Table {
+fn table(parsed: &DeTable<'_>, quoted: &QuotedText<'_>) -> Table {
     let mut entries: Vec<(&Spanned<_>, &Spanned<_>)> = parsed.iter().collect();
     // The map is in the order of the alphabet.
     entries.sort_by_key(|(key, _)| key.span().start);

@@ -3,7 +3,7 @@
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::vector_keys::Quoted;
+use super::vector_keys::QuotedText;
 use crate::error::{Fault, Problem};
 
 /// A key with its value.
@@ -47,7 +47,7 @@ impl Value {
     /// A value as the parser gives it; `table` reads one of its tables.
     pub(super) fn of(
         value: &Spanned<DeValue<'_>>,
-        quoted: &Quoted<'_>,
+        quoted: &QuotedText<'_>,
         table: &dyn Fn(&DeTable<'_>) -> Table,
     ) -> Value {
         let span = value.span();

@@ -5,17 +5,17 @@ use std::borrow::Cow;
 use crate::names::is_in_name;
 
 /// A text whose keys of vectors and functions are in quotes, and the way back to the text without them.
-pub(super) struct Quoted<'t> {
+pub(super) struct QuotedText<'t> {
     text: Cow<'t, str>,
     /// The bytes of the new text that are not of the old one, in order.
     added: Vec<usize>,
 }
 
-impl<'t> Quoted<'t> {
+impl<'t> QuotedText<'t> {
     /// Puts `x[40]` or `f(x)` in quotes where a line begins with it and goes on with `=`.
     pub(super) fn of(text: &'t str) -> Self {
         if !text.contains(['[', '(']) {
-            return Quoted { text: Cow::Borrowed(text), added: Vec::new() };
+            return QuotedText { text: Cow::Borrowed(text), added: Vec::new() };
         }
         let mut quoted = String::with_capacity(text.len());
         let mut added = Vec::new();
@@ -36,7 +36,7 @@ impl<'t> Quoted<'t> {
                 }
             }
         }
-        Quoted { text: Cow::Owned(quoted), added }
+        QuotedText { text: Cow::Owned(quoted), added }
     }
 
     pub(super) fn text(&self) -> &str {

@@ -1,8 +1,6 @@
 //! The distributions of priors.
 
-use motes_models::equations::{
-    Beta, Binomial, Distribution, Exponential, Gamma, LogNormal, Scalar, Uniform, gamma, normal_quantile,
-};
+use motes_models::equations::{Distribution, Scalar, gamma, normal_quantile};
 
 /// A distribution of one number, or of several that add up to 1.
 #[derive(Debug, Clone, PartialEq)]
@@ -135,7 +133,7 @@ impl Law {
     /// The ends of where a value can lie, infinite ones too.
     pub(crate) fn ends(&self) -> [f64; 2] {
         match self {
-            Law::Of(distribution) => ends_of(distribution),
+            Law::Of(distribution) => distribution.ends(),
             Law::Inverse(_) => [0.0, f64::INFINITY],
             Law::Truncated(truncated) => {
                 let [[low, high], [least, most]] = [truncated.ends, truncated.law.ends()];
@@ -143,28 +141,6 @@ impl Law {
             }
             Law::Dirichlet(_) => [0.0, 1.0],
         }
-    }
-}
-
-/// The ends of where a number with this distribution can lie.
-fn ends_of(distribution: &Distribution<f64>) -> [f64; 2] {
-    let beyond = |origin: f64, sign: f64| match sign > 0.0 {
-        true => [origin, f64::INFINITY],
-        false => [f64::NEG_INFINITY, origin],
-    };
-    match *distribution {
-        Distribution::Normal { .. } | Distribution::StudentT { .. } | Distribution::Laplace { .. } => {
-            [f64::NEG_INFINITY, f64::INFINITY]
-        }
-        Distribution::LogNormal(LogNormal { origin, sign, .. }) => beyond(origin, sign),
-        Distribution::Exponential(Exponential { origin, mean }) => beyond(origin, mean),
-        Distribution::Gamma(Gamma { origin, scale, .. }) => beyond(origin, scale),
-        Distribution::Beta(Beta { origin, scale, .. }) => {
-            [origin.min(origin + scale), origin.max(origin + scale)]
-        }
-        Distribution::Uniform(Uniform { low, high }) => [low, high],
-        Distribution::Poisson { .. } | Distribution::NegativeBinomial { .. } => [0.0, f64::INFINITY],
-        Distribution::Binomial(Binomial { n, .. }) => [0.0, n],
     }
 }
 

@@ -141,7 +141,7 @@ impl Parameters {
 
     /// Reads a prior of a parameter.
     fn prior_of(&self, name: &str, stated: &Value) -> Result<Prior, Fault> {
-        let Stated { value, text, inner, start } = Stated::of(stated)?;
+        let PriorText { value, text, inner, start } = PriorText::of(stated)?;
         let at = |fault: Fault| {
             let byte = fault.at.zip(inner).map_or(value.at, |(byte, inner)| inner + byte);
             Fault { at: Some(byte), ..fault }
@@ -238,7 +238,7 @@ fn squeezed(name: &str) -> String {
 const EXPECTED: &str = "a number, or a prior as in \"normal(0, 1)\"; formulas stand in [definitions]";
 
 /// A prior as the file states it.
-struct Stated<'t> {
+struct PriorText<'t> {
     value: &'t Value,
     text: &'t str,
     /// The byte where the text begins, if it stands there letter by letter.
@@ -246,10 +246,10 @@ struct Stated<'t> {
     start: Option<&'t Value>,
 }
 
-impl<'t> Stated<'t> {
+impl<'t> PriorText<'t> {
     /// `"normal(0, 1)"`, or `{ prior = "normal(0, 1)", start = 0.5 }`.
     fn of(value: &'t Value) -> Result<Self, Fault> {
-        let mut stated = Stated { value, text: "", inner: None, start: None };
+        let mut stated = PriorText { value, text: "", inner: None, start: None };
         let mut prior = Some(value);
         if let Found::Table(table) = &value.found {
             prior = None;
@@ -269,7 +269,7 @@ impl<'t> Stated<'t> {
             Problem::Missing { name: "prior", example: "{ prior = \"uniform(0, 1)\", start = 0.5 }" };
         stated.value = prior.ok_or_else(|| Fault::at(value.at, missing))?;
         match &stated.value.found {
-            Found::Text { text, inner } => Ok(Stated { text, inner: *inner, ..stated }),
+            Found::Text { text, inner } => Ok(PriorText { text, inner: *inner, ..stated }),
             _ => {
                 let (found, expected) = (stated.value.words(), "a distribution in quotes".to_string());
                 Err(Fault::at(stated.value.at, Problem::Value { found, expected }))

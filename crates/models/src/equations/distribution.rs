@@ -259,6 +259,18 @@ impl Distribution<f64> {
         of_family!(*self, family => family.value_at(v))
     }
 
+    /// The ends of where a number with this distribution can lie, infinite ones, too.
+    ///
+    /// ```
+    /// use motes_models::equations::{Distribution, exponential};
+    ///
+    /// let delay: Distribution<f64> = exponential(2.0).shifted(1.0);
+    /// assert_eq!(delay.ends(), [1.0, f64::INFINITY]);
+    /// ```
+    pub fn ends(&self) -> [f64; 2] {
+        of_family!(*self, family => family.ends())
+    }
+
     /// Mean and variance; NaN where the mean, or the variance, is none or infinite.
     pub(super) fn mean_and_variance(&self) -> [f64; 2] {
         let [mean, variance] = self.moments();

@@ -27,6 +27,16 @@ pub(super) trait Quantile: Family<f64> {
     fn value_at(self, v: f64) -> f64 {
         self.transport(v)[0]
     }
+
+    /// The ends of where it can lie, infinite ones, too.
+    fn ends(self) -> [f64; 2] {
+        [f64::NEG_INFINITY, f64::INFINITY]
+    }
+}
+
+/// The ends of what lies above its origin, or below it where `sign` is negative.
+pub(super) fn beyond(origin: f64, sign: f64) -> [f64; 2] {
+    if sign > 0.0 { [origin, f64::INFINITY] } else { [f64::NEG_INFINITY, origin] }
 }
 
 /// −1 below 0, else 1; NaN where it is NaN.

@@ -182,7 +182,11 @@ fn beyond_the_range_is_infinite_and_out_of_range_is_nan() {
         (log_normal(0.0, 1.0).scaled(-1.0).shifted(3.0), f64::NEG_INFINITY, 3.0),
         (uniform(-1.0, 2.0), -1.0, 2.0),
     ];
+    let counts: [Distribution<f64>; 3] = [poisson(2.0), negative_binomial(2.0, 0.5), binomial(3.0, 0.5)];
+    assert_eq!(counts.map(|count| count.ends()[1]), [f64::INFINITY, f64::INFINITY, 3.0]);
+    assert_eq!(normal(0.0, 1.0).ends(), [f64::NEG_INFINITY, f64::INFINITY]);
     for (distribution, low, high) in ends {
+        assert_eq!(distribution.ends(), [low, high], "{distribution:?}");
         for x in [low, low - 1.0] {
             assert_eq!(distribution.to_normal(x), f64::NEG_INFINITY, "{distribution:?} at {x}");
         }

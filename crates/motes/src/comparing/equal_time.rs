@@ -41,7 +41,7 @@ pub struct EqualTime {
 
 /// The time for a step at which a proposal has a given error.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Reached {
+pub enum TimeToError {
     /// Between two numbers of particles that were timed.
     At {
         /// Milliseconds for a step.
@@ -60,26 +60,26 @@ pub enum Reached {
     Not,
 }
 
-impl Reached {
+impl TimeToError {
     /// Milliseconds for a step, where the error was reached.
     pub fn ms(self) -> Option<f64> {
         match self {
-            Reached::At { ms, .. } | Reached::AtMost { ms, .. } => Some(ms),
-            Reached::Not => None,
+            TimeToError::At { ms, .. } | TimeToError::AtMost { ms, .. } => Some(ms),
+            TimeToError::Not => None,
         }
     }
 }
 
-impl fmt::Display for Reached {
+impl fmt::Display for TimeToError {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Reached::At { ms, particles } => {
+            TimeToError::At { ms, particles } => {
                 write!(formatter, "{} ms a step (K = {particles:.0})", short(*ms))
             }
-            Reached::AtMost { ms, particles } => {
+            TimeToError::AtMost { ms, particles } => {
                 write!(formatter, "at most {} ms a step (K = {particles})", short(*ms))
             }
-            Reached::Not => formatter.write_str("not reached"),
+            TimeToError::Not => formatter.write_str("not reached"),
         }
     }
 }
@@ -87,7 +87,7 @@ impl fmt::Display for Reached {
 impl EqualTime {
     /// What each contender takes for an error of `error`, between its points in logarithms: the first number of particles from which on the error stays
     /// below. A filter that collapsed has an infinite error.
-    pub fn reaching(&self, error: f64) -> Vec<(Contender, Reached)> {
+    pub fn reaching(&self, error: f64) -> Vec<(Contender, TimeToError)> {
         let mut names: Vec<&Contender> = self.points.iter().map(|point| &point.contender).collect();
         names.dedup();
         let reached = |name: &Contender| {
@@ -97,8 +97,10 @@ impl EqualTime {
             let below = own.iter().rev().take_while(is_below).count();
             let first = own.len() - below;
             match (first.checked_sub(1).map(|at| own[at]), own.get(first)) {
-                (_, None) => Reached::Not,
-                (None, Some(point)) => Reached::AtMost { ms: point.ms_per_step, particles: point.particles },
+                (_, None) => TimeToError::Not,
+                (None, Some(point)) => {
+                    TimeToError::AtMost { ms: point.ms_per_step, particles: point.particles }
+                }
                 (Some(before), Some(after)) => {
                     // No line can be drawn from a point that collapsed.
                     let share = match (before.error(), after.error()) {
@@ -108,7 +110,7 @@ impl EqualTime {
                         _ => 1.0,
                     };
                     let between = |a: f64, b: f64| (a.ln() + share * (b / a).ln()).exp();
-                    Reached::At {
+                    TimeToError::At {
                         ms: between(before.ms_per_step, after.ms_per_step),
                         particles: between(before.particles as f64, after.particles as f64),
                     }
@@ -225,18 +227,19 @@ mod tests {
             let points = [10, 100, 1000, 10_000].into_iter().zip(errors).map(|(k, error)| point(k, error));
             EqualTime { points: points.collect() }.reaching(1.0)[0].1
         };
-        let Reached::At { ms, particles } = reached([Some(100.0), Some(10.0), Some(0.1), Some(0.05)]) else {
+        let TimeToError::At { ms, particles } = reached([Some(100.0), Some(10.0), Some(0.1), Some(0.05)])
+        else {
             panic!("between the second and the third")
         };
         // Half way in logarithms.
         assert!((particles / 316.2 - 1.0).abs() < 1e-3 && (ms / 3.162 - 1.0).abs() < 1e-3);
         assert_eq!(
             reached([Some(0.5), Some(0.4), Some(0.3), Some(0.2)]),
-            Reached::AtMost { ms: 0.1, particles: 10 }
+            TimeToError::AtMost { ms: 0.1, particles: 10 }
         );
-        assert_eq!(reached([Some(9.0), Some(0.9), Some(2.0), Some(1.1)]), Reached::Not);
+        assert_eq!(reached([Some(9.0), Some(0.9), Some(2.0), Some(1.1)]), TimeToError::Not);
         // Luck with few particles is not enough, and a collapse is no error of 1.
-        let Reached::At { particles, .. } = reached([Some(0.9), None, Some(0.5), Some(0.1)]) else {
+        let TimeToError::At { particles, .. } = reached([Some(0.9), None, Some(0.5), Some(0.1)]) else {
             panic!()
         };
         assert!((particles - 1000.0).abs() < 1e-6);

@@ -17,7 +17,7 @@ use std::ops::ControlFlow;
 
 pub use card::{Card, Figure};
 pub use designed::{designed, designed_for_recorded};
-pub use equal_time::{EqualTime, Point, Reached};
+pub use equal_time::{EqualTime, Point, TimeToError};
 pub use gain::Gain;
 pub use options::{CompareOptions, MOST_REFERENCE_FILTERS};
 pub use paired::Paired;
@@ -54,7 +54,7 @@ pub struct Comparison {
 
 /// How far a comparison has come.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Compared {
+pub struct ComparisonProgress {
     /// Filters that are done; a reference counts as one.
     pub filters: usize,
     /// All filters.
@@ -71,7 +71,7 @@ pub fn compare(
     model: &Model,
     data: Option<&Data>,
     options: &CompareOptions,
-    mut proceed: impl FnMut(Compared) -> ControlFlow<()>,
+    mut proceed: impl FnMut(ComparisonProgress) -> ControlFlow<()>,
 ) -> Result<Comparison, MotesError> {
     compare_until(model, data, options, &mut proceed)
 }
@@ -81,7 +81,7 @@ fn compare_until(
     model: &Model,
     data: Option<&Data>,
     options: &CompareOptions,
-    proceed: &mut dyn FnMut(Compared) -> ControlFlow<()>,
+    proceed: &mut dyn FnMut(ComparisonProgress) -> ControlFlow<()>,
 ) -> Result<Comparison, MotesError> {
     check_proposals(model, options)?;
     let contenders = Contender::of(&options.proposals);
@@ -89,7 +89,7 @@ fn compare_until(
         Some(data) => sequence::of_data(data),
         None => {
             let seed = options.filter.seed;
-            let none = Compared { filters: 0, of: 1, share: 0.0 };
+            let none = ComparisonProgress { filters: 0, of: 1, share: 0.0 };
             let drawn = match &options.inputs {
                 Some(inputs) => simulate_along(model, inputs, options.sequences, seed, |_| proceed(none))?,
                 None => simulate(model, options.steps, options.sequences, seed, |_| proceed(none))?,
@@ -106,7 +106,7 @@ fn compare_until(
     let mut step = |particles: usize| {
         filters += 1;
         particles_done += particles;
-        match proceed(Compared { filters, of, share: particles_done as f64 / all_particles }) {
+        match proceed(ComparisonProgress { filters, of, share: particles_done as f64 / all_particles }) {
             ControlFlow::Break(()) => Err(MotesError::Interrupted),
             ControlFlow::Continue(()) => Ok(()),
         }

@@ -10,18 +10,18 @@ use crate::timeline::TimelineError;
 
 /// How the rows of data are counted, for errors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Counted {
+pub enum RowNumbering {
     /// Lines of a file, from 1; the header's is 1.
     Line,
     /// Rows of a table in memory, from 0.
     Row,
 }
 
-impl fmt::Display for Counted {
+impl fmt::Display for RowNumbering {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(match self {
-            Counted::Line => "line",
-            Counted::Row => "row",
+            RowNumbering::Line => "line",
+            RowNumbering::Row => "row",
         })
     }
 }
@@ -32,18 +32,18 @@ pub struct RowSource {
     /// Their file; none of a table in memory.
     pub file: Option<String>,
     /// How they are counted.
-    pub counted: Counted,
+    pub counted: RowNumbering,
 }
 
 impl RowSource {
     /// Rows of a table in memory.
     pub(crate) fn of_table() -> Self {
-        RowSource { file: None, counted: Counted::Row }
+        RowSource { file: None, counted: RowNumbering::Row }
     }
 
     /// Lines of a file.
     pub fn of_file(file: &str) -> Self {
-        RowSource { file: Some(file.to_string()), counted: Counted::Line }
+        RowSource { file: Some(file.to_string()), counted: RowNumbering::Line }
     }
 
     /// A row, with its series where there are several: `data.csv, series b, line 3`.
@@ -60,7 +60,7 @@ pub struct Place {
     /// The file, or what a table in memory is called.
     pub file: String,
     /// Whether it is a line or a row.
-    pub counted: Counted,
+    pub counted: RowNumbering,
     /// The line, or the row.
     pub line: u64,
     /// The column's name; none where it is a row as a whole.

@@ -13,7 +13,7 @@ mod times;
 mod warnings;
 
 pub use columns::Columns;
-pub use error::{Counted, DataError, Place, RowSource};
+pub use error::{DataError, Place, RowNumbering, RowSource};
 pub use rows::{Row, Rows};
 pub use series::Data;
 pub use table::{InputTable, Table};

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::cell::{number, of_input};
 use super::columns::{Columns, counts_rows};
-use super::error::{Counted, DataError, Place};
+use super::error::{DataError, Place, RowNumbering};
 use super::seen::SeenSeries;
 use super::shown::shown;
 use crate::model::Model;
@@ -220,7 +220,7 @@ impl<R: Read> Rows<R> {
         steps.map_err(|error| {
             let clock = self.columns.clock.and_then(|at| self.columns.names.get(at));
             let column = error.column(|input| self.model.input_column(input), clock);
-            let place = Place { file: self.file.clone(), counted: Counted::Line, line, column };
+            let place = Place { file: self.file.clone(), counted: RowNumbering::Line, line, column };
             DataError::Timeline { place, error: Box::new(error) }
         })
     }
@@ -270,7 +270,7 @@ impl<R: Read> Rows<R> {
     fn place(&self, line: u64, at: usize) -> Place {
         Place {
             file: self.file.clone(),
-            counted: Counted::Line,
+            counted: RowNumbering::Line,
             line,
             column: Some(self.columns.names[at].clone()),
         }

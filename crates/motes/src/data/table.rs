@@ -1,7 +1,7 @@
 //! Data that a program has in memory.
 
 use super::columns::{Columns, counts_rows};
-use super::error::{Counted, DataError, Place, RowSource};
+use super::error::{DataError, Place, RowNumbering, RowSource};
 use super::rows::Row;
 use super::seen::SeenSeries;
 use super::series::Data;
@@ -83,7 +83,7 @@ impl Data {
             let time = match (table.times, columns.time) {
                 (Some(times), Some(column)) if !counts_rows(times[at]) => {
                     let column = columns.names.get(column).cloned();
-                    let place = Place { file: file(), counted: Counted::Row, line: at as u64, column };
+                    let place = Place { file: file(), counted: RowNumbering::Row, line: at as u64, column };
                     return Err(DataError::Time { place, value: times[at].to_string(), expected: 0 });
                 }
                 (Some(times), Some(_)) => times[at],
@@ -156,7 +156,7 @@ impl Data {
         }
         let place = |row: usize, column: usize| Place {
             file: file(),
-            counted: Counted::Row,
+            counted: RowNumbering::Row,
             line: row as u64,
             column: Some(columns.names[column].clone()),
         };
@@ -196,7 +196,7 @@ impl Data {
             let steps = steps.map_err(|error| {
                 let clock = columns.clock.and_then(|at| columns.names.get(at));
                 let column = error.column(|input| model.input_column(input), clock);
-                let place = Place { file: file(), counted: Counted::Row, line: at as u64, column };
+                let place = Place { file: file(), counted: RowNumbering::Row, line: at as u64, column };
                 DataError::Timeline { place, error: Box::new(error) }
             })?;
             let last = steps.last().cloned().unwrap_or_default();

@@ -23,13 +23,13 @@ pub(super) fn repeat_first<T: Copy>(rows: &mut [T], width: usize) {
 
 /// Which particles to compute: the others know the same as the last of these before them.
 #[derive(Default)]
-pub(crate) struct Computed {
+pub(crate) struct DistinctParticles {
     particles: Vec<usize>,
     /// Of each particle.
     is_computed: Vec<bool>,
 }
 
-impl Computed {
+impl DistinctParticles {
     /// Finds the particles that differ, in what is known or in `hidden`, from the one before them, and as many more as make their number round.
     pub(super) fn find<T: Real>(&mut self, inputs: &Inputs<'_>, hidden: &mut [SliceMut<'_>]) {
         let all = inputs.particles;
@@ -107,7 +107,7 @@ mod tests {
         let previous: Vec<f64> = (0..80).map(|row| f64::from(row / 4)).collect();
         let mut carried: Vec<f64> = previous.iter().flat_map(|value| [*value, 0.5]).collect();
         carried[2 * 7 + 1] = 0.25;
-        let mut computed = Computed::default();
+        let mut computed = DistinctParticles::default();
         computed.find::<f64>(&inputs(&previous), &mut [SliceMut::F64(&mut carried.clone())]);
         let found = computed.particles.clone();
         assert_eq!(found.len(), 32, "{found:?}");
@@ -123,7 +123,7 @@ mod tests {
 
     #[test]
     fn blocks_have_all_that_is_computed_and_none_is_small() {
-        let mut computed = Computed::default();
+        let mut computed = DistinctParticles::default();
         for count in (0..1100).chain([25_345, 30_000, 65_281]) {
             let previous: Vec<f64> = (0..count).map(f64::from).collect();
             computed.find::<f64>(&inputs(&previous), &mut []);
@@ -138,7 +138,7 @@ mod tests {
     #[test]
     fn particles_that_differ_or_are_few_are_all_computed() {
         let found = |inputs: &Inputs<'_>| {
-            let mut computed = Computed::default();
+            let mut computed = DistinctParticles::default();
             computed.find::<f64>(inputs, &mut []);
             computed.particles
         };

@@ -13,7 +13,7 @@ use super::buffers::Buffers;
 use super::derivatives::Derivatives;
 use super::gradient_accumulator::GradientAccumulator;
 use super::products::{Multiply, column_sums, times, times_transposed, transpose, transposed_times};
-use super::step::{At, Filtered, Kept, Kind, Native, Node};
+use super::step::{At, BackwardCache, GraphFilterOutput, Kind, Native, Node};
 use crate::arithmetic::Activation;
 use crate::gradients::Gradients;
 use crate::graph::{Graph, GraphOf, Shape};
@@ -46,11 +46,11 @@ pub(super) fn filter<T: Multiply>(
     let (values, matrix) = (native.step.values(input), native.weights.get(taps));
     let buffers = &mut *native.buffers;
     let kept = if spectral_pays(of, shape, rows / of.nodes) {
-        Kept::Spectral(spectral::forward(of, values, matrix, shape, &mut out, buffers))
+        BackwardCache::Spectral(spectral::forward(of, values, matrix, shape, &mut out, buffers))
     } else if inputs <= outputs {
         let stacked = stack(of, values, shape, buffers);
         times(&mut out, Accum::Replace, &stacked, matrix, [rows, count * inputs, outputs], buffers);
-        Kept::Stacked(stacked)
+        BackwardCache::Stacked(stacked)
     } else {
         let across = across(matrix, shape, buffers);
         let mut products = buffers.take(rows * count * outputs);
@@ -65,22 +65,22 @@ pub(super) fn filter<T: Multiply>(
         sum_shifted(of.shift, of.nodes, &products, shape, &mut out, buffers);
         buffers.put(across);
         buffers.put(products);
-        Kept::Products
+        BackwardCache::Products
     };
     activate(&mut out, Some(native.weights.get(taps + 1)), activation);
-    let filtered = Filtered { graph: graph.clone(), input, shape, taps, activation, kept };
+    let filtered = GraphFilterOutput { graph: graph.clone(), input, shape, taps, activation, kept };
     native.step.push(Kind::Filter(filtered), rows, outputs, out)
 }
 
 pub(super) fn filter_backward<T: Multiply>(
     weights: Matrices<'_, T>,
-    (below, node, filtered): (&[Node<T>], &Node<T>, &Filtered<T>),
+    (below, node, filtered): (&[Node<T>], &Node<T>, &GraphFilterOutput<T>),
     mut d: Vec<T>,
     derivatives: &mut Derivatives<'_, T>,
     accumulator: &mut GradientAccumulator<T>,
     gradients: &mut Gradients,
 ) {
-    let Filtered { graph, input, shape, taps, activation, kept } = filtered;
+    let GraphFilterOutput { graph, input, shape, taps, activation, kept } = filtered;
     let (of, taps, shape) = (graph.of::<T>(), *taps, *shape);
     let Shape { inputs, outputs, taps: count } = shape;
     deactivate(&mut d, &node.values, *activation);
@@ -88,13 +88,13 @@ pub(super) fn filter_backward<T: Multiply>(
     column_sums(place, accum, &d);
     let (rows, wanted) = (node.rows, derivatives.wanted(*input));
     match kept {
-        Kept::Spectral(in_basis) => {
+        BackwardCache::Spectral(in_basis) => {
             let way = Eigen { of, shape, taps, rows };
             let sums = (accumulator, gradients);
             let d_input = spectral::backward(&way, weights, in_basis, &d, sums, derivatives.buffers);
             derivatives.add(*input, d_input);
         }
-        Kept::Stacked(stacked) => {
+        BackwardCache::Stacked(stacked) => {
             let widths = [count * inputs, outputs];
             accumulator.push(taps, widths, (stacked, &d), derivatives.buffers, gradients);
             if wanted {
@@ -111,7 +111,7 @@ pub(super) fn filter_backward<T: Multiply>(
                 derivatives.add(*input, d_input);
             }
         }
-        Kept::Products => {
+        BackwardCache::Products => {
             // The derivative of the products is the output's, shifted 0 to D times against the edges.
             let transposed = GraphSides { shift: of.shift_transposed, nodes: of.nodes };
             let d_products =

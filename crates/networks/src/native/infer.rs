@@ -1,7 +1,7 @@
 //! Networks in a filter: forward only, some particles at a time.
 
 use super::buffers::Buffers;
-use super::deduplicate::Computed;
+use super::deduplicate::DistinctParticles;
 use super::products::Multiply;
 use super::step::{At, Native, Step};
 use crate::error::NetworkError;
@@ -15,22 +15,22 @@ use crate::values::{SliceMut, narrow, widen};
 pub(crate) struct Memory {
     narrow: (Step<f32>, Buffers<f32>),
     wide: (Step<f64>, Buffers<f64>),
-    computed: Computed,
+    computed: DistinctParticles,
 }
 
 /// A precision whose part of the memory can be told from that of the other.
-pub(crate) trait Remembered: Multiply {
-    fn part(memory: &mut Memory) -> (&mut (Step<Self>, Buffers<Self>), &mut Computed);
+pub(crate) trait MemoryPart: Multiply {
+    fn part(memory: &mut Memory) -> (&mut (Step<Self>, Buffers<Self>), &mut DistinctParticles);
 }
 
-impl Remembered for f32 {
-    fn part(memory: &mut Memory) -> (&mut (Step<f32>, Buffers<f32>), &mut Computed) {
+impl MemoryPart for f32 {
+    fn part(memory: &mut Memory) -> (&mut (Step<f32>, Buffers<f32>), &mut DistinctParticles) {
         (&mut memory.narrow, &mut memory.computed)
     }
 }
 
-impl Remembered for f64 {
-    fn part(memory: &mut Memory) -> (&mut (Step<f64>, Buffers<f64>), &mut Computed) {
+impl MemoryPart for f64 {
+    fn part(memory: &mut Memory) -> (&mut (Step<f64>, Buffers<f64>), &mut DistinctParticles) {
         (&mut memory.wide, &mut memory.computed)
     }
 }
@@ -41,7 +41,7 @@ impl Remembered for f64 {
 ///
 /// # Errors
 /// [`NetworkError::Shape`] if the networks emit something else than there are places for.
-pub(crate) fn infer<F: Networks, T: Remembered>(
+pub(crate) fn infer<F: Networks, T: MemoryPart>(
     networks: &F,
     parameters: &Parameters,
     inputs: &Inputs<'_>,
@@ -110,7 +110,7 @@ pub(crate) fn infer<F: Networks, T: Remembered>(
 }
 
 /// Refuses places that are not those of what was found of some rows.
-fn has_places<T: Remembered>(
+fn has_places<T: MemoryPart>(
     step: &Step<T>,
     found: &Outputs<At>,
     [rows, particles]: [usize; 2],

@@ -61,7 +61,7 @@ pub(super) enum Kind<T> {
         graph: Graph,
         blocks: [usize; 2],
     },
-    Filter(Filtered<T>),
+    Filter(GraphFilterOutput<T>),
     ByParticle(At),
 }
 
@@ -115,17 +115,17 @@ pub(crate) struct Native<'a, T> {
 }
 
 /// A filter that was computed.
-pub(super) struct Filtered<T> {
+pub(super) struct GraphFilterOutput<T> {
     pub(super) graph: Graph,
     pub(super) input: At,
     pub(super) shape: Shape,
     pub(super) taps: usize,
     pub(super) activation: Activation,
-    pub(super) kept: Kept<T>,
+    pub(super) kept: BackwardCache<T>,
 }
 
 /// What a way of computing a filter keeps for the way back.
-pub(super) enum Kept<T> {
+pub(super) enum BackwardCache<T> {
     /// `[X, S X, …]`.
     Stacked(Vec<T>),
     Products,
@@ -133,11 +133,11 @@ pub(super) enum Kept<T> {
     Spectral(Vec<T>),
 }
 
-impl<T: Real> Filtered<T> {
+impl<T: Real> GraphFilterOutput<T> {
     fn release(self, buffers: &mut Buffers<T>) {
         match self.kept {
-            Kept::Stacked(kept) | Kept::Spectral(kept) => buffers.put(kept),
-            Kept::Products => {}
+            BackwardCache::Stacked(kept) | BackwardCache::Spectral(kept) => buffers.put(kept),
+            BackwardCache::Products => {}
         }
     }
 }

@@ -75,7 +75,7 @@ pub(super) fn columns(
     let count = asked.names.len();
     let listed = listed(found);
     let Some(items) = listed else {
-        let stated = Stated::of(py, asked, found, &asked.names.join(", "))?;
+        let stated = DistributionArguments::of(py, asked, found, &asked.names.join(", "))?;
         return (0..count).map(|at| stated.coordinate(asked, at, count, None)).collect();
     };
     if items.len() != count {
@@ -88,8 +88,9 @@ pub(super) fn columns(
     let of_item = |(at, item): (usize, &Bound<'_, PyAny>)| {
         let name = &asked.names[at];
         let of_slopes = slopes.as_ref().and_then(|slopes| slopes.get(at));
-        let of_slopes = of_slopes.map(|slopes| Stated::of(py, asked, slopes, name)).transpose()?;
-        Stated::of(py, asked, item, name)?.coordinate(asked, 0, 1, of_slopes.as_ref())
+        let of_slopes =
+            of_slopes.map(|slopes| DistributionArguments::of(py, asked, slopes, name)).transpose()?;
+        DistributionArguments::of(py, asked, item, name)?.coordinate(asked, 0, 1, of_slopes.as_ref())
     };
     items.iter().enumerate().map(of_item).collect()
 }
@@ -103,7 +104,7 @@ fn listed<'py>(found: &Bound<'py, PyAny>) -> Option<Vec<Bound<'py, PyAny>>> {
 }
 
 /// A distribution with its parameters as they came.
-struct Stated {
+struct DistributionArguments {
     name: String,
     /// None where the only parameter is the coordinate itself.
     family: Option<&'static Family>,
@@ -118,7 +119,7 @@ enum Numbers {
     Array { values: Vec<f64>, shape: Vec<usize> },
 }
 
-impl Stated {
+impl DistributionArguments {
     fn of(py: Python<'_>, asked: &FunctionCall<'_>, found: &Bound<'_, PyAny>, name: &str) -> PyResult<Self> {
         let of_name = found.getattr(intern!(py, "family")).and_then(|family| family.extract::<String>());
         let of_name = of_name.unwrap_or_default();
@@ -155,7 +156,7 @@ impl Stated {
         };
         let scale = optional(intern!(py, "scale"), "the factor")?;
         let shift = optional(intern!(py, "shift"), "the shift")?;
-        Ok(Stated { name: name.to_string(), family, parameters, scale, shift })
+        Ok(DistributionArguments { name: name.to_string(), family, parameters, scale, shift })
     }
 
     /// That of coordinate `at` of `width` ones, with the derivatives of its parameters.
@@ -164,7 +165,7 @@ impl Stated {
         asked: &FunctionCall<'_>,
         at: usize,
         width: usize,
-        slopes: Option<&Stated>,
+        slopes: Option<&DistributionArguments>,
     ) -> PyResult<BatchDistribution> {
         let column = |numbers: &Numbers, slopes: Option<&Numbers>, what: &str| {
             let values = numbers.column(asked.particles, at, width).map_err(|shape| {

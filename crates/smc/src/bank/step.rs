@@ -62,8 +62,8 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
                 _ => proposal.prepare_partial(model, step, entries),
             };
             let drawn = match prepared.map_err(|source| bank.unprepared(source))? {
-                true => Drawn::FromProposal,
-                false => Drawn::FromTransition,
+                true => DrawSource::FromProposal,
+                false => DrawSource::FromTransition,
             };
             bank.advance(step, drawn, entries, &whole)
         });
@@ -164,7 +164,7 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
     fn advance(
         &mut self,
         step: &Step<'_>,
-        drawn: Drawn,
+        drawn: DrawSource,
         entries: &[Option<f64>],
         measurement: &[f64],
     ) -> Result<(), FilterError> {
@@ -191,12 +191,12 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
         }
         let resamples = step.index > 0 && !has_memory;
         match drawn {
-            Drawn::FromProposal => {
+            DrawSource::FromProposal => {
                 let step = BankStep { proposal: &self.proposal, common, scratches: &self.scratches };
                 let filters = filters.with_memory(self.memory.rows());
                 parallel::step(particles, |threads| step.advance(filters, resamples, threads));
             }
-            Drawn::FromTransition => {
+            DrawSource::FromTransition => {
                 let step = BankStep { proposal: &Bootstrap, common, scratches: &Scratches::default() };
                 parallel::step(particles, |threads| step.advance(filters, resamples, threads));
             }
@@ -257,7 +257,7 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
 }
 
 /// What the particles of a step are drawn from.
-enum Drawn {
+enum DrawSource {
     FromProposal,
     FromTransition,
 }

@@ -89,7 +89,7 @@ struct Warning {
 }
 
 /// What a step shows.
-enum Seen {
+enum StepFinding {
     Nothing,
     MissOfBootstrap,
     /// With whether both filters are trusted over its steps.
@@ -208,13 +208,13 @@ impl SecondOpinion {
             return;
         }
         match self.look() {
-            Seen::Nothing => {}
-            Seen::MissOfBootstrap => {
+            StepFinding::Nothing => {}
+            StepFinding::MissOfBootstrap => {
                 self.misses.bootstrap_missed();
                 self.rest = REST;
             }
-            Seen::MissOfFilter(since, true) => self.warn(since),
-            Seen::MissOfFilter(since, false) => {
+            StepFinding::MissOfFilter(since, true) => self.warn(since),
+            StepFinding::MissOfFilter(since, false) => {
                 self.rest = REST;
                 if let Some(first) = self.misses.filter_missed(since) {
                     self.warn(first);
@@ -224,18 +224,18 @@ impl SecondOpinion {
     }
 
     /// Looks at all windows that end now.
-    fn look(&self) -> Seen {
-        let mut alone = Seen::Nothing;
+    fn look(&self) -> StepFinding {
+        let mut alone = StepFinding::Nothing;
         for (length, since) in self.windows.ending_now() {
             let excess = self.windows.since(&since, &self.errors);
             if excess.is_miss_of_bootstrap() {
-                return Seen::MissOfBootstrap;
+                return StepFinding::MissOfBootstrap;
             }
             if excess.is_miss_of_filter() && length <= self.trust[1].steps() {
                 if length <= self.judged_steps() {
-                    return Seen::MissOfFilter(since, true);
+                    return StepFinding::MissOfFilter(since, true);
                 }
-                alone = Seen::MissOfFilter(since, false);
+                alone = StepFinding::MissOfFilter(since, false);
             }
         }
         alone

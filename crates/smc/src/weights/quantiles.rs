@@ -12,13 +12,13 @@ const DEPTH: usize = 4;
 /// For each probability `p` the smallest of `values` that those with a share of at least `p` of the weight do not exceed; NaN where none has weight.
 pub(super) fn quantiles(values: &[f64], weights: &[f64], probabilities: &[f64]) -> Vec<f64> {
     // The shares of the whole, which rounding leaves a hair beside 1, that are looked for; then what is found.
-    let mut wanted: Vec<Wanted> =
-        probabilities.iter().map(|share| Wanted { share: *share, found: f64::NAN }).collect();
+    let mut wanted: Vec<QuantileTarget> =
+        probabilities.iter().map(|share| QuantileTarget { share: *share, found: f64::NAN }).collect();
     find(values, weights, Whole::Unknown, &mut wanted.iter_mut().collect::<Vec<_>>(), DEPTH);
     wanted.into_iter().map(|wanted| wanted.found).collect()
 }
 
-struct Wanted {
+struct QuantileTarget {
     share: f64,
     found: f64,
 }
@@ -30,7 +30,7 @@ enum Whole {
     Known { sum: f64, below: f64 },
 }
 
-fn find(values: &[f64], weights: &[f64], whole: Whole, wanted: &mut [&mut Wanted], depth: usize) {
+fn find(values: &[f64], weights: &[f64], whole: Whole, wanted: &mut [&mut QuantileTarget], depth: usize) {
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     // A particle without weight has no part in it, wherever it is.
     for (value, weight) in values.iter().zip(weights) {
@@ -52,7 +52,7 @@ fn find(values: &[f64], weights: &[f64], whole: Whole, wanted: &mut [&mut Wanted
         Whole::Unknown => (of_bins.iter().sum(), 0.0),
         Whole::Known { sum, below } => (sum, below),
     };
-    let mut asked: Vec<(usize, f64, Vec<&mut Wanted>)> = Vec::with_capacity(wanted.len());
+    let mut asked: Vec<(usize, f64, Vec<&mut QuantileTarget>)> = Vec::with_capacity(wanted.len());
     for wanted in wanted.iter_mut() {
         let (bin, below) = bin_with(&of_bins, below, wanted.share * sum);
         match asked.iter_mut().find(|(other, ..)| *other == bin) {
@@ -84,7 +84,7 @@ fn bin_with(of_bins: &[f64; BINS], mut below: f64, target: f64) -> (usize, f64) 
 }
 
 /// [`find`] by sorting all that have weight.
-fn sort(values: &[f64], weights: &[f64], whole: Whole, wanted: &mut [&mut Wanted]) {
+fn sort(values: &[f64], weights: &[f64], whole: Whole, wanted: &mut [&mut QuantileTarget]) {
     let mut pairs: Vec<(f64, f64)> = values.iter().copied().zip(weights.iter().copied()).collect();
     pairs.retain(|(_, weight)| *weight > 0.0);
     pairs.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));

@@ -92,6 +92,11 @@ impl Quantile for Beta<f64> {
         let density = a * log + b * log_rest - log_beta(a, b);
         [x, normal::log_density(v) - density + log + log_rest + scale.abs().ln()]
     }
+
+    fn ends(self) -> [f64; 2] {
+        let [one, other] = [self.origin, self.origin + self.scale];
+        [one.min(other), one.max(other)]
+    }
 }
 
 /// Draws from 0 to 1, one by one.

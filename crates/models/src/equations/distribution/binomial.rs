@@ -147,4 +147,8 @@ impl Quantile for Binomial<f64> {
     fn value_at(self, v: f64) -> f64 {
         near_normal::from_normal(self, v)
     }
+
+    fn ends(self) -> [f64; 2] {
+        [0.0, self.last()]
+    }
 }

@@ -2,7 +2,7 @@
 
 use crate::equations::draw::{Needs, Source};
 use crate::equations::family::{Family, above_zero, inside, parameters, zero_or_nan};
-use crate::equations::quantile::{Quantile, normal, sign_of, transported};
+use crate::equations::quantile::{Quantile, beyond, normal, sign_of, transported};
 use crate::equations::scalar::Scalar;
 
 parameters! {
@@ -62,5 +62,9 @@ impl Quantile for Exponential<f64> {
         let v = v * self.mean.signum();
         let z = -normal::log_upper(v);
         [self.origin + self.mean * z, normal::log_density(v) + z + Scalar::ln(self.mean.abs())]
+    }
+
+    fn ends(self) -> [f64; 2] {
+        beyond(self.origin, self.mean)
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::equations::draw::{Needs, Rejection, Source, StandardGamma};
 use crate::equations::family::{Family, above_zero, parameters, zero_or_nan};
-use crate::equations::quantile::{Quantile, gamma, sign_of, transported};
+use crate::equations::quantile::{Quantile, beyond, gamma, sign_of, transported};
 use crate::equations::scalar::Scalar;
 
 parameters! {
@@ -70,5 +70,9 @@ impl Quantile for Gamma<f64> {
     fn transport(self, v: f64) -> [f64; 2] {
         let [log, log_slope] = gamma::from_normal(self.shape, v * self.scale.signum());
         [self.origin + self.scale * Scalar::exp(log), log_slope + Scalar::ln(self.scale.abs())]
+    }
+
+    fn ends(self) -> [f64; 2] {
+        beyond(self.origin, self.scale)
     }
 }

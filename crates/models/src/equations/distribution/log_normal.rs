@@ -2,7 +2,7 @@
 
 use crate::equations::draw::{Needs, Source};
 use crate::equations::family::{Family, Score, above_zero, parameters, zero_or_nan};
-use crate::equations::quantile::Quantile;
+use crate::equations::quantile::{Quantile, beyond};
 use crate::equations::scalar::Scalar;
 use crate::gaussian::LN_2PI;
 
@@ -93,4 +93,8 @@ impl<S: Scalar> Family<S> for LogNormal<S> {
     }
 }
 
-impl Quantile for LogNormal<f64> {}
+impl Quantile for LogNormal<f64> {
+    fn ends(self) -> [f64; 2] {
+        beyond(self.origin, self.sign)
+    }
+}

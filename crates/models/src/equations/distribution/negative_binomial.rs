@@ -96,4 +96,8 @@ impl Quantile for NegativeBinomial<f64> {
     fn value_at(self, v: f64) -> f64 {
         count::from_normal(self, v)
     }
+
+    fn ends(self) -> [f64; 2] {
+        [0.0, self.last()]
+    }
 }

@@ -71,4 +71,8 @@ impl Quantile for Uniform<f64> {
         let x = if v < 0.0 { self.low + share } else { self.high - share };
         [x, normal::log_density(v) + Scalar::ln(self.high - self.low)]
     }
+
+    fn ends(self) -> [f64; 2] {
+        [self.low, self.high]
+    }
 }
