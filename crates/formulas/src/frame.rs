@@ -13,15 +13,13 @@ use crate::program::{Program, compile};
 use crate::schedule::MOST_SUB_STEPS;
 use crate::statement::{self, InputRule, Statement, TimeRule};
 
-/// Where equations use an input.
+/// Where equations of states use an input.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct InputUse {
     /// In `[initial]`.
     pub initial: bool,
     /// In `[draws]` or `[transition]`.
     pub transition: bool,
-    /// In `[measurement]`.
-    pub measurement: bool,
 }
 
 /// What must be known where an entry of the measurement is there.
@@ -33,6 +31,12 @@ pub(crate) struct EntryNeeds {
     pub(crate) inputs: Vec<u32>,
 }
 
+impl EntryNeeds {
+    fn has(&self, input: usize) -> bool {
+        self.inputs.iter().any(|used| *used as usize == input)
+    }
+}
+
 /// What a model has besides its equations: how rows are spaced, inputs, parameters with their priors, and the column that tells series apart. A clone shares it.
 #[derive(Debug, Clone)]
 pub struct Frame(Arc<Contents>);
@@ -42,11 +46,12 @@ struct Contents {
     series: Option<String>,
     time: Option<TimeRule>,
     inputs: Vec<InputRule>,
-    /// Where equations use each input.
+    /// Where equations of states use each input.
     uses: Vec<InputUse>,
     /// Of functions nobody knows what they use.
     is_of_functions: bool,
     resets: Vec<usize>,
+    /// What each entry of a measurement needs.
     entries: Vec<EntryNeeds>,
     /// The numbers of the inputs that are simulated, and how.
     simulated: (Vec<usize>, Program),
@@ -122,8 +127,7 @@ impl Frame {
     }
 
     fn of_functions(statement: &Statement) -> Result<Self, Fault> {
-        let uses =
-            vec![InputUse { initial: false, transition: true, measurement: true }; statement.inputs.len()];
+        let uses = vec![InputUse { initial: false, transition: true }; statement.inputs.len()];
         let contents = Contents::of(statement, uses, Vec::new())?;
         Ok(Frame(Arc::new(Contents { is_of_functions: true, ..contents })))
     }
@@ -164,7 +168,7 @@ impl Frame {
         &self.0.resets
     }
 
-    /// Where equations use an input.
+    /// Where equations of states use an input.
     pub fn input_use(&self, input: usize) -> InputUse {
         self.0.uses.get(input).copied().unwrap_or_default()
     }
@@ -181,8 +185,12 @@ impl Frame {
 
     /// Whether an input must be known where an entry of the measurement is there. Functions may use any.
     pub fn needs_input(&self, entry: usize, input: usize) -> bool {
-        let uses = |needs: &EntryNeeds| needs.inputs.iter().any(|used| *used as usize == input);
-        self.0.is_of_functions || self.0.entries.get(entry).is_some_and(uses)
+        self.0.is_of_functions || self.0.entries.get(entry).is_some_and(|needs| needs.has(input))
+    }
+
+    /// Whether any entry of the measurement needs an input.
+    pub fn is_measured_by(&self, input: usize) -> bool {
+        self.0.is_of_functions || self.0.entries.iter().any(|needs| needs.has(input))
     }
 
     /// Draws the inputs that are simulated, for a step that ends at a time: their numbers, and values.

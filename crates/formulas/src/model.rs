@@ -22,15 +22,6 @@ use crate::text::Text;
 #[derive(Debug, Clone)]
 pub struct FormulaModel(pub(crate) Arc<Programs>, pub(crate) Option<Arc<Schedule>>);
 
-/// Where an input is used by a section.
-fn in_section(uses: &mut InputUse, section: Section) -> &mut bool {
-    match section {
-        Section::Initial => &mut uses.initial,
-        Section::Measurement => &mut uses.measurement,
-        _ => &mut uses.transition,
-    }
-}
-
 /// The programs of a file's formulas.
 #[derive(Debug)]
 pub(crate) struct Programs {
@@ -87,10 +78,13 @@ impl FormulaModel {
                     exact_entry = closed_form::without_noise(&built);
                     inputs_of_entries = built.inputs_of_coordinates();
                 }
-                _ => is_finite &= closed_form::is_finite(&built),
-            }
-            for number in built.inputs() {
-                *in_section(&mut uses[number as usize], section) = true;
+                _ => {
+                    is_finite &= closed_form::is_finite(&built);
+                    for number in built.inputs() {
+                        let InputUse { initial, transition } = &mut uses[number as usize];
+                        *(if section == Section::Initial { initial } else { transition }) = true;
+                    }
+                }
             }
             if section != Section::Initial && !only_initial.is_empty() {
                 // Of a transition those behind are the parameters themselves.

@@ -48,7 +48,7 @@ pub enum MotesError {
     #[error("{0}")]
     Simulation(String),
     /// A learned proposal cannot be read or written.
-    #[error(transparent)]
+    #[error("{}", with_command(.0))]
     Saved(SavedError),
     /// Bytes that hold a value cannot be read, or the value cannot be written as bytes.
     #[error("{what}: {reason}")]
@@ -116,6 +116,16 @@ impl MotesError {
             }
             other => other,
         }
+    }
+}
+
+/// The error, and the command that makes a proposal anew where its format is not read.
+fn with_command(error: &SavedError) -> String {
+    match error {
+        SavedError::Format { path, .. } => {
+            format!("{error}, as by motes learn MODEL --output {}", path.display())
+        }
+        _ => error.to_string(),
     }
 }
 

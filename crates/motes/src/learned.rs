@@ -398,12 +398,6 @@ pub(crate) fn learnable(model: &Model) -> Result<&dyn LearnableModel, MotesError
 
 impl From<SavedError> for MotesError {
     fn from(error: SavedError) -> Self {
-        match error {
-            SavedError::Format { ref path, .. } => {
-                let command = format!(", as by motes learn MODEL --output {}", path.display());
-                MotesError::Setting(format!("{error}{command}"))
-            }
-            error => MotesError::Saved(error),
-        }
+        MotesError::Saved(error)
     }
 }

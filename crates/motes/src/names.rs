@@ -52,12 +52,12 @@ impl FileInput {
             name: input.name.clone(),
             number,
             count: frame.input_dim(),
-            is_measured: frame.input_use(number).measurement,
+            is_measured: frame.is_measured_by(number),
         });
         made.collect()
     }
 
-    /// Its value at the row that steps lead to, or else in the last sub-step before; none where there was no step.
+    /// Its value at the row that steps lead to, or else in the last sub-step before; none where there was no step, or where nobody knows it.
     #[cfg(feature = "report")]
     pub(crate) fn value(&self, steps: &[StepRecord]) -> Option<f64> {
         let step = steps.last()?.step();
@@ -66,6 +66,6 @@ impl FileInput {
             false if step.index == 0 => return None,
             false => step.sub_steps.checked_sub(1)?,
         };
-        step.inputs.get(part * self.count + self.number).copied()
+        step.inputs.get(part * self.count + self.number).copied().filter(|value| !value.is_nan())
     }
 }

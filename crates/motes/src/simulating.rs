@@ -345,9 +345,9 @@ struct Course<'a> {
     known: Option<Vec<f64>>,
 }
 
-/// The first value of each column of inputs in a series.
+/// The first value of each column of inputs in a series; 0 of one that has none, by which nothing is measured.
 fn first_known(data: &Data, series: usize) -> Vec<f64> {
-    let columns = data.of_series(series).map(|row| row.inputs.len()).max().unwrap_or(0);
+    let columns = data.of_series(series).next().map_or(0, |row| row.inputs.len());
     let first = |column: usize| data.of_series(series).find_map(|row| row.inputs[column]);
     (0..columns).map(|column| first(column).unwrap_or(0.0)).collect()
 }

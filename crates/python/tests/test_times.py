@@ -130,3 +130,29 @@ def test_parameters_are_drawn_from_their_priors():
     pandas = pytest.importorskip("pandas")
     table = drawn.to_pandas()
     assert isinstance(table, pandas.DataFrame) and table.groupby("series")["q"].nunique().tolist() == [1, 1, 1]
+
+
+def test_inputs_of_a_missing_measurement_may_be_missing():
+    model = motes.Model(
+        {
+            "inputs": {"tested": "hold"},
+            "initial": {"x": "normal(0, 1)"},
+            "transition": {"x": "normal(0.9*x, 0.3)"},
+            "measurement": {"positive": "binomial(tested, logistic(x))"},
+        }
+    )
+    rows = {"tested": [10.0, np.nan, 20.0], "positive": [6.0, np.nan, 9.0]}
+    filled = {**rows, "tested": [10.0, 5.0, 20.0]}
+    assert model.filter(rows).log_evidence == model.filter(filled).log_evidence
+    assert model.evidence(rows)["log_evidence"] == model.evidence(filled)["log_evidence"]
+    with pytest.raises(ValueError, match=r"row 1, column tested: the input tested has no value here, and \[measurement\] needs it"):
+        model.filter({**rows, "positive": [6.0, 2.0, 9.0]})
+
+
+def test_a_file_of_inputs_that_ends_before_the_rows_says_how_far_they_go(tmp_path):
+    (tmp_path / "u.csv").write_text("day,u\n0,1\n1,2\n")
+    text = '[time]\ncolumn = "day"\n[inputs]\nu = { file = "u.csv", between = "linear" }\n[initial]\nx = 0\n[transition]\nx = "x + u"\n[measurement]\ny = "normal(x, 1)"\n'
+    (tmp_path / "m.toml").write_text(text)
+    model = motes.Model(tmp_path / "m.toml")
+    with pytest.raises(ValueError, match="row 3, column day: .* and 2 is needed, and the rows go on to 7; give it more rows"):
+        model.filter({"day": [0.0, 1.0, 2.0, 3.0, 7.0], "y": [1.0] * 5})

@@ -9,8 +9,8 @@ use motes_smc::{Bootstrap, Proposal};
 
 use super::dispatch::{Visitor, visit};
 use super::evaluation::Evaluation;
-use super::kept::{Notes, ProposalStore};
 use super::learning::{TrainingResult, train_config};
+use super::proposal_store::{Notes, ProposalStore};
 use super::run::Run;
 use crate::checkpoint::Checkpoints;
 use crate::config::Training;

@@ -3,9 +3,9 @@
 mod dispatch;
 mod evaluation;
 mod evaluator;
-mod kept;
 mod learning;
 mod once;
+mod proposal_store;
 mod run;
 mod run_filters;
 

@@ -7,8 +7,8 @@ use motes_models::{Seed, SimulatedMeasurements, Simulations};
 use motes_proposals::{Amortised, Family, Frames, Learnable, Origin, Standardised, StandardisedConfig};
 use motes_train::{AdamConfig, LearnConfig, TrainConfig, TrainingData, learn, train};
 
-use super::kept::{Notes, ProposalStore};
 use super::learning::train_config;
+use super::proposal_store::{Notes, ProposalStore};
 use super::run::Run;
 use crate::config::{Learning, Training};
 use crate::learned_once::LearnedOnce;

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use motes_cli::Interrupt;
 
-use super::kept::ProposalStore;
+use super::proposal_store::ProposalStore;
 use crate::checkpoint::Checkpoints;
 use crate::problem::Problem;
 use crate::reference::References;

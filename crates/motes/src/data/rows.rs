@@ -171,16 +171,20 @@ impl<R: Read> Rows<R> {
         Ok(Some(Row { line, series, time, label, written_time, inputs, measurement, steps }))
     }
 
-    /// An error with how far the rows behind it go, where a file of inputs ends before them.
+    /// An error with how far the rows behind it in its series go, where a file of inputs ends before them.
     pub(super) fn looked_ahead(&mut self, mut error: DataError) -> DataError {
         if let DataError::Timeline { error, .. } = &mut error
-            && let TimelineError::BeyondFile(beyond) = error.as_mut()
-            && beyond.is_after
+            && matches!(error.as_ref(), TimelineError::BeyondFile(_))
             && let Some(at) = self.columns.clock
         {
+            let name =
+                |record: &ByteRecord| self.columns.series.and_then(|at| record.get(at)).map(<[u8]>::to_vec);
+            let series = name(&self.record);
             while let Ok(true) = self.reader.read_byte_record(&mut self.record) {
-                if let Some(time) = self.record.get(at).and_then(|cell| std::str::from_utf8(cell).ok()) {
-                    beyond.on_to = format!(", and the rows go on to {}", time.trim());
+                if let Some(Ok(time)) = self.record.get(at).map(std::str::from_utf8)
+                    && name(&self.record) == series
+                {
+                    error.go_on_to(time);
                 }
             }
         }

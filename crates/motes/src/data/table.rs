@@ -193,7 +193,12 @@ impl Data {
                 model.measured(&mut clocks[series], &measurement)?;
                 Ok(steps)
             });
-            let steps = steps.map_err(|error| {
+            let steps = steps.map_err(|mut error| {
+                let is_of_series = |row: &usize| table.series.is_none_or(|names| names[*row] == names[at]);
+                let behind = (at + 1..count).rev().find(is_of_series);
+                if let (Some(labels), Some(last)) = (table.clock, behind) {
+                    error.go_on_to(&labels[last]);
+                }
                 let clock = columns.clock.and_then(|at| columns.names.get(at));
                 let column = error.column(|input| model.input_column(input), clock);
                 let place = Place { file: file(), counted: RowNumbering::Row, line: at as u64, column };

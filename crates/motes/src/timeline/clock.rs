@@ -268,7 +268,7 @@ impl Clock {
     fn add_measured(&mut self, timeline: &Timeline, moment: &Moment<'_>, values: &mut Vec<f64>) {
         self.unknown.clear();
         for (number, input) in timeline.frame.inputs().iter().enumerate() {
-            let is_used = timeline.frame.input_use(number).measurement;
+            let is_used = timeline.frame.is_measured_by(number);
             let value = is_used.then(|| self.value(timeline, number, input, moment));
             values.push(match value {
                 // Nothing is measured yet: only a forecast of the measurement lacks it.

@@ -126,6 +126,18 @@ pub enum TimelineError {
 }
 
 impl TimelineError {
+    /// Says how far the rows of the series go, where a file of inputs ends before them.
+    pub(crate) fn go_on_to(&mut self, time: &str) {
+        if let TimelineError::BeyondFile(beyond) = self
+            && beyond.is_after
+        {
+            // A table writes 7.0 where a file has 7.
+            let number = time.trim().parse::<f64>().map(|number| number.to_string());
+            let time = number.unwrap_or_else(|_| time.trim().to_string());
+            beyond.on_to = format!(", and the rows go on to {time}");
+        }
+    }
+
     /// The column of data that it is about; none where there is none. `column_of` has those that inputs come from, and `clock` is that of times.
     pub(crate) fn column(
         &self,

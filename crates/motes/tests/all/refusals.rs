@@ -204,6 +204,15 @@ fn a_file_of_inputs_that_does_not_reach() {
         "d.csv, line 5, column day: u.csv has u from 2024-03-01 to 2024-03-02, and 2024-03-03 is needed; {cure}"
     );
     refused(&place, &["filter", "m.toml", "d.csv"], 2, &line);
+    // Behind it the series goes on, and another one even farther.
+    place.write(
+        "two.csv",
+        "series,day,y\na,2024-03-01,1\na,2024-03-03,1\na,2024-03-05,1\na,2024-03-06,1\nb,2024-04-01,1\n",
+    );
+    let line = format!(
+        "two.csv, line 4, column day: u.csv has u from 2024-03-01 to 2024-03-02, and 2024-03-03 is needed, and the rows go on to 2024-03-06; {cure}"
+    );
+    refused(&place, &["filter", "m.toml", "two.csv"], 2, &line);
     place.write("m.toml", model(", lag = 4"));
     let line = format!(
         "d.csv, line 3, column day: u.csv has u from 2024-03-01 to 2024-03-02, and 2024-02-26 is needed, as it lags by 4; {cure}"

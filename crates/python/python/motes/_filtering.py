@@ -150,7 +150,7 @@ class Filtering(Definition):
         True
 
         With `parameters`, it is that at each of `n` values of them, an array of shape `(n,)`. They are a dict of arrays or a data frame by their names, or
-        an array of shape `(n, D)` whose columns are the parameters that have a prior, or all if none has one, in the order of the
+        an array of shape `(n, D)`. Its columns are the parameters that have a prior, or all if none has one, in the order of the
         model. All have the same random numbers, and all threads are used: that is what an optimiser or a sampler of one's own asks
         for. It is −∞ where no particle explains a measurement, and where there is no such model.
 
