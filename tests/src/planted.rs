@@ -128,7 +128,12 @@ impl<M: StateSpaceModel + ?Sized> Proposal<M> for Forgetful {
         Stuck(Proposal::<M>::initial_memory(&self.0, particles))
     }
 
-    fn prepare(&mut self, model: &M, step: &Step<'_>, measurement: &[f64]) -> Result<(), ProposalError> {
+    fn prepare(
+        &mut self,
+        model: &M,
+        step: &Step<'_>,
+        measurement: &[Option<f64>],
+    ) -> Result<bool, ProposalError> {
         self.0.prepare(model, step, measurement)
     }
 

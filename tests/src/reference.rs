@@ -115,7 +115,7 @@ fn estimates<M: StateSpaceModel, P: Proposal<M> + Clone>(
     let mut bank = FilterBank::with_streams(&reference.model, proposal.clone(), settings, streams).unwrap();
     for (time, measurement) in reference.measurements.rows().enumerate() {
         let stepped = match reference.missing.contains(&time) {
-            true => bank.step_without_measurement(),
+            true => bank.step_at(&Step::of_index(time), &vec![None; measurement.len()]),
             false => bank.step(measurement),
         };
         match stepped {
@@ -147,17 +147,24 @@ pub struct ScalarGaussian {
     pub variance: f64,
     /// The variance of the density that it states.
     pub claimed_variance: f64,
+    /// What was measured at the step that it was prepared for.
+    measurement: f64,
 }
 
 impl ScalarGaussian {
+    /// With a density that says what it draws.
+    pub fn of_variance(variance: f64) -> Self {
+        ScalarGaussian { variance, claimed_variance: variance, measurement: f64::NAN }
+    }
+
     /// Wider than the optimum, whose variance is ½.
     pub fn wide() -> Self {
-        ScalarGaussian { variance: 0.9, claimed_variance: 0.9 }
+        ScalarGaussian::of_variance(0.9)
     }
 
     /// The planted bug: a density off by 10% in variance.
     pub fn lying() -> Self {
-        ScalarGaussian { variance: 0.9, claimed_variance: 0.99 }
+        ScalarGaussian { claimed_variance: 0.99, ..ScalarGaussian::wide() }
     }
 }
 
@@ -172,9 +179,10 @@ impl Proposal<LinearGaussian> for ScalarGaussian {
         &mut self,
         _model: &LinearGaussian,
         _step: &Step<'_>,
-        _measurement: &[f64],
-    ) -> Result<(), ProposalError> {
-        Ok(())
+        measurement: &[Option<f64>],
+    ) -> Result<bool, ProposalError> {
+        self.measurement = measurement[0].unwrap_or(f64::NAN);
+        Ok(measurement[0].is_some())
     }
 
     fn condition<'a>(
@@ -197,7 +205,7 @@ pub struct ScalarConditional<'a> {
 impl ScalarConditional<'_> {
     fn mean(&self, row: usize) -> f64 {
         let predicted = self.context.previous.map_or(0.0, |previous| 0.9 * previous.row(row)[0]);
-        0.5 * (predicted + self.context.measurement[0])
+        0.5 * (predicted + self.proposal.measurement)
     }
 }
 

@@ -46,7 +46,7 @@ pub fn replay<P: Proposal<GraphDiffusion> + Clone>(
     let (mut states, mut ancestors) = (vec![], vec![]);
     for (time, measurement) in measurements.rows().enumerate() {
         match missing.contains(&time) {
-            true => bank.step_without_measurement().unwrap(),
+            true => bank.step_at(&Step::of_index(time), &vec![None; measurement.len()]).unwrap(),
             false => bank.step(measurement).unwrap(),
         }
         states.push((0..2).flat_map(|filter| bank.particles(filter).to_vec()).collect::<Vec<f64>>());
@@ -67,9 +67,10 @@ pub fn replay<P: Proposal<GraphDiffusion> + Clone>(
         for time in (0..=last).filter(|time| !missing.contains(time)) {
             let state = |time: usize| &states[time][path[time] * N..(path[time] + 1) * N];
             let previous = (time > 0).then(|| state(time - 1));
-            let context = Context::new(Step::of_index(time), previous, measurements.row(time), 1);
-            let mut conditional =
-                proposal.condition_batch(&system, context, &mut memory, &mut scratch).unwrap();
+            let context = Context::new(Step::of_index(time), previous, 1);
+            let mut conditional = proposal
+                .condition_batch(&system, context, measurements.row(time), &mut memory, &mut scratch)
+                .unwrap();
             conditional.log_density(state(time), &mut log_density);
         }
         for (replayed, stored) in hidden(&memory).host().iter().zip(&stored) {

@@ -28,6 +28,13 @@ pub enum MethodConfig {
     Linearised,
     /// A family that is learned once for a system.
     Once(Box<LearnedOnce>),
+    /// Potentials of a smoother.
+    LookAhead,
+    /// Potentials that are learned once for a system.
+    LookAheadLearned {
+        /// Gradient steps.
+        steps: usize,
+    },
     /// The transition, under the densities that data were drawn with.
     ReferenceFilter,
     /// The same, with as many later measurements as this.
@@ -67,7 +74,8 @@ pub struct FrameSettings {
 impl MethodConfig {
     /// The method of a plan's units, as the plan's files and profile set it; `None` if they do not say what it needs.
     pub(crate) fn of(method: Method, plan: &Plan, densities: Densities) -> Option<MethodConfig> {
-        if let Some(learning) = plan.experiment.learning.as_ref().filter(|_| method.is_learned()) {
+        let is_family = method.is_learned() && !method.looks_ahead();
+        if let Some(learning) = plan.experiment.learning.as_ref().filter(|_| is_family) {
             return LearnedOnce::of(method, plan, learning, densities)
                 .map(|once| MethodConfig::Once(Box::new(once)));
         }
@@ -107,6 +115,10 @@ impl MethodConfig {
                 method,
                 PsiConfig { layers: sizes.psi, ridge: settings.psi.ridge, networks: OverTime::EachTime },
             )),
+            Method::LookAhead => MethodConfig::LookAhead,
+            Method::LookAheadLearned => {
+                MethodConfig::LookAheadLearned { steps: plan.profile.potential_steps? }
+            }
             Method::ReferenceFilter => MethodConfig::ReferenceFilter,
             Method::ReferenceSmoother => {
                 MethodConfig::ReferenceSmoother { lag: plan.experiment.reference.as_ref()?.smoother_lag }
@@ -126,6 +138,8 @@ impl MethodConfig {
             MethodConfig::Gnn(_) => Method::Gnn,
             MethodConfig::GnnShortSteps(_) => Method::GnnShortSteps,
             MethodConfig::Psi(unit) => unit.anchored_or(Method::PsiAnchored, Method::Psi),
+            MethodConfig::LookAhead => Method::LookAhead,
+            MethodConfig::LookAheadLearned { .. } => Method::LookAheadLearned,
             MethodConfig::ReferenceFilter => Method::ReferenceFilter,
             MethodConfig::ReferenceSmoother { .. } => Method::ReferenceSmoother,
         }
@@ -137,8 +151,10 @@ impl MethodConfig {
             MethodConfig::MinDegeneracy
             | MethodConfig::Bootstrap
             | MethodConfig::Linearised
+            | MethodConfig::LookAhead
             | MethodConfig::ReferenceFilter
             | MethodConfig::ReferenceSmoother { .. } => None,
+            MethodConfig::LookAheadLearned { steps } => Some(steps),
             MethodConfig::Once(once) => Some(&mut once.steps),
             MethodConfig::Fcnn(unit) => Some(&mut unit.steps),
             MethodConfig::Rnn(unit) => Some(&mut unit.steps),

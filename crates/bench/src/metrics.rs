@@ -6,7 +6,7 @@ use motes_smc::WeightReport;
 use crate::config::Epidemic;
 use crate::metric::Metric;
 use crate::problem::{ErrorTarget, Problem};
-use crate::reference::{PosteriorMean, References};
+use crate::reference::{PosteriorMean, References, SmoothedReference};
 use crate::statistics::{mean, median, squared_error, squared_norm, standard_deviation};
 
 /// What a bank of filters said, recorded step by step.
@@ -49,6 +49,44 @@ pub(crate) fn metrics_of_survivors(
         metric.value *= share;
     }
     found.push(Metric::new("lost_runs", (filters - survivors.filters) as f64));
+    found
+}
+
+/// What estimates of the evidence and of smoothed states are worth. None of the numbers is that of the simulated states.
+pub(crate) fn metrics_of_smoothing(
+    problem: &Problem,
+    references: &References,
+    recorded: &Recorded,
+) -> Vec<Metric> {
+    let (means, log_evidence) = match (&problem.exact, &references.smoothed) {
+        (Some(exact), _) => (&exact.smoothed, exact.log_evidence),
+        (None, Some(reference)) => (&reference.means, reference.log_evidence),
+        (None, None) => return vec![],
+    };
+    let (filters, n) = (recorded.filters, problem.trajectory.states.width());
+    let (horizon, size) = (means.len() / n, squared_norm(means));
+    let times = || (0..horizon).zip(means.chunks_exact(n));
+    let of_filter = |filter: usize| {
+        let at = |time: usize| &recorded.at(time, n)[filter * n..][..n];
+        times().map(|(time, mean)| squared_error(at(time), mean)).sum::<f64>() / size
+    };
+    let of_mean =
+        |(time, mean): (usize, &[f64])| squared_error(&average(recorded.at(time, n), n, filters), mean);
+    let errors = recorded.log_evidence.iter().map(|found| (found - log_evidence).powi(2));
+    let mut found = vec![
+        Metric::new("log_evidence_mse", mean(&errors.collect::<Vec<f64>>())),
+        Metric::new("nmse_smoothed", times().map(of_mean).sum::<f64>() / size),
+        Metric::new("nmse_smoothed_single", mean(&(0..filters).map(of_filter).collect::<Vec<f64>>())),
+        Metric::new("ess", mean(&recorded.effective_sample_sizes)),
+        Metric::new("log_evidence_mean", mean(&recorded.log_evidence)),
+        Metric::new("log_evidence_std", standard_deviation(&recorded.log_evidence)),
+        Metric::new("log_evidence_reference", log_evidence),
+    ];
+    if let Some(SmoothedReference { differences: [of_means, of_evidence], .. }) = &references.smoothed {
+        found.push(Metric::new("nmse_smoothed_reference", *of_means));
+        found.push(Metric::new("log_evidence_reference_difference", *of_evidence));
+    }
+    found.extend(recorded.report.mean_pareto_k().map(|index| Metric::new("tail_index", index)));
     found
 }
 

@@ -5,7 +5,7 @@ use crate::figure::{figure, series_figure};
 use crate::manifest::{manifest, processors, revisions};
 use crate::store::{Record, Store, StoreError};
 use crate::tables::{
-    failures_csv, markdown, redrawn, series_csv, summarise, summary_csv, timings_csv, units_csv,
+    equal_time, failures_csv, markdown, redrawn, series_csv, summarise, summary_csv, timings_csv, units_csv,
 };
 use motes_cli::{result, status};
 
@@ -18,6 +18,9 @@ pub(crate) fn write_outputs(plan: &Plan, store: &Store, records: &[Record]) -> R
     let mut table = markdown(&title, axis, &rows, &plan.experiment.printed);
     if let Some(note) = redrawn(records) {
         table += &format!("\n{note}\n");
+    }
+    if let Some(costs) = equal_time(axis, records) {
+        table += &format!("\n{costs}");
     }
     store.write_file("units.csv", &units_csv(figure_name, records))?;
     store.write_file("timings.csv", &timings_csv(figure_name, records))?;

@@ -2,8 +2,11 @@
 
 use motes_models::{
     AdditiveGaussian, Drift, Epidemic, EpidemicConfig, GraphDiffusion, GraphDiffusionConfig, ModelError,
-    ModelShape, Noise, OwnModel, Sequence, StateGradients, Trajectory, kalman, simulate, simulate_within,
+    ModelShape, Noise, OwnModel, Sequence, StateGradients, StepRecord, Trajectory, kalman, simulate,
+    simulate_within,
 };
+
+use motes_smc::RecordedStep;
 
 use crate::config::{self, Densities};
 use crate::unit::{UnitConfig, UnitSystem};
@@ -52,6 +55,8 @@ pub(crate) enum ErrorTarget {
 pub(crate) struct Exact {
     /// `E[x_t | y_{0:t}]` at each time.
     pub(crate) means: Sequence,
+    /// `E[x_t | y_{0:T−1}]` at each time, `T×N`.
+    pub(crate) smoothed: Vec<f64>,
     /// `log p(y_{0:T−1})`.
     pub(crate) log_evidence: f64,
 }
@@ -79,7 +84,13 @@ impl Problem {
         let exact = if drift == Drift::Identity && believes_gaussian {
             let filtered = kalman::filter(&model.moment_matched()?, &trajectory.measurements)?;
             let means = filtered.steps.iter().flat_map(|step| step.filtered.mean.iter().copied()).collect();
-            Some(Exact { means: Sequence::new(dimension, means)?, log_evidence: filtered.log_evidence() })
+            let smoothed = kalman::smooth(&filtered)?.beliefs;
+            let smoothed = smoothed.iter().flat_map(|belief| belief.mean.iter().copied()).collect();
+            Some(Exact {
+                means: Sequence::new(dimension, means)?,
+                smoothed,
+                log_evidence: filtered.log_evidence(),
+            })
         } else {
             None
         };
@@ -122,6 +133,15 @@ impl Problem {
             has_gaussian_noise: noise == Noise::Gaussian,
             judged: ErrorTarget::EachState { redrawn },
         })
+    }
+
+    /// The steps of the filter's model with their measurements.
+    pub(crate) fn recorded(&self) -> Vec<RecordedStep> {
+        let of_row = |(index, row): (usize, &[f64])| RecordedStep {
+            step: StepRecord::of(&self.model.step_of_index(index)),
+            measurement: row.iter().copied().map(Some).collect(),
+        };
+        self.trajectory.measurements.rows().enumerate().map(of_row).collect()
     }
 
     /// What estimates are held against: the exact posterior means where they exist, else the simulated states.

@@ -2,9 +2,13 @@
 
 use motes_cli::Interrupt;
 use motes_models::Seed;
-use motes_smc::{Bootstrap, FilterError, FilterSettings, MinDegeneracy, ParticleFilter, Proposal};
+use motes_smc::{
+    Bootstrap, FilterError, FilterSettings, FixedLagSmoother, LookAhead, MinDegeneracy, ParticleFilter,
+    Proposal,
+};
 
 use crate::computed_once::ComputedOnce;
+use crate::config::Estimand;
 use crate::problem::{Model, Problem};
 use crate::statistics::{squared_error, squared_norm};
 use crate::unit::UnitConfig;
@@ -27,6 +31,18 @@ pub(crate) struct References {
     /// Under the densities of the noise that data were drawn with, where they are not Gaussian; none where all weights of
     /// a reference filter vanish.
     pub(crate) exact: Option<PosteriorMean>,
+    /// Smoothed means and evidence of the filter's model, where no formula gives them and units ask for them.
+    pub(crate) smoothed: Option<SmoothedReference>,
+}
+
+/// Estimates of `E[x_t | y_{0:T−1}]` and `log p(y_{0:T−1})`.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct SmoothedReference {
+    /// `T×N`.
+    pub(crate) means: Vec<f64>,
+    pub(crate) log_evidence: f64,
+    /// How far two independent estimates are apart: `‖a − b‖² / ‖a‖²` of the means, and the difference of the log-evidences.
+    pub(crate) differences: [f64; 2],
 }
 
 /// The references of each system that this process has met: all methods and numbers of particles share them.
@@ -57,6 +73,10 @@ fn find(
     interrupt: &Interrupt,
 ) -> Result<References, UnitError> {
     let seed = unit.system_seed().child("reference");
+    if unit.estimand == Estimand::Smoothing {
+        let smoothed = Some(smoothed(problem, particles, &seed.child("smoothed"), interrupt)?);
+        return Ok(References { smoothed, ..References::default() });
+    }
     let gaussian = match &problem.exact {
         Some(exact) => {
             Some(PosteriorMean { mean: exact.means.row(exact.means.len() - 1).to_vec(), difference: None })
@@ -72,7 +92,42 @@ fn find(
     } else {
         two_filters(&*problem.system, &Bootstrap, particles, problem, &seed.child("exact"), interrupt)?
     };
-    Ok(References { gaussian, exact })
+    Ok(References { gaussian, exact, smoothed: None })
+}
+
+/// The average of two filters that look ahead.
+fn smoothed(
+    problem: &Problem,
+    particles: usize,
+    seed: &Seed,
+    interrupt: &Interrupt,
+) -> Result<SmoothedReference, UnitError> {
+    let model = &*problem.model;
+    let ahead = LookAhead::new(model, &problem.recorded()).map_err(failed)?;
+    let of_filter = |index: u64| {
+        let settings = FilterSettings::new(particles);
+        let filter = ParticleFilter::new(model, ahead.clone(), settings, seed.nth(index).stream());
+        let last = problem.trajectory.measurements.len() - 1;
+        let mut smoother = FixedLagSmoother::new(filter.map_err(failed)?, last);
+        for measurement in problem.trajectory.measurements.rows() {
+            if interrupt.check().is_break() {
+                return Err(UnitError::Interrupted);
+            }
+            smoother.step(measurement).map_err(failed)?;
+        }
+        let n = model.state_dim();
+        let mut means = vec![0.0; (last + 1) * n];
+        for (time, mean) in means.chunks_exact_mut(n).enumerate() {
+            smoother.mean(last - time, mean).map_err(failed)?;
+        }
+        Ok((means, smoother.filter().log_evidence()))
+    };
+    let ((a, log_a), (b, log_b)) = (of_filter(0)?, of_filter(1)?);
+    let differences = [squared_error(&a, &b) / squared_norm(&a), (log_a - log_b).abs()];
+    let means = a.iter().zip(&b).map(|(a, b)| 0.5 * (a + b)).collect();
+    let larger = log_a.max(log_b);
+    let log_evidence = larger + (0.5 * ((log_a - larger).exp() + (log_b - larger).exp())).ln();
+    Ok(SmoothedReference { means, log_evidence, differences })
 }
 
 /// The average of two filters; none where all weights of one vanish, and nothing is then held against it.

@@ -3,7 +3,7 @@
 use motes_models::{Drift, Noise, Seed};
 use serde::{Deserialize, Serialize};
 
-use crate::config::{Densities, Epidemic, Filter, Method, Plan, Point, System};
+use crate::config::{Densities, Epidemic, Estimand, Filter, Method, Plan, Point, System};
 use crate::key::key_of;
 use crate::method_config::MethodConfig;
 
@@ -25,7 +25,7 @@ fn format_of(method: Method) -> u32 {
         | Method::ReferenceFilter
         | Method::ReferenceSmoother => 5,
         // Sums of graph filters in another order.
-        Method::Gnn | Method::GnnShortSteps => 6,
+        Method::Gnn | Method::GnnShortSteps | Method::LookAhead | Method::LookAheadLearned => 6,
     }
 }
 
@@ -47,6 +47,9 @@ pub struct UnitConfig {
     pub filter: Filter,
     /// Independent filters.
     pub filter_runs: usize,
+    /// What is estimated of the sequence.
+    #[serde(default, skip_serializing_if = "Estimand::is_of_filters")]
+    pub estimand: Estimand,
     /// Particles of the reference filters, where posterior means are not exact.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reference_particles: Option<usize>,
@@ -136,6 +139,7 @@ impl UnitConfig {
             reference_particles: system.has_estimated_means().then_some(profile.reference_particles),
             filter: Filter { particles, ..experiment.filter.clone() },
             filter_runs,
+            estimand: experiment.estimand,
             held_out: experiment.learning.is_some(),
             method: MethodConfig::of(point.method, plan, system.densities())?,
             system,
@@ -181,10 +185,18 @@ impl UnitConfig {
         Some((key, self.systems_seed().child("learned once").child(self.method.method().name())))
     }
 
+    /// All that potentials depend on that are learned once for a system, and the streams that learning draws from; none for other methods. All K have the same.
+    pub(crate) fn learned_potentials(&self) -> Option<(String, Seed)> {
+        let MethodConfig::LookAheadLearned { .. } = &self.method else { return None };
+        let key =
+            key_of(&(self.format, self.seed, self.held_out, self.repetition, &self.system, &self.method));
+        Some((key, self.system_seed().child("learned potentials")))
+    }
+
     /// What the posterior means depend on that estimates are held against, where they have to be estimated.
     pub(crate) fn reference_key(&self) -> Option<String> {
         let particles = self.reference_particles?;
-        Some(key_of(&(self.seed, self.held_out, self.repetition, &self.system, particles)))
+        Some(key_of(&(self.seed, self.held_out, self.repetition, &self.system, particles, self.estimand)))
     }
 
     /// The streams of this unit alone: initial weights, training noise, filters.
@@ -237,6 +249,7 @@ pub(crate) mod tests {
             },
             filter_runs: 3,
             reference_particles: None,
+            estimand: Estimand::Filtering,
             held_out: false,
             method: MethodConfig::Bootstrap,
         }

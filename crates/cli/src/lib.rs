@@ -14,6 +14,6 @@ pub use arguments::{Parsed, UsageError, parse};
 #[cfg(feature = "command")]
 pub use interrupt::Interrupt;
 pub use lines::{result, status};
-pub use names::one_of;
+pub use names::{nearest, one_of};
 #[cfg(feature = "command")]
 pub use numbers::integer;

@@ -1,7 +1,9 @@
 //! What a step of a filter costs, by its parts and as a whole: `cargo bench --workspace --bench filters`.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use motes_models::{GraphDiffusion, GraphDiffusionConfig, Seed, Trajectory, fill_standard_normal, simulate};
+use motes_models::{
+    GraphDiffusion, GraphDiffusionConfig, Seed, Step, Trajectory, fill_standard_normal, simulate,
+};
 use motes_smc::{
     Bootstrap, FilterBank, FilterSettings, LogWeights, MinDegeneracy, Proposal, ResampleWhen, Resampling,
 };
@@ -134,7 +136,7 @@ fn mixtures_and_gaps(criterion: &mut Criterion) {
                     time = (time + 1) % data.measurements.len();
                     let mut row: Vec<_> = data.measurements.row(time).iter().copied().map(Some).collect();
                     row[0] = None;
-                    partial.step_partial(&row)
+                    partial.step_at(&Step::of_index(partial.time()), &row)
                 });
             });
         });

@@ -41,7 +41,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         // The copy has the particles and weights of now. What it does changes nothing in the filter.
         let mut forecast = filter.clone();
         for ahead in 1..=AHEAD {
-            forecast.step_without_measurement()?;
+            forecast.step_at(&Step::of_index(forecast.time()), &[None])?;
             let quantiles = forecast.quantiles(0, &[0.05, 0.95]);
             print!("   in {ahead}: {:7.3} to {:7.3}", quantiles[0], quantiles[1]);
         }

@@ -53,12 +53,12 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> ParticleFilter<D
         Ok(())
     }
 
-    /// Takes in one time at which nothing was measured.
+    /// Takes in one measurement (`M` entries), some or all of which may be missing, by a step of its own time, length, inputs and parameters.
     ///
     /// # Errors
-    /// As [`FilterBank::step_without_measurement`].
-    pub fn step_without_measurement(&mut self) -> Result<(), FilterError> {
-        self.bank.step_without_measurement()?;
+    /// As [`FilterBank::step_at`].
+    pub fn step_at(&mut self, step: &Step<'_>, measurement: &[Option<f64>]) -> Result<(), FilterError> {
+        self.bank.step_at(step, measurement)?;
         self.bank.mean(0, &mut self.mean);
         Ok(())
     }
@@ -173,27 +173,5 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> ParticleFilter<D
 impl<D: Deref + Clone, P: Proposal<D::Target, Memory: Clone> + Clone> Clone for ParticleFilter<D, P> {
     fn clone(&self) -> Self {
         ParticleFilter { bank: self.bank.clone(), mean: self.mean.clone() }
-    }
-}
-
-impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> ParticleFilter<D, P> {
-    /// Takes in one measurement (`M` entries) some of whose entries may be missing.
-    ///
-    /// # Errors
-    /// As [`FilterBank::step_partial`].
-    pub fn step_partial(&mut self, measurement: &[Option<f64>]) -> Result<(), FilterError> {
-        self.bank.step_partial(measurement)?;
-        self.bank.mean(0, &mut self.mean);
-        Ok(())
-    }
-
-    /// Takes in one measurement by a step of its own time, length, inputs and parameters.
-    ///
-    /// # Errors
-    /// As [`FilterBank::step_at`].
-    pub fn step_at(&mut self, step: &Step<'_>, measurement: &[Option<f64>]) -> Result<(), FilterError> {
-        self.bank.step_at(step, measurement)?;
-        self.bank.mean(0, &mut self.mean);
-        Ok(())
     }
 }

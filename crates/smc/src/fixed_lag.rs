@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::ops::Deref;
 
-use motes_models::StateSpaceModel;
+use motes_models::{StateSpaceModel, Step};
 
 use crate::error::FilterError;
 use crate::filter::ParticleFilter;
@@ -65,12 +65,12 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FixedLagSmoother
         Ok(())
     }
 
-    /// Takes in one time at which nothing was measured.
+    /// Takes in one measurement (`M` entries), some or all of which may be missing, by a step of its own time, length, inputs and parameters.
     ///
     /// # Errors
-    /// As [`ParticleFilter::step_without_measurement`].
-    pub fn step_without_measurement(&mut self) -> Result<(), FilterError> {
-        self.filter.step_without_measurement()?;
+    /// As [`ParticleFilter::step_at`].
+    pub fn step_at(&mut self, step: &Step<'_>, measurement: &[Option<f64>]) -> Result<(), FilterError> {
+        self.filter.step_at(step, measurement)?;
         self.remember();
         Ok(())
     }
@@ -128,18 +128,6 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FixedLagSmoother
             let state = &states[path * width..(path + 1) * width];
             mean.iter_mut().zip(state).for_each(|(mean, value)| *mean += weight * value);
         }
-        Ok(())
-    }
-}
-
-impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FixedLagSmoother<D, P> {
-    /// Takes in one measurement (`M` entries) some of whose entries may be missing.
-    ///
-    /// # Errors
-    /// As [`ParticleFilter::step_partial`].
-    pub fn step_partial(&mut self, measurement: &[Option<f64>]) -> Result<(), FilterError> {
-        self.filter.step_partial(measurement)?;
-        self.remember();
         Ok(())
     }
 }

@@ -13,22 +13,15 @@ pub struct Context<'a> {
     pub step: Step<'a>,
     /// `x_{t−1}` of each particle, picked from all by resampling; `None` at the first step, where there is no past.
     pub previous: Option<Rows<'a>>,
-    /// `y_t`, `M` numbers, the same for every particle; none at a step whose measurement has gaps ([`Proposal::prepare_partial`]).
-    pub measurement: &'a [f64],
     /// `R`, the number of particles.
     pub particles: usize,
 }
 
 impl<'a> Context<'a> {
     /// That of `particles` particles whose previous states (`R×N`, row-major) lie one after another.
-    pub fn new(
-        step: Step<'a>,
-        previous: Option<&'a [f64]>,
-        measurement: &'a [f64],
-        particles: usize,
-    ) -> Self {
+    pub fn new(step: Step<'a>, previous: Option<&'a [f64]>, particles: usize) -> Self {
         let rows = |states: &'a [f64]| Rows::all(states, states.len() / particles.max(1));
-        Context { step, previous: previous.map(rows), measurement, particles }
+        Context { step, previous: previous.map(rows), particles }
     }
 }
 
@@ -70,7 +63,7 @@ pub trait Proposal<Model: ?Sized>: Sync {
         true
     }
 
-    /// Whether it knows what comes later. It is then asked at every step, also where nothing is measured or no time passes, and by [`Proposal::prepare_partial`] alone.
+    /// Whether it knows what comes later. It is then asked at every step, also where nothing is measured or no time passes.
     fn looks_ahead(&self) -> bool {
         false
     }
@@ -81,25 +74,17 @@ pub trait Proposal<Model: ?Sized>: Sync {
         false
     }
 
-    /// Computes what all particles of a step have in common, from `y_t` (`M` numbers).
+    /// Computes what all particles of a step have in common, from the entries of `y_t` (`M`), some of which may be missing. `false` says that the proposal has no
+    /// distribution for a measurement with such gaps: a filter then draws from the transition.
     ///
     /// # Errors
     /// [`ProposalError`] if the proposal does not fit the model, or is past its horizon.
-    fn prepare(&mut self, model: &Model, step: &Step<'_>, measurement: &[f64]) -> Result<(), ProposalError>;
-
-    /// The same from a measurement some of whose `M` entries are missing. `false`, the default, says that the proposal cannot take one: a filter
-    /// then draws from the transition.
-    ///
-    /// # Errors
-    /// As [`Proposal::prepare`].
-    fn prepare_partial(
+    fn prepare(
         &mut self,
-        _model: &Model,
-        _step: &Step<'_>,
-        _measurement: &[Option<f64>],
-    ) -> Result<bool, ProposalError> {
-        Ok(false)
-    }
+        model: &Model,
+        step: &Step<'_>,
+        measurement: &[Option<f64>],
+    ) -> Result<bool, ProposalError>;
 
     /// Conditions each distribution of a block on its past and on the measurement that the proposal was prepared for, and advances the
     /// block's memory.
@@ -114,7 +99,7 @@ pub trait Proposal<Model: ?Sized>: Sync {
         scratch: &'a mut Self::Scratch,
     ) -> Result<Self::Conditional<'a>, ProposalError>;
 
-    /// Prepares and conditions a batch in one call, for who asks a proposal without a filter.
+    /// Prepares for a measurement without gaps (`M` numbers) and conditions a batch in one call, for who asks a proposal without a filter.
     ///
     /// # Errors
     /// As [`Proposal::prepare`] and [`Proposal::condition`].
@@ -122,10 +107,12 @@ pub trait Proposal<Model: ?Sized>: Sync {
         &'a mut self,
         model: &'a Model,
         context: Context<'a>,
+        measurement: &[f64],
         memory: &mut Self::Memory,
         scratch: &'a mut Self::Scratch,
     ) -> Result<Self::Conditional<'a>, ProposalError> {
-        self.prepare(model, &context.step, context.measurement)?;
+        let entries: Vec<Option<f64>> = measurement.iter().copied().map(Some).collect();
+        self.prepare(model, &context.step, &entries)?;
         self.condition(model, context, memory.rows(), scratch)
     }
 }

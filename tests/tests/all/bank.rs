@@ -143,9 +143,9 @@ impl Proposal<LinearGaussian> for Remembering {
         &mut self,
         _model: &LinearGaussian,
         _step: &Step<'_>,
-        _measurement: &[f64],
-    ) -> Result<(), ProposalError> {
-        Ok(())
+        measurement: &[Option<f64>],
+    ) -> Result<bool, ProposalError> {
+        Ok(measurement.iter().all(Option::is_some))
     }
 
     fn condition<'a>(
@@ -268,7 +268,7 @@ fn a_state_that_is_no_number_is_an_error_where_nothing_is_measured() {
         ParticleFilter::new(&model, Bootstrap, FilterSettings::new(5000), Seed::from_u64(57).stream())
             .unwrap();
     filter.step(&[0.3]).unwrap();
-    let said = filter.step_without_measurement().unwrap_err();
+    let said = filter.step_at(&Step::of_index(1), &[None]).unwrap_err();
     assert_eq!(said.kind(), ErrorKind::Numerical);
     assert!(
         matches!(said, FilterError::State { step: 1, filter: 0, particle: 0, coordinate: 0, .. }),

@@ -64,7 +64,7 @@ fn a_gaussian_wider_than_the_optimum() {
 #[test]
 fn a_collapsed_gaussian_made_safe_by_a_defensive_mixture() {
     // Alone, a proposal this narrow has weights of infinite variance.
-    let narrow = ScalarGaussian { variance: 0.01, claimed_variance: 0.01 };
+    let narrow = ScalarGaussian::of_variance(0.01);
     assert_defensive_unbiased_at(&NEVER_HALF_ALWAYS, "narrow Gaussian", &narrow);
 }
 

@@ -121,10 +121,11 @@ fn check_log_q(mut proposal: Fcnn) {
     let previous: Vec<f64> = (0..n * particles).map(|i| (i as f64 * 0.7).sin() * 2.0).collect();
     let later = if networks == OverTime::Shared { 1000 } else { 2 };
     for (time, past) in [(0, None), (1, Some(previous.as_slice())), (later, Some(previous.as_slice()))] {
-        let context = Context::new(Step::of_index(time), past, &measurement, particles);
+        let context = Context::new(Step::of_index(time), past, particles);
         let mut memory = initial_memory(&proposal, particles);
         let mut scratch = Default::default();
-        let conditional = proposal.condition_batch(&system, context, &mut memory, &mut scratch).unwrap();
+        let conditional =
+            proposal.condition_batch(&system, context, &measurement, &mut memory, &mut scratch).unwrap();
         let mut streams = Seed::from_u64(82).streams(2);
         let (mut states, mut along) = (vec![0.0; n * particles], vec![0.0; particles]);
         conditional.sample(&mut streams, &mut states, &mut along);
@@ -174,15 +175,19 @@ fn weights_come_from_the_seed_alone() {
 fn misuse_is_a_typed_error() {
     let (system, mut proposal) = (system(), fcnn(Precision::F32));
     let mut memory = initial_memory(&proposal, 1);
-    let context = Context::new(Step::of_index(3), Some(&[0.0; 5]), &[0.0; 3], 1);
-    let error =
-        proposal.condition_batch(&system, context, &mut memory, &mut Default::default()).err().unwrap();
+    let context = Context::new(Step::of_index(3), Some(&[0.0; 5]), 1);
+    let error = proposal
+        .condition_batch(&system, context, &[0.0; 3], &mut memory, &mut Default::default())
+        .err()
+        .unwrap();
     assert_eq!(error, ProposalError::PastHorizon { horizon: 3, time: 3 });
     assert_eq!(error.to_string(), "this proposal is unrolled over 3 times and was asked for time 3");
     let other =
         GraphDiffusion::random(&GraphDiffusionConfig::new(6), &mut Seed::from_u64(1).stream()).unwrap();
-    let context = Context::new(Step::of_index(0), None, &[0.0; 4], 1);
-    assert!(proposal.condition_batch(&other, context, &mut memory, &mut Default::default()).is_err());
+    let context = Context::new(Step::of_index(0), None, 1);
+    assert!(
+        proposal.condition_batch(&other, context, &[0.0; 4], &mut memory, &mut Default::default()).is_err()
+    );
     assert_eq!((other.state_dim(), Parametric::state_dim(&proposal)), (6, 5));
 
     let new = |widths: Vec<usize>, ridge, horizon| {

@@ -58,10 +58,11 @@ fn means_and_log_q(
 ) -> (Vec<f64>, Vec<f64>) {
     let (model, n) = (Graphed(graph.clone()), graph.shift.nrows());
     let particles = previous.len() / n;
-    let context = Context::new(Step::of_index(1), Some(previous), measurement, particles);
+    let context = Context::new(Step::of_index(1), Some(previous), particles);
     let mut memory = Proposal::<Graphed>::initial_memory(proposal, particles);
     let mut scratch = Default::default();
-    let conditional = proposal.condition_batch(&model, context, &mut memory, &mut scratch).unwrap();
+    let conditional =
+        proposal.condition_batch(&model, context, measurement, &mut memory, &mut scratch).unwrap();
     let mut log_density = vec![0.0; particles];
     conditional.log_density(states, &mut log_density);
     (conditional.means().to_vec(), log_density)

@@ -224,18 +224,19 @@ where
             states.clone_from(&base_states);
             memory = base_memory.clone();
         }
-        let context = |previous| {
-            Context::new(Step::of_index(time), (time > 0).then_some(previous), measurement, particles)
-        };
+        let context =
+            |previous| Context::new(Step::of_index(time), (time > 0).then_some(previous), particles);
         let previous = base_states.clone();
         let mut scratch = F::Scratch::default();
-        let mut conditional =
-            base.condition_batch(system, context(&previous), &mut base_memory, &mut scratch).unwrap();
+        let mut conditional = base
+            .condition_batch(system, context(&previous), measurement, &mut base_memory, &mut scratch)
+            .unwrap();
         conditional.sample(&mut streams, &mut base_states, &mut log_q);
         drop(conditional);
         let previous = states.clone();
-        let mut conditional =
-            proposal.condition_batch(system, context(&previous), &mut memory, &mut scratch).unwrap();
+        let mut conditional = proposal
+            .condition_batch(system, context(&previous), measurement, &mut memory, &mut scratch)
+            .unwrap();
         conditional.sample(&mut same_noise, &mut states, &mut log_q);
         drop(conditional);
         match time {

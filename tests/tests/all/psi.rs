@@ -69,7 +69,7 @@ fn inputs<'a>(n: usize, previous: &'a [f64], measurement: &'a [f64]) -> Inputs<'
 
 /// The same for a filter.
 fn context<'a>(inputs: &Inputs<'a>) -> Context<'a> {
-    Context::new(Step::of_index(inputs.time), inputs.previous, inputs.measurement, inputs.particles)
+    Context::new(Step::of_index(inputs.time), inputs.previous, inputs.particles)
 }
 
 /// Draws through the tape, which takes the noise that it is given.
@@ -197,7 +197,7 @@ fn integral(psi: &mut Psi, n: usize, count: usize) -> f64 {
     let previous = vec![0.3; total * n];
     let mut log_density = vec![0.0; total];
     let inputs = inputs(n, &previous, &measurement);
-    psi.condition_batch(&system, context(&inputs), &mut (), &mut PsiScratch::default())
+    psi.condition_batch(&system, context(&inputs), &measurement, &mut (), &mut PsiScratch::default())
         .unwrap()
         .log_density(&states, &mut log_density);
     let outside = log_density.iter().filter(|value| **value == f64::NEG_INFINITY).count();
@@ -223,7 +223,7 @@ fn outside_the_image_the_density_is_zero_and_where_it_cannot_be_told_the_error_i
     let (previous, measurement) = ([0.1, 0.2], [0.5]);
     let inputs = inputs(2, &previous, &measurement);
     let mut log_density = [0.0];
-    psi.condition_batch(&system, context(&inputs), &mut (), &mut PsiScratch::default())
+    psi.condition_batch(&system, context(&inputs), &measurement, &mut (), &mut PsiScratch::default())
         .unwrap()
         .log_density(&[50.0, 0.0], &mut log_density);
     assert_eq!(log_density[0], f64::NEG_INFINITY);
@@ -238,8 +238,10 @@ fn outside_the_image_the_density_is_zero_and_where_it_cannot_be_told_the_error_i
     assert!(matches!(error, ProposalError::Numerical { particle: 0, .. }), "{error}");
 
     psi.parameters_mut().set_host(index, &[1.0, 2.0, 2.0, 4.0]).unwrap();
-    let error =
-        psi.condition_batch(&system, context(&inputs), &mut (), &mut PsiScratch::default()).err().unwrap();
+    let error = psi
+        .condition_batch(&system, context(&inputs), &measurement, &mut (), &mut PsiScratch::default())
+        .err()
+        .unwrap();
     assert!(matches!(error, ProposalError::Singular { time: 1, .. }), "{error}");
     assert!(error.to_string().starts_with("the matrix psi.1.noise at time 1 is singular"), "{error}");
 }
@@ -291,7 +293,8 @@ fn settings_that_cannot_be_are_refused() {
     assert!(told(new(0, 1e-3, 2)).contains("layers"));
     assert!(told(new(9, 1e-3, 0)).contains("horizon"));
     let mut psi = psi(3, 2);
-    let past = Context::new(Step::of_index(2), Some(&[0.0; 3]), &[0.0; 2], 1);
-    let error = psi.condition_batch(&system(3), past, &mut (), &mut PsiScratch::default()).err().unwrap();
+    let past = Context::new(Step::of_index(2), Some(&[0.0; 3]), 1);
+    let error =
+        psi.condition_batch(&system(3), past, &[0.0; 2], &mut (), &mut PsiScratch::default()).err().unwrap();
     assert_eq!(error, ProposalError::PastHorizon { horizon: 2, time: 2 });
 }

@@ -66,9 +66,9 @@ fn after_three_steps(precision: Precision, ancestor: impl Fn(usize) -> usize) ->
     let mut means = Vec::new();
     for time in 0..3 {
         let previous = (time > 0).then_some(previous.as_slice());
-        let context = Context::new(Step::of_index(time), previous, &measurement, PARTICLES);
+        let context = Context::new(Step::of_index(time), previous, PARTICLES);
         means = rnn
-            .condition_batch(&system, context, &mut memory, &mut Default::default())
+            .condition_batch(&system, context, &measurement, &mut memory, &mut Default::default())
             .unwrap()
             .means()
             .to_vec();
@@ -106,9 +106,9 @@ fn no_particles_are_no_work() {
     let (system, mut rnn) = (replayed_system(), untrained(Cell::Lstm));
     let mut memory = Proposal::<GraphDiffusion>::initial_memory(&rnn, 0);
     for previous in [None, Some(&[][..])] {
-        let context = Context::new(Step::of_index(0), previous, &[0.3; 3], 0);
+        let context = Context::new(Step::of_index(0), previous, 0);
         assert!(
-            rnn.condition_batch(&system, context, &mut memory, &mut Default::default())
+            rnn.condition_batch(&system, context, &[0.3; 3], &mut memory, &mut Default::default())
                 .unwrap()
                 .means()
                 .is_empty()

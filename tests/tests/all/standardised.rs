@@ -81,11 +81,12 @@ where
     let previous: Vec<f64> = [900.0, 60.0, 10.0, 980.0, 20.0, -5.0].into_iter().cycle().take(15).collect();
     let mut memory = proposal.initial_memory(particles);
     for context in [
-        Context::new(Step::of_index(0), None, &measurement, particles),
-        Context::new(Step::of_index(1), Some(&previous), &measurement, particles),
+        Context::new(Step::of_index(0), None, particles),
+        Context::new(Step::of_index(1), Some(&previous), particles),
     ] {
         let mut scratch = Default::default();
-        let mut conditional = proposal.condition_batch(&model, context, &mut memory, &mut scratch).unwrap();
+        let mut conditional =
+            proposal.condition_batch(&model, context, &measurement, &mut memory, &mut scratch).unwrap();
         let (mut states, mut along, mut at) =
             (vec![0.0; 3 * particles], vec![0.0; particles], vec![0.0; particles]);
         conditional.sample(&mut Seed::from_u64(144).streams(1), &mut states, &mut along);
@@ -124,11 +125,12 @@ fn a_density_integrates_to_one_in_the_units_of_the_state() {
     let (count, step) = (4001, 0.05);
     let states: Vec<f64> = (0..count).map(|at| (f64::from(at) - 2000.0) * step).collect();
     let previous = vec![0.7; count as usize];
-    let context = Context::new(Step::of_index(1), Some(&previous), &[1.5], count as usize);
+    let context = Context::new(Step::of_index(1), Some(&previous), count as usize);
     let mut memory = Proposal::<motes_models::LinearGaussian>::initial_memory(&proposal, count as usize);
     let mut log_density = vec![0.0; count as usize];
     let mut scratch = Default::default();
-    let mut conditional = proposal.condition_batch(&model, context, &mut memory, &mut scratch).unwrap();
+    let mut conditional =
+        proposal.condition_batch(&model, context, &[1.5], &mut memory, &mut scratch).unwrap();
     conditional.log_density(&states, &mut log_density);
     let mass: f64 = log_density.iter().map(|log| step * log.exp()).sum();
     assert!((mass - 1.0).abs() < 1e-9, "{mass}");

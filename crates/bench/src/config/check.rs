@@ -12,7 +12,7 @@ use super::checks::Checks;
 use super::densities::Densities;
 use super::error::ConfigError;
 use super::method::Method;
-use super::schema::{Axis, Experiment, Gradient, Profile, System};
+use super::schema::{Axis, Estimand, Experiment, Gradient, Profile, System};
 
 /// Checks every number that a run would use, for all profiles.
 pub(super) fn check(file: &str, experiment: &Experiment) -> Result<(), ConfigError> {
@@ -27,7 +27,11 @@ pub(super) fn check(file: &str, experiment: &Experiment) -> Result<(), ConfigErr
             let printed = !experiment.printed.is_empty();
             checks.that(!printed, "printed", "there", "the paper prints numbers of its [epidemic] only")?;
         }
-        (None, Some(epidemic)) => checks.epidemic(experiment, epidemic)?,
+        (None, Some(epidemic)) => {
+            let expected = "smoothed states of an [epidemic] have no reference to be held against";
+            checks.that(experiment.estimand.is_of_filters(), "estimand", "smoothing", expected)?;
+            checks.epidemic(experiment, epidemic)?;
+        }
         (None, None) => {
             checks.that(false, "system", "absent", "a file describes a [system] or an [epidemic]")?
         }
@@ -149,6 +153,12 @@ pub(super) fn check(file: &str, experiment: &Experiment) -> Result<(), ConfigErr
         checks.count(&key("training_steps"), profile.training_steps)?;
         checks.count(&key("reference_particles"), profile.reference_particles)?;
         profile.sizes.check(name, &checks)?;
+        if methods.contains(&Method::LookAheadLearned) {
+            let found = profile.potential_steps.map_or("absent".to_string(), |steps| steps.to_string());
+            let fine = profile.potential_steps.is_some_and(|steps| steps > 0);
+            let expected = "the method look-ahead-learned needs it: at least 1";
+            checks.that(fine, &key("potential_steps"), found, expected)?;
+        }
         let on_graph = methods.iter().find(|method| method.is_on_graph());
         if let (Some(method), None) = (on_graph, &profile.sizes.gnn) {
             let expected = format!("the method {} needs it", method.name());
@@ -231,6 +241,11 @@ impl Checks<'_> {
             let expected =
                 "networks work in the units of simulated trajectories only where the system is an [epidemic]";
             self.that(epidemic.is_some(), "proposals.standardised", "there", expected)?;
+        }
+        if method.looks_ahead() {
+            let is_smoothing = experiment.estimand == Estimand::Smoothing;
+            let expected = "at each time its weights say what comes later: it needs estimand = \"smoothing\"";
+            self.that(is_smoothing, "methods", name, expected)?;
         }
         if method.is_reference() {
             self.that(epidemic.is_some(), "methods", name, "only an [epidemic] has reference methods")?;

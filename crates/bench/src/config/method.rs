@@ -28,6 +28,10 @@ pub enum Method {
     RnnAnchored,
     /// The transform of uniform noise around a linear prediction.
     PsiAnchored,
+    /// The proposal that looks ahead by potentials of a smoother.
+    LookAhead,
+    /// The same by potentials that are learned once for a system.
+    LookAheadLearned,
     /// The transition with very many particles and the densities that data were drawn with.
     ReferenceFilter,
     /// The same, with later measurements.
@@ -49,6 +53,8 @@ impl Method {
             Method::FcnnAnchored => "fcnn-anchored",
             Method::RnnAnchored => "rnn-anchored",
             Method::PsiAnchored => "psi-anchored",
+            Method::LookAhead => "look-ahead",
+            Method::LookAheadLearned => "look-ahead-learned",
             Method::ReferenceFilter => "reference-filter",
             Method::ReferenceSmoother => "reference-smoother",
         }
@@ -69,6 +75,8 @@ impl Method {
             Method::FcnnAnchored => [0, 62, 110],
             Method::RnnAnchored => [140, 52, 0],
             Method::PsiAnchored => [122, 52, 98],
+            Method::LookAhead => [86, 180, 233],
+            Method::LookAheadLearned => [230, 159, 0],
             Method::ReferenceFilter => [86, 180, 233],
             Method::ReferenceSmoother => [230, 159, 0],
         }
@@ -76,8 +84,20 @@ impl Method {
 
     /// Whether it is trained.
     pub fn is_learned(self) -> bool {
-        use Method::{Fcnn, FcnnAnchored, Gnn, GnnShortSteps, Psi, PsiAnchored, Rnn, RnnAnchored};
-        matches!(self, Fcnn | Rnn | Gnn | GnnShortSteps | Psi | FcnnAnchored | RnnAnchored | PsiAnchored)
+        use Method::{
+            Fcnn, FcnnAnchored, Gnn, GnnShortSteps, LookAheadLearned, Psi, PsiAnchored, Rnn, RnnAnchored,
+        };
+        matches!(
+            self,
+            Fcnn | Rnn
+                | Gnn
+                | GnnShortSteps
+                | Psi
+                | FcnnAnchored
+                | RnnAnchored
+                | PsiAnchored
+                | LookAheadLearned
+        )
     }
 
     /// Whether it needs a graph.
@@ -88,6 +108,11 @@ impl Method {
     /// Whether it is a family around a linear prediction.
     pub fn is_anchored(self) -> bool {
         matches!(self, Method::FcnnAnchored | Method::RnnAnchored | Method::PsiAnchored)
+    }
+
+    /// Whether its weights say at each time what comes later, so that it estimates nothing of the filter's own times.
+    pub fn looks_ahead(self) -> bool {
+        matches!(self, Method::LookAhead | Method::LookAheadLearned)
     }
 
     /// Whether others are held against it.

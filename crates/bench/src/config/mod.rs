@@ -25,6 +25,7 @@ pub use method::Method;
 pub use plan::{Plan, Point, check_output, plans, whole_figure};
 pub use proposals::{Fcnn, Gnn, Proposals, Psi, Rnn, ShortSteps, Sizes, Standardised};
 pub use schema::{
-    Axis, Epidemic, Experiment, Filter, Gradient, Panel, Profile, Reference, SeriesFigure, System, Training,
+    Axis, Epidemic, Estimand, Experiment, Filter, Gradient, Panel, Profile, Reference, SeriesFigure, System,
+    Training,
 };
 pub use time_limit::TimeLimit;

@@ -123,8 +123,9 @@ impl Plan {
     }
 }
 
-/// What the names of figures begin with whose proposals are learned once; by itself, all of them. `all` is the paper's.
-const HELD_OUT: &str = "heldout";
+/// What the names of figures begin with that are not the paper's: proposals that are learned once, and the paper's on the evidence and smoothed states of what they
+/// were trained on. By itself, all of them. `all` is the paper's.
+const GROUPS: [&str; 2] = ["heldout", "hindsight"];
 
 /// The plans that the arguments ask for, one for each figure. Reads experiment files and writes nothing.
 ///
@@ -133,12 +134,12 @@ const HELD_OUT: &str = "heldout";
 pub fn plans(args: &ReproduceArgs) -> Result<Vec<Plan>, ConfigError> {
     let known = figures(&args.experiments)?;
     let group = match args.figure.as_str() {
-        "all" => Some(false),
-        HELD_OUT => Some(true),
-        _ => None,
+        "all" => Some(None),
+        name => GROUPS.into_iter().find(|group| *group == name).map(Some),
     };
-    if let Some(is_held_out) = group {
-        let of_group = known.iter().filter(|figure| figure.starts_with(HELD_OUT) == is_held_out);
+    if let Some(group) = group {
+        let of = |figure: &String| GROUPS.into_iter().find(|group| figure.starts_with(group));
+        let of_group = known.iter().filter(|figure| of(figure) == group);
         return of_group.map(|figure| plan(figure, args)).collect();
     }
     if known.contains(&args.figure) {
@@ -154,7 +155,7 @@ pub fn plans(args: &ReproduceArgs) -> Result<Vec<Plan>, ConfigError> {
         }
         others.extend(also);
     }
-    let names = known.iter().chain(&others).map(String::as_str).chain(["all", HELD_OUT]);
+    let names = known.iter().chain(&others).map(String::as_str).chain(["all"]).chain(GROUPS);
     Err(ConfigError::option("figure", &args.figure, one_of(&args.figure, names)))
 }
 

@@ -20,6 +20,9 @@ pub struct Experiment {
     pub title: String,
     /// What its x axis varies.
     pub axis: Axis,
+    /// What is estimated of each sequence.
+    #[serde(default, skip_serializing_if = "Estimand::is_of_filters")]
+    pub estimand: Estimand,
     /// The methods it compares, in the order of its legend.
     pub methods: Vec<Method>,
     /// Other names that the experiment goes by: a figure that shows the same runs as a table, say.
@@ -60,6 +63,24 @@ impl Experiment {
     pub(super) fn sizes(&self) -> Option<(usize, usize)> {
         let of_graph = self.system.as_ref().map(|system| (system.dimension, system.horizon));
         of_graph.or_else(|| self.epidemic.as_ref().map(|epidemic| (Epidemic::DIMENSION, epidemic.horizon)))
+    }
+}
+
+/// What is estimated of a sequence of measurements.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Estimand {
+    /// `E[x_t | y_{0:t}]`.
+    #[default]
+    Filtering,
+    /// `E[x_t | y_{0:T−1}]` by the paths of the last particles, and `log p(y_{0:T−1})`.
+    Smoothing,
+}
+
+impl Estimand {
+    /// Whether it is what filters estimate as they go.
+    pub(crate) fn is_of_filters(&self) -> bool {
+        *self == Estimand::Filtering
     }
 }
 
@@ -249,6 +270,9 @@ pub struct Profile {
     pub filter_runs: usize,
     /// Training steps.
     pub training_steps: usize,
+    /// Gradient steps of the potentials that are learned once for a system, where a method needs them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub potential_steps: Option<usize>,
     /// Particles in each of the two reference filters that stand in for a posterior mean where there is no exact one, and in the
     /// filter and smoother with exact densities.
     pub reference_particles: usize,

@@ -16,10 +16,10 @@ pub(super) trait Visitor {
     type Output;
 
     /// A proposal that is ready for use.
-    fn designed(self, proposal: impl Proposal<Model>) -> Result<Self::Output, UnitError>;
+    fn designed(self, proposal: impl Proposal<Model> + Clone) -> Result<Self::Output, UnitError>;
 
     /// A family that is to be trained first, with its settings.
-    fn learned<F: Family + Learnable + Proposal<Model>>(
+    fn learned<F: Family + Learnable + Proposal<Model> + Clone>(
         self,
         family: &F::Config,
         training: &Training,
@@ -29,6 +29,9 @@ pub(super) trait Visitor {
 
     /// A proposal that is learned once for the unit's system.
     fn once(self, method: &LearnedOnce) -> Result<Self::Output, UnitError>;
+
+    /// The potentials of a smoother, or of networks that are learned for so many steps.
+    fn look_ahead(self, learned: Option<usize>) -> Result<Self::Output, UnitError>;
 
     /// The units that networks work in.
     fn frames(&self, settings: &FrameSettings) -> Result<Frames, UnitError>;
@@ -52,12 +55,14 @@ pub(super) fn visit<V: Visitor>(
         MethodConfig::Rnn(unit) => learned::<Rnn, V>(unit, visitor),
         MethodConfig::Gnn(unit) | MethodConfig::GnnShortSteps(unit) => learned::<Gnn, V>(unit, visitor),
         MethodConfig::Psi(unit) => learned::<Psi, V>(unit, visitor),
+        MethodConfig::LookAhead => visitor.look_ahead(None),
+        MethodConfig::LookAheadLearned { steps } => visitor.look_ahead(Some(*steps)),
         MethodConfig::ReferenceFilter => visitor.reference(0),
         MethodConfig::ReferenceSmoother { lag } => visitor.reference(*lag),
     }
 }
 
-fn learned<F: Family<Config: Clone> + Learnable + Proposal<Model>, V: Visitor>(
+fn learned<F: Family<Config: Clone> + Learnable + Proposal<Model> + Clone, V: Visitor>(
     unit: &LearnedUnit<F::Config>,
     visitor: V,
 ) -> Result<V::Output, UnitError> {

@@ -1,11 +1,12 @@
 //! Running one unit: draw its problem, train its proposal, run its filters, measure.
 
 use std::path::PathBuf;
+use std::time::Instant;
 
 use motes_cli::Interrupt;
 use motes_models::Simulations;
 use motes_proposals::{Backend, Family, Frames, Learnable, Psi, Rnn, save};
-use motes_smc::{Bootstrap, Proposal};
+use motes_smc::{Bootstrap, LookAhead, Proposal};
 
 use super::dispatch::{Visitor, visit};
 use super::evaluation::Evaluation;
@@ -13,7 +14,7 @@ use super::learning::{TrainingResult, train_config};
 use super::proposal_store::{Notes, ProposalStore};
 use super::run::Run;
 use crate::checkpoint::Checkpoints;
-use crate::config::Training;
+use crate::config::{Estimand, Training};
 use crate::learned_once::{LearnedOnce, OnceFamily};
 use crate::method_config::FrameSettings;
 use crate::metric::Metric;
@@ -73,11 +74,11 @@ impl Evaluator {
 impl Visitor for Run<'_> {
     type Output = Evaluation;
 
-    fn designed(self, proposal: impl Proposal<Model>) -> Result<Evaluation, UnitError> {
-        self.run_filters(&*self.problem.model, proposal)
+    fn designed(self, proposal: impl Proposal<Model> + Clone) -> Result<Evaluation, UnitError> {
+        self.estimate(proposal)
     }
 
-    fn learned<F: Family + Learnable + Proposal<Model>>(
+    fn learned<F: Family + Learnable + Proposal<Model> + Clone>(
         self,
         family: &F::Config,
         training: &Training,
@@ -92,7 +93,7 @@ impl Visitor for Run<'_> {
             save(&folder, &proposal, &*self.problem.model, &self.problem.shape, &config)
                 .map_err(|error| UnitError::NotKept(error.to_string()))?;
         }
-        let mut evaluation = self.run_filters(&*self.problem.model, proposal)?;
+        let mut evaluation = self.estimate(proposal)?;
         let ends = [("loss_first", history.losses.first()), ("loss_last", history.losses.last())];
         for (name, loss) in ends {
             evaluation.metrics.extend(loss.map(|&loss| Metric::new(name, loss)));
@@ -128,15 +129,46 @@ impl Visitor for Run<'_> {
     fn reference(self, lag: usize) -> Result<Evaluation, UnitError> {
         match lag {
             0 => self.run_filters(&*self.problem.system, Bootstrap),
-            _ => self.smooth(lag),
+            _ => self.smooth(&*self.problem.system, &Bootstrap, lag),
         }
+    }
+
+    fn look_ahead(self, learned: Option<usize>) -> Result<Evaluation, UnitError> {
+        let model = &*self.problem.model;
+        let recorded = self.problem.recorded();
+        let learned = learned.map(|steps| self.potentials(steps)).transpose()?;
+        let start = Instant::now();
+        let ahead = match &learned {
+            None => LookAhead::new(model, &recorded),
+            Some((potentials, _)) => potentials.look_ahead(model, &recorded),
+        };
+        let seconds = start.elapsed().as_secs_f64();
+        let mut evaluation = self.estimate(ahead.map_err(failed)?)?;
+        evaluation.timings.push(Metric::new("setup_seconds", seconds));
+        if let Some((_, notes)) = learned {
+            evaluation.metrics.extend(notes.metrics());
+            evaluation.timings.push(notes.timings());
+        }
+        Ok(evaluation)
     }
 }
 
 impl Run<'_> {
+    /// Estimates what the unit asks for with a proposal for the filter's model.
+    fn estimate<P: Proposal<Model> + Clone>(self, proposal: P) -> Result<Evaluation, UnitError> {
+        let model = &*self.problem.model;
+        match self.unit.estimand {
+            Estimand::Filtering => self.run_filters(model, proposal),
+            Estimand::Smoothing => self.smooth(model, &proposal, self.unit.system.horizon() - 1),
+        }
+    }
+
     /// Runs the filters of a proposal that was learned once.
-    fn judge<P: Proposal<Model>>(self, (proposal, notes): (P, Notes)) -> Result<Evaluation, UnitError> {
-        let mut evaluation = self.run_filters(&*self.problem.model, proposal)?;
+    fn judge<P: Proposal<Model> + Clone>(
+        self,
+        (proposal, notes): (P, Notes),
+    ) -> Result<Evaluation, UnitError> {
+        let mut evaluation = self.estimate(proposal)?;
         evaluation.metrics.extend(notes.metrics());
         evaluation.timings.insert(0, notes.timings());
         Ok(evaluation)

@@ -4,8 +4,14 @@ use std::ops::ControlFlow;
 use std::time::Instant;
 
 use motes_models::{Seed, SimulatedMeasurements, Simulations};
-use motes_proposals::{Amortised, Family, Frames, Learnable, Origin, Standardised, StandardisedConfig};
-use motes_train::{AdamConfig, LearnConfig, TrainConfig, TrainingData, learn, train};
+use motes_proposals::{
+    Amortised, Backend, Family, Frames, Learnable, LearnedPotentials, LearnedPotentialsConfig, Origin,
+    Standardised, StandardisedConfig,
+};
+use motes_train::{
+    AdamConfig, LearnConfig, PathSource, PotentialLearnConfig, TrainConfig, TrainingData, learn,
+    learn_potentials, train,
+};
 
 use super::learning::train_config;
 use super::proposal_store::{Notes, ProposalStore};
@@ -90,6 +96,29 @@ impl Run<'_> {
                 return Err(UnitError::Interrupted);
             }
             Ok((proposal, Notes { seconds: start.elapsed().as_secs_f64(), gain: None }))
+        })
+    }
+
+    /// Potentials of any sequence of the filter's model.
+    pub(super) fn potentials(self, steps: usize) -> Result<(LearnedPotentials, Notes), UnitError> {
+        let none = || failed("the method has no potentials");
+        let (key, seed) = self.unit.learned_potentials().ok_or_else(none)?;
+        let (model, shape) = (&*self.problem.model, &self.problem.shape);
+        self.kept.get((model, shape), Backend::Native, &key, || {
+            let horizon = self.unit.system.horizon();
+            let config = PotentialLearnConfig { steps, horizon, ..PotentialLearnConfig::new() };
+            let (settings, backend) = (LearnedPotentialsConfig::default(), Backend::Native.into());
+            let mut potentials =
+                LearnedPotentials::create(&settings, shape, 0, backend, &seed.child("weights"))
+                    .map_err(failed)?;
+            let learned =
+                learn_potentials(&mut potentials, PathSource::Model(model), &config, &seed, |_, _| {
+                    self.interrupt.check()
+                })
+                .map_err(failed)?;
+            self.go_on()?;
+            let [gain, _] = learned.best_gains();
+            Ok((potentials, Notes { seconds: learned.seconds, gain: Some(gain) }))
         })
     }
 

@@ -2,15 +2,13 @@
 
 use std::time::Instant;
 
-use motes_smc::{
-    Bootstrap, FilterBank, FilterSettings, FixedLagSmoother, ParticleFilter, Proposal, ResampleWhen,
-};
+use motes_smc::{FilterBank, FilterSettings, FixedLagSmoother, ParticleFilter, Proposal, ResampleWhen};
 
 use super::evaluation::Evaluation;
 use super::run::Run;
-use crate::config::Filter;
+use crate::config::{Estimand, Filter};
 use crate::metric::Metric;
-use crate::metrics::{Recorded, metrics, metrics_of_survivors};
+use crate::metrics::{Recorded, metrics, metrics_of_smoothing, metrics_of_survivors};
 use crate::problem::Model;
 use crate::recorded_series::series;
 use crate::unit_error::{UnitError, failed};
@@ -45,8 +43,13 @@ impl Run<'_> {
         Ok(self.found(&recorded, start))
     }
 
-    /// Smooths by `lag` later measurements, as far as there are any, under the densities that data were drawn with.
-    pub(super) fn smooth(self, lag: usize) -> Result<Evaluation, UnitError> {
+    /// Smooths by `lag` later measurements, as far as there are any, in filters that run one after the other.
+    pub(super) fn smooth<P: Proposal<Model> + Clone>(
+        self,
+        model: &Model,
+        proposal: &P,
+        lag: usize,
+    ) -> Result<Evaluation, UnitError> {
         let Run { unit, problem, .. } = self;
         let start = Instant::now();
         let (runs, n, horizon) = (unit.filter_runs, unit.system.dimension(), unit.system.horizon());
@@ -56,8 +59,7 @@ impl Run<'_> {
         recorded.means.resize(horizon * runs * n, 0.0);
         for run in 0..runs {
             let stream = seed.nth(run as u64).stream();
-            let filter =
-                ParticleFilter::new(&*problem.system, Bootstrap, settings, stream).map_err(failed)?;
+            let filter = ParticleFilter::new(model, proposal.clone(), settings, stream).map_err(failed)?;
             let mut smoother = FixedLagSmoother::new(filter, lag);
             for (time, measurement) in problem.trajectory.measurements.rows().enumerate() {
                 self.go_on()?;
@@ -84,7 +86,11 @@ impl Run<'_> {
             let metrics = metrics_of_survivors(problem, references, &survivors, recorded.filters);
             (metrics, if survivors.filters > 0 { series(unit, problem, &survivors) } else { None })
         } else {
-            (metrics(problem, references, recorded), series(unit, problem, recorded))
+            let metrics = match unit.estimand {
+                Estimand::Filtering => metrics(problem, references, recorded),
+                Estimand::Smoothing => metrics_of_smoothing(problem, references, recorded),
+            };
+            (metrics, series(unit, problem, recorded))
         };
         Evaluation { metrics, timings, series, earlier: vec![] }
     }

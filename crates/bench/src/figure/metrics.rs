@@ -8,7 +8,9 @@ pub(super) struct Metric {
 }
 
 /// All metrics, in the order of rows.
-pub(super) const METRICS: [Metric; 8] = [
+pub(super) const METRICS: [Metric; 10] = [
+    Metric { name: "log_evidence_mse", label: "squared error of log ẑ", logarithmic: true },
+    Metric { name: "nmse_smoothed_single", label: "NMSE, smoothed, one run", logarithmic: true },
     Metric { name: "nmse_final", label: "NMSE, last time", logarithmic: true },
     Metric { name: "nmse_posterior", label: "NMSE to posterior mean", logarithmic: true },
     Metric { name: "nmse_all", label: "NMSE, all times", logarithmic: true },

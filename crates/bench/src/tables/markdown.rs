@@ -8,10 +8,13 @@ use super::summary::Row;
 use crate::config::Method;
 
 /// Metrics with a column of their own, and what its head says.
-const COLUMNS: [(&str, &str); 11] = [
+const COLUMNS: [(&str, &str); 14] = [
     ("mse_S", "MSE of S"),
     ("mse_I", "MSE of I"),
     ("mse_R", "MSE of R"),
+    ("log_evidence_mse", "squared error of log ẑ"),
+    ("nmse_smoothed_single", "NMSE, smoothed, one run"),
+    ("nmse_smoothed", "NMSE, smoothed"),
     ("nmse_final", "NMSE, last time"),
     ("nmse_final_single", "NMSE, last time, one run"),
     ("nmse_posterior", "NMSE to posterior mean"),
@@ -23,9 +26,10 @@ const COLUMNS: [(&str, &str); 11] = [
 ];
 
 /// Errors from a posterior mean that may itself be an estimate, and the metric that says how far two estimates of it are apart.
-const ESTIMATED: [(&str, &str); 2] = [
+const ESTIMATED: [(&str, &str); 3] = [
     ("nmse_posterior", "nmse_posterior_reference"),
     ("nmse_posterior_exact", "nmse_posterior_exact_reference"),
+    ("nmse_smoothed_single", "nmse_smoothed_reference"),
 ];
 
 /// An error is known well while two estimates of the posterior mean are apart by no more than this share of it.

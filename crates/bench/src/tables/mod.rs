@@ -1,5 +1,6 @@
 //! From finished units to tables: every number in long form, medians with deviations, and Markdown to paste.
 
+mod equal_time;
 mod markdown;
 mod order;
 mod redrawn;
@@ -8,6 +9,7 @@ mod series;
 mod summary;
 mod units;
 
+pub(crate) use equal_time::equal_time;
 pub(crate) use markdown::markdown;
 pub(crate) use order::sort;
 pub(crate) use redrawn::redrawn;

@@ -24,6 +24,8 @@ use crate::tables::{Argument, Composition, Kind, MOST_OFF, Range, Wrapper, Wrapp
 enum Fault {
     /// NaN, or a number that a distribution does not take: draws and densities are NaN.
     NotANumber,
+    /// A parameter for which counts are larger than floating point has them: draws are NaN.
+    Uncountable,
     /// Infinite.
     Infinite,
 }
@@ -32,8 +34,18 @@ impl Fault {
     fn is_in(self, value: f64, range: Range) -> bool {
         match self {
             Fault::NotANumber => !value.is_infinite() && !range.has(value),
+            Fault::Uncountable => false,
             Fault::Infinite => value.is_infinite(),
         }
+    }
+}
+
+/// Which parameter of a family says how large its counts are, and the largest for which they are drawn.
+fn largest(kind: Kind) -> Option<(usize, f64)> {
+    match kind {
+        Kind::Poisson | Kind::NegativeBinomial => Some((0, (1_u64 << 63) as f64)),
+        Kind::Binomial => Some((0, (1_u64 << 53) as f64)),
+        _ => None,
     }
 }
 
@@ -41,7 +53,7 @@ impl FormulaModel {
     /// Which operation of which formula left its domain, with the values that it had; none where all formulas are fine.
     ///
     /// Looked at are the formulas of `p(x_t | x_{t−1})` at `previous` (`N`), or of `p(x_0)` where there is none, and those of `p(y_t | x_t)` at
-    /// `state` (`N`), where it is given. What is NaN comes before what is infinite.
+    /// `state` (`N`), where it is given. What is NaN comes before what is infinite, and the draw of a count that floating point does not have before what follows from it.
     pub fn explain(
         &self,
         step: &Step<'_>,
@@ -66,8 +78,14 @@ impl FormulaModel {
                 (section, lines, Point::new(statement, step, states))
             })
             .collect();
-        let faults = [Fault::NotANumber, Fault::Infinite].into_iter();
-        let mut found = faults.flat_map(|fault| {
+        let (drawn, all) = (&points[..points.len() - usize::from(state.is_some())], &points[..]);
+        let faults = [
+            (Fault::NotANumber, drawn),
+            (Fault::Uncountable, drawn),
+            (Fault::NotANumber, all),
+            (Fault::Infinite, all),
+        ];
+        let mut found = faults.into_iter().filter_map(|(fault, points)| {
             points.iter().find_map(|(section, lines, point)| in_section(*section, lines, point, fault))
         });
         found.next().map(|error| DomainError {
@@ -165,6 +183,12 @@ fn in_coordinate(
                 parameters.filter(|((node, _), range)| known[**node] && fault.is_in(values[**node], **range));
             if let Some(((node, name), range)) = wrong.next() {
                 return Some(of_parameter(*node, name, range.words()));
+            }
+            if let (Fault::Uncountable, Some((number, most))) = (fault, largest(family.kind)) {
+                let node = arguments[number];
+                let expected = format!("at most {most:.1e}, beyond which counts are not drawn");
+                return (known[node] && values[node] > most)
+                    .then(|| Origin::of_parameter(place, node, &values, [family.parameters[number].to_string(), expected]));
             }
             match (family.kind, arguments.as_slice(), fault) {
                 (Kind::Uniform, [low, high], Fault::NotANumber)

@@ -4,8 +4,8 @@ use std::time::Instant;
 
 use motes::output::{EstimateTable, Output, Sink, filter_json, filter_summary};
 use motes::{
-    Clock, Data, DataError, Estimate, FilterOptions, Model, ModelNames, MotesError, Row, RowOrder, RowSource,
-    Rows, Running, SeriesTally, Tally, TimeLabel, Warning, of_proposal, of_starts, rows_ahead,
+    Data, DataError, Estimate, FilterOptions, Model, ModelNames, MotesError, Row, RowOrder, RowSource, Rows,
+    Running, SeriesTally, Tally, TimeLabel, Warning, of_proposal, of_starts, rows_ahead,
 };
 use motes_cli::{Interrupt, status};
 
@@ -90,7 +90,7 @@ pub(super) fn run(
     warnings.extend(of_starts(model));
     warnings.extend(of_proposal(options));
     tally.warn(warnings);
-    let mut clocks: Vec<Clock> = (0..series.len()).map(|number| rows.clock(number)).collect();
+    let mut clocks = rows.clocks();
     for (Series { name, running, tally: of_this }, clock) in series.iter_mut().zip(&mut clocks) {
         // Rows went by: only their times are known.
         let named = has_series.then_some(name.as_str());

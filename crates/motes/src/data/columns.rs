@@ -1,5 +1,6 @@
 //! What the columns of a file are for.
 
+use motes_cli::nearest;
 use serde::{Deserialize, Serialize};
 
 use super::error::DataError;
@@ -73,8 +74,7 @@ impl Columns {
         let find = |wanted: &str, role: &'static str| {
             at(wanted).ok_or_else(|| {
                 let is_one_column = names.len() == 1 && names[0].contains([';', '\t']);
-                let nearest = names.iter().min_by_key(|name| distance(name, wanted));
-                let near = nearest.filter(|name| distance(name, wanted) <= wanted.len() / 4);
+                let near = nearest(wanted, names.iter().map(String::as_str));
                 let hint = match (is_one_column, near) {
                     (true, _) => "; columns are separated by commas".to_string(),
                     (false, Some(near)) => format!("; is it {near}?"),
@@ -184,13 +184,6 @@ fn is_result(name: &str, model: &Model) -> bool {
     OF_WEIGHTS.contains(&name)
         || model.states().iter().any(|state| is_of(state, &[]))
         || model.measurements().iter().any(|measured| is_of(measured, &[PLACE]))
-}
-
-/// In how many places two names differ, capitals aside.
-fn distance(a: &str, b: &str) -> usize {
-    let (a, b) = (a.to_lowercase(), b.to_lowercase());
-    let same = a.chars().zip(b.chars()).take_while(|(a, b)| a == b).count();
-    a.chars().count().max(b.chars().count()) - same
 }
 
 #[cfg(test)]

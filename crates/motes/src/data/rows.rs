@@ -42,8 +42,6 @@ pub struct Rows<R> {
     file: String,
     columns: Columns,
     series: SeenSeries,
-    /// Where each series is.
-    clocks: Vec<Clock>,
     /// Whether rows have steps.
     has_steps: bool,
     /// Which measurements no state can give.
@@ -90,7 +88,6 @@ impl<R: Read> Rows<R> {
             file: file.into(),
             columns,
             series: SeenSeries::default(),
-            clocks: Vec::new(),
             has_steps: true,
             model: model.clone(),
         })
@@ -128,10 +125,6 @@ impl<R: Read> Rows<R> {
                 self.series.number_of(&name)
             }
         };
-        if series == self.clocks.len() {
-            let name = self.series.names().last().unwrap_or_default();
-            self.clocks.push(Clock::of_series(name));
-        }
         if self.has_steps {
             self.check_time(line, self.series.times(series))?;
         }
@@ -152,20 +145,22 @@ impl<R: Read> Rows<R> {
         let written_time = self.columns.clock.map(|at| self.text(at, line)).transpose()?.map(String::from);
         let row = RowTime { label: written_time.as_deref(), columns: &inputs };
         let steps = match self.has_steps {
-            true => self.steps_to(line, series, row, &measurement)?,
+            true => {
+                let (model, columns) = (&self.model, &self.columns);
+                let place = |column: Option<&String>| Place {
+                    file: self.file.clone(),
+                    counted: RowNumbering::Line,
+                    line,
+                    column: column.cloned(),
+                };
+                self.series.steps_to(series, row, &measurement, (model, columns), place)?
+            }
             false => vec![],
         };
-        // A row of times and inputs alone has no steps, and nothing is measured there.
-        let step = steps.last().map(StepRecord::step);
-        if let Some(step) = &step
-            && let Some(impossible) = self.model.impossible(step, &measurement)
-        {
-            let place = self.place(line, self.columns.measurements[impossible.coordinate]);
-            return Err(DataError::Impossible { place, impossible: impossible.into() });
-        }
         self.series.add(series);
-        let time = match step {
-            Some(step) => step.time,
+        // A row of times and inputs alone has no steps.
+        let time = match steps.last() {
+            Some(step) => step.step().time,
             None => self.counted(line)?,
         };
         Ok(Some(Row { line, series, time, label, written_time, inputs, measurement, steps }))
@@ -205,28 +200,9 @@ impl<R: Read> Rows<R> {
         self.columns.inputs.iter().map(input).collect()
     }
 
-    /// Where a series is after its last row.
-    pub fn clock(&self, series: usize) -> Clock {
-        self.clocks.get(series).cloned().unwrap_or_default()
-    }
-
-    /// The steps to a row.
-    fn steps_to(
-        &mut self,
-        line: u64,
-        series: usize,
-        row: RowTime<'_>,
-        measurement: &[Option<f64>],
-    ) -> Result<Vec<StepRecord>, DataError> {
-        let clock = &mut self.clocks[series];
-        let steps = self.model.next_steps(clock, row);
-        let steps = steps.and_then(|steps| self.model.measured(clock, measurement).map(|()| steps));
-        steps.map_err(|error| {
-            let clock = self.columns.clock.and_then(|at| self.columns.names.get(at));
-            let column = error.column(|input| self.model.input_column(input), clock);
-            let place = Place { file: self.file.clone(), counted: RowNumbering::Line, line, column };
-            DataError::Timeline { place, error: Box::new(error) }
-        })
+    /// Where each series is after its last row.
+    pub fn clocks(&self) -> Vec<Clock> {
+        self.series.clocks().cloned().collect()
     }
 
     /// A reader of CSV passes over blank lines, which in a file of one column would be times that get lost.

@@ -65,7 +65,7 @@ impl Data {
             return Err(DataError::Empty { file: file.into() });
         }
         let series: Vec<String> = reader.series().map(String::from).collect();
-        let clocks = (0..series.len()).map(|number| reader.clock(number)).collect();
+        let clocks = reader.clocks();
         let columns = reader.columns().clone();
         Ok(Data { columns, series, rows, clocks, source: RowSource::of_file(file), index: None })
     }

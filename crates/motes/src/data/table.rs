@@ -6,7 +6,7 @@ use super::rows::Row;
 use super::seen::SeenSeries;
 use super::series::Data;
 use crate::model::Model;
-use crate::timeline::{Clock, RowTime};
+use crate::timeline::RowTime;
 
 /// Measurements in memory, as a data frame has them: a row for each time.
 ///
@@ -70,11 +70,7 @@ impl Data {
             table.clock.map(|column| (column.len(), count)),
             Some((table.inputs.len(), count * width)),
         ];
-        if let Some((found, expected)) =
-            lengths.into_iter().flatten().find(|(found, expected)| found != expected)
-        {
-            return Err(DataError::Lengths { file: file(), found, expected });
-        }
+        check_lengths(table.name, lengths)?;
         let (mut seen, mut rows) = (SeenSeries::default(), Vec::with_capacity(count));
         for at in 0..count {
             let series = seen.number_of(table.series.map_or("", |names| &names[at]));
@@ -96,12 +92,11 @@ impl Data {
                 steps: vec![],
                 label: written_time.clone(),
                 written_time,
-                inputs: inputs.iter().map(|value| (!value.is_nan()).then_some(*value)).collect(),
+                inputs: known(inputs),
                 measurement: vec![],
             });
         }
-        let series: Vec<String> = seen.names().map(String::from).collect();
-        let clocks = series.iter().map(|name| Clock::of_series(name)).collect();
+        let (series, clocks) = (seen.names().map(String::from).collect(), seen.clocks().cloned().collect());
         Ok(Data { columns, series, rows, clocks, source: RowSource::of_table(), index: None })
     }
 
@@ -149,80 +144,73 @@ impl Data {
             table.clock.map(|column| (column.len(), count)),
             Some((table.inputs.len(), count * columns.inputs.len())),
         ];
-        if let Some((found, expected)) =
-            lengths.into_iter().flatten().find(|(found, expected)| found != expected)
-        {
-            return Err(DataError::Lengths { file: file(), found, expected });
-        }
-        let place = |row: usize, column: usize| Place {
+        check_lengths(table.name, lengths)?;
+        let place = |row: usize, column: Option<&String>| Place {
             file: file(),
             counted: RowNumbering::Row,
             line: row as u64,
-            column: Some(columns.names[column].clone()),
+            column: column.cloned(),
         };
         let (mut seen, mut rows) = (SeenSeries::default(), Vec::with_capacity(count));
-        let (mut clocks, inputs): (Vec<Clock>, usize) = (Vec::new(), columns.inputs.len());
+        let inputs = columns.inputs.len();
         for (at, values) in table.measurements.chunks_exact(width).enumerate() {
             let series = seen.number_of(table.series.map_or("", |names| &names[at]));
-            if series == clocks.len() {
-                clocks.push(Clock::of_series(table.series.map_or("", |names| &names[at])));
-            }
             let time = seen.times(series);
             if let (Some(times), Some(column)) = (table.times, columns.time)
                 && times[at] != time as f64
             {
                 let value = times[at].to_string();
-                return Err(DataError::Time { place: place(at, column), value, expected: time });
+                let place = place(at, columns.names.get(column));
+                return Err(DataError::Time { place, value, expected: time });
             }
             if let Some(wrong) = values.iter().position(|value| value.is_infinite()) {
                 return Err(DataError::Cell {
-                    place: place(at, columns.measurements[wrong]),
+                    place: place(at, columns.names.get(columns.measurements[wrong])),
                     value: values[wrong].to_string(),
                     problem: "is not finite; a measurement that is missing is NaN",
                 });
             }
-            let measurement: Vec<Option<f64>> =
-                values.iter().map(|value| (!value.is_nan()).then_some(*value)).collect();
-            let known: Vec<Option<f64>> = table.inputs[at * inputs..][..inputs]
-                .iter()
-                .map(|value| (!value.is_nan()).then_some(*value))
-                .collect();
-            let row = RowTime { label: table.clock.map(|labels| labels[at].as_str()), columns: &known };
-            let steps = model.next_steps(&mut clocks[series], row);
-            let steps = steps.and_then(|steps| {
-                model.measured(&mut clocks[series], &measurement)?;
-                Ok(steps)
-            });
-            let steps = steps.map_err(|mut error| {
+            let (measurement, inputs) = (known(values), known(&table.inputs[at * inputs..][..inputs]));
+            let row = RowTime { label: table.clock.map(|labels| labels[at].as_str()), columns: &inputs };
+            let mut steps =
+                seen.steps_to(series, row, &measurement, (model, &columns), |column| place(at, column));
+            if let (Err(DataError::Timeline { error, .. }), Some(labels)) = (&mut steps, table.clock) {
                 let is_of_series = |row: &usize| table.series.is_none_or(|names| names[*row] == names[at]);
-                let behind = (at + 1..count).rev().find(is_of_series);
-                if let (Some(labels), Some(last)) = (table.clock, behind) {
+                if let Some(last) = (at + 1..count).rev().find(is_of_series) {
                     error.go_on_to(&labels[last]);
                 }
-                let clock = columns.clock.and_then(|at| columns.names.get(at));
-                let column = error.column(|input| model.input_column(input), clock);
-                let place = Place { file: file(), counted: RowNumbering::Row, line: at as u64, column };
-                DataError::Timeline { place, error: Box::new(error) }
-            })?;
-            let last = steps.last().cloned().unwrap_or_default();
-            if let Some(impossible) = model.impossible(&last.step(), &measurement) {
-                let place = place(at, columns.measurements[impossible.coordinate]);
-                return Err(DataError::Impossible { place, impossible: impossible.into() });
             }
+            let steps = steps?;
             seen.add(series);
             rows.push(Row {
                 line: at as u64,
                 series,
-                time: last.step().time,
+                time: steps.last().map_or(0.0, |last| last.step().time),
                 steps,
                 written_time: table.clock.map(|labels| labels[at].clone()),
-                inputs: known,
+                inputs,
                 label: table.carried.map(|labels| labels[at].clone()),
                 measurement,
             });
         }
-        let series = seen.names().map(String::from).collect();
+        let (series, clocks) = (seen.names().map(String::from).collect(), seen.clocks().cloned().collect());
         let index = table.index.map(<[String]>::to_vec);
         Ok(Data { columns, series, rows, clocks, source: RowSource::of_table(), index })
+    }
+}
+
+/// Columns of numbers have NaN where a value is missing.
+fn known(values: &[f64]) -> Vec<Option<f64>> {
+    values.iter().map(|value| (!value.is_nan()).then_some(*value)).collect()
+}
+
+/// Refuses a column that is shorter or longer than it must be.
+fn check_lengths(
+    file: &str,
+    lengths: impl IntoIterator<Item = Option<(usize, usize)>>,
+) -> Result<(), DataError> {
+    match lengths.into_iter().flatten().find(|(found, expected)| found != expected) {
+        Some((found, expected)) => Err(DataError::Lengths { file: file.into(), found, expected }),
+        None => Ok(()),
     }
 }

@@ -22,10 +22,6 @@ impl<M: Linearise + Transport + ?Sized> Proposal<M> for Amortised {
 
     fn initial_memory(&self, _particles: usize) {}
 
-    fn prepare(&mut self, model: &M, step: &Step<'_>, measurement: &[f64]) -> Result<(), ProposalError> {
-        self.prepare_for(model, step, measurement.iter().map(|entry| Some(Lanes::from(*entry))))
-    }
-
     fn is_for_step(&self, model: &M, step: &Step<'_>) -> bool {
         // There are more or fewer sub-steps where rows lie farther apart or nearer. A number of draws in each that differs from that which was learned for is that
         // of another model, which is refused.
@@ -39,14 +35,40 @@ impl<M: Linearise + Transport + ?Sized> Proposal<M> for Amortised {
         }
     }
 
-    fn prepare_partial(
+    fn prepare(
         &mut self,
         model: &M,
         step: &Step<'_>,
         measurement: &[Option<f64>],
     ) -> Result<bool, ProposalError> {
-        self.prepare_for(model, step, measurement.iter().map(|entry| entry.map(Lanes::from)))?;
-        Ok(measurement.iter().any(Option::is_some))
+        ProposalError::unless_same("the state dimension N", self.state_dim, model.state_dim())?;
+        ProposalError::unless_same("the measurement dimension M", self.measurement_dim, measurement.len())?;
+        let time = step.index;
+        let draws = model.noise_without_density().map(|model| model.draws(step));
+        let counts = [draws.as_ref().map(Vec::len), self.draws.map(|_| self.sizes(time).units)];
+        let [found, expected] = counts.map(|count| count.unwrap_or(self.state_dim));
+        ProposalError::unless_same("the number of draws Q", expected, found)?;
+        if draws.is_some() && time > 0 {
+            let sub_steps = step.sub_steps.max(1);
+            ProposalError::unless_same("the number of sub-steps", self.config.sub_steps, sub_steps)?;
+        }
+        let share = draws.map(|draws| noise_share(&draws));
+        let (mut entries, kept) = match self.prepared.take() {
+            Some(Prepared { time: before, measurement, is_affine, standards, theta, .. }) => {
+                // None of these changes from step to step, but for t = 0.
+                (measurement, (before > 0 && time > 0).then_some((is_affine, standards, theta)))
+            }
+            None => (Vec::new(), None),
+        };
+        let (is_affine, standards, theta) =
+            kept.unwrap_or_else(|| (model.is_affine(), self.standards(time), self.theta(time)));
+        entries.clear();
+        entries.extend(measurement.iter().map(|entry| entry.map(Lanes::from)));
+        let is_whole = entries.iter().all(Option::is_some);
+        let is_there = entries.iter().any(Option::is_some);
+        self.prepared =
+            Some(Prepared { time, measurement: entries, is_whole, is_affine, share, standards, theta });
+        Ok(is_there)
     }
 
     fn condition<'a>(
@@ -109,41 +131,5 @@ impl<M: Linearise + Transport + ?Sized> Proposal<M> for Amortised {
             noise,
             scratch,
         })
-    }
-}
-
-impl Amortised {
-    fn prepare_for<M: Transport + ?Sized>(
-        &mut self,
-        model: &M,
-        step: &Step<'_>,
-        entries: impl ExactSizeIterator<Item = Option<Lanes>>,
-    ) -> Result<(), ProposalError> {
-        ProposalError::unless_same("the state dimension N", self.state_dim, model.state_dim())?;
-        ProposalError::unless_same("the measurement dimension M", self.measurement_dim, entries.len())?;
-        let time = step.index;
-        let draws = model.noise_without_density().map(|model| model.draws(step));
-        let counts = [draws.as_ref().map(Vec::len), self.draws.map(|_| self.sizes(time).units)];
-        let [found, expected] = counts.map(|count| count.unwrap_or(self.state_dim));
-        ProposalError::unless_same("the number of draws Q", expected, found)?;
-        if draws.is_some() && time > 0 {
-            let sub_steps = step.sub_steps.max(1);
-            ProposalError::unless_same("the number of sub-steps", self.config.sub_steps, sub_steps)?;
-        }
-        let share = draws.map(|draws| noise_share(&draws));
-        let (mut measurement, kept) = match self.prepared.take() {
-            Some(Prepared { time: before, measurement, is_affine, standards, theta, .. }) => {
-                // None of these changes from step to step, but for t = 0.
-                (measurement, (before > 0 && time > 0).then_some((is_affine, standards, theta)))
-            }
-            None => (Vec::new(), None),
-        };
-        let (is_affine, standards, theta) =
-            kept.unwrap_or_else(|| (model.is_affine(), self.standards(time), self.theta(time)));
-        measurement.clear();
-        measurement.extend(entries);
-        let is_whole = measurement.iter().all(Option::is_some);
-        self.prepared = Some(Prepared { time, measurement, is_whole, is_affine, share, standards, theta });
-        Ok(())
     }
 }

@@ -37,13 +37,21 @@ impl<M: StateSpaceModel + ?Sized, F: GaussianNetworks> Proposal<M> for GaussianP
         Hidden::per_particle(self.parameters.compute().precision, &self.networks.hidden_widths())
     }
 
-    fn prepare(&mut self, model: &M, step: &Step<'_>, measurement: &[f64]) -> Result<(), ProposalError> {
+    fn prepare(
+        &mut self,
+        model: &M,
+        step: &Step<'_>,
+        measurement: &[Option<f64>],
+    ) -> Result<bool, ProposalError> {
         ProposalError::unless_same("the state dimension N", self.state_dim, model.state_dim())?;
         self.prepared = None;
-        self.check(step.index, measurement)?;
+        let Some(measurement) = measurement.iter().copied().collect::<Option<Vec<f64>>>() else {
+            return Ok(false);
+        };
+        self.check(step.index, &measurement)?;
         let covariance = self.covariance(step.index)?;
-        self.prepared = Some(Prepared { time: step.index, measurement: measurement.to_vec(), covariance });
-        Ok(())
+        self.prepared = Some(Prepared { time: step.index, measurement, covariance });
+        Ok(true)
     }
 
     fn condition<'a>(

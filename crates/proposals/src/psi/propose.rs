@@ -35,14 +35,22 @@ impl<M: StateSpaceModel + ?Sized> Proposal<M> for Psi {
 
     fn initial_memory(&self, _particles: usize) {}
 
-    fn prepare(&mut self, model: &M, step: &Step<'_>, measurement: &[f64]) -> Result<(), ProposalError> {
+    fn prepare(
+        &mut self,
+        model: &M,
+        step: &Step<'_>,
+        measurement: &[Option<f64>],
+    ) -> Result<bool, ProposalError> {
         ProposalError::unless_same("the state dimension N", self.state_dim, model.state_dim())?;
         self.prepared = None;
-        let (map, shift) = self.at_measurement(step.index, measurement)?;
+        let Some(measurement) = measurement.iter().copied().collect::<Option<Vec<f64>>>() else {
+            return Ok(false);
+        };
+        let (map, shift) = self.at_measurement(step.index, &measurement)?;
         let log_abs_det = self.inverses(&map, step.index)?.log_abs_det;
         self.prepared =
             Some(Prepared { time: step.index, map, log_abs_det, factored: OnceLock::new(), shift });
-        Ok(())
+        Ok(true)
     }
 
     fn condition<'a>(

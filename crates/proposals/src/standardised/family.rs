@@ -57,7 +57,6 @@ pub struct Standardised<F: Family> {
 pub(super) struct Prepared {
     /// `υ_t`.
     pub(super) time: usize,
-    pub(super) measurement: Vec<f64>,
     /// `o + B υ_t`.
     pub(super) origin: Vec<f64>,
 }

@@ -41,15 +41,23 @@ impl<M: StateSpaceModel + ?Sized, F: Family + Proposal<M>> Proposal<M> for Stand
         self.proposal.block()
     }
 
-    fn prepare(&mut self, model: &M, step: &Step<'_>, measurement: &[f64]) -> Result<(), ProposalError> {
+    fn prepare(
+        &mut self,
+        model: &M,
+        step: &Step<'_>,
+        measurement: &[Option<f64>],
+    ) -> Result<bool, ProposalError> {
         self.prepared = None;
         let (n, m) = (self.proposal.state_dim(), self.proposal.measurement_dim());
         ProposalError::unless_same("the state dimension N", n, model.state_dim())?;
         ProposalError::unless_same("the measurement dimension M", m, measurement.len())?;
-        let (measurement, origin) = self.config.frames.at(step.index)?.of_measurement(measurement);
-        self.proposal.prepare(model, step, &measurement)?;
-        self.prepared = Some(Prepared { time: step.index, measurement, origin });
-        Ok(())
+        let Some(measurement) = measurement.iter().copied().collect::<Option<Vec<f64>>>() else {
+            return Ok(false);
+        };
+        let (measurement, origin) = self.config.frames.at(step.index)?.of_measurement(&measurement);
+        let measurement: Vec<Option<f64>> = measurement.into_iter().map(Some).collect();
+        self.prepared = Some(Prepared { time: step.index, origin });
+        self.proposal.prepare(model, step, &measurement)
     }
 
     fn condition<'a>(
@@ -62,14 +70,14 @@ impl<M: StateSpaceModel + ?Sized, F: Family + Proposal<M>> Proposal<M> for Stand
         let Context { step, previous, particles, .. } = context;
         let time = step.index;
         let prepared = self.prepared.as_ref().filter(|prepared| prepared.time == time);
-        let Some(Prepared { measurement, origin, .. }) = prepared else {
+        let Some(Prepared { origin, .. }) = prepared else {
             return Err(ProposalError::NotPrepared { time });
         };
         let frame = self.config.frames.at(time)?;
         let StandardisedScratch { inner, inputs, origins, outputs } = scratch;
         frame.of_previous(previous, particles, origin, (&mut *inputs, &mut *origins));
         let previous = previous.map(|_| Rows::all(inputs, origin.len()));
-        let context = Context { step, previous, measurement, particles };
+        let context = Context { step, previous, particles };
         let inner = self.proposal.condition(model, context, memory, inner)?;
         Ok(InFrame { inner, frame, log_volume: frame.log_volume(), origins, outputs })
     }

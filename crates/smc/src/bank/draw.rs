@@ -189,13 +189,13 @@ impl<M: StateSpaceModel + ?Sized, P: Proposal<M>> BankStep<'_, M, P> {
         scratch: &mut P::Scratch,
     ) -> Result<(), Fault> {
         let Block { rows, ancestors, memory } = block;
-        let Common { model, step, measurement, previous, .. } = self.common;
+        let Common { model, step, previous, .. } = self.common;
         let (first, width) = (rows.start, model.state_dim());
         let previous = (step.index > 0).then(|| match ancestors {
             None => Rows::all(&previous[rows.start * width..rows.end * width], width),
             Some(ancestors) => Rows::picked(previous, width, ancestors),
         });
-        let context = Context { step, previous, measurement, particles: rows.len() };
+        let context = Context { step, previous, particles: rows.len() };
         let conditioned = self.proposal.condition(model, context, memory, scratch);
         let mut conditional = conditioned.map_err(|error| Fault::Proposal(error.in_batch(first)))?;
         // A mixture of the transition with itself is no other.

@@ -54,12 +54,11 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
         let done = self.attempt(step, |bank| {
             let (model, proposal) = (&*bank.model, &mut bank.proposal);
             let prepared = match known {
-                _ if proposal.looks_ahead() => proposal.prepare_partial(model, step, entries),
+                _ if proposal.looks_ahead() => proposal.prepare(model, step, entries),
                 0 => Ok(false),
                 // Without a sub-step the state stays what it is.
                 _ if step.sub_steps == 0 || !proposal.is_for_step(model, step) => Ok(false),
-                _ if known == entries.len() => proposal.prepare(model, step, &whole).map(|()| true),
-                _ => proposal.prepare_partial(model, step, entries),
+                _ => proposal.prepare(model, step, entries),
             };
             let drawn = match prepared.map_err(|source| bank.unprepared(source))? {
                 true => DrawSource::FromProposal,
@@ -68,20 +67,6 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
             bank.advance(step, drawn, entries, &whole)
         });
         self.whole = whole;
-        done
-    }
-
-    /// Advances every filter by one time at which nothing was measured: particles are drawn from the transition, weights and
-    /// evidence stay. A proposal's memory, which only measurements advance, follows its particle.
-    ///
-    /// # Errors
-    /// [`FilterError::State`] if a state is drawn that is not finite, and as [`FilterBank::step`].
-    pub fn step_without_measurement(&mut self) -> Result<(), FilterError> {
-        let (step, mut entries) = (self.next_step(), take(&mut self.entries));
-        entries.clear();
-        entries.resize(self.model.measurement_dim(), None);
-        let done = self.step_of(&step.step(), &entries);
-        self.entries = entries;
         done
     }
 
@@ -95,27 +80,14 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
     pub fn run(
         &mut self,
         measurements: &Measurements,
-        observe: impl FnMut(&Self) + Send,
-    ) -> Result<(), FilterError>
-    where
-        Self: Send,
-    {
-        self.over(measurements.rows(), Self::step, observe)
-    }
-
-    /// Takes a step with each row and shows the bank to `observe` after it, on threads that stay awake.
-    fn over<Row: Send>(
-        &mut self,
-        mut rows: impl Iterator<Item = Row> + Send,
-        mut step: impl FnMut(&mut Self, Row) -> Result<(), FilterError> + Send,
         mut observe: impl FnMut(&Self) + Send,
     ) -> Result<(), FilterError>
     where
         Self: Send,
     {
         parallel::sequence(|| {
-            rows.try_for_each(|row| {
-                step(self, row)?;
+            measurements.rows().try_for_each(|measurement| {
+                self.step(measurement)?;
                 observe(self);
                 Ok(())
             })
@@ -263,21 +235,15 @@ enum DrawSource {
 }
 
 impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P> {
-    /// Advances every filter by a measurement of which some of the `M` entries may be missing, and weighs particles by the density of the
-    /// entries that are there. They are drawn from the proposal if it can take such a measurement ([`Proposal::prepare_partial`]), else from the
-    /// transition.
+    /// Advances every filter by a step with its own time, length, inputs and parameters, to a measurement of which some or all of the `M` entries may be
+    /// missing, and weighs particles by the density of the entries that are there.
+    ///
+    /// They are drawn from the proposal if it can take such a measurement ([`Proposal::prepare`]), else from the transition. Where nothing was measured, weights and
+    /// evidence stay, and a proposal's memory, which only measurements advance, follows its particle. A model's own step is [`StateSpaceModel::step_of_index`].
     ///
     /// # Errors
-    /// As [`FilterBank::step`], and [`FilterError::Model`] if that density cannot be had (nothing has changed then).
-    pub fn step_partial(&mut self, measurement: &[Option<f64>]) -> Result<(), FilterError> {
-        let step = self.next_step();
-        self.step_at(&step.step(), measurement)
-    }
-
-    /// The same by a step that says more than its index: when it ends, how long it is, its inputs and parameters.
-    ///
-    /// # Errors
-    /// As [`FilterBank::step_partial`], and [`FilterError::Setting`] if the step's index is not the number of steps before, or its times are not finite.
+    /// As [`FilterBank::step`]; [`FilterError::Model`] if that density cannot be had and [`FilterError::Setting`] if the step's index is not the number of steps
+    /// before, or its times are not finite (nothing has changed then); [`FilterError::State`] if a state is drawn that is not finite.
     pub fn step_at(&mut self, step: &Step<'_>, measurement: &[Option<f64>]) -> Result<(), FilterError> {
         self.check_width(measurement.len())?;
         self.check_step(step)?;
@@ -323,20 +289,5 @@ impl<D: Deref<Target: StateSpaceModel>, P: Proposal<D::Target>> FilterBank<D, P>
             }
             None => Ok(()),
         }
-    }
-
-    /// [`FilterBank::run`] over measurements with gaps.
-    ///
-    /// # Errors
-    /// As [`FilterBank::step_partial`]; measurements after one that led to an error are not looked at.
-    pub fn run_partial(
-        &mut self,
-        measurements: &PartialMeasurements,
-        observe: impl FnMut(&Self) + Send,
-    ) -> Result<(), FilterError>
-    where
-        Self: Send,
-    {
-        self.over(measurements.rows(), Self::step_partial, observe)
     }
 }

@@ -58,12 +58,7 @@ impl<M: Linearise + ?Sized, P: StepPotentials<M>> Proposal<M> for ByPotential<P>
 
     fn initial_memory(&self, _particles: usize) {}
 
-    fn prepare(&mut self, model: &M, step: &Step<'_>, measurement: &[f64]) -> Result<(), ProposalError> {
-        let entries: Vec<Option<f64>> = measurement.iter().copied().map(Some).collect();
-        self.prepare_partial(model, step, &entries).map(|_| ())
-    }
-
-    fn prepare_partial(
+    fn prepare(
         &mut self,
         model: &M,
         step: &Step<'_>,

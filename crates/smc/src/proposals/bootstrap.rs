@@ -19,11 +19,7 @@ impl<M: StateSpaceModel + ?Sized> Proposal<M> for Bootstrap {
 
     fn initial_memory(&self, _particles: usize) {}
 
-    fn prepare(&mut self, _model: &M, _step: &Step<'_>, _measurement: &[f64]) -> Result<(), ProposalError> {
-        Ok(())
-    }
-
-    fn prepare_partial(
+    fn prepare(
         &mut self,
         _model: &M,
         _step: &Step<'_>,

@@ -63,10 +63,10 @@ mod tests {
         let model = LinearGaussian::new(initial, mat![[0.9]], mat![[1.0]], mat![[1.0]], mat![[1.0]]).unwrap();
         let (count, measurement) = (2000, [1.3]);
         let previous = vec![0.4; count];
-        let context = Context::new(Step::of_index(1), Some(&previous), &measurement, count);
+        let context = Context::new(Step::of_index(1), Some(&previous), count);
         let mut proposal = MinDegeneracy::new(&model).unwrap();
         let scratch = &mut ();
-        let base = proposal.condition_batch(&model, context, &mut (), scratch).unwrap();
+        let base = proposal.condition_batch(&model, context, &measurement, &mut (), scratch).unwrap();
         let (mut states, mut of_mixture, mut of_transition) =
             (vec![0.0; count], vec![0.0; count], vec![0.0; count]);
         let streams = &mut [Seed::from_u64(3).stream()];

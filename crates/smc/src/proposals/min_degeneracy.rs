@@ -88,6 +88,33 @@ impl MinDegeneracy {
         }
         self.shift = shift;
     }
+
+    /// How predictions are corrected by the entries that are there, unless it is known from the step before.
+    fn correct_partial<M: AdditiveGaussian + ?Sized>(
+        &mut self,
+        model: &M,
+        time: usize,
+        measurement: &[Option<f64>],
+    ) -> Result<(), ProposalError> {
+        let is_first = time == 0;
+        let is_there = |partial: &Partial| {
+            let same = measurement.iter().map(Option::is_some).eq(partial.present.iter().copied());
+            partial.is_first == is_first && same
+        };
+        if self.partial.as_ref().is_some_and(is_there) {
+            return Ok(());
+        }
+        let present: Vec<usize> = (0..measurement.len()).filter(|&j| measurement[j].is_some()).collect();
+        let (c, noise) = (model.measurement_matrix(), model.measurement_covariance());
+        let c = Mat::from_fn(present.len(), model.state_dim(), |i, j| c[(present[i], j)]);
+        let noise = Mat::from_fn(present.len(), present.len(), |i, j| noise[(present[i], present[j])]);
+        let prior = if is_first { model.initial().covariance() } else { model.transition_covariance() };
+        let correction = Correction::new(prior, c.as_ref(), noise.as_ref())
+            .map_err(|error| ProposalError::Measurement { time, reason: error.to_string() })?;
+        let present = measurement.iter().map(Option::is_some).collect();
+        self.partial = Some(Partial { is_first, present, correction });
+        Ok(())
+    }
 }
 
 impl Correction {
@@ -141,16 +168,7 @@ impl<M: AdditiveGaussian + ?Sized> Proposal<M> for MinDegeneracy {
 
     fn initial_memory(&self, _particles: usize) {}
 
-    fn prepare(&mut self, model: &M, step: &Step<'_>, measurement: &[f64]) -> Result<(), ProposalError> {
-        self.has_gaps = false;
-        let (n, m) = self.at(step).gain.shape();
-        ProposalError::unless_same("the state dimension N", n, model.state_dim())?;
-        ProposalError::unless_same("the measurement dimension M", m, measurement.len())?;
-        self.take(step, measurement.iter().copied());
-        Ok(())
-    }
-
-    fn prepare_partial(
+    fn prepare(
         &mut self,
         model: &M,
         step: &Step<'_>,
@@ -163,24 +181,10 @@ impl<M: AdditiveGaussian + ?Sized> Proposal<M> for MinDegeneracy {
             // Nothing to be corrected by: that is the transition.
             return Ok(false);
         }
-        let is_first = step.index == 0;
-        let is_there = |partial: &Partial| {
-            let same = measurement.iter().map(Option::is_some).eq(partial.present.iter().copied());
-            partial.is_first == is_first && same
-        };
-        if !self.partial.as_ref().is_some_and(is_there) {
-            let present: Vec<usize> = (0..m).filter(|&j| measurement[j].is_some()).collect();
-            let (c, noise) = (model.measurement_matrix(), model.measurement_covariance());
-            let c = Mat::from_fn(present.len(), n, |i, j| c[(present[i], j)]);
-            let noise = Mat::from_fn(present.len(), present.len(), |i, j| noise[(present[i], present[j])]);
-            let prior = if is_first { model.initial().covariance() } else { model.transition_covariance() };
-            let correction = Correction::new(prior, c.as_ref(), noise.as_ref()).map_err(|error| {
-                ProposalError::Measurement { time: step.index, reason: error.to_string() }
-            })?;
-            let present = measurement.iter().map(Option::is_some).collect();
-            self.partial = Some(Partial { is_first, present, correction });
+        self.has_gaps = measurement.iter().any(Option::is_none);
+        if self.has_gaps {
+            self.correct_partial(model, step.index, measurement)?;
         }
-        self.has_gaps = true;
         self.take(step, measurement.iter().copied().flatten());
         Ok(true)
     }

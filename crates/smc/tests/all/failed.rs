@@ -76,8 +76,12 @@ impl<M: StateSpaceModel> Proposal<M> for ForTwoSteps {
 
     fn initial_memory(&self, _particles: usize) {}
 
-    fn prepare(&mut self, _model: &M, step: &Step<'_>, _measurement: &[f64]) -> Result<(), ProposalError> {
-        if step.index < 2 { Ok(()) } else { Err(ProposalError::PastHorizon { horizon: 2, time: step.index }) }
+    fn prepare(&mut self, _: &M, step: &Step<'_>, _: &[Option<f64>]) -> Result<bool, ProposalError> {
+        if step.index < 2 {
+            Ok(true)
+        } else {
+            Err(ProposalError::PastHorizon { horizon: 2, time: step.index })
+        }
     }
 
     fn condition<'a>(

@@ -1,7 +1,7 @@
 //! A forecast by a copy of a filter: against the Kalman prediction, with the original none the wiser.
 
 use faer::mat;
-use motes_models::{Gaussian, LinearGaussian, PartialMeasurements, Seed, kalman, simulate};
+use motes_models::{Gaussian, LinearGaussian, PartialMeasurements, Seed, Step, kalman, simulate};
 use motes_smc::{Bootstrap, FilterSettings, ParticleFilter};
 
 const HORIZON: usize = 10;
@@ -29,7 +29,7 @@ fn a_forecast_is_the_kalman_prediction_and_the_filter_goes_on_as_if_there_were_n
     let exact = kalman::filter_partial(&model, &PartialMeasurements::new(1, ahead).unwrap()).unwrap();
     let mut forecast = asked.clone();
     for step in &exact.steps[HORIZON..] {
-        forecast.step_without_measurement().unwrap();
+        forecast.step_at(&Step::of_index(forecast.time()), &[None]).unwrap();
         for coordinate in 0..2 {
             let sd = step.filtered.covariance[(coordinate, coordinate)].sqrt();
             let quantiles = forecast.quantiles(coordinate, &[0.05, 0.5, 0.95]);

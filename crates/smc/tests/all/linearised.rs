@@ -66,21 +66,11 @@ fn where_the_measurement_is_linear_it_is_the_optimum() {
     assert!(linearised.sees_measurements());
     for (measurement, time) in [([Some(0.4), Some(-1.1)], 1), ([None, Some(-1.1)], 1), ([Some(2.0), None], 0)]
     {
-        let whole: Option<Vec<f64>> = measurement.iter().copied().collect();
         let (mut found, mut expected) = (vec![0.0; count], vec![0.0; count]);
         let before = (time > 0).then_some(previous.as_slice());
-        let rows = whole.as_deref().unwrap_or(&[]);
-        let context = Context::new(Step::of_index(time), before, rows, count);
-        match &whole {
-            Some(whole) => {
-                linearised.prepare(&Linear, &Step::of_index(time), whole).unwrap();
-                optimal.prepare(&matrices, &Step::of_index(time), whole).unwrap();
-            }
-            None => {
-                assert!(linearised.prepare_partial(&Linear, &Step::of_index(time), &measurement).unwrap());
-                assert!(optimal.prepare_partial(&matrices, &Step::of_index(time), &measurement).unwrap());
-            }
-        }
+        let context = Context::new(Step::of_index(time), before, count);
+        assert!(linearised.prepare(&Linear, &Step::of_index(time), &measurement).unwrap());
+        assert!(optimal.prepare(&matrices, &Step::of_index(time), &measurement).unwrap());
         let mut scratch = LinearisedScratch::default();
         linearised.condition(&Linear, context, (), &mut scratch).unwrap().log_density(&at, &mut found);
         optimal.condition(&matrices, context, (), &mut ()).unwrap().log_density(&at, &mut expected);
@@ -95,7 +85,7 @@ fn where_the_measurement_is_linear_it_is_the_optimum() {
         conditional.log_density(&states, &mut after);
         along.iter().zip(&after).for_each(|(a, b)| assert!((a - b).abs() < 1e-10, "{a} for {b}"));
     }
-    assert!(!linearised.prepare_partial(&Linear, &Step::of_index(1), &[None, None]).unwrap());
+    assert!(!linearised.prepare(&Linear, &Step::of_index(1), &[None, None]).unwrap());
 }
 
 /// How far the mean of `Ẑ/Z` is from 1, in standard errors, for a whole sequence or one without some of its entries.
@@ -109,7 +99,7 @@ fn z<M: Equations, P: Proposal<M> + Clone>(
     let runs = 20_000;
     let settings = FilterSettings { resample_when: when, ..FilterSettings::new(64) };
     let mut bank = FilterBank::new(model, proposal.clone(), settings, runs, &Seed::from_u64(12)).unwrap();
-    rows.iter().for_each(|row| bank.step_partial(row).unwrap());
+    rows.iter().enumerate().for_each(|(at, row)| bank.step_at(&Step::of_index(at), row).unwrap());
     let ratios: Vec<f64> = (0..runs).map(|run| (bank.log_evidence(run) - exact).exp()).collect();
     let n = runs as f64;
     let mean = ratios.iter().sum::<f64>() / n;
@@ -253,7 +243,7 @@ fn z_defensive(
     let settings =
         FilterSettings { resample_when: when, defensive_weight: Some(0.1), ..FilterSettings::new(64) };
     let mut bank = FilterBank::new(model, proposal.clone(), settings, runs, &Seed::from_u64(14)).unwrap();
-    rows.iter().for_each(|row| bank.step_partial(row).unwrap());
+    rows.iter().enumerate().for_each(|(at, row)| bank.step_at(&Step::of_index(at), row).unwrap());
     let ratios: Vec<f64> = (0..runs).map(|run| (bank.log_evidence(run) - exact).exp()).collect();
     let n = runs as f64;
     let mean = ratios.iter().sum::<f64>() / n;

@@ -20,10 +20,11 @@ fn increments_are_likelihood_times_transition_over_proposal() {
         let mut states = vec![f64::NAN; PARTICLES * 8];
         let mut previous: Option<Vec<f64>> = None;
         for (time, measurement) in data.measurements.rows().enumerate() {
-            let context = Context::new(Step::of_index(time), previous.as_deref(), measurement, PARTICLES);
+            let context = Context::new(Step::of_index(time), previous.as_deref(), PARTICLES);
             let mut increments = [f64::NAN; PARTICLES];
             let (mut log_q, scratch) = ([f64::NAN; PARTICLES], &mut ());
-            let mut conditional = proposal.condition_batch(&system, context, &mut (), scratch).unwrap();
+            let mut conditional =
+                proposal.condition_batch(&system, context, measurement, &mut (), scratch).unwrap();
             let has_closed_form = conditional.sample_weighted(&mut streams, &mut states, &mut increments);
             assert_eq!(has_closed_form, noise == Noise::Gaussian);
             if !has_closed_form {

@@ -1,7 +1,7 @@
 //! Measurements that are missing, whole or in part: evidence and means against the Kalman filter.
 
 use faer::mat;
-use motes_models::{Gaussian, LinearGaussian, PartialMeasurements, Seed, kalman};
+use motes_models::{Gaussian, LinearGaussian, PartialMeasurements, Seed, Step, kalman};
 use motes_smc::{
     Bootstrap, FilterBank, FilterSettings, FixedLagSmoother, MinDegeneracy, ParticleFilter, Proposal,
     ResampleWhen,
@@ -33,6 +33,11 @@ fn measurements() -> PartialMeasurements {
     PartialMeasurements::new(2, values.concat()).unwrap()
 }
 
+/// Takes each of these measurements.
+fn each_step(mut take: impl FnMut(&Step<'_>, &[Option<f64>])) {
+    measurements().rows().enumerate().for_each(|(index, row)| take(&Step::of_index(index), row));
+}
+
 fn score(values: &[f64], expected: f64) -> f64 {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
@@ -45,7 +50,7 @@ fn scores(proposal: impl Proposal<LinearGaussian>, settings: FilterSettings) -> 
     let (model, runs) = (model(), 20_000);
     let exact = kalman::filter_partial(&model, &measurements()).unwrap();
     let mut bank = FilterBank::new(&model, proposal, settings, runs, &Seed::from_u64(81)).unwrap();
-    measurements().rows().for_each(|measurement| bank.step_partial(measurement).unwrap());
+    each_step(|step, row| bank.step_at(step, row).unwrap());
     let ratio = |run| (bank.log_evidence(run) - exact.log_evidence()).exp();
     let mean = |run| {
         let mut mean = [0.0; 2];
@@ -82,7 +87,7 @@ fn what_is_there_of_a_measurement_is_used_to_draw() {
         let stream = Seed::from_u64(84).stream();
         let mut filter = ParticleFilter::new(model, proposal, settings, stream).unwrap();
         filter.step(&[0.9, 0.1]).unwrap();
-        filter.step_partial(&[None, Some(-1.2)]).unwrap();
+        filter.step_at(&Step::of_index(1), &[None, Some(-1.2)]).unwrap();
         filter.effective_sample_size()
     }
     let designed = run(MinDegeneracy::new(&model).unwrap(), &model);
@@ -100,24 +105,16 @@ fn filter(model: &LinearGaussian) -> ParticleFilter<&LinearGaussian, MinDegenera
 fn whole_measurements_and_none_at_all_are_the_two_ends() {
     let model = model();
     let (mut partly, mut plainly) = (filter(&model), filter(&model));
-    for measurement in measurements().rows() {
-        partly.step_partial(measurement).unwrap();
+    each_step(|step, measurement| {
+        partly.step_at(step, measurement).unwrap();
         match measurement {
             [Some(a), Some(b)] => plainly.step(&[*a, *b]).unwrap(),
-            [None, None] => plainly.step_without_measurement().unwrap(),
-            _ => plainly.step_partial(measurement).unwrap(),
+            _ => plainly.step_at(step, measurement).unwrap(),
         }
         assert_eq!(partly.particles(), plainly.particles());
         assert_eq!(partly.log_evidence(), plainly.log_evidence());
-    }
+    });
     assert_eq!(partly.time(), 6);
-    let settings = FilterSettings { resample_when: ResampleWhen::Always, ..FilterSettings::new(50) };
-    let proposal = MinDegeneracy::new(&model).unwrap();
-    let mut bank =
-        FilterBank::with_streams(&model, proposal, settings, vec![Seed::from_u64(82).stream()]).unwrap();
-    let mut seen = 0;
-    bank.run_partial(&measurements(), |_| seen += 1).unwrap();
-    assert_eq!((bank.particles(0), seen), (partly.particles(), 6));
     // Nothing was measured at the last time: equal weights after resampling, and no evidence.
     assert!((partly.effective_sample_size() - 50.0).abs() < 1e-9);
 }
@@ -127,7 +124,7 @@ fn smoothing_looks_back_over_gaps() {
     let (model, settings) = (model(), FilterSettings::new(20_000));
     let filter = ParticleFilter::new(&model, Bootstrap, settings, Seed::from_u64(83).stream()).unwrap();
     let mut smoother = FixedLagSmoother::new(filter, 3);
-    measurements().rows().for_each(|measurement| smoother.step_partial(measurement).unwrap());
+    each_step(|step, row| smoother.step_at(step, row).unwrap());
     let filtered = kalman::filter_partial(&model, &measurements()).unwrap();
     let exact = kalman::smooth(&filtered).unwrap();
     let mut mean = [0.0; 2];
@@ -146,10 +143,10 @@ fn an_entry_that_is_no_number_is_refused_and_changes_nothing() {
     let mut filter = filter(&model);
     filter.step(&[0.3, 0.1]).unwrap();
     let before = filter.particles().to_vec();
-    let error = filter.step_partial(&[None, Some(f64::NAN)]).unwrap_err().to_string();
+    let error = filter.step_at(&Step::of_index(1), &[None, Some(f64::NAN)]).unwrap_err().to_string();
     assert_eq!(error, "the measurement at row 1, column 1 is NaN; it must be finite");
-    let error = filter.step_partial(&[None]).unwrap_err().to_string();
+    let error = filter.step_at(&Step::of_index(1), &[None]).unwrap_err().to_string();
     assert_eq!(error, "measurements have width 1; this model measures 2 numbers at each time");
     assert_eq!((filter.time(), filter.particles()), (1, before.as_slice()));
-    filter.step_partial(&[None, Some(0.2)]).unwrap();
+    filter.step_at(&Step::of_index(1), &[None, Some(0.2)]).unwrap();
 }

@@ -60,7 +60,7 @@ fn goes_on<P: Proposal<LinearGaussian, Memory = ()> + Clone>(
             let mut original = bank.clone();
             for later in time..time + 8 {
                 let step = |bank: &mut FilterBank<&LinearGaussian, P>| match later % 4 {
-                    3 => bank.step_without_measurement(),
+                    3 => bank.step_at(&Step::of_index(later), &vec![None; data.width()]),
                     _ => bank.step(data.row(later)),
                 };
                 step(&mut original).unwrap();

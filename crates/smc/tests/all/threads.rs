@@ -1,6 +1,6 @@
 //! The same bytes on any number of threads, and for a filter in a bank and alone.
 
-use motes_models::{Drift, GraphDiffusion, GraphDiffusionConfig, Measurements, Noise, Seed, simulate};
+use motes_models::{Drift, GraphDiffusion, GraphDiffusionConfig, Measurements, Noise, Seed, Step, simulate};
 use motes_smc::{
     Bootstrap, FilterBank, FilterError, FilterSettings, MinDegeneracy, ParticleFilter, Proposal, ResampleWhen,
 };
@@ -87,7 +87,9 @@ fn gaps_give_the_same_bytes_on_any_number_of_threads() {
         let proposal = MinDegeneracy::new(&system).unwrap();
         let stream = Seed::from_u64(85).stream();
         let mut filter = ParticleFilter::new(&system, proposal, settings(20_000), stream).unwrap();
-        pool(threads).install(|| with_gaps.iter().for_each(|row| filter.step_partial(row).unwrap()));
+        let rows = with_gaps.iter().enumerate();
+        pool(threads)
+            .install(|| rows.for_each(|(at, row)| filter.step_at(&Step::of_index(at), row).unwrap()));
         (filter.particles().to_vec(), filter.log_evidence())
     };
     let one = seen(1);
@@ -140,7 +142,8 @@ fn a_clone_goes_its_own_way() {
     filter.step(measurements.row(0)).unwrap();
     let before = (filter.mean().to_vec(), filter.log_evidence());
     let mut forecast = filter.clone();
-    (0..3).for_each(|_| forecast.step_without_measurement().unwrap());
+    let nothing = vec![None; measurements.row(0).len()];
+    (1..4).for_each(|at| forecast.step_at(&Step::of_index(at), &nothing).unwrap());
     assert_eq!((filter.mean().to_vec(), filter.log_evidence(), filter.time()), (before.0, before.1, 1));
     // From where it was cloned, it draws what the original draws.
     let mut same = filter.clone();

@@ -44,17 +44,13 @@ impl<M: Equations + Linearise> Proposal<M> for Wrong {
         true
     }
 
-    fn prepare(&mut self, model: &M, step: &Step<'_>, measurement: &[f64]) -> Result<(), ProposalError> {
-        self.ahead.prepare(model, step, measurement)
-    }
-
-    fn prepare_partial(
+    fn prepare(
         &mut self,
         model: &M,
         step: &Step<'_>,
         measurement: &[Option<f64>],
     ) -> Result<bool, ProposalError> {
-        self.ahead.prepare_partial(model, step, measurement)
+        self.ahead.prepare(model, step, measurement)
     }
 
     fn condition<'a>(

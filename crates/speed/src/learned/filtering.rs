@@ -46,10 +46,10 @@ impl<M: Equations> Filtering<M> {
         let (n, y) = (self.model.state_dim(), self.measurements.row(1));
         let count = states.len() / n;
         let (mut of_proposal, mut of_transition) = (vec![0.0; count], vec![0.0; count]);
-        let context = Context::new(Step::of_index(1), Some(&previous), y, count);
+        let context = Context::new(Step::of_index(1), Some(&previous), count);
         let scratch = &mut AmortisedScratch::default();
         self.proposal
-            .condition_batch(&self.model, context, &mut (), scratch)
+            .condition_batch(&self.model, context, y, &mut (), scratch)
             .map_err(|error| told(&error))?
             .log_density(&states, &mut of_proposal);
         let rows = Some(Rows::all(&previous, n));

@@ -70,7 +70,7 @@ impl<'a> HeldOut<'a> {
                 if time == *from {
                     sum -= (0..FILTERS).map(|filter| bank.log_evidence(filter)).sum::<f64>();
                 }
-                if bank.step_partial(row).is_err() {
+                if bank.step_at(&model.step_of_index(time), row).is_err() {
                     return Ok(f64::NEG_INFINITY);
                 }
             }

@@ -40,7 +40,7 @@ pub(super) fn add_recorded(
     let mut stream = seed.child("draws").stream();
     let (mut previous, mut states) = (Vec::new(), Vec::new());
     for (time, row) in measurements.rows().enumerate().take(times) {
-        if filter.step_partial(row).is_err() {
+        if filter.step_at(&model.step_of_index(time), row).is_err() {
             break;
         }
         let Some(whole) = row.iter().copied().collect::<Option<Vec<f64>>>() else { continue };

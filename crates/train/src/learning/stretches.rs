@@ -78,7 +78,7 @@ impl<'a, M: OwnModel + StateGradients + ?Sized> Stretches<'a, M> {
         let (before, first) = (filter.log_evidence(), filter.time());
         let last = (first + self.times).min(until);
         for (time, row) in series.rows().enumerate().take(last).skip(first) {
-            if filter.step_partial(row).is_err() {
+            if filter.step_at(&self.model.step_of_index(time), row).is_err() {
                 return Ok((filter.log_evidence() - before, time.max(first + 1) - first));
             }
             if let Some(whole) = row.iter().copied().collect::<Option<Vec<f64>>>() {

@@ -69,9 +69,10 @@ fn draws_have_their_density<M: Equations>(model: &M, measurement: &[f64]) {
         let mut proposal = random(model, base, head, 0.2);
         for time in [0, 1] {
             let before = (time > 0).then_some(previous.as_slice());
-            let context = Context::new(Step::of_index(time), before, measurement, count);
+            let context = Context::new(Step::of_index(time), before, count);
             let mut scratch = AmortisedScratch::default();
-            let mut conditional = proposal.condition_batch(model, context, &mut (), &mut scratch).unwrap();
+            let mut conditional =
+                proposal.condition_batch(model, context, measurement, &mut (), &mut scratch).unwrap();
             let (mut states, mut along, mut at) = (vec![0.0; count * n], vec![0.0; count], vec![0.0; count]);
             conditional.sample(&mut Seed::from_u64(6).streams(7), &mut states, &mut along);
             conditional.log_density(&states, &mut at);
@@ -118,10 +119,10 @@ fn weights_that_change_between_two_steps_count_from_the_next_on() {
         let [mut changed, mut other] = [0.1, 0.3].map(|size| random_of(&Linear, config(head), size));
         let (previous, at) = ([0.3, -1.0, 2.0, 0.1], [0.2, 0.4, 1.5, -0.3]);
         let density = |proposal: &mut Amortised, time: usize| {
-            let context = Context::new(Step::of_index(time), Some(&previous), &[0.7], 2);
+            let context = Context::new(Step::of_index(time), Some(&previous), 2);
             let (mut scratch, mut found) = (AmortisedScratch::default(), [0.0; 2]);
             proposal
-                .condition_batch(&Linear, context, &mut (), &mut scratch)
+                .condition_batch(&Linear, context, &[0.7], &mut (), &mut scratch)
                 .unwrap()
                 .log_density(&at, &mut found);
             found
@@ -141,9 +142,10 @@ fn weights_that_change_between_two_steps_count_from_the_next_on() {
 fn outside_of_the_support_the_density_is_zero() {
     let model = Awkward(Noise::Interval);
     let mut proposal = random(&model, Base::Transition, HEADS[1], 0.2);
-    let context = Context::new(Step::of_index(1), Some(&[0.0, 0.0, 0.0]), &[1.0, 0.2], 3);
+    let context = Context::new(Step::of_index(1), Some(&[0.0, 0.0, 0.0]), 3);
     let mut scratch = AmortisedScratch::default();
-    let mut conditional = proposal.condition_batch(&model, context, &mut (), &mut scratch).unwrap();
+    let mut conditional =
+        proposal.condition_batch(&model, context, &[1.0, 0.2], &mut (), &mut scratch).unwrap();
     let mut density = [0.0; 3];
     conditional.log_density(&[-0.9, 0.1, 1.3], &mut density);
     assert_eq!((density[0], density[2]), (f64::NEG_INFINITY, f64::NEG_INFINITY));
@@ -159,16 +161,17 @@ fn untrained_it_is_its_base() {
     let mut linearised = Linearised::new(&Linear).unwrap();
     let previous = [0.3, -1.0, 2.0, 0.1];
     for time in [0, 1] {
-        let context = Context::new(Step::of_index(time), (time > 0).then_some(&previous), &[0.7], 2);
+        let context = Context::new(Step::of_index(time), (time > 0).then_some(&previous), 2);
         let at = [0.2, 0.4, 1.5, -0.3];
         let (mut found, mut expected) = ([0.0; 2], [0.0; 2]);
         let mut scratch = AmortisedScratch::default();
         untrained
-            .condition_batch(&Linear, context, &mut (), &mut scratch)
+            .condition_batch(&Linear, context, &[0.7], &mut (), &mut scratch)
             .unwrap()
             .log_density(&at, &mut found);
         let mut scratch = LinearisedScratch::default();
-        let mut conditional = linearised.condition_batch(&Linear, context, &mut (), &mut scratch).unwrap();
+        let mut conditional =
+            linearised.condition_batch(&Linear, context, &[0.7], &mut (), &mut scratch).unwrap();
         conditional.log_density(&at, &mut expected);
         for (found, expected) in found.iter().zip(&expected) {
             assert!((found - expected).abs() < 1e-10, "time {time}: {found} for {expected}");

@@ -24,7 +24,7 @@ fn score<M: Equations>(
     let settings =
         FilterSettings { resample_when: when, defensive_weight: Some(0.1), ..FilterSettings::new(32) };
     let mut bank = FilterBank::new(model, proposal.clone(), settings, runs, &Seed::from_u64(12)).unwrap();
-    rows.iter().for_each(|row| bank.step_partial(row).unwrap());
+    rows.iter().enumerate().for_each(|(at, row)| bank.step_at(&Step::of_index(at), row).unwrap());
     let ratios: Vec<f64> = (0..runs).map(|run| (bank.log_evidence(run) - exact).exp()).collect();
     let n = runs as f64;
     let mean = ratios.iter().sum::<f64>() / n;

@@ -79,7 +79,8 @@ fn evidence(proposal: &Amortised) -> Vec<f64> {
             let settings = FilterSettings { defensive_weight: Some(0.1), ..FilterSettings::new(50) };
             let stream = Seed::from_u64(44).nth(number).stream();
             let mut filter = ParticleFilter::new(&THOUGHT, proposal.clone(), settings, stream).unwrap();
-            series(40, number).rows().for_each(|row| filter.step_partial(row).unwrap());
+            let (series, steps) = (series(40, number), (0..).map(Step::of_index));
+            steps.zip(series.rows()).for_each(|(step, row)| filter.step_at(&step, row).unwrap());
             filter.log_evidence() / 40.0
         })
         .collect()

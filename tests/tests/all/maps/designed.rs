@@ -75,7 +75,9 @@ fn noise_is_the_same_on_any_number_of_threads() {
             let settings = FilterSettings::new(3000);
             let seed = Seed::from_u64(4);
             let mut bank = FilterBank::new(&epidemic, proposal, settings, 2, &seed).unwrap();
-            bank.run_partial(&cases().measurements, |_| {}).unwrap();
+            for (index, row) in cases().measurements.rows().enumerate() {
+                bank.step_at(&epidemic.step_of_index(index), row).unwrap();
+            }
             [0, 1].map(|filter| bank.log_evidence(filter).to_bits())
         })
     };
@@ -180,8 +182,13 @@ impl Proposal<ConstantVelocity> for OfStates {
 
     fn initial_memory(&self, _: usize) {}
 
-    fn prepare(&mut self, _: &ConstantVelocity, _: &Step<'_>, _: &[f64]) -> Result<(), ProposalError> {
-        Ok(())
+    fn prepare(
+        &mut self,
+        _: &ConstantVelocity,
+        _: &Step<'_>,
+        measurement: &[Option<f64>],
+    ) -> Result<bool, ProposalError> {
+        Ok(measurement.iter().all(Option::is_some))
     }
 
     fn condition<'a>(
@@ -205,8 +212,8 @@ fn smoothed_paths_follow_ancestors() {
     let mut filter =
         ParticleFilter::new(&ConstantVelocity, Bootstrap, settings, Seed::from_u64(2).stream()).unwrap();
     let mut history = FilterHistory::default();
-    for row in moves().measurements.rows() {
-        filter.step_partial(row).unwrap();
+    for (index, row) in moves().measurements.rows().enumerate() {
+        filter.step_at(&Step::of_index(index), row).unwrap();
         history.record(&filter).unwrap();
     }
     let paths = backward_simulation(&ConstantVelocity, &history, 20_000, &Seed::from_u64(3)).unwrap();

@@ -138,11 +138,7 @@ impl<M: Equations> Proposal<M> for ShiftedNoise {
 
     fn initial_memory(&self, _: usize) {}
 
-    fn prepare(&mut self, _: &M, _: &Step<'_>, _: &[f64]) -> Result<(), ProposalError> {
-        Ok(())
-    }
-
-    fn prepare_partial(&mut self, _: &M, _: &Step<'_>, _: &[Option<f64>]) -> Result<bool, ProposalError> {
+    fn prepare(&mut self, _: &M, _: &Step<'_>, _: &[Option<f64>]) -> Result<bool, ProposalError> {
         Ok(true)
     }
 

@@ -18,7 +18,9 @@ pub(super) fn score<M: StateSpaceModel, P: Proposal<M, Memory: Send> + Clone + S
     check_model(model).unwrap();
     let seed = Seed::from_u64(11);
     let mut bank = FilterBank::new(model, proposal.clone(), settings, FILTERS, &seed).unwrap();
-    bank.run_partial(measurements, |_| {}).unwrap();
+    for (index, row) in measurements.rows().enumerate() {
+        bank.step_at(&model.step_of_index(index), row).unwrap();
+    }
     let ratio = |filter| (bank.log_evidence(filter) - log_evidence).exp();
     let ratios: Vec<f64> = (0..FILTERS).map(ratio).collect();
     let mean = ratios.iter().sum::<f64>() / FILTERS as f64;

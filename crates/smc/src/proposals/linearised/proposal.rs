@@ -108,20 +108,7 @@ impl<M: Linearise + ?Sized> Proposal<M> for Linearised {
 
     fn initial_memory(&self, _particles: usize) {}
 
-    fn prepare(&mut self, model: &M, step: &Step<'_>, measurement: &[f64]) -> Result<(), ProposalError> {
-        ProposalError::unless_same(
-            "the measurement dimension M",
-            model.measurement_dim(),
-            measurement.len(),
-        )?;
-        self.measurement.clear();
-        self.measurement.extend(measurement.iter().map(|entry| Some(Lanes::from(*entry))));
-        self.prepared = Some(step.index);
-        self.of = self.gaussians_of(model, step);
-        Ok(())
-    }
-
-    fn prepare_partial(
+    fn prepare(
         &mut self,
         model: &M,
         step: &Step<'_>,

@@ -32,11 +32,17 @@ impl<M: StateSpaceModel> Proposal<M> for Positive {
 
     fn initial_memory(&self, _particles: usize) {}
 
-    fn prepare(&mut self, _model: &M, _step: &Step<'_>, measurement: &[f64]) -> Result<(), ProposalError> {
+    fn prepare(
+        &mut self,
+        _model: &M,
+        _step: &Step<'_>,
+        measurement: &[Option<f64>],
+    ) -> Result<bool, ProposalError> {
+        let Some(measurement) = measurement[0] else { return Ok(false) };
         if let Positive::Root { of } = self {
-            *of = 20.0 * measurement[0].max(0.0);
+            *of = 20.0 * measurement.max(0.0);
         }
-        Ok(())
+        Ok(true)
     }
 
     fn condition<'a>(

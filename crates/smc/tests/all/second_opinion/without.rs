@@ -52,10 +52,10 @@ impl Proposal<Narrow> for WithinBounds {
         &mut self,
         _model: &Narrow,
         _step: &Step<'_>,
-        measurement: &[f64],
-    ) -> Result<(), ProposalError> {
-        self.at = measurement[0];
-        Ok(())
+        measurement: &[Option<f64>],
+    ) -> Result<bool, ProposalError> {
+        self.at = measurement[0].unwrap_or_default();
+        Ok(measurement[0].is_some())
     }
 
     fn condition<'a>(
@@ -141,8 +141,8 @@ fn steps_are_shown_one_by_one_and_from_the_first_on() {
 
     // Gaps are steps like others: no evidence, no error.
     let before = (opinion.difference(), opinion.standard_error());
-    filter.step_without_measurement().unwrap();
-    bootstrap.step_without_measurement().unwrap();
+    filter.step_at(&Step::of_index(filter.time()), &[None]).unwrap();
+    bootstrap.step_at(&Step::of_index(bootstrap.time()), &[None]).unwrap();
     opinion.step(&filter, &bootstrap).unwrap();
     assert!((opinion.difference() - before.0).abs() < 1e-12);
     assert!((opinion.standard_error() - before.1).abs() < 1e-12);
@@ -161,8 +161,12 @@ impl<M: StateSpaceModel> Proposal<M> for Once {
 
     fn initial_memory(&self, _particles: usize) {}
 
-    fn prepare(&mut self, _model: &M, step: &Step<'_>, _measurement: &[f64]) -> Result<(), ProposalError> {
-        if step.index < 1 { Ok(()) } else { Err(ProposalError::PastHorizon { horizon: 1, time: step.index }) }
+    fn prepare(&mut self, _: &M, step: &Step<'_>, _: &[Option<f64>]) -> Result<bool, ProposalError> {
+        if step.index < 1 {
+            Ok(true)
+        } else {
+            Err(ProposalError::PastHorizon { horizon: 1, time: step.index })
+        }
     }
 
     fn condition<'a>(
