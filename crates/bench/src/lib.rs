@@ -9,6 +9,7 @@ mod checkpoint;
 pub mod cluster;
 mod computed_once;
 pub mod config;
+mod diffusion_equations;
 mod durable;
 mod estimate;
 mod evaluate;

@@ -9,7 +9,9 @@ use motes_models::{
 use motes_smc::RecordedStep;
 
 use crate::config::{self, Densities};
+use crate::diffusion_equations::DiffusionEquations;
 use crate::unit::{UnitConfig, UnitSystem};
+use crate::unit_error::{UnitError, failed};
 
 /// All that experiments ask of a system.
 pub(crate) trait System: StateGradients + AdditiveGaussian + OwnModel + Send {}
@@ -29,6 +31,8 @@ pub(crate) struct Problem {
     pub(crate) shape: ModelShape,
     /// The system with Gaussian noise of the same moments.
     pub(crate) gaussian: Box<Model>,
+    /// The Gaussian system by its equations, which a filter can look ahead by; none of an epidemic.
+    pub(crate) equations: Option<DiffusionEquations>,
     /// What was drawn from the true system.
     pub(crate) trajectory: Trajectory,
     /// Exact inference in the filter's model, where it is linear and Gaussian.
@@ -96,6 +100,7 @@ impl Problem {
         };
         Ok(Problem {
             has_gaussian_noise: noise == Noise::Gaussian,
+            equations: Some(DiffusionEquations::of(&gaussian, drift)),
             system: Box::new(system),
             shape: ModelShape::on_graph(&model),
             model: Box::new(model),
@@ -124,6 +129,7 @@ impl Problem {
         let gaussian = system.with_noise(Noise::Gaussian);
         let model = believed(settings.densities, &system, &gaussian);
         Ok(Problem {
+            equations: None,
             system: Box::new(system),
             shape: ModelShape::of(&model),
             model: Box::new(model),
@@ -133,6 +139,14 @@ impl Problem {
             has_gaussian_noise: noise == Noise::Gaussian,
             judged: ErrorTarget::EachState { redrawn },
         })
+    }
+
+    /// The Gaussian system by its equations.
+    ///
+    /// # Errors
+    /// [`UnitError::Failed`] if it has none.
+    pub(crate) fn equations(&self) -> Result<&DiffusionEquations, UnitError> {
+        self.equations.as_ref().ok_or_else(|| failed("only a diffusion on a graph can be looked ahead of"))
     }
 
     /// The steps of the filter's model with their measurements.

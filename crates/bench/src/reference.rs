@@ -1,7 +1,7 @@
 //! Posterior means to hold estimates against where no formula gives them: two independent filters with very many particles.
 
 use motes_cli::Interrupt;
-use motes_models::Seed;
+use motes_models::{Seed, StateSpaceModel};
 use motes_smc::{
     Bootstrap, FilterError, FilterSettings, FixedLagSmoother, LookAhead, MinDegeneracy, ParticleFilter,
     Proposal,
@@ -102,7 +102,7 @@ fn smoothed(
     seed: &Seed,
     interrupt: &Interrupt,
 ) -> Result<SmoothedReference, UnitError> {
-    let model = &*problem.model;
+    let model = problem.equations()?;
     let ahead = LookAhead::new(model, &problem.recorded()).map_err(failed)?;
     let of_filter = |index: u64| {
         let settings = FilterSettings::new(particles);

@@ -94,8 +94,8 @@ pub use engine::Running;
 pub use error::MotesError;
 pub use estimate::{Coordinate, Estimate, Forecast};
 pub use evidence::{
-    Evidence, EvidenceEstimator, EvidenceOptions, EvidenceWorth, LearnedWorth, LogEvidence, Pilot, evidence,
-    log_evidence, log_evidence_at,
+    Evidence, EvidenceEstimator, EvidenceOptions, EvidenceWorth, LearnedWorth, LogEvidence, MissedMass,
+    Pilot, evidence, log_evidence, log_evidence_at,
 };
 pub use filter_source::FilterSource;
 pub use filtered::{Filtered, WeightedParticles};

@@ -26,7 +26,7 @@ pub(crate) fn evidence(
     runs: i64,
     seed: i128,
     threads: Option<i64>,
-) -> PyResult<(String, Option<String>)> {
+) -> PyResult<(String, Vec<String>)> {
     let options = EvidenceOptions {
         proposal: proposal.as_ref().map(ProposalArgument::name).transpose()?,
         particles: integer("particles", particles, 1, 1_000_000_000)?,
@@ -41,6 +41,6 @@ pub(crate) fn evidence(
         motes::evidence(model, data, &options, || failure.asked())
     })?;
     let found = failure.or(found)?;
-    let warning = found.warning().map(|warning| in_python(&warning.to_string()));
-    Ok((evidence_json(&found, start.elapsed().as_secs_f64()), warning))
+    let warnings = found.warnings().iter().map(|warning| in_python(&warning.to_string())).collect();
+    Ok((evidence_json(&found, start.elapsed().as_secs_f64()), warnings))
 }

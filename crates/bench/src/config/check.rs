@@ -5,6 +5,7 @@ mod learning;
 mod proposals;
 
 use motes_cli::one_of;
+use motes_models::Noise;
 use motes_train::Schedule;
 
 use super::args::MOST_REPETITIONS;
@@ -244,6 +245,11 @@ impl Checks<'_> {
         }
         if method.looks_ahead() {
             let is_smoothing = experiment.estimand == Estimand::Smoothing;
+            let is_gaussian = experiment.system.as_ref().is_some_and(|system| {
+                system.noise == Noise::Gaussian || system.densities == Densities::Gaussian
+            });
+            let expected = "only Gaussian densities on a graph can be looked ahead of here";
+            self.that(is_gaussian, "methods", name, expected)?;
             let expected = "at each time its weights say what comes later: it needs estimand = \"smoothing\"";
             self.that(is_smoothing, "methods", name, expected)?;
         }

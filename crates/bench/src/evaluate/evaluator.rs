@@ -134,7 +134,7 @@ impl Visitor for Run<'_> {
     }
 
     fn look_ahead(self, learned: Option<usize>) -> Result<Evaluation, UnitError> {
-        let model = &*self.problem.model;
+        let model = self.problem.equations()?;
         let recorded = self.problem.recorded();
         let learned = learned.map(|steps| self.potentials(steps)).transpose()?;
         let start = Instant::now();
@@ -143,7 +143,8 @@ impl Visitor for Run<'_> {
             Some((potentials, _)) => potentials.look_ahead(model, &recorded),
         };
         let seconds = start.elapsed().as_secs_f64();
-        let mut evaluation = self.estimate(ahead.map_err(failed)?)?;
+        let lag = self.unit.system.horizon() - 1;
+        let mut evaluation = self.smooth(model, &ahead.map_err(failed)?, lag)?;
         evaluation.timings.push(Metric::new("setup_seconds", seconds));
         if let Some((_, notes)) = learned {
             evaluation.metrics.extend(notes.metrics());

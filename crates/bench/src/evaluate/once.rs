@@ -103,8 +103,8 @@ impl Run<'_> {
     pub(super) fn potentials(self, steps: usize) -> Result<(LearnedPotentials, Notes), UnitError> {
         let none = || failed("the method has no potentials");
         let (key, seed) = self.unit.learned_potentials().ok_or_else(none)?;
-        let (model, shape) = (&*self.problem.model, &self.problem.shape);
-        self.kept.get((model, shape), Backend::Native, &key, || {
+        let (model, shape) = (self.problem.equations()?, &self.problem.shape);
+        self.kept.get((&*self.problem.model, shape), Backend::Native, &key, || {
             let horizon = self.unit.system.horizon();
             let config = PotentialLearnConfig { steps, horizon, ..PotentialLearnConfig::new() };
             let (settings, backend) = (LearnedPotentialsConfig::default(), Backend::Native.into());

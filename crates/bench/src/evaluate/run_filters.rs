@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use motes_models::StateSpaceModel;
 use motes_smc::{FilterBank, FilterSettings, FixedLagSmoother, ParticleFilter, Proposal, ResampleWhen};
 
 use super::evaluation::Evaluation;
@@ -44,9 +45,9 @@ impl Run<'_> {
     }
 
     /// Smooths by `lag` later measurements, as far as there are any, in filters that run one after the other.
-    pub(super) fn smooth<P: Proposal<Model> + Clone>(
+    pub(super) fn smooth<M: StateSpaceModel + ?Sized, P: Proposal<M> + Clone>(
         self,
-        model: &Model,
+        model: &M,
         proposal: &P,
         lag: usize,
     ) -> Result<Evaluation, UnitError> {

@@ -1,5 +1,6 @@
 //! What evidence and smoothed states cost: errors beside the time of a filter.
 
+use super::markdown::short;
 use crate::config::Method;
 use crate::metric::Metric;
 use crate::statistics::median;
@@ -38,8 +39,10 @@ pub(crate) fn equal_time(axis: &str, records: &[Record]) -> Option<String> {
         let Cost { x, n, milliseconds, of_evidence, of_states, training } = best;
         let training = if training > 0.0 { format!("{training:.1}") } else { "–".into() };
         text += &format!(
-            "| {panel} | {} | {x} | {milliseconds:.3} | {of_evidence:.3} | {of_states:.5} | {training} | {n} |\n",
-            method.name()
+            "| {panel} | {} | {x} | {milliseconds:.3} | {} | {} | {training} | {n} |\n",
+            method.name(),
+            short(of_evidence),
+            short(of_states),
         );
     }
     (text.len() > empty).then_some(text)
@@ -93,10 +96,7 @@ mod tests {
         // 2 ms each with an error of 3, and 5 ms with an error of 1: what is found before the filters runs once for each.
         let records = [record(10, [3.0, 0.5, 0.003, 0.001]), record(20, [1.0, 0.25, 0.009, 0.002])];
         let table = equal_time("K", &records).unwrap();
-        assert_eq!(
-            table.lines().last().unwrap(),
-            "| N10 | look-ahead | 20 | 5.000 | 5.000 | 1.25000 | – | 1 |"
-        );
+        assert_eq!(table.lines().last().unwrap(), "| N10 | look-ahead | 20 | 5.000 | 5.00 | 1.25 | – | 1 |");
         let other = Record { outcome: Outcome::Metrics(vec![Metric::new("ess", 1.0)]), ..records[0].clone() };
         assert_eq!(equal_time("K", &[other]), None);
     }

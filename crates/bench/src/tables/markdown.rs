@@ -179,7 +179,7 @@ fn listed(axis: &str, said: &[(&Row, String)]) -> String {
 }
 
 /// Three digits, in scientific notation where plain decimals would be long.
-fn short(value: f64) -> String {
+pub(super) fn short(value: f64) -> String {
     match value.abs() {
         0.0 => "0".into(),
         size if !(1e-3..1e4).contains(&size) => format!("{value:.2e}"),

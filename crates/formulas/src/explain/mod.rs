@@ -187,8 +187,14 @@ fn in_coordinate(
             if let (Fault::Uncountable, Some((number, most))) = (fault, largest(family.kind)) {
                 let node = arguments[number];
                 let expected = format!("at most {most:.1e}, beyond which counts are not drawn");
-                return (known[node] && values[node] > most)
-                    .then(|| Origin::of_parameter(place, node, &values, [family.parameters[number].to_string(), expected]));
+                return (known[node] && values[node] > most).then(|| {
+                    Origin::of_parameter(
+                        place,
+                        node,
+                        &values,
+                        [family.parameters[number].to_string(), expected],
+                    )
+                });
             }
             match (family.kind, arguments.as_slice(), fault) {
                 (Kind::Uniform, [low, high], Fault::NotANumber)

@@ -37,7 +37,7 @@ pub(super) fn run(args: &EvidenceArgs, interrupt: &Interrupt) -> Result<u8, Fail
         status(&format!("motes: {}", in_one_line(&found, args.chooses())));
     }
     let warnings: Vec<_> =
-        of_starts(&model).into_iter().chain(data.warnings()).chain(found.warning()).collect();
+        of_starts(&model).into_iter().chain(data.warnings()).chain(found.warnings()).collect();
     Ok(warn(&warnings, args.model.quiet, args.strict))
 }
 
@@ -55,9 +55,17 @@ fn in_one_line(found: &Evidence, is_chosen: bool) -> String {
                 true => format!("{} {:.2}", pilot.proposal, pilot.log_evidence),
                 false => format!("{} {:.1e}", pilot.proposal, pilot.log_evidence),
             });
-            format!(" (of pilots: {})", pilots.collect::<Vec<_>>().join(", "))
+            let missed = found.missed.iter().map(|missed| {
+                let series = missed.series.as_ref().map_or(String::new(), |name| format!("series {name}: "));
+                format!("; {series}{} missed {:.1}", missed.by, missed.nats)
+            });
+            format!(" (of pilots: {}{})", pilots.collect::<Vec<_>>().join(", "), missed.collect::<String>())
         }
         _ => String::new(),
     };
-    format!("log-evidence {:.3}{error}{runs}, proposal {}{choice}", found.log_evidence(), found.proposal)
+    format!(
+        "log-evidence {:.3}{error}{runs}, proposal {}{choice}",
+        found.log_evidence(),
+        found.proposal_names()
+    )
 }

@@ -43,7 +43,7 @@ pub(super) struct EvidenceArgs {
     /// The number of independent runs; of one alone there is no standard error
     #[arg(long, value_name = "R", allow_negative_numbers = true, default_value = "4", value_parser = integer(1..=1_000_000_usize))]
     runs: usize,
-    /// The share of particles that are drawn from the transition whatever the proposal is, from 0 to below 1; if absent 0.1 of a learned proposal, 0.1 of linearised and look-ahead where noise is drawn that is not normal, else 0
+    /// The share of particles that are drawn from the transition whatever the proposal is, from 0 to below 1; if absent 0.1 of a learned proposal, 0.1 of linearised, 0.1 of look-ahead where noise is drawn that is not normal, else 0
     #[arg(long, value_name = "W", allow_negative_numbers = true, value_parser = share)]
     defensive: Option<f64>,
     /// Resample where the effective sample size is below this share of the particles, above 0 and at most 1; 1 is at each step
@@ -52,6 +52,9 @@ pub(super) struct EvidenceArgs {
     /// How ancestors are drawn: multinomial, systematic, stratified or residual
     #[arg(long, value_name = "SCHEME", default_value = "systematic", value_parser = resampling)]
     resampling: Resampling,
+    /// Run no filter of each other proposal beside, to see whether it finds more
+    #[arg(long)]
+    no_check: bool,
     /// Write the table to a file, which is replaced when the table is whole; standard output if absent
     #[arg(long, short = 'o', value_name = "FILE")]
     pub(super) output: Option<PathBuf>,
@@ -82,6 +85,7 @@ impl EvidenceArgs {
             defensive: self.defensive,
             resample_below: self.resample_below,
             resampling: self.resampling,
+            check: !self.no_check,
             seed: self.model.seed,
         })
     }

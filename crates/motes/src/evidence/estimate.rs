@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 
 use motes_inference::{LogMean, map_on_threads};
 use motes_models::Seed;
+use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use super::estimator::EvidenceEstimator;
 use super::options::EvidenceOptions;
@@ -18,16 +19,35 @@ use crate::warning::Warning;
 /// The log-evidence of data.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Evidence {
-    /// What particles were drawn from.
-    pub proposal: ProposalName,
+    /// What the particles of each series were drawn from.
+    pub proposals: Vec<ProposalName>,
     /// What pilots said, where they chose it.
     pub pilots: Vec<Pilot>,
     /// The log-evidence of each series: the logarithm of the mean of `ẑ` over runs.
     pub log_evidence_per_series: Vec<f64>,
-    /// Its standard error; none of a single run.
+    /// Its standard error, widened as Student's t for so few runs, so that twice it is an interval of 95 %; none of a single run.
     pub standard_error_per_series: Vec<Option<f64>>,
     /// `log ẑ` of each run, of all series; one run if it is exact.
     pub runs: Vec<f64>,
+    /// Where another proposal has found more than the one that was asked for or chosen.
+    pub missed: Vec<MissedMass>,
+    /// Where no particle of any run explains a measurement: the series, the row and why.
+    pub impossible: Option<Warning>,
+}
+
+/// A proposal whose runs agree, and miss states that explain the data.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MissedMass {
+    /// The name of the series, if there are several.
+    pub series: Option<String>,
+    /// The proposal that misses them.
+    pub by: ProposalName,
+    /// The one that finds them.
+    pub found_by: ProposalName,
+    /// How much more log-evidence it finds.
+    pub nats: f64,
+    /// Whether the log-evidence is that of the one that finds them: so it is where nobody named a proposal.
+    pub is_replaced: bool,
 }
 
 /// A standard error above this (nats) hardly says which of two models is better.
@@ -36,22 +56,41 @@ const LARGEST_ERROR: f64 = 10.0;
 impl Evidence {
     /// Whether it has no error.
     pub fn is_exact(&self) -> bool {
-        self.proposal == ProposalName::Exact
+        self.proposals.first() == Some(&ProposalName::Exact)
+    }
+
+    /// The proposals of all series, each once.
+    pub fn proposal_names(&self) -> String {
+        let mut names: Vec<&str> = Vec::new();
+        for proposal in &self.proposals {
+            if !names.contains(&proposal.as_str()) {
+                names.push(proposal.as_str());
+            }
+        }
+        names.join(", ")
     }
 
     /// What is to be said where it cannot be trusted.
-    pub fn warning(&self) -> Option<Warning> {
-        let text = match self.standard_error() {
-            _ if self.log_evidence() == f64::NEG_INFINITY => {
-                "no particle of any run explains some measurement: the log-evidence is −∞".to_string()
-            }
-            Some(error) if error > LARGEST_ERROR => format!(
-                "the log-evidence is too low by an unknown amount, as its standard error of {error:.1} shows: compare no models with it; take more particles, or leave out \
-                 --proposal"
-            ),
-            _ => return None,
-        };
-        Some(Warning { series: None, text })
+    pub fn warnings(&self) -> Vec<Warning> {
+        let missed = self.missed.iter().filter(|missed| !missed.is_replaced).map(|missed| {
+            let MissedMass { by, found_by, nats, .. } = missed;
+            let text = format!(
+                "the log-evidence is too low: --proposal {found_by} finds {nats:.1} more, so that {by} misses states that explain the data; leave out --proposal"
+            );
+            Warning { series: missed.series.clone(), text }
+        });
+        let mut warnings: Vec<Warning> = missed.collect();
+        warnings.extend(self.impossible.clone());
+        if self.impossible.is_none()
+            && let Some(error) = self.standard_error()
+            && error > LARGEST_ERROR
+        {
+            let text = format!(
+                "the log-evidence is too low by an unknown amount, as its standard error of {error:.1} shows: compare no models with it; take more particles"
+            );
+            warnings.push(Warning { series: None, text });
+        }
+        warnings
     }
 
     /// That of all series.
@@ -67,27 +106,32 @@ impl Evidence {
 
     /// The variance of `log ẑ` of all series over runs; none of a single run.
     pub fn variance_per_run(&self) -> Option<f64> {
-        match &self.proposal {
-            ProposalName::Exact => Some(0.0),
-            _ => variance(&self.runs),
-        }
+        if self.is_exact() { Some(0.0) } else { variance(&self.runs) }
     }
 }
 
 /// The variance of some numbers; none of one.
-fn variance(values: &[f64]) -> Option<f64> {
+pub(super) fn variance(values: &[f64]) -> Option<f64> {
     let count = values.len() as f64;
     let mean = values.iter().sum::<f64>() / count;
     (values.len() > 1).then(|| values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0))
 }
 
-/// The logarithm of the mean of `ẑ` over runs, and its standard error: that of the mean, or of the mean of `log ẑ` where that is larger. The first cannot be above 1 whatever was
-/// missed.
-fn mean_of_runs(logs: &[f64]) -> (f64, Option<f64>) {
-    let mean = LogMean::of(logs);
-    let of_logs = variance(logs).map(|variance| (variance / logs.len() as f64).sqrt());
+/// The logarithm of the mean of `ẑ` over `R` runs, and its standard error. That is the larger one of two, that of the mean, which cannot be above 1 whatever was missed, and
+/// `√(v/R + (v/2R)²)` of the variance `v` of `log ẑ`, whose mean is too low by `v/2`; times `t/1.96` with the quantile of Student's t for `R − 1` degrees of freedom, since so few runs hardly know
+/// their variance.
+pub(super) fn mean_of_runs(logs: &[f64]) -> (f64, Option<f64>) {
+    let (mean, count) = (LogMean::of(logs), logs.len() as f64);
+    let of_logs = variance(logs).map(|variance| variance / count);
+    let of_logs = of_logs.map(|variance| (variance + 0.25 * variance * variance).sqrt());
     let error = mean.standard_error().zip(of_logs).map(|(of_mean, of_logs)| of_mean.max(of_logs));
-    (mean.log(), error)
+    (mean.log(), error.map(|error| error * widening(logs.len())))
+}
+
+/// The 97.5 % quantile of Student's t for so many runs, as a multiple of the normal one.
+fn widening(runs: usize) -> f64 {
+    let student = StudentsT::new(0.0, 1.0, (runs - 1).max(1) as f64);
+    student.map_or(1.0, |student| student.inverse_cdf(0.975)) / 1.959_964
 }
 
 /// Estimates the log-evidence of all series of `data` by [`EvidenceOptions::runs`] independent runs. `proceed` is asked now and then, from any thread.
@@ -132,17 +176,50 @@ fn evidence_while(
         estimator.per_series_while(&seed.nth(number as u64), proceed)
     });
     let runs = runs.into_iter().collect::<Result<Vec<Vec<f64>>, MotesError>>()?;
-    let of_series = |series: usize| -> (f64, Option<f64>) {
-        let logs: Vec<f64> = runs.iter().map(|run| run[series]).collect();
-        let (log, error) = mean_of_runs(&logs);
+    let mut logs: Vec<Vec<f64>> =
+        (0..estimator.series()).map(|series| runs.iter().map(|run| run[series]).collect()).collect();
+    let mut proposals: Vec<ProposalName> = estimator.proposals().into_iter().cloned().collect();
+    let mut missed = Vec::new();
+    if options.check && !estimator.is_exact() {
+        let seed = Seed::from_u64(options.seed).child("evidence").child("second opinion");
+        let opinions = map_on_threads(&logs, |series, logs| {
+            estimator.second_opinion(series, logs, &seed.nth(series as u64), proceed)
+        });
+        for (series, opinion) in opinions.into_iter().enumerate() {
+            let Some(opinion) = opinion? else { continue };
+            let is_replaced = options.proposal.is_none();
+            missed.push(MissedMass {
+                series: data.columns.has_series().then(|| data.series[series].clone()),
+                by: proposals[series].clone(),
+                found_by: opinion.proposal.clone(),
+                nats: mean_of_runs(&opinion.logs).0 - mean_of_runs(&logs[series]).0,
+                is_replaced,
+            });
+            if is_replaced {
+                proposals[series] = opinion.proposal;
+                logs[series] = opinion.logs;
+            }
+        }
+    }
+    let of_series = |logs: &Vec<f64>| -> (f64, Option<f64>) {
+        let (log, error) = mean_of_runs(logs);
         (log, if estimator.is_exact() { Some(0.0) } else { error })
     };
-    let (log_evidence_per_series, standard_error_per_series) = (0..estimator.series()).map(of_series).unzip();
+    let (log_evidence_per_series, standard_error_per_series): (Vec<f64>, _) =
+        logs.iter().map(of_series).unzip();
+    let impossible = log_evidence_per_series.iter().position(|log| *log == f64::NEG_INFINITY);
+    let impossible = impossible.map(|series| {
+        let none = || "no particle of any run explains some measurement".to_string();
+        let reason = estimator.failure(series, seed.nth(0).nth(series as u64)).unwrap_or_else(none);
+        Warning { series: None, text: format!("{reason}; the log-evidence is −∞") }
+    });
     Ok(Evidence {
-        proposal: estimator.proposal().clone(),
+        proposals,
         pilots: estimator.pilots().to_vec(),
         log_evidence_per_series,
         standard_error_per_series,
-        runs: runs.iter().map(|run| run.iter().sum()).collect(),
+        runs: (0..count).map(|run| logs.iter().map(|logs| logs[run]).sum()).collect(),
+        missed,
+        impossible,
     })
 }

@@ -7,11 +7,12 @@ use motes_models::Seed;
 use super::exact::is_exact;
 use super::options::EvidenceOptions;
 use super::pilot::{Candidate, Pilot, choose};
+use super::second_opinion::{SecondOpinion, second_opinion};
 use super::sequence::{Proceed, RecordedSequence, sequences};
 use crate::data::Data;
 use crate::error::MotesError;
 use crate::model::Model;
-use crate::options::{FilterOptions, ProposalName};
+use crate::options::ProposalName;
 
 /// An unbiased estimator of the evidence of data, prepared once for a model, a proposal and a number of particles: smoothers and pilots have run when it is there.
 ///
@@ -31,7 +32,7 @@ use crate::options::{FilterOptions, ProposalName};
 /// let data = Data::read("y\n1\n0\n2\n9\n".as_bytes(), "y.csv", &model)?;
 /// let options = EvidenceOptions { particles: 32, ..EvidenceOptions::default() };
 /// let estimator = EvidenceEstimator::new(&model, &data, &options)?;
-/// assert_eq!(estimator.proposal(), &ProposalName::LookAhead);
+/// assert_eq!(estimator.proposals(), [&ProposalName::LookAhead]);
 /// let seed = Seed::from_u64(1);
 /// let [one, other] = [0, 1].map(|run| estimator.log_evidence(&seed.nth(run)));
 /// assert!((one? - other?).abs() < 0.1);
@@ -40,13 +41,15 @@ use crate::options::{FilterOptions, ProposalName};
 pub struct EvidenceEstimator<'m> {
     model: &'m Model,
     sequences: Vec<RecordedSequence>,
-    candidate: Candidate,
-    filter: FilterOptions,
+    /// The proposal of each series; none where answers are exact.
+    candidates: Vec<Candidate>,
+    options: EvidenceOptions,
+    is_exact: bool,
     pilots: Vec<Pilot>,
 }
 
 impl<'m> EvidenceEstimator<'m> {
-    /// Prepares it. Where options name no proposal, the exact one is taken if the model has exact answers, else what pilots choose; their random numbers come from the seed of the options, by a
+    /// Prepares it. Where options name no proposal, the exact one is taken if the model has exact answers, else what pilots choose for each series; their random numbers come from the seed of the options, by a
     /// label of their own. [`EvidenceOptions::runs`] plays no part.
     ///
     /// # Errors
@@ -63,28 +66,32 @@ impl<'m> EvidenceEstimator<'m> {
         proceed: Proceed<'_>,
     ) -> Result<Self, MotesError> {
         let sequences = sequences(data);
-        let (candidate, pilots) = match &options.proposal {
-            Some(proposal) => (Candidate::of(proposal.clone(), model, &sequences)?, vec![]),
-            None if is_exact(model, data) => {
-                (Candidate { proposal: ProposalName::Exact, ahead: vec![] }, vec![])
+        let named = match &options.proposal {
+            None if is_exact(model, data) => Some(ProposalName::Exact),
+            named => named.clone(),
+        };
+        let (candidates, pilots) = match &named {
+            Some(proposal) => {
+                let of_series = |sequence| Candidate::of(proposal.clone(), model, sequence);
+                (sequences.iter().map(of_series).collect::<Result<_, MotesError>>()?, vec![])
             }
             None => {
                 let seed = Seed::from_u64(options.seed).child("evidence").child("pilot");
                 choose(model, &sequences, options, &seed, proceed)?
             }
         };
-        let filter = options.of_filter(candidate.proposal.clone(), options.particles);
-        Ok(EvidenceEstimator { model, sequences, candidate, filter, pilots })
+        let is_exact = named == Some(ProposalName::Exact);
+        Ok(EvidenceEstimator { model, sequences, candidates, options: options.clone(), is_exact, pilots })
     }
 
-    /// What particles are drawn from.
-    pub fn proposal(&self) -> &ProposalName {
-        &self.candidate.proposal
+    /// What the particles of each series are drawn from.
+    pub fn proposals(&self) -> Vec<&ProposalName> {
+        self.candidates.iter().map(|candidate| &candidate.proposal).collect()
     }
 
     /// Whether every answer is the same, and exact.
     pub fn is_exact(&self) -> bool {
-        self.candidate.proposal == ProposalName::Exact
+        self.is_exact
     }
 
     /// What pilots said, where they chose.
@@ -115,11 +122,33 @@ impl<'m> EvidenceEstimator<'m> {
 
     /// [`EvidenceEstimator::log_evidence_per_series`], which asks now and then whether to go on.
     pub(crate) fn per_series_while(&self, seed: &Seed, proceed: Proceed<'_>) -> Result<Vec<f64>, MotesError> {
-        let EvidenceEstimator { model, sequences, candidate, filter, .. } = self;
-        let of_series = |(number, sequence): (usize, &RecordedSequence)| {
-            let ahead = candidate.ahead.get(number).and_then(Option::as_ref);
-            sequence.log_evidence(model, filter, seed.nth(number as u64), ahead, proceed)
+        let EvidenceEstimator { model, sequences, candidates, options, .. } = self;
+        let of_series = |(number, (sequence, candidate)): (usize, (&RecordedSequence, &Candidate))| {
+            let seed = seed.nth(number as u64);
+            candidate.log_evidence((*model, sequence), (options, options.particles), seed, proceed)
         };
-        sequences.iter().enumerate().map(of_series).collect()
+        sequences.iter().zip(candidates).enumerate().map(of_series).collect()
+    }
+
+    /// What another proposal finds of a series where it finds more than these runs have.
+    ///
+    /// # Errors
+    /// [`MotesError::Interrupted`].
+    pub(super) fn second_opinion(
+        &self,
+        series: usize,
+        logs: &[f64],
+        seed: &Seed,
+        proceed: Proceed<'_>,
+    ) -> Result<Option<SecondOpinion>, MotesError> {
+        let (own, of_series) = (&self.candidates[series].proposal, (self.model, &self.sequences[series]));
+        second_opinion(own, logs, of_series, &self.options, seed, proceed)
+    }
+
+    /// Why no particle explains a series, if that is so.
+    pub(super) fn failure(&self, series: usize, seed: Seed) -> Option<String> {
+        let proposal = self.candidates[series].proposal.clone();
+        let filter = self.options.of_filter(proposal, self.options.particles);
+        self.sequences[series].failure(self.model, &filter, seed)
     }
 }

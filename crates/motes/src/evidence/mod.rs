@@ -8,10 +8,11 @@ mod log_evidence;
 mod many;
 mod options;
 mod pilot;
+mod second_opinion;
 mod sequence;
 mod worth;
 
-pub use estimate::{Evidence, evidence};
+pub use estimate::{Evidence, MissedMass, evidence};
 pub use estimator::EvidenceEstimator;
 pub(crate) use exact::is_exact;
 pub(crate) use judgement::{JudgedSequence, judge};

@@ -14,7 +14,7 @@ struct EvidenceObject<'a> {
     log_evidence_per_series: &'a [f64],
     standard_error_per_series: &'a [Option<f64>],
     variance_per_run: Option<f64>,
-    proposal: &'a str,
+    proposal: String,
     seconds: f64,
 }
 
@@ -26,7 +26,7 @@ pub fn evidence_json(evidence: &Evidence, seconds: f64) -> String {
         log_evidence_per_series: &evidence.log_evidence_per_series,
         standard_error_per_series: &evidence.standard_error_per_series,
         variance_per_run: evidence.variance_per_run(),
-        proposal: evidence.proposal.as_str(),
+        proposal: evidence.proposal_names(),
         seconds,
     };
     serde_json::to_string(&object).expect("numbers and texts") + "\n"

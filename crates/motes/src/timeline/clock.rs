@@ -47,8 +47,11 @@ struct PreviousRow {
     time: f64,
     /// The gap before it, if there was one.
     gap: Option<f64>,
-    /// Which entries of the measurement were there.
+    /// Which entries of the measurement were there, at it or at another row of its time.
     measured: Vec<bool>,
+    /// Which were there at rows of its time before it.
+    #[serde(default)]
+    pending: Vec<bool>,
 }
 
 /// A time, and the rows between which it lies.
@@ -106,6 +109,17 @@ impl Clock {
                 return Err(TimelineError::Zones { label: label.trim().to_string(), this, other });
             }
             self.has_zones = Some(has);
+        }
+        if self.rows == 0
+            && let (Some(start), Some(label), Some(_)) =
+                (timeline.start_date(), row.label, timeline.rule.unit)
+        {
+            let zones = [start, label].map(|label| has_zone(label) == Some(true));
+            if zones[0] != zones[1] {
+                let [this, other] = if zones[1] { ["a", "none"] } else { ["no", "one"] };
+                let (label, start) = (label.trim().to_string(), start.to_string());
+                return Err(TimelineError::StartZone { label, start, this, other });
+            }
         }
         if timeline.rule.counts_from_first_row() && self.rows == 0 {
             self.origin = time;
@@ -258,7 +272,9 @@ impl Clock {
         // Two rows at one time say nothing about how far rows are apart.
         let gap = from.map(|from| time - from).filter(|gap| *gap > 0.0);
         let gap = gap.or(self.previous.as_ref().and_then(|previous| previous.gap));
-        self.previous = Some(PreviousRow { time, gap, measured: Vec::new() });
+        let is_same_time = from == Some(time);
+        let pending = self.previous.take().filter(|_| is_same_time).map_or(Vec::new(), |row| row.measured);
+        self.previous = Some(PreviousRow { time, gap, measured: Vec::new(), pending });
         self.past.push_front(columns.to_vec());
         self.past.truncate(timeline.look_back());
         Ok(steps)
@@ -357,9 +373,9 @@ impl Clock {
         timeline: &Timeline,
         measurement: &[Option<f64>],
     ) -> Result<(), TimelineError> {
-        let is_first = self.steps == 1;
+        let has_passed = self.previous.as_ref().is_some_and(|previous| previous.gap.is_some());
         let needs =
-            |entry: &usize| is_first && measurement[*entry].is_some() && timeline.frame.needs_step(*entry);
+            |entry: &usize| !has_passed && measurement[*entry].is_some() && timeline.frame.needs_step(*entry);
         if let Some(entry) = (0..measurement.len()).find(needs) {
             return Err(TimelineError::NoStepBefore { entry: timeline.measurements[entry].clone() });
         }
@@ -371,7 +387,12 @@ impl Clock {
             }
         }
         if let Some(previous) = &mut self.previous {
-            previous.measured = measurement.iter().map(Option::is_some).collect();
+            let is_pending = |entry: usize| previous.pending.get(entry).is_some_and(|was| *was);
+            previous.measured = measurement
+                .iter()
+                .enumerate()
+                .map(|(entry, value)| value.is_some() || is_pending(entry))
+                .collect();
         }
         let Some(last) = self.past.front_mut() else { return Ok(()) };
         for (column, value) in timeline.columns.iter().zip(last) {

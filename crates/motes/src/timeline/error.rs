@@ -38,6 +38,18 @@ pub enum TimelineError {
         /// `none` or `one`.
         other: &'static str,
     },
+    /// The time of a row has a zone and that of the start has none, or the other way round.
+    #[error("{label} has {this} zone, and start = \"{start}\" of [time] has {other}")]
+    StartZone {
+        /// The time of the row.
+        label: String,
+        /// That of the start.
+        start: String,
+        /// `a` or `no`.
+        this: &'static str,
+        /// `none` or `one`.
+        other: &'static str,
+    },
     /// A gap has more sub-steps than anybody waits for.
     #[error(
         "the gap of {gap} before this row has {sub_steps:.0} sub-steps of {step}, more than 1000000; a longer step in [time], or another unit?"

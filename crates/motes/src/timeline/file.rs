@@ -9,6 +9,9 @@ use motes_formulas::{Between, TimeUnit};
 use super::error::{BeyondFile, TimelineError};
 use crate::calendar::{has_zone, label_of, time_of};
 
+/// How far times are apart, relative to their size, that are the same but for rounding: 60 ms of dates in days.
+const ROUNDING: f64 = 1e-12;
+
 /// The values of a column at increasing times.
 #[derive(Debug, Clone, Default, PartialEq)]
 struct Values {
@@ -59,7 +62,7 @@ impl InputFile {
         };
         let series_at = position(series);
         let mut series: BTreeMap<String, Values> = BTreeMap::new();
-        let mut zones = None;
+        let mut zones: Option<bool> = None;
         for record in reader.records() {
             let record = record.map_err(|error| error.to_string())?;
             let line = record.position().map_or(0, csv::Position::line);
@@ -67,7 +70,16 @@ impl InputFile {
             let name = series_at.map(cell).unwrap_or_default().to_string();
             let fault = |at: usize, reason: String| format!("line {line}, column {}: {reason}", header[at]);
             let time = time_of(cell(time_at), unit).map_err(|error| fault(time_at, error.to_string()))?;
-            zones = has_zone(cell(time_at)).filter(|_| unit.is_some()).or(zones);
+            if let Some(has) = has_zone(cell(time_at)).filter(|_| unit.is_some()) {
+                if zones.is_some_and(|before| before != has) {
+                    let [this, other] = if has { ["a", "none"] } else { ["no", "one"] };
+                    return Err(fault(
+                        time_at,
+                        format!("{} has {this} zone, and times before it have {other}", cell(time_at)),
+                    ));
+                }
+                zones = Some(has);
+            }
             let text = cell(value_at).trim();
             let value = text.parse::<f64>().ok().filter(|value| value.is_finite());
             let value = value.ok_or_else(|| {
@@ -76,6 +88,7 @@ impl InputFile {
             })?;
             let values = series.entry(name).or_default();
             if let Some(before) = values.times.last().filter(|before| **before >= time) {
+                let [time, before] = [time, *before].map(|time| label_of(time, unit, zones == Some(true)));
                 return Err(fault(time_at, format!("{time} comes after {before}; times increase")));
             }
             values.times.push(time);
@@ -129,9 +142,11 @@ impl InputFile {
             let beyond = BeyondFile { file, input, first, last, time, lag, is_after, on_to: String::new() };
             return Err(TimelineError::BeyondFile(Box::new(beyond)));
         }
+        // A sub-step that begins at a time of the file does so but for rounding.
+        let slack = ROUNDING * time.abs().max(last - first).max(lag.abs());
         // How many times are at or before it.
-        let before = times.partition_point(|known| *known <= time);
-        let at_or_after = times.partition_point(|known| *known < time);
+        let before = times.partition_point(|known| *known <= time + slack);
+        let at_or_after = times.partition_point(|known| *known < time - slack);
         let of = |at: usize| values[at.min(values.len() - 1)];
         Ok(match between {
             _ if before == 0 => values[0],

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use motes_formulas::{Frame, InputRule, InputSource, TimeLabel, TimeRule, TimeUnit};
+use motes_formulas::{Between, Frame, InputRule, InputSource, TimeLabel, TimeRule, TimeUnit};
 use motes_models::Stream;
 
 use super::error::TimelineError;
@@ -42,6 +42,12 @@ impl Timeline {
                 let reason = format!("{column} is a measurement; name the column that has {what}");
                 return Err((key.into(), reason));
             }
+        }
+        if let Some(input) = frame.inputs().iter().enumerate().find_map(|(number, _)| {
+            sees_itself(frame, measurements, number).then(|| frame.inputs()[number].name.clone())
+        }) {
+            let reason = "is a measurement of the same row, which is measured by it; rows = 1 takes that of the row before";
+            return Err((format!("[inputs] {input}"), reason.into()));
         }
         let needs_step = (0..measurements.len()).any(|entry| frame.needs_step(entry));
         if frame.time_rule().is_none() && frame.inputs().is_empty() && !needs_step {
@@ -186,4 +192,37 @@ impl Timeline {
         };
         self.frame.inputs().iter().map(of).max().unwrap_or(0)
     }
+}
+
+/// Whether an input is a measurement of the row that it leads to, in a way that what is measured depends on itself: through the state, or by other measurements of the row.
+fn sees_itself(frame: &Frame, measurements: &[String], input: usize) -> bool {
+    let of_measurement = |number: usize| match &frame.inputs()[number].source {
+        InputSource::Column(column) => measurements.iter().position(|name| name == column),
+        _ => None,
+    };
+    let Some(measured) = of_measurement(input) else { return false };
+    // Functions do not say which equation uses an input.
+    if frame.is_of_functions() {
+        return false;
+    }
+    let (rule, used) = (&frame.inputs()[input], frame.input_use(input));
+    if used.initial || (used.transition && rule.between != Between::Hold) {
+        return true;
+    }
+    let (mut seen, mut behind) = (vec![false; measurements.len()], vec![measured]);
+    while let Some(entry) = behind.pop() {
+        for (number, _) in
+            frame.inputs().iter().enumerate().filter(|(number, _)| frame.needs_input(entry, *number))
+        {
+            match of_measurement(number) {
+                Some(next) if next == measured && number == input => return true,
+                Some(next) if !seen[next] => {
+                    seen[next] = true;
+                    behind.push(next);
+                }
+                _ => {}
+            }
+        }
+    }
+    false
 }

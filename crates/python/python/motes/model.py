@@ -111,8 +111,8 @@ class Model(Filtering):
         """
         chosen = None if proposal is None else named(proposal)
         rows = data_of(self._model, data)
-        found, warning = _motes.evidence(self._model, rows.found, chosen, particles, runs, seed_of(seed), threads)
-        if warning is not None:
+        found, warnings = _motes.evidence(self._model, rows.found, chosen, particles, runs, seed_of(seed), threads)
+        for warning in warnings:
             warn(warning)
         return cast("dict[str, Any]", json.loads(found))
 

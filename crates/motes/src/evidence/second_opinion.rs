@@ -1,0 +1,66 @@
+//! A second opinion on the evidence of a series: one filter of each other proposal.
+//!
+//! `ẑ` is unbiased and positive, so that it is above the evidence by `c` nats with a probability of at most `e^{−c}`, while it may be below by any amount as long as no particle goes where
+//! the mass is. All runs of one proposal can miss the same, and then agree. Hence only a *higher* log-evidence of another proposal counts.
+
+use motes_inference::LogMean;
+use motes_models::Seed;
+
+use super::estimate::mean_of_runs;
+use super::options::EvidenceOptions;
+use super::pilot::{Candidate, candidates};
+use super::sequence::{Proceed, RecordedSequence};
+use crate::error::MotesError;
+use crate::model::Model;
+use crate::options::ProposalName;
+
+/// How much higher one run of another proposal must be (nats), beside twice the standard error.
+const MARGIN: f64 = 1.0;
+
+/// What another proposal has found of a series.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct SecondOpinion {
+    pub(super) proposal: ProposalName,
+    /// `log ẑ` of as many runs as there were, which are not those that it was found by.
+    pub(super) logs: Vec<f64>,
+}
+
+/// The proposal whose runs find more evidence than `logs` of `own`, if there is one.
+///
+/// # Errors
+/// [`MotesError::Interrupted`]. What cannot be run has no opinion.
+pub(super) fn second_opinion(
+    own: &ProposalName,
+    logs: &[f64],
+    (model, sequence): (&Model, &RecordedSequence),
+    options: &EvidenceOptions,
+    seed: &Seed,
+    proceed: Proceed<'_>,
+) -> Result<Option<SecondOpinion>, MotesError> {
+    let (log, error) = mean_of_runs(logs);
+    let enough = log + MARGIN + 2.0 * error.filter(|error| error.is_finite()).unwrap_or(0.0);
+    let mut best: Option<(f64, Candidate)> = None;
+    for proposal in candidates(model).into_iter().filter(|name| name != own) {
+        let seed = seed.child(proposal.kind());
+        let found = Candidate::of(proposal, model, sequence).and_then(|candidate| {
+            let log =
+                candidate.log_evidence((model, sequence), (options, options.particles), seed, proceed)?;
+            Ok((log, candidate))
+        });
+        match found {
+            Ok((log, candidate)) if log > best.as_ref().map_or(enough, |(most, _)| *most) => {
+                best = Some((log, candidate));
+            }
+            Err(MotesError::Interrupted) => return Err(MotesError::Interrupted),
+            _ => {}
+        }
+    }
+    let Some((_, candidate)) = best else { return Ok(None) };
+    let seed = seed.child("runs");
+    let run = |number: u64| {
+        candidate.log_evidence((model, sequence), (options, options.particles), seed.nth(number), proceed)
+    };
+    let again = (0..logs.len() as u64).map(run).collect::<Result<Vec<f64>, MotesError>>()?;
+    let is_higher = LogMean::of(&again).log() > log;
+    Ok(is_higher.then_some(SecondOpinion { proposal: candidate.proposal, logs: again }))
+}
