@@ -121,7 +121,8 @@ impl<'m> Running<'m> {
             let known = known.as_ref().map_or(last, StepRecord::step);
             let ahead = self.filter.measurement_ahead(&known, measurement, self.asked.probabilities());
             self.predictive = ahead.map_err(|error| self.explain(&error, &known, &nothing))?;
-            empty_unknown(self.model, &last, &mut self.predictive);
+            let has_passed = last.index > 1 || (last.index == 1 && last.sub_steps > 0);
+            empty_unknown(self.model, &last, has_passed, &mut self.predictive);
         }
         self.take_step(&last, measurement)
     }
@@ -240,6 +241,11 @@ impl<'m> Running<'m> {
     /// What a bootstrap filter beside it says of all steps so far, if there is one ([`FilterOptions::check`]).
     pub fn verdict(&self) -> Option<Verdict> {
         self.filter.verdict()
+    }
+
+    /// By how much the log-evidence of a bootstrap filter is larger than that of a filter that looks ahead, after the last step, where that is more than noise.
+    pub fn missed(&self) -> Option<f64> {
+        self.filter.missed()
     }
 
     /// By how much the log-evidence of a bootstrap filter beside it is above its own, if there is one.

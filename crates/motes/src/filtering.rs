@@ -94,7 +94,7 @@ pub(crate) fn measured(model: &Model, data: &Data, row: usize) -> TimeLabel {
     let row = &data.rows[row];
     let values = model.measurements().iter().zip(&row.measurement);
     let values = values.filter_map(|(name, value)| value.map(|value| (name.clone(), value)));
-    TimeLabel { label: row.label.clone(), values: values.collect() }
+    TimeLabel { time: Some(row.time), label: row.label.clone(), values: values.collect() }
 }
 
 /// What is to be said of the proposal itself, whatever the data are.

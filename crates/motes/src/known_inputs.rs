@@ -20,13 +20,14 @@ pub(crate) fn all_known(steps: &[StepRecord]) -> Vec<StepRecord> {
     steps.iter().map(|step| without_unknown(&step.step()).unwrap_or_else(|| step.clone())).collect()
 }
 
-/// Empties the predictions of measurements that need an input which is not known at the end of a step.
-pub(crate) fn empty_unknown(model: &Model, step: &Step<'_>, predictive: &mut [Predictive]) {
+/// Empties the predictions of measurements that need an input which is not known at the end of a step, or a step before it where there `has_passed` no time.
+pub(crate) fn empty_unknown(model: &Model, step: &Step<'_>, has_passed: bool, predictive: &mut [Predictive]) {
     let Some(frame) = model.frame() else { return };
     let inputs = step.end(frame.input_dim()).inputs;
     let unknown: Vec<usize> = (0..inputs.len()).filter(|input| inputs[*input].is_nan()).collect();
     for (entry, prediction) in predictive.iter_mut().enumerate() {
-        if unknown.iter().any(|input| frame.needs_input(entry, *input)) {
+        let lacks_step = !has_passed && frame.needs_step(entry);
+        if lacks_step || unknown.iter().any(|input| frame.needs_input(entry, *input)) {
             prediction.mean = f64::NAN;
             prediction.sd = f64::NAN;
             prediction.quantiles.fill(f64::NAN);

@@ -22,6 +22,8 @@ struct Filter<'m, M: StateSpaceModel + ?Sized, P: Proposal<M>> {
     filter: ParticleFilter<&'m M, P>,
     check: Option<EvidenceCheck<&'m M, P>>,
     second: Option<Second<'m, M>>,
+    /// Whether its weights know the data from the start, so that its evidence is that of all of them after the last step alone.
+    looks_ahead: bool,
 }
 
 /// A bootstrap filter, and what it says of another.
@@ -37,6 +39,9 @@ pub(crate) enum Start {
     /// What it was before.
     State(Box<FilterState>),
 }
+
+/// How much larger the log-evidence of a bootstrap filter must be, beside twice the standard error, for a filter that looks ahead to have missed states.
+const MISSED: f64 = 3.0;
 
 /// Numbers of particles from which on it pays to look at them on two threads.
 const LARGE: usize = 16_384;
@@ -74,7 +79,7 @@ where
     P: Proposal<M, Memory = ()> + Clone + Send,
 {
     fn step(&mut self, step: &Step<'_>, measurement: &[Option<f64>]) -> Result<(), FilterError> {
-        let Filter { filter, check, second, .. } = self;
+        let Filter { filter, check, second, looks_ahead, .. } = self;
         let Some(check) = check else { return filter.step_at(step, measurement) };
         // On the second thread, where there is one.
         let (done, ()) = rayon_core::join(
@@ -90,8 +95,8 @@ where
         done?;
         check.take_in(filter, measurement);
         match second {
-            Some(Second { bootstrap, opinion }) => opinion.step(filter, bootstrap),
-            None => Ok(()),
+            Some(Second { bootstrap, opinion }) if !*looks_ahead => opinion.step(filter, bootstrap),
+            _ => Ok(()),
         }
     }
 
@@ -126,7 +131,15 @@ where
     }
 
     fn verdict(&self) -> Option<Verdict> {
-        self.second.as_ref().map(|second| second.opinion.verdict())
+        self.second.as_ref().filter(|_| !self.looks_ahead).map(|second| second.opinion.verdict())
+    }
+
+    fn missed(&self) -> Option<f64> {
+        let Second { bootstrap, .. } = self.second.as_ref().filter(|_| self.looks_ahead)?;
+        // An estimate is above the evidence by c nats with a probability of at most e^-c.
+        let larger = bootstrap.log_evidence() - self.filter.log_evidence();
+        let enough = MISSED + 2.0 * self.standard_error().unwrap_or(0.0);
+        (bootstrap.failure().is_none() && larger > enough).then_some(larger)
     }
 
     fn state(&self, probabilities: &[f64]) -> Vec<Coordinate> {
@@ -233,6 +246,7 @@ pub(crate) fn boxed<'m, M: Simulator + ?Sized>(
                     .transpose()?,
                 filter: ParticleFilter::restore(model, proposal, filter)?,
                 second: second.map(restored).transpose()?,
+                looks_ahead: false,
             }));
         }
     };
@@ -242,10 +256,9 @@ pub(crate) fn boxed<'m, M: Simulator + ?Sized>(
         true => Some(EvidenceCheck::new(model, proposal.clone(), settings, &seed.child("check"))?),
         false => None,
     };
+    let looks_ahead = proposal.looks_ahead();
     let filter = ParticleFilter::new(model, proposal, settings, seed.stream())?;
-    // What looks ahead has the evidence of all data from the start, which no filter can be held against step by step.
-    let is_alone = matches!(options.proposal, ProposalName::Bootstrap | ProposalName::LookAhead);
-    let second = match options.check && !is_alone {
+    let second = match options.check && options.proposal != ProposalName::Bootstrap {
         true => {
             let stream = seed.child("second opinion").stream();
             let settings = FilterSettings { defensive_weight: None, ..settings };
@@ -254,5 +267,5 @@ pub(crate) fn boxed<'m, M: Simulator + ?Sized>(
         }
         false => None,
     };
-    Ok(Box::new(Filter { model, filter, check, second }))
+    Ok(Box::new(Filter { model, filter, check, second, looks_ahead }))
 }

@@ -33,6 +33,11 @@ pub(crate) trait Steps: Send + Sync {
         None
     }
 
+    /// By how much the log-evidence of a bootstrap filter is larger than that of a filter that looks ahead, where that is more than noise.
+    fn missed(&self) -> Option<f64> {
+        None
+    }
+
     /// By how much that one's log-evidence is larger.
     fn difference(&self) -> f64 {
         0.0

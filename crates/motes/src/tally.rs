@@ -106,6 +106,11 @@ impl Tally {
                 )));
             }
         }
+        self.warnings.extend(running.missed().map(|nats| {
+            warning(format!(
+                "the filter misses mass: the log-evidence of a bootstrap filter is {nats:.1} larger; take --proposal bootstrap, or another that agrees with it"
+            ))
+        }));
         let verdict = running.verdict();
         self.warnings.extend(of_opinion(name, verdict, running.difference(), at));
         self.opinions.push(verdict);
@@ -139,6 +144,8 @@ impl Tally {
 /// What the data call a time, and what was measured then.
 #[derive(Debug, Clone, Default)]
 pub struct TimeLabel {
+    /// The time of the row, where it is known; it is that of the step else.
+    pub time: Option<f64>,
     /// What the data call the time.
     pub label: Option<String>,
     /// The measurements that are there, with their names.
@@ -147,12 +154,13 @@ pub struct TimeLabel {
 
 impl TimeLabel {
     /// The time, for people: `t = 30 (1901, flow = 3.2)`.
-    fn named(&self, time: usize) -> String {
+    fn named(&self, step: usize) -> String {
         /// Measurements that are named.
         const MOST: usize = 3;
         let values = self.values.iter().take(MOST).map(|(name, value)| format!("{name} = {value}"));
         let known: Vec<String> = self.label.iter().cloned().chain(values).collect();
         let more = if self.values.len() > MOST { ", …" } else { "" };
+        let time = self.time.map_or(step.to_string(), |time| time.to_string());
         match known.is_empty() {
             true => format!("t = {time}"),
             false => format!("t = {time} ({}{more})", known.join(", ")),

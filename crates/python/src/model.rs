@@ -354,6 +354,7 @@ impl Model {
             sequences: integer("sequences", sequences, 1, 1_000_000)?,
             steps: integer("steps", steps, 2, 1_000_000_000)?,
             inputs: None,
+            particles_up_to: None,
             reference_particles: CompareOptions::REFERENCE_PARTICLES,
             reference_filters: 1,
             reference_error: None,

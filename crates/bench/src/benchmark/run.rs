@@ -182,6 +182,7 @@ fn options(plan: &BenchmarkPlan, learned: &[LearnedProposal]) -> Result<CompareO
         particles: profile.equal_time.clone(),
         sequences: profile.sequences,
         steps: profile.times,
+        particles_up_to: None,
         reference_particles: profile.reference_particles,
         reference_filters: profile.reference_filters,
         reference_error: profile.reference_error,

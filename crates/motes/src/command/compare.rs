@@ -57,6 +57,7 @@ pub(super) fn run(args: &CompareArgs, interrupt: &Interrupt) -> Result<u8, Failu
         sequences: args.sequences,
         steps: args.steps,
         inputs: inputs.map(Arc::new),
+        particles_up_to: None,
         reference_particles: CompareOptions::REFERENCE_PARTICLES,
         reference_filters: 1,
         reference_error: None,

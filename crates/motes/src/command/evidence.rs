@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use motes::output::{Output, evidence_json, evidence_table};
+use motes::output::{Output, evidence_json, evidence_table, plus_minus};
 use motes::{Evidence, MotesError, evidence, of_starts, on_threads};
 use motes_cli::{Interrupt, status};
 
@@ -45,7 +45,7 @@ pub(super) fn run(args: &EvidenceArgs, interrupt: &Interrupt) -> Result<u8, Fail
 fn in_one_line(found: &Evidence, is_chosen: bool) -> String {
     let error = match (found.is_exact(), found.standard_error()) {
         (true, _) => ", exact".to_string(),
-        (false, Some(error)) => format!(" ± {error:.3}"),
+        (false, Some(error)) => plus_minus(error),
         (false, None) => String::new(),
     };
     let runs = if found.is_exact() { String::new() } else { format!(", {} runs", found.runs.len()) };

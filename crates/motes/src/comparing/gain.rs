@@ -54,6 +54,13 @@ impl EqualTime {
     }
 }
 
+/// Whether the last of a contender's points, from few particles to many, has the least squared error for its time by a tenth or more.
+pub(super) fn is_best_at_last(points: &[&Point]) -> bool {
+    let of = |point: &Point| mean_square(point, None) * point.ms_per_step;
+    let Some((last, before)) = points.split_last() else { return false };
+    before.iter().all(|point| 0.9 * of(point) > of(last)) || !of(last).is_finite()
+}
+
 fn mean_square(point: &Point, left_out: Option<usize>) -> f64 {
     let gaps = point.gaps.iter().enumerate().filter(|(at, _)| Some(*at) != left_out).map(|(_, gap)| gap);
     let squares: Vec<f64> = gaps.map(|gap| gap.map_or(f64::INFINITY, |gap| gap * gap)).collect();

@@ -19,6 +19,7 @@ pub use card::{Card, Figure};
 pub use designed::{designed, designed_for_recorded};
 pub use equal_time::{EqualTime, Point, TimeToError};
 pub use gain::Gain;
+use gain::is_best_at_last;
 pub use options::{CompareOptions, MOST_REFERENCE_FILTERS};
 pub use paired::Paired;
 pub use sequence::Sequence;
@@ -104,9 +105,10 @@ fn compare_until(
     let all_particles = (count * of_reference + count * contenders.len() * of_proposal) as f64;
     let (mut filters, mut particles_done) = (0, 0);
     let mut step = |particles: usize| {
-        filters += 1;
+        filters = (filters + 1).min(of);
         particles_done += particles;
-        match proceed(ComparisonProgress { filters, of, share: particles_done as f64 / all_particles }) {
+        let share = (particles_done as f64 / all_particles).min(1.0);
+        match proceed(ComparisonProgress { filters, of, share }) {
             ControlFlow::Break(()) => Err(MotesError::Interrupted),
             ControlFlow::Continue(()) => Ok(()),
         }
@@ -141,6 +143,21 @@ fn compare_until(
         for &particles in &options.particles {
             let runs = run_all(contender, particles, false, &mut step)?;
             points.push(Point::of(contender.clone(), particles, &runs));
+        }
+        let Some(most) =
+            options.particles_up_to.filter(|_| !contender.looks_ahead() && !contender.is_learned())
+        else {
+            continue;
+        };
+        let mut more = 3 * options.particles.last().copied().unwrap_or(most);
+        while more <= most
+            && is_best_at_last(
+                &points.iter().filter(|point| point.contender == *contender).collect::<Vec<_>>(),
+            )
+        {
+            let runs = run_all(contender, more, false, &mut step)?;
+            points.push(Point::of(contender.clone(), more, &runs));
+            more *= 3;
         }
     }
     let cards = contenders.iter().zip(&of_cards);

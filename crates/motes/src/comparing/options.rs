@@ -27,6 +27,8 @@ pub struct CompareOptions {
     pub steps: usize,
     /// The times and inputs of simulated sequences; a model without inputs, or one that simulates them, needs none.
     pub inputs: Option<Arc<Data>>,
+    /// Designed filters that do best with the most of these particles are run with three times as many, and again, up to so many; not at all if absent.
+    pub particles_up_to: Option<usize>,
     /// The particles of the filters that all are held against, where there is no exact one.
     pub reference_particles: usize,
     /// How many such filters there are for a sequence, whose evidence is averaged. More than one tell how far it can be trusted; learned proposals are then
@@ -56,6 +58,8 @@ impl CompareOptions {
             proposals,
             filter,
             particles: vec![30, 100, 300, 1000],
+            // Else what is learned would be held against filters with fewer particles than suit them.
+            particles_up_to: Some(10_000),
             sequences: 20,
             steps: 100,
             inputs: None,

@@ -106,7 +106,8 @@ impl Columns {
             named => Some(find(named, "[series] of the model names")?),
         };
         let time = at("t").filter(|_| !is_measured("t"));
-        let time = time.filter(|at| clock != Some(*at));
+        // Where the model names a column of times, no other counts them.
+        let time = time.filter(|_| clock.is_none());
         let is_time = |at: usize| clock == Some(at) && names[at] == "t";
         let first = (0..names.len()).find(|&at| Some(at) != series && Some(at) != time);
         let is_known = |at: usize| {

@@ -51,7 +51,7 @@ pub struct MissedMass {
 }
 
 /// A standard error above this (nats) hardly says which of two models is better.
-const LARGEST_ERROR: f64 = 10.0;
+pub(crate) const LARGEST_ERROR: f64 = 10.0;
 
 impl Evidence {
     /// Whether it has no error.

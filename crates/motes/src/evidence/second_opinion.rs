@@ -3,7 +3,6 @@
 //! `ẑ` is unbiased and positive, so that it is above the evidence by `c` nats with a probability of at most `e^{−c}`, while it may be below by any amount as long as no particle goes where
 //! the mass is. All runs of one proposal can miss the same, and then agree. Hence only a *higher* log-evidence of another proposal counts.
 
-use motes_inference::LogMean;
 use motes_models::Seed;
 
 use super::estimate::mean_of_runs;
@@ -14,8 +13,11 @@ use crate::error::MotesError;
 use crate::model::Model;
 use crate::options::ProposalName;
 
-/// How much higher one run of another proposal must be (nats), beside twice the standard error.
-const MARGIN: f64 = 1.0;
+/// How much higher one run of another proposal must be (nats), beside twice the standard error, for it to be run as often.
+const MARGIN: f64 = 0.3;
+
+/// How much higher all of its runs must be, where the standard errors do not say that they are.
+const MISSED: f64 = 3.0;
 
 /// What another proposal has found of a series.
 #[derive(Debug, Clone, PartialEq)]
@@ -61,6 +63,8 @@ pub(super) fn second_opinion(
         candidate.log_evidence((model, sequence), (options, options.particles), seed.nth(number), proceed)
     };
     let again = (0..logs.len() as u64).map(run).collect::<Result<Vec<f64>, MotesError>>()?;
-    let is_higher = LogMean::of(&again).log() > log;
+    let (higher, its_error) = mean_of_runs(&again);
+    let noise = 2.0 * error.unwrap_or(f64::INFINITY).hypot(its_error.unwrap_or(f64::INFINITY));
+    let is_higher = higher - log > MISSED.min(noise);
     Ok(is_higher.then_some(SecondOpinion { proposal: candidate.proposal, logs: again }))
 }

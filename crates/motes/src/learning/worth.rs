@@ -136,6 +136,7 @@ mod tests {
             particles: vec![],
             sequences: 4,
             steps: 40,
+            particles_up_to: None,
             reference_particles: 5000,
             reference_filters: 1,
             reference_error: None,

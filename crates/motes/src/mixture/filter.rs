@@ -7,7 +7,7 @@ use motes_inference::map_on_threads;
 use motes_smc::{Predictive, WeightReport};
 
 use super::draw::options_of_draw;
-use super::values::{AtDraw, mixed, of_quantiles, probabilities};
+use super::values::{Grid, mixed};
 use crate::data::Data;
 use crate::engine::Running;
 use crate::error::MotesError;
@@ -54,20 +54,12 @@ impl PosteriorEstimates {
     }
 }
 
-/// What a filter at one draw says of a row: each coordinate.
-type RowAtDraw = Vec<AtDraw>;
-
-/// What it expects of an entry of a measurement, and where that lies in it.
-struct ExpectedAtDraw {
-    expected: AtDraw,
-    pit: Option<f64>,
-}
-
-/// What it says of a row of the data, or of one that is predicted: each coordinate of the state, and each entry of the measurement, where it is expected.
+/// What a filter at one draw says of a row of the data, or of one that is predicted: each coordinate of the state, and each entry of the measurement, where it is expected, with the quantiles of a
+/// grid.
 #[derive(Default)]
 struct EstimateAtDraw {
-    state: RowAtDraw,
-    expected: Vec<ExpectedAtDraw>,
+    state: Vec<Coordinate>,
+    expected: Vec<Predictive>,
 }
 
 /// What it predicts of a row after a series.
@@ -101,18 +93,20 @@ pub fn filter_draws(
 ) -> Result<PosteriorEstimates, MotesError> {
     let done = AtomicUsize::new(0);
     let proceed = || proceed(done.fetch_add(1, Ordering::Relaxed) + 1);
-    let all = map_on_threads(draws, |number, model| at_draw(model, number, data, options, &proceed));
+    let grid = Grid::for_quantiles(options.quantiles.probabilities());
+    let at_grid = FilterOptions { quantiles: grid.quantiles(), ..options.clone() };
+    let all = map_on_threads(draws, |number, model| at_draw(model, number, data, &at_grid, &proceed));
     let all = all.into_iter().collect::<Result<Vec<DrawEstimates>, MotesError>>()?;
     let probabilities = options.quantiles.probabilities();
     let estimates = (0..data.rows.len()).map(|row| {
         let draws: Vec<&EstimateAtDraw> = all.iter().map(|draw| &draw.rows[row]).collect();
-        over_draws(&draws, probabilities)
+        over_draws(&draws, &grid, probabilities)
     });
     let ahead = |series: usize| {
         let first = all.first().map_or(&[][..], |draw| draw.ahead[series].as_slice());
         let forecast = |(row, first): (usize, &AheadAtDraw)| {
             let rows = all.iter().map(|draw| &draw.ahead[series][row].estimate);
-            let estimate = over_draws(&rows.collect::<Vec<&EstimateAtDraw>>(), probabilities);
+            let estimate = over_draws(&rows.collect::<Vec<&EstimateAtDraw>>(), &grid, probabilities);
             Forecast { time: first.time, label: first.label.clone(), is_given: first.is_given, estimate }
         };
         first.iter().enumerate().map(forecast).collect()
@@ -146,13 +140,19 @@ fn of_doubts(draws: &[DrawEstimates]) -> Option<Warning> {
 }
 
 /// A row over all draws, of equal weights, with quantiles at these probabilities.
-fn over_draws(draws: &[&EstimateAtDraw], probabilities: &[f64]) -> Estimate {
-    let coordinate =
-        |at: usize| mixed(&draws.iter().map(|draw| &draw.state[at]).collect::<Vec<&AtDraw>>(), probabilities);
+fn over_draws(draws: &[&EstimateAtDraw], grid: &Grid, probabilities: &[f64]) -> Estimate {
+    let coordinate = |at: usize| {
+        let of_draws: Vec<&Coordinate> = draws.iter().map(|draw| &draw.state[at]).collect();
+        mixed(&of_draws, grid.weights(), probabilities)
+    };
     let entry = |at: usize| {
-        let of_draws: Vec<&ExpectedAtDraw> = draws.iter().map(|draw| &draw.expected[at]).collect();
+        let of_draws: Vec<&Predictive> = draws.iter().map(|draw| &draw.expected[at]).collect();
+        let expected: Vec<Coordinate> = of_draws
+            .iter()
+            .map(|of| Coordinate { mean: of.mean, sd: of.sd, quantiles: of.quantiles.clone() })
+            .collect();
         let Coordinate { mean, sd, quantiles } =
-            mixed(&of_draws.iter().map(|of| &of.expected).collect::<Vec<&AtDraw>>(), probabilities);
+            mixed(&expected.iter().collect::<Vec<&Coordinate>>(), grid.weights(), probabilities);
         // The distribution function of a mixture is the mean of those that are mixed.
         let pit = of_draws.iter().map(|of| of.pit).sum::<Option<f64>>();
         Predictive { mean, sd, quantiles, pit: pit.map(|sum| sum / of_draws.len() as f64) }
@@ -171,23 +171,9 @@ fn at_draw(
     options: &FilterOptions,
     proceed: &(dyn Fn() -> ControlFlow<()> + Sync),
 ) -> Result<DrawEstimates, MotesError> {
-    let probabilities = probabilities();
     let options = options_of_draw(options, number);
-    let at_draw = |running: &Running<'_>, estimate: &Estimate| {
-        let of_coordinate = |(at, of): (usize, &Coordinate)| AtDraw {
-            mean: of.mean,
-            sd: of.sd,
-            values: running.quantiles(at, &probabilities),
-        };
-        let of_entry = |of: &Predictive| ExpectedAtDraw {
-            expected: AtDraw { mean: of.mean, sd: of.sd, values: of_quantiles(&of.quantiles) },
-            pit: of.pit,
-        };
-        EstimateAtDraw {
-            state: estimate.state.iter().enumerate().map(of_coordinate).collect(),
-            expected: estimate.predictive.iter().map(of_entry).collect(),
-        }
-    };
+    let at_draw =
+        |estimate: Estimate| EstimateAtDraw { state: estimate.state, expected: estimate.predictive };
     check_ahead(&options, data)?;
     let mut rows: Vec<EstimateAtDraw> = data.rows.iter().map(|_| EstimateAtDraw::default()).collect();
     let (mut ahead, mut warnings) = (Vec::new(), Vec::new());
@@ -202,7 +188,7 @@ fn at_draw(
                 .step_and_diagnose(&row.steps, &row.measurement)
                 .map_err(|error| error.at_row(&data.source, name, row.line))?;
             tally.step(&mut of_this, &row.steps, &row.measurement, diagnosis.as_ref());
-            rows[at] = at_draw(&running, &estimate);
+            rows[at] = at_draw(estimate);
             if proceed().is_break() {
                 return Err(MotesError::Interrupted);
             }
@@ -213,9 +199,8 @@ fn at_draw(
         let (mut of_series_ahead, mut clock) = (Vec::new(), data.clocks[series].clone());
         for row in rows_ahead(&options, name, places.len())? {
             let forecast = running.predict_by(&mut clock, row).map_err(|error| of_series(name, error))?;
-            let estimate = at_draw(&running, &forecast.estimate);
-            let Forecast { time, label, is_given, .. } = forecast;
-            of_series_ahead.push(AheadAtDraw { time, label, is_given, estimate });
+            let Forecast { time, label, is_given, estimate } = forecast;
+            of_series_ahead.push(AheadAtDraw { time, label, is_given, estimate: at_draw(estimate) });
         }
         ahead.push(of_series_ahead);
         warnings.extend(running.forecast_warning(name));

@@ -4,10 +4,10 @@ use std::ops::ControlFlow;
 
 use super::draw::options_of_draw;
 use super::filter::PosteriorEstimates;
-use super::values::{AtDraw, mixed};
+use super::values::quantiles;
 use crate::data::Data;
 use crate::error::MotesError;
-use crate::estimate::Estimate;
+use crate::estimate::{Coordinate, Estimate};
 use crate::model::Model;
 use crate::options::FilterOptions;
 use crate::smoothing::smooth_until;
@@ -26,9 +26,7 @@ pub fn smooth_draws(
 ) -> Result<PosteriorEstimates, MotesError> {
     let each = paths.div_ceil(draws.len().max(1));
     let n = draws.first().map_or(0, |model| model.states().len());
-    let mut rows: Vec<Vec<AtDraw>> = Vec::new();
-    let nothing = AtDraw { mean: 0.0, sd: 0.0, values: Vec::new() };
-    rows.resize(data.rows.len(), vec![nothing; n]);
+    let mut rows: Vec<Vec<Vec<f64>>> = vec![vec![Vec::new(); n]; data.rows.len()];
     let mut warnings = data.warnings();
     for (number, model) in draws.iter().enumerate() {
         let options = options_of_draw(options, number);
@@ -37,7 +35,7 @@ pub fn smooth_draws(
         for (paths, places) in smoothed.paths.iter().zip(data.by_series()) {
             for path in 0..paths.len() {
                 for (state, row) in paths.path(path).chunks_exact(n).zip(&places) {
-                    rows[*row].iter_mut().zip(state).for_each(|(of, value)| of.values.push(*value));
+                    rows[*row].iter_mut().zip(state).for_each(|(values, value)| values.push(*value));
                 }
             }
         }
@@ -48,13 +46,14 @@ pub fn smooth_draws(
             }
         }
     }
-    let estimate = |row: &Vec<AtDraw>| {
-        let coordinate = |of: &AtDraw| {
-            let count = of.values.len() as f64;
-            let mean = of.values.iter().sum::<f64>() / count;
-            let variance = of.values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / count;
-            let of_all = AtDraw { mean, sd: variance.sqrt(), values: of.values.clone() };
-            mixed(&[&of_all], options.quantiles.probabilities())
+    let estimate = |row: &Vec<Vec<f64>>| {
+        let coordinate = |values: &Vec<f64>| {
+            let count = values.len() as f64;
+            let mean = values.iter().sum::<f64>() / count;
+            let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / count;
+            let weighted = values.iter().map(|value| (*value, 1.0)).collect();
+            let quantiles = quantiles(weighted, options.quantiles.probabilities());
+            Coordinate { mean, sd: variance.sqrt(), quantiles }
         };
         Estimate::of_state(row.iter().map(coordinate).collect())
     };

@@ -28,4 +28,4 @@ pub use report::{
     CardReport, FitReport, MaximumReport, Report, card_report, error_figure, fit_report, maximum_report,
     report,
 };
-pub use summary::{filter_settings, filter_summary};
+pub use summary::{filter_settings, filter_summary, plus_minus};

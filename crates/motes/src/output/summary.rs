@@ -2,8 +2,17 @@
 
 use motes_smc::Verdict;
 
+use crate::evidence::LARGEST_ERROR;
 use crate::filtered::Filtered;
 use crate::options::{FilterOptions, ProposalName};
+
+/// The standard error of a log-evidence behind it, as ` ± 0.123`; one above 10 is an extrapolation, of which no more is told.
+pub fn plus_minus(error: f64) -> String {
+    match error > LARGEST_ERROR {
+        true => format!(" ± more than {LARGEST_ERROR}"),
+        false => format!(" ± {error:.3}"),
+    }
+}
 
 /// The figures of a filter over so many times, a name and a value each; `has_series` says whether its series have names.
 pub fn filter_summary(
@@ -15,7 +24,7 @@ pub fn filter_summary(
     let k = options.particles;
     let error = match filtered.standard_error() {
         Some(_) if options.proposal == ProposalName::Exact => ", exact".to_string(),
-        Some(error) => format!(" ± {error:.3}"),
+        Some(error) => plus_minus(error),
         None if options.check => " (too few particles for a standard error)".to_string(),
         None => " (its standard error was not asked for)".to_string(),
     };

@@ -168,9 +168,13 @@ impl Clock {
             Some(row) => self.next(timeline, row),
             None => self.next_after(timeline, gap, &vec![None; timeline.columns.len()]),
         };
-        found.map_err(|error| match error {
-            TimelineError::Missing { input, .. } => TimelineError::Ahead { input },
-            other => other,
+        found.map_err(|error| match (error, row) {
+            (TimelineError::Missing { input, .. }, None) => TimelineError::Ahead { input },
+            (TimelineError::Missing { input, .. }, Some(row)) => {
+                let number = || format!("number {}", self.rows + 1);
+                TimelineError::MissingAhead { input, row: row.label.map_or_else(number, String::from) }
+            }
+            (other, _) => other,
         })
     }
 

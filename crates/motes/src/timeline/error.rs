@@ -106,7 +106,7 @@ pub enum TimelineError {
         of_rows: &'static str,
     },
     /// A file has nothing for a series.
-    #[error("{file} has no rows of series {series}")]
+    #[error("{file} has {}", of_series(series))]
     NoSeries {
         /// The file.
         file: String,
@@ -120,6 +120,14 @@ pub enum TimelineError {
     NoStepBefore {
         /// The measurement.
         entry: String,
+    },
+    /// An input is missing in a row ahead.
+    #[error("the input {input} has no value in the row {row} of --inputs")]
+    MissingAhead {
+        /// The input.
+        input: String,
+        /// The time of the row as it is written, or its number, from 1.
+        row: String,
     },
     /// Inputs ahead are not known.
     #[error("the input {input} is not known ahead; give its values by --inputs")]
@@ -189,4 +197,12 @@ pub struct BeyondFile {
     pub is_after: bool,
     /// How far the rows behind go, in words, if that is after the last one and there are such.
     pub on_to: String,
+}
+
+/// What a file of inputs lacks.
+fn of_series(series: &str) -> String {
+    match series.is_empty() {
+        true => "a column of series, and the data have none".to_string(),
+        false => format!("no rows of series {series}"),
+    }
 }

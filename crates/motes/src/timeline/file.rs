@@ -52,6 +52,9 @@ impl InputFile {
             Ok(header) => header.iter().map(|name| name.trim().to_string()).collect(),
             Err(error) => return Err(error.to_string()),
         };
+        if let Some(twice) = header.iter().enumerate().find(|(at, name)| header[..*at].contains(name)) {
+            return Err(format!("line 1: the column {} stands twice", twice.1));
+        }
         let position = |name: &str| header.iter().position(|known| known == name);
         let missing =
             |name: &str| format!("line 1: there is no column {name}; there are {}", header.join(", "));

@@ -89,6 +89,7 @@ fn a_learned_proposal_is_near_the_optimum_which_is_near_the_designed_ones() {
         ],
         filter,
         particles: vec![],
+        particles_up_to: None,
         reference_particles: 1000,
         ..CompareOptions::of_learned(&model, learned.proposal, PARTICLES, 1)
     };

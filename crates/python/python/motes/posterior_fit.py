@@ -27,6 +27,10 @@ if TYPE_CHECKING:
     from .model import Model
 
 
+#: The columns of a summary, in order.
+_FIGURES = ["mean", "sd", "q05", "q50", "q95", "rhat", "ess_bulk", "ess_tail", "mcse"]
+
+
 class PosteriorFit:
     """The posterior of a model's parameters, by draws."""
 
@@ -71,7 +75,9 @@ class PosteriorFit:
     def summary(self) -> Any:
         """A data frame of pandas with a row for each parameter: mean, sd, quantiles, R-hat, effective sample sizes, Monte Carlo error."""
         pandas = module("pandas", "summary")
-        return pandas.DataFrame.from_dict(self.to_json()["parameters"], orient="index")
+        frame = pandas.DataFrame.from_dict(self.to_json()["parameters"], orient="index")
+        first = [name for name in _FIGURES if name in frame]
+        return frame[first + [name for name in frame if name not in first]]
 
     def to_arviz(self) -> Any:
         """The draws as ArviZ has them: the group `posterior`, and the log-likelihoods in `sample_stats`."""

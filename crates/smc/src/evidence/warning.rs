@@ -47,7 +47,7 @@ impl fmt::Display for EvidenceWarning {
             }
             EvidenceWarning::LargeError { standard_error } => write!(
                 f,
-                "the log-evidence has a standard error of {standard_error:.0}: it is too low, by as much or more"
+                "the log-evidence has a standard error of {standard_error:.0}: it is too low by an unknown amount"
             ),
             EvidenceWarning::FewAncestors { coordinate, step, since, ancestors } => write!(
                 f,
