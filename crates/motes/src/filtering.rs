@@ -11,6 +11,7 @@ use crate::learned_steps::of_sub_steps;
 use crate::long_step::of_step;
 use crate::model::Model;
 use crate::options::{FilterOptions, ProposalName};
+use crate::outside_prior::outside_of_learning;
 use crate::priors::of_starts;
 use crate::rows_ahead::{check_ahead, rows_ahead};
 use crate::sight::of_blind;
@@ -47,7 +48,7 @@ fn filter_until(
     let mut tally = Tally::new(
         of_starts(model)
             .into_iter()
-            .chain(of_proposal(options))
+            .chain(of_proposal(model, options))
             .chain(of_blind(model, Some(data), options))
             .chain(of_sub_steps(model, data, options))
             .chain(of_step(model, data))
@@ -98,14 +99,16 @@ pub(crate) fn measured(model: &Model, data: &Data, row: usize) -> TimeLabel {
 }
 
 /// What is to be said of the proposal itself, whatever the data are.
-pub fn of_proposal(options: &FilterOptions) -> Option<Warning> {
-    let ProposalName::Learned(learned) = &options.proposal else { return None };
-    let designed = learned.notes().worse_than.as_ref()?;
-    let text = format!(
-        "--proposal {} did worse than {designed} on sequences of its own model when it was learned; take --proposal {designed}",
-        learned.name()
-    );
-    Some(Warning { series: None, text })
+pub fn of_proposal(model: &Model, options: &FilterOptions) -> Vec<Warning> {
+    let ProposalName::Learned(learned) = &options.proposal else { return vec![] };
+    let worse = learned.notes().worse_than.as_ref().map(|designed| {
+        let text = format!(
+            "--proposal {} did worse than {designed} on sequences of its own model when it was learned; take --proposal {designed}",
+            learned.name()
+        );
+        Warning { series: None, text }
+    });
+    worse.into_iter().chain(outside_of_learning(model, &options.proposal)).collect()
 }
 
 /// Says which series an error is about.

@@ -216,6 +216,11 @@ impl LearnedProposal {
         found.map_err(|error| self.refused(&error))
     }
 
+    /// The prior that its potentials were learned over, if they were.
+    pub(crate) fn prior(&self) -> Option<&TrainingPrior> {
+        self.potential_notes()?.prior.as_ref()
+    }
+
     /// Whether it serves all values of the parameters that have a prior and no other value.
     ///
     /// # Errors

@@ -58,6 +58,7 @@ mod model_steps;
 mod names;
 mod options;
 pub mod output;
+mod outside_prior;
 mod own_model;
 mod packed;
 mod particles;

@@ -63,6 +63,24 @@ pub(crate) fn nearest_value(model: &Model, name: &String, mean: f64) -> f64 {
     if model.priors().iter().any(is_count) { mean.round() } else { mean }
 }
 
+/// How far from its middle a prior has all but 0.3 % of its mass, in standard deviations of its noise.
+const FAR: f64 = 3.0;
+
+/// The first of these parameters whose value its prior hardly ever has, in words; none where there is none.
+pub(crate) fn outside(model: &Model, names: &[&str]) -> Option<String> {
+    let of_names = model.priors().iter().filter(|prior| names.contains(&prior.name()));
+    of_names.filter(|prior| prior.entries().len() == 1).find_map(|prior| {
+        let entry = &prior.entries()[0];
+        let (_, value) = model.parameters().iter().find(|(name, _)| name == entry)?;
+        let [low, high] = [-FAR, FAR].map(|noise| prior.at(&[noise])[0]);
+        let is_outside = *value < low || *value > high;
+        let [low, high] = [low, high].map(rounded);
+        is_outside.then(|| {
+            format!("{entry} = {} lies outside of {low} to {high}, where 99.7 % of it are", rounded(*value))
+        })
+    })
+}
+
 /// The model at a draw from its priors; none where it is no model there.
 pub fn at_prior_draw(model: &Model, number: u64) -> Option<Model> {
     model.with_parameters(&drawn(model, &Seed::from_u64(number).child("prior draw"))).ok()

@@ -61,7 +61,7 @@ pub(crate) fn smooth_until(
     let mut tally = Tally::new(
         of_starts(model)
             .into_iter()
-            .chain(of_proposal(options))
+            .chain(of_proposal(model, options))
             .chain(of_step(model, data))
             .chain(data.warnings())
             .collect(),

@@ -59,7 +59,7 @@ mod _motes {
     use crate::options::FilterOptions;
     #[pymodule_export]
     use crate::posterior_fit::{
-        PosteriorFit, filter_over, fit, free_parameters, log_evidence_at, with_parameters,
+        PosteriorFit, filter_over, fit, free_parameters, log_evidence_at, prior_draws, with_parameters,
     };
 
     use pyo3::prelude::*;

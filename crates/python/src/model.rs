@@ -22,7 +22,7 @@ use crate::errors::{in_python, to_python};
 use crate::filtered::Filtered;
 use crate::learned::{LearnArguments, Proposal};
 use crate::options::{FilterOptions, ProposalArgument};
-use crate::simulated::flat;
+use crate::simulated::{flat, labels};
 use crate::work::without_lock;
 
 /// A state-space model.
@@ -175,7 +175,8 @@ impl Model {
         self.model.input_columns().to_vec()
     }
 
-    /// Simulated series, flat, of `steps` rows or at the times and with the inputs of data; and the parameters of each that were drawn from their priors.
+    /// Simulated series, flat, of `steps` rows or at the times and with the inputs of data; the parameters of each that were drawn from their priors; and what their times are called, where they
+    /// have names.
     #[pyo3(signature = (steps, series, seed, inputs=None, prior=false))]
     fn simulate<'py>(
         &self,
@@ -185,7 +186,7 @@ impl Model {
         seed: i128,
         inputs: Option<&Bound<'_, Data>>,
         prior: bool,
-    ) -> PyResult<(Simulated<'py>, Vec<Drawn>)> {
+    ) -> PyResult<(Simulated<'py>, Vec<Drawn>, Option<Vec<String>>)> {
         let steps = integer("steps", steps, 1, 1_000_000_000)?;
         let inputs = inputs.map(|data| &data.get().0);
         let series = integer("series", series, 1, 1_000_000_000)?;
@@ -197,7 +198,8 @@ impl Model {
             (false, None) => simulate(&model, steps, series, seed, |_| failure.asked()),
         })?;
         let drawn = failure.or(drawn)?;
-        Ok((flat(&drawn).map(|values| values.into_pyarray(py)), drawn.parameters))
+        let labels = labels(&drawn);
+        Ok((flat(&drawn).map(|values| values.into_pyarray(py)), drawn.parameters, labels))
     }
 
     /// What is as it should be, and what is not.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use motes::output::{fit_json, fit_summary, fit_text};
-use motes::{FitFolder, FitRecord, FreeParameters, MotesError, filter_draws, pack, unpack};
+use motes::{FitFolder, FitRecord, FreeParameters, MotesError, at_prior_draw, filter_draws, pack, unpack};
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -152,6 +152,18 @@ pub(crate) fn filter_over(
 #[pyfunction]
 pub(crate) fn free_parameters(model: &Bound<'_, Model>) -> Vec<String> {
     FreeParameters::of(model.get().motes()).map(|free| free.names()).unwrap_or_default()
+}
+
+/// So many draws of the parameters that a fit finds from their priors; fewer where the model is none at some of them.
+#[pyfunction]
+pub(crate) fn prior_draws(model: &Bound<'_, Model>, count: u64) -> Vec<Vec<(String, f64)>> {
+    let (model, names) = (model.get().motes(), free_parameters(model));
+    let of_draw = |number: u64| {
+        let drawn = at_prior_draw(model, number)?;
+        let of_name = |name: &String| drawn.parameters().iter().find(|(known, _)| known == name).cloned();
+        names.iter().map(of_name).collect::<Option<Vec<(String, f64)>>>()
+    };
+    (0..count).filter_map(of_draw).collect()
 }
 
 /// The log-evidence at each row of `values`, flat, of the parameters `names`.

@@ -12,3 +12,9 @@ pub(crate) fn flat(simulated: &motes::Simulated) -> [Vec<f64>; 4] {
         inputs.map(|value| value.unwrap_or(f64::NAN)).collect(),
     ]
 }
+
+/// What the times of all rows are called, where they are no numbers but dates.
+pub(crate) fn labels(simulated: &motes::Simulated) -> Option<Vec<String>> {
+    let labels: Option<Vec<String>> = simulated.rows.iter().flatten().map(|row| row.label.clone()).collect();
+    labels.filter(|labels| labels.iter().any(|label| label.trim().parse::<f64>().is_err()))
+}

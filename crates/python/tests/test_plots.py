@@ -209,7 +209,7 @@ def test_chains_have_traces():
 
 
 @pytest.mark.filterwarnings("ignore::motes.MotesWarning")
-def test_posteriors_of_models_that_cannot_be_simulated_stand_alone():
+def test_posteriors_of_models_with_inputs_stand_beside_their_priors():
     model = motes.Model(
         {
             "parameters": {"b": "normal(0, 1)"},
@@ -221,4 +221,4 @@ def test_posteriors_of_models_that_cannot_be_simulated_stand_alone():
     )
     found = model.fit({"u": [0.0, 1.0, 0.5], "y": [0.1, 0.9, 0.3]}, draws=50)
     (axis,) = found.plot()
-    assert set(axis.get_legend_handles_labels()[1]) == {"mean", "posterior"}
+    assert set(axis.get_legend_handles_labels()[1]) == {"mean", "posterior", "prior"}

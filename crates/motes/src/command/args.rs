@@ -302,7 +302,7 @@ pub(super) struct CompareArgs {
     /// Take the parameters that motes fit found, from its folder; for two models one folder each, in their order
     #[arg(long, value_name = "FOLDER")]
     pub(super) parameters: Vec<PathBuf>,
-    /// Which of them one model is compared at: mean takes the posterior's mean, maximum the maximum of the likelihood; if absent the one that was found
+    /// Which of them one model is compared at: mean takes the posterior's mean, maximum the maximum of the likelihood; if absent the mean after a posterior fit, the maximum after a maximum fit
     #[arg(long, value_name = "WHICH", requires = "parameters")]
     pub(super) at: Option<At>,
     /// Proposals, separated by commas: bootstrap, linearised, optimal, folders that learn wrote; all that are designed and the model has if absent

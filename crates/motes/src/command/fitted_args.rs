@@ -21,7 +21,7 @@ pub(super) struct FittedArgs {
     /// Take the parameters that motes fit found, from its folder
     #[arg(long, value_name = "FOLDER")]
     pub(super) parameters: Option<PathBuf>,
-    /// Which of them: draws averages over the posterior and has no log-evidence, mean takes its mean, maximum that of the likelihood; if absent what was found
+    /// Which of them: draws averages over the posterior and has no log-evidence, mean takes its mean, maximum that of the likelihood; if absent draws after a posterior fit, maximum after a maximum fit
     #[arg(long, value_name = "WHICH", requires = "parameters")]
     at: Option<At>,
 }

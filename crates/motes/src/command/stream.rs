@@ -88,7 +88,7 @@ pub(super) fn run(
     // Those of the order were said as their rows came.
     let said = warnings.len();
     warnings.extend(of_starts(model));
-    warnings.extend(of_proposal(options));
+    warnings.extend(of_proposal(model, options));
     tally.warn(warnings);
     let mut clocks = rows.clocks();
     for (Series { name, running, tally: of_this }, clock) in series.iter_mut().zip(&mut clocks) {

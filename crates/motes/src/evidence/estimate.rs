@@ -14,6 +14,7 @@ use crate::data::Data;
 use crate::error::MotesError;
 use crate::model::Model;
 use crate::options::ProposalName;
+use crate::outside_prior::outside_of_learning;
 use crate::warning::Warning;
 
 /// The log-evidence of data.
@@ -31,6 +32,8 @@ pub struct Evidence {
     pub runs: Vec<f64>,
     /// Where another proposal has found more than the one that was asked for or chosen.
     pub missed: Vec<MissedMass>,
+    /// What is to be said of the proposal itself.
+    pub of_proposal: Vec<Warning>,
     /// Where no particle of any run explains a measurement: the series, the row and why.
     pub impossible: Option<Warning>,
 }
@@ -79,7 +82,7 @@ impl Evidence {
             );
             Warning { series: missed.series.clone(), text }
         });
-        let mut warnings: Vec<Warning> = missed.collect();
+        let mut warnings: Vec<Warning> = self.of_proposal.iter().cloned().chain(missed).collect();
         warnings.extend(self.impossible.clone());
         if self.impossible.is_none()
             && let Some(error) = self.standard_error()
@@ -220,6 +223,10 @@ fn evidence_while(
         standard_error_per_series,
         runs: (0..count).map(|run| logs.iter().map(|logs| logs[run]).sum()).collect(),
         missed,
+        of_proposal: options
+            .proposal
+            .as_ref()
+            .map_or(vec![], |proposal| outside_of_learning(model, proposal).into_iter().collect()),
         impossible,
     })
 }

@@ -1,7 +1,7 @@
 """Particle filters for state-space models, with proposals that are learned once.
 
 A model is a file, a text, a dict, matrices or functions. Data are arrays, data frames or CSV files. A filter estimates hidden
-states and the evidence, and warns when neither can be trusted.
+states and the evidence, and warns when either cannot be trusted.
 
 >>> import motes
 >>> model = motes.Model.parse('''

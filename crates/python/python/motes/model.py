@@ -62,7 +62,7 @@ class Model(Filtering):
             raise ValueError("steps: either how many rows a series has, or inputs with their times; one of the two is needed")
         seed = seed_of(seed)
         along = None if inputs is None else inputs_of(self._model, inputs)
-        flat, drawn = self._model.simulate(1 if steps is None else steps, series, seed, along, prior)
+        flat, drawn, labels = self._model.simulate(1 if steps is None else steps, series, seed, along, prior)
         rows = len(flat[2])
         if steps is None:
             steps = rows // series
@@ -77,6 +77,7 @@ class Model(Filtering):
             (self.states, self.measurements),
             (self._model.series_column, self._model.time_column or "t"),
             {name: np.array([dict(one)[name] for one in drawn]) for name, _ in (drawn[0] if drawn else [])},
+            None if labels is None else np.array(labels).reshape(shape),
             seed,
         )
 

@@ -86,8 +86,7 @@ class PosteriorFit:
     def plot(self, parameters: list[str] | None = None, *, traces: bool = False, axes: Any = None) -> NDArray[np.object_]:
         """Draws the posterior of each parameter beside its prior, by matplotlib; gives the axes, one for each.
 
-        The prior is that of draws from it; where the model cannot be simulated without inputs there is none. With `traces` there
-        are the draws of each chain in their order instead.
+        The prior is that of draws from it. With `traces` there are the draws of each chain in their order instead.
         """
         if traces:
             return _posterior_plots.traces(self._chosen(parameters), axes)
@@ -101,11 +100,8 @@ class PosteriorFit:
         return {name: draws[name] for name in (draws if parameters is None else parameters)}
 
     def _prior_draws(self) -> dict[str, NDArray[np.float64]]:
-        """Draws of the parameters from their priors; none where the model cannot be simulated by itself."""
-        try:
-            _, drawn = self._model._model.simulate(1, _posterior_plots.PRIOR_DRAWS, 1, None, True)
-        except ValueError:
-            return {}
+        """Draws of the parameters from their priors."""
+        drawn = _motes.prior_draws(self._model._model, _posterior_plots.PRIOR_DRAWS)
         columns = list(zip(*drawn, strict=True))
         return {column[0][0]: np.array([value for _, value in column]) for column in columns}
 
@@ -128,7 +124,7 @@ class PosteriorFit:
         threads: int | None = None,
     ) -> Forecast:
         """Predicts states and measurements of `steps` times after the last measurement of each series, or at the times and with the
-        inputs of `inputs`, with parameters drawn from the posterior: bands know how unsure they are.
+        inputs of `inputs`, with parameters drawn from the posterior: bands include their uncertainty.
 
         It is an average over `draws` draws, evenly spread; the other settings are those of `Model.filter`, of each of them. An average
         has no log-evidence.

@@ -24,6 +24,7 @@ class Simulated:
         names: tuple[list[str], list[str]],
         columns: tuple[str, str],
         parameters: dict[str, NDArray[np.float64]],
+        labels: NDArray[np.str_] | None,
         seed: int,
     ):
         #: States, `(S, T, N)`.
@@ -32,6 +33,8 @@ class Simulated:
         self.measurements = measurements
         #: The times, `(S, T)`.
         self.time = time
+        #: The times as the column of `inputs` has them, as dates, `(S, T)`; none where they have no such names.
+        self.labels = labels
         #: The columns that inputs come from, by name, `(S, T)` each.
         self.inputs = inputs
         #: The parameters that were drawn for each series from their priors, by name, `(S,)` each; none where they were not.
@@ -45,7 +48,7 @@ class Simulated:
         that were drawn: data for `Model.filter`."""
         pandas = module("pandas", "to_pandas")
         count, steps, _ = self.states.shape
-        columns: dict[str, Any] = {self._columns[0]: np.repeat(np.arange(count), steps), self._columns[1]: self.time.reshape(-1)}
+        columns: dict[str, Any] = {self._columns[0]: np.repeat(np.arange(count), steps), self._columns[1]: (self.time if self.labels is None else self.labels).reshape(-1)}
         columns.update({name: values.reshape(-1) for name, values in self.inputs.items()})
         for names, values in zip(self._names, (self.states, self.measurements), strict=True):
             columns.update({name: values[:, :, at].reshape(-1) for at, name in enumerate(names)})
