@@ -158,7 +158,10 @@ impl TimeLabel {
         /// Measurements that are named.
         const MOST: usize = 3;
         let values = self.values.iter().take(MOST).map(|(name, value)| format!("{name} = {value}"));
-        let known: Vec<String> = self.label.iter().cloned().chain(values).collect();
+        // A label that is the time is said once.
+        let label =
+            self.label.iter().filter(|label| label.trim().parse().ok() != self.time || self.time.is_none());
+        let known: Vec<String> = label.cloned().chain(values).collect();
         let more = if self.values.len() > MOST { ", …" } else { "" };
         let time = self.time.map_or(step.to_string(), |time| time.to_string());
         match known.is_empty() {

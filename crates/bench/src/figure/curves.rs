@@ -17,6 +17,8 @@ use crate::tables::Row;
 
 const PANEL: (u32, u32) = (380, 260);
 const HEAD: u32 = 84;
+/// The height of a line of the legend.
+const LINE: u32 = 20;
 
 /// What all charts of a figure have in common.
 struct Common<'a> {
@@ -55,20 +57,24 @@ pub(crate) fn figure(plan: &Plan, title: &str, rows: &[Row]) -> Result<String, B
     if xs.len() == 1 {
         return dots(title, rows, &panels, &methods, &metrics);
     }
-    let size = (PANEL.0 * panels.len().max(2) as u32, HEAD + PANEL.1 * metrics.len() as u32);
+    let width = PANEL.0 * panels.len().max(2) as u32;
+    let repetitions = rows.iter().map(|row| row.n_ok).max().unwrap_or(0);
+    let is_shown = |row: &&Row| metrics.iter().any(|metric| metric.name == row.metric) && row.n_ok > 0;
+    let shown = rows.iter().filter(is_shown).map(|row| (row.method.name(), row.n_ok));
+    let of_methods = &counts::uniform(shown, repetitions);
+    let legend = legend(&methods, of_methods, width as i32);
+    let lines = legend.last().map_or(0, |(_, _, line)| *line);
+    let height = HEAD + LINE * lines;
+    let size = (width, height + PANEL.1 * metrics.len() as u32);
     let mut svg = String::new();
     {
         let root = SVGBackend::with_string(&mut svg, size).into_drawing_area();
         root.fill(&WHITE)?;
-        let (head, body) = root.split_vertically(HEAD);
-        let repetitions = rows.iter().map(|row| row.n_ok).max().unwrap_or(0);
+        let (head, body) = root.split_vertically(height);
         let scale = Scale::of(&xs);
-        let is_shown = |row: &&Row| metrics.iter().any(|metric| metric.name == row.metric) && row.n_ok > 0;
-        let shown = rows.iter().filter(is_shown).map(|row| (row.method.name(), row.n_ok));
-        let of_methods = &counts::uniform(shown, repetitions);
         let common = Common { axis: plan.experiment.axis, scale, methods: &methods, repetitions, of_methods };
         let uneven = rows.iter().filter(is_shown).any(|row| row.n_ok < repetitions);
-        draw_head(&head, title, &common, uneven)?;
+        draw_head(&head, title, &legend, uneven)?;
         let cells = body.split_evenly((metrics.len(), panels.len()));
         for (at, cell) in cells.iter().enumerate() {
             let (metric, panel) = (metrics[at / panels.len()], panels[at % panels.len()]);
@@ -81,27 +87,45 @@ pub(crate) fn figure(plan: &Plan, title: &str, rows: &[Row]) -> Result<String, B
     Ok(svg)
 }
 
-/// Title and legend.
-fn draw_head(head: &Area<'_>, title: &str, common: &Common<'_>, uneven: bool) -> Drawn {
-    head.draw(&Text::new(title.to_string(), (12, 10), (FONT, 17).into_font().color(&INK)))?;
-    let mut x = 12;
-    for &method in common.methods {
-        let colour = colour(method);
-        let name = match common.of_methods.get(method.name()) {
+/// What the legend says of each method, and where: at which place of which of its lines.
+fn legend(
+    methods: &[Method],
+    of_methods: &BTreeMap<&'static str, usize>,
+    width: i32,
+) -> Vec<(Method, (String, i32), u32)> {
+    let (mut x, mut line) = (12, 0);
+    let mut entries = Vec::with_capacity(methods.len());
+    for &method in methods {
+        let name = match of_methods.get(method.name()) {
             Some(repetitions) => format!("{} (n = {repetitions})", method.name()),
             None => method.name().to_string(),
         };
-        head.draw(&PathElement::new(vec![(x, 46), (x + 26, 46)], colour.stroke_width(2)))?;
-        head.draw(&marker(method, (x + 13, 46)))?;
-        let width = 8 * name.len() as i32;
-        head.draw(&Text::new(name, (x + 32, 39), (FONT, 14).into_font().color(&INK)))?;
-        x += 52 + width;
+        let own = 52 + 8 * name.len() as i32;
+        if x + own > width && x > 12 {
+            (x, line) = (12, line + 1);
+        }
+        entries.push((method, (name, x), line));
+        x += own;
+    }
+    entries
+}
+
+/// Title and legend.
+fn draw_head(head: &Area<'_>, title: &str, legend: &[(Method, (String, i32), u32)], uneven: bool) -> Drawn {
+    head.draw(&Text::new(title.to_string(), (12, 10), (FONT, 17).into_font().color(&INK)))?;
+    let mut below = 0;
+    for (method, (name, x), line) in legend {
+        below = (LINE * line) as i32;
+        let colour = colour(*method);
+        head.draw(&PathElement::new(vec![(*x, 46 + below), (x + 26, 46 + below)], colour.stroke_width(2)))?;
+        head.draw(&marker(*method, (x + 13, 46 + below)))?;
+        head.draw(&Text::new(name.clone(), (x + 32, 39 + below), (FONT, 14).into_font().color(&INK)))?;
     }
     let note = match uneven {
         true => "medians; bars span the middle half of the repetitions, fewer where n says so",
         false => "medians; bars span the middle half of the repetitions",
     };
-    head.draw(&Text::new(note, (12, 62), (FONT, 13).into_font().color(&INK.mix(0.7))))?;
+    head.draw(&Text::new(note, (12, 62 + below), (FONT, 13).into_font().color(&INK.mix(0.7))))?;
     Ok(())
 }
 

@@ -310,7 +310,7 @@ pub enum Problem {
     },
     /// A sum that each coordinate of a measured vector would begin anew.
     #[error(
-        "`total_since_measured` is of one measurement; a vector of them takes a line for each, as y[0] and y[1..2]"
+        "`total_since_measured` is of one measurement; a vector of them takes a line for each coordinate, as y[0] and y[1]"
     )]
     TotalOfVector,
     /// A measurement in a formula.

@@ -35,6 +35,7 @@ fn law_within(text: &str, span: Span<usize>, names: &Names<'_>) -> Result<Option
         names: names.names,
         section: Section::Parameters,
         is_vector: false,
+        is_of_several: false,
         totals: None,
         arguments: &[],
     };
@@ -83,6 +84,7 @@ fn number(text: &str, span: &Span<usize>, names: &Names<'_>) -> Result<f64, Faul
         names: names.names,
         section: Section::Parameters,
         is_vector: false,
+        is_of_several: false,
         totals: None,
         arguments: &[],
     };

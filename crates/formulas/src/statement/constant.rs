@@ -22,7 +22,15 @@ impl Constants<'_> {
     pub(super) fn parse(&self, text: &str, section: Section) -> Result<Formula, Fault> {
         parse(
             text,
-            Scope { names: self.names, own: "", section, is_vector: false, totals: None, arguments: &[] },
+            Scope {
+                names: self.names,
+                own: "",
+                section,
+                is_vector: false,
+                is_of_several: false,
+                totals: None,
+                arguments: &[],
+            },
         )
     }
 

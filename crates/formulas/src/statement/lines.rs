@@ -84,7 +84,8 @@ impl Reader<'_> {
         let totals = self.totals.map(|totals| (before, totals));
         let is_vector = key.length.is_some() && !key.has_parts;
         let (names, own, arguments) = (self.names, key.name.as_str(), key.arguments.as_slice());
-        let scope = Scope { names, section, own, is_vector, totals, arguments };
+        let is_of_several = is_vector && key.coordinates() > 1;
+        let scope = Scope { names, section, own, is_vector, is_of_several, totals, arguments };
         let parsed = parse(text, scope).and_then(|formula| check_noise(formula, section));
         let formula = parsed.map_err(|fault| {
             let at = match (inner, fault.at) {

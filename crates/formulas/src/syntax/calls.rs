@@ -48,7 +48,7 @@ impl Parser<'_> {
         let Some((measured, totals)) = self.scope.totals else {
             return Err(faulty(Problem::TotalElsewhere(function)));
         };
-        let since = match (function, self.scope.is_vector) {
+        let since = match (function, self.scope.is_of_several) {
             ("total", _) => Since::Row,
             (_, false) => Since::Measured(measured),
             (_, true) => return Err(faulty(Problem::TotalOfVector)),

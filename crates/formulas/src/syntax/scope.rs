@@ -16,6 +16,8 @@ pub(crate) struct Scope<'a> {
     pub(crate) own: &'a str,
     /// Whether it is the formula of a vector.
     pub(crate) is_vector: bool,
+    /// Whether it is that of several coordinates.
+    pub(crate) is_of_several: bool,
     /// Of a measurement, which one it is, and the totals over sub-steps so far: it may add others.
     pub(crate) totals: Option<(usize, &'a RefCell<Totals>)>,
     /// The arguments of the function whose formula it is; none elsewhere. They come before all other names.

@@ -26,8 +26,10 @@ pub struct EvidenceOptions {
     pub seed: u64,
 }
 
-/// The share of the transition that `linearised` has.
-const LINEARISED_SHARE: f64 = 0.1;
+/// The share of the transition that a proposal has where nothing but the evidence is asked for and nobody names one: 0.1 of `linearised`.
+pub(crate) fn share_for_evidence(proposal: &ProposalName) -> Option<f64> {
+    (*proposal == ProposalName::Linearised).then_some(0.1)
+}
 
 impl Default for EvidenceOptions {
     fn default() -> Self {
@@ -49,15 +51,14 @@ impl Default for EvidenceOptions {
 impl EvidenceOptions {
     /// Those of a filter of so many particles with this proposal, with nothing beside it.
     pub(super) fn of_filter(&self, proposal: ProposalName, particles: usize) -> FilterOptions {
-        let of_linearised = (proposal == ProposalName::Linearised).then_some(LINEARISED_SHARE);
         FilterOptions {
-            proposal,
             particles,
-            defensive: self.defensive.or(of_linearised),
+            defensive: self.defensive.or(share_for_evidence(&proposal)),
             resample_below: self.resample_below,
             resampling: self.resampling,
             seed: self.seed,
             check: false,
+            proposal,
             ..FilterOptions::default()
         }
     }

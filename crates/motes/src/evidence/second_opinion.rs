@@ -3,6 +3,7 @@
 //! `ẑ` is unbiased and positive, so that it is above the evidence by `c` nats with a probability of at most `e^{−c}`, while it may be below by any amount as long as no particle goes where
 //! the mass is. All runs of one proposal can miss the same, and then agree. Hence only a *higher* log-evidence of another proposal counts.
 
+use motes_inference::map_on_threads;
 use motes_models::Seed;
 
 use super::estimate::mean_of_runs;
@@ -67,4 +68,47 @@ pub(super) fn second_opinion(
     let noise = 2.0 * error.unwrap_or(f64::INFINITY).hypot(its_error.unwrap_or(f64::INFINITY));
     let is_higher = higher - log > MISSED.min(noise);
     Ok(is_higher.then_some(SecondOpinion { proposal: candidate.proposal, logs: again }))
+}
+
+/// Particles and runs of the filters of [`missed`].
+const OF_FIT: (usize, usize) = (1000, 4);
+
+/// The proposal that finds more of some series than the one that all are filtered by, and how much more (nats); that of the series where it is most. None where nothing is missed.
+///
+/// # Errors
+/// [`MotesError::Interrupted`]. What cannot be run has no opinion, and nothing is said of it.
+pub(crate) fn missed(
+    proposal: &ProposalName,
+    model: &Model,
+    sequences: &[RecordedSequence],
+    seed: &Seed,
+    proceed: Proceed<'_>,
+) -> Result<Option<(ProposalName, f64)>, MotesError> {
+    if *proposal == ProposalName::Exact {
+        return Ok(None);
+    }
+    let (particles, runs) = OF_FIT;
+    let options = EvidenceOptions { particles, ..EvidenceOptions::default() };
+    let of_series = map_on_threads(sequences, |number, sequence| {
+        let (of_series, seed) = ((model, sequence), seed.nth(number as u64));
+        let own = Candidate::of(proposal.clone(), model, sequence).and_then(|candidate| {
+            let run =
+                |run: u64| candidate.log_evidence(of_series, (&options, particles), seed.nth(run), proceed);
+            (0..runs as u64).map(run).collect::<Result<Vec<f64>, MotesError>>()
+        });
+        let logs = match own {
+            Ok(logs) => logs,
+            Err(MotesError::Interrupted) => return Err(MotesError::Interrupted),
+            Err(_) => return Ok(None),
+        };
+        let opinion =
+            second_opinion(proposal, &logs, of_series, &options, &seed.child("second opinion"), proceed)?;
+        let more = |opinion: SecondOpinion| {
+            let nats = mean_of_runs(&opinion.logs).0 - mean_of_runs(&logs).0;
+            (opinion.proposal, nats)
+        };
+        Ok(opinion.map(more))
+    });
+    let found = of_series.into_iter().collect::<Result<Vec<_>, MotesError>>()?;
+    Ok(found.into_iter().flatten().max_by(|(_, a), (_, b)| a.total_cmp(b)))
 }

@@ -11,7 +11,7 @@ use super::perturbed_model::PerturbedModel;
 use crate::cost::cost;
 use crate::data::Data;
 use crate::error::MotesError;
-use crate::evidence::{RecordedSequence, candidates, is_exact, sequences};
+use crate::evidence::{RecordedSequence, candidates, is_exact, missed, sequences, share_for_evidence};
 use crate::model::Model;
 use crate::options::{FilterOptions, ProposalName};
 use crate::recorded::of_recorded;
@@ -86,7 +86,8 @@ impl<'a> ModelLikelihood<'a> {
     /// What filters of a model are run with, of some proposal and number of particles.
     fn filter(model: &Model, proposal: &ProposalName, particles: usize) -> Result<FilterOptions, MotesError> {
         let proposal = of_recorded(proposal.clone(), model)?;
-        Ok(FilterOptions { proposal, particles, check: false, ..FilterOptions::default() })
+        let defensive = share_for_evidence(&proposal);
+        Ok(FilterOptions { proposal, particles, defensive, check: false, ..FilterOptions::default() })
     }
 
     /// `log ẑ` of a model by a proposal.
@@ -106,6 +107,27 @@ impl<'a> ModelLikelihood<'a> {
             }
         }
         Ok(sum)
+    }
+
+    /// What is to be said where filters of another proposal find more at these values.
+    ///
+    /// # Errors
+    /// [`MotesError::Interrupted`].
+    pub(super) fn missed(
+        &self,
+        values: &[f64],
+        estimator: Estimator,
+        seed: &Seed,
+    ) -> Result<Option<String>, MotesError> {
+        let Ok(model) = self.model_at(values) else { return Ok(None) };
+        let proposal = self.proposal(estimator);
+        let missed = missed(proposal, &model, &self.sequences, &seed.child("second opinion"), self.proceed)?;
+        Ok(missed.map(|(other, nats)| {
+            format!(
+                "filters by {proposal} miss states that explain the data: --proposal {other} finds {nats:.1} more log-evidence there, and the likelihood of this fit is wrong; fit \
+                 again with --proposal {other}"
+            )
+        }))
     }
 
     /// Why the likelihood is 0 at a draw from the prior; none where it is not.

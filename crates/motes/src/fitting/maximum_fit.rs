@@ -6,6 +6,7 @@ use motes_inference::{
     EstimatorChoice, FitError, IteratedSettings, Maximum, MaximumSearch, MaximumSettings, Profile,
     ProfilePoint,
 };
+use motes_models::Seed;
 use serde::{Deserialize, Serialize};
 
 use super::budget::Budget;
@@ -238,6 +239,9 @@ pub fn maximise(
     warnings.extend(trust::of_priors(&free, &|at| if is_in_doubt(at) { vec![] } else { vec![best.v[at]] }));
     warnings.extend(of_profiles.into_iter().flatten());
     warnings.extend(trust::of_possible(search.possible(), || likelihood.reason(&search.impossible()?)));
+    let of_maximum = Seed::from_u64(options.seed).child("maximum");
+    let missed = likelihood.missed(&estimates, best.estimator, &of_maximum)?;
+    warnings.extend(missed.map(|missed| Warning { series: None, text: format!("at the maximum {missed}") }));
     Ok(MaximumFit {
         profiles: (0..names.len()).map(profile).collect(),
         names,

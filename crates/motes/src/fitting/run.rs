@@ -21,6 +21,7 @@ use crate::evidence::{EvidenceEstimator, EvidenceOptions};
 use crate::model::Model;
 use crate::options::{FilterOptions, ProposalName};
 use crate::priors::nearest_value;
+use crate::warning::Warning;
 
 /// Estimates of the likelihood at the posterior's mean.
 const ESTIMATES: usize = 32;
@@ -236,6 +237,11 @@ fn fitted(
     let means: Vec<f64> =
         of_names.map(|(name, summary)| nearest_value(likelihood.model, name, summary.mean)).collect();
     (found.log_likelihood, found.log_likelihood_error) = at_mean(likelihood, &means, estimator, seed)?;
+    let of_mean = Seed::from_u64(seed).child("fit").child("mean");
+    let missed = likelihood.missed(&means, estimator, &of_mean)?;
+    found.warnings.extend(
+        missed.map(|missed| Warning { series: None, text: format!("at the posterior mean {missed}") }),
+    );
     let positions = |at: usize| posterior.coordinate(at).concat();
     found.warnings.extend(trust::of_chains(&found.names, &found.parameters));
     found.warnings.extend(trust::of_priors(free, &positions));

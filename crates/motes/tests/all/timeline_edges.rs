@@ -130,3 +130,25 @@ fn a_column_t_beside_a_named_column_of_times_counts_nothing() {
     let [with, without] = ["with.csv", "without.csv"].map(|data| log_evidence(&place, "m.toml", data));
     assert_eq!(with, without);
 }
+
+/// Each coordinate of a measured vector may have a line of its own, and then a total of its own.
+#[test]
+fn a_coordinate_of_a_measured_vector_has_a_total_since_it_was_measured() {
+    let place = Workplace::new();
+    let model = |first: &str, second: &str| {
+        format!(
+            "[time]\nstart = -1\n[initial]\nx = 0\n[draws]\ne = \"normal(1, 1)\"\n[transition]\nx = \"e\"\n\
+             [measurement]\n{first} = \"normal(total_since_measured(e), 1)\"\n{second} = \"normal(x, 1)\"\n"
+        )
+    };
+    place.write("vector.toml", model("y[0]", "y[1]"));
+    place.write("names.toml", model("a", "b"));
+    place.write("vector.csv", "y[0],y[1]\n1,2\n,3\n2,1\n");
+    place.write("names.csv", "a,b\n1,2\n,3\n2,1\n");
+    let found =
+        ["vector", "names"].map(|name| log_evidence(&place, &format!("{name}.toml"), &format!("{name}.csv")));
+    assert_eq!(found[0], found[1]);
+    place.write("both.toml", model("y[0..2]", "y[2]"));
+    let said = refusal(&place, &["check", "both.toml"]);
+    assert!(said.contains("a vector of them takes a line for each coordinate"), "{said}");
+}

@@ -71,7 +71,15 @@ pub(in super::super) fn irregular(
     }
     cure.extend(of_gaps(&steps));
     let cure = if cure.is_empty() { String::new() } else { format!("; {}", cure.join(", and ")) };
-    Some(Irregular { found: found.join("; "), assumed: format!("{ASSUMED}{cure}") })
+    // Times that go forwards may be what the model is about.
+    let is_forward = steps.lengths.iter().all(|step| *step > 0.0);
+    let of_model = match is_forward {
+        true => format!(
+            "; or name it in the model, [time] column = \"{name}\", and steps are as long as the times say"
+        ),
+        false => String::new(),
+    };
+    Some(Irregular { found: found.join("; "), assumed: format!("{ASSUMED}{cure}{of_model}") })
 }
 
 /// What to do where several sequences may have become one.
