@@ -171,6 +171,6 @@ fn an_unknown_figure_is_told_of_other_names_too() {
     let output = place(TABLE1).run(&["fig8"]);
     assert_eq!(
         stderr(&output),
-        "error: figure fig8: did you mean fig7? there are table1, fig7, all, heldout"
+        "error: figure fig8: did you mean fig7? there are table1, fig7, all, heldout, hindsight"
     );
 }

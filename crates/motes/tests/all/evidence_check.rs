@@ -81,3 +81,44 @@ fn an_evidence_of_0_names_the_row() {
     let said = stderr(&place.run(&["evidence", "m.toml", "d.csv", "-o", "x.csv"]));
     assert!(said.contains("d.csv, line 3") && said.contains("the log-evidence is −∞"), "{said}");
 }
+
+/// A chain of filters that all miss the same says so where another proposal finds it.
+#[test]
+fn a_fit_whose_filters_miss_states_says_so() {
+    let place = Workplace::new();
+    let growth = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/growth.toml");
+    let text = std::fs::read_to_string(growth).unwrap();
+    let line = text.lines().find(|line| line.starts_with("q = ")).unwrap();
+    place.write("growth.toml", text.replace(line, "q = \"log_normal(log(10), 0.1)\""));
+    place.printed(&[
+        "simulate",
+        "growth.toml",
+        "--set",
+        "q=10",
+        "--steps",
+        "30",
+        "--seed",
+        "22",
+        "-o",
+        "d.csv",
+        "--quiet",
+    ]);
+    let fit = [
+        "fit",
+        "growth.toml",
+        "d.csv",
+        "--proposal",
+        "look-ahead",
+        "--particles",
+        "20",
+        "--draws",
+        "8",
+        "-o",
+        "f",
+    ];
+    let said = stderr(&place.run(&fit));
+    assert!(
+        said.contains("at the posterior mean filters by look-ahead miss states that explain the data"),
+        "{said}"
+    );
+}

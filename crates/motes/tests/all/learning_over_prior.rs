@@ -56,6 +56,14 @@ fn one_folder_serves_all_parameters() {
         let found: Value = serde_json::from_str(&place.printed(&filter)).unwrap();
         assert!((found["log_evidence"].as_f64().unwrap() - reference).abs() < 2.0, "{found}");
     }
+    // Beyond the prior the evidence is as unbiased; that networks have never seen such models is said.
+    let beyond =
+        ["evidence", "volatility.toml", "data.csv", "--proposal", "p", "--set", "sigma=3", "-o", "x.csv"];
+    let said = stderr(&place.run(&beyond));
+    assert!(
+        said.contains("--proposal p was learned over the prior, and sigma = 3 lies outside of"),
+        "{said}"
+    );
 }
 
 #[test]
