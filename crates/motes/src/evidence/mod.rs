@@ -8,6 +8,7 @@ mod log_evidence;
 mod many;
 mod options;
 mod pilot;
+mod runs;
 mod second_opinion;
 mod sequence;
 mod worth;

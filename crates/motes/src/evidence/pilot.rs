@@ -4,8 +4,8 @@ use motes_inference::{LogMean, map_on_threads};
 use motes_models::Seed;
 use motes_smc::{Linearised, LookAhead};
 
-use super::estimate::variance;
 use super::options::EvidenceOptions;
+use super::runs::variance;
 use super::sequence::{Proceed, RecordedSequence};
 use crate::cost::cost;
 use crate::error::MotesError;

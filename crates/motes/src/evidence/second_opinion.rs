@@ -6,9 +6,9 @@
 use motes_inference::map_on_threads;
 use motes_models::Seed;
 
-use super::estimate::mean_of_runs;
 use super::options::EvidenceOptions;
 use super::pilot::{Candidate, candidates};
+use super::runs::mean_of_runs;
 use super::sequence::{Proceed, RecordedSequence};
 use crate::error::MotesError;
 use crate::model::Model;
