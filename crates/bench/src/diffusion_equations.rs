@@ -4,26 +4,26 @@ use faer::MatRef;
 use motes_models::equations::{Coordinates, Draws, Equations, Scalar, normal};
 use motes_models::{AdditiveGaussian, Drift, GraphDiffusion, Step};
 
-/// The rows of a matrix without their zeros.
-struct SparseRows(Vec<Vec<(usize, f64)>>);
+/// A matrix by rows, without its zeros.
+struct SparseMatrix(Vec<Vec<(usize, f64)>>);
 
 /// `x_t = φ(A x_{t−1}) + v_t`, `y_t = C x_t + w_t` with independent Gaussian noises: the same densities as those of a [`GraphDiffusion`] with Gaussian noise.
 pub(crate) struct DiffusionEquations {
     drift: Drift,
-    transition: SparseRows,
-    measurement: SparseRows,
+    transition: SparseMatrix,
+    measurement: SparseMatrix,
     /// Mean and standard deviation of each coordinate of `x_0`.
     initial: Vec<[f64; 2]>,
     state_sd: f64,
     measurement_sd: f64,
 }
 
-impl SparseRows {
+impl SparseMatrix {
     fn of(matrix: MatRef<'_, f64>) -> Self {
         let row = |i: usize| {
             (0..matrix.ncols()).map(|j| (j, matrix[(i, j)])).filter(|(_, entry)| *entry != 0.0).collect()
         };
-        SparseRows((0..matrix.nrows()).map(row).collect())
+        SparseMatrix((0..matrix.nrows()).map(row).collect())
     }
 
     /// Each row times a vector.
@@ -42,8 +42,8 @@ impl DiffusionEquations {
         let of_coordinate = |at: usize| [initial.mean()[at], initial.covariance()[(at, at)].sqrt()];
         DiffusionEquations {
             drift,
-            transition: SparseRows::of(system.adjacency()),
-            measurement: SparseRows::of(system.measurement_matrix()),
+            transition: SparseMatrix::of(system.adjacency()),
+            measurement: SparseMatrix::of(system.measurement_matrix()),
             initial: (0..initial.mean().len()).map(of_coordinate).collect(),
             state_sd: system.transition_covariance()[(0, 0)].sqrt(),
             measurement_sd: system.measurement_covariance()[(0, 0)].sqrt(),

@@ -17,7 +17,7 @@ use crate::running_state::RunningState;
 const CHECKPOINT: &str = "a checkpoint of a filter";
 
 /// The version of what the bytes hold.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 /// What the bytes hold.
 #[derive(Serialize, Deserialize)]
@@ -64,6 +64,7 @@ impl<'m> Running<'m> {
             state: RunningState {
                 filter: self.filter.snapshot(),
                 time: self.time,
+                has_passed: self.has_passed,
                 before: self.before,
                 clock: self.clock.clone(),
             },
@@ -106,9 +107,9 @@ impl<'m> Running<'m> {
         if !state.is_of_one_time() {
             return refused("its parts are of different times".into());
         }
-        let RunningState { filter, time, before, clock } = state;
+        let RunningState { filter, time, has_passed, before, clock } = state;
         let filter = filter_of(model, options, Start::State(Box::new(filter)), None)?;
-        Ok(Running { time, before, clock, ..Running::of(model, options, filter) })
+        Ok(Running { time, has_passed, before, clock, ..Running::of(model, options, filter) })
     }
 }
 

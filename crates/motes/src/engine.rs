@@ -29,6 +29,8 @@ pub struct Running<'m> {
     /// The kind of its proposal.
     pub(crate) kind: &'static str,
     pub(crate) time: usize,
+    /// Whether time has passed since the first state.
+    pub(crate) has_passed: bool,
     /// The log-evidence before the last step.
     pub(crate) before: f64,
     /// Where its series is, for who gives rows one by one.
@@ -45,6 +47,11 @@ pub struct Running<'m> {
     pub(crate) forecast_seed: Seed,
     /// An input that the last forecast of a measurement lacked.
     pub(crate) unknown: Option<String>,
+}
+
+/// Whether time passes in a step.
+fn passes(step: &Step<'_>) -> bool {
+    step.index > 0 && step.sub_steps > 0
 }
 
 impl<'m> Running<'m> {
@@ -81,6 +88,7 @@ impl<'m> Running<'m> {
             filter,
             kind: options.proposal.kind(),
             time: 0,
+            has_passed: false,
             before: 0.0,
             clock: Clock::default(),
             is_predictive: options.predictive,
@@ -121,8 +129,7 @@ impl<'m> Running<'m> {
             let known = known.as_ref().map_or(last, StepRecord::step);
             let ahead = self.filter.measurement_ahead(&known, measurement, self.asked.probabilities());
             self.predictive = ahead.map_err(|error| self.explain(&error, &known, &nothing))?;
-            let has_passed = last.index > 1 || (last.index == 1 && last.sub_steps > 0);
-            empty_unknown(self.model, &last, has_passed, &mut self.predictive);
+            empty_unknown(self.model, &last, self.has_passed || passes(&last), &mut self.predictive);
         }
         self.take_step(&last, measurement)
     }
@@ -165,6 +172,7 @@ impl<'m> Running<'m> {
         let step = &known.as_ref().map_or(*step, StepRecord::step);
         self.filter.step(step, measurement).map_err(|error| self.explain(&error, step, measurement))?;
         self.time += 1;
+        self.has_passed |= passes(step);
         Ok(())
     }
 

@@ -52,6 +52,7 @@ mod learned_notes;
 mod learned_steps;
 mod learning;
 mod long_step;
+mod missed_mass;
 mod mixture;
 mod model;
 mod model_steps;

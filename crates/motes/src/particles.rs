@@ -12,6 +12,7 @@ use motes_smc::{
 
 use crate::error::MotesError;
 use crate::estimate::Coordinate;
+use crate::missed_mass::{MISSED, noise};
 use crate::options::{FilterOptions, ProposalName};
 use crate::running_state::{FilterState, ParticleState, SecondState};
 use crate::steps::Steps;
@@ -39,12 +40,6 @@ pub(crate) enum Start {
     /// What it was before.
     State(Box<FilterState>),
 }
-
-/// How much larger the log-evidence of a bootstrap filter must be, beside twice the standard error, for a filter that looks ahead to have missed states.
-const MISSED: f64 = 3.0;
-
-/// A standard error above this says that the filter itself is too low.
-const LARGEST_NOISE: f64 = 1.5;
 
 /// Numbers of particles from which on it pays to look at them on two threads.
 const LARGE: usize = 16_384;
@@ -139,9 +134,8 @@ where
 
     fn missed(&self) -> Option<f64> {
         let Second { bootstrap, .. } = self.second.as_ref().filter(|_| self.looks_ahead)?;
-        // An estimate is above the evidence by c nats with a probability of at most e^-c.
         let larger = bootstrap.log_evidence() - self.filter.log_evidence();
-        let enough = MISSED + 2.0 * self.standard_error().unwrap_or(0.0).min(LARGEST_NOISE);
+        let enough = MISSED + noise(self.standard_error());
         (bootstrap.failure().is_none() && larger > enough).then_some(larger)
     }
 

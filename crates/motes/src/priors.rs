@@ -76,7 +76,10 @@ pub(crate) fn outside(model: &Model, names: &[&str]) -> Option<String> {
         let is_outside = *value < low || *value > high;
         let [low, high] = [low, high].map(rounded);
         is_outside.then(|| {
-            format!("{entry} = {} lies outside of {low} to {high}, where 99.7 % of it are", rounded(*value))
+            format!(
+                "{entry} = {} lies outside of {low} to {high}, where 99.7 % of its mass lies",
+                rounded(*value)
+            )
         })
     })
 }

@@ -54,6 +54,7 @@ pub(crate) struct SecondState {
 pub(crate) struct RunningState {
     pub(crate) filter: FilterState,
     pub(crate) time: usize,
+    pub(crate) has_passed: bool,
     pub(crate) before: f64,
     pub(crate) clock: Clock,
 }

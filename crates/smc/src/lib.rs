@@ -36,7 +36,8 @@ pub use diagnosis::{
 };
 pub use error::{ErrorKind, FilterError};
 pub use evidence::{
-    AncestryVariance, CheckSnapshot, EvidenceCheck, EvidenceWarning, error_of_variance, variance_of_error,
+    AncestryVariance, CheckSnapshot, EvidenceCheck, EvidenceWarning, LARGEST_ERROR, error_of_variance,
+    variance_of_error,
 };
 pub use filter::ParticleFilter;
 pub use filter_snapshot::FilterSnapshot;

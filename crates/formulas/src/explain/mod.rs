@@ -11,6 +11,7 @@ use evaluate::{Place, Point};
 use trace::Origin;
 
 use motes_models::Step;
+use motes_models::equations::{LARGEST_BINOMIAL, LARGEST_POISSON};
 
 use crate::error::Section;
 use crate::model::FormulaModel;
@@ -43,8 +44,8 @@ impl Fault {
 /// Which parameter of a family says how large its counts are, and the largest for which they are drawn.
 fn largest(kind: Kind) -> Option<(usize, f64)> {
     match kind {
-        Kind::Poisson | Kind::NegativeBinomial => Some((0, (1_u64 << 63) as f64)),
-        Kind::Binomial => Some((0, (1_u64 << 53) as f64)),
+        Kind::Poisson | Kind::NegativeBinomial => Some((0, LARGEST_POISSON)),
+        Kind::Binomial => Some((0, LARGEST_BINOMIAL)),
         _ => None,
     }
 }
@@ -187,14 +188,8 @@ fn in_coordinate(
             if let (Fault::Uncountable, Some((number, most))) = (fault, largest(family.kind)) {
                 let node = arguments[number];
                 let expected = format!("at most {most:.1e}, beyond which counts are not drawn");
-                return (known[node] && values[node] > most).then(|| {
-                    Origin::of_parameter(
-                        place,
-                        node,
-                        &values,
-                        [family.parameters[number].to_string(), expected],
-                    )
-                });
+                let is_larger = known[node] && values[node] > most;
+                return is_larger.then(|| of_parameter(node, family.parameters[number], &expected));
             }
             match (family.kind, arguments.as_slice(), fault) {
                 (Kind::Uniform, [low, high], Fault::NotANumber)

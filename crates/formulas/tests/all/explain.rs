@@ -88,3 +88,17 @@ fn a_distribution_is_written_with_its_numbers() {
     insta::assert_snapshot!(at(1).unwrap(), @"rounded(mixture(0.1, normal(2e12, 0.666667), normal(2000000, 1)))");
     insta::assert_snapshot!(at(2).unwrap(), @"log_density(-(z - x)^2)");
 }
+
+/// Catches what follows from a draw that is NaN in place of the draw.
+#[test]
+fn a_count_that_floating_point_does_not_have_is_named_by_its_draw() {
+    let text = "[initial]\nx = \"normal(0, 1)\"\nn = 0\n[draws]\nk = \"poisson(exp(x + 45))\"\n[transition]\nx = \"normal(x, 1)\"\nn = \"k\"\n[measurement]\ny = \"normal(n, 1)\"\n";
+    let model = super::helpers::model(text);
+    let explained = |x: f64| {
+        let error = model.explain(&Step::of_index(1), Some(&[x, 0.0]), Some(&[x, f64::NAN]));
+        error.unwrap().to_string()
+    };
+    insta::assert_snapshot!(explained(0.0), @"m.toml, line 5, [draws] k: mean, `exp(x + 45)`, is 3.4934271057485095e19 where x = 0; it must be at most 9.2e18, beyond which counts are not drawn");
+    // A mean that can be drawn from is not to blame.
+    insta::assert_snapshot!(explained(-10.0), @"m.toml, line 10, [measurement] y: `n` is NaN");
+}

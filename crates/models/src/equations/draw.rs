@@ -14,10 +14,12 @@ use rand_distr::{Exp1, StandardNormal};
 
 use crate::Stream;
 
+pub use binomial::LARGEST_BINOMIAL;
 pub(super) use binomial::Successes;
 pub(super) use gamma::StandardGamma;
 pub(super) use needs::Needs;
 pub(super) use poisson::Events;
+pub use poisson::LARGEST_POISSON;
 pub(super) use rejection::{Rejection, Try, UNDECIDED, draw_all};
 pub(super) use stirling::beyond_stirling_of_all;
 

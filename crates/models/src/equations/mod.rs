@@ -32,6 +32,7 @@ pub use batched::{BatchDistribution, BatchEquations, Batched, Column};
 pub use branches::branches;
 pub use distribution::distributions::*;
 pub use distribution::*;
+pub use draw::{LARGEST_BINOMIAL, LARGEST_POISSON};
 pub use dual::Dual;
 pub use family::Score;
 pub use lanes::Lanes;

@@ -55,7 +55,7 @@ impl EqualTime {
 }
 
 /// Whether the last of a contender's points, from few particles to many, has the least squared error for its time by a tenth or more.
-pub(super) fn is_best_at_last(points: &[&Point]) -> bool {
+pub(super) fn is_best_at_last(points: &[Point]) -> bool {
     let of = |point: &Point| mean_square(point, None) * point.ms_per_step;
     let Some((last, before)) = points.split_last() else { return false };
     before.iter().all(|point| 0.9 * of(point) > of(last)) || !of(last).is_finite()

@@ -140,21 +140,15 @@ fn compare_until(
     let (particles, mut of_cards, mut points) = (options.filter.particles, Vec::new(), Vec::new());
     for contender in &contenders {
         of_cards.push(run_all(contender, particles, true, &mut step)?);
+        let first = points.len();
         for &particles in &options.particles {
             let runs = run_all(contender, particles, false, &mut step)?;
             points.push(Point::of(contender.clone(), particles, &runs));
         }
-        let Some(most) =
-            options.particles_up_to.filter(|_| !contender.looks_ahead() && !contender.is_learned())
-        else {
-            continue;
-        };
+        let is_designed_filter = !contender.looks_ahead() && !contender.is_learned();
+        let most = options.particles_up_to.filter(|_| is_designed_filter).unwrap_or(0);
         let mut more = 3 * options.particles.last().copied().unwrap_or(most);
-        while more <= most
-            && is_best_at_last(
-                &points.iter().filter(|point| point.contender == *contender).collect::<Vec<_>>(),
-            )
-        {
+        while more <= most && is_best_at_last(&points[first..]) {
             let runs = run_all(contender, more, false, &mut step)?;
             points.push(Point::of(contender.clone(), more, &runs));
             more *= 3;

@@ -12,13 +12,13 @@ use crate::timeline::{Clock, RowTime};
 /// The series so far, in order of appearance.
 #[derive(Default)]
 pub(super) struct SeenSeries {
-    series: Vec<SeenRows>,
+    series: Vec<SeriesPosition>,
     /// The number of each series by its name.
     numbers: HashMap<String, usize>,
 }
 
-/// The rows of a series so far.
-struct SeenRows {
+/// Where a series is after the rows so far.
+struct SeriesPosition {
     name: String,
     count: usize,
     /// Where the series is after the last of them.
@@ -33,7 +33,7 @@ impl SeenSeries {
         }
         let number = self.series.len();
         self.numbers.insert(name.into(), number);
-        self.series.push(SeenRows { name: name.into(), count: 0, clock: Clock::of_series(name) });
+        self.series.push(SeriesPosition { name: name.into(), count: 0, clock: Clock::of_series(name) });
         number
     }
 

@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 
 use motes_inference::map_on_threads;
 use motes_models::Seed;
+use motes_smc::LARGEST_ERROR;
 
 use super::estimator::EvidenceEstimator;
 use super::options::EvidenceOptions;
@@ -32,8 +33,8 @@ pub struct Evidence {
     pub runs: Vec<f64>,
     /// Where another proposal has found more than the one that was asked for or chosen.
     pub missed: Vec<MissedMass>,
-    /// What is to be said of the proposal itself.
-    pub of_proposal: Vec<Warning>,
+    /// That parameters lie beyond the prior that the proposal was learned over.
+    pub beyond_prior: Option<Warning>,
     /// Where no particle of any run explains a measurement: the series, the row and why.
     pub impossible: Option<Warning>,
 }
@@ -52,9 +53,6 @@ pub struct MissedMass {
     /// Whether the log-evidence is that of the one that finds them: so it is where nobody named a proposal.
     pub is_replaced: bool,
 }
-
-/// A standard error above this (nats) hardly says which of two models is better.
-pub(crate) const LARGEST_ERROR: f64 = 10.0;
 
 impl Evidence {
     /// Whether it has no error.
@@ -82,7 +80,7 @@ impl Evidence {
             );
             Warning { series: missed.series.clone(), text }
         });
-        let mut warnings: Vec<Warning> = self.of_proposal.iter().cloned().chain(missed).collect();
+        let mut warnings: Vec<Warning> = self.beyond_prior.iter().cloned().chain(missed).collect();
         warnings.extend(self.impossible.clone());
         if self.impossible.is_none()
             && let Some(error) = self.standard_error()
@@ -171,7 +169,7 @@ fn evidence_while(
                 series: data.columns.has_series().then(|| data.series[series].clone()),
                 by: proposals[series].clone(),
                 found_by: opinion.proposal.clone(),
-                nats: mean_of_runs(&opinion.logs).0 - mean_of_runs(&logs[series]).0,
+                nats: opinion.nats,
                 is_replaced,
             });
             if is_replaced {
@@ -199,10 +197,7 @@ fn evidence_while(
         standard_error_per_series,
         runs: (0..count).map(|run| logs.iter().map(|logs| logs[run]).sum()).collect(),
         missed,
-        of_proposal: options
-            .proposal
-            .as_ref()
-            .map_or(vec![], |proposal| outside_of_learning(model, proposal).into_iter().collect()),
+        beyond_prior: options.proposal.as_ref().and_then(|proposal| outside_of_learning(model, proposal)),
         impossible,
     })
 }

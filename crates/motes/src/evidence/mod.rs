@@ -13,7 +13,6 @@ mod second_opinion;
 mod sequence;
 mod worth;
 
-pub(crate) use estimate::LARGEST_ERROR;
 pub use estimate::{Evidence, MissedMass, evidence};
 pub use estimator::EvidenceEstimator;
 pub(crate) use exact::is_exact;

@@ -69,6 +69,22 @@ impl Candidate {
         let filter = options.of_filter(self.proposal.clone(), particles);
         sequence.log_evidence(model, &filter, seed, self.ahead.as_ref(), proceed)
     }
+
+    /// Those of so many filters, one after the other.
+    ///
+    /// # Errors
+    /// As a filter.
+    pub(super) fn log_evidences(
+        &self,
+        runs: usize,
+        of_series: (&Model, &RecordedSequence),
+        with: (&EvidenceOptions, usize),
+        seed: &Seed,
+        proceed: Proceed<'_>,
+    ) -> Result<Vec<f64>, MotesError> {
+        let run = |number: usize| self.log_evidence(of_series, with, seed.nth(number as u64), proceed);
+        (0..runs).map(run).collect()
+    }
 }
 
 /// The proposals that are tried for a model that has no exact answers.
@@ -134,10 +150,8 @@ fn choose_for(
     for proposal in names {
         let seed = seed.child(proposal.kind());
         let found = Candidate::of(proposal.clone(), model, sequence).and_then(|candidate| {
-            let run = |number: u64| {
-                candidate.log_evidence((model, sequence), (options, PARTICLES), seed.nth(number), proceed)
-            };
-            let logs = (0..RUNS as u64).map(run).collect::<Result<Vec<f64>, MotesError>>()?;
+            let (of_series, with) = ((model, sequence), (options, PARTICLES));
+            let logs = candidate.log_evidences(RUNS, of_series, with, &seed, proceed)?;
             let variance = variance(&logs).filter(|variance| variance.is_finite()).unwrap_or(f64::MAX);
             Ok(Trial { candidate, log_evidence: LogMean::of(&logs).log(), variance })
         });
@@ -150,11 +164,8 @@ fn choose_for(
             }
         }
     }
-    let Some(best) = tried.iter().max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence)) else {
-        let none = || MotesError::Setting("no proposal can be had for this model".into());
-        return Err(failure.unwrap_or_else(none));
-    };
-    let (most, its_variance) = (best.log_evidence, best.variance);
+    let best = tried.iter().max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence));
+    let (most, its_variance) = best.map_or((0.0, 0.0), |best| (best.log_evidence, best.variance));
     let is_as_good = |trial: &Trial| {
         let noise = ((trial.variance + its_variance) / RUNS as f64).sqrt();
         trial.log_evidence >= most - AS_GOOD - 2.0 * noise
@@ -167,5 +178,5 @@ fn choose_for(
     let as_good = tried.into_iter().filter(is_as_good);
     let chosen = as_good.min_by(|a, b| inefficiency(a).total_cmp(&inefficiency(b)));
     let none = || MotesError::Setting("no proposal can be had for this model".into());
-    chosen.map(|trial| (trial.candidate, said)).ok_or_else(none)
+    chosen.map(|trial| (trial.candidate, said)).ok_or_else(|| failure.unwrap_or_else(none))
 }

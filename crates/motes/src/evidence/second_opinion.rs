@@ -11,14 +11,12 @@ use super::pilot::{Candidate, candidates};
 use super::runs::mean_of_runs;
 use super::sequence::{Proceed, RecordedSequence};
 use crate::error::MotesError;
+use crate::missed_mass::{MISSED, noise, noise_of};
 use crate::model::Model;
 use crate::options::ProposalName;
 
-/// How much higher one run of another proposal must be (nats), beside twice the standard error, for it to be run as often.
+/// How much higher one run of another proposal must be (nats), beside noise, for it to be run as often.
 const MARGIN: f64 = 0.3;
-
-/// How much higher all of its runs must be, where the standard errors do not say that they are.
-const MISSED: f64 = 3.0;
 
 /// What another proposal has found of a series.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,6 +24,8 @@ pub(super) struct SecondOpinion {
     pub(super) proposal: ProposalName,
     /// `log ẑ` of as many runs as there were, which are not those that it was found by.
     pub(super) logs: Vec<f64>,
+    /// How much more log-evidence they have.
+    pub(super) nats: f64,
 }
 
 /// The proposal whose runs find more evidence than `logs` of `own`, if there is one.
@@ -41,7 +41,7 @@ pub(super) fn second_opinion(
     proceed: Proceed<'_>,
 ) -> Result<Option<SecondOpinion>, MotesError> {
     let (log, error) = mean_of_runs(logs);
-    let enough = log + MARGIN + 2.0 * error.filter(|error| error.is_finite()).unwrap_or(0.0);
+    let enough = log + MARGIN + noise(error);
     let mut best: Option<(f64, Candidate)> = None;
     for proposal in candidates(model).into_iter().filter(|name| name != own) {
         let seed = seed.child(proposal.kind());
@@ -59,15 +59,13 @@ pub(super) fn second_opinion(
         }
     }
     let Some((_, candidate)) = best else { return Ok(None) };
-    let seed = seed.child("runs");
-    let run = |number: u64| {
-        candidate.log_evidence((model, sequence), (options, options.particles), seed.nth(number), proceed)
-    };
-    let again = (0..logs.len() as u64).map(run).collect::<Result<Vec<f64>, MotesError>>()?;
+    let (of_series, with) = ((model, sequence), (options, options.particles));
+    let again = candidate.log_evidences(logs.len(), of_series, with, &seed.child("runs"), proceed)?;
     let (higher, its_error) = mean_of_runs(&again);
-    let noise = 2.0 * error.unwrap_or(f64::INFINITY).hypot(its_error.unwrap_or(f64::INFINITY));
-    let is_higher = higher - log > MISSED.min(noise);
-    Ok(is_higher.then_some(SecondOpinion { proposal: candidate.proposal, logs: again }))
+    let nats = higher - log;
+    let of_both = error.zip(its_error).map(|(error, other)| error.hypot(other));
+    let is_higher = nats > of_both.map_or(MISSED, noise_of);
+    Ok(is_higher.then_some(SecondOpinion { proposal: candidate.proposal, logs: again, nats }))
 }
 
 /// Particles and runs of the filters of [`missed`].
@@ -92,9 +90,7 @@ pub(crate) fn missed(
     let of_series = map_on_threads(sequences, |number, sequence| {
         let (of_series, seed) = ((model, sequence), seed.nth(number as u64));
         let own = Candidate::of(proposal.clone(), model, sequence).and_then(|candidate| {
-            let run =
-                |run: u64| candidate.log_evidence(of_series, (&options, particles), seed.nth(run), proceed);
-            (0..runs as u64).map(run).collect::<Result<Vec<f64>, MotesError>>()
+            candidate.log_evidences(runs, of_series, (&options, particles), &seed, proceed)
         });
         let logs = match own {
             Ok(logs) => logs,
@@ -103,11 +99,7 @@ pub(crate) fn missed(
         };
         let opinion =
             second_opinion(proposal, &logs, of_series, &options, &seed.child("second opinion"), proceed)?;
-        let more = |opinion: SecondOpinion| {
-            let nats = mean_of_runs(&opinion.logs).0 - mean_of_runs(&logs).0;
-            (opinion.proposal, nats)
-        };
-        Ok(opinion.map(more))
+        Ok(opinion.map(|opinion| (opinion.proposal, opinion.nats)))
     });
     let found = of_series.into_iter().collect::<Result<Vec<_>, MotesError>>()?;
     Ok(found.into_iter().flatten().max_by(|(_, a), (_, b)| a.total_cmp(b)))

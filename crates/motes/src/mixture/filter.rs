@@ -94,7 +94,7 @@ pub fn filter_draws(
     let done = AtomicUsize::new(0);
     let proceed = || proceed(done.fetch_add(1, Ordering::Relaxed) + 1);
     let grid = Grid::for_quantiles(options.quantiles.probabilities());
-    let at_grid = FilterOptions { quantiles: grid.quantiles(), ..options.clone() };
+    let at_grid = FilterOptions { quantiles: grid.quantiles().clone(), ..options.clone() };
     let all = map_on_threads(draws, |number, model| at_draw(model, number, data, &at_grid, &proceed));
     let all = all.into_iter().collect::<Result<Vec<DrawEstimates>, MotesError>>()?;
     let probabilities = options.quantiles.probabilities();

@@ -6,13 +6,16 @@ use crate::quantiles::Quantiles;
 /// Intervals of equal probability that a distribution is cut into.
 const INTERVALS: usize = 40;
 
+/// Intervals are not cut below this width, since their middles would not stay distinct next to 1.
+const LEAST: f64 = 1e-12;
+
 /// The outermost interval is at most this share of what lies beyond the outermost quantile that is asked for.
 const OUTERMOST: f64 = 0.25;
 
 /// Quantiles that stand for the distribution at a draw, each in the middle of an interval and with the probability of this interval.
 #[derive(Debug, Clone)]
 pub(super) struct Grid {
-    probabilities: Vec<f64>,
+    quantiles: Quantiles,
     weights: Vec<f64>,
 }
 
@@ -20,7 +23,7 @@ impl Grid {
     /// Intervals of equal probability, those at the ends cut in halves until they lie beyond the quantiles that are asked for.
     pub(super) fn for_quantiles(asked: &[f64]) -> Self {
         let outermost = asked.iter().map(|probability| probability.min(1.0 - probability));
-        let least = OUTERMOST * outermost.fold(0.5, f64::min);
+        let least = (OUTERMOST * outermost.fold(0.5, f64::min)).max(LEAST);
         let mut ends: Vec<f64> = (1..INTERVALS).map(|at| at as f64 / INTERVALS as f64).collect();
         let mut end = ends[0];
         while end > least {
@@ -31,15 +34,14 @@ impl Grid {
         ends.insert(0, 0.0);
         ends.push(1.0);
         let intervals = || ends.windows(2).map(|pair| (0.5 * (pair[0] + pair[1]), pair[1] - pair[0]));
-        Grid {
-            probabilities: intervals().map(|(middle, _)| middle).collect(),
-            weights: intervals().map(|(_, width)| width).collect(),
-        }
+        let middles: Option<Quantiles> = Quantiles::new(intervals().map(|(middle, _)| middle).collect());
+        let weights = intervals().map(|(_, width)| width).collect();
+        Grid { quantiles: middles.unwrap_or_default(), weights }
     }
 
     /// The quantiles that a filter at a draw is asked for.
-    pub(super) fn quantiles(&self) -> Quantiles {
-        Quantiles::new(self.probabilities.clone()).unwrap_or_default()
+    pub(super) fn quantiles(&self) -> &Quantiles {
+        &self.quantiles
     }
 
     /// The weight of each of them.
@@ -98,9 +100,11 @@ mod tests {
             let right = normal_quantile(probability);
             assert!((found - right).abs() < 0.25, "{probability}: {found} for {right}");
         }
+        // However far out the quantiles that are asked for, each has its weight.
+        let far = Grid::for_quantiles(&[1e-300, 1.0 - 1e-16]);
+        assert_eq!(far.quantiles().probabilities().len(), far.weights().len());
         // Of counts each quantile is a count.
-        let probabilities = grid.quantiles();
-        let counts = probabilities.probabilities().iter().map(|p| f64::from(u8::from(*p > 0.7)));
+        let counts = grid.quantiles().probabilities().iter().map(|p| f64::from(u8::from(*p > 0.7)));
         let draw = Coordinate { mean: 0.3, sd: 0.46, quantiles: counts.collect() };
         let found = mixed(&[&draw; 3], grid.weights(), &[0.05, 0.69, 0.72, 0.99]);
         assert_eq!(found.quantiles, [0.0, 0.0, 1.0, 1.0]);

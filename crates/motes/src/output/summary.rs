@@ -1,8 +1,7 @@
 //! A run in a few figures, and what it was made with.
 
-use motes_smc::Verdict;
+use motes_smc::{LARGEST_ERROR, Verdict};
 
-use crate::evidence::LARGEST_ERROR;
 use crate::filtered::Filtered;
 use crate::options::{FilterOptions, ProposalName};
 

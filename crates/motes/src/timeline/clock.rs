@@ -6,7 +6,7 @@ use motes_formulas::{Between, InputRule, InputSource, MOST_SUB_STEPS};
 use motes_models::{Step, StepRecord};
 use serde::{Deserialize, Serialize};
 
-use super::error::TimelineError;
+use super::error::{TimelineError, zone_words};
 use super::load::Timeline;
 use crate::calendar::{has_zone, label_of, time_of};
 
@@ -30,7 +30,6 @@ pub struct Clock {
     origin: f64,
     previous: Option<PreviousRow>,
     /// Whether times of a day have a zone, once there was one.
-    #[serde(default)]
     has_zones: Option<bool>,
     /// Whether the rows are behind: nothing is measured any more.
     is_ahead: bool,
@@ -49,9 +48,6 @@ struct PreviousRow {
     gap: Option<f64>,
     /// Which entries of the measurement were there, at it or at another row of its time.
     measured: Vec<bool>,
-    /// Which were there at rows of its time before it.
-    #[serde(default)]
-    pending: Vec<bool>,
 }
 
 /// A time, and the rows between which it lies.
@@ -105,7 +101,7 @@ impl Clock {
             && let Some(has) = has_zone(label)
         {
             if self.has_zones.is_some_and(|before| before != has) {
-                let [this, other] = if has { ["a", "none"] } else { ["no", "one"] };
+                let [this, other] = zone_words(has);
                 return Err(TimelineError::Zones { label: label.trim().to_string(), this, other });
             }
             self.has_zones = Some(has);
@@ -116,7 +112,7 @@ impl Clock {
         {
             let zones = [start, label].map(|label| has_zone(label) == Some(true));
             if zones[0] != zones[1] {
-                let [this, other] = if zones[1] { ["a", "none"] } else { ["no", "one"] };
+                let [this, other] = zone_words(zones[1]);
                 let (label, start) = (label.trim().to_string(), start.to_string());
                 return Err(TimelineError::StartZone { label, start, this, other });
             }
@@ -168,11 +164,18 @@ impl Clock {
             Some(row) => self.next(timeline, row),
             None => self.next_after(timeline, gap, &vec![None; timeline.columns.len()]),
         };
+        let time = || match row.and_then(|row| row.label) {
+            Some(label) => label.to_string(),
+            None if timeline.rule.column.is_none() => format!("t = {}", self.rows),
+            None => self.label(timeline, self.time_after(timeline, gap)),
+        };
         found.map_err(|error| match (error, row) {
             (TimelineError::Missing { input, .. }, None) => TimelineError::Ahead { input },
-            (TimelineError::Missing { input, .. }, Some(row)) => {
-                let number = || format!("number {}", self.rows + 1);
-                TimelineError::MissingAhead { input, row: row.label.map_or_else(number, String::from) }
+            (TimelineError::Missing { input, .. }, Some(_)) => {
+                TimelineError::MissingAhead { input, time: time() }
+            }
+            (TimelineError::MissingBefore { input, rows, place, .. }, _) => {
+                TimelineError::MissingBefore { input, rows, row: time(), place }
             }
             (other, _) => other,
         })
@@ -276,9 +279,10 @@ impl Clock {
         // Two rows at one time say nothing about how far rows are apart.
         let gap = from.map(|from| time - from).filter(|gap| *gap > 0.0);
         let gap = gap.or(self.previous.as_ref().and_then(|previous| previous.gap));
-        let is_same_time = from == Some(time);
-        let pending = self.previous.take().filter(|_| is_same_time).map_or(Vec::new(), |row| row.measured);
-        self.previous = Some(PreviousRow { time, gap, measured: Vec::new(), pending });
+        // What was measured at a row of the same time begins anew after this one, too.
+        let at_this_time = self.previous.take().filter(|_| from == Some(time));
+        let measured = at_this_time.map_or(Vec::new(), |row| row.measured);
+        self.previous = Some(PreviousRow { time, gap, measured });
         self.past.push_front(columns.to_vec());
         self.past.truncate(timeline.look_back());
         Ok(steps)
@@ -332,7 +336,8 @@ impl Clock {
         let missing = || TimelineError::Missing { input: input.name.clone(), place: moment.place };
         let before = |rows: usize| {
             let rows = if rows == 1 { "in the row".to_string() } else { format!("{rows} rows") };
-            TimelineError::MissingBefore { input: input.name.clone(), rows, place: moment.place }
+            let (input, row) = (input.name.clone(), "this one".to_string());
+            TimelineError::MissingBefore { input, rows, row, place: moment.place }
         };
         let no_first = || TimelineError::NoFirst { input: input.name.clone() };
         let at = |column: &str| timeline.columns.iter().position(|known| known == column);
@@ -391,12 +396,8 @@ impl Clock {
             }
         }
         if let Some(previous) = &mut self.previous {
-            let is_pending = |entry: usize| previous.pending.get(entry).is_some_and(|was| *was);
-            previous.measured = measurement
-                .iter()
-                .enumerate()
-                .map(|(entry, value)| value.is_some() || is_pending(entry))
-                .collect();
+            previous.measured.resize(measurement.len(), false);
+            previous.measured.iter_mut().zip(measurement).for_each(|(was, value)| *was |= value.is_some());
         }
         let Some(last) = self.past.front_mut() else { return Ok(()) };
         for (column, value) in timeline.columns.iter().zip(last) {

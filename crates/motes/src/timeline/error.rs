@@ -72,13 +72,15 @@ pub enum TimelineError {
     },
     /// An input was missing in a row before, whose value holds in this step.
     #[error(
-        "the input {input} has no value {rows} before this one, and {place} needs it in the step to this row"
+        "the input {input} has no value {rows} before {row}, and {place} needs it in the step to this row"
     )]
     MissingBefore {
         /// The input.
         input: String,
-        /// Which row: `in the row`, or `2 rows`.
+        /// How far before: `in the row`, or `2 rows`.
         rows: String,
+        /// Before which row: `this one`, or its time where it is ahead.
+        row: String,
         /// Who needs it.
         place: &'static str,
     },
@@ -122,12 +124,12 @@ pub enum TimelineError {
         entry: String,
     },
     /// An input is missing in a row ahead.
-    #[error("the input {input} has no value in the row {row} of --inputs")]
+    #[error("the input {input} has no value at {time}, a row of --inputs")]
     MissingAhead {
         /// The input.
         input: String,
-        /// The time of the row as it is written, or its number, from 1.
-        row: String,
+        /// The time of the row as it is written, or `t = 7`.
+        time: String,
     },
     /// Inputs ahead are not known.
     #[error("the input {input} is not known ahead; give its values by --inputs")]
@@ -197,6 +199,11 @@ pub struct BeyondFile {
     pub is_after: bool,
     /// How far the rows behind go, in words, if that is after the last one and there are such.
     pub on_to: String,
+}
+
+/// What is said of a time that has a zone, or has none, beside others that are the other way round: `a` zone and `none`, or `no` zone and `one`.
+pub(super) fn zone_words(has: bool) -> [&'static str; 2] {
+    if has { ["a", "none"] } else { ["no", "one"] }
 }
 
 /// What a file of inputs lacks.

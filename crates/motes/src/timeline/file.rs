@@ -6,7 +6,7 @@ use std::path::Path;
 use csv::ReaderBuilder;
 use motes_formulas::{Between, TimeUnit};
 
-use super::error::{BeyondFile, TimelineError};
+use super::error::{BeyondFile, TimelineError, zone_words};
 use crate::calendar::{has_zone, label_of, time_of};
 
 /// How far times are apart, relative to their size, that are the same but for rounding: 60 ms of dates in days.
@@ -75,7 +75,7 @@ impl InputFile {
             let time = time_of(cell(time_at), unit).map_err(|error| fault(time_at, error.to_string()))?;
             if let Some(has) = has_zone(cell(time_at)).filter(|_| unit.is_some()) {
                 if zones.is_some_and(|before| before != has) {
-                    let [this, other] = if has { ["a", "none"] } else { ["no", "one"] };
+                    let [this, other] = zone_words(has);
                     return Err(fault(
                         time_at,
                         format!("{} has {this} zone, and times before it have {other}", cell(time_at)),
@@ -106,7 +106,7 @@ impl InputFile {
 
     /// Refuses times whose zones are known beside those of rows that are not, or the other way round.
     pub(super) fn check_zones(&self, of_rows: Option<bool>) -> Result<(), TimelineError> {
-        let words = |has: bool| if has { "a" } else { "no" };
+        let words = |has: bool| zone_words(has)[0];
         match (self.zones, of_rows) {
             (Some(own), Some(of_rows)) if own != of_rows => Err(TimelineError::FileZones {
                 file: self.file.clone(),

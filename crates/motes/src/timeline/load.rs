@@ -43,11 +43,10 @@ impl Timeline {
                 return Err((key.into(), reason));
             }
         }
-        if let Some(input) = frame.inputs().iter().enumerate().find_map(|(number, _)| {
-            sees_itself(frame, measurements, number).then(|| frame.inputs()[number].name.clone())
-        }) {
+        let mut inputs = frame.inputs().iter().enumerate();
+        if let Some((_, input)) = inputs.find(|(number, _)| sees_itself(frame, measurements, *number)) {
             let reason = "is a measurement of the same row, which is measured by it; rows = 1 takes that of the row before";
-            return Err((format!("[inputs] {input}"), reason.into()));
+            return Err((format!("[inputs] {}", input.name), reason.into()));
         }
         let needs_step = (0..measurements.len()).any(|entry| frame.needs_step(entry));
         if frame.time_rule().is_none() && frame.inputs().is_empty() && !needs_step {

@@ -152,3 +152,38 @@ fn a_coordinate_of_a_measured_vector_has_a_total_since_it_was_measured() {
     let said = refusal(&place, &["check", "both.toml"]);
     assert!(said.contains("a vector of them takes a line for each coordinate"), "{said}");
 }
+
+/// What is missing in a row that was given for the future is named there, and not asked for again.
+#[test]
+fn an_input_that_is_blank_in_a_row_ahead_is_named_with_the_row() {
+    let place = Workplace::new();
+    place.write("d.csv", "d,v,y\n2024-03-01,0,1\n2024-03-02,0,2\n");
+    place.write("ahead.csv", "d,v\n2024-03-03,0\n2024-03-04,\n2024-03-05,1\n");
+    for (rule, expected) in [
+        ("hold", "v has no value in the row before 2024-03-05"),
+        ("next", "v has no value at 2024-03-04, a row of --inputs"),
+    ] {
+        place.write(
+            "m.toml",
+            format!("[time]\ncolumn = \"d\"\nunit = \"day\"\n[inputs]\nv = \"{rule}\"\n[initial]\nx = \"normal(0, 1)\"\n[transition]\nx = \"normal(x + v, 1)\"\n[measurement]\ny = \"normal(x, 1)\"\n"),
+        );
+        let said = refusal(&place, &["filter", "m.toml", "d.csv", "--inputs", "ahead.csv", "-o", "x.csv"]);
+        assert!(said.contains(expected) && !said.contains("give its values by --inputs"), "{said}");
+    }
+}
+
+/// Three rows before any time has passed: nothing is expected of a sum over a step.
+#[test]
+fn what_is_made_of_a_step_is_not_predicted_before_one() {
+    let place = Workplace::new();
+    place.write(
+        "m.toml",
+        "[time]\ncolumn = \"h\"\n[initial]\nx = \"normal(0, 1)\"\n[transition]\nx = \"normal(x, 1)\"\n\
+         [measurement]\ny = \"normal(total(x), 0.5)\"\nz = \"normal(x, 1)\"\n",
+    );
+    place.write("d.csv", "h,y,z\n0,,0.1\n0,,0.2\n0,,0.3\n1,0.4,0.2\n");
+    let table = place.printed(&["filter", "m.toml", "d.csv", "--predictive", "--quiet"]);
+    let at = table.lines().next().unwrap().split(',').position(|name| name == "y_mean").unwrap();
+    let means: Vec<&str> = table.lines().skip(1).map(|row| row.split(',').nth(at).unwrap()).collect();
+    assert!(means[..3].iter().all(|mean| mean.is_empty()) && !means[3].is_empty(), "{means:?}");
+}

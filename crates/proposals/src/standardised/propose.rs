@@ -56,8 +56,9 @@ impl<M: StateSpaceModel + ?Sized, F: Family + Proposal<M>> Proposal<M> for Stand
         };
         let (measurement, origin) = self.config.frames.at(step.index)?.of_measurement(&measurement);
         let measurement: Vec<Option<f64>> = measurement.into_iter().map(Some).collect();
+        let is_prepared = self.proposal.prepare(model, step, &measurement)?;
         self.prepared = Some(Prepared { time: step.index, origin });
-        self.proposal.prepare(model, step, &measurement)
+        Ok(is_prepared)
     }
 
     fn condition<'a>(

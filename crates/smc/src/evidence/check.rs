@@ -25,7 +25,7 @@ const RATIO: usize = 16;
 const LEAST_SMALL: usize = 25;
 
 /// With a larger standard error a log-evidence hardly says which of two models is better (nats).
-const LARGEST_ERROR: f64 = 10.0;
+pub const LARGEST_ERROR: f64 = 10.0;
 
 /// Small filters of the same model and proposal that run beside a filter, and tell how far its log-evidence may be off.
 ///

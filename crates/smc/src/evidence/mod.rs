@@ -9,6 +9,6 @@ mod surprise;
 mod warning;
 
 pub use ancestry::AncestryVariance;
-pub use check::{CheckSnapshot, EvidenceCheck};
+pub use check::{CheckSnapshot, EvidenceCheck, LARGEST_ERROR};
 pub use standard_error::{error_of_variance, variance_of_error};
 pub use warning::EvidenceWarning;

@@ -16,13 +16,13 @@ use crate::equations::functions::{exp, exp_of_all, ln};
 /// transformed rejection with a squeeze (Journal of Statistical Computation and Simulation 46, 1993).
 pub(in crate::equations) struct Successes;
 
-/// From here on not every integer is a number.
-const LARGEST: f64 = (1_u64 << 53) as f64;
+/// The largest number of trials of a binomial distribution for which counts are drawn: from here on not every integer is a number. Beyond it draws are NaN.
+pub const LARGEST_BINOMIAL: f64 = (1_u64 << 53) as f64;
 
 /// The smaller probability of success and failure; NaN for parameters out of range.
 #[inline(always)]
 fn smaller(n: f64, p: f64) -> f64 {
-    let is_right = (0.0..=LARGEST).contains(&n) & (n == n.floor()) & (0.0..=1.0).contains(&p);
+    let is_right = (0.0..=LARGEST_BINOMIAL).contains(&n) & (n == n.floor()) & (0.0..=1.0).contains(&p);
     let smaller = if p > 0.5 { 1.0 - p } else { p };
     if is_right { smaller } else { f64::NAN }
 }

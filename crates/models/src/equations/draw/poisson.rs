@@ -16,8 +16,8 @@ use crate::gaussian::LN_2PI;
 /// That with mean `a`: by inversion where it is below fifty, else by Hörmann's transformed rejection with a squeeze (Insurance: Mathematics and Economics 12, 1993).
 pub(in crate::equations) struct Events;
 
-/// Larger means give counts whose neighbours are no numbers.
-const LARGEST: f64 = (1_u64 << 63) as f64;
+/// The largest mean of a Poisson distribution for which counts are drawn: larger ones give counts that are no integers of 64 bits. Beyond it draws are NaN.
+pub const LARGEST_POISSON: f64 = (1_u64 << 63) as f64;
 
 /// What uniform numbers become: `⌊(2a/(½ − |u|) + b) u + c⌋`, and the share below which a try is accepted at once.
 struct Hat {
@@ -72,7 +72,7 @@ impl Rejection for Events {
                     for i in 0..W {
                         let hat = Hat::of(mean[i]);
                         let [count, depth, of_depth] = hat.count(u[i] - 0.5);
-                        let is_right = (mean[i] >= MANY) & (mean[i] <= LARGEST);
+                        let is_right = (mean[i] >= MANY) & (mean[i] <= LARGEST_POISSON);
                         let is_inside = (depth >= DEEP) & (v[i] <= hat.accepted);
                         let mode = mean[i].floor();
                         let away = (count - mode).abs();
@@ -110,7 +110,7 @@ impl Rejection for Events {
 
     #[inline(always)]
     fn draw(mean: f64, _: f64, first: Try<f64>, stream: &mut Stream) -> f64 {
-        if !(0.0..=LARGEST).contains(&mean) {
+        if !(0.0..=LARGEST_POISSON).contains(&mean) {
             return f64::NAN;
         }
         if mean >= MANY {
